@@ -11,7 +11,8 @@ from dataclasses import asdict, dataclass
 class Finding:
     """One check: stable code, verdict, measured value against its limit, unit, where (file or part), a sentence.
 
-    floor: whether the limit is the least that is asked, not the most that is borne; not written to report.json.
+    floor: whether the limit is the least that is asked, not the most that is borne; strict: whether the limit itself is
+    too little then. Neither is written to report.json.
     """
 
     code: str
@@ -22,10 +23,16 @@ class Finding:
     where: str
     message: str
     floor: bool = False
+    strict: bool = False
+
+    @property
+    def sign(self) -> str:
+        """How what is measured has to compare with the limit: "<=", ">=" or ">"."""
+        return (">" if self.strict else ">=") if self.floor else "<="
 
     def as_dict(self) -> dict[str, object]:
         """The finding as report.json lists it."""
-        return {key: value for key, value in asdict(self).items() if key != "floor"}
+        return {key: value for key, value in asdict(self).items() if key not in ("floor", "strict")}
 
 
 @dataclass(frozen=True)

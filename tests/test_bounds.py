@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import struct
 import tomllib
 from collections.abc import Callable
 from dataclasses import replace
@@ -25,6 +26,7 @@ from camgen.files.gcode import hole_walls, read_gcode
 from camgen.geometry.mesh import MOST_TRIANGLES
 from camgen.motion import tables
 from camgen.motion.tables import read_table, with_tables
+from camgen.study import Table
 
 SPECS = Path(__file__).resolve().parent.parent / "specs"
 DISC = (SPECS / "disc-cam.toml").read_text(encoding="utf-8")
@@ -165,9 +167,9 @@ READERS = [
     ("dxf", "camgen.files.dxf:read_dxf", "a.dxf"),
     ("step", "camgen.files.step:read_step", "a.step"),
     ("gcode", "camgen.files.gcode:read_gcode", "a.gcode"),
-    ("camgen.files.cutting._SIZE", "camgen.files.cutting:read_svg", "a.svg"),
+    ("camgen.files.cutting._MOST", "camgen.files.cutting:read_svg", "a.svg"),
     ("camgen.pipeline.laser._SIZE", "camgen.pipeline.laser:_listed", "a.csv"),
-    ("camgen.pipeline.machining._SIZE", "camgen.pipeline.machining:_rows", "a.csv"),
+    ("camgen.pipeline.machining._SIZE", "camgen.pipeline.machining:_read_path", "a.csv"),
 ]
 
 
@@ -190,6 +192,23 @@ def test_each_reader_has_a_bound(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         if not module and bound in formats:
             monkeypatch.setitem(formats, bound, replace(formats[bound], size=new))
     refused(function, tmp_path / name, f"has 30 {old.things}, 29 at most are read of {old.what}")
+
+
+def test_a_list_of_parts_has_a_bound(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from camgen.judge import parts_table
+
+    monkeypatch.setattr(parts_table, "_SIZE", replace(parts_table._SIZE, most=29))
+    wanted = Table("", ("1", "2"), [(1, 2)] * 29)
+    refused(lambda path: parts_table.judge_list(path, wanted), tmp_path / "a.csv", "has 30 lines, 29 at most are read of a list")
+    assert parts_table.judge_list(written(tmp_path / "a.csv", b"1,2\n" * 29), wanted).measured == 1  # one is missing
+
+
+def test_what_a_glb_says_has_a_bound(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from camgen.files import gltf
+
+    monkeypatch.setattr(gltf, "_MOST_SAID", 29)
+    data = struct.pack("<4sIII4s", b"glTF", 2, 50, 30, b"JSON") + bytes(30)
+    refused(gltf.read_glb, tmp_path / "a.glb", "30 bytes of JSON; 29 at most are read", data)
 
 
 def test_triangles_are_counted_before_they_are_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

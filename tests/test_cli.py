@@ -282,7 +282,8 @@ def test_set_reaches_the_resolved_spec_and_check_agrees(run: Run, tmp_path: Path
     assert resolved["geometry"]["swing_deg"] == 24.0
     code, again, _ = run("check", tmp_path / "other", "--json")
     assert code == 0
-    assert json.loads(again)["findings"] == json.loads(out)["findings"]
+    *same, anew = json.loads(again)["findings"]
+    assert same == json.loads(out)["findings"] and (anew["code"], anew["ok"]) == ("REBUILD", True)
 
 
 # ---- new, list, schema, version --------------------------------------------------------------------------------------

@@ -5,13 +5,12 @@ Engraving comes first, then holes, then outer contours, part by part: so nothing
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
-from xml.etree import ElementTree
-from xml.sax.saxutils import escape
+from xml.sax.saxutils import escape, unescape
 
 import numpy as np
 
@@ -23,10 +22,10 @@ from camgen.geometry.outlines import Contour, Region
 from camgen.geometry.rings import Ring
 
 COLOURS = {ENGRAVE_LAYER: (5, "#0000ff"), CUT_LAYER: (1, "#ff0000")}  # in DXF, in SVG: blue is engraved, red is cut
+DXF_LAYERS = {layer: (colour, 0) for layer, (colour, _) in COLOURS.items()}  # line weight 0: a hairline
 _HAIRLINE = 0.025  # mm: a thousandth of an inch, under which drivers of lasers cut; a browser hardly shows a thinner line
 _DIGITS = 6  # after the point, mm
-_SIZE = Bound("a sheet in SVG", 20_000_000, b"<", "elements", 200_000)
-_SVG = "{http://www.w3.org/2000/svg}"
+_MOST = Bound("a sheet in SVG", 20_000_000, b"<", "elements", 200_000)
 
 
 @dataclass(frozen=True)
@@ -48,7 +47,7 @@ def write_sheet(path: Path, pieces: Sequence[Piece], size: tuple[float, float], 
     """Write a sheet of this width and height, mm, with its lower left corner at the origin, in the format of the ending."""
     rows = [row for piece in pieces for row in piece.contours(tolerance)]
     if path.suffix == ".dxf":
-        used = {layer: (colour, 0) for layer, (colour, _) in COLOURS.items() if layer in {layer for layer, _ in rows}}
+        used = {layer: look for layer, look in DXF_LAYERS.items() if layer in {layer for layer, _ in rows}}
         with document(path, used, (0j, complex(*size))) as space:
             for layer, contour in rows:
                 add_contour(space, contour, layer)
@@ -95,58 +94,101 @@ def _at(z: complex, height: float) -> str:
 
 # ---- read back ---------------------------------------------------------------------------------------------------------
 
+_SIZE = r"([0-9]{1,9}(?:\.[0-9]{1,6})?)"
+_NUMBER = f"(-?{_SIZE[1:]}"
+_SHEET = re.compile(rf'<svg xmlns="http://www\.w3\.org/2000/svg" width="{_SIZE}mm" height="{_SIZE}mm" viewBox="0 0 \1 \2">')
+_LAYER = {
+    layer: f'<g id="{layer}" fill="none" stroke="{colour}" stroke-width="{_HAIRLINE}">' for layer, (_, colour) in COLOURS.items()
+}
+_PIECE = re.compile(r"<g><title>((?:[^<>&]|&amp;|&lt;|&gt;)*)</title>")
+_CIRCLE = re.compile(rf'<circle cx="{_NUMBER}" cy="{_NUMBER}" r="{_SIZE}"/>')
+_STEP = rf"(?: L{_NUMBER} {_NUMBER}| A{_SIZE} {_SIZE} 0 0 ([01]) {_NUMBER} {_NUMBER})"
+_PATH = re.compile(rf'<path d="M{_NUMBER} {_NUMBER}({_STEP}+) Z"/>')
+_STEPS = re.compile(_STEP)
+_SHOWN = 60  # characters of a line that is not understood
 
-def read_svg(path: Path) -> tuple[tuple[float, float], dict[str, list[Ring]]]:
-    """Width and height, mm, and the rings on each layer, with y upwards, of a sheet in SVG.
 
-    FileError where it cannot be read, is not in millimetres, or holds other things than such sheets.
+@dataclass(frozen=True)
+class Layer:
+    """What one tool of the laser follows: rings with y upwards, and the titles of the groups in which they stand."""
+
+    rings: list[Ring]
+    titles: list[str]
+
+
+def read_svg(path: Path) -> tuple[tuple[float, float], dict[str, Layer]]:
+    """Width and height, mm, and the layers of a sheet in SVG.
+
+    A line that `write_sheet` does not write is refused, whatever it says: attributes, styles, references and units move, hide or
+    scale what a laser cuts in more ways than can be listed. FileError with that line, or where the file cannot be read.
     """
     try:
-        root = ElementTree.fromstring(read_bytes(path, _SIZE))
-        size = _size(root)
-        rings: dict[str, list[Ring]] = {}
-        for group in root:
-            name = group.get("id", "")
-            if name not in COLOURS or group.get("stroke") != COLOURS[name][1] or group.get("fill") != "none":
-                raise ValueError(f"a group {name!r} with stroke {group.get('stroke')!r}")
-            rings[name] = [_ring(each, size[1]) for piece in group for each in piece if each.tag != f"{_SVG}title"]
+        return _Lines(read_bytes(path, _MOST).decode("utf-8")).sheet()
     except OSError as error:
         raise FileError(path, error.strerror or str(error)) from None
-    except (ElementTree.ParseError, UnicodeDecodeError, ValueError, KeyError, TypeError) as error:
-        raise FileError(path, f"not a sheet in SVG: {error}") from None
-    return size, rings
+    except ValueError as error:
+        raise FileError(path, f"not a sheet in SVG as camgen writes it: {error}") from None
 
 
-def _size(root: Any) -> tuple[float, float]:
-    sides = [re.fullmatch(r"([\d.]+)mm", root.get(name, "")) for name in ("width", "height")]
-    if root.tag != f"{_SVG}svg" or None in sides:
-        raise ValueError("width and height are not in millimetres")
-    width, height = (float(side[1]) for side in sides if side is not None)
-    if [float(word) for word in root.get("viewBox").split()] != [0, 0, width, height]:
-        raise ValueError("a unit of its drawing is no millimetre")
-    return width, height
+class _Lines:
+    """The lines of a sheet, taken one by one; ValueError at one that does not belong where it stands."""
 
+    def __init__(self, text: str) -> None:
+        self.lines, self.number = text.split("\n"), 0
 
-def _ring(shape: Any, height: float) -> Ring:
-    if shape.tag == f"{_SVG}circle":
-        x, y, radius = (float(shape.get(name)) for name in ("cx", "cy", "r"))
-        return Ring(np.array([complex(x + radius, height - y), complex(x - radius, height - y)]), np.ones(2))
-    if shape.tag != f"{_SVG}path":
-        raise ValueError(f"an element {shape.tag.rpartition('}')[2]}")
-    words = re.findall(r"[MLAZ][^MLAZ]*", shape.get("d"))
-    if words[0][0] != "M" or words[-1].strip() != "Z":
-        raise ValueError("a path that does not close")
-    points: list[complex] = []
-    bulges: list[float] = []
-    for word in words[:-1]:
-        numbers = [float(text) for text in word[1:].split()]
-        z = complex(numbers[-2], height - numbers[-1])
-        if word[0] == "A":
-            sine = min(abs(z - points[-1]) / (2 * numbers[0]), 1.0)  # of half the sweep
-            bulges.append(float(np.tan(np.arcsin(sine) / 2)) * (-1 if numbers[4] else 1))
-        elif word[0] == "L":
-            bulges.append(0.0)
-        points.append(z)
-    if abs(points[-1] - points[0]) > 10.0**-_DIGITS:
-        raise ValueError("a path that does not end where it begins")
-    return Ring(np.array(points[:-1]), np.array(bulges))
+    @property
+    def line(self) -> str:
+        """The one that is next, "" at the end."""
+        return self.lines[self.number] if self.number < len(self.lines) else ""
+
+    def take(self, wanted: str | re.Pattern[str]) -> re.Match[str] | None:
+        """The next line's match, taken; None, and it stays, where it is another one."""
+        found = re.fullmatch(re.escape(wanted) if isinstance(wanted, str) else wanted, self.line)
+        self.number += found is not None
+        return found
+
+    def need(self, wanted: str | re.Pattern[str], what: str) -> re.Match[str]:
+        """The same of a line that must come here."""
+        found = self.take(wanted)
+        if found is None:
+            raise ValueError(f"line {self.number + 1}, where {what} is expected, is {self.line[:_SHOWN]!r}")
+        return found
+
+    def sheet(self) -> tuple[tuple[float, float], dict[str, Layer]]:
+        """All of it."""
+        width, height = (float(side) for side in self.need(_SHEET, "a sheet in millimetres").groups())
+        layers = {}
+        for name, line in _LAYER.items():
+            if self.take(line):
+                layers[name] = self.layer(height)
+        self.need("</svg>", f"a layer of {', '.join(_LAYER)} or the end")
+        if any(self.lines[self.number :]):
+            raise ValueError("something follows its end")
+        return (width, height), layers
+
+    def layer(self, height: float) -> Layer:
+        """A layer's pieces."""
+        layer = Layer([], [])
+        while not self.take("</g>"):
+            layer.titles.append(unescape(self.need(_PIECE, "a piece with its title")[1]))
+            while not self.take("</g>"):
+                layer.rings.append(self.ring(height))
+        return layer
+
+    def ring(self, height: float) -> Ring:
+        """A contour."""
+        if round_one := self.take(_CIRCLE):
+            x, y, radius = (float(number) for number in round_one.groups())
+            return Ring(np.array([complex(x + radius, height - y), complex(x - radius, height - y)]), np.ones(2))
+        path = self.need(_PATH, "a circle or a closed path")
+        points, bulges = [complex(float(path[1]), height - float(path[2]))], list[float]()
+        for line_x, line_y, radius, other, clockwise, arc_x, arc_y in _STEPS.findall(path[3]):
+            z = complex(float(line_x or arc_x), height - float(line_y or arc_y))
+            if radius != other or (radius and not float(radius)):
+                raise ValueError(f"line {self.number}: an arc of the radii {radius} and {other}")
+            sine = min(abs(z - points[-1]) / (2 * float(radius)), 1.0) if radius else 0.0  # of half the sweep
+            bulges.append(math.tan(math.asin(sine) / 2) * (-1 if clockwise == "1" else 1))
+            points.append(z)
+        if abs(points[-1] - points[0]) > 10.0**-_DIGITS:
+            raise ValueError(f"line {self.number}: a path that does not end where it begins")
+        return Ring(np.array(points[:-1]), np.array(bulges))

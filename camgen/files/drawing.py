@@ -31,7 +31,7 @@ from camgen.files.dimensions import (
     standing_of,
     zero_of,
 )  # fmt: skip
-from camgen.files.labels import along, placed
+from camgen.files.labels import Named, along, led, placed
 from camgen.files.sheet import Sheet, Text, write_dxf_sheet, write_pdf
 from camgen.files.title_block import SIZE, Facts, position_frame, title_block
 from camgen.geometry.arcs import as_circle, fit_arcs
@@ -121,6 +121,7 @@ class _Layout:
         self._plan()
         self._side()
         self._third()
+        self._labels()
         self._table()
         self._note_lines()
         title_block(self.sheet, width - _MARGIN, _MARGIN, part, facts, stem, self.scale, self.size_name)
@@ -188,12 +189,6 @@ class _Layout:
         for contour in self.engraved:
             put(contour, "TEXT")
         self._centre_lines()
-        obstacles = along([self.outer, *self.holes, *self.above, *self.engraved])
-        labels = [*self.named, *self.standing.values()]
-        for label, hole, place, led in placed(labels, self.rims, obstacles, self.zero, self.scale):
-            sheet.text(self.paper(place) - 1.25j, label, align="centre", layer="DIM")
-            if led:
-                self._pointer(place, hole)
         low, high = self.paper(self.low), self.paper(self.high)
         span = self.high - self.low
         # the extension lines start at the box: the points where it touches the outline are not all on one side
@@ -220,12 +215,18 @@ class _Layout:
             a, b = (self.paper(complex(x, y)) for x in (self.low.real, self.high.real))
             self.sheet.line(a - 4, b + 4, layer="CENTER")
 
-    def _pointer(self, place: complex, hole: Hole) -> None:
-        """A leader from a label to its hole's edge, or to the middle of one that is not round."""
-        way = (hole.middle - place) / abs(hole.middle - place)
-        tip, start = self.paper(hole.middle - hole.radius * way), self.paper(place) + 2.2 * way
-        self.sheet.line(start, tip, layer="DIM")
-        self.sheet.arrow(tip, way)
+    def _labels(self) -> None:
+        """Names of holes and of what stands on the part, where paper is free, some with leaders."""
+        named = [self._named(label, hole) for label, hole in (*self.named, *self.standing.values())]
+        foot = self.sheet.height - 2 * _MARGIN - self._room(self.size_name)[1]
+        area = complex(_FILING + 1, _MARGIN + foot), complex(self.table_x - 1, self.sheet.height - _MARGIN - 1)
+        for each in placed(named, self.sheet, area):
+            self.sheet.things += each.things
+
+    def _named(self, label: str, hole: Hole) -> Named:
+        """A label with its hole on paper."""
+        rim = along([self.rims[hole].moved(self.scale, self.datum)])
+        return Named(label, replace(hole, middle=self.paper(hole.middle), radius=self.scale * hole.radius), rim)
 
     def _centre_lines(self) -> None:
         """Axes through the zero point across the whole part, crosses on round holes and other centres."""
@@ -268,14 +269,13 @@ class _Layout:
             aside = cmath.phase(direction / size)
             if abs(aside) < _ASIDE:
                 direction = size * cmath.rect(1, math.copysign(_ASIDE, aside))
-        tip = self.paper(point)
-        reading = direction if direction.real > -1e-9 else -direction
-        label = Text(0j, text, 2.5, "centre", reading, "DIM")
-        beyond = (along(self.above) - point if self.above else np.zeros(1)) * direction.conjugate()
-        clear = self.scale * max(0.0, float(np.max(beyond.real)))  # past what a flange shows
-        self.sheet.line(tip + (clear + label.width + 5) * direction, tip, layer="DIM")
-        self.sheet.arrow(tip, -direction)
-        self.sheet.things.append(replace(label, at=tip + (clear + label.width / 2 + 4) * direction + 0.8j * reading))
+
+        def clear(way: complex) -> float:
+            """Past what a flange shows, mm of paper."""
+            beyond = (along(self.above) - point if self.above else np.zeros(1)) * way.conjugate()
+            return self.scale * max(0.0, float(np.max(beyond.real)))
+
+        self.sheet.things += led(self.sheet, self.paper(point), direction, clear, text)
 
     def _turning(self, taken: Sequence[float]) -> None:
         """Arc with an arrow outside the part: the positive sense, counter-clockwise, in the freest diagonal."""

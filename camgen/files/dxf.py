@@ -8,7 +8,7 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
@@ -27,6 +27,7 @@ from camgen.tolerances import SAME_POINT
 # What a laser takes, and what it leaves: name -> (colour index, line weight in 1/100 mm).
 CUT_LAYER, MARK_LAYER, ENGRAVE_LAYER = "CUT", "CENTER", "ENGRAVE"
 _CUT, _MARKS, _ENGRAVE = {CUT_LAYER: (7, 25)}, {MARK_LAYER: (1, 13)}, {ENGRAVE_LAYER: (5, 13)}
+MILLIMETRES = 4  # $INSUNITS
 # Half length of the strokes of a centre mark, mm; at most this share of the way to the nearest contour, so that a whole
 # stroke is shorter than the hole's radius; a mark of less than the smallest half length is left out.
 _MARK, _MARK_SHARE, _SMALLEST_MARK = 1.0, 0.4, 0.1
@@ -156,6 +157,7 @@ class Drawing:
     """A drawing as read: units ($INSUNITS, None when absent; 4 = mm), rings to cut, strokes of centre marks, faults.
 
     cut: in the file's order; marks: (n, 2) complex, mm, the ends of each LINE on the layer of centre marks; engraved: rings.
+    layers: colour index and line weight, 1/100 mm, of those three: by these a program of a laser chooses its tool.
     """
 
     units: int | None
@@ -163,6 +165,14 @@ class Drawing:
     marks: Points
     faults: tuple[DrawingFault, ...]
     engraved: tuple[Ring, ...] = ()
+    layers: Mapping[str, tuple[int, int]] = field(default_factory=dict)
+
+    def repainted(self, wanted: Mapping[str, tuple[int, int]]) -> list[str]:
+        """What is wrong with its layers, where these are to have such colours and line weights."""
+        return [
+            f"layer {name} has colour {look[0]} and line weight {look[1]}, not {wanted[name][0]} and {wanted[name][1]}"
+            for name, look in self.layers.items() if name in wanted and look != wanted[name]
+        ]  # fmt: skip
 
 
 def _ring_of(entity: Any) -> tuple[Ring | None, list[DrawingFault]]:
@@ -218,18 +228,7 @@ def read_dxf(path: str | Path, engraving: bool = False) -> Drawing:
     CENTER marks, and where engraving may be there rings on ENGRAVE as well. Whatever else there is, or looks otherwise than
     drawn plainly, is a fault: somebody's laser will cut it, or leave it out.
     """
-    from ezdxf.filemanagement import readfile
-    from ezdxf.lldxf.const import DXFError
-
-    try:
-        text = read_bytes(Path(path), FORMATS["dxf"].size)
-        if not text.rstrip().endswith(b"EOF"):
-            raise FileError(path, "not a DXF file, or cut short: it does not end in EOF")
-        drawing = readfile(str(path))
-    except OSError as error:
-        raise FileError(path, error.strerror or str(error)) from None
-    except (DXFError, UnicodeDecodeError, ValueError, TypeError, IndexError) as error:
-        raise FileError(path, f"not a valid DXF file: {error}") from None
+    drawing = _opened(path)
     rings: list[Ring] = []
     engraved: list[Ring] = []
     marks: list[tuple[complex, complex]] = []
@@ -253,7 +252,36 @@ def read_dxf(path: str | Path, engraving: bool = False) -> Drawing:
                 (rings if layer == CUT_LAYER else engraved).append(ring)
         faults += _looks(entity)
     units, ends = drawing.header.get("$INSUNITS"), np.array(marks, complex).reshape(-1, 2)
-    return Drawing(units, tuple(rings), ends, tuple(faults), tuple(engraved))
+    layers = {layer.dxf.name.upper(): (layer.dxf.color, layer.dxf.lineweight) for layer in drawing.layers}
+    ours = {name: look for name, look in layers.items() if name in (CUT_LAYER, MARK_LAYER, ENGRAVE_LAYER)}
+    return Drawing(units, tuple(rings), ends, tuple(faults), tuple(engraved), ours)
+
+
+def read_contours(path: Path) -> tuple[list[Ring], list[str]]:
+    """What a dimensioned drawing shows of the part's contours, those on CUT, and what is wrong with one of them, or its unit;
+    FileError as for `read_dxf`."""
+    drawing = _opened(path)
+    found = [_ring_of(entity) for entity in drawing.modelspace().query(f"*[layer=='{CUT_LAYER}']")]
+    wrong = [fault.message for _, faults in found for fault in faults]
+    units = drawing.header.get("$INSUNITS")
+    wrong += [] if units == MILLIMETRES else [f"$INSUNITS is {units}, millimetres are {MILLIMETRES}"]
+    return [ring for ring, _ in found if ring is not None], wrong
+
+
+def _opened(path: str | Path) -> Any:
+    """The document (ezdxf) of a file; FileError where it cannot be read, is no DXF or is cut short."""
+    from ezdxf.filemanagement import readfile
+    from ezdxf.lldxf.const import DXFError
+
+    try:
+        text = read_bytes(Path(path), FORMATS["dxf"].size)
+        if not text.rstrip().endswith(b"EOF"):
+            raise FileError(path, "not a DXF file, or cut short: it does not end in EOF")
+        return readfile(str(path))
+    except OSError as error:
+        raise FileError(path, error.strerror or str(error)) from None
+    except (DXFError, UnicodeDecodeError, ValueError, TypeError, IndexError) as error:
+        raise FileError(path, f"not a valid DXF file: {error}") from None
 
 
 def _looks(entity: Any) -> Iterator[DrawingFault]:
@@ -269,6 +297,7 @@ def _hidden_layers(drawing: Any) -> Iterator[DrawingFault]:
         states = {
             "off": layer.is_off(), "frozen": layer.is_frozen(), "locked": layer.is_locked(), "not plotted": not layer.dxf.plot,
             "transparent": layer.transparency > 0, "dashed": layer.dxf.linetype.upper() != "CONTINUOUS",
+            "in a true colour": layer.dxf.hasattr("true_color"),
         }  # fmt: skip
         said = ", ".join(name for name in states if states[name])
         if said and layer.dxf.name.upper() in (CUT_LAYER, MARK_LAYER, ENGRAVE_LAYER):

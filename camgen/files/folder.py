@@ -16,12 +16,12 @@ import re
 import shutil
 import sys
 import tempfile
-from collections.abc import Container, Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator, Mapping
 from contextlib import suppress
 from itertools import count
 from pathlib import Path
-from types import TracebackType
-from typing import BinaryIO
+from types import MappingProxyType, TracebackType
+from typing import Any, BinaryIO
 
 from camgen import __version__
 from camgen.bounds import Bound, read_bytes
@@ -60,8 +60,9 @@ class Staged:
         try:
             missing = [folder for folder in (parent, *parent.parents) if not folder.exists()]
             for folder in reversed(missing):
-                folder.mkdir()
-                self._made.append(folder)
+                if not folder.exists():  # x/.. of a missing x is there as soon as x is
+                    folder.mkdir()
+                    self._made.append(folder)
             self._staging = Path(tempfile.mkdtemp(prefix=f".{self.target.name}-", dir=parent))
             self._guard = _guarded(self._staging)
             self._new = self._staging / "new"
@@ -239,22 +240,26 @@ def _foreign(folder: Path) -> Iterator[Path]:
     yield from (path for path in sorted(folder.rglob("*")) if path not in ours)
 
 
-def manifest_files(folder: Path) -> list[str]:
-    """Names of the files that a build listed in its manifest.json; FileError where that is no manifest of camgen's."""
+def read_manifest(folder: Path) -> Mapping[str, Any]:
+    """What a build wrote down of itself, see `write_manifest`; FileError where that is no manifest of camgen's."""
     path = folder / MANIFEST
     try:
         found = json.loads(read_bytes(path, _MANIFEST_SIZE))
         if not (isinstance(found, dict) and "camgen" in found and isinstance(found.get("files"), dict)):
             raise ValueError("it does not list the files of a build")
-        return list(found["files"])
     except (ValueError, RecursionError) as error:
         raise FileError(path, f"is not a manifest of camgen's: {error}") from None
+    return found
+
+
+def manifest_files(folder: Path) -> list[str]:
+    """Names of the files that a build listed in its manifest.json; FileError where that is no manifest of camgen's."""
+    return list(read_manifest(folder)["files"])
 
 
 def changed_files(folder: Path, among: Container[str] | None = None) -> list[str]:
     """Names of files (among these) that the manifest lists and that are not as the build wrote them."""
-    files = json.loads((folder / MANIFEST).read_bytes())["files"]
-    return [name for name, entry in files.items() if among is None or name in among
+    return [name for name, entry in read_manifest(folder)["files"].items() if among is None or name in among
             if not isinstance(entry, dict) or entry.get("sha256") != _digest(folder / name)]
 
 
@@ -264,23 +269,26 @@ def _digest(path: Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def write_manifest(folder: Path, packages: Iterable[str]) -> None:
-    """Write manifest.json: sha256 and bytes of every file in the folder, versions of the packages that made them.
-
-    packages: distribution names; one that is not installed is left out. No times: the same files give the same bytes.
-    """
+def versions(packages: Iterable[str]) -> dict[str, str]:
+    """Of packages, distribution names, in their order; one that is not installed is left out."""
     from importlib.metadata import PackageNotFoundError, version
 
+    found = {}
+    for name in sorted(packages):
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            continue
+    return found
+
+
+def write_manifest(folder: Path, packages: Iterable[str], about: Mapping[str, object] = MappingProxyType({})) -> None:
+    """Write manifest.json: sha256 and bytes of every file in the folder, versions of the packages that made them, and more about
+    them. No times: the same files give the same bytes."""
     files = {}
     for path in sorted(path for path in folder.rglob("*") if path.is_file() and path != folder / MANIFEST):
         content = path.read_bytes()
         name = path.relative_to(folder).as_posix()
         files[name] = {"bytes": len(content), "sha256": hashlib.sha256(content).hexdigest()}
-    versions = {}
-    for name in sorted(packages):
-        try:
-            versions[name] = version(name)
-        except PackageNotFoundError:
-            continue
-    text = json.dumps({"camgen": __version__, "files": files, "packages": versions}, indent=2, ensure_ascii=False)
-    (folder / MANIFEST).write_text(text + "\n", encoding="utf-8")
+    whole = {"camgen": __version__, **about, "files": files, "packages": versions(packages)}
+    (folder / MANIFEST).write_text(json.dumps(whole, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")

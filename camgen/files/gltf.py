@@ -14,11 +14,14 @@ import math
 import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from camgen import __version__
+from camgen.bounds import Bound, read_bytes
+from camgen.errors import FileError
 from camgen.geometry.mesh import Mesh
 from camgen.numerics import Floats, Points
 
@@ -151,3 +154,130 @@ def _linear(colour: str) -> list[float]:
     """A colour of the screen, #rrggbb, as glTF has it: linear, 0..1 each."""
     shares = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
     return [float(f"{v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4:.6g}") for v in shares]
+
+
+# ---- read back -------------------------------------------------------------------------------------------------------
+
+_SIZE = Bound("a GLB", 200_000_000)
+_MOST_SAID = 10_000_000  # bytes of JSON in a file
+# What may be said of the whole and of each kind of node: anything else could move, scale or hide something.
+_PARTS = {"asset", "scene", "scenes", "nodes", "meshes", "materials", "animations", "accessors", "bufferViews", "buffers"}
+_ROOT = {"name", "rotation", "scale", "children"}
+_BODY = {"name", "rotation", "translation", "children"}
+_COPY = {"name", "mesh", "matrix"}
+_VIEW = {"buffer", "byteOffset", "byteLength", "target"}
+_TOOK = {_FLOAT: "<f4", _SHORT: "<u2", _LONG: "<u4"}
+_WIDTH = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}
+_UPRIGHT = ([-math.sqrt(0.5), 0, 0, math.sqrt(0.5)], [0.001] * 3)  # z up becomes y up, mm become m
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """A body as read: seconds (n,) s, angle (n,) rad and place (n,) complex mm, one of each where it stands still.
+
+    copies: on it, as (name, name of the mesh, transform (3, 4) in the body's frame, mm).
+    """
+
+    name: str
+    seconds: Floats
+    angle: Floats
+    place: Points
+    copies: Sequence[tuple[str, str, Floats]]
+
+
+def read_glb(path: Path) -> list[Course]:
+    """The bodies of a machine as `glb` writes it; FileError of a file that holds or says anything else."""
+    try:
+        return _Glb(read_bytes(path, _SIZE)).courses()
+    except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError, struct.error) as error:
+        raise FileError(path, f"not a machine in GLB as camgen writes it: {error}") from None
+
+
+class _Glb:
+    """A file's two chunks."""
+
+    def __init__(self, data: bytes) -> None:
+        mark, version, size, length, kind = struct.unpack_from("<4sIII4s", data)
+        if (mark, version, size, kind) != (b"glTF", 2, len(data), b"JSON"):
+            raise ValueError("it is no glTF 2.0, or not as long as it says")
+        if length > _MOST_SAID:
+            raise ValueError(f"{length:,} bytes of JSON; {_MOST_SAID:,} at most are read")
+        self.whole = json.loads(data[20 : 20 + length])
+        (length_of_rest, kind), self.data = struct.unpack_from("<I4s", data, 20 + length), data[28 + length :]
+        if kind != b"BIN\0" or length_of_rest != len(self.data) or not self.whole.keys() <= _PARTS:
+            raise ValueError("chunks or tables that do not belong there")
+        self.nodes = self.whole["nodes"]
+
+    def array(self, number: int) -> Any:
+        """What an accessor tells, (n, k)."""
+        told = self.whole["accessors"][number]
+        view = self.whole["bufferViews"][told["bufferView"]]
+        if not (told.keys() <= {"bufferView", "componentType", "count", "type", "min", "max"} and view.keys() <= _VIEW):
+            raise ValueError(f"accessor {number} says more than what stands where")
+        raw = self.data[view["byteOffset"] : view["byteOffset"] + view["byteLength"]]
+        values = np.frombuffer(raw, _TOOK[told["componentType"]]).reshape(-1, _WIDTH[told["type"]])
+        if len(values) != told["count"] or not np.all(np.isfinite(values)):
+            raise ValueError(f"accessor {number} has {len(values)} finite values instead of {told['count']}")
+        return values
+
+    def courses(self) -> list[Course]:
+        """All bodies."""
+        root = self.node(0, _ROOT)
+        if (self.whole["scene"], self.whole["scenes"]) != (0, [{"nodes": [0]}]):
+            raise ValueError("another scene")
+        if not np.allclose([*root["rotation"], *root["scale"]], [*_UPRIGHT[0], *_UPRIGHT[1]], rtol=0, atol=1e-7):
+            raise ValueError("the whole is turned or scaled otherwise")
+        moved = self.moved()
+        found = [self.course(number, moved) for number in root.get("children", [])]
+        if moved or 1 + len(found) + sum(len(each.copies) for each in found) != len(self.nodes):
+            raise ValueError("a node that is no body and stands on none")
+        return found
+
+    def node(self, number: int, keys: set[str]) -> dict[str, Any]:
+        """A node that may have these keys."""
+        node: dict[str, Any] = self.nodes[number]
+        if not (node.keys() <= keys and isinstance(node["name"], str)):
+            raise ValueError(f"node {number} has {', '.join(sorted(node.keys() - keys)) or 'no name'}")
+        return node
+
+    def moved(self) -> dict[tuple[int, str], tuple[Any, Any]]:
+        """Times and values by node and what of it they move."""
+        found = {}
+        for animation in self.whole.get("animations", []):
+            for channel in animation["channels"]:
+                sampler, target = animation["samplers"][channel["sampler"]], channel["target"]
+                if sampler.keys() != {"input", "output"} or (target["node"], target["path"]) in found:
+                    raise ValueError("a motion that is not from time to time in straight lines, or twice")
+                found[target["node"], target["path"]] = self.array(sampler["input"]), self.array(sampler["output"])
+        return found
+
+    def course(self, number: int, moved: dict[tuple[int, str], tuple[Any, Any]]) -> Course:
+        """A body; what moves it is taken out of `moved`."""
+        node, still = self.node(number, _BODY), np.zeros((1, 1))
+        begun = [np.array([node.get("rotation", [0, 0, 0, 1])], float), np.array([node.get("translation", [0, 0, 0])], float)]
+        times, turned = moved.pop((number, "rotation"), (still, begun[0]))
+        others, places = moved.pop((number, "translation"), (still, begun[1]))
+        if not all(np.array_equal(first[0], course[0]) for first, course in zip(begun, (turned, places), strict=True)):
+            raise ValueError(f"{node['name']} stands elsewhere than where its motion begins")
+        times = times if len(times) > 1 else others
+        if turned[:, :2].any() or places[:, 2].any():
+            raise ValueError(f"{node['name']} moves out of its plane")
+        if any(len(each) not in (1, len(times)) for each in (others, turned, places)):
+            raise ValueError(f"{node['name']} has not as many places as times")
+        if len(others) > 1 and not np.array_equal(times, others):
+            raise ValueError(f"{node['name']} turns and moves at different times")
+        if not np.allclose(np.hypot(turned[:, 2], turned[:, 3]), 1, rtol=0, atol=1e-6):
+            raise ValueError(f"{node['name']} has a turn that is none")
+        angle = 2 * np.arctan2(turned[:, 2].astype(float), turned[:, 3].astype(float))
+        place = places[:, 0].astype(float) + 1j * places[:, 1].astype(float)
+        n = len(times)
+        copies = [self.copy(child) for child in node.get("children", [])]
+        return Course(node["name"], times[:, 0].astype(float), np.resize(angle, n), np.resize(place, n), copies)
+
+    def copy(self, number: int) -> tuple[str, str, Floats]:
+        """A copy of a part on a body."""
+        node, mesh = self.node(number, _COPY), self.whole["meshes"][self.node(number, _COPY)["mesh"]]
+        matrix = np.array(node.get("matrix", np.eye(4).ravel()), float).reshape(4, 4).T
+        if not np.array_equal(matrix[3], [0, 0, 0, 1]) or not np.all(np.isfinite(matrix)):
+            raise ValueError(f"node {number} has a matrix that is no placing")
+        return node["name"], str(mesh["name"]), matrix[:3]

@@ -1,16 +1,24 @@
-"""Measured points round an outline, from a coordinate measuring machine or a dial gauge: a CSV of x, y or angle, radius."""
+"""Measured points round an outline, from a coordinate measuring machine or a dial gauge: a CSV of x, y or angle, radius.
+
+    span      from a point to the next
+    corner    where an outline turns by more in one span than the spans beside it tell: a sharp tip
+    run       points from corner to corner, through which one cubic spline goes; it is drawn on to where it meets the next one
+"""
 
 from __future__ import annotations
 
 import csv
 import math
 import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from camgen.bounds import Bound
-from camgen.errors import FileError
+from camgen.errors import FileError, counted
 from camgen.geometry.rings import Floats, Points, Ring
 
 # Names of columns, less their unit, in the order in which a pair is looked for.
@@ -24,6 +32,12 @@ _GROWS = 1.6  # times what is missed, at twice the step: less is scatter, which 
 _MISSES = 1.33  # times the scatter, of a point from the cubic spline half way between others that scatter as much
 _ROUNDING = 1e-6  # mm, of written coordinates
 _ROUND = 64  # chords of a quarter of the probe's ball
+_SHARP = math.radians(3)  # by which a span turns more than those beside it, at least, to be a corner
+_STANDS_OUT = 4.0  # times the difference between the spans beside it
+_SIDE = 5  # points on either side that have to be smooth
+_ON = 3.0  # times what a spline misses of its own next point, within which a point lies on it
+_LONGER = 1.5  # times the span before a corner, that the way to it may be
+_TIMES = 20  # steps to where two splines meet
 
 
 def read_points(path: Path, content: bytes, probe: float = 0.0) -> tuple[Ring, float, str]:
@@ -32,7 +46,7 @@ def read_points(path: Path, content: bytes, probe: float = 0.0) -> tuple[Ring, f
     probe: radius of the ball whose centres the points are, mm: the outline lies so much further in, 0 where it was allowed for.
 
     The first line names the columns, x and y in mm as they follow each other round the outline, or angle in degrees and radius
-    in mm in any order; the curve is a cubic spline through every point. FileError where it holds none.
+    in mm in any order; the curve is a cubic spline through every point, from corner to corner. FileError where it holds none.
     """
     try:
         text = content.decode("utf-8-sig")
@@ -82,8 +96,10 @@ def read_points(path: Path, content: bytes, probe: float = 0.0) -> tuple[Ring, f
               ((even[::2], even[1::2]), (even[1::2], np.roll(even[::2], -1)))]  # fmt: skip
     off = float(max(missed)) / 2  # by every second point; at half the step a corner is off half as much, a smooth curve less
     noise = _scatter(even)
-    edge = _curve(z, max(1, math.ceil(_CHORDS / len(z))))
+    curve = Curve.through(z)
+    edge = curve.chords(max(1, math.ceil(_CHORDS / len(z))))
     said = f"{len(z)} measured points, {steps.max():.3f} mm apart at most; "
+    said += f"{counted(len(curve.corners), 'sharp corner')} between them; " if curve.corners else ""
     said += f"the curve between them may be {off:.4f} mm off" if not noise else (
         f"they scatter by {noise:.2g} mm (standard deviation) and the curve passes through each, up to {off:.4f} mm off: more "
         "points do not help, smoothed ones do; pressure angles and accelerations show it most"
@@ -127,16 +143,148 @@ def _further_in(path: Path, edge: Points, distance: float) -> Points:
 
 def _half_way(z: Points) -> Points:
     """The curve half way between each point and the next, (n,)."""
-    return _curve(z, 2)[1::2]
+    return Curve.through(z).at(np.arange(len(z)), np.full(len(z), 0.5))
 
 
-def _curve(z: Points, parts: int) -> Points:
-    """Cubic spline through points, closed, each span in so many parts, (parts n,)."""
+# ---- the curve -------------------------------------------------------------------------------------------------------
+
+Spline = Callable[..., Any]  # of the way along the points, mm: x and y, (n, 2); nu: order of the derivative
+
+
+@dataclass(frozen=True)
+class Corner:
+    """Where two runs meet: in a span, so far from its first point and from its second one along them, mm; a point that is a
+    corner is the end of its span."""
+
+    span: int
+    before: float
+    after: float
+    place: complex
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A closed curve through points, smooth but at its corners."""
+
+    knots: Floats  # way along the points from the first one, which follows the first corner, (n + 1,) mm
+    first: int  # index of the first point
+    runs: Sequence[tuple[int, int, Spline]]  # spans of each, counted from the first point, and the spline through them
+    corners: Sequence[Corner]  # in their order, the last one in the last span
+
+    @classmethod
+    def through(cls, z: Points) -> Curve:
+        """Through points in their order, (n,) complex mm."""
+        corners = _corners(z)
+        first = 0 if not corners else (corners[-1].span + 1) % len(z)
+        turned = np.roll(z, -first)
+        closed = np.append(turned, turned[0])
+        knots = np.concatenate([[0], np.cumsum(np.abs(np.diff(closed)))])
+        if not corners:
+            return cls(knots, 0, [(0, len(z), _spline(knots, closed, "periodic"))], [])
+        corners = [replace(each, span=(each.span - first) % len(z)) for each in corners]
+        runs, begin = [], 0
+        for each in corners:
+            last = each.span + (2 if each.after == 0 else 1)  # a point that is itself the corner belongs to both runs
+            runs.append((begin, each.span + 1, _spline(knots[begin:last], closed[begin:last], "not-a-knot")))
+            begin = each.span + 1
+        return cls(knots, first, runs, corners)
+
+    def at(self, spans: Any, shares: Floats) -> Points:
+        """Points of spans, counted as the points are, at shares of their length, (n,)."""
+        spans = (np.asarray(spans) - self.first) % (len(self.knots) - 1)
+        whole = np.diff(self.knots)[spans]
+        way, run = self.knots[spans] + shares * whole, spans.copy()
+        for corner in self.corners:
+            mine = spans == corner.span
+            bent = shares * (corner.before + corner.after)
+            beyond = mine & (bent > corner.before)
+            way[mine] = self.knots[corner.span] + bent[mine]
+            way[beyond] = (self.knots[corner.span + 1] - corner.after + bent - corner.before)[beyond]
+            run[beyond] = (corner.span + 1) % (len(self.knots) - 1)
+        way = np.where((run == 0) & (spans == len(self.knots) - 2), way - self.knots[-1], way)
+        found = np.empty(len(spans), complex)
+        for begin, end, spline in self.runs:
+            mine = (run >= begin) & (run < end)
+            x, y = spline(way[mine]).T
+            found[mine] = x + 1j * y
+        return found
+
+    def chords(self, parts: int) -> Points:
+        """Corners of a polygon along it: each span in so many parts, and every corner itself, (n,)."""
+        count = len(self.knots) - 1
+        spans = np.repeat(np.arange(count), parts)
+        shares = np.tile(np.arange(parts) / parts, count)
+        places = self.at(spans, shares)
+        inside = [corner for corner in self.corners if corner.after]
+        for each in sorted(inside, key=lambda corner: -((corner.span + self.first) % count)):
+            span = (each.span + self.first) % count
+            share = each.before / (each.before + each.after)
+            places = np.insert(places, span * parts + math.floor(share * parts) + 1, each.place)
+        return places[np.abs(places - np.roll(places, 1)) > 1e-9]
+
+
+def _spline(knots: Floats, z: Points, ends: str) -> Spline:
+    """Cubic spline through points, with their ways along them."""
     from scipy.interpolate import CubicSpline
 
-    closed = np.append(z, z[0])
-    knots: Floats = np.concatenate([[0], np.cumsum(np.abs(np.diff(closed)))])
-    spline = CubicSpline(knots, np.column_stack([closed.real, closed.imag]), bc_type="periodic")
-    at = knots[:-1, None] + np.diff(knots)[:, None] * np.arange(parts) / parts
-    x, y = spline(at.ravel()).T
-    return np.asarray(x + 1j * y)
+    return CubicSpline(knots, np.column_stack([z.real, z.imag]), bc_type=ends)  # type: ignore[no-any-return]
+
+
+def _corners(z: Points) -> list[Corner]:
+    """Where the outline turns by more in a span than the spans beside it tell, and both sides meet there."""
+    if len(z) < 4 * _SIDE:
+        return []
+    chord = np.roll(z, -1) - z
+    turn = np.angle(chord * np.conj(np.roll(chord, 1)))  # at each point
+    turned = turn + np.roll(turn, -1)  # over each span
+    beside = np.array([np.roll(turned, shift) for shift in (-4, -3, -2, 2, 3, 4)])
+    more = np.abs(turned - np.median(beside, axis=0))
+    out = (more > _SHARP) & (more > _STANDS_OUT * np.ptp(beside, axis=0))
+    found: list[Corner] = []
+    for span in np.flatnonzero(out & (more >= np.roll(more, 1)) & (more > np.roll(more, -1))).tolist():
+        corner = _met(z, span)
+        away = [(corner.span - other.span) % len(z) for other in found] if corner else []
+        if corner is not None and all(2 * _SIDE <= each <= len(z) - 2 * _SIDE for each in away):
+            found.append(corner)
+    return sorted(found, key=lambda corner: corner.span)
+
+
+def _met(z: Points, span: int) -> Corner | None:
+    """Where the curves through the points before a span and after it meet; None where they do not."""
+    whole = abs(z[(span + 1) % len(z)] - z[span])
+    earlier, later = abs(z[span] - z[span - 1]), abs(z[(span + 2) % len(z)] - z[(span + 1) % len(z)])
+    before, missed_before = _side(z, span, -1)
+    after, missed_after = _side(z, (span + 1) % len(z), 1)
+    if abs(_place(after, -whole) - z[span]) <= _ON * missed_after + _ROUNDING:
+        return Corner((span - 1) % len(z), earlier, 0.0, complex(z[span]))
+    if abs(_place(before, whole) - z[(span + 1) % len(z)]) <= _ON * missed_before + _ROUNDING:
+        return Corner(span, whole, 0.0, complex(z[(span + 1) % len(z)]))
+    u, v = whole / 2, -whole / 2
+    for _ in range(_TIMES):
+        apart = _place(before, u) - _place(after, v)
+        one, other = _place(before, u, 1), _place(after, v, 1)
+        across = (np.conj(one) * other).imag
+        if abs(across) < 1e-12:
+            return None
+        # apart + one du - other dv = 0
+        u -= (np.conj(apart) * other).imag / across
+        v -= (np.conj(apart) * one).imag / across
+    close = abs(_place(before, u) - _place(after, v)) < _ROUNDING * max(1.0, whole)
+    inside = 0 < u < _LONGER * earlier and 0 < -v < _LONGER * later
+    return Corner(span, float(u), float(-v), complex(_place(before, u))) if close and inside else None
+
+
+def _side(z: Points, end: int, step: int) -> tuple[Spline, float]:
+    """The spline through the points on one side of a span, by the way from the one at its end, and what the same through all
+    but that one misses of it, mm. step: +1 for the points that follow."""
+    points = z[(end + step * np.arange(_SIDE + 1)) % len(z)]
+    ways = step * np.concatenate([[0], np.cumsum(np.abs(np.diff(points)))])
+    order = slice(None, None, step)
+    whole = _spline(ways[:-1][order], points[:-1][order], "not-a-knot")
+    less = _spline(ways[1:][order], points[1:][order], "not-a-knot")
+    return whole, float(abs(_place(less, 0.0) - points[0]))
+
+
+def _place(spline: Spline, way: float, order: int = 0) -> complex:
+    x, y = spline(way, order)
+    return complex(x, y)

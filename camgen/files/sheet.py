@@ -84,6 +84,12 @@ class Text:
         return max(self.width, self.height * sum(_CAD_WIDE.get(c, CAD_ADVANCE) for c in self.text))
 
 
+def arrowhead(tip: complex, direction: complex, layer: str) -> Fill:
+    """An arrowhead of 3 mm whose tip points along the unit direction."""
+    foot = tip - 3 * direction
+    return Fill((tip, foot + 0.5j * direction, foot - 0.5j * direction), layer)
+
+
 @dataclass
 class Sheet:
     """Paper of width x height mm; drawn things in order."""
@@ -109,8 +115,7 @@ class Sheet:
 
     def arrow(self, tip: complex, direction: complex, layer: str = "DIM") -> None:
         """Add an arrowhead of 3 mm whose tip points along the unit direction."""
-        foot = tip - 3 * direction
-        self.things.append(Fill((tip, foot + 0.5j * direction, foot - 0.5j * direction), layer))
+        self.things.append(arrowhead(tip, direction, layer))
 
     def text(
         self, at: complex, text: str, height: float = 2.5, align: Align = "left", layer: str = "TEXT", room: float = math.inf

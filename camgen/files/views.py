@@ -16,6 +16,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from camgen.files.dimensions import hole_of
 from camgen.geometry.arcs import as_circle, fit_arcs
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Floats, Region, extent, polygon, rectangle
@@ -24,6 +25,8 @@ from camgen.tolerances import SAME_POINT
 
 _FINE = 1e-5  # mm, chord tolerance of radii in a cam's table
 _MOST = 40  # layers of a part that gets a section
+_STEP = 0.02  # mm, between two faces seen behind a section, from which on there is an edge
+_BESIDE = 1e-7  # mm, to either side of a corner
 
 
 def corners(contour: Contour, tolerance: float) -> Floats:
@@ -150,7 +153,7 @@ def section(part: Part, tolerance: float) -> Section | None:
     import shapely
 
     low, high = extent([fit_arcs(layer.region.outer, tolerance) for layer in layers])
-    middles = [(a.imag + b.imag) / 2 for _, a, b in _holes(part, tolerance)]
+    middles = [hole_of(hole).place.imag for layer in layers for hole in layer.region.holes]  # their axes
     datum = 0.0 if low.imag < 0 < high.imag else (low.imag + high.imag) / 2
     y = max([datum, *middles], key=lambda y: (sum(abs(y - each) < SAME_POINT for each in middles), -abs(y - datum)))
     line = shapely.LineString([(low.real - 1, y), (high.real + 1, y)])
@@ -162,19 +165,65 @@ def section(part: Part, tolerance: float) -> Section | None:
         return shapely.union_all([shapely.box(x0, layer.z0, x1, layer.z1) for layer, (x0, _, x1, _) in met if x1 > x0])
 
     cut = filled(layers).difference(filled(part.engraved))
-    # behind it: the sides of each piece of a layer, and between two levels an edge where they differ
-    half = shapely.box(low.real - 1, low.imag - 1, high.real + 1, y)
     heights = sorted({z for layer in layers for z in (layer.z0, layer.z1)})
-    stacked = [shapely.union_all([shapes[each.region] for each in layers if each.z0 <= z < each.z1]) for z in heights]
-    levels = [level.intersection(half) for level in stacked]
-    edges = []
-    for z, top, below, level in zip(heights, [*heights[1:], heights[-1]], [shapely.Polygon(), *levels], levels, strict=False):
-        steps = level.symmetric_difference(below).buffer(-2 * tolerance)
-        edges += [[(x, z), (x, top)] for piece in shapely.get_parts(level) if piece.area > 0 for x in piece.bounds[0::2]]
-        edges += [[(piece.bounds[0], z), (piece.bounds[2], z)] for piece in shapely.get_parts(steps) if piece.area > 0]
+    levels = [shapely.union_all([shapes[each.region] for each in layers if each.z0 <= z < each.z1]) for z in heights]
+    edges = _seen_edges(levels, heights, y, max(_STEP, 10 * tolerance))
     seen = shapely.union_all(shapely.linestrings(edges)).difference(cut.buffer(SAME_POINT))
     lines = [shapely.get_coordinates(edge) @ np.array([1, 1j]) for edge in shapely.get_parts(shapely.line_merge(seen))]
     return Section(y, cut.simplify(1e-9), [(complex(a), complex(b)) for z in lines for a, b in zip(z, z[1:], strict=False)])
+
+
+def _seen_edges(levels: Sequence[Any], heights: Sequence[float], y: float, step: float) -> list[list[tuple[float, float]]]:
+    """Edges of what is seen behind the line y, towards smaller y: (x, z) pairs, mm.
+
+    levels: the material from each height to the next; an edge is where what is seen first lies deeper on one side than on the
+    other by more than the step: beside it along x within a level, or above and below it between two levels.
+    """
+    import shapely
+
+    points = [shapely.get_coordinates(level) for level in levels]
+    places = np.unique(np.concatenate([each[each[:, 1] <= y + SAME_POINT, 0] for each in points] or [np.zeros(0)]))
+    if len(places) < 2:
+        return []
+    strips = (places[1:] + places[:-1]) / 2
+    nothing = np.full(len(strips), math.inf)
+    seen = [_depth(level, strips, y) for level in levels]
+    edges = []
+    for z, top, below, here in zip(heights, [*heights[1:], heights[-1]], [nothing, *seen], seen, strict=False):
+        with np.errstate(invalid="ignore"):
+            differs = ~((here == below) | (np.abs(here - below) <= step))
+        starts, ends = _runs(differs)
+        edges += [[(places[a], z), (places[b], z)] for a, b in zip(starts, ends, strict=True) if places[b] - places[a] > step]
+        if top > z:
+            beside = [_depth(level, places + side * _BESIDE, y) for level in [levels[heights.index(z)]] for side in (-1, 1)]
+            with np.errstate(invalid="ignore"):
+                jumps = ~((beside[0] == beside[1]) | (np.abs(beside[0] - beside[1]) <= step))
+            edges += [[(x, z), (x, top)] for x in places[jumps]]
+    return edges
+
+
+def _depth(level: Any, places: Floats, y: float) -> Floats:
+    """How far behind the line y material is met first at each x, (n,) mm: 0 where the line lies in it, inf where none is."""
+    import shapely
+
+    found = np.full(len(places), math.inf)
+    shapely.prepare(level)
+    found[shapely.contains_xy(level, places, np.full(len(places), y))] = 0.0
+    for ring in (ring for piece in shapely.get_parts(level) for ring in (piece.exterior, *piece.interiors)):
+        (x0, y0), (x1, y1) = shapely.get_coordinates(ring)[:-1].T, shapely.get_coordinates(ring)[1:].T
+        low, high = np.minimum(x0, x1), np.maximum(x0, x1)
+        for a, b, c, d, left, right in zip(x0, y0, x1, y1, low, high, strict=True):
+            inside = slice(*np.searchsorted(places, [left, right]))
+            if inside.stop > inside.start:
+                met = y - (b + (places[inside] - a) / (c - a) * (d - b))
+                found[inside] = np.where((met >= 0) & (met < found[inside]), met, found[inside])
+    return found
+
+
+def _runs(mask: Any) -> tuple[Any, Any]:
+    """Where stretches of a mask begin, and where they end, as places between its items."""
+    change = np.diff(np.concatenate([[False], mask, [False]]).astype(int))
+    return np.flatnonzero(change == 1), np.flatnonzero(change == -1)
 
 
 def hatching(faces: Any, step: float) -> list[tuple[complex, complex]]:

@@ -48,13 +48,16 @@ class Rolled:
     """A cam's law as its follower rolls: theta is the cam's angle less the phase; s in rad, or mm where it slides.
 
     arm: mm, None where it slides; least: way of the tip square to the outline per unit of s, mm, where it is known; middle: of
-    a face, as `contact.Touch` counts places on it.
+    a face, as `contact.Touch` counts places on it. turn, shift: from the part's frame to the contact's at theta = 0, of a part
+    that is not turned over.
     """
 
     contact: RollingContact
     arm: float | None
     least: float | None = None
     middle: float = 0.0
+    turn: complex = 1 + 0j
+    shift: complex = 0j
 
     def __call__(self, theta: Floats, order: int = 0) -> Floats:
         """s at theta, (n,), or its derivative."""
@@ -350,8 +353,8 @@ class _Builder:
         if feature.bore is not None:
             own += mount.place(self.found.eyes[feature.bore].centre) - mount.place(feature.bore.at)
         turn = cmath.exp(1j * mount.turned) * (-1 if mount.flipped else 1)
-        ring = self.found.rings[feature].moved(turn, mount.at - own, mirror=mount.flipped)
-        ring = ring.moved(cmath.exp(1j * joint.phase))
+        turn, shift = turn * cmath.exp(1j * joint.phase), (mount.at - own) * cmath.exp(1j * joint.phase)
+        ring = self.found.rings[feature].moved(turn, shift, mirror=mount.flipped)
         form: Form
         if feature.swings is not None:
             held, pivot = self._held(feature.swings, joint.follower)
@@ -375,7 +378,7 @@ class _Builder:
                 form = SlideTip(start, along, radius, feature.leaves, feature.inside)
             else:
                 form = SlideFace(start - air * feature.leaves * along, along, feature.leaves)
-        return Rolled(contact(ring, form), lever, feature.meant.lever, middle)
+        return Rolled(contact(ring, form), lever, feature.meant.lever, middle, turn, shift)
 
     def _tip(self, feature: CamOutline, joint: Cam) -> tuple[complex, complex | None, float]:
         """The follower's tip in its body's frame: its place, its face's direction, its radius, mm."""

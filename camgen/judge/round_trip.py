@@ -15,6 +15,7 @@ import numpy as np
 
 from camgen import tolerances
 from camgen.errors import counted
+from camgen.files.dxf import read_contours
 from camgen.files.formats import FORMATS, read_drawing, read_exact, read_solid
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.distances import thinnest_wall
@@ -25,6 +26,8 @@ from camgen.judge.contours import contour_error
 from camgen.numerics import distinct
 
 MILLIMETRES = 4  # $INSUNITS of DXF
+# By these, in a part's drawing, a laser's program takes its tool: colour index and line weight, 1/100 mm, of a layer.
+PART_LAYERS = {"CUT": (7, 25), "CENTER": (1, 13), "ENGRAVE": (5, 13)}
 
 
 @dataclass(frozen=True)
@@ -100,7 +103,8 @@ def judge_drawing(path: Path, expected: Expected) -> Judged:
     form, where = FORMATS[path.suffix[1:]], path.name
     drawing = read_drawing(path, expected.part)
     units = drawing.units or 0
-    faults = [fault.message for fault in drawing.faults] + _misplaced(drawing.marks, expected.marks)
+    faults = [fault.message for fault in drawing.faults] + drawing.repainted(PART_LAYERS)
+    faults += _misplaced(drawing.marks, expected.marks)
     faults += _misdrawn(drawing.engraved, expected.engraved, expected.chord_tolerance)
     closed = at_most(
         "DXF_CLOSED", len(faults), 0, "contours", where,
@@ -132,6 +136,15 @@ def _misdrawn(engraved: Sequence[Ring], wanted: Sequence[Ring], tolerance: float
     pairs = zip(engraved, wanted, strict=True)
     off = max((contour_error(ring, meant, tolerance / 2) for ring, meant in pairs), default=0.0)
     return [] if off <= 2 * tolerance else [f"an engraved contour is {off:.4g} mm off"]
+
+
+def judge_dimensioned(path: Path, expected: Expected) -> Finding:
+    """ROUND_TRIP of the contours that a dimensioned drawing shows at the part's own size."""
+    rings, wrong = read_contours(path)
+    if wrong:
+        return strange(path, wrong)
+    found = judge_cut(rings, expected, path.name).findings
+    return next(finding for finding in found if finding.code == "ROUND_TRIP")
 
 
 def judge_mesh(path: Path, expected: Expected) -> Judged:

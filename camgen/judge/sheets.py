@@ -12,7 +12,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,6 +25,10 @@ from camgen.geometry.rings import Points, Ring, Shape
 from camgen.judge.round_trip import MILLIMETRES, Expected, Judged, judge_cut, pieces_of
 from camgen.tolerances import WAY_BACK
 
+if TYPE_CHECKING:
+    from camgen.files.dxf import Drawing
+
+_TOOLS = {"ENGRAVE": (5, 0), "CUT": (1, 0)}  # colour index and line weight, by which the laser takes them: blue, red, hairlines
 FACETS = 1e-4  # mm, chord tolerance of arcs where gaps and corners are measured
 _FINE = 1e-5  # mm, where motion and fits are
 _ROUND = 64  # chords of a quarter of the beam's circle
@@ -60,7 +64,7 @@ def judge_sheet(
     cut is from its outline. ROUND_TRIP and MIN_WALL are those of each part as cut.
     """
     drawing, where = read_dxf(dxf, engraving=True), dxf.name
-    faults = [fault.message for fault in drawing.faults]
+    faults = [fault.message for fault in drawing.faults] + drawing.repainted(_TOOLS)
     faults += [] if drawing.units == MILLIMETRES else [f"$INSUNITS is {drawing.units}, millimetres are {MILLIMETRES}"]
     findings = [
         at_most("DXF_CLOSED", len(faults), 0, "contours", where,
@@ -73,7 +77,7 @@ def judge_sheet(
     except ValueError as error:
         return [*findings, at_most("SHEET_FIT", math.nan, 0, "mm", where, str(error))], {}
     findings += _fit(found, beam, len(laid), where)
-    findings.append(_same_as_svg(drawing.cut, drawing.engraved, svg, beam.sheet))
+    findings.append(_same_as_svg(drawing, svg, beam.sheet, [f"{copy.part}-{copy.copy}" for copy in laid]))
     judged: dict[str, Judged] = {}
     for copy in laid:
         if not found:
@@ -84,7 +88,7 @@ def judge_sheet(
         own = piece.moved(shift=-copy.place).moved(1 / turn)
         named = f"{where}, {copy.part}-{copy.copy}"
         try:
-            rings = [_widened(own.outer, -beam.kerf / 2), *(_widened(hole, beam.kerf / 2) for hole in own.holes)]
+            rings = [widened(own.outer, -beam.kerf / 2), *(widened(hole, beam.kerf / 2) for hole in own.holes)]
         except ValueError as error:
             findings.append(at_most("KERF", math.nan, 0, "mm", named, str(error)))
             continue
@@ -115,19 +119,25 @@ def _fit(found: Sequence[Shape], beam: Beam, wanted: int, where: str) -> list[Fi
     return findings
 
 
-def _same_as_svg(cut: Sequence[Ring], engraved: Sequence[Ring], svg: Path, sheet: tuple[float, float]) -> Finding:
-    """ROUND_TRIP of the same sheet in SVG: contour by contour as in the DXF."""
+def _same_as_svg(drawing: Drawing, svg: Path, sheet: tuple[float, float], names: Sequence[str]) -> Finding:
+    """ROUND_TRIP of the same sheet in SVG: contour by contour as in the DXF, each piece under its name."""
     try:
         size, layers = read_svg(svg)
     except FileError as error:
         return at_most("ROUND_TRIP", math.nan, 0, "mm", svg.name, str(error))
-    there = [*layers.get("ENGRAVE", ()), *layers.get("CUT", ())]
-    wanted = [*engraved, *cut]
-    if len(there) != len(wanted) or size != sheet:
-        said = f"{len(there)} contours on {size[0]:g} x {size[1]:g} mm instead of {len(wanted)}"
-        return at_most("ROUND_TRIP", math.nan, 0, "mm", svg.name, said)
-    off = max((_apart(a, b) for a, b in zip(there, wanted, strict=True)), default=0.0)
-    return at_most("ROUND_TRIP", off, _SVG_STEP, "mm", svg.name, f"{len(there)} contours, as in the DXF")
+    off, count = 0.0, 0
+    for name, wanted in (("ENGRAVE", drawing.engraved), ("CUT", drawing.cut)):
+        there = layers[name].rings if name in layers else []
+        count += len(there)
+        if len(there) != len(wanted) or size != sheet:
+            said = f"{len(there)} contours on {size[0]:g} x {size[1]:g} mm instead of {len(wanted)}"
+            return at_most("ROUND_TRIP", math.nan, 0, "mm", svg.name, said)
+        off = max([off, *(_apart(a, b) for a, b in zip(there, wanted, strict=True))])
+    titles = {name: layer.titles for name, layer in layers.items()}
+    said = f"{count} contours, as in the DXF"
+    if titles.get("CUT", []) != list(names) or not set(titles.get("ENGRAVE", [])) <= set(names):
+        off, said = math.nan, "its pieces do not have the names of the list of sheets, in that order"
+    return at_most("ROUND_TRIP", off, _SVG_STEP, "mm", svg.name, said)
 
 
 def _apart(a: Ring, b: Ring) -> float:
@@ -146,7 +156,7 @@ def _area(ring: Ring, tolerance: float = FACETS) -> Any:
     return shapely.Polygon(np.column_stack([z.real, z.imag]))
 
 
-def _widened(ring: Ring, distance: float, sharp: bool = True) -> Ring:
+def widened(ring: Ring, distance: float, sharp: bool = True) -> Ring:
     """A ring moved outwards by a distance, mm (< 0: inwards), facetted, its corners sharp or as a disc leaves them; ValueError
     where it falls apart."""
     import shapely
@@ -177,14 +187,14 @@ def _kerf(path: Shape, expected: Expected, kerf: float, where: str) -> Finding:
             return at_most("KERF", math.nan, 0, "mm", where, f"{len(cut)} pieces are left of a contour")
         edge = shapely.get_coordinates(cut[0].exterior)[:-1] @ np.array([1, 1j])
         target = wanted.counter_clockwise().facetted(FACETS)
-        off = max(off, float(np.max(point_to_ring(_along(target), edge))))
+        off = max(off, float(np.max(point_to_ring(along(target), edge))))
         allowed = max(allowed, _round_corner(target if way < 0 else target[::-1], kerf / 2))
     limit = allowed + 2 * expected.chord_tolerance + WAY_BACK * kerf / 2 + FACETS
     said = "how far the part as cut is from its outline: inner corners come out round, and what is narrower than the kerf is lost"
     return at_most("KERF", off, limit, "mm", where, said)
 
 
-def _along(ring: Points) -> Points:
+def along(ring: Points) -> Points:
     """A polygon's vertices and the middles of its edges."""
     return np.concatenate([ring, (ring + np.roll(ring, -1)) / 2])
 
@@ -196,43 +206,3 @@ def _round_corner(ring: Points, radius: float) -> float:
     turn = np.angle(way / np.roll(way, 1))
     sharpest = float(np.max(-turn, initial=0.0))
     return radius * (1 / math.cos(sharpest / 2) - 1) if sharpest > _CORNER else 0.0
-
-
-# ---- tables for machine tools ------------------------------------------------------------------------------------------
-
-
-def judge_points(table: Path, points: Points, outline: Ring, limit: float) -> Finding:
-    """ROUND_TRIP of a table of a profile: how far its points, (n,) mm, are from the outline in the part's own file."""
-    off = float(np.max(point_to_ring(points, outline.facetted(FACETS)), initial=0.0)) if len(points) else math.nan
-    return at_most("ROUND_TRIP", off, limit, "mm", table.name, f"{len(points)} points against the outline that is cut")
-
-
-def judge_path(
-    path: Path, table: Sequence[tuple[complex, complex, float]], outline: Ring, radius: float, limit: float,
-    within: bool = False,
-) -> list[Finding]:
-    """A cutter's path round an outline, or within one, such as a groove's outer wall: the same in DXF and CSV; CUTTER: how far
-    what the cutter leaves is from the outline.
-
-    table: ends and bulge of each piece. What it leaves is the area within the path less all that a disc of this radius, mm,
-    covers about its points; or what is without both.
-    """
-    rings = read_dxf(path).cut
-    if len(rings) != 1:
-        return [at_most("CUTTER", math.nan, 0, "mm", path.name, f"{len(rings)} contours instead of 1")]
-    ring, written = rings[0], Ring(np.array([a for a, _, _ in table]), np.array([bulge for *_, bulge in table]))
-    gaps = max((abs(b - a) for (_, b, _), (a, _, _) in zip(table, (*table[1:], *table[:1]), strict=True)), default=math.nan)
-    away = np.max(point_to_ring(written.samples(), ring.facetted(FACETS)), initial=0.0) if len(table) else math.nan
-    said = f"{len(table)} lines and arcs, as in the DXF"
-    findings = [at_most("ROUND_TRIP", max(gaps, float(away)), 2 * FACETS, "mm", path.with_suffix(".csv").name, said)]
-    left = _widened(ring, radius if within else -radius, sharp=False)
-    target = outline.facetted(FACETS)
-    off = point_to_ring(_along(target), left.points)
-    worst = int(np.argmax(off))
-    z = _along(target)[worst]
-    said = (
-        f"outline less what a cutter of radius {radius:g} mm leaves, at x {z.real:.3f}, y {z.imag:.3f} mm; "
-        "where it is more, the cutter is too large for a hollow (output.cutter_radius)"
-    )
-    other = float(np.max(point_to_ring(left.points, target)))
-    return [*findings, at_most("CUTTER", max(float(off[worst]), other), limit, "mm", path.name, said)]

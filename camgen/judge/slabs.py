@@ -42,7 +42,7 @@ class Slab:
 def slabs_of(mesh: Mesh) -> tuple[Slab, ...]:
     """A mesh as slabs between its distinct heights; a slanted wall counts with its whole shadow.
 
-    ValueError where a section does not close.
+    ValueError where a section does not close, or crosses itself.
     """
     import shapely
 
@@ -82,11 +82,14 @@ def _shadows(corners: Floats, z0: float, z1: float) -> Any:
 
 
 def area_of(rings: Sequence[Ring]) -> Any:
-    """What an odd number of rings encloses, as a shapely area."""
+    """What an odd number of rings encloses, as a shapely area; ValueError where one crosses itself so that none can say."""
     import shapely
 
     faces = [shapely.Polygon(np.column_stack([z.real, z.imag])) for z in (ring.facetted(FACETS) for ring in rings)]
-    return functools.reduce(shapely.symmetric_difference, faces)
+    try:
+        return functools.reduce(shapely.symmetric_difference, faces)
+    except shapely.errors.GEOSException as error:
+        raise ValueError(f"a section crosses itself: {error}") from None
 
 
 def _rings(area: Any) -> list[Ring]:

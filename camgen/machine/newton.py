@@ -322,7 +322,7 @@ class Block:
         found: list[tuple[float, Floats, float]] = []
         if end == 0:
             return found, False
-        count = math.ceil(abs(end) / math.tau * KNOTS - 1e-9)
+        count = max(1, math.ceil(abs(end) / math.tau * KNOTS - 1e-9))
         grid = np.asarray(np.arange(1, count + 1) * (end / count), float)
         ahead = known_at(grid)
         theta, share, k = 0.0, 1.0, 0  # share of the way to the next knot of the grid

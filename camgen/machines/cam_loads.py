@@ -40,13 +40,16 @@ def load_faults(load: LoadTable | None, spring: SpringTable | None, slides: bool
     return found
 
 
-def polydyne_faults(load: LoadTable, wanted: Program) -> list[Fault]:
-    """What a correction for the follower's elasticity lacks."""
+def polydyne_faults(load: LoadTable, spring: SpringTable | None, wanted: Program, sprung: bool) -> list[Fault]:
+    """What a correction for the follower's elasticity lacks; sprung: a machine with a return spring is made."""
     from camgen.motion.polydyne import NEEDED, rough
 
     found = []
     if load.stiffness is None:
         found.append(Fault("load.stiffness", "", "missing: load.polydyne corrects for it"))
+    if sprung and not (spring and spring.rate):
+        right = "above 0 with load.polydyne: it corrects for the spring of the machine, which is else found by the cam"
+        found.append(Fault("spring.rate", "0", right))
     if not load.mass_kg and not load.inertia_kg_m2:
         found.append(Fault("load.mass_kg", "0", "above 0 with load.polydyne (or inertia_kg_m2 of an arm): what moves behind it"))
     return [*found, *(Fault(f"segment.{k}.law", repr(wanted.segments[k].law.name), NEEDED) for k in rough(wanted.segments))]
@@ -80,8 +83,8 @@ def lift_off(
     that spring."""
     preload, rate = found.spring_needed(load)
     units = ("N", "N/mm") if slides else ("N m", "N m/rad")
-    stiffer = f" or a spring.rate of {rate:.4g} {units[1]}" if math.isfinite(rate) else ""
-    kept = f"a spring.preload of {preload:.4g} {units[0]}{stiffer} keeps it; {lower} lowers that"
+    stiffer = f" or a spring.rate above {rate:.4g} {units[1]}" if math.isfinite(rate) else ""
+    kept = f"a spring.preload above {preload:.4g} {units[0]}{stiffer} keeps it; {lower} lowers that"
     return found.keeps_contact(jumps if found.kick else kept)
 
 

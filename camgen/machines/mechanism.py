@@ -237,6 +237,13 @@ class Mechanism(Spec, ABC):
 
         return wound(*self.spring_asked)
 
+    def mounted_springs(self) -> Mapping[str, Mounted]:
+        """All its springs by their names in findings."""
+        spring = self.return_spring
+        if spring is None:
+            return {}
+        return {"return spring" if spring.made else "return spring, to be wound": spring}
+
     @property
     def spring_asked(self) -> tuple[float, float, float] | None:
         """Rate, N/mm, least pull, N, and travel, mm, of one that the spec asks for and that is no part."""
@@ -379,5 +386,6 @@ class Mechanism(Spec, ABC):
         return Study()
 
     def bought(self) -> Sequence[Bought]:
-        """What is bought, by its standard."""
-        return ()
+        """What is bought, by its standard; a spring that the spec asks for and no part of the machine holds is wound."""
+        springs = self.mounted_springs().items()
+        return tuple(replace(spring.bought, name=name) for name, spring in springs if not spring.made)

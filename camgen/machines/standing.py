@@ -119,14 +119,7 @@ class StandingCams(Mechanism):
 
     @cached_property
     def _features(self) -> Sequence[Feature]:
-        outlines = self._outlines()
-        if not self.standing:
-            return outlines
-        meant = iter(outlines)
-        return [
-            replace(each, meant=next(meant).meant) if isinstance(each, CamOutline) else each
-            for each in self.bench.features()
-        ]
+        return self.bench.features() if self.standing else self._outlines()
 
     def features(self) -> Sequence[Feature]:
         """The outlines of the cams; of a machine all its joints."""
@@ -152,7 +145,8 @@ class StandingCams(Mechanism):
         if self.standing:
             return self.bench.bought()
         made, hub = getattr(self, "making", None), self.hub
-        return hub.bought(made.hub_diameter / 2) if hub is not None and isinstance(made, DiscParts) else ()
+        held = hub.bought(made.hub_diameter / 2) if hub is not None and isinstance(made, DiscParts) else ()
+        return (*held, *super().bought())
 
     @property
     def arm_stiffness(self) -> float | None:
@@ -189,6 +183,13 @@ class StandingCams(Mechanism):
             return super().return_spring
         spring = self.bench.spring
         return None if spring is None else Mounted(spring, *self.bench.way)
+
+    def mounted_springs(self) -> Mapping[str, Mounted]:
+        """That one, and what hangs on other bodies of the bench."""
+        if not self.standing:
+            return super().mounted_springs()
+        further = {each.title: Mounted(each.wire, *each.way, on_cam=False) for each in self.bench.strung.values()}
+        return {**super().mounted_springs(), **further}
 
     def posts(self) -> Sequence[Post]:
         """Of a machine the pins of its springs and its roller."""

@@ -1,9 +1,16 @@
 """Programs corrected for an elastic follower: the cam moves so that the mass behind the spring does what was asked.
 
-    s_cam = y + c y'',   c = m w^2 / k     y: what the mass is to do over the cam angle; w: the cam's speed, m, k of the follower
+    s_cam = (1 + K / k) y + (c w / k) y' + (m w^2 / k) y''
 
-At the speed that it is made for the mass then does y without vibration; at others some is left. The mass is to move so smoothly
-that s_cam has no jump of speed: y''' without jumps, as of the 4-5-6-7 polynomial; with y'''' too its acceleration has none.
+    y        what the mass is to do over the cam angle
+    w        the cam's speed
+    m, k     the follower's mass, and its stiffness from the cam to that
+    K, c     rate of the spring that presses the mass on, and a drag in proportion to its speed
+
+It is the force on the mass over the follower's stiffness. What is constant, such as the spring's preload, only shifts where the
+mass stands. At the speed that it is made for an undamped mass then does y without vibration; at others some is left. The mass is
+to move so smoothly that s_cam has no jump of speed: y''' without jumps, as of the 4-5-6-7 polynomial; with y'''' too its
+acceleration has none.
 [Dudley 1948; Thoren, Engemann, Stoddart 1952; both as told in Norton et al., the splinedyne method, ASME 2002]
 """
 
@@ -38,17 +45,32 @@ def rough(segments: Sequence[Segment]) -> list[int]:
     return [k for k, law in moving if not (isinstance(law.formula, Polynomial) and law.smoothness >= 3)]
 
 
-def polydyne(wanted: Program, stretch: float) -> Polydyne:
-    """The cam's program for what the mass is to do; stretch: c, 1 per rad^2. ValueError where a law is too rough."""
+@dataclass(frozen=True)
+class Lag:
+    """By how much a cam has to be ahead of its follower's mass."""
+
+    stretch: float  # m w^2 / k, per rad^2 of the mass's acceleration
+    drag: float = 0.0  # c w / k, per rad of its speed
+    spring: float = 0.0  # K / k, of its displacement
+
+
+def polydyne(wanted: Program, lag: Lag) -> Polydyne:
+    """The cam's program for what the mass is to do. ValueError where a law is too rough."""
     if rough(wanted.segments):
         raise ValueError(f"segments {rough(wanted.segments)}: {NEEDED}")
-    segments = [replace(s, law=_corrected(s.law, stretch / s.span**2)) if s.scale else s for s in wanted.segments]
-    return Polydyne(tuple(segments), wanted.begin, wanted)
+    return Polydyne(tuple(_corrected(segment, lag) for segment in wanted.segments), wanted.begin, wanted)
 
 
-def _corrected(law: Law, share: float) -> Law:
-    return measured(f"{law.name}-polydyne", partial(_sum, law, share), f"{law.source}, corrected by {share:.6g} of its bend")
+def _corrected(segment: Segment, lag: Lag) -> Segment:
+    whole = 1 + lag.spring
+    longer = replace(segment, start=whole * segment.start, scale=whole * segment.scale)
+    if not segment.scale:
+        return longer
+    first, second = lag.drag / segment.span / whole, lag.stretch / segment.span**2 / whole
+    law, said = segment.law, f"corrected by {first:.6g} of its speed and {second:.6g} of its bend"
+    return replace(longer, law=measured(f"{law.name}-polydyne", partial(_sum, law, first, second), f"{law.source}, {said}"))
 
 
-def _sum(law: Law, share: float, u: Floats, order: int) -> Floats:
-    return law.formula(u, order) + share * law.formula(u, order + 2)
+def _sum(law: Law, first: float, second: float, u: Floats, order: int) -> Floats:
+    found: Floats = law.formula(u, order) + second * law.formula(u, order + 2)
+    return found + first * law.formula(u, order + 1) if first else found

@@ -2,7 +2,9 @@
 
     surge    the lowest at which its coils swing by themselves, sqrt(rate / mass) / 2: half a wave along the coils, both ends held
     rate     G d^4 / (8 D^3 n)
-    stress   k 8 F D / (pi d^3), k = (w + 0.5) / (w - 0.75), w = D / d; at most 0.45 of the wire's tensile strength
+    stress   k 8 F D / (pi d^3), k = (w + 0.5) / (w - 0.75) by Bergstraesser, w = D / d; at most 0.45 of the wire's tensile
+             strength
+    legs     where its closed coils and hooks are shorter than its free length, straight wire from the coils to either eye
 """
 
 from __future__ import annotations
@@ -57,13 +59,25 @@ class ExtensionSpring:
 
     def least_free(self, hook: float = 0.0) -> float:
         """Free length of its closed coils and two eyes, round or with hooks that are longer, mm."""
-        return (self.coils + 1) * self.wire + 2 * max(hook, self.outside - 2 * self.wire)
+        return self.body + 2 * max(hook, self.outside - 2 * self.wire)
+
+    @property
+    def body(self) -> float:
+        """Length of its closed coils, mm."""
+        return (self.coils + 1) * self.wire
+
+    @property
+    def leg(self) -> float:
+        """From its closed coils to the inside of either eye, mm; a round eye alone has its inside diameter."""
+        return (self.free - self.body) / 2
 
     def bought(self, shortest: float, longest: float) -> Bought:
         """Its line in the list of parts, with its forces at both ends of its way, mm."""
+        legs = "" if self.leg <= 1.01 * (self.outside - 2 * self.wire) else f" and a leg of {self.leg:.4g} at each end"
         size = (
             f"wire {self.wire:g}, outside diameter {self.outside:.3g}, {self.coils:.3g} coils, free length {self.free:.4g} "
-            f"inside the eyes, {self.rate:.4g} N/mm, {self.force(shortest):.4g} N at {shortest:.4g} "
+            f"inside the eyes: closed coils of {self.body:.4g}{legs}, "
+            f"{self.rate:.4g} N/mm, {self.force(shortest):.4g} N at {shortest:.4g} "
             f"and {self.force(longest):.4g} N at {longest:.4g}"
         )
         return Bought("extension spring", "EN 13906-2", size, 1)
@@ -97,12 +111,18 @@ def pulling(
 
 @dataclass(frozen=True)
 class Mounted:
-    """A spring and its shortest and longest where it works, inside its eyes, mm; whether it is a part or only proposed."""
+    """A spring where it works."""
 
     spring: ExtensionSpring
-    shortest: float
+    shortest: float  # inside its eyes, mm
     longest: float
-    made: bool = True
+    made: bool = True  # whether it hangs in the machine; else it is only proposed
+    on_cam: bool = True  # whether it keeps a follower on its cam
+
+    @property
+    def bought(self) -> Bought:
+        """Its line in the list of parts."""
+        return self.spring.bought(self.shortest, self.longest)
 
 
 def wound(rate: float, low: float, travel: float) -> Mounted | None:

@@ -8,17 +8,18 @@ from pathlib import Path
 
 from camgen import spec as specs
 from camgen.errors import Fault, FileError, SpecError
-from camgen.files.folder import MANIFEST, Staged, changed_files, manifest_files, write_manifest
-from camgen.files.formats import FORMATS, SOLID, USUAL
+from camgen.files.folder import MANIFEST, SPEC, Staged, changed_files, read_manifest, write_manifest
+from camgen.files.formats import FORMATS, USUAL
 from camgen.findings import at_most
 from camgen.pipeline.jobs import Case, Progress, Source, Workers, cores, silent
 from camgen.pipeline.jobs import read_mechanism as read_mechanism
-from camgen.pipeline.judging import cut_files, judge, read_parts
+from camgen.pipeline.judging import judge, read_parts
 from camgen.pipeline.making import make_parts, put_together
-from camgen.report.report import Report, write_csv, write_html, write_json
+from camgen.pipeline.rebuild import ANY_KIND, PACKAGES, Rebuild, judged_files, kinds_of, system
+from camgen.pipeline.summary import Summary, seen, write_report, write_texts
+from camgen.report.report import Report
 
-KINDS, ANY_KIND = (*USUAL, "report"), (*FORMATS, "report")  # made where nobody says which; that can be asked for
-_PACKAGES = ("numpy", "pydantic", "ezdxf", "manifold3d", "lib3mf", "mapbox-earcut", "reportlab")
+KINDS = (*USUAL, "report")  # made where nobody says which
 
 
 def build(
@@ -46,29 +47,20 @@ def build(
         only |= {"step"}
     staged, shared = Staged(out / mechanism.name), cores(jobs, mechanism, only)
     with staged as folder, Workers(shared) as workers:
-        (folder / "spec.toml").write_text(specs.dump(mechanism), encoding="utf-8")
+        (folder / SPEC).write_text(specs.dump(mechanism), encoding="utf-8")
         case, kinds = Case(mechanism, folder), [kind for kind in ANY_KIND if kind in only]
         made = make_parts(case, only, workers, progress)
         reading = read_parts(case, kinds, workers)
-        plates, seen = put_together(case, only, made, progress), None
+        put_together(case, only, made, progress)
         del made
-        if "report" in only and only & set(SOLID):
-            from camgen.pipeline.shown import scene
-
-            seen = scene(mechanism, plates)
-            case.file("assembly", "glb").write_bytes(seen.glb)
-        report, columns = judge(case, kinds, reading, workers, progress, "was made (--only)")
-        if columns:
-            write_csv(folder / "motion.csv", columns)
-        for name, text in mechanism.texts().items():
-            (folder / f"{mechanism.name}-{name}").write_text(text, encoding="utf-8")
-        if "report" in only:
-            from camgen.pipeline.shown import animation
-
-            progress("writing the report", 0.85)
-            write_html(folder / "report.html", replace(report, animation=animation(mechanism), scene=seen))
-        write_json(folder / "report.json", report)
-        write_manifest(folder, _PACKAGES)
+        scene = seen(case, kinds)
+        if scene is not None:
+            case.file("assembly", "glb").write_bytes(scene.glb)
+        write_texts(case, folder)
+        report, columns = judge(case, kinds, reading, workers, progress)
+        progress("writing the report", 0.85)
+        write_report(Summary(kinds, report, columns, scene), case, folder)
+        write_manifest(folder, PACKAGES, {"kinds": kinds, "system": system()})
     said = f"{staged.target / 'spec.toml'} was changed since its build and is written again; the changed one is kept as"
     remarks = [*hints, *mechanism.remarks(), *(f"{said} {name}" for name in staged.kept)]
     if staged.gone and only < frozenset(KINDS):
@@ -79,30 +71,27 @@ def build(
 
 
 def check(folder: Path, progress: Progress = silent, jobs: int | None = 1) -> Report:
-    """Judge the files of an earlier build again, from the files and the spec.toml beside them; writes nothing."""
-    case = Case(read_mechanism(folder / "spec.toml"), folder)
-    listed = manifest_files(folder)
+    """Judge the files of an earlier build again, from the files and the spec.toml beside them, and hold all others against those
+    that are made anew; writes nothing."""
+    case, manifest = Case(read_mechanism(folder / SPEC), folder), read_manifest(folder)
+    listed = list(manifest["files"])
     lost = next((name for name in listed if not (folder / name).is_file()), None)
     if lost is not None:
         how = "no plain file" if (folder / lost).exists() else "not there"
         raise FileError(folder / lost, f"is listed in manifest.json and {how}")
-    kinds = [kind for kind in ANY_KIND if any(path.name in listed or path.exists() for path in _files(case, kind))]
+    kinds = kinds_of(case, manifest)
     with Workers(cores(jobs, case.mechanism, kinds)) as workers:
-        report = judge(case, kinds, read_parts(case, kinds, workers), workers, progress, "is in the folder")[0]
-    judged = {path.name for kind in FORMATS for path in _files(case, kind)} | {"spec.toml"}
-    sheets = {path.name for path in cut_files(case)}
-    judged |= {name for name in listed if name.endswith((".3mf", ".step")) or name in sheets}
-    differ = changed_files(folder)
-    as_they_are = [name for name in differ if name in judged]
-    if as_they_are:
-        report = replace(report, remarks=[f"changed since the build, and judged as they are now: {', '.join(as_they_are)}"])
-    changed = [name for name in differ if name not in judged]
+        report, columns = judge(case, kinds, read_parts(case, kinds, workers), workers, progress)
+        differ, judged = changed_files(folder), judged_files(case, listed)
+        as_they_are = [name for name in differ if name in judged]
+        changed = [name for name in differ if name not in judged]
+        progress("making anew what is beside the parts", 0.85)
+        anew = Rebuild(case, kinds, manifest, report, columns, bool(as_they_are)).outcome(changed, workers)
+    findings = [*report.findings, *anew.findings]
     if changed:
-        said = f"changed since the build, and not judged by what they hold: {', '.join(changed)}"
-        report = replace(report, findings=(*report.findings, at_most("MANIFEST", len(changed), 0, "files", MANIFEST, said)))
-    return report
-
-
-def _files(case: Case, kind: str) -> list[Path]:
-    """The files of a kind that a build may have made."""
-    return [case.folder / "report.html"] if kind == "report" else [case.file(name, kind) for name in case.parts]
+        said = f"changed since the build: {', '.join(changed)}"
+        findings.append(at_most("MANIFEST", len(changed), 0, "files", MANIFEST, said))
+    remarks = [f"changed since the build, and judged as they are now: {', '.join(as_they_are)}"] if as_they_are else []
+    return replace(
+        report, findings=findings, not_judged=[*report.not_judged, *anew.not_judged], remarks=[*remarks, *anew.notes],
+    )  # fmt: skip

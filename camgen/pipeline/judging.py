@@ -25,14 +25,15 @@ from camgen.machines.mechanism import Mechanism
 from camgen.parts.part import Part
 from camgen.pipeline.expectation import expected
 from camgen.pipeline.jobs import Case, Progress, Workers
-from camgen.pipeline.making import PLATE_GAP, assembled, compensation, lying_sides, parts_table
+from camgen.pipeline.making import PLATE_GAP, assembled, compensation, lying_sides, parts_table, written
 from camgen.pipeline.reading import Read, budget_of, judge_motion, judge_part, moved_by
 from camgen.pipeline.scope import ANY, Outcome, Stage, not_judged, of_parts, unheard
+from camgen.pipeline.summary import plates_of
 from camgen.report.report import Report
 from camgen.study import Plot, Study, Table
 
 if TYPE_CHECKING:
-    from camgen.geometry.mesh import Mesh
+    pass
 
 _SIDE_FILES = ("spec.toml", "motion.csv", "report.json", "manifest.json")
 _CLOCKWISE = (
@@ -52,17 +53,16 @@ def read_parts(case: Case, kinds: Sequence[str], workers: Workers) -> Reading:
 
 
 def judge(
-    case: Case, kinds: Sequence[str], reading: Reading, workers: Workers, progress: Progress, lacks: str
+    case: Case, kinds: Sequence[str], reading: Reading, workers: Workers, progress: Progress
 ) -> tuple[Report, dict[str, Floats]]:
     """Judge the files of a case: the report, and the columns of motion.csv.
 
     kinds: of files that are there, of "dxf", "stl", "3mf" and "report"; the last asks for what only a reader wants.
     reading: the parts' own files, as `read_parts` began to.
-    lacks: why others are not there: "no STL ..." goes on with it.
     """
     mechanism = case.mechanism
     files = [kind for kind in kinds if kind != "report"]
-    asked = _stages(mechanism, files)
+    asked = _stages(mechanism, kinds)
     waiting = [
         (stage.what, workers.start(stage.work, case, files)) for stage in asked if stage.work is not None and stage.runs(files)
     ]
@@ -98,7 +98,7 @@ def judge(
         [*([_CLOCKWISE] if mechanism.sense < 0 else []), *study.notes, *more.notes,
          *(note for each in outcomes for note in each.notes)],
         None, budget, (*_SIDE_FILES, *_machine_files(case)),
-        (*not_judged(asked, files, findings, lacks), *(left for each in outcomes for left in each.not_judged), *_merged(parts)),
+        (*not_judged(asked, files, findings), *(left for each in outcomes for left in each.not_judged), *_merged(parts)),
         (*unheard(mechanism, files), *(said for each in outcomes for said in each.warnings)),
     )  # fmt: skip
     return report, columns
@@ -147,6 +147,8 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
     if any(kind in EXACT for kind in kinds):
         stages.append(Stage((), "copies of exact solids in the assembly", EXACT, judge_exact_assembly))
     stages.append(Stage(("BED_FIT",), "room on the printer's bed", SOLID, judge_plates if "3mf" in kinds else fit_bed))
+    if "report" in kinds and any(kind in SOLID for kind in kinds):
+        stages.append(Stage((), "the machine in motion, as viewers show it", SOLID, judge_seen))
     return [*stages, Stage((), work=list_parts), Stage((), work=bear_loads), Stage((), work=print_errors), *of_parts(mechanism)]
 
 
@@ -174,7 +176,7 @@ def judge_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
     from camgen.files.threemf import read_3mf
 
     mechanism, path = case.mechanism, case.file("assembly", "3mf")
-    originals, findings = _written(case), []
+    originals, findings = written(case), []
     if compensation(mechanism) is not None:  # single parts are files for the printer, the assembly shows them as designed
         originals = {name: mesh for name, mesh in read_3mf(path).meshes.items() if name in case.parts}
         for name, mesh in originals.items():
@@ -212,13 +214,6 @@ def judge_machining(case: Case, kinds: Sequence[str]) -> Outcome:
     return Outcome(judge_tables(case))
 
 
-def _written(case: Case) -> dict[str, Mesh]:
-    """The solid of each part's 3MF, judged there by itself."""
-    from camgen.files.threemf import read_3mf
-
-    return {name: item.mesh for name in case.parts for item in read_3mf(case.file(name, "3mf")).items[:1]}
-
-
 def sweep_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
     """INTERFERENCE of all parts and what else is in the way, moved through a turn."""
     from camgen.judge.assembly import COLUMNS, sweep
@@ -249,20 +244,22 @@ def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:
     from camgen.files.threemf import read_3mf
     from camgen.judge.slabs import judge_plate
 
-    mechanism, plates, written = case.mechanism, _plates(case), _written(case)
+    mechanism, plates, originals = case.mechanism, plates_of(case), written(case)
     bed, margin = mechanism.print.bed, mechanism.print.bed_margin
-    if not plates:  # no part fits, or an older build laid none out; one that is lost is missed by the manifest
-        return fit_bed(case, kinds)
-    listed, sides = mechanism.printed(), lying_sides(mechanism, written)
+    listed, sides = mechanism.printed(), lying_sides(mechanism, originals)
     laid = Counter(item.name for path in plates for item in read_3mf(path).items)
-    lying = [(part, written[part.name].vertices @ sides[part.name].turn.T) for part in listed if part.name in written]
+    lying = [(part, originals[part.name].vertices @ sides[part.name].turn.T) for part in listed if part.name in originals]
     room, height = within(bed, margin), mechanism.print.bed_height
     fits = [bed_fit(part.name, part.count, vertices, room, height)[1] for part, vertices in lying]
+    if not plates and not any(fit.ok for fit in fits):
+        return Outcome(fits)
     short = (Counter({part.name: part.count for part in listed}) - laid).total()
     said = f"{laid.total()} {'copy' if laid.total() == 1 else 'copies'} laid out, {short} missing"
     where = f"{len(plates)} plate{'' if len(plates) == 1 else 's'}"
     missing = at_most("BED_FIT", short, 0, "copies", where, said)
-    on_plates = [f for path in plates for f in (judge_copies(path, written), *judge_plate(path, bed, PLATE_GAP, margin or 0.0))]
+    on_plates = [
+        f for path in plates for f in (judge_copies(path, originals), *judge_plate(path, bed, PLATE_GAP, margin or 0.0))
+    ]  # fmt: skip
     return Outcome([*(fit for fit in fits if not fit.ok), missing, *on_plates])
 
 
@@ -278,13 +275,24 @@ def fit_bed(case: Case, kinds: Sequence[str]) -> Outcome:
     return Outcome(findings)
 
 
+def judge_seen(case: Case, kinds: Sequence[str]) -> Outcome:
+    """The machine in motion, against where its parts are at the angles that the animation shows."""
+    from camgen.files.gltf import SECONDS
+    from camgen.judge.scene import judge_scene
+    from camgen.pipeline.shown import flights
+
+    path = case.file("assembly", "glb")
+    return Outcome([judge_scene(path, flights(case.mechanism), case.mechanism.shown_turns * SECONDS)])
+
+
 def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
-    """The list of parts, with mass and print time of all that is printed, what of it needs supports, faces between layers, and
-    the steps of assembly."""
+    """The list of parts, as in its file, with mass and print time of all that is printed, what of it needs supports, faces
+    between layers, and the steps of assembly."""
+    from camgen.judge.parts_table import judge_list
     from camgen.pipeline.whole_layers import between
 
     mechanism = case.mechanism
-    sides = lying_sides(mechanism, _written(case) if "3mf" in kinds else {})
+    sides = lying_sides(mechanism, written(case) if "3mf" in kinds else {})
     table = parts_table(mechanism, sides)
     rows = [row for row in table.rows if row[0] == "printed"]
     mass, minutes = (sum(float(str(row[column])) for row in rows) for column in (5, 6))
@@ -292,7 +300,8 @@ def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
     if sides:
         numbers["supports_mm2"] = sum(part.count * sides[part.name].overhang for part in mechanism.printed())
     layers, said = between(mechanism, sides)
-    return Outcome(numbers=numbers, tables=[table, mechanism.steps(), *([layers] if layers.rows else [])], warnings=said)
+    listed, tables = judge_list(case.file("parts", "csv"), table), [table, mechanism.steps()]
+    return Outcome([listed], numbers, tables=[*tables, *([layers] if layers.rows else [])], warnings=said)
 
 
 def bear_loads(case: Case, kinds: Sequence[str]) -> Outcome:
@@ -315,17 +324,12 @@ def print_errors(case: Case, kinds: Sequence[str]) -> Outcome:
     return Outcome(numbers=found.numbers, tables=found.tables)
 
 
-def _plates(case: Case) -> list[Path]:
-    """The plate files of a build, in their order."""
-    return sorted(case.folder.glob(f"{case.mechanism.name}-plate*.3mf"), key=lambda path: (len(path.name), path.name))
-
-
 def _machine_files(case: Case) -> list[str]:
     """Further files of the folder to which the page links."""
     fixed = [*(case.file("assembly", ending) for ending in ("3mf", "glb", "step")), case.file("parts", "csv")]
     more = [case.folder / f"{case.mechanism.name}-{name}" for name in case.mechanism.texts()]
     drawings = [case.file(f"{name}-drawing", "pdf") for name in case.parts]
-    others = (*_plates(case), *cut_files(case), *more, *drawings)
+    others = (*plates_of(case), *cut_files(case), *more, *drawings)
     return [path.name for path in (*fixed, *others) if path.exists()]
 
 

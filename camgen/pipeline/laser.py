@@ -5,6 +5,7 @@ from __future__ import annotations
 import cmath
 import csv
 import math
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -159,10 +160,11 @@ def _rows(number: int, laid: Sequence[Laid], laser: Laser) -> list[tuple[object,
 
 
 def _copies(listed: dict[int, list[Laid]], parts: dict[str, Part], case: Case) -> list[Finding]:
-    """SHEET_FIT of all sheets together: copies that are missing, or too many."""
-    there = [one.part for laid in listed.values() for one in laid]
-    off = sum(abs(there.count(name) - part.count) for name, part in parts.items())
-    said = f"{len(there)} copies of {len(parts)} parts on {len(listed)} sheet{'' if len(listed) == 1 else 's'}"
+    """SHEET_FIT of all sheets together: copies that are missing, too many or wrongly numbered."""
+    there = Counter((one.part, one.copy) for laid in listed.values() for one in laid)
+    wanted = Counter((name, k + 1) for name, part in parts.items() for k in range(part.count))
+    off = max((wanted - there).total(), (there - wanted).total())
+    said = f"{there.total()} copies of {len(parts)} parts on {len(listed)} sheet{'' if len(listed) == 1 else 's'}"
     return [at_most("SHEET_FIT", off, 0, "copies", case.file("sheets", "csv").name, said)]
 
 

@@ -17,10 +17,14 @@ import numpy as np
 from camgen.bounds import Bound, bounded
 from camgen.errors import DesignError, FileError
 from camgen.files.dxf import read_dxf, write_dxf
-from camgen.findings import Finding
+from camgen.findings import Finding, at_most
 from camgen.geometry.arcs import fit_arcs
-from camgen.geometry.outlines import Arc, Piece, Points, Region, end_point, start_point
-from camgen.judge.sheets import judge_path, judge_points
+from camgen.geometry.outlines import Arc, Piece, Region, end_point, start_point
+from camgen.geometry.rings import Ring
+from camgen.judge.cams import rolled
+from camgen.judge.joints import Rolled
+from camgen.judge.machine_tables import Profile, Step, judge_path, judge_profile
+from camgen.judge.round_trip import pieces_of
 from camgen.machine.cams.machine import CamTouch
 from camgen.machine.features import CamOutline, Mount
 from camgen.machine.model import Cam
@@ -47,7 +51,7 @@ def cams_of(mechanism: Mechanism) -> dict[str, tuple[CamTouch, Mount, float]]:
         assert isinstance(joint, Cam), f"{feature.joint} is no cam"
         touch = joint.touches[k] if k < len(joint.touches) else None
         left_out = mount.flipped or feature.part in found
-        if isinstance(touch, CamTouch) and (touch.turn, touch.at) == (1, 0) and not left_out:  # in the cam's own frame
+        if isinstance(touch, CamTouch) and not touch.mirrored and not left_out:
             found[feature.part] = touch, mount, feature.free if touch.outer else 0.0
     return found
 
@@ -127,49 +131,81 @@ def table_files(case: Case) -> list[Path]:
 
 
 def judge_tables(case: Case) -> list[Finding]:
-    """Whether tables lie on the outlines in the parts' own DXF, and whether the cutter on its path leaves those outlines."""
+    """Whether tables lie on the outlines in the parts' own DXF, column by column, and whether the cutter on its path leaves those
+    outlines."""
     output, tolerance = case.mechanism.output, case.mechanism.accuracy.chord_tolerance
     findings: list[Finding] = []
     for name, (touch, *_) in cams_of(case.mechanism).items():
-        rings = sorted(read_dxf(case.file(name, "dxf")).cut, key=lambda ring: -abs(ring.area))[touch.outer :]
-        if not rings:
+        rings = sorted(read_dxf(case.file(name, "dxf")).cut, key=lambda ring: -abs(ring.area))
+        if not rings[touch.outer :]:
             continue  # told as the drawing is judged
-        outline = rings[0]
+        outline = rings[touch.outer].counter_clockwise()
         table = case.file(f"{name}-profile", "csv")
         if output.profile_step_deg is not None:
-            findings.append(judge_points(table, _points(table), outline, 2 * tolerance))
+            try:
+                law = _rolled(case.mechanism, name, rings)
+            except ValueError as fault:
+                findings.append(at_most("ROUND_TRIP", math.nan, 2 * tolerance, "mm", table.name, str(fault)))
+            else:
+                ring = outline.reversed() if touch.outer else outline  # with the material on its left
+                findings += judge_profile(table, _read_profile(table), ring, law, output.profile_step_deg, tolerance)
         path = case.file(f"{name}-path", "dxf")
         if output.cutter_radius is not None:
-            pieces = _contour(path.with_suffix(".csv"))
+            pieces = _read_path(path.with_suffix(".csv"))
             findings += judge_path(path, pieces, outline, output.cutter_radius, 2 * tolerance, touch.outer)
     return findings
 
 
-def _rows(path: Path) -> list[dict[str, str]]:
+def _rolled(mechanism: Mechanism, part: str, rings: Sequence[Ring]) -> Rolled:
+    """What the follower rolls to on a part's outline as it is drawn; ValueError where it does not fit."""
+    feature = next(each for each in mechanism.features() if isinstance(each, CamOutline) and each.part == part)
+    return rolled(mechanism.model, feature, mechanism.mounts(), [pieces_of(rings)])[1]
+
+
+def _rows(path: Path, columns: Sequence[str]) -> list[list[str]]:
+    """Cells of a table with these columns; FileError where it is none."""
     bounded(path, _SIZE)
     try:
         with open(path, encoding="utf-8", newline="") as file:
-            return list(csv.DictReader(file))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise FileError(path, f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
+            head, *rows = csv.reader(file, strict=True)
+        if head != list(columns) or any(len(row) != len(columns) for row in rows):
+            raise ValueError(f"its columns are to be {', '.join(columns)}")
+        return rows
+    except (OSError, UnicodeDecodeError, ValueError, csv.Error) as error:
+        raise FileError(path, f"cannot be read as a table: {getattr(error, 'strerror', None) or error}") from None
 
 
-def _points(path: Path) -> Points:
-    """Places in a table of a profile, (n,) complex mm; FileError where it is none."""
+def _number(cell: str) -> float:
+    """A finite number; ValueError for anything else."""
+    value = float(cell)
+    if not math.isfinite(value):
+        raise ValueError(f"{cell!r} is no finite number")
+    return value
+
+
+def _read_profile(path: Path) -> Profile:
+    """A table of a profile; FileError where it is none."""
+    rows = _rows(path, _PROFILE)
+    blank = [_PROFILE.index(name) for name in ("normal_deg", "curvature_per_mm")]
     try:
-        return np.array([complex(float(row["x_mm"]), float(row["y_mm"])) for row in _rows(path)], complex)
-    except (KeyError, ValueError, TypeError) as error:
-        raise FileError(path, f"not a table of a profile: {error!r}") from None
+        cells = [[math.nan if k in blank and not cell else _number(cell) for k, cell in enumerate(row)] for row in rows]
+    except ValueError as error:
+        raise FileError(path, f"not a table of a profile: {error}") from None
+    theta, radius, angle, x, y, normal, curvature, pressure = np.array(cells).reshape(-1, len(_PROFILE)).T
+    facing = np.exp(1j * np.radians(normal))
+    return Profile(np.radians(theta), x + 1j * y, radius, np.radians(angle), facing, curvature, np.radians(pressure))
 
 
-def _contour(path: Path) -> list[tuple[complex, complex, float]]:
-    """Ends and bulge of each piece in a table of a path; FileError where it is none."""
+def _read_path(path: Path) -> list[Step]:
+    """A table of a path; FileError where it is none."""
     try:
-        found = []
-        for row in _rows(path):
-            x0, y0, x1, y1 = (float(row[key]) for key in _PATH[1:5])
-            sweep = float(row["sweep_deg"]) if row["piece"].startswith("arc") else 0.0
-            found.append((complex(x0, y0), complex(x1, y1), math.tan(math.radians(sweep) / 4)))
-        return found
-    except (KeyError, ValueError, TypeError) as error:
-        raise FileError(path, f"not a table of a path: {error!r}") from None
+        return [_step(*row) for row in _rows(path, _PATH)]
+    except ValueError as error:
+        raise FileError(path, f"not a table of a path: {error}") from None
+
+
+def _step(kind: str, *cells: str) -> Step:
+    """A row of a path's table."""
+    x0, y0, x1, y1 = map(_number, cells[:4])
+    x, y, radius, sweep = (_number(cell) if cell else math.nan for cell in cells[4:])
+    return Step(kind, complex(x0, y0), complex(x1, y1), complex(x, y), radius, math.radians(sweep))

@@ -19,7 +19,8 @@ from camgen.machines.mechanism import Mechanism
 from camgen.parts.catalogue import DENSITY, TURNED, Bought
 from camgen.parts.fits import Compensation, compensated
 from camgen.pipeline.jobs import Case, Progress, Workers
-from camgen.study import Plate, Table
+from camgen.pipeline.summary import draw_part
+from camgen.study import Table
 
 if TYPE_CHECKING:
     from camgen.files.plates import Side
@@ -46,12 +47,12 @@ def make_parts(case: Case, only: frozenset[str], workers: Workers, progress: Pro
     return meshes, sent
 
 
-def put_together(case: Case, only: frozenset[str], made: Made, progress: Progress) -> list[Plate]:
-    """Write what the parts make together: their list, tables, the assembly, and the plates, which are returned."""
+def put_together(case: Case, only: frozenset[str], made: Made, progress: Progress) -> None:
+    """Write what the parts make together: their list, tables, the assembly, and the plates."""
     mechanism, (meshes, sent) = case.mechanism, made
     listed = mechanism.printed()
-    sides = lying_sides(mechanism, sent if "3mf" in only else {})
-    write_parts_list(case.folder / f"{mechanism.name}-parts.csv", mechanism, sides)
+    sides = lying_sides(mechanism, written(case) if "3mf" in only else {})
+    write_parts_list(case.file("parts", "csv"), mechanism, sides)
     if "dxf" in only and mechanism.laser is not None:
         from camgen.pipeline.laser import make_sheets
 
@@ -63,20 +64,25 @@ def put_together(case: Case, only: frozenset[str], made: Made, progress: Progres
     if "step" in only:
         write_exact_assembly(case)
     if "3mf" not in only:
-        return []
+        return
     from camgen.files.threemf import write_3mf
 
     progress("putting the assembly together", 0.4)
     write_3mf(case.folder / f"{mechanism.name}-assembly.3mf", meshes, assembled(mechanism), _key(mechanism))
     if not listed:
-        return []
-    from camgen.files.plates import laid_out, placed, write_plates
+        return
+    from camgen.files.plates import laid_out, write_plates
 
     progress("laying out the plates", 0.42)
     layout = laid_out(listed, sent, mechanism.print.bed, PLATE_GAP, sides, mechanism.print.bed_margin)
-    paths = write_plates(case.folder, mechanism.name, layout, sent, _key(mechanism))
-    laid = [[(copy.object, copy.transform) for copy in placed(spots)] for spots in layout.plates]
-    return [Plate(path.name, copies) for path, copies in zip(paths, laid, strict=True)]
+    write_plates(case.folder, mechanism.name, layout, sent, _key(mechanism))
+
+
+def written(case: Case) -> dict[str, Mesh]:
+    """The solid of each part's 3MF, as it is sent to the printer."""
+    from camgen.files.threemf import read_3mf
+
+    return {name: item.mesh for name in case.parts for item in read_3mf(case.file(name, "3mf")).items[:1]}
 
 
 def lying_sides(mechanism: Mechanism, meshes: Mapping[str, Mesh]) -> dict[str, Side]:
@@ -113,10 +119,7 @@ def _make_part(case: Case, name: str, only: frozenset[str]) -> tuple[Mesh, Mesh]
         with suppress(DesignError) if kind in EXACT else nullcontext():  # a part that has none is told as files are judged
             write_part(case.file(name, kind), job)
     if "dxf" in only:
-        from camgen.files.drawing import write_drawing
-        from camgen.pipeline.drawings import facts_of
-
-        write_drawing(case.folder, mechanism.name, part, tolerance, facts_of(mechanism, part))
+        draw_part(case, name, case.folder)
     return None if mesh is None or sent is None else (mesh, sent)
 
 

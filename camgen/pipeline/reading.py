@@ -10,13 +10,14 @@ import numpy as np
 
 from camgen.errors import DesignError
 from camgen.files.formats import EXACT, FORMATS, READABLE
-from camgen.findings import Finding, NotJudged
+from camgen.findings import Finding, NotJudged, at_most
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.as_printed import printed
 from camgen.judge.round_trip import (
     Undo,
+    judge_dimensioned,
     judge_drawing,
     judge_exact,
     judge_mesh,
@@ -52,13 +53,18 @@ def judge_part(case: Case, name: str, kinds: Sequence[str]) -> tuple[Outcome, Re
     for kind in kinds:
         path = case.file(name, kind)
         if kind in EXACT and not path.exists():
-            refused += _without(part, tolerance)
+            why = _without(part, tolerance)
+            refused += why
+            if not why:
+                findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", path.name, "it is not there, and the part can have one"))
             continue
         solid = FORMATS[kind].solid
         sent, drawn = (fit, None) if solid else (None, mechanism.output)
         meant = expected(part, tolerance, features, sent, drawn)
         judged = _JUDGES[FORMATS[kind].holds](path, meant)
         findings += judged.findings
+        if kind == "dxf":
+            findings.append(judge_dimensioned(case.file(f"{name}-drawing", kind), meant))
         if judged.sections:
             read[kind] = judged.sections
     return Outcome(findings, not_judged=refused), read

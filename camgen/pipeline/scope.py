@@ -85,16 +85,16 @@ def of_parts(mechanism: Mechanism) -> list[Stage]:
 
 
 def not_judged(
-    stages: Sequence[Stage], kinds: Collection[str], findings: Sequence[Finding], lacks: str
+    stages: Sequence[Stage], kinds: Collection[str], findings: Sequence[Finding]
 ) -> tuple[NotJudged, ...]:
-    """Codes that no stage could give: no file of its kinds is there (`lacks` says so), or none that could be judged."""
+    """Codes that no stage could give: no file of its kinds is there, or none that could be judged."""
     told, failing = {finding.code for finding in findings}, any(not finding.ok for finding in findings)
     found: dict[str, NotJudged] = {}
     for stage in stages:
         needs = " or ".join(kind.upper() for kind in stage.takes)
         for code in stage.codes:
             if not stage.runs(kinds):
-                found.setdefault(code, NotJudged(code, f"no {needs} {lacks}; it looks at {stage.what}", needs))
+                found.setdefault(code, NotJudged(code, f"no {needs} is in the folder; it looks at {stage.what}", needs))
             elif failing and code not in told:
                 why = f"no {needs} could be judged so far, see what fails; it looks at {stage.what}"
                 found.setdefault(code, NotJudged(code, why, "a file without the faults above"))
@@ -121,6 +121,10 @@ def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
             found.append(f"laser.thickness = {mechanism.laser.thickness:g}: {told}, so there is no sheet")
     elif mechanism.laser is not None:
         found.append("[laser] makes its sheets with the DXF, and no DXF is made")
+    if mechanism.output.engrave and not any(part.engraved for part in mechanism.parts()):
+        found.append("output.engrave = true: no part has anything engraved")
+    elif mechanism.output.engrave and not any(kind in kinds for kind in DRAWN):
+        found.append(f"output.engrave = true acts on {drawn} alone, and no {drawn} is made")
     idle = mechanism.idle()
     if idle:
         found.append(f'{", ".join(idle)} {"is" if len(idle) == 1 else "are"} not used with parts.make = "machine": see [bodies]')

@@ -11,6 +11,7 @@ import numpy as np
 
 from camgen.errors import DesignError
 from camgen.geometry.arcs import bulges, fit_arcs
+from camgen.geometry.outlines import extent
 from camgen.machine.features import PartPose
 from camgen.machine.model import Path, Pose, unit_of
 from camgen.machines.mechanism import Mechanism
@@ -21,6 +22,7 @@ from camgen.study import Plate, Scene, Sketch, Step
 
 if TYPE_CHECKING:
     from camgen.geometry.mesh import Mesh
+    from camgen.judge.scene import Flight
     from camgen.parts.part import Part
 
 _DRAWN = 0.01  # mm, arc tolerance of the moving picture
@@ -85,6 +87,22 @@ def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
         steps.append(Step(words, found))
     made = glb(mechanism.name, shapes, moving, mechanism.shown_turns)
     return Scene(made, order, plates, steps, Scene.work if table.title.startswith("Assembly") else table.title)
+
+
+def flights(mechanism: Mechanism) -> dict[str, Flight]:
+    """Where each copy of each part is over the animation, by its name."""
+    from camgen.judge.scene import Flight
+
+    theta = _turn(mechanism, _FRAMES_3D)
+    poses, found = mechanism.poses(np.append(theta, theta[0])), {}
+    for part in mechanism.parts():
+        low, high = extent([layer.region.outer for layer in part.layers])
+        reach = max(abs(complex(x, y)) for x in (low.real, high.real) for y in (low.imag, high.imag)) + part.thickness
+        for k, pose in enumerate(poses[part.name]):
+            frames = len(theta) + 1
+            angle, place = np.broadcast_to(pose.angle, frames), np.broadcast_to(np.asarray(pose.place, complex), frames)
+            found[f"{part.name}-{k + 1}"] = Flight(part.name, angle, place, pose.z, pose.flipped, part.thickness, reach)
+    return found
 
 
 def _over(pose: Pose, frames: int) -> tuple[Floats, Points]:

@@ -1,7 +1,6 @@
 """Many variants of one spec, each judged, as rows of one table; what is done survives a kill.
 
-    journal   a file beside the table: its first line says which sweep it is of, each further one is a variant's row; a run
-              that finds one of its own goes on from there
+    journal   a file beside the table, with the rows that are done
     chunk     numbers of some variants, growing, the task of one worker: pure, so that it may run twice
     engine    runs chunks: here, in processes of this machine, or on a Dask cluster; rows are written here alone
 """
@@ -9,16 +8,13 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import math
-import os
 import re
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
@@ -27,11 +23,11 @@ from typing import Any
 import numpy as np
 
 from camgen import __version__
-from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, file_errors
-from camgen.files.folder import locked
+from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, counted
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.tables import with_tables
 from camgen.pipeline.jobs import Progress, Template, changed, end_with_parent, prepare, read_tables, silent
+from camgen.pipeline.sweep_journal import Journal
 from camgen.pipeline.sweep_tables import WRITERS, Row, pyarrow_at
 from camgen.pipeline.variants import Variants
 from camgen.report.sweep_page import shown_step, write_page
@@ -129,81 +125,6 @@ def _judge_chunk(task: Task, numbers: Chunk) -> list[Row]:
     return judged(task, numbers)
 
 
-# ---- the journal -----------------------------------------------------------------------------------------------------
-
-
-class Journal:
-    """Rows on disk as they come, one a line, and where each variant's row begins."""
-
-    def __init__(self, path: Path, task: Task) -> None:
-        self.path = path
-        self.places = np.full(task.variants.count, -1, dtype=np.int64)
-        head = json.dumps({"camgen": __version__, "sweep": task.digest, "variants": task.variants.count}) + "\n"
-        with file_errors():
-            path.parent.mkdir(parents=True, exist_ok=True)
-            self._file = open(path, "a+b")  # noqa: SIM115
-            self._file.seek(0)
-            if not locked(self._file, wait=False):
-                self._file.close()
-                raise FileError(path, "another run of camgen writes it; wait for that, or choose another table with -o")
-            first = self._file.readline()
-            if not first.endswith(b"\n"):  # new, or ended before its first line was whole
-                self._file.truncate(0)
-                self._file.write(head.encode())
-            elif first != head.encode():
-                self._file.close()
-                said = "is the journal of another sweep; remove it, or choose another table with -o"
-                raise FileError(path, said)
-            else:
-                self._read()
-            self._file.seek(0, os.SEEK_END)
-
-    def _read(self) -> None:
-        """Find the rows; from a line on that was cut off, or is none of ours, they are dropped."""
-        place = self._file.tell()
-        for line in iter(self._file.readline, b""):
-            try:
-                row = json.loads(line) if line.endswith(b"\n") else None
-            except ValueError:
-                row = None
-            sound = isinstance(row, dict) and {"variant", "verdict", "fails", "reason"} <= row.keys()
-            number = row["variant"] if sound else None  # type: ignore[index]
-            if not (type(number) is int and 0 <= number < len(self.places)):
-                self._file.truncate(place)  # what follows is judged again
-                return
-            self.places[number] = place
-            place += len(line)
-
-    @property
-    def done(self) -> int:
-        """How many variants have a row."""
-        return int(np.count_nonzero(self.places >= 0))
-
-    def add(self, rows: Iterable[Row]) -> None:
-        """Write the rows of variants that have none yet; FileError where the disk is full."""
-        try:
-            for row in rows:
-                if self.places[row["variant"]] < 0:
-                    self.places[row["variant"]] = self._file.tell()
-                    self._file.write(json.dumps(row, ensure_ascii=False).encode() + b"\n")
-            self._file.flush()
-        except OSError as error:
-            said = f"{error.strerror or error}; {self.done} variants are in it: the same command goes on from there"
-            raise FileError(self.path, said) from None
-
-    def rows(self, step: int = 1) -> Iterator[Row]:
-        """All rows by the variants' numbers, or every second one, third one..."""
-        for place in self.places[self.places >= 0][::step]:
-            self._file.seek(int(place))
-            yield json.loads(self._file.readline())
-        self._file.seek(0, os.SEEK_END)
-
-    def close(self) -> None:
-        """Leave the file as it is; what a full disk refused was told."""
-        with suppress(OSError):
-            self._file.close()
-
-
 # ---- engines ---------------------------------------------------------------------------------------------------------
 
 Engine = Callable[[Task, Iterator[Chunk]], Iterator[list[Row]]]
@@ -295,7 +216,10 @@ class Cluster:
 
 @dataclass(frozen=True)
 class Swept:
-    """What a sweep came to: variants of each verdict, most frequent reasons, how many further ones, s, rows done before."""
+    """What a sweep came to: variants of each verdict, most frequent reasons, how many further ones, s, rows done before.
+
+    strange: lines of the journal that were not as this sweep wrote them.
+    """
 
     count: int
     verdicts: Mapping[str, int]
@@ -304,6 +228,7 @@ class Swept:
     seconds: float
     before: int
     columns: Sequence[str]
+    strange: int = 0
 
     @property
     def told(self) -> str:
@@ -317,7 +242,9 @@ class Swept:
         again = f", {self.before} of them done before" if self.before else ""
         rows = f"{self.count} row{'s' if self.count > 1 else ''}{again}"
         place = f"{rows}, {self.seconds:.1f} s: {table} and {table.with_suffix('.html').name} beside it"
-        return [self.told, *(f"  {n} x {reason}" for reason, n in self.reasons), *([more] if self.further else []), place]
+        anew = f"{counted(self.strange, 'line')} of the journal not as this sweep wrote them: those variants are judged again"
+        reasons = [f"  {n} x {reason}" for reason, n in self.reasons]
+        return [self.told, *reasons, *([more] if self.further else []), *([anew] if self.strange else []), place]
 
 
 def sweep(
@@ -342,7 +269,7 @@ def sweep(
         took = f"at {1e3 * each:.2g} ms each they would take {_span(count * each / max(jobs, 1))} on {cores}"
         most = f"at most {MOST:,}, for {took}; fewer values, or --latin N"
         raise SpecError([Fault("--vary", f"{count:,} variants", most)], "command line")
-    journal = Journal(table.with_name(table.name + ".journal"), task)
+    journal = Journal(table.with_name(table.name + ".journal"), task.digest, count)
     try:
         before = journal.done
         journal.add(first)
@@ -361,7 +288,7 @@ def sweep(
         del reasons[""]
         write(table, list(columns), journal.rows())
         found = Swept(count, dict(verdicts), reasons.most_common(_REASONS), max(len(reasons) - _REASONS, 0),
-                      time.perf_counter() - began, before, list(columns))  # fmt: skip
+                      time.perf_counter() - began, before, list(columns), journal.strange)  # fmt: skip
         keys = [axis.key for axis in task.variants.axes]
         named = table.with_suffix(".html"), f"Sweep of {Path(task.source).stem}", found.told
         units = {key: unit(key) for key in keys}

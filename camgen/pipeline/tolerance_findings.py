@@ -22,6 +22,7 @@ from camgen.errors import DesignError
 from camgen.findings import Finding, at_least, at_most
 from camgen.judge.cams import Followed
 from camgen.judge.joints import Outline
+from camgen.machine.cams.machine import keeps_contact
 from camgen.machine.constraints import Constraints
 from camgen.machine.model import Along, Angle, Cam, Law, Machine, Output
 from camgen.machine.reach import folds
@@ -39,13 +40,13 @@ _LITTLE = 1e-3  # of its limit, of what needs no yield
 
 @dataclass(frozen=True)
 class Judged:
-    """A finding of copies: what it is of, its limit, the least where floor is set; values, (copies,), as designed first."""
+    """A finding of copies: what it is of, its limit and how they compare with it; values, (copies,), as designed first."""
 
     code: str
     what: str
     unit: str
     limit: float
-    floor: bool
+    sign: str
     designed: float
     values: Floats
     holds: Floats
@@ -64,7 +65,7 @@ def judged(spread: Spread, errors: Floats) -> list[Judged]:
         holds = np.array([each is not None and each.ok for each in made])
         little = not finding.floor and finding.limit > 0 and np.all(np.abs(values) < _LITTLE * finding.limit)
         if not little and not np.all(np.abs(values - finding.measured) <= _SAME * abs(finding.measured)):
-            found.append(Judged(code, what, finding.unit, finding.limit, finding.floor, finding.measured, values, holds))
+            found.append(Judged(code, what, finding.unit, finding.limit, finding.sign, finding.measured, values, holds))
     return sorted(found, key=lambda each: float(np.mean(each.holds)))
 
 
@@ -138,9 +139,9 @@ def _of_model(copy: Mechanism, machine: Machine, limits: Sequence[Finding]) -> I
     if len(forced) > 1:  # of several that are judged, each says its name
         forced = [name for name in forced if any(each.code == "LIFT_OFF" and name in each.where for each in limits)]
     if "LIFT_OFF" in asked and forced:
-        forces = solve(pulled(copy), np.linspace(*copy.range, 1441)).forces()
-        least = min(float(np.nanmin(forces.pressing[name])) for name in forced)
-        yield at_least("LIFT_OFF", least, asked["LIFT_OFF"].limit, "N", "contact", "")
+        theta = np.linspace(*copy.range, 1441)
+        pressing = solve(pulled(copy), theta).forces().pressing
+        yield keeps_contact(theta, np.fmin.reduce([pressing[name] for name in forced]), False, "contact", "")
 
 
 # ---- the motion of a copy's cams ---------------------------------------------------------------------------------------

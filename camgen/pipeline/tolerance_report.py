@@ -191,7 +191,7 @@ def _findings(found: Sequence[Judged], numbers: dict[str, float]) -> list[Table]
     """Each finding of copies that were judged one by one."""
     rows = []
     for each in found:
-        limit, good = f"{'>=' if each.floor else '<='} {each.limit:.4g}", 100 * float(np.mean(each.holds))
+        limit, good = f"{each.sign} {each.limit:.4g}", 100 * float(np.mean(each.holds))
         mean, size = float(np.nanmean(each.values)), float(np.nanstd(each.values))
         rows.append((each.code, each.what, each.unit, limit, each.designed, mean, size, good, _sure(each.holds)))
         name = f"{each.code.lower()}_yield"

@@ -201,7 +201,7 @@ def to_change(report: Report) -> str:
         f'<tr class="bad"><td class="mark"><b>FAILS</b></td><th scope="row"><code>{escape(f.code)}</code> '
         f"<small>{escape(where)}</small><p>{escape(f.message)}</p></th>"
         f'<td class="n">{_text(f.measured)}{_unit(f.unit)}</td>'
-        f'<td class="n">{"≥" if f.floor else "≤"} {_text(f.limit)}{_unit(f.unit)}</td></tr>'
+        f'<td class="n">{_SIGNS[f.sign]} {_text(f.limit)}{_unit(f.unit)}</td></tr>'
         for f, where in failing
     ]
     rows += [_not_judged(each) for each in report.not_judged]
@@ -259,6 +259,7 @@ def margins(findings: Sequence[Finding]) -> str:
     return text
 
 
+_SIGNS = {"<=": "≤", ">=": "≥", ">": "&gt;"}
 _ALWAYS = ("MOTION_ERROR", "LASH", "PRESSURE_ANGLE", "TRANSMISSION_ANGLE", "INTERFERENCE")
 
 
@@ -270,7 +271,7 @@ def _margins(groups: Sequence[Sequence[Finding]], kinds: Sequence[str]) -> str:
         cells = "".join(_cell([f for f in group if _kind(f) == kind], kind) for kind in kinds)
         state = "ok" if worst.ok else "bad"
         verdict = "holds" if worst.ok else "FAILS"
-        limit = f"{'≥' if worst.floor else '≤'}&nbsp;{rounded(worst.limit, 4)}{_unit(worst.unit)}"
+        limit = f"{_SIGNS[worst.sign]}&nbsp;{rounded(worst.limit, 4)}{_unit(worst.unit)}"
         rows.append(
             f'<tr class="{state}"><th scope="row"><span class="mark"><b>{verdict}</b></span> <code>{escape(worst.code)}</code>'
             f"<p>{escape(worst.message)} <small>{escape(worst.where)}</small></p></th>{cells}"

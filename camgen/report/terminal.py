@@ -141,8 +141,8 @@ def _in_words(finding: Finding, where: str) -> str:
     unit = f" {finding.unit}" if finding.unit else ""
     size = f"{number(finding.measured, NOISE * finding.ok)}{unit}"
     measured = size if not math.isnan(finding.measured) else "could not be measured"
-    most, asked = ("least", "asked") if finding.floor else ("most", "allowed")
-    limit = "" if math.isnan(finding.limit) else f"; at {most} {number(finding.limit)}{unit} is {asked}"
+    bound, asked = {"<=": ("at most", "allowed"), ">=": ("at least", "asked"), ">": ("more than", "asked")}[finding.sign]
+    limit = "" if math.isnan(finding.limit) else f"; {bound} {number(finding.limit)}{unit} is {asked}"
     at = f" ({where})" if where else ""
     message = finding.message[:1].upper() + finding.message[1:]
     return f"{finding.code}{at} {'holds' if finding.ok else 'fails'}: {measured}{limit}. {message}".rstrip(" .") + "."
@@ -183,7 +183,7 @@ def _first_and_rest(plates: Sequence[str]) -> str:
 def _cells(report: Report, finding: Finding, of: int) -> dict[str, str]:
     """A row of the table by its columns; of: how many findings it stands for."""
     margin, noise = abs(finding.limit - finding.measured), NOISE * finding.ok
-    limit = "none" if math.isnan(finding.limit) else f"{'>=' if finding.floor else '<='} {number(finding.limit)}"
+    limit = "none" if math.isnan(finding.limit) else f"{finding.sign} {number(finding.limit)}"
     short = finding.where.removeprefix(f"{report.name}-").replace("cam angle ", "at ").replace(", crank angle ", ", at ")
     cells = {
         "finding": finding.code, "measured": number(finding.measured, noise), "limit": limit,

@@ -7,17 +7,19 @@ from dataclasses import replace
 
 import ezdxf
 import pytest
+import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_solids import TOLERANCE, cam, hub, oval
 
+from camgen.files import views
 from camgen.files.dimensions import edge_rows, holes_of, nearest_and_farthest, number
 from camgen.files.drawing import write_drawing
 from camgen.files.sheet import LAYERS, Text
 from camgen.files.title_block import Facts
 from camgen.geometry.arcs import fit_arcs
 from camgen.geometry.outlines import Arc, Contour, Line, Region, circle, kidney, polygon
-from camgen.parts.part import Layer, Part, hull, keyed_bore
+from camgen.parts.part import Layer, Part, d_bore, hull, keyed_bore
 from camgen.pipeline.jobs import read_mechanism
 
 META = Facts("uniform-swing", "steel (C45)", 12.345, "ISO 2768-m")
@@ -219,3 +221,48 @@ def test_what_is_measured_of_a_coupon_has_its_name_and_no_label_lies_on_an_edge(
     assert "98 over the far walls of A and B" in words and "Height over all 12" in words
     (gap,) = [e for e in space.query("TEXT[layer=='DIM']") if e.dxf.text == "gap 8"]
     assert gap.dxf.align_point.y > 6 + 0.5  # the gap is from -6 to 6
+
+
+# ---- sections --------------------------------------------------------------------------------------------------------
+
+
+def stepped(*layers: tuple[Contour, tuple[Contour, ...], float, float]) -> Part:
+    return Part("p", "P", tuple(Layer(Region(outer, holes), z0, z1) for outer, holes, z0, z1 in layers))
+
+
+def beyond(part: Part) -> set[tuple[float, float, float, float]]:
+    """Edges that are seen behind the cut, as x0, z0, x1, z1 to a hundredth, from left to right or upwards."""
+    found = views.section(part, 1e-4)
+    assert found is not None
+    ends = [sorted(((a.real, a.imag), (b.real, b.imag))) for a, b in found.beyond]
+    return {tuple(round(float(value), 2) + 0.0 for value in (*a, *b)) for a, b in ends}
+
+
+@pytest.mark.parametrize("bore", [keyed_bore(8, 2, 1), d_bore(8, 0.5), circle(0, 4)], ids=["keyway", "flat", "plain"])
+def test_a_section_goes_through_the_axis_of_the_bore(bore: Contour) -> None:
+    """A keyway or a flat moves the middle of the bore's box: cut there a bore of 8 mm showed 7.94."""
+    found = views.section(stepped((circle(0, 20), (bore,), 0, 6), (circle(0, 10), (bore,), 6, 12)), 1e-4)
+    assert found is not None and found.y == 0
+    faces = sorted(face.bounds[0::2] for face in shapely.get_parts(found.faces))
+    assert faces[0][0] == pytest.approx(-20, abs=0.01) and faces[0][1] == pytest.approx(-4, abs=0.01)
+    assert faces[-1][0] == pytest.approx(4, abs=0.01) and faces[-1][1] == pytest.approx(20, abs=0.01)
+
+
+def test_behind_a_through_bore_only_its_ends_are_seen() -> None:
+    """Of a hub on a disc: the bore's wall is one face from end to end, and hides the step outside; so does the hub's own side."""
+    seen = beyond(stepped((circle(0, 20), (circle(0, 4),), 0, 6), (circle(0, 10), (circle(0, 4),), 6, 12)))
+    assert seen == {(-4, 0, 4, 0), (-4, 12, 4, 12)}
+
+
+def test_behind_a_wider_bore_its_floor_is_seen() -> None:
+    """A bore of 4 that opens to 8 halfway: its step is an edge over all 8; a narrower one in front hides nothing of it."""
+    seen = beyond(stepped((circle(0, 20), (circle(0, 2),), 0, 6), (circle(0, 20), (circle(0, 4),), 6, 12)))
+    assert seen == {(-2, 0, 2, 0), (-4, 12, 4, 12), (-2, 6, 2, 6)}  # beside the narrower one it is the cut's own edge
+
+
+def test_behind_a_blind_pocket_its_wall_is_seen_and_what_stands_before_hides_what_is_behind() -> None:
+    """A plate 40 x 40 with a pocket 10 x 10 whose middle is the axis; in it stands a post 4 wide, 3 high, behind the cut."""
+    plate, pocket = polygon([-20 - 20j, 20 - 20j, 20 + 20j, -20 + 20j]), polygon([-5 - 5j, 5 - 5j, 5 + 5j, -5 + 5j])
+    post = polygon([-2 - 3j, 2 - 3j, 2 - 1j, -2 - 1j])
+    part = stepped((plate, (), 0, 4), (plate, (pocket,), 4, 10), (post, (), 4, 7))
+    assert beyond(part) == {(-5, 10, 5, 10), (-2, 4, -2, 7), (2, 4, 2, 7), (-2, 7, 2, 7)}

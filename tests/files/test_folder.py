@@ -71,6 +71,15 @@ def test_failure_leaves_no_parents_behind(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_way_through_a_folder_that_is_not_there_yet(tmp_path: Path) -> None:
+    target = tmp_path / "x" / ".." / "y" / "cam"
+    with pytest.raises(ValueError), Staged(target):
+        raise ValueError
+    assert list(tmp_path.iterdir()) == []
+    make(target)
+    assert (tmp_path / "y" / "cam" / "a.txt").read_text() == "first" == (target / "a.txt").read_text()
+
+
 def test_earlier_result_stays_while_the_new_one_is_made(tmp_path: Path) -> None:
     make(tmp_path / "cam")
     with Staged(tmp_path / "cam") as folder:

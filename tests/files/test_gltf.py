@@ -6,12 +6,17 @@ import io
 import json
 import math
 import struct
+from contextlib import suppress
+from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
+from hypothesis import given
+from hypothesis import strategies as st
 
-from camgen.files.gltf import SECONDS, Moving, Shape, glb
+from camgen.errors import FileError
+from camgen.files.gltf import SECONDS, Moving, Shape, glb, read_glb
 from camgen.files.threemf import placing
 from camgen.geometry.mesh import Mesh
 
@@ -117,3 +122,59 @@ def test_a_body_waits_where_the_machine_cannot_go() -> None:
     rotation = values(data, file["animations"][0]["samplers"][0]["output"])
     waits = np.flatnonzero((THETA > 1) & (THETA < 2))
     assert np.isfinite(rotation).all() and np.all(rotation[waits] == rotation[waits[0] - 1])
+
+
+# ---- read back -------------------------------------------------------------------------------------------------------
+
+
+def test_bodies_come_back_as_they_move(data: bytes, tmp_path: Path) -> None:
+    (path := tmp_path / "a.glb").write_bytes(data)
+    found = read_glb(path)
+    assert [course.name for course in found] == ["ground", "crank", "slider"]
+    assert [[copy[:2] for copy in course.copies] for course in found] == [
+        [("base-1", "base")], [("arm-1", "arm"), ("arm-2", "arm")], [("base-2", "base")]
+    ]  # fmt: skip
+    for course, body in zip(found, BODIES, strict=True):
+        count = len(course.angle)
+        assert count == (1 if body.name == "ground" else 361)
+        assert np.abs(np.exp(1j * course.angle) - np.exp(1j * np.resize(body.angle, count))).max() < 1e-6
+        assert np.abs(course.place - np.resize(body.place, count)).max() < 1e-5
+        for (_, _, there), (_, _, meant) in zip(course.copies, body.copies, strict=True):
+            assert np.abs(there - meant).max() < 1e-8
+    assert found[1].seconds[-1] == SECONDS and np.allclose(np.diff(found[1].seconds), SECONDS / 360, rtol=1e-4)
+
+
+STRANGE = [
+    lambda whole: whole["nodes"][1].update(scale=[1, 1, 1]), lambda whole: whole["nodes"][1].update(mesh=0),
+    lambda whole: whole["nodes"][0].update(translation=[0, 0, 1]), lambda whole: whole["nodes"][0].update(scale=[1, 1, 1]),
+    lambda whole: whole["nodes"][2].update(extensions={}), lambda whole: whole.update(skins=[]),
+    lambda whole: whole.update(extensionsUsed=["KHR_node_visibility"]), lambda whole: whole["scenes"][0]["nodes"].append(1),
+    lambda whole: whole["animations"][0]["samplers"][0].update(interpolation="STEP"),
+    lambda whole: whole["nodes"][1].update(name=5),
+    lambda whole: whole["animations"].append(whole["animations"][0]), lambda whole: whole["nodes"].append({"name": "x"}),
+    lambda whole: whole["accessors"][-1].update(sparse={}), lambda whole: whole["accessors"][-1].update(count=3),
+    lambda whole: whole["bufferViews"][-1].update(byteStride=20), lambda whole: whole["nodes"][3].update(rotation=[0, 0, 1, 0]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("number", range(len(STRANGE)))
+def test_what_could_move_scale_or_hide_something_is_refused(data: bytes, tmp_path: Path, number: int) -> None:
+    whole, rest = chunks(data)
+    STRANGE[number](whole)
+    text = json.dumps(whole).encode()
+    text += b" " * (-len(text) % 4)
+    head = struct.pack("<4sIII4s", b"glTF", 2, 28 + len(text) + len(rest), len(text), b"JSON")
+    (path := tmp_path / "a.glb").write_bytes(head + text + struct.pack("<I4s", len(rest), b"BIN\0") + rest)
+    with pytest.raises(FileError, match="not a machine in GLB as camgen writes it"):
+        read_glb(path)
+
+
+@given(draw=st.data())
+def test_any_bytes_are_read_or_refused(data: bytes, tmp_path_factory: pytest.TempPathFactory, draw: st.DataObject) -> None:
+    path = tmp_path_factory.getbasetemp() / "any.glb"
+    damaged = bytearray(data)
+    for _ in range(draw.draw(st.integers(1, 4))):
+        damaged[draw.draw(st.integers(0, 4000))] = draw.draw(st.sampled_from(b'0159-.,:"[]{}eE\x00\xff'))
+    path.write_bytes(bytes(damaged[: draw.draw(st.integers(0, len(damaged)))]) if draw.draw(st.booleans()) else bytes(damaged))
+    with suppress(FileError):
+        read_glb(path)

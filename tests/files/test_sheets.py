@@ -18,7 +18,7 @@ from ezdxf.layouts import Modelspace
 
 from camgen.files.dimensions import free, holes_of, number
 from camgen.files.drawing import write_drawing
-from camgen.files.sheet import LAYERS
+from camgen.files.sheet import LAYERS, Text
 from camgen.files.stl import read_stl, write_stl
 from camgen.files.title_block import Facts
 from camgen.geometry.arcs import as_circle
@@ -343,7 +343,10 @@ def each_label_has_its_hole(sheet: Drawn) -> None:
             (complex(e.dxf.start.x, e.dxf.start.y), complex(e.dxf.end.x, e.dxf.end.y))
             for e in sheet.space.query("LINE[layer=='DIM']")
         ]
-        near = [tip for start, tip in ends if abs(start - place) * sheet.scale < 3]
+        half = Text(0j, name, 2.5).room / 2 + 1.25j  # mm of paper, of the label's box, from whose edge its leader starts
+        apart = [(start - place) * sheet.scale for start, _ in ends]
+        beside = [abs(z.real) < half.real + 1 and abs(z.imag) < half.imag + 1 for z in apart]
+        near = [tip for (_, tip), close in zip(ends, beside, strict=True) if close]
         tips = [min(abs(tip - own.middle), rims[own].distance(shapely.Point(tip.real, tip.imag))) for tip in near]
         assert tips and min(tips) * sheet.scale < 0.1, (sheet.part.name, name)
 

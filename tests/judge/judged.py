@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import tomllib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache, lru_cache
 from pathlib import Path
 
@@ -55,12 +55,16 @@ def _part(case: Case, name: str, kinds: tuple[str, ...]) -> tuple[Outcome, Read]
 
 
 def judged(folder: Path, *kinds: str) -> Report:
-    """The report on files of some kinds, "dxf", "stl" or "3mf", as `camgen check` judges them; of none named on all of them."""
+    """The report on files of some kinds, "dxf", "stl" or "3mf", as `camgen check` judges them; of none named on all of them.
+
+    Of some kinds without PARTS_LIST: the list in the folder is that of all, such as on which side each solid lies.
+    """
     if not kinds:
         return check(folder)
     with Workers() as workers:
         case = Case(mechanism_of(folder), folder)
-        return judge(case, kinds, (_part(case, name, kinds) for name in case.parts), workers, silent, "is in the folder")[0]
+        report = judge(case, kinds, (_part(case, name, kinds) for name in case.parts), workers, silent)[0]
+    return replace(report, findings=[finding for finding in report.findings if finding.code != "PARTS_LIST"])
 
 
 def wrong(folder: Path, *kinds: str) -> list[Finding]:

@@ -6,6 +6,8 @@ import re
 import ezdxf
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from judged import judged, wrong
 from test_solids import oval
 
@@ -34,7 +36,7 @@ def plate(*holes, outer=None):
 def written(folder, part, kerf=KERF, places=((0.5, 50 + 45j), (-2.0, 140 + 50j))):
     """A sheet with copies of a part, and what is found on it."""
     path = compensated(part, Compensation(hole=-kerf / 2, profile=-kerf / 2)).region
-    pieces = [Piece(f"p-{k}", path.moved(np.exp(1j * angle), at)) for k, (angle, at) in enumerate(places)]
+    pieces = [Piece(f"plate-{k + 1}", path.moved(np.exp(1j * angle), at)) for k, (angle, at) in enumerate(places)]
     files = [folder / f"s.{ending}" for ending in ("dxf", "svg")]
     for file in files:
         write_sheet(file, pieces, (200.0, 100.0), TOLERANCE)
@@ -111,6 +113,107 @@ def test_damage_is_told(tmp_path):
     assert failing(files, laid, meant) == {"DXF_CLOSED"}
 
 
+# What moves, hides, scales or hands over to another tool what a laser reads, each at some line of a sheet.
+HEAD, GROUP, PIECE = "<svg ", '<g id="CUT" ', "<g><title>plate-1</title>\n"
+STRANGE = [
+    (GROUP, f'{GROUP}transform="scale(1.05)" '),
+    (GROUP, f'{GROUP}display="none" '),
+    (GROUP, f'{GROUP}style="visibility:hidden" '),
+    (GROUP, f'{GROUP}class="x" '),
+    ("<circle ", '<circle transform="translate(1)" '),
+    ("<path ", '<path pathLength="1" '),
+    ("<path ", '<path clip-path="url(#c)" '),
+    ("<circle ", '<circle opacity="0" '),
+    (PIECE, f"<g mask='url(#m)'>{PIECE[3:]}"),
+    (PIECE, f'{PIECE}<use href="#CUT" x="5"/>\n'),
+    (PIECE, f"{PIECE}<style>circle {{r: 9px}}</style>\n"),
+    (PIECE, f"{PIECE}<!-- -->\n"),
+    (PIECE, f'{PIECE}<g transform="rotate(3)">\n'),
+    (PIECE, f"{PIECE}&x;\n"),
+    (HEAD, '<?xml-stylesheet href="s.css"?>\n<svg '),
+    (HEAD, '<!DOCTYPE svg [<!ENTITY x "">]>\n<svg '),
+    (HEAD, f'{HEAD}x="3" '),
+    (HEAD, f'{HEAD}preserveAspectRatio="none" '),
+    ('viewBox="0 0 200 100"', 'viewBox="0 0 100 50"'),
+    ('width="200mm"', 'width="200"'),
+    ('viewBox="0 0', 'viewBox="1 0'),
+    ('stroke="#ff0000"', 'stroke="#f00"'),
+    ('fill="none"', 'fill="red"'),
+    ('stroke-width="0.025"', 'stroke-width="1"'),
+    ('mm" height', 'in" height'),
+    (" Z", ""),
+    (" Z", " Z M1 1 L2 2 Z"),
+    (" L", " l"),
+    (" 0 0 0 ", " 0 1 0 "),
+    (" 0 0 0 ", " 9 0 0 "),
+    ("</svg>\n", "</svg>\n<!-- -->\n"),
+    ("</svg>\n", ""),
+]
+
+
+@pytest.fixture(scope="module")
+def sheet(tmp_path_factory):
+    """A sheet of two copies with straight edges, arcs and circles."""
+    return written(tmp_path_factory.mktemp("sheet"), plate(keyed_bore(6, 2, 1).moved(shift=14 + 4j)))
+
+
+@pytest.mark.parametrize("was, now", STRANGE)
+def test_a_sheet_that_is_more_than_plain_geometry_is_told(sheet, tmp_path, was, now):
+    (dxf, svg), laid, meant, _ = sheet
+    text = svg.read_text(encoding="utf-8")
+    assert text.count(was) >= 1
+    (other := tmp_path / "s.svg").write_text(text.replace(was, now, 1), encoding="utf-8")
+    (told,) = [f for f in judge_sheet(dxf, other, laid, meant, BEAM)[0] if not f.ok]
+    assert (told.code, told.where) == ("ROUND_TRIP", "s.svg")
+    assert re.search(r"line \d+|its end|contours on 100 x 50", told.message)
+
+
+@given(st.data())
+def test_no_attribute_of_any_element_is_passed_over(sheet, tmp_path_factory, data):
+    """Whatever its name: those that SVG has today are not all that a program may know."""
+    text = sheet[0][1].read_text(encoding="utf-8")
+    place = data.draw(st.sampled_from([match.end() for match in re.finditer(r"<(?:svg|g|title|circle|path)\b", text)]))
+    name = data.draw(st.from_regex(r"[a-zA-Z_][a-zA-Z_:.-]{0,12}", fullmatch=True))
+    value = data.draw(st.text("abcxyz0123456789.%() ", max_size=8))
+    (other := tmp_path_factory.getbasetemp() / "other.svg").write_text(f'{text[:place]} {name}="{value}"{text[place:]}')
+    with pytest.raises(FileError, match="not a sheet in SVG as camgen writes it"):
+        read_svg(other)
+
+
+def test_what_is_read_is_all_that_there_is(sheet):
+    """The numbers of the text, put where the reader's rings have theirs: none is left over."""
+    _, layers = read_svg(sheet[0][1])
+    text = sheet[0][1].read_text(encoding="utf-8")
+    assert len(layers["CUT"].rings) == len(re.findall("<circle|<path", text)) == 6
+    edges = sum(len(ring.points) for ring in layers["CUT"].rings)
+    assert edges == len(re.findall(" [LA]", text)) + 2 * text.count("<circle")
+
+
+def test_an_arc_with_two_radii_is_told(sheet, tmp_path):
+    text = sheet[0][1].read_text(encoding="utf-8")
+    (other := tmp_path / "s.svg").write_text(re.sub(r" A([\d.]+) ([\d.]+) ", r" A\1 99 ", text, count=1))
+    with pytest.raises(FileError, match="an arc of the radii"):
+        read_svg(other)
+
+
+def test_a_piece_under_another_one_s_name_is_told(sheet, tmp_path):
+    (dxf, svg), laid, meant, _ = sheet
+    text = svg.read_text(encoding="utf-8")
+    (other := tmp_path / "s.svg").write_text(text.replace("plate-1", "plate-3"))
+    (told,) = [f for f in judge_sheet(dxf, other, laid, meant, BEAM)[0] if not f.ok]
+    assert told.where == "s.svg" and "names of the list" in told.message
+
+
+def test_a_layer_for_another_tool_is_told(sheet, tmp_path):
+    """A laser's program takes the tool by the layer's colour or line weight."""
+    (dxf, svg), laid, meant, _ = sheet
+    for key, value in (("color", 5), ("lineweight", 50), ("true_color", 255)):
+        drawing = ezdxf.readfile(dxf)
+        drawing.layers.get("CUT").dxf.set(key, value)
+        drawing.saveas(other := tmp_path / "s.dxf")
+        assert {f.code for f in judge_sheet(other, svg, laid, meant, BEAM)[0] if not f.ok} == {"DXF_CLOSED"}
+
+
 def test_pieces_over_the_edge_or_too_near_are_told(tmp_path):
     files, laid, meant, beam = written(tmp_path, plate(), places=((0.0, 20 + 45j), (0.0, 85 + 50j)))
     found = [f for f in judge_sheet(files[0], files[1], laid, meant, beam)[0] if f.code == "SHEET_FIT"]
@@ -127,9 +230,9 @@ def test_engraving_comes_first_and_is_not_cut(tmp_path):
     drawn = read_dxf(tmp_path / "s.dxf", engraving=True)
     size, layers = read_svg(tmp_path / "s.svg")
     assert size == (100.0, 50.0) and (len(drawn.cut), len(drawn.engraved)) == (2, 1)
-    assert {name: len(rings) for name, rings in layers.items()} == {"ENGRAVE": 1, "CUT": 2}
+    assert {name: len(layer.rings) for name, layer in layers.items()} == {"ENGRAVE": 1, "CUT": 2}
     assert read_dxf(tmp_path / "s.dxf").faults  # no drawing of one part
-    for ring, other in zip((*drawn.engraved, *drawn.cut), (*layers["ENGRAVE"], *layers["CUT"]), strict=True):
+    for ring, other in zip((*drawn.engraved, *drawn.cut), (*layers["ENGRAVE"].rings, *layers["CUT"].rings), strict=True):
         assert ring.area == pytest.approx(other.area, rel=1e-6) and ring.centroid == pytest.approx(other.centroid, abs=1e-6)
 
 
@@ -160,6 +263,10 @@ def test_a_linkage_of_sheet_moves_as_asked(tmp_path, root):
     assert {f.code for f in wrong(report.folder, "dxf")} >= {"MOTION_ERROR", "KERF", "ROUND_TRIP"}
     listed = again.folder / "linkage-sheets.csv"
     rows = list(csv.reader(listed.read_text().splitlines()))
+    column = rows[0].index("copy")
+    rows[1][column] = str(int(rows[1][column]) + 5)
+    listed.write_text("\n".join(map(",".join, rows)))
+    assert {f.where for f in wrong(again.folder, "dxf") if f.code == "SHEET_FIT"} == {listed.name}
     rows[1][3] = "no number"
     listed.write_text("\n".join(map(",".join, rows)))
     with pytest.raises(FileError, match="not a list of sheets"):

@@ -319,6 +319,10 @@ def unplotted(drawing: ezdxf.document.Drawing) -> None:
     drawing.layers.get("CUT").dxf.plot = 0
 
 
+def painted(**attributes: object) -> Callable[[ezdxf.document.Drawing], None]:
+    return lambda drawing: drawing.layers.get("CUT").update_dxf_attribs(attributes)
+
+
 def rim_with(**attributes: object) -> Callable[[ezdxf.document.Drawing], None]:
     return lambda drawing: rim(drawing).update_dxf_attribs(attributes)
 
@@ -347,6 +351,8 @@ def mark_a_centre(drawing: ezdxf.document.Drawing) -> None:
         pytest.param(of_cut_layer("lock"), {"DXF_CLOSED"}, id="layer locked"),
         pytest.param(unplotted, {"DXF_CLOSED"}, id="layer not plotted"),
         pytest.param(dashed, {"DXF_CLOSED"}, id="layer dashed"),
+        pytest.param(painted(color=5), {"DXF_CLOSED"}, id="layer for another tool"),
+        pytest.param(painted(true_color=255), {"DXF_CLOSED"}, id="layer in a true colour"),
         pytest.param(rim_with(invisible=1), {"DXF_CLOSED"}, id="invisible contour"),
         pytest.param(rim_with(const_width=2), {"DXF_CLOSED"}, id="contour with a width"),
         pytest.param(rim_with(transparency=0x020000FF - 255), {"DXF_CLOSED"}, id="transparent contour"),
@@ -460,11 +466,21 @@ def test_a_wrong_spec_beside_the_files_is_told(folder: Path) -> None:
     assert ("MOTION_ERROR", "dxf") in failing(folder, "dxf")
 
 
-@pytest.mark.parametrize("name", ["motion.csv", "report.json", "cam-cam-drawing.pdf", "cam-cam-drawing.dxf"])
+@pytest.mark.parametrize("name", ["motion.csv", "report.json", "cam-cam-drawing.pdf"])
 def test_a_side_file_that_was_changed_is_told(folder: Path, name: str) -> None:
     path = folder / name
     path.write_bytes(path.read_bytes()[:-9])
     assert failing(folder) == {("MANIFEST", "json")}
+
+
+def test_a_dimensioned_drawing_is_read_too(folder: Path) -> None:
+    path = folder / "cam-cam-drawing.dxf"
+    data = path.read_bytes()
+    path.write_bytes(b"999\nby another\n" + data)
+    assert failing(folder) == {("MANIFEST", "json")}
+    path.write_bytes(data[:-9])
+    with pytest.raises(FileError, match=r"cam-cam-drawing\.dxf.* cut short"):
+        failing(folder)
 
 
 def edit_3mf(folder: Path, name: str, edit: Callable[[str], str]) -> None:

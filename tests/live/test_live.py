@@ -130,7 +130,8 @@ def test_a_preview_shows_how_each_output_moves(root: Path, tmp_path: Path) -> No
 
 def test_a_move_gives_the_report_of_that_variant(page: TestClient) -> None:
     first, small = asked(page, "/preview"), asked(page, "/preview", geometry__base_radius="10", geometry__follower__radius="4")
-    assert first["ok"] and first["verdict"] == "All 5 findings hold" and 'id="mechanism"' in first["page"]
+    assert first["ok"] and 'id="mechanism"' in first["page"]
+    assert first["verdict"] == "All 5 findings hold; NOT JUDGED: LIFT_OFF (needs [load] and [spring])"
     assert not small["ok"] and "PRESSURE_ANGLE" in small["page"] and small["page"] != first["page"]
     assert "at most 30" in first["page"]
 

@@ -222,6 +222,16 @@ def test_newton_stops_at_a_dead_point() -> None:
     np.testing.assert_allclose(np.abs(d - e), abs((50 + 90j) - (138 + 62j)), atol=1e-11)
 
 
+@pytest.mark.parametrize("near", [-3.4e-17, -1e-300, -1e-12, -1e-9, 1e-17])
+def test_newton_follows_a_chain_to_an_angle_beside_the_drawn_one(near: float) -> None:
+    """So little turning moves it by its speed as drawn."""
+    for machine in (stephenson_three(), double_butterfly()):
+        there, here = solve(machine, np.array([near])), solve(machine, np.zeros(1))
+        for output in machine.outputs:
+            place, speed = here.derivatives(output.name)[:2]
+            np.testing.assert_allclose(there[output.name], place + near * speed, rtol=0, atol=1e-11)
+
+
 def test_driven_cylinder_lifts_an_arm() -> None:
     """A length that is driven in a chain of unknown angles (an excavator's ram): law of cosines."""
     machine, law = excavator(), Wave(50.0, 12.0)

@@ -50,7 +50,10 @@ def test_the_list_names_the_springs_wire_and_its_forces(starter: IndexingCam) ->
     """
     farthest = math.sqrt(30**2 + 120**2 + 2 * 30 * 120 * math.cos(math.radians(18)))
     bought = next(each for each in starter.bought() if each.name == "extension spring")
-    assert "wire 1.25, outside diameter 9.38, 46.4 coils, free length 89 inside the eyes, 1 N/mm" in bought.size
+    assert "wire 1.25, outside diameter 9.38, 46.4 coils, free length 89 inside the eyes: closed coils" in bought.size
+    closed = 47.37 * 1.25  # a coil more than turns lies side by side
+    assert f"closed coils of {closed:.4g}" in bought.size and f"a leg of {(89 - closed) / 2:.4g}" in bought.size
+    assert "at each end, 1 N/mm" in bought.size
     assert f"6 N at 95 and {farthest - 84:.4g} N at {farthest + 5:.4g}" in bought.size
     assert 81500 * 1.25**4 / (8 * 8.125**3 * 46.37) == pytest.approx(1.0, rel=1e-3)
     rows = starter.steps().rows

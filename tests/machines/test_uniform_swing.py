@@ -202,8 +202,9 @@ def test_faults_come_all_at_once() -> None:
 @pytest.mark.parametrize("rho", [0.0, 3.0, 11.0])
 def test_findings_and_study(blend_deg: float, rho: float) -> None:
     geometry = {"geometry__reversal_blend_deg": blend_deg, "geometry__tip_radius": rho}
-    m = design(**geometry, parts__bore=4.0, parts__pin_diameter=0.0)
-    pressure, undercut, room = m.limits()
+    m = design(**geometry, parts__bore=4.0, parts__pin_diameter=0.0, limits__undercut_deg=0.1)
+    pressure, undercut, curvature, room, jumps = m.limits()
+    assert (curvature.code, jumps.code) == ("CURVATURE", "MOTION_JUMP")
     assert room.ok
     numbers = m.study().numbers
     assert all(math.isfinite(v) for v in numbers.values())
@@ -222,7 +223,7 @@ def test_findings_and_study(blend_deg: float, rho: float) -> None:
 
 def test_a_cam_that_sweeps_over_the_followers_axle_is_told() -> None:
     """With H = L = 60 and 30 deg the tip stands farthest out where L and R enclose 45 + 15 deg: 75.56 mm, past the pivot."""
-    room = design(geometry__arm_offset=60.0).limits()[2]
+    (room,) = (each for each in design(geometry__arm_offset=60.0).limits() if each.code == "INTERFERENCE")
     assert room.code == "INTERFERENCE" and not room.ok
     far = math.sqrt(60**2 + 7200 - 2 * 60 * math.sqrt(7200) * math.cos(math.radians(60)))
     assert room.measured == pytest.approx(60 - (far - 3), abs=0.1)  # the tip's radius acts along a slightly slanted normal

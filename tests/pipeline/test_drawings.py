@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import cmath
+import itertools
+import math
 from pathlib import Path
+from typing import Any
 
 import ezdxf
 import pytest
+import shapely
+from ezdxf import path
+from reportlab.pdfbase.pdfmetrics import stringWidth
 
 from camgen.errors import SpecError
 from camgen.files.dimensions import edge_rows
@@ -74,3 +81,64 @@ def test_slopes_of_a_crossed_body_are_told() -> None:
     assert edge_rows(wedge, True) == [
         ("0", "0", "corner, then at -14.04°"), ("4", "-1", "corner"), ("4", "1", "corner, then at 14.04°"),
     ]  # fmt: skip
+
+
+# ---- labels ----------------------------------------------------------------------------------------------------------
+
+SHIPPED = sorted([*SPECS.glob("*.toml"), *SPECS.glob("gallery/*.toml")])
+CODES = {"%%c": "Ø", "%%d": "°", "%%p": "±"}
+
+
+def text_box(entity: Any) -> Any:
+    """What a line of text of a drawing takes in Helvetica."""
+    said = entity.dxf.text
+    for code, sign in CODES.items():
+        said = said.replace(code, sign)
+    height, way = entity.dxf.height, cmath.rect(1, math.radians(entity.dxf.get("rotation", 0)))
+    wide = stringWidth(said, "Helvetica", height / 0.718)
+    anchor = entity.dxf.align_point if entity.dxf.halign else entity.dxf.insert
+    left = complex(anchor.x, anchor.y) - {0: 0.0, 1: 0.5, 2: 1.0}[entity.dxf.halign] * wide * way
+    corners = [left, left + wide * way, left + (wide + 1j * height) * way, left + 1j * height * way]
+    return shapely.Polygon([(z.real, z.imag) for z in corners])
+
+
+def outline_of(entity: Any) -> Any:
+    """A line, arc, circle or outline of a drawing as chords."""
+    return shapely.LineString([(p.x, p.y) for p in path.make_path(entity).flattening(0.01)])
+
+
+def collisions(space: Any) -> list[tuple[str, str]]:
+    """Texts that lie on each other, and labels of holes that lie on an edge or under an arrowhead."""
+    texts = [(entity, text_box(entity)) for entity in space.query("TEXT")]
+    found = [
+        (one.dxf.text, two.dxf.text)
+        for (one, mine), (two, other) in itertools.combinations(texts, 2)
+        if mine.intersection(other).area > 1e-9
+    ]
+    drawn = [(entity, box) for entity, box in texts if entity.dxf.layer == "DIM"]  # sizes, and smaller the names of holes
+    listed, most = {entity.dxf.text for entity, _ in texts if entity.dxf.layer == "TEXT"}, max(e.dxf.height for e, _ in drawn)
+    labels = [(entity, box) for entity, box in drawn if entity.dxf.text in listed and entity.dxf.height < 0.8 * most]
+    edges = [outline_of(each) for each in space.query("LINE ARC CIRCLE LWPOLYLINE") if each.dxf.layer in ("CUT", "VIEW")]
+    heads = [shapely.Polygon([(p.x, p.y) for p in each.vertices()]) for each in space.query("SOLID")]
+    found += [(entity.dxf.text, "edge") for entity, box in labels for edge in edges if box.intersects(edge)]
+    return found + [(entity.dxf.text, "arrow") for entity, box in labels for head in heads if box.intersects(head)]
+
+
+@pytest.mark.parametrize("spec", SHIPPED, ids=lambda path: path.stem)
+def test_no_label_of_a_shipped_drawing_lies_on_another_or_on_an_edge(spec: Path, tmp_path: Path) -> None:
+    machine = read_mechanism(spec, ()).resolved()
+    for part in machine.parts():
+        files = write_drawing(tmp_path, machine.name, part, machine.accuracy.chord_tolerance, facts_of(machine, part))
+        assert collisions(ezdxf.readfile(files[0]).modelspace()) == [], part.name
+
+
+def test_labels_that_do_collide_are_found(tmp_path: Path) -> None:
+    machine = read_mechanism(SPECS / "uniform-swing.toml", ())
+    part = next(part for part in machine.parts() if part.name == "cam")
+    file = write_drawing(tmp_path, "d", part, 0.001, facts_of(machine, part))[0]
+    space = ezdxf.readfile(file).modelspace()
+    one, two = (next(each for each in space.query("TEXT[layer=='DIM']") if each.dxf.text == name) for name in ("B1", "B2"))
+    two.dxf.align_point = one.dxf.align_point
+    assert ("B1", "B2") in collisions(space) or ("B2", "B1") in collisions(space)
+    two.dxf.align_point = (7 - 1.5, -1.25)  # on the edge of a pin's hole, whose middle is 7 mm from the axis
+    assert ("B2", "edge") in collisions(space)

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import csv
+import hashlib
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
 import time
 import tomllib
 from dataclasses import replace
+from importlib.resources import files
 from itertools import product
 from pathlib import Path
 
@@ -25,6 +28,7 @@ from camgen.pipeline import sweep as sweeps
 from camgen.pipeline.build import build
 from camgen.pipeline.jobs import read_mechanism
 from camgen.pipeline.sweep import Cluster, Processes, Task, here, prepared, sweep
+from camgen.pipeline.sweep_journal import Journal
 from camgen.pipeline.variants import variants
 from camgen.settings import override
 from camgen.starters import unit_at
@@ -278,9 +282,9 @@ def test_another_sweep_s_journal_is_left_alone(tmp_path: Path) -> None:
 
 def test_a_full_disk_keeps_what_is_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sweeps, "_CROWDS", ())
-    add = sweeps.Journal.add
+    add = Journal.add
 
-    def full(self: sweeps.Journal, found: object) -> None:
+    def full(self: Journal, found: object) -> None:
         if self.done >= 3:
             self._file.close()
             monkeypatch.setattr(self, "_file", open("/dev/full", "ab", buffering=0))  # noqa: SIM115
@@ -288,7 +292,7 @@ def test_a_full_disk_keeps_what_is_done(tmp_path: Path, monkeypatch: pytest.Monk
 
     if not Path("/dev/full").exists():
         pytest.skip("no full disk at hand")
-    monkeypatch.setattr(sweeps.Journal, "add", full)
+    monkeypatch.setattr(Journal, "add", full)
     with pytest.raises(FileError, match="No space left.*goes on from there"):
         sweep(task(), tmp_path / "t.csv")
     monkeypatch.undo()
@@ -342,17 +346,77 @@ def test_bad_input_writes_nothing(
 # ---- what an enemy does ----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("line", ["5", "[]", "null", '{"variant":"x"}', '{"variant":5000}', '{"variant":1.5}', '{"variant":-1}'])
-def test_a_damaged_journal_is_judged_anew(line: str, tmp_path: Path) -> None:
+def begun(table: Path, work: Task, number: int) -> Path:
+    """The journal of a sweep that was ended when it had one row."""
+    path = table.with_name(f"{table.name}.journal")
+    journal = Journal(path, work.digest, work.variants.count)
+    journal.add(sweeps.judged(work, [number]))
+    journal.close()
+    return path
+
+
+LINES = ["5", "[]", "null", '{"variant":"x"}', '{"variant":5000}', "[" * 100_000]
+LINES.append('{"variant": 0, "verdict": [], "fails": "", "reason": ""}')
+LINES += [f'{{"variant": {number}, "verdict": "holds", "fails": "", "reason": ""}}' for number in ("true", "1.0", "-1", "0e999")]
+
+
+@pytest.mark.parametrize("line", LINES, ids=range(len(LINES)))
+@pytest.mark.parametrize("signed", [False, True])
+def test_a_line_that_is_no_row_of_this_sweep_is_told_and_passed_over(line: str, signed: bool, tmp_path: Path) -> None:
+    """Bare, and behind the digest that it would have as a row."""
     two = task("geometry.base_radius=9,20")
     sweep(two, tmp_path / "whole.csv")
-    journal = sweeps.Journal(tmp_path / "t.csv.journal", two)
-    journal.add(sweeps.judged(two, [1]))
-    journal.close()
-    with open(tmp_path / "t.csv.journal", "a", encoding="utf-8") as file:
-        file.write(line + "\n")
-    assert sweep(two, tmp_path / "t.csv").before == 1
+    path = begun(tmp_path / "t.csv", two, 1)
+    digest = hashlib.sha256(f"{two.digest} {line}".encode()).hexdigest()[:16] + " " if signed else ""
+    head, row = path.read_text(encoding="utf-8").splitlines()
+    path.write_text(f"{head}\n{digest}{line}\n{row}\n", encoding="utf-8")
+    swept = sweep(two, tmp_path / "t.csv")
+    assert (swept.before, swept.strange) == (1, 1)
+    assert "1 line of the journal not as this sweep wrote" in "".join(swept.lines(tmp_path / "t.csv"))
     assert (tmp_path / "t.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
+
+
+@pytest.mark.parametrize("was, now", [('"limits hold"', '"fails"'), ('"variant": 1', '"variant": 0'), ("stroke_mm", "strike_mm")])
+def test_a_row_that_was_edited_is_judged_again(was: str, now: str, tmp_path: Path) -> None:
+    two = task("geometry.base_radius=9,20")
+    sweep(two, tmp_path / "whole.csv")
+    path = begun(tmp_path / "t.csv", two, 1)
+    text = path.read_text(encoding="utf-8")
+    assert text.count(was) == 1
+    path.write_text(text.replace(was, now), encoding="utf-8")
+    swept = sweep(two, tmp_path / "t.csv")
+    assert (swept.before, swept.strange) == (0, 1)
+    assert (tmp_path / "t.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
+
+
+def test_a_row_of_another_sweep_is_judged_again(tmp_path: Path) -> None:
+    """The same variant of the same spec but for one key, its lines under this sweep's head."""
+    two = task("geometry.base_radius=9,20")
+    other = prepared(SPEC, two.variants, ("geometry.offset=2",), two.keep, (), Path())
+    head, path = begun(tmp_path / "t.csv", two, 1).read_bytes().splitlines()[0], begun(tmp_path / "u.csv", other, 1)
+    (tmp_path / "t.csv.journal").write_bytes(head + b"\n" + path.read_bytes().splitlines()[1] + b"\n")
+    assert sweep(two, tmp_path / "t.csv").strange == 1
+
+
+def test_a_journal_that_is_changed_on_the_way_is_told(tmp_path: Path) -> None:
+    two = task("geometry.base_radius=9,20")
+
+    def meddled(work: Task, chunks: object) -> object:
+        path = tmp_path / "t.csv.journal"
+        path.write_bytes(path.read_bytes().replace(b'"limits hold"', b'"fails"     '))
+        yield from here(work, chunks)  # type: ignore[arg-type]
+
+    with pytest.raises(FileError, match="changed during this run"):
+        sweep(two, tmp_path / "t.csv", meddled)  # type: ignore[arg-type]
+    assert not (tmp_path / "t.csv").exists()
+
+
+def test_the_page_runs_nothing_but_its_own_script() -> None:
+    """The policy of the report, and nowhere text that becomes elements."""
+    pages = [files("camgen.report").joinpath(name).read_text(encoding="utf-8") for name in ("page.html", "sweep.html")]
+    policies = [re.findall(r"<meta http-equiv=.Content-Security-Policy.[^>]*>", page) for page in pages]
+    assert policies[0] == policies[1] and len(policies[0]) == 1 and "default-src 'none'" in policies[0][0]
+    assert not re.search(r"innerHTML|outerHTML|insertAdjacent|document\.write|eval\(", pages[1])
 
 
 def test_two_runs_do_not_write_one_table(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from test_tolerance import SPECS, spread
 
 from camgen.machine.model import Pin
 from camgen.pipeline.tolerance import Spread, drawn_again
-from camgen.pipeline.tolerance_findings import Judged, judged
+from camgen.pipeline.tolerance_findings import Judged, _of_model, judged
 from camgen.pipeline.tolerance_report import tolerance, wilson
 
 SPRUNG = ("load.mass_kg=0.3", "spring={rate=1,preload=0.1}")
@@ -57,6 +57,14 @@ def test_an_outline_that_stands_out_presses_its_spring() -> None:
         assert bool(lift_off.holds[0]) is holds
     (own,) = [each for each in found.mechanism.limits() if each.code == "LIFT_OFF"]
     assert own.measured == pytest.approx(lift_off.designed, abs=1e-6)
+
+
+def test_a_copy_that_nothing_presses_is_not_held() -> None:
+    """By hand: without preload the spring pulls with 0 N through the low dwell, with 0.1 N of it by so much."""
+    for preload, holds in ((0.0, False), (0.1, True)):
+        found = spread("disc-cam", "load.mass_kg=0.3", f"spring={{rate=1,preload={preload}}}").mechanism
+        (pressed,) = [each for each in _of_model(found, found.model, found.limits()) if each.code == "LIFT_OFF"]
+        assert pressed.measured == pytest.approx(preload, abs=1e-3) and pressed.ok is holds
 
 
 def test_a_bore_beside_its_centre_ripples_the_speed() -> None:

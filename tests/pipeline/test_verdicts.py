@@ -22,7 +22,7 @@ ALL = frozenset(KINDS)
 # The stitch whose needles slide along the spreaders.
 BARE = ("geometry.plate_to_spreader=7", "geometry.velocity_ratio=0.9142857", "geometry.blade_length=34", "geometry.p6_setback=0",
         "limits.clearance=0")  # fmt: skip
-UNTOLD = {"DRIVE_TORQUE", "SHAFT_REACH"}  # by specs that say nothing of their motor
+UNTOLD = {"DRIVE_TORQUE", "SHAFT_REACH", "LIFT_OFF"}  # by specs that say nothing of their motor, or of what presses a follower
 Make = Callable[..., Report]
 
 
@@ -96,9 +96,9 @@ def test_what_kinds_of_files_leave_unjudged_is_named(
     report = make(name, kinds, *settings)
     files = [each for each in report.not_judged if each.code not in UNTOLD]
     assert report.ok and {each.code for each in files} == left_out
-    assert all("was made (--only)" in each.why for each in files)
+    assert all("is in the folder" in each.why for each in files)
     files = [each for each in check(tmp_path / name).not_judged if each.code not in UNTOLD]
-    assert {each.code for each in files} == left_out and all("in the folder" in each.why for each in files)
+    assert {each.code for each in files} == left_out and all("is in the folder" in each.why for each in files)
 
 
 @pytest.mark.parametrize("name, settings", [("disc-cam", ("geometry.closure='conjugate'",)), ("disc-cam", (
@@ -157,7 +157,7 @@ def test_what_was_not_judged_is_said_by_name_in_table_verdict_and_page(
     )
     data = json.loads((tmp_path / "uniform-swing" / "report.json").read_text("utf-8"))
     assert data["ok"] and {"code", "why"} == set(data["not_judged"][0])
-    assert any("no 3MF was made (--only)" in each["why"] for each in data["not_judged"])
+    assert any("no 3MF is in the folder" in each["why"] for each in data["not_judged"])
     page = (tmp_path / "uniform-swing" / "report.html").read_text("utf-8")
     assert '<p class="verdict open">' in page and "NOT JUDGED: INTERFERENCE" in page
     assert page.count('<tr class="open"><td class="mark"><b>NOT JUDGED</b>') == 5
@@ -171,6 +171,7 @@ def test_what_was_not_judged_is_said_by_name_in_table_verdict_and_page(
         ("stl", "print.profile_compensation=0.1", ""),
         ("stl", "output.curves='lines'", "acts on DXF alone"),
         ("dxf,stl", "output.curves='lines'", ""),
+        ("dxf", "output.engrave=true", "output.engrave = true: no part has anything engraved"),
     ],
 )
 def test_key_that_cannot_act_on_a_file_is_told(
@@ -188,11 +189,11 @@ def test_key_that_cannot_act_on_a_file_is_told(
 @pytest.mark.parametrize(
     "name, settings, found",
     [
-        ("disc-cam", (), {"geometry.base_radius", "material.density"}),
-        ("disc-cam", ("geometry.follower={motion='oscillating', shape='roller', radius=5, "
-                      "pivot_distance=70, arm=60}",), {"geometry.base_radius", "material.density"}),
+        ("disc-cam", (), {"geometry.base_radius", "limits.pressure_angle_deg", "material.density"}),
+        ("disc-cam", ("geometry.follower={motion='oscillating', shape='roller', radius=5, pivot_distance=70, arm=60}",), {
+            "geometry.base_radius", "limits.pressure_angle_deg", "material.density"}),
         ("indexing-cam", ("motor.speed_rpm=45", "unloader={torque='law'}"), {
-            "geometry.return_deg", "unloader.balance", "unloader.design_rpm", "material.density"}),
+            "geometry.return_deg", "unloader.balance", "unloader.design_rpm", "limits.pressure_angle_deg", "material.density"}),
         ("thread-take-up", (), {
             "masses.coupler_centre", "masses.output_crank_centre", "material.density"}),
         ("chain-stitch-looper", (), {"timing.needle_stroke", "material.density"}),

@@ -16,7 +16,7 @@ import pytest
 from test_report import EVIL, Page, made_up
 
 from camgen.files.gltf import Moving, Shape, glb
-from camgen.findings import NotJudged, at_least, at_most, told_once
+from camgen.findings import Finding, NotJudged, at_least, at_most, told_once
 from camgen.geometry.mesh import Mesh
 from camgen.machine.features import PartPose
 from camgen.report.animation import Animation, Body, player
@@ -150,6 +150,8 @@ def test_margins_have_one_row_a_code_and_a_column_a_kind() -> None:
     assert "Design, assembly" in text and "DXF" in text and "STL" in text and "3MF" not in text
     assert "0.6tightest of 2" in text.replace(" tight", "tight") and "0.7" in text and "0.1" not in text
     assert text.index("WALL") < text.index("ERR") and "≥ 0.8" in text and "≤ 1" in text
+    pressed = margins([Finding("LIFT_OFF", False, 0.0, 0.0, "N", "cam", "", floor=True, strict=True)])
+    assert "> 0 N" in Page(pressed).text().replace("\xa0", " ")
 
 
 def test_routine_margins_are_folded_and_counted() -> None:

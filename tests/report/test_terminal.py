@@ -32,6 +32,11 @@ def test_rounding_is_shown_as_0_but_where_it_fails(capsys: pytest.CaptureFixture
     assert "2.665" not in text and re.search(r"PIN_GAP +0 +<= +0.1 ", text) and re.search(r"LASH +1e-12 +<= +0 ", text)
 
 
+def test_a_limit_that_is_itself_too_little_is_told_as_such(capsys: pytest.CaptureFixture[str]) -> None:
+    text = shown((Finding("LIFT_OFF", False, 0.0, 0.0, "N", "", "nothing presses", floor=True, strict=True),), capsys)
+    assert re.search(r"LIFT_OFF +0 +> +0 ", text) and "0 N; more than 0 N is asked" in text
+
+
 @pytest.mark.parametrize("width", [200, 120, 80, 50, 30])
 def test_table_keeps_verdict_code_measured_and_limit(
     width: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -43,7 +48,7 @@ def test_table_keeps_verdict_code_measured_and_limit(
     assert rows[0].startswith("MIN_WALL")  # what fails comes first
     for finding, row in zip((FINDINGS[2], *FINDINGS[:2]), rows, strict=True):
         told = {finding.code, number(finding.measured), number(finding.limit), "ok" if finding.ok else "FAIL"}
-        told |= {">=" if finding.floor else "<="}
+        told |= {finding.sign}
         assert told <= set(row.split()), row
         assert len(row) <= max(width, 50)
     assert ("crank angle 90 deg" in text) is (width > 50)

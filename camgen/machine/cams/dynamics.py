@@ -1,10 +1,18 @@
 """The follower as one elastic degree of freedom: a mass m behind a stiffness k that the cam drives by s.
 
-    y'' + 2 z w y' + w^2 y = w^2 s + 2 z w s',   w^2 = k / m, z: damping ratio   [Norton, Cam Design and Manufacturing Handbook]
+    m y'' + c y' + K y = k (s - y) + d (s' - y')        y = 0 where it stands still at s = 0
 
-x = y - s is the vibration that the law excites: x'' + 2 z w x' + w^2 x = -s''. Over a turn that repeats itself every harmonic of
-s'' answers by itself; after a rise into a dwell an undamped follower goes on swinging by |integral of s'' exp(i w t) dt| / w.
-Units go together: s in mm with k in N/mm and m in 1000 kg, or rad, N m/rad, kg m^2.
+    k, d    of the follower from its cam to its mass; d = 2 z sqrt(k m), z: damping ratio
+    K, c    of what holds the mass on the ground: the spring that presses it on the cam, and a drag in proportion to its speed
+
+[Norton, Cam Design and Manufacturing Handbook, with the terms of the spring and the drag]  Standing still the mass follows by
+k s / (k + K): the spring bends the follower. v = y - k s / (k + K) is the vibration that the law excites. Over a turn that
+repeats itself every harmonic answers by itself:
+
+    V (k + K - m w^2 + i w (c + d)) (k + K) = S (k m w^2 + i w (d K - c k))
+
+After a rise into a dwell an undamped follower goes on swinging by k / (k + K) |integral of s'' exp(i w t) dt| / w.
+Units go together: s in mm with k in N/mm, m in 1000 kg and c in N s/mm, or rad, N m/rad, kg m^2, N m s/rad.
 """
 
 from __future__ import annotations
@@ -24,8 +32,8 @@ _FINE = 200  # speeds that are tried up to there
 
 
 def residual(acceleration: Callable[[Floats], Floats], span: float, frequency: float) -> float:
-    """Amplitude of an undamped follower after a rise that takes `span` s; frequency: rad/s; acceleration: of s at t, (n,), its
-    unit per s^2. In the unit of s."""
+    """Amplitude of an undamped follower without a spring after a rise that takes `span` s; frequency: rad/s; acceleration: of s
+    at t, (n,), its unit per s^2. In the unit of s."""
     edges = np.linspace(0.0, span, _STEPS + 1)
     middle, half = (edges[1:] + edges[:-1]) / 2, span / _STEPS / 2
     points = np.concatenate([middle - half * math.sqrt(0.6), middle, middle + half * math.sqrt(0.6)])  # Gauss, three points
@@ -34,36 +42,78 @@ def residual(acceleration: Callable[[Floats], Floats], span: float, frequency: f
 
 
 @dataclass(frozen=True)
+class Excitation:
+    """What the cam does over a turn that repeats itself, evenly without its end."""
+
+    displacement: Floats  # s, (n,)
+    acceleration: Floats  # s'' to theta, (n,) per rad^2
+
+
+@dataclass(frozen=True)
+class Response:
+    """What the mass does over the same turn."""
+
+    vibration: Floats  # v, (n,), in the unit of s
+    behind: Floats  # y - s, (n,)
+    velocity: Floats  # y', (n,) per s
+    acceleration: Floats  # y'', (n,) per s^2
+
+
+@dataclass(frozen=True)
 class Elastic:
-    """frequency: w, rad/s; damping: ratio z."""
+    """An elastic follower, in units that go together."""
 
-    frequency: float
-    damping: float
+    mass: float  # m, of what moves behind the stiffness
+    stiffness: float  # k
+    damping_ratio: float  # z, share of the critical damping
+    spring: float = 0.0  # K
+    drag: float = 0.0  # c
 
-    def vibration(self, acceleration: Floats, speed: float) -> tuple[Floats, Floats]:
-        """x and y'' over a turn that repeats itself, (n,) each; acceleration: s'' to theta, (n,) evenly over the turn without its
-        end, unit/rad^2; speed: rad/s."""
-        drive = speed**2 * np.fft.rfft(acceleration)
-        w = abs(speed) * np.arange(len(drive))
-        answer = -drive / (self.frequency**2 - w**2 + 2j * max(self.damping, _LEAST) * self.frequency * w)
-        x = np.fft.irfft(answer, len(acceleration))
-        bend = np.fft.irfft(drive - w**2 * answer, len(acceleration))
-        return np.asarray(x), np.asarray(bend)
+    @property
+    def frequency(self) -> float:
+        """Its own, undamped, the cam standing still, rad/s."""
+        return math.sqrt((self.stiffness + self.spring) / self.mass)
 
-    def loses_contact(self, acceleration: Floats, speed: float, mass: float, pressed: Floats) -> float:
-        """Least speed, rad/s, at which mass times y'' pulls the follower off what presses it on, (n,) N or N m; inf up to 20
-        times the given speed. Signs: s and what presses grow away from the cam and towards it."""
+    @property
+    def share(self) -> float:
+        """Of the cam's displacement, by which the mass follows where all stands still."""
+        return self.stiffness / (self.stiffness + self.spring)
+
+    def response(self, cam: Excitation, speed: float) -> Response:
+        """The mass over a turn; speed: of the cam, rad/s."""
+        m, k, spring, drag = self.mass, self.stiffness, self.spring, self.drag
+        damping = 2 * max(self.damping_ratio, _LEAST) * math.sqrt(k * m)
+        count = len(cam.acceleration)
+        drive = speed**2 * np.fft.rfft(cam.acceleration)  # of s'' to time
+        w = speed * np.arange(len(drive))  # below 0 where the cam turns clockwise: time then runs against theta
+        slow = np.where(w != 0, w, 1.0)  # the mean of s'' is 0
+        answer = -drive * (k * m + 1j * (damping * spring - drag * k) / slow)
+        answer /= (k + spring) * (k + spring - m * w**2 + 1j * w * (damping + drag))
+        answer[0] = 0.0
+        vibration = np.fft.irfft(answer, count)
+        velocity = np.fft.irfft(self.share * drive / (1j * slow) + 1j * w * answer, count)
+        acceleration = np.fft.irfft(self.share * drive - w**2 * answer, count)
+        return Response(vibration, vibration - (1 - self.share) * cam.displacement, velocity, acceleration)
+
+    def push(self, cam: Excitation, speed: float) -> Floats:
+        """By how much more the mass presses on the cam than one that is rigid and still, (n,), in the sense of s."""
+        found = self.response(cam, speed)
+        return np.asarray(self.mass * found.acceleration + self.drag * found.velocity + self.spring * found.behind)
+
+    def loses_contact(self, cam: Excitation, speed: float, pressed: Floats, leaves: int) -> float:
+        """Least speed, rad/s, at which the mass is pulled off what presses it on, (n,) N or N m; inf up to 20 times the given
+        speed, in its sense. leaves: +1 or -1, the sense of s that takes it off the cam."""
         before = 0.0
         for share in np.linspace(0.0, _FASTEST, _FINE + 1)[1:]:
-            fast = float(share) * abs(speed)
-            if self._lost(acceleration, fast, mass, pressed):
+            fast = float(share) * speed
+            if self._lost(cam, fast, pressed, leaves):
                 low, high = before, fast
-                while high - low > 1e-4 * high:
+                while abs(high - low) > 1e-4 * abs(high):
                     middle = (low + high) / 2
-                    low, high = (low, middle) if self._lost(acceleration, middle, mass, pressed) else (middle, high)
-                return high
+                    low, high = (low, middle) if self._lost(cam, middle, pressed, leaves) else (middle, high)
+                return abs(high)
             before = fast
         return math.inf
 
-    def _lost(self, acceleration: Floats, speed: float, mass: float, pressed: Floats) -> bool:
-        return bool(np.any(pressed + mass * self.vibration(acceleration, speed)[1] < 0))
+    def _lost(self, cam: Excitation, speed: float, pressed: Floats, leaves: int) -> bool:
+        return bool(np.any(pressed + leaves * self.push(cam, speed) < 0))

@@ -1,4 +1,9 @@
-"""Limits of a cam's exact profile: pressure angle, undercut, curvature, and room at the follower's axle.
+"""What a cam joint is held to, by whatever spec it comes: one set of checks on its exact profile, one set of defaults.
+
+    PRESSURE_ANGLE, UNDERCUT, CURVATURE   of each of the joint's cams
+    MOTION_JUMP                           of the follower's program
+    FACE_WIDTH                            of a flat face whose width is given
+    INTERFERENCE                          of cams alone, with the axle of a follower that swings
 
 [Norton, Cam Design and Manufacturing Handbook, ch. 7]
 """
@@ -8,7 +13,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -17,81 +21,146 @@ from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.facets import facet_contour
 from camgen.machine.cams.followers import SwingingArm, SwingingFace
 from camgen.machine.cams.profile import DiscCam
-from camgen.numerics import greatest
 
-_BESIDE = 1e-9  # rad, to either side of where the pressure angle jumps
+SLIDE_PRESSURE, ARM_PRESSURE = 30.0, 45.0  # deg, that a pressure angle may reach by usual advice
+_ORDERS = ("displacement", "velocity", "acceleration", "jerk")
+_MOST_JUMPS = 6  # that a message lists
 
 
 @dataclass(frozen=True)
-class Allowed:
-    """What the designer accepts: pressure angle, deg; loss of s by undercut, deg or mm; least radius of the convex profile, mm,
-    None where any is; and what lowers the first two, for people."""
+class CamLimits:
+    """What a designer accepts of a cam joint."""
 
-    pressure_angle: float
-    undercut: float
-    least_radius: float | None
-    flatter: str
-    wider: str
+    pressure_angle: float | None = None  # deg; None: the usual one of its follower
+    undercut: float = 0.0  # loss of s, mm or rad
+    least_radius: float = 0.0  # mm, of the convex profile; below 0 an undercut one is accepted, down to that radius
+    ripple: float = 0.01  # of the speed, as a share of the greatest
+    continuous: int = 2  # highest derivative of s that must not jump; -1: no check
 
-
-def steepest(cam: DiscCam[Any], low: float | None = None, high: float | None = None, riding: bool = True) -> float:
-    """Largest pressure angle between two cam angles, deg, or over the turn; riding: on the corners of undercuts too.
-
-    It jumps where the speed does and at an undercut's ends: they are looked at from either side.
-    """
-    corners = [float(b) for b in cam.program.corners]
-    low, high = corners[0] if low is None else low, corners[-1] if high is None else high
-    ends = [low + (end - low) % math.tau for cut in cam.undercuts for end in (cut.begin, cut.end)]
-    marks = sorted({low, high, *(mark for mark in (*corners, *ends) if low < mark < high)})
-    found = [
-        greatest(cam.pressure_angle, a + _BESIDE, b - _BESIDE, cam.program.knots(a, b))[1]
-        for a, b in pairwise(marks) if riding or not cam.riding((a + b) / 2)
-    ]  # fmt: skip
-    return math.degrees(max(found, default=0.0))
+    def steepest(self, cam: DiscCam[Any]) -> float:
+        """The pressure angle that this cam may reach, deg."""
+        if self.pressure_angle is not None:
+            return self.pressure_angle
+        return ARM_PRESSURE if swings(cam) else SLIDE_PRESSURE
 
 
-def lost(cams: Sequence[DiscCam[Any]]) -> dict[str, float]:
-    """Numbers of what undercuts take: undercut_mm along the contact's path, and undercut_deg where the followers swing."""
-    cuts = [cut for cam in cams for cut in cam.undercuts]
-    numbers = {"undercut_mm": max((cut.depth for cut in cuts), default=0.0)}
-    unit, scale = unit_of(cams[0])
-    return {f"undercut_{unit}": scale * max((cut.shortfall for cut in cuts), default=0.0)} | numbers
+@dataclass(frozen=True)
+class Advice:
+    """What a person can change, by the keys of the spec that the joint comes from."""
+
+    flatter: str  # lowers the pressure angle
+    wider: str  # lowers the undercut
+    smoother: str = "a law that ends smoother, or 'matched', joins them"
+
+
+@dataclass(frozen=True)
+class ExactCam:
+    """One cam of a joint before it is made."""
+
+    where: str  # its name in findings
+    cam: DiscCam[Any]
+    advice: Advice
+
+
+def swings(cam: DiscCam[Any]) -> bool:
+    """Whether its follower turns about a pivot."""
+    return isinstance(cam.follower, SwingingArm | SwingingFace)
 
 
 def unit_of(cam: DiscCam[Any]) -> tuple[str, float]:
     """What people read s in, and how many of it one unit of s is."""
-    swings = isinstance(cam.follower, SwingingArm | SwingingFace)
-    return ("deg", math.degrees(1)) if swings else ("mm", 1.0)
+    return ("deg", math.degrees(1)) if swings(cam) else ("mm", 1.0)
 
 
-def cam_limits(
-    where: str, cam: DiscCam[Any], pressure_angle: float, allowed: Allowed, chord_tolerance: float | None = None
+def undercut_numbers(cams: Sequence[DiscCam[Any]]) -> dict[str, float]:
+    """What undercuts take: undercut_mm along the contact's path, and undercut_deg where the followers swing."""
+    cuts = [cut for cam in cams for cut in cam.undercuts]
+    depth = max((cut.depth for cut in cuts), default=0.0)
+    unit, scale = unit_of(cams[0])
+    return {f"undercut_{unit}": scale * max((cut.shortfall for cut in cuts), default=0.0), "undercut_mm": depth}
+
+
+def cam_findings(
+    cams: Sequence[ExactCam],
+    limits: CamLimits,
+    program: str = "program",
+    face_width: float | None = None,
+    chord_tolerance: float | None = None,
 ) -> list[Finding]:
-    """PRESSURE_ANGLE (the given one, deg), UNDERCUT, CURVATURE, and INTERFERENCE with the axle of a follower that swings.
+    """All findings of one joint, as the head of this file lists them.
 
-    chord_tolerance: mm, of the facets that must clear the axle; None where that is a body like all others, or on another level.
+    cams: the one that drives first; program: its name in findings; face_width: of a flat follower, mm, None where it has
+    no end; chord_tolerance: mm, of the facets that must clear the axle, None where the axle is a body like all others.
     """
+    findings = [finding for each in cams for finding in _profile(each, limits, chord_tolerance)]
+    if face_width is not None:
+        findings.append(_face_width(cams, face_width))
+    if limits.continuous >= 0:
+        findings.append(_jumps(cams[0], limits.continuous, program))
+    return findings
+
+
+def _profile(exact: ExactCam, limits: CamLimits, chord_tolerance: float | None) -> list[Finding]:
+    """What is judged of each cam by itself."""
+    cam, where, advice = exact.cam, exact.where, exact.advice
     unit, scale = unit_of(cam)
-    findings = [at_most("PRESSURE_ANGLE", pressure_angle, allowed.pressure_angle, "deg", where, f"{allowed.flatter} lowers it")]
     shortfall = scale * max((cut.shortfall for cut in cam.undercuts), default=0.0)
     depth = max((cut.depth for cut in cam.undercuts), default=0.0)
-    spans = "; ".join(f"cam angle {math.degrees(c.begin):.3f} to {math.degrees(c.end):.3f} deg" for c in cam.undercuts)
-    findings.append(
-        at_most("UNDERCUT", shortfall, allowed.undercut, unit, f"{where}, {spans}" if spans else where,
-                f"the follower falls short there by {shortfall:.4g} {unit} ({depth:.4g} mm on the contact's path), as the spec "
-                f"implies; {allowed.wider} lowers it" if shortfall else "the follower makes the whole motion")
-    )  # fmt: skip
-    if allowed.least_radius is not None:
-        findings.append(
-            at_least("CURVATURE", cam.least_radius, allowed.least_radius, "mm", where,
-                     "least radius of curvature of the convex profile; below 0 it is undercut, "
-                     "which a limits.least_radius below 0 accepts")
-        )  # fmt: skip
-    if chord_tolerance is not None and isinstance(cam.follower, SwingingArm | SwingingFace):
+    spans = "; ".join(
+        f"cam angle {math.degrees(cut.begin):.3f} to {math.degrees(cut.end):.3f} deg" for cut in cam.undercuts
+    )
+    short = (
+        f"the follower falls short there by {shortfall:.4g} {unit} ({depth:.4g} mm on the contact's path), as the spec "
+        f"implies; {advice.wider} lowers it"
+    )
+    findings = [
+        at_most("PRESSURE_ANGLE", cam.steepest, limits.steepest(cam), "deg", where, f"{advice.flatter} lowers it"),
+        at_most(
+            "UNDERCUT",
+            shortfall,
+            scale * limits.undercut,
+            unit,
+            f"{where}, {spans}" if spans else where,
+            short if shortfall else "the follower makes the whole motion",
+        ),
+        at_least(
+            "CURVATURE",
+            cam.least_radius,
+            limits.least_radius,
+            "mm",
+            where,
+            "least radius of curvature of the convex profile; below 0 it is undercut, "
+            "which a limits.least_radius below 0 accepts",
+        ),
+    ]
+    if chord_tolerance is not None and swings(cam):
         axle = abs(cam.follower.pivot)
         reach = float(np.max(np.abs(facet_contour(cam.outline, chord_tolerance))))
-        findings.append(
-            at_least("INTERFERENCE", axle - reach, 0.0, "mm", f"{where} and the follower's axle",
-                     f"the cam reaches {reach:.2f} mm from its shaft, the axle stands at {axle:g} mm")
-        )  # fmt: skip
+        said = f"the cam reaches {reach:.2f} mm from its shaft, the axle stands at {axle:g} mm"
+        findings.append(at_least("INTERFERENCE", axle - reach, 0.0, "mm", f"{where} and the follower's axle", said))
     return findings
+
+
+def _face_width(cams: Sequence[ExactCam], width: float) -> Finding:
+    """FACE_WIDTH: a face that slides reaches as far to either side of its stem, one on an arm lies about what is touched."""
+    needed = 0.0
+    for each in cams:
+        low, high = each.cam.face_contact
+        needed = max(needed, high - low if swings(each.cam) else 2 * max(-low, high))
+    return at_most("FACE_WIDTH", needed, width, "mm", cams[0].where, "width over which the face is touched")
+
+
+def _jumps(exact: ExactCam, highest: int, where: str) -> Finding:
+    """MOTION_JUMP: how many jumps there are, up to a derivative of the displacement."""
+    unit, scale = unit_of(exact.cam)
+    units = (unit, f"{unit}/rad", f"{unit}/rad^2", f"{unit}/rad^3")
+    jumps = exact.cam.program.discontinuities(highest)
+    listed = "; ".join(
+        f"{_ORDERS[jump.order]} at {math.degrees(jump.theta):.3f} deg by {jump.size * scale:.4g} {units[jump.order]}"
+        for jump in jumps[:_MOST_JUMPS]
+    )
+    more = f"; and {len(jumps) - _MOST_JUMPS} more" if len(jumps) > _MOST_JUMPS else ""
+    lower = ", ".join(_ORDERS[:highest])
+    orders = f"{lower} and {_ORDERS[highest]}" if lower else _ORDERS[highest]
+    said = f"{listed}{more}; {exact.advice.smoother}" if jumps else f"no jump of {orders}"
+    return at_most("MOTION_JUMP", len(jumps), 0, "jumps", where, said)

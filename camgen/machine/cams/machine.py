@@ -18,8 +18,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from camgen.findings import Finding, at_least
+from camgen.findings import Finding
 from camgen.machine.cams.followers import SlidingFace, SlidingTip, SwingingArm, SwingingFace
+from camgen.machine.cams.limits import CamLimits
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import CamMeant, CamOutline, Eye, Flat, OwnTip
 from camgen.machine.forces import Forces
@@ -140,39 +141,60 @@ def cam_machine(
     )
 
 
+def cam_meant(cam: DiscCam[Any], limits: CamLimits, outer: bool = False) -> CamMeant:
+    """What a cam's exact outline gives, and what of it is accepted; outer: of the outer wall of its groove."""
+    match cam.follower:
+        case SwingingArm(_, arm):
+            lever = abs(arm) * math.cos(math.radians(cam.steepest))
+        case SwingingFace():
+            lever = min(map(abs, cam.face_contact))
+        case _:
+            lever = math.cos(math.radians(cam.steepest))
+    given = cam.reachable if cam.undercuts and not outer else None
+    return CamMeant(given, lever, limits.ripple, limits.undercut)
+
+
 def cam_outline(
-    cam: DiscCam[Any], part: str, bore: float | None, pressure_angle: float, ripple: float, undercut: float,
-    face: tuple[float, float] = (0.0, 0.0), width: float | None = None, free: float | None = None, copy: int = 0,
+    cam: DiscCam[Any],
+    part: str,
+    limits: CamLimits,
+    bore: float | None = None,
+    width: float | None = None,
+    free: float | None = None,
     own: OwnTip | None = None,
-) -> CamOutline:  # fmt: skip
+) -> CamOutline:
     """What of a part is measured for "contact" in a machine made by `cam_machine`.
 
-    bore: diameter of the part's own hole on the shaft, mm. pressure_angle: the largest, deg. ripple, undercut: as in CamMeant.
-    face: between which places a flat one on an arm is touched, mm from the pivot's foot; width: its own, None without an end.
-    free: the part's largest hole is the outer wall of a groove that is so much wider than the tip, mm; else the cam's own air.
-    copy: which of the part's mounts it is.
+    bore: diameter of the part's own hole on the shaft, mm. width: of a flat face, mm, None without an end. free: the part's
+    largest hole is the outer wall of a groove that is so much wider than the tip, mm; None: the part is the cam itself.
     """
-    follower, cosine, middle = cam.follower, math.cos(math.radians(pressure_angle)), (face[0] + face[1]) / 2
+    follower = cam.follower
     tip: Eye | Flat
     swings: str | None = None
     match follower:
         case SwingingArm():
-            tip, swings, lever = Eye(None, follower.arm, 2 * follower.tip_radius), "pivot", abs(follower.arm) * cosine
+            tip, swings = Eye(None, follower.arm, 2 * follower.tip_radius), "pivot"
         case SwingingFace():
-            at = follower.facing * complex(follower.ahead, middle)
+            at = follower.facing * complex(follower.ahead, sum(cam.face_contact) / 2)
             tip, swings = Flat(None, at, cmath.phase(-follower.facing), width or math.inf), "pivot"
-            lever = min(map(abs, face))
         case SlidingTip():
-            tip, lever = Eye(None, follower.start, 2 * follower.tip_radius), cosine
+            tip = Eye(None, follower.start, 2 * follower.tip_radius)
         case _:
             tip = Flat(None, follower.start, cmath.phase(-follower.leaves * follower.along), width or math.inf)
-            lever = cosine
-    given = cam.reachable if cam.undercuts and free is None else None
+    outer = free is not None
     return CamOutline(
-        "contact", part, "shaft", swings, tip, leaves=follower.leaves, inside=free is not None,
-        free=cam.air if free is None else free, copy=copy,
-        bore=None if bore is None else Eye(part, 0j, bore), own=own, meant=CamMeant(given, lever, ripple, undercut),
-    )  # fmt: skip
+        "contact",
+        part,
+        "shaft",
+        swings,
+        tip,
+        leaves=follower.leaves,
+        inside=outer,
+        free=cam.air if free is None else free,
+        bore=None if bore is None else Eye(part, 0j, bore),
+        own=own,
+        meant=cam_meant(cam, limits, outer),
+    )
 
 
 def _turn(cam: DiscCam[Any]) -> Floats:
@@ -198,23 +220,24 @@ class Loaded:
     forces: Forces
 
     def spring_needed(self, load: FollowerLoad) -> tuple[float, float]:
-        """Least preload, or else rate, not below 0, with which the effort is nowhere below 0, the other one as loaded.
+        """Preload, or else rate, beyond which the effort is above 0 all over the turn, the other one as loaded; not below 0.
 
         inf where none keeps contact.
         """
         if self.kick:
             return math.inf, math.inf
         missing = load.rate * self.lift - self.effort
-        short = missing > 0
+        rounding = ROUNDING * float(np.max(np.abs(self.effort)))
+        short = missing >= -rounding
         least = load.preload - float(np.min(self.effort))
-        least = least if least > ROUNDING * float(np.max(np.abs(self.effort))) else 0.0
+        least = least if least > rounding else 0.0
         if not np.any(short):
             return least, 0.0
         low = self.lift[short]
-        return least, float(np.max(missing[short] / low)) if np.all(low > 0) else math.inf
+        return least, max(0.0, float(np.max(missing[short] / low))) if np.all(low > 0) else math.inf
 
     def keeps_contact(self, remedy: str) -> Finding:
-        """Finding LIFT_OFF: whether the least contact force, N, stays at 0 or more; a kick throws the follower off."""
+        """Finding LIFT_OFF: whether the least contact force, N, stays above 0; a kick throws the follower off."""
         return keeps_contact(self.theta, self.force, bool(self.kick), "cam angle", remedy)
 
 
@@ -223,10 +246,30 @@ def keeps_contact(theta: Floats, force: Floats, kicked: bool, where: str, remedy
     force = np.where(np.isnan(force), math.inf, force)
     if kicked:
         force[len(force) // 2] = -math.inf
-    k = int(np.argmin(force))
-    leaves = f"the follower leaves the cam; {remedy[:1].lower()}{remedy[1:]}"
-    message = "the follower stays on the cam" if force[k] >= 0 else leaves
-    return at_least("LIFT_OFF", float(force[k]), 0.0, "N", f"{where} {math.degrees(float(theta[k])):.1f} deg", message)
+    said = f"{remedy[:1].lower()}{remedy[1:]}"
+    return lift_off(theta, force, "N", where, "the follower stays on the cam", said)
+
+
+def lift_off(theta: Floats, push: Floats, unit: str, where: str, kept: str, remedy: str) -> Finding:
+    """Finding LIFT_OFF: what presses a follower on its cam, (n,) in its unit, must stay above 0; at 0 nothing presses.
+
+    kept: what is said where it stays there.
+    """
+    k = int(np.argmin(push))
+    least = float(push[k])
+    rounding = ROUNDING * float(np.max(np.abs(push), where=np.isfinite(push), initial=0.0))
+    message = kept
+    if least < -rounding:
+        message = f"the follower leaves the cam; {remedy}"
+    elif least <= rounding:
+        idle = np.flatnonzero(push <= rounding)
+        stretches = np.split(idle, np.flatnonzero(np.diff(idle) > 1) + 1)
+        k, last = max(((each[0], each[-1]) for each in stretches), key=lambda ends: theta[ends[1]] - theta[ends[0]])
+        begin, end = np.degrees(theta[[k, last]])
+        there = f"from {begin:.1f} to {end:.1f} deg" if end > begin else "there"
+        message = f"nothing presses the follower on the cam {there}; {remedy}"
+    place = f"{where} {math.degrees(float(theta[k])):.1f} deg"
+    return Finding("LIFT_OFF", least > rounding, least, 0.0, unit, place, message, floor=True, strict=True)
 
 
 def loaded(machine: Machine, cam: DiscCam[Any], load: FollowerLoad, theta: Floats) -> Loaded:

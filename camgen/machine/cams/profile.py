@@ -37,6 +37,7 @@ from camgen.numerics import Floats, Points, distinct, greatest, sign_changes
 from camgen.tolerances import SAME_POINT
 
 _BESIDE = 1e-12  # of a segment: a law's derivatives at a break inside it are those on the side that is asked for
+_ASIDE = 1e-9  # rad, to either side of where the pressure angle jumps
 
 
 @dataclass(frozen=True)
@@ -153,6 +154,36 @@ class DiscCam(Generic[F]):
     def steepness(self, theta: Any) -> Floats:
         """Pressure angle on the untrimmed profile, rad, (n,), 0 or more."""
         return steepness(self.cutter, theta, self.program)
+
+    @cached_property
+    def steepest(self) -> float:
+        """Largest pressure angle over the turn, deg, on the corners of undercuts too."""
+        corners = self.program.corners
+        return self.steepest_between(float(corners[0]), float(corners[-1]))
+
+    def steepest_between(self, low: float, high: float, riding: bool = True) -> float:
+        """Largest pressure angle between two cam angles, deg; riding: on the corners of undercuts too.
+
+        It jumps where the speed does and at an undercut's ends: they are looked at from either side.
+        """
+        corners = [float(b) for b in self.program.corners]
+        ends = [low + (end - low) % math.tau for cut in self.undercuts for end in (cut.begin, cut.end)]
+        marks = sorted({low, high, *(mark for mark in (*corners, *ends) if low < mark < high)})
+        peaks = [
+            greatest(self.pressure_angle, a + _ASIDE, b - _ASIDE, self.program.knots(a, b))[1]
+            for a, b in pairwise(marks)
+            if riding or not self.riding((a + b) / 2)
+        ]
+        return math.degrees(max(peaks, default=0.0))
+
+    @cached_property
+    def face_contact(self) -> tuple[float, float]:
+        """Between which places a flat face is touched over the turn, mm from the stem's line or the pivot's foot."""
+        if not isinstance(self.cutter, FlatFace):
+            raise TypeError("only a flat face is touched at more than one place")
+        place = partial(touched, self.cutter, motion=self.program)
+        low = -self.greatest(lambda theta: -place(theta))[1]
+        return low, self.greatest(place)[1]
 
     def groove(self, clearance: float = 0.0) -> Contour:
         """Outer wall of the groove in which the round tip runs, the outline being the inner one; counter-clockwise.

@@ -12,21 +12,21 @@ roller runs between the cam and an outer wall, three plates pinned together.   [
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property, partial
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from functools import cached_property
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field
 
 from camgen.errors import Fault, SpecError
-from camgen.findings import Finding, at_most
+from camgen.findings import Finding, NotJudged
 from camgen.geometry.outlines import Floats
-from camgen.machine.cams.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingFace
-from camgen.machine.cams.limits import Allowed, cam_limits, lost, steepest
+from camgen.machine.cams.followers import Follower, SlidingFace, SlidingTip, SwingingFace
+from camgen.machine.cams.limits import Advice, CamLimits, ExactCam, cam_findings, undercut_numbers
 from camgen.machine.cams.machine import CamTouch, FollowerLoad, Loaded, cam_machine, cam_outline, loaded
-from camgen.machine.cams.profile import DiscCam, SwingingArm, touched
+from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.cams.sizing import smallest
 from camgen.machine.features import Asked, CamOutline, Mount
 from camgen.machine.model import Machine
@@ -48,8 +48,6 @@ from camgen.study import Sketch, Study
 
 if TYPE_CHECKING:
     from camgen.machines.bench import Bench
-
-_ORDERS = ("displacement", "velocity", "acceleration", "jerk")
 
 
 class DiscCamDrive(StandingCams):
@@ -104,7 +102,7 @@ class DiscCamDrive(StandingCams):
         found += air_faults("geometry.tip_clearance", g.tip_clearance, g.closure, None if flat else f.radius or 0.0)
         found += load_faults(self.load, self.spring, slides, g.closure == "force", self.standing)
         if not found and self.load is not None and self.load.polydyne:
-            found += polydyne_faults(self.load, self._given)
+            found += polydyne_faults(self.load, self.spring, self._given, self.standing and g.closure == "force")
         if all(table.kind == "dwell" for table in self.segment):
             found.append(Fault("segment", f"{len(self.segment)} of them, all dwells", "at least one rise and one return"))
         return found
@@ -125,7 +123,7 @@ class DiscCamDrive(StandingCams):
         """The follower's motion over the turn, mm or rad; on a clockwise cam the segments lie the other way round."""
         made = self._given
         if self.load is not None and self.load.polydyne:
-            made = polydyne(made, self.load.stretch(self.speed))
+            made = polydyne(made, self.load.lag(self.speed, self.spring.rate if self.spring else 0.0))
         return made if self.sense > 0 else made.backwards()
 
     @cached_property
@@ -168,7 +166,7 @@ class DiscCamDrive(StandingCams):
         held = self._room + radius
         within = math.sqrt(max(0.0, held**2 - f.offset**2)) if f.motion == "translating" and f.shape != "flat" else held
         low = min(max(low, within), high)
-        size = smallest(make, math.radians(self.allowed.pressure_angle_deg), self.allowed.least_radius, low, high)
+        size = smallest(make, math.radians(self.cam_limits.steepest(make(high))), self.allowed.least_radius, low, high)
         return math.hypot(size, f.offset) - radius if f.motion == "translating" and f.shape != "flat" else size - radius
 
     @property
@@ -183,7 +181,8 @@ class DiscCamDrive(StandingCams):
 
     def found(self) -> Mapping[str, object]:
         """The base radius, and what all cams fill in."""
-        return {**super().found(), "geometry.base_radius": self.base_radius}
+        steepest = self.cam_limits.steepest(self.cam)
+        return {**super().found(), "geometry.base_radius": self.base_radius, "limits.pressure_angle_deg": steepest}
 
     @cached_property
     def cams(self) -> list[DiscCam[Follower]]:
@@ -212,7 +211,9 @@ class DiscCamDrive(StandingCams):
         from camgen.machines.linkage.wheels import Ridden
 
         g, f, load = self.geometry, self.geometry.follower, self._load or FollowerLoad()
-        tip = Ridden(f.shape, f.radius, g.closure, tip_clearance=g.tip_clearance)
+        tip = Ridden(
+            f.shape, f.radius, g.closure, tip_clearance=g.tip_clearance, face_width=f.face_width, limits=self.cam_limits
+        )
         return Bench(
             self._drawn(replace(load, rate=0.0, preload=0.0)), self.cam, tip,
             self.sizes, self.print, self.allowed.min_wall, self.density, load, ["follower"] if load.inertia else [],
@@ -256,18 +257,15 @@ class DiscCamDrive(StandingCams):
 
     def _outlines(self) -> Sequence[CamOutline]:
         """The outline of the cam; of both cams of a pair, and both walls of a groove."""
-        names = ["cam"] * 2 if self.standing else [part.name for part in self.parts()]
-        found = [self._outline(k, name, cam) for k, (name, cam) in enumerate(zip(names, self.cams, strict=False))]
+        names = [part.name for part in self.parts()]
+        found = [self._outline(name, cam) for name, cam in zip(names, self.cams, strict=False)]
         if self.geometry.closure == "groove":
-            found.append(self._outline(0, "outer", self.cam, self.print.slide_clearance))
+            found.append(self._outline("outer", self.cam, self.print.slide_clearance))
         return found
 
-    def _outline(self, k: int, part: str, cam: DiscCam[Follower], free: float | None = None) -> CamOutline:
-        face = self._face[k] if isinstance(cam.follower, SwingingFace) else (0.0, 0.0)
-        return cam_outline(
-            cam, part, self.making.bore if free is None else None, self._pressure[k], self.allowed.speed_ripple,
-            self.allowed.undercut / self._unit[1], face, self.geometry.follower.face_width, free,
-        )  # fmt: skip
+    def _outline(self, part: str, cam: DiscCam[Follower], free: float | None = None) -> CamOutline:
+        bore = self.making.bore if free is None else None
+        return cam_outline(cam, part, self.cam_limits, bore, self.geometry.follower.face_width, free)
 
     def _beside(self) -> Sequence[Mount]:
         """All plates on the cam's body, one above the other."""
@@ -281,20 +279,10 @@ class DiscCamDrive(StandingCams):
 
     # ---- checks and study -------------------------------------------------------------------------------------------
 
-    @cached_property
-    def _pressure(self) -> list[float]:
-        """Largest pressure angle of each cam over the turn, deg."""
-        return [steepest(cam) for cam in self.cams]
-
-    @cached_property
-    def _face(self) -> list[tuple[float, float]]:
-        """Between which places each cam touches its face, mm from the stem's line or the pivot's foot."""
-        found = []
-        for cam in self.cams:
-            assert isinstance(cam.cutter, FlatFace)
-            place = partial(touched, cam.cutter, motion=self.program)
-            found.append((-cam.greatest(partial(_negative, place))[1], cam.greatest(place)[1]))
-        return found
+    @property
+    def cam_limits(self) -> CamLimits:
+        """What is accepted of the cams."""
+        return self.allowed.of_cams(self.allowed.undercut / self._unit[1])
 
     @cached_property
     def _clears_axle(self) -> bool:
@@ -310,24 +298,25 @@ class DiscCamDrive(StandingCams):
 
     def limits(self) -> Sequence[Finding]:
         """Pressure angle, undercut, curvature, face width and jumps of the motion against the spec's limits."""
-        limits, f = self.allowed, self.geometry.follower
+        f = self.geometry.follower
         further = "an offset towards the rise" if f.motion == "translating" else "another arm or pivot_distance"
-        allowed = Allowed(
-            limits.pressure_angle_deg, limits.undercut, limits.least_radius,
+        advice = Advice(
             f"a larger base_radius, a longer span or {further}",
             "a larger base_radius" + (" or a smaller radius" if f.shape == "roller" else ""),
-        )  # fmt: skip
-        findings, facets = [], None if self._clears_axle else self.accuracy.chord_tolerance
-        for cam, pressure, name in zip(self.cams, self._pressure, self._names, strict=True):
-            findings += cam_limits(f"exact profile{name}", cam, pressure, allowed, facets)
-        if f.face_width is not None:
-            needed = max(high - low if f.motion == "oscillating" else 2 * max(-low, high) for low, high in self._face)
-            findings.append(
-                at_most("FACE_WIDTH", needed, f.face_width, "mm", "exact profile", "width over which the face is touched")
-            )
+        )
+        cams = [ExactCam(f"exact profile{name}", cam, advice) for cam, name in zip(self.cams, self._names, strict=True)]
+        facets = None if self._clears_axle or self.standing else self.accuracy.chord_tolerance
+        findings = cam_findings(cams, self.cam_limits, face_width=f.face_width, chord_tolerance=facets)
         if self._loaded and self.geometry.closure == "force":
             findings.append(lift_off(self._loaded, self._load or FollowerLoad(), f.motion == "translating"))
-        return [*findings, *self._jumps()]
+        return findings
+
+    def unpressed(self) -> Sequence[NotJudged]:
+        """LIFT_OFF of force closure where nothing says what presses the follower on its cam."""
+        if self._loaded or self.geometry.closure != "force":
+            return ()
+        why = "no spring, weight or load acts on the follower"
+        return (NotJudged("LIFT_OFF", why, "[load] and [spring]"),)
 
     def forecast(self) -> Sequence[Finding]:
         """The same; of cams alone what their holes leave of them, and the free play of a follower between two contacts."""
@@ -335,21 +324,6 @@ class DiscCamDrive(StandingCams):
             return super().forecast()
         air = self.print.slide_clearance if self.geometry.closure == "groove" else self.geometry.tip_clearance
         return [*self.limits(), *walls(self), *between(self.cams, air, self.allowed.lash / self._unit[1])]
-
-    def _jumps(self) -> list[Finding]:
-        """How many jumps there are up to the order that limits.continuous asks for; no finding where it asks for none."""
-        highest, (unit, scale) = self.allowed.continuous, self._unit
-        if highest < 0:
-            return []
-        jumps = self.program.discontinuities(highest)
-        units = (unit, f"{unit}/rad", f"{unit}/rad^2", f"{unit}/rad^3")
-        told = "; ".join(
-            f"{_ORDERS[j.order]} at {math.degrees(j.theta):.3f} deg by {j.size * scale:.4g} {units[j.order]}" for j in jumps[:6]
-        )
-        more = f"; and {len(jumps) - 6} more" if len(jumps) > 6 else ""
-        asked = " and ".join(filter(None, (", ".join(_ORDERS[:highest]), _ORDERS[highest])))
-        said = f"{told}{more}; a law that ends smoother, or 'matched', joins them" if jumps else f"no jump of {asked}"
-        return [at_most("MOTION_JUMP", len(jumps), 0, "jumps", "program", said)]
 
     @property
     def _names(self) -> list[str]:
@@ -379,16 +353,16 @@ class DiscCamDrive(StandingCams):
             "stroke_mm" if unit == "mm" else "swing_deg": scale * (high - low),
             "base_radius_mm": self.base_radius,
             "prime_radius_mm": self.base_radius + (f.radius or 0.0),
-            "pressure_angle_deg": max(self._pressure),
+            "pressure_angle_deg": max(each.steepest for each in self.cams),
             "curvature_radius_min_mm": min(each.least_radius for each in self.cams),
             f"peak_speed_{unit}_s": peaks[0],
             f"peak_acceleration_{unit}_s2": peaks[1],
             "profile_length_mm": cam.length,
             "profile_area_mm2": cam.area,
-            **lost(self.cams),
+            **undercut_numbers(self.cams),
         }
         if f.shape == "flat":
-            numbers["face_width_needed_mm"] = max(b - a for a, b in self._face)
+            numbers["face_width_needed_mm"] = max(high - low for low, high in (each.face_contact for each in self.cams))
         else:
             numbers["pitch_curvature_radius_min_mm"] = cam.least_radius + cam.tip.tip_radius
         return numbers | dict(self._forces.numbers)
@@ -421,16 +395,12 @@ class DiscCamDrive(StandingCams):
                     strokes.append(np.array([0, arm]))
                     circles.append((arm, radius))
                 case SlidingFace(start, along, leaves):
-                    half = (self.geometry.follower.face_width or 2 * max(map(abs, self._face[0]))) / 2
+                    half = (self.geometry.follower.face_width or 2 * max(map(abs, cam.face_contact))) / 2
                     strokes += [
                         np.array([start - half, start + half]),
                         np.array([start, start + leaves * along * self.base_radius]),
                     ]
                 case SwingingFace(_, facing, ahead):
-                    low, high = self._face[self.cams.index(cam)]
+                    low, high = cam.face_contact
                     strokes.append(facing * (ahead + 1j * np.array([low, 0, high])))
         return Sketch("follower", strokes, [(z, r) for z, r in circles if r], "follower")
-
-
-def _negative(f: Callable[..., Floats], theta: Any) -> Floats:
-    return -f(theta)

@@ -6,8 +6,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from camgen.machines.loads.tables import Bears, Drives, Weight
+from camgen.machines.loads.tables import CamBears, Drives, Weight
 from camgen.machines.pairs import Air
+from camgen.motion.polydyne import Lag
 from camgen.spec import Length, Record, Rpm, turning
 
 
@@ -39,18 +40,11 @@ class Motor(Drives):
     speed_rpm: Annotated[Rpm, turning()] = 60.0
 
 
-class Limits(Bears):
-    """What the designer accepts; a finding fails beyond it. undercut and lash are mm, or degrees of an oscillating follower.
+class Limits(CamBears):
+    """What the designer accepts; a finding fails beyond it. undercut and lash are mm, or degrees of an oscillating follower."""
 
-    least_radius: of the convex profile, mm; below 0 an undercut profile is accepted, down to that radius.
-    """
-
-    pressure_angle_deg: Annotated[float, Field(gt=0, lt=90)] = 30.0
-    least_radius: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
     undercut: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     lash: Annotated[float, Field(ge=0, le=1e6)] = 0.25
-    speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
-    continuous: Annotated[int, Field(ge=-1, le=3)] = 2
     min_wall: Length = 0.8
 
 
@@ -63,10 +57,13 @@ class LoadTable(Weight):
     resistance: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     polydyne: bool = False
 
-    def stretch(self, speed: float) -> float:
-        """What a follower's mass lags by per unit of its acceleration over the cam angle, 1/rad^2; speed: rad/s."""
+    def lag(self, speed: float, rate: float) -> Lag:
+        """What a cam has to be ahead of this follower; speed: rad/s; rate: of the spring on it, N/mm or N m/rad."""
+        if self.stiffness is None:
+            return Lag(0.0)
         mass = self.mass_kg * 1e-3 or self.inertia_kg_m2  # with N/mm and mm, or N m/rad and rad
-        return mass * speed**2 / self.stiffness if self.stiffness else 0.0
+        stiff = self.stiffness
+        return Lag(mass * speed**2 / stiff, self.damping * abs(speed) / stiff, rate / stiff)
 
 
 class SpringTable(Record):

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from camgen.errors import DesignError
 from camgen.machine.cams.many import Seen, seen
+from camgen.machine.cams.profile import DiscCam
 
 if TYPE_CHECKING:
     from camgen.machines.disc_cam.mechanism import DiscCamDrive
@@ -26,19 +27,19 @@ def prepare(many: Sequence[DiscCamDrive]) -> None:
     found = iter(seen([cam for _, cams in alone for cam in cams]))
     for each, cams in alone:
         mine = [next(found) for _ in cams]
-        known = [one for one in mine if one is not None and _decides(each, one)]
+        known = [one for cam, one in zip(cams, mine, strict=True) if one is not None and _decides(each, cam, one)]
         if len(known) < len(cams):
             continue
         for cam, one in zip(cams, known, strict=True):
-            vars(cam).update(undercuts=(), least_radius=one.least_radius, length=one.length, area=one.area, nearest=one.nearest)
-        vars(each).update(_pressure=[one.steepest for one in known], _face=[(one.face_from, one.face_to) for one in known],
-                          _clears_axle=True)  # fmt: skip
+            vars(cam).update(undercuts=(), least_radius=one.least_radius, length=one.length, area=one.area, nearest=one.nearest,
+                             steepest=one.steepest, face_contact=(one.face_from, one.face_to))  # fmt: skip
+        vars(each).update(_clears_axle=True)
 
 
-def _decides(drive: DiscCamDrive, one: Seen) -> bool:
+def _decides(drive: DiscCamDrive, cam: DiscCam[Any], one: Seen) -> bool:
     """Whether no rounding can turn a verdict on what is seen of a cam, and it clears its follower's axle in any case."""
     f, limits = drive.geometry.follower, drive.allowed
     width = one.face_to - one.face_from if f.motion == "oscillating" else 2 * max(one.face_to, -one.face_from)
-    near = [one.steepest - limits.pressure_angle_deg, one.least_radius - limits.least_radius, width - (f.face_width or 0.0)]
+    near = [one.steepest - drive.cam_limits.steepest(cam), one.least_radius - limits.least_radius, width - (f.face_width or 0.0)]
     room = math.inf if f.motion == "translating" else (f.pivot_distance or 0.0) - one.farthest
     return room > drive.accuracy.chord_tolerance and not any(abs(each) < _TIE for each in near[: 2 + bool(f.face_width)])

@@ -129,7 +129,7 @@ def compared(spec: IndexingCam) -> Sequence[Table]:
         return spec.chain(1.0, share, rise) if share else None
 
     found = Comparison(
-        program, spec.arm, chain, g.rise_deg, g.base_radius, f.roller_radius, spec.allowed.pressure_angle_deg,
+        program, spec.arm, chain, g.rise_deg, g.base_radius, f.roller_radius, spec.allowed.cam_limits.steepest(spec.cams["cam"]),
         (max(1.001 * low, 1.05 * f.roller_radius), 0.999 * high), g.gear_ratio, spec.speed, theta,
         (torques.follower_bare, torques.follower),
     )  # fmt: skip

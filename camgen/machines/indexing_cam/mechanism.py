@@ -25,7 +25,7 @@ from pydantic import Field
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats, Region
-from camgen.machine.cams.limits import Allowed, cam_limits, lost, steepest
+from camgen.machine.cams.limits import Advice, ExactCam, cam_findings, undercut_numbers
 from camgen.machine.cams.machine import cam_outline
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.features import Asked, CamOutline, Mount
@@ -191,7 +191,8 @@ class IndexingCam(StandingCams):
 
     def found(self) -> Mapping[str, object]:
         """The span of the return and the spring by the law, and what every mechanism fills in."""
-        found = {**super().found(), "geometry.return_deg": self.return_deg}
+        steepest = self.allowed.cam_limits.steepest(self.cams["cam"])
+        found = {**super().found(), "geometry.return_deg": self.return_deg, "limits.pressure_angle_deg": steepest}
         if self.unloader.torque == "law":
             found |= {"unloader.balance": self._balance, "unloader.design_rpm": self._design_rpm}
         elif isinstance(self.unloading, CrankSpring):
@@ -314,8 +315,8 @@ class IndexingCam(StandingCams):
 
     def _outlines(self) -> Sequence[CamOutline]:
         """The outline of each cam."""
-        accepted = self.allowed.speed_ripple, math.radians(self.allowed.undercut_deg)
-        return [cam_outline(cam, name, self.making.bore, self._pressure[name], *accepted) for name, cam in self.cams.items()]
+        limits, bore = self.allowed.cam_limits, self.making.bore
+        return [cam_outline(cam, name, limits, bore) for name, cam in self.cams.items()]
 
     def _beside(self) -> Sequence[Mount]:
         """The cams beside each other."""
@@ -332,11 +333,6 @@ class IndexingCam(StandingCams):
         return found
 
     # ---- checks and study -------------------------------------------------------------------------------------------
-
-    @cached_property
-    def _pressure(self) -> Mapping[str, float]:
-        """Largest pressure angle of each cam, deg."""
-        return {name: steepest(cam) for name, cam in self.cams.items()}
 
     @cached_property
     def indexing(self) -> IndexingStudy:
@@ -379,13 +375,14 @@ class IndexingCam(StandingCams):
 
     def limits(self) -> Sequence[Finding]:
         """Pressure angle, undercut, room at the axle; jumps at the joints; residual torque and force closure."""
-        allowed = Allowed(
-            self.allowed.pressure_angle_deg, self.allowed.undercut_deg, None,
-            "a larger base_radius, gear_ratio or rise_deg", "a larger base_radius or a smaller roller",
-        )  # fmt: skip
-        findings = []
-        for name, cam in self.cams.items():
-            findings += cam_limits(f"exact {name}", cam, self._pressure[name], allowed, self.accuracy.chord_tolerance)
+        advice = Advice(
+            "a larger base_radius, gear_ratio or rise_deg",
+            "a larger base_radius or a smaller roller",
+            "a geometry.law that ends smoother joins them",
+        )
+        cams = [ExactCam(f"exact {name}", cam, advice) for name, cam in self.cams.items()]
+        facets = None if self.standing else self.accuracy.chord_tolerance
+        findings = cam_findings(cams, self.allowed.cam_limits, chord_tolerance=facets)
         return [*findings, *self.indexing.findings(self.allowed.acceleration_jump, self.allowed.residual)]
 
     def forecast(self) -> Sequence[Finding]:
@@ -399,11 +396,11 @@ class IndexingCam(StandingCams):
         numbers = {
             "index_deg": self.geometry.index_deg,
             "swing_deg": math.degrees(self.swing),
-            **{f"{name.replace('-', '_')}_pressure_angle_deg": angle for name, angle in self._pressure.items()},
+            **{f"{name.replace('-', '_')}_pressure_angle_deg": cam.steepest for name, cam in self.cams.items()},
             **{f"{name.replace('-', '_')}_least_radius_mm": cam.least_radius
                for name, cam in self.cams.items() if math.isfinite(cam.least_radius)},
         }  # fmt: skip
-        numbers |= lost([*self.cams.values()])
+        numbers |= undercut_numbers([*self.cams.values()])
         if isinstance(self.unloading, CrankSpring):
             low, high = self.unloading.stretches
             numbers |= {"spring_stretch_least_mm": low, "spring_stretch_greatest_mm": high,

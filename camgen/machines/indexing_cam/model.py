@@ -107,7 +107,7 @@ def stood(spec: IndexingCam) -> Bench:
         points[CRANK] = {"crank": 0j, "hook": made.hook(machine.start_of(CRANK).angle)}
         strung = {"unloader_spring": made.strung()}
     g = spec.geometry
-    tip = Ridden("roller", f.roller_radius, g.closure, tip_clearance=g.tip_clearance)
+    tip = Ridden("roller", f.roller_radius, g.closure, tip_clearance=g.tip_clearance, limits=spec.allowed.cam_limits)
     return Bench(
         machine, spec.cams["cam"], tip, sizes, spec.print,
         spec.allowed.min_wall, spec.density, FollowerLoad(preload=load.closing_n_m),

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from camgen.findings import Finding, at_least, at_most
+from camgen.machine.cams.machine import ROUNDING
 from camgen.machine.cams.profile import DiscCam
 from camgen.machines.indexing_cam.card import card
 from camgen.machines.indexing_cam.stepping import NOTE as STEPS
@@ -157,7 +158,8 @@ class IndexingStudy:
             "FORCE_CLOSURE", float(seat[worst]), 0.0, "N m",
             f"follower's axle, {self.angle} {math.degrees(theta[worst]):.3f} deg",
             f"torque between roller and cam with a closing torque of {self.closing:g} N m; "
-            f"{max(0.0, self.closing - float(seat[worst])):.4g} N m would keep it from leaving the cam",
+            f"more than {max(0.0, self.closing - float(seat[worst])):.4g} N m would keep it from leaving the cam",
+            tolerance=-ROUNDING * float(np.max(np.abs(seat))),
         )  # fmt: skip
 
     def _pushing(self) -> tuple[Floats, Floats]:

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from camgen.errors import Fault, SpecError
-from camgen.machines.loads.tables import Bears, Drives, Positive, Weight
+from camgen.machines.loads.tables import Drives, Positive, SwingingCamBears, Weight
 from camgen.machines.pairs import Air
 from camgen.motion.program import Segment
 from camgen.motion.segments import MATCHED, NamedLaw, backwards, law_of, turning_rows
@@ -159,17 +159,14 @@ class Parts(ShaftHole):
     wall: Length = 4.0
 
 
-class Limits(Bears):
+class Limits(SwingingCamBears):
     """What the designer accepts; acceleration_jump in strokes per square of the turn's period.
 
     residual: peak torque that the unloader may leave to the cam, as a share of that without it; advance_deg: how far a turn of a
     link that turns on may be off.
     """
 
-    pressure_angle_deg: Annotated[float, Field(gt=0, le=90)] = 45.0
-    undercut_deg: Annotated[float, Field(ge=0, le=180)] = 0.0
     lash_deg: Annotated[float, Field(ge=0, le=180)] = 0.25
-    speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
     acceleration_jump: NotNegative = 3.0
     residual: Annotated[float, Field(ge=0, le=100)] = 0.25
     advance_deg: Annotated[float, Field(gt=0, le=360)] = 0.05

@@ -163,6 +163,11 @@ class Drawing:
         unit, suffix = (math.radians(1), "_deg") if swings else (1.0, "")
         return program(rows, unit, f"{path}.segment", suffix=suffix)
 
+    def kicked(self) -> list[str]:
+        """Names of cams whose follower's speed jumps."""
+        programs = {self.cam_name(cam): self.program_of(cam) for cam in self.cams}
+        return [name for name, made in programs.items() if any(jump.order == 1 for jump in made.discontinuities(1))]
+
     # ---- the model ------------------------------------------------------------------------------------------------
 
     def machine(self) -> m.Machine:

@@ -155,6 +155,8 @@ def _cam_faults(drawing: Drawing, path: str, cam: t.Cam, link: Any) -> list[Faul
     if (cam.shape == "roller") != (cam.radius is not None):
         fits = "the roller's radius" if cam.shape == "roller" else f"nothing here: a {cam.shape} has none"
         faults.append(Fault(f"{path}.radius", "", fits))
+    if cam.face_width is not None and cam.shape != "flat":
+        faults.append(Fault(f"{path}.face_width", f"{cam.face_width:g}", f"nothing here: a {cam.shape} has no face"))
     faults += air_faults(f"{path}.tip_clearance", cam.tip_clearance, cam.closure, cam.radius)
     wrong, right = (("lift_deg", "to_deg"), ("lift", "to")) if slide else (("lift", "to"), ("lift_deg", "to_deg"))
     way = "slides" if slide else "swings"

@@ -35,6 +35,8 @@ _SPRINGS = ("spring", "rate, N/mm", "free, mm", "shortest, mm", "longest, mm", "
 _EXTREMES = ("output", "unit", "extreme", "at theta, deg", "what it is")
 _PATHS = ("path", "length, mm", "least radius, mm", "at, deg", "inflections at, deg", "cusps at, deg", "crosses itself at, deg")
 _MOST_SERIES = 8  # curves of one plot
+_OF_A_KIND, _OF_THREE = 3.0, 1.3e-4  # s, to make and judge a kind of file, and by the cube of links; measured up to 58
+_LONG = 20.0  # s, that are told beforehand
 _RETURNS = 1e-6  # of its stroke, by which an output that goes to and fro may miss its beginning after a turn
 _SLOW, _STILL = 0.05, 1e-6  # of a point's greatest speed: where a stop is looked for, and what is one
 
@@ -167,6 +169,12 @@ def _longer_slots(linkage: Linkage) -> list[str]:
                 said = f"Slot of {slot.link}: pin {slot.pin} passes its drawn end {end} by {over:.4g} mm"
                 found.append(f"{said}; the slot is made longer.")
     return found
+
+
+def beforehand(links: int, kinds: int) -> str:
+    """How long so many links take with so many kinds of files; nothing where that is short."""
+    seconds = kinds * (_OF_A_KIND + _OF_THREE * links**3)
+    return f"{links} links: to make and judge it takes about {seconds:.0f} s" if seconds > _LONG else ""
 
 
 def courses(linkage: Linkage) -> list[Course]:

@@ -9,6 +9,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 from camgen.machine import model as m
+from camgen.machine.cams.machine import cam_meant
 from camgen.machine.features import (
     CamOutline,
     Eye,
@@ -142,7 +143,7 @@ def _tip(layout: Layout, tip: Tip) -> Eye | Flat:
     at = layout.at(link, tip.point)
     if tip.shape == "knife":
         return Eye(part_name(link), at, 0.0)
-    (low, high), away = tip.touched(), tip.away(float(layout.machine.start_of(link).angle))
+    (low, high), away = tip.face(), tip.away(float(layout.machine.start_of(link).angle))
     origin = at if tip.joint.slide is not None else pivot(layout.machine, link)[0]
     return Flat(part_name(link), origin + (low + high) / 2 * 1j * away, cmath.phase(-away), high - low)
 
@@ -154,8 +155,9 @@ def _outlines(layout: Layout, tip: Tip) -> Iterator[CamOutline]:
         joint.name, f"{name}-inner" if tip.grooved else name, pivot_of(layout, joint.cam),
         pivot_of(layout, joint.follower) if joint.slide is None else None,
         _tip(layout, tip), tip.radius if tip.rolls else None, tip.leaves, free=tip.cam.air,
-        roller=f"roller-{tip.name}" if tip.rolls else None,
+        roller=f"roller-{tip.name}" if tip.rolls else None, meant=cam_meant(tip.cam, tip.ridden.limits),
     )  # fmt: skip
     yield driving
     if tip.grooved:
-        yield replace(driving, part=f"{name}-outer", inside=True, free=layout.fits.slide_clearance)
+        wall = cam_meant(tip.cam, tip.ridden.limits, outer=True)
+        yield replace(driving, part=f"{name}-outer", inside=True, free=layout.fits.slide_clearance, meant=wall)

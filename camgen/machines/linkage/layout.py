@@ -284,7 +284,7 @@ class Layout(Joined):
         if tip.shape == "knife":
             away, reach = tip.away(start), NOSE * self._nose
             return self.at(tip.joint.follower, tip.point) + reach * away, -away, 0.5 * self._nose, reach, True
-        link, (low, high) = tip.joint.follower, tip.touched()
+        link, (low, high) = tip.joint.follower, tip.face()
         hinge = pivot(self.machine, link)[0]
         hub = self.hub(next(name for name, z in self.points_of(link).items() if z == hinge), link)
         near, far = sorted((abs(low), abs(high)))

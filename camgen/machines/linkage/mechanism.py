@@ -57,11 +57,10 @@ from camgen.parts.catalogue import Bought, turning_text
 from camgen.parts.counterweights import NAME
 from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
+from camgen.parts.springs import Mounted
 from camgen.spec import Output, unknown, validate
 from camgen.study import Sketch, Study, Table, together
 
-_OF_A_KIND, _OF_THREE = 3.0, 1.3e-4  # s, to make and judge a kind of file, and by the cube of links; measured up to 58
-_LONG = 20.0  # s, that are told beforehand
 _SAMPLES = np.linspace(0, math.tau, 1440, endpoint=False)  # of a period, at which links are looked at for their levels
 
 
@@ -215,6 +214,11 @@ class Linkage(Mechanism):
             return ()
         return tuple(posts(self.bodies, {each.name: each.forces()[1] for each in self.sprung}, self.material.name))
 
+    def mounted_springs(self) -> Mapping[str, Mounted]:
+        """Its own, and those of what is included."""
+        included = {each.module.prefix: each.mechanism.mounted_springs() for each in self.modules}
+        return coils.mounted(self.sprung, by_force(self.chain), self.making.pin_diameter, included)
+
     def bears(self, joint: str) -> Bears:
         """As this spec, or that of the included machine whose joint it is, says."""
         own = self._owner(joint)
@@ -329,7 +333,7 @@ class Linkage(Mechanism):
 
     @property
     def _layout(self) -> Layout:
-        cams = {Drawing.cam_name(c): wheels.Ridden(c.shape, c.radius, c.closure, c.at, c.tip_clearance) for c in self.cams}
+        cams = wheels.ridden(self._drawing, self.allowed)
         gears = {Drawing.gear_name(gear): gear for gear in self.gears}
         return Layout(
             self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, {}, cams, gears,
@@ -403,8 +407,7 @@ class Linkage(Mechanism):
 
     def limits(self) -> Sequence[Finding]:
         """Targets by the model as designed, and how near each loop comes to a fold."""
-        found = [*figures.targets(self), *figures.transmission_angles(self)]
-        found += wheels.limits(self._layout.tips, self.allowed.pressure_angle_deg)
+        found = [*figures.targets(self), *figures.transmission_angles(self), *wheels.limits(self._layout.tips)]
         return [*found, *self._pressed.findings, *(finding for each in self.modules for finding in each.limits())]
 
     def unpressed(self) -> Sequence[NotJudged]:
@@ -417,9 +420,7 @@ class Linkage(Mechanism):
         cams = by_force(self.chain)
         if not cams or self.lacking() is not None:
             return Borne()
-        programs = {Drawing.cam_name(cam): self._drawing.program_of(cam) for cam in self.cams}
-        kicked = [name for name, program in programs.items() if any(jump.order == 1 for jump in program.discontinuities(1))]
-        return pressed(pulled(self), cams, kicked, np.linspace(*self.range, len(_SAMPLES) + 1), self.angle_name)
+        return pressed(pulled(self), cams, self._drawing.kicked(), np.linspace(*self.range, len(_SAMPLES) + 1), self.angle_name)
 
     def sprung_steps(self, table: Table, module: Module | None = None) -> Table:
         """With its own springs and those of what is included."""
@@ -433,8 +434,7 @@ class Linkage(Mechanism):
 
     def beforehand(self, kinds: int) -> str:
         """How long many links take, which are closed together on what each kind of file shows."""
-        seconds = kinds * (_OF_A_KIND + _OF_THREE * len(self.links) ** 3)
-        return f"{len(self.links)} links: to make and judge it takes about {seconds:.0f} s" if seconds > _LONG else ""
+        return figures.beforehand(len(self.links), kinds)
 
     def texts(self) -> Mapping[str, str]:
         """The chain as drawn, as a picture and as PMKS lines."""

@@ -19,7 +19,7 @@ from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.joined import Stretched
 from camgen.machines.linkage.sizes import Parts
 from camgen.parts.catalogue import Bought
-from camgen.parts.springs import EYE, ExtensionSpring, extension_spring
+from camgen.parts.springs import EYE, ExtensionSpring, Mounted, extension_spring
 from camgen.spec import unknown
 
 
@@ -49,9 +49,25 @@ class Sprung:
         least, most = (self.pull.rate * (length - self.pull.free) for length in (self.shortest, self.longest))
         return least, most
 
+    def mounted(self, pin: float, on_cam: bool) -> Mounted:
+        """Where it works; pin: diameter, mm; on_cam: whether it keeps a follower on its cam."""
+        return Mounted(self.spring, self.shortest + pin, self.longest + pin, on_cam=on_cam)
+
     def bought(self, pin: float) -> Bought:
         """Its line in the list of parts; pin: diameter, mm."""
-        return replace(self.spring.bought(self.shortest + pin, self.longest + pin), name=f"extension spring, {self.name}")
+        return replace(self.mounted(pin, False).bought, name=f"extension spring, {self.name}")
+
+
+def mounted(
+    sprung: Sequence[Sprung], cams: Sequence[m.Cam], pin: float, included: Mapping[str, Mapping[str, Mounted]]
+) -> dict[str, Mounted]:
+    """Where they work, by their names in findings.
+
+    cams: that only a force keeps closed; pin: diameter, mm; included: the same of other machines, by their names.
+    """
+    followers = {cam.follower for cam in cams}
+    found = {each.figure.replace("_", " "): each.mounted(pin, any(end[0] in followers for end in each.ends)) for each in sprung}
+    return found | {f"{name} of {of}": spring for of, springs in included.items() for name, spring in springs.items()}
 
 
 def names(springs: Sequence[t.Spring]) -> list[str]:

@@ -12,9 +12,10 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field
 
 from camgen.errors import Fault, SpecError
+from camgen.machine.cams.limits import CamLimits
 from camgen.machine.targets import Dwell, Function, Straight, Stroke, Target, Through, TimeRatio, Trace
 from camgen.machines.linkage.sizes import Name
-from camgen.machines.loads.tables import Bears
+from camgen.machines.loads.tables import CamBears
 from camgen.machines.pairs import Air
 from camgen.motion.program import Program
 from camgen.motion.segments import NamedLaw, SegmentTable, program
@@ -129,6 +130,7 @@ class Cam(Record):
     at: Name = Field(description="point of the follower: the roller's centre, the edge, or a point of the face")
     radius: Length | None = Field(None, description="mm, of the roller")
     closure: Literal["force", "groove", "conjugate"] = Field("force", description="what holds the follower on the cam")
+    face_width: Length | None = Field(None, description="mm, of a flat face; as wide as it is touched unless given")
     tip_clearance: Air = Field(0.0, description="mm, air at each tip of a pair; below 0: preload")
     name: Name | None = Field(None, description="of the joint; both links unless given")
     segment: Annotated[tuple[CamSegment, ...], Field(min_length=1, max_length=100)] = Field(description="the program")
@@ -205,11 +207,12 @@ def pair(key: str) -> tuple[str, str] | None:
     return (names[0].strip(), names[1].strip()) if len(names) == 2 and all(names) else None
 
 
-class Limits(Bears):
+class Limits(CamBears):
     """What the designer accepts; a finding fails beyond it."""
 
     transmission_angle_deg: Annotated[float, Field(ge=0, lt=90)] = Field(20.0, description="deg, least of each loop")
-    pressure_angle_deg: Annotated[float, Field(gt=0, lt=90)] = Field(45.0, description="deg, greatest of each cam")
+    undercut: Annotated[float, Field(ge=0, le=1e6)] = Field(0.0, description="mm, motion that a follower that slides may lose")
+    undercut_deg: Annotated[float, Field(ge=0, le=180)] = Field(0.0, description="deg, the same of one that swings")
     lash: Annotated[float, Field(ge=0, le=1e6)] | None = Field(
         None,
         description="mm, free play of an output by all joints' play; a quarter of its stroke, or of a path's smaller side, "
@@ -217,6 +220,10 @@ class Limits(Bears):
     )
     lash_deg: Annotated[float, Field(ge=0, le=360)] | None = Field(None, description="deg, the same of an angle")
     min_wall: Length = Field(0.8, description="mm")
+
+    def of_follower(self, slides: bool) -> CamLimits:
+        """What is accepted of a cam, by whether its follower slides or swings."""
+        return self.of_cams(self.undercut if slides else math.radians(self.undercut_deg))
 
 
 Points = dict[Name, Place]

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import groupby
 from typing import Any, Literal
 
 import numpy as np
@@ -21,13 +22,13 @@ from camgen.findings import Finding
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
 from camgen.machine.cams.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingArm, SwingingFace
-from camgen.machine.cams.limits import Allowed, cam_limits, steepest
+from camgen.machine.cams.limits import Advice, CamLimits, ExactCam, cam_findings
 from camgen.machine.cams.machine import CamTouch
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Teeth
-from camgen.machines.linkage.drawing import SECOND, Scaled, level_of
+from camgen.machines.linkage.drawing import SECOND, Drawing, Scaled, level_of
 from camgen.machines.linkage.sizes import Parts
-from camgen.machines.linkage.tables import Gear
+from camgen.machines.linkage.tables import Gear, Limits
 from camgen.motion.program import Program
 from camgen.parts.gears import Spur, pair
 
@@ -39,17 +40,25 @@ _BESIDE = 0.5  # mm, of a face beside where it is touched
 
 @dataclass(frozen=True)
 class Ridden:
-    """What of a follower touches a cam, as in [[cam]]: its point `at` is a roller's centre, an edge, a place on a face.
+    """What of a follower touches a cam, as in [[cam]], and what of that is accepted."""
 
-    shape: "roller", "knife" or "flat"; radius: of a roller, mm; closure: "force", "groove" or "conjugate"; tip_clearance: of a
-    pair, mm at each tip.
-    """
+    shape: str  # "roller", "knife" or "flat"
+    radius: float | None  # of a roller, mm
+    closure: str  # "force", "groove" or "conjugate"
+    at: str = "tip"  # point of the follower: a roller's centre, an edge, a place on a face
+    tip_clearance: float = 0.0  # of a pair, mm at each tip
+    face_width: float | None = None  # of a flat face, mm; None: as wide as it is touched
+    limits: CamLimits = CamLimits()
 
-    shape: str
-    radius: float | None
-    closure: str
-    at: str = "tip"
-    tip_clearance: float = 0.0
+
+def ridden(drawing: Drawing, limits: Limits) -> dict[str, Ridden]:
+    """What touches each cam, by its joint."""
+    found = {}
+    for cam in drawing.cams:
+        accepted = limits.of_follower(drawing.slide_of(cam.follower) is not None)
+        touching = Ridden(cam.shape, cam.radius, cam.closure, cam.at, cam.tip_clearance, cam.face_width, accepted)
+        found[drawing.cam_name(cam)] = touching
+    return found
 
 
 @dataclass(frozen=True)
@@ -94,22 +103,31 @@ class Toothed:
 
 @dataclass(frozen=True)
 class Tip:
-    """A cam that a follower's tip runs on; point: of the follower; leaves: the sense of the follower that takes it off.
-
-    name: of its parts; rim: how much further a groove's plates reach than its follower's way, mm. A knife or a face is a part
-    of the follower's own band, so it has its level.
-    """
+    """A cam that a follower's tip runs on. A knife or a face is a part of the follower's own band, so it has its level."""
 
     level: str
     joint: m.Cam
     cam: DiscCam[Any]
-    point: str
-    radius: float
-    leaves: Literal[1, -1]
-    closure: str
-    name: str
-    shape: str
-    rim: float = 0.0
+    point: str  # of the follower
+    leaves: Literal[1, -1]  # the sense of the follower that takes it off
+    name: str  # of its parts
+    ridden: Ridden
+    rim: float = 0.0  # how much further a groove's plates reach than its follower's way, mm
+
+    @property
+    def radius(self) -> float:
+        """Of its roller, mm; 0 without one."""
+        return self.ridden.radius or 0.0
+
+    @property
+    def closure(self) -> str:
+        """As in [[cam]]."""
+        return self.ridden.closure
+
+    @property
+    def shape(self) -> str:
+        """As in [[cam]]."""
+        return self.ridden.shape
 
     @property
     def grooved(self) -> bool:
@@ -126,11 +144,14 @@ class Tip:
         """Whether it has a roller."""
         return self.shape == "roller"
 
-    def touched(self) -> tuple[float, float]:
-        """Between which places a face is touched, mm to the left of its normal from its point, or from the hinge."""
-        follower = self.cam.follower
-        place = follower.place(self.cam.program(_ROUND), self.cam.profile(_ROUND) * np.exp(1j * _ROUND))
-        return float(place.min()) - _BESIDE, float(place.max()) + _BESIDE
+    def face(self) -> tuple[float, float]:
+        """Ends of a face, mm to the left of its normal from its point, or from the hinge."""
+        low, high = self.cam.face_contact
+        width = self.ridden.face_width
+        if width is None:
+            return low - _BESIDE, high + _BESIDE
+        middle = 0.0 if self.joint.slide is not None else (low + high) / 2
+        return middle - width / 2, middle + width / 2
 
     def away(self, start: float) -> complex:
         """Unit direction off the cam at its point, in the follower's axes; start: angle of these as drawn, rad."""
@@ -148,7 +169,7 @@ class Tip:
         """
         away = self.away(start)
         if self.shape == "flat":
-            return [((1j * place + size) * away, size) for place in self.touched()]
+            return [((1j * place + size) * away, size) for place in self.face()]
         return [*([(0j, 0.0)] if self.joint.slide is not None else []), (NOSE * size * away, size)]
 
     @property
@@ -245,7 +266,7 @@ def tips(machine: m.Machine, cams: Mapping[str, Ridden], sizes: Parts, clearance
                 )
             cam, rim = DiscCam(_signed(joint.law), follower, spec.tip_clearance), groove_rim(sizes) + clearance
             level = key if spec.shape == "roller" else joint.follower
-            found.append(Tip(level, joint, cam, point, spec.radius or 0.0, leaves, spec.closure, key, spec.shape, rim))
+            found.append(Tip(level, joint, cam, point, leaves, key, spec, rim))
     return found
 
 
@@ -277,17 +298,24 @@ def toothed(machine: m.Machine, gears: Mapping[str, Gear], backlash: float, leas
     return found
 
 
-def limits(tips: Sequence[Tip], pressure_angle_deg: float) -> list[Finding]:
-    """PRESSURE_ANGLE and UNDERCUT of each cam as designed; DesignError names the cam where there is none."""
+def limits(tips: Iterable[Tip]) -> list[Finding]:
+    """What is judged of each cam as designed; DesignError names the cam where there is none."""
     found = []
-    for tip in tips:
-        outline(tip)
-        worst, _ = tip.cam.greatest(tip.cam.pressure_angle)
-        further = "a follower drawn further from the shaft"
-        flatter = f"largest at cam angle {math.degrees(worst):.2f} deg; {further}, or a longer span,"
-        allowed = Allowed(pressure_angle_deg, 0.0, None, flatter, f"{further}, or a smaller radius,")
-        found += cam_limits(f"cam {tip.joint.name}", tip.cam, steepest(tip.cam), allowed)
+    for name, joined in groupby(tips, lambda tip: tip.joint.name):
+        of_joint = [*joined]
+        ridden = of_joint[0].ridden
+        found += cam_findings([exact(tip) for tip in of_joint], ridden.limits, f"program of cam {name}", ridden.face_width)
     return found
+
+
+def exact(tip: Tip) -> ExactCam:
+    """A cam as designed."""
+    outline(tip)
+    worst, _ = tip.cam.greatest(tip.cam.pressure_angle)
+    further = "a follower drawn further from the shaft"
+    flatter = f"largest at cam angle {math.degrees(worst):.2f} deg; {further}, or a longer span,"
+    second = ", second of the pair" if tip.name.endswith(SECOND) else ""
+    return ExactCam(f"cam {tip.joint.name}{second}", tip.cam, Advice(flatter, f"{further}, or a smaller radius,"))
 
 
 def outline(tip: Tip) -> Contour:

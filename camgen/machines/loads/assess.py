@@ -82,7 +82,7 @@ def assess(mechanism: Mechanism) -> Assessment:
         rate, least, _ = mechanism.spring_asked
         why = f"no wire up to {WIRES[-1]:g} mm can be wound to pull {least:.4g} N and {rate:.4g} N/mm more without yielding"
         left.append(NotJudged("SPRING_STRESS", why, "another spring.preload or spring.rate, or a spring of another kind"))
-    for borne in (plain, posts, touched, turned, grip, swung, follower.sprung(mechanism.return_spring, machine.speed)):
+    for borne in (plain, posts, touched, turned, grip, swung, follower.sprung(mechanism.mounted_springs(), machine.speed)):
         held += borne.findings
         left += borne.left
         numbers |= borne.numbers

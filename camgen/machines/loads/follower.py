@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from camgen.findings import at_least, at_most
 from camgen.machine.balancing import crank_weight
+from camgen.machine.cams.machine import lift_off
 from camgen.machine.constraints import Constraints, solved
 from camgen.machine.forces import Forces
 from camgen.machine.friction import smooth
-from camgen.machine.model import MM, Cam, Machine, Turning
+from camgen.machine.model import MM, Cam, Law, Machine, Turning
 from camgen.machine.run import Run, solve
 from camgen.machines.loads.bearing import Borne
 from camgen.machines.loads.tables import Weight
 from camgen.motion.laws import LAWS
+from camgen.motion.program import Program
 from camgen.numerics import Floats
 from camgen.study import Plot, Table
 
@@ -27,7 +30,10 @@ if TYPE_CHECKING:
     from camgen.parts.springs import Mounted
 
 _SURGE = 15.0  # times the cam's turns, that a spring's own frequency is to be; 15 to 20 is usual advice
-_STILL = 1e-9  # of the greatest acceleration, below which a follower dwells
+_AT_JOINT = 1e-9  # rad, to either side of a dwell's ends
+_SLOW = 1e-6  # of the speed, at which inertia does nothing
+_STEP = 1e-3  # of the stroke, by which a follower is displaced to see what holds it
+_ROUNDING = 1e-9  # of the contact's force, that is none
 
 
 def elastic(run: Run, load: Weight | None) -> Borne:
@@ -36,52 +42,116 @@ def elastic(run: Run, load: Weight | None) -> Borne:
     cams = [joint for joint in run.machine.joints if isinstance(joint, Cam)]
     if load is None or load.stiffness is None or len(cams) != 1:
         return borne
-    from camgen.machine.cams.dynamics import Elastic
+    from camgen.machine.cams.dynamics import Elastic, Excitation
     from camgen.motion.polydyne import Polydyne
 
     (cam,), theta, speed = cams, run.theta[:-1], run.machine.speed
     mass = effective_inertia(run, cam)
-    if not mass:
+    rate, drag = held_by(run, cam)
+    if not mass or load.stiffness + rate <= 0:
         return borne
     unit, scale = ("mm", 1.0) if cam.slide else ("deg", math.degrees(1))
     heavy = mass * MM if cam.slide else mass  # with s in mm and k in N/mm
-    model = Elastic(math.sqrt(load.stiffness / heavy), load.damping_ratio)
-    law = cam.law(theta - cam.phase, 2)
-    x, bend = model.vibration(law, speed)
-    rests = np.abs(law) <= _STILL * np.max(np.abs(law))
+    model = Elastic(heavy, load.stiffness, load.damping_ratio, rate, drag)
+    turned = run.angle(cam.cam)[:, :-1]
+    program, angle = program_of(cam), turned[0] - cam.phase
+    # where it jumps, the mean of both sides: so a sum over even angles is its integral
+    bend = (cam.law(angle - _AT_JOINT, 2) + cam.law(angle + _AT_JOINT, 2)) / 2
+    excited = Excitation(cam.law(angle, 0), bend * turned[1] ** 2 + cam.law(angle, 1) * turned[2])
+    found = model.response(excited, speed)
     key = cam.name.replace(" ", "_")
-    peak = float(np.max(np.abs(law))) * speed**2
+    peak = float(np.max(np.abs(excited.acceleration))) * speed**2
     borne.numbers |= {
         f"follower_frequency_{key}_hz": model.frequency / math.tau,
-        f"vibration_{key}_{unit}": scale * float(np.max(np.abs(x))),
-        f"vibration_in_dwells_{key}_{unit}": scale * float(np.max(np.abs(x[rests]), initial=0.0)),
-        f"acceleration_factor_{key}": float(np.max(np.abs(bend))) / peak if peak else 1.0,
+        f"vibration_{key}_{unit}": scale * float(np.max(np.abs(found.vibration))),
+        f"acceleration_factor_{key}": float(np.max(np.abs(found.acceleration))) / peak if peak else 1.0,
     }
-    if isinstance(cam.law, Polydyne):
-        off = cam.law(theta - cam.phase) + x - cam.law.wanted(theta - cam.phase)
+    if program is not None:
+        resting = np.abs(found.vibration[dwelling(program, angle)])
+        borne.numbers[f"vibration_in_dwells_{key}_{unit}"] = scale * float(np.max(resting, initial=0.0))
+    if rate:
+        bent = (1 - model.share) * float(np.max(np.abs(excited.displacement)))
+        borne.numbers[f"vibration_bent_by_spring_{key}_{unit}"] = scale * abs(bent)
+    if isinstance(program, Polydyne):
+        wanted = getattr(cam.law, "sign", 1) * program.wanted(angle)
+        off = excited.displacement + found.behind - wanted
         borne.numbers[f"off_wanted_{key}_{unit}"] = scale * float(np.max(np.abs(off)))
     degrees = np.degrees(theta)
-    borne.plots.append(Plot(f"Vibration of the follower, {cam.name}", "cam angle, deg", unit, [("y - s", degrees, scale * x)]))
+    borne.plots.append(Plot(f"Vibration of the follower, {cam.name}", "cam angle, deg", unit,
+                            [("vibration", degrees, scale * found.vibration),
+                             ("y - s", degrees, scale * found.behind)]))  # fmt: skip
+    by_cam = scale * excited.acceleration * speed**2
     borne.plots.append(Plot(f"Acceleration of the follower, {cam.name}", "cam angle, deg", f"{unit}/s^2",
-                            [("elastic", degrees, scale * bend), ("by the cam", degrees, scale * law * speed**2)]))  # fmt: skip
+                            [("elastic", degrees, scale * found.acceleration), ("by the cam", degrees, by_cam)]))  # fmt: skip
     if cam.closure == "force":
         still = solve(_slow(run), theta).forces().contacts[cam.name] * cam.leaves
-        push = still + heavy * cam.leaves * bend
-        worst = int(np.argmin(push))
-        fast = model.loses_contact(cam.leaves * law, speed, heavy, still) * 60 / math.tau
-        said = f"with an elastic follower of {model.frequency / math.tau:.4g} Hz; contact is lost from {fast:.6g} rpm" \
-            if math.isfinite(fast) else f"with an elastic follower of {model.frequency / math.tau:.4g} Hz"  # fmt: skip
-        borne.findings.append(at_least("LIFT_OFF", float(push[worst]), 0.0, "N" if cam.slide else "N m",
-                                       f"{cam.name}, cam angle {degrees[worst]:.1f} deg", said))  # fmt: skip
+        push = still + cam.leaves * model.push(excited, speed)
+        fast = model.loses_contact(excited, speed, still, cam.leaves) * 60 / math.tau
+        said = f"with an elastic follower of {model.frequency / math.tau:.4g} Hz"
+        said += f"; contact is lost from {fast:.6g} rpm" if math.isfinite(fast) else ""
+        borne.findings.append(lift_off(theta, push, "N" if cam.slide else "N m", f"{cam.name}, cam angle", said, said))
         if math.isfinite(fast):
             borne.numbers[f"lift_off_speed_{key}_rpm"] = fast
-    borne.tables += _laws(cam, model, abs(speed))
+    borne.tables += _laws(program, model, abs(speed))
     return borne
+
+
+def program_of(cam: Cam) -> Program | None:
+    """The follower's program, where its law is one."""
+    law = getattr(cam.law, "program", cam.law)
+    return law if isinstance(law, Program) else None
+
+
+def dwelling(program: Program, angle: Floats) -> Any:
+    """Mask of the cam angles at which the program dwells, both ends included, (n,)."""
+    turned = np.mod(angle - program.begin, math.tau)
+    inside = np.zeros(turned.shape, bool)
+    for segment, begin in zip(program.segments, program.joints - program.begin, strict=False):
+        if not segment.scale:
+            inside |= (turned >= begin - _AT_JOINT) & (turned <= begin + segment.span + _AT_JOINT)
+    return inside
+
+
+@dataclass(frozen=True)
+class Displaced:
+    """A law of which one derivative is larger by a constant."""
+
+    law: Law
+    order: int
+    by: float
+
+    def __call__(self, theta: Floats, order: int = 0) -> Floats:
+        """Its order-th derivative, (n,)."""
+        value = self.law(theta, order)
+        return value + self.by if order == self.order else value
+
+
+def held_by(run: Run, cam: Cam) -> tuple[float, float]:
+    """What holds back all that moves with a cam's s, mean over the motion: force for 1 of s (N/mm, or N m/rad), and for 1 of
+    its speed (N s/mm, or N m s/rad), by what the cam exerts where s, or its speed, is a little larger and smaller."""
+    theta, machine, speed = run.theta, smooth(run.machine), run.machine.speed
+    size = _STEP * float(np.ptp(cam.law(run.angle(cam.cam)[0] - cam.phase, 0)))
+
+    def exerted(order: int, by: float, machine: Machine) -> Floats:
+        moved = replace(cam, law=Displaced(cam.law, order, by), friction=0.0)
+        joints = tuple(moved if each.name == cam.name else each for each in machine.joints)
+        return solve(replace(machine, joints=joints), theta).forces().contacts[cam.name]
+
+    def slope(order: int, by: float, machine: Machine) -> float:
+        return float(np.nanmean(exerted(order, by, machine) - exerted(order, -by, machine))) / (2 * by)
+
+    if not size:
+        return 0.0, 0.0
+    found = slope(0, size, replace(machine, speed=_SLOW * speed)), slope(1, size, machine) / speed
+    scale = float(np.nanmax(np.abs(run.forces().contacts[cam.name])))
+    least = _ROUNDING * scale / size, _ROUNDING * scale / (size * abs(speed))
+    rate, drag = (value if abs(value) > each else 0.0 for value, each in zip(found, least, strict=True))
+    return rate, drag
 
 
 def _slow(run: Run) -> Machine:
     """The same so slow that inertia does nothing, and without friction in its joints."""
-    return replace(smooth(run.machine), speed=1e-6 * run.machine.speed)
+    return replace(smooth(run.machine), speed=_SLOW * run.machine.speed)
 
 
 def effective_inertia(run: Run, cam: Cam) -> float:
@@ -101,10 +171,9 @@ def effective_inertia(run: Run, cam: Cam) -> float:
     return float(np.mean(total))
 
 
-def _laws(cam: Cam, model: Elastic, speed: float) -> list[Table]:
+def _laws(program: Program | None, model: Elastic, speed: float) -> list[Table]:
     """What each law of the list would leave of vibration after the first rise, as long and as high as the cam's."""
-    segments = getattr(cam.law, "segments", ())
-    rise = next((each for each in segments if each.scale), None)
+    rise = next((each for each in (program.segments if program else ()) if each.scale), None)
     if rise is None:
         return []
     from camgen.machine.cams.dynamics import residual
@@ -112,31 +181,36 @@ def _laws(cam: Cam, model: Elastic, speed: float) -> list[Table]:
     time, rows = rise.span / speed, list[tuple[object, ...]]()
     for name, law in LAWS.items():
         left = residual(lambda t, law=law: law(t / time, 2) / time**2, time, model.frequency)  # type: ignore[misc]
-        rows.append((name, 100 * left, "this one" if name == getattr(rise.law, "name", "") else ""))
+        rows.append((name, 100 * model.share * left, "this one" if name == getattr(rise.law, "name", "") else ""))
     rows.sort(key=lambda row: float(str(row[1])))
     title = f"Laws compared after the first rise, undamped, {model.frequency * time / math.tau:.3g} periods long"
     return [Table(title, ("law", "vibration left, % of the lift", ""), rows)]
 
 
-def sprung(mounted: Mounted | None, speed: float) -> Borne:
-    """SPRING_STRESS and SURGE of the spring that holds a follower on its cam; speed: rad/s."""
+def sprung(springs: Mapping[str, Mounted], speed: float) -> Borne:
+    """SPRING_STRESS of each spring, SURGE of what holds a follower on its cam; by their names; speed: rad/s."""
     borne = Borne()
-    if mounted is None:
-        return borne
-    spring, turns = mounted.spring, abs(speed) / math.tau
-    where = "return spring" if mounted.made else "return spring, to be wound"
-    stress, surge = spring.stress(mounted.longest), spring.surge
-    size = f"wire {spring.wire:g}, outside diameter {spring.outside:.4g}, {spring.coils:.3g} coils, free length {spring.free:.4g}"
-    borne.findings += [
-        at_most("SPRING_STRESS", stress, spring.strength, "MPa", where, f"{size} mm, stretched to {mounted.longest:.4g} mm"),
-        at_least("SURGE", surge, _SURGE * turns, "Hz", where,
-                 f"its own coils swing {surge / turns:.4g} times a turn; from {_SURGE:g} on no strong harmonic reaches "
-                 "it; a thicker wire on fewer coils is faster"),
-    ]  # fmt: skip
-    borne.numbers |= {
-        "spring_rate_n_mm": spring.rate, "spring_stress_mpa": stress, "spring_surge_hz": surge,
-        "spring_force_least_n": spring.force(mounted.shortest), "spring_force_greatest_n": spring.force(mounted.longest),
-    }  # fmt: skip
+    for where, mounted in springs.items():
+        spring, turns = mounted.spring, abs(speed) / math.tau
+        stress, surge = spring.stress(mounted.longest), spring.surge
+        coils = f"outside diameter {spring.outside:.4g}, {spring.coils:.3g} coils"
+        size = f"wire {spring.wire:g}, {coils}, free length {spring.free:.4g} mm, stretched to {mounted.longest:.4g} mm"
+        borne.findings.append(at_most("SPRING_STRESS", stress, spring.strength, "MPa", where, size))
+        if mounted.on_cam:
+            said = (
+                f"its own coils swing {surge / turns:.4g} times a turn; from {_SURGE:g} on no strong harmonic reaches "
+                "it; a thicker wire on fewer coils is faster"
+            )
+            borne.findings.append(at_least("SURGE", surge, _SURGE * turns, "Hz", where, said))
+        key = "spring" if where.startswith("return spring") else re.sub("[^a-z0-9]+", "_", where.lower())
+        numbers = {
+            f"{key}_rate_n_mm": spring.rate,
+            f"{key}_stress_mpa": stress,
+            f"{key}_surge_hz": surge,
+            f"{key}_force_least_n": spring.force(mounted.shortest),
+            f"{key}_force_greatest_n": spring.force(mounted.longest),
+        }
+        borne.numbers |= {name: value for name, value in numbers.items() if name not in borne.numbers}
     return borne
 
 

@@ -45,8 +45,8 @@ def pressed(machine: Machine, cams: Sequence[Cam], kicked: Collection[str], thet
         unit = "N" if cam.slide else "N m"
         least = max(0.0, -float(np.nanmin(effort)))
         remedy = "its speed jumps, which no spring bears: use a law that ends smoothly" if cam.name in kicked else (
-            f"{least:.4g} {unit} more on {cam.follower} keep it, towards the cam at all angles: a spring ([[spring]], or its "
-            "preload), a weight or a load ([load]) that pulls that way; less mass or speed lowers it"
+            f"a little over {least:.4g} {unit} more on {cam.follower} keep it, towards the cam at all angles: a spring "
+            "([[spring]], or its preload), a weight or a load ([load]) that pulls that way; less mass or speed lowers it"
         )  # fmt: skip
         borne.findings.append(keeps_contact(theta, force, cam.name in kicked, f"{cam.name}, {angle}", remedy))
     return borne

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from camgen.machine.cams.limits import CamLimits
 from camgen.machines.loads.applied import Applied
 from camgen.spec import SHARE, Length, Record
 
@@ -56,3 +58,31 @@ class Bears(Record):
     pv_mpa_m_s: Annotated[float, _in("MPa m/s")] | None = None
     pin_stress_mpa: Annotated[float, _in("MPa")] | None = None
     bearing_life_h: Annotated[float, _in("h")] | None = None
+
+
+class CamBears(Bears):
+    """What the designer accepts of cams, the same through every spec.
+
+    pressure_angle_deg: 30 of a follower that slides and 45 of one that swings, unless given; least_radius: of the convex
+    profile, mm; below 0 an undercut profile is accepted, down to that radius; continuous: what must not jump, -1: no check.
+    """
+
+    pressure_angle_deg: Annotated[float, Field(gt=0, le=90)] | None = None
+    least_radius: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
+    speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
+    continuous: Annotated[int, Field(ge=-1, le=3)] = 2
+
+    def of_cams(self, undercut: float) -> CamLimits:
+        """What is accepted of a joint; undercut: loss of s, mm or rad."""
+        return CamLimits(self.pressure_angle_deg, undercut, self.least_radius, self.speed_ripple, self.continuous)
+
+
+class SwingingCamBears(CamBears):
+    """The same of machines whose followers all swing."""
+
+    undercut_deg: Annotated[float, Field(ge=0, le=180)] = 0.0
+
+    @property
+    def cam_limits(self) -> CamLimits:
+        """What is accepted of their cams."""
+        return self.of_cams(math.radians(self.undercut_deg))

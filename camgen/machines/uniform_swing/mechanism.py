@@ -27,7 +27,7 @@ from camgen.findings import Finding, NotJudged
 from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats, Points, Region, circle
-from camgen.machine.cams.limits import Allowed, cam_limits, lost, steepest
+from camgen.machine.cams.limits import ARM_PRESSURE, Advice, ExactCam, cam_findings, undercut_numbers
 from camgen.machine.cams.machine import CamTouch, FollowerLoad, Loaded, cam_machine, cam_outline
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.features import Asked, Eye, Feature, Mount, OwnTip, StandIn
@@ -112,6 +112,10 @@ class UniformSwing(Mechanism):
         program = uniform_swing(math.radians(g.swing_deg), math.radians(g.reversal_blend_deg))
         return DiscCam(program, SwingingArm(complex(g.pivot_distance), arm, g.tip_radius, leaves=1), g.tip_clearance)
 
+    def found(self) -> Mapping[str, object]:
+        """The pressure angle that is accepted, and what every mechanism fills in."""
+        return {**super().found(), "limits.pressure_angle_deg": self.allowed.cam_limits.steepest(self.cam)}
+
     def machine(self) -> Machine:
         """Cam and follower; output "swing", rad."""
         pair = self.geometry.closure == "conjugate"
@@ -149,11 +153,13 @@ class UniformSwing(Mechanism):
 
     def bought(self) -> Sequence[Bought]:
         """Motor, screws and other bought parts of the whole machine."""
+        lever = f"; pulls square to a lever of {self.spring.lever:g} mm about the pivot, no eye is made for it"
+        wound = [replace(each, size=each.size + lever) for each in super().bought()]
         if self.making.make != "machine":
-            return ()
+            return wound
         from camgen.machines.uniform_swing.shopping import bought
 
-        return bought(self._machine)
+        return (*bought(self._machine), *wound)
 
     @cached_property
     def _rim(self) -> Points:
@@ -247,8 +253,7 @@ class UniformSwing(Mechanism):
             tip = Eye("frame", follower.arm, seat or 2 * follower.tip_radius, shaft=not seat)
             bore = Eye("frame", 0j, next(part.bore or 0.0 for part in self.parts() if part.name == "frame"))
             own = OwnTip("frame", tip, bore, follower.tip_radius if seat else None)
-        accepted = self.allowed.speed_ripple, math.radians(self.allowed.undercut_deg)
-        first = cam_outline(self.cam, "cam", p.bore, self._pressure[0], *accepted, own=own)
+        first = cam_outline(self.cam, "cam", self.allowed.cam_limits, p.bore, own=own)
         if self.geometry.closure == "force":
             return (first,)
         tip = Eye(None, follower.arm.conjugate(), 2 * follower.tip_radius)
@@ -266,20 +271,23 @@ class UniformSwing(Mechanism):
         return (Asked("swing", lash=math.radians(self.allowed.lash_deg)),)
 
     @cached_property
-    def _pressure(self) -> tuple[float, float, float]:
-        """Largest pressure angle over the turn, and over each half turn less the undercut, deg."""
-        rise, back = (steepest(self.cam, begin, begin + math.pi, riding=False) for begin in (0.0, math.pi))
-        return steepest(self.cam), rise, back
+    def _pressure(self) -> tuple[float, float]:
+        """Largest pressure angle over the rise and over the return, less the undercut, deg."""
+        return (
+            self.cam.steepest_between(0.0, math.pi, riding=False),
+            self.cam.steepest_between(math.pi, math.tau, riding=False),
+        )
 
     def limits(self) -> Sequence[Finding]:
         """Pressure angle and undercut of the exact cam against the spec's limits."""
-        worst, rise, back = self._pressure
-        allowed = Allowed(
-            self.allowed.pressure_angle_deg, self.allowed.undercut_deg, None,
+        rise, back = self._pressure
+        advice = Advice(
             f"rise {rise:.1f} deg, return {back:.1f} deg; a smaller geometry.swing_deg or a larger geometry.arm_offset",
             "a smaller geometry.tip_radius or a geometry.reversal_blend_deg",
-        )  # fmt: skip
-        findings = cam_limits("exact profile", self.cam, worst, allowed, self.accuracy.chord_tolerance)
+            "a geometry.reversal_blend_deg joins them",
+        )
+        cams = [ExactCam("exact profile", self.cam, advice)]
+        findings = cam_findings(cams, self.allowed.cam_limits, chord_tolerance=self.accuracy.chord_tolerance)
         if self.making.make == "machine":
             from camgen.machines.uniform_swing.shopping import screw_grip
 
@@ -365,14 +373,14 @@ class UniformSwing(Mechanism):
             "pitch_curvature_radius_min_mm": 1 / greatest(cam.curvature, 0.0, 2 * math.pi)[1],
             "profile_length_mm": cam.outline.length,
             "profile_area_mm2": cam.outline.area,
-            "pressure_angle_rise_deg": self._pressure[1],
-            "pressure_angle_return_deg": self._pressure[2],
-            **lost([cam]),
+            "pressure_angle_rise_deg": self._pressure[0],
+            "pressure_angle_return_deg": self._pressure[1],
+            **undercut_numbers([cam]),
         }
         if self.making.make == "machine":
             numbers["shaft_length_mm"] = self._machine.shaft_length
             # the frame shifts on its axle by half the clearance, which turns it until the tip is on the cam again
-            across = abs(cam.follower.arm) * math.cos(math.radians(self._pressure[0]))
+            across = abs(cam.follower.arm) * math.cos(math.radians(self.cam.steepest))
             numbers["swing_by_play_of_axle_deg"] = math.degrees(self.print.slide_clearance / 2 / across)
         degrees = np.degrees(theta)
         steep = np.degrees(cam.pressure_angle(theta))
@@ -421,7 +429,7 @@ class UniformSwing(Mechanism):
             "Source: Sentyakov et al., Vestnik TGTU 2018, 24(4), 698-706, which gives no lengths: these are the spec's own.",
             "MOTION_ERROR compares with the wanted motion less the undercut that the spec implies; UNDERCUT states that loss.",
         ]
-        if self._pressure[0] > 45:
+        if self.cam.steepest > ARM_PRESSURE:
             tilt = math.degrees(cmath.phase(-self.cam.follower.arm))
             notes.append(
                 f"The tip's path is tilted by {tilt:.1f} deg against the radius, which helps the rise and harms the return; "

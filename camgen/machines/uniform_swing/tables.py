@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from camgen.machines.loads.tables import Bears, Drives
+from camgen.machines.loads.tables import Drives, SwingingCamBears
 from camgen.machines.pairs import Air
 from camgen.parts.catalogue import BEARINGS, MOTOR_FACES, Bearing, MotorFace, flange
 from camgen.parts.disc_cams import ShaftHole
@@ -45,13 +45,10 @@ class Parts(ShaftHole):
     mark_depth: Annotated[float, Field(ge=0, le=1e6)] = 0.4
 
 
-class Limits(Bears):
+class Limits(SwingingCamBears):
     """What the designer accepts; a finding fails beyond it."""
 
-    pressure_angle_deg: Annotated[float, Field(gt=0, le=90)] = 60.0
-    undercut_deg: Annotated[float, Field(ge=0, le=180)] = 0.1
     lash_deg: Annotated[float, Field(ge=0, le=180)] = 0.25
-    speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
     min_wall: Length = 0.8
 
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from camgen.machine.cams.dynamics import Elastic, residual
+from camgen.machine.cams.dynamics import Elastic, Excitation, residual
 from camgen.motion.laws import LAWS
 
 RATIOS = (0.3, 0.8, 1.3, 2.2, 3.7)  # of a pulse's length to the natural period
@@ -39,17 +39,18 @@ def test_a_cycloid_of_whole_periods_leaves_nothing(periods: int) -> None:
 def test_one_harmonic_answers_by_itself() -> None:
     """x = -s'' / (w^2 - W^2 + 2 i z w W): amplitude and phase of a vibrating base, any textbook."""
     theta = np.linspace(0, math.tau, 720, endpoint=False)
-    model, speed = Elastic(50.0, 0.1), 12.0
-    x, bend = model.vibration(-np.cos(theta), speed)  # s = cos theta
+    model, speed = Elastic(1.0, 50.0**2, 0.1), 12.0
+    found = model.response(Excitation(np.cos(theta), -np.cos(theta)), speed)
     answer = speed**2 / (50.0**2 - speed**2 + 2j * 0.1 * 50 * speed)
-    assert np.allclose(x, np.real(answer * np.exp(1j * theta)), atol=1e-12)
-    assert np.allclose(bend, np.real(-(speed**2) * (1 + answer) * np.exp(1j * theta)), atol=1e-9)
+    assert np.allclose(found.vibration, np.real(answer * np.exp(1j * theta)), atol=1e-12)
+    assert np.allclose(found.acceleration, np.real(-(speed**2) * (1 + answer) * np.exp(1j * theta)), atol=1e-9)
+    assert np.allclose(found.velocity, np.real(1j * speed * (1 + answer) * np.exp(1j * theta)), atol=1e-9)
 
 
 def test_a_stiff_follower_does_what_the_cam_does() -> None:
     theta = np.linspace(0, math.tau, 720, endpoint=False)
-    x, bend = Elastic(1e5, 0.05).vibration(np.sin(3 * theta), 10.0)
-    assert np.abs(x).max() < 1e-7 and np.allclose(bend, 100 * np.sin(3 * theta), atol=1e-4)
+    found = Elastic(1.0, 1e10, 0.05).response(Excitation(-np.sin(3 * theta) / 9, np.sin(3 * theta)), 10.0)
+    assert np.abs(found.vibration).max() < 1e-7 and np.allclose(found.acceleration, 100 * np.sin(3 * theta), atol=1e-4)
 
 
 @pytest.mark.parametrize("frequency", [1e6, 40.0])
@@ -59,6 +60,6 @@ def test_speed_at_which_an_eccentric_loses_its_follower(frequency: float) -> Non
     e, mass, force = 0.005, 0.4, 5.0
     rigid = force / (mass * e)
     wanted = math.sqrt(rigid * frequency**2 / (frequency**2 + rigid))
-    lost = Elastic(frequency, 0.0).loses_contact(-e * np.sin(theta), 10.0, mass, np.full(720, force))
-    assert lost == pytest.approx(wanted, rel=1e-3)
-    assert math.isinf(Elastic(frequency, 0.0).loses_contact(-e * np.sin(theta), 0.1, mass, np.full(720, force)))
+    model, cam = Elastic(mass, mass * frequency**2, 0.0), Excitation(e * np.sin(theta), -e * np.sin(theta))
+    assert model.loses_contact(cam, 10.0, np.full(720, force), 1) == pytest.approx(wanted, rel=1e-3)
+    assert math.isinf(model.loses_contact(cam, 0.1, np.full(720, force), 1))

@@ -71,7 +71,7 @@ def test_published_spring_case() -> None:
     assert np.max(forces.power_in) == pytest.approx(NORTON["peak_power_w"], abs=0.005)
     (finding,) = [f for f in made.limits() if f.code == "LIFT_OFF"]
     assert not finding.ok and finding.measured == pytest.approx(NORTON["least_rise_n"], abs=0.005)
-    assert "spring.preload of 16.47 N" in finding.message
+    assert "spring.preload above 16.47 N" in finding.message
     numbers = made.study().numbers
     assert numbers["spring_preload_needed_n"] == pytest.approx(16.47, abs=0.005)
     assert numbers["peak_power_w"] == pytest.approx(NORTON["peak_power_w"], abs=0.005)
@@ -178,12 +178,27 @@ def test_springs_just_keep_contact(preload: float, speed: float) -> None:
     tight, rate = at(load).spring_needed(load)
     if math.isinf(rate):  # too little where no spring can help: at the bottom of the lift
         found = at(load)
-        assert np.min(found.effort[found.lift == 0]) < 0
+        assert np.min(found.effort[found.lift == 0]) <= 1e-9
     else:
         kept = float(np.min(at(replace(load, rate=rate)).effort))
         assert kept >= -1e-9 and (rate == 0 or kept == pytest.approx(0, abs=1e-9))
     low = float(np.min(at(replace(load, preload=tight)).effort))
     assert low >= -1e-9 and (tight == 0 or low == pytest.approx(0, abs=1e-9))
+
+
+def test_a_follower_that_nothing_presses_through_a_dwell_is_not_held() -> None:
+    """A spring without preload pulls with nothing where it is shortest: the force is 0 N there, and the first knock lifts it."""
+    slow = {"motor": {"speed_rpm": 6}, "load": {"mass_kg": 0.1}}
+    loose = published({"shape": "flat"}, **slow, spring={"rate": 1.0})
+    (finding,) = [f for f in loose.limits() if f.code == "LIFT_OFF"]
+    assert finding.measured == pytest.approx(0.0, abs=1e-12) and not finding.ok
+    assert "nothing presses" in finding.message and "spring.preload above 0 N" in finding.message
+    begin = 360 - NORTON["spans_deg"][3]  # of the low dwell
+    assert f"from {begin:.1f} to 360.0 deg" in finding.message and finding.where == f"cam angle {begin:.1f} deg"
+    assert "spring.rate" not in finding.message  # no rate presses where the spring is not stretched
+    held = published({"shape": "flat"}, **slow, spring={"rate": 1.0, "preload": 0.5})
+    (finding,) = [f for f in held.limits() if f.code == "LIFT_OFF"]
+    assert finding.measured == pytest.approx(0.5, abs=1e-9) and finding.ok
 
 
 def test_kicks_are_there_only_where_the_speed_jumps() -> None:

@@ -68,4 +68,4 @@ def test_a_limit_that_is_met_exactly_is_judged_by_each_cam() -> None:
     near, clear = (read_mechanism(SPEC, [f"limits.pressure_angle_deg={steep + by!r}"]) for by in (1e-9, 1e-3))
     assert isinstance(near, DiscCamDrive) and isinstance(clear, DiscCamDrive)
     DiscCamDrive.prepare([near, clear])
-    assert "_pressure" in vars(clear) and "_pressure" not in vars(near)
+    assert "steepest" in vars(clear.cam) and "steepest" not in vars(near.cam)

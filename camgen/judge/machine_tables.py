@@ -1,0 +1,415 @@
+"""The judge of tables for machine tools: a cam's profile by its angle, and the path of a cutter round it.
+
+    row      of a profile: cam angle, place on the outline (x, y and again radius, angle), contact normal, curvature, pressure
+             angle, in the frame of the part
+    centre   of a round tip as a row puts it: the tip's radius along the normal from the row's place
+    riding   row without a normal: the follower rests on a corner of the outline
+
+Nothing here knows the curve that was meant: rows are held against the outline in the part's own file, on which the follower is
+rolled. Columns that follow from others of their row, such as the radius, are held against those to the last digit written.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from camgen.files.dxf import read_dxf
+from camgen.findings import Finding, at_most
+from camgen.geometry.distances import point_to_ring
+from camgen.geometry.rings import Floats, Ints, Points, Ring
+from camgen.judge.contact_faces import ArmFace, SlideFace
+from camgen.judge.contact_tips import ArmTip, SlideTip
+from camgen.judge.contours import contour_error
+from camgen.judge.joints import Rolled
+from camgen.judge.round_trip import MILLIMETRES, PART_LAYERS
+from camgen.judge.sheets import FACETS, along, widened
+from camgen.tolerances import BOUND_SPARE
+
+_DIGIT = 1e-9  # mm or deg, of a cell: it has nine decimals
+_FOLLOWS = 1e-6  # deg, of an angle that follows from cells of its row
+_STEEP = 0.25  # cosine of a pressure angle, 75 deg, that no cam is meant to reach, so that a wrong one widens no limit
+# An arc of length L that leaves a curve by no more than e, as a cubic does, leaves its direction by 6 sqrt(3) e / L and its
+# curvature by 36 sqrt(3) e / L^2, both at its ends.
+_TURN, _BEND = 6 * math.sqrt(3), 36 * math.sqrt(3)
+_ROUGH = 0.05  # of its largest curvature, by which a polygon's own, that of circles through three corners, may be off
+_SPREAD = 0.25  # of what neighbours differ by: a curvature that is largest in between is off their means by a sixth
+_BLOCK = 1_000_000  # pairs of a place and an edge that are looked at together
+
+
+@dataclass(frozen=True)
+class Profile:
+    """A table as read, (n,) each: theta, rad; places, complex mm, and again by radius, mm, and angle, rad; unit normals and
+    curvature, 1/mm, both nan where a row has none; pressure angle, rad."""
+
+    theta: Floats
+    place: Points
+    radius: Floats
+    angle: Floats
+    normal: Points
+    curvature: Floats
+    pressure_angle: Floats
+
+
+def judge_profile(table: Path, profile: Profile, ring: Ring, law: Rolled, step_deg: float, tolerance: float) -> list[Finding]:
+    """ROUND_TRIP of each column of a profile's table.
+
+    ring: the outline in the part's own file, material on its left; law: what the follower rolls to on it; step_deg: between
+    rows; tolerance: mm, of outlines.
+    """
+    wanted = np.arange(0, 360, step_deg)
+    if len(profile.theta) != len(wanted):
+        said = f"{len(profile.theta)} rows instead of {len(wanted)}, one each {step_deg:g} deg"
+        return [at_most("ROUND_TRIP", abs(len(profile.theta) - len(wanted)), 0, "rows", table.name, said)]
+    rows = _Rows(table.name, profile, _Edges(ring, tolerance), _Follower(law, profile.theta))
+    return [rows.angles(wanted), rows.places(), rows.polar(), *rows.follower(), rows.normals(), rows.pressure(), rows.curvature()]
+
+
+# ---- the outline -----------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Seen:
+    """Places against a ring, (m,) each: how far apart, mm; the nearest edge; how far a normal leans from that of the best edge
+    that passes there, and how far it may, rad."""
+
+    apart: Floats
+    nearest: Ints
+    lean: Floats
+    limit: Floats
+
+
+@dataclass(frozen=True)
+class _Edges:
+    """A ring within a tolerance, mm, of a curve, by its edges: what each says of the curve's direction and curvature."""
+
+    ring: Ring
+    tolerance: float
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        return len(self.ring.points)
+
+    @cached_property
+    def length(self) -> Floats:
+        """(n,) mm."""
+        ring = self.ring
+        return np.asarray(np.abs(ring.ends - ring.points) / np.sinc(2 * np.arctan(ring.bulges) / np.pi))
+
+    @cached_property
+    def kink(self) -> Floats:
+        """The turn where each straight edge begins, (n,) rad."""
+        way = self.ring.ends - self.ring.points
+        return np.angle(way / np.roll(way, 1))
+
+    @cached_property
+    def turn_limit(self) -> Floats:
+        """How far the curve's direction may be off that of each edge, (n,) rad."""
+        if self.ring.bulges.any():
+            return _TURN * self.tolerance / self.length
+        return np.maximum(np.abs(self.kink), np.abs(np.roll(self.kink, -1)))
+
+    @cached_property
+    def curvature(self) -> Floats:
+        """(n,) 1/mm, above 0 where it is convex; of a polygon the mean of circles through three corners at either end."""
+        if self.ring.bulges.any():
+            return 4 * np.arctan(self.ring.bulges) / self.length
+        at_start = 2 * self.kink / (self.length + np.roll(self.length, 1))
+        return (at_start + np.roll(at_start, -1)) / 2
+
+    @cached_property
+    def bend_limit(self) -> Floats:
+        """How far the curve's curvature may be off that of each edge, (n,) 1/mm."""
+        if self.ring.bulges.any():
+            return _BEND * self.tolerance / self.length**2
+        return np.full(self.count, _ROUGH * float(np.max(np.abs(self.curvature))))
+
+    def seen(self, z: Points) -> tuple[Floats, Points]:
+        """Distance of each place from each edge, mm, and the outward normal there, (m, n)."""
+        a, b, bulge = self.ring.points, self.ring.ends, self.ring.bulges
+        way = b - a
+        bent = np.where(bulge == 0, 1.0, bulge)
+        centre = (a + b) / 2 + 0.5j * way * (1 - bent**2) / (2 * bent)
+        spoke = z[:, None] - centre
+        radius = np.abs(a - centre)
+        middle = -1j * way / np.abs(way) * np.sign(bent)  # from the centre to the middle of the arc
+        ends = np.minimum(np.abs(z[:, None] - a), np.abs(z[:, None] - b))
+        within = np.abs(np.angle(spoke * np.conj(middle))) <= 2 * np.arctan(np.abs(bent))
+        arc = np.where(within, np.abs(np.abs(spoke) - radius), ends)
+        share = np.clip(np.real((z[:, None] - a) * np.conj(way)) / np.abs(way) ** 2, 0, 1)
+        straight = np.abs(z[:, None] - a - share * way)
+        flat = bulge == 0
+        normal = np.where(flat, -1j * way / np.abs(way), np.sign(bent) * spoke / np.abs(spoke))
+        return np.where(flat, straight, arc), normal
+
+    def against(self, z: Points, normal: Points) -> _Seen:
+        """Places with their normals, (m,), against the edges."""
+        apart, nearest, lean, limit = [], [], [], []
+        for k in range(0, len(z), max(_BLOCK // self.count, 1)):
+            block = slice(k, k + max(_BLOCK // self.count, 1))
+            distance, outward = self.seen(z[block])
+            passes = distance <= np.maximum(np.min(distance, axis=1), 2 * self.tolerance)[:, None]
+            off = np.where(passes, np.abs(np.angle(normal[block, None] * np.conj(outward))), np.inf)
+            best = np.argmin(off / self.turn_limit, axis=1)
+            apart.append(np.min(distance, axis=1))
+            nearest.append(np.argmin(distance, axis=1))
+            lean.append(off[np.arange(len(best)), best])
+            limit.append(self.turn_limit[best])
+        return _Seen(*map(np.concatenate, (apart, nearest, lean, limit)))
+
+
+# ---- the follower ----------------------------------------------------------------------------------------------------
+
+
+class _Follower:
+    """A follower rolled to cam angles on an outline: ground, mm, the shaft at the origin.
+
+    centre: of a round tip, or where a face is touched, (n,); facing: a face's normal, (n,), None of a tip; sense: +1 or -1, in
+    which s takes it off the outline.
+    """
+
+    def __init__(self, law: Rolled, theta: Floats) -> None:
+        form = law.contact.form
+        assert isinstance(form, ArmTip | SlideTip | ArmFace | SlideFace), f"{form} is no follower of a cam"
+        self.law, self.form, self.theta = law, form, theta
+        touch = law.contact.touch(theta)
+        self.steepest = np.maximum(np.cos(touch.pressure_angle), _STEEP)
+        self.radius = 0.0
+        self.facing: Points | None = None
+        s = touch.angle
+        self.sense = -form.leaves if isinstance(form, ArmTip | SlideTip) and form.inside else form.leaves
+        match form:
+            case ArmTip():
+                self.centre, self.radius = form.pivot + form.arm * np.exp(1j * s), form.tip_radius
+            case SlideTip():
+                self.centre, self.radius = form.start + form.along * s, form.tip_radius
+            case SlideFace():
+                self.facing = np.full(len(s), form.leaves * complex(form.along))
+                self.centre = form.start + form.along * s + 1j * self.facing * touch.place
+            case ArmFace():
+                self.facing = form.facing * np.exp(1j * s)
+                self.centre = form.pivot + self.facing * (form.ahead + 1j * touch.place)
+
+    def ground(self, z: Points) -> Points:
+        """Places of the part's frame when the cam has turned."""
+        return np.asarray((self.law.turn * z + self.law.shift) * np.exp(1j * self.theta))
+
+    def way(self, z: Points) -> Points:
+        """The unit direction in which its point z moves off the cam."""
+        if isinstance(self.form, SlideTip | SlideFace):
+            return np.full(len(z), self.sense * complex(self.form.along))
+        spoke = z - self.form.pivot
+        return np.asarray(self.sense * 1j * spoke / np.abs(spoke))
+
+
+# ---- the rows --------------------------------------------------------------------------------------------------------
+
+
+class _Rows:
+    """Findings on the columns of a table."""
+
+    def __init__(self, name: str, profile: Profile, edges: _Edges, follower: _Follower) -> None:
+        self.name, self.profile, self.edges, self.rolled = name, profile, edges, follower
+        self.riding = np.isnan(profile.normal)
+        self.off = 2 * edges.tolerance  # mm, of the outline in a file from one that is exact
+        self.near = self.off * (1 + BOUND_SPARE) / follower.steepest  # mm, of the follower
+        self.place = follower.ground(profile.place)
+        self.normal = follower.law.turn * profile.normal * np.exp(1j * profile.theta)
+        spoke = follower.centre - self.place if follower.facing is None else follower.facing
+        self.spoke = np.where(self.riding, spoke / np.maximum(np.abs(spoke), _DIGIT), self.normal)
+        self.seen = edges.against(profile.place, profile.normal)
+
+    def _worst(self, columns: str, error: Floats, limit: Floats | float, unit: str, message: str) -> Finding:
+        """ROUND_TRIP of the row whose error is the largest share of its limit; nan is larger than any."""
+        limits = np.broadcast_to(np.asarray(limit, float), error.shape)
+        worst = int(np.argmax(np.where(np.isnan(error), np.inf, error / limits)))
+        where = f"{self.name}, {columns}, row of {math.degrees(self.profile.theta[worst]):g} deg"
+        return at_most("ROUND_TRIP", float(error[worst]), float(limits[worst]), unit, where, message)
+
+    def angles(self, wanted: Floats) -> Finding:
+        """Of the cam's angles, deg."""
+        off = np.abs(np.degrees(self.profile.theta) - wanted)
+        return self._worst("theta_deg", off, 2 * _DIGIT, "deg", "rows in even steps of output.profile_step_deg")
+
+    def places(self) -> Finding:
+        """Of the places, and of corners on which the follower rides."""
+        off = self.seen.apart.copy()
+        corners = np.abs(self.profile.place[self.riding, None] - self.edges.ring.points)
+        off[self.riding] = np.min(corners, axis=1, initial=np.inf)
+        said = f"{len(off)} places against the outline that is cut, those without a normal against its corners"
+        return self._worst("x_mm and y_mm", off, self.off, "mm", said)
+
+    def polar(self) -> Finding:
+        """Of the same places by radius and angle."""
+        profile = self.profile
+        off = np.abs(profile.radius * np.exp(1j * profile.angle) - profile.place)
+        limit = _DIGIT * (2 + np.abs(profile.place))
+        return self._worst("radius_mm and angle_deg", off, limit, "mm", "against the place that x and y tell, to the last digit")
+
+    def follower(self) -> list[Finding]:
+        """Of what a row says of the follower: where it is at that angle."""
+        columns, said = "theta_deg, x_mm, y_mm and normal_deg", "the follower as the row puts it, against the outline that is cut"
+        rolled, spoke = self.rolled, self.rolled.centre - self.place
+        if rolled.facing is not None:
+            lean = np.where(self.riding, 0.0, np.degrees(np.abs(np.angle(self.spoke * np.conj(rolled.facing)))))
+            least = np.full(len(lean), _FOLLOWS)
+            if isinstance(rolled.form, ArmFace):
+                least = np.degrees(self.near / np.maximum(np.abs(self.place - rolled.form.pivot), self.off))
+            height = np.abs(np.real(spoke * np.conj(rolled.facing)))
+            return [
+                self._worst(columns, height, self.near, "mm", said),
+                self._worst("theta_deg and normal_deg", lean, least, "deg", "the row's normal against that of the face"),
+            ]
+        apart = np.where(self.riding, np.abs(np.abs(spoke) - rolled.radius), np.abs(spoke - rolled.radius * self.spoke))
+        return [self._worst(columns, apart, self.near, "mm", said)]
+
+    def normals(self) -> Finding:
+        """Of the normals, against the outline."""
+        lean = np.where(self.riding, 0.0, self.seen.lean)
+        said = "the row's normal against the outline that is cut; the limit is what arcs within the tolerance may lean"
+        return self._worst("normal_deg", np.degrees(lean), np.degrees(self.seen.limit), "deg", said)
+
+    def pressure(self) -> Finding:
+        """Of the pressure angle: that of the row's normal and the way of the follower's point."""
+        rolled, angle = self.rolled, np.degrees(self.profile.pressure_angle)
+        point = self.place + rolled.radius * self.spoke
+        found = np.degrees(np.abs(np.angle(self.spoke * np.conj(rolled.way(point)))))
+        corner = np.degrees(np.arctan2(self.near, max(rolled.radius, self.off)))
+        said = "the angle between the row's normal and the follower's way"
+        return self._worst("pressure_angle_deg", np.abs(found - angle), np.where(self.riding, corner, _FOLLOWS), "deg", said)
+
+    def curvature(self) -> Finding:
+        """Of the curvature: among those that the outline has between the rows before and after; where five rows are on one arc,
+        among the turns of their normals along their places."""
+        curvature = self.profile.curvature
+        low, high, limit = self._bends()
+        means = self._turns()
+        steps = np.stack([np.roll(means, k) for k in (2, 1, 0, -1)])
+        alone = np.stack([np.roll(self.seen.nearest, k) == self.seen.nearest for k in (-2, -1, 1, 2)]).all(axis=0)
+        alone &= np.isfinite(steps).all(axis=0)
+        least, most = np.min(steps, axis=0), np.max(steps, axis=0)
+        fine = _SPREAD * (most - least) + 1e3 * _DIGIT
+        low, high, limit = np.where(alone, least, low), np.where(alone, most, high), np.where(alone, fine, limit)
+        off = np.maximum(np.maximum(low - curvature, curvature - high), 0.0)
+        off = np.where(self.riding, np.where(np.isnan(curvature), 0.0, np.inf), off)
+        said = "against the curvature of the outline that is cut, about the row's place"
+        return self._worst("curvature_per_mm", off, limit, "1/mm", said)
+
+    def _turns(self) -> Floats:
+        """Mean curvature from each row to the next one, (n,) 1/mm, nan where one of both has no normal."""
+        z, normal = self.profile.place, self.profile.normal
+        way, turn = np.roll(z, -1) - z, np.angle(np.roll(normal, -1) * np.conj(normal))
+        side = np.sign(np.imag(np.conj(way) * normal))
+        length = np.abs(way) / np.sinc(turn / math.tau)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(length > FACETS, -side * turn / length, np.nan)
+
+    def _bends(self) -> tuple[Floats, Floats, Floats]:
+        """Least and greatest curvature of the edges from the row before to the row after, and how far off they may be, 1/mm."""
+        edges, nearest, count = self.edges, self.seen.nearest, self.edges.count
+        before, after = ((np.roll(nearest, k) - nearest + count // 2) % count - count // 2 for k in (1, -1))
+        first, last = np.minimum(np.minimum(before, after), 0) - 1, np.maximum(np.maximum(before, after), 0) + 1
+        found = np.empty((3, len(first)))
+        for k, (middle, a, b) in enumerate(zip(nearest.tolist(), first.tolist(), last.tolist(), strict=True)):
+            there = np.arange(middle + a, middle + b + 1) % count
+            found[:, k] = edges.curvature[there].min(), edges.curvature[there].max(), edges.bend_limit[there].max()
+        return found[0], found[1], found[2]
+
+
+# ---- the path of a cutter --------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Step:
+    """A row of a path: its kind, its ends, mm, and of an arc its centre and radius, mm, and sweep, rad; nan each on a line."""
+
+    kind: str
+    start: complex
+    end: complex
+    centre: complex
+    radius: float
+    sweep: float
+
+    @property
+    def straight(self) -> bool:
+        """Whether the cells of an arc are blank."""
+        return all(map(math.isnan, (self.centre.real, self.centre.imag, self.radius, self.sweep)))
+
+    @property
+    def bulge(self) -> float:
+        """The tangent of a quarter of the sweep, 0 on a line."""
+        return 0.0 if self.straight else math.tan(self.sweep / 4)
+
+    @property
+    def named(self) -> bool:
+        """Whether its kind is that of the cells that it fills."""
+        whole = math.isfinite(abs(self.centre) + self.radius + self.sweep)
+        return self.kind == ("line" if self.straight else "arc ccw" if self.sweep > 0 else "arc cw") and whole != self.straight
+
+    @property
+    def error(self) -> float:
+        """How far the arc that centre and sweep tell ends from its end, or lies off its radius, mm; 0 of a line."""
+        if self.straight:
+            return 0.0
+        spoke = self.start - self.centre
+        return max(abs(abs(spoke) - self.radius), abs(self.centre + spoke * cmath.rect(1, self.sweep) - self.end))
+
+
+def judge_path(
+    path: Path, pieces: Sequence[Step], outline: Ring, radius: float, limit: float, within: bool = False
+) -> list[Finding]:
+    """A cutter's path round an outline, or within one, such as a groove's outer wall: the same in DXF and CSV; CUTTER: how far
+    what the cutter leaves is from the outline.
+
+    pieces: the table. What the cutter leaves is the area within the path less all that a disc of this radius, mm, covers about
+    its points; or what is without both.
+    """
+    drawing = read_dxf(path)
+    faults = [fault.message for fault in drawing.faults] + drawing.repainted(PART_LAYERS)
+    faults += [] if drawing.units == MILLIMETRES else [f"$INSUNITS is {drawing.units}, millimetres are {MILLIMETRES}"]
+    faults += [] if len(drawing.cut) == 1 else [f"{len(drawing.cut)} contours instead of 1"]
+    closed = at_most("DXF_CLOSED", len(faults), 0, "contours", path.name, "; ".join(faults) or "one closed contour")
+    if faults:
+        return [closed]
+    (ring,), table = drawing.cut, path.with_suffix(".csv").name
+    findings = [closed, *_same_path(table, pieces, ring)]
+    left = widened(ring, radius if within else -radius, sharp=False)
+    target = outline.facetted(FACETS)
+    z = along(target)
+    off = point_to_ring(z, left.points)
+    worst = int(np.argmax(off))
+    said = (
+        f"outline less what a cutter of radius {radius:g} mm leaves, at x {z[worst].real:.3f}, y {z[worst].imag:.3f} mm; "
+        "where it is more, the cutter is too large for a hollow (output.cutter_radius)"
+    )
+    other = float(np.max(point_to_ring(left.points, target)))
+    return [*findings, at_most("CUTTER", max(float(off[worst]), other), limit, "mm", path.name, said)]
+
+
+def _same_path(table: str, pieces: Sequence[Step], ring: Ring) -> list[Finding]:
+    """ROUND_TRIP of a path's table, column by column, and of its contour against the ring in the DXF."""
+    wrong = [k + 1 for k, piece in enumerate(pieces) if not piece.named]
+    said = "line, arc ccw or arc cw, as the other cells of the row tell" + (f"; not row {wrong[0]}" if wrong else "")
+    kinds = at_most("ROUND_TRIP", len(wrong), 0, "rows", f"{table}, piece", said)
+    if wrong or not pieces:
+        return [kinds, at_most("ROUND_TRIP", math.nan, 0, "mm", table, f"{len(pieces)} lines and arcs")]
+    gaps = [abs(here.end - following.start) for here, following in zip(pieces, (*pieces[1:], *pieces[:1]), strict=True)]
+    size = max(max(abs(piece.start), 0.0 if piece.straight else piece.radius) for piece in pieces)
+    digits = 4 * _DIGIT * (1 + size / 50)  # nine decimals of a degree are 1 / 57 of that in rad
+    said = "where each arc ends by its centre, radius and sweep, against its end"
+    columns = f"{table}, centre_x_mm, centre_y_mm, radius_mm and sweep_deg"
+    arcs = at_most("ROUND_TRIP", max(piece.error for piece in pieces), digits, "mm", columns, said)
+    ends = at_most(
+        "ROUND_TRIP", max(gaps), digits, "mm", f"{table}, x0_mm, y0_mm, x1_mm and y1_mm", "from the end of each piece to the next"
+    )
+    written = Ring(np.array([piece.start for piece in pieces]), np.array([piece.bulge for piece in pieces]))
+    off = contour_error(written, ring, FACETS)
+    said = f"{len(pieces)} lines and arcs, as in the DXF"
+    return [kinds, arcs, ends, at_most("ROUND_TRIP", off, 2 * FACETS, "mm", table, said)]

@@ -1,0 +1,49 @@
+"""The judge of a list of parts: every row that a shop or a buyer reads, against what the machine needs."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from itertools import zip_longest
+from pathlib import Path
+
+from camgen.bounds import Bound, bounded
+from camgen.errors import FileError
+from camgen.findings import Finding, at_most
+from camgen.study import Table
+
+_SIZE = Bound("a list of parts", 10_000_000, most=20_000)
+_SHARE = 0.005  # by which a number of three digits may be off
+
+
+def judge_list(path: Path, table: Table) -> Finding:
+    """PARTS_LIST of a list in a file: how many of its rows are not those of the table."""
+    bounded(path, _SIZE)
+    try:
+        with open(path, encoding="utf-8", newline="") as file:
+            rows = list(csv.reader(file, strict=True))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise FileError(path, f"cannot be read as a list of parts: {getattr(error, 'strerror', None) or error}") from None
+    wanted: list[Sequence[object]] = [table.columns, *table.rows]
+    lines = [(k, *pair) for k, pair in enumerate(zip_longest(rows, wanted, fillvalue=()), 1)]
+    wrong = [line for line in lines if not _same(line[1], line[2])]
+    said = f"{len(table.rows)} rows: what is made, cut, turned or bought, and how many"
+    if wrong:
+        k, *pair = wrong[0]
+        there, meant = (", ".join(map(str, row[1:4])) or "nothing" for row in pair)
+        said = f"line {k} has {there} instead of {meant}"
+    return at_most("PARTS_LIST", len(wrong), 0, "rows", path.name, said)
+
+
+def _same(row: Sequence[str], meant: Sequence[object]) -> bool:
+    """Whether a row says what is meant: numbers to the digits that are written, all else by the letter."""
+    return len(row) == len(meant) and all(_cell(text, value) for text, value in zip(row, meant, strict=True))
+
+
+def _cell(text: str, value: object) -> bool:
+    if not isinstance(value, float):
+        return text == str(value)
+    try:
+        return abs(float(text) - value) <= _SHARE * abs(value)
+    except ValueError:
+        return False

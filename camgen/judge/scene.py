@@ -1,0 +1,79 @@
+"""The judge of a machine in motion as a viewer shows it: every copy of every part where it is at each moment."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from camgen.files.gltf import read_glb
+from camgen.findings import Finding, at_most
+from camgen.geometry.rings import Floats, Points
+from camgen.tolerances import FLOAT32_ROUNDING
+
+if TYPE_CHECKING:
+    from camgen.files.gltf import Course
+
+_STEPS = 8  # float32 roundings of a place and, through quaternions, of a turn
+
+
+@dataclass(frozen=True, eq=False)
+class Flight:
+    """Where a copy of a part is to be: angle (n,) rad and place (n,) complex mm at even times, the end as the beginning, nan
+    where the machine cannot go; z: height, mm; flipped: turned over about its own y axis first, within its thickness, mm.
+
+    reach: of the part's farthest point from its origin, mm.
+    """
+
+    part: str
+    angle: Floats
+    place: Points
+    z: float
+    flipped: bool
+    thickness: float
+    reach: float
+
+    @property
+    def transforms(self) -> Floats:
+        """The same as (n, 3, 4)."""
+        cosine, sine, zero, one = np.cos(self.angle), np.sin(self.angle), 0 * self.angle, 1 + 0 * self.angle
+        side, height = (-1, self.z + self.thickness) if self.flipped else (1, self.z)
+        rows = [side * cosine, -sine, zero, self.place.real, side * sine, cosine, zero, self.place.imag,
+                zero, zero, side * one, height * one]  # fmt: skip
+        return np.stack(rows, axis=1).reshape(-1, 3, 4)
+
+
+def judge_scene(path: Path, flights: Mapping[str, Flight], seconds: float) -> Finding:
+    """ROUND_TRIP of a GLB: how far a point of a copy is out of its place, mm, at any frame of an animation of so many seconds."""
+    found = [(copy, part, course, transform) for course in read_glb(path) for copy, part, transform in course.copies]
+    if sorted((copy, part) for copy, part, *_ in found) != sorted((copy, each.part) for copy, each in flights.items()):
+        said = f"{len(found)} copies, which are not the {len(flights)} of the machine"
+        return at_most("ROUND_TRIP", math.nan, 0, "mm", path.name, said)
+    rows = [(*_off(course, transform, flights[copy], seconds), copy) for copy, _, course, transform in found]
+    off, limit, copy = max(rows, key=lambda row: row[0] / row[1], default=(0.0, 0.0, ""))
+    said = f"{len(rows)} copies where they are over the animation"
+    return at_most("ROUND_TRIP", off, limit, "mm", f"{path.name}, {copy}", said)
+
+
+def _off(course: Course, transform: Floats, flight: Flight, seconds: float) -> tuple[float, float]:
+    """How far a copy's points are out of their places, and may be, mm; inf where its body moves at other times."""
+    frames = len(flight.angle)
+    size = flight.reach + float(np.nanmax(np.abs(flight.place), initial=abs(flight.z)))
+    limit = _STEPS * FLOAT32_ROUNDING * (size + float(np.max(np.abs(course.place))))
+    even = len(course.angle) == frames and np.allclose(course.seconds, np.linspace(0, seconds, frames), rtol=1e-6)
+    if len(course.angle) > 1 and not even:
+        return math.inf, limit
+    turn = np.zeros((len(course.angle), 3, 3))
+    turn[:, 0, 0] = turn[:, 1, 1] = np.cos(course.angle)
+    turn[:, 1, 0] = np.sin(course.angle)
+    turn[:, 0, 1] = -turn[:, 1, 0]
+    turn[:, 2, 2] = 1
+    there = np.einsum("nij,jk->nik", turn, transform)
+    there[:, :2, 3] += np.column_stack([course.place.real, course.place.imag])
+    error = np.abs(there - flight.transforms)
+    off = np.max(error[..., 3], axis=1) + flight.reach * np.max(error[..., :3], axis=(1, 2))
+    return float(np.nanmax(off, initial=0.0)), limit

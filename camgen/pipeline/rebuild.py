@@ -1,0 +1,186 @@
+"""A folder against what its spec.toml and its parts' files give again: the same spec gives the same bytes.
+
+    judged   files that stages of the judge read and judge by what they hold: those of the parts, assemblies, plates, sheets
+    anew     all others, but for spec.toml and the manifest: drawings, lists, tables, texts, the machine in motion, reports
+
+Bytes follow from the spec, the versions of camgen and its packages, and the system: the last digits of sines and exponentials
+differ from processor to processor, and packed bytes from one zlib to the next. Of a folder that others built, what is not the
+same but for such digits is named, not failed.
+"""
+
+from __future__ import annotations
+
+import platform
+import re
+import zlib
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import repeat, zip_longest
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from camgen import __version__
+from camgen.files.folder import MANIFEST, SPEC, versions
+from camgen.files.formats import FORMATS
+from camgen.findings import NotJudged, at_most
+from camgen.geometry.outlines import Floats
+from camgen.pipeline.jobs import Case, Workers
+from camgen.pipeline.laser import sheet_files
+from camgen.pipeline.making import lying_sides, write_parts_list, written
+from camgen.pipeline.scope import Outcome
+from camgen.pipeline.summary import Summary, draw_part, seen, write_report, write_texts
+from camgen.report.report import Report
+
+ANY_KIND = (*FORMATS, "report")  # that can be asked for
+PACKAGES = (
+    "ezdxf", "lib3mf", "manifold3d", "mapbox-earcut", "numpy", "pydantic", "rectpack", "reportlab", "scipy", "shapely", "tomli-w"
+)  # fmt: skip
+_OF_FILES = {"motion.csv", "report.html", "report.json"}  # follow from the parts' files as well
+_TEXTS = {"csv", "dxf", "html", "json", "pmks", "svg", "toml"}  # endings of files in which a number may be written otherwise
+_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+_DIGITS = 1e-9  # mm, or a share: by which numbers that are the same may differ
+_SHOWN = 40  # characters of a place where two texts differ
+_TOLD = 3  # files of which that place is told
+
+
+def system() -> str:
+    """What bytes depend on besides versions of packages: the system, its libraries, and the instructions that numpy takes."""
+    libraries = [*platform.libc_ver(), "zlib", zlib.ZLIB_RUNTIME_VERSION]
+    instructions = np.show_config(mode="dicts")["SIMD Extensions"]
+    taken = [*instructions.get("baseline", ()), *instructions.get("found", ())]
+    return " ".join(filter(None, [platform.system(), platform.machine(), *libraries, *taken]))
+
+
+def kinds_of(case: Case, manifest: Mapping[str, Any]) -> list[str]:
+    """The kinds of files that a folder was built with: as its manifest says, and of which any file is there."""
+    said = manifest.get("kinds", ())
+    told = said if isinstance(said, list) else ()
+    return [kind for kind in ANY_KIND if kind in told or any(path.exists() for path in _files(case, kind))]
+
+
+def _files(case: Case, kind: str) -> list[Path]:
+    """Files that a build makes of a kind, where nothing else asks for them."""
+    if kind == "report":
+        return [case.folder / "report.html", case.file("assembly", "glb")]
+    return [case.file(name, kind) for name in case.parts]
+
+
+def judged_files(case: Case, listed: Collection[str]) -> set[str]:
+    """Names of the files that are judged by what they hold."""
+    own = {path.name for kind in FORMATS for path in _files(case, kind)} | {path.name for path in sheet_files(case)}
+    return own | {SPEC} | {name for name in listed if name.endswith((".3mf", ".step"))}
+
+
+@dataclass(frozen=True)
+class Rebuild:
+    """An earlier build, judged again, with what it is to be held against.
+
+    report, columns: of the files as they are now; otherwise: whether a part's file was changed since the build, so that what the
+    build said of the files is no longer so.
+    """
+
+    case: Case
+    kinds: Sequence[str]
+    manifest: Mapping[str, Any]
+    report: Report
+    columns: Mapping[str, Floats]
+    otherwise: bool
+
+    def outcome(self, told: Collection[str], workers: Workers) -> Outcome:
+        """REBUILD: files that are not as they are made anew, that are not there, or that no such build makes.
+
+        told: names of files whose change is told already.
+        """
+        listed, left_out = self.manifest["files"], _OF_FILES if self.otherwise else set()
+        with TemporaryDirectory() as scratch:
+            anew = Path(scratch)
+            self._make(anew, workers)
+            made = sorted(path.name for path in anew.iterdir())
+            held = [name for name in made if name not in told and name not in left_out]
+            wrong = {name: said for name in held if (said := _difference(self.case.folder / name, anew / name))}
+        known = {*made, *judged_files(self.case, listed), MANIFEST, *left_out}
+        wrong |= {name: "is made by no such build" for name in listed if name not in known}
+        notes = ["of the parts' files as they were: " + ", ".join(sorted(left_out & set(made)))] if self.otherwise else []
+        others = _others(self.manifest)
+        if wrong and others:
+            why = f"built with {others}: not as they are made anew here, and not judged by all that they hold: {', '.join(wrong)}"
+            return Outcome(not_judged=[NotJudged("REBUILD", why, "what it was built with")], notes=notes)
+        said = f"{len(held)} files beside the parts are as they are made anew from spec.toml and the parts' files"
+        if wrong:
+            rows = [f"{name} {why}" for name, why in wrong.items()]
+            more = [", ".join(list(wrong)[_TOLD:])] if len(wrong) > _TOLD else []
+            said = "not as they are made anew from spec.toml and the parts' files: " + "; ".join([*rows[:_TOLD], *more])
+        return Outcome([at_most("REBUILD", len(wrong), 0, "files", SPEC, said)], notes=notes)
+
+    def _make(self, folder: Path, workers: Workers) -> None:
+        """Make what is no file of a part, an assembly, a plate or a sheet into another folder."""
+        case, kinds, anew = self.case, self.kinds, Case(self.case.mechanism, folder)
+        drawings = list(case.parts) if "dxf" in kinds else []
+        drawn = workers.map(draw_part, repeat(case, len(drawings)), drawings, repeat(folder, len(drawings)))
+        scene = seen(case, kinds)
+        if scene is not None:
+            anew.file("assembly", "glb").write_bytes(scene.glb)
+        sides = lying_sides(case.mechanism, written(case) if "3mf" in kinds else {})
+        write_parts_list(anew.file("parts", "csv"), case.mechanism, sides)
+        if "dxf" in kinds and case.mechanism.output.machining:
+            from camgen.pipeline.machining import make_tables
+
+            make_tables(anew)
+        write_texts(case, folder)
+        write_report(Summary(kinds, self.report, self.columns, scene), case, folder)
+        for _ in drawn:
+            pass
+
+
+def _others(manifest: Mapping[str, Any]) -> str:
+    """What a build was made with that is not here, in words; "" where bytes are to be the same."""
+    here = {"camgen": __version__, **versions(PACKAGES)}
+    packages = manifest.get("packages")
+    there = {"camgen": manifest["camgen"], **(packages if isinstance(packages, dict) else {})}
+    other = [f"{name} {there.get(name, 'unknown')}" for name in sorted({*here, *there}) if here.get(name) != there.get(name)]
+    return ", ".join([*other, *(["another system"] if manifest.get("system") != system() else [])])
+
+
+# ---- one file --------------------------------------------------------------------------------------------------------
+
+
+def _difference(path: Path, anew: Path) -> str:
+    """In which way a file is another one than the same made anew; "" where it is the same but for the last digits of numbers."""
+    if not path.is_file():
+        return "is not there"
+    wanted = anew.read_bytes()
+    if path.stat().st_size > 2 * len(wanted) + 1000:
+        return "is larger"
+    data = path.read_bytes()
+    if data == wanted:
+        return ""
+    if path.suffix[1:] not in _TEXTS:
+        return "has other bytes"
+    try:
+        text = data.decode("utf-8")
+    except UnicodeDecodeError:
+        return "is no text"
+    for number, (line, other) in enumerate(zip_longest(text.split("\n"), wanted.decode("utf-8").split("\n"), fillvalue=""), 1):
+        if not _same(line, other):
+            return f"has in line {number} {_from(line, other)!r} instead of {_from(other, line)!r}"
+    return ""
+
+
+def _same(line: str, other: str) -> bool:
+    """Whether two lines are the same but for the last digits of their numbers."""
+    if line == other:
+        return True
+    if _NUMBER.sub("#", line) != _NUMBER.sub("#", other):
+        return False
+    pairs = zip(map(float, _NUMBER.findall(line)), map(float, _NUMBER.findall(other)), strict=True)
+    return all(abs(a - b) <= _DIGITS * (1 + abs(b)) for a, b in pairs)
+
+
+def _from(line: str, other: str) -> str:
+    """A line from shortly before where it leaves the other one."""
+    first = next((k for k, (a, b) in enumerate(zip(line, other, strict=False)) if a != b), min(len(line), len(other)))
+    begin = max(first - _SHOWN // 2, 0)
+    return line[begin : begin + _SHOWN]

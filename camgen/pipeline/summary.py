@@ -1,0 +1,71 @@
+"""What a build says of itself beside the parts' own files: the machine in motion, curves, texts of its kind, reports, drawings.
+
+All of it follows from spec.toml and the parts' files, so that it can be made again from a folder and compared.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from camgen.files.formats import SOLID
+from camgen.geometry.outlines import Floats
+from camgen.pipeline.jobs import Case
+from camgen.report.report import Report, write_csv, write_html, write_json
+from camgen.study import Plate, Scene
+
+
+def plates_of(case: Case) -> list[Path]:
+    """The plate files of a build, in their order."""
+    return sorted(case.folder.glob(f"{case.mechanism.name}-plate*.3mf"), key=lambda path: (len(path.name), path.name))
+
+
+def seen(case: Case, kinds: Collection[str]) -> Scene | None:
+    """The machine in three dimensions, with the plates as they lie in the folder; None where nothing asks for it."""
+    if "report" not in kinds or not any(kind in kinds for kind in SOLID):
+        return None
+    from camgen.files.threemf import read_3mf
+    from camgen.pipeline.shown import scene
+
+    laid = [Plate(path.name, [(item.name, item.transform[:3]) for item in read_3mf(path).items]) for path in plates_of(case)]
+    return scene(case.mechanism, laid)
+
+
+def draw_part(case: Case, name: str, folder: Path) -> None:
+    """Write the dimensioned drawing of a part."""
+    from camgen.files import drawing
+    from camgen.pipeline.drawings import facts_of
+
+    mechanism, part = case.mechanism, case.parts[name]
+    facts = facts_of(mechanism, part)
+    drawing.write_drawing(folder, mechanism.name, part, mechanism.accuracy.chord_tolerance, facts)
+
+
+def write_texts(case: Case, folder: Path) -> None:
+    """Write the texts of a machine's kind, such as a linkage's chain."""
+    for name, text in case.mechanism.texts().items():
+        (folder / f"{case.mechanism.name}-{name}").write_text(text, encoding="utf-8")
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What a report is written of: the kinds of files that were asked for, what was found of them, the columns of motion.csv, and
+    the machine in three dimensions."""
+
+    kinds: Collection[str]
+    report: Report
+    columns: Mapping[str, Floats]
+    scene: Scene | None
+
+
+def write_report(summary: Summary, case: Case, folder: Path) -> None:
+    """Write motion.csv, report.html where it is asked for, and report.json."""
+    if summary.columns:
+        write_csv(folder / "motion.csv", summary.columns)
+    if "report" in summary.kinds:
+        from camgen.pipeline.shown import animation
+
+        shown = replace(summary.report, animation=animation(case.mechanism), scene=summary.scene)
+        write_html(folder / "report.html", shown)
+    write_json(folder / "report.json", summary.report)
