@@ -36,6 +36,7 @@ def _sent(kind: type[E], arguments: tuple[Any, ...], facts: dict[str, Any]) -> E
 
 
 UNKNOWN = "unknown key"
+MOST_LISTED = 100  # faults that a message lists; nobody reads more
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,8 @@ class SpecError(CamgenError):
     def __init__(self, faults: Sequence[Fault], source: str = "spec") -> None:
         self.faults = tuple(faults)
         self.source = source
-        lines = "\n".join(f"  {fault}" for fault in self.faults)
+        more = len(self.faults) - MOST_LISTED
+        lines = "\n".join([*(f"  {fault}" for fault in self.faults[:MOST_LISTED]), *([f"  and {more} more"] if more > 0 else [])])
         super().__init__(f"{source}: {len(self.faults)} fault{'' if len(self.faults) == 1 else 's'}\n{lines}")
 
 

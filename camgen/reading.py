@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-import os
 import re
-import stat
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Any, Literal
 
-from camgen.errors import Fault, FileError, SpecError
+from camgen.bounds import Bound, read_bytes
+from camgen.errors import Fault, SpecError
 from camgen.schemas import shortened
 
 Data = dict[str, Any]
 
-_MOST_BYTES = 10_000_000  # of a spec file; the longest tables of points make a few
+MOST_KEYS = 20_000  # of a spec, tables counted; machines of sixty links have a thousand
+MOST_VALUES = 500_000  # of a spec, in its lists: three for each point of a table, which has 20,000 at most
 DEEPEST = 32  # tables and lists in one another; no spec needs ten
 SHALLOWER = f"tables and lists nested at most {DEEPEST} deep"
 
@@ -24,15 +24,23 @@ _KEY = r"""(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\."""
 _LONG_KEY = re.compile(rf"(?m)(?:^|[\[{{,])[ \t]*(?:{_KEY}[ \t]*){{{DEEPEST}}}")  # tomllib's time grows with its square
 
 
+SPEC_FILE = Bound("a spec file", 10_000_000)
+
+_COMMENT = re.compile(r"(?m)^[ \t]*#.*$")
+_HEADER = re.compile(r"(?m)^[ \t]*\[[^,=\n]*\][ \t\r]*(?:#|$)")  # of a table; a row of an array has a comma
+
+
 def read(path: Path) -> Data:
     """Tables of a TOML file.
 
     FileError where it cannot be read; SpecError with line and column where it is empty, not UTF-8 or not TOML, or nested
-    deeper than any spec.
+    deeper than any spec, and where it holds more than any.
     """
-    raw = read_bytes(path, _MOST_BYTES, "a spec file")
+    raw = read_bytes(path, SPEC_FILE)
     try:
         text = raw.decode("utf-8-sig")
+        if large := too_large(*counted(text)):
+            raise SpecError(large, str(path))
         if long := _LONG_KEY.search(text):
             raise SpecError([Fault(_place(text[: long.start()]), shortened(long[0].strip()), SHALLOWER)], str(path))
         data = tomllib.loads(text)
@@ -48,13 +56,28 @@ def read(path: Path) -> Data:
     return tables(data, str(path))
 
 
+def counted(text: str) -> tuple[int, int]:
+    """How many keys, tables among them, and values in lists a TOML file has at most, at a glance: to read it takes long."""
+    bare = _COMMENT.sub("", text)  # each key has its =, each list its bracket, each further value in it a comma
+    return bare.count("=") + len(_HEADER.findall(bare)), bare.count(",") + bare.count("[")
+
+
 def tables(given: Mapping[str, Any], source: str = "spec") -> Data:
-    """Tables from Python or a file as plain dicts; SpecError where they lie deeper in one another than those of any spec."""
+    """Tables from Python or a file as plain dicts; SpecError where they lie deeper in one another than those of any spec, or
+    hold more than any."""
     data = dict(given)
-    deep = depth_of(data)
+    deep, keys, values = extent_of(data)
     if deep > DEEPEST:
         raise SpecError([Fault("spec", f"nested {deep} deep", SHALLOWER)], source)
+    if large := too_large(keys, values):
+        raise SpecError(large, source)
     return data
+
+
+def too_large(keys: int, values: int) -> list[Fault]:
+    """What is wrong with a spec of so many keys, tables counted, and values in lists."""
+    found = (("keys and tables", keys, MOST_KEYS), ("values in lists", values, MOST_VALUES))
+    return [Fault("spec", f"{count:,} {things}", f"at most {most:,}") for things, count, most in found if count > most]
 
 
 @dataclass(frozen=True)
@@ -122,28 +145,22 @@ def _listed(holder: Any, key: str) -> list[Any]:
     return found if isinstance(found, list) else []
 
 
-def read_bytes(path: Path, most: int, what: str) -> bytes:
-    """A file's bytes; FileError where it cannot be read, is no plain file (a pipe may wait for ever), or has more than `most`."""
-    try:
-        status = os.stat(path)
-        if stat.S_ISDIR(status.st_mode):
-            raise FileError(path, f"is a folder, {what} was expected")
-        if not stat.S_ISREG(status.st_mode):
-            raise FileError(path, f"is no file but a pipe or a device, {what} was expected")
-        if status.st_size > most:
-            raise FileError(path, f"has {status.st_size / 1e6:.0f} MB, {what} of at most {most / 1e6:.0f} MB was expected")
-        return Path(path).read_bytes()
-    except (OSError, ValueError) as error:  # ValueError: a zero byte in the path
-        raise FileError(path, f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
 
+def extent_of(value: Any) -> tuple[int, int, int]:
+    """How many tables and lists lie in one another, 0 for a plain value; how many keys and how many values in lists there are.
 
-def depth_of(value: Any) -> int:
-    """How many tables and lists lie in one another, 0 for a plain value; without recursion, which depth would break."""
-    deepest, level = 0, [value]
+    Without recursion, which depth would break; no deeper, and no more, than tells that it is too much.
+    """
+    deepest = keys = values = 0
+    level = [value]
     while (level := [item for item in level if isinstance(item, dict | list | tuple)]) and deepest < 10 * DEEPEST:
         deepest += 1
+        keys += sum(len(item) for item in level if isinstance(item, dict))
+        values += sum(len(item) for item in level if not isinstance(item, dict))
+        if keys > MOST_KEYS or values > MOST_VALUES:
+            break
         level = [inner for item in level for inner in (item.values() if isinstance(item, dict) else item)]
-    return deepest
+    return deepest, keys, values
 
 
 def _place(before: str) -> str:

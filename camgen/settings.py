@@ -14,7 +14,7 @@ from difflib import get_close_matches
 from typing import Any
 
 from camgen.errors import Fault, SpecError
-from camgen.reading import DEEPEST, SHALLOWER, Data, depth_of
+from camgen.reading import DEEPEST, SHALLOWER, Data, extent_of
 from camgen.schemas import shortened, shown
 
 _STEP = re.compile(r"""\s*(?:"((?:[^"\\]|\\.)*)"|'([^']*)'|([^.=]*?))\s*([.=])""", re.DOTALL)
@@ -59,7 +59,7 @@ def override(data: Data, setting: str) -> Data:
     if not all(keys):
         raise SpecError([Fault("--set", shown(setting), "KEY=VALUE, such as geometry.swing_deg=24")])
     removed, value = not text.strip(), _value(text)
-    deep = len(keys) + depth_of(value)
+    deep = len(keys) + extent_of(value)[0]
     if deep > DEEPEST:
         raise SpecError([Fault("--set", f"nested {deep} deep", SHALLOWER)])
     changed = dict(data)

@@ -264,7 +264,10 @@ def _respell(cls: type[Checked], data: Data, error: ValidationError) -> list[str
 
 
 def _tuples(value: Any, old: Any = None, made: Any = None) -> Any:
-    """The value with every list as a tuple, as frozen records hold them; what is `old` itself as the record made of it."""
+    """The value with every list as a tuple, as frozen records hold them; what is `old` itself as the record made of it.
+
+    -0 becomes 0, which it equals: results that are kept for equal records are to be the same to the bit.
+    """
     if isinstance(value, dict):
         if not (isinstance(made, Record) and isinstance(old, dict)):
             return {key: _tuples(item) for key, item in value.items()}
@@ -274,7 +277,7 @@ def _tuples(value: Any, old: Any = None, made: Any = None) -> Any:
         return {key: _tuples(item, old[key], getattr(made, names[key])) if key in old and key in names else _tuples(item)
                 for key, item in value.items()}  # fmt: skip
     if not isinstance(value, list):
-        return value
+        return value + 0.0 if isinstance(value, float) else value
     if isinstance(old, list) and isinstance(made, tuple) and len(value) == len(old) == len(made):
         return tuple(map(_tuples, value, old, made))
     return tuple(map(_tuples, value))

@@ -104,7 +104,7 @@ def openscad(path: Path) -> Problem:
         scad = Path(folder, "x.scad")
         # a plain import would be handed through untouched
         cube = "translate([-5000, -5000, -5000]) cube(10000);"
-        scad.write_text(f'intersection() {{ import("{path.resolve()}"); {cube} }}')
+        scad.write_text(f'intersection() {{ import("{path.resolve()}"); {cube} }}', encoding="utf-8")
         text = said("openscad", "-o", scad.with_suffix(".off"), scad)
     if "ERROR" in text or not re.search(r"Simple: +yes", text):
         return next((line for line in text.splitlines() if "ERROR" in line), "not simple")

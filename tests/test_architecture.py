@@ -25,7 +25,7 @@ WINGS = {
     "design": {"geometry", "motion", "machine", "machines", "report", "pipeline"},
     "live": {"motion", "machines", "report", "pipeline", "starters"},
 }
-GROUND = {"", "errors", "findings", "numerics", "reading", "schemas", "settings", "spec", "study", "tolerances"}
+GROUND = {"", "bounds", "errors", "findings", "numerics", "reading", "schemas", "settings", "spec", "study", "tolerances"}
 TOP = {"__init__", "__main__", "cli", "commands", "guide", "starters"}
 # Of a machine the judge sees what it is, what of it is measured and wanted, and the conditions of its joints: never what made
 # a curve, nor the route by which the maker closes it. Of a format it takes the reading, and what is said of it in the list.

@@ -356,7 +356,7 @@ def test_reader_that_closes_the_pipe() -> None:
 
 
 def test_stdout_that_is_full_or_closed() -> None:
-    with open("/dev/full", "w") as full:
+    with open("/dev/full", "w", encoding="utf-8") as full:
         done = subprocess.run([*CAMGEN, "schema", "uniform-swing"], stdout=full, stderr=subprocess.PIPE, text=True)
     assert done.returncode == 4
     assert "No space left" in done.stderr and "Traceback" not in done.stderr

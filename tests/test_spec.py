@@ -340,6 +340,14 @@ def test_dump_reads_back_equal_and_dumps_the_same(width: Any, lid: Any, lifts: l
     assert again.shape.width == width and [segment.lift for segment in again.segment] == lifts  # type: ignore[union-attr]
 
 
+@pytest.mark.parametrize("key", ["geometry.follower.offset", "print.slide_clearance"])
+def test_minus_zero_is_zero(key: str) -> None:
+    """They are equal, and what is kept for equal records must not differ."""
+    data = tomllib.loads(starters.text("disc-cam"))
+    minus, plain = (dump(validate(load("disc-cam"), override(data, f"{key}={zero}"))) for zero in ("-0.0", "0.0"))
+    assert minus == plain and f"{key.rpartition('.')[2]} = 0.0\n" in minus
+
+
 def test_whole_numbers_and_floats_end_equal() -> None:
     assert dump(validate(Box, box(width=60, height=60))) == dump(validate(Box, box(width=60.0, height=60.0)))
 

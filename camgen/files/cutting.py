@@ -14,6 +14,7 @@ from xml.sax.saxutils import escape, unescape
 
 import numpy as np
 
+from camgen.bounds import Bound, read_bytes
 from camgen.errors import FileError
 from camgen.files.dxf import CUT_LAYER, ENGRAVE_LAYER, add_contour, document
 from camgen.geometry.arcs import as_circle, bulges, fit_arcs
@@ -24,6 +25,7 @@ COLOURS = {ENGRAVE_LAYER: (5, "#0000ff"), CUT_LAYER: (1, "#ff0000")}  # in DXF, 
 DXF_LAYERS = {layer: (colour, 0) for layer, (colour, _) in COLOURS.items()}  # line weight 0: a hairline
 _HAIRLINE = 0.025  # mm: a thousandth of an inch, under which drivers of lasers cut; a browser hardly shows a thinner line
 _DIGITS = 6  # after the point, mm
+_MOST = Bound("a sheet in SVG", 20_000_000, b"<", "elements", 200_000)
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,7 @@ def write_sheet(path: Path, pieces: Sequence[Piece], size: tuple[float, float], 
 
 
 def _text(value: float) -> str:
-    return f"{value + 0.0:.{_DIGITS}f}".rstrip("0").rstrip(".")
+    return f"{value:z.{_DIGITS}f}".rstrip("0").rstrip(".")
 
 
 def _drawn(contour: Contour, height: float) -> str:
@@ -121,7 +123,7 @@ def read_svg(path: Path) -> tuple[tuple[float, float], dict[str, Layer]]:
     scale what a laser cuts in more ways than can be listed. FileError with that line, or where the file cannot be read.
     """
     try:
-        return _Lines(path.read_text(encoding="utf-8")).sheet()
+        return _Lines(read_bytes(path, _MOST).decode("utf-8")).sheet()
     except OSError as error:
         raise FileError(path, error.strerror or str(error)) from None
     except ValueError as error:

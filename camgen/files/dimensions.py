@@ -105,7 +105,7 @@ def hole_of(contour: Contour) -> Hole:
         low, high = sorted((math.degrees(outer.t0), math.degrees(outer.t1)))
         turn = 360 * math.floor(low / 360)
         turn += 360 * (high - turn > 360)  # across Ox: from below it to above
-        shape = f"slot {number(width)} on R{number(radius)}, {low - turn:.1f}° {'to' if low < turn else '-'} {high - turn:.1f}°"
+        shape = f"slot {number(width)} on R{number(radius)}, {low - turn:z.1f}° {'to' if low < turn else '-'} {high - turn:z.1f}°"
         return Hole(outer.centre, shape, outer.centre + cmath.rect(radius, math.radians(low + high) / 2))
     lower, upper = extent([fit_arcs(contour, 0.01)])
     if ends := _round_ends(contour):
@@ -138,7 +138,7 @@ def _round_ends(contour: Contour) -> tuple[tuple[complex, complex], float] | Non
 
 def number(value: float) -> str:
     """A length as on a drawing: at most three digits after the point, no idle zeros."""
-    return f"{round(value, 3) + 0.0:.3f}".rstrip("0").rstrip(".")
+    return f"{value:z.3f}".rstrip("0").rstrip(".")
 
 
 def nearest_and_farthest(contour: Contour) -> tuple[complex, complex]:
@@ -220,7 +220,7 @@ def edge_rows(contour: Contour, sloped: bool = False) -> list[tuple[str, str, st
         for flat in flats:
             way = (flat.b - flat.a) / abs(flat.b - flat.a) * -1j  # outwards, for the outline runs counter-clockwise
             foot = centre + ((flat.a - centre) * way.conjugate()).real * way
-            deep = f"flat, {number(radius - abs(foot - centre))} deep, at {math.degrees(cmath.phase(way)):.4g}°"
+            deep = f"flat, {number(radius - abs(foot - centre))} deep, at {math.degrees(cmath.phase(way)):z.4g}°"
             rows.append((number(foot.real), number(foot.imag), deep))
         return rows
     if free(contour):

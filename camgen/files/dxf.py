@@ -14,8 +14,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from camgen.bounds import read_bytes
 from camgen.errors import FileError, counted
-from camgen.files.formats import Job
+from camgen.files.formats import FORMATS, Job
 from camgen.geometry.arcs import as_circle, bulges, fit_arcs
 from camgen.geometry.distances import point_to_ring
 from camgen.geometry.facets import facet_contour
@@ -65,7 +66,7 @@ def document(path: Path, layers: Mapping[str, tuple[int, int]], box: tuple[compl
         doc.write(text)
     finally:
         options.write_fixed_meta_data_for_testing = kept
-    path.write_bytes(text.getvalue().encode("utf-8"))
+    path.write_bytes(text.getvalue().replace("\n-0.0\n", "\n0.0\n").encode("utf-8"))
 
 
 def add_contour(space: Any, contour: Contour, layer: str) -> None:
@@ -78,7 +79,7 @@ def add_contour(space: Any, contour: Contour, layer: str) -> None:
     points, bulge = bulges(contour)
     line = space.add_lwpolyline([], close=True, dxfattribs={"layer": layer})
     # `add_lwpolyline` takes a time that grows with the square of the number of points, this does not.
-    corners = zip((points + 0).tolist(), bulge.tolist(), strict=True)
+    corners = zip(points.tolist(), bulge.tolist(), strict=True)
     line.lwpoints.set([(z.real, z.imag, 0.0, 0.0, b) for z, b in corners])
 
 
@@ -273,7 +274,7 @@ def _opened(path: str | Path) -> Any:
     from ezdxf.lldxf.const import DXFError
 
     try:
-        text = Path(path).read_bytes()
+        text = read_bytes(Path(path), FORMATS["dxf"].size)
         if not text.rstrip().endswith(b"EOF"):
             raise FileError(path, "not a DXF file, or cut short: it does not end in EOF")
         return readfile(str(path))

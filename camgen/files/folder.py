@@ -24,10 +24,11 @@ from types import MappingProxyType, TracebackType
 from typing import Any, BinaryIO
 
 from camgen import __version__
+from camgen.bounds import Bound, read_bytes
 from camgen.errors import FileError
 
 MANIFEST = "manifest.json"
-_MOST_LISTED = 10_000_000  # bytes of a manifest
+_MANIFEST_SIZE = Bound("a manifest", 10_000_000)
 SPEC = "spec.toml"
 
 _STAGING = re.compile(r"\.(.+)-[a-z0-9_]{8}")
@@ -241,11 +242,9 @@ def _foreign(folder: Path) -> Iterator[Path]:
 
 def read_manifest(folder: Path) -> Mapping[str, Any]:
     """What a build wrote down of itself, see `write_manifest`; FileError where that is no manifest of camgen's."""
-    from camgen.reading import read_bytes
-
     path = folder / MANIFEST
     try:
-        found = json.loads(read_bytes(path, _MOST_LISTED, "a manifest"))
+        found = json.loads(read_bytes(path, _MANIFEST_SIZE))
         if not (isinstance(found, dict) and "camgen" in found and isinstance(found.get("files"), dict)):
             raise ValueError("it does not list the files of a build")
     except (ValueError, RecursionError) as error:
@@ -261,7 +260,13 @@ def manifest_files(folder: Path) -> list[str]:
 def changed_files(folder: Path, among: Container[str] | None = None) -> list[str]:
     """Names of files (among these) that the manifest lists and that are not as the build wrote them."""
     return [name for name, entry in read_manifest(folder)["files"].items() if among is None or name in among
-            if not isinstance(entry, dict) or entry.get("sha256") != hashlib.sha256((folder / name).read_bytes()).hexdigest()]
+            if not isinstance(entry, dict) or entry.get("sha256") != _digest(folder / name)]
+
+
+def _digest(path: Path) -> str:
+    """SHA-256 of a file, however large it has become."""
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def versions(packages: Iterable[str]) -> dict[str, str]:

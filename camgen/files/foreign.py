@@ -17,9 +17,11 @@ from typing import Any
 
 import numpy as np
 
+from camgen.bounds import bounded
 from camgen.errors import FileError, counted
-from camgen.files.points import read_points
-from camgen.files.scan import LEAST_CONTRAST, PICTURES, Scanning, scanned
+from camgen.files.formats import READABLE
+from camgen.files.points import POINTS_SIZE, read_points
+from camgen.files.scan import LEAST_CONTRAST, PICTURE_SIZE, PICTURES, Scanning, scanned
 from camgen.files.stl import read_stl
 from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, at_least, at_most
@@ -29,8 +31,11 @@ from camgen.geometry.mesh import Mesh, mesh_faults, slice_mesh
 from camgen.geometry.rings import Floats, Ints, Points, Ring
 from camgen.tolerances import CURVE_CHORDS, SAME_POINT
 
-ENDINGS = (".dxf", ".stl", ".3mf", ".gcode", ".csv", *PICTURES)
-_MOST_BYTES, _MOST_POINTS = 200_000_000, 500_000
+_SIZES = {f".{kind}": READABLE[kind].size for kind in ("dxf", "stl", "3mf", "gcode")}
+_SIZES |= {".csv": POINTS_SIZE, **dict.fromkeys(PICTURES, PICTURE_SIZE)}
+ENDINGS = tuple(_SIZES)
+_HEAD = 4096  # bytes that tell what a file is
+_MOST_POINTS = 500_000
 _MOST_ENTITIES, _MOST_CHORDS = 50_000, 2_000_000  # of a drawing: those that blocks stand for, those that curves become
 _MOST_FIT_POINTS, _MOST_DEGREE = 5_000, 24  # of a spline
 _LEAST_SIZE, _MOST_SIZE = 0.1, 1e5  # mm across: beyond it the unit is wrong, or float64 does not resolve SAME_POINT
@@ -76,17 +81,15 @@ def read_outline(
     if kind not in ENDINGS:
         raise FileError(path, f"ends in '{path.suffix}': a file that ends in {', '.join(ENDINGS)} was expected")
     try:
-        if path.exists() and not path.is_file():
-            raise FileError(path, "is not a file")
-        if path.stat().st_size > _MOST_BYTES:
-            raise FileError(path, f"is {path.stat().st_size / 1e6:.0f} MB large, {_MOST_BYTES / 1e6:.0f} MB at most are read")
-        content = path.read_bytes()
+        size = bounded(path, _SIZES[kind])
+        content = path.read_bytes() if kind in (".dxf", ".csv") else b""  # the others are read line by line or by parts
+        with open(path, "rb") as file:
+            head = content or file.read(_HEAD)
     except OSError as error:
         raise FileError(path, f"cannot be read: {error.strerror or error}") from None
-    if not content or content.isspace():
+    if not head or head.isspace():
         raise FileError(path, "is empty")
-    found = _looks_like(content)
-    content = content if kind in (".dxf", ".csv") else b""  # the others read the file themselves, line by line or by parts
+    found = _looks_like(head[:_HEAD], size)
     if found not in (kind, ""):
         raise FileError(path, f"is not what its ending says: it looks like {found[1:].upper()}")
     try:
@@ -142,12 +145,12 @@ def _enclosed(ring: Ring, points: Points) -> Ints:
     return near[inside(points[near], facets)]
 
 
-def _looks_like(content: bytes) -> str:
-    """Ending that a file's first bytes speak for; empty where they do not tell."""
-    head = content[:4096].lstrip()
+def _looks_like(first: bytes, size: int) -> str:
+    """Ending that the first bytes of a file, and how many it has, speak for; empty where they do not tell."""
+    head = first.lstrip()
     if head.startswith(b"PK\x03\x04"):
         return ".3mf"
-    if len(content) == 84 + 50 * int.from_bytes(content[80:84], "little") and len(content) > 84:
+    if size == 84 + 50 * int.from_bytes(first[80:84], "little") and size > 84:
         return ".stl"
     if head.startswith(b"solid") and b"facet" in head:
         return ".stl"

@@ -12,6 +12,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from camgen.bounds import Bound
 from camgen.tolerances import FLOAT32_ROUNDING
 
 if TYPE_CHECKING:
@@ -26,13 +27,14 @@ if TYPE_CHECKING:
 class Format:
     """A format: its module in this package, and what it holds: a drawing, a mesh, or an exact solid.
 
-    rounding: of a length in a file, as a share of it; numbers: what rounds, for people.
+    rounding: of a length in a file, as a share of it; numbers: what rounds, for people; size: how large a file is read.
     """
 
     module: str
     holds: Literal["drawing", "mesh", "exact"]
     rounding: float
     numbers: str
+    size: Bound
 
     @property
     def solid(self) -> bool:
@@ -45,13 +47,18 @@ class Format:
         return import_module(f"camgen.files.{self.module}")
 
 
+_LARGE = 200_000_000  # bytes
+_DXF = Bound("a DXF file", _LARGE, most=2_000_000, remedy="leave out what is not the outline, or draw it with arcs")
+_STEP = Bound("a STEP file", 60_000_000, b";,( ", "entities and values", 3_000_000)
+_STL = Bound("an STL file", _LARGE)  # its triangles are counted as it is read
+_GCODE = Bound("G-code", _LARGE, most=3_000_000, remedy="slice fewer parts at a time")
 FORMATS = {
-    "dxf": Format("dxf", "drawing", 0.0, "decimals"),
-    "stl": Format("stl", "mesh", FLOAT32_ROUNDING, "float32"),
-    "3mf": Format("threemf", "mesh", FLOAT32_ROUNDING, "float32"),
-    "step": Format("step", "exact", 0.0, "decimals"),
+    "dxf": Format("dxf", "drawing", 0.0, "decimals", _DXF),
+    "stl": Format("stl", "mesh", FLOAT32_ROUNDING, "float32", _STL),
+    "3mf": Format("threemf", "mesh", FLOAT32_ROUNDING, "float32", Bound("a 3MF file", _LARGE)),
+    "step": Format("step", "exact", 0.0, "decimals", _STEP),
 }
-READABLE = {**FORMATS, "gcode": Format("gcode", "mesh", 1e-5, "decimals")}  # as well, what other programs make of them
+READABLE = {**FORMATS, "gcode": Format("gcode", "mesh", 1e-5, "decimals", _GCODE)}  # as well, what other programs make of them
 _HELD = ("drawing", "mesh", "exact")
 DRAWN, SOLID, EXACT = (tuple(kind for kind, form in FORMATS.items() if form.holds == held) for held in _HELD)
 USUAL = (*DRAWN, *SOLID)  # made where nobody asks for other ones

@@ -11,13 +11,16 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
+from camgen.bounds import bounded
 from camgen.errors import FileError
+from camgen.files.formats import READABLE
 from camgen.geometry.rings import Floats, Points, Ring, fit_circle
 
 _MARK = re.compile(r"; ?(?:TYPE|FEATURE):\s*(.*)")
@@ -28,9 +31,9 @@ _WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
 _PLAIN = re.compile(r"(?:[GXYZEFIJ]-?\d{0,4}\.?\d{1,9}(?: |$))+")  # as slicers write most moves
 _OUTER = {"external perimeter", "outer wall", "wall-outer"}
 _OVERHANG = {"overhang perimeter", "overhang wall"}  # of outer and inner walls alike: one that is part of an outer loop counts
-_MOST_BYTES, _MOST_MOVES = 200_000_000, 20_000_000
 _LONGEST = 1_000_000  # bytes of a line; thumbnails and settings in comments take thousands
 _MOST_POINTS = 1_000_000  # of one wall
+_MOST_WALLS, _MOST_BESIDE = 20_000, 1_000  # outer walls of a file, and of one layer
 _MOVES = {("G", 0.0), ("G", 1.0), ("G", 2.0), ("G", 3.0)}
 _EXPONENT = re.compile(r"[XYZIJ]\s*[-+]?[\d.]+E")  # no slicer writes one: a number that is damaged
 _NARROWEST, _WIDEST = 0.01, 10.0  # mm, of a line
@@ -71,9 +74,10 @@ class Wall:
                 for run, half in self._runs(halves)
             ])  # fmt: skip
             parts = shapely.get_parts(shapely.difference(within, bead) if hole else shapely.union(within, bead))
-        if not len(parts):
+        largest = max(parts, key=lambda part: float(part.area), default=None)
+        if largest is None or largest.is_empty:  # nothing has one part, which is empty
             return None
-        edge: Points = shapely.get_coordinates(max(parts, key=lambda part: float(part.area)).exterior)[:-1] @ np.array([1, 1j])
+        edge: Points = shapely.get_coordinates(largest.exterior)[:-1] @ np.array([1, 1j])
         return Ring(edge, np.zeros(len(edge))).counter_clockwise()
 
     def _runs(self, halves: Floats) -> Iterator[tuple[Points, float]]:
@@ -108,28 +112,26 @@ class _State:
 
 
 def read_gcode(path: Path) -> list[Wall]:
-    """All outer walls, from below; FileError where the file is binary, has no marks, or nothing that is closed."""
+    """All outer walls, from below; FileError where the file is binary, has no marks, nothing that is closed, or too much."""
     if path.suffix.lower() == ".bgcode":
         raise FileError(path, "is binary G-code: export it as text (PrusaSlicer: Printer Settings, General, no binary G-code)")
     walls: list[Wall] = []
     state, marked = _State(), False
     try:
-        if path.stat().st_size > _MOST_BYTES:
-            said = f"is {path.stat().st_size / 1e6:.0f} MB large, {_MOST_BYTES / 1e6:.0f} MB at most are read"
-            raise FileError(path, f"{said}: slice fewer parts at a time")
+        bounded(path, READABLE["gcode"].size)
         with open(path, "rb") as file:
             if file.read(4) == b"GCDE":
                 raise FileError(path, "is binary G-code: export it as text (PrusaSlicer: Printer Settings, General)")
             file.seek(0)
             for number, raw in enumerate(iter(lambda: file.readline(_LONGEST), b"")):
-                if number > _MOST_MOVES:
-                    raise FileError(path, f"has more than {_MOST_MOVES} lines")
                 if b"\0" in raw or len(raw) == _LONGEST:
                     said = f"line {number + 1} is no text, or has no end"
                     raise FileError(path, f"{said}; G-code as text was expected: is the file damaged?")
                 if len(state.points) > _MOST_POINTS:
                     said = f"has a wall of more than {_MOST_POINTS} moves"
                     raise FileError(path, f"{said}, before line {number + 1}: is the file damaged?")
+                if len(walls) > _MOST_WALLS:
+                    raise FileError(path, f"has more than {_MOST_WALLS:,} outer walls: {READABLE['gcode'].size.remedy}")
                 line = raw.decode("latin-1").strip()
                 if line.startswith(";"):
                     mark, width, height = _MARK.match(line), _WIDTH.match(line), _HEIGHT.match(line)
@@ -153,6 +155,10 @@ def read_gcode(path: Path) -> list[Wall]:
         raise FileError(path, f"{said}: slice with PrusaSlicer, OrcaSlicer, Bambu Studio or CuraEngine, with comments on")
     if not walls:
         raise FileError(path, "has no outer wall that closes")
+    level, count = Counter(wall.z for wall in walls).most_common(1)[0]
+    if count > _MOST_BESIDE:
+        said = f"has {count:,} outer walls at a height of {level:g} mm, {_MOST_BESIDE:,} at most are read"
+        raise FileError(path, f"{said}: {READABLE['gcode'].size.remedy}")
     return walls
 
 
@@ -265,7 +271,14 @@ def with_width(walls: Sequence[Wall], path: Path, line_width: float | None) -> l
 
 def hole_walls(walls: Sequence[Wall]) -> list[bool]:
     """Which walls of one layer are those of holes: they lie in an odd number of others."""
-    return [sum(_inside(wall.ring, other.ring) for other in walls if other is not wall) % 2 == 1 for wall in walls]
+    import shapely
+
+    flat = [shapely.Polygon(np.column_stack([z.real, z.imag])) for z in (wall.ring.facetted(_CHORDS) for wall in walls)]
+    areas = shapely.area(flat)
+    starts = [shapely.Point(wall.ring.points[0].real, wall.ring.points[0].imag) for wall in walls]
+    inner, outer = shapely.STRtree(flat).query(starts, predicate="within")
+    inner = inner[areas[outer] > areas[inner]]
+    return [count % 2 == 1 for count in np.bincount(inner, minlength=len(walls)).tolist()]
 
 
 def printed_outlines(path: Path, height: float | None = None, line_width: float | None = None) -> tuple[list[Ring], str]:

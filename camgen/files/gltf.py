@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from camgen import __version__
+from camgen.bounds import Bound, read_bytes
 from camgen.errors import FileError
 from camgen.geometry.mesh import Mesh
 from camgen.numerics import Floats, Points
@@ -56,7 +57,7 @@ def glb(name: str, shapes: Sequence[Shape], bodies: Sequence[Moving], turns: int
     pack = _Pack()
     meshes, materials = [], []
     for k, shape in enumerate(shapes):
-        vertices, faces = np.asarray(shape.mesh.vertices, "<f4"), shape.mesh.faces.ravel()
+        vertices, faces = _single(shape.mesh.vertices), shape.mesh.faces.ravel()
         wide = len(vertices) > 65535
         points = pack.add(vertices, _FLOAT, "VEC3", _VERTICES, bounds=True)
         corners = pack.add(faces.astype("<u4" if wide else "<u2"), _LONG if wide else _SHORT, "SCALAR", _INDICES)
@@ -83,7 +84,7 @@ def glb(name: str, shapes: Sequence[Shape], bodies: Sequence[Moving], turns: int
                 samplers.append({"input": time, "output": pack.add(values, _FLOAT, kind)})
         node["children"] = list(range(len(nodes), len(nodes) + len(body.copies)))
         for copy, shape_number, transform in body.copies:
-            matrix = [float(f"{value:.9g}") for value in np.vstack([transform, [0, 0, 0, 1]]).T.ravel() + 0.0]
+            matrix = [float(f"{value:z.9g}") for value in np.vstack([transform, [0, 0, 0, 1]]).T.ravel()]
             moved = {} if matrix == np.eye(4).ravel().tolist() else {"matrix": matrix}
             nodes.append({"name": copy, "mesh": shape_number, **moved})
     whole = {
@@ -141,7 +142,12 @@ def _course(body: Moving) -> tuple[Any, Any]:
     place = np.append(place[last], place[last[0]])
     zero = np.zeros(len(half))
     quaternions = np.column_stack([zero, zero, np.sin(half), np.cos(half)])
-    return quaternions.astype("<f4"), np.column_stack([place.real, place.imag, zero]).astype("<f4")
+    return _single(quaternions), _single(np.column_stack([place.real, place.imag, zero]))
+
+
+def _single(values: Floats) -> Any:
+    """Numbers as the binary chunk has them, float32, none of them -0."""
+    return np.asarray(values, "<f4") + np.float32(0)
 
 
 def _linear(colour: str) -> list[float]:
@@ -152,7 +158,8 @@ def _linear(colour: str) -> list[float]:
 
 # ---- read back -------------------------------------------------------------------------------------------------------
 
-_MOST_BYTES = 1_000_000_000  # of a file
+_SIZE = Bound("a GLB", 200_000_000)
+_MOST_SAID = 10_000_000  # bytes of JSON in a file
 # What may be said of the whole and of each kind of node: anything else could move, scale or hide something.
 _PARTS = {"asset", "scene", "scenes", "nodes", "meshes", "materials", "animations", "accessors", "bufferViews", "buffers"}
 _ROOT = {"name", "rotation", "scale", "children"}
@@ -180,10 +187,8 @@ class Course:
 
 def read_glb(path: Path) -> list[Course]:
     """The bodies of a machine as `glb` writes it; FileError of a file that holds or says anything else."""
-    from camgen.reading import read_bytes
-
     try:
-        return _Glb(read_bytes(path, _MOST_BYTES, "a GLB")).courses()
+        return _Glb(read_bytes(path, _SIZE)).courses()
     except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError, struct.error) as error:
         raise FileError(path, f"not a machine in GLB as camgen writes it: {error}") from None
 
@@ -195,6 +200,8 @@ class _Glb:
         mark, version, size, length, kind = struct.unpack_from("<4sIII4s", data)
         if (mark, version, size, kind) != (b"glTF", 2, len(data), b"JSON"):
             raise ValueError("it is no glTF 2.0, or not as long as it says")
+        if length > _MOST_SAID:
+            raise ValueError(f"{length:,} bytes of JSON; {_MOST_SAID:,} at most are read")
         self.whole = json.loads(data[20 : 20 + length])
         (length_of_rest, kind), self.data = struct.unpack_from("<I4s", data, 20 + length), data[28 + length :]
         if kind != b"BIN\0" or length_of_rest != len(self.data) or not self.whole.keys() <= _PARTS:

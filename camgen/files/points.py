@@ -17,12 +17,14 @@ from typing import Any
 
 import numpy as np
 
+from camgen.bounds import Bound
 from camgen.errors import FileError, counted
 from camgen.geometry.rings import Floats, Points, Ring
 
 # Names of columns, less their unit, in the order in which a pair is looked for.
 _PAIRS = (("x", "y"), ("angle", "radius"), ("theta", "radius"), ("angle", "r"), ("theta", "r"))
 _LEAST, _MOST = 24, 200_000  # points
+POINTS_SIZE = Bound("a table of points", 20_000_000, most=_MOST + 1_000)
 _GAP = 0.125  # of the outline's length
 _CHORDS = 14_400  # over the turn
 _BEYOND = 1e6  # mm
@@ -61,7 +63,7 @@ def read_points(path: Path, content: bytes, probe: float = 0.0) -> tuple[Ring, f
     pair = next((pair for pair in _PAIRS if set(pair) <= set(named)), None)
     if pair is None:
         raise FileError(path, f"begins with {first.strip()[:60]!r}: columns x,y or angle,radius were expected")
-    if len(rows) > _MOST:
+    if len(rows) - 1 > _MOST:
         raise FileError(path, f"holds {len(rows) - 1} points; {_MOST} at most are taken")
     places = [named.index(name) for name in pair]
     values = []

@@ -16,20 +16,22 @@ from __future__ import annotations
 import io
 import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from camgen.bounds import Bound, read_bytes
 from camgen.errors import FileError, counted
 from camgen.geometry.registration import lay, middle, star, straightened
 from camgen.geometry.rings import Floats, Points, Ring, fit_circle
 from camgen.numerics import least_squares
 
 PICTURES = {".png": ".png", ".jpg": ".jpg", ".jpeg": ".jpg", ".tif": ".tif", ".tiff": ".tif"}
-MOST_BYTES = 200_000_000
+PICTURE_SIZE = Bound("a picture", 200_000_000)
 _MOST_PIXELS = 40_000_000  # A4 at 600 dpi is 35 million
 _DPI = (50.0, 9600.0)
 _COARSE = 400  # pixels across the small picture on which part and ground are told apart
@@ -93,15 +95,13 @@ def read_scan(path: Path, dpi: float | None = None) -> Scan:
     except ImportError:
         raise FileError(path, "needs Pillow and contourpy: pip install 'camgen[scan]'") from None
     try:
-        if path.stat().st_size > MOST_BYTES:
-            raise FileError(path, f"is {path.stat().st_size / 1e6:.0f} MB large, {MOST_BYTES / 1e6:.0f} MB at most are read")
-        content = path.read_bytes()
-        with warnings.catch_warnings():
+        content = read_bytes(path, PICTURE_SIZE)
+        with warnings.catch_warnings(), _any_size(Image):
             warnings.simplefilter("ignore")
             with Image.open(io.BytesIO(content), formats=("png", "jpeg", "tiff")) as picture:
                 said = picture.info.get("dpi")
                 grey = _grey(path, picture)
-    except (Image.DecompressionBombError, UnidentifiedImageError, SyntaxError, ValueError, EOFError) as error:
+    except (UnidentifiedImageError, SyntaxError, ValueError, EOFError) as error:
         raise FileError(path, f"is no picture that can be read: {error}") from None
     except OSError as error:
         raise FileError(path, f"cannot be read: {error.strerror or error}") from None
@@ -123,6 +123,16 @@ def read_scan(path: Path, dpi: float | None = None) -> Scan:
     place = np.array([height - 1 - row - outer.points.imag / pitch, outer.points.real / pitch - column])
     width = pitch / _slope(level, place, outer.points)
     return Scan(outer.points, holes, width, contrast, len(within) - len(holes), _INCH / pitch)
+
+
+@contextmanager
+def _any_size(library: Any) -> Iterator[None]:
+    """Let Pillow open a picture of any size, whose pixels it does not read yet: `_grey` says where it has too many."""
+    kept, library.MAX_IMAGE_PIXELS = library.MAX_IMAGE_PIXELS, None
+    try:
+        yield
+    finally:
+        library.MAX_IMAGE_PIXELS = kept
 
 
 def _resolution(path: Path, asked: float | None, said: Any) -> float:
@@ -350,5 +360,5 @@ def _bore(path: Path, outline: Points, holes: Sequence[Points]) -> tuple[complex
 
 def _sizes(holes: Sequence[Points]) -> str:
     """Sizes and places of the round holes, in words."""
-    told = (f"{size:.3f} mm at {at.real + 0.0:.3f}/{at.imag + 0.0:.3f}" for at, size in _round_ones(holes)[:12])
+    told = (f"{size:.3f} mm at {at.real:z.3f}/{at.imag:z.3f}" for at, size in _round_ones(holes)[:12])
     return "round holes: " + ", ".join(told)

@@ -15,15 +15,15 @@ from typing import Any
 import numpy as np
 
 from camgen import __version__
+from camgen.bounds import read_bytes
 from camgen.errors import FileError
-from camgen.files.formats import Job
+from camgen.files.formats import FORMATS, Job
 from camgen.files.threemf import Placed
 from camgen.geometry.brep import Brep, Edge, Face, Loop
 from camgen.geometry.outlines import Floats
 from camgen.parts.exact import SAME, exact
 
 _SCHEMA = "AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }"
-_MOST_BYTES = 200_000_000
 _UPRIGHT, _LEVEL = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
 
 
@@ -220,9 +220,7 @@ def read_step(path: Path) -> tuple[dict[str, Brep], list[Placed], list[str]]:
 
     FileError where it cannot be read, is cut short, or holds other things than upright walls between level faces.
     """
-    from camgen.reading import read_bytes
-
-    text = read_bytes(path, _MOST_BYTES, "a STEP file").decode("latin-1")
+    text = read_bytes(path, FORMATS["step"].size).decode("latin-1")
     if not text.startswith("ISO-10303-21;") or not text.rstrip().endswith("END-ISO-10303-21;"):
         raise FileError(path, "not a STEP file, or cut short: it does not end in END-ISO-10303-21")
     try:

@@ -7,9 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from camgen.errors import FileError, file_errors
-from camgen.files.formats import Job
-from camgen.geometry.mesh import Mesh, welded
+from camgen.bounds import read_bytes
+from camgen.errors import FileError
+from camgen.files.formats import FORMATS, Job
+from camgen.geometry.mesh import MOST_TRIANGLES, Mesh, welded
 
 _ROW = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
@@ -31,7 +32,9 @@ def write_stl(path: Path, mesh: Mesh, name: str) -> None:
     label = f"camgen {name}".encode("ascii", "replace")[:80]
     rows = np.zeros(len(mesh.faces), _ROW)
     rows["corners"] = mesh.vertices[mesh.faces]
-    rows["normal"] = mesh.across / np.linalg.norm(mesh.across, axis=1, keepdims=True) + 0.0
+    rows["normal"] = mesh.across / np.linalg.norm(mesh.across, axis=1, keepdims=True)
+    for column in ("corners", "normal"):
+        rows[column] += np.float32(0)  # which makes 0 of -0
     path.write_bytes(label.ljust(80, b"\0") + np.array(len(rows), "<u4").tobytes() + rows.tobytes())
 
 
@@ -40,10 +43,14 @@ def read_stl(path: str | Path, normals: bool = False) -> Mesh:
 
     normals: keep the stored ones, which many programs leave at zero; FileError then where the file is text.
     """
-    with file_errors(path):
-        data = Path(path).read_bytes()
+    data = read_bytes(Path(path), FORMATS["stl"].size)
     count = int.from_bytes(data[80:84], "little")
-    if len(data) >= 84 and len(data) == 84 + 50 * count:
+    binary = len(data) >= 84 and len(data) == 84 + 50 * count
+    triangles = count if binary else data.count(b"vertex") // 3
+    if triangles > MOST_TRIANGLES:
+        said = f"has {triangles:,} triangles, {MOST_TRIANGLES:,} at most are read"
+        raise FileError(path, f"{said}: reduce the mesh, or export it with a larger tolerance")
+    if binary:
         rows = np.frombuffer(data, _ROW, offset=84)
         corners, stored = rows["corners"].astype(float), rows["normal"].astype(float) if normals else None
     elif data.lstrip().startswith(b"solid") and b"facet" in data[:1000]:
@@ -51,9 +58,9 @@ def read_stl(path: str | Path, normals: bool = False) -> Mesh:
             raise FileError(path, "is an STL in text; a binary one was expected")
         if not re.search(rb"endsolid[^\n]*\s*$", data):
             raise FileError(path, "STL text cut short: it does not end in endsolid")
-        words = re.findall(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)", data)
+        words = (word for place in re.finditer(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)", data) for word in place.groups())
         try:
-            corners, stored = np.array(words, float).reshape(-1, 3, 3), None
+            corners, stored = np.fromiter(map(float, words), float).reshape(-1, 3, 3), None
         except ValueError as error:
             raise FileError(path, f"STL text with a wrong vertex: {error}") from None
     elif len(data) < 84:

@@ -30,9 +30,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen import __version__
-from camgen.errors import FileError, file_errors
-from camgen.files.formats import Job
-from camgen.geometry.mesh import Mesh
+from camgen.bounds import read_bytes
+from camgen.errors import FileError
+from camgen.files.formats import FORMATS, Job
+from camgen.geometry.mesh import MOST_TRIANGLES, Mesh
 from camgen.geometry.rings import Floats, Ints
 from camgen.numerics import product
 
@@ -41,7 +42,7 @@ from camgen.numerics import product
 _DECIMALS = 9
 _NO_UNIT = 0x801E  # lib3mf's warning of a unit that there is not; it takes millimetres then
 MOST_COPIES = 10_000  # of objects in one assembly, those on the way to the meshes counted
-MOST_BYTES = 1_000_000_000  # unpacked
+MOST_BYTES = 300_000_000  # unpacked
 _SMALL, _PACKED = 1_000_000, 100  # bytes; how often a larger part may be as long as it is packed: meshes are 10 times
 BUILD, _NONE = -1, -2
 _BULK = re.compile(rb"(?:<(?:vertex|triangle) [^<>]*/>\s*)+")  # what most of a package consists of
@@ -206,8 +207,7 @@ def read_3mf(path: str | Path, strict: bool = True) -> Package:
 
     FileError when it is refused, in a unit that there is not, or places far too much.
     """
-    with file_errors(path):
-        return _package(str(path), Path(path).read_bytes(), strict)
+    return _package(str(path), read_bytes(Path(path), FORMATS["3mf"].size), strict)
 
 
 @lru_cache(maxsize=16)  # several checks look at each file of a folder
@@ -309,6 +309,9 @@ def _looked_through(path: str | Path) -> list[str]:
                     said = f"{part.filename} unpacks to {part.file_size / 1e6:.0f} MB from {part.compress_size / 1e6:.3g} MB"
                     raise FileError(path, f"{said}; {_PACKED} times as much at most is read")
             parts = {name: package.read(name) for name in package.namelist()}
+        triangles = sum(text.count(b"triangle ") for text in parts.values())
+        if triangles > MOST_TRIANGLES:
+            raise FileError(path, f"has {triangles:,} triangles, {MOST_TRIANGLES:,} at most are read")
         if not any(b"component" in text for text in parts.values()):  # lib3mf reads UTF-8 alone
             return _extras(parts)
         for name, text in parts.items():

@@ -12,6 +12,8 @@ from camgen.geometry.rings import Floats, Ints, Points, Ring
 from camgen.numerics import distinct, product
 from camgen.tolerances import NORMAL_ROUNDING, SAME_POINT
 
+MOST_TRIANGLES = 2_000_000  # of a file: what is judged of each takes some microseconds, and half a kilobyte
+
 
 @dataclass(frozen=True, eq=False)
 class Mesh:

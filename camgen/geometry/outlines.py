@@ -8,6 +8,8 @@ Points are complex numbers x + iy, mm, so a turn is a product and a mirror image
 
 A piece answers `at(t, order)` with the point (order 0) or its derivatives to t (1, 2); everything else
 (length, area, facets, arcs) follows from that one callable.
+
+No number of a piece is -0: it equals 0, so a result that is kept for equal outlines would have the sign of whichever came first.
 """
 
 from __future__ import annotations
@@ -39,6 +41,9 @@ class Line:
     t0 = 0.0
     t1 = 1.0
 
+    def __post_init__(self) -> None:
+        _set(self, a=complex(self.a) + 0j, b=complex(self.b) + 0j)
+
     def at(self, t: Any, order: int = 0) -> Points:
         """Point or derivative at t, (n,) complex."""
         t = np.asarray(t, float)
@@ -63,6 +68,9 @@ class Arc:
     radius: float
     start: float
     sweep: float
+
+    def __post_init__(self) -> None:
+        _set(self, centre=complex(self.centre) + 0j, start=self.start + 0.0)
 
     @property
     def t0(self) -> float:
@@ -111,6 +119,9 @@ class Smooth:
     origin: Smooth | None = field(default=None, compare=False, repr=False)
     known: dict[tuple[float, float, float], Floats] = field(default_factory=dict, compare=False, repr=False)
 
+    def __post_init__(self) -> None:
+        _set(self, t0=self.t0 + 0.0, t1=self.t1 + 0.0)
+
     def spread(self, count: int) -> Floats:
         """Parameters from t0 to t1, evenly spread, and the knots between them; (count,) and more."""
         even = np.linspace(self.t0, self.t1, count)
@@ -143,6 +154,12 @@ class Smooth:
 
 
 Piece = Line | Arc | Smooth
+
+
+def _set(piece: Piece, **values: complex) -> None:
+    """Set fields of a frozen piece as it is made."""
+    for name, value in values.items():
+        object.__setattr__(piece, name, value)
 
 
 def _image(z: complex, turn: complex, shift: complex, mirror: bool) -> complex:

@@ -7,15 +7,18 @@ from collections.abc import Sequence
 from itertools import zip_longest
 from pathlib import Path
 
+from camgen.bounds import Bound, bounded
 from camgen.errors import FileError
 from camgen.findings import Finding, at_most
 from camgen.study import Table
 
+_SIZE = Bound("a list of parts", 10_000_000, most=20_000)
 _SHARE = 0.005  # by which a number of three digits may be off
 
 
 def judge_list(path: Path, table: Table) -> Finding:
     """PARTS_LIST of a list in a file: how many of its rows are not those of the table."""
+    bounded(path, _SIZE)
     try:
         with open(path, encoding="utf-8", newline="") as file:
             rows = list(csv.reader(file, strict=True))

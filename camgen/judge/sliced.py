@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 _GAP = 1.5  # of its own height, by which a layer may lie over the one below it
 _ON_BED = 1.0  # mm, higher than any first layer
 _COARSE = 0.1  # mm, to which walls are taken where only their place counts
+_AT_ONCE = 500  # walls of which it is looked at once which others they meet
+_MOST_MET = 30_000_000  # pairs of walls that meet; ten bodies of 300 layers with five walls each have 20 million
 _STEP, _FINE = 0.2, 0.02  # mm, between points of edges that are laid on each other, and of those that they are measured from
 _THIN = 5  # of these points one is looked at where a turn is only to be thought of
 _FEW, _MANY = 150, 3000  # points that are laid on others: to find the turn, and to measure it
@@ -120,13 +122,19 @@ class Copy:
 
 
 def bodies(walls: Sequence[Wall]) -> list[tuple[Layer, ...]]:
-    """The bodies that walls make, each with its layers from below."""
+    """The bodies that walls make, each with its layers from below; OverflowError where far too many walls lie over each other."""
     import shapely
 
     flat = [shapely.Polygon(np.column_stack([z.real, z.imag])) for z in (wall.ring.facetted(_COARSE) for wall in walls)]
-    tree = shapely.STRtree(flat)
-    a, b = tree.query(flat, predicate="intersects")
-    label = components(len(flat), a, b)
+    tree, areas = shapely.STRtree(flat), shapely.area(flat)
+    every = label = np.arange(len(flat))
+    met = 0
+    for first in range(0, len(flat), _AT_ONCE):  # all pairs at once are as many as their number's square
+        a, b = tree.query(flat[first : first + _AT_ONCE], predicate="intersects")
+        met += len(a)
+        if met > _MOST_MET:
+            raise OverflowError(f"walls that lie over each other more than {_MOST_MET:,} times")
+        label = components(len(flat), np.append(a + first, every), np.append(b, label))
     found = []
     for one in np.unique(label):
         members = np.flatnonzero(label == one).tolist()
@@ -141,8 +149,11 @@ def bodies(walls: Sequence[Wall]) -> list[tuple[Layer, ...]]:
                 own = usual
             if top - low > _GAP * own:
                 low = top - own
-            within = [sum(flat[j].area > flat[k].area and flat[j].contains(flat[k]) for j in here) % 2 == 1 for k in here]
-            layers.append(Layer(low - bed, top - bed, tuple(walls[k] for k in here), tuple(within)))
+            outlines = [flat[k] for k in here]
+            outer, inner = shapely.STRtree(outlines).query(outlines, predicate="contains")
+            inner = inner[areas[here][outer] > areas[here][inner]]
+            within = np.bincount(inner, minlength=len(here)) % 2 == 1
+            layers.append(Layer(low - bed, top - bed, tuple(walls[k] for k in here), tuple(within.tolist())))
         found.append(tuple(layers))
     return found
 

@@ -15,9 +15,10 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from camgen.bounds import bounded
 from camgen.errors import FileError
 from camgen.pipeline.jobs import files_of
-from camgen.reading import read_bytes
+from camgen.reading import SPEC_FILE
 
 if TYPE_CHECKING:
     from starlette.applications import Starlette
@@ -43,7 +44,7 @@ def watch(spec: Path, out: Path, port: int, browser: bool, say: Say) -> None:
     _need()
     from camgen.live.server import Built, watcher
 
-    read_bytes(spec, 10_000_000, "a spec file")
+    bounded(spec, SPEC_FILE)
     built = Built(spec, out)
     beside = threading.Thread(target=rebuild, args=(built, say), daemon=True)
     _serve(lambda word: watcher(built, word), port, spec.parent if browser else None, say, beside)

@@ -24,6 +24,7 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 
 from camgen import reading
 from camgen import spec as specs
+from camgen.bounds import read_bytes
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, explained
 from camgen.live.guard import OnlyHere
 from camgen.live.numbers import Number, numbers, overrides, write
@@ -91,7 +92,7 @@ class Explorer:
 
     def read(self) -> None:
         """Take the spec as its file has it now."""
-        raw = reading.read_bytes(self.spec, 10_000_000, "a spec file")
+        raw = read_bytes(self.spec, reading.SPEC_FILE)
         self.data, self.source, self.folder = read_tables(self.spec)
         self.digest = sha256(raw).hexdigest()
         kind = specs.choose(self.data, MECHANISMS, self.source)
@@ -121,7 +122,7 @@ class Explorer:
         return overrides(asked.get("settings"), self.numbers)
 
     def _unchanged(self) -> bytes:
-        raw = reading.read_bytes(self.spec, 10_000_000, "a spec file")
+        raw = read_bytes(self.spec, reading.SPEC_FILE)
         if sha256(raw).hexdigest() != self.digest:
             raise FileError(self.spec, "was changed since this page read it; reload the page to see the new values")
         return raw

@@ -9,10 +9,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from camgen.bounds import Bound, read_bytes
 from camgen.errors import Fault, FileError, SpecError
-from camgen.reading import Data, read_bytes, references
+from camgen.reading import Data, references, too_large
 
-_MOST_BYTES = 50_000_000
+_MOST_LINES = 200_000  # of a table; the longest that a spec takes has 100,000 rows
 _ANGLES = {"deg": 1.0, "degree": 1.0, "degrees": 1.0, "\u00b0": 1.0, "rad": math.degrees(1), "turn": 360.0, "turns": 360.0}
 _FORCES = {"n": 1.0, "kn": 1e3, "kgf": 9.80665, "lbf": 4.4482216152605}
 _TORQUES = {"nm": 1.0, "ncm": 1e-2, "nmm": 1e-3, "knm": 1e3, "lbfin": 0.1129848290276167}
@@ -34,13 +35,16 @@ def read_table(path: Path, columns: str = "angle and displacement") -> tuple[Seq
     columns: what messages call them.
     """
     try:
-        text = read_bytes(path, _MOST_BYTES, f"a table of {columns}").decode("utf-8-sig")
+        text = read_bytes(path, Bound(f"a table of {columns}", 10_000_000, most=_MOST_LINES)).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise FileError(path, f"is not text: a table of {columns} was expected") from None
     points: list[tuple[float, float]] = []
     heading: Sequence[str] = ()
     faults = []
-    for number, line in enumerate(text.splitlines(), start=1):
+    lines = text.splitlines()
+    if len(lines) > _MOST_LINES:  # that end otherwise than those that were counted
+        raise FileError(path, f"has {len(lines):,} lines, {_MOST_LINES:,} at most are read of a table of {columns}")
+    for number, line in enumerate(lines, start=1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
         wide = re.split(r"[;\t]", line)
@@ -98,12 +102,14 @@ def load_table(path: Path) -> tuple[list[list[float]], str | None]:
 def with_tables(data: Data, folder: Path, source: str = "spec") -> Data:
     """A spec's tables, in which each law's and each load's `file` is replaced by its points and its name.
 
-    Files are seen from the folder. So the resolved spec needs no other file. SpecError with all that name no file so.
+    Files are seen from the folder. So the resolved spec needs no other file. SpecError with all that name no file so, and where
+    they hold more than a spec may.
     """
     if not any(each.kind in _READ for each in references(data)):
         return data
     data = copy.deepcopy(data)
     faults = list[Fault]()
+    values = 0
     for each in [each for each in references(data) if each.kind in _READ]:
         try:
             file = each.file(folder)
@@ -118,6 +124,9 @@ def with_tables(data: Data, folder: Path, source: str = "spec") -> Data:
             if unit is not None:
                 table.setdefault("unit", unit)
         table.setdefault("source", name)
+        values += 3 * len(table["points"])  # the pair, and its two numbers
+        if large := too_large(0, values):
+            raise SpecError([*faults, *large], source)
     if faults:
         raise SpecError(faults, source)
     return data

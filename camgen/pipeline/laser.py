@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from camgen.bounds import Bound, bounded
 from camgen.errors import DesignError, FileError
 from camgen.files.cutting import Piece, write_sheet
 from camgen.findings import Finding, at_most
@@ -29,6 +30,7 @@ from camgen.spec import Laser
 from camgen.study import Table
 
 _PACKED = 0.02  # mm, chord tolerance of outlines that are only to be nested
+_SIZE = Bound("a list of sheets", 20_000_000, most=200_000)
 _COLUMNS = ("sheet", "part", "copy", "x_mm", "y_mm", "angle_deg")
 
 
@@ -84,8 +86,8 @@ def make_sheets(case: Case) -> None:
         lines = csv.writer(file, lineterminator="\n")
         lines.writerow(_COLUMNS)
         for (name, copy), s in rounded:
-            angle = f"{math.degrees(s.angle):.9g}"
-            lines.writerow([s.sheet + 1, name, copy, f"{s.place.real:.6f}", f"{s.place.imag:.6f}", angle])
+            angle = f"{math.degrees(s.angle):z.9g}"
+            lines.writerow([s.sheet + 1, name, copy, f"{s.place.real:z.6f}", f"{s.place.imag:z.6f}", angle])
 
 
 def sheet_files(case: Case) -> list[Path]:
@@ -97,6 +99,7 @@ def sheet_files(case: Case) -> list[Path]:
 def _listed(path: Path) -> dict[int, list[Laid]]:
     """The list of sheets as read: what lies on each, by its number; FileError where it is none."""
     found: dict[int, list[Laid]] = {}
+    bounded(path, _SIZE)
     try:
         with open(path, encoding="utf-8", newline="") as file:
             for row in csv.DictReader(file):

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from camgen.bounds import Bound, bounded
 from camgen.errors import DesignError, FileError
 from camgen.files.dxf import read_dxf, write_dxf
 from camgen.findings import Finding, at_most
@@ -31,6 +32,7 @@ from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import offset
 from camgen.pipeline.jobs import Case
 
+_SIZE = Bound("a table for a machine tool", 50_000_000, most=200_000)
 _PROFILE = ("theta_deg", "radius_mm", "angle_deg", "x_mm", "y_mm", "normal_deg", "curvature_per_mm", "pressure_angle_deg")
 _PATH = ("piece", "x0_mm", "y0_mm", "x1_mm", "y1_mm", "centre_x_mm", "centre_y_mm", "radius_mm", "sweep_deg")
 
@@ -88,7 +90,7 @@ def _write(path: Path, columns: Sequence[str], rows: Iterable[Sequence[object]])
 
 def _text(value: float) -> str:
     """A number with nine decimals at most; blank for none."""
-    return "" if math.isnan(value) else f"{round(value, 9) + 0.0:.9f}".rstrip("0").rstrip(".")
+    return "" if math.isnan(value) else f"{value:z.9f}".rstrip("0").rstrip(".")
 
 
 def _profile(touch: CamTouch, mount: Mount, free: float, step_deg: float) -> Iterable[Sequence[object]]:
@@ -162,6 +164,7 @@ def _rolled(mechanism: Mechanism, part: str, rings: Sequence[Ring]) -> Rolled:
 
 def _rows(path: Path, columns: Sequence[str]) -> list[list[str]]:
     """Cells of a table with these columns; FileError where it is none."""
+    bounded(path, _SIZE)
     try:
         with open(path, encoding="utf-8", newline="") as file:
             head, *rows = csv.reader(file, strict=True)

@@ -212,4 +212,4 @@ def write_parts_list(path: Path, mechanism: Mechanism, sides: Mapping[str, Side]
     with open(path, "w", encoding="utf-8", newline="") as file:
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(table.columns)
-        rows.writerows([f"{float(f'{cell:.3g}'):g}" if isinstance(cell, float) else cell for cell in row] for row in table.rows)
+        rows.writerows([f"{float(f'{cell:.3g}'):zg}" if isinstance(cell, float) else cell for cell in row] for row in table.rows)

@@ -97,7 +97,10 @@ def check_gcode(folder: Path, plates: Sequence[Path], line_width: float | None =
     count = Counter[str]()
     for path in plates:
         progress(f"reading {path.name}")
-        found = bodies(with_width(read_gcode(path), path, line_width))
+        try:
+            found = bodies(with_width(read_gcode(path), path, line_width))
+        except OverflowError as error:
+            raise FileError(path, f"has {error}: slice fewer parts at a time") from None
         settings |= read_settings(path)
         progress(f"finding the parts in {path.name}")
         copies = [copy_of(body, known) for body in found]

@@ -117,7 +117,7 @@ def _plain(value: str) -> Any:
 
 
 def _figure(value: float) -> float | None:
-    return float(f"{value:.12g}") if math.isfinite(value) else None
+    return float(f"{value:z.12g}") if math.isfinite(value) else None
 
 
 def _judge_chunk(task: Task, numbers: Chunk) -> list[Row]:

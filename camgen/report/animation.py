@@ -87,8 +87,7 @@ def fixed(value: float) -> str:
 
 def _number(value: float) -> str:
     """Shortest text of a coordinate to 0.1 um, never -0 or an exponent."""
-    text = f"{value:.4f}".rstrip("0").rstrip(".")
-    return "0" if text == "-0" else text
+    return f"{value:z.4f}".rstrip("0").rstrip(".")
 
 
 def _xy(z: complex) -> str:
@@ -157,7 +156,7 @@ def frames(animation: Animation) -> dict[str, object]:
     poses = []
     for _, pose in _copies(animation):
         angle, position = _posed(pose, len(animation.theta))
-        rows = np.round(np.column_stack([np.degrees(angle), position.real, position.imag]) + 0.0, 3).tolist()
+        rows = (np.round(np.column_stack([np.degrees(angle), position.real, position.imag]), 3) + 0.0).tolist()
         states = [row if all(map(math.isfinite, row)) else None for row in rows]
         poses.append(states[:1] if all(state == states[0] for state in states) else states)
     output = [] if animation.output is None else np.asarray(animation.output, float).tolist()
@@ -168,14 +167,14 @@ def frames(animation: Animation) -> dict[str, object]:
         "flipped": [pose.flipped for _, pose in _copies(animation)],
         "heights": {str(k): body.z for k, body in enumerate(animation.bodies) if body.z is not None},
         "courses": {str(k): _rounded(body.course) for k, body in enumerate(animation.bodies) if body.course is not None},
-        "output": [float(f"{value:.6g}") if math.isfinite(value) else None for value in output],
+        "output": [float(f"{value:z.6g}") if math.isfinite(value) else None for value in output],
     }
 
 
 def _rounded(course: Points) -> list[list[float]]:
     """x and y of each point of a polyline by turns, by frame."""
     flat = np.stack([course.real, course.imag], axis=-1).reshape(len(course), -1)
-    return [[float(value) for value in row] for row in np.round(flat + 0.0, 2)]
+    return [[float(value) for value in row] for row in np.round(flat, 2) + 0.0]
 
 
 def _drawing(animation: Animation, frame: int) -> tuple[str, str]:

@@ -231,8 +231,7 @@ def _text(value: float, ends: tuple[float, float]) -> str:
 
 def _n(value: float) -> str:
     """A place in the picture."""
-    text = f"{value:.2f}".rstrip("0").rstrip(".")
-    return "0" if text == "-0" else text
+    return f"{value:z.2f}".rstrip("0").rstrip(".")
 
 
 def _curves(plot: Plot, axes: _Axes) -> list[_Curve]:

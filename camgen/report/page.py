@@ -91,7 +91,7 @@ def _viewer(report: Report, scene: Scene) -> str:
     place = {copy: k for k, copy in enumerate(scene.copies)}
     lying = {
         "plates": [
-            [[number[part], *(float(f"{v:.6g}") for v in transform.ravel())] for part, transform in plate.copies]
+            [[number[part], *(float(f"{v:z.6g}") for v in transform.ravel())] for part, transform in plate.copies]
             for plate in scene.plates
         ],
         "steps": [[place[copy] for copy in step.copies] for step in scene.steps],

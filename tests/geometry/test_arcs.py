@@ -171,6 +171,28 @@ def test_smooth_circle_and_straight_curve() -> None:
     assert len(fit_arcs(contour, 1e-6).pieces) == 3
 
 
+ZEROS = st.sampled_from([0.0, -0.0, 1.0])
+PLACES = st.builds(complex, ZEROS, ZEROS)
+WAVE = sine(1.0, 2.0)
+LIKE = {
+    Line: (PLACES, PLACES),
+    Arc: (PLACES, st.just(2.6), ZEROS, st.just(1.0)),
+    Smooth: (st.just(WAVE.function), ZEROS, st.sampled_from([0.0, -0.0, 2.0])),
+}
+
+
+@given(st.data(), st.sampled_from([*LIKE]))
+def test_equal_pieces_are_the_same_to_the_bit(data: st.DataObject, kind: type) -> None:
+    """What is kept of one outline is given for all that equal it: 0 and -0 are equal."""
+    one, other = (kind(*(data.draw(values) for values in LIKE[kind])) for _ in range(2))
+    assert one != other or repr(one) == repr(other)
+
+
+def test_a_fit_is_that_of_its_own_contour() -> None:
+    fits = [fit_arcs(circle(complex(x, y), 2.6), 0.01) for x in (-0.0, 0.0) for y in (-0.0, 0.0)]
+    assert {repr(fit) for fit in fits} == {"Contour(pieces=(Arc(centre=0j, radius=2.6, start=0.0, sweep=6.283185307179586),))"}
+
+
 def test_refused() -> None:
     """No tolerance, no length, no arcs."""
     for tolerance in (0.0, -1.0, math.nan, math.inf):

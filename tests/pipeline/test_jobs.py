@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import json
 import os
 import pickle
+import re
 import signal
 import subprocess
 import sys
+import zipfile
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError
+from camgen.files.formats import FORMATS
 from camgen.machines.mechanism import Mechanism
 from camgen.pipeline import build as pipeline
 from camgen.pipeline.build import build, check
@@ -65,7 +70,7 @@ def test_a_case_is_reopened_from_its_folder(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name, changes", [("uniform-swing", CAMS), ("eccentric-drive", [])])
-def test_same_bytes_with_several_cores(built: Callable[..., Path], tmp_path: Path, name: str, changes: list[str]) -> None:
+def test_several_cores_say_the_same(tmp_path: Path, name: str, changes: list[str]) -> None:
     told: list[float] = []
     report = build(
         SPECS / f"{name}.toml", tmp_path, frozenset(pipeline.KINDS), changes, lambda _, done=None: told.append(done), 2
@@ -75,8 +80,99 @@ def test_same_bytes_with_several_cores(built: Callable[..., Path], tmp_path: Pat
     assert report.ok and report.as_dict() == replace(checked, findings=same).as_dict()
     assert (anew.code, anew.ok) == ("REBUILD", True)
     assert told == sorted(told) and told[0] == 0 and told[-1] < 1, "the bar never runs back"
-    one, other = ({path.name: path.read_bytes() for path in each.iterdir()} for each in (tmp_path / name, built(name, *changes)))
-    assert one == other
+
+
+# Every kind of file: solids and exact ones, drawings, pages, sheets to cut, tables for machine tools.
+LARGE = "dial-table"  # of 29 parts, which are made alone; the rest of the gallery is made, read back and judged
+MADE = [
+    ("gallery/automaton", ("output.step=true", "output.cutter_radius=3", "output.profile_step_deg=5")),
+    ("gallery/beak", ("files.step=true",)),
+    ("gallery/elliptic-trammel", ("files.step=true",)),
+    ("gallery/four-bar", ("files.step=true",)),
+    ("gallery/four-bar", ("laser.thickness=3", "parts.make='laser'")),
+    ("gallery/groove", ("output.step=true",)),
+    ("gallery/scotch-yoke", ("files.step=true",)),
+    ("gallery/valve", ("output.step=true",)),
+    ("uniform-swing", tuple(CAMS)),
+]
+
+
+def test_all_of_the_gallery_is_made() -> None:
+    assert {path.stem for path in (SPECS / "gallery").glob("*.toml")} <= {LARGE} | {Path(name).name for name, _ in MADE}
+
+
+@pytest.mark.parametrize("jobs", [2, 4])
+@pytest.mark.parametrize("name, changes", MADE)
+def test_same_bytes_with_several_cores(
+    built: Callable[..., Path], tmp_path: Path, name: str, changes: tuple[str, ...], jobs: int
+) -> None:
+    """From processes that made nothing before, and from this one, which made much: what is kept of one part is not another's."""
+    command = [sys.executable, "-m", "camgen", "build", SPECS / f"{name}.toml", "-o", tmp_path, "--jobs", str(jobs)]
+    subprocess.run([*command, *(word for change in changes for word in ("--set", change))], check=True, capture_output=True)
+    alone = built(name, *changes)
+    one, other = ({path.name: path.read_bytes() for path in each.iterdir()} for each in (alone, tmp_path / alone.name))
+    assert [file for file in sorted(one | other) if one.get(file) != other.get(file)] == []
+
+
+PARTS = """
+import sys
+from pathlib import Path
+from camgen.files.formats import FORMATS
+from camgen.pipeline.jobs import Case, Workers, read_mechanism, silent
+from camgen.pipeline.making import make_parts
+from camgen.spec import dump
+mechanism, folder = read_mechanism(sys.argv[1]).resolved(), Path(sys.argv[2])
+(folder / "spec.toml").write_text(dump(mechanism), encoding="utf-8")
+with Workers(int(sys.argv[3])) as workers:
+    make_parts(Case(mechanism, folder), frozenset(FORMATS), workers, silent)
+"""
+
+
+def test_same_parts_with_several_cores(tmp_path: Path) -> None:
+    made = []
+    for jobs in (1, 2, 4):
+        folder = tmp_path / str(jobs)
+        folder.mkdir()
+        spec = SPECS / "gallery" / f"{LARGE}.toml"
+        subprocess.run([sys.executable, "-c", PARTS, spec, folder, str(jobs)], check=True)
+        made.append({path.name: path.read_bytes() for path in folder.iterdir()})
+    alone, *several = made
+    assert len(alone) > 29 * len(FORMATS)
+    for other in several:
+        assert [file for file in sorted(alone | other) if alone.get(file) != other.get(file)] == []
+
+
+MINUS_ZERO = re.compile(rb"(?<![\w.+-])-0(?:\.0*)?(?:[eE][-+]?\d+)?(?![\w.])")
+
+
+def numbers(path: Path) -> bytes:
+    """A file's numbers as text, those of binary files too."""
+    data = path.read_bytes()
+    if path.suffix == ".3mf":
+        with zipfile.ZipFile(path) as package:
+            return b"".join(package.read(name) for name in package.namelist())
+    if path.suffix == ".stl":
+        return repr(np.frombuffer(data[84:], np.uint8).reshape(-1, 50)[:, :48].copy().view("<f4").ravel().tolist()).encode()
+    if path.suffix == ".glb":
+        length = int.from_bytes(data[12:16], "little")
+        text, packed = data[20 : 20 + length], data[28 + length :]
+        scene = json.loads(text)
+        views = [scene["bufferViews"][each["bufferView"]] for each in scene["accessors"] if each["componentType"] == 5126]
+        floats = [np.frombuffer(packed, "<f4", view["byteLength"] // 4, view["byteOffset"]).tolist() for view in views]
+        return text + repr(floats).encode()
+    return data
+
+
+@pytest.mark.parametrize("name, changes", MADE)
+def test_no_file_has_minus_zero(built: Callable[..., Path], name: str, changes: tuple[str, ...]) -> None:
+    """Its sign says by which way a 0 was reached, which nobody wants to know."""
+    files = list(built(name, *changes).iterdir())
+    assert [path.name for path in files if MINUS_ZERO.search(numbers(path))] == []
+
+
+@pytest.mark.parametrize("text", [b"-0", b"[1,-0.0]", b"x=-0.000", b"-0e+00", b" -0. "])
+def test_minus_zero_is_noticed(text: bytes) -> None:
+    assert MINUS_ZERO.search(text) and not MINUS_ZERO.search(text.replace(b"-", b"-1").replace(b"-10e+", b"-10.5e+"))
 
 
 def end(number: int) -> None:

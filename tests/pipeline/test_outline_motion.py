@@ -328,7 +328,7 @@ def test_our_own_conjugate_cam(tmp_path: Path, starter: Path, capsys: pytest.Cap
     alone = read_outline(path).ring
     assert alone is not None
     s = recover(alone, read_follower(follower)).s
-    with open(tmp_path / "uniform-swing" / "motion.csv") as file:
+    with open(tmp_path / "uniform-swing" / "motion.csv", encoding="utf-8") as file:
         rows = [float(row["swing_deg_dxf"]) for row in csv.DictReader(file)]
     assert np.degrees(s[::5]) == pytest.approx(np.array(rows[:-1]), abs=1e-9)
 
@@ -388,7 +388,7 @@ def test_files_and_their_columns(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert json.loads((folder / "report.json").read_text("utf-8")) == report
     page = (folder / "report.html").read_text("utf-8")
     assert page.count("<svg") >= 5 and "low-passed at 36 harmonics" in page
-    with open(folder / "motion.csv") as file:
+    with open(folder / "motion.csv", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert list(rows[0]) == ["theta_deg", "swing_deg", "speed_deg_rad", "acceleration_deg_rad2", "pressure_angle_deg"]
     assert len(rows) == 7201 and rows[-1]["theta_deg"] == "360" and rows[0]["swing_deg"] == rows[-1]["swing_deg"]

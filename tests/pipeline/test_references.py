@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from camgen import reading
+from camgen.bounds import Bound
 from camgen.design.run import design
 from camgen.errors import FileError, SpecError
 from camgen.pipeline.jobs import files_of, read_mechanism
@@ -53,9 +54,9 @@ def test_a_file_elsewhere_is_never_opened(
     opened = list[Path]()
     real = reading.read_bytes
 
-    def seen(file: Path, most: int, what: str) -> bytes:
+    def seen(file: Path, bound: Bound) -> bytes:
         opened.append(Path(file).resolve())
-        return real(file, most, what)
+        return real(file, bound)
 
     for module in (reading, sys.modules["camgen.motion.tables"]):
         monkeypatch.setattr(module, "read_bytes", seen)

@@ -213,6 +213,12 @@ def test_copies_against_the_list_of_parts(laid, wrong, said, unknown):
     assert [each.needs for each in not_judged] == ([f"the G-code of {unknown}"] if unknown else [])
 
 
+def test_walls_over_each_other_that_are_far_too_many(folder, monkeypatch):
+    monkeypatch.setattr("camgen.judge.sliced._MOST_MET", 3)
+    with pytest.raises(FileError, match="plate.gcode: has walls that lie over each other more than 3 times: slice fewer parts"):
+        check_gcode(folder, [laid(folder, ["rocker"])])
+
+
 def test_a_folder_without_solids(folder, tmp_path):
     for name in ("spec.toml", "manifest.json"):
         (tmp_path / name).write_bytes((folder / name).read_bytes())

@@ -21,11 +21,11 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
+from camgen.bounds import Bound, read_bytes
 from camgen.errors import Fault, SpecError
 from camgen.machine import model as m
-from camgen.reading import read_bytes
 
-_MOST_BYTES = 1_000_000  # of a file with a chain
+_SIZE = Bound("a chain as PMKS lines or pylinkage's JSON", 1_000_000)
 _JOINT = re.compile(r"J\[\s*(\w+)\s*((?:,\s*\w+\[[^\]]*\]\s*)*)\]")
 _FIELD = re.compile(r"(\w+)\[([^\]]*)\]")
 _SAME = 1e-9  # mm, places that are one
@@ -63,7 +63,7 @@ class Chain:
 def read_chain(path: Path) -> Chain:
     """The chain in a file; FileError where it cannot be read, SpecError with every fault where it is none."""
     try:
-        text = read_bytes(path, _MOST_BYTES, "a chain as PMKS lines or pylinkage's JSON").decode("utf-8-sig")
+        text = read_bytes(path, _SIZE).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise SpecError([Fault(path.name, "", "text: PMKS lines or pylinkage's JSON")], str(path)) from None
     faults: list[Fault] = []
@@ -267,7 +267,7 @@ def _turned(machine: m.Machine, place: m.Place) -> float:
 
 
 def _number(value: float) -> str:
-    return f"{value + 0.0:.12g}" if abs(value) > 1e-12 else "0"
+    return f"{value:z.12g}" if abs(value) > 1e-12 else "0"
 
 
 class _Names:
