@@ -1,7 +1,6 @@
 """Sheets for a laser: proved as cut, in DXF and SVG; damage, a beam that is too wide and sheets that are too small are told."""
 
 import csv
-import math
 import re
 
 import ezdxf
