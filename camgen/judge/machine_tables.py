@@ -171,7 +171,7 @@ class _Edges:
 class _Follower:
     """A follower rolled to cam angles on an outline: ground, mm, the shaft at the origin.
 
-    centre: of a round tip, or where a face is touched, (n,); facing: a face's normal, (n,), None of a tip; sense: +1 or -1, in
+    centre: of a round tip, or a point of a face, (n,); facing: a face's normal, (n,), None of a tip; sense: +1 or -1, in
     which s takes it off the outline.
     """
 
@@ -192,10 +192,10 @@ class _Follower:
                 self.centre, self.radius = form.start + form.along * s, form.tip_radius
             case SlideFace():
                 self.facing = np.full(len(s), form.leaves * complex(form.along))
-                self.centre = form.start + form.along * s + 1j * self.facing * touch.place
+                self.centre = form.start + form.along * s
             case ArmFace():
                 self.facing = form.facing * np.exp(1j * s)
-                self.centre = form.pivot + self.facing * (form.ahead + 1j * touch.place)
+                self.centre = form.pivot + self.facing * form.ahead
 
     def ground(self, z: Points) -> Points:
         """Places of the part's frame when the cam has turned."""

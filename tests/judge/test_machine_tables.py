@@ -40,6 +40,14 @@ def disc(count: int = 12) -> Ring:
     return Ring(points, np.full(count, math.tan(math.pi / 2 / count)))
 
 
+def mixed() -> Ring:
+    """Five arcs, and facets over the rest of the circle."""
+    arcs = disc()
+    first, last = np.angle(arcs.points[[0, 5]] - OFF)
+    facets = OFF + RADIUS * np.exp(1j * np.linspace(last, first + math.tau, 230))[:-1]
+    return Ring(np.append(arcs.points[:5], facets), np.append(arcs.bulges[:5], np.zeros(229)))
+
+
 def profile(form: object) -> Profile:
     """By triangles: the disc's centre, the follower's point and its pivot or line."""
     match form:
@@ -132,6 +140,17 @@ def test_angles_that_are_off_are_told(name: str, sign: int) -> None:
     assert {"normal_deg", "pressure_angle_deg"} <= told(found)
     (lean,) = [f for f in found if column(f) == "normal_deg"]
     assert lean.measured == pytest.approx(math.degrees(0.01), rel=1e-6)
+    if "face" in name:
+        assert "theta_deg and normal_deg" in told(found)
+
+
+def test_where_facets_may_lean_arcs_may_not() -> None:
+    form, ring = FORMS["roller"], mixed()
+    table = profile(form)
+    assert told(judged(form, table, ring)) == set()
+    k = int(np.argmin(np.abs(np.angle(table.normal) - math.pi / 3)))  # on an arc
+    late = replace(table, normal=table.normal * np.exp(0.01j * (np.arange(72) == k)))
+    assert "normal_deg" in told(judged(form, late, ring))
 
 
 @pytest.mark.parametrize("sign", [-1, 1])
@@ -167,6 +186,7 @@ def test_a_curve_within_the_tolerance_leans_and_bends_by_no_more_than_is_granted
 def test_a_curvature_that_is_off_is_told(name: str, sign: int) -> None:
     table, form = profile(FORMS[name]), FORMS[name]
     wrong = table.curvature + sign * 0.004 * (np.arange(72) == 33)
+    assert told(judged(form, replace(table, curvature=wrong), polygon(disc(400).points))) == {"curvature_per_mm"}
     found = judged(form, replace(table, curvature=wrong))
     assert told(found) == {"curvature_per_mm"}
     (bend,) = [f for f in found if "curvature" in f.where]

@@ -4,6 +4,7 @@ import csv
 import io
 import math
 import shutil
+from dataclasses import replace
 
 import ezdxf
 import numpy as np
@@ -124,7 +125,8 @@ def test_a_cutter_too_large_for_a_fillet_is_told(tmp_path):
         table = drawn(tmp_path / "p.dxf", offset(outline, 3.0))
         findings = judge_path(tmp_path / "p.dxf", table, Ring(*bulges(outline)), 3.0, 0.002)
         assert [finding.code for finding in findings if not finding.ok] == ([] if fits else ["CUTTER"])
-    assert findings[-1].measured > 1 and "x 0.0" in findings[-1].message.replace("-0.0", "0.0")  # the deepest place
+    said = findings[-1].message.replace("-0.0", "0.0")
+    assert findings[-1].measured > 1 and "at x 0.000, y -2.000 mm" in said  # the deepest place
 
 
 def test_both_walls_of_a_groove(tmp_path):
@@ -150,6 +152,10 @@ def test_a_path_that_is_not_the_one_in_its_table_is_told(tmp_path):
     table = drawn(tmp_path / "p.dxf", offset(outline, 3.0))
     assert all(finding.ok for finding in judge_path(tmp_path / "p.dxf", table, Ring(*bulges(outline)), 3.0, 0.002))
     assert [f.code for f in judge_path(tmp_path / "p.dxf", table[1:], Ring(*bulges(outline)), 3.0, 0.002) if not f.ok]
+    for off, ok in ((1.8e-4, True), (2.2e-4, False)):
+        aside = [replace(step, start=step.start + off, end=step.end + off, centre=step.centre + off) for step in table]
+        found = [f for f in judge_path(tmp_path / "p.dxf", aside, Ring(*bulges(outline)), 3.0, 0.002) if not f.ok]
+        assert [(f.code, f.where) for f in found] == ([] if ok else [("ROUND_TRIP", "p.csv")])
     none = complex(math.nan, math.nan)  # a closed way round, but a shorter one
     cut = [Step("line", table[-1].start, table[0].end, none, math.nan, math.nan), *table[1:-1]]
     assert [f.where for f in judge_path(tmp_path / "p.dxf", cut, Ring(*bulges(outline)), 3.0, 0.002) if not f.ok] == ["p.csv"]
