@@ -27,7 +27,7 @@ import signal
 import subprocess
 import sys
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence, Set
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from difflib import SequenceMatcher
@@ -211,8 +211,8 @@ class Map:
     texts: dict[str, list[str]]
 
     @classmethod
-    def read(cls) -> Map:
-        """All maps that were made, as one."""
+    def read(cls, there: Set[str]) -> Map:
+        """All maps that were made, as one, of the tests that are still there."""
         seconds: dict[str, float] = {}
         needs: dict[str, list[str]] = {}
         lines: dict[str, dict[int, list[str]]] = defaultdict(lambda: defaultdict(list))
@@ -223,7 +223,7 @@ class Map:
             for file, found in data["lines"].items():
                 now = _lines_now(data["sources"][file], (TOP / file).read_text(encoding="utf-8"))
                 for line, tests in found.items():
-                    lines[file][now.get(int(line), 0)] += tests
+                    lines[file][now.get(int(line), 0)] += there.intersection(tests)
         sources = {file: (TOP / file).read_text(encoding="utf-8") for file in lines}
         nodes = {file: ast.walk(ast.parse(source)) for file, source in sources.items()}
         bodies = {
@@ -262,6 +262,16 @@ def _lines_now(before: str, now: str) -> dict[int, int]:
     """Where each line of a file stands that has been edited since, from 1."""
     same = SequenceMatcher(None, before.split("\n"), now.split("\n"), autojunk=False).get_matching_blocks()
     return {a + k + 1: b + k + 1 for a, b, size in same for k in range(size)}
+
+
+def collected(tree: Path) -> set[str]:
+    """The tests that are in a copy of the checkout, of files of which a map was made."""
+    files = {name.partition("::")[0] for path in (KEPT / "map").glob("*.json")
+             for name in json.loads(path.read_text(encoding="utf-8"))["seconds"] if "::" in name}  # fmt: skip
+    there = sorted(name for name in files if (tree / name).exists())
+    code, said = pytest_run(tree, ["--collect-only", *there], None)
+    assert code == 0, f"tests cannot be collected\n{said[-3000:]}"
+    return {line for line in said.splitlines() if "::" in line}
 
 
 def make_map(tests: Sequence[str], jobs: int) -> None:
@@ -311,12 +321,13 @@ def outcome(mutant: Mutant, tree: Path, known: Map, most: float) -> dict[str, An
 
 def run(mutants: Iterable[Mutant], jobs: int, most: float, kept: Path) -> None:
     """Run what is not in the file yet, and add it there."""
-    known, trees = Map.read(), Queue[Path]()
+    trees = Queue[Path]()
     done = results(kept)
     waiting = [mutant for mutant in mutants if mutant.key not in done]
     for k in range(min(jobs, len(waiting))):
         copy_tree(KEPT / f"tree-{k}")
         trees.put(KEPT / f"tree-{k}")
+    known = Map.read(collected(KEPT / "tree-0") if waiting else set())
 
     def one(mutant: Mutant) -> dict[str, Any]:
         tree = trees.get()
