@@ -330,6 +330,12 @@ def test_contours_of_the_same_vertices_are_apart_by_them(size: float, off: float
     assert contour_error(wider, arcs, 1e-3) >= grown * (1 - 1e-9) > 0
 
 
+def test_a_contour_turned_by_half_a_turn_is_another_one() -> None:
+    """About the origin, vertex by vertex: the corner of an L is as far from the other's edges as its notch is deep."""
+    shape = np.array([-10 - 10j, 10 - 10j, 10 + 0j, 4 + 0j, 4 + 10j, -10 + 10j])
+    assert contour_error(polygon_ring(-shape), polygon_ring(shape), 1e-3) == pytest.approx(6.0, abs=1e-9)
+
+
 def test_a_slit_between_vertices_is_found() -> None:
     """0.3 mm wide and 8 mm deep, in the middle of a side of 400 mm that has no other vertex: one way only its ends tell."""
     meant = polygon_ring(np.array([0, 400, 400 + 60j, 60j]))

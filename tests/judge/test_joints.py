@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgen.judge.joints import assembled
+from camgen.judge.joints import assembled, keyed
 from camgen.judge.measured import Measured, MeasuredFaces, Readings
 from camgen.machine import GROUND, Angle, Body, Drive, Gear, Machine, Output, Path, Pin, Place, Pose, Slide, Slot
 from camgen.machine.closing import close
@@ -21,6 +21,7 @@ from camgen.machine.features import (
     Faces,
     Feature,
     GearTeeth,
+    Keyed,
     Mark,
     Mount,
     PinEyes,
@@ -321,3 +322,27 @@ def test_rails_on_the_runner_are_refused() -> None:
     found = Readings(faces={each: MeasuredFaces(0.0, 0.0, 8.0) for each in faces})
     with pytest.raises(ValueError, match="S: a is mounted on its runner"):
         assembled(machine(slide), [SlideFaces("S", *faces)], [Mount("a", "rod"), Mount("b", "crank")], found)
+
+
+# ---- parts on a pin with a flat ----------------------------------------------------------------------------------------
+
+
+@settings(max_examples=40)
+@given(
+    at=st.complex_numbers(max_magnitude=30), turned=st.floats(-3, 3), flipped=st.booleans(),
+    holes=st.tuples(st.complex_numbers(max_magnitude=20), st.complex_numbers(max_magnitude=20)),
+    facing=st.tuples(st.floats(-3, 3), st.floats(-3, 3)),
+)  # fmt: skip
+def test_a_part_on_a_pin_with_a_flat_stands_hole_on_hole_and_flat_beside_flat(
+    at: complex, turned: float, flipped: bool, holes: tuple[complex, complex], facing: tuple[float, float]
+) -> None:
+    """Wherever its own mount puts it; other parts stay."""
+    key = Keyed(Eye("a", 0j, 5.0), Eye("b", 0j, 5.0), 0.0)
+    found = Readings({key.a: Measured(holes[0], 5.0), key.b: Measured(holes[1], 5.0)}, facing={key: facing})
+    first, other = Mount("a", "crank", at, turned, flipped, 2.0), Mount("c", "crank", 1j, 0.5)
+    same, kept, moved = keyed([key], [first, other, Mount("b", "crank", 99j, 2.0, z=7.0)], found)
+    assert (same, kept) == (first, other) and (moved.part, moved.body, moved.z) == ("b", "crank", 7.0)
+    assert moved.place(holes[1]) == pytest.approx(first.place(holes[0]), abs=1e-9)
+    ahead = [mount.place(hole + cmath.exp(1j * way)) - mount.place(hole)
+             for mount, hole, way in zip((first, moved), holes, facing, strict=True)]  # fmt: skip
+    assert ahead[1] == pytest.approx(ahead[0], abs=1e-9)

@@ -173,6 +173,7 @@ def test_layers_that_are_missing_are_told_where_most_are() -> None:
     for left, off in ((14, 0.2), (13, 0.4)):
         gap, height = copy(whole[:left]).complete("w")
         assert gap.ok and not height.ok and height.measured == pytest.approx(off) and height.limit == pytest.approx(0.101)
+        assert height.message.startswith(f"its last layer ends at {3 - off:.3f} mm, its top lies at 3.000;")
     assert copy(printed(0.0, 0j, layers=14, rise=0.21)).complete("w")[1].ok  # 2.94 mm of 3
 
 

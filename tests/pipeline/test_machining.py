@@ -156,6 +156,9 @@ def test_a_path_that_is_not_the_one_in_its_table_is_told(tmp_path):
         aside = [replace(step, start=step.start + off, end=step.end + off, centre=step.centre + off) for step in table]
         found = [f for f in judge_path(tmp_path / "p.dxf", aside, Ring(*bulges(outline)), 3.0, 0.002) if not f.ok]
         assert [(f.code, f.where) for f in found] == ([] if ok else [("ROUND_TRIP", "p.csv")])
+    odd = [replace(table[0], kind="arc cw"), *table[1:]]
+    (kind, _) = [f for f in judge_path(tmp_path / "p.dxf", odd, Ring(*bulges(outline)), 3.0, 0.002) if not f.ok]
+    assert (kind.where, kind.measured, kind.limit) == ("p.csv, piece", 1, 0) and "not row 1" in kind.message
     none = complex(math.nan, math.nan)  # a closed way round, but a shorter one
     cut = [Step("line", table[-1].start, table[0].end, none, math.nan, math.nan), *table[1:-1]]
     assert [f.where for f in judge_path(tmp_path / "p.dxf", cut, Ring(*bulges(outline)), 3.0, 0.002) if not f.ok] == ["p.csv"]
