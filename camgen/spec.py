@@ -9,6 +9,7 @@ schema    class -> JSON Schema, for editors
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from copy import deepcopy
 from datetime import date
@@ -263,10 +264,16 @@ def _respell(cls: type[Checked], data: Data, error: ValidationError) -> list[str
     return told
 
 
+def _plain(value: float) -> float:
+    """The value; 0 for -0 and for what is smaller than any normal float."""
+    return 0.0 if abs(value) < sys.float_info.min else value
+
+
 def _tuples(value: Any, old: Any = None, made: Any = None) -> Any:
     """The value with every list as a tuple, as frozen records hold them; what is `old` itself as the record made of it.
 
-    -0 becomes 0, which it equals: results that are kept for equal records are to be the same to the bit.
+    -0 becomes 0, which it equals: results that are kept for equal records are to be the same to the bit. So does what is smaller
+    than any normal float: of such numbers some functions make errors.
     """
     if isinstance(value, dict):
         if not (isinstance(made, Record) and isinstance(old, dict)):
@@ -277,7 +284,7 @@ def _tuples(value: Any, old: Any = None, made: Any = None) -> Any:
         return {key: _tuples(item, old[key], getattr(made, names[key])) if key in old and key in names else _tuples(item)
                 for key, item in value.items()}  # fmt: skip
     if not isinstance(value, list):
-        return value + 0.0 if isinstance(value, float) else value
+        return _plain(value) if isinstance(value, float) else value
     if isinstance(old, list) and isinstance(made, tuple) and len(value) == len(old) == len(made):
         return tuple(map(_tuples, value, old, made))
     return tuple(map(_tuples, value))

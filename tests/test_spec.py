@@ -340,11 +340,12 @@ def test_dump_reads_back_equal_and_dumps_the_same(width: Any, lid: Any, lifts: l
     assert again.shape.width == width and [segment.lift for segment in again.segment] == lifts  # type: ignore[union-attr]
 
 
+@pytest.mark.parametrize("zero", ["-0.0", "5e-324", "-1e-310"])
 @pytest.mark.parametrize("key", ["geometry.follower.offset", "print.slide_clearance"])
-def test_minus_zero_is_zero(key: str) -> None:
+def test_minus_zero_and_what_is_next_to_it_is_zero(key: str, zero: str) -> None:
     """They are equal, and what is kept for equal records must not differ."""
     data = tomllib.loads(starters.text("disc-cam"))
-    minus, plain = (dump(validate(load("disc-cam"), override(data, f"{key}={zero}"))) for zero in ("-0.0", "0.0"))
+    minus, plain = (dump(validate(load("disc-cam"), override(data, f"{key}={zero}"))) for zero in (zero, "0.0"))
     assert minus == plain and f"{key.rpartition('.')[2]} = 0.0\n" in minus
 
 

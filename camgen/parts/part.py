@@ -134,7 +134,7 @@ def windows(rim: Points, hub: float, count: int, wall: float, obstacles: Sequenc
     found: list[Contour] = []
     if count == 0:
         return found
-    first = cmath.phase(complex(rim[np.argmax(np.abs(rim))]))
+    first = _direction(complex(rim[np.argmax(np.abs(rim))]))
     sector = math.pi / count
     radii = np.linspace(hub + wall, float(np.max(np.abs(rim))), 48)[:, None, None]
     spreads = np.linspace(0, sector, 24)[None, :, None]
@@ -173,6 +173,11 @@ def windows(rim: Points, hub: float, count: int, wall: float, obstacles: Sequenc
     return found
 
 
+def _direction(z: complex) -> float:
+    """Phase of z, rad; cmath.phase raises OverflowError where the imaginary part is next to nothing, such as 5e-324."""
+    return math.atan2(z.imag, z.real)
+
+
 def hull(discs: Sequence[tuple[complex, float]]) -> Contour:
     """The band drawn tight round discs (centre, radius): a bar with two hubs, a bell crank; counter-clockwise.
 
@@ -188,7 +193,7 @@ def hull(discs: Sequence[tuple[complex, float]]) -> Contour:
     while True:
         centre, radius = discs[here]
         leaving = [  # the angle at which another disc begins to reach as far
-            ((cmath.phase(other - centre) - math.acos((radius - r) / abs(other - centre)) - angle) % math.tau, k)
+            ((_direction(other - centre) - math.acos((radius - r) / abs(other - centre)) - angle) % math.tau, k)
             for k, (other, r) in enumerate(discs)
             if abs(radius - r) + SAME_POINT < abs(other - centre)
         ]
@@ -228,7 +233,7 @@ def with_bar(edge: Contour, at: complex, along: complex, half: float, length: fl
     kept = [_part(pieces[last], s, pieces[last].t1), *rest, _part(pieces[first], pieces[first].t0, t)]
     straight = length - 2 * half * pointed
     tip, corner, end = (at + z * along for z in (length, straight - 1j * half, straight + 1j * half))
-    nose = (Line(corner, tip), Line(tip, end)) if pointed else (Arc(tip, half, cmath.phase(along) - math.pi / 2, math.pi),)
+    nose = (Line(corner, tip), Line(tip, end)) if pointed else (Arc(tip, half, _direction(along) - math.pi / 2, math.pi),)
     bar = (Line(at + (low - 1j * half) * along, corner), *nose, Line(end, at + (high + 1j * half) * along))
     return Contour((*(piece for piece in kept if abs(piece.at(piece.t1) - piece.at(piece.t0)) > SAME_POINT), *bar))
 
@@ -246,7 +251,7 @@ def _crossings(piece: Piece, at: complex, along: complex, aside: float) -> list[
         return []
     found = []
     for angle in (math.asin(rise), math.pi - math.asin(rise)):
-        turned = (angle + cmath.phase(along) - piece.start) * math.copysign(1, piece.sweep) % math.tau
+        turned = (angle + _direction(along) - piece.start) * math.copysign(1, piece.sweep) % math.tau
         if turned <= abs(piece.sweep):
             found.append((centre.real + piece.radius * math.cos(angle), piece.start + math.copysign(turned, piece.sweep)))
     return found
@@ -274,7 +279,7 @@ def clearance(discs: Sequence[tuple[complex, float]], points: Points) -> np.ndar
     most 1e-4 of the distance from its centre.
     """
     edges = [
-        cmath.phase(d) + side * math.acos((r - s) / abs(d))
+        _direction(d) + side * math.acos((r - s) / abs(d))
         for z, r in discs
         for w, s in discs
         for side in (1, -1)

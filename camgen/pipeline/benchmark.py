@@ -161,7 +161,7 @@ def _row(spec: Path, tolerance: float, folder: Path) -> Row:
     for kind in JUDGED:
         made = meshes if FORMATS[kind].solid else parts
         with stage(f"judge {kind}"):
-            judged = {name: judge_part(case, name, [kind]) for name in made}
+            judged = {name: judge_part(case, name, [kind], dimensioned=False) for name in made}
         read = {name: shapes for name, (_, shapes) in judged.items()}
         findings = [finding for outcome, _ in judged.values() for finding in outcome.findings]
         findings += _together(case, kind, read)

@@ -43,8 +43,8 @@ Read = dict[str, "Sections"]  # what was read from one part's files, by kind: th
 # ---- a part by itself ------------------------------------------------------------------------------------------------
 
 
-def judge_part(case: Case, name: str, kinds: Sequence[str]) -> tuple[Outcome, Read]:
-    """Read one part's files."""
+def judge_part(case: Case, name: str, kinds: Sequence[str], dimensioned: bool = True) -> tuple[Outcome, Read]:
+    """Read one part's files; dimensioned: its drawing with dimensions too, which stands beside its DXF."""
     mechanism, part = case.mechanism, case.parts[name]
     features, tolerance, fit = mechanism.features(), mechanism.accuracy.chord_tolerance, compensation(mechanism)
     findings: list[Finding] = []
@@ -63,7 +63,7 @@ def judge_part(case: Case, name: str, kinds: Sequence[str]) -> tuple[Outcome, Re
         meant = expected(part, tolerance, features, sent, drawn)
         judged = _JUDGES[FORMATS[kind].holds](path, meant)
         findings += judged.findings
-        if kind == "dxf":
+        if kind == "dxf" and dimensioned:
             findings.append(judge_dimensioned(case.file(f"{name}-drawing", kind), meant))
         if judged.sections:
             read[kind] = judged.sections

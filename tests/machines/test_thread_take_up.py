@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from judged import wrong
 
@@ -364,6 +364,7 @@ def test_holes_that_meet_are_refused(override: str, message: str) -> None:
 
 
 @given(st.lists(st.tuples(st.complex_numbers(max_magnitude=50), st.floats(0.5, 20)), min_size=1, max_size=5))
+@example([(0j, 1.0), (2 + 5e-324j, 1.0)])
 @settings(max_examples=80)
 def test_hull_reaches_as_far_as_its_discs(discs: list[tuple[complex, float]]) -> None:
     band = hull(discs)
