@@ -159,6 +159,9 @@ def test_a_path_that_is_not_the_one_in_its_table_is_told(tmp_path):
     odd = [replace(table[0], kind="arc cw"), *table[1:]]
     (kind, _) = [f for f in judge_path(tmp_path / "p.dxf", odd, Ring(*bulges(outline)), 3.0, 0.002) if not f.ok]
     assert (kind.where, kind.measured, kind.limit) == ("p.csv, piece", 1, 0) and "not row 1" in kind.message
+    gap = [replace(table[0], end=table[0].end + 1e-3), *table[1:]]
+    found = [f for f in judge_path(tmp_path / "p.dxf", gap, Ring(*bulges(outline)), 3.0, 0.002) if "x0_mm" in f.where]
+    assert [f.ok for f in found] == [False] and found[0].measured == pytest.approx(1e-3, rel=1e-6)
     none = complex(math.nan, math.nan)  # a closed way round, but a shorter one
     cut = [Step("line", table[-1].start, table[0].end, none, math.nan, math.nan), *table[1:-1]]
     assert [f.where for f in judge_path(tmp_path / "p.dxf", cut, Ring(*bulges(outline)), 3.0, 0.002) if not f.ok] == ["p.csv"]
