@@ -34,12 +34,28 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 __all__ = [
-    "CamgenError", "DesignError", "Fault", "FileError", "Finding", "Forces", "Play", "Report", "Run", "SpecError", "build",
-    "check", "load", "motion",
-]  # fmt: skip
+    "CamgenError",
+    "DesignError",
+    "Fault",
+    "FileError",
+    "Finding",
+    "Forces",
+    "Play",
+    "Report",
+    "Run",
+    "SpecError",
+    "build",
+    "check",
+    "load",
+    "motion",
+]
 _LATER = {
-    "Finding": "findings", "Forces": "machine.forces", "Play": "machine.run", "Report": "report.report", "Run": "machine.run",
-}  # fmt: skip
+    "Finding": "findings",
+    "Forces": "machine.forces",
+    "Play": "machine.run",
+    "Report": "report.report",
+    "Run": "machine.run",
+}
 
 
 def __getattr__(name: str) -> Any:
@@ -88,7 +104,10 @@ def build(
 
 
 def check(
-    folder: str | PathLike[str], jobs: int = 1, gcode: Iterable[str | PathLike[str]] = (), line_width: float | None = None
+    folder: str | PathLike[str],
+    jobs: int = 1,
+    gcode: Iterable[str | PathLike[str]] = (),
+    line_width: float | None = None,
 ) -> Report:
     """Judge the files of an earlier build again, from the folder's files and the spec.toml beside them; writes nothing.
 

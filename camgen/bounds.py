@@ -39,15 +39,26 @@ def bounded(path: Path, bound: Bound) -> int:
         after = f": {bound.remedy}" if bound.remedy else ""
         if status.st_size > bound.most_bytes:
             most = f"{bound.most_bytes / 1e6:.0f} MB at most are read"
-            raise FileError(path, f"is {status.st_size / 1e6:.0f} MB large, {most} of {bound.what}{after}")
+            raise FileError(
+                path, f"is {status.st_size / 1e6:.0f} MB large, {most} of {bound.what}{after}"
+            )
         if bound.most is not None and status.st_size > bound.most:
             with open(path, "rb") as file:
-                count = sum(chunk.count(mark) for chunk in iter(lambda: file.read(_CHUNK), b"") for mark in bound.marks)
+                count = sum(
+                    chunk.count(mark)
+                    for chunk in iter(lambda: file.read(_CHUNK), b"")
+                    for mark in bound.marks
+                )
             if count > bound.most:
-                raise FileError(path, f"has {count:,} {bound.things}, {bound.most:,} at most are read of {bound.what}{after}")
+                raise FileError(
+                    path,
+                    f"has {count:,} {bound.things}, {bound.most:,} at most are read of {bound.what}{after}",
+                )
         return status.st_size
     except (OSError, ValueError) as error:  # ValueError: a zero byte in the path
-        raise FileError(path, f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
+        raise FileError(
+            path, f"cannot be read: {getattr(error, 'strerror', None) or error}"
+        ) from None
 
 
 def read_bytes(path: Path, bound: Bound) -> bytes:

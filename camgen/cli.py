@@ -22,7 +22,9 @@ from camgen.commands.options import EXIT_CODES
 from camgen.commands.running import complain
 from camgen.errors import CamgenError, FileError, explained, printable
 
-_COMPLETE = "_CAMGEN_COMPLETE"  # set by the shell that asks for completions: bash_source, zsh_complete, ...
+_COMPLETE = (
+    "_CAMGEN_COMPLETE"  # set by the shell that asks for completions: bash_source, zsh_complete, ...
+)
 # Neither numpy's threads are of use here, 20 ms to start them, nor what other packages would add to pydantic, 4 ms to look for.
 _ENVIRONMENT = {"OPENBLAS_NUM_THREADS": "1", "PYDANTIC_DISABLE_PLUGINS": "__all__"}
 INTERNAL, INTERRUPTED, PIPE_CLOSED, TERMINATED = 70, 130, 141, 143
@@ -42,8 +44,12 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Run the command line and exit; a user's mistake ends in a message and its exit code, never in a traceback."""
     for asked in (signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])):
         if signal.getsignal(asked) is not signal.SIG_IGN:  # such as under nohup
-            signal.signal(asked, lambda *_: sys.exit(TERMINATED))  # so that half-made folders are cleared away
-    if isinstance(sys.stdout, io.TextIOWrapper):  # a file name may hold what stdout's encoding does not
+            signal.signal(
+                asked, lambda *_: sys.exit(TERMINATED)
+            )  # so that half-made folders are cleared away
+    if isinstance(
+        sys.stdout, io.TextIOWrapper
+    ):  # a file name may hold what stdout's encoding does not
         sys.stdout.reconfigure(errors="backslashreplace")
     for name, value in _ENVIRONMENT.items():
         os.environ.setdefault(name, value)
@@ -52,7 +58,9 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
         if sys.stdout is not None:
             sys.stdout.flush()
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # nobody reads on: let the last flush go nowhere
+        os.dup2(
+            os.open(os.devnull, os.O_WRONLY), 1
+        )  # nobody reads on: let the last flush go nowhere
         code = PIPE_CLOSED
     except OSError as error:
         complain(explained(error))
@@ -73,7 +81,9 @@ def _run(arguments: Sequence[str] | None) -> int:
     gc.disable()  # a run is over before its garbage counts; collecting costs a tenth of the time, most of it at imports
     try:
         # Not cli.main, which turns a closed pipe into exit code 1: here that means a finding that fails.
-        with cli.make_context("camgen", list(sys.argv[1:] if arguments is None else arguments)) as context:
+        with cli.make_context(
+            "camgen", list(sys.argv[1:] if arguments is None else arguments)
+        ) as context:
             cli.invoke(context)
     except click.exceptions.Exit as done:
         return done.exit_code

@@ -16,7 +16,9 @@ def printable(text: str, keep: str = "") -> str:
 
     keep: characters that stay, such as the line breaks of a message.
     """
-    return "".join(c if c.isprintable() or c in keep else c.encode("unicode_escape").decode() for c in text)
+    return "".join(
+        c if c.isprintable() or c in keep else c.encode("unicode_escape").decode() for c in text
+    )
 
 
 class CamgenError(Exception):
@@ -66,8 +68,15 @@ class SpecError(CamgenError):
         self.faults = tuple(faults)
         self.source = source
         more = len(self.faults) - MOST_LISTED
-        lines = "\n".join([*(f"  {fault}" for fault in self.faults[:MOST_LISTED]), *([f"  and {more} more"] if more > 0 else [])])
-        super().__init__(f"{source}: {len(self.faults)} fault{'' if len(self.faults) == 1 else 's'}\n{lines}")
+        lines = "\n".join(
+            [
+                *(f"  {fault}" for fault in self.faults[:MOST_LISTED]),
+                *([f"  and {more} more"] if more > 0 else []),
+            ]
+        )
+        super().__init__(
+            f"{source}: {len(self.faults)} fault{'' if len(self.faults) == 1 else 's'}\n{lines}"
+        )
 
 
 _WITHIN = ("between ", "within ")  # so begin places that are no points
@@ -83,11 +92,21 @@ class DesignError(CamgenError):
     exit_code = 3
 
     def __init__(
-        self, quantity: str, value: float, limit: float, unit: str, where: str = "", remedy: str = "", said: str = ""
+        self,
+        quantity: str,
+        value: float,
+        limit: float,
+        unit: str,
+        where: str = "",
+        remedy: str = "",
+        said: str = "",
     ) -> None:
         self.quantity, self.value, self.limit, self.unit = quantity, value, limit, unit
         self.where, self.remedy = where, remedy
-        place, of = f" {where if where.startswith(_WITHIN) else f'at {where}'}" if where else "", f" {unit}" if unit else ""
+        place, of = (
+            f" {where if where.startswith(_WITHIN) else f'at {where}'}" if where else "",
+            f" {unit}" if unit else "",
+        )
         named = f" ({where})" if where else ""
         if said:
             told = said
@@ -108,15 +127,28 @@ class DesignError(CamgenError):
     @property
     def facts(self) -> dict[str, Any]:
         """What fails, for programs: None in place of a number that is not finite, which JSON does not have."""
-        numbers = {name: each if math.isfinite(each) else None for name, each in (("value", self.value), ("limit", self.limit))}
-        return {"quantity": self.quantity, **numbers, "unit": self.unit, "where": self.where, "remedy": self.remedy}
+        numbers = {
+            name: each if math.isfinite(each) else None
+            for name, each in (("value", self.value), ("limit", self.limit))
+        }
+        return {
+            "quantity": self.quantity,
+            **numbers,
+            "unit": self.unit,
+            "where": self.where,
+            "remedy": self.remedy,
+        }
 
 
 def listed(thing: str, names: Sequence[str], most: int = 10) -> str:
     """Names with what they are: "joint A", "joints A and B", "links a, b, c and 7 more"."""
     shown, more = list(names[:most]), len(names) - most
     shown += [f"{more} more"] if more > 0 else []
-    return f"{thing} {shown[0]}" if len(shown) == 1 else f"{thing}s {', '.join(shown[:-1])} and {shown[-1]}"
+    return (
+        f"{thing} {shown[0]}"
+        if len(shown) == 1
+        else f"{thing}s {', '.join(shown[:-1])} and {shown[-1]}"
+    )
 
 
 def counted(number: int, thing: str, things: str = "") -> str:
@@ -147,4 +179,6 @@ def file_errors(path: object = None) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise explained(error) if path is None else FileError(path, error.strerror or str(error)) from error
+        raise (
+            explained(error) if path is None else FileError(path, error.strerror or str(error))
+        ) from error

@@ -51,31 +51,76 @@ class NotJudged:
 def left_out(not_judged: Sequence[NotJudged]) -> str:
     """One line: the codes that were not judged, by what they need; empty where all were."""
     needs = dict.fromkeys(each.needs for each in not_judged)
-    groups = [(", ".join(each.code for each in not_judged if each.needs == need), need) for need in needs]
-    return "; ".join(f"{codes} ({'need' if ',' in codes else 'needs'} {need})" for codes, need in groups)
+    groups = [
+        (", ".join(each.code for each in not_judged if each.needs == need), need) for need in needs
+    ]
+    return "; ".join(
+        f"{codes} ({'need' if ',' in codes else 'needs'} {need})" for codes, need in groups
+    )
 
 
 def told_once(findings: Sequence[Finding]) -> list[tuple[Finding, str]]:
     """Findings of one code, unit, limit and sentence as one, the worst, with all the places where it was found."""
     groups: dict[tuple[object, ...], list[Finding]] = {}
     for finding in findings:
-        said = re.sub(r"\d+(\.\d+)?", "#", finding.message)  # but for figures, which differ from file to file
-        groups.setdefault((finding.code, finding.ok, finding.unit, finding.limit, said), []).append(finding)
-    worst = (max(group, key=lambda f: -f.measured if f.floor else f.measured) for group in groups.values())
-    return [(f, "; ".join(dict.fromkeys(each.where for each in group))) for f, group in zip(worst, groups.values(), strict=True)]
+        said = re.sub(
+            r"\d+(\.\d+)?", "#", finding.message
+        )  # but for figures, which differ from file to file
+        groups.setdefault((finding.code, finding.ok, finding.unit, finding.limit, said), []).append(
+            finding
+        )
+    worst = (
+        max(group, key=lambda f: -f.measured if f.floor else f.measured)
+        for group in groups.values()
+    )
+    return [
+        (f, "; ".join(dict.fromkeys(each.where for each in group)))
+        for f, group in zip(worst, groups.values(), strict=True)
+    ]
 
 
 # Codes that every part's every file is checked for: many lines of one kind, of which the tightest tells enough.
-ROUTINE = frozenset({"DXF_UNITS", "DXF_CLOSED", "WATERTIGHT", "VOLUME", "ROUND_TRIP", "MIN_WALL", "BED_FIT", "SHEET_FIT", "KERF"})
+ROUTINE = frozenset(
+    {
+        "DXF_UNITS",
+        "DXF_CLOSED",
+        "WATERTIGHT",
+        "VOLUME",
+        "ROUND_TRIP",
+        "MIN_WALL",
+        "BED_FIT",
+        "SHEET_FIT",
+        "KERF",
+    }
+)
 
 
-def at_most(code: str, measured: float, limit: float, unit: str, where: str, message: str) -> Finding:
+def at_most(
+    code: str, measured: float, limit: float, unit: str, where: str, message: str
+) -> Finding:
     """A finding that holds when measured <= limit; nan never holds."""
-    return Finding(code, bool(measured <= limit), float(measured), float(limit), unit, where, message)
+    return Finding(
+        code, bool(measured <= limit), float(measured), float(limit), unit, where, message
+    )
 
 
 def at_least(
-    code: str, measured: float, limit: float, unit: str, where: str, message: str, tolerance: float = 0.0
+    code: str,
+    measured: float,
+    limit: float,
+    unit: str,
+    where: str,
+    message: str,
+    tolerance: float = 0.0,
 ) -> Finding:
     """A finding that holds when measured >= limit - tolerance; nan never holds. The limit is told as it was written."""
-    return Finding(code, bool(measured >= limit - tolerance), float(measured), float(limit), unit, where, message, True)
+    return Finding(
+        code,
+        bool(measured >= limit - tolerance),
+        float(measured),
+        float(limit),
+        unit,
+        where,
+        message,
+        True,
+    )

@@ -20,7 +20,9 @@ Indices = NDArray[np.intp]
 _GOLDEN = (math.sqrt(5) - 1) / 2
 _STEPS = 60  # of bisection and of the golden section: 2^-60 and 3e-13 of a bracket
 _RESOLVED = 4e-16  # of a place: the distance to the next float
-_DEPENDENT = 1e-13  # of a column's length, below which what is left beside the other columns is rounding
+_DEPENDENT = (
+    1e-13  # of a column's length, below which what is left beside the other columns is rounding
+)
 
 
 def product(a: Floats, b: Floats) -> Floats:
@@ -45,7 +47,10 @@ def solve(matrices: Floats, right: Floats, holds: NDArray[np.bool_] | None = Non
     filled = np.ones(table.shape[:2], bool)
     filled[:, :size] = (matrices != 0).any(axis=0) if holds is None else holds
     at = np.nonzero(filled[:, :size])
-    table[at], table[:, size:] = matrices[:, at[0], at[1]].T, np.moveaxis(several, 0, -1)  # most of a long chain's table is empty
+    table[at], table[:, size:] = (
+        matrices[:, at[0], at[1]].T,
+        np.moveaxis(several, 0, -1),
+    )  # most of a long chain's table is empty
     filled[:, size:] = (table[:, size:] != 0).any(axis=2)
     found = np.full((size, several.shape[2], n), math.nan)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -54,7 +59,10 @@ def solve(matrices: Floats, right: Floats, holds: NDArray[np.bool_] | None = Non
             if not rows.size:
                 return np.moveaxis(found, -1, 0).reshape(right.shape)
             if rows[0] != k:
-                table[[k, rows[0]]], filled[[k, rows[0]]] = table[[rows[0], k]], filled[[rows[0], k]]
+                table[[k, rows[0]]], filled[[k, rows[0]]] = (
+                    table[[rows[0], k]],
+                    filled[[rows[0], k]],
+                )
                 rows[0] = k
             if rows.size > 1:
                 columns = k + np.flatnonzero(filled[rows, k:].any(axis=0))
@@ -66,10 +74,15 @@ def solve(matrices: Floats, right: Floats, holds: NDArray[np.bool_] | None = Non
                     largest = np.maximum(largest, sizes[r])
                 for r in range(1, len(sizes)):
                     swapped = np.flatnonzero(pivot == r)
-                    if len(swapped) == n:  # most often all of them: they are one machine at many angles
+                    if (
+                        len(swapped) == n
+                    ):  # most often all of them: they are one machine at many angles
                         part[[0, r]] = part[[r, 0]]
                     elif len(swapped):
-                        part[r][:, swapped], part[0][:, swapped] = part[0][:, swapped], part[r][:, swapped]
+                        part[r][:, swapped], part[0][:, swapped] = (
+                            part[0][:, swapped],
+                            part[r][:, swapped],
+                        )
                 factors = part[1:, 0] / part[0, 0]
                 part[1:, 1:] -= factors[:, None] * part[0, 1:]
                 table[rows[:, None], columns] = part
@@ -161,7 +174,12 @@ def gauss_legendre(n: int) -> tuple[Floats, Floats]:
 # ---- one unknown -----------------------------------------------------------------------------------------------------
 
 
-def roots(f: Callable[[Floats, Indices], tuple[Floats, Floats]], low: Floats, high: Floats, share: float = 0.0) -> Floats:
+def roots(
+    f: Callable[[Floats, Indices], tuple[Floats, Floats]],
+    low: Floats,
+    high: Floats,
+    share: float = 0.0,
+) -> Floats:
     """Where functions change sign, each between its low and high, (n,); Newton's method kept inside the bracket by bisection.
 
     f(t, i): values and slopes of the functions number i, (m,), at t, (m,); a slope of 0 or nan means unknown.
@@ -189,13 +207,17 @@ def roots(f: Callable[[Floats, Indices], tuple[Floats, Floats]], low: Floats, hi
     return t
 
 
-def sign_changes(f: Callable[[Floats], Floats], grid: Floats, slope: Callable[[Floats], Floats] | None = None) -> Floats:
+def sign_changes(
+    f: Callable[[Floats], Floats], grid: Floats, slope: Callable[[Floats], Floats] | None = None
+) -> Floats:
     """Places between those of a growing grid, (n,), at which f changes sign, (k,); one between two of them, none beside nan.
 
     f, slope: values and derivatives, (m,), at (m,) places; without a slope by bisection.
     """
     value = f(grid)
-    found = np.flatnonzero(np.isfinite(value[:-1] + value[1:]) & (np.signbit(value[:-1]) != np.signbit(value[1:])))
+    found = np.flatnonzero(
+        np.isfinite(value[:-1] + value[1:]) & (np.signbit(value[:-1]) != np.signbit(value[1:]))
+    )
 
     def both(t: Floats, _: Indices) -> tuple[Floats, Floats]:
         return f(t), np.zeros(t.size) if slope is None else slope(t)
@@ -224,7 +246,11 @@ def crests(f: Callable[[Floats], Floats], low: Floats, high: Floats, steps: int 
 
 
 def greatest(
-    f: Callable[[Any], Floats], a: float, b: float, also: Sequence[float] | Floats = (), count: int = 1025
+    f: Callable[[Any], Floats],
+    a: float,
+    b: float,
+    also: Sequence[float] | Floats = (),
+    count: int = 1025,
 ) -> tuple[float, float]:
     """Place and value of the greatest f(x) on a..b: even samples, then zoomed in on the best until no more is gained.
 
@@ -241,5 +267,7 @@ def greatest(
             break
         best = y[k]
         place, x = x[k], np.linspace(low, high, 17)
-        x[np.argmin(np.abs(x - place))] = place  # not beside it: a neighbour that is the same place would halve the bracket
+        x[np.argmin(np.abs(x - place))] = (
+            place  # not beside it: a neighbour that is the same place would halve the bracket
+        )
     return float(x[k]), float(y[k])

@@ -16,18 +16,24 @@ from camgen.schemas import shortened
 Data = dict[str, Any]
 
 MOST_KEYS = 20_000  # of a spec, tables counted; machines of sixty links have a thousand
-MOST_VALUES = 500_000  # of a spec, in its lists: three for each point of a table, which has 20,000 at most
+MOST_VALUES = (
+    500_000  # of a spec, in its lists: three for each point of a table, which has 20,000 at most
+)
 DEEPEST = 32  # tables and lists in one another; no spec needs ten
 SHALLOWER = f"tables and lists nested at most {DEEPEST} deep"
 
 _KEY = r"""(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\."""
-_LONG_KEY = re.compile(rf"(?m)(?:^|[\[{{,])[ \t]*(?:{_KEY}[ \t]*){{{DEEPEST}}}")  # tomllib's time grows with its square
+_LONG_KEY = re.compile(
+    rf"(?m)(?:^|[\[{{,])[ \t]*(?:{_KEY}[ \t]*){{{DEEPEST}}}"
+)  # tomllib's time grows with its square
 
 
 SPEC_FILE = Bound("a spec file", 10_000_000)
 
 _COMMENT = re.compile(r"(?m)^[ \t]*#.*$")
-_HEADER = re.compile(r"(?m)^[ \t]*\[[^,=\n]*\][ \t\r]*(?:#|$)")  # of a table; a row of an array has a comma
+_HEADER = re.compile(
+    r"(?m)^[ \t]*\[[^,=\n]*\][ \t\r]*(?:#|$)"
+)  # of a table; a row of an array has a comma
 
 
 def read(path: Path) -> Data:
@@ -42,7 +48,10 @@ def read(path: Path) -> Data:
         if large := too_large(*counted(text)):
             raise SpecError(large, str(path))
         if long := _LONG_KEY.search(text):
-            raise SpecError([Fault(_place(text[: long.start()]), shortened(long[0].strip()), SHALLOWER)], str(path))
+            raise SpecError(
+                [Fault(_place(text[: long.start()]), shortened(long[0].strip()), SHALLOWER)],
+                str(path),
+            )
         data = tomllib.loads(text)
     except UnicodeDecodeError as error:
         before = raw[: error.start].decode("utf-8", "replace")
@@ -51,14 +60,18 @@ def read(path: Path) -> Data:
     except (ValueError, RecursionError) as error:
         raise SpecError([_syntax_fault(text, error)], str(path)) from None
     if not data:
-        expected = "a spec: at least 'mechanism' and 'name' ('camgen new MECHANISM' prints a starter)"
+        expected = (
+            "a spec: at least 'mechanism' and 'name' ('camgen new MECHANISM' prints a starter)"
+        )
         raise SpecError([Fault("line 1, column 1", "the file is empty", expected)], str(path))
     return tables(data, str(path))
 
 
 def counted(text: str) -> tuple[int, int]:
     """How many keys, tables among them, and values in lists a TOML file has at most, at a glance: to read it takes long."""
-    bare = _COMMENT.sub("", text)  # each key has its =, each list its bracket, each further value in it a comma
+    bare = _COMMENT.sub(
+        "", text
+    )  # each key has its =, each list its bracket, each further value in it a comma
     return bare.count("=") + len(_HEADER.findall(bare)), bare.count(",") + bare.count("[")
 
 
@@ -77,7 +90,11 @@ def tables(given: Mapping[str, Any], source: str = "spec") -> Data:
 def too_large(keys: int, values: int) -> list[Fault]:
     """What is wrong with a spec of so many keys, tables counted, and values in lists."""
     found = (("keys and tables", keys, MOST_KEYS), ("values in lists", values, MOST_VALUES))
-    return [Fault("spec", f"{count:,} {things}", f"at most {most:,}") for things, count, most in found if count > most]
+    return [
+        Fault("spec", f"{count:,} {things}", f"at most {most:,}")
+        for things, count, most in found
+        if count > most
+    ]
 
 
 @dataclass(frozen=True)
@@ -103,7 +120,15 @@ class Reference:
         """The file, seen from the folder of the spec; SpecError where that is no relative path."""
         name = self.name
         if PurePosixPath(name).is_absolute() or PureWindowsPath(name).drive or "\\" in name:
-            raise SpecError([Fault(self.path, shortened(name), 'a relative path with "/", so that the folder can be moved')])
+            raise SpecError(
+                [
+                    Fault(
+                        self.path,
+                        shortened(name),
+                        'a relative path with "/", so that the folder can be moved',
+                    )
+                ]
+            )
         return folder / name
 
 
@@ -115,7 +140,9 @@ def references(data: Data, path: str = "") -> Iterator[Reference]:
         if isinstance(inner, str):
             yield Reference(f"{path}include.{k}.spec", "spec", each, "spec")
         elif isinstance(inner, dict):
-            yield from (one for one in references(inner, f"{path}include.{k}.spec.") if one.kind != "spec")  # it includes none
+            yield from (
+                one for one in references(inner, f"{path}include.{k}.spec.") if one.kind != "spec"
+            )  # it includes none
     for k, each in enumerate(_listed(data.get("load"), "on")):
         if isinstance(each, dict) and isinstance(each.get("file"), str) and "points" not in each:
             yield Reference(f"{path}load.on.{k}.file", "load", each, "file")
@@ -130,12 +157,19 @@ def _laws(value: Any, path: str) -> Iterator[tuple[str, Data]]:
     """Tables of laws that name a file in place of points, wherever a law may stand: as its name says, it is a table."""
     if isinstance(value, dict):
         name, file = value.get("name"), value.get("file")
-        if isinstance(name, str) and isinstance(file, str) and name == "table" and "points" not in value:
+        if (
+            isinstance(name, str)
+            and isinstance(file, str)
+            and name == "table"
+            and "points" not in value
+        ):
             yield path, value
         for key, inner in value.items():
             if isinstance(inner, dict | list):
                 yield from _laws(inner, f"{path}.{key}" if path else str(key))
-    elif isinstance(value, list) and value and isinstance(value[0], dict):  # one of numbers may be long
+    elif (
+        isinstance(value, list) and value and isinstance(value[0], dict)
+    ):  # one of numbers may be long
         for k, inner in enumerate(value):
             yield from _laws(inner, f"{path}.{k}")
 
@@ -145,7 +179,6 @@ def _listed(holder: Any, key: str) -> list[Any]:
     return found if isinstance(found, list) else []
 
 
-
 def extent_of(value: Any) -> tuple[int, int, int]:
     """How many tables and lists lie in one another, 0 for a plain value; how many keys and how many values in lists there are.
 
@@ -153,13 +186,17 @@ def extent_of(value: Any) -> tuple[int, int, int]:
     """
     deepest = keys = values = 0
     level = [value]
-    while (level := [item for item in level if isinstance(item, dict | list | tuple)]) and deepest < 10 * DEEPEST:
+    while (
+        level := [item for item in level if isinstance(item, dict | list | tuple)]
+    ) and deepest < 10 * DEEPEST:
         deepest += 1
         keys += sum(len(item) for item in level if isinstance(item, dict))
         values += sum(len(item) for item in level if not isinstance(item, dict))
         if keys > MOST_KEYS or values > MOST_VALUES:
             break
-        level = [inner for item in level for inner in (item.values() if isinstance(item, dict) else item)]
+        level = [
+            inner for item in level for inner in (item.values() if isinstance(item, dict) else item)
+        ]
     return deepest, keys, values
 
 

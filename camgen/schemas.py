@@ -22,7 +22,11 @@ def members_of(node: Data, root: Data) -> list[Data]:
 
 def keys_of(node: Data | None, root: Data) -> Data:
     """Keys of a table's schema and their schemas; of all members of a union together."""
-    return {key: value for member in members_of(node or {}, root) for key, value in member.get("properties", {}).items()}
+    return {
+        key: value
+        for member in members_of(node or {}, root)
+        for key, value in member.get("properties", {}).items()
+    }
 
 
 def step_below(node: Data | None, step: str | int, root: Data) -> Data | None:
@@ -30,7 +34,11 @@ def step_below(node: Data | None, step: str | int, root: Data) -> Data | None:
     if isinstance(step, str):
         members = members_of(node or {}, root)
         names = [rule for member in members for rule in member.get("patternProperties", {}).items()]
-        free = [member["additionalProperties"] for member in members if isinstance(member.get("additionalProperties"), dict)]
+        free = [
+            member["additionalProperties"]
+            for member in members
+            if isinstance(member.get("additionalProperties"), dict)
+        ]
         free += [rule for pattern, rule in names if re.search(pattern, step)]
         found: Data | None = keys_of(node, root).get(step) or next(iter(free), None)
         return found
@@ -63,7 +71,12 @@ def tables_of(node: Data | None, root: Data) -> list[Data]:
 
 def in_words(node: Data | None, root: Data) -> str:
     """What a schema asks for, in plain words: "a number > 0 and <= 1000000"."""
-    return " or ".join(dict.fromkeys(_simple_words(member, root) for member in members_of(node or {}, root))) or "a value"
+    return (
+        " or ".join(
+            dict.fromkeys(_simple_words(member, root) for member in members_of(node or {}, root))
+        )
+        or "a value"
+    )
 
 
 _COUNTS = {"minItems": "at least", "maxItems": "at most"}
@@ -84,9 +97,12 @@ def _simple_words(node: Data, root: Data) -> str:
         return f"a list{f' of {bounds}' if bounds else ''}, each item {in_words(node.get('items'), root)}"
     signs = {"exclusiveMinimum": ">", "minimum": ">=", "exclusiveMaximum": "<", "maximum": "<="}
     bounds = " and ".join(f"{sign} {node[key]:.12g}" for key, sign in signs.items() if key in node)
-    name = {"number": "a number", "integer": "a whole number", "boolean": "true or false", "string": "text"}.get(
-        str(kind), "a value"
-    )
+    name = {
+        "number": "a number",
+        "integer": "a whole number",
+        "boolean": "true or false",
+        "string": "text",
+    }.get(str(kind), "a value")
     if "pattern" in node:
         name += f" of the form {node['pattern']}"
     return f"{name} {bounds}" if bounds else name
@@ -108,7 +124,9 @@ def shown(value: object) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, Mapping):
-        return f"a table with {shortened(', '.join(map(str, value)))}" if value else "an empty table"
+        return (
+            f"a table with {shortened(', '.join(map(str, value)))}" if value else "an empty table"
+        )
     if isinstance(value, list | tuple):
         return shortened(f"[{', '.join(shown(item) for item in value)}]")
     if isinstance(value, int) and abs(value) >= 10**30:

@@ -45,7 +45,9 @@ def split_setting(setting: str) -> tuple[list[str], str]:
 
 def dotted(keys: Sequence[str]) -> str:
     """Keys as one path, quoted where they hold a dot, "=" or a quote."""
-    return ".".join(json.dumps(key, ensure_ascii=False) if set(key) & set(".=\"'") else key for key in keys)
+    return ".".join(
+        json.dumps(key, ensure_ascii=False) if set(key) & set(".=\"'") else key for key in keys
+    )
 
 
 def override(data: Data, setting: str) -> Data:
@@ -57,7 +59,9 @@ def override(data: Data, setting: str) -> Data:
     """
     keys, text = split_setting(setting)
     if not all(keys):
-        raise SpecError([Fault("--set", shown(setting), "KEY=VALUE, such as geometry.swing_deg=24")])
+        raise SpecError(
+            [Fault("--set", shown(setting), "KEY=VALUE, such as geometry.swing_deg=24")]
+        )
     removed, value = not text.strip(), _value(text)
     deep = len(keys) + extent_of(value)[0]
     if deep > DEEPEST:
@@ -69,7 +73,12 @@ def override(data: Data, setting: str) -> Data:
         if removed and isinstance(holder, dict) and key not in holder:
             where = f" in {'.'.join(keys[: depth - 1])}" if depth > 1 else ""
             nearest = get_close_matches(name, holder, 1)
-            fault = Fault(f"--set {dotted(keys)}=", "", f"nothing to remove: there is no {name}{where}", *nearest)
+            fault = Fault(
+                f"--set {dotted(keys)}=",
+                "",
+                f"nothing to remove: there is no {name}{where}",
+                *nearest,
+            )
             raise SpecError([fault])
         if not last:
             inner = holder.setdefault(key, {}) if isinstance(holder, dict) else holder[key]
@@ -102,7 +111,24 @@ def _key(holder: Any, keys: Sequence[str], depth: int) -> Any:
     if not isinstance(holder, list):
         raise SpecError([Fault(f"--set {path}", "", f"{where} is a value and has no keys")])
     if not (name.isascii() and name.isdecimal() and len(name) < 10 and int(name) < len(holder)):
-        has = f"{len(holder)} items, 0 to {len(holder) - 1}" if len(holder) > 1 else "one item, 0" if holder else "no item"
-        nearest = [f"files.{name}"] if where == "output" and not name.isdecimal() else []  # as a linkage has them
-        raise SpecError([Fault(f"--set {path}", "", f"{where} has {has}: there is no {shortened(name)}", *nearest)])
+        has = (
+            f"{len(holder)} items, 0 to {len(holder) - 1}"
+            if len(holder) > 1
+            else "one item, 0"
+            if holder
+            else "no item"
+        )
+        nearest = (
+            [f"files.{name}"] if where == "output" and not name.isdecimal() else []
+        )  # as a linkage has them
+        raise SpecError(
+            [
+                Fault(
+                    f"--set {path}",
+                    "",
+                    f"{where} has {has}: there is no {shortened(name)}",
+                    *nearest,
+                )
+            ]
+        )
     return int(name)

@@ -17,7 +17,15 @@ from difflib import get_close_matches
 from functools import lru_cache
 from typing import Annotated, Any, Literal, TypeVar, get_args
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr, ValidationError
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PrivateAttr,
+    ValidationError,
+)
 from pydantic_core.core_schema import ErrorType
 
 from camgen.errors import UNKNOWN, Fault, SpecError
@@ -27,7 +35,9 @@ from camgen.schemas import in_words, keys_of, members_of, one_of, other_spelling
 _WIDE = 110  # characters of a line of TOML
 
 MM, SHARE = {"unit": "mm"}, {"unit": "1"}  # of a number, told by its schema
-Length = Annotated[float, Field(ge=1e-3, le=1e6, json_schema_extra=MM)]  # a thousandth is less than any workshop makes
+Length = Annotated[
+    float, Field(ge=1e-3, le=1e6, json_schema_extra=MM)
+]  # a thousandth is less than any workshop makes
 Mass = Annotated[float, Field(gt=0, le=1e6, json_schema_extra={"unit": "g"})]
 Clearance = Annotated[float, Field(ge=0, le=10, json_schema_extra=MM)]
 Spread = Annotated[float, Field(ge=0, le=5, json_schema_extra=MM)] | None
@@ -38,7 +48,9 @@ def turning(least: float = 0.001) -> AfterValidator:
 
     def check(value: float) -> float:
         if not (value and abs(value) >= least):
-            raise ValueError(f"a number other than 0{f', at least {least:g} either way' if least else ''}; below 0: clockwise")
+            raise ValueError(
+                f"a number other than 0{f', at least {least:g} either way' if least else ''}; below 0: clockwise"
+            )
         return value
 
     return AfterValidator(check)
@@ -50,8 +62,13 @@ def _growing(ends: tuple[int, int]) -> tuple[int, int]:
     return ends
 
 
-Orders = Annotated[tuple[Annotated[int, Field(ge=2, le=30)], Annotated[int, Field(ge=2, le=30)]], AfterValidator(_growing)]
-Rpm = Annotated[float, Field(ge=-1e6, le=1e6, json_schema_extra={"unit": "rpm"})]  # not 0; below 0: clockwise
+Orders = Annotated[
+    tuple[Annotated[int, Field(ge=2, le=30)], Annotated[int, Field(ge=2, le=30)]],
+    AfterValidator(_growing),
+]
+Rpm = Annotated[
+    float, Field(ge=-1e6, le=1e6, json_schema_extra={"unit": "rpm"})
+]  # not 0; below 0: clockwise
 
 
 class Record(BaseModel):
@@ -59,7 +76,9 @@ class Record(BaseModel):
 
     # defer_build: a table gets a validator where it is read by itself, not as a part of others; a default is made by
     # model_construct, which needs none
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, defer_build=True)
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", strict=True, allow_inf_nan=False, defer_build=True
+    )
 
 
 class Accuracy(Record):
@@ -132,14 +151,25 @@ class Drawing(Record):
         ),
     ] = "ISO 2768-m"
     number: (
-        Annotated[str, Field(pattern=r"^[!-~]([ -~]{0,28}[!-~])?$", description="a text of up to 30 letters, digits and signs")]
+        Annotated[
+            str,
+            Field(
+                pattern=r"^[!-~]([ -~]{0,28}[!-~])?$",
+                description="a text of up to 30 letters, digits and signs",
+            ),
+        ]
         | None
     ) = None
     date: (
         Annotated[
             str,
-            Field(pattern=r"^\d{4}-(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])$", description='a date such as "2026-05-31"'),
-            BeforeValidator(lambda value: value.isoformat() if type(value) is date else value),  # as TOML has them
+            Field(
+                pattern=r"^\d{4}-(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])$",
+                description='a date such as "2026-05-31"',
+            ),
+            BeforeValidator(
+                lambda value: value.isoformat() if type(value) is date else value
+            ),  # as TOML has them
         ]
         | None
     ) = None
@@ -173,7 +203,9 @@ class Checked(Record):
 
 def _no_device(name: str) -> str:
     if re.fullmatch(r"con|prn|aux|nul|(com|lpt)\d", name):
-        raise ValueError("another name: no folder of Windows can have this one, which is a device's")
+        raise ValueError(
+            "another name: no folder of Windows can have this one, which is a device's"
+        )
     return name
 
 
@@ -197,6 +229,7 @@ class Spec(Checked):
     drawing: Drawing = Drawing.model_construct()
     laser: Laser | None = None
 
+
 S = TypeVar("S", bound=Checked)
 
 # ---- checking --------------------------------------------------------------------------------------------------------
@@ -206,7 +239,9 @@ def unknown(path: str, value: object, known: Iterable[str]) -> Fault:
     """Fault for a value that is none of the known names, with the nearest of them."""
     names = sorted(known)
     nearest = get_close_matches(value, names, 1) if isinstance(value, str) else []
-    return Fault(path, "" if value is None else shown(value), one_of(names), nearest[0] if nearest else None)
+    return Fault(
+        path, "" if value is None else shown(value), one_of(names), nearest[0] if nearest else None
+    )
 
 
 def choose(data: Data, known: Collection[str], source: str = "spec") -> str:
@@ -218,7 +253,9 @@ def choose(data: Data, known: Collection[str], source: str = "spec") -> str:
     if isinstance(name, str) and name in known:
         return name
     faults = [unknown("mechanism", name, known)]
-    shared = {key: value for key, value in data.items() if key in Spec.model_fields} | {"mechanism": ""}
+    shared = {key: value for key, value in data.items() if key in Spec.model_fields} | {
+        "mechanism": ""
+    }
     try:
         validate(Spec, shared, source)
     except SpecError as error:
@@ -227,14 +264,20 @@ def choose(data: Data, known: Collection[str], source: str = "spec") -> str:
 
 
 def validate(
-    cls: type[S], data: Data, source: str = "spec", hints: tuple[str, ...] = (), like: tuple[Data, Spec] | None = None
+    cls: type[S],
+    data: Data,
+    source: str = "spec",
+    hints: tuple[str, ...] = (),
+    like: tuple[Data, Spec] | None = None,
 ) -> S:
     """The tables as a record of the class; SpecError with every fault at once, each by its dotted path.
 
     A key in the other of American and British spelling is taken for the one that is meant; hints: what is told of such.
     like: tables and the record that was made of them: what is the same object in both tables is not checked again.
     """
-    old, made = like if like is not None and type(like[1]) is cls and "laser" not in data else (None, None)  # it fills tables
+    old, made = (
+        like if like is not None and type(like[1]) is cls and "laser" not in data else (None, None)
+    )  # it fills tables
     try:
         record = cls.model_validate(_tuples(data, old, made))
     except ValidationError as error:
@@ -281,8 +324,12 @@ def _tuples(value: Any, old: Any = None, made: Any = None) -> Any:
         if value is old:
             return made
         names = _names(type(made))
-        return {key: _tuples(item, old[key], getattr(made, names[key])) if key in old and key in names else _tuples(item)
-                for key, item in value.items()}  # fmt: skip
+        return {
+            key: _tuples(item, old[key], getattr(made, names[key]))
+            if key in old and key in names
+            else _tuples(item)
+            for key, item in value.items()
+        }
     if not isinstance(value, list):
         return _plain(value) if isinstance(value, float) else value
     if isinstance(old, list) and isinstance(made, tuple) and len(value) == len(old) == len(made):
@@ -318,18 +365,31 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
             expected = f"{UNKNOWN}; known here: {', '.join(keys)}"
         elif key:
             held = members_of(_locate(item["loc"][:-2], data, root)[1] or {}, root)
-            expected = next((each["propertyNames"]["description"] for each in held if "propertyNames" in each), "another name")
+            expected = next(
+                (each["propertyNames"]["description"] for each in held if "propertyNames" in each),
+                "another name",
+            )
         elif item["type"] == "missing":
             beside = _at(data, path[:-1])
-            extra = [key for key in beside if key not in keys_of(table, root)] if isinstance(beside, dict) else []
+            extra = (
+                [key for key in beside if key not in keys_of(table, root)]
+                if isinstance(beside, dict)
+                else []
+            )
             close = get_close_matches(str(path[-1]), extra, 1)
             expected = f"missing: {expected}" + (f" ('{close[0]}' is no key)" if close else "")
-        elif item["type"] not in get_args(ErrorType) or node is None:  # a class's own check brings its own words
+        elif (
+            item["type"] not in get_args(ErrorType) or node is None
+        ):  # a class's own check brings its own words
             expected = item["msg"]
         elif item["type"] == "value_error":
             expected = str(item["ctx"]["error"])
         value = _at(data, path)
-        if item["type"] == "too_short" and isinstance(value, list | tuple) and len(value) >= item["ctx"]["min_length"]:
+        if (
+            item["type"] == "too_short"
+            and isinstance(value, list | tuple)
+            and len(value) >= item["ctx"]["min_length"]
+        ):
             continue  # items of it were wrong, told by themselves, and are not counted
         given = "" if item["type"] == "missing" or key else shown(value)
         if item["type"] in ("too_long", "too_short") and isinstance(value, list):
@@ -338,7 +398,9 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
     return list(found.values())
 
 
-def _locate(loc: Sequence[str | int], data: Data, root: Data) -> tuple[list[str | int], Data | None, Data]:
+def _locate(
+    loc: Sequence[str | int], data: Data, root: Data
+) -> tuple[list[str | int], Data | None, Data]:
     """Path of an error in the data, the schema of its value (None: no such key) and of the table that holds it.
 
     pydantic names the member of a union as a step of the path; such a step is in neither data nor schema: left out.
@@ -392,7 +454,10 @@ def _array(opened: str, lines: Iterator[str]) -> str:
 
 def schema(cls: type[Spec], mechanism: str | None = None) -> Data:
     """JSON Schema (2020-12) of a spec; with a mechanism's name, of that one only."""
-    found: Data = {"$schema": "https://json-schema.org/draft/2020-12/schema", **cls.model_json_schema()}
+    found: Data = {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **cls.model_json_schema(),
+    }
     if mechanism is not None:
         found["properties"]["mechanism"] = {"const": mechanism}
     return found

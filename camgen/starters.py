@@ -30,9 +30,18 @@ _COMMENT = re.compile(r"""^((?:"[^"]*"|[^"#])*?)\s+# (.*)$""")
 
 # Units by the end of a key's name, the longest first.
 _UNITS = {
-    "_kg_m2": "kg m^2", "_g_mm2": "g mm^2", "_n_mm": "N/mm", "_n_m": "N m", "_deg": "deg", "_rpm": "rpm", "_kg": "kg",
-    "_mm": "mm", "_g": "g", "_n": "N", "ratio": "1",
-}  # fmt: skip
+    "_kg_m2": "kg m^2",
+    "_g_mm2": "g mm^2",
+    "_n_mm": "N/mm",
+    "_n_m": "N m",
+    "_deg": "deg",
+    "_rpm": "rpm",
+    "_kg": "kg",
+    "_mm": "mm",
+    "_g": "g",
+    "_n": "N",
+    "ratio": "1",
+}
 
 # Units in what is said of a key: "mm, of the hub", "mm or deg, motion that may be lost", "slower to quicker; no unit".
 _UNIT = r"(?:mm|deg|share|N s/mm|N m s/rad|N/mm|N m/rad|N m|N|1/s|g/cm\^3|1)"
@@ -47,11 +56,14 @@ def folder() -> Path:
 
 def examples() -> list[str]:
     """Names of further specs that stand alone: the gallery, and machines of the class linkage; without those of a front."""
-    files = {path.stem: path for part in (".", "gallery") for path in (folder() / part).glob("*.toml")}
+    files = {
+        path.stem: path for part in (".", "gallery") for path in (folder() / part).glob("*.toml")
+    }
     return sorted(
-        name for name, path in files.items()
+        name
+        for name, path in files.items()
         if name not in MECHANISMS and "\n[[include]]" not in path.read_text(encoding="utf-8")
-    )  # fmt: skip
+    )
 
 
 def text(name: str) -> str:
@@ -87,7 +99,11 @@ def rows(starter: str) -> Iterator[tuple[tuple[str, ...], str, str]]:
             begun = table, "", [head[2] or ""]
         elif key:
             said = _COMMENT.match(key[2])
-            name = tuple(part.strip('"') for part in key[1].split(".")) if '"' not in key[1] else (key[1].strip('"'),)
+            name = (
+                tuple(part.strip('"') for part in key[1].split("."))
+                if '"' not in key[1]
+                else (key[1].strip('"'),)
+            )
             begun = (*table, *name), said[1] if said else key[2], [said[2] if said else ""]
     if begun:
         yield begun[0], begun[1], " ".join(filter(None, begun[2]))
@@ -100,7 +116,9 @@ def described(cls: type[Spec], mechanism: str) -> Data:
     for path, _, said in rows(text(mechanism)):
         tables = [root]
         for step in path[:-1]:
-            tables = [each for table in tables for each in tables_of(step_below(table, step, root), root)]
+            tables = [
+                each for table in tables for each in tables_of(step_below(table, step, root), root)
+            ]
         for table in tables:
             if said and path[-1] in table.get("properties", ()):
                 table["properties"][path[-1]]["description"] = said
@@ -108,7 +126,9 @@ def described(cls: type[Spec], mechanism: str) -> Data:
     for table in (root, *root.get("$defs", {}).values()):
         for node in table.get("properties", {}).values():
             for each in tables_of(node, root) + tables_of(step_below(node, "a", root), root):
-                if "description" in each:  # a table: what its class says, where the starter says nothing
+                if (
+                    "description" in each
+                ):  # a table: what its class says, where the starter says nothing
                     node.setdefault("description", each["description"].partition("\n")[0])
     return root
 
@@ -159,11 +179,20 @@ def _unit(name: str, node: Mapping[str, Any]) -> str | None:
     kinds = [node]
     for kind in kinds:
         items = kind.get("items")
-        kinds += [*kind.get("anyOf", ()), *kind.get("prefixItems", ()), *([items] if isinstance(items, dict) else [])]
+        kinds += [
+            *kind.get("anyOf", ()),
+            *kind.get("prefixItems", ()),
+            *([items] if isinstance(items, dict) else []),
+        ]
     types = {kind.get("type") for kind in kinds}
     if not types & {"number", "integer"}:
         return None
     typed = next((kind["unit"] for kind in kinds if "unit" in kind), None)
     said = _SAID.search(node.get("description", ""))
     named = next((unit for ending, unit in _UNITS.items() if name.endswith(ending)), None)
-    return typed or (said and (said[1] or "1").replace("share", "1")) or named or ("1" if "integer" in types else None)
+    return (
+        typed
+        or (said and (said[1] or "1").replace("share", "1"))
+        or named
+        or ("1" if "integer" in types else None)
+    )

@@ -17,8 +17,13 @@ from typing import Any
 
 MOST_BYTES = 1_300_000  # of a report
 FLAGS = (
-    "--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic", "--no-first-run"
-)  # fmt: skip
+    "--headless",
+    "--no-sandbox",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-quic",
+    "--no-first-run",
+)
 
 # Turns, cuts and hides the machine of a report; says what was seen: how many pixels of the canvas are drawn, and the values.
 PROBE = """(async () => {
@@ -80,7 +85,11 @@ class Tab:
         self.session: dict[str, str] = {}
         self.errors: list[str] = []
         target = self.ask("Target.createTarget", url="about:blank")["targetId"]
-        self.session = {"sessionId": self.ask("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]}
+        self.session = {
+            "sessionId": self.ask("Target.attachToTarget", targetId=target, flatten=True)[
+                "sessionId"
+            ]
+        }
         for domain in ("Runtime", "Log", "Page"):
             self.ask(f"{domain}.enable")
 
@@ -105,15 +114,26 @@ class Tab:
     def listen(self, told: dict[str, Any]) -> None:
         params = told.get("params", {})
         if told.get("method") == "Runtime.exceptionThrown":
-            self.errors.append(params["exceptionDetails"].get("exception", {}).get("description", "an exception"))
-        elif told.get("method") == "Runtime.consoleAPICalled" and params["type"] in ("error", "assert"):
+            self.errors.append(
+                params["exceptionDetails"].get("exception", {}).get("description", "an exception")
+            )
+        elif told.get("method") == "Runtime.consoleAPICalled" and params["type"] in (
+            "error",
+            "assert",
+        ):
             self.errors.append(str(params["args"]))
         elif told.get("method") == "Log.entryAdded" and params["entry"]["level"] == "error":
             self.errors.append(params["entry"]["text"])
 
     def show(self, path: Path, width: int, height: int = 800, dark: bool = False) -> None:
         """Open a file in a window of this size."""
-        self.ask("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=width < 600)
+        self.ask(
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=height,
+            deviceScaleFactor=1,
+            mobile=width < 600,
+        )
         scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
         self.ask("Emulation.setEmulatedMedia", features=[scheme])
         self.ask("Page.navigate", url=f"{path.resolve().as_uri()}#theta=60")
@@ -124,9 +144,13 @@ class Tab:
 
     def run(self, script: str) -> Any:
         """What a script comes to; its promise is waited for."""
-        told = self.ask("Runtime.evaluate", expression=script, awaitPromise=True, returnByValue=True)
+        told = self.ask(
+            "Runtime.evaluate", expression=script, awaitPromise=True, returnByValue=True
+        )
         if "exceptionDetails" in told:
-            raise RuntimeError(told["exceptionDetails"].get("exception", {}).get("description", "an exception"))
+            raise RuntimeError(
+                told["exceptionDetails"].get("exception", {}).get("description", "an exception")
+            )
         return told["result"].get("value")
 
     def picture(self, path: Path) -> None:
@@ -140,8 +164,14 @@ def tab() -> Iterator[Tab]:
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         words = ["chromium", *FLAGS, "--remote-debugging-pipe", f"--user-data-dir={folder}"]
         start = f'exec "$@" 3<&{theirs_in} 4>&{theirs_out}'
-        quiet: dict[str, Any] = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-        with subprocess.Popen(["bash", "-c", start, "bash", *words], pass_fds=(theirs_in, theirs_out), **quiet) as process:
+        quiet: dict[str, Any] = {
+            "stdin": subprocess.DEVNULL,
+            "stdout": subprocess.DEVNULL,
+            "stderr": subprocess.DEVNULL,
+        }
+        with subprocess.Popen(
+            ["bash", "-c", start, "bash", *words], pass_fds=(theirs_in, theirs_out), **quiet
+        ) as process:
             os.close(theirs_in)
             os.close(theirs_out)
             try:
@@ -160,7 +190,13 @@ def chromium(path: Path) -> str:
         with tab() as page:
             page.show(path, 380)
             found = page.run(PROBE)
-            page.ask("Emulation.setDeviceMetricsOverride", width=1280, height=800, deviceScaleFactor=1, mobile=False)
+            page.ask(
+                "Emulation.setDeviceMetricsOverride",
+                width=1280,
+                height=800,
+                deviceScaleFactor=1,
+                mobile=False,
+            )
             curves, columns, lacks = page.run(WIDE)
             wrong = [error.splitlines()[0] for error in page.errors]
     except (RuntimeError, TimeoutError, OSError) as error:
@@ -168,9 +204,15 @@ def chromium(path: Path) -> str:
     drawn = {key: found[key] for key in ("start", "turned", "cut", "whole", "exploded")}
     wrong += [f"{key}: {count} pixels drawn" for key, count in drawn.items() if count < 100]
     wrong += [] if found["angle"] == "77.0" else [f"theta is {found['angle']}"]
-    wrong += [] if all(count != found["whole"] for count in found["cuts"]) else ["a section cuts nothing"]
+    wrong += (
+        []
+        if all(count != found["whole"] for count in found["cuts"])
+        else ["a section cuts nothing"]
+    )
     wrong += [] if found["whole"] == found["turned"] else ["the section stays"]
-    wrong += [] if found["hidden"] == 0 and found["drawing"] == "hidden" else ["hidden parts are seen"]
+    wrong += (
+        [] if found["hidden"] == 0 and found["drawing"] == "hidden" else ["hidden parts are seen"]
+    )
     wrong += [] if found["small"] > 100 else ["no small views"]
     full = columns >= min(3, curves) and lacks <= 1
     wrong += [] if full else [f"{curves} curves in {columns} columns, {lacks} pixels left empty"]

@@ -45,9 +45,18 @@ Client = Callable[[Path], Problem]
 
 def said(*command: object, limit: float = 120) -> str:
     """Everything a program prints; "time limit" if it runs into that."""
-    kept: dict[str, Any] = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    kept: dict[str, Any] = {
+        "stdin": subprocess.DEVNULL,
+        "stdout": subprocess.PIPE,
+        "stderr": subprocess.STDOUT,
+        "text": True,
+    }
     try:
-        return str(subprocess.run([str(word) for word in command], env=ENVIRONMENT, timeout=limit, **kept).stdout)
+        return str(
+            subprocess.run(
+                [str(word) for word in command], env=ENVIRONMENT, timeout=limit, **kept
+            ).stdout
+        )
     except subprocess.TimeoutExpired:
         return "time limit"
 
@@ -60,7 +69,11 @@ def part_of(path: Path) -> dict[str, Any]:
 
 def unlike(what: str, found: float, wanted: float, share: float) -> Problem:
     """The difference of an area or a volume from the wanted one, where it is over that share."""
-    return "" if abs(found - wanted) <= share * abs(wanted) else f"{what} {found:.6g}, not {wanted:.6g}"
+    return (
+        ""
+        if abs(found - wanted) <= share * abs(wanted)
+        else f"{what} {found:.6g}, not {wanted:.6g}"
+    )
 
 
 # ---- meshes ----------------------------------------------------------------------------------------------------------
@@ -72,11 +85,23 @@ def admesh(path: Path) -> Problem:
     # "Total disconnected facets : before after" has two numbers, of which the first counts; -nan has none
     facts = dict(re.findall(r"([A-Z][\w ]+?) *: +(-?[\d.]+)", text))
     wanted = dict.fromkeys(
-        ["Degenerate facets", "Edges fixed", "Facets removed", "Facets added", "Facets reversed", "Backwards edges",
-         "Normals fixed", "Total disconnected facets"], "0")  # fmt: skip
+        [
+            "Degenerate facets",
+            "Edges fixed",
+            "Facets removed",
+            "Facets added",
+            "Facets reversed",
+            "Backwards edges",
+            "Normals fixed",
+            "Total disconnected facets",
+        ],
+        "0",
+    )
     wanted["Number of parts"] = "1"
     wrong = [f"{key}: {facts.get(key)}" for key, value in wanted.items() if facts.get(key) != value]
-    return "; ".join(wrong) or unlike("volume", float(facts["Volume"]), part_of(path)["material_mm3"], FACETS)
+    return "; ".join(wrong) or unlike(
+        "volume", float(facts["Volume"]), part_of(path)["material_mm3"], FACETS
+    )
 
 
 def prusa_slicer(path: Path) -> Problem:
@@ -104,7 +129,9 @@ def openscad(path: Path) -> Problem:
         scad = Path(folder, "x.scad")
         # a plain import would be handed through untouched
         cube = "translate([-5000, -5000, -5000]) cube(10000);"
-        scad.write_text(f'intersection() {{ import("{path.resolve()}"); {cube} }}', encoding="utf-8")
+        scad.write_text(
+            f'intersection() {{ import("{path.resolve()}"); {cube} }}', encoding="utf-8"
+        )
         text = said("openscad", "-o", scad.with_suffix(".off"), scad)
     if "ERROR" in text or not re.search(r"Simple: +yes", text):
         return next((line for line in text.splitlines() if "ERROR" in line), "not simple")
@@ -137,7 +164,9 @@ def lib3mf(path: Path) -> Problem:
         elif volume <= 0:
             wrong.append(f"{mesh.GetName()} is inside out")
         elif part:
-            wrong.append(unlike(f"volume of {mesh.GetName()}", volume, part["material_mm3"], FACETS))
+            wrong.append(
+                unlike(f"volume of {mesh.GetName()}", volume, part["material_mm3"], FACETS)
+            )
     return "; ".join(filter(None, wrong))
 
 
@@ -149,7 +178,9 @@ def librecad(path: Path) -> Problem:
     part, scale = part_of(path), 1
     if part:
         x, y = extents(path)
-        scale = max(int(0.9 * A3 / max(abs(x), abs(y), 1.0) / 2), 1)  # the sheet is centred on what is drawn
+        scale = max(
+            int(0.9 * A3 / max(abs(x), abs(y), 1.0) / 2), 1
+        )  # the sheet is centred on what is drawn
     with tempfile.TemporaryDirectory() as folder:
         said("librecad", "dxf2pdf", "-c", "-s", scale, "-t", folder, path, limit=20)
         pdf = Path(folder, f"{path.stem}.pdf")
@@ -161,7 +192,12 @@ def librecad(path: Path) -> Problem:
     if not areas:
         return "nothing is drawn"
     # polylines are printed to whole pixels: half a pixel along a contour of three times the part's size
-    return unlike("area", areas[0] - sum(areas[1:]), part["area_mm2"], 1e-3 + 3 * PIXEL / scale * max(x, y) / part["area_mm2"])
+    return unlike(
+        "area",
+        areas[0] - sum(areas[1:]),
+        part["area_mm2"],
+        1e-3 + 3 * PIXEL / scale * max(x, y) / part["area_mm2"],
+    )
 
 
 def extents(path: Path) -> tuple[float, float]:
@@ -179,11 +215,15 @@ def drawn(pdf: Path) -> list[np.ndarray]:
     text = ""
     for stream in streams:
         try:
-            text += zlib.decompressobj().decompress(stream).decode("latin1")  # its last byte may look like a line's end
+            text += (
+                zlib.decompressobj().decompress(stream).decode("latin1")
+            )  # its last byte may look like a line's end
         except zlib.error:
             continue  # a font
     pieces: list[list[complex]] = []
-    for numbers, command in re.findall(r"^([-\d. ]+) ([mlc])$", text.split("W* n")[-1], re.MULTILINE):
+    for numbers, command in re.findall(
+        r"^([-\d. ]+) ([mlc])$", text.split("W* n")[-1], re.MULTILINE
+    ):
         row = np.array(numbers.split(), float)
         z = row[::2] + 1j * row[1::2]
         if command == "m":
@@ -192,7 +232,12 @@ def drawn(pdf: Path) -> list[np.ndarray]:
             pieces[-1].append(z[0])
         else:
             s, start = np.arange(1, 65) / 64, pieces[-1][-1]
-            curve = start * (1 - s) ** 3 + 3 * z[0] * s * (1 - s) ** 2 + 3 * z[1] * s**2 * (1 - s) + z[2] * s**3
+            curve = (
+                start * (1 - s) ** 3
+                + 3 * z[0] * s * (1 - s) ** 2
+                + 3 * z[1] * s**2 * (1 - s)
+                + z[2] * s**3
+            )
             pieces[-1] += curve.tolist()
     joined: list[list[complex]] = []
     for piece in pieces:
@@ -213,7 +258,11 @@ def drawn(pdf: Path) -> list[np.ndarray]:
 
 def bounded(ring: np.ndarray) -> float:
     """Area within a closed polygon, 0 for a line that does not close."""
-    return abs(float(np.imag(np.conj(ring) * np.roll(ring, -1)).sum())) / 2 if abs(ring[0] - ring[-1]) <= 3 else 0.0
+    return (
+        abs(float(np.imag(np.conj(ring) * np.roll(ring, -1)).sum())) / 2
+        if abs(ring[0] - ring[-1]) <= 3
+        else 0.0
+    )
 
 
 def gdal(path: Path) -> Problem:
@@ -224,10 +273,18 @@ def gdal(path: Path) -> Problem:
     pyogrio.set_gdal_config_options({"OGR_ARC_STEPSIZE": "0.1"})
     meta, _, shapes, columns = pyogrio.raw.read(path)
     layers = columns[list(meta["fields"]).index("Layer")]
-    contours = [shapely.from_wkb(shape) for shape, layer in zip(shapes, layers, strict=True) if layer == "CUT"]
+    contours = [
+        shapely.from_wkb(shape)
+        for shape, layer in zip(shapes, layers, strict=True)
+        if layer == "CUT"
+    ]
     wrong = [f"layer {layer}" for layer in sorted(set(layers) - {"CUT"})]
     wrong += ["an open contour" for contour in contours if not contour.is_closed]
-    wrong += ["a contour that crosses itself" for contour in contours if contour.is_closed and not contour.is_simple]
+    wrong += [
+        "a contour that crosses itself"
+        for contour in contours
+        if contour.is_closed and not contour.is_simple
+    ]
     if wrong or not contours:
         return "; ".join(wrong) or "no contour"
     areas = sorted((shapely.Polygon(contour).area for contour in contours), reverse=True)
@@ -272,9 +329,12 @@ def gmsh(path: Path) -> Problem:
 # ---- every part ------------------------------------------------------------------------------------------------------
 
 CLIENTS: dict[str, Sequence[Client]] = {
-    ".stl": (admesh, prusa_slicer, openscad), ".3mf": (lib3mf, prusa_slicer), ".dxf": (librecad, gdal), ".step": (gmsh,),
+    ".stl": (admesh, prusa_slicer, openscad),
+    ".3mf": (lib3mf, prusa_slicer),
+    ".dxf": (librecad, gdal),
+    ".step": (gmsh,),
     ".html": (chromium,),
-}  # fmt: skip
+}
 PACKAGES = {lib3mf: "lib3mf", gdal: "pyogrio", gmsh: "gmsh"}  # of Python; the others are programs
 
 
@@ -288,9 +348,11 @@ def tasks(folders: Sequence[Path]) -> list[tuple[Path, Client]]:
     """All files with the clients that open them; a dimensioned sheet is for LibreCAD alone."""
     files = sorted(path for folder in folders for path in folder.iterdir())
     return [
-        (path, client) for path in files for client in CLIENTS.get(path.suffix, ())
+        (path, client)
+        for path in files
+        for client in CLIENTS.get(path.suffix, ())
         if client is not gdal or not path.stem.endswith("-drawing")
-    ]  # fmt: skip
+    ]
 
 
 def answers(work: Sequence[tuple[Path, Client]]) -> list[Problem]:
@@ -302,8 +364,15 @@ def answers(work: Sequence[tuple[Path, Client]]) -> list[Problem]:
 @pytest.fixture(scope="module")
 def built(once: Callable[[str, Callable[[Path], None]], Path]) -> list[Path]:
     """A folder for each spec, built by the command."""
-    the_others_parts = {"stitch-head", "walking-leg", "two-leg-walker", "four-leg-walker"}  # links of a linkage are plates
-    specs = sorted(path for path in (ROOT / "specs").glob("*.toml") if path.stem not in the_others_parts)
+    the_others_parts = {
+        "stitch-head",
+        "walking-leg",
+        "two-leg-walker",
+        "four-leg-walker",
+    }  # links of a linkage are plates
+    specs = sorted(
+        path for path in (ROOT / "specs").glob("*.toml") if path.stem not in the_others_parts
+    )
 
     def make(out: Path) -> None:
         def build(spec: Path) -> str:
@@ -314,7 +383,9 @@ def built(once: Callable[[str, Callable[[Path], None]], Path]) -> list[Path]:
             print(*pool.map(build, specs), sep="\n")
 
     folders = sorted(once("parts", make).iterdir())
-    assert len(folders) == len(specs) and all((folder / "report.json").exists() for folder in folders)
+    assert len(folders) == len(specs) and all(
+        (folder / "report.json").exists() for folder in folders
+    )
     return folders
 
 
@@ -323,7 +394,10 @@ def needed(client: Client) -> None:
         pytest.skip(f"{client.__name__} is not installed")
 
 
-EVERY = sorted({client for clients in CLIENTS.values() for client in clients}, key=lambda client: client.__name__)
+EVERY = sorted(
+    {client for clients in CLIENTS.values() for client in clients},
+    key=lambda client: client.__name__,
+)
 
 
 @pytest.mark.parametrize("client", EVERY, ids=lambda client: client.__name__)
@@ -331,7 +405,11 @@ def test_every_part_is_accepted(client: Client, built: list[Path]) -> None:
     needed(client)
     work = [each for each in tasks(built) if each[1] is client]
     assert len(work) >= (len(built) if client is chromium else 30)  # it has a page for each spec
-    refused = {path.name: problem for (path, _), problem in zip(work, answers(work), strict=True) if problem}
+    refused = {
+        path.name: problem
+        for (path, _), problem in zip(work, answers(work), strict=True)
+        if problem
+    }
     assert refused == {}
 
 
@@ -341,25 +419,44 @@ def test_contours_have_few_points(built: list[Path]) -> None:
         heights = np.unique(np.round(mesh.vertices[:, 2], 6))
         widest = np.argsort(np.diff(heights))[-3:]
         for z in (heights[:-1] + heights[1:])[widest] / 2:
-            assert all(len(ring.points) <= MOST_POINTS for ring in slice_mesh(mesh, float(z))), path.name
+            assert all(len(ring.points) <= MOST_POINTS for ring in slice_mesh(mesh, float(z))), (
+                path.name
+            )
 
 
-def test_a_sliced_cam_moves_its_follower_as_its_mesh_does(built: list[Path], tmp_path: Path) -> None:
+def test_a_sliced_cam_moves_its_follower_as_its_mesh_does(
+    built: list[Path], tmp_path: Path
+) -> None:
     """Real G-code: with classic perimeters within 0.002 deg of the STL for 99 % of the turn, and worse with the variable ones."""
     needed(prusa_slicer)
     from camgen.files.foreign import read_outline
     from camgen.judge.follower_table import read_follower
     from camgen.pipeline.outline_motion import recover
 
-    stl = next(folder for folder in built if folder.name == "uniform-swing") / "uniform-swing-cam.stl"
+    stl = (
+        next(folder for folder in built if folder.name == "uniform-swing") / "uniform-swing-cam.stl"
+    )
     follower = read_follower("oscillating,pivot=60/0,arm=67.082,at_deg=-153.435,radius=3")
     wanted = recover(read_outline(stl).ring, follower).s  # type: ignore[arg-type]
     off = {}
     for generator in ("classic", "arachne"):
         path = tmp_path / f"{generator}.gcode"
-        said("prusa-slicer", "--export-gcode", "--layer-height", 0.2, "--nozzle-diameter", 0.4, "--perimeter-generator",
-             generator, *(("--resolution", 0, "--gcode-resolution", 0) if generator == "classic" else ()),
-             "--center", "100,100", "-o", path, stl)
+        said(
+            "prusa-slicer",
+            "--export-gcode",
+            "--layer-height",
+            0.2,
+            "--nozzle-diameter",
+            0.4,
+            "--perimeter-generator",
+            generator,
+            *(("--resolution", 0, "--gcode-resolution", 0) if generator == "classic" else ()),
+            "--center",
+            "100,100",
+            "-o",
+            path,
+            stl,
+        )
         moved = recover(read_outline(path).ring, follower).s  # type: ignore[arg-type]
         off[generator] = float(np.degrees(np.quantile(np.abs(moved - wanted), 0.99)))
     assert off["classic"] < 0.002 < off["arachne"] < 0.03
@@ -374,9 +471,19 @@ def test_the_plate_of_a_linkage_sliced(built: list[Path], tmp_path: Path) -> Non
     path = tmp_path / "plate.gcode"
     for generator, wrong in (("classic", set()), ("arachne", {"PIN_GAP"})):
         layers = ("--layer-height", 0.4, "--first-layer-height", 0.4)  # half as many
-        said("prusa-slicer", "--export-gcode", *layers, "--nozzle-diameter", 0.4, "--perimeter-generator",
-             generator, *(("--resolution", 0, "--gcode-resolution", 0) if generator == "classic" else ()),
-             "-o", path, folder / "linkage-plate.3mf")
+        said(
+            "prusa-slicer",
+            "--export-gcode",
+            *layers,
+            "--nozzle-diameter",
+            0.4,
+            "--perimeter-generator",
+            generator,
+            *(("--resolution", 0, "--gcode-resolution", 0) if generator == "classic" else ()),
+            "-o",
+            path,
+            folder / "linkage-plate.3mf",
+        )
         report = check_gcode(folder, [path])
         assert {finding.code for finding in report.findings if not finding.ok} == wrong
         found = {row[0] for row in report.tables[0].rows}
@@ -388,9 +495,27 @@ def test_a_cam_with_a_hub_and_a_keyway_sliced(built: list[Path], tmp_path: Path)
     needed(prusa_slicer)
     from camgen.pipeline.sliced import check_gcode
 
-    folder, path = next(folder for folder in built if folder.name == "disc-cam"), tmp_path / "plate.gcode"
-    said("prusa-slicer", "--export-gcode", "--layer-height", 0.2, "--nozzle-diameter", 0.4, "--perimeter-generator", "classic",
-         "--resolution", 0, "--gcode-resolution", 0, "-o", path, folder / "disc-cam-plate.3mf")  # fmt: skip
+    folder, path = (
+        next(folder for folder in built if folder.name == "disc-cam"),
+        tmp_path / "plate.gcode",
+    )
+    said(
+        "prusa-slicer",
+        "--export-gcode",
+        "--layer-height",
+        0.2,
+        "--nozzle-diameter",
+        0.4,
+        "--perimeter-generator",
+        "classic",
+        "--resolution",
+        0,
+        "--gcode-resolution",
+        0,
+        "-o",
+        path,
+        folder / "disc-cam-plate.3mf",
+    )
     report = check_gcode(folder, [path])
     assert report.ok and report.numbers["motion_error_worst_layer_mm"] < 0.003
 
@@ -428,14 +553,29 @@ def test_a_sheet_is_the_same_in_other_programs(tmp_path: Path) -> None:
     for client in (chromium, gdal):
         needed(client)
     spec = ROOT / "specs" / "linkage.toml"
-    said(sys.executable, "-m", "camgen", "build", spec, "-o", tmp_path, "--only", "dxf", "--set", "laser.thickness=4", limit=600)
+    said(
+        sys.executable,
+        "-m",
+        "camgen",
+        "build",
+        spec,
+        "-o",
+        tmp_path,
+        "--only",
+        "dxf",
+        "--set",
+        "laser.thickness=4",
+        limit=600,
+    )
     path = tmp_path / "linkage" / "linkage-sheet-1.svg"
     assert sheet_svg(path) == ""
     text = path.read_text(encoding="utf-8")
     damages = {
-        'viewBox="0 0 600 400"': 'viewBox="0 0 610 400"', 'width="600mm"': 'width="600"',
-        re.search("<circle.*/>\n", text)[0]: "", " 0 0 0 ": " 0 0 1 ",  # type: ignore[index]
-    }  # fmt: skip
+        'viewBox="0 0 600 400"': 'viewBox="0 0 610 400"',
+        'width="600mm"': 'width="600"',
+        re.search("<circle.*/>\n", text)[0]: "",
+        " 0 0 0 ": " 0 0 1 ",  # type: ignore[index]
+    }
     for whole, broken in damages.items():
         path.write_text(text.replace(whole, broken, 1), encoding="utf-8")
         assert sheet_svg(path), whole
@@ -537,11 +677,22 @@ def truncated(path: Path) -> None:
 
 INSIDE_OUT = (r'(<triangle v1="\d+") v2="(\d+)" v3="(\d+)"', r'\1 v2="\3" v3="\2"')
 # a tetrahedron that no item places
-UNPLACED = ("</resources>", '<object id="77"><mesh><vertices>' + "".join(
-    f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
-) + "</vertices><triangles>" + "".join(
-    f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))
-) + "</triangles></mesh></object></resources>")  # fmt: skip
+UNPLACED = (
+    "</resources>",
+    '<object id="77"><mesh><vertices>'
+    + "".join(
+        f'<vertex x="{x}" y="{y}" z="{z}"/>'
+        for x, y, z in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
+    )
+    + "</vertices><triangles>"
+    + "".join(
+        f'<triangle v1="{a}" v2="{b}" v3="{c}"/>'
+        for a, b, c in ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))
+    )
+    + "</triangles></mesh></object></resources>",
+)
+
+
 def edited_step(path: Path, old: str, new: str) -> None:
     text = path.read_text(encoding="ascii")
     changed = re.sub(old, new, text, count=1)
@@ -574,18 +725,30 @@ DAMAGES: list[tuple[Client, str, Callable[[Path], None]]] = [
     (librecad, "open", lambda path: edited_dxf(path, unclosed)),
     (librecad, "truncated", truncated),
     (chromium, "torn", lambda path: edited_text(path, 'id="glb">', 'id="glb">!')),
-    (chromium, "wide", lambda path: edited_text(path, "<main>", '<main><p style="width:2000px">wide</p>')),
-    (chromium, "faulty", lambda path: edited_text(path, "</body>", "<script>nothing.here()</script></body>")),
+    (
+        chromium,
+        "wide",
+        lambda path: edited_text(path, "<main>", '<main><p style="width:2000px">wide</p>'),
+    ),
+    (
+        chromium,
+        "faulty",
+        lambda path: edited_text(path, "</body>", "<script>nothing.here()</script></body>"),
+    ),
     (gmsh, "face lost", lambda path: edited_step(path, r"(CLOSED_SHELL\('',\()#\d+,", r"\1")),
     (gmsh, "metres", lambda path: edited_step(path, r"SI_UNIT\(.MILLI.", "SI_UNIT($")),
-    (gmsh, "renamed", lambda path: edited_step(path, r"PRODUCT\('cam','cam'", "PRODUCT('rod','rod'")),
+    (
+        gmsh,
+        "renamed",
+        lambda path: edited_step(path, r"PRODUCT\('cam','cam'", "PRODUCT('rod','rod'"),
+    ),
     (gmsh, "thicker", lambda path: edited_step(path, r",12\.0\)", ",12.5)")),
     (gmsh, "truncated", truncated),
     (gdal, "open", lambda path: edited_dxf(path, unclosed)),
     (gdal, "gap", lambda path: edited_dxf(path, gapped)),
     (gdal, "crossing", lambda path: edited_dxf(path, crossing)),
     (gdal, "layer", lambda path: edited_dxf(path, on_another_layer)),
-]  # fmt: skip
+]
 
 
 @cache
@@ -594,12 +757,18 @@ def as_built(client: Client, path: Path) -> Problem:
     return client(path)
 
 
-@pytest.mark.parametrize(("client", "damage", "edit"), DAMAGES, ids=[f"{c.__name__} {name}" for c, name, _ in DAMAGES])
+@pytest.mark.parametrize(
+    ("client", "damage", "edit"), DAMAGES, ids=[f"{c.__name__} {name}" for c, name, _ in DAMAGES]
+)
 def test_a_damaged_file_is_refused(
     client: Client, damage: str, edit: Callable[[Path], None], built: list[Path], tmp_path: Path
 ) -> None:
     needed(client)
-    suffix = ".3mf" if damage.endswith("3mf") else next(suffix for suffix, found in CLIENTS.items() if client in found)
+    suffix = (
+        ".3mf"
+        if damage.endswith("3mf")
+        else next(suffix for suffix, found in CLIENTS.items() if client in found)
+    )
     name = "report.html" if client is chromium else f"disc-cam-cam{suffix}"
     source = next(folder for folder in built if folder.name == "disc-cam") / name
     for path in (source, source.with_name("report.json")):

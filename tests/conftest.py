@@ -15,11 +15,18 @@ from hypothesis import HealthCheck, settings
 # However long examples take, for a machine may be busy; on a build server the same ones each time, so that a red run can be
 # run again, elsewhere new ones.
 settings.register_profile(
-    "camgen", derandomize=bool(os.environ.get("CI")), deadline=None, suppress_health_check=[HealthCheck.too_slow]
+    "camgen",
+    derandomize=bool(os.environ.get("CI")),
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("camgen")
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: each core has a process of its own
-gc.set_threshold(100_000, 50, 100)  # Python's own 700 collects so often that it takes a tenth of the time of what builds
+os.environ.setdefault(
+    "OPENBLAS_NUM_THREADS", "1"
+)  # before numpy: each core has a process of its own
+gc.set_threshold(
+    100_000, 50, 100
+)  # Python's own 700 collects so often that it takes a tenth of the time of what builds
 
 MOST_WAITED = 6000  # times 0.05 s, for a folder that another process makes
 ROOT = Path(__file__).resolve().parent.parent
@@ -88,7 +95,9 @@ def built(once: Once) -> Built:
             report = build(ROOT / "specs" / f"{spec}.toml", out, frozenset(KINDS), settings)
             assert report.ok, [finding for finding in report.findings if not finding.ok]
 
-        (made,) = once(f"built-{hashlib.sha256(repr((spec, settings)).encode()).hexdigest()[:12]}", make).iterdir()
+        (made,) = once(
+            f"built-{hashlib.sha256(repr((spec, settings)).encode()).hexdigest()[:12]}", make
+        ).iterdir()
         return made
 
     return folder

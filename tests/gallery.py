@@ -51,13 +51,20 @@ def moving(name: str, seconds: float = 6.0) -> str:
         deg, x, y = np.array([*poses[k], poses[k][0]], float).T[:, :: len(poses[k]) // 40]
         deg = np.unwrap(deg, period=360)
         steps = (
-            f"{100 * i / 40:g}%{{transform:translate({x[i]:.2f}px,{y[i]:.2f}px) rotate({deg[i]:.2f}deg)}}" for i in range(41)
+            f"{100 * i / 40:g}%{{transform:translate({x[i]:.2f}px,{y[i]:.2f}px) rotate({deg[i]:.2f}deg)}}"
+            for i in range(41)
         )
-        rules.append(f"@keyframes k{k}{{{''.join(steps)}}}.k{k}{{animation:k{k} {seconds:g}s linear infinite}}")
+        rules.append(
+            f"@keyframes k{k}{{{''.join(steps)}}}.k{k}{{animation:k{k} {seconds:g}s linear infinite}}"
+        )
         return f'<g class="k{k}" transform="{found[2]}"><use{found[1]}{found[3]}/></g>'
 
     still = still_svg(animation, f"{mechanism.name}, one turn in {seconds:g} s", FRAMES[name])
-    text = re.sub(r'<use([^>]*?) transform="(translate\([^"]*?\)rotate\([^"]*?\))(?:scale\(-1 1\))?"()/>', placed, still)
+    text = re.sub(
+        r'<use([^>]*?) transform="(translate\([^"]*?\)rotate\([^"]*?\))(?:scale\(-1 1\))?"()/>',
+        placed,
+        still,
+    )
     quiet = "@media (prefers-reduced-motion:reduce){g{animation:none!important}}"
     return text.replace("</style>", "".join(rules) + quiet + "</style>", 1)
 

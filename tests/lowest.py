@@ -18,7 +18,10 @@ from camgen.pipeline.build import ANY_KIND, build
 
 TOP = Path(__file__).resolve().parent.parent
 PROJECT = tomllib.loads((TOP / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-LISTED = [*PROJECT["dependencies"], *(each for extra in PROJECT["optional-dependencies"].values() for each in extra)]
+LISTED = [
+    *PROJECT["dependencies"],
+    *(each for extra in PROJECT["optional-dependencies"].values() for each in extra),
+]
 DEPENDENCIES = [each for each in LISTED if not each.startswith("camgen[")]
 EVERYTHING = "eccentric-drive"  # of the others drawings and meshes are made, which take less time
 
@@ -41,4 +44,6 @@ def test_the_lowest_version_is_here(dependency: str) -> None:
 def test_each_mechanism_is_built(name: str, tmp_path: Path) -> None:
     kinds = set(ANY_KIND) if name == EVERYTHING else {"dxf", "stl"}
     report = build(TOP / "specs" / f"{name}.toml", tmp_path, frozenset(kinds))
-    assert report.ok and {path.suffix for path in (tmp_path / name).iterdir()} >= {f".{kind}" for kind in kinds - {"report"}}
+    assert report.ok and {path.suffix for path in (tmp_path / name).iterdir()} >= {
+        f".{kind}" for kind in kinds - {"report"}
+    }

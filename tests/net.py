@@ -85,17 +85,57 @@ VARIANTS = {
 COMMANDS = {
     "list": ["list"],
     "selftest": ["selftest"],
-    **{f"schema-{name}": ["schema", name] for name in ("disc-cam", "linkage", "thread-take-up", "uniform-swing", "coupon")},
-    **{f"new-{name}": ["new", name, "new.toml"] for name in ("disc-cam", "linkage", "indexing-cam", "chain-stitch-looper")},
+    **{
+        f"schema-{name}": ["schema", name]
+        for name in ("disc-cam", "linkage", "thread-take-up", "uniform-swing", "coupon")
+    },
+    **{
+        f"new-{name}": ["new", name, "new.toml"]
+        for name in ("disc-cam", "linkage", "indexing-cam", "chain-stitch-looper")
+    },
     "check": ["check", "{before}/four-bar-0/four-bar", "--json"],
-    "sweep": ["sweep", "{specs}/disc-cam.toml", "--vary", "geometry.base_radius=12:32:5", "-o", "sweep.csv"],
-    "sweep-bars": ["sweep", "{specs}/linkage.toml", "--vary", "lengths.A-B=48:52:3", "-o", "sweep.csv"],
+    "sweep": [
+        "sweep",
+        "{specs}/disc-cam.toml",
+        "--vary",
+        "geometry.base_radius=12:32:5",
+        "-o",
+        "sweep.csv",
+    ],
+    "sweep-bars": [
+        "sweep",
+        "{specs}/linkage.toml",
+        "--vary",
+        "lengths.A-B=48:52:3",
+        "-o",
+        "sweep.csv",
+    ],
     "tolerance": ["tolerance", "{specs}/disc-cam.toml", "--samples", "200", "--json"],
-    "design": ["design", "{specs}/thread-take-up.toml", "found.toml", "--set", "wanted.feed_range=80"],
+    "design": [
+        "design",
+        "{specs}/thread-take-up.toml",
+        "found.toml",
+        "--set",
+        "wanted.feed_range=80",
+    ],
     "sliced": ["check", "{before}/linkage-0/linkage", "--gcode", "plate.gcode", "--json"],
-    "motion": ["motion", "{before}/disc-cam-0/disc-cam/disc-cam-cam.dxf", "--follower", "translating,radius=5", "-o", "rolled"],
+    "motion": [
+        "motion",
+        "{before}/disc-cam-0/disc-cam/disc-cam-cam.dxf",
+        "--follower",
+        "translating,radius=5",
+        "-o",
+        "rolled",
+    ],
     "refused": ["build", "{specs}/linkage.toml", "--set", "lengths.O-A=400"],
-    "faults": ["build", "{specs}/disc-cam.toml", "--set", "geometry.base_raduis=4", "--set", "segment.0.lift=-1"],
+    "faults": [
+        "build",
+        "{specs}/disc-cam.toml",
+        "--set",
+        "geometry.base_raduis=4",
+        "--set",
+        "segment.0.lift=-1",
+    ],
 }
 
 
@@ -111,12 +151,16 @@ class Case:
 def cases(top: Path) -> list[Case]:
     """Every spec as it is and in its variants, then the other commands."""
     found = []
-    for path in sorted([*(top / "specs").glob("*.toml"), *(top / "specs" / "gallery").glob("*.toml")]):
+    for path in sorted(
+        [*(top / "specs").glob("*.toml"), *(top / "specs" / "gallery").glob("*.toml")]
+    ):
         for k, settings in enumerate(["", *VARIANTS.get(path.stem, [])]):
             words = [word for setting in settings.split() for word in ("--set", setting)]
             found.append(Case(f"{path.stem}-{k}", ("build", str(path), "-o", ".", *words)))
     for name, words in COMMANDS.items():
-        filled = (word.replace("{specs}", str(top / "specs")).replace("{before}", "..") for word in words)
+        filled = (
+            word.replace("{specs}", str(top / "specs")).replace("{before}", "..") for word in words
+        )
         found.append(Case(name, tuple(filled), any("{before}" in word for word in words)))
     return found
 
@@ -127,8 +171,19 @@ def run(top: Path, out: Path, case: Case) -> float:
     folder.mkdir(parents=True)
     if "--gcode" in case.words:
         _slice(Path(case.words[1]), folder)
-    environment = {**os.environ, "PYTHONPATH": str(top), "OPENBLAS_NUM_THREADS": "1", "COLUMNS": "120"}
-    command = [sys.executable, "-m", "camgen", *case.words, *(["--jobs", "1"] if case.words[0] == "build" else [])]
+    environment = {
+        **os.environ,
+        "PYTHONPATH": str(top),
+        "OPENBLAS_NUM_THREADS": "1",
+        "COLUMNS": "120",
+    }
+    command = [
+        sys.executable,
+        "-m",
+        "camgen",
+        *case.words,
+        *(["--jobs", "1"] if case.words[0] == "build" else []),
+    ]
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, env=environment)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -143,7 +198,9 @@ def _slice(made: Path, folder: Path) -> None:
     """Write plate.gcode into a case's folder, of parts of a folder that a case before it has made."""
     from sliced_parts import laid
 
-    laid((folder / made).resolve(), ("ground", "crank", "coupler", "rocker")).replace(folder / "plate.gcode")
+    laid((folder / made).resolve(), ("ground", "crank", "coupler", "rocker")).replace(
+        folder / "plate.gcode"
+    )
 
 
 _ALONE = """
@@ -171,7 +228,11 @@ def build(top: Path, out: Path, words: list[str], jobs: int) -> None:
     with ThreadPoolExecutor(jobs) as pool:
         for last in (False, True):
             batch = [case for case in wanted if case.after is last]
-            for case, spent in zip(batch, pool.map(lambda case: _run_alone(str(top), str(out), case), batch), strict=True):
+            for case, spent in zip(
+                batch,
+                pool.map(lambda case: _run_alone(str(top), str(out), case), batch),
+                strict=True,
+            ):
                 times[case.name] = spent
                 print(f"{case.name:32} {spent:7.2f} s", flush=True)
     (out / "times.json").write_text(json.dumps(times, indent=1))
@@ -183,7 +244,11 @@ def texts(path: Path) -> dict[str, str]:
     match path.suffix:
         case ".3mf":
             with zipfile.ZipFile(path) as archive:
-                return {name: archive.read(name).decode() for name in archive.namelist() if name.endswith(".model")}
+                return {
+                    name: archive.read(name).decode()
+                    for name in archive.namelist()
+                    if name.endswith(".model")
+                }
         case ".stl":
             return {"": data[84:].hex()}
         case ".glb":
@@ -223,8 +288,14 @@ def differences(a: str, b: str) -> tuple[str, float]:
         return "", 0.0
     if NUMBER.sub("#", a) != NUMBER.sub("#", b):
         one, other = NUMBER.sub("#", a), NUMBER.sub("#", b)
-        k = next((k for k, (x, y) in enumerate(zip(one, other, strict=False)) if x != y), min(len(one), len(other)))
-        return f"...{one[max(k - 60, 0) : k + 60]!r} against ...{other[max(k - 60, 0) : k + 60]!r}", math.inf
+        k = next(
+            (k for k, (x, y) in enumerate(zip(one, other, strict=False)) if x != y),
+            min(len(one), len(other)),
+        )
+        return (
+            f"...{one[max(k - 60, 0) : k + 60]!r} against ...{other[max(k - 60, 0) : k + 60]!r}",
+            math.inf,
+        )
     worst = 0.0
     where = ""
     for x, y in zip(NUMBER.finditer(a), NUMBER.finditer(b), strict=True):
@@ -255,9 +326,18 @@ def differing(before: Path, after: Path, names: set[Path]) -> Iterator[tuple[Pat
 
 def compare(before: Path, after: Path) -> int:
     """Print what differs and how long each case took; returns the number of files that must be equal and are not."""
-    cases_of_both = {path.name for path in before.iterdir() if path.is_dir()} & {path.name for path in after.iterdir()}
-    found = {path.relative_to(root) for root in (before, after) for path in root.rglob("*") if path.is_file()}
-    names = {name for name in found if name.parts[0] in cases_of_both and name.name not in UNCOMPARED}
+    cases_of_both = {path.name for path in before.iterdir() if path.is_dir()} & {
+        path.name for path in after.iterdir()
+    }
+    found = {
+        path.relative_to(root)
+        for root in (before, after)
+        for path in root.rglob("*")
+        if path.is_file()
+    }
+    names = {
+        name for name in found if name.parts[0] in cases_of_both and name.name not in UNCOMPARED
+    }
     shown = {name for name in names if name.suffix in MAY_MOVE}
     print("== may move")
     for name, said in differing(before, after, shown):
@@ -282,7 +362,12 @@ def build_commit(commit: str, out: Path, words: list[str], jobs: int) -> None:
     """Run the cases with another commit, in a checkout of its own."""
     with tempfile.TemporaryDirectory() as scratch:
         old = Path(scratch) / "old"
-        subprocess.run(["git", "worktree", "add", "--detach", str(old), commit], cwd=TOP, check=True, capture_output=True)
+        subprocess.run(
+            ["git", "worktree", "add", "--detach", str(old), commit],
+            cwd=TOP,
+            check=True,
+            capture_output=True,
+        )
         try:
             build(old, out, words, jobs)
         finally:
@@ -291,7 +376,9 @@ def build_commit(commit: str, out: Path, words: list[str], jobs: int) -> None:
 
 def main() -> int:
     """What the module's first lines say."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("states", nargs="*", help="a commit, or two folders")
     parser.add_argument("--build", type=Path)
     parser.add_argument("--against", type=Path)

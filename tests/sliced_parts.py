@@ -17,7 +17,9 @@ def pieces(folder, name, height):
     mesh = read_stl(folder / f"{folder.name}-{name}.stl")
     shapes = pieces_of(slice_mesh(mesh, height))
     xy = lambda ring: np.column_stack([ring.points.real, ring.points.imag])  # noqa: E731
-    return mesh.vertices[:, 2].max(), [shapely.Polygon(xy(s.outer), [xy(hole) for hole in s.holes]) for s in shapes]
+    return mesh.vertices[:, 2].max(), [
+        shapely.Polygon(xy(s.outer), [xy(hole) for hole in s.holes]) for s in shapes
+    ]
 
 
 def laid(folder, names, change=lambda name, k, flat: flat, mirrored=(), start=5):
@@ -34,13 +36,19 @@ def laid(folder, names, change=lambda name, k, flat: flat, mirrored=(), start=5)
                 if name in mirrored:
                     flat = shapely.affinity.scale(flat, -1, 1, origin=(0, 0))
                 flat = shapely.affinity.rotate(flat, 37 * place + start, origin=(0, 0))
-                inner = shapely.affinity.translate(flat, 100 * place, 40).buffer(-WIDTH / 2, join_style="mitre", mitre_limit=3)
+                inner = shapely.affinity.translate(flat, 100 * place, 40).buffer(
+                    -WIDTH / 2, join_style="mitre", mitre_limit=3
+                )
                 layers.setdefault(k, []).extend([inner.exterior, *inner.interiors])
     for k, rings in sorted(layers.items()):
         lines.append(f"G1 Z{(k + 1) * LAYER:.3f}")
         for ring in rings:
             (x, y), *rest = ring.coords
-            lines += [f"G1 X{x:.3f} Y{y:.3f}", ";TYPE:External perimeter", *(f"G1 X{x:.3f} Y{y:.3f} E.1" for x, y in rest)]
+            lines += [
+                f"G1 X{x:.3f} Y{y:.3f}",
+                ";TYPE:External perimeter",
+                *(f"G1 X{x:.3f} Y{y:.3f} E.1" for x, y in rest),
+            ]
     path = folder.parent / "plate.gcode"
     path.write_text("\n".join(lines))
     return path

@@ -25,23 +25,48 @@ WINGS = {
     "design": {"geometry", "motion", "machine", "machines", "report", "pipeline"},
     "live": {"motion", "machines", "report", "pipeline", "starters"},
 }
-GROUND = {"", "bounds", "errors", "findings", "numerics", "reading", "schemas", "settings", "spec", "study", "tolerances"}
+GROUND = {
+    "",
+    "bounds",
+    "errors",
+    "findings",
+    "numerics",
+    "reading",
+    "schemas",
+    "settings",
+    "spec",
+    "study",
+    "tolerances",
+}
 TOP = {"__init__", "__main__", "cli", "commands", "guide", "starters"}
 # Of a machine the judge sees what it is, what of it is measured and wanted, and the conditions of its joints: never what made
 # a curve, nor the route by which the maker closes it. Of a format it takes the reading, and what is said of it in the list.
 SEEN = {"model", "features", "targets", "constraints", "closing"}
 FACTS = {
-    ("formats", "FORMATS"), ("formats", "READABLE"), ("formats", "DRAWN"), ("formats", "SOLID"),
-    ("threemf", "Item"), ("threemf", "Package"),  # what reading a 3MF gives
-}  # fmt: skip
+    ("formats", "FORMATS"),
+    ("formats", "READABLE"),
+    ("formats", "DRAWN"),
+    ("formats", "SOLID"),
+    ("threemf", "Item"),
+    ("threemf", "Package"),  # what reading a 3MF gives
+}
 HEAVY = {"ezdxf", "trimesh", "manifold3d", "lib3mf", "mapbox_earcut", "shapely", "scipy", "rich"}
 LIGHT = {
-    "__init__", "__main__", "cli", "guide.__init__", "errors", "findings", "tolerances", "report.terminal",
-    "files.folder", "files.formats",
-}  # fmt: skip
+    "__init__",
+    "__main__",
+    "cli",
+    "guide.__init__",
+    "errors",
+    "findings",
+    "tolerances",
+    "report.terminal",
+    "files.folder",
+    "files.formats",
+}
 
 MODULES = {
-    path.relative_to(PACKAGE).with_suffix("").as_posix().replace("/", "."): path for path in sorted(PACKAGE.rglob("*.py"))
+    path.relative_to(PACKAGE).with_suffix("").as_posix().replace("/", "."): path
+    for path in sorted(PACKAGE.rglob("*.py"))
 }
 
 
@@ -84,17 +109,26 @@ def bribes(module: str, tree: ast.AST) -> list[str]:
     if not module.startswith("judge."):
         return []
     return [
-        f"{module} imports {wing}.{name}.{what}".rstrip(".") for wing, name, what in sorted(ours(tree))
+        f"{module} imports {wing}.{name}.{what}".rstrip(".")
+        for wing, name, what in sorted(ours(tree))
         if (wing == "machine" and name not in SEEN)
         or (wing == "files" and not what.startswith("read_") and (name, what) not in FACTS)
-    ]  # fmt: skip
+    ]
 
 
 def heavy_at_top(module: str, tree: ast.Module) -> list[str]:
     """Heavy packages that importing the module would load."""
-    top = ast.Module([node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)], [])
-    forbidden = HEAVY | ({"numpy", "pydantic"} if module in LIGHT or module.startswith("commands.") else set())
-    return [f"{module} imports {name}" for name in sorted(imports(top)) if name.split(".")[0] in forbidden]
+    top = ast.Module(
+        [node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)], []
+    )
+    forbidden = HEAVY | (
+        {"numpy", "pydantic"} if module in LIGHT or module.startswith("commands.") else set()
+    )
+    return [
+        f"{module} imports {name}"
+        for name in sorted(imports(top))
+        if name.split(".")[0] in forbidden
+    ]
 
 
 def undocumented(module: str, tree: ast.Module) -> list[str]:
@@ -110,15 +144,24 @@ def undocumented(module: str, tree: ast.Module) -> list[str]:
 
 
 def test_every_module_keeps_the_rules() -> None:
-    trees = {module: ast.parse(path.read_text(encoding="utf-8")) for module, path in MODULES.items()}
+    trees = {
+        module: ast.parse(path.read_text(encoding="utf-8")) for module, path in MODULES.items()
+    }
     rules = (upward, bribes, heavy_at_top, undocumented)
-    assert [line for rule in rules for module, tree in trees.items() for line in rule(module, tree)] == []
+    assert [
+        line for rule in rules for module, tree in trees.items() for line in rule(module, tree)
+    ] == []
 
 
 def test_wings_are_all_that_there_is() -> None:
     assert {module.split(".")[0] for module in MODULES} == {*WINGS, *TOP, *(GROUND - {""})}
-    long = {module: len(path.read_text(encoding="utf-8").splitlines()) for module, path in MODULES.items()}
-    assert {module: lines for module, lines in long.items() if lines > 450} == {}, "two ideas in one file"
+    long = {
+        module: len(path.read_text(encoding="utf-8").splitlines())
+        for module, path in MODULES.items()
+    }
+    assert {module: lines for module, lines in long.items() if lines > 450} == {}, (
+        "two ideas in one file"
+    )
 
 
 @pytest.mark.parametrize(
@@ -127,10 +170,18 @@ def test_wings_are_all_that_there_is() -> None:
         (upward, "geometry.arcs", "from camgen.parts.part import Part"),
         (upward, "motion.laws", "def f():\n    import camgen.pipeline.build"),
         (upward, "findings", "from camgen.geometry import rings"),
-        (upward, "machine.model", "def f():\n    from camgen.machines.disc_cam.mechanism import DiscCam"),
+        (
+            upward,
+            "machine.model",
+            "def f():\n    from camgen.machines.disc_cam.mechanism import DiscCam",
+        ),
         (upward, "judge.contact", "from camgen.parts import fits"),
         (upward, "judge.contact", "from camgen.machines.mechanism import Mechanism"),
-        (bribes, "judge.round_trip", "def f():\n    from camgen.machine.cams.profile import DiscCam"),
+        (
+            bribes,
+            "judge.round_trip",
+            "def f():\n    from camgen.machine.cams.profile import DiscCam",
+        ),
         (bribes, "judge.motion", "from camgen.machine import loops"),
         (bribes, "judge.motion", "from camgen.machine import solve"),
         (bribes, "judge.motion", "from camgen.machine.run import solve"),
@@ -152,7 +203,9 @@ def test_each_rule_is_seen_to_fail(rule: object, module: str, text: str) -> None
 def loaded(code: str) -> set[str]:
     """Top-level packages that a fresh interpreter has loaded after the code."""
     code += "\nimport sys\nprint('LOADED', *{name.split('.')[0] for name in sys.modules})"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, encoding="utf-8"
+    )
     assert done.returncode == 0, done.stderr
     return set(done.stdout.rpartition("LOADED")[2].split())
 

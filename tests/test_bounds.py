@@ -36,13 +36,17 @@ WORDS = Bound("a list of words", 1000, b" \n", "words", 5, "use fewer")
 
 
 @pytest.mark.parametrize("chunk", [1, 3, 1 << 20])
-def test_things_are_counted_however_they_are_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, chunk: int) -> None:
+def test_things_are_counted_however_they_are_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, chunk: int
+) -> None:
     monkeypatch.setattr(bounds, "_CHUNK", chunk)
     path = tmp_path / "a"
     path.write_bytes(b"aa bb\ncc dd\nee ")
     assert read_bytes(path, WORDS) == b"aa bb\ncc dd\nee " and bounded(path, WORDS) == 15
     path.write_bytes(b"aa bb\ncc dd\nee ff\n")
-    with pytest.raises(FileError, match="has 6 words, 5 at most are read of a list of words: use fewer"):
+    with pytest.raises(
+        FileError, match="has 6 words, 5 at most are read of a list of words: use fewer"
+    ):
         read_bytes(path, WORDS)
 
 
@@ -58,8 +62,11 @@ def test_bytes_are_looked_at_first(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 
 
 def test_only_plain_files(tmp_path: Path) -> None:
-    for path, said in ((tmp_path, "is a folder, a list of words was expected"), (tmp_path / "none", "cannot be read: "),
-                       (Path("a\0b"), "cannot be read: ")):  # fmt: skip
+    for path, said in (
+        (tmp_path, "is a folder, a list of words was expected"),
+        (tmp_path / "none", "cannot be read: "),
+        (Path("a\0b"), "cannot be read: "),
+    ):
         with pytest.raises(FileError, match=said):
             bounded(path, WORDS)
     if hasattr(os, "mkfifo"):
@@ -71,17 +78,37 @@ def test_only_plain_files(tmp_path: Path) -> None:
 # ---- specs ----
 
 MANY = {
-    "keys": ("".join(f"k{k}=1\n" for k in range(700_000)) + DISC, "spec: 700,[0-9]+ keys and tables - expected at most 20,000"),
-    "values": ("x=[" + "1," * 4_900_000 + "1]\n" + DISC, "spec: 4,900,[0-9]+ values in lists - expected at most 500,000"),
-    "tables": (DISC + "[[segment]]\n" * 700_000, "spec: 700,[0-9]+ keys and tables - expected at most 20,000"),
-    "inner lists": ("x=[" + "[]," * 3_000_000 + "]\n" + DISC, "values in lists - expected at most 500,000"),
-    "inner tables": ("x=[" + "{}," * 3_000_000 + "]\n" + DISC, "values in lists - expected at most 500,000"),
-    "keys of inner tables": ("x=[" + "{a=1}," * 700_000 + "]\n" + DISC, "keys and tables - expected at most 20,000"),
+    "keys": (
+        "".join(f"k{k}=1\n" for k in range(700_000)) + DISC,
+        "spec: 700,[0-9]+ keys and tables - expected at most 20,000",
+    ),
+    "values": (
+        "x=[" + "1," * 4_900_000 + "1]\n" + DISC,
+        "spec: 4,900,[0-9]+ values in lists - expected at most 500,000",
+    ),
+    "tables": (
+        DISC + "[[segment]]\n" * 700_000,
+        "spec: 700,[0-9]+ keys and tables - expected at most 20,000",
+    ),
+    "inner lists": (
+        "x=[" + "[]," * 3_000_000 + "]\n" + DISC,
+        "values in lists - expected at most 500,000",
+    ),
+    "inner tables": (
+        "x=[" + "{}," * 3_000_000 + "]\n" + DISC,
+        "values in lists - expected at most 500,000",
+    ),
+    "keys of inner tables": (
+        "x=[" + "{a=1}," * 700_000 + "]\n" + DISC,
+        "keys and tables - expected at most 20,000",
+    ),
 }
 
 
 @pytest.mark.parametrize("text, said", MANY.values(), ids=MANY)
-def test_a_spec_of_too_much_is_never_parsed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, said: str) -> None:
+def test_a_spec_of_too_much_is_never_parsed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, said: str
+) -> None:
     def parsed(text: str) -> None:
         raise AssertionError("it was")
 
@@ -105,13 +132,20 @@ def test_keys_that_count_twice_are_counted_once_read(tmp_path: Path) -> None:
     assert reading.tables({"x": [0] * 500_000, **{str(k): 1 for k in range(19_999)}})
 
 
-def test_the_exit_code_is_that_of_a_wrong_spec(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_exit_code_is_that_of_a_wrong_spec(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "a.toml"
     path.write_text(MANY["keys"][0], encoding="utf-8")
     with pytest.raises(SystemExit) as done:
         main(["build", str(path), "-o", str(tmp_path / "out")])
     err = capsys.readouterr().err
-    assert done.value.code == 2 and len(err.splitlines()) == 2 and "at most 20,000" in err and not (tmp_path / "out").exists()
+    assert (
+        done.value.code == 2
+        and len(err.splitlines()) == 2
+        and "at most 20,000" in err
+        and not (tmp_path / "out").exists()
+    )
 
 
 TEXT = st.text("abc,=[]#\n'\"", max_size=5)
@@ -128,13 +162,25 @@ def test_nothing_that_is_there_is_left_uncounted(data: dict[str, Any]) -> None:
     deep, keys, values = reading.extent_of(data)
     assert deep and (keys, values) == (len(flat(data, dict)), len(flat(data, list)))
     seen = reading.counted(tomli_w.dumps(data))
-    assert seen[0] >= keys - len([each for each in flat(data, dict) if isinstance(each, dict)]) and seen[1] >= values
+    assert (
+        seen[0] >= keys - len([each for each in flat(data, dict) if isinstance(each, dict)])
+        and seen[1] >= values
+    )
 
 
 def flat(value: Any, kind: type) -> list[Any]:
     """What stands in the tables, or in the lists, of a value."""
-    held = list(value.values()) if isinstance(value, dict) else value if isinstance(value, list) else []
-    return [*(held if isinstance(value, kind) else []), *(each for inner in held for each in flat(inner, kind))]
+    held = (
+        list(value.values())
+        if isinstance(value, dict)
+        else value
+        if isinstance(value, list)
+        else []
+    )
+    return [
+        *(held if isinstance(value, kind) else []),
+        *(each for inner in held for each in flat(inner, kind)),
+    ]
 
 
 @pytest.mark.parametrize("path", sorted(SPECS.rglob("*.toml")), ids=lambda path: path.stem)
@@ -156,7 +202,9 @@ def test_of_many_faults_some_are_listed(tmp_path: Path, capsys: pytest.CaptureFi
 # ---- other files ----
 
 
-def refused(read: Callable[[Path], object], path: Path, said: str, text: bytes = b"1,2\n" * 30) -> None:
+def refused(
+    read: Callable[[Path], object], path: Path, said: str, text: bytes = b"1,2\n" * 30
+) -> None:
     path.write_bytes(text)
     with pytest.raises(FileError, match=said):
         read(path)
@@ -180,7 +228,9 @@ def own(read: str) -> Callable[[Path], object]:
 
 
 @pytest.mark.parametrize("bound, read, name", READERS, ids=[each[1] for each in READERS])
-def test_each_reader_has_a_bound(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, bound: str, read: str, name: str) -> None:
+def test_each_reader_has_a_bound(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, bound: str, read: str, name: str
+) -> None:
     function = own(read)
     module, _, constant = bound.rpartition(".")
     old = getattr(import_module(module), constant) if module else READABLE[bound].size
@@ -199,8 +249,14 @@ def test_a_list_of_parts_has_a_bound(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr(parts_table, "_SIZE", replace(parts_table._SIZE, most=29))
     wanted = Table("", ("1", "2"), [(1, 2)] * 29)
-    refused(lambda path: parts_table.judge_list(path, wanted), tmp_path / "a.csv", "has 30 lines, 29 at most are read of a list")
-    assert parts_table.judge_list(written(tmp_path / "a.csv", b"1,2\n" * 29), wanted).measured == 1  # one is missing
+    refused(
+        lambda path: parts_table.judge_list(path, wanted),
+        tmp_path / "a.csv",
+        "has 30 lines, 29 at most are read of a list",
+    )
+    assert (
+        parts_table.judge_list(written(tmp_path / "a.csv", b"1,2\n" * 29), wanted).measured == 1
+    )  # one is missing
 
 
 def test_what_a_glb_says_has_a_bound(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -211,7 +267,9 @@ def test_what_a_glb_says_has_a_bound(tmp_path: Path, monkeypatch: pytest.MonkeyP
     refused(gltf.read_glb, tmp_path / "a.glb", "30 bytes of JSON; 29 at most are read", data)
 
 
-def test_triangles_are_counted_before_they_are_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_triangles_are_counted_before_they_are_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     from camgen.files.stl import read_stl
     from camgen.files.threemf import Placed, read_3mf, write_3mf
     from camgen.geometry.mesh import Mesh
@@ -219,10 +277,23 @@ def test_triangles_are_counted_before_they_are_read(tmp_path: Path, monkeypatch:
     assert MOST_TRIANGLES == 2_000_000
     for module in ("stl", "threemf"):
         monkeypatch.setattr(f"camgen.files.{module}.MOST_TRIANGLES", 3)
-    refused(read_stl, tmp_path / "a.stl", "4 triangles, 3 at most", bytes(80) + (4).to_bytes(4, "little") + bytes(200))
+    refused(
+        read_stl,
+        tmp_path / "a.stl",
+        "4 triangles, 3 at most",
+        bytes(80) + (4).to_bytes(4, "little") + bytes(200),
+    )
     facet = b"facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
-    refused(read_stl, tmp_path / "b.stl", "4 triangles, 3 at most", b"solid b\n" + 4 * facet + b"endsolid b\n")
-    assert len(read_stl(written(tmp_path / "c.stl", b"solid c\n" + 3 * facet + b"endsolid c\n")).faces) == 3
+    refused(
+        read_stl,
+        tmp_path / "b.stl",
+        "4 triangles, 3 at most",
+        b"solid b\n" + 4 * facet + b"endsolid b\n",
+    )
+    assert (
+        len(read_stl(written(tmp_path / "c.stl", b"solid c\n" + 3 * facet + b"endsolid c\n")).faces)
+        == 3
+    )
     corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float)
     faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
     write_3mf(tmp_path / "d.3mf", {"d": Mesh(corners, faces)}, [Placed("d", "d")], "d")
@@ -236,14 +307,23 @@ def written(path: Path, data: bytes) -> Path:
 
 
 @pytest.mark.parametrize("end", [b"\n", b"\r\n", b"\r"])
-def test_lines_of_a_table_however_they_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, end: bytes) -> None:
+def test_lines_of_a_table_however_they_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, end: bytes
+) -> None:
     monkeypatch.setattr(tables, "_MOST_LINES", 30)
     path = written(tmp_path / "a.csv", (b"1,2" + end) * 30)
     assert len(read_table(path)[1]) == 30
-    refused(read_table, path, "has 31 lines, 30 at most are read of a table of angle and displacement", (b"1,2" + end) * 31)
+    refused(
+        read_table,
+        path,
+        "has 31 lines, 30 at most are read of a table of angle and displacement",
+        (b"1,2" + end) * 31,
+    )
 
 
-def test_tables_together_hold_no_more_than_a_spec(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_tables_together_hold_no_more_than_a_spec(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Or the resolved spec, in which their points stand, could not be read."""
     written(tmp_path / "a.csv", b"1,2\n" * 40)
     law = {"name": "table", "file": "a.csv"}
@@ -265,7 +345,10 @@ def squares(path: Path, corners: list[tuple[float, float, float]], layers: int =
         lines += [f"G1 Z{0.2 * (k + 1):.1f}"]
         for x, y, side in corners:
             lines += [f"G1 X{x} Y{y} F9000", ";TYPE:External perimeter", ";WIDTH:0.45"]
-            lines += [f"G1 X{x + a * side} Y{y + b * side} E1" for a, b in ((1, 0), (1, 1), (0, 1), (0, 0))]
+            lines += [
+                f"G1 X{x + a * side} Y{y + b * side} E1"
+                for a, b in ((1, 0), (1, 1), (0, 1), (0, 0))
+            ]
     return written(path, "\n".join(lines).encode())
 
 
@@ -273,14 +356,21 @@ def test_walls_are_bounded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     path = squares(tmp_path / "a.gcode", [(30 * k, 0, 20) for k in range(4)], 5)
     assert len(read_gcode(path)) == 20
     monkeypatch.setattr("camgen.files.gcode._MOST_BESIDE", 3)
-    with pytest.raises(FileError, match="has 4 outer walls at a height of 0.2 mm, 3 at most are read: slice fewer parts"):
+    with pytest.raises(
+        FileError,
+        match="has 4 outer walls at a height of 0.2 mm, 3 at most are read: slice fewer parts",
+    ):
         read_gcode(path)
     monkeypatch.setattr("camgen.files.gcode._MOST_WALLS", 18)
-    with pytest.raises(FileError, match="has more than 18 outer walls: slice fewer parts at a time"):
+    with pytest.raises(
+        FileError, match="has more than 18 outer walls: slice fewer parts at a time"
+    ):
         read_gcode(path)
 
 
-def test_walls_that_lie_over_each_other_are_bounded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_walls_that_lie_over_each_other_are_bounded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Each meets itself and those of all other layers: 2 bodies of 5 layers make 2 x 25 pairs."""
     from camgen.judge import sliced
 
@@ -297,5 +387,7 @@ def test_walls_that_lie_over_each_other_are_bounded(tmp_path: Path, monkeypatch:
 
 def test_holes_lie_in_an_odd_number_of_walls(tmp_path: Path) -> None:
     nested = [(k, k, 40 - 2 * k) for k in range(0, 15, 3)]
-    walls = read_gcode(squares(tmp_path / "a.gcode", [nested[2], nested[0], (60, 0, 20), *nested[3:], nested[1]]))
+    walls = read_gcode(
+        squares(tmp_path / "a.gcode", [nested[2], nested[0], (60, 0, 20), *nested[3:], nested[1]])
+    )
     assert hole_walls(walls) == [False, False, False, True, False, True]

@@ -49,7 +49,9 @@ def run(capsys: pytest.CaptureFixture[str]) -> Run:
 
 def report(ok: bool = True, name: str = "cam") -> Report:
     limit = 2.0 if ok else 0.5
-    return Report(name, "stub", (at_most("MOTION_ERROR", 1.0, limit, "deg", "cam.dxf", "the cam is off"),))
+    return Report(
+        name, "stub", (at_most("MOTION_ERROR", 1.0, limit, "deg", "cam.dxf", "the cam is off"),)
+    )
 
 
 @pytest.fixture
@@ -66,7 +68,9 @@ def results(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
 
     monkeypatch.setattr(pipeline, "build", give)
     monkeypatch.setattr(pipeline, "check", give)
-    monkeypatch.setattr("camgen.pipeline.jobs.all_cores", lambda: 1)  # no other process knows the stub
+    monkeypatch.setattr(
+        "camgen.pipeline.jobs.all_cores", lambda: 1
+    )  # no other process knows the stub
     return outcome
 
 
@@ -76,9 +80,18 @@ NO_SUCH = DesignError("geometry.swing_deg", 60, 53.1, "deg", "the inner end", "u
 @pytest.mark.parametrize(
     "error, said",
     [
-        (NO_SUCH, "geometry.swing_deg is 60 deg at the inner end, limit 53.1 deg; use a smaller swing"),
-        (DesignError("pivots", 0, 1, "", "link a", "add one"), "there are no pivots (link a); add one"),
-        (DesignError("carriers that move", 2, 0, "", "", "fix them"), "carriers that move: 2, where none may be; fix them"),
+        (
+            NO_SUCH,
+            "geometry.swing_deg is 60 deg at the inner end, limit 53.1 deg; use a smaller swing",
+        ),
+        (
+            DesignError("pivots", 0, 1, "", "link a", "add one"),
+            "there are no pivots (link a); add one",
+        ),
+        (
+            DesignError("carriers that move", 2, 0, "", "", "fix them"),
+            "carriers that move: 2, where none may be; fix them",
+        ),
         (DesignError("gap", 0.0, 1, "mm", "joint A"), "gap is 0 mm at joint A, limit 1 mm"),
     ],
 )
@@ -92,19 +105,38 @@ def test_what_cannot_exist_is_told_in_a_sentence(error: DesignError, said: str) 
 @pytest.mark.parametrize("command", ["build", "check"])
 @pytest.mark.parametrize(
     "result, code",
-    [(report(), 0), (report(False), 1), (NO_SUCH, 3), (FileError("x.dxf", "lost"), 4), (OSError(28, "No space"), 4)],
+    [
+        (report(), 0),
+        (report(False), 1),
+        (NO_SUCH, 3),
+        (FileError("x.dxf", "lost"), 4),
+        (OSError(28, "No space"), 4),
+    ],
 )
-def test_exit_code_of_each_outcome(run: Run, results: dict[str, Any], command: str, result: object, code: int) -> None:
+def test_exit_code_of_each_outcome(
+    run: Run, results: dict[str, Any], command: str, result: object, code: int
+) -> None:
     results["a.toml"] = result
     assert run(command, "a.toml")[0] == code
 
 
 def test_worst_code_wins_and_each_is_reported(run: Run, results: dict[str, Any]) -> None:
-    results |= {"a": report(name="first"), "b": NO_SUCH, "c": report(False, "third"), "d": report(name="fourth")}
+    results |= {
+        "a": report(name="first"),
+        "b": NO_SUCH,
+        "c": report(False, "third"),
+        "d": report(name="fourth"),
+    }
     code, out, err = run("build", "a", "b", "c", "d")
     assert code == 3
-    assert [name for name in ("first", "third", "fourth") if name in out] == ["first", "third", "fourth"]
-    assert "geometry.swing_deg is 60 deg at the inner end, limit 53.1 deg; use a smaller swing" in err
+    assert [name for name in ("first", "third", "fourth") if name in out] == [
+        "first",
+        "third",
+        "fourth",
+    ]
+    assert (
+        "geometry.swing_deg is 60 deg at the inner end, limit 53.1 deg; use a smaller swing" in err
+    )
 
 
 def test_table_shows_measured_limit_margin_and_verdict(run: Run, results: dict[str, Any]) -> None:
@@ -122,17 +154,29 @@ def test_quiet_tells_what_fails_and_verbose_tells_all(run: Run, results: dict[st
     results |= {"good": report(), "bad": report(False)}
     assert run("build", "good", "--quiet") == (0, "", "")
     code, out, _ = run("build", "bad", "-q")
-    assert (code, len(out.splitlines())) == (1, 3) and "The cam is off" in out and "margin" not in out
-    results |= {ok: replace(report(ok == "good"), remarks=["files are gone"], warnings=["read me"]) for ok in ("good", "bad")}
+    assert (
+        (code, len(out.splitlines())) == (1, 3) and "The cam is off" in out and "margin" not in out
+    )
+    results |= {
+        ok: replace(report(ok == "good"), remarks=["files are gone"], warnings=["read me"])
+        for ok in ("good", "bad")
+    }
     assert run("build", "good", "-q") == (0, f"note: {report().name}: files are gone\n", "")
-    assert "note: files are gone\n" in (out := run("build", "bad", "-q")[1]) and "read me" not in out
-    assert "cam is off" not in run("build", "good")[1] and "The cam is off" in run("build", "good", "-v")[1]
+    assert (
+        "note: files are gone\n" in (out := run("build", "bad", "-q")[1]) and "read me" not in out
+    )
+    assert (
+        "cam is off" not in run("build", "good")[1]
+        and "The cam is off" in run("build", "good", "-v")[1]
+    )
 
 
 MORE = "cam-disc.step", "cam-assembly.glb", "cam-sheet-1.svg", "cam-sheet-2.svg"
 
 
-def test_the_last_lines_say_where_the_files_are_and_what_to_open(run: Run, results: dict[str, Any], tmp_path: Path) -> None:
+def test_the_last_lines_say_where_the_files_are_and_what_to_open(
+    run: Run, results: dict[str, Any], tmp_path: Path
+) -> None:
     for name in ("report.html", "cam-plate.3mf", "cam-disc.dxf", "cam-disc.stl", *MORE):
         (tmp_path / name).write_text("")
     results["a"] = replace(report(), folder=tmp_path)
@@ -147,13 +191,19 @@ def test_the_last_lines_say_where_the_files_are_and_what_to_open(run: Run, resul
 def test_shell_completes(shell: str) -> None:
     def complete(instruction: str, **words: str) -> str:
         environment = os.environ | {"_CAMGEN_COMPLETE": f"{shell}_{instruction}"} | words
-        return subprocess.run(CAMGEN, env=environment, capture_output=True, text=True, check=True).stdout
+        return subprocess.run(
+            CAMGEN, env=environment, capture_output=True, text=True, check=True
+        ).stdout
 
     assert f"_CAMGEN_COMPLETE={shell}_complete" in complete("source")
     typed = {"bash": "camgen new di", "zsh": "camgen new di", "fish": "camgen new"}[shell]
     word = {"bash": "2", "zsh": "2", "fish": "di"}[shell]
     assert "disc-cam" in complete("complete", COMP_WORDS=typed, COMP_CWORD=word)
-    typed = {"bash": "camgen explain UNDER", "zsh": "camgen explain UNDER", "fish": "camgen explain"}[shell]
+    typed = {
+        "bash": "camgen explain UNDER",
+        "zsh": "camgen explain UNDER",
+        "fish": "camgen explain",
+    }[shell]
     word = {"bash": "2", "zsh": "2", "fish": "UNDER"}[shell]
     assert "UNDERCUT" in complete("complete", COMP_WORDS=typed, COMP_CWORD=word)
 
@@ -162,7 +212,9 @@ def test_internal_error_is_one_line_and_code_70(run: Run, results: dict[str, Any
     results["a"] = RuntimeError("a fault of ours")
     code, out, err = run("build", "a")
     assert (code, out) == (70, "")
-    assert re.fullmatch(r"internal error: RuntimeError: a fault of ours \(test_cli.py:\d+\); please report.*\n", err)
+    assert re.fullmatch(
+        r"internal error: RuntimeError: a fault of ours \(test_cli.py:\d+\); please report.*\n", err
+    )
 
 
 def test_interrupt_is_130(run: Run, results: dict[str, Any]) -> None:
@@ -173,10 +225,19 @@ def test_interrupt_is_130(run: Run, results: dict[str, Any]) -> None:
 @pytest.mark.parametrize(
     "arguments",
     [
-        ("build",), ("check",), ("new",), ("schema",), ("bild",), ("build", "a", "--only", "iges"), ("build", "--nope"),
-        ("build", "a", "--only", ""), ("new", "uniform-swin"), ("schema", "uniform-swin"), ("build", "a", "--set"),
+        ("build",),
+        ("check",),
+        ("new",),
+        ("schema",),
+        ("bild",),
+        ("build", "a", "--only", "iges"),
+        ("build", "--nope"),
+        ("build", "a", "--only", ""),
+        ("new", "uniform-swin"),
+        ("schema", "uniform-swin"),
+        ("build", "a", "--set"),
     ],
-)  # fmt: skip
+)
 def test_wrong_command_is_2(run: Run, arguments: tuple[str, ...]) -> None:
     code, out, err = run(*arguments)
     assert (code, out) == (2, "")
@@ -197,13 +258,26 @@ def test_json_of_one_and_of_several(run: Run, results: dict[str, Any]) -> None:
     code, out, err = run("build", "a", "b", "c", "--json")
     first, second, third = json.loads(out)
     assert (code, first["ok"], second["ok"], third["ok"]) == (3, True, False, False)
-    facts = {name: getattr(NO_SUCH, name) for name in ("quantity", "value", "limit", "unit", "where", "remedy")}
+    facts = {
+        name: getattr(NO_SUCH, name)
+        for name in ("quantity", "value", "limit", "unit", "where", "remedy")
+    }
     assert (second["source"], second["exit_code"], second["faults"]) == ("b", 3, [facts])
     assert second["error"] == str(NO_SUCH) and str(NO_SUCH) in err
 
 
 def test_json_of_a_wrong_spec_lists_its_faults(run: Run, tmp_path: Path, starter: Path) -> None:
-    code, out, _ = run("build", starter, "--set", "geometry.swing_deg=180", "--set", "x=1", "--json", "-o", tmp_path)
+    code, out, _ = run(
+        "build",
+        starter,
+        "--set",
+        "geometry.swing_deg=180",
+        "--set",
+        "x=1",
+        "--json",
+        "-o",
+        tmp_path,
+    )
     found = json.loads(out)
     assert (code, found["exit_code"]) == (2, 2)
     assert [fault["path"] for fault in found["faults"]] == ["geometry.swing_deg", "x"]
@@ -231,7 +305,9 @@ def test_json_is_the_text_of_report_json(run: Run, tmp_path: Path, starter: Path
         ('mechanism = "uniform-swing"\nname = "a"', 2, "geometry - missing"),
     ],
 )
-def test_wrong_spec_writes_nothing(run: Run, tmp_path: Path, text: str, code: int, words: str) -> None:
+def test_wrong_spec_writes_nothing(
+    run: Run, tmp_path: Path, text: str, code: int, words: str
+) -> None:
     (tmp_path / "s.toml").write_text(text)
     found, out, err = run("build", tmp_path / "s.toml", "-o", tmp_path / "out")
     assert (found, out) == (code, "")
@@ -242,10 +318,15 @@ def test_wrong_spec_writes_nothing(run: Run, tmp_path: Path, text: str, code: in
 @pytest.mark.parametrize(
     "setting, code",
     [
-        ("geometry.swing_deg=180", 2), ("geometry.swing_deg=0", 2), ("geometry.swing_deg=170", 3),
-        ("geometry.tip_radius=40", 3), ("parts.bore=80", 3), ("parts.wall=0.1", 2), ("geometry.pivot_distance=nan", 2),
+        ("geometry.swing_deg=180", 2),
+        ("geometry.swing_deg=0", 2),
+        ("geometry.swing_deg=170", 3),
+        ("geometry.tip_radius=40", 3),
+        ("parts.bore=80", 3),
+        ("parts.wall=0.1", 2),
+        ("geometry.pivot_distance=nan", 2),
     ],
-)  # fmt: skip
+)
 def test_impossible_cam_writes_nothing_and_spares_the_earlier_one(
     run: Run, tmp_path: Path, starter: Path, setting: str, code: int
 ) -> None:
@@ -253,7 +334,10 @@ def test_impossible_cam_writes_nothing_and_spares_the_earlier_one(
     earlier.mkdir()
     found, out, err = run("build", starter, "-o", tmp_path, "--set", setting, "--only", "dxf")
     assert (found, out) == (code, "")
-    assert err.startswith("error: ") and setting.partition("=")[0].rpartition(".")[2].partition("_")[0] in err
+    assert (
+        err.startswith("error: ")
+        and setting.partition("=")[0].rpartition(".")[2].partition("_")[0] in err
+    )
     assert list(tmp_path.rglob("*")) == [earlier]
 
 
@@ -262,11 +346,17 @@ def test_what_cannot_be_read_or_written_is_4(run: Run, tmp_path: Path, starter: 
     (tmp_path / "out" / "uniform-swing").mkdir(parents=True)
     (tmp_path / "out" / "uniform-swing" / "letter.txt").write_text("mine")
     for arguments in (
-        ("build", tmp_path), ("build", tmp_path / "none.toml"), ("build", starter, "-o", tmp_path / "file"),
-        ("build", starter, "-o", tmp_path / "out"), ("check", tmp_path), ("check", tmp_path / "none"),
-        ("check", tmp_path / "file"), ("new", "uniform-swing", tmp_path / "file"),
-        ("new", "uniform-swing", tmp_path / "none" / "a.toml"), ("new", "uniform-swing", tmp_path),
-    ):  # fmt: skip
+        ("build", tmp_path),
+        ("build", tmp_path / "none.toml"),
+        ("build", starter, "-o", tmp_path / "file"),
+        ("build", starter, "-o", tmp_path / "out"),
+        ("check", tmp_path),
+        ("check", tmp_path / "none"),
+        ("check", tmp_path / "file"),
+        ("new", "uniform-swing", tmp_path / "file"),
+        ("new", "uniform-swing", tmp_path / "none" / "a.toml"),
+        ("new", "uniform-swing", tmp_path),
+    ):
         code, out, err = run(*arguments)
         assert (code, out) == (4, ""), arguments
         assert err.startswith("error: ") and str(tmp_path) in err
@@ -274,7 +364,9 @@ def test_what_cannot_be_read_or_written_is_4(run: Run, tmp_path: Path, starter: 
     assert (tmp_path / "out" / "uniform-swing" / "letter.txt").read_text() == "mine"
 
 
-def test_set_reaches_the_resolved_spec_and_check_agrees(run: Run, tmp_path: Path, starter: Path) -> None:
+def test_set_reaches_the_resolved_spec_and_check_agrees(
+    run: Run, tmp_path: Path, starter: Path
+) -> None:
     settings = ("--set", "geometry.swing_deg=24", "--set", "name=other")
     code, out, _ = run("build", starter, "-o", tmp_path, "--only", "dxf", "--json", *settings)
     assert code == 0
@@ -296,23 +388,43 @@ def test_edited_spec_of_a_result_is_kept_and_told(run: Run, tmp_path: Path, root
     written = (tmp_path / "disc-cam" / "report.json").read_bytes()
     spec.write_text(spec.read_text() + "# mine\n")
     code, out, _ = run(*build)
-    assert code == 0 and f"{spec} was changed since its build" in out and "kept as spec.toml.edited" in out
+    assert (
+        code == 0
+        and f"{spec} was changed since its build" in out
+        and "kept as spec.toml.edited" in out
+    )
     assert (tmp_path / "disc-cam" / "spec.toml.edited").read_text().endswith("# mine\n")
     assert (tmp_path / "disc-cam" / "report.json").read_bytes() == written
     assert run("check", str(tmp_path / "disc-cam"))[0] == 0
 
 
 @pytest.mark.parametrize("mechanism", MECHANISMS)
-def test_new_prints_and_writes_the_starter(run: Run, tmp_path: Path, root: Path, mechanism: str) -> None:
-    text = f"#:schema ./{mechanism}.schema.json\n" + (root / "specs" / f"{mechanism}.toml").read_text(encoding="utf-8")
-    assert run("new", mechanism) == (0, text, f"printed only; to save it: camgen new {mechanism} my-{mechanism}.toml\n")
+def test_new_prints_and_writes_the_starter(
+    run: Run, tmp_path: Path, root: Path, mechanism: str
+) -> None:
+    text = f"#:schema ./{mechanism}.schema.json\n" + (
+        root / "specs" / f"{mechanism}.toml"
+    ).read_text(encoding="utf-8")
+    assert run("new", mechanism) == (
+        0,
+        text,
+        f"printed only; to save it: camgen new {mechanism} my-{mechanism}.toml\n",
+    )
     file, schema = tmp_path / "mine.toml", tmp_path / f"{mechanism}.schema.json"
     code, out, err = run("new", mechanism, file)
-    assert (code, out) == (0, "") and f"wrote {file}" in err and str(schema) in err and f"camgen build {file}" in err
+    assert (
+        (code, out) == (0, "")
+        and f"wrote {file}" in err
+        and str(schema) in err
+        and f"camgen build {file}" in err
+    )
     assert file.read_text(encoding="utf-8") == text
     assert schema.read_text(encoding="utf-8") == run("schema", mechanism)[1]
     schema.write_text("mine")
-    assert str(schema) not in run("new", mechanism, tmp_path / "another.toml")[2] and schema.read_text() == "mine"
+    assert (
+        str(schema) not in run("new", mechanism, tmp_path / "another.toml")[2]
+        and schema.read_text() == "mine"
+    )
     file.write_text("changed")
     code, _, err = run("new", mechanism, file)
     assert code == 4 and "exists already" in err
@@ -347,7 +459,9 @@ CAMGEN = [sys.executable, "-m", "camgen"]
 
 
 def test_reader_that_closes_the_pipe() -> None:
-    process = subprocess.Popen([*CAMGEN, "schema", "uniform-swing"], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    process = subprocess.Popen(
+        [*CAMGEN, "schema", "uniform-swing"], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
     assert process.stdout is not None and process.stderr is not None
     process.stdout.close()
     assert process.stderr.read() == b""
@@ -357,10 +471,14 @@ def test_reader_that_closes_the_pipe() -> None:
 
 def test_stdout_that_is_full_or_closed() -> None:
     with open("/dev/full", "w", encoding="utf-8") as full:
-        done = subprocess.run([*CAMGEN, "schema", "uniform-swing"], stdout=full, stderr=subprocess.PIPE, text=True)
+        done = subprocess.run(
+            [*CAMGEN, "schema", "uniform-swing"], stdout=full, stderr=subprocess.PIPE, text=True
+        )
     assert done.returncode == 4
     assert "No space left" in done.stderr and "Traceback" not in done.stderr
-    done = subprocess.run(["sh", "-c", f"{sys.executable} -m camgen list >&-"], stderr=subprocess.PIPE, text=True)
+    done = subprocess.run(
+        ["sh", "-c", f"{sys.executable} -m camgen list >&-"], stderr=subprocess.PIPE, text=True
+    )
     assert "Traceback" not in done.stderr
 
 
@@ -390,12 +508,19 @@ main(["build", "a.toml", "-o", sys.argv[1], *sys.argv[3:]])
 
 
 @pytest.mark.parametrize("sent, code", [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_interrupted_build_leaves_the_earlier_result(tmp_path: Path, sent: signal.Signals, code: int) -> None:
+def test_interrupted_build_leaves_the_earlier_result(
+    tmp_path: Path, sent: signal.Signals, code: int
+) -> None:
     (tmp_path / "cam").mkdir()
     process = subprocess.Popen(
-        [sys.executable, "-c", SLOW, str(tmp_path), "60"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        preexec_fn=lambda: signal.signal(sent, signal.SIG_DFL),  # the shell of this run may ignore it
-    )  # fmt: skip
+        [sys.executable, "-c", SLOW, str(tmp_path), "60"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(
+            sent, signal.SIG_DFL
+        ),  # the shell of this run may ignore it
+    )
     assert process.stdout is not None
     assert process.stdout.readline() == "ready\n"
     assert len(list(tmp_path.iterdir())) == 2
@@ -403,25 +528,35 @@ def test_interrupted_build_leaves_the_earlier_result(tmp_path: Path, sent: signa
     _, err = process.communicate()
     assert process.returncode == code
     assert "Traceback" not in err
-    assert [path.name for path in tmp_path.iterdir()] == ["cam"] and not list((tmp_path / "cam").iterdir())
+    assert [path.name for path in tmp_path.iterdir()] == ["cam"] and not list(
+        (tmp_path / "cam").iterdir()
+    )
 
 
 def test_a_signal_that_the_shell_ignores_ends_nothing(tmp_path: Path) -> None:
     process = subprocess.Popen(
-        [sys.executable, "-c", SLOW, str(tmp_path), "0.5"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        [sys.executable, "-c", SLOW, str(tmp_path), "0.5"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
         preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN),  # as nohup does
-    )  # fmt: skip
+    )
     assert process.stdout is not None and process.stdout.readline() == "ready\n"
     process.send_signal(signal.SIGHUP)
     assert "that was all" in process.communicate()[1] and process.returncode == FileError.exit_code
 
 
 @pytest.mark.parametrize("more, shown", [((), True), (("--quiet",), False)])
-def test_step_is_named_from_the_start_on_a_terminal(tmp_path: Path, more: tuple[str, ...], shown: bool) -> None:
+def test_step_is_named_from_the_start_on_a_terminal(
+    tmp_path: Path, more: tuple[str, ...], shown: bool
+) -> None:
     terminal, side = pty.openpty()
     environment = os.environ | {"TERM": "xterm"}
     process = subprocess.Popen(
-        [sys.executable, "-c", SLOW, str(tmp_path), "0", *more], stdout=subprocess.PIPE, stderr=side, env=environment
+        [sys.executable, "-c", SLOW, str(tmp_path), "0", *more],
+        stdout=subprocess.PIPE,
+        stderr=side,
+        env=environment,
     )
     os.close(side)
     seen, until = b"", time.monotonic() + 20

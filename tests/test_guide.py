@@ -22,23 +22,36 @@ OTHERS = set(
     "ELLIPSE HATCH ENGRAVE GROUND HIDDEN INSERT JSON LINE LWPOLYLINE OFF PETG PLA POLYLINE POSITION SCALAR SLSQP SPLINE STL "
     "TEXT VIEW".split()
 )
-WISHES = {"FEED_RANGE", "LET_DOWN_RATIO", "DWELL_DEG", "PV"}  # of the take-up, by the keys of [wanted]; and the short one
+WISHES = {
+    "FEED_RANGE",
+    "LET_DOWN_RATIO",
+    "DWELL_DEG",
+    "PV",
+}  # of the take-up, by the keys of [wanted]; and the short one
 
 
 def codes(text: str) -> set[str]:
     """Words in capitals that are whole strings of a program."""
     strings = {node.value for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Constant)}
-    return {word for word in strings if isinstance(word, str) and re.fullmatch(r"[A-Z]{3,}(_[A-Z0-9]+)*", word)}
+    return {
+        word
+        for word in strings
+        if isinstance(word, str) and re.fullmatch(r"[A-Z]{3,}(_[A-Z0-9]+)*", word)
+    }
 
 
 def test_every_code_has_an_entry_and_every_entry_a_code() -> None:
-    files = [path for wing in JUDGES for path in (PACKAGE / wing).rglob("*.py") if path.name != "step.py"]  # its own words
+    files = [
+        path for wing in JUDGES for path in (PACKAGE / wing).rglob("*.py") if path.name != "step.py"
+    ]  # its own words
     texts = [path.read_text(encoding="utf-8") for path in files]
     assert (set().union(*map(codes, texts)) - OTHERS) | WISHES == set(guide.entries())
 
 
 def test_a_code_without_an_entry_would_be_seen() -> None:
-    assert codes('at_most("NEW_CODE", 1, 2, "mm", "", "DWELL")') - set(guide.entries()) == {"NEW_CODE"}
+    assert codes('at_most("NEW_CODE", 1, 2, "mm", "", "DWELL")') - set(guide.entries()) == {
+        "NEW_CODE"
+    }
 
 
 @pytest.mark.parametrize("code", guide.entries())
@@ -61,7 +74,9 @@ def test_explain_shows_entries_and_names_the_nearest(run: Any) -> None:  # noqa:
 
 ROOT = PACKAGE.parent
 BLOCKS = [
-    (topic, *block) for topic in guide.TOPICS for block in re.findall(r"^```(\w+)\n(.*?)^```", guide.page(topic), re.M | re.S)
+    (topic, *block)
+    for topic in guide.TOPICS
+    for block in re.findall(r"^```(\w+)\n(.*?)^```", guide.page(topic), re.M | re.S)
 ]
 
 
@@ -71,7 +86,10 @@ def test_every_page_is_a_topic_and_has_a_title() -> None:
     assert {kind for _, kind, _ in BLOCKS} <= {"sh", "toml", "python", "text"}
     text = "".join(map(guide.page, guide.TOPICS))
     assert set(re.findall(r"camgen guide ([a-z-]+)", text)) <= set(guide.TOPICS)
-    assert all((ROOT / path).exists() for path in re.findall(r"`(specs/[a-z-]+\.toml|camgen/[a-z_/]+(?:\.py|\.md)?)`", text))
+    assert all(
+        (ROOT / path).exists()
+        for path in re.findall(r"`(specs/[a-z-]+\.toml|camgen/[a-z_/]+(?:\.py|\.md)?)`", text)
+    )
 
 
 @pytest.mark.parametrize("name", theory.FIGURES)
@@ -80,16 +98,25 @@ def test_the_figures_of_the_theory_pages_are_of_today(name: str) -> None:
 
 
 def test_every_figure_stands_in_a_page_and_in_a_terminal_its_path() -> None:
-    shown = [name for topic in guide.TOPICS for name in re.findall(r"!\[.+?\]\((\S+)\.svg\)", guide.page(topic))]
+    shown = [
+        name
+        for topic in guide.TOPICS
+        for name in re.findall(r"!\[.+?\]\((\S+)\.svg\)", guide.page(topic))
+    ]
     assert sorted(shown) == sorted(theory.FIGURES)
     text = guide.in_terminal("theory-linkage")
-    assert "![" not in text and all(Path(path).exists() for path in re.findall(r"`(/\S+\.svg)`", text))
+    assert "![" not in text and all(
+        Path(path).exists() for path in re.findall(r"`(/\S+\.svg)`", text)
+    )
     assert len(re.findall(r"`(/\S+\.svg)`", text)) == 2
 
 
 @pytest.mark.parametrize("topic", guide.TOPICS)
 def test_what_a_page_says_to_type_works(
-    topic: str, run: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch  # noqa: F811
+    topic: str,
+    run: Any,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,  # noqa: F811
 ) -> None:
     (tmp_path / "specs").symlink_to(ROOT / "specs")
     monkeypatch.chdir(tmp_path)
@@ -102,7 +129,9 @@ def test_what_a_page_says_to_type_works(
             program, *arguments = shlex.split(line, comments=True)
             code, out, err = run(*arguments)
             wanted = re.search(r"# ends with (\d)$", line)
-            assert program == "camgen" and code == (int(wanted[1]) if wanted else 0), f"{line}\n{out}{err}"
+            assert program == "camgen" and code == (int(wanted[1]) if wanted else 0), (
+                f"{line}\n{out}{err}"
+            )
 
 
 def test_the_guide_is_shown_and_listed(run: Any) -> None:  # noqa: F811

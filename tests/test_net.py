@@ -28,7 +28,9 @@ def test_a_number_that_is_rounded_otherwise_is_the_same(states):
     assert net.compare(*states) == 0
 
 
-@pytest.mark.parametrize("change", ["10\n12.5000001\n20\n-3.0\n", "10\n12.5\n20\n3.0\n", "10\n12.5\n20\n-3.0\n0\nEOF\n"])
+@pytest.mark.parametrize(
+    "change", ["10\n12.5000001\n20\n-3.0\n", "10\n12.5\n20\n3.0\n", "10\n12.5\n20\n-3.0\n0\nEOF\n"]
+)
 def test_what_must_be_equal_is_counted(states, change):
     (states[1] / "case-0" / "part.dxf").write_text(change)
     assert net.compare(*states) == 1

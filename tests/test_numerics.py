@@ -13,7 +13,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgen.numerics import crests, gauss_legendre, greatest, least_squares, product, roots, sign_changes, solve
+from camgen.numerics import (
+    crests,
+    gauss_legendre,
+    greatest,
+    least_squares,
+    product,
+    roots,
+    sign_changes,
+    solve,
+)
 
 RNG = np.random.default_rng(7)
 
@@ -28,7 +37,9 @@ def test_product_and_solutions_are_numpy_s() -> None:
         if size == 1:
             assert np.isnan(found[0]).all()
             matrices, right, found = matrices[1:], right[1:], found[1:]
-        np.testing.assert_allclose(found, np.linalg.solve(matrices, right[:, :, None])[:, :, 0], rtol=1e-9)
+        np.testing.assert_allclose(
+            found, np.linalg.solve(matrices, right[:, :, None])[:, :, 0], rtol=1e-9
+        )
 
 
 @pytest.mark.parametrize("share", [0.1, 0.3, 0.6])
@@ -42,7 +53,9 @@ def test_systems_with_zeros_and_several_right_sides_are_numpy_s(share: float) ->
         right = RNG.normal(size=(20, size, 3))
         sound = np.linalg.cond(matrices) < 1e6
         found = solve(matrices, right)
-        np.testing.assert_allclose(found[sound], np.linalg.solve(matrices[sound], right[sound]), rtol=1e-7, atol=1e-9)
+        np.testing.assert_allclose(
+            found[sound], np.linalg.solve(matrices[sound], right[sound]), rtol=1e-7, atol=1e-9
+        )
         np.testing.assert_array_equal(found[:, :, 1], solve(matrices, right[:, :, 1]))
 
 
@@ -55,9 +68,13 @@ def test_one_system_alone_and_one_whose_zeros_are_known(size: int) -> None:
     right = RNG.normal(size=(5, size, 2))
     sound = np.linalg.cond(matrices) < 1e6
     found = solve(matrices, right, holds)
-    np.testing.assert_allclose(found[sound], np.linalg.solve(matrices, right)[sound], rtol=1e-7, atol=1e-9)
+    np.testing.assert_allclose(
+        found[sound], np.linalg.solve(matrices, right)[sound], rtol=1e-7, atol=1e-9
+    )
     for k in np.flatnonzero(sound):
-        np.testing.assert_allclose(solve(matrices[k : k + 1], right[k : k + 1])[0], found[k], rtol=1e-9, atol=1e-11)
+        np.testing.assert_allclose(
+            solve(matrices[k : k + 1], right[k : k + 1])[0], found[k], rtol=1e-9, atol=1e-11
+        )
     matrices[0, 0] = 0.0
     assert np.isnan(solve(matrices[:1], right[:1])).all()
 
@@ -94,7 +111,9 @@ def test_gauss_points_are_the_roots_of_the_polynomial(n: int) -> None:
         for x, w in zip(nodes, weights, strict=True):
             root = mpmath.findroot(lambda t: mpmath.legendre(n, t), mpmath.mpf(float(x)))
             slope = mpmath.diff(lambda t: mpmath.legendre(n, t), root)
-            assert abs(float(root - float(x))) < 2e-16 and float(2 / ((1 - root**2) * slope**2)) == pytest.approx(w, rel=1e-13)
+            assert abs(float(root - float(x))) < 2e-16 and float(
+                2 / ((1 - root**2) * slope**2)
+            ) == pytest.approx(w, rel=1e-13)
 
 
 # Kernels of OpenBLAS, the oldest first. One whose instructions the processor lacks ends the process, one that this OpenBLAS does
@@ -126,7 +145,9 @@ def with_kernel(name: str, code: str, *arguments: str) -> subprocess.CompletedPr
     """Run Python code on a BLAS kernel."""
     environment = {key: value for key, value in os.environ.items() if key != "OPENBLAS_CORETYPE"}
     environment |= {"OPENBLAS_CORETYPE": name} if name else {}
-    return subprocess.run([sys.executable, "-c", code, *arguments], env=environment, stdout=subprocess.PIPE, text=True)
+    return subprocess.run(
+        [sys.executable, "-c", code, *arguments], env=environment, stdout=subprocess.PIPE, text=True
+    )
 
 
 def another_kernel() -> str:
@@ -147,13 +168,23 @@ def test_files_are_the_same_whatever_the_blas_kernel(tmp_path: Path, root: Path)
         out = tmp_path / (name or "own") / "out"
         out.parent.mkdir()
         with_kernel(name, BUILD, str(root / "specs"), str(out)).check_returncode()
-        made.append({path.relative_to(out).as_posix(): path.read_bytes() for path in out.rglob("*") if path.is_file()})
+        made.append(
+            {
+                path.relative_to(out).as_posix(): path.read_bytes()
+                for path in out.rglob("*")
+                if path.is_file()
+            }
+        )
     own, other = made
     assert own and sorted(name for name in own | other if own.get(name) != other.get(name)) == []
 
 
 @settings(max_examples=60)
-@given(st.lists(st.floats(-50, 50), min_size=1, max_size=6), st.floats(0.1, 3), st.sampled_from(["slope", "nan", "none"]))
+@given(
+    st.lists(st.floats(-50, 50), min_size=1, max_size=6),
+    st.floats(0.1, 3),
+    st.sampled_from(["slope", "nan", "none"]),
+)
 def test_roots_are_found_in_their_brackets_whatever_is_known_of_the_slope(
     places: list[float], width: float, known: str
 ) -> None:
@@ -161,7 +192,11 @@ def test_roots_are_found_in_their_brackets_whatever_is_known_of_the_slope(
     wanted, sign = np.array(places), np.where(np.arange(len(places)) % 2, -1.0, 1.0)
 
     def f(t: np.ndarray, i: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        slope = sign[i] * np.cosh(t - wanted[i]) if known == "slope" else np.full(t.size, np.nan if known == "nan" else 0.0)
+        slope = (
+            sign[i] * np.cosh(t - wanted[i])
+            if known == "slope"
+            else np.full(t.size, np.nan if known == "nan" else 0.0)
+        )
         return sign[i] * np.sinh(t - wanted[i]), slope
 
     low, high = wanted - width / 3, wanted + width
@@ -197,5 +232,7 @@ def test_crests_of_roofs_and_domes(places: list[float], share: float) -> None:
 def test_greatest() -> None:
     place, value = greatest(lambda x: np.cos(x - 1.23456789), 0.0, 3.0)
     assert place == pytest.approx(1.23456789, abs=1e-7) and value == pytest.approx(1, abs=1e-14)
-    assert greatest(lambda x: -np.abs(x - 2.7182818), 0.0, 3.0)[0] == pytest.approx(2.7182818, abs=1e-12)
+    assert greatest(lambda x: -np.abs(x - 2.7182818), 0.0, 3.0)[0] == pytest.approx(
+        2.7182818, abs=1e-12
+    )
     assert greatest(lambda x: np.where(x == 0.5, 2.0, -x), 0.0, 1.0, also=[0.5])[0] == 0.5

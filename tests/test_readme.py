@@ -14,7 +14,12 @@ from camgen.cli import cli, main
 
 ROOT = Path(__file__).resolve().parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-COMMANDS = [line for block in re.findall(r"```sh\n(.*?)```", README, re.DOTALL) for line in block.splitlines() if line.strip()]
+COMMANDS = [
+    line
+    for block in re.findall(r"```sh\n(.*?)```", README, re.DOTALL)
+    for line in block.splitlines()
+    if line.strip()
+]
 SETTING_UP = [command for command in COMMANDS if command.startswith("python3")]
 SET_UP = "python3 -m venv .venv && .venv/bin/pip install -q"
 
@@ -36,12 +41,16 @@ def test_every_other_command_works_in_its_order(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     shutil.copytree(ROOT / "specs", tmp_path / "specs")
-    swing = tmp_path / "specs" / "uniform-swing.toml"  # its machine is built in tests/machines/test_swing_machine.py
+    swing = (
+        tmp_path / "specs" / "uniform-swing.toml"
+    )  # its machine is built in tests/machines/test_swing_machine.py
     text = swing.read_text(encoding="utf-8")
     swing.write_text(re.sub(r'(?m)^make = ".*?"', 'make = "cams"', text), encoding="utf-8")
     assert swing.read_text(encoding="utf-8") != text
     monkeypatch.chdir(tmp_path)
-    ran = [command for command in COMMANDS if command not in SETTING_UP]  # one of them builds what the first one does
+    ran = [
+        command for command in COMMANDS if command not in SETTING_UP
+    ]  # one of them builds what the first one does
     for command in ran:
         program, *arguments = shlex.split(command)
         assert Path(program).name == "camgen", command
@@ -60,8 +69,15 @@ def test_python_runs_as_it_stands(
     exec(compile(block, "README.md", "exec"), {})
     told = capsys.readouterr()
     first, second, *faults = told.out.splitlines()
-    assert first.startswith("[] 0.00") and float(second.split()[0]) == pytest.approx(12, abs=2e-3) and told.err == ""
-    assert {fault.partition(":")[0].partition(" ")[0] for fault in faults} >= {"geometry", "segment"}
+    assert (
+        first.startswith("[] 0.00")
+        and float(second.split()[0]) == pytest.approx(12, abs=2e-3)
+        and told.err == ""
+    )
+    assert {fault.partition(":")[0].partition(" ")[0] for fault in faults} >= {
+        "geometry",
+        "segment",
+    }
 
 
 def test_every_command_and_exit_code_is_told() -> None:

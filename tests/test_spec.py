@@ -54,7 +54,9 @@ class Shape(Record):
     @model_validator(mode="after")
     def upright(self) -> Shape:
         if self.height < self.width:
-            raise PydanticCustomError("upright", "height to be at least the width, {width}", {"width": self.width})
+            raise PydanticCustomError(
+                "upright", "height to be at least the width, {width}", {"width": self.width}
+            )
         return self
 
 
@@ -90,7 +92,12 @@ def faults(data: dict[str, Any]) -> dict[str, Fault]:
         ({"width": True}, "shape.width", "true", "a number >= 0.001 and <= 1000000"),
         ({"width": float("nan")}, "shape.width", "nan", "a number >= 0.001 and <= 1000000"),
         ({"width": float("-inf")}, "shape.width", "-inf", "a number >= 0.001 and <= 1000000"),
-        ({"width": 10**400}, "shape.width", "a number of about 1e400", "a number >= 0.001 and <= 1000000"),
+        (
+            {"width": 10**400},
+            "shape.width",
+            "a number of about 1e400",
+            "a number >= 0.001 and <= 1000000",
+        ),
         ({"width": [1]}, "shape.width", "[1]", "a number >= 0.001 and <= 1000000"),
         ({"width": {"a": 1}}, "shape.width", "a table with a", "a number >= 0.001 and <= 1000000"),
         ({"lid": "x"}, "shape.lid", "'x'", "a number >= 0.001 and <= 1000000"),
@@ -98,27 +105,54 @@ def faults(data: dict[str, Any]) -> dict[str, Fault]:
         ({"teeth": 3}, "shape.teeth", "3", "an even number of teeth"),
         ({"side": "lef"}, "shape.side", "'lef'", "one of 'left', 'right'"),
         ({"ribbed": 1}, "shape.ribbed", "1", "true or false"),
-        ({"height": 1}, "shape", "a table with width, height", "height to be at least the width, 2.0"),
+        (
+            {"height": 1},
+            "shape",
+            "a table with width, height",
+            "height to be at least the width, 2.0",
+        ),
         ({"cut": 5}, "shape.cut", "5", "a table with kind, lift or a table with kind, span_deg"),
         ({"lid": 9}, "shape.lid", "9", "a small lid"),
     ],
 )
-def test_fault_names_path_value_and_what_would_be_right(shape: Any, path: str, value: str, expected: str) -> None:
+def test_fault_names_path_value_and_what_would_be_right(
+    shape: Any, path: str, value: str, expected: str
+) -> None:
     found = faults(box(**shape))
     assert found == {path: Fault(path, value, expected)}
 
 
 def test_all_faults_at_once_with_nearest_keys() -> None:
-    data = box(widht=4, side=3, heigth=1) | {"nmae": "x", "print": {"bed": [220], "nozle": 1}, "accuracy": 3}
+    data = box(widht=4, side=3, heigth=1) | {
+        "nmae": "x",
+        "print": {"bed": [220], "nozle": 1},
+        "accuracy": 3,
+    }
     del data["name"], data["shape"]["width"], data["shape"]["height"]
     found = faults(data)
     assert set(found) == {
-        "name", "nmae", "print.bed.1", "print.nozle", "accuracy", "shape.width", "shape.widht", "shape.height",
-        "shape.heigth", "shape.side",
-    }  # fmt: skip
-    nearest = {"nmae": "name", "print.nozle": "nozzle", "shape.widht": "width", "shape.heigth": "height"}
+        "name",
+        "nmae",
+        "print.bed.1",
+        "print.nozle",
+        "accuracy",
+        "shape.width",
+        "shape.widht",
+        "shape.height",
+        "shape.heigth",
+        "shape.side",
+    }
+    nearest = {
+        "nmae": "name",
+        "print.nozle": "nozzle",
+        "shape.widht": "width",
+        "shape.heigth": "height",
+    }
     assert {path: fault.nearest for path, fault in found.items() if fault.nearest} == nearest
-    assert found["shape.width"].expected == "missing: a number >= 0.001 and <= 1000000 ('widht' is no key)"
+    assert (
+        found["shape.width"].expected
+        == "missing: a number >= 0.001 and <= 1000000 ('widht' is no key)"
+    )
     assert str(found["print.nozle"]) == "print.nozle: unknown key; did you mean 'nozzle'?"
 
 
@@ -131,7 +165,9 @@ def test_faults_inside_lists_and_unions() -> None:
     assert faults(box() | {"segment": 3})["segment"].value == "3"
 
 
-@pytest.mark.parametrize("name", ["a/b", "..", "a.b", "A", "a b", "", "-a", "a--b", "a_b", "ä", "a\n", "x" * 61])
+@pytest.mark.parametrize(
+    "name", ["a/b", "..", "a.b", "A", "a b", "", "-a", "a--b", "a_b", "ä", "a\n", "x" * 61]
+)
 def test_name_that_is_no_folder_name(name: str) -> None:
     fault = faults(box() | {"name": name})["name"]
     assert "a-z" in fault.expected and "hyphens" in fault.expected and fault.value
@@ -164,7 +200,9 @@ def test_name_that_is_one(name: str) -> None:
         (b"hello, world", "line 1, column 6", "="),
     ],
 )
-def test_syntax_fault_has_line_and_column(tmp_path: Path, content: bytes, place: str, words: str) -> None:
+def test_syntax_fault_has_line_and_column(
+    tmp_path: Path, content: bytes, place: str, words: str
+) -> None:
     path = tmp_path / "s.toml"
     path.write_bytes(content)
     with pytest.raises(SpecError) as caught:
@@ -194,7 +232,11 @@ def test_a_key_of_many_steps_is_refused_before_it_is_parsed(tmp_path: Path, line
 
 
 def test_what_is_no_readable_file(tmp_path: Path) -> None:
-    for path, words in ((tmp_path, "folder"), (tmp_path / "none.toml", "No such file"), (tmp_path / "a\0b", "null")):
+    for path, words in (
+        (tmp_path, "folder"),
+        (tmp_path / "none.toml", "No such file"),
+        (tmp_path / "a\0b", "null"),
+    ):
         with pytest.raises(FileError, match=words) as caught:
             read(path)
         assert caught.value.exit_code == 4
@@ -217,7 +259,10 @@ def test_byte_order_mark_and_windows_lines_are_fine(tmp_path: Path) -> None:
         ("shape.side=right", {"shape": {"width": 1, "height": 1, "side": "right"}}),
         ('shape.side="right"', {"shape": {"width": 1, "height": 1, "side": "right"}}),
         ("shape.ribbed=true", {"shape": {"width": 1, "height": 1, "ribbed": True}}),
-        ("print.bed=[200, 100]", {"shape": {"width": 1, "height": 1}, "print": {"bed": [200, 100]}}),
+        (
+            "print.bed=[200, 100]",
+            {"shape": {"width": 1, "height": 1}, "print": {"bed": [200, 100]}},
+        ),
         ("name=1\nmechanism = 2", {"shape": {"width": 1, "height": 1}, "name": "1\nmechanism = 2"}),
         ("name=a=b", {"shape": {"width": 1, "height": 1}, "name": "a=b"}),
         ('shape."A-B"=4', {"shape": {"width": 1, "height": 1, "A-B": 4}}),
@@ -231,16 +276,20 @@ def test_override(setting: str, expected: dict[str, Any]) -> None:
     assert data == {"shape": {"width": 1, "height": 1}}
 
 
-@pytest.mark.parametrize("setting", ["", "shape.width", "=3", "shape.=3", ".width=3", "name.x=1", '""=1', r'"\q"=1'])
+@pytest.mark.parametrize(
+    "setting", ["", "shape.width", "=3", "shape.=3", ".width=3", "name.x=1", '""=1', r'"\q"=1']
+)
 def test_override_of_the_wrong_form(setting: str) -> None:
     with pytest.raises(SpecError, match="--set"):
         override({"name": "n"}, setting)
 
 
 SEGMENTS = {
-    "name": "n", "output": [{}], "segment": [{"kind": "rise", "lift": 5}, {"kind": "dwell"}],
+    "name": "n",
+    "output": [{}],
+    "segment": [{"kind": "rise", "lift": 5}, {"kind": "dwell"}],
     "shape": {"width": 1, "points": [[0, 1]]},
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize(
@@ -256,7 +305,9 @@ SEGMENTS = {
         ("name=''", ("name",), ""),
     ],
 )
-def test_override_of_a_list_and_removal(setting: str, path: tuple[str | int, ...], expected: object) -> None:
+def test_override_of_a_list_and_removal(
+    setting: str, path: tuple[str | int, ...], expected: object
+) -> None:
     found: Any = override(SEGMENTS, setting)
     for step in path:
         found = found[step]
@@ -272,9 +323,15 @@ def test_override_of_a_list_and_removal(setting: str, path: tuple[str | int, ...
         (f"segment.{'9' * 5000}=1", "segment has 2 items"),
         ("segment.lift=1", "segment has 2 items, 0 to 1: there is no lift"),
         ("segment.7=", "segment has 2 items"),
-        ("output.marks=true", "output has one item, 0: there is no marks (did you mean 'files.marks'?)"),
+        (
+            "output.marks=true",
+            "output has one item, 0: there is no marks (did you mean 'files.marks'?)",
+        ),
         ("shape.points.1.0=2", "shape.points has one item, 0: there is no 1"),
-        ("shape.widht=", "--set shape.widht= - nothing to remove: there is no widht in shape (did you mean 'width'?)"),
+        (
+            "shape.widht=",
+            "--set shape.widht= - nothing to remove: there is no widht in shape (did you mean 'width'?)",
+        ),
         ("shapes.width=", "there is no shapes (did you mean 'shape'?)"),
         ("zzz=", "nothing to remove: there is no zzz"),
         ("name.x=", "name is a value and has no keys"),
@@ -295,7 +352,10 @@ def test_override_of_an_unknown_key_is_found_by_validation() -> None:
 
 def test_unknown_mechanism_with_nearest_name_and_the_shared_faults() -> None:
     with pytest.raises(SpecError) as caught:
-        choose({"mechanism": "uniform-swin", "name": "A B", "geometry": {}}, ["uniform-swing", "disc-cam"])
+        choose(
+            {"mechanism": "uniform-swin", "name": "A B", "geometry": {}},
+            ["uniform-swing", "disc-cam"],
+        )
     assert [fault.path for fault in caught.value.faults] == ["mechanism", "name"]
     first = caught.value.faults[0]
     assert (first.value, first.nearest) == ("'uniform-swin'", "uniform-swing")
@@ -327,7 +387,9 @@ lengths = st.floats(min_value=1e-3, max_value=1e6) | st.integers(1, 10**6)
     side=st.sampled_from(["left", "right"]),
     chord=st.floats(1e-7, 0.1),
 )
-def test_dump_reads_back_equal_and_dumps_the_same(width: Any, lid: Any, lifts: list[Any], side: str, chord: float) -> None:
+def test_dump_reads_back_equal_and_dumps_the_same(
+    width: Any, lid: Any, lifts: list[Any], side: str, chord: float
+) -> None:
     data = box(width=width, height=1e6, side=side) | {"accuracy": {"chord_tolerance": chord}}
     if lid not in (None, 9):
         data["shape"]["lid"] = lid
@@ -345,12 +407,16 @@ def test_dump_reads_back_equal_and_dumps_the_same(width: Any, lid: Any, lifts: l
 def test_minus_zero_and_what_is_next_to_it_is_zero(key: str, zero: str) -> None:
     """They are equal, and what is kept for equal records must not differ."""
     data = tomllib.loads(starters.text("disc-cam"))
-    minus, plain = (dump(validate(load("disc-cam"), override(data, f"{key}={zero}"))) for zero in (zero, "0.0"))
+    minus, plain = (
+        dump(validate(load("disc-cam"), override(data, f"{key}={zero}"))) for zero in (zero, "0.0")
+    )
     assert minus == plain and f"{key.rpartition('.')[2]} = 0.0\n" in minus
 
 
 def test_whole_numbers_and_floats_end_equal() -> None:
-    assert dump(validate(Box, box(width=60, height=60))) == dump(validate(Box, box(width=60.0, height=60.0)))
+    assert dump(validate(Box, box(width=60, height=60))) == dump(
+        validate(Box, box(width=60.0, height=60.0))
+    )
 
 
 def test_short_arrays_stand_on_one_line_and_long_ones_on_many(root: Path) -> None:
@@ -360,13 +426,18 @@ def test_short_arrays_stand_on_one_line_and_long_ones_on_many(root: Path) -> Non
     record = validate(load("thread-take-up"), data)
     text = dump(record)
     assert "guides = [[0.0, 1.5], [1.0, 1.5]]\n" in text and "bed = [220.0, 220.0]\n" in text
-    assert tomllib.loads(text) == tomllib.loads(tomli_w.dumps(record.model_dump(by_alias=True, exclude_none=True)))
+    assert tomllib.loads(text) == tomllib.loads(
+        tomli_w.dumps(record.model_dump(by_alias=True, exclude_none=True))
+    )
     cam = read(root / "specs" / "disc-cam.toml")
     rows = [[float(k), k / 7] for k in range(60)]
     odd = 'a "[" b, ]'
     cam["segment"][0]["law"] = {"name": "table", "points": rows, "source": odd}
     text = dump(validate(load("disc-cam"), cam))
-    assert max(map(len, text.splitlines())) < 400 and tomllib.loads(text)["segment"][0]["law"]["points"] == rows
+    assert (
+        max(map(len, text.splitlines())) < 400
+        and tomllib.loads(text)["segment"][0]["law"]["points"] == rows
+    )
     assert tomllib.loads(text)["segment"][0]["law"]["source"] == odd
 
 
@@ -380,9 +451,13 @@ def test_starter_is_valid_and_its_schema_knows_every_key(root: Path, mechanism: 
         assert key in described["properties"]
         if isinstance(table, dict):
             node = described["properties"][key]
-            if "propertyNames" in node or "additionalProperties" in node:  # its keys are names of the user's own
+            if (
+                "propertyNames" in node or "additionalProperties" in node
+            ):  # its keys are names of the user's own
                 continue
-            reference = next(n["$ref"] for n in [node, *node.get("anyOf", [])] if "$ref" in n)  # a table that may be left out
+            reference = next(
+                n["$ref"] for n in [node, *node.get("anyOf", [])] if "$ref" in n
+            )  # a table that may be left out
             name = reference.rsplit("/", 1)[-1]
             assert set(table) <= set(described["$defs"][name]["properties"])
 
@@ -396,9 +471,11 @@ def test_tables_nested_too_deep_are_a_fault(tmp_path: Path, depth: int, form: st
     """From a file and from --set; the deepest that a real spec has is segment.0.law.points.0.0."""
     keys = ".".join("a" * depth)
     text = {
-        "dotted": f"{keys} = 1", "header": f"[{keys}]\nb = 1", "inline": "a = " + "{a = " * depth + "1" + "}" * depth,
+        "dotted": f"{keys} = 1",
+        "header": f"[{keys}]\nb = 1",
+        "inline": "a = " + "{a = " * depth + "1" + "}" * depth,
         "list": "a = " + "[" * depth + "]" * depth,
-    }[form]  # fmt: skip
+    }[form]
     (tmp_path / "deep.toml").write_text(text)
     with pytest.raises(SpecError, match="nested"):
         read(tmp_path / "deep.toml")
@@ -413,7 +490,11 @@ def test_a_real_spec_is_not_too_deep(root: Path) -> None:
     for path in sorted((root / "specs").glob("*.toml")):
         assert read(path)
     law = "law={name='polynomial',conditions=[[0,0,0],[1,0,1]]}"
-    assert override({}, f"a.b.c.d={{{law}}}")["a"]["b"]["c"]["d"]["law"]["conditions"][1] == [1, 0, 1]
+    assert override({}, f"a.b.c.d={{{law}}}")["a"]["b"]["c"]["d"]["law"]["conditions"][1] == [
+        1,
+        0,
+        1,
+    ]
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes and devices in the file system")
@@ -422,13 +503,21 @@ def test_only_files_of_a_sane_size_are_read(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     with open(tmp_path / "large.toml", "wb") as file:
         file.truncate(11_000_000)
-    for path, said in ((Path("/dev/zero"), "no file"), (tmp_path / "pipe", "no file"), (tmp_path / "large.toml", "10 MB")):
+    for path, said in (
+        (Path("/dev/zero"), "no file"),
+        (tmp_path / "pipe", "no file"),
+        (tmp_path / "large.toml", "10 MB"),
+    ):
         code = "import sys\nfrom camgen.cli import main\nmain(['build', *sys.argv[1:]])"
-        done = subprocess.run([sys.executable, "-c", code, str(path)], capture_output=True, text=True, timeout=60)
+        done = subprocess.run(
+            [sys.executable, "-c", code, str(path)], capture_output=True, text=True, timeout=60
+        )
         assert done.returncode == 4 and said in done.stderr and str(path) in done.stderr
 
 
-@pytest.mark.parametrize("mechanism", ["uniform-swing", "eccentric-drive", "thread-take-up", "indexing-cam", "disc-cam"])
+@pytest.mark.parametrize(
+    "mechanism", ["uniform-swing", "eccentric-drive", "thread-take-up", "indexing-cam", "disc-cam"]
+)
 def test_the_limit_of_free_play_is_a_key_whose_default_has_a_reason(mechanism: str) -> None:
     limits = starters.described(load(mechanism), mechanism)["$defs"]["Limits"]["properties"]
     (told,) = [key for name, key in limits.items() if name in ("lash", "lash_deg")]
@@ -441,12 +530,16 @@ def test_a_key_in_the_other_spelling_is_taken_and_told(root: Path) -> None:
 
     disc, linkage = (read(root / "specs" / f"{name}.toml") for name in ("disc-cam", "linkage"))
     made = validate(load("disc-cam"), override(disc, "output.centre_marks=true"))
-    assert made.output.center_marks and made.hints == ("output.centre_marks is read as center_marks",)
+    assert made.output.center_marks and made.hints == (
+        "output.centre_marks is read as center_marks",
+    )
     assert validate(load("disc-cam"), disc).hints == ()
     for key in ("mass_g=12", "center=[10.0, 0.0]"):
         linkage = override(linkage, f"masses.rocker.{key}")
     told = validate(load("linkage"), linkage)
-    assert told.masses["rocker"].centre == (10, 0) and told.hints == ("masses.rocker.center is read as centre",)
+    assert told.masses["rocker"].centre == (10, 0) and told.hints == (
+        "masses.rocker.center is read as centre",
+    )
     assert "center" in linkage["masses"]["rocker"]  # what was given stays as it is
     with pytest.raises(SpecError, match="masses.rocker.center: unknown key"):
         validate(load("linkage"), override(linkage, "masses.rocker.centre=[9.0, 0.0]"))

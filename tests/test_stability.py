@@ -32,10 +32,14 @@ def test_all_mechanisms_are_there() -> None:
 
 
 @pytest.mark.parametrize("mechanism", ["eccentric-drive", "thread-take-up", "chain-stitch-looper"])
-def test_a_wrong_motion_is_seen(mechanism: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_wrong_motion_is_seen(
+    mechanism: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     right = stability.TRUTHS[mechanism]
     monkeypatch.setitem(
-        stability.TRUTHS, mechanism, lambda machine: lambda t: right(machine)(t) * (1 + stability.mp.mpf("1e-11"))
+        stability.TRUTHS,
+        mechanism,
+        lambda machine: lambda t: right(machine)(t) * (1 + stability.mp.mpf("1e-11")),
     )
     assert not stability.judged(stability.Case(mechanism, "wrong"), tmp_path).fine
 
@@ -61,7 +65,9 @@ def test_distances_from_arcs(bulges: list[float]) -> None:
     rng = np.random.default_rng(3)
     z = rng.normal(size=40) * 8 + 1j * rng.normal(size=40) * 8
     u = np.clip((np.conj(edge) * (z[:, None] - start)).real / np.abs(edge) ** 2, 0, 1)
-    assert stability.apart(ring, z) == pytest.approx(np.abs(z[:, None] - start - u * edge).min(axis=1), abs=2e-7)
+    assert stability.apart(ring, z) == pytest.approx(
+        np.abs(z[:, None] - start - u * edge).min(axis=1), abs=2e-7
+    )
     turns = rng.uniform(0, 6.3, 20)
     tops = (start * np.exp(1j * turns)[:, None]).imag.max(axis=1)
     assert [stability.highest(ring, t) for t in turns] == pytest.approx(tops, abs=2e-7)

@@ -44,7 +44,9 @@ class Picture:
         """Straight from place to place."""
         self.reach += places
         end = "Z" if closed else ""
-        self.drawn.append(lambda at: f'<path class="{kind}" d="M{"L".join(_xy(at(z)) for z in places)}{end}"/>')
+        self.drawn.append(
+            lambda at: f'<path class="{kind}" d="M{"L".join(_xy(at(z)) for z in places)}{end}"/>'
+        )
 
     def curve(self, kind: str, places: Any, closed: bool = False) -> None:
         """Through many places, (n,) complex."""
@@ -54,12 +56,16 @@ class Picture:
         """About a middle."""
         self.curve(kind, middle + radius * np.exp(2j * np.pi * np.arange(96) / 96), closed=True)
 
-    def joint(self, name: str, place: complex, beside: complex = 14 + 12j, kind: str = "joint") -> None:
+    def joint(
+        self, name: str, place: complex, beside: complex = 14 + 12j, kind: str = "joint"
+    ) -> None:
         """A named point; beside: from it to its name, px, y up."""
         self.reach.append(place)
         radius = 4 if kind == "joint" else 2.5
         self.drawn.append(
-            lambda at: f'<circle class="{kind}" cx="{at(place).real:.1f}" cy="{at(place).imag:.1f}" r="{radius}"/>'
+            lambda at: (
+                f'<circle class="{kind}" cx="{at(place).real:.1f}" cy="{at(place).imag:.1f}" r="{radius}"/>'
+            )
         )
         self.sign(name, place, beside, "name")
 
@@ -73,7 +79,9 @@ class Picture:
 
         def drawn(at: Place) -> str:
             z = at(place) + beside.conjugate()
-            return f'<text class="{kind}" x="{z.real:.1f}" y="{z.imag:.1f}">{head}{low}{tail}</text>'
+            return (
+                f'<text class="{kind}" x="{z.real:.1f}" y="{z.imag:.1f}">{head}{low}{tail}</text>'
+            )
 
         self.drawn.append(drawn)
 
@@ -93,14 +101,18 @@ class Picture:
 
         self.drawn.append(drawn)
 
-    def angle(self, text: str, corner: complex, a: complex, b: complex, radius: float, beyond: float = 14) -> None:
+    def angle(
+        self, text: str, corner: complex, a: complex, b: complex, radius: float, beyond: float = 14
+    ) -> None:
         """An arc about a corner from the direction of a to that of b, the shorter way, its sign so many px beyond the middle."""
         begin, sweep = cmath.phase(a - corner), cmath.phase((b - corner) / (a - corner))
         self.curve("thin", corner + radius * np.exp(1j * (begin + sweep * np.linspace(0, 1, 25))))
         way = cmath.rect(1, begin + sweep / 2)
         self.sign(text, corner + radius * way, beyond * way)
 
-    def size(self, text: str, a: complex, b: complex, away: complex = 0j, beside: complex = 0j) -> None:
+    def size(
+        self, text: str, a: complex, b: complex, away: complex = 0j, beside: complex = 0j
+    ) -> None:
         """A distance between two places, drawn so far (mm) from them; beside: its sign from its middle, px, y up."""
         for end in (a, b) if away else ():
             self.line("thin", end, end + 1.1 * away)
@@ -120,7 +132,10 @@ class Picture:
         scale = (self.wide - 2 * margin) / np.ptp(reach.real)
         tall = scale * np.ptp(reach.imag) + 2 * margin
         inside = "".join(
-            draw(lambda z: complex(margin + scale * (z.real - left), margin + scale * (top - z.imag))) for draw in self.drawn
+            draw(
+                lambda z: complex(margin + scale * (z.real - left), margin + scale * (top - z.imag))
+            )
+            for draw in self.drawn
         )
         return (
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {self.wide:.0f} {tall:.0f}" width="{self.wide:.0f}" '
@@ -163,7 +178,10 @@ def disc_cam() -> Picture:
     """A sliding roller beside the shaft, in the middle of its rise."""
     spec = _load(
         "disc-cam",
-        geometry={"base_radius": 18, "follower": {"motion": "translating", "shape": "roller", "radius": 8, "offset": 5}},
+        geometry={
+            "base_radius": 18,
+            "follower": {"motion": "translating", "shape": "roller", "radius": 8, "offset": 5},
+        },
     )
     cam, base, roller, beside = spec.cams[0], 18.0, 8.0, 5.0
     theta = math.radians(50)
@@ -200,7 +218,9 @@ def disc_cam() -> Picture:
         fig.sign(text, 0.6 * end, 12j * end / abs(end))
     fig.arrow("thin", trace, trace + cmath.rect(roller, math.radians(165)))
     fig.sign("r_f", trace + cmath.rect(roller, math.radians(165)), -12 + 0j)
-    fig.arrow("thin", cmath.rect(base + 16, math.radians(-62)), cmath.rect(base + 16, math.radians(-55)))
+    fig.arrow(
+        "thin", cmath.rect(base + 16, math.radians(-62)), cmath.rect(base + 16, math.radians(-55))
+    )
     fig.curve("thin", (base + 16) * np.exp(1j * np.radians(np.linspace(-85, -57, 25))))
     fig.sign("θ", cmath.rect(base + 16, math.radians(-72)), 12 - 16j)
     fig.joint("O", 0j, 12 + 12j)
@@ -211,14 +231,22 @@ def disc_cam() -> Picture:
 def swinging_roller() -> Picture:
     """An arm with a roller, in the middle of its rise."""
     base, roller, c, a, theta = 30.0, 8.0, 70.0, 56.0, math.radians(50)
-    follower = {"motion": "oscillating", "shape": "roller", "radius": roller, "pivot_distance": c, "arm": a}
+    follower = {
+        "motion": "oscillating",
+        "shape": "roller",
+        "radius": roller,
+        "pivot_distance": c,
+        "arm": a,
+    }
     segments = [
         {"kind": "rise", "span_deg": 100, "lift": 24, "law": "cycloidal"},
         {"kind": "return", "span_deg": 100, "to": 0, "law": "cycloidal"},
         {"kind": "dwell", "span_deg": 160},
     ]
     geometry = {"base_radius": base, "follower": follower}
-    spec = camgen.load({"mechanism": "disc-cam", "name": "arm", "geometry": geometry, "segment": segments})
+    spec = camgen.load(
+        {"mechanism": "disc-cam", "name": "arm", "geometry": geometry, "segment": segments}
+    )
     cam = spec.cams[0]
     turn = cmath.exp(1j * theta)
     trace, touch = turn * complex(cam.pitch(theta)), turn * complex(cam.profile(theta))
@@ -257,7 +285,10 @@ def swinging_roller() -> Picture:
 
 def flat_face() -> Picture:
     """A flat face touches beside its middle."""
-    spec = _load("disc-cam", geometry={"base_radius": 40, "follower": {"motion": "translating", "shape": "flat"}})
+    spec = _load(
+        "disc-cam",
+        geometry={"base_radius": 40, "follower": {"motion": "translating", "shape": "flat"}},
+    )
     cam = spec.cams[0]
     theta = math.radians(40)
     touch = cmath.exp(1j * theta) * complex(cam.profile(theta))
@@ -285,7 +316,11 @@ def uniform_swing() -> Picture:
     model = Model(g.pivot_distance, g.arm_offset, math.radians(g.swing_deg), spec.cam)
     ends = model.alpha_1, model.alpha_1 + model.swing
     middle = model.alpha_1 + model.swing / 2
-    tips, b, c = [complex(model.tip(a)) for a in ends], complex(model.corner(middle)), complex(model.tip(middle))
+    tips, b, c = (
+        [complex(model.tip(a)) for a in ends],
+        complex(model.corner(middle)),
+        complex(model.tip(middle)),
+    )
     a = complex(model.pivot)
     fig = Picture("Uniform swing: cam, follower ABC in its middle, its tip at both ends", 640)
     fig.curve("part", np.exp(0.5j * math.pi) * facet_contour(spec.cam.outline, 0.05), closed=True)
@@ -340,7 +375,13 @@ def thread_take_up() -> Picture:
     """The four-bar with its eye, the guides drawn nearer."""
     spec = _load("thread-take-up")
     o, a, b, c, d = _joints(
-        spec, math.radians(75), ("crank", "O"), ("crank", "A"), ("coupler", "B"), ("ground", "C"), ("coupler", "D")
+        spec,
+        math.radians(75),
+        ("crank", "O"),
+        ("crank", "A"),
+        ("coupler", "B"),
+        ("ground", "C"),
+        ("coupler", "D"),
     )
     fig = Picture("Thread take-up: four-bar O-A-B-C with the eye D, thread from M over D to N", 420)
     m, n = _joints(spec, 0.0, ("ground", "M"), ("ground", "N"))
@@ -389,10 +430,23 @@ def chain_stitch() -> Picture:
     fig.line("dash", -4, complex(far))
     wide = g.needle / 2
     fig.curve(
-        "part", [-1j * (over + h), wide - 1j * (over + h - 2), wide + 5j, -wide + 5j, -wide - 1j * (over + h - 2)], closed=True
+        "part",
+        [
+            -1j * (over + h),
+            wide - 1j * (over + h - 2),
+            wide + 5j,
+            -wide + 5j,
+            -wide - 1j * (over + h - 2),
+        ],
+        closed=True,
     )
     fig.curve(
-        "other", [complex(x, -over + y) for x, y in ((-wide / 3, 0), (wide / 3, 0), (wide / 3, -1), (-wide / 3, -1))], closed=True
+        "other",
+        [
+            complex(x, -over + y)
+            for x, y in ((-wide / 3, 0), (wide / 3, 0), (wide / 3, -1), (-wide / 3, -1))
+        ],
+        closed=True,
     )
     fig.size("h", -1j * over, -1j * (over + h), -2.5)
     fig.size("a", 0j, -1j * over, -2.5)
@@ -442,7 +496,14 @@ def indexing_cam() -> Picture:
 
 def four_bar() -> Picture:
     """The four-bar of specs/linkage.toml."""
-    o, a, b, c = _joints(_load("linkage"), math.radians(60), ("crank", "O"), ("crank", "A"), ("coupler", "B"), ("ground", "C"))
+    o, a, b, c = _joints(
+        _load("linkage"),
+        math.radians(60),
+        ("crank", "O"),
+        ("crank", "A"),
+        ("coupler", "B"),
+        ("ground", "C"),
+    )
     fig = Picture("Four-bar: crank a, coupler b, rocker c, ground d, diagonal q")
     for p, r in ((o, a), (a, b), (b, c)):
         fig.line("link", p, r)
@@ -459,14 +520,26 @@ def four_bar() -> Picture:
         fig.sign(text, (p + r) / 2, beside)
     fig.angle("θ", o, c, a, 8)
     fig.angle("μ", b, a, c, 10)
-    for name, place, beside in (("O", o, -14 - 10j), ("A", a, -10 + 14j), ("B", b, 10 + 14j), ("C", c, 14 - 10j)):
+    for name, place, beside in (
+        ("O", o, -14 - 10j),
+        ("A", a, -10 + 14j),
+        ("B", b, 10 + 14j),
+        ("C", c, 14 - 10j),
+    ):
         fig.joint(name, place, beside)
     return fig
 
 
 def quick_return() -> Picture:
     """The arm of specs/quick-return.toml at both ends of its swing, and between."""
-    o, d, a, e = _joints(_load("quick-return"), math.radians(75), ("crank", "O"), ("arm", "D"), ("crank", "A"), ("arm", "E"))
+    o, d, a, e = _joints(
+        _load("quick-return"),
+        math.radians(75),
+        ("crank", "O"),
+        ("arm", "D"),
+        ("crank", "A"),
+        ("arm", "E"),
+    )
     half = math.asin(abs(a - o) / abs(d - o))
     fig = Picture("Quick return: the arm swings by α", 380)
     fig.circle("dash", o, abs(a))
@@ -477,11 +550,18 @@ def quick_return() -> Picture:
     fig.line("link", d, e)
     fig.line("other", o, a)
     fig.line("dash", o, d)
-    fig.angle("", d, d + cmath.rect(1, math.pi / 2 + half), d + cmath.rect(1, math.pi / 2 - half), 24)
+    fig.angle(
+        "", d, d + cmath.rect(1, math.pi / 2 + half), d + cmath.rect(1, math.pi / 2 - half), 24
+    )
     fig.sign("α", d + cmath.rect(24, math.pi / 2 - half / 2), 14j)
     fig.sign("a", (o + a) / 2, -12 + 4j)
     fig.sign("d", (o + d) / 2, -10 - 30j)
-    for name, place, beside in (("O", o, -14 - 8j), ("A", a, 14 + 2j), ("D", d, 14 - 8j), ("E", e, 14 + 8j)):
+    for name, place, beside in (
+        ("O", o, -14 - 8j),
+        ("A", a, 14 + 2j),
+        ("D", d, 14 - 8j),
+        ("E", e, 14 + 8j),
+    ):
         fig.joint(name, place, beside)
     return fig
 

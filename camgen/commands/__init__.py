@@ -12,5 +12,19 @@ from camgen.commands.specs import new, schema
 from camgen.commands.sweeping import sweep
 
 COMMANDS = (
-    bench, build, check, design, explain, explore, guide_, list_, motion, new, schema, selftest, sweep, tolerance, watch,
-)  # fmt: skip
+    bench,
+    build,
+    check,
+    design,
+    explain,
+    explore,
+    guide_,
+    list_,
+    motion,
+    new,
+    schema,
+    selftest,
+    sweep,
+    tolerance,
+    watch,
+)

@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from camgen.commands.options import ANY_KIND, EXIT_CODES, jobs_option, json_option, kinds_of, quiet_option, verbose_option
+from camgen.commands.options import (
+    ANY_KIND,
+    EXIT_CODES,
+    jobs_option,
+    json_option,
+    kinds_of,
+    quiet_option,
+    verbose_option,
+)
 from camgen.commands.running import each, refuse_one_name_twice
 from camgen.errors import Fault, SpecError
 
@@ -20,17 +28,38 @@ if TYPE_CHECKING:
 
 
 @click.command(epilog=EXIT_CODES)
-@click.argument("specs", metavar="SPEC...", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("-o", "--out", default="out", type=click.Path(path_type=Path), help="Output folder.  [default: out]")
-@click.option("--only", metavar="KINDS", callback=kinds_of, help=f"Make only these, of {','.join(ANY_KIND)}.")
-@click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="Such as segment.1.lift=8; KEY= removes it.")
+@click.argument(
+    "specs", metavar="SPEC...", nargs=-1, required=True, type=click.Path(path_type=Path)
+)
+@click.option(
+    "-o",
+    "--out",
+    default="out",
+    type=click.Path(path_type=Path),
+    help="Output folder.  [default: out]",
+)
+@click.option(
+    "--only", metavar="KINDS", callback=kinds_of, help=f"Make only these, of {','.join(ANY_KIND)}."
+)
+@click.option(
+    "--set",
+    "settings",
+    metavar="KEY=VALUE",
+    multiple=True,
+    help="Such as segment.1.lift=8; KEY= removes it.",
+)
 @jobs_option
 @json_option
 @quiet_option
 @verbose_option
 def build(
-    specs: Sequence[Path], out: Path, only: frozenset[str], settings: Sequence[str], jobs: int | None, **shown: bool
-) -> None:  # fmt: skip
+    specs: Sequence[Path],
+    out: Path,
+    only: frozenset[str],
+    settings: Sequence[str],
+    jobs: int | None,
+    **shown: bool,
+) -> None:
     """Make the parts of each SPEC, read the files back and check them; writes OUT/<name>/."""
 
     def work() -> Work:
@@ -44,22 +73,40 @@ def build(
 
 
 @click.command(epilog=EXIT_CODES)
-@click.argument("folders", metavar="FOLDER...", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--gcode", multiple=True, type=click.Path(path_type=Path), help="Judge this in place of the folder's files.")
-@click.option("--line-width", type=click.FloatRange(0.01, 10), help="Of G-code that does not say it (CuraEngine), mm.")
+@click.argument(
+    "folders", metavar="FOLDER...", nargs=-1, required=True, type=click.Path(path_type=Path)
+)
+@click.option(
+    "--gcode",
+    multiple=True,
+    type=click.Path(path_type=Path),
+    help="Judge this in place of the folder's files.",
+)
+@click.option(
+    "--line-width",
+    type=click.FloatRange(0.01, 10),
+    help="Of G-code that does not say it (CuraEngine), mm.",
+)
 @jobs_option
 @json_option
 @quiet_option
 @verbose_option
 def check(
-    folders: Sequence[Path], gcode: Sequence[Path], line_width: float | None, jobs: int | None, **shown: bool
-) -> None:  # fmt: skip
+    folders: Sequence[Path],
+    gcode: Sequence[Path],
+    line_width: float | None,
+    jobs: int | None,
+    **shown: bool,
+) -> None:
     """Judge the files of earlier builds again, from the files alone and the spec.toml beside them.
 
     With --gcode, once for each plate: what a printer lays down of it (PrusaSlicer, OrcaSlicer, Bambu Studio, CuraEngine).
     """
     if gcode and len(folders) > 1:
-        raise SpecError([Fault("--gcode", f"with {len(folders)} folders", "one folder, whose plates they are")], "command line")
+        raise SpecError(
+            [Fault("--gcode", f"with {len(folders)} folders", "one folder, whose plates they are")],
+            "command line",
+        )
 
     def work() -> Work:
         if gcode:
@@ -71,7 +118,13 @@ def check(
     each(folders, work, jobs, **shown)
 
 
-def _sliced(folder: Path, plates: Sequence[Path], line_width: float | None, progress: Progress, jobs: int | None) -> Report:
+def _sliced(
+    folder: Path,
+    plates: Sequence[Path],
+    line_width: float | None,
+    progress: Progress,
+    jobs: int | None,
+) -> Report:
     """A folder judged by the G-code of its plates; its own steps take one core."""
     from camgen.pipeline.sliced import check_gcode
 

@@ -16,10 +16,28 @@ from camgen.errors import FileError, printable
 @click.command(epilog=EXIT_CODES)
 @click.argument("spec", type=click.Path(path_type=Path))
 @click.argument("file", required=False, type=click.Path(path_type=Path))
-@click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="Change a value: wanted.feed_range=80.")
-@click.option("--front", type=click.Path(path_type=Path), help="Folder for all designs that are best in something, and a page.")
-@click.option("-j", "--jobs", type=click.IntRange(0), default=1, help="Cores to use, 0: all of them.  [default: 1]")
-def design(spec: Path, file: Path | None, settings: Sequence[str], front: Path | None, jobs: int) -> None:
+@click.option(
+    "--set",
+    "settings",
+    metavar="KEY=VALUE",
+    multiple=True,
+    help="Change a value: wanted.feed_range=80.",
+)
+@click.option(
+    "--front",
+    type=click.Path(path_type=Path),
+    help="Folder for all designs that are best in something, and a page.",
+)
+@click.option(
+    "-j",
+    "--jobs",
+    type=click.IntRange(0),
+    default=1,
+    help="Cores to use, 0: all of them.  [default: 1]",
+)
+def design(
+    spec: Path, file: Path | None, settings: Sequence[str], front: Path | None, jobs: int
+) -> None:
     """Search for what SPEC's table [wanted] ([synthesis] of an indexing cam) asks; write that spec to FILE, or print it.
 
     A path is traced by a linkage that is found; of any machine keys vary until every limit holds: camgen guide design.
@@ -31,7 +49,10 @@ def design(spec: Path, file: Path | None, settings: Sequence[str], front: Path |
         raise FileError(front, "exists already and is left as it is; choose another folder")
     keep = None if front is None else lambda found: found.write(front)
     cores = jobs or os.cpu_count() or 1
-    hand_over(run.design(spec, settings, cores, lambda said: click.echo(printable(said), err=True), keep), file)
+    hand_over(
+        run.design(spec, settings, cores, lambda said: click.echo(printable(said), err=True), keep),
+        file,
+    )
     if front is not None:
         click.echo(printable(f"wrote {front}: each design, front.csv and front.html"), err=True)
     if file is not None:

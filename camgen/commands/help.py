@@ -25,7 +25,9 @@ def list_() -> None:
     click.echo("\nExamples")
     for name in starters.examples():
         click.echo(f"  {name:<20} {starters.summary(name)}")
-    click.echo(f"\n{'Laws of motion':<22}{'C_v':>8}{'C_a':>9}{'C_j':>9}  peaks of v, a, j inside a rise of 1 in unit time")
+    click.echo(
+        f"\n{'Laws of motion':<22}{'C_v':>8}{'C_a':>9}{'C_j':>9}  peaks of v, a, j inside a rise of 1 in unit time"
+    )
     for law in LAWS.values():
         click.echo(f"  {law.name:<20}{law.c_v:>8.4f}{law.c_a:>9.4f}{law.c_j:>9.3f}  {law.source}")
     click.echo('\nLaws with parameters, as law = { name = "...", KEY = ... }')
@@ -39,7 +41,10 @@ def explain(codes: Sequence[str]) -> None:
     """Say what a finding means, its formula, where its limit comes from and what helps; without a CODE, list them."""
     entries = guide.entries()
     if codes:
-        asked = [known("CODE", code.upper().replace("-", "_"), entries, "camgen explain") for code in codes]
+        asked = [
+            known("CODE", code.upper().replace("-", "_"), entries, "camgen explain")
+            for code in codes
+        ]
         show("\n".join(entries[code] for code in asked))
         return
     for code, entry in entries.items():
@@ -51,7 +56,10 @@ def explain(codes: Sequence[str]) -> None:
 def guide_(topic: str | None) -> None:
     """Show a page of the guide; without a TOPIC, list them."""
     if topic is None:
-        click.echo("".join(f"camgen guide {name:<28} {guide.title(name)}\n" for name in guide.TOPICS), nl=False)
+        click.echo(
+            "".join(f"camgen guide {name:<28} {guide.title(name)}\n" for name in guide.TOPICS),
+            nl=False,
+        )
     else:
         show(guide.in_terminal(known("TOPIC", topic, guide.TOPICS, "camgen guide")))
 

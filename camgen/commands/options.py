@@ -19,22 +19,36 @@ Exit codes:
   4  a file could not be written or read
 {2}130 is Ctrl-C, 70 a fault of camgen itself."""
 EXIT_CODES = _CODES.format(
-    "every finding holds", "a finding fails (files are written, the table says which)",
+    "every finding holds",
+    "a finding fails (files are written, the table says which)",
     "Of several the worst, that is the largest, is returned. ",
-)  # fmt: skip
-SWEEP_CODES = _CODES.format("some variant holds", "none holds (the table is written, and says why)", "")
+)
+SWEEP_CODES = _CODES.format(
+    "some variant holds", "none holds (the table is written, and says why)", ""
+)
 
 jobs_option = click.option(
-    "-j", "--jobs", type=click.IntRange(0), help="Cores to use, 0: all of them.  [default: all where that is quicker]"
+    "-j",
+    "--jobs",
+    type=click.IntRange(0),
+    help="Cores to use, 0: all of them.  [default: all where that is quicker]",
 )
-quiet_option = click.option("-q", "--quiet", is_flag=True, help="Print only what fails, and notes on files gone or changed.")
-verbose_option = click.option("-v", "--verbose", is_flag=True, help="Print every finding in words, and every file.")
-json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON: one object, or a list for several.")
+quiet_option = click.option(
+    "-q", "--quiet", is_flag=True, help="Print only what fails, and notes on files gone or changed."
+)
+verbose_option = click.option(
+    "-v", "--verbose", is_flag=True, help="Print every finding in words, and every file."
+)
+json_option = click.option(
+    "--json", "as_json", is_flag=True, help="Print JSON: one object, or a list for several."
+)
 
 
 def completed(names: Callable[[], Iterable[str]]) -> Callable[..., list[str]]:
     """For a shell that completes an argument: those of the names that begin as what is typed."""
-    return lambda context, parameter, begun: [name for name in names() if name.lower().startswith(begun.lower())]
+    return lambda context, parameter, begun: [
+        name for name in names() if name.lower().startswith(begun.lower())
+    ]
 
 
 def mechanisms() -> Collection[str]:
@@ -51,12 +65,16 @@ def specs_known() -> Collection[str]:
     return [*mechanisms(), *starters.examples()]
 
 
-def kinds_of(context: click.Context, parameter: click.Parameter, value: str | None) -> frozenset[str]:
+def kinds_of(
+    context: click.Context, parameter: click.Parameter, value: str | None
+) -> frozenset[str]:
     """The kinds of files that --only names."""
     if value is None:
         return frozenset(KINDS)
     kinds = frozenset(kind.strip() for kind in value.split(","))
     wrong = sorted(kinds - set(ANY_KIND))
     if wrong:
-        raise click.BadParameter(f"{', '.join(map(repr, wrong))}: a list of {', '.join(ANY_KIND)} was expected.")
+        raise click.BadParameter(
+            f"{', '.join(map(repr, wrong))}: a list of {', '.join(ANY_KIND)} was expected."
+        )
     return kinds

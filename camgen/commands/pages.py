@@ -11,12 +11,23 @@ from camgen.commands.options import EXIT_CODES
 from camgen.errors import printable
 
 _browser = click.option("--open", "browser", is_flag=True, help="Open the page in a browser.")
-_port = click.option("--port", type=click.IntRange(0, 65535), default=0, help="Of this machine.  [default: a free one]")
+_port = click.option(
+    "--port",
+    type=click.IntRange(0, 65535),
+    default=0,
+    help="Of this machine.  [default: a free one]",
+)
 
 
 @click.command(epilog=EXIT_CODES)
 @click.argument("spec", type=click.Path(path_type=Path))
-@click.option("-o", "--out", default="out", type=click.Path(path_type=Path), help="Output folder.  [default: out]")
+@click.option(
+    "-o",
+    "--out",
+    default="out",
+    type=click.Path(path_type=Path),
+    help="Output folder.  [default: out]",
+)
 @_port
 @_browser
 def watch(spec: Path, **served: Any) -> None:
@@ -28,7 +39,13 @@ def watch(spec: Path, **served: Any) -> None:
 
 @click.command(epilog=EXIT_CODES)
 @click.argument("spec", type=click.Path(path_type=Path))
-@click.option("-o", "--out", default="out", type=click.Path(path_type=Path), help="Of full builds.  [default: out]")
+@click.option(
+    "-o",
+    "--out",
+    default="out",
+    type=click.Path(path_type=Path),
+    help="Of full builds.  [default: out]",
+)
 @_port
 @_browser
 def explore(spec: Path, **served: Any) -> None:

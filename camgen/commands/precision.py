@@ -14,7 +14,13 @@ from camgen.errors import printable
 
 @click.command(epilog=EXIT_CODES)
 @click.argument("specs", metavar="[SPEC]...", nargs=-1, type=click.Path(path_type=Path))
-@click.option("-o", "--out", default="out", type=click.Path(path_type=Path), help="Output folder.  [default: out]")
+@click.option(
+    "-o",
+    "--out",
+    default="out",
+    type=click.Path(path_type=Path),
+    help="Output folder.  [default: out]",
+)
 def bench(specs: Sequence[Path], out: Path) -> None:
     """Measure what tolerances from 1e-1 to 1e-7 mm buy and cost, for each SPEC, or for three starter specs.
 
@@ -31,29 +37,52 @@ def bench(specs: Sequence[Path], out: Path) -> None:
     with Bar() as progress:
         benches = benchmark_report.run(specs or own, out, progress)
     click.echo("\n\n".join(map(benchmark_report.to_text, benches)))
-    raise click.exceptions.Exit(1 if any(row.faults for bench in benches for row in bench.rows) else 0)
+    raise click.exceptions.Exit(
+        1 if any(row.faults for bench in benches for row in bench.rows) else 0
+    )
 
 
 @click.command(epilog=EXIT_CODES)
 @click.argument("spec", type=click.Path(path_type=Path))
-@click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="Such as print.size_error=0.05.")
+@click.option(
+    "--set", "settings", metavar="KEY=VALUE", multiple=True, help="Such as print.size_error=0.05."
+)
 @click.option("--samples", type=int, default=100_000, help="Printed copies.  [default: 100000]")
-@click.option("--seed", type=int, default=1, help="The same seed gives the same copies.  [default: 1]")
-@click.option("--worst", type=int, default=50, help="How many of the worst are really rolled and closed.  [default: 50]")
-@click.option("--judged", type=int, default=50, help="How many are judged by every finding.  [default: 50]")
-@click.option("--html", type=click.Path(path_type=Path), help="Write tables and curves to this page, too.")
+@click.option(
+    "--seed", type=int, default=1, help="The same seed gives the same copies.  [default: 1]"
+)
+@click.option(
+    "--worst",
+    type=int,
+    default=50,
+    help="How many of the worst are really rolled and closed.  [default: 50]",
+)
+@click.option(
+    "--judged", type=int, default=50, help="How many are judged by every finding.  [default: 50]"
+)
+@click.option(
+    "--html", type=click.Path(path_type=Path), help="Write tables and curves to this page, too."
+)
 @json_option
 def tolerance(
-    spec: Path, settings: Sequence[str], samples: int, seed: int, worst: int, judged: int, html: Path | None,
+    spec: Path,
+    settings: Sequence[str],
+    samples: int,
+    seed: int,
+    worst: int,
+    judged: int,
+    html: Path | None,
     as_json: bool,
-) -> None:  # fmt: skip
+) -> None:
     """What print errors do to the motion of SPEC: a budget by where they arise, and the yield of many copies."""
     from camgen.pipeline import tolerance_report
     from camgen.report.report import to_json, write_html
     from camgen.report.terminal import Bar
 
     with Bar() as progress:
-        report = tolerance_report.tolerance(spec, settings, samples, seed, worst, progress, judged=judged)
+        report = tolerance_report.tolerance(
+            spec, settings, samples, seed, worst, progress, judged=judged
+        )
     if html is not None:
         write_html(html, report)
     if as_json:

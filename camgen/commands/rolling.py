@@ -17,27 +17,84 @@ if TYPE_CHECKING:
 
 @click.command(epilog=EXIT_CODES)
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--follower", required=True, metavar="TABLE", help="The follower: a TOML file, or KEY=VALUE,... as above.")
-@click.option("--second-follower", metavar="TABLE", help="A second tip on the same follower, for the lash of the pair.")
-@click.option("--second", type=click.Path(path_type=Path), help="Outline under the second tip.  [default: FILE]")
-@click.option("--height", type=float, help="Height of a mesh's section, mm.  [default: half way up]")
+@click.option(
+    "--follower",
+    required=True,
+    metavar="TABLE",
+    help="The follower: a TOML file, or KEY=VALUE,... as above.",
+)
+@click.option(
+    "--second-follower",
+    metavar="TABLE",
+    help="A second tip on the same follower, for the lash of the pair.",
+)
+@click.option(
+    "--second",
+    type=click.Path(path_type=Path),
+    help="Outline under the second tip.  [default: FILE]",
+)
+@click.option(
+    "--height", type=float, help="Height of a mesh's section, mm.  [default: half way up]"
+)
 @click.option("--layer", help="Layer of a DXF that holds the outline.  [default: all]")
 @click.option("--line-width", type=float, help="Of G-code that does not say it (CuraEngine), mm.")
 @click.option("--dpi", type=float, help="Dots per inch of a scan.  [default: as its file says]")
-@click.option("--second-scan", "others", multiple=True, type=click.Path(path_type=Path), help="The part again, turned by 90 deg.")
-@click.option("--across", type=click.FloatRange(0.1), help="Greatest width of a scanned part by a caliper, mm.")
-@click.option("--probe", type=click.FloatRange(0, 1000), default=0.0, help="Radius of the ball whose centres points are, mm.")
-@click.option("--against", type=click.Path(path_type=Path), help="SPEC of the cam: lay the outline on it, compare the motion.")
-@click.option("--harmonics", type=click.IntRange(1, 1800), default=36, help="Low-pass of speed, acceleration.  [default: 36]")
-@click.option("-o", "--out", default="out", type=click.Path(path_type=Path), help="Output folder.  [default: out]")
+@click.option(
+    "--second-scan",
+    "others",
+    multiple=True,
+    type=click.Path(path_type=Path),
+    help="The part again, turned by 90 deg.",
+)
+@click.option(
+    "--across",
+    type=click.FloatRange(0.1),
+    help="Greatest width of a scanned part by a caliper, mm.",
+)
+@click.option(
+    "--probe",
+    type=click.FloatRange(0, 1000),
+    default=0.0,
+    help="Radius of the ball whose centres points are, mm.",
+)
+@click.option(
+    "--against",
+    type=click.Path(path_type=Path),
+    help="SPEC of the cam: lay the outline on it, compare the motion.",
+)
+@click.option(
+    "--harmonics",
+    type=click.IntRange(1, 1800),
+    default=36,
+    help="Low-pass of speed, acceleration.  [default: 36]",
+)
+@click.option(
+    "-o",
+    "--out",
+    default="out",
+    type=click.Path(path_type=Path),
+    help="Output folder.  [default: out]",
+)
 @json_option
 @quiet_option
 @verbose_option
 def motion(
-    file: Path, follower: str, second_follower: str | None, second: Path | None, height: float | None, layer: str | None,
-    line_width: float | None, dpi: float | None, others: Sequence[Path], across: float | None, against: Path | None,
-    probe: float, harmonics: int, out: Path, **shown: bool,
-) -> None:  # fmt: skip
+    file: Path,
+    follower: str,
+    second_follower: str | None,
+    second: Path | None,
+    height: float | None,
+    layer: str | None,
+    line_width: float | None,
+    dpi: float | None,
+    others: Sequence[Path],
+    across: float | None,
+    against: Path | None,
+    probe: float,
+    harmonics: int,
+    out: Path,
+    **shown: bool,
+) -> None:
     """Roll a follower on the outline in FILE (DXF, STL, 3MF of any maker, G-code, a scan, points) and report its motion.
 
     The largest closed contour is the outline; the cam turns counter-clockwise about the shaft. TABLE is a TOML file with
@@ -81,7 +138,18 @@ def motion(
         from camgen.pipeline import outline_motion
 
         scanning = Scanning(dpi, tuple(others), across)
-        asked = (follower, second_follower, second, height, layer, harmonics, line_width, scanning, against, probe)
+        asked = (
+            follower,
+            second_follower,
+            second,
+            height,
+            layer,
+            harmonics,
+            line_width,
+            scanning,
+            against,
+            probe,
+        )
         request = outline_motion.Request(*asked)
         return lambda path, progress, jobs: outline_motion.run(path, request, out, progress)
 

@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, explained, printable
+from camgen.errors import (
+    CamgenError,
+    DesignError,
+    Fault,
+    FileError,
+    SpecError,
+    explained,
+    printable,
+)
 
 if TYPE_CHECKING:
     from camgen.report.report import Report
@@ -24,7 +32,10 @@ def known(what: str, name: str, names: Collection[str], lister: str) -> str:
     from camgen.spec import unknown
 
     if name not in names:
-        raise SpecError([replace(unknown(what, name, names), expected=f"one that '{lister}' lists")], "command line")
+        raise SpecError(
+            [replace(unknown(what, name, names), expected=f"one that '{lister}' lists")],
+            "command line",
+        )
     return name
 
 
@@ -80,14 +91,21 @@ def refuse_one_name_twice(specs: Sequence[Path], settings: Sequence[str]) -> Non
         except CamgenError:
             continue
         if name in first:
-            raise SpecError([Fault("name", repr(name), f"another name, for {first[name]} writes that folder")], str(spec))
+            raise SpecError(
+                [Fault("name", repr(name), f"another name, for {first[name]} writes that folder")],
+                str(spec),
+            )
         first[name] = spec
 
 
 def each(
-    paths: Sequence[Path], prepare: Callable[[], Work], jobs: int | None = 1, as_json: bool = False, quiet: bool = False,
+    paths: Sequence[Path],
+    prepare: Callable[[], Work],
+    jobs: int | None = 1,
+    as_json: bool = False,
+    quiet: bool = False,
     verbose: bool = False,
-) -> NoReturn:  # fmt: skip
+) -> NoReturn:
     """Do the work on each path, print what came out in their order, and end with the worst exit code.
 
     prepare: imports what the work needs, and gives it. Several paths are shared out to the cores; for a single one the work
@@ -114,7 +132,9 @@ def each(
                         report = work(path, progress=progress, jobs=cores)
             except (CamgenError, OSError) as error:
                 failure = explained(error)
-                if isinstance(failure, SpecError) and failure.source == "spec":  # found where nobody knew the file
+                if (
+                    isinstance(failure, SpecError) and failure.source == "spec"
+                ):  # found where nobody knew the file
                     failure = SpecError(failure.faults, str(path))
                 worst = max(worst, failure.exit_code)
                 complain(failure, path)
@@ -127,8 +147,12 @@ def each(
     if as_json:
         import json
 
-        text = json.dumps(records[0] if len(records) == 1 else records, indent=2, ensure_ascii=False)
-        click.echo("".join(c if c.isprintable() or c == "\n" else json.dumps(c)[1:-1] for c in text))
+        text = json.dumps(
+            records[0] if len(records) == 1 else records, indent=2, ensure_ascii=False
+        )
+        click.echo(
+            "".join(c if c.isprintable() or c == "\n" else json.dumps(c)[1:-1] for c in text)
+        )
     raise click.exceptions.Exit(worst)
 
 
@@ -143,4 +167,10 @@ def _failure_record(path: Path, error: CamgenError) -> dict[str, Any]:
     faults = [vars(fault) for fault in error.faults] if isinstance(error, SpecError) else []
     if isinstance(error, DesignError):
         faults = [error.facts]
-    return {"source": str(path), "ok": False, "exit_code": error.exit_code, "error": str(error), "faults": faults}
+    return {
+        "source": str(path),
+        "ok": False,
+        "exit_code": error.exit_code,
+        "error": str(error),
+        "faults": faults,
+    }

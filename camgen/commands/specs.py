@@ -14,7 +14,13 @@ from camgen.errors import Fault, SpecError, printable
 @click.command()
 @click.argument("mechanism", shell_complete=completed(specs_known))
 @click.argument("file", required=False, type=click.Path(path_type=Path))
-@click.option("--from", "source", metavar="CHAIN", type=click.Path(path_type=Path), help="PMKS lines, or pylinkage's JSON.")
+@click.option(
+    "--from",
+    "source",
+    metavar="CHAIN",
+    type=click.Path(path_type=Path),
+    help="PMKS lines, or pylinkage's JSON.",
+)
 def new(mechanism: str, file: Path | None, source: Path | None) -> None:
     """Write a commented starter spec of a MECHANISM, or an example, to FILE, or print it; it builds as it is.
 
@@ -40,12 +46,19 @@ def new(mechanism: str, file: Path | None, source: Path | None) -> None:
     text = f"#:schema ./{starters.schema_name(kind)}\n{text}"
     hand_over(text, file)
     if file is None:
-        click.echo(f"printed only; to save it: camgen new {mechanism} my-{mechanism}.toml", err=True)
+        click.echo(
+            f"printed only; to save it: camgen new {mechanism} my-{mechanism}.toml", err=True
+        )
         return
     click.echo(printable(f"wrote {file}, which builds as it is"), err=True)
     if starters.write_schema(load(kind), kind, file.parent):
         named = file.parent / starters.schema_name(kind)
-        click.echo(printable(f"wrote {named}, by which an editor (Even Better TOML, taplo) explains the keys"), err=True)
+        click.echo(
+            printable(
+                f"wrote {named}, by which an editor (Even Better TOML, taplo) explains the keys"
+            ),
+            err=True,
+        )
     click.echo(printable(f"next: change it, then camgen build {file}"), err=True)
 
 
@@ -56,4 +69,9 @@ def schema(mechanism: str) -> None:
     from camgen import starters
     from camgen.machines import load
 
-    click.echo(starters.schema_text(load(known("MECHANISM", mechanism, mechanisms(), "camgen list")), mechanism), nl=False)
+    click.echo(
+        starters.schema_text(
+            load(known("MECHANISM", mechanism, mechanisms(), "camgen list")), mechanism
+        ),
+        nl=False,
+    )

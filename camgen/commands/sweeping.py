@@ -14,22 +14,83 @@ from camgen.errors import printable
 
 @click.command(epilog=SWEEP_CODES)
 @click.argument("spec", type=click.Path(path_type=Path))
-@click.option("--vary", metavar="KEY=VALUES", multiple=True, required=True, help="KEY=A:B:N, N values from A to B; or KEY=a,b,c.")
-@click.option("--grid", is_flag=True, help="Every value of each key with every one of the others: so it is anyway.")
-@click.option("--zip", "zipped", is_flag=True, help="First values together, second values together, and so on.")
-@click.option("--latin", type=click.IntRange(1, 10_000_000), metavar="N", help="N variants spread evenly (a Latin hypercube).")
+@click.option(
+    "--vary",
+    metavar="KEY=VALUES",
+    multiple=True,
+    required=True,
+    help="KEY=A:B:N, N values from A to B; or KEY=a,b,c.",
+)
+@click.option(
+    "--grid",
+    is_flag=True,
+    help="Every value of each key with every one of the others: so it is anyway.",
+)
+@click.option(
+    "--zip",
+    "zipped",
+    is_flag=True,
+    help="First values together, second values together, and so on.",
+)
+@click.option(
+    "--latin",
+    type=click.IntRange(1, 10_000_000),
+    metavar="N",
+    help="N variants spread evenly (a Latin hypercube).",
+)
 @click.option("--seed", type=click.IntRange(0), default=0, help="Of --latin.  [default: 0]")
-@click.option("--keep", metavar="FIGURE", multiple=True, help="Keep this figure, such as stroke_mm.  [default: all]")
-@click.option("--set", "settings", metavar="KEY=VALUE", multiple=True, help="The same for every variant.")
-@click.option("--build", "build_kinds", is_flag=True, help="Make, read back and judge the files of each, not its limits alone.")
-@click.option("--only", metavar="KINDS", callback=kinds_of, help="With --build: only these kinds of files.")
-@click.option("-j", "--jobs", type=click.IntRange(0), default=1, help="Cores to use, 0: all of them.  [default: 1]")
-@click.option("--workers", default="local", metavar="WHERE", help="tcp://HOST:PORT of a Dask scheduler.  [default: local]")
-@click.option("-o", "--out", type=click.Path(path_type=Path), help="Table, .csv or .parquet.  [default: out/<spec>-sweep.csv]")
+@click.option(
+    "--keep",
+    metavar="FIGURE",
+    multiple=True,
+    help="Keep this figure, such as stroke_mm.  [default: all]",
+)
+@click.option(
+    "--set", "settings", metavar="KEY=VALUE", multiple=True, help="The same for every variant."
+)
+@click.option(
+    "--build",
+    "build_kinds",
+    is_flag=True,
+    help="Make, read back and judge the files of each, not its limits alone.",
+)
+@click.option(
+    "--only", metavar="KINDS", callback=kinds_of, help="With --build: only these kinds of files."
+)
+@click.option(
+    "-j",
+    "--jobs",
+    type=click.IntRange(0),
+    default=1,
+    help="Cores to use, 0: all of them.  [default: 1]",
+)
+@click.option(
+    "--workers",
+    default="local",
+    metavar="WHERE",
+    help="tcp://HOST:PORT of a Dask scheduler.  [default: local]",
+)
+@click.option(
+    "-o",
+    "--out",
+    type=click.Path(path_type=Path),
+    help="Table, .csv or .parquet.  [default: out/<spec>-sweep.csv]",
+)
 def sweep(
-    spec: Path, vary: Sequence[str], grid: bool, zipped: bool, latin: int | None, seed: int, keep: Sequence[str],
-    settings: Sequence[str], build_kinds: bool, only: frozenset[str], jobs: int, workers: str, out: Path | None,
-) -> None:  # fmt: skip
+    spec: Path,
+    vary: Sequence[str],
+    grid: bool,
+    zipped: bool,
+    latin: int | None,
+    seed: int,
+    keep: Sequence[str],
+    settings: Sequence[str],
+    build_kinds: bool,
+    only: frozenset[str],
+    jobs: int,
+    workers: str,
+    out: Path | None,
+) -> None:
     """Judge many variants of SPEC: one row each, with its figures, its verdict and why it cannot be made.
 
     \b
@@ -45,12 +106,21 @@ def sweep(
     table = out or Path("out") / f"{spec.stem}-sweep.csv"
     folder = table.with_suffix("").with_name(f"{table.stem}-files")
     kinds = sorted(only) if build_kinds else ()
-    task = sweeps.prepared(spec, variants(vary, zipped, latin or 0, seed, grid), settings, keep, kinds, folder.absolute())
+    task = sweeps.prepared(
+        spec,
+        variants(vary, zipped, latin or 0, seed, grid),
+        settings,
+        keep,
+        kinds,
+        folder.absolute(),
+    )
     jobs = jobs or os.cpu_count() or 1
     local = sweeps.Processes(jobs) if jobs > 1 else sweeps.here
     with Bar() as progress:
         engine = local if workers == "local" else sweeps.Cluster(workers)
-        swept = sweeps.sweep(task, table, engine, jobs, progress, lambda key: unit_at(task.data, key))
+        swept = sweeps.sweep(
+            task, table, engine, jobs, progress, lambda key: unit_at(task.data, key)
+        )
     for line in swept.lines(table):
         click.echo(printable(line))
     raise click.exceptions.Exit(0 if swept.verdicts.keys() & {sweeps.HOLDS, sweeps.LIMITS} else 1)

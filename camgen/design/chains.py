@@ -51,7 +51,10 @@ class Chain:
 
     def lengths(self, drawn: Points) -> Floats:
         """Lengths of the bars of each design, (designs, bars): the crank, then two for each pair."""
-        ends = [(0, 1), *((each, point) for point, pair in enumerate(self.pairs, self.base) for each in pair)]
+        ends = [
+            (0, 1),
+            *((each, point) for point, pair in enumerate(self.pairs, self.base) for each in pair),
+        ]
         return np.stack([np.abs(drawn[:, b] - drawn[:, a]) for a, b in ends], axis=1)
 
     def trace(self, drawn: Points, steps: int) -> tuple[Points, Floats]:
@@ -70,10 +73,14 @@ class Chain:
             side = np.sign((np.conj(way) * (drawn[:, point] - drawn[:, i])).imag)
             way = places[j] - places[i]
             span = way.real**2 + way.imag**2
-            square = ((first + second) ** 2 - span) * (span - (first - second) ** 2)  # (2 first second sine)^2, by Heron
+            square = ((first + second) ** 2 - span) * (
+                span - (first - second) ** 2
+            )  # (2 first second sine)^2, by Heron
             if not any({i, j} <= body for body in self.bodies):
                 lowest = np.min(square, axis=0)
-                least = np.minimum(least, np.sign(lowest) * np.sqrt(np.abs(lowest)) / (2 * first * second + 1e-300))
+                least = np.minimum(
+                    least, np.sign(lowest) * np.sqrt(np.abs(lowest)) / (2 * first * second + 1e-300)
+                )
             half = 0.5 / np.maximum(span, 1e-300)
             unit = np.empty(way.shape, complex)
             unit.real = 0.5 + half * (first**2 - second**2)
@@ -95,7 +102,8 @@ def _grown(grounds: int, pairs: int) -> Iterator[Chain]:
     base = 2 + grounds
     rest = {0, *range(2, base)}
     choices = (
-        [pair for pair in itertools.combinations(range(base + k), 2) if not set(pair) <= rest] for k in range(pairs)
+        [pair for pair in itertools.combinations(range(base + k), 2) if not set(pair) <= rest]
+        for k in range(pairs)
     )
     for chosen in itertools.product(*choices):
         used = [point for pair in chosen for point in pair]
@@ -114,5 +122,13 @@ def _shape(chain: Chain) -> object:
         return "(" + "".join(sorted(map(word, chain.pairs[point - chain.base]))) + ")"
 
     points = range(chain.base, chain.size)
-    held = (tuple(sorted(word(p) for p in points if at in chain.pairs[p - chain.base])) for at in range(2, chain.base))
-    return chain.grounds, word(chain.size - 1), tuple(sorted(map(word, points))), tuple(sorted(held))
+    held = (
+        tuple(sorted(word(p) for p in points if at in chain.pairs[p - chain.base]))
+        for at in range(2, chain.base)
+    )
+    return (
+        chain.grounds,
+        word(chain.size - 1),
+        tuple(sorted(map(word, points))),
+        tuple(sorted(held)),
+    )

@@ -33,10 +33,14 @@ _GRID = 90  # places of each of phi0 and psi0
 _APART = 4  # places of the grid between two drawings to start from
 _STARTS = 16  # by their error; half as many by their transmission angle
 _LEVELS = 8  # transmission angles between both ends of the front
-_BETWEEN = 181  # crank angles over the range at which a chain must close and its transmission angle counts
+_BETWEEN = (
+    181  # crank angles over the range at which a chain must close and its transmission angle counts
+)
 _COARSE = 31  # of them while a design is polished
 _MARGIN = math.radians(0.05)  # of the transmission angle, for what lies between those
-_WIDE = math.radians(1)  # error up to which the transmission angle is raised where no tolerance is wanted, or _TIMES the least
+_WIDE = math.radians(
+    1
+)  # error up to which the transmission angle is raised where no tolerance is wanted, or _TIMES the least
 _TIMES = 4.0
 _ROUNDING = 1e-9  # by which a length may leave its bounds
 _DIGITS = 6  # of a coordinate, mm
@@ -60,14 +64,26 @@ class Generator:
         """Points by name, mm, as drawn: at the first pair."""
         crank, _, rocker = self.lengths
         psi = self._rocker(np.zeros(1))[0]
-        places = {"O": 0j, "C": 1 + 0j, "A": crank * np.exp(1j * self.phi0), "B": 1 + rocker * np.exp(1j * psi)}
+        places = {
+            "O": 0j,
+            "C": 1 + 0j,
+            "A": crank * np.exp(1j * self.phi0),
+            "B": 1 + rocker * np.exp(1j * psi),
+        }
         size = self.wish.frame
-        return {name: [round(size * float(z.real), _DIGITS) + 0.0, round(size * float(z.imag), _DIGITS) + 0.0]
-                for name, z in places.items()}  # fmt: skip
+        return {
+            name: [
+                round(size * float(z.real), _DIGITS) + 0.0,
+                round(size * float(z.imag), _DIGITS) + 0.0,
+            ]
+            for name, z in places.items()
+        }
 
     def _rocker(self, turns: Floats) -> Floats:
         """Its angle after turns of the crank, (m,) rad."""
-        return np.asarray(_closed(np.array([self.phi0, self.side, *self.lengths])[:, None], turns)[0][:, 0])
+        return np.asarray(
+            _closed(np.array([self.phi0, self.side, *self.lengths])[:, None], turns)[0][:, 0]
+        )
 
     @property
     def reached(self) -> float:
@@ -79,8 +95,18 @@ class Generator:
         pairs = self.wish.turns
         borne = tolerance or min(self.reached, self.wish.borne)
         links = {"ground": ["O", "C"], CRANK: ["O", "A"], "coupler": ["A", "B"], ROCKER: ["C", "B"]}
-        drive = {"link": CRANK, "range_deg": [min(x for x, _ in pairs), max(x for x, _ in pairs)], **self.tables.get("drive", {})}
-        output = [{"name": "function", "link": ROCKER, "function": {"at": [list(pair) for pair in pairs], "tolerance": borne}}]
+        drive = {
+            "link": CRANK,
+            "range_deg": [min(x for x, _ in pairs), max(x for x, _ in pairs)],
+            **self.tables.get("drive", {}),
+        }
+        output = [
+            {
+                "name": "function",
+                "link": ROCKER,
+                "function": {"at": [list(pair) for pair in pairs], "tolerance": borne},
+            }
+        ]
         found = {"points": self.points, "links": links, "drive": drive, "output": output}
         return {**{key: value for key, value in self.tables.items() if key not in found}, **found}
 
@@ -103,10 +129,14 @@ class Generator:
         """What a table of the front shows."""
         crank, coupler, rocker = (self.wish.frame * length for length in self.lengths)
         return {
-            "design": number, "worst_error_deg": float(f"{math.degrees(self.error):.4g}"),
-            "transmission_deg": round(math.degrees(self.transmission), 3), "crank_mm": round(crank, 4),
-            "coupler_mm": round(coupler, 4), "rocker_mm": round(rocker, 4), **self.weighed.row,
-        }  # fmt: skip
+            "design": number,
+            "worst_error_deg": float(f"{math.degrees(self.error):.4g}"),
+            "transmission_deg": round(math.degrees(self.transmission), 3),
+            "crank_mm": round(crank, 4),
+            "coupler_mm": round(coupler, 4),
+            "rocker_mm": round(rocker, 4),
+            **self.weighed.row,
+        }
 
 
 def search(wish: FunctionWish, tables: Data) -> list[Generator]:
@@ -128,7 +158,9 @@ def search(wish: FunctionWish, tables: Data) -> list[Generator]:
     _, angles = _judged(np.array(steep).T, pairs, wish)
     pool += steep
     top, first = steep[int(np.argmax(angles))], max(least, float(transmission[order[0]]))
-    for angle in np.linspace(max(angles), first, _LEVELS + 2)[1:-1]:  # down from the best transmission angle
+    for angle in np.linspace(max(angles), first, _LEVELS + 2)[
+        1:-1
+    ]:  # down from the best transmission angle
         top = _polished(top, pairs, wish, angle=angle)
         pool += [top, _polished(numbers[:, order[0]], pairs, wish, angle=angle)]
     numbers = np.array(pool).T
@@ -139,15 +171,33 @@ def search(wish: FunctionWish, tables: Data) -> list[Generator]:
     for k in sorted(fit, key=lambda k: (round(float(error[k]), 9), -transmission[k])):
         if not found or transmission[k] > found[-1].transmission + math.radians(0.5):
             phi, side, *lengths = (float(each) for each in numbers[:, k])
-            found.append(Generator(phi, side, (lengths[0], lengths[1], lengths[2]), float(error[k]), float(transmission[k]),
-                                   wish, tables))  # fmt: skip
+            found.append(
+                Generator(
+                    phi,
+                    side,
+                    (lengths[0], lengths[1], lengths[2]),
+                    float(error[k]),
+                    float(transmission[k]),
+                    wish,
+                    tables,
+                )
+            )
     remedy = f"{wish.further}, or a function that turns less or bends less"
     if not useful.any():
         off = math.degrees(min(error))
-        raise DesignError("error at the pairs", off, math.degrees(useless), "deg", "wanted.function", remedy)
+        raise DesignError(
+            "error at the pairs", off, math.degrees(useless), "deg", "wanted.function", remedy
+        )
     if not found:
         best = math.degrees(float(np.max(transmission[useful])))
-        raise DesignError("least transmission angle", best, wish.transmission_deg, "deg", "wanted.function", remedy)
+        raise DesignError(
+            "least transmission angle",
+            best,
+            wish.transmission_deg,
+            "deg",
+            "wanted.function",
+            remedy,
+        )
     return found
 
 
@@ -163,7 +213,10 @@ def _starts(pairs: Floats, wish: FunctionWish) -> list[Floats]:
     short = np.maximum(0, math.radians(wish.transmission_deg) - transmission)
     near = error <= max(math.radians(wish.tolerance or 0), 2 * float(np.min(error)), 1e-9)
     found: list[int] = []
-    for worth, many in ((error + short, _STARTS), (np.where(near, -transmission, math.inf), _STARTS // 2)):
+    for worth, many in (
+        (error + short, _STARTS),
+        (np.where(near, -transmission, math.inf), _STARTS // 2),
+    ):
         free = np.isfinite(worth)
         free[found] = False
         for _ in range(many):
@@ -171,14 +224,21 @@ def _starts(pairs: Floats, wish: FunctionWish) -> list[Floats]:
             if not left.size:
                 break
             found.append(int(left[np.argmin(worth[left])]))
-            away = [np.abs((each[found[-1]] - each + math.pi) % math.tau - math.pi) for each in (phi0, psi0)]
+            away = [
+                np.abs((each[found[-1]] - each + math.pi) % math.tau - math.pi)
+                for each in (phi0, psi0)
+            ]
             free &= np.maximum(*away) > _APART * math.tau / _GRID
     return [drawn[:, k] for k in found]
 
 
 def _polished(
-    begin: Floats, pairs: Floats, wish: FunctionWish, angle: float | None = None, error: float | None = None
-) -> Floats:  # fmt: skip
+    begin: Floats,
+    pairs: Floats,
+    wish: FunctionWish,
+    angle: float | None = None,
+    error: float | None = None,
+) -> Floats:
     """A design, (5,), of least worst error with at least that transmission angle, or of greatest angle within that error, rad.
 
     Unknowns: phi0, the lengths' logarithms, the worst error, the greatest cosine of a transmission angle. That cosine goes on
@@ -187,13 +247,17 @@ def _polished(
     from scipy.optimize import minimize
 
     goal = 4 if error is None else 5
-    turns = np.concatenate([pairs[:, 0], np.linspace(pairs[:, 0].min(), pairs[:, 0].max(), _COARSE)])
+    turns = np.concatenate(
+        [pairs[:, 0], np.linspace(pairs[:, 0].min(), pairs[:, 0].max(), _COARSE)]
+    )
 
     def bounded(x: Floats) -> Floats:
         """What lies within plus and minus the error, and within plus and minus the cosine, (k, n), of unknowns (4, n)."""
         numbers = np.stack([x[0], np.full(x.shape[1], begin[1]), *np.exp(x[1:])])
         psi, cosine = _closed(numbers, turns)
-        return np.concatenate([_wrapped(psi[1 : len(pairs)] - psi[:1] - pairs[1:, 1:]), cosine[len(pairs) :]])
+        return np.concatenate(
+            [_wrapped(psi[1 : len(pairs)] - psi[:1] - pairs[1:, 1:]), cosine[len(pairs) :]]
+        )
 
     own = np.arange(len(pairs) - 1 + _COARSE) < len(pairs) - 1
     limits = np.stack([own, ~own], axis=1).astype(float)  # which of error and cosine limits what
@@ -216,9 +280,18 @@ def _polished(
     values = np.abs(bounded(start[:, None])[:, 0])
     start = np.append(start, [min(most, max(values[own])), min(flattest, max(values[~own]))])
     within = {"type": "ineq", "fun": room, "jac": slopes}
-    end = minimize(lambda x: x[goal], start, jac=lambda x: np.eye(6)[goal], bounds=bounds, constraints=within, method="SLSQP",
-                   options={"maxiter": 40, "ftol": 1e-15})  # fmt: skip
-    return np.array([end.x[0], begin[1], *np.exp(end.x[1:4])]) if np.isfinite(end.x).all() else begin
+    end = minimize(
+        lambda x: x[goal],
+        start,
+        jac=lambda x: np.eye(6)[goal],
+        bounds=bounds,
+        constraints=within,
+        method="SLSQP",
+        options={"maxiter": 40, "ftol": 1e-15},
+    )
+    return (
+        np.array([end.x[0], begin[1], *np.exp(end.x[1:4])]) if np.isfinite(end.x).all() else begin
+    )
 
 
 def _freudenstein(phi0: Floats, psi0: Floats, pairs: Floats) -> Floats:
@@ -227,7 +300,10 @@ def _freudenstein(phi0: Floats, psi0: Floats, pairs: Floats) -> Floats:
     table = np.stack([np.cos(psi), -np.cos(phi), np.ones(phi.shape)], axis=-1)
     right = np.cos(phi - psi)
     if len(pairs) > 3:  # normal equations: three unknowns, each of size 1
-        table, right = np.sum(table[:, :, :, None] * table[:, :, None, :], axis=1), np.sum(table * right[..., None], axis=1)
+        table, right = (
+            np.sum(table[:, :, :, None] * table[:, :, None, :], axis=1),
+            np.sum(table * right[..., None], axis=1),
+        )
     k1, k2, k3 = solve(table, right).T
     with np.errstate(all="ignore"):
         crank, rocker = 1 / k1, 1 / k2
@@ -244,7 +320,9 @@ def _closed(numbers: Floats, turns: Floats) -> tuple[Floats, Floats]:
     phi0, side, crank, coupler, rocker = numbers
     way = 1 - crank * np.exp(1j * (phi0 + turns[:, None]))  # from the crank's end to C
     span = np.maximum(np.abs(way), 1e-12)
-    at_pivot = (span**2 + rocker**2 - coupler**2) / (2 * span * rocker)  # between the way back and the rocker
+    at_pivot = (span**2 + rocker**2 - coupler**2) / (
+        2 * span * rocker
+    )  # between the way back and the rocker
     psi = np.angle(-way) + side * np.arccos(np.clip(at_pivot, -1, 1))
     return psi, (rocker**2 + coupler**2 - span**2) / (2 * rocker * coupler)
 
@@ -258,12 +336,18 @@ def _judged(numbers: Floats, pairs: Floats, wish: FunctionWish) -> tuple[Floats,
     """Worst error at the pairs and least transmission angle over the range, rad, (n,); inf and -1 where a design is none."""
     sides = np.array([*numbers[2:], np.ones(numbers.shape[1])])
     least, greatest = wish.shares[0] - _ROUNDING, wish.shares[1] + _ROUNDING
-    fit = np.isfinite(sides).all(axis=0) & (sides.min(axis=0) >= least) & (sides.max(axis=0) <= greatest)
+    fit = (
+        np.isfinite(sides).all(axis=0)
+        & (sides.min(axis=0) >= least)
+        & (sides.max(axis=0) <= greatest)
+    )
     found = np.flatnonzero(fit)
     error, transmission = np.full(fit.size, math.inf), np.full(fit.size, -1.0)
     psi, _ = _closed(numbers[:, found], pairs[:, 0])
     error[found] = np.max(np.abs(_wrapped(psi - psi[:1] - pairs[:, 1:])), axis=0)
-    _, cosine = _closed(numbers[:, found], np.linspace(pairs[:, 0].min(), pairs[:, 0].max(), _BETWEEN))
+    _, cosine = _closed(
+        numbers[:, found], np.linspace(pairs[:, 0].min(), pairs[:, 0].max(), _BETWEEN)
+    )
     flattest = np.max(np.abs(cosine), axis=0)
     transmission[found] = np.where(flattest > 1, -1.0, np.arccos(np.minimum(flattest, 1)))
     return error, transmission

@@ -51,14 +51,24 @@ class Search:
         from scipy.optimize import differential_evolution, minimize
 
         words = np.array([isinstance(ends[0], str) for ends in self.wish.vary.values()])
-        bounds = [(0.0, len(ends) - 1.0) if isinstance(ends[0], str) else (float(ends[0]), float(ends[1]))
-                  for ends in self.wish.vary.values()]  # fmt: skip
+        bounds = [
+            (0.0, len(ends) - 1.0) if isinstance(ends[0], str) else (float(ends[0]), float(ends[1]))
+            for ends in self.wish.vary.values()
+        ]
         budget = _EACH * len(bounds) * self.wish.effort
         rounds = max(1, budget // (_CROWD * len(bounds)) - 1)
         end = differential_evolution(
-            self.costs, bounds, vectorized=True, updating="deferred", popsize=_CROWD, maxiter=rounds, seed=self.wish.seed,
-            polish=False, tol=1e-4, integrality=words if words.any() else None,
-        )  # fmt: skip
+            self.costs,
+            bounds,
+            vectorized=True,
+            updating="deferred",
+            popsize=_CROWD,
+            maxiter=rounds,
+            seed=self.wish.seed,
+            polish=False,
+            tol=1e-4,
+            integrality=words if words.any() else None,
+        )
         free = np.flatnonzero(~words)
         if free.size:  # words stay as they are
 
@@ -68,16 +78,23 @@ class Search:
                 return float(self.costs(every[:, None])[0])
 
             begin, ranges = end.x[free], [bounds[k] for k in free]
-            simplex = np.vstack([begin, begin + 0.02 * np.diag([high - low for low, high in ranges])])
+            simplex = np.vstack(
+                [begin, begin + 0.02 * np.diag([high - low for low, high in ranges])]
+            )
             simplex = np.where(simplex > [high for _, high in ranges], 2 * begin - simplex, simplex)
             ends = {"initial_simplex": simplex, "maxfev": budget // 2, "xatol": 1e-4, "fatol": 1e-6}
             minimize(cost, begin, method="Nelder-Mead", bounds=ranges, options=ends)
         if self.broken or not self.settings:
             said = "; ".join(self.broken) or self.reason
             raise DesignError(
-                "designs that keep every limit", 0, 1, "", f"{self.tried} tried", "widen wanted.vary, or relax a limit",
+                "designs that keep every limit",
+                0,
+                1,
+                "",
+                f"{self.tried} tried",
+                "widen wanted.vary, or relax a limit",
                 f"none of {self.tried} designs keeps every limit; the nearest one: {said}",
-            )  # fmt: skip
+            )
         return self.settings
 
     def costs(self, designs: Floats) -> Floats:
@@ -98,7 +115,9 @@ class Search:
             for (key, ends), value in zip(self.wish.vary.items(), values.tolist(), strict=True)
         ]
 
-    def _cost(self, values: Floats, settings: Sequence[str], made: Mechanism | CamgenError) -> float:
+    def _cost(
+        self, values: Floats, settings: Sequence[str], made: Mechanism | CamgenError
+    ) -> float:
         self.tried += 1
         try:
             if isinstance(made, CamgenError):
@@ -107,14 +126,22 @@ class Search:
         except (DesignError, SpecError) as error:
             self.reason = self.reason or " ".join(str(error).split())
             return _REFUSED
-        name, sign = (self.wish.least, 1) if self.wish.least is not None else (str(self.wish.most), -1)
-        numbers = {key: value for (key, ends), value in zip(self.wish.vary.items(), values.tolist(), strict=True)
-                   if not isinstance(ends[0], str)}  # fmt: skip
+        name, sign = (
+            (self.wish.least, 1) if self.wish.least is not None else (str(self.wish.most), -1)
+        )
+        numbers = {
+            key: value
+            for (key, ends), value in zip(self.wish.vary.items(), values.tolist(), strict=True)
+            if not isinstance(ends[0], str)
+        }
         figures = {**figures, **numbers}
         self._known(figures, name)
         failing = [finding for finding in findings if not finding.ok]
         short = sum(_short(finding) for finding in failing)
-        broken = [f"{each.code} {each.measured:.4g} against {each.limit:.4g} {each.unit}" for each in failing]
+        broken = [
+            f"{each.code} {each.measured:.4g} against {each.limit:.4g} {each.unit}"
+            for each in failing
+        ]
         for wanted, (low, high) in self.wish.figures.items():
             value = figures[wanted]
             if not low <= value <= high:
@@ -122,7 +149,13 @@ class Search:
                 short += math.inf if math.isnan(off) else 0.01 + off
                 broken.append(f"{wanted} {value:.4g} outside {low:g} to {high:g}")
         figure = sign * figures[name]
-        cost = figure if not short else _BROKEN * (1 + min(short, 1e3)) if math.isfinite(short) else _REFUSED
+        cost = (
+            figure
+            if not short
+            else _BROKEN * (1 + min(short, 1e3))
+            if math.isfinite(short)
+            else _REFUSED
+        )
         cost = _REFUSED if math.isnan(cost) else cost
         if cost < self.best:
             self.best, self.settings, self.broken = cost, settings, broken
@@ -133,7 +166,9 @@ class Search:
     def _known(self, figures: Mapping[str, float], name: str) -> None:
         keys = {"wanted.least" if self.wish.least is not None else "wanted.most": name}
         keys |= {f"wanted.figures.{each}": each for each in self.wish.figures}
-        faults: list[Fault] = [unknown(path, each, figures) for path, each in keys.items() if each not in figures]
+        faults: list[Fault] = [
+            unknown(path, each, figures) for path, each in keys.items() if each not in figures
+        ]
         if faults:
             raise SpecError(faults, self.source)
 

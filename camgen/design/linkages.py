@@ -42,8 +42,12 @@ class Candidate:
     def worst(self) -> float:
         """Greatest distance from the path to the wanted one or back, mm: no place of either is farther from the other one."""
         corners = np.append(self.path, self.path[:1])
-        bend = np.abs(np.diff(corners, 2, append=corners[1]))  # twice what a second difference says of the way between
-        return apart(corners, float(np.max(bend)) / 4, self.wanted, self.joined, _RESOLUTION * self.borne).proven
+        bend = np.abs(
+            np.diff(corners, 2, append=corners[1])
+        )  # twice what a second difference says of the way between
+        return apart(
+            corners, float(np.max(bend)) / 4, self.wanted, self.joined, _RESOLUTION * self.borne
+        ).proven
 
     @property
     def reached(self) -> float:
@@ -53,7 +57,11 @@ class Candidate:
     def data(self, tolerance: float | None = None) -> Data:
         """Tables of the spec; tolerance: of PATH_ERROR, mm, what it keeps and no more than is borne unless given."""
         tolerance = tolerance or min(self.reached, self.borne)
-        trace = {"at": [_place(z) for z in self.wanted], "joined": self.joined, "tolerance": tolerance}
+        trace = {
+            "at": [_place(z) for z in self.wanted],
+            "joined": self.joined,
+            "tolerance": tolerance,
+        }
         drive = {"link": CRANK, **self.tables.get("drive", {})}
         output = [{"name": "path", "point": TRACED, "path": trace}]
         drawn = {"points": self.points, "links": self.links, "drive": drive, "output": output}
@@ -69,7 +77,11 @@ class Candidate:
         """Points of each link."""
         named = names(self.found.chain)
         bodies = [[named[k] for k in sorted(body)] for body in self.found.chain.bodies]
-        return {"ground": bodies[0], CRANK: bodies[1], **{f"link{k}": body for k, body in enumerate(bodies[2:], 1)}}
+        return {
+            "ground": bodies[0],
+            CRANK: bodies[1],
+            **{f"link{k}": body for k, body in enumerate(bodies[2:], 1)},
+        }
 
     @cached_property
     def weighed(self) -> Weighed:
@@ -84,15 +96,25 @@ class Candidate:
         still = [name for k, name in enumerate(every) if k == 0 or 2 <= k < chain.base]
         links = [points for name, points in self.links.items() if name != "ground"]
         wanted = self.wanted if self.joined else self.wanted[:0]
-        return Drawn(every, links, still, self.path[:: _STEPS // 120], wanted[:: max(1, len(self.wanted) // 200)])
+        return Drawn(
+            every,
+            links,
+            still,
+            self.path[:: _STEPS // 120],
+            wanted[:: max(1, len(self.wanted) // 200)],
+        )
 
     def row(self, number: int) -> dict[str, Any]:
         """What a table of the front shows."""
         chain = self.found.chain
         return {
-            "design": number, "links": len(chain.bodies), "mean_distance_mm": round(self.found.error / 2, 6),
-            "worst_distance_mm": round(self.worst, 6), "bars_mm": round(self.found.bars, 4), **self.weighed.row,
-        }  # fmt: skip
+            "design": number,
+            "links": len(chain.bodies),
+            "mean_distance_mm": round(self.found.error / 2, 6),
+            "worst_distance_mm": round(self.worst, 6),
+            "bars_mm": round(self.found.bars, 4),
+            **self.weighed.row,
+        }
 
 
 def names(chain: Chain) -> list[str]:

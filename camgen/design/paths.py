@@ -30,11 +30,18 @@ _COPIES = 3
 _WEIGHTS = (0.1, 10.0)  # least and greatest, of the bars' share in the value against the error's
 _SHAKEN = 10  # copies of a design
 _SHARES = (0.003, 0.1)  # of the drawing's size: least and greatest that points are moved by
-_TASKS, _TIMES = 60, 6  # few chains are sown so often that there are so many tasks, each so often at most
+_TASKS, _TIMES = (
+    60,
+    6,
+)  # few chains are sown so often that there are so many tasks, each so often at most
 _ROUNDS = 6  # of shaking in a unit of effort
-_NEAR = 0.98  # a design is shaken too that would be on the front with such shares of its error and bars
+_NEAR = (
+    0.98  # a design is shaken too that would be on the front with such shares of its error and bars
+)
 _APART = 0.01  # least difference of the bars of designs that are shaken, as a share
-_ELSEWHERE = 0.04  # of the drawing's size: how far a point of two designs lies apart that are not the same
+_ELSEWHERE = (
+    0.04  # of the drawing's size: how far a point of two designs lies apart that are not the same
+)
 _MEASURED = 2000  # angles of a turn at the end
 
 
@@ -67,8 +74,13 @@ def kinds(most_pairs: int, grounds: int) -> list[Chain]:
 
 
 def search(
-    goal: Goal, kinds: Sequence[Chain], effort: int = 1, seed: int = 0, run: Runner = map, told: Told = lambda text: None,
-) -> list[Found]:  # fmt: skip
+    goal: Goal,
+    kinds: Sequence[Chain],
+    effort: int = 1,
+    seed: int = 0,
+    run: Runner = map,
+    told: Told = lambda text: None,
+) -> list[Found]:
     """Designs for a path, those on the front from the least error to the least length of bars and others; run: `map`, or that
     of several cores.
 
@@ -88,16 +100,27 @@ def search(
     take([Task(chain, (seed, k, time)) for time in range(times) for k, chain in enumerate(kinds)])
     for again in range(effort * _ROUNDS):
         best = front(found())
-        told(f"{len(best)} designs on the front; round {again + 1} of {effort * _ROUNDS} about them")
+        told(
+            f"{len(best)} designs on the front; round {again + 1} of {effort * _ROUNDS} about them"
+        )
         close = [tuple(near(front(by_chain[chain], _APART), best, _NEAR)) for chain in kinds]
-        take([Task(chain, (seed, k, times + again), close[k]) for k, chain in enumerate(kinds) if close[k]])
+        take(
+            [
+                Task(chain, (seed, k, times + again), close[k])
+                for k, chain in enumerate(kinds)
+                if close[k]
+            ]
+        )
     return found()
 
 
 def near(designs: Iterable[Found], best: Sequence[Found], share: float) -> Iterable[Found]:
     """Those that no design of a front beats in both error and bars by more than to such a share of them."""
-    return (each for each in designs
-            if not any(one.error < share * each.error and one.bars < share * each.bars for one in best))  # fmt: skip
+    return (
+        each
+        for each in designs
+        if not any(one.error < share * each.error and one.bars < share * each.bars for one in best)
+    )
 
 
 def apart(designs: Iterable[Found]) -> list[Found]:
@@ -107,7 +130,10 @@ def apart(designs: Iterable[Found]) -> list[Found]:
     for each in sorted(designs, key=lambda each: (each.error, each.bars)):
         z = np.array(each.drawn)
         size = _ELSEWHERE * (np.ptp(z.real) + np.ptp(z.imag))
-        if not any(one.chain == each.chain and np.abs(other - z).max() < size for one, other in zip(kept, drawn, strict=True)):
+        if not any(
+            one.chain == each.chain and np.abs(other - z).max() < size
+            for one, other in zip(kept, drawn, strict=True)
+        ):
             kept.append(each)
             drawn.append(z)
     return kept
@@ -128,7 +154,9 @@ def area(designs: Iterable[Found], goal: Goal) -> float:
     if not kept:
         return 0.0
     ends = [each.error for each in kept[1:]] + [goal.worst]
-    held = sum((end - each.error) * (goal.most - each.bars) for each, end in zip(kept, ends, strict=True))
+    held = sum(
+        (end - each.error) * (goal.most - each.bars) for each, end in zip(kept, ends, strict=True)
+    )
     return held / (goal.worst * goal.most)
 
 
@@ -136,13 +164,18 @@ def solved(goal: Goal, task: Task) -> list[Found]:
     """The front of one task."""
     rng, chain = np.random.default_rng(task.seed), task.chain
     if task.known:
-        numbers = np.tile(normed(packed(np.array([each.drawn for each in task.known]))), (_SHAKEN, 1))
+        numbers = np.tile(
+            normed(packed(np.array([each.drawn for each in task.known]))), (_SHAKEN, 1)
+        )
         error, bars = np.tile([[each.error, each.bars] for each in task.known], (_SHAKEN, 1)).T
         numbers += _chance(rng, _SHARES, len(numbers))[:, None] * rng.normal(size=numbers.shape)
     else:
         numbers, error, bars = _evolved(goal, chain, rng)
         best = _best(error, bars)
-        best = np.tile(best[np.unique(np.linspace(0, len(best) - 1, min(len(best), _POLISHED)).astype(int))], _COPIES)
+        best = np.tile(
+            best[np.unique(np.linspace(0, len(best) - 1, min(len(best), _POLISHED)).astype(int))],
+            _COPIES,
+        )
         numbers, error, bars = numbers[best], error[best], bars[best]
     if not numbers.size:
         return []
@@ -171,7 +204,9 @@ def _best(error: Floats, bars: Floats) -> Indices:
     """Numbers of the designs on the front, by rising error."""
     order = np.lexsort((bars, error))
     order = order[np.isfinite(error[order])]
-    return np.asarray(order[bars[order] < np.concatenate([[np.inf], np.minimum.accumulate(bars[order])[:-1]])])
+    return np.asarray(
+        order[bars[order] < np.concatenate([[np.inf], np.minimum.accumulate(bars[order])[:-1]])]
+    )
 
 
 def _glanced(goal: Goal, chain: Chain, numbers: Floats) -> tuple[Floats, Floats, Floats]:
@@ -217,7 +252,9 @@ def _evolved(goal: Goal, chain: Chain, rng: np.random.Generator) -> tuple[Floats
             left = np.concatenate([left, x[better]])[-size:]
             met.append((tried[better], error[better], bars[better]))
             x, value = normed(np.where(better[:, None], tried, x)), np.where(better, then, value)
-            factor = 0.9 * factor + 0.1 * float(np.sum(factors[better] ** 2) / np.sum(factors[better]))
+            factor = 0.9 * factor + 0.1 * float(
+                np.sum(factors[better] ** 2) / np.sum(factors[better])
+            )
             crossing = 0.9 * crossing + 0.1 * float(np.mean(rates[better]))
     numbers_, error, bars = (np.concatenate(parts) for parts in zip(*met, strict=True))
     return numbers_, error, bars

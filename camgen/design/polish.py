@@ -87,7 +87,9 @@ class _State:
         return _State(laid, held, lengths, self.near.mixed(other.near, take), value)
 
 
-def polished(chain: Chain, numbers: Floats, weight: Floats, goal: Goal) -> tuple[Floats, Floats, Floats]:
+def polished(
+    chain: Chain, numbers: Floats, weight: Floats, goal: Goal
+) -> tuple[Floats, Floats, Floats]:
     """Better designs from given ones, (designs, numbers), each by its own weight: numbers, error, length of all bars."""
     x = normed(numbers)
     state = _state(chain, x, weight, goal)
@@ -95,7 +97,11 @@ def polished(chain: Chain, numbers: Floats, weight: Floats, goal: Goal) -> tuple
     unit = np.eye(x.shape[1])
     for _ in range(_ROUNDS):
         slope, bend = _expanded(chain, x, weight, goal, state)
-        held = bend + 1e-6 * unit + damping[:, None, None] * unit * np.einsum("ndd->nd", bend)[:, None, :]
+        held = (
+            bend
+            + 1e-6 * unit
+            + damping[:, None, None] * unit * np.einsum("ndd->nd", bend)[:, None, :]
+        )
         tried = x - np.linalg.solve(held, slope[:, :, None])[:, :, 0]
         then = _state(chain, tried, weight, goal)
         better = then.value < state.value
@@ -112,17 +118,25 @@ def _state(chain: Chain, numbers: Floats, weight: Floats, goal: Goal) -> _State:
     lengths = chain.lengths(drawn) * np.abs(factor)[:, None]
     near = goal.target.near(laid)
     near = replace(near, error=np.where(goal.allows(lengths, least), near.error, np.inf))
-    return _State(laid, held, lengths, near, goal.value(near.error, np.sum(lengths, axis=1), weight))
+    return _State(
+        laid, held, lengths, near, goal.value(near.error, np.sum(lengths, axis=1), weight)
+    )
 
 
-def _expanded(chain: Chain, numbers: Floats, weight: Floats, goal: Goal, state: _State) -> tuple[Floats, Floats]:
+def _expanded(
+    chain: Chain, numbers: Floats, weight: Floats, goal: Goal, state: _State
+) -> tuple[Floats, Floats]:
     """Slope (designs, numbers) and approximate second derivative of the value."""
     designs, count = numbers.shape
     moved = np.repeat(numbers[:, None], count, axis=1)
     moved[:, np.arange(count), np.arange(count)] += _SHARE
     drawn = unpacked(moved.reshape(-1, count))
-    laid, factor = goal.target.laid_by(chain.trace(drawn, _STEPS)[0], np.repeat(state.held, count, axis=1))
-    shift = ((laid.reshape(_STEPS, designs, count) - state.laid[:, :, None]) / _SHARE).transpose(1, 0, 2)
+    laid, factor = goal.target.laid_by(
+        chain.trace(drawn, _STEPS)[0], np.repeat(state.held, count, axis=1)
+    )
+    shift = ((laid.reshape(_STEPS, designs, count) - state.laid[:, :, None]) / _SHARE).transpose(
+        1, 0, 2
+    )
     lengths = (chain.lengths(drawn) * np.abs(factor)[:, None]).reshape(designs, count, -1)
     longer = (lengths - state.lengths[:, None]) / _SHARE
 
@@ -130,7 +144,9 @@ def _expanded(chain: Chain, numbers: Floats, weight: Floats, goal: Goal, state: 
     paths, near = state.laid.T, state.near
     slope = np.einsum("ndb->nd", longer) * (weight / goal.most)[:, None]
     # a length as the square of its root: the step's second derivative stays positive
-    pull = (weight / goal.most)[:, None] * 0.5 / np.maximum(state.lengths, _THIN * goal.target.chord)
+    pull = (
+        (weight / goal.most)[:, None] * 0.5 / np.maximum(state.lengths, _THIN * goal.target.chord)
+    )
     bend = np.einsum("ndb,nb,neb->nde", longer, pull, longer)
     back = np.take_along_axis(paths, near.nearest, axis=1)
     moves = np.take_along_axis(shift, near.nearest[:, :, None], axis=1)

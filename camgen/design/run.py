@@ -33,11 +33,24 @@ if TYPE_CHECKING:
 
 Told = Callable[[str], None]
 
-_FOUND = ("points", "links", "lengths", "output", "slide", "slot", "gear", "cam", "layers")  # tables that a search makes
+_FOUND = (
+    "points",
+    "links",
+    "lengths",
+    "output",
+    "slide",
+    "slot",
+    "gear",
+    "cam",
+    "layers",
+)  # tables that a search makes
 _STEP = 0.02  # least difference of bars of two designs of a front for a path, as a share
 _BEHIND = 0.8  # of the error and bars of a design that could be built: the front reaches to those at most so much worse
 _WEIGHED = 60  # designs for a path whose parts are made; a layer more at most
-_WORST, _MOST = 0.2, 10.0  # of the wanted path's longest chord: error, and length of all bars, that a front reaches to
+_WORST, _MOST = (
+    0.2,
+    10.0,
+)  # of the wanted path's longest chord: error, and length of all bars, that a front reaches to
 
 
 class Design(Protocol):
@@ -84,7 +97,9 @@ class Front:
             try:
                 folder.mkdir(parents=True)
             except FileExistsError:
-                raise FileError(folder, "exists already and is left as it is; choose another folder") from None
+                raise FileError(
+                    folder, "exists already and is left as it is; choose another folder"
+                ) from None
             for number, text in enumerate(self.texts, 1):
                 (folder / f"{number:02d}.toml").write_text(text, encoding="utf-8", newline="\n")
             stream = io.StringIO()
@@ -93,10 +108,24 @@ class Front:
             table.writerows(self.rows)
             (folder / "front.csv").write_text(stream.getvalue(), encoding="utf-8", newline="\n")
         across, up = self.axes
-        said = [f"design {row['design']}: {_told(row, across)}, {_told(row, up)}, {row['verdict']}" for row in self.rows]
-        pictures = [(picture(each, words), words) for each, words in zip(self.drawn, said, strict=True)]
-        write_page(folder / "front.html", self.title, self.summary, list(self.rows[0]), [across], self.rows, len(self.rows),
-                   [up], pictures)  # fmt: skip
+        said = [
+            f"design {row['design']}: {_told(row, across)}, {_told(row, up)}, {row['verdict']}"
+            for row in self.rows
+        ]
+        pictures = [
+            (picture(each, words), words) for each, words in zip(self.drawn, said, strict=True)
+        ]
+        write_page(
+            folder / "front.html",
+            self.title,
+            self.summary,
+            list(self.rows[0]),
+            [across],
+            self.rows,
+            len(self.rows),
+            [up],
+            pictures,
+        )
 
 
 def _told(row: Mapping[str, Any], name: str) -> str:
@@ -109,8 +138,12 @@ Keep = Callable[[Front], None] | None
 
 
 def design(
-    spec: Source, settings: Sequence[str] = (), jobs: int = 1, told: Told = lambda text: None, keep: Keep = None
-) -> str:  # fmt: skip
+    spec: Source,
+    settings: Sequence[str] = (),
+    jobs: int = 1,
+    told: Told = lambda text: None,
+    keep: Keep = None,
+) -> str:
     """Text of the spec that was found. keep: is handed the front of a search for a linkage, also where none of it will do.
 
     SpecError with every fault of wish and spec; DesignError, with the nearest that was reached, where nothing fulfils it.
@@ -121,13 +154,19 @@ def design(
     text, ends = _text_of(spec) if isinstance(spec, str | Path) and not settings else (None, "\n")
     kind = asked_for(data)
     if keep is not None and kind not in ("path", "function"):
-        raise SpecError([Fault("--front", "", "a search for a path or a function: they alone have a front")], "command line")
+        raise SpecError(
+            [Fault("--front", "", "a search for a path or a function: they alone have a front")],
+            "command line",
+        )
     if not kind:
         mechanism = read_mechanism(spec, settings)
         own = getattr(mechanism, "designed", None)
         if own is None:
             right = 'a table with path = "..." or function = [...] (a linkage for it), or vary = { key = [least, most] } and '
-            raise SpecError([Fault("wanted", "", f'missing: {right}least = "figure"; camgen guide design')], source)
+            raise SpecError(
+                [Fault("wanted", "", f'missing: {right}least = "figure"; camgen guide design')],
+                source,
+            )
         return specs.dump(own())
     search = {"path": _for_path, "function": _for_function, "vary": _for_keys}[kind]
     return search(Asked(data, source, folder, text, ends, jobs, told, keep))
@@ -175,15 +214,24 @@ class Asked:
             raise SpecError(list(faults), self.source)
         return found
 
-    def handed_over(self, front: Sequence[D], title: str, summary: str, axes: tuple[str, str], said: str) -> list[dict[str, Any]]:
+    def handed_over(
+        self, front: Sequence[D], title: str, summary: str, axes: tuple[str, str], said: str
+    ) -> list[dict[str, Any]]:
         """The rows of a front, which is kept where that is asked for."""
         rows = []
         for number, each in enumerate(front, 1):
             self.told(f"parts of design {number} of {len(front)}")
             rows.append(each.row(number))
         if self.keep is not None:
-            texts, name = [self.spec_of(each, said, None) for each in front], str(self.data.get("name"))
-            self.keep(Front(f"{title} of {name}", summary, axes, texts, rows, [each.drawn for each in front]))
+            texts, name = (
+                [self.spec_of(each, said, None) for each in front],
+                str(self.data.get("name")),
+            )
+            self.keep(
+                Front(
+                    f"{title} of {name}", summary, axes, texts, rows, [each.drawn for each in front]
+                )
+            )
         return rows
 
     def spec_of(self, each: Design, said: str, tolerance: float | None) -> str:
@@ -193,8 +241,16 @@ class Asked:
         data = each.data(tolerance)
         if self.text is None:
             return specs.dump(specs.validate(load(specs.choose(data, MECHANISMS)), data))
-        added = ("points", "links", "drive", "output", *(["limits"] if "lash" in self.data["wanted"] else []))
-        return with_tables(self.text, {key: data[key] for key in added}, ["wanted"], said).replace("\n", self.ends)
+        added = (
+            "points",
+            "links",
+            "drive",
+            "output",
+            *(["limits"] if "lash" in self.data["wanted"] else []),
+        )
+        return with_tables(self.text, {key: data[key] for key in added}, ["wanted"], said).replace(
+            "\n", self.ends
+        )
 
 
 def _for_keys(asked: Asked) -> str:
@@ -227,8 +283,10 @@ def _for_function(asked: Asked) -> str:
     *_, found = asked.all_right(lambda: _found_tables(asked), lambda: _checked(asked), wanted)
     front = functions.search(found, asked.bearing("lash_deg", found.lash))
     said = "found by camgen design for a function; output.function: its pairs, and how far this machine may be off"
-    summary = (f"{len(front)} four-bars: each is nearer to the function than all of better transmission, or transmits better "
-               "than all nearer. Design 1 is 01.toml, and so on; what is refused cannot be built as it stands.")  # fmt: skip
+    summary = (
+        f"{len(front)} four-bars: each is nearer to the function than all of better transmission, or transmits better "
+        "than all nearer. Design 1 is 01.toml, and so on; what is refused cannot be built as it stands."
+    )
     axes = ("worst_error_deg", "transmission_deg")
     rows = asked.handed_over(front, "Four-bars for the function", summary, axes, said)
 
@@ -238,8 +296,10 @@ def _for_function(asked: Asked) -> str:
     goal = Aim(found, found.borne, "deg", "off at the pairs", "the rocker's swing")
     best = chosen(front, goal, error, lambda each: each.transmission, lambda each: -each.error)
     row = rows[front.index(best)]
-    asked.told(f"design {row['design']} of {len(front)}: at most {row['worst_error_deg']:.4g} deg off at the pairs, "
-               f"transmission angle {row['transmission_deg']:.4g} deg and more")  # fmt: skip
+    asked.told(
+        f"design {row['design']} of {len(front)}: at most {row['worst_error_deg']:.4g} deg off at the pairs, "
+        f"transmission angle {row['transmission_deg']:.4g} deg and more"
+    )
     return asked.spec_of(best, said, found.tolerance)
 
 
@@ -253,39 +313,55 @@ def _for_path(asked: Asked) -> str:
         assert isinstance(found, PathWish)
         return found, found.line(asked.folder)
 
-    _, made, (wanted, line) = asked.all_right(lambda: _found_tables(asked), lambda: _checked(asked), path)
+    _, made, (wanted, line) = asked.all_right(
+        lambda: _found_tables(asked), lambda: _checked(asked), path
+    )
     target = Target(wanted.points(line))
     aim = Aim(wanted, wanted.borne(target.chord), "mm", "from the path", "the path's longest chord")
     shortest = wanted.shortest or made.pin_diameter + 2 * made.wall  # of a hub
     sine = math.sin(math.radians(max(wanted.transmission_deg, 0.1)))
     goal = Goal(target, _WORST * target.chord, _MOST * target.chord, shortest, sine)
-    kinds = [chain for chain in paths.kinds(wanted.bars // 2, 2) if len(chain.bodies) <= wanted.bars]
-    asked.told(f"searched: {len(kinds)} chain" + ("s; this takes minutes" if len(kinds) > 1 else ""))
+    kinds = [
+        chain for chain in paths.kinds(wanted.bars // 2, 2) if len(chain.bodies) <= wanted.bars
+    ]
+    asked.told(
+        f"searched: {len(kinds)} chain" + ("s; this takes minutes" if len(kinds) > 1 else "")
+    )
     with Workers(asked.jobs) as workers:
         found = paths.search(goal, kinds, wanted.effort, wanted.seed, workers.map, asked.told)
     if not found:
         raise DesignError("designs whose chain closes", 0, 1, "", "wanted", wanted.further)
     tables = asked.bearing("lash", wanted.lash)
-    front = _weighed(found, lambda each: Candidate(each, line, tables, aim.borne, wanted.joined), asked.told)
+    front = _weighed(
+        found, lambda each: Candidate(each, line, tables, aim.borne, wanted.joined), asked.told
+    )
     name = wanted.path if isinstance(wanted.path, str) else f"{len(wanted.path)} points"
     said = f"found by camgen design for the path {name}; output.path: that path, and how far this machine's may be from it"
-    summary = (f"{len(front)} designs: each is nearer to the path in the mean than all with less bar, or has less bar than all "
-               "nearer, of all designs or of those that can be built. Design 1 is 01.toml, and so on; what is refused cannot be "
-               "built as it stands.")  # fmt: skip
-    rows = asked.handed_over(front, "Linkages for the path", summary, ("mean_distance_mm", "bars_mm"), said)
+    summary = (
+        f"{len(front)} designs: each is nearer to the path in the mean than all with less bar, or has less bar than all "
+        "nearer, of all designs or of those that can be built. Design 1 is 01.toml, and so on; what is refused cannot be "
+        "built as it stands."
+    )
+    rows = asked.handed_over(
+        front, "Linkages for the path", summary, ("mean_distance_mm", "bars_mm"), said
+    )
 
     def worth(each: Candidate) -> float:
         return (1 - each.found.error / goal.worst) * (1 - each.found.bars / goal.most)
 
     best = chosen(front, aim, lambda each: each.worst, lambda each: -each.found.bars, worth)
     row = rows[front.index(best)]
-    asked.told(f"design {row['design']} of {len(front)}: at most {best.worst:.4g} mm from the path, "
-               f"{row['mean_distance_mm']:.3g} mm in the mean, bars of {best.found.bars:.4g} mm, "
-               f"play of {best.weighed.lash:.3g} mm")  # fmt: skip
+    asked.told(
+        f"design {row['design']} of {len(front)}: at most {best.worst:.4g} mm from the path, "
+        f"{row['mean_distance_mm']:.3g} mm in the mean, bars of {best.found.bars:.4g} mm, "
+        f"play of {best.weighed.lash:.3g} mm"
+    )
     return asked.spec_of(best, said, wanted.tolerance)
 
 
-def _weighed(found: Sequence[Found], made: Callable[[Found], Candidate], told: Told) -> list[Candidate]:
+def _weighed(
+    found: Sequence[Found], made: Callable[[Found], Candidate], told: Told
+) -> list[Candidate]:
     """The front of all designs, that of those that can be made and that of those that are of use, by rising error.
 
     What is of no use leaves room for designs behind it: they are weighed front after front.
@@ -299,11 +375,21 @@ def _weighed(found: Sequence[Found], made: Callable[[Found], Candidate], told: T
         layer = paths.front(left, _STEP)
         weighed |= {each: made(each) for each in layer}
         useful += [each for each in layer if weighed[each].weighed.of_use]
-        told(f"{len(weighed)} designs weighed, {len(useful)} of them can be built and keep what is wanted")
-        left = [each for each in left if each not in layer
-                and not any(one.error <= each.error and one.bars <= each.bars for one in useful)]  # fmt: skip
+        told(
+            f"{len(weighed)} designs weighed, {len(useful)} of them can be built and keep what is wanted"
+        )
+        left = [
+            each
+            for each in left
+            if each not in layer
+            and not any(one.error <= each.error and one.bars <= each.bars for one in useful)
+        ]
     buildable = [each for each in weighed if not weighed[each].weighed.unmade]
-    shown = {*paths.front(weighed, _STEP), *paths.front(buildable, _STEP), *paths.front(useful, _STEP)}
+    shown = {
+        *paths.front(weighed, _STEP),
+        *paths.front(buildable, _STEP),
+        *paths.front(useful, _STEP),
+    }
     return [weighed[each] for each in sorted(shown, key=lambda each: (each.error, each.bars))]
 
 
@@ -312,7 +398,13 @@ def _found_tables(asked: Asked) -> None:
     right = "nothing here: it is found, with [points], [links] and [[output]]"
     faults = [Fault(key, "a table", right) for key in _FOUND if key in asked.rest]
     if asked.data.get("mechanism") != "linkage":
-        faults.append(Fault("mechanism", str(asked.data.get("mechanism")), f'"linkage", for a {asked_for(asked.data)}'))
+        faults.append(
+            Fault(
+                "mechanism",
+                str(asked.data.get("mechanism")),
+                f'"linkage", for a {asked_for(asked.data)}',
+            )
+        )
     if faults:
         raise SpecError(faults, asked.source)
 
@@ -322,7 +414,9 @@ def _checked(asked: Asked) -> Parts:
     from camgen.machines.linkage.mechanism import Linkage
 
     drawn = (0j, 20 + 0j, 70 + 0j, 45 + 40j, 20 + 60j)
-    own = {key: value for key, value in asked.rest.items() if key not in _FOUND} | {"mechanism": "linkage"}
+    own = {key: value for key, value in asked.rest.items() if key not in _FOUND} | {
+        "mechanism": "linkage"
+    }
     any_one = Candidate(Found(chains(2, 1)[0], drawn, 0.0, 0.0), np.array(drawn), own, 1.0)
     return specs.validate(Linkage, any_one.data(1.0), asked.source).making
 
@@ -333,11 +427,22 @@ def _beyond(asked: Asked, key: str, ends: Sequence[float | str]) -> list[Fault]:
         try:
             changed(asked.rest, asked.source, asked.folder, [f"{key}={value!r}"])
         except SpecError as error:
-            own = [fault for fault in error.faults if fault.path.removeprefix("--set ") in (key, f"{key}={value!r}") or not value]
-            own = own or [fault for fault in error.faults if fault.expected.startswith(UNKNOWN) or fault.path == "--set"]
+            own = [
+                fault
+                for fault in error.faults
+                if fault.path.removeprefix("--set ") in (key, f"{key}={value!r}") or not value
+            ]
+            own = own or [
+                fault
+                for fault in error.faults
+                if fault.expected.startswith(UNKNOWN) or fault.path == "--set"
+            ]
             if own:
                 shown = value if isinstance(value, str) else f"{value:g}"
-                return [Fault(f"wanted.vary.{key}", shown, fault.expected, fault.nearest) for fault in own]
+                return [
+                    Fault(f"wanted.vary.{key}", shown, fault.expected, fault.nearest)
+                    for fault in own
+                ]
     return []
 
 
@@ -353,8 +458,12 @@ class Aim:
 
 
 def chosen(
-    front: Sequence[D], aim: Aim, error: Callable[[D], float], within: Callable[[D], float], best: Callable[[D], float]
-) -> D:  # fmt: skip
+    front: Sequence[D],
+    aim: Aim,
+    error: Callable[[D], float],
+    within: Callable[[D], float],
+    best: Callable[[D], float],
+) -> D:
     """Of those that can be built, with no more play and error than is borne: the one of most `within` the tolerance, or without
     one the `best`; DesignError."""
     wanted, unit = aim.wish, aim.unit
@@ -362,32 +471,52 @@ def chosen(
     if not made:
         room = "a larger wanted.frame" if isinstance(wanted, FunctionWish) else wanted.further
         raise DesignError(
-            "buildable designs", 0, 1, "", f"front of {len(front)}", f"{room}, or thinner parts",
+            "buildable designs",
+            0,
+            1,
+            "",
+            f"front of {len(front)}",
+            f"{room}, or thinner parts",
             f"none of {len(front)} designs can be built; the first: {front[0].weighed.unmade}",
-        )  # fmt: skip
+        )
     if wanted.lash is not None:
         tight = [each for each in made if each.weighed.lash <= wanted.lash]
         if not tight:
-            least, remedy = min(each.weighed.lash for each in made), "a smaller print.slide_clearance, or more play"
-            raise DesignError("wanted.lash", least, wanted.lash, unit, "the tightest buildable design", remedy)
+            least, remedy = (
+                min(each.weighed.lash for each in made),
+                "a smaller print.slide_clearance, or more play",
+            )
+            raise DesignError(
+                "wanted.lash", least, wanted.lash, unit, "the tightest buildable design", remedy
+            )
         made = tight
     can = [each for each in made if not each.weighed.failing]
     if not can:
         nearest, many = min(made, key=error).weighed, counted(len(made), "buildable design")
         only_play = {each.code for each in nearest.failing} == {"LASH"}
-        remedy = "a smaller print.slide_clearance, or the wanted.lash that will do" if only_play else "wider [limits]"
+        remedy = (
+            "a smaller print.slide_clearance, or the wanted.lash that will do"
+            if only_play
+            else "wider [limits]"
+        )
         said = f"none of {many} keeps its limits; the nearest to what is wanted: {nearest.refused}"
         raise DesignError("designs that keep their limits", 0, 1, "", many, remedy, said)
     near = [each for each in can if error(each) <= aim.borne]
     least = min(map(error, can))
     if not near and wanted.tolerance is None:
         raise DesignError(
-            f"distance {aim.off}", least, aim.borne, unit, "the nearest buildable design",
+            f"distance {aim.off}",
+            least,
+            aim.borne,
+            unit,
+            "the nearest buildable design",
             f"{wanted.further}, or the wanted.tolerance that will do",
             f"the nearest buildable design is {least:.4g} {unit} {aim.off}; without wanted.tolerance a twentieth of {aim.size} "
             f"is borne, {aim.borne:.4g} {unit}",
-        )  # fmt: skip
+        )
     if not near:
         remedy = f"{wanted.further}, or a wider wanted.tolerance"
-        raise DesignError("wanted.tolerance", least, aim.borne, unit, "the nearest buildable design", remedy)
+        raise DesignError(
+            "wanted.tolerance", least, aim.borne, unit, "the nearest buildable design", remedy
+        )
     return max(near, key=best if wanted.tolerance is None else within)

@@ -18,8 +18,14 @@ from camgen.numerics import Floats, Indices, Points
 
 Flags = NDArray[np.bool_]
 
-_DIRECTIONS = 32  # in which the ends of a chord are looked for; the ends found are true points of the path
-_FEWEST, _FEW, _MANY = 12, 72, 256  # points of the target: to tell its sense, in a fast look, in a refinement
+_DIRECTIONS = (
+    32  # in which the ends of a chord are looked for; the ends found are true points of the path
+)
+_FEWEST, _FEW, _MANY = (
+    12,
+    72,
+    256,
+)  # points of the target: to tell its sense, in a fast look, in a refinement
 _CELLS = 200  # of the grid along the chord
 _MARGIN = 40  # cells round the target
 _BLOCK = 48  # paths whose distances fit the processor's cache
@@ -37,8 +43,12 @@ class Near:
     def mixed(self, other: Near, take: Flags) -> Near:
         """The other's paths where they are taken, (paths,)."""
         aside = take[:, None]
-        return Near(np.where(take, other.error, self.error), np.where(aside, other.goal, self.goal),
-                    np.where(aside, other.wanted, self.wanted), np.where(aside, other.nearest, self.nearest))  # fmt: skip
+        return Near(
+            np.where(take, other.error, self.error),
+            np.where(aside, other.goal, self.goal),
+            np.where(aside, other.wanted, self.wanted),
+            np.where(aside, other.nearest, self.nearest),
+        )
 
 
 class Target:
@@ -53,11 +63,16 @@ class Target:
         self.senses = tuple(_to_corner(each) for each in (turned, -turned))
         turns = (chord / abs(chord), -chord / abs(chord))
         # how each sense goes back to the points as they were given: turn, and where its corner is
-        self.placed = tuple((turn, complex(points[0] - turn * sense[0])) for turn, sense in zip(turns, self.senses, strict=True))
+        self.placed = tuple(
+            (turn, complex(points[0] - turn * sense[0]))
+            for turn, sense in zip(turns, self.senses, strict=True)
+        )
         picked = _spread(points, min(_MANY, len(points)))
         self.many = tuple(sense[picked] for sense in self.senses)
         self.few = tuple(sense[picked[:_FEW]] for sense in self.senses)
-        self.trees = tuple(cKDTree(np.stack([sense.real, sense.imag], axis=-1)) for sense in self.senses)
+        self.trees = tuple(
+            cKDTree(np.stack([sense.real, sense.imag], axis=-1)) for sense in self.senses
+        )
         self.cell = self.chord / _CELLS
         self.grids = tuple(self._grid(tree) for tree in self.trees)
 
@@ -80,12 +95,16 @@ class Target:
         """The same where it is known which points count, as for paths that hardly differ."""
         factor = self._factor(paths, held[:2])
         own = np.arange(paths.shape[1])
-        return paths * factor - ((paths[held[2], own] * factor).real + 1j * (paths[held[3], own] * factor).imag), factor
+        return paths * factor - (
+            (paths[held[2], own] * factor).real + 1j * (paths[held[3], own] * factor).imag
+        ), factor
 
     def _factor(self, paths: Points, ends: Indices) -> Points:
         own = np.arange(paths.shape[1])
         chord = paths[ends[1], own] - paths[ends[0], own]
-        return np.asarray(np.conj(chord) * (self.chord / np.maximum(np.abs(chord) ** 2, 1e-300)), complex)
+        return np.asarray(
+            np.conj(chord) * (self.chord / np.maximum(np.abs(chord) ** 2, 1e-300)), complex
+        )
 
     def glance(self, laid: Points) -> Floats:
         """Error of each path, (designs,), by the grid and few points: within a few hundredths of the spacing of the points."""
@@ -99,8 +118,12 @@ class Target:
         return found
 
     def _looked_up(self, grid: Floats, laid: Points) -> Floats:
-        column = np.clip(np.rint(laid.real / self.cell).astype(np.int32) + _MARGIN, 0, grid.shape[1] - 1)
-        row = np.clip(np.rint(laid.imag / self.cell).astype(np.int32) + _MARGIN, 0, grid.shape[0] - 1)
+        column = np.clip(
+            np.rint(laid.real / self.cell).astype(np.int32) + _MARGIN, 0, grid.shape[1] - 1
+        )
+        row = np.clip(
+            np.rint(laid.imag / self.cell).astype(np.int32) + _MARGIN, 0, grid.shape[0] - 1
+        )
         return np.asarray(np.mean(grid[row, column], axis=0))
 
     def near(self, laid: Points) -> Near:
@@ -114,7 +137,9 @@ class Target:
         nearest = np.empty((laid.shape[1], len(wanted)), dtype=np.intp)
         level = np.stack([-wanted.real, -wanted.imag, np.ones(len(wanted))], axis=1)
         for k, path in enumerate(laid.T):  # half of the distance's square, less what all have
-            nearest[k] = np.argmin(level @ np.stack([path.real, path.imag, 0.5 * np.abs(path) ** 2]), axis=1)
+            nearest[k] = np.argmin(
+                level @ np.stack([path.real, path.imag, 0.5 * np.abs(path) ** 2]), axis=1
+            )
         back = np.abs(wanted - np.take_along_axis(laid.T, nearest, axis=1))
         error = np.mean(out, axis=1) + np.mean(back, axis=1)
         return Near(error, self.senses[sense][goal], np.broadcast_to(wanted, back.shape), nearest)
@@ -130,15 +155,24 @@ class Target:
         places = np.stack([laid.real, laid.imag], axis=-1)
         tree = cKDTree(places)
         errors = [
-            float(np.mean(own.query(places)[0]) + np.mean(tree.query(np.stack([sense.real, sense.imag], axis=-1))[0]))
+            float(
+                np.mean(own.query(places)[0])
+                + np.mean(tree.query(np.stack([sense.real, sense.imag], axis=-1))[0])
+            )
             for own, sense in zip(self.trees, self.senses, strict=True)
         ]
         turn, corner = self.placed[errors[1] < errors[0]]
-        return min(errors), complex(factor * turn), complex(corner + turn * (laid[0] - path[0] * factor))
+        return (
+            min(errors),
+            complex(factor * turn),
+            complex(corner + turn * (laid[0] - path[0] * factor)),
+        )
 
 
 def _to_corner(paths: Points) -> Points:
-    return np.asarray(paths - (np.min(paths.real, axis=0) + 1j * np.min(paths.imag, axis=0)), complex)
+    return np.asarray(
+        paths - (np.min(paths.real, axis=0) + 1j * np.min(paths.imag, axis=0)), complex
+    )
 
 
 def _ends(paths: Points) -> Indices:

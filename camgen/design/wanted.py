@@ -32,17 +32,33 @@ Choices = Annotated[tuple[str, ...], Field(min_length=2, max_length=20)]
 class PathWish(Record):
     """A path that a point of a linkage is to trace; everything but [points], [links] and [[output]] is the spec's own."""
 
-    path: str | tuple[tuple[Coordinate, Coordinate], ...] = Field(description="mm, [x, y] of its points, or a CSV file")
-    joined: bool = Field(True, description="whether lines join the points in their order; false: a dense cloud in any order")
-    tolerance: Length | None = Field(
-        None, description="mm, how far path and points may be apart; best trade-off within a twentieth of the size unless given"
+    path: str | tuple[tuple[Coordinate, Coordinate], ...] = Field(
+        description="mm, [x, y] of its points, or a CSV file"
     )
-    lash: Length | None = Field(None, description="mm, greatest free play of the point by all joints")
+    joined: bool = Field(
+        True,
+        description="whether lines join the points in their order; false: a dense cloud in any order",
+    )
+    tolerance: Length | None = Field(
+        None,
+        description="mm, how far path and points may be apart; best trade-off within a twentieth of the size unless given",
+    )
+    lash: Length | None = Field(
+        None, description="mm, greatest free play of the point by all joints"
+    )
     bars: Literal[4, 6, 8] = Field(6, description="most links, the ground among them")
-    shortest: Length | None = Field(None, description="mm, least distance of two pins of a link; unless given what hubs need")
-    transmission_deg: Annotated[float, Field(ge=0, le=60)] = Field(20.0, description="deg, least between two links at a pin")
-    effort: Annotated[int, Field(ge=0, le=50)] = Field(1, description="how long the best designs are bettered")
-    seed: Annotated[int, Field(ge=0, le=10**6)] = Field(0, description="another one begins from other drawings")
+    shortest: Length | None = Field(
+        None, description="mm, least distance of two pins of a link; unless given what hubs need"
+    )
+    transmission_deg: Annotated[float, Field(ge=0, le=60)] = Field(
+        20.0, description="deg, least between two links at a pin"
+    )
+    effort: Annotated[int, Field(ge=0, le=50)] = Field(
+        1, description="how long the best designs are bettered"
+    )
+    seed: Annotated[int, Field(ge=0, le=10**6)] = Field(
+        0, description="another one begins from other drawings"
+    )
 
     def borne(self, size: float) -> float:
         """How far path and points may be apart, mm; size: the longest chord of the path, mm."""
@@ -60,7 +76,13 @@ class PathWish(Record):
         z = z[np.abs(np.diff(z, prepend=np.nan)) != 0] if self.joined else np.unique(z)
         box = max(np.ptp(z.real), np.ptp(z.imag)) if z.size else 0.0
         if z.size < 3 or box < 1e-3:
-            raise SpecError([Fault("wanted.path", f"{z.size} different points", "at least 3 that are apart, mm")])
+            raise SpecError(
+                [
+                    Fault(
+                        "wanted.path", f"{z.size} different points", "at least 3 that are apart, mm"
+                    )
+                ]
+            )
         steps = np.abs(np.diff(z)) if self.joined else np.zeros(1)
         if steps.sum() > _TWICE * 2 * (np.ptp(z.real) + np.ptp(z.imag)):
             right = "points in the order of the path, or wanted.joined = false for a cloud of them"
@@ -84,21 +106,32 @@ class FunctionWish(Record):
     """Angles of a four-bar's crank and rocker that go together; [points], [links] and [[output]] are found."""
 
     function: tuple[tuple[Turn, Turn], ...] = Field(
-        min_length=3, max_length=200, description="deg, [crank, rocker]: both turned counter-clockwise, from anywhere"
+        min_length=3,
+        max_length=200,
+        description="deg, [crank, rocker]: both turned counter-clockwise, from anywhere",
     )
     tolerance: Annotated[float, Field(gt=0, le=180)] | None = Field(
-        None, description="deg, how far the rocker may be off; the nearest design, within a twentieth of its swing, unless given"
+        None,
+        description="deg, how far the rocker may be off; the nearest design, within a twentieth of its swing, unless given",
     )
     frame: Length = Field(60.0, description="mm, between the pivots of crank and rocker")
-    shortest: Length | None = Field(None, description="mm, least length of a link; a fifth of frame unless given")
+    shortest: Length | None = Field(
+        None, description="mm, least length of a link; a fifth of frame unless given"
+    )
     longest: Length | None = Field(None, description="mm, greatest one; twice frame unless given")
-    lash: Annotated[float, Field(gt=0, le=180)] | None = Field(None, description="deg, greatest free play by all joints")
-    transmission_deg: Annotated[float, Field(ge=0, le=80)] = Field(30.0, description="deg, least between coupler and rocker")
+    lash: Annotated[float, Field(gt=0, le=180)] | None = Field(
+        None, description="deg, greatest free play by all joints"
+    )
+    transmission_deg: Annotated[float, Field(ge=0, le=80)] = Field(
+        30.0, description="deg, least between coupler and rocker"
+    )
 
     @property
     def shares(self) -> tuple[float, float]:
         """Least and greatest length of a link, as shares of the frame."""
-        return (self.shortest or self.frame / 5) / self.frame, (self.longest or 2 * self.frame) / self.frame
+        return (self.shortest or self.frame / 5) / self.frame, (
+            self.longest or 2 * self.frame
+        ) / self.frame
 
     @property
     def further(self) -> str:
@@ -122,15 +155,33 @@ class FunctionWish(Record):
         found = []
         crank = sorted(a for a, _ in self.function)
         near = [a for a, b in itertools.pairwise(crank) if b - a < 1e-6]
-        found += [Fault("wanted.function", f"crank angle {a:g} twice", "another crank angle in each pair") for a in near[:3]]
+        found += [
+            Fault("wanted.function", f"crank angle {a:g} twice", "another crank angle in each pair")
+            for a in near[:3]
+        ]
         if crank[-1] - crank[0] > 360:
-            found.append(Fault("wanted.function", f"a range of {crank[-1] - crank[0]:g} deg", "crank angles within one turn"))
+            found.append(
+                Fault(
+                    "wanted.function",
+                    f"a range of {crank[-1] - crank[0]:g} deg",
+                    "crank angles within one turn",
+                )
+            )
         if len({b for _, b in self.function}) == 1:
             found.append(Fault("wanted.function", "the rocker rests", "a rocker that turns"))
-        sides = (("shortest", self.shortest, self.shares[0] > 1), ("longest", self.longest, self.shares[1] < 1))
+        sides = (
+            ("shortest", self.shortest, self.shares[0] > 1),
+            ("longest", self.longest, self.shares[1] < 1),
+        )
         for key, value, wrong in sides:
             if wrong:
-                found.append(Fault(f"wanted.{key}", f"{value:g}", f"wanted.frame, {self.frame:g}, lies between both"))
+                found.append(
+                    Fault(
+                        f"wanted.{key}",
+                        f"{value:g}",
+                        f"wanted.frame, {self.frame:g}, lies between both",
+                    )
+                )
         return found
 
 
@@ -140,27 +191,55 @@ class KeyWish(Record):
     vary: Annotated[dict[str, Bounds | Choices], Field(min_length=1, max_length=8)] = Field(
         description="keys that may change, each with its least and greatest value, or with words to choose from, such as laws"
     )
-    least: str | None = Field(None, description="a figure, or a key that varies, that is to be as small as can be")
+    least: str | None = Field(
+        None, description="a figure, or a key that varies, that is to be as small as can be"
+    )
     most: str | None = Field(None, description="or as great as can be")
-    figures: dict[str, Bounds] = Field({}, description="figures that must lie between a least and a greatest value")
-    effort: Annotated[int, Field(ge=1, le=50)] = Field(1, description="times sixty designs for each key, and a simplex's")
-    seed: Annotated[int, Field(ge=0, le=10**6)] = Field(0, description="another one begins from other values")
+    figures: dict[str, Bounds] = Field(
+        {}, description="figures that must lie between a least and a greatest value"
+    )
+    effort: Annotated[int, Field(ge=1, le=50)] = Field(
+        1, description="times sixty designs for each key, and a simplex's"
+    )
+    seed: Annotated[int, Field(ge=0, le=10**6)] = Field(
+        0, description="another one begins from other values"
+    )
 
     def faults(self) -> list[Fault]:
         """What does not go together."""
         found = []
         for key, ends in self.vary.items():
             if isinstance(ends[0], str) and len(set(ends)) < len(ends):
-                found.append(Fault(f"wanted.vary.{key}", ", ".join(map(str, ends)), "each word once"))
+                found.append(
+                    Fault(f"wanted.vary.{key}", ", ".join(map(str, ends)), "each word once")
+                )
             elif not isinstance(ends[0], str) and not ends[0] < ends[1]:
                 said = f"[{ends[0]:g}, {ends[1]:g}]"
-                found.append(Fault(f"wanted.vary.{key}", said, "the least value first, then the greatest"))
-        found += [Fault(f"wanted.vary.{key}", key, "a key of the spec, such as geometry.base_radius") for key in self.vary
-                  if not re.fullmatch(r"[\w.\-]+", key)]  # fmt: skip
+                found.append(
+                    Fault(f"wanted.vary.{key}", said, "the least value first, then the greatest")
+                )
+        found += [
+            Fault(f"wanted.vary.{key}", key, "a key of the spec, such as geometry.base_radius")
+            for key in self.vary
+            if not re.fullmatch(r"[\w.\-]+", key)
+        ]
         if (self.least is None) == (self.most is None):
-            found.append(Fault("wanted.least", "", "one of wanted.least and wanted.most: what the search is for"))
-        found += [Fault(f"wanted.figures.{name}", f"[{low:g}, {high:g}]", "the least value first, then the greatest")
-                  for name, (low, high) in self.figures.items() if not low <= high]  # fmt: skip
+            found.append(
+                Fault(
+                    "wanted.least",
+                    "",
+                    "one of wanted.least and wanted.most: what the search is for",
+                )
+            )
+        found += [
+            Fault(
+                f"wanted.figures.{name}",
+                f"[{low:g}, {high:g}]",
+                "the least value first, then the greatest",
+            )
+            for name, (low, high) in self.figures.items()
+            if not low <= high
+        ]
         return found
 
 
@@ -198,7 +277,9 @@ def wish(data: Mapping[str, Any], source: str) -> PathWish | FunctionWish | KeyW
     kind = asked_for(data)
     if not kind:
         return None
-    found: PathWish | FunctionWish | KeyWish = validate(_KINDS[kind], {"wanted": data["wanted"]}, source).wanted
+    found: PathWish | FunctionWish | KeyWish = validate(
+        _KINDS[kind], {"wanted": data["wanted"]}, source
+    ).wanted
     return found
 
 
@@ -218,7 +299,9 @@ def _table(path: Path) -> Sequence[tuple[float, float]]:
     rows = read_table(path, "x and y, mm")[1]
     for x, y in rows:
         if not (abs(x) <= 1e5 and abs(y) <= 1e5):
-            raise FileError(path, f"has a point at {x:g}, {y:g}: x and y within +-100000 mm were expected")
+            raise FileError(
+                path, f"has a point at {x:g}, {y:g}: x and y within +-100000 mm were expected"
+            )
     if len(rows) > _MOST_POINTS:
         raise FileError(path, f"holds {len(rows)} points; {_MOST_POINTS} at most are taken")
     return rows

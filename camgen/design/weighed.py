@@ -48,12 +48,18 @@ class Weighed:
     @cached_property
     def failing(self) -> Sequence[Finding]:
         """Limits that it does not keep, if its parts can be made."""
-        return [] if isinstance(self._made, CamgenError) else [each for each in self._made.forecast() if not each.ok]
+        return (
+            []
+            if isinstance(self._made, CamgenError)
+            else [each for each in self._made.forecast() if not each.ok]
+        )
 
     @property
     def refused(self) -> str:
         """Why it cannot be built as it stands: its parts, or the limits that it does not keep; empty where it can."""
-        return self.unmade or "; ".join(beyond(each.code, each.measured, each.limit, each.unit) for each in self.failing)
+        return self.unmade or "; ".join(
+            beyond(each.code, each.measured, each.limit, each.unit) for each in self.failing
+        )
 
     @cached_property
     def lash(self) -> float:
@@ -73,7 +79,11 @@ class Weighed:
     def row(self) -> Mapping[str, Any]:
         """Its columns in the table of a front."""
         lash = float(f"{self.lash:.4g}") if math.isfinite(self.lash) else None
-        return {"lash": lash, "verdict": "holds" if self.of_use else "refused", "reason": self.refused or self.miss}
+        return {
+            "lash": lash,
+            "verdict": "holds" if self.of_use else "refused",
+            "reason": self.refused or self.miss,
+        }
 
 
 def miss(code: str, error: float, borne: float, unit: str) -> str:

@@ -21,8 +21,13 @@ from camgen.geometry.arcs import as_circle, bulges, fit_arcs
 from camgen.geometry.outlines import Contour, Region
 from camgen.geometry.rings import Ring
 
-COLOURS = {ENGRAVE_LAYER: (5, "#0000ff"), CUT_LAYER: (1, "#ff0000")}  # in DXF, in SVG: blue is engraved, red is cut
-DXF_LAYERS = {layer: (colour, 0) for layer, (colour, _) in COLOURS.items()}  # line weight 0: a hairline
+COLOURS = {
+    ENGRAVE_LAYER: (5, "#0000ff"),
+    CUT_LAYER: (1, "#ff0000"),
+}  # in DXF, in SVG: blue is engraved, red is cut
+DXF_LAYERS = {
+    layer: (colour, 0) for layer, (colour, _) in COLOURS.items()
+}  # line weight 0: a hairline
 _HAIRLINE = 0.025  # mm: a thousandth of an inch, under which drivers of lasers cut; a browser hardly shows a thinner line
 _DIGITS = 6  # after the point, mm
 _MOST = Bound("a sheet in SVG", 20_000_000, b"<", "elements", 200_000)
@@ -38,16 +43,25 @@ class Piece:
 
     def contours(self, tolerance: float) -> Iterator[tuple[str, Contour]]:
         """Layers and contours of lines and arcs, within tolerance, mm, in the order in which they are cut."""
-        rows = [*((ENGRAVE_LAYER, each) for each in self.engraved), *((CUT_LAYER, each) for each in self.path.holes)]
+        rows = [
+            *((ENGRAVE_LAYER, each) for each in self.engraved),
+            *((CUT_LAYER, each) for each in self.path.holes),
+        ]
         for layer, contour in (*rows, (CUT_LAYER, self.path.outer)):
             yield layer, fit_arcs(contour.counter_clockwise(), tolerance)
 
 
-def write_sheet(path: Path, pieces: Sequence[Piece], size: tuple[float, float], tolerance: float) -> None:
+def write_sheet(
+    path: Path, pieces: Sequence[Piece], size: tuple[float, float], tolerance: float
+) -> None:
     """Write a sheet of this width and height, mm, with its lower left corner at the origin, in the format of the ending."""
     rows = [row for piece in pieces for row in piece.contours(tolerance)]
     if path.suffix == ".dxf":
-        used = {layer: look for layer, look in DXF_LAYERS.items() if layer in {layer for layer, _ in rows}}
+        used = {
+            layer: look
+            for layer, look in DXF_LAYERS.items()
+            if layer in {layer for layer, _ in rows}
+        }
         with document(path, used, (0j, complex(*size))) as space:
             for layer, contour in rows:
                 add_contour(space, contour, layer)
@@ -61,7 +75,11 @@ def write_sheet(path: Path, pieces: Sequence[Piece], size: tuple[float, float], 
             continue
         lines.append(f'<g id="{layer}" fill="none" stroke="{colour}" stroke-width="{_HAIRLINE}">\n')
         for piece in pieces:
-            here = [_drawn(contour, size[1]) for name, contour in piece.contours(tolerance) if name == layer]
+            here = [
+                _drawn(contour, size[1])
+                for name, contour in piece.contours(tolerance)
+                if name == layer
+            ]
             lines += [f"<g><title>{escape(piece.name)}</title>\n", *here, "</g>\n"] if here else []
         lines.append("</g>\n")
     path.write_text("".join([*lines, "</svg>\n"]), encoding="utf-8", newline="\n")
@@ -96,9 +114,12 @@ def _at(z: complex, height: float) -> str:
 
 _SIZE = r"([0-9]{1,9}(?:\.[0-9]{1,6})?)"
 _NUMBER = f"(-?{_SIZE[1:]}"
-_SHEET = re.compile(rf'<svg xmlns="http://www\.w3\.org/2000/svg" width="{_SIZE}mm" height="{_SIZE}mm" viewBox="0 0 \1 \2">')
+_SHEET = re.compile(
+    rf'<svg xmlns="http://www\.w3\.org/2000/svg" width="{_SIZE}mm" height="{_SIZE}mm" viewBox="0 0 \1 \2">'
+)
 _LAYER = {
-    layer: f'<g id="{layer}" fill="none" stroke="{colour}" stroke-width="{_HAIRLINE}">' for layer, (_, colour) in COLOURS.items()
+    layer: f'<g id="{layer}" fill="none" stroke="{colour}" stroke-width="{_HAIRLINE}">'
+    for layer, (_, colour) in COLOURS.items()
 }
 _PIECE = re.compile(r"<g><title>((?:[^<>&]|&amp;|&lt;|&gt;)*)</title>")
 _CIRCLE = re.compile(rf'<circle cx="{_NUMBER}" cy="{_NUMBER}" r="{_SIZE}"/>')
@@ -151,12 +172,16 @@ class _Lines:
         """The same of a line that must come here."""
         found = self.take(wanted)
         if found is None:
-            raise ValueError(f"line {self.number + 1}, where {what} is expected, is {self.line[:_SHOWN]!r}")
+            raise ValueError(
+                f"line {self.number + 1}, where {what} is expected, is {self.line[:_SHOWN]!r}"
+            )
         return found
 
     def sheet(self) -> tuple[tuple[float, float], dict[str, Layer]]:
         """All of it."""
-        width, height = (float(side) for side in self.need(_SHEET, "a sheet in millimetres").groups())
+        width, height = (
+            float(side) for side in self.need(_SHEET, "a sheet in millimetres").groups()
+        )
         layers = {}
         for name, line in _LAYER.items():
             if self.take(line):
@@ -179,14 +204,19 @@ class _Lines:
         """A contour."""
         if round_one := self.take(_CIRCLE):
             x, y, radius = (float(number) for number in round_one.groups())
-            return Ring(np.array([complex(x + radius, height - y), complex(x - radius, height - y)]), np.ones(2))
+            return Ring(
+                np.array([complex(x + radius, height - y), complex(x - radius, height - y)]),
+                np.ones(2),
+            )
         path = self.need(_PATH, "a circle or a closed path")
         points, bulges = [complex(float(path[1]), height - float(path[2]))], list[float]()
         for line_x, line_y, radius, other, clockwise, arc_x, arc_y in _STEPS.findall(path[3]):
             z = complex(float(line_x or arc_x), height - float(line_y or arc_y))
             if radius != other or (radius and not float(radius)):
                 raise ValueError(f"line {self.number}: an arc of the radii {radius} and {other}")
-            sine = min(abs(z - points[-1]) / (2 * float(radius)), 1.0) if radius else 0.0  # of half the sweep
+            sine = (
+                min(abs(z - points[-1]) / (2 * float(radius)), 1.0) if radius else 0.0
+            )  # of half the sweep
             bulges.append(math.tan(math.asin(sine) / 2) * (-1 if clockwise == "1" else 1))
             points.append(z)
         if abs(points[-1] - points[0]) > 10.0**-_DIGITS:

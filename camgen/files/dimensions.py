@@ -32,19 +32,26 @@ class Hole:
     half: complex = 0j
 
 
-def holes_of(contours: Sequence[Contour], points: Sequence[tuple[str, complex]] = ()) -> list[tuple[str, Hole]]:
+def holes_of(
+    contours: Sequence[Contour], points: Sequence[tuple[str, complex]] = ()
+) -> list[tuple[str, Hole]]:
     """Holes with their labels: the names of the points at which they are, mm, and numbers where there is none. Without points
     equal shapes share a letter, numbered where there are several."""
     holes = [hole_of(contour) for contour in contours]
     if points:
-        names = [next((name for name, place in points if abs(hole.place - place) < SAME_POINT), "") for hole in holes]
+        names = [
+            next((name for name, place in points if abs(hole.place - place) < SAME_POINT), "")
+            for hole in holes
+        ]
         numbers = itertools.count(1)  # no name is one
         return [(name or str(next(numbers)), hole) for name, hole in zip(names, holes, strict=True)]
     shapes = list(dict.fromkeys(hole.shape for hole in holes))
     named: list[tuple[str, Hole]] = []
     for letter, shape in zip(_letters(), shapes, strict=False):
         same = [hole for hole in holes if hole.shape == shape]
-        named += [(f"{letter}{i}" if len(same) > 1 else letter, hole) for i, hole in enumerate(same, 1)]
+        named += [
+            (f"{letter}{i}" if len(same) > 1 else letter, hole) for i, hole in enumerate(same, 1)
+        ]
     return named
 
 
@@ -53,7 +60,11 @@ def standing_of(part: Part, told: Collection[str]) -> dict[int, tuple[str, Hole]
     found: dict[int, tuple[str, Hole]] = {}
     for k, layer in enumerate(part.layers):
         disc = as_circle(layer.region.outer)
-        names = [name for name, place in part.points if disc and name not in told and abs(place - disc[0]) < SAME_POINT]
+        names = [
+            name
+            for name, place in part.points
+            if disc and name not in told and abs(place - disc[0]) < SAME_POINT
+        ]
         if disc and names and k != part.cut:
             found[k] = names[0], Hole(disc[0], f"Ø{number(2 * disc[1])}", *disc)
     return found
@@ -66,7 +77,10 @@ def flatted(contour: Contour) -> tuple[complex, float, list[Line]] | None:
     if not (arcs and flats) or len(arcs) + len(flats) < len(contour.pieces):
         return None
     centre, radius = arcs[0].centre, arcs[0].radius
-    alike = all(abs(arc.centre - centre) + abs(arc.radius - radius) < SAME_POINT and arc.sweep > 0 for arc in arcs)
+    alike = all(
+        abs(arc.centre - centre) + abs(arc.radius - radius) < SAME_POINT and arc.sweep > 0
+        for arc in arcs
+    )
     return (centre, radius, flats) if alike else None
 
 
@@ -84,7 +98,11 @@ def zero_of(part: Part, named: Sequence[tuple[str, Hole]]) -> tuple[complex, str
         if hole.radius:
             return hole.place, f"the centre of hole {label}"
     low, high = extent([fit_arcs(part.region.outer, 0.01)])
-    return (0j, "") if low.real <= 0 <= high.real and low.imag <= 0 <= high.imag else (low, "the lower left corner of the box")
+    return (
+        (0j, "")
+        if low.real <= 0 <= high.real and low.imag <= 0 <= high.imag
+        else (low, "the lower left corner of the box")
+    )
 
 
 def _letters() -> itertools.chain[str]:
@@ -106,7 +124,9 @@ def hole_of(contour: Contour) -> Hole:
         turn = 360 * math.floor(low / 360)
         turn += 360 * (high - turn > 360)  # across Ox: from below it to above
         shape = f"slot {number(width)} on R{number(radius)}, {low - turn:z.1f}° {'to' if low < turn else '-'} {high - turn:z.1f}°"
-        return Hole(outer.centre, shape, outer.centre + cmath.rect(radius, math.radians(low + high) / 2))
+        return Hole(
+            outer.centre, shape, outer.centre + cmath.rect(radius, math.radians(low + high) / 2)
+        )
     lower, upper = extent([fit_arcs(contour, 0.01)])
     if ends := _round_ends(contour):
         (a, b), radius = ends
@@ -168,7 +188,12 @@ def free(contour: Contour) -> bool:
 
 
 def layer_rows(
-    part: Part, holes: Sequence[Hole], tolerance: float, told_as: Callable[[Hole], str], zero: complex, names: Mapping[int, str]
+    part: Part,
+    holes: Sequence[Hole],
+    tolerance: float,
+    told_as: Callable[[Hole], str],
+    zero: complex,
+    names: Mapping[int, str],
 ) -> list[tuple[str, str, str, str]]:
     """Rows of the edges of every layer, and of holes that only it has; none for a plain circle or a tall stack.
 
@@ -179,7 +204,11 @@ def layer_rows(
     sloped = part.crossed is not None
     if len(layers) > STACK:
         for z0, z1 in dict.fromkeys((layer.z0, layer.z1) for layer in layers):
-            outers = [fit_arcs(layer.region.outer, tolerance) for layer in layers if (layer.z0, layer.z1) == (z0, z1)]
+            outers = [
+                fit_arcs(layer.region.outer, tolerance)
+                for layer in layers
+                if (layer.z0, layer.z1) == (z0, z1)
+            ]
             size = extent(outers)[1] - extent(outers)[0]
             overall = f"{number(size.real)} × {number(size.imag)} overall"
             rows.append(("", "", "", f"z {number(z0)} to {number(z1)}: {overall}"))
@@ -188,20 +217,41 @@ def layer_rows(
         return []
     known_edges: dict[tuple[tuple[str, str, str], ...], str] = {}
     for k, layer in enumerate(layers):
-        outer, span = layer.region.outer.moved(1, -zero), f"z {number(layer.z0)} to {number(layer.z1)}"
+        outer, span = (
+            layer.region.outer.moved(1, -zero),
+            f"z {number(layer.z0)} to {number(layer.z1)}",
+        )
         disc = None if sloped else as_circle(outer)
         if disc:
-            rows.append((names.get(k, ""), number(disc[0].real), number(disc[0].imag), f"Ø{number(2 * disc[1])}, {span}"))
+            rows.append(
+                (
+                    names.get(k, ""),
+                    number(disc[0].real),
+                    number(disc[0].imag),
+                    f"Ø{number(2 * disc[1])}, {span}",
+                )
+            )
         else:
             edges = edge_rows(outer, sloped)
             same = known_edges.setdefault(tuple(edges), span)
-            rows.append(("", "", "", f"Edges, {span}:" if same is span else f"Edges, {span}: as {same}"))
+            rows.append(
+                ("", "", "", f"Edges, {span}:" if same is span else f"Edges, {span}: as {same}")
+            )
             rows += [("", *row) for row in edges if same is span]
-        own = [hole for hole in map(hole_of, layer.region.holes) if (hole.place, hole.shape) not in known]
-        rows += [("", number((h.place - zero).real), number((h.place - zero).imag), told_as(h)) for h in own]
+        own = [
+            hole
+            for hole in map(hole_of, layer.region.holes)
+            if (hole.place, hole.shape) not in known
+        ]
+        rows += [
+            ("", number((h.place - zero).real), number((h.place - zero).imag), told_as(h))
+            for h in own
+        ]
     if part.crossed is not None:
         rows.append(("", "X", "Z", "Edges from above:"))
-        crossed = [contour.moved(1, -zero.real) for contour in (part.crossed.outer, *part.crossed.holes)]
+        crossed = [
+            contour.moved(1, -zero.real) for contour in (part.crossed.outer, *part.crossed.holes)
+        ]
         rows += [("", *row) for contour in crossed for row in edge_rows(contour, sloped)]
     return rows
 
@@ -213,22 +263,37 @@ def edge_rows(contour: Contour, sloped: bool = False) -> list[tuple[str, str, st
     """
     round_one = as_circle(contour)
     if round_one:
-        return [(number(round_one[0].real), number(round_one[0].imag), f"Ø{number(2 * round_one[1])}, its edge")]
+        return [
+            (
+                number(round_one[0].real),
+                number(round_one[0].imag),
+                f"Ø{number(2 * round_one[1])}, its edge",
+            )
+        ]
     if shaft := flatted(contour):
         centre, radius, flats = shaft
         rows = [(number(centre.real), number(centre.imag), f"Ø{number(2 * radius)}, round")]
         for flat in flats:
-            way = (flat.b - flat.a) / abs(flat.b - flat.a) * -1j  # outwards, for the outline runs counter-clockwise
+            way = (
+                (flat.b - flat.a) / abs(flat.b - flat.a) * -1j
+            )  # outwards, for the outline runs counter-clockwise
             foot = centre + ((flat.a - centre) * way.conjugate()).real * way
             deep = f"flat, {number(radius - abs(foot - centre))} deep, at {math.degrees(cmath.phase(way)):z.4g}°"
             rows.append((number(foot.real), number(foot.imag), deep))
         return rows
     if free(contour):
         return [("", "", "a curve: see the profile")]
-    pieces = [piece for piece in contour.pieces if abs(start_point(piece) - end_point(piece)) > 1e-9]
+    pieces = [
+        piece for piece in contour.pieces if abs(start_point(piece) - end_point(piece)) > 1e-9
+    ]
     corners = [start_point(piece) for piece in pieces]
     lines = all(isinstance(piece, Line) for piece in pieces)
-    if lines and len({round(z.real, 6) for z in corners}) == len({round(z.imag, 6) for z in corners}) == 2:
+    if (
+        lines
+        and len({round(z.real, 6) for z in corners})
+        == len({round(z.imag, 6) for z in corners})
+        == 2
+    ):
         low, high = extent([contour])
         size = f"{number(high.real - low.real)} × {number(high.imag - low.imag)}, its lower left corner"
         return [(number(low.real), number(low.imag), size)]
@@ -241,17 +306,31 @@ def edge_rows(contour: Contour, sloped: bool = False) -> list[tuple[str, str, st
             slopes[len(rows) - 1] = _slope(piece)
         if isinstance(piece, Arc):
             kind = "" if piece.sweep > 0 else ", hollow"
-            rows.append((number(piece.centre.real), number(piece.centre.imag), f"R{number(piece.radius)}{kind}"))
+            rows.append(
+                (
+                    number(piece.centre.real),
+                    number(piece.centre.imag),
+                    f"R{number(piece.radius)}{kind}",
+                )
+            )
     for k, slope in slopes.items():
         rows[k] = (*rows[k][:2], rows[k][2] + slope)
     rows = _paired(dict.fromkeys(rows))
-    return rows if len(rows) <= _EDGES else [("", "", f"{len(rows)} roundings and corners: see the profile")]
+    return (
+        rows
+        if len(rows) <= _EDGES
+        else [("", "", f"{len(rows)} roundings and corners: see the profile")]
+    )
 
 
 def _slope(line: Line) -> str:
     """Slope of an edge that follows, from the x axis; nothing of an upright or level one."""
     slope = math.degrees(cmath.phase(line.b - line.a)) % 180
-    return "" if min(slope % 90, 90 - slope % 90) < 1e-6 else f", then at {slope if slope < 90 else slope - 180:.2f}°"
+    return (
+        ""
+        if min(slope % 90, 90 - slope % 90) < 1e-6
+        else f", then at {slope if slope < 90 else slope - 180:.2f}°"
+    )
 
 
 def _paired(rows: Collection[tuple[str, str, str]]) -> list[tuple[str, str, str]]:

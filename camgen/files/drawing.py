@@ -30,7 +30,7 @@ from camgen.files.dimensions import (
     number,
     standing_of,
     zero_of,
-)  # fmt: skip
+)
 from camgen.files.labels import Named, along, led, placed
 from camgen.files.sheet import Sheet, Text, write_dxf_sheet, write_pdf
 from camgen.files.title_block import SIZE, Facts, position_frame, title_block
@@ -46,7 +46,9 @@ _SIZES = {"A4": (297.0, 210.0), "A3": (420.0, 297.0)}
 _FILING, _MARGIN = 20.0, 10.0
 _TABLE_WIDTHS = (10.0, 17.0, 17.0, 58.0)
 _ROW = 5.0
-_NOTES = _SIZES["A4"][0] - _FILING - _MARGIN - SIZE[0] - 6  # width of the notes, beside the title block of an A4 sheet
+_NOTES = (
+    _SIZES["A4"][0] - _FILING - _MARGIN - SIZE[0] - 6
+)  # width of the notes, beside the title block of an A4 sheet
 # Room round the plan view for dimensions, and between the views, mm: left and below, right and above.
 _LEFT, _BELOW, _RIGHT, _ABOVE, _BESIDE = 31.0, 28.0, 24.0, 24.0, 12.0
 _DIMENSION_GAP = 24.0
@@ -56,7 +58,9 @@ _THIRD = 8.0  # from the plan view's dimension to the third view, and from that 
 _COLUMNS = 3  # pairs of angle and radius beside each other
 
 
-def write_drawing(folder: Path, prefix: str, part: Part, tolerance: float, facts: Facts) -> list[Path]:
+def write_drawing(
+    folder: Path, prefix: str, part: Part, tolerance: float, facts: Facts
+) -> list[Path]:
     """Write `<prefix>-<part>-drawing.dxf` and `.pdf` into folder; returns their paths.
 
     tolerance: mm, of the arcs that stand for the exact outline. An OSError means that a file could not be written.
@@ -74,13 +78,21 @@ def _wrapped(note: str) -> list[str]:
     room, lines = _NOTES, [""]
     for word in note.split():
         longer = f"{lines[-1]} {word}".strip()
-        lines = [*lines[:-1], longer] if not lines[-1] or Text(0j, longer, 2.5).room <= room else [*lines, word]
+        lines = (
+            [*lines[:-1], longer]
+            if not lines[-1] or Text(0j, longer, 2.5).room <= room
+            else [*lines, word]
+        )
     return lines
 
 
 def _contours(layers: Sequence[Layer], tolerance: float) -> list[Contour]:
     regions = [layer.region for layer in layers]
-    return [fit_arcs(contour, tolerance) for region in regions for contour in (region.outer, *region.holes)]
+    return [
+        fit_arcs(contour, tolerance)
+        for region in regions
+        for contour in (region.outer, *region.holes)
+    ]
 
 
 class _Layout:
@@ -93,16 +105,27 @@ class _Layout:
         self.named = holes_of(part.region.holes, part.points)
         self.rims = dict(zip(map(hole_of, part.region.holes), self.holes, strict=True))
         self.standing = standing_of(part, [name for name, _ in self.named])
-        self.rims |= {hole: fit_arcs(part.layers[k].region.outer, tolerance) for k, (_, hole) in self.standing.items()}
+        self.rims |= {
+            hole: fit_arcs(part.layers[k].region.outer, tolerance)
+            for k, (_, hole) in self.standing.items()
+        }
         self.zero, self.zero_is = zero_of(part, self.named)
-        self.placed = facts.position > 0 and len([hole for _, hole in self.named if hole.radius]) > 1
+        self.placed = (
+            facts.position > 0 and len([hole for _, hole in self.named if hole.radius]) > 1
+        )
         others = [each for k, each in enumerate(part.layers) if k != part.cut]
         covered = [each for each in others if part.crossed and each.z1 <= part.layers[part.cut].z0]
         known = set(part.region.holes)
-        hidden = [c for each in covered for c in (each.region.outer, *each.region.holes) if c not in known]
-        self.hidden = [fit_arcs(contour, tolerance) for contour in hidden] + views.plan_bores(part, tolerance)
+        hidden = [
+            c for each in covered for c in (each.region.outer, *each.region.holes) if c not in known
+        ]
+        self.hidden = [fit_arcs(contour, tolerance) for contour in hidden] + views.plan_bores(
+            part, tolerance
+        )
         self.above = _contours([each for each in others if each not in covered], tolerance)
-        self.beyond = [] if part.crossed is None else views.from_above(part, part.crossed, tolerance)
+        self.beyond = (
+            [] if part.crossed is None else views.from_above(part, part.crossed, tolerance)
+        )
         self.section = views.section(part, tolerance)
         self.depth = part.thickness if part.crossed or self.section else 0.0
         self.engraved = _contours(part.engraved, tolerance)
@@ -111,7 +134,10 @@ class _Layout:
         self.notes = self._notes(tolerance)
         self.low, self.high = extent([self.outer, *self.above, *self.hidden])
         self.disc = self._disc()
-        self.letter = next((c for c in "S Z W V U T R Q".split() if c not in {label for label, _ in self.named}), "S-S")
+        self.letter = next(
+            (c for c in "S Z W V U T R Q".split() if c not in {label for label, _ in self.named}),
+            "S-S",
+        )
         self.size_name, self.scale = self._choose()
         width, height = _SIZES[self.size_name]
         self.sheet = Sheet(width, height, f"{part.title} ({stem})")
@@ -124,13 +150,22 @@ class _Layout:
         self._labels()
         self._table()
         self._note_lines()
-        title_block(self.sheet, width - _MARGIN, _MARGIN, part, facts, stem, self.scale, self.size_name)
+        title_block(
+            self.sheet, width - _MARGIN, _MARGIN, part, facts, stem, self.scale, self.size_name
+        )
 
     def _disc(self) -> float | None:
         """Radius of the circle that bounds the view along z, mm; None where that is no circle."""
         circles = [each for contour in (self.outer, *self.above) if (each := as_circle(contour))]
         reach = ((r, at - r * (1 + 1j), at + r * (1 + 1j)) for at, r in circles)
-        return next((r for r, low, high in reach if abs(low - self.low) + abs(high - self.high) < SAME_POINT), None)
+        return next(
+            (
+                r
+                for r, low, high in reach
+                if abs(low - self.low) + abs(high - self.high) < SAME_POINT
+            ),
+            None,
+        )
 
     def paper(self, z: complex) -> complex:
         """A point of the part on the paper."""
@@ -151,11 +186,17 @@ class _Layout:
             wide -= _LEFT + _RIGHT + _BESIDE
             tall -= _BELOW + _ABOVE + (2 * _THIRD if self.depth else 0.0)
             high = span.imag + self.depth
-            fits = (s for s in _SCALES if s * (span.real + self.part.thickness) <= wide and s * high <= tall)
+            fits = (
+                s
+                for s in _SCALES
+                if s * (span.real + self.part.thickness) <= wide and s * high <= tall
+            )
             return next(fits, _SCALES[-1])
 
         a4, a3 = best("A4"), best("A3")
-        long = (1 + len(self.rows) + self._polar_rows()) * _ROW > _SIZES["A4"][1] - 2 * _MARGIN - SIZE[1]
+        long = (1 + len(self.rows) + self._polar_rows()) * _ROW > _SIZES["A4"][
+            1
+        ] - 2 * _MARGIN - SIZE[1]
         return ("A3", a3) if (a4 < 1 and a3 > a4) or (long and self.polar) else ("A4", a4)
 
     def _datum(self) -> complex:
@@ -166,12 +207,19 @@ class _Layout:
         third = 2 * _THIRD + self.scale * self.depth if self.depth else 0.0
         spare_y = tall - _BELOW - _ABOVE - span.imag - third
         foot = _SIZES[self.size_name][1] - 2 * _MARGIN - tall
-        corner = complex(_FILING + _LEFT + spare_x / 2, _MARGIN + foot + _BELOW + third + spare_y / 2)
+        corner = complex(
+            _FILING + _LEFT + spare_x / 2, _MARGIN + foot + _BELOW + third + spare_y / 2
+        )
         return corner - self.scale * self.low
 
     def _frame(self) -> None:
         right, top = self.sheet.width - _MARGIN, self.sheet.height - _MARGIN
-        corners = (complex(_FILING, _MARGIN), complex(right, _MARGIN), complex(right, top), complex(_FILING, top))
+        corners = (
+            complex(_FILING, _MARGIN),
+            complex(right, _MARGIN),
+            complex(right, top),
+            complex(_FILING, top),
+        )
         self.sheet.line(*corners, layer="TEXT", closed=True)
 
     def _plan(self) -> None:
@@ -193,9 +241,16 @@ class _Layout:
         span = self.high - self.low
         # the extension lines start at the box: the points where it touches the outline are not all on one side
         shaft = flatted(self.part.region.outer)
-        round_ones = [2 * each for each in (self.disc, shaft[1] if shaft else None) if each]  # diameters
-        signs = ("Ø" if any(abs(size - each) < SAME_POINT for each in round_ones) else "" for size in (span.real, span.imag))
-        wide, tall = (sign + number(size) for sign, size in zip(signs, (span.real, span.imag), strict=True))
+        round_ones = [
+            2 * each for each in (self.disc, shaft[1] if shaft else None) if each
+        ]  # diameters
+        signs = (
+            "Ø" if any(abs(size - each) < SAME_POINT for each in round_ones) else ""
+            for size in (span.real, span.imag)
+        )
+        wide, tall = (
+            sign + number(size) for sign, size in zip(signs, (span.real, span.imag), strict=True)
+        )
         self._dimension(low, complex(high.real, low.imag), -1j * _DIMENSION_GAP, wide)
         if self.disc is None:
             self._dimension(low, complex(low.real, high.imag), -_DIMENSION_GAP + 0j, tall)
@@ -219,26 +274,38 @@ class _Layout:
         """Names of holes and of what stands on the part, where paper is free, some with leaders."""
         named = [self._named(label, hole) for label, hole in (*self.named, *self.standing.values())]
         foot = self.sheet.height - 2 * _MARGIN - self._room(self.size_name)[1]
-        area = complex(_FILING + 1, _MARGIN + foot), complex(self.table_x - 1, self.sheet.height - _MARGIN - 1)
+        area = (
+            complex(_FILING + 1, _MARGIN + foot),
+            complex(self.table_x - 1, self.sheet.height - _MARGIN - 1),
+        )
         for each in placed(named, self.sheet, area):
             self.sheet.things += each.things
 
     def _named(self, label: str, hole: Hole) -> Named:
         """A label with its hole on paper."""
         rim = along([self.rims[hole].moved(self.scale, self.datum)])
-        return Named(label, replace(hole, middle=self.paper(hole.middle), radius=self.scale * hole.radius), rim)
+        return Named(
+            label,
+            replace(hole, middle=self.paper(hole.middle), radius=self.scale * hole.radius),
+            rim,
+        )
 
     def _centre_lines(self) -> None:
         """Axes through the zero point across the whole part, crosses on round holes and other centres."""
         sheet, over, zero = self.sheet, 4.0, self.zero
         low, high = self.paper(self.low), self.paper(self.high)
-        axes = self.low.real <= zero.real <= self.high.real and self.low.imag <= zero.imag <= self.high.imag
+        axes = (
+            self.low.real <= zero.real <= self.high.real
+            and self.low.imag <= zero.imag <= self.high.imag
+        )
         if axes:
             x, y = self.paper(zero).real, self.paper(zero).imag
             sheet.line(complex(low.real - over, y), complex(high.real + over, y), layer="CENTER")
             sheet.line(complex(x, low.imag - over), complex(x, high.imag + over), layer="CENTER")
         radii = dict.fromkeys(self.part.centres, 1.0)
-        circles = [as_circle(contour) for contour in (self.part.region.outer, *self.part.region.holes)]
+        circles = [
+            as_circle(contour) for contour in (self.part.region.outer, *self.part.region.holes)
+        ]
         radii |= {circle[0]: min(circle[1], 5 / self.scale + 1) for circle in circles if circle}
         for centre, radius in radii.items():
             if axes and abs(centre - zero) < 1e-9:
@@ -258,7 +325,9 @@ class _Layout:
             taken.append(math.pi / 4)
         if free(self.part.region.outer):
             for point, word in zip(nearest_and_farthest(self.outer), ("min", "max"), strict=True):
-                self._leader(point, point / abs(point) if point else 1, f"R{number(abs(point))} {word}")
+                self._leader(
+                    point, point / abs(point) if point else 1, f"R{number(abs(point))} {word}"
+                )
                 taken.append(cmath.phase(point))
         if self.turns:
             self._turning(taken)
@@ -281,7 +350,10 @@ class _Layout:
         """Arc with an arrow outside the part: the positive sense, counter-clockwise, in the freest diagonal."""
 
         def free(angle: float) -> float:
-            return min((abs(cmath.phase(cmath.exp(1j * (angle - other)))) for other in taken), default=math.pi)
+            return min(
+                (abs(cmath.phase(cmath.exp(1j * (angle - other)))) for other in taken),
+                default=math.pi,
+            )
 
         # Dimensions are below and to the left.
         upper = max((math.pi / 4, 3 * math.pi / 4), key=free)
@@ -303,7 +375,9 @@ class _Layout:
             low, high = extent([fit_arcs(layer.region.outer, self.tolerance)])
             a = complex(left + self.scale * layer.z0, self.paper(low).imag)
             b = complex(left + self.scale * layer.z1, self.paper(high).imag)
-            self.sheet.line(a, complex(b.real, a.imag), b, complex(a.real, b.imag), layer="VIEW", closed=True)
+            self.sheet.line(
+                a, complex(b.real, a.imag), b, complex(a.real, b.imag), layer="VIEW", closed=True
+            )
         for bore in views.side_bores(self.part, self.tolerance):
             self.sheet.contour(bore.moved(self.scale, complex(left, self.datum.imag)), "HIDDEN")
         thick = self.scale * self.part.thickness
@@ -311,7 +385,9 @@ class _Layout:
             y = self.paper(self.zero).imag
             self.sheet.line(complex(left - 4, y), complex(left + thick + 4, y), layer="CENTER")
         bottom = self.paper(self.low).imag
-        self._dimension(complex(left, bottom), complex(left + thick, bottom), -9j, number(self.part.thickness))
+        self._dimension(
+            complex(left, bottom), complex(left + thick, bottom), -9j, number(self.part.thickness)
+        )
         heights = sorted({layer.z1 for layer in self.part.layers} - {self.part.thickness})
         heights = heights if len(heights) <= 2 else []  # no room for more; the table has them all
         for i, height in enumerate(heights, 1):
@@ -332,7 +408,9 @@ class _Layout:
             for layer, lines in (("VIEW", self.section.beyond), ("HATCH", hatching)):
                 for ends in lines:
                     self.sheet.line(*(top + self.scale * z.conjugate() for z in ends), layer=layer)
-            self.sheet.text(top + self.scale * self.low.real + 2.5j, f"{self.letter}-{self.letter}", 3.5)
+            self.sheet.text(
+                top + self.scale * self.low.real + 2.5j, f"{self.letter}-{self.letter}", 3.5
+            )
 
     def _dimension(self, a: complex, b: complex, away: complex, text: str) -> None:
         """Linear dimension between a and b (paper), its line moved by `away`; arrows outside where it is short."""
@@ -360,14 +438,26 @@ class _Layout:
     def _rows(self) -> list[tuple[str, str, str, str]]:
         """Rows of the table of holes and edges."""
         places = [(label, h, h.place - self.zero) for label, h in self.named]
-        rows = [(label, number(at.real), number(at.imag), self.facts.shape(h)) for label, h, at in places]
-        names, holes = {k: name for k, (name, _) in self.standing.items()}, [hole for _, hole in self.named]
-        return rows + layer_rows(self.part, holes, self.tolerance, self.facts.shape, self.zero, names)
+        rows = [
+            (label, number(at.real), number(at.imag), self.facts.shape(h))
+            for label, h, at in places
+        ]
+        names, holes = (
+            {k: name for k, (name, _) in self.standing.items()},
+            [hole for _, hole in self.named],
+        )
+        return rows + layer_rows(
+            self.part, holes, self.tolerance, self.facts.shape, self.zero, names
+        )
 
     def _radii_of_profile(self) -> list[tuple[float, float]]:
         """Angle, deg, and radius, mm, of a cam's outline or of a groove's wall; nothing of another part."""
         step = self.facts.profile_step_deg
-        curves = [contour for contour in (self.part.region.outer, *self.part.region.holes) if free(contour)]
+        curves = [
+            contour
+            for contour in (self.part.region.outer, *self.part.region.holes)
+            if free(contour)
+        ]
         return views.polar_table(curves[0], step) if curves and step else []
 
     def _table(self) -> None:
@@ -377,10 +467,18 @@ class _Layout:
         polar = self.polar if self._polar_rows() < room else []
         rows, room = self.rows, room - (self._polar_rows() if polar else 0)
         if len(rows) > room:
-            rows = [*rows[: room - 1], ("...", "", "", f"{len(rows) - room + 1} more: see {self.stem}.dxf")]
+            rows = [
+                *rows[: room - 1],
+                ("...", "", "", f"{len(rows) - room + 1} more: see {self.stem}.dxf"),
+            ]
         if rows:
             head = ("Hole, pin" if self.standing else "Hole", "X", "Y", "Size")
-            first = min(20.0, max(_TABLE_WIDTHS[0], *(Text(0j, cell, 2.5).room + 2 for cell, *_ in (head, *rows))))
+            first = min(
+                20.0,
+                max(
+                    _TABLE_WIDTHS[0], *(Text(0j, cell, 2.5).room + 2 for cell, *_ in (head, *rows))
+                ),
+            )
             widths = (first, *_TABLE_WIDTHS[1:3], sum(_TABLE_WIDTHS[::3]) - first)
             self._grid(top, [head, *rows], widths, (1, 2))
         if not polar:
@@ -391,20 +489,33 @@ class _Layout:
         count = self._polar_rows() - 2
         texts = [(f"{angle:g}°", f"{radius:.3f}") for angle, radius in polar]
         lines = [[cell for pair in texts[k::count] for cell in pair] for k in range(count)]
-        self._grid(top, [("Angle", "Radius") * _COLUMNS, *lines], (15.0, 19.0) * _COLUMNS, range(2 * _COLUMNS))
+        self._grid(
+            top,
+            [("Angle", "Radius") * _COLUMNS, *lines],
+            (15.0, 19.0) * _COLUMNS,
+            range(2 * _COLUMNS),
+        )
 
     def _polar_rows(self) -> int:
         """Rows that a cam's table takes, with its title and head."""
         return -(-len(self.polar) // _COLUMNS) + 2 if self.polar else 0
 
-    def _grid(self, top: float, rows: Sequence[Sequence[str]], widths: Sequence[float], numbers: Sequence[int]) -> None:
+    def _grid(
+        self,
+        top: float,
+        rows: Sequence[Sequence[str]],
+        widths: Sequence[float],
+        numbers: Sequence[int],
+    ) -> None:
         """A table at the right edge, from its top down; numbers: columns that are set to the right."""
         edges = self.table_x + np.cumsum((0.0, *widths))
         for i, row in enumerate(rows):
             y = top - (i + 1) * _ROW
             for k, cell in enumerate(row):
                 at = complex(edges[k + 1] - 1.5 if k in numbers else edges[k] + 1.5, y + 1.3)
-                self.sheet.text(at, cell, 2.5, "right" if k in numbers else "left", room=widths[k] - 2)
+                self.sheet.text(
+                    at, cell, 2.5, "right" if k in numbers else "left", room=widths[k] - 2
+                )
             self.sheet.line(complex(edges[0], y), complex(edges[-1], y), layer="TEXT")
         for x in edges[:-1]:
             self.sheet.line(complex(x, top), complex(x, top - len(rows) * _ROW), layer="TEXT")
@@ -414,11 +525,15 @@ class _Layout:
         across = extent([self.outer])
         alike = len({layer.region for layer in part.layers}) == 1 and part.crossed is None
         long = part.thickness > max((across[1] - across[0]).real, (across[1] - across[0]).imag)
-        lines = [f"{'Length' if long else 'Thickness' if alike else 'Height over all'} {number(part.thickness)}"]
+        lines = [
+            f"{'Length' if long else 'Thickness' if alike else 'Height over all'} {number(part.thickness)}"
+        ]
         if self.zero_is and self.rows:
             lines.append(f"X and Y from {self.zero_is}")
         if self.zero:
-            lines[-1] += f", which in the part's files is at {number(self.zero.real)}, {number(self.zero.imag)}"
+            lines[-1] += (
+                f", which in the part's files is at {number(self.zero.real)}, {number(self.zero.imag)}"
+            )
         round_one = as_circle(self.outer)
         if round_one and abs(round_one[0]) > 1e-9:
             x, y = round_one[0].real, round_one[0].imag
@@ -440,4 +555,6 @@ class _Layout:
             self.sheet.text(complex(_FILING + 3, _MARGIN + 3 + 4.5 * i), line, 2.5, room=_NOTES)
         if self.placed:
             corner = complex(_FILING + 3.5, _MARGIN + 4 + 4.5 * len(self.notes))
-            position_frame(self.sheet, corner, self.facts.position, self.zero_is.partition("hole ")[2])
+            position_frame(
+                self.sheet, corner, self.facts.position, self.zero_is.partition("hole ")[2]
+            )

@@ -33,11 +33,25 @@ MILLIMETRES = 4  # $INSUNITS
 _MARK, _MARK_SHARE, _SMALLEST_MARK = 1.0, 0.4, 0.1
 _NEAR = 1e-3  # mm, chord tolerance of the contours to which that way is measured
 # What an entity says of its place and shape; all else (visibility, width, colour, line type) is to be as nobody set it.
-_SHAPE = {"handle", "owner", "layer", "count", "flags", "center", "radius", "start", "end", "elevation", "extrusion"}
+_SHAPE = {
+    "handle",
+    "owner",
+    "layer",
+    "count",
+    "flags",
+    "center",
+    "radius",
+    "start",
+    "end",
+    "elevation",
+    "extrusion",
+}
 
 
 @contextmanager
-def document(path: Path, layers: Mapping[str, tuple[int, int]], box: tuple[complex, complex]) -> Iterator[Any]:
+def document(
+    path: Path, layers: Mapping[str, tuple[int, int]], box: tuple[complex, complex]
+) -> Iterator[Any]:
     """An empty modelspace (ezdxf) to fill; saved to `path` on leaving.
 
     layers: name -> (colour index, line weight in 1/100 mm); box: lower left and upper right corner of the content, mm.
@@ -53,7 +67,9 @@ def document(path: Path, layers: Mapping[str, tuple[int, int]], box: tuple[compl
         doc = ezdxf.filemanagement.new("R2010", setup=False)
         doc.units = units.MM
         doc.header["$MEASUREMENT"] = 1
-        doc.linetypes.add("CENTER2", [12.0, 8.0, -1.5, 1.0, -1.5], description="Center ____ _ ____ _")
+        doc.linetypes.add(
+            "CENTER2", [12.0, 8.0, -1.5, 1.0, -1.5], description="Center ____ _ ____ _"
+        )
         for name, (colour, weight) in layers.items():
             doc.layers.add(name, color=colour, lineweight=weight)
         space = doc.modelspace()
@@ -112,12 +128,17 @@ def write_dxf(
             return polygon(ring.tolist())
         return fit_arcs(contour, tolerance)
 
-    contours, burnt = ([flat(contour) for contour in each] for each in ((region.outer, *region.holes), engraved))
+    contours, burnt = (
+        [flat(contour) for contour in each] for each in ((region.outer, *region.holes), engraved)
+    )
     marks = center_marks(region, centres)
     box = extent([*contours, *(polygon(stroke) for stroke in marks.tolist())])
     layers = _CUT | (_MARKS if len(marks) else {}) | (_ENGRAVE if burnt else {})
     with document(path, layers, box) as space:
-        for layer, contour in [*((CUT_LAYER, each) for each in contours), *((ENGRAVE_LAYER, each) for each in burnt)]:
+        for layer, contour in [
+            *((CUT_LAYER, each) for each in contours),
+            *((ENGRAVE_LAYER, each) for each in burnt),
+        ]:
             add_contour(space, contour, layer)
         for a, b in marks.tolist():
             space.add_line((a.real, a.imag), (b.real, b.imag), dxfattribs={"layer": MARK_LAYER})
@@ -131,7 +152,12 @@ def center_marks(region: Region, centres: Sequence[complex]) -> Points:
     middles = np.array(centres, complex)
     near = np.min([point_to_ring(middles, ring) for ring in rings], axis=0)
     reach = np.minimum(_MARK, _MARK_SHARE * near)
-    strokes = [(z - r * way, z + r * way) for z, r in zip(middles, reach, strict=True) if r >= _SMALLEST_MARK for way in (1, 1j)]
+    strokes = [
+        (z - r * way, z + r * way)
+        for z, r in zip(middles, reach, strict=True)
+        if r >= _SMALLEST_MARK
+        for way in (1, 1j)
+    ]
     return np.array(strokes, complex).reshape(-1, 2)
 
 
@@ -171,8 +197,9 @@ class Drawing:
         """What is wrong with its layers, where these are to have such colours and line weights."""
         return [
             f"layer {name} has colour {look[0]} and line weight {look[1]}, not {wanted[name][0]} and {wanted[name][1]}"
-            for name, look in self.layers.items() if name in wanted and look != wanted[name]
-        ]  # fmt: skip
+            for name, look in self.layers.items()
+            if name in wanted and look != wanted[name]
+        ]
 
 
 def _ring_of(entity: Any) -> tuple[Ring | None, list[DrawingFault]]:
@@ -199,11 +226,18 @@ def _ring_of(entity: Any) -> tuple[Ring | None, list[DrawingFault]]:
         faults.append(DrawingFault("plane", 1, f"{name} is mirrored or raised off the plane z = 0"))
     if kind == "LWPOLYLINE" and not entity.closed:
         gap = float(abs(points[-1] - points[0])) if len(points) else 0.0
-        return None, [*faults, DrawingFault("open", gap, f"{name} is open, with a gap of {gap:.6g} mm")]
+        return None, [
+            *faults,
+            DrawingFault("open", gap, f"{name} is open, with a gap of {gap:.6g} mm"),
+        ]
     kept = np.abs(np.roll(points, -1) - points) > SAME_POINT
     if not kept.all():
         dropped = int(np.count_nonzero(~kept))
-        faults.append(DrawingFault("zero_length", dropped, f"{name} has {counted(dropped, 'segment')} of no length"))
+        faults.append(
+            DrawingFault(
+                "zero_length", dropped, f"{name} has {counted(dropped, 'segment')} of no length"
+            )
+        )
     ring = Ring(points[kept], bulges[kept])
     if len(ring.points) < 2 or (len(ring.points) == 2 and not ring.bulges.any()):
         return None, [*faults, DrawingFault("entity", 1, f"{name} bounds no area")]
@@ -234,26 +268,47 @@ def read_dxf(path: str | Path, engraving: bool = False) -> Drawing:
     marks: list[tuple[complex, complex]] = []
     faults = [*_hidden_layers(drawing), *_elsewhere(drawing)]
     for entity in drawing.modelspace():
-        layer, kind = str(entity.dxf.layer).upper() if entity.dxf.is_supported("layer") else "?", entity.dxftype()
+        layer, kind = (
+            str(entity.dxf.layer).upper() if entity.dxf.is_supported("layer") else "?",
+            entity.dxftype(),
+        )
         if (layer, kind) == (MARK_LAYER, "LINE"):
             start, end = entity.dxf.start, entity.dxf.end
             marks.append((complex(*start.vec2), complex(*end.vec2)))
             if start.z or end.z:
-                faults.append(DrawingFault("plane", 1, f"LINE #{entity.dxf.handle} is raised off the plane z = 0"))
+                faults.append(
+                    DrawingFault(
+                        "plane", 1, f"LINE #{entity.dxf.handle} is raised off the plane z = 0"
+                    )
+                )
         elif layer != CUT_LAYER and not (engraving and layer == ENGRAVE_LAYER):
-            faults.append(DrawingFault("entity", 1, f"{kind} #{entity.dxf.handle} on layer {layer} is no part of a cut"))
+            faults.append(
+                DrawingFault(
+                    "entity", 1, f"{kind} #{entity.dxf.handle} on layer {layer} is no part of a cut"
+                )
+            )
             continue
         else:
             ring, wrong = _ring_of(entity)
             faults += wrong
             if ring is not None:
                 if any(_same(ring, other) for other in rings):
-                    faults.append(DrawingFault("duplicate", 1, f"#{entity.dxf.handle} repeats an earlier contour"))
+                    faults.append(
+                        DrawingFault(
+                            "duplicate", 1, f"#{entity.dxf.handle} repeats an earlier contour"
+                        )
+                    )
                 (rings if layer == CUT_LAYER else engraved).append(ring)
         faults += _looks(entity)
     units, ends = drawing.header.get("$INSUNITS"), np.array(marks, complex).reshape(-1, 2)
-    layers = {layer.dxf.name.upper(): (layer.dxf.color, layer.dxf.lineweight) for layer in drawing.layers}
-    ours = {name: look for name, look in layers.items() if name in (CUT_LAYER, MARK_LAYER, ENGRAVE_LAYER)}
+    layers = {
+        layer.dxf.name.upper(): (layer.dxf.color, layer.dxf.lineweight) for layer in drawing.layers
+    }
+    ours = {
+        name: look
+        for name, look in layers.items()
+        if name in (CUT_LAYER, MARK_LAYER, ENGRAVE_LAYER)
+    }
     return Drawing(units, tuple(rings), ends, tuple(faults), tuple(engraved), ours)
 
 
@@ -264,7 +319,9 @@ def read_contours(path: Path) -> tuple[list[Ring], list[str]]:
     found = [_ring_of(entity) for entity in drawing.modelspace().query(f"*[layer=='{CUT_LAYER}']")]
     wrong = [fault.message for _, faults in found for fault in faults]
     units = drawing.header.get("$INSUNITS")
-    wrong += [] if units == MILLIMETRES else [f"$INSUNITS is {units}, millimetres are {MILLIMETRES}"]
+    wrong += (
+        [] if units == MILLIMETRES else [f"$INSUNITS is {units}, millimetres are {MILLIMETRES}"]
+    )
     return [ring for ring, _ in found if ring is not None], wrong
 
 
@@ -288,17 +345,23 @@ def _looks(entity: Any) -> Iterator[DrawingFault]:
     """What is set of an entity that could hide it, thicken it or send it to another tool."""
     for key, value in entity.dxfattribs().items():
         if key not in _SHAPE and value != entity.dxf.dxf_default_value(key):
-            yield DrawingFault("look", 1, f"{entity.dxftype()} #{entity.dxf.handle} has {key} {value}")
+            yield DrawingFault(
+                "look", 1, f"{entity.dxftype()} #{entity.dxf.handle} has {key} {value}"
+            )
 
 
 def _hidden_layers(drawing: Any) -> Iterator[DrawingFault]:
     """Layers of what is cut or marked that some program would not show, plot or send to the machine."""
     for layer in drawing.layers:
         states = {
-            "off": layer.is_off(), "frozen": layer.is_frozen(), "locked": layer.is_locked(), "not plotted": not layer.dxf.plot,
-            "transparent": layer.transparency > 0, "dashed": layer.dxf.linetype.upper() != "CONTINUOUS",
+            "off": layer.is_off(),
+            "frozen": layer.is_frozen(),
+            "locked": layer.is_locked(),
+            "not plotted": not layer.dxf.plot,
+            "transparent": layer.transparency > 0,
+            "dashed": layer.dxf.linetype.upper() != "CONTINUOUS",
             "in a true colour": layer.dxf.hasattr("true_color"),
-        }  # fmt: skip
+        }
         said = ", ".join(name for name in states if states[name])
         if said and layer.dxf.name.upper() in (CUT_LAYER, MARK_LAYER, ENGRAVE_LAYER):
             yield DrawingFault("layer", 1, f"layer {layer.dxf.name} is {said}")
@@ -308,4 +371,8 @@ def _elsewhere(drawing: Any) -> Iterator[DrawingFault]:
     """What is drawn outside the modelspace: on paper, or in blocks."""
     for block in drawing.blocks:
         if len(block) and not block.is_modelspace:
-            yield DrawingFault("entity", len(block), f"{block.name} holds {len(block)} entities, and the modelspace alone is cut")
+            yield DrawingFault(
+                "entity",
+                len(block),
+                f"{block.name} holds {len(block)} entities, and the modelspace alone is cut",
+            )

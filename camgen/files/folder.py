@@ -1,10 +1,10 @@
 """The output folder: it appears whole or not at all, replaces only what camgen made, and says what is in it.
 
-    target    where the result is to be
-    staging   folder beside it, `.<name>-xxxxxxxx`, with `new`, the result that is being made; a lock that lives as long as
-              the build tells others that it is in use
-    exchange  target and `new` change places in one step where the system can; elsewhere the target is moved to `old` first,
-              and a build that is killed in between leaves it there for the next one to bring back
+target    where the result is to be
+staging   folder beside it, `.<name>-xxxxxxxx`, with `new`, the result that is being made; a lock that lives as long as
+          the build tells others that it is in use
+exchange  target and `new` change places in one step where the system can; elsewhere the target is moved to `old` first,
+          and a build that is killed in between leaves it there for the next one to bring back
 """
 
 from __future__ import annotations
@@ -35,7 +35,9 @@ _STAGING = re.compile(r"\.(.+)-[a-z0-9_]{8}")
 _EDITED = re.compile(r"spec\.toml\.edited(-\d+)?")
 _LOCK, _MARK = "camgen.lock", b"a build of camgen works here\n"
 _AT_CWD, _EXCHANGE = -100, 2  # of renameat2 [linux/fcntl.h, linux/fs.h]
-_in_use: set[Path] = set()  # staging folders of this process, whose locks do not hold against itself
+_in_use: set[Path] = (
+    set()
+)  # staging folders of this process, whose locks do not hold against itself
 
 
 class Staged:
@@ -73,7 +75,12 @@ class Staged:
             raise
         return self._new
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         try:
             if error is None:
                 self._replace()
@@ -101,8 +108,14 @@ class Staged:
         """Take over edited specs that earlier builds kept, and a spec.toml that is not as its build wrote it; note what goes."""
         if not (self.target / MANIFEST).is_file():
             return
-        self.gone = [name for name in manifest_files(self.target) if not (self._new / name).is_file()]
-        kept = {path.name: path.read_bytes() for path in sorted(self.target.iterdir()) if _EDITED.fullmatch(path.name)}
+        self.gone = [
+            name for name in manifest_files(self.target) if not (self._new / name).is_file()
+        ]
+        kept = {
+            path.name: path.read_bytes()
+            for path in sorted(self.target.iterdir())
+            if _EDITED.fullmatch(path.name)
+        }
         spec, made = self.target / SPEC, self._new / SPEC
         if spec.is_file() and SPEC in changed_files(self.target, {SPEC}):
             text = spec.read_bytes()
@@ -143,7 +156,10 @@ class Staged:
     def _refuse_foreign(self) -> None:
         """FileError where the target is something that camgen did not make."""
         if self.target.is_symlink() or (self.target.exists() and not self.target.is_dir()):
-            raise FileError(self.target, "is not a folder; it is left alone, choose another name or output folder")
+            raise FileError(
+                self.target,
+                "is not a folder; it is left alone, choose another name or output folder",
+            )
         try:
             foreign = next(_foreign(self.target), None)
         except OSError as error:
@@ -175,7 +191,10 @@ def _exchanged(new: Path, target: Path) -> bool:
     import ctypes
 
     swap = getattr(ctypes.CDLL(None), "renameat2", None)
-    return swap is not None and swap(_AT_CWD, os.fsencode(new), _AT_CWD, os.fsencode(target), _EXCHANGE) == 0
+    return (
+        swap is not None
+        and swap(_AT_CWD, os.fsencode(new), _AT_CWD, os.fsencode(target), _EXCHANGE) == 0
+    )
 
 
 def _guarded(staging: Path) -> BinaryIO:
@@ -192,7 +211,11 @@ def _abandoned(staging: Path) -> BinaryIO | None:
     """The lock, taken over, of a staging folder whose build has been killed; None where it is in use, or not surely camgen's."""
     try:
         names = {path.name for path in staging.iterdir()}
-        if staging in _in_use or staging.is_symlink() or not {_LOCK} <= names <= {_LOCK, "new", "old"}:
+        if (
+            staging in _in_use
+            or staging.is_symlink()
+            or not {_LOCK} <= names <= {_LOCK, "new", "old"}
+        ):
             return None
         guard = open(staging / _LOCK, "r+b")  # noqa: SIM115
     except OSError:
@@ -216,7 +239,9 @@ def locked(file: BinaryIO, wait: bool) -> bool:
         else:
             import fcntl
 
-            fcntl.lockf(file, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))  # not flock, which workers would inherit
+            fcntl.lockf(
+                file, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB)
+            )  # not flock, which workers would inherit
     except OSError:
         return False
     return True
@@ -235,7 +260,9 @@ def _foreign(folder: Path) -> Iterator[Path]:
     if (folder / MANIFEST).is_file():
         with suppress(FileError):  # not ours, so it is foreign itself
             listed = {folder / name for name in manifest_files(folder)} | {folder / MANIFEST}
-            listed |= {path for path in folder.iterdir() if _EDITED.fullmatch(path.name) and path.is_file()}
+            listed |= {
+                path for path in folder.iterdir() if _EDITED.fullmatch(path.name) and path.is_file()
+            }
     ours = listed | {parent for path in listed for parent in path.parents}
     yield from (path for path in sorted(folder.rglob("*")) if path not in ours)
 
@@ -245,7 +272,9 @@ def read_manifest(folder: Path) -> Mapping[str, Any]:
     path = folder / MANIFEST
     try:
         found = json.loads(read_bytes(path, _MANIFEST_SIZE))
-        if not (isinstance(found, dict) and "camgen" in found and isinstance(found.get("files"), dict)):
+        if not (
+            isinstance(found, dict) and "camgen" in found and isinstance(found.get("files"), dict)
+        ):
             raise ValueError("it does not list the files of a build")
     except (ValueError, RecursionError) as error:
         raise FileError(path, f"is not a manifest of camgen's: {error}") from None
@@ -259,8 +288,12 @@ def manifest_files(folder: Path) -> list[str]:
 
 def changed_files(folder: Path, among: Container[str] | None = None) -> list[str]:
     """Names of files (among these) that the manifest lists and that are not as the build wrote them."""
-    return [name for name, entry in read_manifest(folder)["files"].items() if among is None or name in among
-            if not isinstance(entry, dict) or entry.get("sha256") != _digest(folder / name)]
+    return [
+        name
+        for name, entry in read_manifest(folder)["files"].items()
+        if among is None or name in among
+        if not isinstance(entry, dict) or entry.get("sha256") != _digest(folder / name)
+    ]
 
 
 def _digest(path: Path) -> str:
@@ -282,13 +315,19 @@ def versions(packages: Iterable[str]) -> dict[str, str]:
     return found
 
 
-def write_manifest(folder: Path, packages: Iterable[str], about: Mapping[str, object] = MappingProxyType({})) -> None:
+def write_manifest(
+    folder: Path, packages: Iterable[str], about: Mapping[str, object] = MappingProxyType({})
+) -> None:
     """Write manifest.json: sha256 and bytes of every file in the folder, versions of the packages that made them, and more about
     them. No times: the same files give the same bytes."""
     files = {}
-    for path in sorted(path for path in folder.rglob("*") if path.is_file() and path != folder / MANIFEST):
+    for path in sorted(
+        path for path in folder.rglob("*") if path.is_file() and path != folder / MANIFEST
+    ):
         content = path.read_bytes()
         name = path.relative_to(folder).as_posix()
         files[name] = {"bytes": len(content), "sha256": hashlib.sha256(content).hexdigest()}
     whole = {"camgen": __version__, **about, "files": files, "packages": versions(packages)}
-    (folder / MANIFEST).write_text(json.dumps(whole, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+    (folder / MANIFEST).write_text(
+        json.dumps(whole, indent=2, ensure_ascii=False) + "\n", encoding="utf-8"
+    )

@@ -36,20 +36,42 @@ _SIZES |= {".csv": POINTS_SIZE, **dict.fromkeys(PICTURES, PICTURE_SIZE)}
 ENDINGS = tuple(_SIZES)
 _HEAD = 4096  # bytes that tell what a file is
 _MOST_POINTS = 500_000
-_MOST_ENTITIES, _MOST_CHORDS = 50_000, 2_000_000  # of a drawing: those that blocks stand for, those that curves become
+_MOST_ENTITIES, _MOST_CHORDS = (
+    50_000,
+    2_000_000,
+)  # of a drawing: those that blocks stand for, those that curves become
 _MOST_FIT_POINTS, _MOST_DEGREE = 5_000, 24  # of a spline
-_LEAST_SIZE, _MOST_SIZE = 0.1, 1e5  # mm across: beyond it the unit is wrong, or float64 does not resolve SAME_POINT
+_LEAST_SIZE, _MOST_SIZE = (
+    0.1,
+    1e5,
+)  # mm across: beyond it the unit is wrong, or float64 does not resolve SAME_POINT
 _RIVAL = 0.25  # of the outline's area: a contour within it that is larger is no bore
 _BEYOND = 1e12  # mm, and bulge: what no drawing means
 _NESTED = 16  # blocks within blocks
 _MILLIMETRES, _UNITLESS = 4, 0
 # $INSUNITS of a DXF: name and mm.
 _DXF_UNITS = {
-    1: ("inches", 25.4), 2: ("feet", 304.8), 3: ("miles", 1_609_344.0), 4: ("millimetres", 1.0), 5: ("centimetres", 10.0),
-    6: ("metres", 1e3), 7: ("kilometres", 1e6), 8: ("microinches", 25.4e-6), 9: ("mils", 0.0254), 10: ("yards", 914.4),
-    13: ("micrometres", 1e-3), 14: ("decimetres", 100.0),
-}  # fmt: skip
-_3MF_UNITS = {"micrometer": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1e3}
+    1: ("inches", 25.4),
+    2: ("feet", 304.8),
+    3: ("miles", 1_609_344.0),
+    4: ("millimetres", 1.0),
+    5: ("centimetres", 10.0),
+    6: ("metres", 1e3),
+    7: ("kilometres", 1e6),
+    8: ("microinches", 25.4e-6),
+    9: ("mils", 0.0254),
+    10: ("yards", 914.4),
+    13: ("micrometres", 1e-3),
+    14: ("decimetres", 100.0),
+}
+_3MF_UNITS = {
+    "micrometer": 1e-3,
+    "millimeter": 1.0,
+    "centimeter": 10.0,
+    "inch": 25.4,
+    "foot": 304.8,
+    "meter": 1e3,
+}
 
 
 @dataclass(frozen=True)
@@ -65,9 +87,14 @@ class Outline:
 
 
 def read_outline(
-    path: Path, height: float | None = None, layer: str | None = None, contour: int | None = None,
-    line_width: float | None = None, scanning: Scanning | None = None, probe: float = 0.0,
-) -> Outline:  # fmt: skip
+    path: Path,
+    height: float | None = None,
+    layer: str | None = None,
+    contour: int | None = None,
+    line_width: float | None = None,
+    scanning: Scanning | None = None,
+    probe: float = 0.0,
+) -> Outline:
     """The largest closed contour of a DXF (of one layer, if named), or at a height, mm (half way up): of a mesh's section, or of
     what G-code prints there with lines of its own width, or of line_width, mm, where it says none; or of a
     scan, or through measured points, which are centres of a probe of that radius, mm.
@@ -79,10 +106,14 @@ def read_outline(
     """
     kind = {".bgcode": ".gcode", **PICTURES}.get(path.suffix.lower(), path.suffix.lower())
     if kind not in ENDINGS:
-        raise FileError(path, f"ends in '{path.suffix}': a file that ends in {', '.join(ENDINGS)} was expected")
+        raise FileError(
+            path, f"ends in '{path.suffix}': a file that ends in {', '.join(ENDINGS)} was expected"
+        )
     try:
         size = bounded(path, _SIZES[kind])
-        content = path.read_bytes() if kind in (".dxf", ".csv") else b""  # the others are read line by line or by parts
+        content = (
+            path.read_bytes() if kind in (".dxf", ".csv") else b""
+        )  # the others are read line by line or by parts
         with open(path, "rb") as file:
             head = content or file.read(_HEAD)
     except OSError as error:
@@ -100,7 +131,11 @@ def read_outline(
             return _judged(path, Outline(ring, (), said, {"points_off_mm": off}))
         if kind in PICTURES:
             return _judged(path, _from_scan(path, contour, scanning or Scanning()))
-        outline = _from_dxf(path, content, layer, contour) if kind == ".dxf" else _from_mesh(path, kind, height, contour)
+        outline = (
+            _from_dxf(path, content, layer, contour)
+            if kind == ".dxf"
+            else _from_mesh(path, kind, height, contour)
+        )
         return _judged(path, outline)
     except OverflowError as error:
         raise FileError(path, f"takes {error}") from None
@@ -113,7 +148,9 @@ def _picked(path: Path, rings: Sequence[Ring], contour: int | None) -> tuple[Rin
     """
     rank = contour or 1
     if rank > len(rings):
-        raise FileError(path, f"holds {counted(len(rings), 'closed contour')}: there is no contour={rank}")
+        raise FileError(
+            path, f"holds {counted(len(rings), 'closed contour')}: there is no contour={rank}"
+        )
     ordered = sorted(rings, key=lambda ring: -abs(ring.area))
     picked, which = ordered[rank - 1], "the largest" if rank == 1 else f"number {rank} by size"
     left, low, right, high = picked.box
@@ -126,9 +163,11 @@ def _picked(path: Path, rings: Sequence[Ring], contour: int | None) -> tuple[Rin
         starts = np.array([ring.points[0] for ring in ordered])
         inner = 1 + _enclosed(picked, starts[1:])
         rivals = [
-            k for i, k in enumerate(inner.tolist())
-            if abs(ordered[k].area) > _RIVAL * abs(picked.area) or len(_enclosed(ordered[k], starts[inner[i + 1 :]]))
-        ]  # fmt: skip
+            k
+            for i, k in enumerate(inner.tolist())
+            if abs(ordered[k].area) > _RIVAL * abs(picked.area)
+            or len(_enclosed(ordered[k], starts[inner[i + 1 :]]))
+        ]
     if rivals:
         ranks = ", ".join(str(k + 1) for k in rivals[:5])
         said += f"; number {ranks} by size within it may be the cam: say contour=1 or another in the follower's table, or a layer"
@@ -138,7 +177,9 @@ def _picked(path: Path, rings: Sequence[Ring], contour: int | None) -> tuple[Rin
 def _enclosed(ring: Ring, points: Points) -> Ints:
     """Which of the points lie inside a ring, their places in the list; those outside its box cost little."""
     left, low, right, high = ring.box
-    near = np.flatnonzero((points.real > left) & (points.real < right) & (points.imag > low) & (points.imag < high))
+    near = np.flatnonzero(
+        (points.real > left) & (points.real < right) & (points.imag > low) & (points.imag < high)
+    )
     if not len(near):
         return near
     facets = ring.facetted(min(1e-3 * max(right - left, high - low), 0.01))
@@ -154,9 +195,17 @@ def _looks_like(first: bytes, size: int) -> str:
         return ".stl"
     if head.startswith(b"solid") and b"facet" in head:
         return ".stl"
-    if head.startswith(b"AutoCAD Binary DXF") or (b"SECTION" in head and b"\n" in head and head[:1].isdigit()):
+    if head.startswith(b"AutoCAD Binary DXF") or (
+        b"SECTION" in head and b"\n" in head and head[:1].isdigit()
+    ):
         return ".dxf"
-    for magic, name in ((b"%PDF", ".pdf"), (b"<svg", ".svg"), (b"\x89PNG", ".png"), (b"AC10", ".dwg"), (b"ISO-10303", ".step")):
+    for magic, name in (
+        (b"%PDF", ".pdf"),
+        (b"<svg", ".svg"),
+        (b"\x89PNG", ".png"),
+        (b"AC10", ".dwg"),
+        (b"ISO-10303", ".step"),
+    ):
         if magic in head[:400]:
             return name
     starts = ((b"\xff\xd8\xff", ".jpg"), (b"II*\x00", ".tif"), (b"MM\x00*", ".tif"))
@@ -169,12 +218,18 @@ def _judged(path: Path, outline: Outline) -> Outline:
     if ring is None:
         return outline
     if len(ring.points) > _MOST_POINTS:
-        raise FileError(path, f"has an outline of {len(ring.points)} points; {_MOST_POINTS} at most are taken")
+        raise FileError(
+            path, f"has an outline of {len(ring.points)} points; {_MOST_POINTS} at most are taken"
+        )
     crossing = _crossing(ring)
     finding = at_most(
-        "SELF_CROSSING", 1 if crossing else 0, 0, "crossings", path.name,
+        "SELF_CROSSING",
+        1 if crossing else 0,
+        0,
+        "crossings",
+        path.name,
         f"the outline meets itself: {crossing}" if crossing else "the outline does not meet itself",
-    )  # fmt: skip
+    )
     held = None if crossing else ring.counter_clockwise()
     return replace(outline, ring=held, findings=(*outline.findings, finding))
 
@@ -188,7 +243,9 @@ def _crossing(ring: Ring) -> str:
     return "" if shapely.is_valid(polygon) else str(shapely.is_valid_reason(polygon))
 
 
-def _from_gcode(path: Path, height: float | None, contour: int | None, line_width: float | None) -> Outline:
+def _from_gcode(
+    path: Path, height: float | None, contour: int | None, line_width: float | None
+) -> Outline:
     from camgen.files.gcode import printed_outlines
 
     rings, remark = printed_outlines(path, height, line_width)
@@ -215,34 +272,61 @@ def _from_dxf(path: Path, content: bytes, layer: str | None, contour: int | None
         raise FileError(path, "not a DXF file, or cut short: it does not end in EOF")
     try:
         drawing = readfile(str(path))
-    except (DXFError, OSError, UnicodeDecodeError, ValueError, TypeError, IndexError, KeyError, AttributeError) as error:
+    except (
+        DXFError,
+        OSError,
+        UnicodeDecodeError,
+        ValueError,
+        TypeError,
+        IndexError,
+        KeyError,
+        AttributeError,
+    ) as error:
         raise FileError(path, f"not a valid DXF file: {error}") from None
     # the library makes up metres where the header says nothing
     code = int(drawing.header.get("$INSUNITS", _UNITLESS)) if b"$INSUNITS" in content else _UNITLESS
-    unit, scale = _DXF_UNITS.get(code, ("no unit", 1.0) if code == _UNITLESS else (f"unit number {code}", math.nan))
+    unit, scale = _DXF_UNITS.get(
+        code, ("no unit", 1.0) if code == _UNITLESS else (f"unit number {code}", math.nan)
+    )
     if math.isnan(scale):
         raise FileError(path, f"is drawn in {unit} of $INSUNITS; millimetres (4) were expected")
     try:
         _refuse_bomb(path, drawing)
-        hidden = {str(each.dxf.name).lower() for each in drawing.layers if each.is_off() or each.is_frozen()}
+        hidden = {
+            str(each.dxf.name).lower()
+            for each in drawing.layers
+            if each.is_off() or each.is_frozen()
+        }
         entities = [
-            e for e in _exploded(drawing.modelspace())
-            if (str(e.dxf.layer).lower() not in hidden if layer is None else str(e.dxf.layer).lower() == layer.lower())
-        ]  # fmt: skip
+            e
+            for e in _exploded(drawing.modelspace())
+            if (
+                str(e.dxf.layer).lower() not in hidden
+                if layer is None
+                else str(e.dxf.layer).lower() == layer.lower()
+            )
+        ]
     except DXFError as error:
         raise FileError(path, f"not a valid DXF file: {error}") from None
     if layer is not None and not entities:
         known = sorted({str(e.dxf.layer) for e in drawing.modelspace()})
-        raise FileError(path, f"has nothing on layer {layer!r}; its layers are {', '.join(known) or 'empty'}")
+        raise FileError(
+            path, f"has nothing on layer {layer!r}; its layers are {', '.join(known) or 'empty'}"
+        )
     chains, passed, chords = [], Counter[str](), 0
     for entity in entities:
         chain = _chain(entity, CURVE_CHORDS / scale)
         chords += len(chain.bulges) if chain else 0
         if chords > _MOST_CHORDS:
-            raise FileError(path, f"has curves of more than {_MOST_CHORDS} chords within {CURVE_CHORDS:g} mm")
+            raise FileError(
+                path, f"has curves of more than {_MOST_CHORDS} chords within {CURVE_CHORDS:g} mm"
+            )
         if chain is None:
             passed[entity.dxftype()] += 1
-        elif not (np.all(np.abs(chain.points) * scale < _BEYOND) and np.all(np.abs(chain.bulges) < _BEYOND)):
+        elif not (
+            np.all(np.abs(chain.points) * scale < _BEYOND)
+            and np.all(np.abs(chain.bulges) < _BEYOND)
+        ):
             what = "a coordinate that is not finite, or as good as infinite"
             raise FileError(path, f"{entity.dxftype()} #{entity.dxf.handle} has {what}")
         else:
@@ -251,11 +335,17 @@ def _from_dxf(path: Path, content: bytes, layer: str | None, contour: int | None
     if not chains:
         raise FileError(path, f"holds no outline: {others or 'it is empty'}")
     units = at_most(
-        "DXF_UNITS", code not in (_MILLIMETRES, _UNITLESS), 0, "faults", path.name,
-        "drawn in millimetres" if code == _MILLIMETRES else
-        "the drawing names no unit: taken as millimetres" if code == _UNITLESS else
-        f"drawn in {unit}: multiplied by {scale:g}; save it in millimetres if that is wrong",
-    )  # fmt: skip
+        "DXF_UNITS",
+        code not in (_MILLIMETRES, _UNITLESS),
+        0,
+        "faults",
+        path.name,
+        "drawn in millimetres"
+        if code == _MILLIMETRES
+        else "the drawing names no unit: taken as millimetres"
+        if code == _UNITLESS
+        else f"drawn in {unit}: multiplied by {scale:g}; save it in millimetres if that is wrong",
+    )
     rings, loose = joined(chains)
     if not rings and not loose:
         raise FileError(path, "holds no outline: all that is drawn has no size")
@@ -264,17 +354,24 @@ def _from_dxf(path: Path, content: bytes, layer: str | None, contour: int | None
     wide = [chain for chain in loose if chain.size >= size and not (biggest and chain.straight)]
     gap, remark = nearest_gap(wide)
     closed = at_most(
-        "DXF_CLOSED", gap, 0, "mm", path.name,
-        remark or counted(len(rings), "closed contour")
+        "DXF_CLOSED",
+        gap,
+        0,
+        "mm",
+        path.name,
+        remark
+        or counted(len(rings), "closed contour")
         + (f"; {counted(len(loose), 'open line')} within it left out" if loose else "")
         + (f"; {others} passed over" if others else ""),
-    )  # fmt: skip
+    )
     if wide:
         return Outline(None, (units, closed), "")
     picked, chosen = _picked(path, rings, contour)
     curves = sum(entity.dxftype() in ("SPLINE", "ELLIPSE") for entity in entities)
     said = f"{len(picked.points)} edges" + (
-        f", splines and ellipses as chords within {CURVE_CHORDS:g} mm" if curves else ", lines and arcs as they are"
+        f", splines and ellipses as chords within {CURVE_CHORDS:g} mm"
+        if curves
+        else ", lines and arcs as they are"
     )
     return Outline(picked, (units, closed, chosen), said)
 
@@ -284,18 +381,28 @@ def _refuse_bomb(path: Path, drawing: Any) -> None:
     inside: dict[str, list[tuple[str, int]]] = {}
     counts: dict[str, int] = {}
     for block in drawing.blocks:  # the modelspace is one of them
-        references = [(str(e.dxf.name).lower(), max(e.mcount, 1)) for e in block if e.dxftype() == "INSERT"]
+        references = [
+            (str(e.dxf.name).lower(), max(e.mcount, 1)) for e in block if e.dxftype() == "INSERT"
+        ]
         inside[block.name.lower()] = references
         counts[block.name.lower()] = len(block)
     try:
-        for name in TopologicalSorter({name: {other for other, _ in held} for name, held in inside.items()}).static_order():
-            counts[name] = counts.get(name, 0) + sum(times * counts[other] for other, times in inside.get(name, ()))
+        for name in TopologicalSorter(
+            {name: {other for other, _ in held} for name, held in inside.items()}
+        ).static_order():
+            counts[name] = counts.get(name, 0) + sum(
+                times * counts[other] for other, times in inside.get(name, ())
+            )
     except CycleError as error:
         raise FileError(path, f"has a block that holds itself: {error.args[1][0]}") from None
-    most = max(counts[block.name.lower()] - len(block) for block in drawing.blocks if block.is_modelspace)
+    most = max(
+        counts[block.name.lower()] - len(block) for block in drawing.blocks if block.is_modelspace
+    )
     if most > _MOST_ENTITIES:
         said = str(most) if most < 1e9 else f"about 1e{len(str(most)) - 1}"
-        raise FileError(path, f"holds blocks that stand for {said} entities; {_MOST_ENTITIES} at most are read")
+        raise FileError(
+            path, f"holds blocks that stand for {said} entities; {_MOST_ENTITIES} at most are read"
+        )
 
 
 def _exploded(entities: Iterable[Any], depth: int = 0) -> Iterator[Any]:
@@ -319,7 +426,10 @@ def _chain(entity: Any, tolerance: float) -> Chain | None:
         except (ValueError, ZeroDivisionError, IndexError):
             return None
         return _open_or_closed(points, np.zeros(len(points) - 1)) if len(points) > 1 else None
-    if kind not in ("ARC", "CIRCLE", "LWPOLYLINE", "POLYLINE") or abs(abs(dxf.extrusion.z) - 1) > 1e-9:
+    if (
+        kind not in ("ARC", "CIRCLE", "LWPOLYLINE", "POLYLINE")
+        or abs(abs(dxf.extrusion.z) - 1) > 1e-9
+    ):
         return None
     if kind in ("ARC", "CIRCLE"):
         centre, radius = complex(dxf.center.x, dxf.center.y), float(dxf.radius)
@@ -335,7 +445,13 @@ def _chain(entity: Any, tolerance: float) -> Chain | None:
     else:
         if not (entity.is_2d_polyline or entity.is_3d_polyline):
             return None
-        rows = np.array([(v.dxf.location.x, v.dxf.location.y, v.dxf.get("bulge", 0.0)) for v in entity.vertices], float)
+        rows = np.array(
+            [
+                (v.dxf.location.x, v.dxf.location.y, v.dxf.get("bulge", 0.0))
+                for v in entity.vertices
+            ],
+            float,
+        )
         points, bulges = _round(rows.reshape(-1, 3), entity.is_closed)
     if len(points) < 2:
         return None
@@ -355,7 +471,9 @@ def _ellipse(entity: Any, tolerance: float) -> Points:
     sweep = (dxf.end_param - dxf.start_param) % math.tau or math.tau
     count = max(math.ceil(sweep / math.sqrt(8 * tolerance / dxf.major_axis.magnitude)), 6)
     if count > _MOST_POINTS:
-        raise OverflowError(f"{count} chords for ELLIPSE #{dxf.handle}; {_MOST_POINTS} at most are made")
+        raise OverflowError(
+            f"{count} chords for ELLIPSE #{dxf.handle}; {_MOST_POINTS} at most are made"
+        )
     t = dxf.start_param + np.linspace(0, sweep, count + 1)
     points = centre + a * np.cos(t) + b * np.sin(t)
     return np.append(points[:-1], points[:1]) if sweep == math.tau else points
@@ -368,12 +486,19 @@ def _spline(entity: Any, tolerance: float) -> Points:
     """
     if not len(entity.control_points) and len(entity.fit_points) > _MOST_FIT_POINTS:
         many = len(entity.fit_points)
-        raise OverflowError(f"{many} points to fit SPLINE #{entity.dxf.handle} to; {_MOST_FIT_POINTS} at most do")
+        raise OverflowError(
+            f"{many} points to fit SPLINE #{entity.dxf.handle} to; {_MOST_FIT_POINTS} at most do"
+        )
     if entity.dxf.degree > _MOST_DEGREE:
-        raise OverflowError(f"a degree of {entity.dxf.degree} for SPLINE #{entity.dxf.handle}; {_MOST_DEGREE} at most is read")
+        raise OverflowError(
+            f"a degree of {entity.dxf.degree} for SPLINE #{entity.dxf.handle}; {_MOST_DEGREE} at most is read"
+        )
     tool = entity.construction_tool()
     knots, degree = np.array(tool.knots(), float), int(tool.degree)
-    points, weights = np.array([p.xyz for p in tool.control_points], float), np.array(tool.weights(), float)
+    points, weights = (
+        np.array([p.xyz for p in tool.control_points], float),
+        np.array(tool.weights(), float),
+    )
     if len(knots) != len(points) + degree + 1 or np.any(np.diff(knots) < 0):
         raise ValueError("a knot vector that does not fit")
     begin, end = knots[degree], knots[-1 - degree]
@@ -389,10 +514,15 @@ def _spline(entity: Any, tolerance: float) -> Points:
         return np.asarray((x + 1j * y) / w)
 
     t = np.unique(np.clip(knots, begin, end))
-    t = np.unique(np.concatenate([t[:-1] + share * np.diff(t) for share in (0, 0.25, 0.5, 0.75)] + [t[-1:]]))
+    t = np.unique(
+        np.concatenate([t[:-1] + share * np.diff(t) for share in (0, 0.25, 0.5, 0.75)] + [t[-1:]])
+    )
     while len(t) < _MOST_POINTS:
         z, step = at(t), np.diff(t)
-        off = [np.abs(at(t[:-1] + share * step) - z[:-1] - share * np.diff(z)) for share in (0.25, 0.5, 0.75)]
+        off = [
+            np.abs(at(t[:-1] + share * step) - z[:-1] - share * np.diff(z))
+            for share in (0.25, 0.5, 0.75)
+        ]
         far = np.flatnonzero(~(np.max(off, axis=0) <= tolerance))
         if not len(far):
             return at(t)
@@ -422,21 +552,39 @@ def _from_mesh(path: Path, kind: str, height: float | None, contour: int | None)
         scale = _3MF_UNITS.get(package.unit.lower(), math.nan)
         mesh = package.items[0].placed
         mesh = Mesh(mesh.vertices * scale, mesh.faces)
-        findings.append(Finding("MESH_UNITS", scale == 1, scale, 1, "mm", path.name, f"its unit is {package.unit.lower()}"))
+        findings.append(
+            Finding(
+                "MESH_UNITS",
+                scale == 1,
+                scale,
+                1,
+                "mm",
+                path.name,
+                f"its unit is {package.unit.lower()}",
+            )
+        )
     else:
         mesh = read_stl(path)
     if not len(mesh.faces) or not np.isfinite(mesh.vertices).all():
-        raise FileError(path, "holds no triangles" if not len(mesh.faces) else "a vertex is not finite")
+        raise FileError(
+            path, "holds no triangles" if not len(mesh.faces) else "a vertex is not finite"
+        )
     faults = mesh_faults(mesh)
-    findings.append(at_most("WATERTIGHT", faults.count, 0, "faults", path.name, f"{len(mesh.faces)} triangles"))
+    findings.append(
+        at_most("WATERTIGHT", faults.count, 0, "faults", path.name, f"{len(mesh.faces)} triangles")
+    )
     low, high = float(mesh.vertices[:, 2].min()), float(mesh.vertices[:, 2].max())
     z = (low + high) / 2 if height is None else height
     if not low < z < high:
-        raise FileError(path, f"reaches from z = {low:g} to {high:g} mm; it has no section at {z:g} mm")
+        raise FileError(
+            path, f"reaches from z = {low:g} to {high:g} mm; it has no section at {z:g} mm"
+        )
     try:
         rings = slice_mesh(mesh, z)
     except ValueError as error:
-        return Outline(None, (*findings, at_most("CLOSED", 1, 0, "gaps", path.name, str(error))), "")
+        return Outline(
+            None, (*findings, at_most("CLOSED", 1, 0, "gaps", path.name, str(error))), ""
+        )
     if not rings:
         raise FileError(path, f"has no section at z = {z:g} mm")
     ring, chosen = _picked(path, rings, contour)

@@ -48,7 +48,12 @@ class Format:
 
 
 _LARGE = 200_000_000  # bytes
-_DXF = Bound("a DXF file", _LARGE, most=2_000_000, remedy="leave out what is not the outline, or draw it with arcs")
+_DXF = Bound(
+    "a DXF file",
+    _LARGE,
+    most=2_000_000,
+    remedy="leave out what is not the outline, or draw it with arcs",
+)
 _STEP = Bound("a STEP file", 60_000_000, b";,( ", "entities and values", 3_000_000)
 _STL = Bound("an STL file", _LARGE)  # its triangles are counted as it is read
 _GCODE = Bound("G-code", _LARGE, most=3_000_000, remedy="slice fewer parts at a time")
@@ -58,9 +63,14 @@ FORMATS = {
     "3mf": Format("threemf", "mesh", FLOAT32_ROUNDING, "float32", Bound("a 3MF file", _LARGE)),
     "step": Format("step", "exact", 0.0, "decimals", _STEP),
 }
-READABLE = {**FORMATS, "gcode": Format("gcode", "mesh", 1e-5, "decimals", _GCODE)}  # as well, what other programs make of them
+READABLE = {
+    **FORMATS,
+    "gcode": Format("gcode", "mesh", 1e-5, "decimals", _GCODE),
+}  # as well, what other programs make of them
 _HELD = ("drawing", "mesh", "exact")
-DRAWN, SOLID, EXACT = (tuple(kind for kind, form in FORMATS.items() if form.holds == held) for held in _HELD)
+DRAWN, SOLID, EXACT = (
+    tuple(kind for kind, form in FORMATS.items() if form.holds == held) for held in _HELD
+)
 USUAL = (*DRAWN, *SOLID)  # made where nobody asks for other ones
 
 

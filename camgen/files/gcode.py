@@ -30,7 +30,10 @@ _SETTING = re.compile(r"; (\w+) = (.*)")
 _WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
 _PLAIN = re.compile(r"(?:[GXYZEFIJ]-?\d{0,4}\.?\d{1,9}(?: |$))+")  # as slicers write most moves
 _OUTER = {"external perimeter", "outer wall", "wall-outer"}
-_OVERHANG = {"overhang perimeter", "overhang wall"}  # of outer and inner walls alike: one that is part of an outer loop counts
+_OVERHANG = {
+    "overhang perimeter",
+    "overhang wall",
+}  # of outer and inner walls alike: one that is part of an outer loop counts
 _LONGEST = 1_000_000  # bytes of a line; thumbnails and settings in comments take thousands
 _MOST_POINTS = 1_000_000  # of one wall
 _MOST_WALLS, _MOST_BESIDE = 20_000, 1_000  # outer walls of a file, and of one layer
@@ -69,11 +72,17 @@ class Wall:
         if np.ptp(halves) < _SAME_WIDTH:
             parts = shapely.get_parts(within.buffer(side * float(halves[0]), quad_segs=_ROUND))
         else:
-            bead = shapely.union_all([
-                shapely.LineString(np.column_stack([run.real, run.imag])).buffer(half, quad_segs=_ROUND)
-                for run, half in self._runs(halves)
-            ])  # fmt: skip
-            parts = shapely.get_parts(shapely.difference(within, bead) if hole else shapely.union(within, bead))
+            bead = shapely.union_all(
+                [
+                    shapely.LineString(np.column_stack([run.real, run.imag])).buffer(
+                        half, quad_segs=_ROUND
+                    )
+                    for run, half in self._runs(halves)
+                ]
+            )
+            parts = shapely.get_parts(
+                shapely.difference(within, bead) if hole else shapely.union(within, bead)
+            )
         largest = max(parts, key=lambda part: float(part.area), default=None)
         if largest is None or largest.is_empty:  # nothing has one part, which is empty
             return None
@@ -83,9 +92,15 @@ class Wall:
     def _runs(self, halves: Floats) -> Iterator[tuple[Points, float]]:
         """The pieces of the centre line, (k,) points, along which the bead is as wide, and half of its width."""
         ends = self.ring.ends
-        starts = [0, *(np.flatnonzero(np.abs(np.diff(halves)) >= _SAME_WIDTH) + 1).tolist(), len(halves)]
+        starts = [
+            0,
+            *(np.flatnonzero(np.abs(np.diff(halves)) >= _SAME_WIDTH) + 1).tolist(),
+            len(halves),
+        ]
         for a, b in zip(starts, starts[1:], strict=False):
-            open_ring = Ring(np.append(self.ring.points[a:b], ends[b - 1]), np.append(self.ring.bulges[a:b], 0.0))
+            open_ring = Ring(
+                np.append(self.ring.points[a:b], ends[b - 1]), np.append(self.ring.bulges[a:b], 0.0)
+            )
             yield open_ring.facetted(_CHORDS), float(halves[a])
 
 
@@ -114,24 +129,35 @@ class _State:
 def read_gcode(path: Path) -> list[Wall]:
     """All outer walls, from below; FileError where the file is binary, has no marks, nothing that is closed, or too much."""
     if path.suffix.lower() == ".bgcode":
-        raise FileError(path, "is binary G-code: export it as text (PrusaSlicer: Printer Settings, General, no binary G-code)")
+        raise FileError(
+            path,
+            "is binary G-code: export it as text (PrusaSlicer: Printer Settings, General, no binary G-code)",
+        )
     walls: list[Wall] = []
     state, marked = _State(), False
     try:
         bounded(path, READABLE["gcode"].size)
         with open(path, "rb") as file:
             if file.read(4) == b"GCDE":
-                raise FileError(path, "is binary G-code: export it as text (PrusaSlicer: Printer Settings, General)")
+                raise FileError(
+                    path,
+                    "is binary G-code: export it as text (PrusaSlicer: Printer Settings, General)",
+                )
             file.seek(0)
             for number, raw in enumerate(iter(lambda: file.readline(_LONGEST), b"")):
                 if b"\0" in raw or len(raw) == _LONGEST:
                     said = f"line {number + 1} is no text, or has no end"
-                    raise FileError(path, f"{said}; G-code as text was expected: is the file damaged?")
+                    raise FileError(
+                        path, f"{said}; G-code as text was expected: is the file damaged?"
+                    )
                 if len(state.points) > _MOST_POINTS:
                     said = f"has a wall of more than {_MOST_POINTS} moves"
                     raise FileError(path, f"{said}, before line {number + 1}: is the file damaged?")
                 if len(walls) > _MOST_WALLS:
-                    raise FileError(path, f"has more than {_MOST_WALLS:,} outer walls: {READABLE['gcode'].size.remedy}")
+                    raise FileError(
+                        path,
+                        f"has more than {_MOST_WALLS:,} outer walls: {READABLE['gcode'].size.remedy}",
+                    )
                 line = raw.decode("latin-1").strip()
                 if line.startswith(";"):
                     mark, width, height = _MARK.match(line), _WIDTH.match(line), _HEIGHT.match(line)
@@ -141,10 +167,16 @@ def read_gcode(path: Path) -> list[Wall]:
                     elif width:
                         if not _NARROWEST <= _number(width[1]) <= _WIDEST:
                             said = f"line {number + 1} says that its lines are {width[1]} mm wide"
-                            raise FileError(path, f"{said}; {_NARROWEST:g} to {_WIDEST:g} was expected")
+                            raise FileError(
+                                path, f"{said}; {_NARROWEST:g} to {_WIDEST:g} was expected"
+                            )
                         state.width = float(width[1])
                     elif height:
-                        state.height = tall if _NARROWEST <= (tall := _number(height[1])) <= _WIDEST else math.inf
+                        state.height = (
+                            tall
+                            if _NARROWEST <= (tall := _number(height[1])) <= _WIDEST
+                            else math.inf
+                        )
                     continue
                 walls += _command(path, state, line.partition(";")[0], number + 1)
     except OSError as error:
@@ -152,7 +184,10 @@ def read_gcode(path: Path) -> list[Wall]:
     walls += _ended(state)
     if not marked:
         said = "has no marks of outer walls (;TYPE:External perimeter and the like)"
-        raise FileError(path, f"{said}: slice with PrusaSlicer, OrcaSlicer, Bambu Studio or CuraEngine, with comments on")
+        raise FileError(
+            path,
+            f"{said}: slice with PrusaSlicer, OrcaSlicer, Bambu Studio or CuraEngine, with comments on",
+        )
     if not walls:
         raise FileError(path, "has no outer wall that closes")
     level, count = Counter(wall.z for wall in walls).most_common(1)[0]
@@ -183,10 +218,17 @@ def _command(path: Path, state: _State, text: str, line: int) -> Iterator[Wall]:
     if code in _MOVES and not plain:
         bare = re.sub(r"\(.*?\)", "", text.upper())
         odd = _WORD.sub("", bare).strip() or (found[0] if (found := _EXPONENT.search(bare)) else "")
-        far = [letter for letter in ("X", "Y", "Z", "I", "J") if not abs(words.get(letter, 0.0)) <= _FARTHEST]
+        far = [
+            letter
+            for letter in ("X", "Y", "Z", "I", "J")
+            if not abs(words.get(letter, 0.0)) <= _FARTHEST
+        ]
         if odd or far:
             said = f"has {odd.split()[0]!r}" if odd else f"has {far[0]} beyond {_FARTHEST:g}"
-            raise FileError(path, f"line {line} {said}; a letter and a plain number each was expected: is the file damaged?")
+            raise FileError(
+                path,
+                f"line {line} {said}; a letter and a plain number each was expected: is the file damaged?",
+            )
     match code:
         case ("G", 20.0) | ("G", 21.0):
             state.scale = 25.4 if code[1] == 20 else 1.0
@@ -227,10 +269,19 @@ def _moved(path: Path, state: _State, code: int, words: dict[str, float]) -> Ite
     bulge = 0.0
     if code in (2, 3):
         if "I" not in words and "J" not in words:
-            raise FileError(path, "has arcs by radius (R) in a wall; arcs by their centre (I, J) or none were expected")
+            raise FileError(
+                path,
+                "has arcs by radius (R) in a wall; arcs by their centre (I, J) or none were expected",
+            )
         centre = start + complex(words.get("I", 0.0), words.get("J", 0.0)) * state.scale
-        if abs(start - centre) < _NARROWEST or abs(abs(end - centre) - abs(start - centre)) > _WIDEST / 10:
-            raise FileError(path, f"has an arc at X {end.real:g}, Y {end.imag:g} whose centre does not fit its ends")
+        if (
+            abs(start - centre) < _NARROWEST
+            or abs(abs(end - centre) - abs(start - centre)) > _WIDEST / 10
+        ):
+            raise FileError(
+                path,
+                f"has an arc at X {end.real:g}, Y {end.imag:g} whose centre does not fit its ends",
+            )
         turn = float(np.angle((end - centre) / (start - centre))) % math.tau
         bulge = math.tan((turn if code == 3 else turn - math.tau) / 4)
     state.points.append(end)
@@ -265,15 +316,24 @@ def read_settings(path: Path) -> dict[str, str]:
 def with_width(walls: Sequence[Wall], path: Path, line_width: float | None) -> list[Wall]:
     """The walls, as wide as is said where the file does not say it; FileError where nothing does."""
     if line_width is None and any(np.isnan(wall.widths).any() for wall in walls):
-        raise FileError(path, "does not say how wide its lines are (CuraEngine does not): give it with --line-width, mm")
-    return [replace(wall, widths=np.where(np.isnan(wall.widths), line_width or 0.0, wall.widths)) for wall in walls]
+        raise FileError(
+            path,
+            "does not say how wide its lines are (CuraEngine does not): give it with --line-width, mm",
+        )
+    return [
+        replace(wall, widths=np.where(np.isnan(wall.widths), line_width or 0.0, wall.widths))
+        for wall in walls
+    ]
 
 
 def hole_walls(walls: Sequence[Wall]) -> list[bool]:
     """Which walls of one layer are those of holes: they lie in an odd number of others."""
     import shapely
 
-    flat = [shapely.Polygon(np.column_stack([z.real, z.imag])) for z in (wall.ring.facetted(_CHORDS) for wall in walls)]
+    flat = [
+        shapely.Polygon(np.column_stack([z.real, z.imag]))
+        for z in (wall.ring.facetted(_CHORDS) for wall in walls)
+    ]
     areas = shapely.area(flat)
     starts = [shapely.Point(wall.ring.points[0].real, wall.ring.points[0].imag) for wall in walls]
     inner, outer = shapely.STRtree(flat).query(starts, predicate="within")
@@ -281,7 +341,9 @@ def hole_walls(walls: Sequence[Wall]) -> list[bool]:
     return [count % 2 == 1 for count in np.bincount(inner, minlength=len(walls)).tolist()]
 
 
-def printed_outlines(path: Path, height: float | None = None, line_width: float | None = None) -> tuple[list[Ring], str]:
+def printed_outlines(
+    path: Path, height: float | None = None, line_width: float | None = None
+) -> tuple[list[Ring], str]:
     """Outlines of the layer at a height over the bed, mm (half way up), and a sentence on the reading.
 
     The frame's origin is put in the middle of the round hole nearest the middle of the part, which is taken for the bore, or
@@ -292,7 +354,9 @@ def printed_outlines(path: Path, height: float | None = None, line_width: float 
     tops = sorted({round(wall.z, 4) for wall in walls})
     wanted = tops[-1] / 2 if height is None else height
     if not 0 <= wanted <= tops[-1] + 1e-9:
-        raise FileError(path, f"has no layer {wanted:g} mm over the bed; its highest one ends at {tops[-1]:g}")
+        raise FileError(
+            path, f"has no layer {wanted:g} mm over the bed; its highest one ends at {tops[-1]:g}"
+        )
     top = next(z for z in tops if z >= wanted - _SAME_LAYER)
     here = [wall for wall in walls if abs(wall.z - top) <= _SAME_LAYER]
     here = with_width(here, path, line_width)
@@ -303,7 +367,12 @@ def printed_outlines(path: Path, height: float | None = None, line_width: float 
     widths = np.concatenate([wall.widths for wall in here])
     wide = f"{widths.min():g}" + (f" to {widths.max():g}" if np.ptp(widths) >= _SAME_WIDTH else "")
     said = f"layer {tops.index(top) + 1} of {len(tops)}, up to {top:g} mm: {len(here)} outer walls, lines {wide} mm wide"
-    bore = _bore(*([ring for ring, hole in zip(rings, holes, strict=True) if hole == empty] for empty in (True, False)))
+    bore = _bore(
+        *(
+            [ring for ring, hole in zip(rings, holes, strict=True) if hole == empty]
+            for empty in (True, False)
+        )
+    )
     if bore is None:
         return rings, f"{said}; no round hole, so places are the printer's"
     centre, diameter = bore

@@ -60,13 +60,21 @@ def glb(name: str, shapes: Sequence[Shape], bodies: Sequence[Moving], turns: int
         vertices, faces = _single(shape.mesh.vertices), shape.mesh.faces.ravel()
         wide = len(vertices) > 65535
         points = pack.add(vertices, _FLOAT, "VEC3", _VERTICES, bounds=True)
-        corners = pack.add(faces.astype("<u4" if wide else "<u2"), _LONG if wide else _SHORT, "SCALAR", _INDICES)
+        corners = pack.add(
+            faces.astype("<u4" if wide else "<u2"), _LONG if wide else _SHORT, "SCALAR", _INDICES
+        )
         drawn = {"attributes": {"POSITION": points}, "indices": corners, "material": k}
         meshes.append({"name": shape.name, "primitives": [drawn]})
-        factor = {"baseColorFactor": [*_linear(shape.colour), 1], "metallicFactor": 0, "roughnessFactor": 0.7}
+        factor = {
+            "baseColorFactor": [*_linear(shape.colour), 1],
+            "metallicFactor": 0,
+            "roughnessFactor": 0.7,
+        }
         materials.append({"name": shape.name, "pbrMetallicRoughness": factor})
     turned = -math.sqrt(0.5)
-    nodes: list[dict[str, Any]] = [{"name": name, "rotation": [turned, 0, 0, -turned], "scale": [0.001] * 3, "children": []}]
+    nodes: list[dict[str, Any]] = [
+        {"name": name, "rotation": [turned, 0, 0, -turned], "scale": [0.001] * 3, "children": []}
+    ]
     channels: list[dict[str, Any]] = []
     samplers: list[dict[str, Any]] = []
     frames = len(bodies[0].angle) if bodies else 0
@@ -76,15 +84,26 @@ def glb(name: str, shapes: Sequence[Shape], bodies: Sequence[Moving], turns: int
         number = len(nodes)
         nodes[0]["children"].append(number)
         quaternions, places = _course(body)
-        node: dict[str, Any] = {"name": body.name, "rotation": quaternions[0].tolist(), "translation": places[0].tolist()}
+        node: dict[str, Any] = {
+            "name": body.name,
+            "rotation": quaternions[0].tolist(),
+            "translation": places[0].tolist(),
+        }
         nodes.append(node)
-        for path, values, kind in (("rotation", quaternions, "VEC4"), ("translation", places, "VEC3")):
+        for path, values, kind in (
+            ("rotation", quaternions, "VEC4"),
+            ("translation", places, "VEC3"),
+        ):
             if np.ptp(values, axis=0).max() > 1e-7:
-                channels.append({"sampler": len(samplers), "target": {"node": number, "path": path}})
+                channels.append(
+                    {"sampler": len(samplers), "target": {"node": number, "path": path}}
+                )
                 samplers.append({"input": time, "output": pack.add(values, _FLOAT, kind)})
         node["children"] = list(range(len(nodes), len(nodes) + len(body.copies)))
         for copy, shape_number, transform in body.copies:
-            matrix = [float(f"{value:z.9g}") for value in np.vstack([transform, [0, 0, 0, 1]]).T.ravel()]
+            matrix = [
+                float(f"{value:z.9g}") for value in np.vstack([transform, [0, 0, 0, 1]]).T.ravel()
+            ]
             moved = {} if matrix == np.eye(4).ravel().tolist() else {"matrix": matrix}
             nodes.append({"name": copy, "mesh": shape_number, **moved})
     whole = {
@@ -94,7 +113,11 @@ def glb(name: str, shapes: Sequence[Shape], bodies: Sequence[Moving], turns: int
         "nodes": [{key: value for key, value in node.items() if value != []} for node in nodes],
         "meshes": meshes,
         "materials": materials,
-        **({"animations": [{"name": "one turn", "channels": channels, "samplers": samplers}]} if channels else {}),
+        **(
+            {"animations": [{"name": "one turn", "channels": channels, "samplers": samplers}]}
+            if channels
+            else {}
+        ),
         "accessors": pack.accessors,
         "bufferViews": pack.views,
         "buffers": [{"byteLength": len(pack.data)}],
@@ -114,14 +137,29 @@ class _Pack:
         self.views: list[dict[str, int]] = []
         self.accessors: list[dict[str, Any]] = []
 
-    def add(self, values: Any, number: int, kind: str, target: int = 0, bounds: bool = False) -> int:
+    def add(
+        self, values: Any, number: int, kind: str, target: int = 0, bounds: bool = False
+    ) -> int:
         """Append an array; the number of its accessor."""
         self.views.append({"buffer": 0, "byteOffset": len(self.data), "byteLength": values.nbytes})
         if target:
             self.views[-1]["target"] = target
-        ends = {"min": np.atleast_1d(values.min(0)).tolist(), "max": np.atleast_1d(values.max(0)).tolist()} if bounds else {}
+        ends = (
+            {
+                "min": np.atleast_1d(values.min(0)).tolist(),
+                "max": np.atleast_1d(values.max(0)).tolist(),
+            }
+            if bounds
+            else {}
+        )
         self.accessors.append(
-            {"bufferView": len(self.views) - 1, "componentType": number, "count": len(values), "type": kind, **ends}
+            {
+                "bufferView": len(self.views) - 1,
+                "componentType": number,
+                "count": len(values),
+                "type": kind,
+                **ends,
+            }
         )
         self.data += values.tobytes()
         self.data += bytes(-len(self.data) % 4)
@@ -136,7 +174,11 @@ def _course(body: Moving) -> tuple[Any, Any]:
     angle, place = np.asarray(body.angle, float), np.asarray(body.place, complex)
     known = np.flatnonzero(np.isfinite(angle) & np.isfinite(place))
     if not len(known):
-        angle, place, known = np.zeros(len(angle)), np.zeros(len(angle), complex), np.arange(len(angle))
+        angle, place, known = (
+            np.zeros(len(angle)),
+            np.zeros(len(angle), complex),
+            np.arange(len(angle)),
+        )
     last = known[np.maximum(np.searchsorted(known, np.arange(len(angle)), side="right") - 1, 0)]
     half = np.unwrap(np.append(angle[last], angle[last[0]])) / 2
     place = np.append(place[last], place[last[0]])
@@ -153,7 +195,9 @@ def _single(values: Floats) -> Any:
 def _linear(colour: str) -> list[float]:
     """A colour of the screen, #rrggbb, as glTF has it: linear, 0..1 each."""
     shares = [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
-    return [float(f"{v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4:.6g}") for v in shares]
+    return [
+        float(f"{v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4:.6g}") for v in shares
+    ]
 
 
 # ---- read back -------------------------------------------------------------------------------------------------------
@@ -161,7 +205,18 @@ def _linear(colour: str) -> list[float]:
 _SIZE = Bound("a GLB", 200_000_000)
 _MOST_SAID = 10_000_000  # bytes of JSON in a file
 # What may be said of the whole and of each kind of node: anything else could move, scale or hide something.
-_PARTS = {"asset", "scene", "scenes", "nodes", "meshes", "materials", "animations", "accessors", "bufferViews", "buffers"}
+_PARTS = {
+    "asset",
+    "scene",
+    "scenes",
+    "nodes",
+    "meshes",
+    "materials",
+    "animations",
+    "accessors",
+    "bufferViews",
+    "buffers",
+}
 _ROOT = {"name", "rotation", "scale", "children"}
 _BODY = {"name", "rotation", "translation", "children"}
 _COPY = {"name", "mesh", "matrix"}
@@ -189,7 +244,15 @@ def read_glb(path: Path) -> list[Course]:
     """The bodies of a machine as `glb` writes it; FileError of a file that holds or says anything else."""
     try:
         return _Glb(read_bytes(path, _SIZE)).courses()
-    except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError, struct.error) as error:
+    except (
+        ArithmeticError,
+        AttributeError,
+        LookupError,
+        RecursionError,
+        TypeError,
+        ValueError,
+        struct.error,
+    ) as error:
         raise FileError(path, f"not a machine in GLB as camgen writes it: {error}") from None
 
 
@@ -203,7 +266,10 @@ class _Glb:
         if length > _MOST_SAID:
             raise ValueError(f"{length:,} bytes of JSON; {_MOST_SAID:,} at most are read")
         self.whole = json.loads(data[20 : 20 + length])
-        (length_of_rest, kind), self.data = struct.unpack_from("<I4s", data, 20 + length), data[28 + length :]
+        (length_of_rest, kind), self.data = (
+            struct.unpack_from("<I4s", data, 20 + length),
+            data[28 + length :],
+        )
         if kind != b"BIN\0" or length_of_rest != len(self.data) or not self.whole.keys() <= _PARTS:
             raise ValueError("chunks or tables that do not belong there")
         self.nodes = self.whole["nodes"]
@@ -212,12 +278,17 @@ class _Glb:
         """What an accessor tells, (n, k)."""
         told = self.whole["accessors"][number]
         view = self.whole["bufferViews"][told["bufferView"]]
-        if not (told.keys() <= {"bufferView", "componentType", "count", "type", "min", "max"} and view.keys() <= _VIEW):
+        if not (
+            told.keys() <= {"bufferView", "componentType", "count", "type", "min", "max"}
+            and view.keys() <= _VIEW
+        ):
             raise ValueError(f"accessor {number} says more than what stands where")
         raw = self.data[view["byteOffset"] : view["byteOffset"] + view["byteLength"]]
         values = np.frombuffer(raw, _TOOK[told["componentType"]]).reshape(-1, _WIDTH[told["type"]])
         if len(values) != told["count"] or not np.all(np.isfinite(values)):
-            raise ValueError(f"accessor {number} has {len(values)} finite values instead of {told['count']}")
+            raise ValueError(
+                f"accessor {number} has {len(values)} finite values instead of {told['count']}"
+            )
         return values
 
     def courses(self) -> list[Course]:
@@ -225,7 +296,9 @@ class _Glb:
         root = self.node(0, _ROOT)
         if (self.whole["scene"], self.whole["scenes"]) != (0, [{"nodes": [0]}]):
             raise ValueError("another scene")
-        if not np.allclose([*root["rotation"], *root["scale"]], [*_UPRIGHT[0], *_UPRIGHT[1]], rtol=0, atol=1e-7):
+        if not np.allclose(
+            [*root["rotation"], *root["scale"]], [*_UPRIGHT[0], *_UPRIGHT[1]], rtol=0, atol=1e-7
+        ):
             raise ValueError("the whole is turned or scaled otherwise")
         moved = self.moved()
         found = [self.course(number, moved) for number in root.get("children", [])]
@@ -237,7 +310,9 @@ class _Glb:
         """A node that may have these keys."""
         node: dict[str, Any] = self.nodes[number]
         if not (node.keys() <= keys and isinstance(node["name"], str)):
-            raise ValueError(f"node {number} has {', '.join(sorted(node.keys() - keys)) or 'no name'}")
+            raise ValueError(
+                f"node {number} has {', '.join(sorted(node.keys() - keys)) or 'no name'}"
+            )
         return node
 
     def moved(self) -> dict[tuple[int, str], tuple[Any, Any]]:
@@ -246,18 +321,32 @@ class _Glb:
         for animation in self.whole.get("animations", []):
             for channel in animation["channels"]:
                 sampler, target = animation["samplers"][channel["sampler"]], channel["target"]
-                if sampler.keys() != {"input", "output"} or (target["node"], target["path"]) in found:
-                    raise ValueError("a motion that is not from time to time in straight lines, or twice")
-                found[target["node"], target["path"]] = self.array(sampler["input"]), self.array(sampler["output"])
+                if (
+                    sampler.keys() != {"input", "output"}
+                    or (target["node"], target["path"]) in found
+                ):
+                    raise ValueError(
+                        "a motion that is not from time to time in straight lines, or twice"
+                    )
+                found[target["node"], target["path"]] = (
+                    self.array(sampler["input"]),
+                    self.array(sampler["output"]),
+                )
         return found
 
     def course(self, number: int, moved: dict[tuple[int, str], tuple[Any, Any]]) -> Course:
         """A body; what moves it is taken out of `moved`."""
         node, still = self.node(number, _BODY), np.zeros((1, 1))
-        begun = [np.array([node.get("rotation", [0, 0, 0, 1])], float), np.array([node.get("translation", [0, 0, 0])], float)]
+        begun = [
+            np.array([node.get("rotation", [0, 0, 0, 1])], float),
+            np.array([node.get("translation", [0, 0, 0])], float),
+        ]
         times, turned = moved.pop((number, "rotation"), (still, begun[0]))
         others, places = moved.pop((number, "translation"), (still, begun[1]))
-        if not all(np.array_equal(first[0], course[0]) for first, course in zip(begun, (turned, places), strict=True)):
+        if not all(
+            np.array_equal(first[0], course[0])
+            for first, course in zip(begun, (turned, places), strict=True)
+        ):
             raise ValueError(f"{node['name']} stands elsewhere than where its motion begins")
         times = times if len(times) > 1 else others
         if turned[:, :2].any() or places[:, 2].any():
@@ -272,11 +361,20 @@ class _Glb:
         place = places[:, 0].astype(float) + 1j * places[:, 1].astype(float)
         n = len(times)
         copies = [self.copy(child) for child in node.get("children", [])]
-        return Course(node["name"], times[:, 0].astype(float), np.resize(angle, n), np.resize(place, n), copies)
+        return Course(
+            node["name"],
+            times[:, 0].astype(float),
+            np.resize(angle, n),
+            np.resize(place, n),
+            copies,
+        )
 
     def copy(self, number: int) -> tuple[str, str, Floats]:
         """A copy of a part on a body."""
-        node, mesh = self.node(number, _COPY), self.whole["meshes"][self.node(number, _COPY)["mesh"]]
+        node, mesh = (
+            self.node(number, _COPY),
+            self.whole["meshes"][self.node(number, _COPY)["mesh"]],
+        )
         matrix = np.array(node.get("matrix", np.eye(4).ravel()), float).reshape(4, 4).T
         if not np.array_equal(matrix[3], [0, 0, 0, 1]) or not np.all(np.isfinite(matrix)):
             raise ValueError(f"node {number} has a matrix that is no placing")

@@ -38,7 +38,9 @@ def along(contours: Sequence[Contour]) -> Points:
 
 
 def _points(pieces: Iterable[Piece]) -> Points:
-    return np.concatenate([np.atleast_1d(piece.at(np.linspace(piece.t0, piece.t1, 33))) for piece in pieces])
+    return np.concatenate(
+        [np.atleast_1d(piece.at(np.linspace(piece.t0, piece.t1, 33))) for piece in pieces]
+    )
 
 
 def box(text: Text, air: float = 0.0) -> Any:
@@ -47,7 +49,10 @@ def box(text: Text, air: float = 0.0) -> Any:
 
     u = text.direction
     left = text.at - {"left": 0.0, "centre": 0.5, "right": 1.0}[text.align] * text.room * u
-    low, high = left - air * (u + 1j * u), left + (text.room + air) * u + (text.height + air) * 1j * u
+    low, high = (
+        left - air * (u + 1j * u),
+        left + (text.room + air) * u + (text.height + air) * 1j * u,
+    )
     wide = text.room + 2 * air
     corners = np.array([low, low + wide * u, high, high - wide * u])
     return shapely.Polygon(np.column_stack([corners.real, corners.imag]))
@@ -109,7 +114,11 @@ def _touching(others: Sequence[Any], shapes: Sequence[Any]) -> Any:
     """How many of the others each shape touches, (n,)."""
     import shapely
 
-    pairs = shapely.STRtree(others).query(np.asarray(shapes), predicate="intersects") if others else np.zeros((2, 0), int)
+    pairs = (
+        shapely.STRtree(others).query(np.asarray(shapes), predicate="intersects")
+        if others
+        else np.zeros((2, 0), int)
+    )
     return np.bincount(pairs[0], minlength=len(shapes))
 
 
@@ -163,7 +172,9 @@ class Placed:
         found: list[Stroke | Fill | Text] = [self.text]
         if self.tip is not None:
             found.append(Stroke((Line(self.start, self.tip),), "DIM"))
-            found.append(arrowhead(self.tip, (self.tip - self.start) / abs(self.tip - self.start), "DIM"))
+            found.append(
+                arrowhead(self.tip, (self.tip - self.start) / abs(self.tip - self.start), "DIM")
+            )
         return found
 
 
@@ -172,14 +183,20 @@ def placed(named: Sequence[Named], sheet: Sheet, area: tuple[complex, complex]) 
     upper right."""
     taken = Taken.of(sheet)
     for k, each in enumerate(named):
-        others = [other for i, other in enumerate(named) if i != k and other.hole.middle != each.hole.middle]
+        others = [
+            other
+            for i, other in enumerate(named)
+            if i != k and other.hole.middle != each.hole.middle
+        ]
         found = _place(each, others, taken, area)
         for thing in found.things:
             taken.add(thing)
         yield found
 
 
-def _place(named: Named, others: Sequence[Named], taken: Taken, area: tuple[complex, complex]) -> Placed:
+def _place(
+    named: Named, others: Sequence[Named], taken: Taken, area: tuple[complex, complex]
+) -> Placed:
     half = Text(0j, named.label, HEIGHT).room / 2
     for crossing in (False, True):
         for distance in ("in", *_NEAR, *_FAR):
@@ -194,7 +211,13 @@ def _text(named: Named, middle: complex) -> Text:
 
 
 def _best(
-    named: Named, others: Sequence[Named], taken: Taken, area: tuple[complex, complex], half: float, distance: Any, crossing: bool
+    named: Named,
+    others: Sequence[Named],
+    taken: Taken,
+    area: tuple[complex, complex],
+    half: float,
+    distance: Any,
+    crossing: bool,
 ) -> Placed | None:
     """The first free place at a distance from the hole's edge, or in it; crossing: whether centre lines may be crossed."""
     import shapely

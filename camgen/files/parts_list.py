@@ -34,9 +34,13 @@ class Row:
 
 
 def parts_list(
-    parts: Sequence[Part], material: str = "PLA", nozzle: float = 0.4, density: float | None = None,
-    sides: Mapping[str, Side] = MappingProxyType({}), layer: float | None = None,
-) -> list[Row]:  # fmt: skip
+    parts: Sequence[Part],
+    material: str = "PLA",
+    nozzle: float = 0.4,
+    density: float | None = None,
+    sides: Mapping[str, Side] = MappingProxyType({}),
+    layer: float | None = None,
+) -> list[Row]:
     """A row for each part: exact volume, mass by the material's density, time = volume / flow + layers * overhead.
 
     The flow is nozzle * layer * PRINT_SPEED; layer: mm, LAYER_SHARE * nozzle unless given. KeyError for a plastic not in DENSITY
@@ -50,7 +54,13 @@ def parts_list(
         height = sides[part.name].height if part.name in sides else part.thickness
         seconds = part.volume / flow + math.ceil(height / layer - 1e-6) * LAYER_OVERHEAD
         rows.append(
-            Row(part.name, part.title, part.count, part.count * part.volume, part.count * part.volume * density,
-                part.count * seconds / 60)
-        )  # fmt: skip
+            Row(
+                part.name,
+                part.title,
+                part.count,
+                part.count * part.volume,
+                part.count * part.volume * density,
+                part.count * seconds / 60,
+            )
+        )
     return rows

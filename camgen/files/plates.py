@@ -31,7 +31,9 @@ if TYPE_CHECKING:
 
 _STEEP = np.cos(np.radians(45)) + 1e-6  # a chamfer of 45 deg prints
 _FLAT = 1e-3  # mm, by which a face that lies on the bed may be off it
-_CLEARLY = 0.01  # of the contact, by which another side has to be better than the part's own underside
+_CLEARLY = (
+    0.01  # of the contact, by which another side has to be better than the part's own underside
+)
 _TRIED = 12  # flat sides beyond the six along the axes
 _AT_ONCE = 20_000  # points of a hull that are turned at once
 _UNIT = 0.001  # mm in which rectangles are packed
@@ -64,7 +66,13 @@ def side(mesh: Mesh, down: Floats) -> Side:
     depth = mesh.vertices @ down
     lying = np.all(depth[mesh.faces] > np.max(depth) - _FLAT, axis=1) & (seen > 0)
     leaning = ~lying & (seen > _STEEP * np.linalg.norm(areas, axis=1))
-    return Side(_name(down), float(seen[lying].sum()), float(seen[leaning].sum()), float(np.ptp(depth)), _turn(down))
+    return Side(
+        _name(down),
+        float(seen[lying].sum()),
+        float(seen[leaning].sum()),
+        float(np.ptp(depth)),
+        _turn(down),
+    )
 
 
 def lying_side(mesh: Mesh) -> Side:
@@ -73,11 +81,17 @@ def lying_side(mesh: Mesh) -> Side:
     areas = mesh.across / 2
     areas = areas[np.any(areas != 0, axis=1)]
     sizes = np.linalg.norm(areas, axis=1)
-    steps = np.rint(areas / sizes[:, None] * 1000).astype(np.int64) + 1000  # 0 to 2000, each normal one number of three digits
-    _, first, index = np.unique(steps @ np.array([2001**2, 2001, 1]), return_index=True, return_inverse=True)
+    steps = (
+        np.rint(areas / sizes[:, None] * 1000).astype(np.int64) + 1000
+    )  # 0 to 2000, each normal one number of three digits
+    _, first, index = np.unique(
+        steps @ np.array([2001**2, 2001, 1]), return_index=True, return_inverse=True
+    )
     normals, whole = (steps[first] - 1000) / 1000, np.bincount(index, sizes)
     largest = np.argsort(-whole, kind="stable")[:_TRIED]
-    flat = normals[largest[whole[largest] > own.worth]]  # of a smaller one no more than its area can lie on the bed
+    flat = normals[
+        largest[whole[largest] > own.worth]
+    ]  # of a smaller one no more than its area can lie on the bed
     downs = [*np.eye(3), *-np.eye(3)[:2], *(n / np.linalg.norm(n) for n in flat)]
     best = max((side(mesh, down) for down in downs), key=lambda each: round(each.worth, 3))
     return best if best.worth > own.worth + _CLEARLY * max(own.contact, best.contact) else own
@@ -99,7 +113,9 @@ def _turn(down: Floats) -> Floats:
         over = np.diag([-1.0, 1.0, -1.0])
         return np.asarray(_turn(over @ down) @ over) + 0.0
     across = np.cross(down, [0.0, 0.0, -1.0])
-    cross = np.array([[0, -across[2], across[1]], [across[2], 0, -across[0]], [-across[1], across[0], 0]])
+    cross = np.array(
+        [[0, -across[2], across[1]], [across[2], 0, -across[0]], [-across[1], across[0], 0]]
+    )
     return np.asarray(np.eye(3) + cross + cross @ cross / (1 - down[2])) + 0.0
 
 
@@ -161,7 +177,10 @@ def _framed(hull: Points, angles: Floats) -> list[Footprint]:
     found = []
     for some in np.array_split(angles, math.ceil(len(angles) * len(hull) / _AT_ONCE)):
         z = np.exp(1j * some)[:, None] * hull
-        low, high = z.real.min(axis=1) + 1j * z.imag.min(axis=1), z.real.max(axis=1) + 1j * z.imag.max(axis=1)
+        low, high = (
+            z.real.min(axis=1) + 1j * z.imag.min(axis=1),
+            z.real.max(axis=1) + 1j * z.imag.max(axis=1),
+        )
         for angle, a, b in zip(some.tolist(), low.tolist(), high.tolist(), strict=True):
             found.append(Footprint(angle, (b - a).real, (b - a).imag, (a + b) / 2))
     return found
@@ -177,9 +196,15 @@ def bed_fit(
     """Footprint of a part's vertices, (n, 3) mm, and BED_FIT: how far it stands out over the bed, or its height, at its best."""
     f = footprint(vertices[:, 0] + 1j * vertices[:, 1], bed)
     tall = float(np.ptp(vertices[:, 2]))
-    beyond = max(min(f.width, f.height) - min(bed), max(f.width, f.height) - max(bed), tall - height, 0.0)
-    room = f"{bed[0]:g} x {bed[1]:g} mm" + (f", {height:g} mm high" if math.isfinite(height) else "")
-    remark = f"{count} lying on {f.width:.1f} x {f.height:.1f} mm, {tall:.1f} mm high, the bed is {room}"
+    beyond = max(
+        min(f.width, f.height) - min(bed), max(f.width, f.height) - max(bed), tall - height, 0.0
+    )
+    room = f"{bed[0]:g} x {bed[1]:g} mm" + (
+        f", {height:g} mm high" if math.isfinite(height) else ""
+    )
+    remark = (
+        f"{count} lying on {f.width:.1f} x {f.height:.1f} mm, {tall:.1f} mm high, the bed is {room}"
+    )
     return f, at_most("BED_FIT", beyond, 0.0, "mm", name, remark)
 
 
@@ -189,9 +214,13 @@ def within(bed: tuple[float, float], margin: float | None) -> tuple[float, float
 
 
 def laid_out(
-    parts: Sequence[Part], meshes: Mapping[str, Mesh], bed: tuple[float, float], gap: float,
-    sides: Mapping[str, Side] = MappingProxyType({}), margin: float | None = None,
-) -> Layout:  # fmt: skip
+    parts: Sequence[Part],
+    meshes: Mapping[str, Mesh],
+    bed: tuple[float, float],
+    gap: float,
+    sides: Mapping[str, Side] = MappingProxyType({}),
+    margin: float | None = None,
+) -> Layout:
     """All copies of the parts on as many beds as it takes, `gap` mm apart, each bed's contents in its middle.
 
     meshes, sides: by part name, in the part's frame, and on which side it lies, as drawn unless said. A part that fits no bed is
@@ -228,7 +257,11 @@ def laid_out(
     laid = []
     for plate in sorted(cells):
         far = [low + size for _, low, size in cells[plate]]
-        middle = (complex(*whole) - complex(max(z.real for z in far), max(z.imag for z in far)) * _UNIT + gap * (1 + 1j)) / 2
+        middle = (
+            complex(*whole)
+            - complex(max(z.real for z in far), max(z.imag for z in far)) * _UNIT
+            + gap * (1 + 1j)
+        ) / 2
         spots = []
         for k, low, size in sorted(cells[plate], key=lambda cell: cell[0]):
             name, copy = copies[k]
@@ -236,7 +269,11 @@ def laid_out(
             centre = middle + (low + size / 2) * _UNIT - gap * (1 + 1j) / 2
             turned = prints[name].centre * (1j if across else 1)
             angle = prints[name].angle + (math.pi / 2 if across else 0.0)
-            spots.append(Spot(name, copy, angle, centre - turned, -float(lying[name][:, 2].min()), turns[name]))
+            spots.append(
+                Spot(
+                    name, copy, angle, centre - turned, -float(lying[name][:, 2].min()), turns[name]
+                )
+            )
         laid.append(tuple(spots))
     return Layout(tuple(laid), tuple(findings))
 
@@ -252,14 +289,18 @@ def _cell(f: Footprint, bed: tuple[float, float], gap: float) -> tuple[int, int]
     return width, height
 
 
-def write_plates(folder: Path, name: str, layout: Layout, meshes: Mapping[str, Mesh], key: str) -> list[Path]:
+def write_plates(
+    folder: Path, name: str, layout: Layout, meshes: Mapping[str, Mesh], key: str
+) -> list[Path]:
     """Write `<name>-plate.3mf`, `<name>-plate-2.3mf` and so on; key as for `write_3mf`. Returns the paths."""
     from camgen.files.threemf import write_3mf
 
     paths = []
     for k, spots in enumerate(layout.plates, 1):
         path = folder / (f"{name}-plate.3mf" if k == 1 else f"{name}-plate-{k}.3mf")
-        objects = {part: mesh for part, mesh in meshes.items() if any(spot.part == part for spot in spots)}
+        objects = {
+            part: mesh for part, mesh in meshes.items() if any(spot.part == part for spot in spots)
+        }
         write_3mf(path, objects, placed(spots), f"{key}:plate-{k}")
         paths.append(path)
     return paths

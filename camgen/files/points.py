@@ -1,8 +1,8 @@
 """Measured points round an outline, from a coordinate measuring machine or a dial gauge: a CSV of x, y or angle, radius.
 
-    span      from a point to the next
-    corner    where an outline turns by more in one span than the spans beside it tell: a sharp tip
-    run       points from corner to corner, through which one cubic spline goes; it is drawn on to where it meets the next one
+span      from a point to the next
+corner    where an outline turns by more in one span than the spans beside it tell: a sharp tip
+run       points from corner to corner, through which one cubic spline goes; it is drawn on to where it meets the next one
 """
 
 from __future__ import annotations
@@ -32,7 +32,9 @@ _GROWS = 1.6  # times what is missed, at twice the step: less is scatter, which 
 _MISSES = 1.33  # times the scatter, of a point from the cubic spline half way between others that scatter as much
 _ROUNDING = 1e-6  # mm, of written coordinates
 _ROUND = 64  # chords of a quarter of the probe's ball
-_SHARP = math.radians(3)  # by which a span turns more than those beside it, at least, to be a corner
+_SHARP = math.radians(
+    3
+)  # by which a span turns more than those beside it, at least, to be a corner
 _STANDS_OUT = 4.0  # times the difference between the spans beside it
 _SIDE = 5  # points on either side that have to be smooth
 _ON = 3.0  # times what a spline misses of its own next point, within which a point lies on it
@@ -62,26 +64,41 @@ def read_points(path: Path, content: bytes, probe: float = 0.0) -> tuple[Ring, f
     named = [re.sub(r"[\s_(\[]*(mm|deg|°)[)\]]*$", "", cell.strip().lower()) for cell in rows[0][1]]
     pair = next((pair for pair in _PAIRS if set(pair) <= set(named)), None)
     if pair is None:
-        raise FileError(path, f"begins with {first.strip()[:60]!r}: columns x,y or angle,radius were expected")
+        raise FileError(
+            path, f"begins with {first.strip()[:60]!r}: columns x,y or angle,radius were expected"
+        )
     if len(rows) - 1 > _MOST:
         raise FileError(path, f"holds {len(rows) - 1} points; {_MOST} at most are taken")
     places = [named.index(name) for name in pair]
     values = []
     for number, row in rows[1:]:
         try:
-            each = [float(row[place].replace(",", ".") if cut == ";" else row[place]) for place in places]
+            each = [
+                float(row[place].replace(",", ".") if cut == ";" else row[place])
+                for place in places
+            ]
         except (ValueError, IndexError):
-            raise FileError(path, f"line {number}: two numbers, {pair[0]} and {pair[1]}, were expected") from None
+            raise FileError(
+                path, f"line {number}: two numbers, {pair[0]} and {pair[1]}, were expected"
+            ) from None
         if not all(abs(value) < _BEYOND for value in each):
-            raise FileError(path, f"line {number}: {pair[0]} and {pair[1]} within +-{_BEYOND:g} were expected")
+            raise FileError(
+                path, f"line {number}: {pair[0]} and {pair[1]} within +-{_BEYOND:g} were expected"
+            )
         values.append(each)
     if len(values) < _LEAST:
-        raise FileError(path, f"holds {len(values)} points; {_LEAST} at least were expected, all round the outline")
+        raise FileError(
+            path,
+            f"holds {len(values)} points; {_LEAST} at least were expected, all round the outline",
+        )
     table = np.array(values)
     z = table[:, 0] + 1j * table[:, 1]
     if pair != ("x", "y"):
         if (table[:, 1] <= 0).any():
-            raise FileError(path, f"line {rows[1 + int(np.argmin(table[:, 1]))][0]}: a radius above 0 was expected")
+            raise FileError(
+                path,
+                f"line {rows[1 + int(np.argmin(table[:, 1]))][0]}: a radius above 0 was expected",
+            )
         z = table[:, 1] * np.exp(1j * np.radians(table[:, 0]))
         z = z[np.argsort(table[:, 0] % 360, kind="stable")]
     z = z[np.abs(z - np.roll(z, 1)) > 1e-9]
@@ -92,18 +109,26 @@ def read_points(path: Path, content: bytes, probe: float = 0.0) -> tuple[Ring, f
         remedy = "measure all round, and list x, y in the order in which they follow each other"
         raise FileError(path, f"has a gap of {steps.max(initial=0):.3f} mm {where}: {remedy}")
     even = z[: len(z) // 2 * 2]
-    missed = [np.max(np.abs(_half_way(kept) - left)) for kept, left in
-              ((even[::2], even[1::2]), (even[1::2], np.roll(even[::2], -1)))]  # fmt: skip
-    off = float(max(missed)) / 2  # by every second point; at half the step a corner is off half as much, a smooth curve less
+    missed = [
+        np.max(np.abs(_half_way(kept) - left))
+        for kept, left in ((even[::2], even[1::2]), (even[1::2], np.roll(even[::2], -1)))
+    ]
+    off = (
+        float(max(missed)) / 2
+    )  # by every second point; at half the step a corner is off half as much, a smooth curve less
     noise = _scatter(even)
     curve = Curve.through(z)
     edge = curve.chords(max(1, math.ceil(_CHORDS / len(z))))
     said = f"{len(z)} measured points, {steps.max():.3f} mm apart at most; "
     said += f"{counted(len(curve.corners), 'sharp corner')} between them; " if curve.corners else ""
-    said += f"the curve between them may be {off:.4f} mm off" if not noise else (
-        f"they scatter by {noise:.2g} mm (standard deviation) and the curve passes through each, up to {off:.4f} mm off: more "
-        "points do not help, smoothed ones do; pressure angles and accelerations show it most"
-    )  # fmt: skip
+    said += (
+        f"the curve between them may be {off:.4f} mm off"
+        if not noise
+        else (
+            f"they scatter by {noise:.2g} mm (standard deviation) and the curve passes through each, up to {off:.4f} mm off: more "
+            "points do not help, smoothed ones do; pressure angles and accelerations show it most"
+        )
+    )
     if probe:
         edge = _further_in(path, edge, probe)
         said += f"; they are centres of a probe's ball, whose radius of {probe:g} mm is taken off"
@@ -135,9 +160,13 @@ def _further_in(path: Path, edge: Points, distance: float) -> Points:
     """An outline moved inwards, mm; FileError where not one piece is left."""
     import shapely
 
-    moved = shapely.Polygon(np.column_stack([edge.real, edge.imag])).buffer(-distance, quad_segs=_ROUND)
+    moved = shapely.Polygon(np.column_stack([edge.real, edge.imag])).buffer(
+        -distance, quad_segs=_ROUND
+    )
     if not isinstance(moved, shapely.Polygon) or moved.is_empty:
-        raise FileError(path, f"has an outline of which a probe of radius {distance:g} mm leaves not one piece")
+        raise FileError(
+            path, f"has an outline of which a probe of radius {distance:g} mm leaves not one piece"
+        )
     return np.asarray(shapely.get_coordinates(moved.exterior)[:-1] @ np.array([1, 1j]))
 
 
@@ -148,7 +177,9 @@ def _half_way(z: Points) -> Points:
 
 # ---- the curve -------------------------------------------------------------------------------------------------------
 
-Spline = Callable[..., Any]  # of the way along the points, mm: x and y, (n, 2); nu: order of the derivative
+Spline = Callable[
+    ..., Any
+]  # of the way along the points, mm: x and y, (n, 2); nu: order of the derivative
 
 
 @dataclass(frozen=True)
@@ -168,7 +199,9 @@ class Curve:
 
     knots: Floats  # way along the points from the first one, which follows the first corner, (n + 1,) mm
     first: int  # index of the first point
-    runs: Sequence[tuple[int, int, Spline]]  # spans of each, counted from the first point, and the spline through them
+    runs: Sequence[
+        tuple[int, int, Spline]
+    ]  # spans of each, counted from the first point, and the spline through them
     corners: Sequence[Corner]  # in their order, the last one in the last span
 
     @classmethod
@@ -184,8 +217,12 @@ class Curve:
         corners = [replace(each, span=(each.span - first) % len(z)) for each in corners]
         runs, begin = [], 0
         for each in corners:
-            last = each.span + (2 if each.after == 0 else 1)  # a point that is itself the corner belongs to both runs
-            runs.append((begin, each.span + 1, _spline(knots[begin:last], closed[begin:last], "not-a-knot")))
+            last = each.span + (
+                2 if each.after == 0 else 1
+            )  # a point that is itself the corner belongs to both runs
+            runs.append(
+                (begin, each.span + 1, _spline(knots[begin:last], closed[begin:last], "not-a-knot"))
+            )
             begin = each.span + 1
         return cls(knots, first, runs, corners)
 
@@ -199,7 +236,9 @@ class Curve:
             bent = shares * (corner.before + corner.after)
             beyond = mine & (bent > corner.before)
             way[mine] = self.knots[corner.span] + bent[mine]
-            way[beyond] = (self.knots[corner.span + 1] - corner.after + bent - corner.before)[beyond]
+            way[beyond] = (self.knots[corner.span + 1] - corner.after + bent - corner.before)[
+                beyond
+            ]
             run[beyond] = (corner.span + 1) % (len(self.knots) - 1)
         way = np.where((run == 0) & (spans == len(self.knots) - 2), way - self.knots[-1], way)
         found = np.empty(len(spans), complex)
@@ -241,7 +280,9 @@ def _corners(z: Points) -> list[Corner]:
     more = np.abs(turned - np.median(beside, axis=0))
     out = (more > _SHARP) & (more > _STANDS_OUT * np.ptp(beside, axis=0))
     found: list[Corner] = []
-    for span in np.flatnonzero(out & (more >= np.roll(more, 1)) & (more > np.roll(more, -1))).tolist():
+    for span in np.flatnonzero(
+        out & (more >= np.roll(more, 1)) & (more > np.roll(more, -1))
+    ).tolist():
         corner = _met(z, span)
         away = [(corner.span - other.span) % len(z) for other in found] if corner else []
         if corner is not None and all(2 * _SIDE <= each <= len(z) - 2 * _SIDE for each in away):
@@ -252,7 +293,10 @@ def _corners(z: Points) -> list[Corner]:
 def _met(z: Points, span: int) -> Corner | None:
     """Where the curves through the points before a span and after it meet; None where they do not."""
     whole = abs(z[(span + 1) % len(z)] - z[span])
-    earlier, later = abs(z[span] - z[span - 1]), abs(z[(span + 2) % len(z)] - z[(span + 1) % len(z)])
+    earlier, later = (
+        abs(z[span] - z[span - 1]),
+        abs(z[(span + 2) % len(z)] - z[(span + 1) % len(z)]),
+    )
     before, missed_before = _side(z, span, -1)
     after, missed_after = _side(z, (span + 1) % len(z), 1)
     if abs(_place(after, -whole) - z[span]) <= _ON * missed_after + _ROUNDING:
@@ -271,7 +315,9 @@ def _met(z: Points, span: int) -> Corner | None:
         v -= (np.conj(apart) * one).imag / across
     close = abs(_place(before, u) - _place(after, v)) < _ROUNDING * max(1.0, whole)
     inside = 0 < u < _LONGER * earlier and 0 < -v < _LONGER * later
-    return Corner(span, float(u), float(-v), complex(_place(before, u))) if close and inside else None
+    return (
+        Corner(span, float(u), float(-v), complex(_place(before, u))) if close and inside else None
+    )
 
 
 def _side(z: Points, end: int, step: int) -> tuple[Spline, float]:

@@ -40,7 +40,9 @@ _LEVEL = 0.2  # share of the step from ground to part by which a scanner's gamma
 _SECOND_PART = 0.05  # of the area of the largest: what is smaller is a speck
 _SPECK = 0.5  # mm across
 _ROUND = 0.02  # of the radius: how far a round hole's edge may stand off its circle
-_SAME_PLACE = math.sin(math.radians(20))  # sine of the turn between scans below which they tell nothing of the scanner
+_SAME_PLACE = math.sin(
+    math.radians(20)
+)  # sine of the turn between scans below which they tell nothing of the scanner
 _SCANNER = 0.003  # share by which one axis of a flatbed may be off
 _ONE_PART = 0.01  # of its size: what scans of one part may be apart
 _STRAYS = 4.0  # robust standard deviations beyond which a point is a speck's
@@ -114,13 +116,19 @@ def read_scan(path: Path, dpi: float | None = None) -> Scan:
         assert isinstance(line, np.ndarray)
         if len(line) > 8 and np.array_equal(line[0], line[-1]):
             closed.append((line[:-1, 0] + column + 1j * (height - 1 - row - line[:-1, 1])) * pitch)
-    rings = sorted((Ring(z, np.zeros(len(z))).counter_clockwise() for z in closed), key=lambda ring: -ring.area)
+    rings = sorted(
+        (Ring(z, np.zeros(len(z))).counter_clockwise() for z in closed), key=lambda ring: -ring.area
+    )
     if not rings:
-        raise FileError(path, "shows no closed edge: lay the part on an even ground, all of it in the picture")
+        raise FileError(
+            path, "shows no closed edge: lay the part on an even ground, all of it in the picture"
+        )
     outer = rings[0]
     within = [ring for ring in rings[1:] if outer.encloses(complex(ring.points[0]))]
     holes = tuple(ring.points for ring in within if ring.area > math.pi / 4 * _SPECK**2)
-    place = np.array([height - 1 - row - outer.points.imag / pitch, outer.points.real / pitch - column])
+    place = np.array(
+        [height - 1 - row - outer.points.imag / pitch, outer.points.real / pitch - column]
+    )
     width = pitch / _slope(level, place, outer.points)
     return Scan(outer.points, holes, width, contrast, len(within) - len(holes), _INCH / pitch)
 
@@ -140,12 +148,18 @@ def _resolution(path: Path, asked: float | None, said: Any) -> float:
     if asked is None and said:
         across, down = (float(each) for each in said)
         if abs(across - down) > 1e-3 * across:
-            raise FileError(path, f"says {across:.0f} dots per inch across and {down:.0f} down: give one with --dpi")
+            raise FileError(
+                path,
+                f"says {across:.0f} dots per inch across and {down:.0f} down: give one with --dpi",
+            )
         asked = across
     if asked is None:
         raise FileError(path, "does not say how many dots per inch it has: give them with --dpi")
     if not _DPI[0] <= asked <= _DPI[1]:
-        raise FileError(path, f"has {asked:.0f} dots per inch; {_DPI[0]:g} to {_DPI[1]:g} are taken: give them with --dpi")
+        raise FileError(
+            path,
+            f"has {asked:.0f} dots per inch; {_DPI[0]:g} to {_DPI[1]:g} are taken: give them with --dpi",
+        )
     return asked
 
 
@@ -154,14 +168,24 @@ def _grey(path: Path, picture: Any) -> Any:
     across, down = picture.size
     if across * down > _MOST_PIXELS:
         most = f"{_MOST_PIXELS / 1e6:.0f} million at most are read"
-        raise FileError(path, f"has {across} x {down} pixels; {most}: scan the part's place alone, or with fewer dots per inch")
+        raise FileError(
+            path,
+            f"has {across} x {down} pixels; {most}: scan the part's place alone, or with fewer dots per inch",
+        )
     if min(across, down) < 50:
-        raise FileError(path, f"has {across} x {down} pixels: too few for a part, 50 each way at least")
+        raise FileError(
+            path, f"has {across} x {down} pixels: too few for a part, 50 each way at least"
+        )
     if picture.mode == "1":
-        raise FileError(path, "is black and white alone: scan in grey levels, which tell where in a pixel the edge is")
+        raise FileError(
+            path,
+            "is black and white alone: scan in grey levels, which tell where in a pixel the edge is",
+        )
     if picture.mode.startswith(("I", "F")):
         values = np.asarray(picture, np.float32)
-        return values / np.float32(257.0 if picture.mode.startswith("I") else max(float(values.max()), 1e-9) / 255)
+        return values / np.float32(
+            257.0 if picture.mode.startswith("I") else max(float(values.max()), 1e-9) / 255
+        )
     return np.asarray(picture.convert("L"))
 
 
@@ -174,7 +198,11 @@ def _levelled(path: Path, grey: Any) -> tuple[Any, tuple[int, int], float]:
 
     step = max(1, math.ceil(max(grey.shape) / _COARSE))
     rows, columns = (n // step for n in grey.shape)
-    small = grey[: rows * step, : columns * step].reshape(rows, step, columns, step).mean(axis=(1, 3), dtype=np.float64)
+    small = (
+        grey[: rows * step, : columns * step]
+        .reshape(rows, step, columns, step)
+        .mean(axis=(1, 3), dtype=np.float64)
+    )
     frame = np.ones(small.shape, bool)
     frame[1:-1, 1:-1] = False
     y, x = np.indices(small.shape)
@@ -182,21 +210,32 @@ def _levelled(path: Path, grey: Any) -> tuple[Any, tuple[int, int], float]:
     part = lit != (np.mean(lit[frame]) > 0.5)
     fields = np.zeros((2, 6))
     for _ in range(4):
-        inner = [ndimage.binary_erosion(mask, iterations=2, border_value=1) for mask in (~part, part)]
+        inner = [
+            ndimage.binary_erosion(mask, iterations=2, border_value=1) for mask in (~part, part)
+        ]
         if min(int(mask.sum()) for mask in inner) < 30:
-            raise FileError(path, "shows no part: grey levels of two kinds, part and ground, were expected")
-        fields = np.array([_field(x[mask] / columns, y[mask] / rows, small[mask]) for mask in inner])
+            raise FileError(
+                path, "shows no part: grey levels of two kinds, part and ground, were expected"
+            )
+        fields = np.array(
+            [_field(x[mask] / columns, y[mask] / rows, small[mask]) for mask in inner]
+        )
         ground, body = (_powers(x / columns, y / rows) @ field for field in fields)
         part = np.abs(small - body) < np.abs(small - ground)
     contrast = float(np.min(np.abs(body - ground)[part]))
     told = f"the part stands off its ground by {contrast:.0f} of 255 grey levels"
     if contrast < LEAST_CONTRAST:
-        raise FileError(path, f"{told}, {LEAST_CONTRAST:.0f} at least were expected: lay a sheet of the opposite shade over it")
+        raise FileError(
+            path,
+            f"{told}, {LEAST_CONTRAST:.0f} at least were expected: lay a sheet of the opposite shade over it",
+        )
     label, count = ndimage.label(part, np.ones((3, 3)))
     sizes = np.bincount(label.ravel())[1:]
     large = np.flatnonzero(sizes > _SECOND_PART * sizes.max()) + 1
     if np.isin(label[frame], large).any():
-        raise FileError(path, "shows a part that the picture's frame cuts off: leave a margin all round it")
+        raise FileError(
+            path, "shows a part that the picture's frame cuts off: leave a margin all round it"
+        )
     if len(large) > 1:
         raise FileError(path, f"shows {len(large)} parts: scan one at a time, or cut the picture")
     held = ndimage.find_objects((label == large[0]).astype(np.int8))[0]
@@ -204,7 +243,9 @@ def _levelled(path: Path, grey: Any) -> tuple[Any, tuple[int, int], float]:
     last = [min(n, (one.stop + 3) * step) for one, n in zip(held, grey.shape, strict=True)]
     level = np.asarray(grey[first[0] : last[0], first[1] : last[1]], np.float64)
     # a block's middle is (step - 1) / 2 pixels from its first one
-    down, across = ((np.arange(a, b) - (step - 1) / 2) / step for a, b in zip(first, last, strict=True))
+    down, across = (
+        (np.arange(a, b) - (step - 1) / 2) / step for a, b in zip(first, last, strict=True)
+    )
     across = across / columns
     for i, v in enumerate(down / rows):
         ground, body = (_powers(across, np.full(len(across), v)) @ field for field in fields)
@@ -257,9 +298,17 @@ def scanned(path: Path, how: Scanning) -> Scanned:
     files = (path, *how.others)
     scans = [read_scan(file, how.dpi) for file in files]
     first = scans[0]
-    bores = [_bore(file, scan.outer, scan.holes)[0] for file, scan in zip(files, scans, strict=True)]
-    shapes = [[edge - bore for edge in (scan.outer, *scan.holes)] for scan, bore in zip(scans, bores, strict=True)]
-    numbers: dict[str, float] = {"scan_contrast": min(scan.contrast for scan in scans), "edge_width_mm": first.width}
+    bores = [
+        _bore(file, scan.outer, scan.holes)[0] for file, scan in zip(files, scans, strict=True)
+    ]
+    shapes = [
+        [edge - bore for edge in (scan.outer, *scan.holes)]
+        for scan, bore in zip(scans, bores, strict=True)
+    ]
+    numbers: dict[str, float] = {
+        "scan_contrast": min(scan.contrast for scan in scans),
+        "edge_width_mm": first.width,
+    }
     said = [f"{first.dpi:.0f} dots per inch, the edge blurred over {first.width:.3f} mm"]
     unknown = _SCANNER
     if how.others:
@@ -269,7 +318,10 @@ def scanned(path: Path, how: Scanning) -> Scanned:
     if how.across is not None:
         seen = _widest(outline)
         numbers["scale_percent"] = 100 * (seen / how.across - 1)
-        outline, holes = outline * (how.across / seen), [hole * (how.across / seen) for hole in holes]
+        outline, holes = (
+            outline * (how.across / seen),
+            [hole * (how.across / seen) for hole in holes],
+        )
         said.append(f"scaled to {how.across:g} mm at its widest, {seen:.3f} mm by the dots")
         unknown = 0.0 if unknown < _SCANNER else unknown
     centre, diameter = _bore(path, outline, holes)
@@ -278,19 +330,28 @@ def scanned(path: Path, how: Scanning) -> Scanned:
         numbers["scanner_off_mm"] = unknown * float(np.max(np.abs(outline)))
         needs = ["a scan turned by 90 deg (--second-scan)"] * (unknown == _SCANNER)
         needs += ["a caliper (--across)"] * (how.across is None)
-        said.append(f"the scanner's own scale may be off by {100 * unknown:g} %, {numbers['scanner_off_mm']:.3f} mm at the "
-                    f"farthest point: measure it by {' and '.join(needs)}")  # fmt: skip
+        said.append(
+            f"the scanner's own scale may be off by {100 * unknown:g} %, {numbers['scanner_off_mm']:.3f} mm at the "
+            f"farthest point: measure it by {' and '.join(needs)}"
+        )
     rings = [Ring(z, np.zeros(len(z))) for z in (outline, *holes)]
     numbers["edge_level_off_mm"] = _LEVEL * first.width
     numbers["bore_mm"] = diameter
     said.append(f"the origin is in the middle of the hole of diameter {diameter:.3f} mm")
     said.append(_sizes(holes))
-    said.append(f"the level at which the edge is taken may shift it by {numbers['edge_level_off_mm']:.3f} mm all round")
-    return Scanned(rings, "; ".join(each for each in said if each), numbers["scan_contrast"], numbers)
+    said.append(
+        f"the level at which the edge is taken may shift it by {numbers['edge_level_off_mm']:.3f} mm all round"
+    )
+    return Scanned(
+        rings, "; ".join(each for each in said if each), numbers["scan_contrast"], numbers
+    )
 
 
 def _together(
-    files: Sequence[Path], shapes: Sequence[Sequence[Points]], numbers: dict[str, float], said: list[str]
+    files: Sequence[Path],
+    shapes: Sequence[Sequence[Points]],
+    numbers: dict[str, float],
+    said: list[str],
 ) -> tuple[list[Points], bool]:
     """One shape of several scans, in the frame of the first, and whether they tell the scanner's scale and skew."""
     laid = lay(shapes[0], shapes[1:])[1]
@@ -298,22 +359,42 @@ def _together(
     m = 0j
     if known:
         m, laid = lay(shapes[0], shapes[1:], distorted=True)
-        numbers["scanner_across_percent"], numbers["scanner_shear_percent"] = 200 * m.real, 200 * m.imag
-        said.append(f"the scanner's x axis is {200 * m.real:+.3f} % long beside its y axis, its shear {200 * m.imag:+.3f} %")
+        numbers["scanner_across_percent"], numbers["scanner_shear_percent"] = (
+            200 * m.real,
+            200 * m.imag,
+        )
+        said.append(
+            f"the scanner's x axis is {200 * m.real:+.3f} % long beside its y axis, its shear {200 * m.imag:+.3f} %"
+        )
     else:
-        said.append("the scans lie alike on the glass: they do not tell the scanner's scale and skew, a turn by 90 deg would")
+        said.append(
+            "the scans lie alike on the glass: they do not tell the scanner's scale and skew, a turn by 90 deg would"
+        )
     size = float(np.max(np.abs(shapes[0][0])))
     for file, each in zip(files[1:], laid, strict=True):
         if each.off > _ONE_PART * size:
-            raise FileError(file, f"does not show the part of {files[0].name}, or its other face: {each.off:.3f} mm apart (rms)")
+            raise FileError(
+                file,
+                f"does not show the part of {files[0].name}, or its other face: {each.off:.3f} mm apart (rms)",
+            )
     outline, *holes = (straightened(edge, m) for edge in shapes[0])
-    back = [outline, *(each.back(straightened(shape[0], m)) for each, shape in zip(laid, shapes[1:], strict=True))]
+    back = [
+        outline,
+        *(
+            each.back(straightened(shape[0], m))
+            for each, shape in zip(laid, shapes[1:], strict=True)
+        ),
+    ]
     if all(map(star, back)):
         outline, numbers["edge_repeat_mm"] = middle(back)
-        said.append(f"{len(files)} scans laid on each other, the middle one taken at each angle; they repeat within "
-                    f"{numbers['edge_repeat_mm']:.4f} mm (rms), which says less than what is common to all")  # fmt: skip
+        said.append(
+            f"{len(files)} scans laid on each other, the middle one taken at each angle; they repeat within "
+            f"{numbers['edge_repeat_mm']:.4f} mm (rms), which says less than what is common to all"
+        )
     else:
-        said.append("rays from the bore meet the outline more than once: that of the first scan is taken")
+        said.append(
+            "rays from the bore meet the outline more than once: that of the first scan is taken"
+        )
     return [outline, *holes], known
 
 
@@ -354,11 +435,15 @@ def _bore(path: Path, outline: Points, holes: Sequence[Points]) -> tuple[complex
     round_ones = _round_ones(holes)
     if not round_ones:
         seen = f"shows no bore, {counted(len(holes), 'hole')}, none of them round"
-        raise FileError(path, f"{seen}: take its shaft out, clean it, scan the face on which it is open")
+        raise FileError(
+            path, f"{seen}: take its shaft out, clean it, scan the face on which it is open"
+        )
     return min(round_ones, key=lambda each: abs(each[0] - middle))
 
 
 def _sizes(holes: Sequence[Points]) -> str:
     """Sizes and places of the round holes, in words."""
-    told = (f"{size:.3f} mm at {at.real:z.3f}/{at.imag:z.3f}" for at, size in _round_ones(holes)[:12])
+    told = (
+        f"{size:.3f} mm at {at.real:z.3f}/{at.imag:z.3f}" for at, size in _round_ones(holes)[:12]
+    )
     return "round holes: " + ", ".join(told)

@@ -25,14 +25,27 @@ if TYPE_CHECKING:
 
 # Layer -> (colour index, line width in 1/100 mm). VIEW holds visible edges that are not cut, HIDDEN those behind material.
 LAYERS = {
-    "CUT": (7, 50), "VIEW": (8, 35), "HIDDEN": (8, 18), "CENTER": (1, 18), "DIM": (5, 18), "HATCH": (8, 13), "TEXT": (7, 25),
-}  # fmt: skip
+    "CUT": (7, 50),
+    "VIEW": (8, 35),
+    "HIDDEN": (8, 18),
+    "CENTER": (1, 18),
+    "DIM": (5, 18),
+    "HATCH": (8, 13),
+    "TEXT": (7, 25),
+}
 # Dashed layers: line type in a DXF, its pattern there and in a PDF, mm of paper.
-_DASHES = {"CENTER": ("CENTER2", (), (6, 1.2, 0.8, 1.2)), "HIDDEN": ("HIDDEN2", (9.0, 6.0, -3.0), (3, 1.5))}
+_DASHES = {
+    "CENTER": ("CENTER2", (), (6, 1.2, 0.8, 1.2)),
+    "HIDDEN": ("HIDDEN2", (9.0, 6.0, -3.0), (3, 1.5)),
+}
 # What a character takes at most in CAD programs, by the height of capitals: of LibreCAD's standard font most letters and
 # digits take 0.78, the space 0.75; the wide ones stand here.
 CAD_ADVANCE = 0.8
-_CAD_WIDE = dict.fromkeys("4BDGHKNOPRSTUZ", 0.9) | dict.fromkeys("mwAMQVXY#&*Ø", 1.0) | dict.fromkeys("W%@_", 1.6)
+_CAD_WIDE = (
+    dict.fromkeys("4BDGHKNOPRSTUZ", 0.9)
+    | dict.fromkeys("mwAMQVXY#&*Ø", 1.0)
+    | dict.fromkeys("W%@_", 1.6)
+)
 _POINT = 72 / 25.4  # PDF units in a millimetre
 
 _FONT, _CAP = "Helvetica", 0.718  # and the height of its capitals by the size [Adobe Core14 AFM]
@@ -118,7 +131,13 @@ class Sheet:
         self.things.append(arrowhead(tip, direction, layer))
 
     def text(
-        self, at: complex, text: str, height: float = 2.5, align: Align = "left", layer: str = "TEXT", room: float = math.inf
+        self,
+        at: complex,
+        text: str,
+        height: float = 2.5,
+        align: Align = "left",
+        layer: str = "TEXT",
+        room: float = math.inf,
     ) -> None:
         """Add a line of text, smaller where it might be longer than `room` mm; nothing where it is empty."""
         if text:
@@ -130,7 +149,9 @@ def write_pdf(path: Path, sheet: Sheet) -> None:
     """Write the sheet as a one-page PDF at its true size; no date, no chance id, no compression: same sheet, same bytes."""
     from reportlab.pdfgen.canvas import Canvas
 
-    paper = Canvas(str(path), (sheet.width * _POINT, sheet.height * _POINT), invariant=1, pageCompression=0)
+    paper = Canvas(
+        str(path), (sheet.width * _POINT, sheet.height * _POINT), invariant=1, pageCompression=0
+    )
     paper.setTitle(sheet.title)
     paper.scale(_POINT, _POINT)
     paper.setLineCap(1)
@@ -149,8 +170,12 @@ def write_pdf(path: Path, sheet: Sheet) -> None:
         line.moveTo(start.real, start.imag)
         for piece in thing.pieces:
             if isinstance(piece, Arc):
-                box = (piece.centre.real - piece.radius, piece.centre.imag - piece.radius,
-                       piece.centre.real + piece.radius, piece.centre.imag + piece.radius)  # fmt: skip
+                box = (
+                    piece.centre.real - piece.radius,
+                    piece.centre.imag - piece.radius,
+                    piece.centre.real + piece.radius,
+                    piece.centre.imag + piece.radius,
+                )
                 line.arcTo(*box, math.degrees(piece.start), math.degrees(piece.sweep))
             else:
                 end = end_point(piece)
@@ -179,6 +204,7 @@ def write_dxf_sheet(path: Path, sheet: Sheet, scale: float, datum: complex) -> N
 
     scale: mm of paper for a mm of the part; datum: where the part's origin is on the paper.
     """
+
     def xy(z: complex) -> tuple[float, float]:
         w = (z - datum) / scale + 0
         return w.real, w.imag
@@ -193,19 +219,29 @@ def write_dxf_sheet(path: Path, sheet: Sheet, scale: float, datum: complex) -> N
             if thing.layer in _DASHES:
                 at |= {"linetype": _DASHES[thing.layer][0], "ltscale": 0.5 / scale}
             if isinstance(thing, Text):
-                at |= {"height": thing.height / scale, "rotation": math.degrees(cmath.phase(thing.direction)), "valign": 0,
-                       "halign": _HALIGN[thing.align], "insert": xy(thing.at), "align_point": xy(thing.at)}  # fmt: skip
+                at |= {
+                    "height": thing.height / scale,
+                    "rotation": math.degrees(cmath.phase(thing.direction)),
+                    "valign": 0,
+                    "halign": _HALIGN[thing.align],
+                    "insert": xy(thing.at),
+                    "align_point": xy(thing.at),
+                }
                 space.add_text(thing.text.translate(_DXF_CODES), dxfattribs=at)
             elif isinstance(thing, Fill):
                 a, b, c = map(xy, thing.corners)
                 space.add_solid([a, b, c, c], dxfattribs=at)
             elif thing.closed:
-                add_contour(space, Contour(thing.pieces).moved(1 / scale, -datum / scale), thing.layer)
+                add_contour(
+                    space, Contour(thing.pieces).moved(1 / scale, -datum / scale), thing.layer
+                )
                 space[-1].update_dxf_attribs(at)
             else:
                 for piece in thing.pieces:
                     if isinstance(piece, Arc):
                         low, high = sorted((math.degrees(piece.t0), math.degrees(piece.t1)))
-                        space.add_arc(xy(piece.centre), piece.radius / scale, low, high, dxfattribs=at)
+                        space.add_arc(
+                            xy(piece.centre), piece.radius / scale, low, high, dxfattribs=at
+                        )
                     elif isinstance(piece, Line):
                         space.add_line(xy(piece.a), xy(piece.b), dxfattribs=at)

@@ -30,15 +30,23 @@ _UPRIGHT, _LEVEL = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
 def write_part(path: Path, job: Job) -> None:
     """Write the part's exact solid; DesignError where it has none."""
     assert job.part is not None, "an exact solid is asked for"
-    write_step(path, {job.name: exact(job.part, job.tolerance)}, {job.name: job.part.title}, job.title)
+    write_step(
+        path, {job.name: exact(job.part, job.tolerance)}, {job.name: job.part.title}, job.title
+    )
 
 
 def write_step(
-    path: Path, bodies: Mapping[str, Brep], titles: Mapping[str, str], title: str, copies: Sequence[Placed] = ()
+    path: Path,
+    bodies: Mapping[str, Brep],
+    titles: Mapping[str, str],
+    title: str,
+    copies: Sequence[Placed] = (),
 ) -> None:
     """Write bodies by name, with titles for people: each a part by itself, or with copies all in the places of an assembly."""
     out = _Entities()
-    shapes = {name: _product(out, name, titles.get(name, name), body) for name, body in bodies.items()}
+    shapes = {
+        name: _product(out, name, titles.get(name, name), body) for name, body in bodies.items()
+    }
     if copies:
         _assembly(out, title, shapes, copies)
     header = (
@@ -46,7 +54,9 @@ def write_step(
         f"FILE_NAME({_text(title)},'1970-01-01T00:00:00',(''),(''),'camgen {__version__}','camgen','');\n"
         f"FILE_SCHEMA(('{_SCHEMA}'));\nENDSEC;\nDATA;\n"
     )
-    path.write_text(header + "".join(out.lines) + "ENDSEC;\nEND-ISO-10303-21;\n", encoding="ascii", newline="\n")
+    path.write_text(
+        header + "".join(out.lines) + "ENDSEC;\nEND-ISO-10303-21;\n", encoding="ascii", newline="\n"
+    )
 
 
 class _Entities:
@@ -55,10 +65,16 @@ class _Entities:
     def __init__(self) -> None:
         self.lines: list[str] = []
         self.known: dict[str, int] = {}
-        application = self.add("APPLICATION_CONTEXT('core data for automotive mechanical design processes')")
-        self.add(f"APPLICATION_PROTOCOL_DEFINITION('international standard','automotive_design',2000,#{application})")
+        application = self.add(
+            "APPLICATION_CONTEXT('core data for automotive mechanical design processes')"
+        )
+        self.add(
+            f"APPLICATION_PROTOCOL_DEFINITION('international standard','automotive_design',2000,#{application})"
+        )
         self.product = self.add(f"PRODUCT_CONTEXT('',#{application},'mechanical')")
-        self.definition = self.add(f"PRODUCT_DEFINITION_CONTEXT('part definition',#{application},'design')")
+        self.definition = self.add(
+            f"PRODUCT_DEFINITION_CONTEXT('part definition',#{application},'design')"
+        )
         length = self.add("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))")
         angle = self.add("(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.))")
         solid = self.add("(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT())")
@@ -85,7 +101,12 @@ class _Entities:
         """A point."""
         return self.once(f"CARTESIAN_POINT('',{_row(place)})")
 
-    def place(self, origin: Iterable[float], axis: Iterable[float] = _UPRIGHT, along: Iterable[float] = _LEVEL) -> int:
+    def place(
+        self,
+        origin: Iterable[float],
+        axis: Iterable[float] = _UPRIGHT,
+        along: Iterable[float] = _LEVEL,
+    ) -> int:
         """A frame: origin, its z axis and its x axis."""
         at = self.point(origin)
         z, x = (self.once(f"DIRECTION('',{_row(way)})") for way in (axis, along))
@@ -125,7 +146,9 @@ def _product(out: _Entities, name: str, title: str, body: Brep) -> tuple[int, in
     definition = _defined(out, name, title)
     shape = out.add(f"PRODUCT_DEFINITION_SHAPE('','',#{definition})")
     solid = _solid(out, name, body)
-    found = out.add(f"ADVANCED_BREP_SHAPE_REPRESENTATION({_text(name)},(#{out.place((0, 0, 0))},#{solid}),#{out.context})")
+    found = out.add(
+        f"ADVANCED_BREP_SHAPE_REPRESENTATION({_text(name)},(#{out.place((0, 0, 0))},#{solid}),#{out.context})"
+    )
     out.add(f"SHAPE_DEFINITION_REPRESENTATION(#{shape},#{found})")
     return definition, found
 
@@ -137,7 +160,9 @@ def _solid(out: _Entities, name: str, body: Brep) -> int:
     for edge in body.edges:
         a, b = points[edge.a], points[edge.b]
         if edge.radius:
-            curve = out.add(f"CIRCLE('',#{out.place((edge.centre.real, edge.centre.imag, a[2]))},{_real(edge.radius)})")
+            curve = out.add(
+                f"CIRCLE('',#{out.place((edge.centre.real, edge.centre.imag, a[2]))},{_real(edge.radius)})"
+            )
         else:
             way = out.once(f"DIRECTION('',{_row(_unit(b, a))})")
             vector = out.once(f"VECTOR('',#{way},1.0)")
@@ -147,11 +172,16 @@ def _solid(out: _Entities, name: str, body: Brep) -> int:
     for face in body.faces:
         bounds = []
         for k, loop in enumerate(face.loops):
-            steps = [out.add(f"ORIENTED_EDGE('',*,*,#{curves[e]},{'.T.' if forward else '.F.'})") for e, forward in loop]
+            steps = [
+                out.add(f"ORIENTED_EDGE('',*,*,#{curves[e]},{'.T.' if forward else '.F.'})")
+                for e, forward in loop
+            ]
             ring = out.add(f"EDGE_LOOP('',{_refs(steps)})")
             bounds.append(out.add(f"{'FACE_BOUND' if k else 'FACE_OUTER_BOUND'}('',#{ring},.T.)"))
         surface, same = _surface(out, body, face)
-        faces.append(out.add(f"ADVANCED_FACE('',{_refs(bounds)},#{surface},{'.T.' if same else '.F.'})"))
+        faces.append(
+            out.add(f"ADVANCED_FACE('',{_refs(bounds)},#{surface},{'.T.' if same else '.F.'})")
+        )
     shell = out.add(f"CLOSED_SHELL('',{_refs(faces)})")
     return out.add(f"MANIFOLD_SOLID_BREP({_text(name)},#{shell})")
 
@@ -164,7 +194,9 @@ def _unit(b: Sequence[float], a: Sequence[float]) -> list[float]:
 
 def _surface(out: _Entities, body: Brep, face: Face) -> tuple[int, bool]:
     """The surface of a face, and whether its own normal looks out of the material."""
-    step = min(face.loops[0], key=lambda step: (_rise(body, step), body.corners[body.first(step), 2]))
+    step = min(
+        face.loops[0], key=lambda step: (_rise(body, step), body.corners[body.first(step), 2])
+    )
     at = body.corners[body.first(step)].tolist()
     if face.looks:
         return out.add(f"PLANE('',#{out.place(at, (0, 0, face.looks))})"), True
@@ -181,13 +213,17 @@ def _rise(body: Brep, step: tuple[int, bool]) -> bool:
     return bool(body.corners[body.first(step), 2] != body.corners[body.last(step), 2])
 
 
-def _assembly(out: _Entities, name: str, shapes: Mapping[str, tuple[int, int]], copies: Sequence[Placed]) -> None:
+def _assembly(
+    out: _Entities, name: str, shapes: Mapping[str, tuple[int, int]], copies: Sequence[Placed]
+) -> None:
     """All copies in their places, each under its own name."""
     whole = _defined(out, name, name)
     shape = out.add(f"PRODUCT_DEFINITION_SHAPE('','',#{whole})")
     origin = out.place((0, 0, 0))
     places = [out.place(m[:, 3], m[:, 2], m[:, 0]) for m in (copy.transform for copy in copies)]
-    found = out.add(f"SHAPE_REPRESENTATION({_text(name)},{_refs([origin, *places])},#{out.context})")
+    found = out.add(
+        f"SHAPE_REPRESENTATION({_text(name)},{_refs([origin, *places])},#{out.context})"
+    )
     out.add(f"SHAPE_DEFINITION_REPRESENTATION(#{shape},#{found})")
     for copy, place in zip(copies, places, strict=True):
         part, own = shapes[copy.object]
@@ -204,7 +240,9 @@ def _assembly(out: _Entities, name: str, shapes: Mapping[str, tuple[int, int]], 
 
 # ---- read back ---------------------------------------------------------------------------------------------------------
 
-_TOKEN = re.compile(r"\s*(?:(#\d+)|('(?:[^']|'')*')|(\.[A-Z_]+\.)|([-+]?\d+\.?\d*(?:E[-+]?\d+)?)|([A-Z_0-9]+)|([(),$*=;]))")
+_TOKEN = re.compile(
+    r"\s*(?:(#\d+)|('(?:[^']|'')*')|(\.[A-Z_]+\.)|([-+]?\d+\.?\d*(?:E[-+]?\d+)?)|([A-Z_0-9]+)|([(),$*=;]))"
+)
 
 
 def read_part(path: Path, name: str) -> tuple[Brep, list[str]]:
@@ -225,8 +263,17 @@ def read_step(path: Path) -> tuple[dict[str, Brep], list[Placed], list[str]]:
         raise FileError(path, "not a STEP file, or cut short: it does not end in END-ISO-10303-21")
     try:
         return _Reader(_entities(text)).read()
-    except (KeyError, IndexError, ValueError, TypeError, ZeroDivisionError, RecursionError) as error:
-        raise FileError(path, f"not a STEP file of upright walls between level faces: {error!r}") from None
+    except (
+        KeyError,
+        IndexError,
+        ValueError,
+        TypeError,
+        ZeroDivisionError,
+        RecursionError,
+    ) as error:
+        raise FileError(
+            path, f"not a STEP file of upright walls between level faces: {error!r}"
+        ) from None
 
 
 def _entities(text: str) -> dict[str, list[Any]]:
@@ -253,7 +300,9 @@ def _entities(text: str) -> dict[str, list[Any]]:
             stack[-1].append(f"={name}")
         elif mark == ";":
             (row,) = stack
-            found[row[0]] = row[1] if len(row) == 2 else row[1:]  # several types of one entity are in brackets of their own
+            found[row[0]] = (
+                row[1] if len(row) == 2 else row[1:]
+            )  # several types of one entity are in brackets of their own
             stack = [[]]
     return found
 
@@ -275,7 +324,9 @@ class _Reader:
 
     def all(self, name: str) -> list[tuple[str, list[Any]]]:
         """All entities of a type."""
-        return [(ref, self.get(ref, name)) for ref, row in self.entities.items() if f"={name}" in row]
+        return [
+            (ref, self.get(ref, name)) for ref, row in self.entities.items() if f"={name}" in row
+        ]
 
     def point(self, ref: str) -> Floats:
         """A point or a direction."""
@@ -301,8 +352,11 @@ class _Reader:
         for _, (shape, representation) in self.all("SHAPE_DEFINITION_REPRESENTATION"):
             if "=ADVANCED_BREP_SHAPE_REPRESENTATION" not in self.entities[representation]:
                 continue
-            solids = [item for item in self.get(representation, "ADVANCED_BREP_SHAPE_REPRESENTATION")[1]
-                      if "=MANIFOLD_SOLID_BREP" in self.entities[item]]  # fmt: skip
+            solids = [
+                item
+                for item in self.get(representation, "ADVANCED_BREP_SHAPE_REPRESENTATION")[1]
+                if "=MANIFOLD_SOLID_BREP" in self.entities[item]
+            ]
             if len(solids) != 1:
                 remarks.append(f"{len(solids)} solids of {names[owners[shape]]}")
             bodies[names[owners[shape]]] = self.body(solids[0])
@@ -311,9 +365,13 @@ class _Reader:
             label, _, _, _, part, _ = self.get(owners[use], "NEXT_ASSEMBLY_USAGE_OCCURRENCE")
             moved = self.get(relation, "REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION")[0]
             at, z, x = self.frame(self.get(moved, "ITEM_DEFINED_TRANSFORMATION")[3])
-            copies.append(Placed(names[part], str(label), np.column_stack([x, np.cross(z, x), z, at])))
+            copies.append(
+                Placed(names[part], str(label), np.column_stack([x, np.cross(z, x), z, at]))
+            )
         if self.worst > SAME:
-            remarks.append(f"a corner is {self.worst:.3g} mm off a line, circle or surface that ends in it")
+            remarks.append(
+                f"a corner is {self.worst:.3g} mm off a line, circle or surface that ends in it"
+            )
         return bodies, copies, remarks
 
     def body(self, ref: str) -> Brep:
@@ -383,7 +441,9 @@ class _Reader:
             arc = body.edges[lowest[0]]
             self.off(abs(arc.centre - complex(at[0], at[1])), arc.radius - radius)
             if z.tolist() != [0, 0, 1] or lowest[1] != same:
-                raise ValueError(f"{surface} is a cylinder that does not stand upright, or its face looks the other way")
+                raise ValueError(
+                    f"{surface} is a cylinder that does not stand upright, or its face looks the other way"
+                )
             return 0
         at, z, _ = self.frame(self.get(surface, "PLANE")[1])
         z = z if same else -z

@@ -52,13 +52,20 @@ def read_stl(path: str | Path, normals: bool = False) -> Mesh:
         raise FileError(path, f"{said}: reduce the mesh, or export it with a larger tolerance")
     if binary:
         rows = np.frombuffer(data, _ROW, offset=84)
-        corners, stored = rows["corners"].astype(float), rows["normal"].astype(float) if normals else None
+        corners, stored = (
+            rows["corners"].astype(float),
+            rows["normal"].astype(float) if normals else None,
+        )
     elif data.lstrip().startswith(b"solid") and b"facet" in data[:1000]:
         if normals:
             raise FileError(path, "is an STL in text; a binary one was expected")
         if not re.search(rb"endsolid[^\n]*\s*$", data):
             raise FileError(path, "STL text cut short: it does not end in endsolid")
-        words = (word for place in re.finditer(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)", data) for word in place.groups())
+        words = (
+            word
+            for place in re.finditer(rb"vertex\s+(\S+)\s+(\S+)\s+(\S+)", data)
+            for word in place.groups()
+        )
         try:
             corners, stored = np.fromiter(map(float, words), float).reshape(-1, 3, 3), None
         except ValueError as error:
@@ -67,7 +74,10 @@ def read_stl(path: str | Path, normals: bool = False) -> Mesh:
         raise FileError(path, f"not an STL file: {len(data)} bytes, the header alone has 84")
     else:
         change = "cut short" if len(data) < 84 + 50 * count else "too long"
-        raise FileError(path, f"{change}: {len(data)} bytes, but a header of {count} triangles asks for {84 + 50 * count}")
+        raise FileError(
+            path,
+            f"{change}: {len(data)} bytes, but a header of {count} triangles asks for {84 + 50 * count}",
+        )
     if not np.isfinite(corners).all():
         raise FileError(path, "a vertex is not finite")
     mesh = welded(corners)

@@ -43,10 +43,17 @@ _DECIMALS = 9
 _NO_UNIT = 0x801E  # lib3mf's warning of a unit that there is not; it takes millimetres then
 MOST_COPIES = 10_000  # of objects in one assembly, those on the way to the meshes counted
 MOST_BYTES = 300_000_000  # unpacked
-_SMALL, _PACKED = 1_000_000, 100  # bytes; how often a larger part may be as long as it is packed: meshes are 10 times
+_SMALL, _PACKED = (
+    1_000_000,
+    100,
+)  # bytes; how often a larger part may be as long as it is packed: meshes are 10 times
 BUILD, _NONE = -1, -2
 _BULK = re.compile(rb"(?:<(?:vertex|triangle) [^<>]*/>\s*)+")  # what most of a package consists of
-_OURS = {"[content_types].xml", "_rels/.rels", "3d/3dmodel.model"}  # parts of a package as camgen writes it
+_OURS = {
+    "[content_types].xml",
+    "_rels/.rels",
+    "3d/3dmodel.model",
+}  # parts of a package as camgen writes it
 
 Object = tuple[str, int]
 
@@ -69,12 +76,16 @@ class Placed:
     transform: Floats = field(default_factory=lambda: np.eye(3, 4))
 
 
-def placing(angle: float, position: complex, z: float, thickness: float, flipped: bool = False) -> Floats:
+def placing(
+    angle: float, position: complex, z: float, thickness: float, flipped: bool = False
+) -> Floats:
     """Transform (3, 4) of a part turned by angle (rad) about z and moved to position (complex mm) and height z, mm.
 
     flipped: first turned over about Oy, (x, y, z) -> (-x, y, thickness - z): a rotation, no mirror image.
     """
-    turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+    turn = np.array(
+        [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]
+    )
     over = np.diag([-1.0, 1.0, -1.0]) if flipped else np.eye(3)
     shift = [position.real, position.imag, z + (thickness if flipped else 0)]
     return np.column_stack([product(turn, over), shift]) + 0.0
@@ -105,21 +116,38 @@ def write_3mf(path: Path, objects: Mapping[str, Mesh], items: Sequence[Placed], 
     for name, mesh in objects.items():
         if name not in placed:
             continue
-        vertices, faces = np.ascontiguousarray(mesh.vertices, np.float32), np.ascontiguousarray(mesh.faces, np.uint32)
+        vertices, faces = (
+            np.ascontiguousarray(mesh.vertices, np.float32),
+            np.ascontiguousarray(mesh.faces, np.uint32),
+        )
         thing = meshes[name] = model.AddMeshObject()
         thing.SetName(name)
         thing.SetUUID(made("mesh", name))
-        call, code = thing._wrapper, thing._wrapper.lib.lib3mf_meshobject_setgeometry  # `SetGeometry` copies number by number
-        rows = (lib3mf.Position * len(vertices)).from_buffer(vertices), (lib3mf.Triangle * len(faces)).from_buffer(faces)
-        call.checkError(thing, code(thing._handle, c_uint64(len(vertices)), rows[0], c_uint64(len(faces)), rows[1]))
-        thing.SetObjectLevelProperty(colours.GetUniqueResourceID(), colours.AddMaterial(name, lib3mf.Color(*_colour(name), 255)))
+        call, code = (
+            thing._wrapper,
+            thing._wrapper.lib.lib3mf_meshobject_setgeometry,
+        )  # `SetGeometry` copies number by number
+        rows = (
+            (lib3mf.Position * len(vertices)).from_buffer(vertices),
+            (lib3mf.Triangle * len(faces)).from_buffer(faces),
+        )
+        call.checkError(
+            thing,
+            code(thing._handle, c_uint64(len(vertices)), rows[0], c_uint64(len(faces)), rows[1]),
+        )
+        thing.SetObjectLevelProperty(
+            colours.GetUniqueResourceID(),
+            colours.AddMaterial(name, lib3mf.Color(*_colour(name), 255)),
+        )
     for item in items:
         thing = meshes[item.object]
         if item.name != item.object or not np.array_equal(item.transform, np.eye(3, 4)):
             thing = model.AddComponentsObject()
             thing.SetName(item.name)
             thing.SetUUID(made("copy", item.name))
-            thing.AddComponent(meshes[item.object], _transform(item.transform)).SetUUID(made("component", item.name))
+            thing.AddComponent(meshes[item.object], _transform(item.transform)).SetUUID(
+                made("component", item.name)
+            )
         build = model.AddBuildItem(thing, identity)
         build.SetUUID(made("item", item.name))
         build.SetPartNumber(item.name)
@@ -155,8 +183,14 @@ def read_part(path: Path, name: str) -> tuple[Mesh, list[str]]:
     """The first solid that the package builds, and what is wrong where it is to hold the part of this name alone."""
     package = read_3mf(path)
     names = [item.name for item in package.items]
-    strange = [] if names == [name] else [f"holds {', '.join(names[:5]) or 'nothing'} instead of {name} alone"]
-    return package.items[0].placed if names else Mesh(np.empty((0, 3)), np.empty((0, 3), int)), package.remarks + strange
+    strange = (
+        []
+        if names == [name]
+        else [f"holds {', '.join(names[:5]) or 'nothing'} instead of {name} alone"]
+    )
+    return package.items[0].placed if names else Mesh(
+        np.empty((0, 3)), np.empty((0, 3), int)
+    ), package.remarks + strange
 
 
 @dataclass(frozen=True)
@@ -189,7 +223,10 @@ class Package:
     @property
     def remarks(self) -> list[str]:
         """All that is wrong with it as a package, its unit too."""
-        return [*self.warnings, *([] if self.unit.lower() == "millimeter" else [f"unit is {self.unit}"])]
+        return [
+            *self.warnings,
+            *([] if self.unit.lower() == "millimeter" else [f"unit is {self.unit}"]),
+        ]
 
     @property
     def meshes(self) -> dict[str, Mesh]:
@@ -199,7 +236,11 @@ class Package:
 
 def _array(records: list[Any], kind: type, columns: int) -> NDArray[Any]:
     """lib3mf's list of C structures as an array; they share one block of memory, of which the first tells."""
-    return np.frombuffer(records[0]._b_base_, kind).reshape(-1, columns) if records else np.empty((0, columns), kind)
+    return (
+        np.frombuffer(records[0]._b_base_, kind).reshape(-1, columns)
+        if records
+        else np.empty((0, columns), kind)
+    )
 
 
 def read_3mf(path: str | Path, strict: bool = True) -> Package:
@@ -226,7 +267,9 @@ def _package(path: str, data: bytes, strict: bool) -> Package:
         raise FileError(path, f"not a valid 3MF file: {error}") from None
     told = [reader.GetWarning(i) for i in range(reader.GetWarningCount())]
     if any(code == _NO_UNIT for code, _ in told):
-        raise FileError(path, "names a unit that there is not in a 3MF file; millimeter was expected")
+        raise FileError(
+            path, "names a unit that there is not in a 3MF file; millimeter was expected"
+        )
     warnings = [*(text for _, text in told), *(extras if strict else ())]
     meshes: dict[int, tuple[str, Mesh]] = {}  # by the number of the resource, which alone is unique
     inside: dict[int, list[tuple[int, Floats]]] = {}  # what an object is made of, and where
@@ -241,18 +284,29 @@ def _package(path: str, data: bytes, strict: bool) -> Package:
     for thing in _each(model.GetComponentsObjects(), "GetCurrentComponentsObject"):
         parts = [thing.GetComponent(i) for i in range(thing.GetComponentCount())]
         inside[thing.GetUniqueResourceID()] = [
-            (part.GetObjectResource().GetUniqueResourceID(), _matrix(part.GetTransform())) for part in parts
+            (part.GetObjectResource().GetUniqueResourceID(), _matrix(part.GetTransform()))
+            for part in parts
         ]
-    kinds = {thing.GetUniqueResourceID(): thing for thing in _each(model.GetObjects(), "GetCurrentObject")}
+    kinds = {
+        thing.GetUniqueResourceID(): thing
+        for thing in _each(model.GetObjects(), "GetCurrentObject")
+    }
     warnings += [
         f"object '{thing.GetName()}' is of type {thing.GetType().name.lower()}, not model"
-        for thing in kinds.values() if thing.GetType() != lib3mf.ObjectType.Model
-    ]  # fmt: skip
+        for thing in kinds.values()
+        if thing.GetType() != lib3mf.ObjectType.Model
+    ]
     names = Counter(name for name, _ in meshes.values())
-    warnings += [f"{count} objects have the name '{name}'" for name, count in names.items() if count > 1]
+    warnings += [
+        f"{count} objects have the name '{name}'" for name, count in names.items() if count > 1
+    ]
     items: list[Item] = []
     waiting = [
-        (item.GetObjectResource().GetUniqueResourceID(), _matrix(item.GetObjectTransform()), {item.GetPartNumber()})
+        (
+            item.GetObjectResource().GetUniqueResourceID(),
+            _matrix(item.GetObjectTransform()),
+            {item.GetPartNumber()},
+        )
         for item in _each(model.GetBuildItems(), "GetCurrent")
     ][::-1]
     built = set()
@@ -262,12 +316,24 @@ def _package(path: str, data: bytes, strict: bool) -> Package:
         if number in meshes:
             name, mesh = meshes[number]
             items.append(Item(name, mesh, outer[:3]))
-            ours = re.compile(rf"({re.escape(name)}([- ]\d+)?)?")  # as the part is named, or with the number of its copy
-            warnings += [f"'{label}' is made of '{name}'" for label in sorted(labels) if strict and not ours.fullmatch(label)]
+            ours = re.compile(
+                rf"({re.escape(name)}([- ]\d+)?)?"
+            )  # as the part is named, or with the number of its copy
+            warnings += [
+                f"'{label}' is made of '{name}'"
+                for label in sorted(labels)
+                if strict and not ours.fullmatch(label)
+            ]
         else:
             within = labels | {kinds[number].GetName()}
-            waiting += [(part, product(outer, inner), within) for part, inner in reversed(inside[number])]
-    warnings += [f"nothing builds object '{thing.GetName()}'" for number, thing in kinds.items() if number not in built]
+            waiting += [
+                (part, product(outer, inner), within) for part, inner in reversed(inside[number])
+            ]
+    warnings += [
+        f"nothing builds object '{thing.GetName()}'"
+        for number, thing in kinds.items()
+        if number not in built
+    ]
     return Package(model.GetUnit().name, tuple(warnings), tuple(items))
 
 
@@ -303,7 +369,10 @@ def _looked_through(path: str | Path) -> list[str]:
         with zipfile.ZipFile(path) as package:
             size = sum(part.file_size for part in package.infolist())
             if size > MOST_BYTES:
-                raise FileError(path, f"unpacks to {size / 1e6:.0f} MB; {MOST_BYTES / 1e6:.0f} MB at most are read")
+                raise FileError(
+                    path,
+                    f"unpacks to {size / 1e6:.0f} MB; {MOST_BYTES / 1e6:.0f} MB at most are read",
+                )
             for part in package.infolist():
                 if part.file_size > _SMALL and part.file_size > _PACKED * part.compress_size:
                     said = f"{part.filename} unpacks to {part.file_size / 1e6:.0f} MB from {part.compress_size / 1e6:.3g} MB"
@@ -311,7 +380,9 @@ def _looked_through(path: str | Path) -> list[str]:
             parts = {name: package.read(name) for name in package.namelist()}
         triangles = sum(text.count(b"triangle ") for text in parts.values())
         if triangles > MOST_TRIANGLES:
-            raise FileError(path, f"has {triangles:,} triangles, {MOST_TRIANGLES:,} at most are read")
+            raise FileError(
+                path, f"has {triangles:,} triangles, {MOST_TRIANGLES:,} at most are read"
+            )
         if not any(b"component" in text for text in parts.values()):  # lib3mf reads UTF-8 alone
             return _extras(parts)
         for name, text in parts.items():
@@ -324,15 +395,28 @@ def _looked_through(path: str | Path) -> list[str]:
         for each in TopologicalSorter(inside).static_order():
             copies[each] = 1 + sum(copies[other] for other in inside[each])
     except CycleError as error:
-        raise FileError(path, f"not a valid 3MF file: object {error.args[1][0][1]} is made of itself") from None
-    except (zipfile.BadZipFile, zlib.error, RuntimeError, EOFError, expat.ExpatError, ValueError) as error:
+        raise FileError(
+            path, f"not a valid 3MF file: object {error.args[1][0][1]} is made of itself"
+        ) from None
+    except (
+        zipfile.BadZipFile,
+        zlib.error,
+        RuntimeError,
+        EOFError,
+        expat.ExpatError,
+        ValueError,
+    ) as error:
         raise FileError(path, f"not a valid 3MF file: {error}") from None
     except KeyError as error:
-        raise FileError(path, f"not a valid 3MF file: there is no object {error.args[0][1]} in it") from None
+        raise FileError(
+            path, f"not a valid 3MF file: there is no object {error.args[0][1]} in it"
+        ) from None
     most = max(copies.values(), default=0)
     if most > MOST_COPIES:
         said = str(most) if most < 1e9 else f"about 1e{len(str(most)) - 1}"
-        raise FileError(path, f"places {said} copies of its objects; {MOST_COPIES} at most are read")
+        raise FileError(
+            path, f"places {said} copies of its objects; {MOST_COPIES} at most are read"
+        )
     return _extras(parts)
 
 
@@ -341,7 +425,9 @@ def _extras(parts: Mapping[str, bytes]) -> list[str]:
 
     Beams, slices, volumes and the like stand in elements of extensions, modifiers of a slicer in parts of their own.
     """
-    found = sorted({tag.decode() for text in parts.values() for tag in re.findall(rb"<(\w+:\w+)", text)})
+    found = sorted(
+        {tag.decode() for text in parts.values() for tag in re.findall(rb"<(\w+:\w+)", text)}
+    )
     other = [name for name in parts if name.lower() not in _OURS]
     said = [f"holds elements of extensions: {', '.join(found[:5])}"] if found else []
     return said + ([f"holds parts that are not camgen's: {', '.join(other[:5])}"] if other else [])
@@ -359,7 +445,9 @@ def _count(part: str, text: bytes, inside: dict[Object, list[Object]]) -> None:
         elif kind == "build":
             holder = inside.setdefault((part, BUILD), [])
         elif kind in ("component", "item"):
-            other = next((value.lower() for key, value in attributes.items() if key.endswith(" path")), part)
+            other = next(
+                (value.lower() for key, value in attributes.items() if key.endswith(" path")), part
+            )
             holder.append((other, int(attributes.get("objectid", _NONE))))
 
     parser = expat.ParserCreate(namespace_separator=" ")

@@ -46,7 +46,10 @@ class Facts:
     def shape(self, hole: Hole) -> str:
         """What a hole is, with its fit where one is known."""
         for fit in self.fits:
-            if abs(fit.at - hole.place) < SAME_POINT and abs(fit.diameter - 2 * hole.radius) < SAME_POINT:
+            if (
+                abs(fit.at - hole.place) < SAME_POINT
+                and abs(fit.diameter - 2 * hole.radius) < SAME_POINT
+            ):
                 return f"{hole.shape} {fit.words}"
         return hole.shape
 
@@ -56,23 +59,53 @@ def grams(mass: float) -> str:
     return f"{float(f'{mass:.3g}'):g} g"
 
 
-def title_block(sheet: Sheet, right: float, low: float, part: Part, facts: Facts, stem: str, scale: float, size: str) -> None:
+def title_block(
+    sheet: Sheet,
+    right: float,
+    low: float,
+    part: Part,
+    facts: Facts,
+    stem: str,
+    scale: float,
+    size: str,
+) -> None:
     """Draw the block with its lower right corner there; scale: mm of paper for a mm of the part."""
     mass = "" if facts.mass_g is None else grams(facts.mass_g)
-    middle = [("Mechanism", facts.mechanism, 0.0), ("Material", facts.material, 36.0), ("Mass", mass, 24.0),
-              ("General tolerance", facts.tolerance, 36.0), ("Date", facts.date, 30.0)]  # fmt: skip
+    middle = [
+        ("Mechanism", facts.mechanism, 0.0),
+        ("Material", facts.material, 36.0),
+        ("Mass", mass, 24.0),
+        ("General tolerance", facts.tolerance, 36.0),
+        ("Date", facts.date, 30.0),
+    ]
     middle = [cell for cell in middle if cell[1]]
-    middle = [(key, value, width or SIZE[0] - sum(cell[2] for cell in middle)) for key, value, width in middle]
+    middle = [
+        (key, value, width or SIZE[0] - sum(cell[2] for cell in middle))
+        for key, value, width in middle
+    ]
     rows = [
-        [("Quantity", str(part.count), 22.0), ("Scale", f"{number(scale)}:1" if scale >= 1 else f"1:{number(1 / scale)}", 22.0),
-         ("Sheet", size, 18.0), ("Units", "mm", 18.0), ("Projection", "", 45.0), ("Made by", f"camgen {__version__}", 45.0)],
+        [
+            ("Quantity", str(part.count), 22.0),
+            ("Scale", f"{number(scale)}:1" if scale >= 1 else f"1:{number(1 / scale)}", 22.0),
+            ("Sheet", size, 18.0),
+            ("Units", "mm", 18.0),
+            ("Projection", "", 45.0),
+            ("Made by", f"camgen {__version__}", 45.0),
+        ],
         middle,
         [("Part", part.title, 85.0), ("Drawing number", facts.number or f"{stem}-drawing", 85.0)],
-    ]  # fmt: skip
+    ]
     for k, row in enumerate(rows):
         corner = complex(right - SIZE[0], low + _ROW * k)
         for key, value, width in row:
-            sheet.line(corner, corner + width, corner + width + 1j * _ROW, corner + 1j * _ROW, layer="TEXT", closed=True)
+            sheet.line(
+                corner,
+                corner + width,
+                corner + width + 1j * _ROW,
+                corner + 1j * _ROW,
+                layer="TEXT",
+                closed=True,
+            )
             sheet.text(corner + 1.5 + 8.6j, key, 1.8)
             if key == "Projection":
                 _first_angle(sheet, corner + 12 + 4.3j)
@@ -91,7 +124,14 @@ def position_frame(sheet: Sheet, corner: complex, diameter: float, datum: str) -
         sheet.line(middle - 2.2 * way, middle + 2.2 * way, layer="TEXT")
     for k, cell in enumerate(cells):
         width = max(8.0, Text(0j, cell, 2.5).room + 3)
-        sheet.line(corner, corner + width, corner + width + 1j * high, corner + 1j * high, layer="TEXT", closed=True)
+        sheet.line(
+            corner,
+            corner + width,
+            corner + width + 1j * high,
+            corner + 1j * high,
+            layer="TEXT",
+            closed=True,
+        )
         sheet.text(corner + width / 2 + 1.8j, cell if k else "", 2.5, "centre")
         corner += width
     sheet.text(corner + 2 + 1.8j, "round holes; X and Y are exact", room=58)
@@ -101,8 +141,14 @@ def _first_angle(sheet: Sheet, middle: complex) -> None:
     """A cone's frustum from the side, small end left, and to its right as seen from there. [ISO 5456-2]"""
     large, small = 2.8, 1.4  # radii, mm
     side, front = middle - 5.5, middle + 4.5
-    sheet.line(side - 2.8 - 1j * small, side + 2.8 - 1j * large, side + 2.8 + 1j * large, side - 2.8 + 1j * small,
-               layer="TEXT", closed=True)  # fmt: skip
+    sheet.line(
+        side - 2.8 - 1j * small,
+        side + 2.8 - 1j * large,
+        side + 2.8 + 1j * large,
+        side - 2.8 + 1j * small,
+        layer="TEXT",
+        closed=True,
+    )
     for radius in (large, small):
         sheet.arc(front, radius, 0.0, math.tau, "TEXT")
     sheet.line(side - 4, side + 4, layer="CENTER")

@@ -39,7 +39,9 @@ def area(region: Region, tolerance: float) -> Any:
     """A region as a polygon of shapely."""
     import shapely
 
-    return shapely.Polygon(corners(region.outer, tolerance), [corners(hole, tolerance) for hole in region.holes])
+    return shapely.Polygon(
+        corners(region.outer, tolerance), [corners(hole, tolerance) for hole in region.holes]
+    )
 
 
 def contours_of(shape: Any) -> Iterator[Contour]:
@@ -48,7 +50,10 @@ def contours_of(shape: Any) -> Iterator[Contour]:
 
     for piece in shapely.get_parts(shape):
         rings = (piece.exterior, *piece.interiors) if piece.geom_type == "Polygon" else ()
-        yield from (polygon((shapely.get_coordinates(ring)[:-1] @ np.array([1, 1j])).tolist()) for ring in rings)
+        yield from (
+            polygon((shapely.get_coordinates(ring)[:-1] @ np.array([1, 1j])).tolist())
+            for ring in rings
+        )
 
 
 def from_above(part: Part, crossed: Region, tolerance: float) -> list[Contour]:
@@ -58,7 +63,9 @@ def from_above(part: Part, crossed: Region, tolerance: float) -> list[Contour]:
     whole, found = area(crossed, tolerance), list[Contour]()
     for layer in part.layers:
         low, high = extent([layer.region.outer])
-        found += contours_of(whole.intersection(shapely.box(low.real, layer.z0, high.real, layer.z1)))
+        found += contours_of(
+            whole.intersection(shapely.box(low.real, layer.z0, high.real, layer.z1))
+        )
     return found
 
 
@@ -77,15 +84,21 @@ def _span(region: Region, x: float, tolerance: float) -> tuple[float, float]:
 
 def side_bores(part: Part, tolerance: float) -> list[Contour]:
     """Boxes of the bores in the view from the left: z + iy, those of one width joined where layers lie on each other."""
-    found = [rectangle(complex(a, y0), complex(b, y1)) for y0, y1, a, b in _boxes(part, tolerance, 1)]
+    found = [
+        rectangle(complex(a, y0), complex(b, y1)) for y0, y1, a, b in _boxes(part, tolerance, 1)
+    ]
     across = _across(part, tolerance)
-    return found + [rectangle(complex(low.imag, y0), complex(high.imag, y1)) for low, high, y0, y1 in across]
+    return found + [
+        rectangle(complex(low.imag, y0), complex(high.imag, y1)) for low, high, y0, y1 in across
+    ]
 
 
 def plan_bores(part: Part, tolerance: float) -> list[Contour]:
     """Boxes of bores along y in the view along z: x + iy."""
     across = _across(part, tolerance)
-    return [rectangle(complex(low.real, y0), complex(high.real, y1)) for low, high, y0, y1 in across]
+    return [
+        rectangle(complex(low.real, y0), complex(high.real, y1)) for low, high, y0, y1 in across
+    ]
 
 
 def above_bores(part: Part, tolerance: float) -> list[Contour]:
@@ -94,7 +107,9 @@ def above_bores(part: Part, tolerance: float) -> list[Contour]:
     return [rectangle(complex(x0, a), complex(x1, b)) for x0, x1, a, b in boxes]
 
 
-def _boxes(part: Part, tolerance: float, axis: Literal[0, 1]) -> list[tuple[float, float, float, float]]:
+def _boxes(
+    part: Part, tolerance: float, axis: Literal[0, 1]
+) -> list[tuple[float, float, float, float]]:
     """Of bores along z their least and greatest x (axis 0) or y, and from where to where they go: z."""
     spans: dict[tuple[float, float], list[tuple[float, float]]] = {}
     for layer, low, high in _holes(part, tolerance):
@@ -117,8 +132,15 @@ def _holes(part: Part, tolerance: float) -> Iterator[tuple[Layer, complex, compl
 
 def _across(part: Part, tolerance: float) -> list[tuple[complex, complex, float, float]]:
     """Of bores along y the corners of their boxes, x + iz, and from where to where they go: y."""
-    boxes = [extent([fit_arcs(hole, tolerance)]) for hole in part.crossed.holes] if part.crossed is not None else []
-    return [(low, high, *_span(part.region, (low.real + high.real) / 2, tolerance)) for low, high in boxes]
+    boxes = (
+        [extent([fit_arcs(hole, tolerance)]) for hole in part.crossed.holes]
+        if part.crossed is not None
+        else []
+    )
+    return [
+        (low, high, *_span(part.region, (low.real + high.real) / 2, tolerance))
+        for low, high in boxes
+    ]
 
 
 def _joined(spans: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
@@ -147,33 +169,63 @@ class Section:
 def section(part: Part, tolerance: float) -> Section | None:
     """The cut that meets the most holes in their middle; None of a part whose layers are alike, or all discs without holes."""
     layers = part.layers
-    plain = not any(layer.region.holes for layer in layers) and all(as_circle(layer.region.outer) for layer in layers)
-    if part.crossed is not None or plain or len(layers) > _MOST or len({layer.region for layer in layers}) < 2:
+    plain = not any(layer.region.holes for layer in layers) and all(
+        as_circle(layer.region.outer) for layer in layers
+    )
+    if (
+        part.crossed is not None
+        or plain
+        or len(layers) > _MOST
+        or len({layer.region for layer in layers}) < 2
+    ):
         return None
     import shapely
 
     low, high = extent([fit_arcs(layer.region.outer, tolerance) for layer in layers])
-    middles = [hole_of(hole).place.imag for layer in layers for hole in layer.region.holes]  # their axes
+    middles = [
+        hole_of(hole).place.imag for layer in layers for hole in layer.region.holes
+    ]  # their axes
     datum = 0.0 if low.imag < 0 < high.imag else (low.imag + high.imag) / 2
-    y = max([datum, *middles], key=lambda y: (sum(abs(y - each) < SAME_POINT for each in middles), -abs(y - datum)))
+    y = max(
+        [datum, *middles],
+        key=lambda y: (sum(abs(y - each) < SAME_POINT for each in middles), -abs(y - datum)),
+    )
     line = shapely.LineString([(low.real - 1, y), (high.real + 1, y)])
     shapes = {layer.region: area(layer.region, tolerance) for layer in (*layers, *part.engraved)}
 
     def filled(layers: Sequence[Layer]) -> Any:
         """What the plane meets of layers."""
-        met = [(layer, each.bounds) for layer in layers for each in shapely.get_parts(shapes[layer.region].intersection(line))]
-        return shapely.union_all([shapely.box(x0, layer.z0, x1, layer.z1) for layer, (x0, _, x1, _) in met if x1 > x0])
+        met = [
+            (layer, each.bounds)
+            for layer in layers
+            for each in shapely.get_parts(shapes[layer.region].intersection(line))
+        ]
+        return shapely.union_all(
+            [shapely.box(x0, layer.z0, x1, layer.z1) for layer, (x0, _, x1, _) in met if x1 > x0]
+        )
 
     cut = filled(layers).difference(filled(part.engraved))
     heights = sorted({z for layer in layers for z in (layer.z0, layer.z1)})
-    levels = [shapely.union_all([shapes[each.region] for each in layers if each.z0 <= z < each.z1]) for z in heights]
+    levels = [
+        shapely.union_all([shapes[each.region] for each in layers if each.z0 <= z < each.z1])
+        for z in heights
+    ]
     edges = _seen_edges(levels, heights, y, max(_STEP, 10 * tolerance))
     seen = shapely.union_all(shapely.linestrings(edges)).difference(cut.buffer(SAME_POINT))
-    lines = [shapely.get_coordinates(edge) @ np.array([1, 1j]) for edge in shapely.get_parts(shapely.line_merge(seen))]
-    return Section(y, cut.simplify(1e-9), [(complex(a), complex(b)) for z in lines for a, b in zip(z, z[1:], strict=False)])
+    lines = [
+        shapely.get_coordinates(edge) @ np.array([1, 1j])
+        for edge in shapely.get_parts(shapely.line_merge(seen))
+    ]
+    return Section(
+        y,
+        cut.simplify(1e-9),
+        [(complex(a), complex(b)) for z in lines for a, b in zip(z, z[1:], strict=False)],
+    )
 
 
-def _seen_edges(levels: Sequence[Any], heights: Sequence[float], y: float, step: float) -> list[list[tuple[float, float]]]:
+def _seen_edges(
+    levels: Sequence[Any], heights: Sequence[float], y: float, step: float
+) -> list[list[tuple[float, float]]]:
     """Edges of what is seen behind the line y, towards smaller y: (x, z) pairs, mm.
 
     levels: the material from each height to the next; an edge is where what is seen first lies deeper on one side than on the
@@ -182,20 +234,32 @@ def _seen_edges(levels: Sequence[Any], heights: Sequence[float], y: float, step:
     import shapely
 
     points = [shapely.get_coordinates(level) for level in levels]
-    places = np.unique(np.concatenate([each[each[:, 1] <= y + SAME_POINT, 0] for each in points] or [np.zeros(0)]))
+    places = np.unique(
+        np.concatenate([each[each[:, 1] <= y + SAME_POINT, 0] for each in points] or [np.zeros(0)])
+    )
     if len(places) < 2:
         return []
     strips = (places[1:] + places[:-1]) / 2
     nothing = np.full(len(strips), math.inf)
     seen = [_depth(level, strips, y) for level in levels]
     edges = []
-    for z, top, below, here in zip(heights, [*heights[1:], heights[-1]], [nothing, *seen], seen, strict=False):
+    for z, top, below, here in zip(
+        heights, [*heights[1:], heights[-1]], [nothing, *seen], seen, strict=False
+    ):
         with np.errstate(invalid="ignore"):
             differs = ~((here == below) | (np.abs(here - below) <= step))
         starts, ends = _runs(differs)
-        edges += [[(places[a], z), (places[b], z)] for a, b in zip(starts, ends, strict=True) if places[b] - places[a] > step]
+        edges += [
+            [(places[a], z), (places[b], z)]
+            for a, b in zip(starts, ends, strict=True)
+            if places[b] - places[a] > step
+        ]
         if top > z:
-            beside = [_depth(level, places + side * _BESIDE, y) for level in [levels[heights.index(z)]] for side in (-1, 1)]
+            beside = [
+                _depth(level, places + side * _BESIDE, y)
+                for level in [levels[heights.index(z)]]
+                for side in (-1, 1)
+            ]
             with np.errstate(invalid="ignore"):
                 jumps = ~((beside[0] == beside[1]) | (np.abs(beside[0] - beside[1]) <= step))
             edges += [[(x, z), (x, top)] for x in places[jumps]]
@@ -209,8 +273,13 @@ def _depth(level: Any, places: Floats, y: float) -> Floats:
     found = np.full(len(places), math.inf)
     shapely.prepare(level)
     found[shapely.contains_xy(level, places, np.full(len(places), y))] = 0.0
-    for ring in (ring for piece in shapely.get_parts(level) for ring in (piece.exterior, *piece.interiors)):
-        (x0, y0), (x1, y1) = shapely.get_coordinates(ring)[:-1].T, shapely.get_coordinates(ring)[1:].T
+    for ring in (
+        ring for piece in shapely.get_parts(level) for ring in (piece.exterior, *piece.interiors)
+    ):
+        (x0, y0), (x1, y1) = (
+            shapely.get_coordinates(ring)[:-1].T,
+            shapely.get_coordinates(ring)[1:].T,
+        )
         low, high = np.minimum(x0, x1), np.maximum(x0, x1)
         for a, b, c, d, left, right in zip(x0, y0, x1, y1, low, high, strict=True):
             inside = slice(*np.searchsorted(places, [left, right]))
@@ -232,8 +301,15 @@ def hatching(faces: Any, step: float) -> list[tuple[complex, complex]]:
 
     x0, y0, x1, y1 = faces.bounds
     starts = np.arange(x0 - (y1 - y0) + step / 2, x1, step * math.sqrt(2))
-    lines = shapely.linestrings([[(x, y0), (x + y1 - y0, y1)] for x in starts]) if len(starts) else []
-    pieces = [piece for line in lines for piece in shapely.get_parts(faces.intersection(line)) if piece.length > step / 10]
+    lines = (
+        shapely.linestrings([[(x, y0), (x + y1 - y0, y1)] for x in starts]) if len(starts) else []
+    )
+    pieces = [
+        piece
+        for line in lines
+        for piece in shapely.get_parts(faces.intersection(line))
+        if piece.length > step / 10
+    ]
     ends = [shapely.get_coordinates(piece) @ np.array([1, 1j]) for piece in pieces]
     return [(complex(z[0]), complex(z[-1])) for z in ends]
 

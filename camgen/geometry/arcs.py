@@ -136,16 +136,26 @@ def _fit_smooth(piece: Smooth, tolerance: float) -> list[Piece]:
     pieces: list[Piece] = []
     for i in range(t.size - 1):
         ends = [complex(fit.z0[i]), complex(fit.joint[i]), complex(fit.z1[i])]
-        spans = [(ends[j], ends[j + 1], float(fit.sweeps[j][i]), float(fit.kappas[j][i])) for j in (0, 1)]
+        spans = [
+            (ends[j], ends[j + 1], float(fit.sweeps[j][i]), float(fit.kappas[j][i])) for j in (0, 1)
+        ]
         flat = [
-            abs(kappa * (b - a)) * _FLAT < 1 and abs(b - a) / 2 * math.tan(abs(sweep) / 4) <= left[i]
+            abs(kappa * (b - a)) * _FLAT < 1
+            and abs(b - a) / 2 * math.tan(abs(sweep) / 4) <= left[i]
             for a, b, sweep, kappa in spans
         ]
-        if all(flat) or any(abs(span[3]) < limit and not line for span, line in zip(spans, flat, strict=True)):
+        if all(flat) or any(
+            abs(span[3]) < limit and not line for span, line in zip(spans, flat, strict=True)
+        ):
             corners = piece.at(facet(replace(piece, t0=t[i], t1=t[i + 1]), tolerance))
-            pieces += [Line(complex(a), complex(b)) for a, b in zip(corners[:-1], corners[1:], strict=True)]
+            pieces += [
+                Line(complex(a), complex(b)) for a, b in zip(corners[:-1], corners[1:], strict=True)
+            ]
         else:
-            pieces += [Line(a, b) if line else _arc(a, b, sweep) for (a, b, sweep, _), line in zip(spans, flat, strict=True)]
+            pieces += [
+                Line(a, b) if line else _arc(a, b, sweep)
+                for (a, b, sweep, _), line in zip(spans, flat, strict=True)
+            ]
     return pieces
 
 
@@ -179,7 +189,9 @@ def fit_arcs(contour: Contour, tolerance: float) -> Contour:
 def as_circle(contour: Contour) -> tuple[complex, float] | None:
     """Centre and radius of a contour that is one full circle, else None."""
     match contour.pieces:
-        case (Arc(centre, radius, _, sweep),) if math.isclose(abs(sweep), 2 * math.pi, rel_tol=1e-12):
+        case (Arc(centre, radius, _, sweep),) if math.isclose(
+            abs(sweep), 2 * math.pi, rel_tol=1e-12
+        ):
             return centre, radius
     return None
 

@@ -1,9 +1,9 @@
 """Bodies bounded by level planes and upright walls, exactly: what a stack of plates is, without facets.
 
-    corner   a point where edges end
-    edge     from one corner to another: upright, straight and level, or a level arc, counter-clockwise seen from above
-    face     level (looking up or down), or a wall: a plane or a cylinder between two heights
-    loop     the edges round a face, run so that the face lies on their left as seen from outside
+corner   a point where edges end
+edge     from one corner to another: upright, straight and level, or a level arc, counter-clockwise seen from above
+face     level (looking up or down), or a wall: a plane or a cylinder between two heights
+loop     the edges round a face, run so that the face lies on their left as seen from outside
 """
 
 from __future__ import annotations
@@ -58,7 +58,9 @@ class Brep:
     @cached_property
     def heights(self) -> Floats:
         """Distinct heights of level faces, mm, from below."""
-        return np.unique([self.corners[self.first(face.loops[0][0]), 2] for face in self.faces if face.looks])
+        return np.unique(
+            [self.corners[self.first(face.loops[0][0]), 2] for face in self.faces if face.looks]
+        )
 
     def first(self, step: tuple[int, bool]) -> int:
         """The corner where a step of a loop begins."""
@@ -74,12 +76,18 @@ class Brep:
         edge = self.edges[step[0]]
         if not edge.radius:
             return 0.0
-        sweep = cmath.phase((self.plan[edge.b] - edge.centre) / (self.plan[edge.a] - edge.centre)) % math.tau
+        sweep = (
+            cmath.phase((self.plan[edge.b] - edge.centre) / (self.plan[edge.a] - edge.centre))
+            % math.tau
+        )
         return math.tan(sweep / 4) * (1 if step[1] else -1)
 
     def ring(self, loop: Loop) -> Ring:
         """A level loop seen from above, as it runs."""
-        return Ring(np.array([self.plan[self.first(step)] for step in loop]), np.array([self.bulge(step) for step in loop]))
+        return Ring(
+            np.array([self.plan[self.first(step)] for step in loop]),
+            np.array([self.bulge(step) for step in loop]),
+        )
 
     @property
     def volume(self) -> float:
@@ -95,17 +103,27 @@ class Brep:
     def faults(self) -> int:
         """Edges that do not bound two faces, run once each way, and loops that do not close."""
         used = Counter(step for face in self.faces for loop in face.loops for step in loop)
-        count = sum(used[edge, True] != 1 or used[edge, False] != 1 for edge in range(len(self.edges)))
+        count = sum(
+            used[edge, True] != 1 or used[edge, False] != 1 for edge in range(len(self.edges))
+        )
         for face in self.faces:
             for loop in face.loops:
-                count += any(self.last(step) != self.first(after) for step, after in zip(loop, (*loop[1:], loop[0]), strict=True))
+                count += any(
+                    self.last(step) != self.first(after)
+                    for step, after in zip(loop, (*loop[1:], loop[0]), strict=True)
+                )
         return count
 
     @property
     def bodies(self) -> int:
         """Number of bodies and cavities: faces that edges join, counted together."""
         owner: dict[int, int] = {}  # the first face on each edge
-        steps = ((edge, k) for k, face in enumerate(self.faces) for loop in face.loops for edge, _ in loop)
+        steps = (
+            (edge, k)
+            for k, face in enumerate(self.faces)
+            for loop in face.loops
+            for edge, _ in loop
+        )
         links = np.array([(owner.setdefault(edge, k), k) for edge, k in steps]).reshape(-1, 2)
         return len(np.unique(components(len(self.faces), *links.T)))
 
@@ -120,12 +138,18 @@ class Brep:
                 continue
             (loop,) = face.loops
             ends = [(self.first(step), self.last(step)) for step in loop]
-            passed = [(a, b) for a, b in ends if (self.corners[a, 2] < z) != (self.corners[b, 2] < z)]
+            passed = [
+                (a, b) for a, b in ends if (self.corners[a, 2] < z) != (self.corners[b, 2] < z)
+            ]
             if not passed:
                 continue
             start = [self.plan[a] for a, b in passed if self.corners[a, 2] > z]
             end = [self.plan[a] for a, b in passed if self.corners[a, 2] < z]
-            level = [step for step, (a, b) in zip(loop, ends, strict=True) if self.corners[a, 2] == self.corners[b, 2]]
+            level = [
+                step
+                for step, (a, b) in zip(loop, ends, strict=True)
+                if self.corners[a, 2] == self.corners[b, 2]
+            ]
             if len(start) != 1 or len(end) != 1 or not level or start[0] in steps:
                 raise ValueError(f"the section at z = {z:.6g} mm does not close")
             lowest = min(level, key=lambda step: self.corners[self.first(step), 2])
@@ -147,6 +171,7 @@ class Brep:
     def outlines(self, looks: int, height: float) -> list[Shape]:
         """The level faces at a height that look up (+1) or down (-1), each as a flat shape."""
         return [
-            shape_of([self.ring(loop) for loop in face.loops]) for face in self.faces
+            shape_of([self.ring(loop) for loop in face.loops])
+            for face in self.faces
             if face.looks == looks and self.corners[self.first(face.loops[0][0]), 2] == height
-        ]  # fmt: skip
+        ]

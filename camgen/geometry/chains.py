@@ -69,8 +69,12 @@ def joined(chains: Sequence[Chain]) -> tuple[list[Ring], list[Chain]]:
         if ring is not None:
             rings.append(ring)
         else:
-            loose.append(Chain(np.concatenate([*(c.points[:-1] for c in run), run[-1].points[-1:]]),
-                                np.concatenate([c.bulges for c in run])))  # fmt: skip
+            loose.append(
+                Chain(
+                    np.concatenate([*(c.points[:-1] for c in run), run[-1].points[-1:]]),
+                    np.concatenate([c.bulges for c in run]),
+                )
+            )
     return rings, loose
 
 
@@ -99,5 +103,7 @@ def nearest_gap(loose: Sequence[Chain]) -> tuple[float, str]:
     gap = float(abs(ends[a] - ends[b]))
     places = " and ".join(f"({z.real:.4f}, {z.imag:.4f})" for z in (ends[a], ends[b]))
     if gap <= CHAIN_GAP:
-        return max(gap, CHAIN_GAP), f"the contour branches or is drawn twice: more than two ends meet at {places}"
+        return max(
+            gap, CHAIN_GAP
+        ), f"the contour branches or is drawn twice: more than two ends meet at {places}"
     return gap, f"the contour is open: the nearest free ends, {places}, are {gap:.4g} mm apart"

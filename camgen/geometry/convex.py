@@ -31,7 +31,9 @@ def hull_corners(points: Sequence[complex]) -> list[int]:
     corners = half(order)[:-1] + half(order[::-1])[:-1]
     if len(corners) > 2:
         return corners
-    ends = [max(order, key=lambda k: abs(points[k] - points[order[0]]))]  # of one line: rounding may have ordered them across it
+    ends = [
+        max(order, key=lambda k: abs(points[k] - points[order[0]]))
+    ]  # of one line: rounding may have ordered them across it
     ends.append(max(order, key=lambda k: abs(points[k] - points[ends[0]])))
     return sorted(ends, key=lambda k: (points[k].real, points[k].imag))
 
@@ -41,7 +43,12 @@ def distance(a: Points, b: Points) -> Floats:
     found = np.full(a.shape[1], np.inf)
     sides = [(p, q) for p in _sides(a) for q in _sides(b)]
     for (p0, p1), (q0, q1) in sides:
-        ends = [_to_side(p0, q0, q1), _to_side(p1, q0, q1), _to_side(q0, p0, p1), _to_side(q1, p0, p1)]
+        ends = [
+            _to_side(p0, q0, q1),
+            _to_side(p1, q0, q1),
+            _to_side(q0, p0, p1),
+            _to_side(q1, p0, p1),
+        ]
         apart = np.minimum.reduce(ends)
         cross = _side(p0, p1, q0) * _side(p0, p1, q1) < 0
         cross &= _side(q0, q1, p0) * _side(q0, q1, p1) < 0

@@ -44,13 +44,17 @@ class Edge:
     @property
     def mirrored(self) -> Edge:
         """Its image under x -> -x."""
-        return Edge(tuple((-x, y, z, r) for x, y, z, r in reversed(self.stations)), self.up, self.out)
+        return Edge(
+            tuple((-x, y, z, r) for x, y, z, r in reversed(self.stations)), self.up, self.out
+        )
 
     @property
     def volume(self) -> float:
         """What the rounding takes away, mm^3: across x a square of the radius less a quarter of the disc."""
         spans = pairwise(self.stations)
-        return (1 - math.pi / 4) * sum((b[0] - a[0]) * (a[3] ** 2 + a[3] * b[3] + b[3] ** 2) / 3 for a, b in spans)
+        return (1 - math.pi / 4) * sum(
+            (b[0] - a[0]) * (a[3] ** 2 + a[3] * b[3] + b[3] ** 2) / 3 for a, b in spans
+        )
 
     def cutter(self, tolerance: float) -> tuple[Floats, NDArray[np.int64]]:
         """Closed body that takes the edge off: vertices (n, 3) mm, faces (m, 3) anticlockwise seen from outside.
@@ -67,7 +71,11 @@ class Edge:
         flat[[0, -2]] += np.array([1, 1j]) * tolerance / (4 * radius)
         n, count = len(flat), len(self.stations)
         vertices = np.array(
-            [(x, y + self.up * r * p.real, z + self.out * r * p.imag) for x, y, z, r in self.stations for p in flat]
+            [
+                (x, y + self.up * r * p.real, z + self.out * r * p.imag)
+                for x, y, z, r in self.stations
+                for p in flat
+            ]
         )
         k = np.arange(n)
         following = (k + 1) % n
@@ -86,7 +94,9 @@ def _runs(contour: Contour) -> Iterator[tuple[float, float, Line | Arc, float]]:
             yield piece.a.real, piece.b.real, piece, 0.0
         elif isinstance(piece, Arc):
             low, high = sorted((piece.t0, piece.t1))
-            inner = [math.pi * k for k in range(math.ceil(low / math.pi), math.floor(high / math.pi) + 1)]
+            inner = [
+                math.pi * k for k in range(math.ceil(low / math.pi), math.floor(high / math.pi) + 1)
+            ]
             cuts = sorted({low, *inner, high})
             for t0, t1 in pairwise(cuts if piece.sweep > 0 else cuts[::-1]):
                 xs = [piece.centre.real + piece.radius * math.cos(t) for t in (t0, t1)]
@@ -105,7 +115,9 @@ def chord(region: Region, x: Floats, low: float = -math.inf, high: float = math.
                 share = (x[mine] - begin) / (end - begin) if begin != end else x[mine]
                 y = piece.a.imag + share * (piece.b.imag - piece.a.imag)
             else:
-                y = piece.centre.imag + side * np.sqrt(np.maximum(piece.radius**2 - (x[mine] - piece.centre.real) ** 2, 0.0))
+                y = piece.centre.imag + side * np.sqrt(
+                    np.maximum(piece.radius**2 - (x[mine] - piece.centre.real) ** 2, 0.0)
+                )
             total[mine] -= sign * math.copysign(1.0, end - begin) * np.clip(y, low, high)
     return total
 
@@ -154,7 +166,9 @@ def _integral(marks: Iterable[float], *factors: tuple[Region, float, float]) -> 
 def volume(region: Region, crossed: Region, z0: float, z1: float) -> float:
     """Volume of the region extruded from z0 to z1 as far as it lies in `crossed` (x + iz), mm^3."""
     every = (crossed, z0, z1)
-    return _integral(_marks(region) | _marks(crossed, (z0, z1)), (region, -math.inf, math.inf), every)
+    return _integral(
+        _marks(region) | _marks(crossed, (z0, z1)), (region, -math.inf, math.inf), every
+    )
 
 
 def crossed_at(shape: Shape, crossed: Shape, z: float, taken: Sequence[Ring] = ()) -> list[Shape]:
@@ -165,7 +179,10 @@ def crossed_at(shape: Shape, crossed: Shape, z: float, taken: Sequence[Ring] = (
     import shapely
 
     def area(flat: Shape) -> shapely.Polygon:
-        rings = [np.column_stack([ring.points.real, ring.points.imag]) for ring in (flat.outer, *flat.holes)]
+        rings = [
+            np.column_stack([ring.points.real, ring.points.imag])
+            for ring in (flat.outer, *flat.holes)
+        ]
         return shapely.Polygon(rings[0], rings[1:])
 
     def ring(line: shapely.LinearRing) -> Ring:
@@ -178,19 +195,33 @@ def crossed_at(shape: Shape, crossed: Shape, z: float, taken: Sequence[Ring] = (
     ways = [way for way in shapely.get_parts(face.intersection(level)) if way.length > 0]
     strips = [shapely.box(way.bounds[0], low - 1, way.bounds[2], high + 1) for way in ways]
     body = area(shape).difference(shapely.union_all([area(Shape(each, ())) for each in taken]))
-    left_over = [piece for strip in strips for piece in shapely.get_parts(body.intersection(strip)) if piece.area > 0]
+    left_over = [
+        piece
+        for strip in strips
+        for piece in shapely.get_parts(body.intersection(strip))
+        if piece.area > 0
+    ]
     left_over.sort(key=lambda piece: piece.bounds[0])
-    return [Shape(ring(piece.exterior), tuple(ring(hole) for hole in piece.interiors)) for piece in left_over]
+    return [
+        Shape(ring(piece.exterior), tuple(ring(hole) for hole in piece.interiors))
+        for piece in left_over
+    ]
 
 
 def spread(region: Region) -> tuple[float, float]:
     """Least and greatest y of a region, mm."""
-    heights = [y for _, _, piece, _ in _runs(region.outer) for y in (start_point(piece).imag, end_point(piece).imag)]
+    heights = [
+        y
+        for _, _, piece, _ in _runs(region.outer)
+        for y in (start_point(piece).imag, end_point(piece).imag)
+    ]
     tops = [
         piece.centre.imag + side * piece.radius
-        for piece in region.outer.pieces if isinstance(piece, Arc)
-        for side in (1, -1) if (side * math.pi / 2 - min(piece.t0, piece.t1)) % math.tau <= abs(piece.sweep)
-    ]  # fmt: skip
+        for piece in region.outer.pieces
+        if isinstance(piece, Arc)
+        for side in (1, -1)
+        if (side * math.pi / 2 - min(piece.t0, piece.t1)) % math.tau <= abs(piece.sweep)
+    ]
     return min(heights + tops), max(heights + tops)
 
 
@@ -213,7 +244,13 @@ def rounded(points: Sequence[complex], radii: Sequence[float]) -> Contour:
         start = corner - back * into
         centre = start + radius * side * into
         spoke = -side * into
-        corners.append((start, corner + back * out, Arc(centre, radius, math.atan2(spoke.imag, spoke.real), turn)))
+        corners.append(
+            (
+                start,
+                corner + back * out,
+                Arc(centre, radius, math.atan2(spoke.imag, spoke.real), turn),
+            )
+        )
     made: list[Line | Arc] = []
     for k, (_, leave, arc) in enumerate(corners):
         arrive = corners[(k + 1) % n][0]

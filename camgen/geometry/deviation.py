@@ -19,7 +19,9 @@ _SEEDS = 4  # samples of the curve for each vertex, among which its foot is soug
 _LEAST_SEEDS = 2048
 _NEWTON = 12  # steps towards the foot; four are enough from so near
 _SAMPLES = 9  # of a stretch, its ends among them, between which the largest distance is bracketed
-_STEPS = 40  # of the golden section: 0.618^40 of a bracket is 4e-9 of it, the distance there being flat
+_STEPS = (
+    40  # of the golden section: 0.618^40 of a bracket is 4e-9 of it, the distance there being flat
+)
 _NEAR_WORST = 0.5  # of the worst sample; stretches below it cannot hold the largest distance
 
 
@@ -61,7 +63,9 @@ def _points(contour: Contour, places: Floats, piece: NDArray[np.int64], order: i
         mine = piece % len(contour.pieces) == k
         if mine.any():
             length = own.t1 - own.t0
-            found[mine] = length**order * own.at(own.t0 + length * (places[mine] - piece[mine]), order)
+            found[mine] = length**order * own.at(
+                own.t0 + length * (places[mine] - piece[mine]), order
+            )
     return found
 
 
@@ -74,7 +78,9 @@ def _feet(contour: Contour, points: Points) -> Floats:
     piece = np.repeat(np.arange(count), n)
     seeds = np.tile(np.linspace(0, 1, n), count) + piece
     samples = _points(contour, seeds, piece)
-    nearest = shapely.STRtree(shapely.points(samples.real, samples.imag)).nearest(shapely.points(points.real, points.imag))
+    nearest = shapely.STRtree(shapely.points(samples.real, samples.imag)).nearest(
+        shapely.points(points.real, points.imag)
+    )
     piece, place = piece[nearest], np.asarray(seeds[nearest])
     for _ in range(_NEWTON):
         away = _points(contour, place, piece) - points

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     import shapely
 
 
-
 def _polygon(ring: Points) -> shapely.Polygon:
     import shapely
 
@@ -26,7 +25,9 @@ def point_to_ring(points: Points, ring: Points) -> Floats:
     import shapely
 
     corners = np.column_stack([ring.real, ring.imag])
-    edges = shapely.STRtree(shapely.linestrings(np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)))
+    edges = shapely.STRtree(
+        shapely.linestrings(np.stack([corners, np.roll(corners, -1, axis=0)], axis=1))
+    )
     places = shapely.points(points.real, points.imag)
     _, distances = edges.query_nearest(places, return_distance=True, all_matches=False)
     return np.asarray(distances)
@@ -46,7 +47,9 @@ def thinnest_wall(outer: Points, holes: Sequence[Points]) -> float:
     rim = edge.exterior
     shapely.prepare([edge, rim, *discs])
     walls = [float(rim.distance(disc)) if edge.contains(disc) else 0.0 for disc in discs]
-    walls += [float(disc.distance(other)) for k, disc in enumerate(discs) for other in discs[k + 1 :]]
+    walls += [
+        float(disc.distance(other)) for k, disc in enumerate(discs) for other in discs[k + 1 :]
+    ]
     return min(walls, default=float("inf"))
 
 
@@ -61,7 +64,9 @@ def segments_to_rings(a: Points, b: Points, rings: Sequence[Points]) -> Floats:
     """Distance of each straight way from a to b, (n,), from the material that rings enclose (even-odd), (n,) mm, 0 within it."""
     import shapely
 
-    ways = shapely.linestrings(np.stack([np.column_stack([a.real, a.imag]), np.column_stack([b.real, b.imag])], axis=1))
+    ways = shapely.linestrings(
+        np.stack([np.column_stack([a.real, a.imag]), np.column_stack([b.real, b.imag])], axis=1)
+    )
     found, within = np.full(len(a), np.inf), np.zeros(len(a), int)
     for ring in rings:
         polygon = _polygon(ring)

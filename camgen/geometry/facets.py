@@ -73,7 +73,9 @@ class Track:
             turn, share = self._panels(nodes, law)
             left = rough + np.arange(rough.size)
             change = np.abs(share[left] + share[left + 1] - whole)
-            again = (change > _PANEL_ERROR * max(1.0, share.sum())) | (turn[left] + turn[left + 1] > _PANEL_TURN)
+            again = (change > _PANEL_ERROR * max(1.0, share.sum())) | (
+                turn[left] + turn[left + 1] > _PANEL_TURN
+            )
             again &= np.diff(t)[left] > 1e-13 * (piece.t1 - piece.t0)
             rough = np.sort(np.concatenate([left[again], left[again] + 1]))
         self.t, self.share, self.turned = t, share, np.concatenate([[0.0], np.cumsum(turn)])
@@ -81,7 +83,9 @@ class Track:
         flips = np.flatnonzero(kappa[:-1] * kappa[1:] < 0)
         radians = np.floor(self.turned[1:])
         turns = t[1:-1][radians[:-1] < radians[1:]]
-        zeros = roots(lambda s, _: (self._bend(s), np.zeros(s.size)), t[flips], t[flips + 1], LAST_STEP)
+        zeros = roots(
+            lambda s, _: (self._bend(s), np.zeros(s.size)), t[flips], t[flips + 1], LAST_STEP
+        )
         flat = (kappa[1:-1] == 0) & ((kappa[:-2] != 0) | (kappa[2:] != 0))
         self.cuts = distinct(zeros, t[1:-1][flat], turns)
 
@@ -91,7 +95,9 @@ class Track:
         with np.errstate(divide="ignore", invalid="ignore"):
             kappa = cross(dz, self.piece.at(t, 2)) / np.abs(dz) ** 3
         if not np.all(np.isfinite(kappa)):
-            raise ValueError(f"piece has no tangent at t = {t[~np.isfinite(kappa)][0]:.6g}, or no length")
+            raise ValueError(
+                f"piece has no tangent at t = {t[~np.isfinite(kappa)][0]:.6g}, or no length"
+            )
         return np.array([self.piece.at(t), dz, kappa])
 
     def _bend(self, t: Floats) -> Floats:
@@ -123,7 +129,9 @@ def _spread(t: Floats, share: Floats, n: int) -> Floats:
     return even
 
 
-def fewest(track: Track, deviation: Callable[[Floats], Floats], tolerance: float, power: float) -> Floats:
+def fewest(
+    track: Track, deviation: Callable[[Floats], Floats], tolerance: float, power: float
+) -> Floats:
     """Ends (n + 1,) of the fewest stretches whose deviation(ends), (n,) mm, is nowhere above the tolerance.
 
     Deviation goes with the (1 / power)th power of a stretch's share, so the measured ones tell the true shares and
@@ -140,9 +148,14 @@ def fewest(track: Track, deviation: Callable[[Floats], Floats], tolerance: float
         spent += 1
         if spent == _ROUNDS or (spent >= _LEAST_ROUNDS and share.sum() > n):
             # One at a time; faster where rounding blurs very many, or nothing has helped for long.
-            n, spent = n + 1 + n * attempt // 1_000_000 + (n // 50 if attempt > 10 * _ROUNDS else 0), 0
+            n, spent = (
+                n + 1 + n * attempt // 1_000_000 + (n // 50 if attempt > 10 * _ROUNDS else 0),
+                0,
+            )
         t = _spread(t, share, n)
-    raise ValueError(f"no {n} stretches keep within {tolerance:.3g} mm; rounding leaves {measured.max():.3g} mm")
+    raise ValueError(
+        f"no {n} stretches keep within {tolerance:.3g} mm; rounding leaves {measured.max():.3g} mm"
+    )
 
 
 def _facet_law(tolerance: float) -> ShareLaw:
@@ -186,7 +199,10 @@ def sagittas(track: Track, t: Floats) -> Floats:
     if back.size:
         overhang = np.zeros(size.size)
         facet, place = extremes(u, back)
-        for owner, where in ((facet, place), (own[back], (piece.at(edges[back]) - z[own[back]]) * np.conj(u[back]))):
+        for owner, where in (
+            (facet, place),
+            (own[back], (piece.at(edges[back]) - z[own[back]]) * np.conj(u[back])),
+        ):
             np.maximum.at(overhang, owner, np.maximum(-where.real, where.real - size[owner]))
         height = np.hypot(height, overhang)
     return height * (1 + _SPARE)
@@ -212,12 +228,19 @@ def facet(piece: Piece, tolerance: float) -> Floats:
     if isinstance(piece, Arc):
         if not (piece.radius > 0 and piece.sweep):
             raise ValueError(f"arc without length about {piece.centre:.6g}")
-        return np.linspace(piece.t0, piece.t1, _facets_of_arc(piece.radius, piece.sweep, tolerance) + 1)
+        return np.linspace(
+            piece.t0, piece.t1, _facets_of_arc(piece.radius, piece.sweep, tolerance) + 1
+        )
     if piece.t1 < piece.t0:
         return facet(piece.reversed(), tolerance)[::-1]
     key = (piece.t0, piece.t1, tolerance)
-    if key not in piece.known:  # always found on the curve itself, so that it does not matter which image asks first
-        track = Track(replace(piece.origin, t0=piece.t0, t1=piece.t1) if piece.origin else piece, _facet_law(tolerance))
+    if (
+        key not in piece.known
+    ):  # always found on the curve itself, so that it does not matter which image asks first
+        track = Track(
+            replace(piece.origin, t0=piece.t0, t1=piece.t1) if piece.origin else piece,
+            _facet_law(tolerance),
+        )
         piece.known[key] = fewest(track, lambda t: sagittas(track, t), tolerance, 1 / 2)
         piece.known[key].setflags(write=False)
     return piece.known[key]

@@ -83,7 +83,9 @@ def stray(line: Edges, other: Edges, resolution: float) -> Stray:
 
     def facing(places: Points) -> Edges:
         """Of each place the nearest edge of the other line."""
-        return other.some(tree.query_nearest(shapely.points(places.real, places.imag), all_matches=False)[1])
+        return other.some(
+            tree.query_nearest(shapely.points(places.real, places.imag), all_matches=False)[1]
+        )
 
     def farthest(places: Points, edges: Edges) -> Stray:
         feet = edges.foot(places)

@@ -12,7 +12,9 @@ from camgen.geometry.rings import Floats, Ints, Points, Ring
 from camgen.numerics import distinct, product
 from camgen.tolerances import NORMAL_ROUNDING, SAME_POINT
 
-MOST_TRIANGLES = 2_000_000  # of a file: what is judged of each takes some microseconds, and half a kilobyte
+MOST_TRIANGLES = (
+    2_000_000  # of a file: what is judged of each takes some microseconds, and half a kilobyte
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +35,9 @@ class Mesh:
         first = rows[:, a]
         u, v = rows[:, b] - first, rows[:, c] - first
         found = np.empty(self.faces.shape)
-        for k, (i, j) in enumerate(((1, 2), (2, 0), (0, 1))):  # np.cross, which is slow on many short vectors
+        for k, (i, j) in enumerate(
+            ((1, 2), (2, 0), (0, 1))
+        ):  # np.cross, which is slow on many short vectors
             found[:, k] = u[i] * v[j] - u[j] * v[i]
         return found
 
@@ -41,7 +45,9 @@ class Mesh:
     def volume(self) -> float:
         """Signed volume, mm^3; positive when the faces look outwards."""
         middle = self.vertices.mean(axis=0) if len(self.vertices) else np.zeros(3)
-        return float(np.einsum("ij,ij->", self.vertices[self.faces[:, 0]] - middle, self.across) / 6)
+        return float(
+            np.einsum("ij,ij->", self.vertices[self.faces[:, 0]] - middle, self.across) / 6
+        )
 
     def moved(self, transform: Floats) -> Mesh:
         """Image under a (3, 4) transform: rotation and shift, applied to column vectors."""
@@ -103,11 +109,20 @@ class MeshFaults:
     def told(self) -> str:
         """The faults that there are, for people; empty where there is none."""
         kinds = [
-            (self.open_edges, "open edge", "open edges"), (self.flipped_edges, "edge turned over", "edges turned over"),
-            (self.crowded_edges, "edge of more than two triangles", "edges of more than two triangles"),
+            (self.open_edges, "open edge", "open edges"),
+            (self.flipped_edges, "edge turned over", "edges turned over"),
+            (
+                self.crowded_edges,
+                "edge of more than two triangles",
+                "edges of more than two triangles",
+            ),
             (self.degenerate, "triangle without area", "triangles without area"),
-            (self.turned_normals, "stored normal not its triangle's own", "stored normals not their triangles' own"),
-        ]  # fmt: skip
+            (
+                self.turned_normals,
+                "stored normal not its triangle's own",
+                "stored normals not their triangles' own",
+            ),
+        ]
         return ", ".join(counted(*kind) for kind in kinds if kind[0])
 
 
@@ -167,7 +182,10 @@ def slice_mesh(mesh: Mesh, z: float) -> list[Ring]:
     lone = np.argmax(side[cut] == top[:, None], axis=1)  # the corner that is alone on its side
     faces, row = mesh.faces[cut], np.arange(len(cut))
     a, b, c = (faces[row, (lone + k) % 3] for k in range(3))
-    tail, head = np.where(top, b, c), np.where(top, c, b)  # crossing runs from edge a-tail to edge a-head
+    tail, head = (
+        np.where(top, b, c),
+        np.where(top, c, b),
+    )  # crossing runs from edge a-tail to edge a-head
     size = len(mesh.vertices)
     start = np.minimum(a, tail) * size + np.maximum(a, tail)
     end = np.minimum(a, head) * size + np.maximum(a, head)
@@ -205,6 +223,8 @@ def _without_idle(z: Points) -> Ring | None:
     z = z[np.abs(z - np.roll(z, 1)) > SAME_POINT]
     before, after = z - np.roll(z, 1), np.roll(z, -1) - z
     # The far neighbour is to lie on the line of the short edge: so two near vertices that bend a little are not both idle.
-    idle = np.abs(np.imag(np.conj(before) * after)) <= SAME_POINT * np.minimum(np.abs(before), np.abs(after))
+    idle = np.abs(np.imag(np.conj(before) * after)) <= SAME_POINT * np.minimum(
+        np.abs(before), np.abs(after)
+    )
     z = z[~(idle & (np.real(np.conj(before) * after) > 0))]
     return Ring(z, np.zeros(len(z))) if len(z) > 2 else None

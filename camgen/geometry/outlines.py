@@ -28,7 +28,9 @@ from camgen.numerics import Points as Points
 from camgen.numerics import distinct, gauss_legendre
 from camgen.tolerances import SAME_POINT
 
-_CONGRUENT = 1e-12  # share of its size by which an image may differ from the curve and still have its facets
+_CONGRUENT = (
+    1e-12  # share of its size by which an image may differ from the curve and still have its facets
+)
 _GAUSS_NODES, _GAUSS_WEIGHTS = gauss_legendre(16)
 
 
@@ -117,7 +119,9 @@ class Smooth:
     t1: float
     knots: tuple[float, ...] = ()
     origin: Smooth | None = field(default=None, compare=False, repr=False)
-    known: dict[tuple[float, float, float], Floats] = field(default_factory=dict, compare=False, repr=False)
+    known: dict[tuple[float, float, float], Floats] = field(
+        default_factory=dict, compare=False, repr=False
+    )
 
     def __post_init__(self) -> None:
         _set(self, t0=self.t0 + 0.0, t1=self.t1 + 0.0)
@@ -183,10 +187,16 @@ def _integral(piece: Piece, integrand: Callable[[Points, Points], Floats]) -> fl
     """
     panels, last = (1 if isinstance(piece, Line) else 8), math.nan
     while True:
-        edges = piece.spread(panels + 1) if isinstance(piece, Smooth) else np.linspace(piece.t0, piece.t1, panels + 1)
+        edges = (
+            piece.spread(panels + 1)
+            if isinstance(piece, Smooth)
+            else np.linspace(piece.t0, piece.t1, panels + 1)
+        )
         half = (edges[1:] - edges[:-1]) / 2
         t = (edges[:-1] + half)[:, None] + half[:, None] * _GAUSS_NODES
-        value = float(np.sum(half[:, None] * _GAUSS_WEIGHTS * integrand(piece.at(t), piece.at(t, 1))))
+        value = float(
+            np.sum(half[:, None] * _GAUSS_WEIGHTS * integrand(piece.at(t), piece.at(t, 1)))
+        )
         if isinstance(piece, Line) or abs(value - last) <= 1e-14 * abs(value) or panels >= 256:
             return value
         panels, last = 2 * panels, value
@@ -198,7 +208,9 @@ def _fan(piece: Piece, origin: complex) -> float:
         return 0.5 * ((piece.a - origin).conjugate() * (piece.b - origin)).imag
     if isinstance(piece, Arc):
         chord = cmath.rect(piece.radius, piece.t1) - cmath.rect(piece.radius, piece.t0)
-        return 0.5 * (piece.radius**2 * piece.sweep + ((piece.centre - origin).conjugate() * chord).imag)
+        return 0.5 * (
+            piece.radius**2 * piece.sweep + ((piece.centre - origin).conjugate() * chord).imag
+        )
     return 0.5 * _integral(piece, lambda z, dz: np.imag(np.conj(z - origin) * dz))
 
 
@@ -227,7 +239,10 @@ class Contour:
         origin = start_point(self.pieces[0])
 
         def moment(part: Callable[[Points], Floats]) -> float:
-            return sum(_integral(p, lambda z, dz: part(z - origin) * np.imag(np.conj(z - origin) * dz)) for p in self.pieces)
+            return sum(
+                _integral(p, lambda z, dz: part(z - origin) * np.imag(np.conj(z - origin) * dz))
+                for p in self.pieces
+            )
 
         return origin + complex(moment(np.real), moment(np.imag)) / (3 * self.area)
 
@@ -269,7 +284,10 @@ class Region:
 
     def moved(self, turn: complex = 1, shift: complex = 0, mirror: bool = False) -> Region:
         """Image under z -> turn * z + shift, of the conjugate when mirror."""
-        return Region(self.outer.moved(turn, shift, mirror), tuple(h.moved(turn, shift, mirror) for h in self.holes))
+        return Region(
+            self.outer.moved(turn, shift, mirror),
+            tuple(h.moved(turn, shift, mirror) for h in self.holes),
+        )
 
 
 def circle(centre: complex, radius: float) -> Contour:
@@ -288,7 +306,9 @@ def rectangle(low: complex, high: complex) -> Contour:
     return polygon([low, complex(high.real, low.imag), high, complex(low.real, high.imag)])
 
 
-def kidney(centre: complex, radius: float, half_width: float, start: float, sweep: float) -> Contour:
+def kidney(
+    centre: complex, radius: float, half_width: float, start: float, sweep: float
+) -> Contour:
     """Arc slot: all points within half_width of an arc about `centre` (rad, sweep > 0), counter-clockwise."""
     first = centre + radius * cmath.exp(1j * start)
     last = centre + radius * cmath.exp(1j * (start + sweep))

@@ -19,7 +19,9 @@ from camgen.geometry.rings import Floats, Points
 from camgen.numerics import least_squares
 
 _ANGLES = 16384  # over the turn, at which radii are compared
-_BACKWARDS = 0.02  # share of its length that an outline may run backwards as seen from the origin, by noise
+_BACKWARDS = (
+    0.02  # share of its length that an outline may run backwards as seen from the origin, by noise
+)
 _STRAYS = 4.0  # robust standard deviations beyond which a point is left out
 _SMOOTH = 3  # points to either side from which an edge's direction is taken
 _MOST_POINTS = 20_000  # that are laid on others
@@ -45,14 +47,19 @@ def straightened(w: Points, m: complex) -> Points:
 
 
 def lay(
-    shape: Sequence[Points], others: Sequence[Sequence[Points]], distorted: bool = False, start: float | None = None
+    shape: Sequence[Points],
+    others: Sequence[Sequence[Points]],
+    distorted: bool = False,
+    start: float | None = None,
 ) -> tuple[complex, list[Laid]]:
     """Distortion m common to all shapes (0 unless it is asked for), and how the first, straightened, lies on each other one.
 
     The origin of each is near one point of the body, the first of its edges the outline. start: a turn to begin with, rad;
     without one that at which the outlines' radii are most alike.
     """
-    laid = [Laid(turned(shape[0], other[0]) if start is None else start, 0j, np.inf) for other in others]
+    laid = [
+        Laid(turned(shape[0], other[0]) if start is None else start, 0j, np.inf) for other in others
+    ]
     own = np.concatenate(shape)
     own = own[:: max(1, len(own) // _MOST_POINTS)]
     targets = [_Target(other) for other in others]
@@ -67,8 +74,15 @@ def lay(
             moves = np.conj(target.shown[near]) - spun * np.conj(own)  # per m
             columns = [moves, 1j * moves] if distorted else []
             table = np.zeros((int(kept.sum()), 3 * len(laid) + len(columns)))
-            own_columns = [1j * spun * straightened(own, m), np.ones(len(own)), np.full(len(own), 1j)]
-            for place, column in [*enumerate(columns), *enumerate(own_columns, len(columns) + 3 * k)]:
+            own_columns = [
+                1j * spun * straightened(own, m),
+                np.ones(len(own)),
+                np.full(len(own), 1j),
+            ]
+            for place, column in [
+                *enumerate(columns),
+                *enumerate(own_columns, len(columns) + 3 * k),
+            ]:
                 table[:, place] = np.real(np.conj(normal) * column)[kept]
             blocks.append(table)
             rights.append(-miss[kept])
@@ -77,14 +91,18 @@ def lay(
         common = complex(step[0], step[1]) if distorted else 0j
         m += common
         own_steps = step[2 if distorted else 0 :].reshape(-1, 3)
-        laid = [Laid(each.turn + a, each.shift + complex(x, y), off)
-                for each, (a, x, y), off in zip(laid, own_steps, found, strict=True)]  # fmt: skip
+        laid = [
+            Laid(each.turn + a, each.shift + complex(x, y), off)
+            for each, (a, x, y), off in zip(laid, own_steps, found, strict=True)
+        ]
         if np.max(np.abs(step)) < 1e-8:
             break
     return m, laid
 
 
-def lay_on_known(outline: Points, known: Points, device: bool = False) -> tuple[Points, complex, float, Laid]:
+def lay_on_known(
+    outline: Points, known: Points, device: bool = False
+) -> tuple[Points, complex, float, Laid]:
     """A measured outline laid on one that is known, in the known one's frame: (n,) mm; m and scale of what measured it, found
     if device and otherwise 0 and 1; how it lay, seen from both centres of area.
     """
@@ -166,7 +184,9 @@ def star(outline: Points) -> bool:
 def radii(outline: Points) -> Floats:
     """Radius of an outline at even angles from 0, (_ANGLES,) mm."""
     angle = np.linspace(0, 2 * np.pi, _ANGLES, endpoint=False)
-    return np.asarray(np.interp(angle, np.angle(outline) % (2 * np.pi), np.abs(outline), period=2 * np.pi))
+    return np.asarray(
+        np.interp(angle, np.angle(outline) % (2 * np.pi), np.abs(outline), period=2 * np.pi)
+    )
 
 
 def middle(outlines: Sequence[Points]) -> tuple[Points, float]:

@@ -57,7 +57,9 @@ class Ring:
         flat = np.abs(half) < 0.02
         safe = np.where(flat, 1.0, half)
         # A cap's centre above its chord as a share of its height; a flat one is a parabola's, 2/5.
-        share = (2 * np.sin(safe) ** 3 / (3 * (safe - np.sin(safe) * np.cos(safe))) - np.cos(safe)) / (1 - np.cos(safe))
+        share = (
+            2 * np.sin(safe) ** 3 / (3 * (safe - np.sin(safe) * np.cos(safe))) - np.cos(safe)
+        ) / (1 - np.cos(safe))
         above = (a + b) / 2 - np.where(flat, 0.4, share) * 0.5j * self.bulges * (b - a)
         triangles, caps = np.imag(np.conj(a) * b) / 2, self._caps()
         moment = np.sum(triangles * (a + b) / 3 + caps * above)
@@ -78,7 +80,9 @@ class Ring:
     @cached_property
     def length(self) -> float:
         """Length, mm."""
-        return float(np.sum(np.abs(self.ends - self.points) / np.sinc(2 * np.arctan(self.bulges) / np.pi)))
+        return float(
+            np.sum(np.abs(self.ends - self.points) / np.sinc(2 * np.arctan(self.bulges) / np.pi))
+        )
 
     @property
     def box(self) -> tuple[float, float, float, float]:
@@ -89,7 +93,9 @@ class Ring:
         compass = np.array([1, 1j, -1, -1j])
         # An extreme of the circle lies on the arc when it is passed before the end is.
         turned = np.angle(compass[:, None] / (a - centre)) * np.sign(t) % (2 * np.pi)
-        extremes = (centre + compass[:, None] * np.abs(a - centre))[turned <= 4 * np.arctan(np.abs(t))]
+        extremes = (centre + compass[:, None] * np.abs(a - centre))[
+            turned <= 4 * np.arctan(np.abs(t))
+        ]
         z = np.concatenate([self.points, extremes])
         return float(z.real.min()), float(z.imag.min()), float(z.real.max()), float(z.imag.max())
 
@@ -124,7 +130,9 @@ class Ring:
         step = np.minimum(step, np.pi / 3)  # six chords on a full circle, however small it is
         count = np.where(sweep == 0, 1, np.maximum(np.ceil(np.abs(sweep) / step), 1)).astype(int)
         if count.sum() > _MOST_FACETS:
-            raise OverflowError(f"{count.sum()} chords within {tolerance:g} mm of an outline; {_MOST_FACETS} at most are made")
+            raise OverflowError(
+                f"{count.sum()} chords within {tolerance:g} mm of an outline; {_MOST_FACETS} at most are made"
+            )
         edge = np.repeat(np.arange(len(count)), count)
         half = sweep[edge] / 2
         u = (np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)) / count[edge]
@@ -137,7 +145,9 @@ class Ring:
         arcs = half != 0
         u = np.arange(1, 8)[:, None] / 8
         along = u * np.sinc(u * half[arcs] / np.pi) / np.sinc(half[arcs] / np.pi)
-        inner = self.points[arcs] + (self.ends - self.points)[arcs] * along * np.exp(1j * half[arcs] * (u - 1))
+        inner = self.points[arcs] + (self.ends - self.points)[arcs] * along * np.exp(
+            1j * half[arcs] * (u - 1)
+        )
         return np.concatenate([self.points, inner.ravel()])
 
     def encloses(self, z: complex) -> bool:
@@ -255,5 +265,7 @@ def bore_circle(ring: Ring, nominal_diameter: float) -> Circle:
         if len(core) < 4:  # far from the nominal one: what lies best
             core = np.argsort(misfit, kind="stable")[: max(len(points) // 2, 4)]
         centre, radius, deviation = fit_circle(points[core], weights[core])
-    on_circle = np.abs(np.abs(points - centre) - radius) <= max(2 * deviation, 1e-6 * nominal_diameter)
+    on_circle = np.abs(np.abs(points - centre) - radius) <= max(
+        2 * deviation, 1e-6 * nominal_diameter
+    )
     return _circle(ring, points[on_circle], weights[on_circle])

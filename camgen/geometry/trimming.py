@@ -13,12 +13,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.geometry.outlines import Arc, Floats, Line, Piece, Points, Smooth, end_point, start_point
+from camgen.geometry.outlines import (
+    Arc,
+    Floats,
+    Line,
+    Piece,
+    Points,
+    Smooth,
+    end_point,
+    start_point,
+)
 from camgen.numerics import distinct
 from camgen.tolerances import INTERSECTION, SAME_POINT
 
 _EVEN = 384  # samples of a piece, evenly in its parameter
-_GRADED = 1.3 ** -np.arange(4, 88)  # samples crowding towards both ends: a loop there is of any size down to 1e-10
+_GRADED = 1.3 ** -np.arange(
+    4, 88
+)  # samples crowding towards both ends: a loop there is of any size down to 1e-10
 _GRAZING = 1e-5  # rad, neighbours that cross at less run on into each other; a loop turns by more than half a turn
 _BETWEEN = 8  # samples from one knot of a piece to the next
 _BLOCK = 16  # chords in one bounding box of the crossing search
@@ -59,9 +70,13 @@ def trim(pieces: Sequence[Piece]) -> tuple[list[Piece], list[Cut]]:
         if gap > SAME_POINT * max(1.0, size):
             z = end_point(here_piece)
             raise DesignError(
-                "gap left in the profile", gap, 0.0, "mm", f"x {z.real:.3f}, y {z.imag:.3f} mm",
+                "gap left in the profile",
+                gap,
+                0.0,
+                "mm",
+                f"x {z.real:.3f}, y {z.imag:.3f} mm",
                 "the tip cuts away more than the cam can lose: use a smaller tip_radius or a smaller swing",
-            )  # fmt: skip
+            )
     return kept, cuts
 
 
@@ -111,7 +126,10 @@ def _samples(piece: Piece, least: float) -> tuple[Floats, Points]:
     t = piece.t0 + (piece.t1 - piece.t0) * u
     if isinstance(piece, Smooth) and piece.knots:  # a loop may lie between any two of them
         knots = piece.spread(2)
-        between = (knots[:-1] + share * np.diff(knots) for share in np.linspace(0, 1, _BETWEEN, endpoint=False))
+        between = (
+            knots[:-1] + share * np.diff(knots)
+            for share in np.linspace(0, 1, _BETWEEN, endpoint=False)
+        )
         t = distinct(t, *between)[:: 1 if piece.t0 < piece.t1 else -1]
     z = piece.at(t)
     keep = np.minimum(np.abs(z - z[0]), np.abs(z - z[-1])) > least
@@ -150,7 +168,9 @@ def _grazes(pieces: Sequence[Piece], p: int, t: float, q: int, u: float) -> bool
     """Whether two neighbours, run on smoothly into each other, only seem to cross at their joint, where rounding rules."""
     if (q - p) % len(pieces) not in (1, len(pieces) - 1):
         return False
-    first, second = (pieces[k].at(s, 1) * np.sign(pieces[k].t1 - pieces[k].t0) for k, s in ((p, t), (q, u)))
+    first, second = (
+        pieces[k].at(s, 1) * np.sign(pieces[k].t1 - pieces[k].t0) for k, s in ((p, t), (q, u))
+    )
     turn = complex(np.conj(first) * second)
     return turn.real > 0 and abs(turn.imag) < _GRAZING * turn.real
 
@@ -164,21 +184,33 @@ def _crossing_chords(a: Points, b: Points) -> tuple[Floats, Floats]:
     def boxed(low: Floats, pick: np.ufunc) -> Floats:
         return np.asarray(pick.reduceat(low, starts))
 
-    x0, x1 = boxed(np.minimum(a.real, b.real), np.minimum), boxed(np.maximum(a.real, b.real), np.maximum)
-    y0, y1 = boxed(np.minimum(a.imag, b.imag), np.minimum), boxed(np.maximum(a.imag, b.imag), np.maximum)
+    x0, x1 = (
+        boxed(np.minimum(a.real, b.real), np.minimum),
+        boxed(np.maximum(a.real, b.real), np.maximum),
+    )
+    y0, y1 = (
+        boxed(np.minimum(a.imag, b.imag), np.minimum),
+        boxed(np.maximum(a.imag, b.imag), np.maximum),
+    )
     boxes = shapely.box(x0, y0, x1, y1)
     first, second = np.sort(shapely.STRtree(boxes).query(boxes), axis=0)
     first, second = np.divmod(distinct(first * len(boxes) + second), len(boxes))
     offsets = np.arange(_BLOCK)
-    i = np.broadcast_to((starts[first, None] + offsets)[:, :, None], (len(first), _BLOCK, _BLOCK)).ravel()
-    j = np.broadcast_to((starts[second, None] + offsets)[:, None, :], (len(first), _BLOCK, _BLOCK)).ravel()
+    i = np.broadcast_to(
+        (starts[first, None] + offsets)[:, :, None], (len(first), _BLOCK, _BLOCK)
+    ).ravel()
+    j = np.broadcast_to(
+        (starts[second, None] + offsets)[:, None, :], (len(first), _BLOCK, _BLOCK)
+    ).ravel()
     real = (j > i + 1) & (j < len(a))
     i, j = i[real], j[real]
 
     def side(p: Points, q: Points, z: Points) -> Floats:
         return np.imag(np.conj(q - p) * (z - p))
 
-    cross = (side(a[i], b[i], a[j]) * side(a[i], b[i], b[j]) < 0) & (side(a[j], b[j], a[i]) * side(a[j], b[j], b[i]) < 0)
+    cross = (side(a[i], b[i], a[j]) * side(a[i], b[i], b[j]) < 0) & (
+        side(a[j], b[j], a[i]) * side(a[j], b[j], b[i]) < 0
+    )
     return i[cross], j[cross]
 
 

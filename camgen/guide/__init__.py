@@ -9,10 +9,25 @@ _PAGES = Path(__file__).parent
 
 # The pages in the order in which one reads them.
 TOPICS = (
-    "first-cam", "own-linkage", "design", "sweeps", "printing", "laser", "report", "findings", "python", "new-machine", "house",
-    "theory-disc-cam", "theory-uniform-swing", "theory-eccentric-drive", "theory-thread-take-up", "theory-chain-stitch-looper",
-    "theory-indexing-cam", "theory-linkage",
-)  # fmt: skip
+    "first-cam",
+    "own-linkage",
+    "design",
+    "sweeps",
+    "printing",
+    "laser",
+    "report",
+    "findings",
+    "python",
+    "new-machine",
+    "house",
+    "theory-disc-cam",
+    "theory-uniform-swing",
+    "theory-eccentric-drive",
+    "theory-thread-take-up",
+    "theory-chain-stitch-looper",
+    "theory-indexing-cam",
+    "theory-linkage",
+)
 
 
 def page(topic: str) -> str:
@@ -22,7 +37,11 @@ def page(topic: str) -> str:
 
 def in_terminal(topic: str) -> str:
     """The same where no picture can be seen: each says in words what it shows, and where its file is."""
-    return re.sub(r"!\[(.*?)\]\((.*?\.svg)\)", lambda found: f"Picture: {found[1]}\n`{_PAGES / found[2]}`", page(topic))
+    return re.sub(
+        r"!\[(.*?)\]\((.*?\.svg)\)",
+        lambda found: f"Picture: {found[1]}\n`{_PAGES / found[2]}`",
+        page(topic),
+    )
 
 
 def title(topic: str) -> str:

@@ -59,10 +59,15 @@ def _ways(points: Points, bulges: Floats, distance: float) -> Points:
     (before, _), (after, _) = sides
     ways = distance * (before + after) / (1 + np.real(np.conj(before) * after))
     at = np.flatnonzero((sides[0][1] != 0) | (sides[1][1] != 0))
-    curves = [(normal[at], bend[at] / np.maximum(1 + distance * bend[at], 0.5)) for normal, bend in sides]
+    curves = [
+        (normal[at], bend[at] / np.maximum(1 + distance * bend[at], 0.5)) for normal, bend in sides
+    ]
     for _ in range(_STEPS):  # of Newton's method, to where two moved circles of curvature meet
         aside = [ways[at] - distance * normal for normal, _ in curves]
-        off = [np.real(np.conj(n) * v) + k * np.abs(v) ** 2 / 2 for (n, k), v in zip(curves, aside, strict=True)]
+        off = [
+            np.real(np.conj(n) * v) + k * np.abs(v) ** 2 / 2
+            for (n, k), v in zip(curves, aside, strict=True)
+        ]
         a, b = (n + k * v for (n, k), v in zip(curves, aside, strict=True))
         ways[at] += 1j * (off[0] * b - off[1] * a) / np.imag(np.conj(a) * b)
     straight, length = bulges == 0, np.abs(np.roll(points, -1) - points)
@@ -107,7 +112,9 @@ def _turned_over(points: Points, moved: Points, bulges: Floats) -> np.ndarray:
     return np.asarray(np.real(np.conj(chord) * now) <= 1e-12 * np.abs(chord) ** 2)
 
 
-def _merged(points: Points, moved: Points, bulges: Floats, over: np.ndarray) -> tuple[Points, Points, Floats]:
+def _merged(
+    points: Points, moved: Points, bulges: Floats, over: np.ndarray
+) -> tuple[Points, Points, Floats]:
     """Each run of turned-over edges as one point, in the middle of those that it joins."""
     start = int(np.flatnonzero(~over)[0]) + 1 if not over.all() else 0
     points, moved = np.roll(points, -start), np.roll(moved, -start)

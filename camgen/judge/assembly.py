@@ -21,7 +21,17 @@ from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.judge.interference import Pair, interference, swept
 from camgen.judge.slabs import Body, Course, Slab, slabs_of
-from camgen.machine.features import Apart, CamOutline, Courses, GearTeeth, Moved, PinEyes, SlideFaces, StandIn, Steady
+from camgen.machine.features import (
+    Apart,
+    CamOutline,
+    Courses,
+    GearTeeth,
+    Moved,
+    PinEyes,
+    SlideFaces,
+    StandIn,
+    Steady,
+)
 from camgen.machine.model import Pose
 
 _SHOWN = 24  # rows of the list: pairs that move past each other, the nearest first
@@ -71,19 +81,39 @@ def sweep(path: Path, machine: Moved) -> tuple[list[Finding], list[Row]]:
             if not abs(item.mesh.volume) > _NOTHING:
                 raise ValueError(f"{name} has no volume")
         for thing in machine.stand_ins:
-            bodies.append(Body(thing.name, _slabs(thing, float(start[thing.body].angle[0])), courses[thing.body]))
+            bodies.append(
+                Body(
+                    thing.name,
+                    _slabs(thing, float(start[thing.body].angle[0])),
+                    courses[thing.body],
+                )
+            )
         clearances = swept(
-            bodies, _touching(machine, [body.name for body in bodies], spare), machine.gap,
-            resolution=max(_SHARE * machine.gap, _FINEST), mounted=_PRESSED + spare,
-        )  # fmt: skip
+            bodies,
+            _touching(machine, [body.name for body in bodies], spare),
+            machine.gap,
+            resolution=max(_SHARE * machine.gap, _FINEST),
+            mounted=_PRESSED + spare,
+        )
         ends = _wholes(machine)
         clearances = [c for c in clearances if {c.a, c.b} not in ends]
     except ValueError as error:  # a section that does not close, a motion that jumps
-        return [copies, at_least("INTERFERENCE", math.nan, machine.gap, "mm", where, f"cannot be judged: {error}")], []
+        return [
+            copies,
+            at_least(
+                "INTERFERENCE", math.nan, machine.gap, "mm", where, f"cannot be judged: {error}"
+            ),
+        ], []
     findings = [copies, *interference(clearances, machine.gap, machine.angle)]
     ordered = sorted((c for c in clearances if not c.at_rest), key=lambda c: c.gap)
     rows = [
-        (f"{c.a}, {c.b}", "touch" if c.allowed is not None else "apart", c.gap, c.proven, math.degrees(c.theta))
+        (
+            f"{c.a}, {c.b}",
+            "touch" if c.allowed is not None else "apart",
+            c.gap,
+            c.proven,
+            math.degrees(c.theta),
+        )
         for c in ordered[:_SHOWN]
     ]
     return findings, rows
@@ -115,27 +145,52 @@ def _copies(part: str, names: Sequence[str]) -> list[str]:
 def _fits(machine: Moved, spare: float) -> Iterator[tuple[str, str, float]]:
     """Parts and stand-ins that touch by intent, with the overlap that may show: fits that leave less air than `gap`, tips."""
     tips = [thing.name for thing in machine.stand_ins if thing.rolls]
-    for piece, rest in itertools.combinations([thing for thing in machine.stand_ins if thing.whole], 2):
+    for piece, rest in itertools.combinations(
+        [thing for thing in machine.stand_ins if thing.whole], 2
+    ):
         if piece.whole == rest.whole:
-            yield piece.name, rest.name, 2 * max(radius for *_, radius, _, _ in (*piece.bars, *rest.bars)) + spare
+            yield (
+                piece.name,
+                rest.name,
+                2 * max(radius for *_, radius, _, _ in (*piece.bars, *rest.bars)) + spare,
+            )
     for contact in machine.contacts:
         match contact:
             case CamOutline(part=part, own=own, free=air):
                 made = contact.roller or contact.tip.part
-                rolling = [own.part] if own is not None and own.radius is None else [made] if made else tips
+                rolling = (
+                    [own.part]
+                    if own is not None and own.radius is None
+                    else [made]
+                    if made
+                    else tips
+                )
                 yield from ((tip, part, _ROLLING + spare + max(0.0, -air)) for tip in rolling)
-            case GearTeeth(a=wheel, b=mate):  # their play is measured far more finely at the pitch circle
+            case GearTeeth(
+                a=wheel, b=mate
+            ):  # their play is measured far more finely at the pitch circle
                 yield wheel.part, mate.part, _ROLLING + spare
             case PinEyes(a=a, b=b, pin=pin, rings=rings):
-                yield from ((ring.part, pin.part, spare) for ring in rings if pin is not None and pin.part)
-                for one, other in itertools.combinations([eye for eye in (a, b, pin) if eye is not None], 2):
+                yield from (
+                    (ring.part, pin.part, spare) for ring in rings if pin is not None and pin.part
+                )
+                for one, other in itertools.combinations(
+                    [eye for eye in (a, b, pin) if eye is not None], 2
+                ):
                     air = (one.diameter - other.diameter) / 2 * (-1 if one.shaft else 1)
-                    if one.part and other.part and one.shaft is not other.shaft and air <= machine.gap + spare / 2:
+                    if (
+                        one.part
+                        and other.part
+                        and one.shaft is not other.shaft
+                        and air <= machine.gap + spare / 2
+                    ):
                         yield one.part, other.part, max(0.0, -2 * air) + spare
             case Steady(far=far, pin=pin) if far.part and pin is not None and pin.part:
                 if (far.diameter - pin.diameter) / 2 <= machine.gap + spare / 2:
                     yield pin.part, far.part, max(0.0, pin.diameter - far.diameter) + spare
-            case SlideFaces(rails=rails, runner=runner) if (rails.width - runner.width) / 2 <= machine.gap + spare / 2:
+            case SlideFaces(rails=rails, runner=runner) if (
+                rails.width - runner.width
+            ) / 2 <= machine.gap + spare / 2:
                 yield runner.part, rails.part, spare
             case Apart(a=a, b=b) if contact.gap <= machine.gap + spare / 2:
                 yield a, b, spare
@@ -170,8 +225,12 @@ def _slabs(thing: StandIn, turned: float) -> tuple[Slab, ...]:
     """Discs and bars as slabs, on a body that is turned by so much at theta = 0, rad."""
     turn, slabs = cmath.exp(1j * turned), dict[tuple[float, float], list[Ring]]()
     for at, radius, z0, z1 in thing.discs:
-        slabs.setdefault((z0, z1), []).append(Ring(np.asarray(turn * (at + radius * _ENDS), complex), np.ones(2)))
+        slabs.setdefault((z0, z1), []).append(
+            Ring(np.asarray(turn * (at + radius * _ENDS), complex), np.ones(2))
+        )
     for a, b, radius, z0, z1 in thing.bars:
         side = 1j * radius * (b - a) / abs(b - a)
-        slabs.setdefault((z0, z1), []).append(Ring(turn * np.array([a - side, b - side, b + side, a + side]), _BAR))
+        slabs.setdefault((z0, z1), []).append(
+            Ring(turn * np.array([a - side, b - side, b + side, a + side]), _BAR)
+        )
     return tuple(Slab(z0, z1, tuple(rings)) for (z0, z1), rings in slabs.items())

@@ -19,9 +19,15 @@ from camgen.study import Table
 
 
 def error_budget(
-    outline: Contour, polygon: Ring, machine: Machine, drive: CamOutline, mounts: Sequence[Mount], tolerance: float,
-    files: Mapping[str, Sections], numbers: Mapping[str, float],
-) -> Table:  # fmt: skip
+    outline: Contour,
+    polygon: Ring,
+    machine: Machine,
+    drive: CamOutline,
+    mounts: Sequence[Mount],
+    tolerance: float,
+    files: Mapping[str, Sections],
+    numbers: Mapping[str, float],
+) -> Table:
     """One row a stage: largest outline error (mm) and largest change of the follower's s (deg, or mm) that it adds.
 
     outline: the exact one; polygon: the facets made of it, as they print; files: sections of the part that drives, by kind
@@ -44,7 +50,13 @@ def error_budget(
         return scale * float(np.nanmax(np.abs(a - b)))
 
     exact = (drive.meant.given or joint.law)(theta, 0)
-    rows = [("law: undercut that the spec implies", numbers.get("undercut_mm", 0.0), numbers.get(f"undercut_{unit}", 0.0))]
+    rows = [
+        (
+            "law: undercut that the spec implies",
+            numbers.get("undercut_mm", 0.0),
+            numbers.get(f"undercut_{unit}", 0.0),
+        )
+    ]
     for kinds, stage in ((DRAWN, "arc fit"), (SOLID, "facets")):
         there = [kind for kind in kinds if kind in files]
         if not there:
@@ -54,7 +66,13 @@ def error_budget(
         rows.append((f"{stage} ({', '.join(kinds).upper()})", off(ring), largest(meant, exact)))
         for kind in there:
             made, s = follow(files[kind])
-            rows.append((f"{FORMATS[kind].numbers} of {kind.upper()}", _moved(ring, made), largest(s, meant)))
+            rows.append(
+                (
+                    f"{FORMATS[kind].numbers} of {kind.upper()}",
+                    _moved(ring, made),
+                    largest(s, meant),
+                )
+            )
     return Table("Error budget by stage", ("stage", "outline, mm", f"follower, {unit}"), rows)
 
 

@@ -39,14 +39,21 @@ def given(joint: Cam, outline: Outline) -> Law:
     return outline.feature.meant.given or joint.law
 
 
-def rolled(machine: Machine, outline: CamOutline, mounts: Sequence[Mount], sections: Sections) -> tuple[Ring, Rolled]:
+def rolled(
+    machine: Machine, outline: CamOutline, mounts: Sequence[Mount], sections: Sections
+) -> tuple[Ring, Rolled]:
     """The outline in a part's sections, about its bore in the part's frame, and what the follower rolls to on it; ValueError
     where it does not fit. A tip on another part counts as meant."""
     tip = outline.tip
     if tip.part not in (None, outline.part):
         mount = next(mount for mount in mounts if mount.part == tip.part)
         here = replace(tip, part=None, at=mount.place(tip.at))
-        outline = replace(outline, tip=replace(here, facing=mount.direction(here.facing)) if isinstance(here, Flat) else here)
+        outline = replace(
+            outline,
+            tip=replace(here, facing=mount.direction(here.facing))
+            if isinstance(here, Flat)
+            else here,
+        )
     found = read([outline], {outline.part: sections}, False)
     law = assembled(machine, [outline], mounts, found).outlines[outline.joint][0].law
     away = 0j if outline.bore is None else found.eyes[outline.bore].centre
@@ -86,9 +93,13 @@ class Followed:
         loss = np.where(asked != reachable, np.abs(self.touch.angle - asked), 0.0)
         worst = int(np.argmax(loss))
         return at_most(
-            "UNDERCUT", self.scale * loss[worst], self.scale * (self.meant.undercut + self.limit), self.unit, self.place(worst),
+            "UNDERCUT",
+            self.scale * loss[worst],
+            self.scale * (self.meant.undercut + self.limit),
+            self.unit,
+            self.place(worst),
             "motion that the file loses where it is undercut; the limit is the spec's and the outline tolerance",
-        )  # fmt: skip
+        )
 
     def on_face(self) -> Finding | None:
         """FACE_WIDTH: how far contact runs off a face; None for a tip, or a face without an end."""
@@ -99,9 +110,13 @@ class Followed:
         beyond = np.abs(place - self.outline.law.middle) - face.width / 2
         worst = int(np.argmax(beyond))
         return at_most(
-            "FACE_WIDTH", float(beyond[worst]), 0.0, "mm", self.place(worst),
+            "FACE_WIDTH",
+            float(beyond[worst]),
+            0.0,
+            "mm",
+            self.place(worst),
             f"contact beyond the face's end (below 0: short of it); it runs from {np.min(place):.3f} to {np.max(place):.3f} mm",
-        )  # fmt: skip
+        )
 
     def ripple(self) -> Finding | None:
         """SPEED_RIPPLE: speed averaged over a window of cam angle, against the same average of what is reachable."""
@@ -114,17 +129,27 @@ class Followed:
         off = np.abs(made - wanted)
         worst = int(np.argmax(off))
         return at_most(
-            "SPEED_RIPPLE", float(off[worst]) / float(np.max(np.abs(wanted))), self.meant.ripple, "share", self.place(worst),
+            "SPEED_RIPPLE",
+            float(off[worst]) / float(np.max(np.abs(wanted))),
+            self.meant.ripple,
+            "share",
+            self.place(worst),
             f"of the greatest speed, averaged over {tolerances.SPEED_WINDOW_DEG:g} deg of cam angle; "
             "facets make raw speed ripple as 1/N, and a smaller chord_tolerance lowers it",
-        )  # fmt: skip
+        )
 
     def findings(self) -> list[Finding]:
         """All of them, for an outline whose motion is right."""
-        return [finding for finding in (self.undercut(), self.on_face(), self.ripple()) if finding is not None]
+        return [
+            finding
+            for finding in (self.undercut(), self.on_face(), self.ripple())
+            if finding is not None
+        ]
 
 
-def _overlap(joint: Cam, drive: Outline, other: Outline, where: str, off: float) -> tuple[Finding, float]:
+def _overlap(
+    joint: Cam, drive: Outline, other: Outline, where: str, off: float
+) -> tuple[Finding, float]:
     """INTERFERENCE of a follower that two outlines hold, and its largest play, rad or mm; the limit is what outlines that are
     off by so much, mm, may overlap. Of a pair with preload it is the overlap of tips that are smaller by that."""
     theta, (unit, scale) = judged_angles(), s_unit(joint)
@@ -137,12 +162,18 @@ def _overlap(joint: Cam, drive: Outline, other: Outline, where: str, off: float)
         beyond = f" beyond the preload, {-air:g} mm at each tip"
     least = int(np.argmin(play))
     there = theta[least : least + 1]
-    borne = sum(off * (1 + tolerances.BOUND_SPARE) / float(law.lever(there)[0]) for law in (drive.tight, other.tight))
+    borne = sum(
+        off * (1 + tolerances.BOUND_SPARE) / float(law.lever(there)[0])
+        for law in (drive.tight, other.tight)
+    )
     finding = at_most(
-        "INTERFERENCE", scale * max(0.0, -float(play[least])), scale * borne, unit,
+        "INTERFERENCE",
+        scale * max(0.0, -float(play[least])),
+        scale * borne,
+        unit,
         f"{where}, cam angle {math.degrees(theta[least] + joint.phase):.3f} deg",
         f"largest overlap of the follower with both outlines{beyond}; the limit is the outline tolerance at both",
-    )  # fmt: skip
+    )
     return finding, largest
 
 
@@ -162,9 +193,14 @@ def named(where: str, parts: Collection[str]) -> str:
 
 
 def judge_cams(
-    kind: str, where: str, machine: Machine, measured: Mapping[str, Sequence[Outline]], off: float, sound: bool,
+    kind: str,
+    where: str,
+    machine: Machine,
+    measured: Mapping[str, Sequence[Outline]],
+    off: float,
+    sound: bool,
     motion: Callable[[Mapping[str, Outline], bool, str], Finding],
-) -> OnCams:  # fmt: skip
+) -> OnCams:
     """What followers do on each outline; what follows from a motion is only judged where that is right.
 
     measured: outlines by cam, the one that drives first; sound: whether the motion by these is right. motion: MOTION_ERROR of
@@ -193,11 +229,19 @@ def judge_cams(
             findings += told
             if drives:
                 numbers[f"pressure_angle_{name}{kind}_deg"] = followed.pressure_angle
-                numbers |= {f"undercut_{name}{kind}_{unit}": each.measured for each in told if each.code == "UNDERCUT"}
+                numbers |= {
+                    f"undercut_{name}{kind}_{unit}": each.measured
+                    for each in told
+                    if each.code == "UNDERCUT"
+                }
             if outline.feature.own is not None:
-                found, figures = _own_tip(outline, outline.feature.own, where, motion(driven, True, ""))
+                found, figures = _own_tip(
+                    outline, outline.feature.own, where, motion(driven, True, "")
+                )
                 findings.append(found)
-                numbers |= {f"{key}_{name}{kind}_{of}": value for (key, of), value in figures.items()}
+                numbers |= {
+                    f"{key}_{name}{kind}_{of}": value for (key, of), value in figures.items()
+                }
         good &= all(right.values())
         numbers |= _tips(outlines)
         for other in outlines[1:] if right[first[cam].feature.part] else ():
@@ -205,7 +249,9 @@ def judge_cams(
                 parts = {first[cam].feature.part, other.feature.part}
                 found, play = _overlap(joint, first[cam], other, named(where, parts), off)
                 findings.append(found)
-                numbers[f"{'lash' if play >= 0 else 'preload'}_{name}{kind}_{unit}"] = scale * abs(play)
+                numbers[f"{'lash' if play >= 0 else 'preload'}_{name}{kind}_{unit}"] = scale * abs(
+                    play
+                )
     return OnCams(findings, numbers, good)
 
 
@@ -215,7 +261,9 @@ def _tips(outlines: Sequence[Outline]) -> dict[str, float]:
     numbers: dict[str, float] = {}
     for part, form in rides.items() if len(rides) > 1 else ():
         if isinstance(form, ArmTip | ArmFace):
-            place = form.pivot + (form.arm if isinstance(form, ArmTip) else form.ahead * form.facing)
+            place = form.pivot + (
+                form.arm if isinstance(form, ArmTip) else form.ahead * form.facing
+            )
         elif isinstance(form, SlideTip | SlideFace):
             place = form.start
         if not getattr(form, "inside", False):
@@ -235,5 +283,7 @@ def _own_tip(
     radius = getattr(outline.own.contact.form, "tip_radius", 0.0) - outline.feature.free
     what = "roller on the frame's pin" if own.radius is not None else "frame's own tip"
     remark = f"the {what}, radius {radius:.4f} mm, on the cam, both from the files"
-    finding = at_most("TIP_MOTION", moved.measured, 2 * moved.limit, moved.unit, file + moved.where, remark)
+    finding = at_most(
+        "TIP_MOTION", moved.measured, 2 * moved.limit, moved.unit, file + moved.where, remark
+    )
     return finding, {("tip_motion_error", moved.unit): moved.measured, ("tip_radius", "mm"): radius}

@@ -69,7 +69,13 @@ def convex_pieces(ring: Points) -> list[Points]:
     import mapbox_earcut
 
     xy = np.column_stack([ring.real, ring.imag])
-    return list(ring[mapbox_earcut.triangulate_float64(xy, np.array([len(ring)], np.uint32)).reshape(-1, 3).astype(int)])
+    return list(
+        ring[
+            mapbox_earcut.triangulate_float64(xy, np.array([len(ring)], np.uint32))
+            .reshape(-1, 3)
+            .astype(int)
+        ]
+    )
 
 
 def meeting(a: Sequence[Points], b: Sequence[Points]) -> Any:
@@ -78,8 +84,12 @@ def meeting(a: Sequence[Points], b: Sequence[Points]) -> Any:
 
     ones, others = ([piece for ring in rings for piece in convex_pieces(ring)] for rings in (a, b))
     # points a rounding apart become one
-    shifts = [np.round(np.subtract.outer(one, other).ravel(), 12) for one in ones for other in others]
-    return shapely.union_all(shapely.convex_hull([shapely.MultiPoint(np.column_stack([z.real, z.imag])) for z in shifts]))
+    shifts = [
+        np.round(np.subtract.outer(one, other).ravel(), 12) for one in ones for other in others
+    ]
+    return shapely.union_all(
+        shapely.convex_hull([shapely.MultiPoint(np.column_stack([z.real, z.imag])) for z in shifts])
+    )
 
 
 def signed_distances(area: Any, shifts: Points) -> Floats:
@@ -99,7 +109,9 @@ def _along(area: Any, p: Points, q: Points) -> tuple[Floats, Floats]:
     import shapely
 
     chords = shapely.linestrings(np.stack([[p.real, q.real], [p.imag, q.imag]]).transpose(2, 1, 0))
-    least: Floats = shapely.distance(area, np.where(np.abs(q - p) < _POINT, shapely.points(p.real, p.imag), chords))
+    least: Floats = shapely.distance(
+        area, np.where(np.abs(q - p) < _POINT, shapely.points(p.real, p.imag), chords)
+    )
     share, hit = np.zeros(len(p)), np.flatnonzero(least <= 0)
     p, way = p[hit], (q - p)[hit]
     none, whole = np.zeros(len(hit)), np.ones(len(hit))
@@ -152,7 +164,9 @@ def least_distance(area: Any, way: Way) -> Least:
         signed, share = np.tile(signed, 2), np.tile(share, 2)
     k = int(np.argmin(signed))
     if signed[k] <= 0:
-        return Least(float(signed[k]), _angle_at(way, begin[k], end[k], share[k]), _overlaps(area, way))
+        return Least(
+            float(signed[k]), _angle_at(way, begin[k], end[k], share[k]), _overlaps(area, way)
+        )
     fine = np.linspace(begin[k], end[k], _PARTS + 1)
     return Least(float(signed[k]), float(fine[np.argmin(signed_distances(area, way(fine)))]))
 
@@ -192,13 +206,24 @@ def drawn_outline(path: Path, part: str, mirrored: bool, tolerance: float) -> li
     """
     drawing = read_drawing(path, part)
     if drawing.faults or not drawing.cut:
-        raise ValueError("; ".join(fault.message for fault in drawing.faults) or "nothing is drawn to be cut")
+        raise ValueError(
+            "; ".join(fault.message for fault in drawing.faults) or "nothing is drawn to be cut"
+        )
     outer = max(drawing.cut, key=lambda ring: abs(ring.area))
-    return [(outer.moved(-1, mirror=True) if mirrored else outer).counter_clockwise().facetted(tolerance)]
+    return [
+        (outer.moved(-1, mirror=True) if mirrored else outer)
+        .counter_clockwise()
+        .facetted(tolerance)
+    ]
 
 
 def judge_clearance(
-    kind: str, folder: Path, prefix: str, pairs: Sequence[Apart], poses: Poses, chord_tolerance: float
+    kind: str,
+    folder: Path,
+    prefix: str,
+    pairs: Sequence[Apart],
+    poses: Poses,
+    chord_tolerance: float,
 ) -> Cleared:
     """Whether all pairs stay apart over the turn, on the files <prefix>-<part>.<kind> in a folder.
 
@@ -221,10 +246,16 @@ def judge_clearance(
         for plane in pair.planes if solid else pair.planes[:1]:  # a drawing shows one height
             try:
                 if solid:
-                    a, b = (sections(files(name), name, plane - rest[name][0].z) for name in (pair.a, pair.b))
+                    a, b = (
+                        sections(files(name), name, plane - rest[name][0].z)
+                        for name in (pair.a, pair.b)
+                    )
                 else:
                     shown = (pair.drawn.get(name, (name, False)) for name in (pair.a, pair.b))
-                    a, b = (drawn_outline(files(name), name, over, chord_tolerance) for name, over in shown)
+                    a, b = (
+                        drawn_outline(files(name), name, over, chord_tolerance)
+                        for name, over in shown
+                    )
             except ValueError as error:
                 findings.append(at_most("CLEARANCE", math.nan, 0, "mm", where, str(error)))
                 break
@@ -240,7 +271,9 @@ def judge_clearance(
             curve = np.minimum(curve, signed_distances(area, way(turn)))
         else:
             findings.append(_finding(pair, least, slack, where))
-            numbers[f"clearance_{pair.name.lower().replace('/', '_')}_{kind}_mm"] = round(least.distance, _DIGITS) + 0.0
+            numbers[f"clearance_{pair.name.lower().replace('/', '_')}_{kind}_mm"] = (
+                round(least.distance, _DIGITS) + 0.0
+            )
             curves.append((pair.name, np.degrees(turn), curve))
     return Cleared(tuple(findings), numbers, tuple(curves))
 
@@ -260,13 +293,20 @@ def _way(pair: Apart, poses: Poses) -> Way:
 def _finding(pair: Apart, least: Least, slack: float, where: str) -> Finding:
     degrees = math.degrees(least.theta)
     if least.distance < -slack:
-        ranges = " and ".join(f"{math.degrees(a):.1f} to {math.degrees(b):.1f}" for a, b in least.overlaps)
+        ranges = " and ".join(
+            f"{math.degrees(a):.1f} to {math.degrees(b):.1f}" for a, b in least.overlaps
+        )
         said = f"strikes: overlaps from {ranges} deg, deepest at {degrees:.2f} deg"
     elif least.distance <= slack:
         said = f"grazes at {degrees:.2f} deg"
     else:
         said = f"clear by {least.distance:.3f} mm at the least, at {degrees:.2f} deg"
     return at_least(
-        "CLEARANCE", round(least.distance, _DIGITS) + 0.0, pair.gap, "mm", f"{pair.name}: {where}",
-        f"{said}; up to {slack:.2g} mm either way is grazing", slack,
-    )  # fmt: skip
+        "CLEARANCE",
+        round(least.distance, _DIGITS) + 0.0,
+        pair.gap,
+        "mm",
+        f"{pair.name}: {where}",
+        f"{said}; up to {slack:.2g} mm either way is grazing",
+        slack,
+    )

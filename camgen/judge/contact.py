@@ -116,7 +116,12 @@ class RollingContact:
         shape = np.shape(theta)
         if not fully:
             return Touch(angle.reshape(shape), pressure, element, place)
-        return Touch(angle.reshape(shape), pressure.reshape(shape), element.reshape(shape), place.reshape(shape))
+        return Touch(
+            angle.reshape(shape),
+            pressure.reshape(shape),
+            element.reshape(shape),
+            place.reshape(shape),
+        )
 
     def _first_touch(self, u: Floats) -> tuple[Floats, Ints]:
         slot = (u * self.scale).astype(np.int64)
@@ -135,13 +140,17 @@ class RollingContact:
             rank += 1
             other = self.first[place[where]] + rank
             found = self.form.progress(u[where], self.rows[other])
-            sooner = ~(found >= progress[where])  # nan wins: an outline beyond the tip's reach blocks whatever lies under it
+            sooner = ~(
+                found >= progress[where]
+            )  # nan wins: an outline beyond the tip's reach blocks whatever lies under it
             progress[where[sooner]], row[where[sooner]] = found[sooner], other[sooner]
             where = where[(rivals[where] > rank + 1) & ~np.isnan(progress[where])]
         return progress, row
 
 
-def rolling_contact(ring: Ring, pivot: complex, arm: complex, tip_radius: float, leaves: int) -> RollingContact:
+def rolling_contact(
+    ring: Ring, pivot: complex, arm: complex, tip_radius: float, leaves: int
+) -> RollingContact:
     """Table of first touches of a round tip on an arm with an outline that turns about the origin, see `contact`.
 
     pivot: ground, mm.  arm: from the pivot to the tip centre at s = 0, mm.  tip_radius: mm, 0 for a knife edge.
@@ -159,7 +168,9 @@ def contact(ring: Ring, form: Form) -> RollingContact:
     """
     within = isinstance(form, ArmTip | SlideTip) and form.inside
     if not (ring.area < 0 if within else ring.area > 0):
-        raise ValueError(f"the outline does not run {'clockwise' if within else 'counter-clockwise'}")
+        raise ValueError(
+            f"the outline does not run {'clockwise' if within else 'counter-clockwise'}"
+        )
     cover = form.cover(ring)
     rows = np.concatenate([cover.rows, np.full((1, cover.rows.shape[1]), np.nan)])
     pieces = len(cover.low)
@@ -182,9 +193,8 @@ def contact(ring: Ring, form: Form) -> RollingContact:
     bucket = np.searchsorted(breaks[:-1], edges, "right") - 1
     crowded = np.append(np.diff(bucket) > 1, True)
     return RollingContact(
-        form, breaks, starts, rows, source, rows[starts[:-1]],
-        buckets / _TURN, bucket, crowded,
-    )  # fmt: skip
+        form, breaks, starts, rows, source, rows[starts[:-1]], buckets / _TURN, bucket, crowded
+    )
 
 
 def _merged(ends: Floats) -> tuple[Floats, Ints]:

@@ -51,13 +51,21 @@ class SlideFace(OnSlide):
     leaves: int
 
     def __post_init__(self) -> None:
-        if not cmath.isfinite(self.start) or self.leaves not in (-1, 1) or not abs(abs(self.along) - 1) < 1e-9:
-            raise ValueError(f"no face through {self.start} along {self.along} that leaves in the sense {self.leaves}")
+        if (
+            not cmath.isfinite(self.start)
+            or self.leaves not in (-1, 1)
+            or not abs(abs(self.along) - 1) < 1e-9
+        ):
+            raise ValueError(
+                f"no face through {self.start} along {self.along} that leaves in the sense {self.leaves}"
+            )
 
     def cover(self, ring: Ring) -> Cover:
         """The face's direction in the part is -u."""
         centre, radius, begin, sweep, source = _convex(ring)
-        return Cover(-(begin + sweep), sweep, np.column_stack([centre.real, centre.imag, radius]), source)
+        return Cover(
+            -(begin + sweep), sweep, np.column_stack([centre.real, centre.imag, radius]), source
+        )
 
     def progress(self, u: Floats, rows: Floats) -> Floats:
         """Less the height of the part."""
@@ -89,10 +97,18 @@ class ArmFace:
 
     def __post_init__(self) -> None:
         lever = (complex(self.facing).conjugate() * self.pivot).imag
-        if not (abs(abs(self.facing) - 1) < 1e-9 and math.isfinite(abs(self.pivot) + self.ahead) and lever):
-            raise ValueError(f"no face for pivot {self.pivot}, normal {self.facing}, {self.ahead} mm ahead")
+        if not (
+            abs(abs(self.facing) - 1) < 1e-9
+            and math.isfinite(abs(self.pivot) + self.ahead)
+            and lever
+        ):
+            raise ValueError(
+                f"no face for pivot {self.pivot}, normal {self.facing}, {self.ahead} mm ahead"
+            )
         if self.leaves != math.copysign(1, lever):
-            raise ValueError(f"turning the face in the sense {self.leaves} does not take it away from the origin")
+            raise ValueError(
+                f"turning the face in the sense {self.leaves} does not take it away from the origin"
+            )
 
     def cover(self, ring: Ring) -> Cover:
         """Corners and arcs on the origin's side of the pivot's foot; what is as high as the pivot blocks the face."""
@@ -103,7 +119,11 @@ class ArmFace:
         size, bearing, more = np.abs(centre), np.angle(centre), radius - self.ahead
         index, share = [], []
         # Directions in which the contact is the pivot's foot, and in which the part is as high as the pivot, or as far below.
-        for cosine in ((far**2 - size**2 - more**2, 2 * more * size), (far - more, size), (-far - more, size)):
+        for cosine in (
+            (far**2 - size**2 - more**2, 2 * more * size),
+            (far - more, size),
+            (-far - more, size),
+        ):
             with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
                 opening = np.arccos(cosine[0] / cosine[1])
                 for side in (1, -1):
@@ -111,11 +131,16 @@ class ArmFace:
                     at = np.flatnonzero((found > 0) & (found < 1))
                     index.append(at)
                     share.append(found[at])
-        whole, broken, first, last = parts_of(len(size), np.concatenate(index), np.concatenate(share))
+        whole, broken, first, last = parts_of(
+            len(size), np.concatenate(index), np.concatenate(share)
+        )
         of = np.concatenate([whole, broken])
         first = begin[of] + sweep[of] * np.concatenate([np.zeros(len(whole)), first])
         last = begin[of] + sweep[of] * np.concatenate([np.ones(len(whole)), last])
-        ends = [self._closed(size[of] * np.cos(mu - bearing[of]) + more[of]) - mu for mu in (first, last)]
+        ends = [
+            self._closed(size[of] * np.cos(mu - bearing[of]) + more[of]) - mu
+            for mu in (first, last)
+        ]
         width = ends[0] - ends[1]
         height = size[of] * np.cos((first + last) / 2 - bearing[of]) + more[of]
         kept = np.flatnonzero((width > 0) & (height > -far))

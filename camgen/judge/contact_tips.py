@@ -144,7 +144,11 @@ class _Elements:
         round_it = np.flatnonzero((np.abs(spoke) < 1) & (self.sweep != 0))
         n0, n1 = self.normal[round_it], self.normal[round_it] * np.exp(1j * self.sweep[round_it])
         eccentric = -spoke[round_it]
-        change[round_it] = self.sweep[round_it] + np.angle(1 + eccentric * np.conj(n1)) - np.angle(1 + eccentric * np.conj(n0))
+        change[round_it] = (
+            self.sweep[round_it]
+            + np.angle(1 + eccentric * np.conj(n1))
+            - np.angle(1 + eccentric * np.conj(n0))
+        )
         return change
 
 
@@ -163,7 +167,9 @@ def _offset(ring: Ring, radius: float) -> _Elements:
     first, last = across / half_turn, across * half_turn
     curvature = 4 * bulge / (1 + bulge**2) / chord
     open_to_tip = np.flatnonzero(1 + radius * curvature > SAME_POINT)
-    edges = _Elements(a + radius * first, b + radius * last, first, 4 * np.arctan(bulge), edge).take(open_to_tip)
+    edges = _Elements(
+        a + radius * first, b + radius * last, first, 4 * np.arctan(bulge), edge
+    ).take(open_to_tip)
     following = np.roll(first, -1)
     turn = np.angle(following * np.conj(last))
     start, end = b + radius * last, b + radius * following
@@ -175,7 +181,9 @@ def _offset(ring: Ring, radius: float) -> _Elements:
 def _level(e: _Elements) -> tuple[Points, Floats]:
     """B and C of each element."""
     k = e.curvature
-    return k * e.start - e.normal, k * np.abs(e.start) ** 2 - 2 * np.real(np.conj(e.normal) * e.start)
+    return k * e.start - e.normal, k * np.abs(e.start) ** 2 - 2 * np.real(
+        np.conj(e.normal) * e.start
+    )
 
 
 def _at_distance(e: _Elements, squared: Floats | float) -> list[tuple[Ints, Points]]:
@@ -194,7 +202,9 @@ def _shares(e: _Elements, found: list[tuple[Ints, Points]]) -> tuple[Ints, Float
     """Elements to be cut and the share of the length at which, in no order, 0 < share < 1."""
     index = np.concatenate([at for at, _ in found])
     p = np.concatenate([p for _, p in found])
-    near = np.flatnonzero(np.abs(p - e.start[index]) < e.length[index])  # spares most of them the next step
+    near = np.flatnonzero(
+        np.abs(p - e.start[index]) < e.length[index]
+    )  # spares most of them the next step
     index = index[near]
     share = e.take(index).share(p[near])
     inside = np.flatnonzero((share > 0) & (share < 1))
@@ -217,7 +227,9 @@ def parts_of(count: int, index: Ints, share: Floats) -> tuple[Ints, Ints, Floats
 def _cut(e: _Elements, cuts: tuple[Ints, Floats]) -> _Elements:
     plain, index, first, last = parts_of(len(e.start), *cuts)
     pieces = e.take(index).part(first, last)
-    return e.take(plain).join(pieces.take(np.flatnonzero(pieces.start != pieces.end)))  # cuts beside each other may be one
+    return e.take(plain).join(
+        pieces.take(np.flatnonzero(pieces.start != pieces.end))
+    )  # cuts beside each other may be one
 
 
 class _RoundTip(ABC):
@@ -233,12 +245,18 @@ class _RoundTip(ABC):
     def _bearing(self, r: Floats) -> Floats:
         """arg c of the tip centre at distance r from the origin."""
 
-    def _pieces(self, whole: _Elements, cuts: tuple[Ints, Floats]) -> tuple[_Elements, Floats, Floats, Floats]:
+    def _pieces(
+        self, whole: _Elements, cuts: tuple[Ints, Floats]
+    ) -> tuple[_Elements, Floats, Floats, Floats]:
         """The elements cut; of each piece least cam angle and width, rad, and how far its middle is from the origin, mm."""
         pieces = _cut(whole, cuts)
         first, last = (self._bearing(np.abs(p)) for p in (pieces.start, pieces.end))
         turned = pieces.turned()
-        edge = first - np.angle(pieces.start) if self.inside else last - np.angle(pieces.start) - turned
+        edge = (
+            first - np.angle(pieces.start)
+            if self.inside
+            else last - np.angle(pieces.start) - turned
+        )
         return pieces, edge, self._sign * (first - last + turned), np.abs(pieces.at(0.5))
 
     def place(self, u: Floats, progress: Floats, rows: Floats) -> Floats:
@@ -257,11 +275,23 @@ class ArmTip(_RoundTip):
     inside: bool = False
 
     def __post_init__(self) -> None:
-        reach, rest = abs(self.pivot) * abs(self.arm), (self.arm * complex(self.pivot).conjugate()).imag
-        if not (math.isfinite(reach) and reach > 0 and math.isfinite(self.tip_radius) and self.tip_radius >= 0):
-            raise ValueError(f"no contact for pivot {self.pivot}, arm {self.arm}, tip radius {self.tip_radius}")
+        reach, rest = (
+            abs(self.pivot) * abs(self.arm),
+            (self.arm * complex(self.pivot).conjugate()).imag,
+        )
+        if not (
+            math.isfinite(reach)
+            and reach > 0
+            and math.isfinite(self.tip_radius)
+            and self.tip_radius >= 0
+        ):
+            raise ValueError(
+                f"no contact for pivot {self.pivot}, arm {self.arm}, tip radius {self.tip_radius}"
+            )
         if self.leaves not in (-1, 1) or rest * self.leaves > 0:
-            raise ValueError(f"turning the arm in the sense {self.leaves} does not take the tip away from the origin")
+            raise ValueError(
+                f"turning the arm in the sense {self.leaves} does not take the tip away from the origin"
+            )
 
     def cover(self, ring: Ring) -> Cover:
         """Pieces within the ring that the tip centre can reach, |L - R| to L + R from the origin.
@@ -272,7 +302,13 @@ class ArmTip(_RoundTip):
         e = _offset(ring, self.tip_radius)
         if self.leaves > 0:
             # Pivot on the real axis and arm above it, mirrored (and so run back); theta takes up the pivot's direction.
-            e = _Elements(np.conj(e.end), np.conj(e.start), np.conj(e.normal * np.exp(1j * e.sweep)), e.sweep, e.source)
+            e = _Elements(
+                np.conj(e.end),
+                np.conj(e.start),
+                np.conj(e.normal * np.exp(1j * e.sweep)),
+                e.sweep,
+                e.source,
+            )
         pieces, edge, width, middle = self._pieces(e, self._cuts(e))
         kept = np.flatnonzero((width > 0) & (middle > abs(L - R)))
         pieces = pieces.take(kept)
@@ -337,7 +373,9 @@ class ArmTip(_RoundTip):
 
     def displacement(self, progress: Floats) -> Floats:
         """The arm's angle."""
-        return np.asarray(-self.leaves * (self._sign * progress - abs(cmath.phase(self.arm / self.pivot))))
+        return np.asarray(
+            -self.leaves * (self._sign * progress - abs(cmath.phase(self.arm / self.pivot)))
+        )
 
     def normal(self, u: Floats, progress: Floats, rows: Floats) -> Points:
         """E + k R exp(i psi), over -i exp(i psi) along which the tip leaves."""
@@ -380,7 +418,9 @@ class SlideTip(OnSlide, _RoundTip):
     inside: bool = False
 
     def __post_init__(self) -> None:
-        if not (cmath.isfinite(self.start) and math.isfinite(self.tip_radius) and self.tip_radius >= 0):
+        if not (
+            cmath.isfinite(self.start) and math.isfinite(self.tip_radius) and self.tip_radius >= 0
+        ):
             raise ValueError(f"no contact for start {self.start}, tip radius {self.tip_radius}")
         if self.leaves not in (-1, 1) or not abs(abs(self.along) - 1) < 1e-9:
             raise ValueError(f"no slide along {self.along} that leaves in the sense {self.leaves}")
@@ -390,7 +430,9 @@ class SlideTip(OnSlide, _RoundTip):
         aside, e = self._begin.imag, _offset(ring, self.tip_radius)
         _, c = _level(e)
         found = _at_distance(e, aside**2) if aside else []
-        for way in (aside, -aside) if aside else (0.0,):  # 90 deg: the tangent is as far from the origin as the slide
+        for way in (
+            (aside, -aside) if aside else (0.0,)
+        ):  # 90 deg: the tangent is as far from the origin as the slide
             with np.errstate(divide="ignore", invalid="ignore"):
                 found += _at_distance(e, (c + 2 * way) / e.curvature)  # below 0 there is none
         pieces, edge, width, middle = self._pieces(e, _shares(e, found))
@@ -410,13 +452,19 @@ class SlideTip(OnSlide, _RoundTip):
         cosine, sine = cos_sin(u)
         k, bx, by, level = rows.T
         x, y = bx * cosine - by * sine, bx * sine + by * cosine
-        return x, y, self._sign * np.sqrt(np.maximum(x * x - k * (level - 2 * self._begin.imag * y), 0.0))
+        return (
+            x,
+            y,
+            self._sign * np.sqrt(np.maximum(x * x - k * (level - 2 * self._begin.imag * y), 0.0)),
+        )
 
     def progress(self, u: Floats, rows: Floats) -> Floats:
         """-x, or x from inside."""
         bx, by, root = self._terms(u, rows)
         k, level = rows[:, 0], rows[:, 3] - 2 * self._begin.imag * by
-        opposite = bx * self._sign <= 0  # of the two forms the one without a difference of like numbers
+        opposite = (
+            bx * self._sign <= 0
+        )  # of the two forms the one without a difference of like numbers
         with np.errstate(divide="ignore", invalid="ignore"):
             x = np.where(opposite, level / (bx - root), (bx + root) / k)
         return np.asarray(-self._sign * x)

@@ -11,7 +11,9 @@ from camgen.geometry.rings import Points, Ring
 from camgen.tolerances import SAME_POINT
 
 _ALONG = 0.25  # mm, between points of a straight edge that are compared: less than any wall, so no slit leaps over them
-_MOST_ALONG = 20_000  # such points on a contour; on one that is longer than 5 m they lie further apart
+_MOST_ALONG = (
+    20_000  # such points on a contour; on one that is longer than 5 m they lie further apart
+)
 
 
 def contour_error(found: Ring, meant: Ring, tolerance: float) -> float:
@@ -19,7 +21,9 @@ def contour_error(found: Ring, meant: Ring, tolerance: float) -> float:
     difference of their areas over the length. Arcs are facetted within the tolerance, mm.
     """
     area = abs(abs(found.area) - abs(meant.area)) / meant.length
-    return max(area, _deviation(found.facetted(tolerance).tobytes(), meant.facetted(tolerance).tobytes()))
+    return max(
+        area, _deviation(found.facetted(tolerance).tobytes(), meant.facetted(tolerance).tobytes())
+    )
 
 
 @lru_cache(maxsize=128)  # one contour stands at several heights, in STL and 3MF alike
@@ -28,14 +32,18 @@ def _deviation(one: bytes, other: bytes) -> float:
     a, b = (np.frombuffer(vertices, complex) for vertices in (one, other))
     if len(a) == len(b) and (off := float(np.max(np.abs(a - b)))) <= SAME_POINT:
         return off
-    return max(float(np.max(point_to_ring(_along(a), b))), float(np.max(point_to_ring(_along(b), a))))
+    return max(
+        float(np.max(point_to_ring(_along(a), b))), float(np.max(point_to_ring(_along(b), a)))
+    )
 
 
 def _along(ring: Points) -> Points:
     """A polygon's vertices, and points on its edges that are at most _ALONG apart, or so many as a long one may have."""
     way = np.roll(ring, -1) - ring
     length = np.abs(way)
-    count = np.maximum(np.ceil(length / max(_ALONG, float(length.sum()) / _MOST_ALONG)), 1).astype(int)
+    count = np.maximum(np.ceil(length / max(_ALONG, float(length.sum()) / _MOST_ALONG)), 1).astype(
+        int
+    )
     edge = np.repeat(np.arange(len(ring)), count)
     step = np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)
     return np.asarray(ring[edge] + way[edge] * step / count[edge])

@@ -20,7 +20,9 @@ from camgen.numerics import product
 Copies = Sequence[tuple[str, Floats]]  # names of parts, (3, 4) transforms
 
 
-def judge_copies(path: Path, originals: Mapping[str, Mesh], places: Copies | None = None) -> Finding:
+def judge_copies(
+    path: Path, originals: Mapping[str, Mesh], places: Copies | None = None
+) -> Finding:
     """ROUND_TRIP of a package that holds copies of parts: its solids are the originals, moved as bodies are and not deformed.
 
     places: the wanted name and (3, 4) transform of each copy, in any order; None where they may lie anywhere.
@@ -30,26 +32,42 @@ def judge_copies(path: Path, originals: Mapping[str, Mesh], places: Copies | Non
     package, where = read_3mf(path), path.name
     remarks = package.remarks
     remarks += [f"there is no part {name}" for name in sorted(set(package.meshes) - set(originals))]
-    found, wanted = Counter(item.name for item in package.items), Counter(name for name, _ in places or ())
+    found, wanted = (
+        Counter(item.name for item in package.items),
+        Counter(name for name, _ in places or ()),
+    )
     if places is not None and found != wanted:
         remarks.append(f"{found.total()} copies instead of {wanted.total()}")
     for name, mesh in package.meshes.items():
         if name in originals and not np.array_equal(mesh.faces, originals[name].faces):
             remarks.append(f"{name} is not of the triangles of its own file")
     turned = [(item.name, item.transform[:, :3]) for item in package.items]
-    remarks += [f"a copy of {name} is mirrored or flat" for name, turn in turned if not np.linalg.det(turn) > 0]
+    remarks += [
+        f"a copy of {name} is mirrored or flat"
+        for name, turn in turned
+        if not np.linalg.det(turn) > 0
+    ]
     if remarks:
         return strange(path, remarks)
     reach = max(float(np.max(np.abs(mesh.vertices), initial=0.0)) for mesh in originals.values())
     far = max((float(np.max(np.abs(item.transform))) for item in package.items), default=0.0)
     limit = tolerances.TRANSFORM_ROUNDING * (reach + far)
-    faults = [(float(np.max(np.abs(mesh.vertices - originals[name].vertices))), f"{name} is not as in its own file")
-              for name, mesh in package.meshes.items()]  # fmt: skip
-    bent = ((float(np.max(np.abs(product(turn, turn.T) - np.eye(3)))), name) for name, turn in turned)
+    faults = [
+        (
+            float(np.max(np.abs(mesh.vertices - originals[name].vertices))),
+            f"{name} is not as in its own file",
+        )
+        for name, mesh in package.meshes.items()
+    ]
+    bent = (
+        (float(np.max(np.abs(product(turn, turn.T) - np.eye(3)))), name) for name, turn in turned
+    )
     faults += [(off * reach, f"a copy of {name} is deformed") for off, name in bent]
     if places is not None:
         laid = [(item.name, item.transform) for item in package.items]
-        faults += [(off, f"a copy of {name} is out of its place") for off, name in _astray(laid, places)]
+        faults += [
+            (off, f"a copy of {name} is out of its place") for off, name in _astray(laid, places)
+        ]
     off, said = max(faults, default=(0.0, ""))
     if off <= limit:
         said = f"{len(package.items)} copies of {counted(len(package.meshes), 'part')}, each as its own file has it"
@@ -65,22 +83,34 @@ def judge_exact_copies(path: Path, files: Mapping[str, Path], places: Copies) ->
 
     bodies, copies, remarks = read_step(path)
     where, faults = path.name, list[tuple[float, str]]()
-    if sorted(bodies) != sorted(files) or Counter(copy.object for copy in copies) != Counter(name for name, _ in places):
+    if sorted(bodies) != sorted(files) or Counter(copy.object for copy in copies) != Counter(
+        name for name, _ in places
+    ):
         held = f"{len(copies)} copies of {', '.join(sorted(bodies))}"
         remarks = [f"{held} instead of {len(places)} of {', '.join(sorted(files))}", *remarks]
     for name, file in files.items() if not remarks else ():
         own, body = read_exact(file, name)[0], bodies[name]
-        if (own.corners.shape, own.edges, own.faces) != (body.corners.shape, body.edges, body.faces):
+        if (own.corners.shape, own.edges, own.faces) != (
+            body.corners.shape,
+            body.edges,
+            body.faces,
+        ):
             remarks = [*remarks, f"{name} is not of the faces of its own file"]
             continue
-        faults.append((float(np.max(np.abs(own.corners - body.corners))), f"{name} is not as in its own file"))
+        faults.append(
+            (float(np.max(np.abs(own.corners - body.corners))), f"{name} is not as in its own file")
+        )
     if remarks:
         return strange(path, remarks)
     laid = [(copy.object, copy.transform) for copy in copies]
-    faults += [(off, f"a copy of {name} is out of its place") for off, name in _astray(laid, places)]
+    faults += [
+        (off, f"a copy of {name} is out of its place") for off, name in _astray(laid, places)
+    ]
     off, said = max(faults, default=(0.0, ""))
     if off <= tolerances.SAME_POINT:
-        said = f"{len(copies)} copies of {counted(len(bodies), 'part')}, each as its own file has it"
+        said = (
+            f"{len(copies)} copies of {counted(len(bodies), 'part')}, each as its own file has it"
+        )
     return at_most("ROUND_TRIP", off, tolerances.SAME_POINT, "mm", where, said)
 
 
@@ -91,4 +121,8 @@ def _astray(laid: Copies, places: Copies) -> list[tuple[float, str]]:
     def nearest(name: str, at: Floats, others: Copies) -> float:
         return min(float(np.max(np.abs(at - place))) for other, place in others if other == name)
 
-    return [(nearest(name, at, others), name) for ones, others in ((laid, places), (places, laid)) for name, at in ones]
+    return [
+        (nearest(name, at, others), name)
+        for ones, others in ((laid, places), (places, laid))
+        for name, at in ones
+    ]

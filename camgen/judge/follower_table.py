@@ -1,7 +1,7 @@
 """A follower as a user tells it to `camgen motion`: a table, or one line, that places it over an outline.
 
-    oscillating   a round tip or a flat face on an arm; s is the arm's angle, rad inside, ccw positive
-    translating   a round tip or a flat face on a slide; s is its way along the slide's direction, mm
+oscillating   a round tip or a flat face on an arm; s is the arm's angle, rad inside, ccw positive
+translating   a round tip or a flat face on a slide; s is its way along the slide's direction, mm
 """
 
 from __future__ import annotations
@@ -72,12 +72,24 @@ class FollowerTable(Record):
         what = f"a flat '{self.motion}'" if self.shape == "flat" else f"'{self.motion}'"
         takes = f"nothing here: {what} takes {', '.join((*needed, *allowed))}"
         own = {key for keys in _KEYS.values() for group in keys for key in group}
-        found = [Fault(key, "", takes) for key in sorted(own - {*needed, *allowed}) if getattr(self, key) is not None]
-        found += [Fault(key, "", f"missing: {what} needs it") for key in needed if getattr(self, key) is None]
+        found = [
+            Fault(key, "", takes)
+            for key in sorted(own - {*needed, *allowed})
+            if getattr(self, key) is not None
+        ]
+        found += [
+            Fault(key, "", f"missing: {what} needs it")
+            for key in needed
+            if getattr(self, key) is None
+        ]
         if self.shape == "roller" and self.radius is None:
-            found.append(Fault("radius", "", "missing: a roller or round tip needs it; shape=knife has none"))
+            found.append(
+                Fault("radius", "", "missing: a roller or round tip needs it; shape=knife has none")
+            )
         if self.shape != "roller" and self.radius is not None:
-            found.append(Fault("radius", f"{self.radius:g}", f"nothing here: shape '{self.shape}' has none"))
+            found.append(
+                Fault("radius", f"{self.radius:g}", f"nothing here: shape '{self.shape}' has none")
+            )
         if self.shape == "flat" and self.inside:
             found.append(Fault("inside", "true", "false: a face cannot touch a wall from within"))
         if self.pivot is None or found:
@@ -85,11 +97,29 @@ class FollowerTable(Record):
         if not abs(complex(*self.pivot)) > 0:
             return [Fault("pivot", "0/0", "a pivot away from the shaft")]
         if self.at_deg is None:
-            return [] if self.leaves else [Fault("leaves", "", "missing: +1 or -1, or at_deg, to tell the side of the arm")]
+            return (
+                []
+                if self.leaves
+                else [
+                    Fault("leaves", "", "missing: +1 or -1, or at_deg, to tell the side of the arm")
+                ]
+            )
         if self._side == 0:
-            return [Fault("at_deg", f"{self.at_deg:g}", "an arm that does not lie on the line through shaft and pivot")]
+            return [
+                Fault(
+                    "at_deg",
+                    f"{self.at_deg:g}",
+                    "an arm that does not lie on the line through shaft and pivot",
+                )
+            ]
         if self.leaves not in (None, -self._side):
-            return [Fault("leaves", f"{self.leaves:+d}", f"{-self._side:+d}, for an arm at {self.at_deg:g} deg")]
+            return [
+                Fault(
+                    "leaves",
+                    f"{self.leaves:+d}",
+                    f"{-self._side:+d}, for an arm at {self.at_deg:g} deg",
+                )
+            ]
         return []
 
     @property
@@ -100,7 +130,9 @@ class FollowerTable(Record):
     @property
     def _side(self) -> int:
         """Side of the line from the shaft to the pivot on which the arm at at_deg lies, 1 is left, 0 is on it."""
-        lean = math.sin(math.radians(self.at_deg or 0.0) - math.atan2(self.axle.imag, self.axle.real))
+        lean = math.sin(
+            math.radians(self.at_deg or 0.0) - math.atan2(self.axle.imag, self.axle.real)
+        )
         return 0 if abs(lean) < 1e-12 else int(math.copysign(1, lean))
 
     @property
@@ -124,7 +156,9 @@ class FollowerTable(Record):
         """The follower at s = 0, mm: the arm (a unit normal for its face), or from the shaft the tip's centre or the face."""
         if self.motion == "translating":
             return self.direction * complex(self.at or 0.0, -(self.offset or 0.0))
-        unit = -1j * self.sense * self.axle / abs(self.axle)  # square to the line of shaft and axle where none is given
+        unit = (
+            -1j * self.sense * self.axle / abs(self.axle)
+        )  # square to the line of shaft and axle where none is given
         if self.at_deg is not None:
             unit = complex(math.cos(math.radians(self.at_deg)), math.sin(math.radians(self.at_deg)))
         return (self.arm or 1.0) * unit
@@ -155,7 +189,9 @@ class FollowerTable(Record):
         return ring.reversed() if self.inside else ring
 
 
-def read_follower(given: str | PathLike[str] | Mapping[str, Any], option: str = "--follower") -> FollowerTable:
+def read_follower(
+    given: str | PathLike[str] | Mapping[str, Any], option: str = "--follower"
+) -> FollowerTable:
     """Follower from its table, from a TOML file (its table [follower], or all of it), or from text such as
     "oscillating,pivot=60/0,arm=67".
 
@@ -164,7 +200,11 @@ def read_follower(given: str | PathLike[str] | Mapping[str, Any], option: str = 
     if isinstance(given, str) and not given.endswith(".toml"):
         data = _inline(given, option)
     else:
-        data = reading.tables(given, option) if isinstance(given, Mapping) else reading.read(Path(given))
+        data = (
+            reading.tables(given, option)
+            if isinstance(given, Mapping)
+            else reading.read(Path(given))
+        )
         table = data.get("follower", data)
         data = table if isinstance(table, dict) else {"motion": table}
     return cast(FollowerTable, specs.validate(cast(Any, FollowerTable), data, option))
@@ -174,19 +214,45 @@ def pair_faults(first: FollowerTable, second: FollowerTable) -> Sequence[Fault]:
     """Why two tables are not two tips of one follower."""
     named = (("--follower", first), ("--second-follower", second))
     if first.motion != second.motion:
-        return [Fault("--second-follower motion", second.motion, f"'{first.motion}', as --follower")]
+        return [
+            Fault("--second-follower motion", second.motion, f"'{first.motion}', as --follower")
+        ]
     key = "at" if first.motion == "translating" else "at_deg"
-    found = [Fault(f"{name} {key}", "", "missing: where both tips are at one moment") for name, f in named if not f.anchored]
+    found = [
+        Fault(f"{name} {key}", "", "missing: where both tips are at one moment")
+        for name, f in named
+        if not f.anchored
+    ]
     if first.pivot != second.pivot:
-        found.append(Fault("--second-follower pivot", f"{second.axle:g}", "that of --follower: both tips are on one follower"))
+        found.append(
+            Fault(
+                "--second-follower pivot",
+                f"{second.axle:g}",
+                "that of --follower: both tips are on one follower",
+            )
+        )
     if first.inside and second.inside:
-        found.append(Fault("--second-follower inside", "true", "false for one of both: a groove has an inner wall, too"))
+        found.append(
+            Fault(
+                "--second-follower inside",
+                "true",
+                "false for one of both: a groove has an inner wall, too",
+            )
+        )
     same = first.inside != second.inside  # in a groove both walls are met on one line
     wanted, which = (1, "that of") if same else (-1, "opposite to that of")
     if first.motion == "translating" and abs(second.direction - wanted * first.direction) > 1e-9:
-        found.append(Fault("--second-follower direction_deg", "", f"a direction {which} --follower"))
+        found.append(
+            Fault("--second-follower direction_deg", "", f"a direction {which} --follower")
+        )
     if first.motion == "oscillating" and not found and second.sense != wanted * first.sense:
-        found.append(Fault("--second-follower leaves", f"{second.sense:+d}", f"{wanted * first.sense:+d}, {which} --follower"))
+        found.append(
+            Fault(
+                "--second-follower leaves",
+                f"{second.sense:+d}",
+                f"{wanted * first.sense:+d}, {which} --follower",
+            )
+        )
     return found
 
 

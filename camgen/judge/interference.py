@@ -80,12 +80,26 @@ class _Approach:
     """
 
     def __init__(
-        self, motion: Motion, home: Any, guest: Any, pad: float, allowed: float, facets: float, cut: int = 0
+        self,
+        motion: Motion,
+        home: Any,
+        guest: Any,
+        pad: float,
+        allowed: float,
+        facets: float,
+        cut: int = 0,
     ) -> None:
         import shapely
 
         self.cut = cut  # how often the guest was cut up
-        self.motion, self.home, self.guest, self.pad, self.allowed, self.facets = motion, home, guest, pad, allowed, facets
+        self.motion, self.home, self.guest, self.pad, self.allowed, self.facets = (
+            motion,
+            home,
+            guest,
+            pad,
+            allowed,
+            facets,
+        )
         self.coordinates = shapely.get_coordinates(guest) @ PLANE
         self.centre = complex(self.coordinates[0]) if len(self.coordinates) == 1 else motion.calmest
         self.reach = float(np.max(np.abs(self.coordinates - self.centre), initial=0.0))
@@ -105,11 +119,15 @@ class _Approach:
         turns, shifts = self.motion.at(theta)
         if len(theta) > 1:
             way = np.diff(np.interp(theta, self.motion.theta, self.path))
-            moved = np.abs(np.diff(shifts + turns * self.centre)) + self.reach * np.abs(np.diff(turns))
+            moved = np.abs(np.diff(shifts + turns * self.centre)) + self.reach * np.abs(
+                np.diff(turns)
+            )
             if not np.all(moved <= way * (1 + 1e-6) + 1e-7):
                 k = int(np.argmax(moved - way))
                 said = f"one sees the other move by {moved[k]:.6g} mm from {theta[k]:.6g} to {theta[k + 1]:.6g} rad"
-                raise ValueError(f"{said}, faster than its course read in {_GRID} steps tells, {way[k]:.6g} mm")
+                raise ValueError(
+                    f"{said}, faster than its course read in {_GRID} steps tells, {way[k]:.6g} mm"
+                )
         return _moved(self.guest, self.coordinates, turns, shifts)
 
     def slides_clear(self, distance: float) -> bool:
@@ -120,9 +138,16 @@ class _Approach:
         if ends is None or not 0 < distance < math.inf:
             return False
         turn, rings = self.motion.turns[0], shapely.get_parts(shapely.boundary(self.guest))
-        chains = [shapely.get_coordinates(ring) @ PLANE for ring in rings] or [self.coordinates[[0, 0]]]
-        starts, stops = (turn * np.concatenate([chain[side] for chain in chains]) for side in (slice(-1), slice(1, None)))
-        corners = np.stack([starts + ends[0], stops + ends[0], stops + ends[1], starts + ends[1]], axis=1)
+        chains = [shapely.get_coordinates(ring) @ PLANE for ring in rings] or [
+            self.coordinates[[0, 0]]
+        ]
+        starts, stops = (
+            turn * np.concatenate([chain[side] for chain in chains])
+            for side in (slice(-1), slice(1, None))
+        )
+        corners = np.stack(
+            [starts + ends[0], stops + ends[0], stops + ends[1], starts + ends[1]], axis=1
+        )
         swept = shapely.polygons(np.stack([corners.real, corners.imag], axis=2))
         placed = _moved(self.guest, self.coordinates, np.array([turn]), np.array(ends[:1]))
         shapely.prepare(self.home)
@@ -147,8 +172,13 @@ class _Approach:
         import shapely
 
         if self.cut == 0:
-            middle, radii = shapely.Point(self.centre.real, self.centre.imag), [self.reach / 2**k for k in range(_RINGS)]
-            discs = [middle.buffer(1.01 * radius, quad_segs=32) for radius in radii]  # its facets lie 0.1 percent inside
+            middle, radii = (
+                shapely.Point(self.centre.real, self.centre.imag),
+                [self.reach / 2**k for k in range(_RINGS)],
+            )
+            discs = [
+                middle.buffer(1.01 * radius, quad_segs=32) for radius in radii
+            ]  # its facets lie 0.1 percent inside
             holes = [middle.buffer(0.99 * radius, quad_segs=32) for radius in radii[1:]]
             rings = [disc.difference(hole) for disc, hole in zip(discs, holes, strict=False)]
             cutters = [discs[-1], *rings[::-1]]  # the calmest first
@@ -156,12 +186,18 @@ class _Approach:
             x0, y0, x1, y1 = self.guest.bounds
             x, y = (x0 + x1) / 2, (y0 + y1) / 2
             wide = x1 - x0 > y1 - y0
-            cutters = [shapely.box(x0, y0, *((x, y1) if wide else (x1, y))), shapely.box(*((x, y0) if wide else (x0, y)), x1, y1)]
+            cutters = [
+                shapely.box(x0, y0, *((x, y1) if wide else (x1, y))),
+                shapely.box(*((x, y0) if wide else (x0, y)), x1, y1),
+            ]
         parts = [self.guest.intersection(cutter) for cutter in cutters]
         return [
-            _Approach(self.motion, self.home, part, self.pad, self.allowed, self.facets, self.cut + 1)
-            for part in parts if not part.is_empty
-        ]  # fmt: skip
+            _Approach(
+                self.motion, self.home, part, self.pad, self.allowed, self.facets, self.cut + 1
+            )
+            for part in parts
+            if not part.is_empty
+        ]
 
 
 def _moved(area: Any, coordinates: Points, turns: Points, shifts: Points) -> Any:
@@ -170,7 +206,9 @@ def _moved(area: Any, coordinates: Points, turns: Points, shifts: Points) -> Any
     z = (turns[:, None] * coordinates + shifts[:, None]).ravel()
     if len(coordinates) == 1:
         return shapely.points(z.real, z.imag)
-    return shapely.set_coordinates(np.repeat(np.array([area]), len(turns)), np.column_stack([z.real, z.imag]))
+    return shapely.set_coordinates(
+        np.repeat(np.array([area]), len(turns)), np.column_stack([z.real, z.imag])
+    )
 
 
 # ---- the search ------------------------------------------------------------------------------------------------------
@@ -185,7 +223,9 @@ class _Best:
     evaluations: int = 0
 
 
-def _search(approach: _Approach, best: _Best, needed: float, resolution: float, most: float) -> bool:
+def _search(
+    approach: _Approach, best: _Best, needed: float, resolution: float, most: float
+) -> bool:
     """Lower `best` to the least gap of an approach; what is not looked at cannot be less than best less its resolution.
 
     False where more than `most` stretches are in question at once: then nothing is said.
@@ -206,9 +246,15 @@ def _search(approach: _Approach, best: _Best, needed: float, resolution: float, 
 
     def within(placed: Any, some: Ints, distance: float) -> Ints:
         """Those that come as near as that."""
-        if not (math.isfinite(distance) and len(some)):  # the first time there is nothing to compare with
+        if not (
+            math.isfinite(distance) and len(some)
+        ):  # the first time there is nothing to compare with
             return some
-        return some[shapely.dwithin(approach.home, placed[some], distance)] if distance > 0 else some[:0]
+        return (
+            some[shapely.dwithin(approach.home, placed[some], distance)]
+            if distance > 0
+            else some[:0]
+        )
 
     span = float(approach.path[-1])
     half = span / 2 / _START
@@ -243,7 +289,11 @@ def _search(approach: _Approach, best: _Best, needed: float, resolution: float, 
                 near = within(placed, near, reach(half))
             kept.append(places[near])
         middle, half = np.concatenate(kept), half / 2
-        middle = np.sort(np.concatenate([middle - half, middle + half])) if span >= AT_REST else middle[:0]
+        middle = (
+            np.sort(np.concatenate([middle - half, middle + half]))
+            if span >= AT_REST
+            else middle[:0]
+        )
     return True
 
 
@@ -251,7 +301,9 @@ def _settle(approach: _Approach, best: _Best, needed: float, resolution: float) 
     """Lower `best` to the least gap of an approach, by way of a simpler guest or pieces of it where that is less work."""
     if approach.empty or best.gap <= -approach.allowed:
         return
-    if approach.slides_clear(best.gap + approach.allowed + approach.facets + approach.pad - STRAIGHT):
+    if approach.slides_clear(
+        best.gap + approach.allowed + approach.facets + approach.pad - STRAIGHT
+    ):
         return
     if _search(approach, best, needed, resolution, _MANY if approach.divisible else math.inf):
         return
@@ -267,7 +319,10 @@ def _search_about(approach: _Approach, best: _Best, needed: float, resolution: f
     disc, found = approach.round(), _Best()
     if disc is None or not _search(disc, found, needed, resolution, _MANY) or found.gap <= needed:
         return False
-    true = float(shapely.distance(approach.home, approach.placed(np.array([found.theta]))[0])) - approach.allowed
+    true = (
+        float(shapely.distance(approach.home, approach.placed(np.array([found.theta]))[0]))
+        - approach.allowed
+    )
     best.evaluations += found.evaluations
     if true - approach.facets > found.gap + resolution:
         return False
@@ -299,9 +354,13 @@ def swept(
     names = [body.name for body in bodies]
     unknown = {name for pair in contacts for name in pair} - set(names)
     if len(set(names)) < len(names) or unknown or not all(value > 0 for value in contacts.values()):
-        raise ValueError(f"names that occur twice, contacts of unknown bodies {sorted(unknown)} or without an allowed overlap")
+        raise ValueError(
+            f"names that occur twice, contacts of unknown bodies {sorted(unknown)} or without an allowed overlap"
+        )
     sections, theta = [sections_of(body) for body in bodies], np.linspace(*turn, _GRID + 1)
-    seen = functools.cache(lambda home, guest: Motion(home, guest, theta))  # bodies on one course move as one
+    seen = functools.cache(
+        lambda home, guest: Motion(home, guest, theta)
+    )  # bodies on one course move as one
     within = functools.cache(covered)
     found = []
     for (a, own), (b, others) in itertools.combinations(zip(bodies, sections, strict=True), 2):
@@ -313,24 +372,40 @@ def swept(
         if level:
             level = _widest(level, within) if len(level) <= _LAYERS else level
             motions = seen(a.course, b.course), seen(b.course, a.course)
-            allowed = contacts.get(frozenset((a.name, b.name)), mounted if motions[0].at_rest else None)
+            allowed = contacts.get(
+                frozenset((a.name, b.name)), mounted if motions[0].at_rest else None
+            )
             try:
                 best, proven = _least(motions, level, allowed, needed, resolution)
             except ValueError as fault:
                 raise ValueError(f"{a.name} and {b.name}: {fault}") from None
             found.append(
-                Clearance(a.name, b.name, best.gap, proven, best.theta, allowed, best.evaluations, motions[0].at_rest)
+                Clearance(
+                    a.name,
+                    b.name,
+                    best.gap,
+                    proven,
+                    best.theta,
+                    allowed,
+                    best.evaluations,
+                    motions[0].at_rest,
+                )
             )
     return found
 
 
 def _least(
-    motions: tuple[Motion, Motion], level: Sequence[tuple[Section, Section]], allowed: float | None, needed: float,
+    motions: tuple[Motion, Motion],
+    level: Sequence[tuple[Section, Section]],
+    allowed: float | None,
+    needed: float,
     resolution: float,
-) -> tuple[_Best, float]:  # fmt: skip
+) -> tuple[_Best, float]:
     """Smallest gap of a pair's sections, and the one that is proven."""
     best, target, floor = _Best(), needed if allowed is None else -allowed, -(allowed or 0.0)
-    fine, share = (resolution, _SHARE) if allowed is None else (min(resolution, allowed / 4), _TOUCHING)
+    fine, share = (
+        (resolution, _SHARE) if allowed is None else (min(resolution, allowed / 4), _TOUCHING)
+    )
     waiting = [list(level)]
     while waiting:
         some = waiting.pop()
@@ -340,17 +415,30 @@ def _least(
             continue
         first, second = (shadow_of(sections) for sections in zip(*some, strict=True))
         whole = _Best()
-        clear = _search(_facing(motions, first, second, -floor), whole, target, fine, _LONG) and whole.gap > max(target, 0.0)
+        clear = _search(
+            _facing(motions, first, second, -floor), whole, target, fine, _LONG
+        ) and whole.gap > max(target, 0.0)
         best.evaluations += whole.evaluations
         if not clear:
             waiting += [some[len(some) // 2 :], some[: len(some) // 2]]
         elif whole.gap < best.gap:
             best.gap, best.theta = whole.gap, whole.theta
     if best.gap > floor:
-        return (best, best.gap - _spare(best.gap, target, fine, share)) if math.isfinite(best.gap) else (_Best(floor), floor)
+        return (
+            (best, best.gap - _spare(best.gap, target, fine, share))
+            if math.isfinite(best.gap)
+            else (_Best(floor), floor)
+        )
     looked = 1 if motions[0].at_rest else _DEPTHS
-    theta = np.sort(np.append(np.linspace(motions[0].theta[0], motions[0].theta[-1], looked, endpoint=False), best.theta))
-    depth, best.theta = _deepest([(motions[0], first.area, second.area, theta) for first, second in level], best.theta)
+    theta = np.sort(
+        np.append(
+            np.linspace(motions[0].theta[0], motions[0].theta[-1], looked, endpoint=False),
+            best.theta,
+        )
+    )
+    depth, best.theta = _deepest(
+        [(motions[0], first.area, second.area, theta) for first, second in level], best.theta
+    )
     best.gap, best.evaluations = -depth, best.evaluations + len(theta)
     return best, best.gap - resolution
 
@@ -359,12 +447,16 @@ def _widest(level: Sequence[Facing], within: Callable[[Section, Section], bool])
     """Pairs less those of sections that lie within another pair's, and so are no nearer: those of a cam's mark."""
     kept = list(level)
     for first, second in level:
-        if any(within(first, a) and within(second, b) for a, b in kept if (a, b) != (first, second)):
+        if any(
+            within(first, a) and within(second, b) for a, b in kept if (a, b) != (first, second)
+        ):
             kept.remove((first, second))
     return kept
 
 
-def _facing(motions: tuple[Motion, Motion], first: Section, second: Section, allowed: float) -> _Approach:
+def _facing(
+    motions: tuple[Motion, Motion], first: Section, second: Section, allowed: float
+) -> _Approach:
     """Two sections for the search; the guest is the one that is looked at with less work."""
 
     def seen(motion: Motion, home: Section, guest: Section) -> _Approach:
@@ -374,13 +466,22 @@ def _facing(motions: tuple[Motion, Motion], first: Section, second: Section, all
         if guest.disc is None:
             return _Approach(motion, body, shrunk(guest, allowed / 2), 0.0, allowed, facets)
         centre, radius = guest.disc
-        return _Approach(motion, body, shapely.Point(centre.real, centre.imag), radius - allowed / 2, allowed, facets)
+        return _Approach(
+            motion,
+            body,
+            shapely.Point(centre.real, centre.imag),
+            radius - allowed / 2,
+            allowed,
+            facets,
+        )
 
     both = seen(motions[0], first, second), seen(motions[1], second, first)
     return min(both, key=lambda each: len(each.coordinates) * (1 + each.path[-1]))
 
 
-def _deepest(overlaps: Sequence[tuple[Motion, Any, Any, Floats]], theta: float) -> tuple[float, float]:
+def _deepest(
+    overlaps: Sequence[tuple[Motion, Any, Any, Floats]], theta: float
+) -> tuple[float, float]:
     """Diameter of the largest circle in the overlaps of a home and a guest at the angles given, mm, and its angle.
 
     A circle fits where both, shrunk by its radius, still meet.
@@ -393,7 +494,11 @@ def _deepest(overlaps: Sequence[tuple[Motion, Any, Any, Floats]], theta: float) 
             a, b = home.buffer(-depth / 2), guest.buffer(-depth / 2)
             if not (a.is_empty or b.is_empty):
                 shapely.prepare(a)
-                meet = angles[shapely.intersects(a, _moved(b, shapely.get_coordinates(b) @ PLANE, *motion.at(angles)))]
+                meet = angles[
+                    shapely.intersects(
+                        a, _moved(b, shapely.get_coordinates(b) @ PLANE, *motion.at(angles))
+                    )
+                ]
                 if len(meet):
                     kept.append((motion, home, guest, meet))
         return kept
@@ -415,7 +520,9 @@ def _deepest(overlaps: Sequence[tuple[Motion, Any, Any, Floats]], theta: float) 
 _PROVEN = "proven for the whole turn, not only the samples"
 
 
-def interference(clearances: Sequence[Clearance], needed: float, angle: str = "cam angle") -> list[Finding]:
+def interference(
+    clearances: Sequence[Clearance], needed: float, angle: str = "cam angle"
+) -> list[Finding]:
     """INTERFERENCE: each pair that comes too near or is not proven to stay clear, else the tightest of either kind.
 
     Of bodies that must stay apart the gap, at least the needed one, mm; of bodies that touch by intent the overlap, at most
@@ -425,14 +532,24 @@ def interference(clearances: Sequence[Clearance], needed: float, angle: str = "c
     apart = [(c.proven - needed, c) for c in clearances if c.allowed is None]
     touching = [(c.proven + c.allowed, c) for c in clearances if c.allowed is not None]
     for c in _worst(apart):
-        seen = f"smallest gap seen {c.gap:.4f} mm" if c.gap > 0 else f"they overlap by {abs(c.gap):.4f} mm or more"
+        seen = (
+            f"smallest gap seen {c.gap:.4f} mm"
+            if c.gap > 0
+            else f"they overlap by {abs(c.gap):.4f} mm or more"
+        )
         remark = f"nearest of {counted(len(apart), 'pair')} that must stay apart; {seen}; {_PROVEN}"
-        findings.append(at_least("INTERFERENCE", c.proven, needed, "mm", _place(c, "gap", angle), remark))
+        findings.append(
+            at_least("INTERFERENCE", c.proven, needed, "mm", _place(c, "gap", angle), remark)
+        )
     for c in _worst(touching):
         seen = f"overlap seen {max(0.0, -c.gap):.4f} mm"
-        remark = f"deepest of {counted(len(touching), 'pair')} that touch by intent; {seen}; {_PROVEN}"
+        remark = (
+            f"deepest of {counted(len(touching), 'pair')} that touch by intent; {seen}; {_PROVEN}"
+        )
         where = _place(c, "overlap", angle)
-        findings.append(at_most("INTERFERENCE", max(0.0, -c.proven), c.allowed or 0.0, "mm", where, remark))
+        findings.append(
+            at_most("INTERFERENCE", max(0.0, -c.proven), c.allowed or 0.0, "mm", where, remark)
+        )
     return findings
 
 

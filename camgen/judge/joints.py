@@ -33,7 +33,20 @@ from camgen.machine.features import (
     SlotFaces,
     Steady,
 )
-from camgen.machine.model import GROUND, Cam, Gear, Joint, Machine, Output, Pin, Place, Slide, Slot, centres_of, placed
+from camgen.machine.model import (
+    GROUND,
+    Cam,
+    Gear,
+    Joint,
+    Machine,
+    Output,
+    Pin,
+    Place,
+    Slide,
+    Slot,
+    centres_of,
+    placed,
+)
 from camgen.numerics import Floats
 from camgen.tolerances import SAME_POINT
 
@@ -62,7 +75,9 @@ class Rolled:
     def __call__(self, theta: Floats, order: int = 0) -> Floats:
         """s at theta, (n,), or its derivative."""
         if order > 1:
-            return np.zeros(np.shape(theta))  # a facet has none; only the start of Newton's method asks for it
+            return np.zeros(
+                np.shape(theta)
+            )  # a facet has none; only the start of Newton's method asks for it
         key = order, np.shape(theta), np.asarray(theta).tobytes()
         if key not in self._known:
             if len(self._known) >= _KNOWN:
@@ -76,7 +91,9 @@ class Rolled:
         return {}
 
     def _slope(self, theta: Floats) -> Floats:
-        return np.asarray((self.contact.angle(theta + _SLOPE) - self.contact.angle(theta - _SLOPE)) / (2 * _SLOPE))
+        return np.asarray(
+            (self.contact.angle(theta + _SLOPE) - self.contact.angle(theta - _SLOPE)) / (2 * _SLOPE)
+        )
 
     def lever(self, theta: Floats) -> Floats:
         """Way of the tip square to the outline per unit of s, (n,) mm; of one that is too steep to be meant as if it were not."""
@@ -128,38 +145,61 @@ class Closable:
     radii: Mapping[str, float]
 
 
-def assembled(machine: Machine, features: Sequence[Feature], mounts: Sequence[Mount], found: Readings) -> Closable:
+def assembled(
+    machine: Machine, features: Sequence[Feature], mounts: Sequence[Mount], found: Readings
+) -> Closable:
     """The same machine with its joints and outputs where the features are.
 
     ValueError, with the joint's name, where a feature's part stands on neither of its bodies, or a follower misses its cam.
     """
     builder = _Builder(machine, mounts, keyed(features, mounts, found), found)
-    for kind in (PinEyes, Steady, SlideFaces, SlotFaces, CamOutline, GearTeeth):  # cams and gears ask for the pins that hold them
+    for kind in (
+        PinEyes,
+        Steady,
+        SlideFaces,
+        SlotFaces,
+        CamOutline,
+        GearTeeth,
+    ):  # cams and gears ask for the pins that hold them
         for feature in features:
             if isinstance(feature, kind):
                 builder.put(feature)
     marks = [feature.eye for feature in features if isinstance(feature, Mark)]
     outputs = tuple(builder.output(output, marks) for output in machine.outputs)
     joints = tuple(builder.joints[joint.name] for joint in machine.joints)
-    return Closable(replace(machine, joints=joints, outputs=outputs), builder.fits, builder.outlines, builder.radii)
+    return Closable(
+        replace(machine, joints=joints, outputs=outputs),
+        builder.fits,
+        builder.outlines,
+        builder.radii,
+    )
 
 
 def keyed(features: Sequence[Feature], mounts: Sequence[Mount], found: Readings) -> list[Mount]:
     """The mounts, those of parts on a pin with a flat where its holes and flats, as found, put them."""
     placed = list(mounts)
     for feature in (feature for feature in features if isinstance(feature, Keyed)):
-        k, n = (next(k for k, mount in enumerate(placed) if mount.part == eye.part) for eye in (feature.a, feature.b))
+        k, n = (
+            next(k for k, mount in enumerate(placed) if mount.part == eye.part)
+            for eye in (feature.a, feature.b)
+        )
         (a, b), on = found.facing[feature], placed[k]
         turned = on.direction(a) - b
         centre = on.place(found.eyes[feature.a].centre)
-        placed[n] = replace(placed[n], at=centre - cmath.exp(1j * turned) * found.eyes[feature.b].centre, turned=turned)
+        placed[n] = replace(
+            placed[n],
+            at=centre - cmath.exp(1j * turned) * found.eyes[feature.b].centre,
+            turned=turned,
+        )
     return placed
 
 
 class _Builder:
     """Joints, put one by one where their features are."""
 
-    def __init__(self, machine: Machine, mounts: Sequence[Mount], made: Sequence[Mount], found: Readings) -> None:
+    def __init__(
+        self, machine: Machine, mounts: Sequence[Mount], made: Sequence[Mount], found: Readings
+    ) -> None:
         self.mounts, self.made, self.found = mounts, dict(zip(mounts, made, strict=True)), found
         self.machine, self.joints = machine, {joint.name: joint for joint in machine.joints}
         self.meant = {joint.name: joint for joint in machine.joints if isinstance(joint, Pin)}
@@ -167,7 +207,9 @@ class _Builder:
         self.outlines: dict[str, list[Outline]] = {}
         self.radii: dict[str, float] = {}
 
-    def put(self, feature: PinEyes | Steady | SlideFaces | SlotFaces | CamOutline | GearTeeth) -> None:
+    def put(
+        self, feature: PinEyes | Steady | SlideFaces | SlotFaces | CamOutline | GearTeeth
+    ) -> None:
         """Put the feature's joint where it is."""
         joint = self.joints[feature.joint]
         match feature, joint:
@@ -201,11 +243,16 @@ class _Builder:
         if eye.part is None:
             return place
         mount = self._mount(eye.part, place, eye.at)
-        return Place(place.body, place.at + self.made[mount].place(self.found.eyes[eye].centre) - mount.place(eye.at))
+        return Place(
+            place.body,
+            place.at + self.made[mount].place(self.found.eyes[eye].centre) - mount.place(eye.at),
+        )
 
     def _on(self, part: str | None, body: str) -> bool:
         """Whether a part stands on a body, as what no file shows may."""
-        return part is None or any((mount.part, mount.body) == (part, body) for mount in self.mounts)
+        return part is None or any(
+            (mount.part, mount.body) == (part, body) for mount in self.mounts
+        )
 
     def _pin(self, feature: PinEyes, joint: Pin) -> Pin:
 
@@ -229,30 +276,51 @@ class _Builder:
         off = abs(shifts[1] - shifts[0])
         if feature.webs is not None:
             body = joint.b if ground is joint.a else joint.a
-            low, high = (self.made[self._mount(eye.part or "", body, eye.at)].place(eyes[eye].centre) for eye in feature.webs)
+            low, high = (
+                self.made[self._mount(eye.part or "", body, eye.at)].place(eyes[eye].centre)
+                for eye in feature.webs
+            )
             off += abs(high - low)
         sizes = [abs(eyes[eye].diameter - eye.diameter) for eye in (feature.far, feature.pin)]
         fit = self.fits[feature.joint]
-        self.fits[feature.joint] = replace(fit, misfit=max(fit.misfit, off, *sizes, eyes[feature.far].spread))
+        self.fits[feature.joint] = replace(
+            fit, misfit=max(fit.misfit, off, *sizes, eyes[feature.far].spread)
+        )
 
     def _size(self, eye: Eye) -> float:
         return self.found.eyes[eye].diameter
 
     def _fit(
-        self, joint: str, meant: tuple[float, float], made: tuple[float, float], shifts: tuple[float, float],
-        parts: tuple[str | None, str | None], eyes: Sequence[Eye], pin: Eye | None = None, shaft: bool = False,
-    ) -> None:  # fmt: skip
+        self,
+        joint: str,
+        meant: tuple[float, float],
+        made: tuple[float, float],
+        shifts: tuple[float, float],
+        parts: tuple[str | None, str | None],
+        eyes: Sequence[Eye],
+        pin: Eye | None = None,
+        shaft: bool = False,
+    ) -> None:
         """Write down a joint's fit, from what its two sides measure, mm; shaft: the first of them is in the second."""
 
         def play(sizes: tuple[float, float], through: float | None) -> float:
             a, b = sizes
             return (b - a) * (1 if shaft else -1) if through is None else a + b - 2 * through
 
-        now, was = play(made, self._size(pin) if pin else None), play(meant, pin.diameter if pin else None)
-        misfit = abs(now - was) / (1 if pin is None else 2)  # a pin is in two holes, so their play counts by the half
+        now, was = (
+            play(made, self._size(pin) if pin else None),
+            play(meant, pin.diameter if pin else None),
+        )
+        misfit = abs(now - was) / (
+            1 if pin is None else 2
+        )  # a pin is in two holes, so their play counts by the half
         for eye in eyes:  # each hole's own size, and its centres at several heights
             found = self.found.eyes[eye]
-            misfit = max(misfit, found.spread, abs(found.diameter - eye.diameter) if eye.part and eye.diameter else 0.0)
+            misfit = max(
+                misfit,
+                found.spread,
+                abs(found.diameter - eye.diameter) if eye.part and eye.diameter else 0.0,
+            )
         self.fits[joint] = Fit(now, was, misfit, shifts, (parts[0] or "", parts[1] or ""))
 
     def _line(self, faces: Faces, place: Place, along: float) -> tuple[Place, float]:
@@ -273,7 +341,9 @@ class _Builder:
         block, own = self._line(runner, joint.runner, joint.angle - joint.turn)
         found = (self.found.faces[rails].width, self.found.faces[runner].width)
         shifts = (abs(guide.at - joint.guide.at), abs(block.at - joint.runner.at))
-        self._fit(joint.name, (rails.width, runner.width), found, shifts, (rails.part, runner.part), ())
+        self._fit(
+            joint.name, (rails.width, runner.width), found, shifts, (rails.part, runner.part), ()
+        )
         return replace(joint, guide=guide, runner=block, angle=angle, turn=angle - own)
 
     def _slot(self, feature: SlotFaces, joint: Slot) -> Slot:
@@ -282,7 +352,15 @@ class _Builder:
         walls, eye = feature.walls, feature.eye
         found = (self.found.faces[walls].width, self._size(eye))
         shifts = (abs(guide.at - joint.guide.at), abs(runner.at - joint.runner.at))
-        self._fit(joint.name, (walls.width, eye.diameter), found, shifts, (walls.part, eye.part), (eye,), feature.pin)
+        self._fit(
+            joint.name,
+            (walls.width, eye.diameter),
+            found,
+            shifts,
+            (walls.part, eye.part),
+            (eye,),
+            feature.pin,
+        )
         return replace(joint, guide=guide, runner=runner, angle=angle)
 
     def _held(self, pin: str, body: str) -> tuple[complex, complex]:
@@ -306,7 +384,9 @@ class _Builder:
     def _gear(self, feature: GearTeeth, joint: Gear) -> Gear:
         """A pair whose teeth lie in each other's gaps on the line of their axes, with the play that is left there."""
         before, after, off = [], [], 0.0
-        for teeth, pin, body in zip((feature.a, feature.b), feature.turns, (joint.a, joint.b), strict=True):
+        for teeth, pin, body in zip(
+            (feature.a, feature.b), feature.turns, (joint.a, joint.b), strict=True
+        ):
             made = self.found.teeth[teeth]
             if not self._on(teeth.part, body):
                 raise ValueError(f"{joint.name}: {teeth.part} is not mounted on {body}")
@@ -319,10 +399,18 @@ class _Builder:
         count, radius = feature.b.count, feature.b.radius
         phase = joint.phase + ((feature.a.count + count) * lean - off) / count
         wider = 2 * (abs(line) - abs(meant_line)) * math.tan(_PRESSURE)
-        gaps = [sum(each.thickness for each in pair)
-                for pair in ((feature.a, feature.b), (self.found.teeth[feature.a], self.found.teeth[feature.b]))]  # fmt: skip
+        gaps = [
+            sum(each.thickness for each in pair)
+            for pair in (
+                (feature.a, feature.b),
+                (self.found.teeth[feature.a], self.found.teeth[feature.b]),
+            )
+        ]
         space = 2 * math.pi * radius / count
-        thin = max(abs(self.found.teeth[each].thickness - each.thickness) for each in (feature.a, feature.b))
+        thin = max(
+            abs(self.found.teeth[each].thickness - each.thickness)
+            for each in (feature.a, feature.b)
+        )
         self.fits[joint.name] = Fit(space - gaps[1] + wider, space - gaps[0], max(thin, abs(wider)))
         self.radii[joint.name] = radius
         return replace(joint, phase=phase)
@@ -333,7 +421,11 @@ class _Builder:
         if own is None or own.tip not in eyes or feature.swings is None:
             return None
         mount = self._mount(own.part, Place(joint.follower), own.tip.at)
-        tip = mount.place(eyes[own.tip].centre) - mount.place(eyes[own.bore].centre) + mount.place(own.bore.at)
+        tip = (
+            mount.place(eyes[own.tip].centre)
+            - mount.place(eyes[own.bore].centre)
+            + mount.place(own.bore.at)
+        )
         radius = eyes[own.tip].diameter / 2 if own.radius is None else own.radius
         try:
             return self._rolled(feature, joint, tip, None, radius, feature.free)
@@ -341,19 +433,30 @@ class _Builder:
             return None
 
     def _rolled(
-        self, feature: CamOutline, joint: Cam, tip: complex, facing: complex | None, radius: float, air: float
-    ) -> Rolled:  # fmt: skip
+        self,
+        feature: CamOutline,
+        joint: Cam,
+        tip: complex,
+        facing: complex | None,
+        radius: float,
+        air: float,
+    ) -> Rolled:
         """What a follower with this tip, so much larger, mm, rolls to on one outline."""
         radius += air
         own, centre = self._held(feature.turns, joint.cam)
-        mounts = [mount for mount in self.mounts if (mount.part, mount.body) == (feature.part, joint.cam)]
+        mounts = [
+            mount for mount in self.mounts if (mount.part, mount.body) == (feature.part, joint.cam)
+        ]
         if len(mounts) <= feature.copy:
             raise ValueError(f"{feature.part} is not mounted on {joint.cam}")
         mount = mounts[feature.copy]
         if feature.bore is not None:
             own += mount.place(self.found.eyes[feature.bore].centre) - mount.place(feature.bore.at)
         turn = cmath.exp(1j * mount.turned) * (-1 if mount.flipped else 1)
-        turn, shift = turn * cmath.exp(1j * joint.phase), (mount.at - own) * cmath.exp(1j * joint.phase)
+        turn, shift = (
+            turn * cmath.exp(1j * joint.phase),
+            (mount.at - own) * cmath.exp(1j * joint.phase),
+        )
         ring = self.found.rings[feature].moved(turn, shift, mirror=mount.flipped)
         form: Form
         if feature.swings is not None:
@@ -372,7 +475,12 @@ class _Builder:
             slide = self.joints[joint.slide]
             assert isinstance(slide, Slide)
             along = cmath.exp(1j * slide.angle)
-            start = slide.guide.at + along * joint.rest + cmath.exp(1j * slide.turn) * (tip - slide.runner.at) - centre
+            start = (
+                slide.guide.at
+                + along * joint.rest
+                + cmath.exp(1j * slide.turn) * (tip - slide.runner.at)
+                - centre
+            )
             lever, middle = None, 0.0
             if facing is None:
                 form = SlideTip(start, along, radius, feature.leaves, feature.inside)
@@ -405,7 +513,9 @@ class _Builder:
                         return now
             for eye in marks:
                 for mount in self.mounts:
-                    if (mount.part, mount.body) == (eye.part, place.body) and abs(mount.place(eye.at) - place.at) < SAME_POINT:
+                    if (mount.part, mount.body) == (eye.part, place.body) and abs(
+                        mount.place(eye.at) - place.at
+                    ) < SAME_POINT:
                         return self._placed(eye, place)
             return place
 

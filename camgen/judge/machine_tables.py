@@ -57,7 +57,9 @@ class Profile:
     pressure_angle: Floats
 
 
-def judge_profile(table: Path, profile: Profile, ring: Ring, law: Rolled, step_deg: float, tolerance: float) -> list[Finding]:
+def judge_profile(
+    table: Path, profile: Profile, ring: Ring, law: Rolled, step_deg: float, tolerance: float
+) -> list[Finding]:
     """ROUND_TRIP of each column of a profile's table.
 
     ring: the outline in the part's own file, material on its left; law: what the follower rolls to on it; step_deg: between
@@ -66,9 +68,21 @@ def judge_profile(table: Path, profile: Profile, ring: Ring, law: Rolled, step_d
     wanted = np.arange(0, 360, step_deg)
     if len(profile.theta) != len(wanted):
         said = f"{len(profile.theta)} rows instead of {len(wanted)}, one each {step_deg:g} deg"
-        return [at_most("ROUND_TRIP", abs(len(profile.theta) - len(wanted)), 0, "rows", table.name, said)]
+        return [
+            at_most(
+                "ROUND_TRIP", abs(len(profile.theta) - len(wanted)), 0, "rows", table.name, said
+            )
+        ]
     rows = _Rows(table.name, profile, _Edges(ring, tolerance), _Follower(law, profile.theta))
-    return [rows.angles(wanted), rows.places(), rows.polar(), *rows.follower(), rows.normals(), rows.pressure(), rows.curvature()]
+    return [
+        rows.angles(wanted),
+        rows.places(),
+        rows.polar(),
+        *rows.follower(),
+        rows.normals(),
+        rows.pressure(),
+        rows.curvature(),
+    ]
 
 
 # ---- the outline -----------------------------------------------------------------------------------------------------
@@ -101,7 +115,9 @@ class _Edges:
     def length(self) -> Floats:
         """(n,) mm."""
         ring = self.ring
-        return np.asarray(np.abs(ring.ends - ring.points) / np.sinc(2 * np.arctan(ring.bulges) / np.pi))
+        return np.asarray(
+            np.abs(ring.ends - ring.points) / np.sinc(2 * np.arctan(ring.bulges) / np.pi)
+        )
 
     @cached_property
     def kink(self) -> Floats:
@@ -177,14 +193,18 @@ class _Follower:
 
     def __init__(self, law: Rolled, theta: Floats) -> None:
         form = law.contact.form
-        assert isinstance(form, ArmTip | SlideTip | ArmFace | SlideFace), f"{form} is no follower of a cam"
+        assert isinstance(form, ArmTip | SlideTip | ArmFace | SlideFace), (
+            f"{form} is no follower of a cam"
+        )
         self.law, self.form, self.theta = law, form, theta
         touch = law.contact.touch(theta)
         self.steepest = np.maximum(np.cos(touch.pressure_angle), _STEEP)
         self.radius = 0.0
         self.facing: Points | None = None
         s = touch.angle
-        self.sense = -form.leaves if isinstance(form, ArmTip | SlideTip) and form.inside else form.leaves
+        self.sense = (
+            -form.leaves if isinstance(form, ArmTip | SlideTip) and form.inside else form.leaves
+        )
         match form:
             case ArmTip():
                 self.centre, self.radius = form.pivot + form.arm * np.exp(1j * s), form.tip_radius
@@ -226,17 +246,23 @@ class _Rows:
         self.spoke = np.where(self.riding, spoke / np.maximum(np.abs(spoke), _DIGIT), self.normal)
         self.seen = edges.against(profile.place, profile.normal)
 
-    def _worst(self, columns: str, error: Floats, limit: Floats | float, unit: str, message: str) -> Finding:
+    def _worst(
+        self, columns: str, error: Floats, limit: Floats | float, unit: str, message: str
+    ) -> Finding:
         """ROUND_TRIP of the row whose error is the largest share of its limit; nan is larger than any."""
         limits = np.broadcast_to(np.asarray(limit, float), error.shape)
         worst = int(np.argmax(np.where(np.isnan(error), np.inf, error / limits)))
         where = f"{self.name}, {columns}, row of {math.degrees(self.profile.theta[worst]):g} deg"
-        return at_most("ROUND_TRIP", float(error[worst]), float(limits[worst]), unit, where, message)
+        return at_most(
+            "ROUND_TRIP", float(error[worst]), float(limits[worst]), unit, where, message
+        )
 
     def angles(self, wanted: Floats) -> Finding:
         """Of the cam's angles, deg."""
         off = np.abs(np.degrees(self.profile.theta) - wanted)
-        return self._worst("theta_deg", off, 2 * _DIGIT, "deg", "rows in even steps of output.profile_step_deg")
+        return self._worst(
+            "theta_deg", off, 2 * _DIGIT, "deg", "rows in even steps of output.profile_step_deg"
+        )
 
     def places(self) -> Finding:
         """Of the places, and of corners on which the follower rides."""
@@ -251,23 +277,46 @@ class _Rows:
         profile = self.profile
         off = np.abs(profile.radius * np.exp(1j * profile.angle) - profile.place)
         limit = _DIGIT * (2 + np.abs(profile.place))
-        return self._worst("radius_mm and angle_deg", off, limit, "mm", "against the place that x and y tell, to the last digit")
+        return self._worst(
+            "radius_mm and angle_deg",
+            off,
+            limit,
+            "mm",
+            "against the place that x and y tell, to the last digit",
+        )
 
     def follower(self) -> list[Finding]:
         """Of what a row says of the follower: where it is at that angle."""
-        columns, said = "theta_deg, x_mm, y_mm and normal_deg", "the follower as the row puts it, against the outline that is cut"
+        columns, said = (
+            "theta_deg, x_mm, y_mm and normal_deg",
+            "the follower as the row puts it, against the outline that is cut",
+        )
         rolled, spoke = self.rolled, self.rolled.centre - self.place
         if rolled.facing is not None:
-            lean = np.where(self.riding, 0.0, np.degrees(np.abs(np.angle(self.spoke * np.conj(rolled.facing)))))
+            lean = np.where(
+                self.riding, 0.0, np.degrees(np.abs(np.angle(self.spoke * np.conj(rolled.facing))))
+            )
             least = np.full(len(lean), _FOLLOWS)
             if isinstance(rolled.form, ArmFace):
-                least = np.degrees(self.near / np.maximum(np.abs(self.place - rolled.form.pivot), self.off))
+                least = np.degrees(
+                    self.near / np.maximum(np.abs(self.place - rolled.form.pivot), self.off)
+                )
             height = np.abs(np.real(spoke * np.conj(rolled.facing)))
             return [
                 self._worst(columns, height, self.near, "mm", said),
-                self._worst("theta_deg and normal_deg", lean, least, "deg", "the row's normal against that of the face"),
+                self._worst(
+                    "theta_deg and normal_deg",
+                    lean,
+                    least,
+                    "deg",
+                    "the row's normal against that of the face",
+                ),
             ]
-        apart = np.where(self.riding, np.abs(np.abs(spoke) - rolled.radius), np.abs(spoke - rolled.radius * self.spoke))
+        apart = np.where(
+            self.riding,
+            np.abs(np.abs(spoke) - rolled.radius),
+            np.abs(spoke - rolled.radius * self.spoke),
+        )
         return [self._worst(columns, apart, self.near, "mm", said)]
 
     def normals(self) -> Finding:
@@ -283,7 +332,13 @@ class _Rows:
         found = np.degrees(np.abs(np.angle(self.spoke * np.conj(rolled.way(point)))))
         corner = np.degrees(np.arctan2(self.near, max(rolled.radius, self.off)))
         said = "the angle between the row's normal and the follower's way"
-        return self._worst("pressure_angle_deg", np.abs(found - angle), np.where(self.riding, corner, _FOLLOWS), "deg", said)
+        return self._worst(
+            "pressure_angle_deg",
+            np.abs(found - angle),
+            np.where(self.riding, corner, _FOLLOWS),
+            "deg",
+            said,
+        )
 
     def curvature(self) -> Finding:
         """Of the curvature: among those that the outline has between the rows before and after; where five rows are on one arc,
@@ -292,11 +347,17 @@ class _Rows:
         low, high, limit = self._bends()
         means = self._turns()
         steps = np.stack([np.roll(means, k) for k in (2, 1, 0, -1)])
-        alone = np.stack([np.roll(self.seen.nearest, k) == self.seen.nearest for k in (-2, -1, 1, 2)]).all(axis=0)
+        alone = np.stack(
+            [np.roll(self.seen.nearest, k) == self.seen.nearest for k in (-2, -1, 1, 2)]
+        ).all(axis=0)
         alone &= np.isfinite(steps).all(axis=0)
         least, most = np.min(steps, axis=0), np.max(steps, axis=0)
         fine = _SPREAD * (most - least) + 1e3 * _DIGIT
-        low, high, limit = np.where(alone, least, low), np.where(alone, most, high), np.where(alone, fine, limit)
+        low, high, limit = (
+            np.where(alone, least, low),
+            np.where(alone, most, high),
+            np.where(alone, fine, limit),
+        )
         off = np.maximum(np.maximum(low - curvature, curvature - high), 0.0)
         off = np.where(self.riding, np.where(np.isnan(curvature), 0.0, np.inf), off)
         said = "against the curvature of the outline that is cut, about the row's place"
@@ -314,12 +375,23 @@ class _Rows:
     def _bends(self) -> tuple[Floats, Floats, Floats]:
         """Least and greatest curvature of the edges from the row before to the row after, and how far off they may be, 1/mm."""
         edges, nearest, count = self.edges, self.seen.nearest, self.edges.count
-        before, after = ((np.roll(nearest, k) - nearest + count // 2) % count - count // 2 for k in (1, -1))
-        first, last = np.minimum(np.minimum(before, after), 0) - 1, np.maximum(np.maximum(before, after), 0) + 1
+        before, after = (
+            (np.roll(nearest, k) - nearest + count // 2) % count - count // 2 for k in (1, -1)
+        )
+        first, last = (
+            np.minimum(np.minimum(before, after), 0) - 1,
+            np.maximum(np.maximum(before, after), 0) + 1,
+        )
         found = np.empty((3, len(first)))
-        for k, (middle, a, b) in enumerate(zip(nearest.tolist(), first.tolist(), last.tolist(), strict=True)):
+        for k, (middle, a, b) in enumerate(
+            zip(nearest.tolist(), first.tolist(), last.tolist(), strict=True)
+        ):
             there = np.arange(middle + a, middle + b + 1) % count
-            found[:, k] = edges.curvature[there].min(), edges.curvature[there].max(), edges.bend_limit[there].max()
+            found[:, k] = (
+                edges.curvature[there].min(),
+                edges.curvature[there].max(),
+                edges.bend_limit[there].max(),
+            )
         return found[0], found[1], found[2]
 
 
@@ -351,7 +423,10 @@ class Step:
     def named(self) -> bool:
         """Whether its kind is that of the cells that it fills."""
         whole = math.isfinite(abs(self.centre) + self.radius + self.sweep)
-        return self.kind == ("line" if self.straight else "arc ccw" if self.sweep > 0 else "arc cw") and whole != self.straight
+        return (
+            self.kind == ("line" if self.straight else "arc ccw" if self.sweep > 0 else "arc cw")
+            and whole != self.straight
+        )
 
     @property
     def error(self) -> float:
@@ -359,11 +434,19 @@ class Step:
         if self.straight:
             return 0.0
         spoke = self.start - self.centre
-        return max(abs(abs(spoke) - self.radius), abs(self.centre + spoke * cmath.rect(1, self.sweep) - self.end))
+        return max(
+            abs(abs(spoke) - self.radius),
+            abs(self.centre + spoke * cmath.rect(1, self.sweep) - self.end),
+        )
 
 
 def judge_path(
-    path: Path, pieces: Sequence[Step], outline: Ring, radius: float, limit: float, within: bool = False
+    path: Path,
+    pieces: Sequence[Step],
+    outline: Ring,
+    radius: float,
+    limit: float,
+    within: bool = False,
 ) -> list[Finding]:
     """A cutter's path round an outline, or within one, such as a groove's outer wall: the same in DXF and CSV; CUTTER: how far
     what the cutter leaves is from the outline.
@@ -373,9 +456,20 @@ def judge_path(
     """
     drawing = read_dxf(path)
     faults = [fault.message for fault in drawing.faults] + drawing.repainted(PART_LAYERS)
-    faults += [] if drawing.units == MILLIMETRES else [f"$INSUNITS is {drawing.units}, millimetres are {MILLIMETRES}"]
+    faults += (
+        []
+        if drawing.units == MILLIMETRES
+        else [f"$INSUNITS is {drawing.units}, millimetres are {MILLIMETRES}"]
+    )
     faults += [] if len(drawing.cut) == 1 else [f"{len(drawing.cut)} contours instead of 1"]
-    closed = at_most("DXF_CLOSED", len(faults), 0, "contours", path.name, "; ".join(faults) or "one closed contour")
+    closed = at_most(
+        "DXF_CLOSED",
+        len(faults),
+        0,
+        "contours",
+        path.name,
+        "; ".join(faults) or "one closed contour",
+    )
     if faults:
         return [closed]
     (ring,), table = drawing.cut, path.with_suffix(".csv").name
@@ -390,26 +484,44 @@ def judge_path(
         "where it is more, the cutter is too large for a hollow (output.cutter_radius)"
     )
     other = float(np.max(point_to_ring(left.points, target)))
-    return [*findings, at_most("CUTTER", max(float(off[worst]), other), limit, "mm", path.name, said)]
+    return [
+        *findings,
+        at_most("CUTTER", max(float(off[worst]), other), limit, "mm", path.name, said),
+    ]
 
 
 def _same_path(table: str, pieces: Sequence[Step], ring: Ring) -> list[Finding]:
     """ROUND_TRIP of a path's table, column by column, and of its contour against the ring in the DXF."""
     wrong = [k + 1 for k, piece in enumerate(pieces) if not piece.named]
-    said = "line, arc ccw or arc cw, as the other cells of the row tell" + (f"; not row {wrong[0]}" if wrong else "")
+    said = "line, arc ccw or arc cw, as the other cells of the row tell" + (
+        f"; not row {wrong[0]}" if wrong else ""
+    )
     kinds = at_most("ROUND_TRIP", len(wrong), 0, "rows", f"{table}, piece", said)
     if wrong or not pieces:
-        return [kinds, at_most("ROUND_TRIP", math.nan, 0, "mm", table, f"{len(pieces)} lines and arcs")]
-    gaps = [abs(here.end - following.start) for here, following in zip(pieces, (*pieces[1:], *pieces[:1]), strict=True)]
+        return [
+            kinds,
+            at_most("ROUND_TRIP", math.nan, 0, "mm", table, f"{len(pieces)} lines and arcs"),
+        ]
+    gaps = [
+        abs(here.end - following.start)
+        for here, following in zip(pieces, (*pieces[1:], *pieces[:1]), strict=True)
+    ]
     size = max(max(abs(piece.start), 0.0 if piece.straight else piece.radius) for piece in pieces)
     digits = 4 * _DIGIT * (1 + size / 50)  # nine decimals of a degree are 1 / 57 of that in rad
     said = "where each arc ends by its centre, radius and sweep, against its end"
     columns = f"{table}, centre_x_mm, centre_y_mm, radius_mm and sweep_deg"
     arcs = at_most("ROUND_TRIP", max(piece.error for piece in pieces), digits, "mm", columns, said)
     ends = at_most(
-        "ROUND_TRIP", max(gaps), digits, "mm", f"{table}, x0_mm, y0_mm, x1_mm and y1_mm", "from the end of each piece to the next"
+        "ROUND_TRIP",
+        max(gaps),
+        digits,
+        "mm",
+        f"{table}, x0_mm, y0_mm, x1_mm and y1_mm",
+        "from the end of each piece to the next",
     )
-    written = Ring(np.array([piece.start for piece in pieces]), np.array([piece.bulge for piece in pieces]))
+    written = Ring(
+        np.array([piece.start for piece in pieces]), np.array([piece.bulge for piece in pieces])
+    )
     off = contour_error(written, ring, FACETS)
     said = f"{len(pieces)} lines and arcs, as in the DXF"
     return [kinds, arcs, ends, at_most("ROUND_TRIP", off, 2 * FACETS, "mm", table, said)]

@@ -24,7 +24,7 @@ from camgen.machine.features import (
     SlotFaces,
     Teeth,
     eyes,
-)  # fmt: skip
+)
 
 Sections = Sequence[Sequence[Shape]]
 
@@ -35,7 +35,9 @@ _SAME_HOLE = 0.25  # of the diameter: a ring that is nearer than this in place a
 _HEAD = 1.0  # mm, a ring that is larger by more is a pin's head, not its shank
 _SHANK = 0.5  # mm, what is wider than the thinnest ring by more is a head as well
 _FINE = 1e-5  # mm, to which arcs of a wheel's outline are taken as facets
-_ON_TIP = 0.02  # of the diameter: points of an outline so near to its nominal circle are on a rounded end
+_ON_TIP = (
+    0.02  # of the diameter: points of an outline so near to its nominal circle are on a rounded end
+)
 
 
 @dataclass(frozen=True)
@@ -55,10 +57,14 @@ def measure(eye: Eye, sections: Sections) -> Measured | None:
     for shapes in sections:
         for shape in shapes:
             rings: Sequence[Ring] = [shape.outer] if eye.shaft else shape.holes
-            near = [ring for ring in rings if abs(ring.centroid - eye.at) <= _SAME_HOLE * eye.diameter]
+            near = [
+                ring for ring in rings if abs(ring.centroid - eye.at) <= _SAME_HOLE * eye.diameter
+            ]
             circles = hole_circles(Shape(shape.outer, tuple(near)))
             pairs = zip(circles, near, strict=True)
-            found += [(c, _free(c, ring)) for c, ring in pairs if abs(c.diameter - eye.diameter) <= least]
+            found += [
+                (c, _free(c, ring)) for c, ring in pairs if abs(c.diameter - eye.diameter) <= least
+            ]
     if not found:
         return None
     centres = np.array([c.centre for c, _ in found])
@@ -89,7 +95,11 @@ def measure_end(eye: Eye, sections: Sections) -> Measured | None:
     if not found:
         return None
     centres = np.array([centre for centre, _ in found])
-    return Measured(complex(centres.mean()), 2 * max(r for _, r in found), float(np.max(np.abs(centres - centres[0]))))
+    return Measured(
+        complex(centres.mean()),
+        2 * max(r for _, r in found),
+        float(np.max(np.abs(centres - centres[0]))),
+    )
 
 
 def measure_bore(eye: Eye, sections: Sections) -> Measured:
@@ -120,7 +130,9 @@ class MeasuredFaces:
     width: float
 
 
-def measure_faces(through: complex, angle: float, width: float, sections: Sections) -> MeasuredFaces | None:
+def measure_faces(
+    through: complex, angle: float, width: float, sections: Sections
+) -> MeasuredFaces | None:
     """The two faces of a part, `width` apart, on either side of a line: the mean of all heights; None where one is missing."""
     sides = [_face(through, angle, side * width / 2, width, sections) for side in (-1, 1)]
     right, left = sides
@@ -129,12 +141,17 @@ def measure_faces(through: complex, angle: float, width: float, sections: Sectio
     return MeasuredFaces((left[0] + right[0]) / 2, (left[1] + right[1]) / 2, left[0] - right[0])
 
 
-def _face(through: complex, angle: float, aside: float, width: float, sections: Sections) -> tuple[float, float] | None:
+def _face(
+    through: complex, angle: float, aside: float, width: float, sections: Sections
+) -> tuple[float, float] | None:
     """The straight face of a part sought `aside` to the left of a line: where it crosses beside `through`, mm, and its lean."""
     along, found = cmath.exp(1j * angle), []
     for shapes in sections:
         rings = [ring for shape in shapes for ring in (shape.outer, *shape.holes)]
-        a, b = (np.concatenate([getattr(ring, end)[ring.bulges == 0] for ring in rings]) for end in ("points", "ends"))
+        a, b = (
+            np.concatenate([getattr(ring, end)[ring.bulges == 0] for ring in rings])
+            for end in ("points", "ends")
+        )
         long = np.abs(b - a) > width / 4
         start, way = (a[long] - through) / along, (b[long] - a[long]) / along
         lean = np.arctan2(np.where(way.real < 0, -way.imag, way.imag), np.abs(way.real))
@@ -145,7 +162,9 @@ def _face(through: complex, angle: float, aside: float, width: float, sections: 
             found.append((off[nearest], away[nearest], lean[nearest]))
     if not found:
         return None
-    away, lean = np.mean([row[1:] for row in found if row[0] <= min(found)[0] + _SAME_FACE * width], axis=0)
+    away, lean = np.mean(
+        [row[1:] for row in found if row[0] <= min(found)[0] + _SAME_FACE * width], axis=0
+    )
     return float(away), float(lean)
 
 
@@ -164,7 +183,10 @@ class Readings:
 
 def read(features: Sequence[Feature], files: Mapping[str, Sections], drawing: bool) -> Readings:
     """Measure all features in the sections of the parts' files."""
-    found, files = Readings(), defaultdict(list, files)  # nothing is found in a part that could not be read
+    found, files = (
+        Readings(),
+        defaultdict(list, files),
+    )  # nothing is found in a part that could not be read
     tips = {feature.tip for feature in features if isinstance(feature, CamOutline)}
     for eye in dict.fromkeys(eye for feature in features for eye in eyes(feature)):
         if eye.part is None or not eye.diameter:
@@ -188,7 +210,9 @@ def read(features: Sequence[Feature], files: Mapping[str, Sections], drawing: bo
                 ring = _outline(files[part], feature.inside)
                 face = _flat(tip, files) if isinstance(tip, Flat) else None
                 if ring is None or (isinstance(tip, Flat) and face is None):
-                    found.lost.append(f"{joint}: {'the face' if ring is not None else f'the outline of {part}'} is lost")
+                    found.lost.append(
+                        f"{joint}: {'the face' if ring is not None else f'the outline of {part}'} is lost"
+                    )
                     continue
                 found.rings[feature] = ring
                 if feature.bore is not None:
@@ -205,7 +229,9 @@ def read(features: Sequence[Feature], files: Mapping[str, Sections], drawing: bo
                 for teeth in (a, b):
                     made = measure_teeth(teeth, files[teeth.part])
                     if made is None:
-                        found.lost.append(f"{joint}: no {teeth.count} teeth of {teeth.part} cross the pitch circle")
+                        found.lost.append(
+                            f"{joint}: no {teeth.count} teeth of {teeth.part} cross the pitch circle"
+                        )
                     else:
                         found.teeth[teeth] = made
             case Keyed(a=hole, b=other, facing=facing):
@@ -221,7 +247,11 @@ def read(features: Sequence[Feature], files: Mapping[str, Sections], drawing: bo
         for pair in pairs:
             hidden = drawing and not pair.drawn
             meant = MeasuredFaces(0.0, 0.0, pair.width)
-            faces = meant if hidden else measure_faces(pair.at, pair.angle, pair.width, files[pair.part])
+            faces = (
+                meant
+                if hidden
+                else measure_faces(pair.at, pair.angle, pair.width, files[pair.part])
+            )
             if faces is None:
                 found.lost.append(f"{joint}: a face or its eye is lost")
                 break
@@ -232,7 +262,11 @@ def read(features: Sequence[Feature], files: Mapping[str, Sections], drawing: bo
 def measure_teeth(teeth: Teeth, sections: Sections) -> Teeth | None:
     """Teeth as found: mean direction and thickness, at all heights; None where not so many cross the pitch circle."""
     found = []
-    for ring in (max((shape.outer for shape in shapes), key=lambda ring: abs(ring.area)) for shapes in sections if shapes):
+    for ring in (
+        max((shape.outer for shape in shapes), key=lambda ring: abs(ring.area))
+        for shapes in sections
+        if shapes
+    ):
         points = ring.facetted(_FINE)
         beyond = np.abs(points) - teeth.radius
         k = np.flatnonzero(np.sign(beyond) * np.sign(np.roll(beyond, -1)) < 0)
@@ -272,7 +306,12 @@ def _facing(eye: Eye, facing: float, sections: Sections) -> float | None:
 
 def _outline(sections: Sections, inside: bool) -> Ring | None:
     """What a follower runs on: the largest outline of a part (of its heights), or hole, material on its left."""
-    rings = [ring for shapes in sections for shape in shapes for ring in (shape.holes if inside else [shape.outer])]
+    rings = [
+        ring
+        for shapes in sections
+        for shape in shapes
+        for ring in (shape.holes if inside else [shape.outer])
+    ]
     if not rings:
         return None
     ring = max(rings, key=lambda ring: abs(ring.area)).counter_clockwise()
@@ -287,4 +326,6 @@ def _flat(flat: Flat, files: Mapping[str, Sections]) -> Flat | None:
     face = _face(flat.at, along, 0.0, flat.width, files[flat.part])
     if face is None:
         return None
-    return replace(flat, at=flat.at + 1j * cmath.exp(1j * along) * face[0], facing=flat.facing + face[1])
+    return replace(
+        flat, at=flat.at + 1j * cmath.exp(1j * along) * face[0], facing=flat.facing + face[1]
+    )

@@ -68,7 +68,11 @@ def judge_machine(
     every = named(where, parts_of(features))
     if found.lost:
         return Verdict((at_most("PIN_GAP", math.nan, 0, "mm", every, "; ".join(found.lost)),))
-    rounding = form.rounding * _size([files[part] for part in parts_of(features)]) if form.rounding else 0.0
+    rounding = (
+        form.rounding * _size([files[part] for part in parts_of(features)])
+        if form.rounding
+        else 0.0
+    )
     try:
         measured = assembled(machine, features, mounts, found)
         closing = _Closing(kind, where, machine, measured, theta, chord_tolerance, rounding, asked)
@@ -76,40 +80,61 @@ def judge_machine(
         proof = closing.proof(first)
     except ValueError as fault:
         return Verdict((at_most("MOTION_ERROR", math.nan, 0, "mm", every, str(fault)),))
-    findings = [_fit(measured.fits, 2 * chord_tolerance + 4 * rounding + slack, every)] if measured.fits else []
+    findings = (
+        [_fit(measured.fits, 2 * chord_tolerance + 4 * rounding + slack, every)]
+        if measured.fits
+        else []
+    )
     judged = closing.judged(proof)
     alone = len(judged) == 1
     numbers: dict[str, float] = {}
     for each in judged:
         numbers |= each.numbers(kind, "" if alone else f"{each.output.name.replace(' ', '_')}_")
-    further = {outline.feature for outlines in measured.outlines.values() for outline in outlines[1:]}
+    further = {
+        outline.feature for outlines in measured.outlines.values() for outline in outlines[1:]
+    }
     where = named(where, parts_of(feature for feature in features if feature not in further))
     findings.append(max(judged, key=lambda each: each.error / each.limit).motion(where, alone))
     off = chord_tolerance + 2 * rounding
-    on_cams = judge_cams(kind, closing.where, machine, measured.outlines, off, findings[-1].ok, closing.motion)
+    on_cams = judge_cams(
+        kind, closing.where, machine, measured.outlines, off, findings[-1].ok, closing.motion
+    )
     findings += on_cams.findings
     numbers |= on_cams.numbers
     nominal = _nominal(machine, features, mounts)
     if any(math.isinf(each.error) for each in judged):
         return Verdict(tuple(findings), numbers, not_judged=nominal)
     if proof.fits or (on_cams.sound and further):
-        worst = max(judged, key=lambda each: 2 * each.band / each.lash[0] if each.lash[0] else math.inf)
+        worst = max(
+            judged, key=lambda each: 2 * each.band / each.lash[0] if each.lash[0] else math.inf
+        )
         findings.append(worst.play(every, alone))
     strokes = [each for each in judged if each.asked.stroke]
     if strokes:
-        findings.append(max(strokes, key=lambda each: abs(each.made - each.meant) / each.limit).stroke(where, alone))
+        findings.append(
+            max(strokes, key=lambda each: abs(each.made - each.meant) / each.limit).stroke(
+                where, alone
+            )
+        )
     return Verdict(tuple(findings), numbers, _table(kind, judged, proof), proof, nominal)
 
 
-def _nominal(machine: Machine, features: Sequence[Feature], mounts: Sequence[Mount]) -> tuple[NotJudged, ...]:
+def _nominal(
+    machine: Machine, features: Sequence[Feature], mounts: Sequence[Mount]
+) -> tuple[NotJudged, ...]:
     """Joints of parts that are made which no file shows; not clutches, which are bought."""
-    made, told = {mount.body for mount in mounts}, {getattr(feature, "joint", "") for feature in features}
+    made, told = (
+        {mount.body for mount in mounts},
+        {getattr(feature, "joint", "") for feature in features},
+    )
     for feature in features:
         if isinstance(feature, CamOutline):
             told |= {feature.turns} if feature.bore else set()
             told |= {feature.swings or ""} if feature.own else set()
     return tuple(
-        NotJudged("PIN_GAP", f"{joint.name} counts as meant: no file shows it", "files that show it")
+        NotJudged(
+            "PIN_GAP", f"{joint.name} counts as meant: no file shows it", "files that show it"
+        )
         for joint in machine.joints
         if joint.name not in told and made & set(bodies_of(joint)) and not isinstance(joint, Clutch)
     )
@@ -135,17 +160,32 @@ class _Closing:
 
     def proof(self, driven: Mapping[str, Outline], own: bool = False) -> Proof:
         """The machine driven by these outlines, by cam; own: with the tips that parts have."""
-        laws = tuple((name, outline.own if own and outline.own else outline.law) for name, outline in driven.items())
+        laws = tuple(
+            (name, outline.own if own and outline.own else outline.law)
+            for name, outline in driven.items()
+        )
         given = tuple((name, outline.feature.meant.given) for name, outline in driven.items())
         machine = replace(with_laws(self.measured.machine, laws), outputs=tuple(self.outputs))
         made = replace(self.measured, machine=machine)
-        return Proof(self.machine, made, self.theta, tuple((name, law) for name, law in given if law is not None))
+        return Proof(
+            self.machine,
+            made,
+            self.theta,
+            tuple((name, law) for name, law in given if law is not None),
+        )
 
     def judged(self, proof: Proof) -> list[_Judged]:
         """Its outputs against what is asked of them."""
         wishes = {each.output: each for each in self.asked}
         return [
-            _Judged(output, wishes.get(output.name, Asked(output.name)), proof, self.theta, self.chord_tolerance, self.rounding)
+            _Judged(
+                output,
+                wishes.get(output.name, Asked(output.name)),
+                proof,
+                self.theta,
+                self.chord_tolerance,
+                self.rounding,
+            )
             for output in self.outputs
         ]
 
@@ -159,19 +199,37 @@ class _Judged:
     """One output against the wanted one."""
 
     def __init__(
-        self, output: Output, asked: Asked, proof: Proof, theta: Floats, chord_tolerance: float, rounding: float
+        self,
+        output: Output,
+        asked: Asked,
+        proof: Proof,
+        theta: Floats,
+        chord_tolerance: float,
+        rounding: float,
     ) -> None:
         self.output, self.asked, self.proof, self.theta = output, asked, proof, theta
         self.unit, self.scale = unit_of(output)
         self.accurate = chord_tolerance + 2 * rounding  # mm
         self.moved = proof.moved(output.name, theta)
-        self.reach = {name: float(np.nanmax(reach, initial=0.0)) for name, reach in self.moved.reach.items()}
-        outlines = sum(self.reach[j.name] for j in proof.machine.joints if isinstance(j, Cam) and j.name in self.reach)
+        self.reach = {
+            name: float(np.nanmax(reach, initial=0.0)) for name, reach in self.moved.reach.items()
+        }
+        outlines = sum(
+            self.reach[j.name]
+            for j in proof.machine.joints
+            if isinstance(j, Cam) and j.name in self.reach
+        )
         one = max([*self.reach.values(), outlines], default=0.0)
-        limit = chord_tolerance * one * (1 + tolerances.BOUND_SPARE) + 2 * rounding * sum(self.reach.values())
+        limit = chord_tolerance * one * (1 + tolerances.BOUND_SPARE) + 2 * rounding * sum(
+            self.reach.values()
+        )
         self.limit = max(limit, _ROUNDING)
         self.every = np.concatenate([theta, proof.corners])
-        off = [np.abs(self.recovered(part)[0] - self.wanted(part)[0]) for part in (theta, proof.corners) if len(part)]
+        off = [
+            np.abs(self.recovered(part)[0] - self.wanted(part)[0])
+            for part in (theta, proof.corners)
+            if len(part)
+        ]
         self.off = np.concatenate(off)
         self.off[np.isnan(self.off)] = np.inf
         self.worst = int(np.argmax(self.off))
@@ -180,7 +238,11 @@ class _Judged:
     def wanted(self, theta: Floats) -> tuple[Any, Any]:
         """The wanted value and slope, (n,)."""
         motion = self.asked.motion
-        return self.proof.reachable(self.output.name, theta) if motion is None else (motion(theta, 0), motion(theta, 1))
+        return (
+            self.proof.reachable(self.output.name, theta)
+            if motion is None
+            else (motion(theta, 0), motion(theta, 1))
+        )
 
     def recovered(self, theta: Floats) -> tuple[Any, Any]:
         """The same as the files give it."""
@@ -215,10 +277,14 @@ class _Judged:
         found = {f"motion_error_{name}{kind}_{unit}": scale * self.error}
         if math.isfinite(self.error):
             found[f"clearance_band_{name}{kind}_{unit}"] = scale * self.band
-            found[f"{'swing' if unit == 'deg' else 'stroke'}_recovered_{name}{kind}_{unit}"] = scale * self.made
+            found[f"{'swing' if unit == 'deg' else 'stroke'}_recovered_{name}{kind}_{unit}"] = (
+                scale * self.made
+            )
         return found
 
-    def _finding(self, code: str, measured: float, limit: float, where: str, remark: str) -> Finding:
+    def _finding(
+        self, code: str, measured: float, limit: float, where: str, remark: str
+    ) -> Finding:
         return at_most(code, self.scale * measured, self.scale * limit, self.unit, where, remark)
 
     def _where(self, where: str, alone: bool) -> str:
@@ -226,8 +292,13 @@ class _Judged:
 
     def motion(self, where: str, alone: bool) -> Finding:
         """MOTION_ERROR."""
-        lost, turn = int(np.count_nonzero(np.isinf(self.off))), "cam" if len(self.proof.corners) else "crank"
-        remark = f"{self.output.name}: closed on the measured joints at {len(self.theta)} {turn} angles"
+        lost, turn = (
+            int(np.count_nonzero(np.isinf(self.off))),
+            "cam" if len(self.proof.corners) else "crank",
+        )
+        remark = (
+            f"{self.output.name}: closed on the measured joints at {len(self.theta)} {turn} angles"
+        )
         if len(self.proof.corners):
             remark += ", and at each corner of the outlines"
         if lost:
@@ -239,8 +310,11 @@ class _Judged:
 
     def _moved_most(self) -> str:
         """Which part is furthest off at a joint, where it is more than files may be."""
-        sides = [(off, part, name) for name, fit in self.proof.fits.items()
-                 for off, part in zip(fit.shifts, fit.parts, strict=True)]  # fmt: skip
+        sides = [
+            (off, part, name)
+            for name, fit in self.proof.fits.items()
+            for off, part in zip(fit.shifts, fit.parts, strict=True)
+        ]
         off, part, name = max(sides, default=(0.0, "", ""))
         if off <= self.accurate:
             return ""
@@ -256,14 +330,23 @@ class _Judged:
         """STROKE_ERROR."""
         made, meant = self.scale * self.made, self.scale * self.meant
         remark = f"{made:.6f} {self.unit} recovered, {meant:.6f} {self.unit} wanted"
-        return self._finding("STROKE_ERROR", abs(self.made - self.meant), self.limit, self._where(where, alone), remark)
+        return self._finding(
+            "STROKE_ERROR",
+            abs(self.made - self.meant),
+            self.limit,
+            self._where(where, alone),
+            remark,
+        )
 
 
 def _table(kind: str, judged: Sequence[_Judged], proof: Proof) -> Table:
     """Of each measured joint: its fit, and what its play and its centres' shift do to each output at the worst angle."""
     columns = [*COLUMNS]
     for each in judged:
-        columns += [f"{each.output.name} by its play, {each.unit}", f"{each.output.name} by the shift, {each.unit}"]
+        columns += [
+            f"{each.output.name} by its play, {each.unit}",
+            f"{each.output.name} by the shift, {each.unit}",
+        ]
     rows: list[list[object]] = []
     for name, fit in proof.fits.items():
         row: list[object] = [name, fit.play, fit.meant, max(fit.shifts)]
@@ -275,7 +358,12 @@ def _table(kind: str, judged: Sequence[_Judged], proof: Proof) -> Table:
 
 
 def _size(files: Sequence[Sections]) -> float:
-    return max(float(np.abs(shape.outer.points).max()) for sections in files for shapes in sections for shape in shapes)
+    return max(
+        float(np.abs(shape.outer.points).max())
+        for sections in files
+        for shapes in sections
+        for shape in shapes
+    )
 
 
 def _fit(fits: Mapping[str, Fit], limit: float, where: str) -> Finding:
@@ -286,10 +374,14 @@ def _fit(fits: Mapping[str, Fit], limit: float, where: str) -> Finding:
     worst = max(fits, key=lambda name: fits[name].misfit)
     fit = fits[worst]
     return at_most(
-        "PIN_GAP", fit.misfit, limit, "mm", f"{where}, {worst}",
+        "PIN_GAP",
+        fit.misfit,
+        limit,
+        "mm",
+        f"{where}, {worst}",
         f"play {fit.play:.4f} mm, {fit.meant:.4f} mm wanted; worst of {len(fits)} joints, by each "
         "hole's diameter and by the centres at several heights",
-    )  # fmt: skip
+    )
 
 
 def _stroke(theta: Floats, output: Any, both: Callable[[Floats], tuple[Any, Any]]) -> float:
@@ -316,4 +408,3 @@ def _stroke(theta: Floats, output: Any, both: Callable[[Floats], tuple[Any, Any]
             t, slope = np.array([t[1], new]), np.array([slope[1], s[0]])
         ends.append(sign * best)
     return ends[0] - ends[1]
-

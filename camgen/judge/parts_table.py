@@ -23,7 +23,9 @@ def judge_list(path: Path, table: Table) -> Finding:
         with open(path, encoding="utf-8", newline="") as file:
             rows = list(csv.reader(file, strict=True))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise FileError(path, f"cannot be read as a list of parts: {getattr(error, 'strerror', None) or error}") from None
+        raise FileError(
+            path, f"cannot be read as a list of parts: {getattr(error, 'strerror', None) or error}"
+        ) from None
     wanted: list[Sequence[object]] = [table.columns, *table.rows]
     lines = [(k, *pair) for k, pair in enumerate(zip_longest(rows, wanted, fillvalue=()), 1)]
     wrong = [line for line in lines if not _same(line[1], line[2])]
@@ -37,7 +39,9 @@ def judge_list(path: Path, table: Table) -> Finding:
 
 def _same(row: Sequence[str], meant: Sequence[object]) -> bool:
     """Whether a row says what is meant: numbers to the digits that are written, all else by the letter."""
-    return len(row) == len(meant) and all(_cell(text, value) for text, value in zip(row, meant, strict=True))
+    return len(row) == len(meant) and all(
+        _cell(text, value) for text, value in zip(row, meant, strict=True)
+    )
 
 
 def _cell(text: str, value: object) -> bool:

@@ -38,7 +38,9 @@ class Moved:
     play: Floats
 
 
-Laws = tuple[tuple[str, Law], ...]  # of cams by name, in place of those of the machine: what undercut outlines give
+Laws = tuple[
+    tuple[str, Law], ...
+]  # of cams by name, in place of those of the machine: what undercut outlines give
 
 
 class _Meant:
@@ -77,8 +79,14 @@ class _Meant:
         if laws not in self._systems:
             self._systems[laws] = Constraints(with_laws(self.system.machine, laws))
         system = self._systems[laws]
-        parts = [_outcome(system, output, close(system, part, self.near(part), 1)) for part in _parts(system, theta)]
-        found = np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
+        parts = [
+            _outcome(system, output, close(system, part, self.near(part), 1))
+            for part in _parts(system, theta)
+        ]
+        found = (
+            np.concatenate([part[0] for part in parts]),
+            np.concatenate([part[1] for part in parts]),
+        )
         if len(theta) > _KNOWN:
             self._seen[key] = found
         return found
@@ -91,15 +99,24 @@ _meant = lru_cache(maxsize=1)(_Meant)
 class Proof:
     """A machine on its measured joints, ready at any angle; laws: what its exact outlines give, where that is not meant."""
 
-    def __init__(self, nominal: Machine, measured: Closable, theta: Floats, laws: Laws = ()) -> None:
+    def __init__(
+        self, nominal: Machine, measured: Closable, theta: Floats, laws: Laws = ()
+    ) -> None:
         self.machine, self.fits, self._laws = measured.machine, measured.fits, laws
         self.plays = {joint.name: joint.clearance for joint in self.machine.joints}
         self._radii = measured.radii
-        self.plays |= {name: fit.play / self._radii.get(name, 1.0) for name, fit in self.fits.items()}
+        self.plays |= {
+            name: fit.play / self._radii.get(name, 1.0) for name, fit in self.fits.items()
+        }
         for name, (drive, *others) in measured.outlines.items():
             if others:
-                self.plays[name] = min(float(np.max(drive.play(other, judged_angles()))) for other in others)
-        self._meant, self._system = _meant(nominal, float(theta.min()), float(theta.max())), Constraints(measured.machine)
+                self.plays[name] = min(
+                    float(np.max(drive.play(other, judged_angles()))) for other in others
+                )
+        self._meant, self._system = (
+            _meant(nominal, float(theta.min()), float(theta.max())),
+            Constraints(measured.machine),
+        )
         self._seen: dict[bytes, Mapping[str, Moved]] = {}
 
     def wanted(self, output: str, theta: Floats) -> tuple[Any, Any]:
@@ -114,7 +131,11 @@ class Proof:
     def corners(self) -> Floats:
         """Angles beside those at which a follower goes from one element of its outline to the next, (n,) rad."""
         cams = [(joint, joint.law) for joint in self.machine.joints if isinstance(joint, Cam)]
-        found = [self._meant.when(joint.cam, law.contact.changes + joint.phase) for joint, law in cams if isinstance(law, Rolled)]
+        found = [
+            self._meant.when(joint.cam, law.contact.changes + joint.phase)
+            for joint, law in cams
+            if isinstance(law, Rolled)
+        ]
         return np.concatenate([np.empty(0), *found])
 
     def moved(self, output: str, theta: Floats) -> Moved:
@@ -123,8 +144,13 @@ class Proof:
         if key not in self._seen:
             parts = [self._at(part) for part in _parts(self._system, theta)]
             if len(self._seen) > 3:
-                del self._seen[next(reversed(self._seen))]  # the judged angles, which came first, stay
-            self._seen[key] = {each.name: _joined([part[each.name] for part in parts]) for each in self.machine.outputs}
+                del self._seen[
+                    next(reversed(self._seen))
+                ]  # the judged angles, which came first, stay
+            self._seen[key] = {
+                each.name: _joined([part[each.name] for part in parts])
+                for each in self.machine.outputs
+            }
         return self._seen[key][output]
 
     def outcome(self, output: str, theta: Floats) -> tuple[Any, Any]:
@@ -132,7 +158,9 @@ class Proof:
         if theta.tobytes() in self._seen:
             moved = self._seen[theta.tobytes()][output]
             return moved.value, moved.slope
-        return _outcome(self._system, output, close(self._system, theta, self._meant.near(theta), 1))[:2]
+        return _outcome(
+            self._system, output, close(self._system, theta, self._meant.near(theta), 1)
+        )[:2]
 
     def _at(self, theta: Floats) -> Mapping[str, Moved]:
         """All outputs by the joints as they are, (n,)."""
@@ -140,7 +168,9 @@ class Proof:
         poses = np.where(np.isnan(closed.q), 0.0, closed.q)
         levers: dict[str, Any] = dict(self._radii)
         levers |= {
-            joint.name: joint.law.lever(np.broadcast_to(self._system.angle(joint.cam, closed.q) - joint.phase, theta.shape))
+            joint.name: joint.law.lever(
+                np.broadcast_to(self._system.angle(joint.cam, closed.q) - joint.phase, theta.shape)
+            )
             for joint in self.machine.joints
             if isinstance(joint, Cam) and isinstance(joint.law, Rolled)
         }
@@ -161,7 +191,10 @@ class Proof:
 def with_laws(machine: Machine, laws: Laws) -> Machine:
     """The machine with other laws of its cams."""
     new = dict(laws)
-    joints = (replace(joint, law=new.get(joint.name, joint.law)) if isinstance(joint, Cam) else joint for joint in machine.joints)
+    joints = (
+        replace(joint, law=new.get(joint.name, joint.law)) if isinstance(joint, Cam) else joint
+        for joint in machine.joints
+    )
     return replace(machine, joints=tuple(joints))
 
 
@@ -173,11 +206,15 @@ def _parts(system: Constraints, theta: Floats) -> Sequence[Floats]:
 def _joined(parts: Sequence[Moved]) -> Moved:
     """The same at all angles."""
     reach = {name: np.concatenate([part.reach[name] for part in parts]) for name in parts[0].reach}
-    value, slope, play = (np.concatenate([getattr(part, key) for part in parts]) for key in ("value", "slope", "play"))
+    value, slope, play = (
+        np.concatenate([getattr(part, key) for part in parts]) for key in ("value", "slope", "play")
+    )
     return Moved(value, slope, reach, play)
 
 
-def _outcome(system: Constraints, output: str, closed: Closed) -> tuple[Any, Any, NDArray[np.bool_]]:
+def _outcome(
+    system: Constraints, output: str, closed: Closed
+) -> tuple[Any, Any, NDArray[np.bool_]]:
     """An output, its slope to theta, and where it is lost, (n,)."""
     value, gradient = system.output(output, closed.q)
     slopes = np.einsum("nkc,nc->nk", gradient, closed.first)

@@ -107,24 +107,39 @@ def judge_drawing(path: Path, expected: Expected) -> Judged:
     faults += _misplaced(drawing.marks, expected.marks)
     faults += _misdrawn(drawing.engraved, expected.engraved, expected.chord_tolerance)
     closed = at_most(
-        "DXF_CLOSED", len(faults), 0, "contours", where,
+        "DXF_CLOSED",
+        len(faults),
+        0,
+        "contours",
+        where,
         "; ".join(faults) or f"{len(drawing.cut)} contours, each one closed entity",
-    )  # fmt: skip
+    )
     findings = [
-        at_most("DXF_UNITS", units != MILLIMETRES, 0, "faults", where,
-                "drawn in millimetres" if units == MILLIMETRES else
-                f"$INSUNITS of the header is {units}, millimetres are {MILLIMETRES}"),
+        at_most(
+            "DXF_UNITS",
+            units != MILLIMETRES,
+            0,
+            "faults",
+            where,
+            "drawn in millimetres"
+            if units == MILLIMETRES
+            else f"$INSUNITS of the header is {units}, millimetres are {MILLIMETRES}",
+        ),
         closed,
-    ]  # fmt: skip
+    ]
     if not closed.ok:
         return Judged(tuple(findings))
-    return _judge_sections([(expected.sections[expected.cut], drawing.cut)], expected, where, form.rounding, findings)
+    return _judge_sections(
+        [(expected.sections[expected.cut], drawing.cut)], expected, where, form.rounding, findings
+    )
 
 
 def _misplaced(marks: Points, wanted: Points) -> list[str]:
     """What is wrong with the strokes of centre marks, in the order in which they are meant."""
     if len(marks) != len(wanted):
-        return [f"{len(marks)} strokes of centre marks instead of {len(wanted)} (output.center_marks)"]
+        return [
+            f"{len(marks)} strokes of centre marks instead of {len(wanted)} (output.center_marks)"
+        ]
     off = float(np.max(np.abs(marks - wanted), initial=0.0))
     return [] if off <= tolerances.SAME_POINT else [f"a centre mark is {off:.4g} mm off"]
 
@@ -132,7 +147,9 @@ def _misplaced(marks: Points, wanted: Points) -> list[str]:
 def _misdrawn(engraved: Sequence[Ring], wanted: Sequence[Ring], tolerance: float) -> list[str]:
     """What is wrong with engraved contours, in the order in which they are meant."""
     if len(engraved) != len(wanted):
-        return [f"{counted(len(engraved), 'engraved contour')} instead of {len(wanted)} (output.engrave)"]
+        return [
+            f"{counted(len(engraved), 'engraved contour')} instead of {len(wanted)} (output.engrave)"
+        ]
     pairs = zip(engraved, wanted, strict=True)
     off = max((contour_error(ring, meant, tolerance / 2) for ring, meant in pairs), default=0.0)
     return [] if off <= 2 * tolerance else [f"an engraved contour is {off:.4g} mm off"]
@@ -168,11 +185,15 @@ def judge_exact(path: Path, expected: Expected) -> Judged:
         return Judged(tuple(findings))
     findings.append(_volume(body.volume, expected, where))
     try:
-        sections = [(section, body.section(z)) for section in expected.sections for z in section.heights]
+        sections = [
+            (section, body.section(z)) for section in expected.sections for z in section.heights
+        ]
     except ValueError as error:
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
         return Judged(tuple(findings))
-    return _judge_sections(sections, expected, where, 0.0, findings, _level_error(body.heights, expected))
+    return _judge_sections(
+        sections, expected, where, 0.0, findings, _level_error(body.heights, expected)
+    )
 
 
 def judge_cut(rings: Sequence[Ring], expected: Expected, where: str) -> Judged:
@@ -186,17 +207,23 @@ def judge_solid(mesh: Mesh, expected: Expected, where: str, rounding: float) -> 
     count = faults.count + abs(faults.bodies - 1)
     findings = [
         at_most(
-            "WATERTIGHT", count + faults.turned_normals, 0, "faults", where,
+            "WATERTIGHT",
+            count + faults.turned_normals,
+            0,
+            "faults",
+            where,
             f"{faults.told or 'no fault'} in {counted(faults.bodies, 'body', 'bodies')} of {len(mesh.faces)} triangles",
         )
-    ]  # fmt: skip
+    ]
     if count:
         return Judged(tuple(findings))
     findings.append(_volume(faults.volume, expected, where))
     rounding *= float(np.max(np.abs(mesh.vertices)))
     lifted = _level_error(mesh.vertices[:, 2], expected)
     try:
-        sections = [(section, slice_mesh(mesh, z)) for section in expected.sections for z in section.heights]
+        sections = [
+            (section, slice_mesh(mesh, z)) for section in expected.sections for z in section.heights
+        ]
     except ValueError as error:
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
         return Judged(tuple(findings))
@@ -220,21 +247,35 @@ def strange(path: Path, remarks: Sequence[str]) -> Finding:
 def _volume(volume: float, expected: Expected, where: str) -> Finding:
     limit = tolerances.VOLUME_SHARE * expected.volume + expected.facets
     return at_most(
-        "VOLUME", abs(volume - expected.volume), limit, "mm^3", where,
+        "VOLUME",
+        abs(volume - expected.volume),
+        limit,
+        "mm^3",
+        where,
         f"{volume:.3f} mm^3 in the file, {expected.volume:.3f} mm^3 by Green's theorem on the exact outline",
-    )  # fmt: skip
+    )
 
 
 def _judge_sections(
-    read: Sequence[tuple[Section, Sequence[Ring]]], expected: Expected, where: str, rounding: float,
-    findings: list[Finding], level_error: float = 0.0,
+    read: Sequence[tuple[Section, Sequence[Ring]]],
+    expected: Expected,
+    where: str,
+    rounding: float,
+    findings: list[Finding],
+    level_error: float = 0.0,
 ) -> Judged:
     """Whether every section holds the contours that were meant, and how thin its walls are."""
     undo = expected.undo
     try:
-        sections = [(meant, pieces_of(rings) if len(meant.shapes) > 1 else (shape_of(rings),)) for meant, rings in read]
+        sections = [
+            (meant, pieces_of(rings) if len(meant.shapes) > 1 else (shape_of(rings),))
+            for meant, rings in read
+        ]
         if undo is not None:
-            sections = [(meant, shapes if meant.sent else tuple(map(undo, shapes))) for meant, shapes in sections]
+            sections = [
+                (meant, shapes if meant.sent else tuple(map(undo, shapes)))
+                for meant, shapes in sections
+            ]
     except ValueError as error:
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
         return Judged(tuple(findings))
@@ -258,12 +299,17 @@ def _judge_sections(
         if here >= off or (k == 0 and off <= limit):
             off, remark = max(off, here), f"{found} contours read back and compared point by point"
     if not expected.rolls and (aside := _aside(eyes, sections, expected)) > max(off, limit):
-        off, remark = aside, "its joints' eyes lie elsewhere in its outline, all of them moved or turned together"
+        off, remark = (
+            aside,
+            "its joints' eyes lie elsewhere in its outline, all of them moved or turned together",
+        )
     findings.append(at_most("ROUND_TRIP", off, limit, "mm", where, remark))
     made = [(meant, shapes) for meant, shapes in sections if not meant.sent]
     wall = min(_wall(shape) for shapes in _distinct(made) for shape in shapes)
     if math.isfinite(wall):  # a part without holes has no wall between contours
-        facets = 2 * max(tolerances.WALL_FACETS, expected.chord_tolerance)  # what facets on both sides may take of a wall
+        facets = 2 * max(
+            tolerances.WALL_FACETS, expected.chord_tolerance
+        )  # what facets on both sides may take of a wall
         remark = f"smallest wall between contours; {facets:g} mm less holds too, for facets on both sides may take that"
         findings.append(at_least("MIN_WALL", wall, expected.min_wall, "mm", where, remark, facets))
     return Judged(tuple(findings), tuple(shapes for _, shapes in made))
@@ -289,7 +335,10 @@ def _distinct(sections: Sequence[tuple[Section, tuple[Shape, ...]]]) -> list[tup
 
 def _wall(shape: Shape) -> float:
     rings = (shape.outer, *shape.holes)
-    outer, *holes = (ring.facetted(min(tolerances.WALL_FACETS, 0.01 * math.sqrt(abs(ring.area)))) for ring in rings)
+    outer, *holes = (
+        ring.facetted(min(tolerances.WALL_FACETS, 0.01 * math.sqrt(abs(ring.area))))
+        for ring in rings
+    )
     return thinnest_wall(outer, holes)
 
 
@@ -301,11 +350,18 @@ def _bore_shift(shapes: Sequence[Shape], meant: Sequence[Shape], expected: Expec
     """How far the bore in a section is from its place, mm: motion tells that, and at all heights it is the same."""
     holes = [hole for shape in shapes for hole in shape.holes]
     bores = [hole for wanted in meant for hole in wanted.holes if _is_bore(hole, expected)]
-    return min((hole.centroid - bores[0].centroid for hole in holes), key=abs) if holes and bores else 0j
+    return (
+        min((hole.centroid - bores[0].centroid for hole in holes), key=abs)
+        if holes and bores
+        else 0j
+    )
 
 
 def _section_error(
-    shapes: Sequence[Shape], meant: Sequence[Shape], expected: Expected, bore_shift: complex,
+    shapes: Sequence[Shape],
+    meant: Sequence[Shape],
+    expected: Expected,
+    bore_shift: complex,
     eyes: list[tuple[complex, complex]],
 ) -> float:
     """How far the contours of a section are from those meant, mm: each piece and each hole from one of its own. Centres of
@@ -327,17 +383,23 @@ def _section_error(
                 eyes.append((ring.centroid, found.centroid))
             if ring is not wanted.outer and _is_bore(ring, expected):
                 shift = bore_shift
-            off = max(off, contour_error(found.moved(shift=-shift), ring, expected.chord_tolerance / 2))
+            off = max(
+                off, contour_error(found.moved(shift=-shift), ring, expected.chord_tolerance / 2)
+            )
     return off
 
 
 def _aside(
-    eyes: Sequence[tuple[complex, complex]], sections: Sequence[tuple[Section, Sequence[Shape]]], expected: Expected
+    eyes: Sequence[tuple[complex, complex]],
+    sections: Sequence[tuple[Section, Sequence[Shape]]],
+    expected: Expected,
 ) -> float:
     """How far a part's eyes (meant, found) lie together from their places in its outline, mm: what a rigid motion of them all
     explains, where it leaves less than half of that unexplained. 0 where all outlines are eyes themselves.
     """
-    fixed = any(not _is_eye(shape.outer, expected) for section, _ in sections for shape in section.shapes)
+    fixed = any(
+        not _is_eye(shape.outer, expected) for section, _ in sections for shape in section.shapes
+    )
     if not eyes or not fixed:
         return 0.0
     meant, found = np.array(eyes).T
@@ -354,4 +416,7 @@ def _apart(a: Ring, b: Ring) -> float:
 def _is_eye(ring: Ring, expected: Expected) -> bool:
     """Whether a contour that is meant is that of a joint, by its place and its size."""
     near, size = 2 * expected.chord_tolerance, 2 * math.sqrt(abs(ring.area) / math.pi)
-    return any(abs(ring.centroid - at) <= near and abs(size - diameter) <= near for at, diameter in expected.eyes)
+    return any(
+        abs(ring.centroid - at) <= near and abs(size - diameter) <= near
+        for at, diameter in expected.eyes
+    )

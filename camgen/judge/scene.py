@@ -40,20 +40,46 @@ class Flight:
     @property
     def transforms(self) -> Floats:
         """The same as (n, 3, 4)."""
-        cosine, sine, zero, one = np.cos(self.angle), np.sin(self.angle), 0 * self.angle, 1 + 0 * self.angle
+        cosine, sine, zero, one = (
+            np.cos(self.angle),
+            np.sin(self.angle),
+            0 * self.angle,
+            1 + 0 * self.angle,
+        )
         side, height = (-1, self.z + self.thickness) if self.flipped else (1, self.z)
-        rows = [side * cosine, -sine, zero, self.place.real, side * sine, cosine, zero, self.place.imag,
-                zero, zero, side * one, height * one]  # fmt: skip
+        rows = [
+            side * cosine,
+            -sine,
+            zero,
+            self.place.real,
+            side * sine,
+            cosine,
+            zero,
+            self.place.imag,
+            zero,
+            zero,
+            side * one,
+            height * one,
+        ]
         return np.stack(rows, axis=1).reshape(-1, 3, 4)
 
 
 def judge_scene(path: Path, flights: Mapping[str, Flight], seconds: float) -> Finding:
     """ROUND_TRIP of a GLB: how far a point of a copy is out of its place, mm, at any frame of an animation of so many seconds."""
-    found = [(copy, part, course, transform) for course in read_glb(path) for copy, part, transform in course.copies]
-    if sorted((copy, part) for copy, part, *_ in found) != sorted((copy, each.part) for copy, each in flights.items()):
+    found = [
+        (copy, part, course, transform)
+        for course in read_glb(path)
+        for copy, part, transform in course.copies
+    ]
+    if sorted((copy, part) for copy, part, *_ in found) != sorted(
+        (copy, each.part) for copy, each in flights.items()
+    ):
         said = f"{len(found)} copies, which are not the {len(flights)} of the machine"
         return at_most("ROUND_TRIP", math.nan, 0, "mm", path.name, said)
-    rows = [(*_off(course, transform, flights[copy], seconds), copy) for copy, _, course, transform in found]
+    rows = [
+        (*_off(course, transform, flights[copy], seconds), copy)
+        for copy, _, course, transform in found
+    ]
     off, limit, copy = max(rows, key=lambda row: row[0] / row[1], default=(0.0, 0.0, ""))
     said = f"{len(rows)} copies where they are over the animation"
     return at_most("ROUND_TRIP", off, limit, "mm", f"{path.name}, {copy}", said)
@@ -64,7 +90,9 @@ def _off(course: Course, transform: Floats, flight: Flight, seconds: float) -> t
     frames = len(flight.angle)
     size = flight.reach + float(np.nanmax(np.abs(flight.place), initial=abs(flight.z)))
     limit = _STEPS * FLOAT32_ROUNDING * (size + float(np.max(np.abs(course.place))))
-    even = len(course.angle) == frames and np.allclose(course.seconds, np.linspace(0, seconds, frames), rtol=1e-6)
+    even = len(course.angle) == frames and np.allclose(
+        course.seconds, np.linspace(0, seconds, frames), rtol=1e-6
+    )
     if len(course.angle) > 1 and not even:
         return math.inf, limit
     turn = np.zeros((len(course.angle), 3, 3))

@@ -1,8 +1,8 @@
 """The judge of sheets for a laser: every part is there, where the list says, and is itself when the beam's slot is added back.
 
-    path     what the middle of the beam follows
-    as cut   what the beam leaves of the sheet: the path, less half the slot's width all along. Walls, fits and motion take its
-             corners as sharp; how round the beam leaves those inside, and what it is too wide for, is judged by itself
+path     what the middle of the beam follows
+as cut   what the beam leaves of the sheet: the path, less half the slot's width all along. Walls, fits and motion take its
+         corners as sharp; how round the beam leaves those inside, and what it is too wide for, is judged by itself
 """
 
 from __future__ import annotations
@@ -28,7 +28,10 @@ from camgen.tolerances import WAY_BACK
 if TYPE_CHECKING:
     from camgen.files.dxf import Drawing
 
-_TOOLS = {"ENGRAVE": (5, 0), "CUT": (1, 0)}  # colour index and line weight, by which the laser takes them: blue, red, hairlines
+_TOOLS = {
+    "ENGRAVE": (5, 0),
+    "CUT": (1, 0),
+}  # colour index and line weight, by which the laser takes them: blue, red, hairlines
 FACETS = 1e-4  # mm, chord tolerance of arcs where gaps and corners are measured
 _FINE = 1e-5  # mm, where motion and fits are
 _ROUND = 64  # chords of a quarter of the beam's circle
@@ -65,16 +68,29 @@ def judge_sheet(
     """
     drawing, where = read_dxf(dxf, engraving=True), dxf.name
     faults = [fault.message for fault in drawing.faults] + drawing.repainted(_TOOLS)
-    faults += [] if drawing.units == MILLIMETRES else [f"$INSUNITS is {drawing.units}, millimetres are {MILLIMETRES}"]
+    faults += (
+        []
+        if drawing.units == MILLIMETRES
+        else [f"$INSUNITS is {drawing.units}, millimetres are {MILLIMETRES}"]
+    )
     findings = [
-        at_most("DXF_CLOSED", len(faults), 0, "contours", where,
-                "; ".join(faults) or f"{len(drawing.cut)} contours, each one closed entity in millimetres"),
-    ]  # fmt: skip
+        at_most(
+            "DXF_CLOSED",
+            len(faults),
+            0,
+            "contours",
+            where,
+            "; ".join(faults)
+            or f"{len(drawing.cut)} contours, each one closed entity in millimetres",
+        )
+    ]
     if faults:
         return findings, {}
     found = pieces_of(drawing.cut)
     findings += _fit(found, beam, len(laid), where)
-    findings.append(_same_as_svg(drawing, svg, beam.sheet, [f"{copy.part}-{copy.copy}" for copy in laid]))
+    findings.append(
+        _same_as_svg(drawing, svg, beam.sheet, [f"{copy.part}-{copy.copy}" for copy in laid])
+    )
     judged: dict[str, Judged] = {}
     for copy in laid:
         if not found:
@@ -85,7 +101,10 @@ def judge_sheet(
         own = piece.moved(shift=-copy.place).moved(1 / turn)
         named = f"{where}, {copy.part}-{copy.copy}"
         try:
-            rings = [widened(own.outer, -beam.kerf / 2), *(widened(hole, beam.kerf / 2) for hole in own.holes)]
+            rings = [
+                widened(own.outer, -beam.kerf / 2),
+                *(widened(hole, beam.kerf / 2) for hole in own.holes),
+            ]
         except ValueError as error:
             findings.append(at_most("KERF", math.nan, 0, "mm", named, str(error)))
             continue
@@ -102,21 +121,43 @@ def _fit(found: Sequence[Shape], beam: Beam, wanted: int, where: str) -> list[Fi
     import shapely
 
     boxes = np.array([shape.outer.box for shape in found]).reshape(-1, 4)
-    beyond = float(np.max(np.concatenate([-boxes[:, :2], boxes[:, 2:] - np.array(beam.sheet)]), initial=0.0))
+    beyond = float(
+        np.max(np.concatenate([-boxes[:, :2], boxes[:, 2:] - np.array(beam.sheet)]), initial=0.0)
+    )
     width, height = beam.sheet
     findings = [
-        at_most("SHEET_FIT", abs(len(found) - wanted), 0, "pieces", where, f"{len(found)} pieces, {wanted} in the list"),
-        at_most("SHEET_FIT", max(beyond, 0.0), 0, "mm", where, f"how far a path stands out over {width:g} x {height:g} mm"),
+        at_most(
+            "SHEET_FIT",
+            abs(len(found) - wanted),
+            0,
+            "pieces",
+            where,
+            f"{len(found)} pieces, {wanted} in the list",
+        ),
+        at_most(
+            "SHEET_FIT",
+            max(beyond, 0.0),
+            0,
+            "mm",
+            where,
+            f"how far a path stands out over {width:g} x {height:g} mm",
+        ),
     ]
     if len(found) > 1:
         areas = [_area(shape.outer) for shape in found]
-        near = shapely.STRtree(areas).query_nearest(areas, exclusive=True, all_matches=False, return_distance=True)[1]
+        near = shapely.STRtree(areas).query_nearest(
+            areas, exclusive=True, all_matches=False, return_distance=True
+        )[1]
         said = "smallest gap between the paths of two pieces"
-        findings.append(at_least("SHEET_FIT", float(near.min()), beam.gap, "mm", where, said, 2 * FACETS))
+        findings.append(
+            at_least("SHEET_FIT", float(near.min()), beam.gap, "mm", where, said, 2 * FACETS)
+        )
     return findings
 
 
-def _same_as_svg(drawing: Drawing, svg: Path, sheet: tuple[float, float], names: Sequence[str]) -> Finding:
+def _same_as_svg(
+    drawing: Drawing, svg: Path, sheet: tuple[float, float], names: Sequence[str]
+) -> Finding:
     """ROUND_TRIP of the same sheet in SVG: contour by contour as in the DXF, each piece under its name."""
     try:
         size, layers = read_svg(svg)
@@ -133,7 +174,10 @@ def _same_as_svg(drawing: Drawing, svg: Path, sheet: tuple[float, float], names:
     titles = {name: layer.titles for name, layer in layers.items()}
     said = f"{count} contours, as in the DXF"
     if titles.get("CUT", []) != list(names) or not set(titles.get("ENGRAVE", [])) <= set(names):
-        off, said = math.nan, "its pieces do not have the names of the list of sheets, in that order"
+        off, said = (
+            math.nan,
+            "its pieces do not have the names of the list of sheets, in that order",
+        )
     return at_most("ROUND_TRIP", off, _SVG_STEP, "mm", svg.name, said)
 
 
@@ -182,7 +226,9 @@ def _kerf(path: Shape, expected: Expected, kerf: float, where: str) -> Finding:
     for ring, wanted, way in pairs:
         cut = shapely.get_parts(_area(ring).buffer(way, quad_segs=_ROUND))
         if len(cut) != 1:
-            return at_most("KERF", math.nan, 0, "mm", where, f"{len(cut)} pieces are left of a contour")
+            return at_most(
+                "KERF", math.nan, 0, "mm", where, f"{len(cut)} pieces are left of a contour"
+            )
         edge = shapely.get_coordinates(cut[0].exterior)[:-1] @ np.array([1, 1j])
         target = wanted.counter_clockwise().facetted(FACETS)
         off = max(off, float(np.max(point_to_ring(along(target), edge))))

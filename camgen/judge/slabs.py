@@ -1,7 +1,7 @@
 """Flat sections of a body as its file has them, as areas in the plane; and plates of bodies that lie ready to print.
 
-    slab      a body's flat section between two heights
-    disc      an area that is round but for its facets
+slab      a body's flat section between two heights
+disc      an area that is round but for its facets
 """
 
 from __future__ import annotations
@@ -53,7 +53,9 @@ def slabs_of(mesh: Mesh) -> tuple[Slab, ...]:
     low, high = corners[:, :, 2].min(axis=1), corners[:, :, 2].max(axis=1)
     ab, ac = (corners[:, k, :2] - corners[:, 0, :2] for k in (1, 2))
     longest = (np.abs(ab) + np.abs(ac)).max(axis=1)
-    flat = np.abs(ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0]) <= 8 * FLOAT32_ROUNDING * size * longest
+    flat = (
+        np.abs(ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0]) <= 8 * FLOAT32_ROUNDING * size * longest
+    )
     slabs = []
     for z0, z1 in itertools.pairwise(heights.tolist()):
         rings = slice_mesh(mesh, (z0 + z1) / 2)
@@ -75,17 +77,26 @@ def _shadows(corners: Floats, z0: float, z1: float) -> Any:
         a, b = corners[:, i], corners[:, j]
         rise = b[:, 2] - a[:, 2]
         for z in (z0, z1):
-            points.append((a + ((z - a[:, 2]) / np.where(rise == 0, 1, rise))[:, None] * (b - a))[:, None])
+            points.append(
+                (a + ((z - a[:, 2]) / np.where(rise == 0, 1, rise))[:, None] * (b - a))[:, None]
+            )
             there.append(((a[:, 2] - z) * (b[:, 2] - z) < 0)[:, None])
     kept = np.concatenate(there, axis=1)
-    return shapely.convex_hull(shapely.multipoints(np.concatenate(points, axis=1)[kept][:, :2], indices=np.nonzero(kept)[0]))
+    return shapely.convex_hull(
+        shapely.multipoints(
+            np.concatenate(points, axis=1)[kept][:, :2], indices=np.nonzero(kept)[0]
+        )
+    )
 
 
 def area_of(rings: Sequence[Ring]) -> Any:
     """What an odd number of rings encloses, as a shapely area; ValueError where one crosses itself so that none can say."""
     import shapely
 
-    faces = [shapely.Polygon(np.column_stack([z.real, z.imag])) for z in (ring.facetted(FACETS) for ring in rings)]
+    faces = [
+        shapely.Polygon(np.column_stack([z.real, z.imag]))
+        for z in (ring.facetted(FACETS) for ring in rings)
+    ]
     try:
         return functools.reduce(shapely.symmetric_difference, faces)
     except shapely.errors.GEOSException as error:
@@ -104,7 +115,11 @@ def disc_about(area: Any) -> tuple[complex, float] | None:
     """Centre and radius of the disc about an area, where the area is that disc but for its facets."""
     import shapely
 
-    if area.is_empty or shapely.get_num_geometries(area) != 1 or shapely.get_num_interior_rings(shapely.get_geometry(area, 0)):
+    if (
+        area.is_empty
+        or shapely.get_num_geometries(area) != 1
+        or shapely.get_num_interior_rings(shapely.get_geometry(area, 0))
+    ):
         return None
     z = shapely.get_coordinates(area)[:-1] @ PLANE
     centre, _, _ = fit_circle(z)
@@ -170,21 +185,28 @@ def covered(section: Section, other: Section) -> bool:
     """Whether all of a section lies in another one."""
     import shapely
 
-    return section is other or (section.facets <= other.facets and bool(shapely.covers(other.area, section.area)))
+    return section is other or (
+        section.facets <= other.facets and bool(shapely.covers(other.area, section.area))
+    )
 
 
 def shadow_of(sections: Sequence[Section]) -> Section:
     """All that sections cover, as one."""
     import shapely
 
-    area, facets = shapely.union_all([section.area for section in sections]), max(section.facets for section in sections)
+    area, facets = (
+        shapely.union_all([section.area for section in sections]),
+        max(section.facets for section in sections),
+    )
     return Section(0.0, 0.0, area, disc_about(area), facets)
 
 
 # ---- a plate ready to print ------------------------------------------------------------------------------------------
 
 
-def judge_plate(path: Path, bed: tuple[float, float], gap: float, margin: float = 0.0) -> list[Finding]:
+def judge_plate(
+    path: Path, bed: tuple[float, float], gap: float, margin: float = 0.0
+) -> list[Finding]:
     """A plate file as read back: every body stands on z = 0, inside the bed (its corner at the origin) less its margin, mm, and
     `gap` from the others.
 
@@ -197,17 +219,29 @@ def judge_plate(path: Path, bed: tuple[float, float], gap: float, margin: float 
     rounding = 8 * FLOAT32_ROUNDING * max(bed)
     lift = max((abs(float(mesh.vertices[:, 2].min())) for mesh in meshes), default=math.nan)
     places = [mesh.vertices[:, :2] for mesh in meshes]
-    beyond = max((float(max(-xy.min(), (xy - np.array(bed)).max(), -margin)) for xy in places), default=math.nan) + margin
+    beyond = (
+        max(
+            (float(max(-xy.min(), (xy - np.array(bed)).max(), -margin)) for xy in places),
+            default=math.nan,
+        )
+        + margin
+    )
     held = "1 body stands" if len(meshes) == 1 else f"{len(meshes)} bodies stand"
     said = f"how far {held} out over the bed of {bed[0]:g} x {bed[1]:g} mm"
     said += f", {margin:g} mm of its rim left free" if margin else ""
     findings = [
         at_most("BED_FIT", beyond, rounding, "mm", where, said),
-        at_most("BED_FIT", lift, rounding, "mm", where, "how far a body is off the bed's plane z = 0"),
+        at_most(
+            "BED_FIT", lift, rounding, "mm", where, "how far a body is off the bed's plane z = 0"
+        ),
     ]
     if len(meshes) > 1:
-        shadows = [shapely.union_all([area_of(slab.rings) for slab in slabs_of(mesh)]) for mesh in meshes]
-        near = shapely.STRtree(shadows).query_nearest(shadows, exclusive=True, all_matches=False, return_distance=True)[1]
+        shadows = [
+            shapely.union_all([area_of(slab.rings) for slab in slabs_of(mesh)]) for mesh in meshes
+        ]
+        near = shapely.STRtree(shadows).query_nearest(
+            shadows, exclusive=True, all_matches=False, return_distance=True
+        )[1]
         said = "smallest gap between bodies on the plate"
         findings.append(at_least("BED_FIT", float(near.min()), gap - rounding, "mm", where, said))
     return findings

@@ -33,7 +33,10 @@ _ON_BED = 1.0  # mm, higher than any first layer
 _COARSE = 0.1  # mm, to which walls are taken where only their place counts
 _AT_ONCE = 500  # walls of which it is looked at once which others they meet
 _MOST_MET = 30_000_000  # pairs of walls that meet; ten bodies of 300 layers with five walls each have 20 million
-_STEP, _FINE = 0.2, 0.02  # mm, between points of edges that are laid on each other, and of those that they are measured from
+_STEP, _FINE = (
+    0.2,
+    0.02,
+)  # mm, between points of edges that are laid on each other, and of those that they are measured from
 _THIN = 5  # of these points one is looked at where a turn is only to be thought of
 _FEW, _MANY = 150, 3000  # points that are laid on others: to find the turn, and to measure it
 _STARTS = 24  # turns from which outlines are laid on each other where the plate's own do not serve
@@ -80,7 +83,9 @@ class Layer:
     def edges(self, further: tuple[float, float] = (0.0, 0.0)) -> list[Ring]:
         """Edges of what is laid; further: how much outwards of an outline and inwards of a hole, mm."""
         pairs = zip(self.walls, self.holes, strict=True)
-        return [edge for wall, hole in pairs if (edge := wall.edge(hole, further[hole])) is not None]
+        return [
+            edge for wall, hole in pairs if (edge := wall.edge(hole, further[hole])) is not None
+        ]
 
 
 @dataclass(frozen=True)
@@ -95,7 +100,9 @@ class Copy:
         """A ring of the bed in the part's own frame; shrinkage: share by which it still shrinks about the part's origin."""
         turn = cmath.exp(-1j * self.laid.turn)
         lying = ring.moved(turn, -turn * self.laid.shift)
-        return lying.moved(-1 if self.known.over else 1, mirror=bool(self.known.over)).moved(1 - shrinkage)
+        return lying.moved(-1 if self.known.over else 1, mirror=bool(self.known.over)).moved(
+            1 - shrinkage
+        )
 
     def height(self, layer: Layer) -> float:
         """The middle of a layer in the part's own frame, mm."""
@@ -116,7 +123,14 @@ class Copy:
         high = f"its last layer ends at {tops[-1]:.3f} mm, its top lies at {np.ptp(lying):.3f}; half a layer may be off"
         where = f"{where}, {self.known.part}"
         return [
-            at_most("ROUND_TRIP", max(gap, 0.0) if count else 0.0, _SAME, "mm", f"{where}, gap between layers", said),
+            at_most(
+                "ROUND_TRIP",
+                max(gap, 0.0) if count else 0.0,
+                _SAME,
+                "mm",
+                f"{where}, gap between layers",
+                said,
+            ),
             at_most("ROUND_TRIP", abs(off), half, "mm", f"{where}, height", high),
         ]
 
@@ -125,11 +139,16 @@ def bodies(walls: Sequence[Wall]) -> list[tuple[Layer, ...]]:
     """The bodies that walls make, each with its layers from below; OverflowError where far too many walls lie over each other."""
     import shapely
 
-    flat = [shapely.Polygon(np.column_stack([z.real, z.imag])) for z in (wall.ring.facetted(_COARSE) for wall in walls)]
+    flat = [
+        shapely.Polygon(np.column_stack([z.real, z.imag]))
+        for z in (wall.ring.facetted(_COARSE) for wall in walls)
+    ]
     tree, areas = shapely.STRtree(flat), shapely.area(flat)
     every = label = np.arange(len(flat))
     met = 0
-    for first in range(0, len(flat), _AT_ONCE):  # all pairs at once are as many as their number's square
+    for first in range(
+        0, len(flat), _AT_ONCE
+    ):  # all pairs at once are as many as their number's square
         a, b = tree.query(flat[first : first + _AT_ONCE], predicate="intersects")
         met += len(a)
         if met > _MOST_MET:
@@ -140,7 +159,9 @@ def bodies(walls: Sequence[Wall]) -> list[tuple[Layer, ...]]:
         members = np.flatnonzero(label == one).tolist()
         layers = []
         tops = sorted({round(walls[k].z, 4) for k in members})
-        bed = 0.0 if tops[0] < _ON_BED or len(tops) < 2 else 2 * tops[0] - tops[1]  # a raft under it is none of its own
+        bed = (
+            0.0 if tops[0] < _ON_BED or len(tops) < 2 else 2 * tops[0] - tops[1]
+        )  # a raft under it is none of its own
         usual = float(np.median(np.diff(tops))) if len(tops) > 1 else math.inf
         for low, top in pairwise([bed, *tops]):
             here = [k for k in members if round(walls[k].z, 4) == top]
@@ -153,7 +174,9 @@ def bodies(walls: Sequence[Wall]) -> list[tuple[Layer, ...]]:
             outer, inner = shapely.STRtree(outlines).query(outlines, predicate="contains")
             inner = inner[areas[here][outer] > areas[here][inner]]
             within = np.bincount(inner, minlength=len(here)) % 2 == 1
-            layers.append(Layer(low - bed, top - bed, tuple(walls[k] for k in here), tuple(within.tolist())))
+            layers.append(
+                Layer(low - bed, top - bed, tuple(walls[k] for k in here), tuple(within.tolist()))
+            )
         found.append(tuple(layers))
     return found
 
@@ -189,14 +212,22 @@ def _telling(layers: Sequence[Layer]) -> Layer:
     return inner[int(large[len(large) // 2])]
 
 
-def _laid(cut: Sequence[Points], own: Sequence[Points], centre: complex, turns: Sequence[float], to_beat: float) -> Laid:
+def _laid(
+    cut: Sequence[Points],
+    own: Sequence[Points],
+    centre: complex,
+    turns: Sequence[float],
+    to_beat: float,
+) -> Laid:
     """How the section of a solid lies on the edges of a body, seen from the frame of the solid and of the bed."""
     from scipy.spatial import cKDTree
 
     middle = _centre(cut)
     seen, shown = [z - centre for z in own], [z - middle for z in cut]
     all_seen, all_shown = np.concatenate(seen), np.concatenate(shown)
-    trees = [cKDTree(_xy(np.concatenate([dense(z, _FINE) for z in edges]))) for edges in (seen, shown)]
+    trees = [
+        cKDTree(_xy(np.concatenate([dense(z, _FINE) for z in edges]))) for edges in (seen, shown)
+    ]
 
     def off(turn: float, shift: complex, thin: int = 1) -> float:
         spun = cmath.exp(1j * turn)
@@ -216,7 +247,9 @@ def _laid(cut: Sequence[Points], own: Sequence[Points], centre: complex, turns: 
             break
         best = min(best, from_start(start, _FEW), key=lambda laid: laid.off)
     # What is nearly alike after part of a turn, such as a bar with two holes of other sizes, may lie so as well.
-    likely = min((best.turn + step for step in even[1:]), key=lambda turn: off(turn, best.shift, _THIN))
+    likely = min(
+        (best.turn + step for step in even[1:]), key=lambda turn: off(turn, best.shift, _THIN)
+    )
     if best.off < _NO_OTHER and off(likely, best.shift, _THIN) < 2 * best.off:
         best = min(best, from_start(likely, _FEW), key=lambda laid: laid.off)
     if best.off < min(to_beat, _NO_OTHER):
@@ -240,7 +273,9 @@ def _centre(edges: Sequence[Points]) -> complex:
     return largest.centroid
 
 
-def shapes_of(copy: Copy, layer: Layer, hole: float = 0.0, profile: float = 0.0, shrinkage: float = 0.0) -> tuple[Shape, ...]:
+def shapes_of(
+    copy: Copy, layer: Layer, hole: float = 0.0, profile: float = 0.0, shrinkage: float = 0.0
+) -> tuple[Shape, ...]:
     """A layer's pieces in the part's frame, as they print: shrunk about its origin, holes smaller by `hole` and outlines larger
     by `profile`, mm. ValueError where nothing is left.
     """
@@ -260,9 +295,11 @@ def envelope(layers: Sequence[Sequence[Shape]]) -> tuple[Shape, ...]:
     whole = shapely.union_all([polygon(shape) for shapes in layers for shape in shapes])
     rings = [
         Ring(z, np.zeros(len(z)))
-        for piece in shapely.get_parts(whole) for ring in (piece.exterior, *piece.interiors)
-        if len(z := shapely.get_coordinates(ring)[:-1] @ np.array([1, 1j])) and abs(shapely.Polygon(ring).area) > _SLIVER
-    ]  # fmt: skip
+        for piece in shapely.get_parts(whole)
+        for ring in (piece.exterior, *piece.interiors)
+        if len(z := shapely.get_coordinates(ring)[:-1] @ np.array([1, 1j]))
+        and abs(shapely.Polygon(ring).area) > _SLIVER
+    ]
     return pieces_of(rings)
 
 
@@ -275,9 +312,15 @@ def outwards(shapes: Sequence[Shape], meant: Sequence[Shape]) -> tuple[Floats, F
     ):
         off = [np.zeros(0)]
         for ring in rings:
-            known = min(wanted, key=lambda one: abs(one.centroid - ring.centroid) + abs(one.length - ring.length), default=None)
+            known = min(
+                wanted,
+                key=lambda one: abs(one.centroid - ring.centroid) + abs(one.length - ring.length),
+                default=None,
+            )
             if known is not None:
                 z = known.counter_clockwise().facetted(_CHORDS)
-                off.append(side * deviation(dense(ring.facetted(_CHORDS), _STEP), dense(z, _STEP / 4)))
+                off.append(
+                    side * deviation(dense(ring.facetted(_CHORDS), _STEP), dense(z, _STEP / 4))
+                )
         found.append(np.concatenate(off))
     return found[0], found[1]

@@ -60,48 +60,89 @@ class _Copy:
 
     def moved(self, pose: Pose, start: Pose) -> Points:
         """Its axis on the ground, (n,)."""
-        return np.asarray((self.axis - start.place) * np.exp(1j * (pose.angle - start.angle)) + pose.place, complex)
+        return np.asarray(
+            (self.axis - start.place) * np.exp(1j * (pose.angle - start.angle)) + pose.place,
+            complex,
+        )
 
 
 def judge_strands(path: Path, machine: Moved, strands: Sequence[Strand]) -> list[Finding]:
     """Findings of all threads; the file shows theta = 0."""
-    copies = {name: _Copy(name, item.placed, complex(*item.transform[:2, 3]), body)  # a round post's axis: its part's origin
-              for name, item, body in standing(read_3mf(path), machine)}  # fmt: skip
-    return [finding for strand in strands for finding in _judged(strand, copies, machine, path.name)]
+    copies = {
+        name: _Copy(
+            name, item.placed, complex(*item.transform[:2, 3]), body
+        )  # a round post's axis: its part's origin
+        for name, item, body in standing(read_3mf(path), machine)
+    }
+    return [
+        finding for strand in strands for finding in _judged(strand, copies, machine, path.name)
+    ]
 
 
-def _judged(strand: Strand, copies: Mapping[str, _Copy], machine: Moved, where: str) -> list[Finding]:
+def _judged(
+    strand: Strand, copies: Mapping[str, _Copy], machine: Moved, where: str
+) -> list[Finding]:
     names = [f"{part}-{copy + 1}" for part, copy in strand.posts]
     lost = [name for name in names if name not in copies]
     if lost:
-        return [at_least("THREAD_HELD", math.nan, strand.held, "mm", f"{where}, {lost[0]}", "the post is not there")]
+        return [
+            at_least(
+                "THREAD_HELD",
+                math.nan,
+                strand.held,
+                "mm",
+                f"{where}, {lost[0]}",
+                "the post is not there",
+            )
+        ]
     posts = [copies[name] for name in names]
     found, widest = [], 0.0
     for post in posts:
-        inner = max(post.radii(z)[1] for z in np.linspace(strand.low + _BESIDE, strand.high - _BESIDE, 3))
+        inner = max(
+            post.radii(z)[1] for z in np.linspace(strand.low + _BESIDE, strand.high - _BESIDE, 3)
+        )
         widest = max(widest, inner)
-        above, below = (post.radii(z)[0] - inner for z in (strand.high + _BESIDE, strand.low - _BESIDE))
+        above, below = (
+            post.radii(z)[0] - inner for z in (strand.high + _BESIDE, strand.low - _BESIDE)
+        )
         said = (
             f"over the groove {strand.low:.4g} to {strand.high:.4g} mm high: a head {above:.3g}, a shoulder {below:.3g} mm; a "
             "plain post lets the thread slip: parts.groove makes a groove"
         )
-        found.append(at_least("THREAD_HELD", min(above, below), strand.held, "mm", f"{where}, {post.name}", said))
+        found.append(
+            at_least(
+                "THREAD_HELD", min(above, below), strand.held, "mm", f"{where}, {post.name}", said
+            )
+        )
     return [*found, _clear(strand, posts, widest, copies, machine, where)]
 
 
 def _clear(
-    strand: Strand, posts: Sequence[_Copy], radius: float, copies: Mapping[str, _Copy], machine: Moved, where: str
+    strand: Strand,
+    posts: Sequence[_Copy],
+    radius: float,
+    copies: Mapping[str, _Copy],
+    machine: Moved,
+    where: str,
 ) -> Finding:
     """The nearest of all that a thread passes, and at which angle it does."""
     best, told = math.inf, ""
     for pair in pairwise(posts):
         for copy in (each for each in copies.values() if each not in pair):
-            bottom, top = float(copy.mesh.vertices[:, 2].min()), float(copy.mesh.vertices[:, 2].max())
-            gap, how = max(strand.low - top, bottom - strand.high), "over" if top <= strand.low else "under"
+            bottom, top = (
+                float(copy.mesh.vertices[:, 2].min()),
+                float(copy.mesh.vertices[:, 2].max()),
+            )
+            gap, how = (
+                max(strand.low - top, bottom - strand.high),
+                "over" if top <= strand.low else "under",
+            )
             if gap >= best and gap >= strand.gap:
                 continue
             passed = gap >= strand.gap  # in plan it may pass over it
-            heights = (bottom, top) if passed else (strand.low - strand.gap, strand.high + strand.gap)
+            heights = (
+                (bottom, top) if passed else (strand.low - strand.gap, strand.high + strand.gap)
+            )
             beside, theta = _nearest(pair, copy, copy.sections(*heights), machine)
             gap, how = (gap, how) if passed else (beside - radius, "beside")
             if gap < best:
@@ -120,7 +161,10 @@ def _nearest(
     def beside(theta: Floats) -> Floats:
         poses = machine.courses(theta)
         axes = (each.moved(poses[each.body], start[each.body]) for each in pair)
-        a, b = (np.broadcast_to(copy.at(axis, poses[copy.body], start[copy.body]), theta.shape) for axis in axes)
+        a, b = (
+            np.broadcast_to(copy.at(axis, poses[copy.body], start[copy.body]), theta.shape)
+            for axis in axes
+        )
         return np.asarray(np.min([segments_to_rings(a, b, rings) for rings in sections], axis=0))
 
     theta = np.linspace(0, math.tau, _STEPS, endpoint=False)

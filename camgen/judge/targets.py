@@ -26,5 +26,7 @@ def judge_targets(asked: Sequence[Asked], proof: Proof, theta: Floats, where: st
             course = Course(theta, scale * moved.value, scale * moved.slope, unit, whole)
             place = f"{where}, {each.output}"
             closes = bool(np.isfinite(course.value).all())
-            findings += [target.finding(course, place) for target in each.targets if closes]  # else MOTION_ERROR has told
+            findings += [
+                target.finding(course, place) for target in each.targets if closes
+            ]  # else MOTION_ERROR has told
     return findings

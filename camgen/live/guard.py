@@ -23,9 +23,12 @@ _MOST = 100_000  # bytes that a page may send
 _CONNECTIONS = 100  # at once; a browser opens six
 _PATIENCE = 10.0  # s, until a connection has said what it wants
 _HEADERS = {
-    "Cross-Origin-Resource-Policy": "same-origin", "X-Frame-Options": "SAMEORIGIN", "X-Content-Type-Options": "nosniff",
-    "Referrer-Policy": "no-referrer", "Cache-Control": "no-store",
-}  # fmt: skip
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "X-Frame-Options": "SAMEORIGIN",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cache-Control": "no-store",
+}
 
 
 def word() -> str:
@@ -53,11 +56,15 @@ class OnlyHere:
             await refused(scope, answering.receive, answering.send)
             return
         try:
-            await self.app({**scope, "root_path": f"/{self.word}"}, answering.receive, answering.send)
+            await self.app(
+                {**scope, "root_path": f"/{self.word}"}, answering.receive, answering.send
+            )
         except Exception as error:  # a fault of ours is told, and does not fill the terminal
             if not answering.begun:
                 said = [f"{type(error).__name__}: {error}; please report it with the spec"]
-                fault = JSONResponse({"ok": False, "verdict": "internal error", "errors": said}, 500)
+                fault = JSONResponse(
+                    {"ok": False, "verdict": "internal error", "errors": said}, 500
+                )
                 await fault(scope, answering.receive, answering.send)
 
     def _refusal(self, scope: Scope) -> PlainTextResponse | None:
@@ -68,10 +75,15 @@ class OnlyHere:
         if host.partition(":")[0] not in _HERE:
             said, status = "this page is for this machine alone: its address is 127.0.0.1", 403
         elif not secrets.compare_digest(first.encode("utf-8", "replace"), self.word.encode()):
-            said, status = "the address is another one: open the one that the terminal shows, which is new at each start", 403
+            said, status = (
+                "the address is another one: open the one that the terminal shows, which is new at each start",
+                403,
+            )
         elif scope["method"] not in ("GET", "HEAD") and headers.get("origin") != f"http://{host}":
             said, status = "only a page of camgen itself may ask for this", 403
-        elif not (length.isascii() and length.isdecimal() and len(length) < 10 and int(length) <= _MOST):
+        elif not (
+            length.isascii() and length.isdecimal() and len(length) < 10 and int(length) <= _MOST
+        ):
             said, status = f"at most {_MOST} bytes", 413
         else:
             return None

@@ -41,7 +41,12 @@ class Number:
 
 def numbers(data: Data, schema: Data) -> list[Number]:
     """The numbers and choices that the spec's tables hold, in their order; included machines keep theirs to themselves."""
-    return [each for key, value in data.items() if key != "mechanism" for each in _below(key, value, schema, key, schema)]
+    return [
+        each
+        for key, value in data.items()
+        if key != "mechanism"
+        for each in _below(key, value, schema, key, schema)
+    ]
 
 
 def _below(path: str, value: Any, above: Data, step: str | int, root: Data) -> Iterator[Number]:
@@ -52,7 +57,12 @@ def _below(path: str, value: Any, above: Data, step: str | int, root: Data) -> I
         for key, item in value.items():
             if "." not in key:
                 yield from _below(f"{path}.{key}", item, node, key, root)
-    elif isinstance(value, list) and len(value) <= _MOST or isinstance(value, list) and isinstance(value[0], dict):
+    elif (
+        isinstance(value, list)
+        and len(value) <= _MOST
+        or isinstance(value, list)
+        and isinstance(value[0], dict)
+    ):
         for k, item in enumerate(value):
             yield from _below(f"{path}.{k}", item, node, k, root)
     elif isinstance(value, bool | str | int | float):
@@ -60,11 +70,17 @@ def _below(path: str, value: Any, above: Data, step: str | int, root: Data) -> I
         yield from _one(path, value, unit if unit != "1" else "", about, members_of(node, root))
 
 
-def _one(path: str, value: bool | str | int | float, unit: str, about: str, members: Sequence[Data]) -> Iterator[Number]:
+def _one(
+    path: str, value: bool | str | int | float, unit: str, about: str, members: Sequence[Data]
+) -> Iterator[Number]:
     if isinstance(value, bool):
         yield Number(path, value, about=about, choices=("false", "true"))
         return
-    names = list(LAWS) if path.endswith(".law") else [str(name) for member in members for name in member.get("enum", ())]
+    names = (
+        list(LAWS)
+        if path.endswith(".law")
+        else [str(name) for member in members for name in member.get("enum", ())]
+    )
     if isinstance(value, str) or names:
         if str(value) in names:
             yield Number(path, value, about=about, choices=names)
@@ -79,7 +95,11 @@ def _slider(value: float, kind: Data, unit: str) -> tuple[float, float, float]:
     least = float(kind.get("minimum", kind.get("exclusiveMinimum", -math.inf)) or 0.0)
     most = float(kind.get("maximum", kind.get("exclusiveMaximum", math.inf)) or 0.0)
     reach = abs(value) or _AT_ZERO.get(unit, 10.0)
-    low, high = (least, most) if most - least <= 4 * reach else (max(least, value - reach), min(most, value + reach))
+    low, high = (
+        (least, most)
+        if most - least <= 4 * reach
+        else (max(least, value - reach), min(most, value + reach))
+    )
     step = 10.0 ** math.floor(math.log10((high - low) / 100)) if high > low else 1.0
     step = max(step, 1.0) if kind["type"] == "integer" else step
     low = low + step if "exclusiveMinimum" in kind and low == least else low
@@ -92,13 +112,17 @@ def overrides(settings: object, known: Sequence[Number]) -> list[str]:
     values that are no number and none of the words to choose from."""
     names = {number.key: number.choices for number in known}
     if not isinstance(settings, Mapping) or len(settings) > len(names):
-        raise SpecError([Fault("settings", "", f"a table of at most {len(names)} keys and values")], "page")
+        raise SpecError(
+            [Fault("settings", "", f"a table of at most {len(names)} keys and values")], "page"
+        )
     faults = list[Fault]()
     for key, text in settings.items():
         if key not in names:
             faults.append(specs.unknown("settings", shortened(str(key)), names))
         elif not (isinstance(text, str) and _PLAIN.fullmatch(text) and text.strip()):
-            faults.append(Fault(key, shortened(str(text)), "a number or a word, as a spec writes it"))
+            faults.append(
+                Fault(key, shortened(str(text)), "a number or a word, as a spec writes it")
+            )
         elif names[key] and text not in names[key]:
             faults.append(Fault(key, shortened(text), f"one of {', '.join(names[key])}"))
     if faults:
@@ -110,7 +134,9 @@ def write(path: Path, text: str) -> None:
     """Write a spec whole or not at all, with its rights as they were; FileError where that cannot be done."""
     path = path.resolve()
     with file_errors():
-        handle, part = tempfile.mkstemp(".part", f".{path.name}.", path.parent)  # a name that nobody has put a link at
+        handle, part = tempfile.mkstemp(
+            ".part", f".{path.name}.", path.parent
+        )  # a name that nobody has put a link at
         try:
             with open(handle, "w", encoding="utf-8", newline="") as file:
                 file.write(text)

@@ -17,7 +17,9 @@ from camgen.report.report import Report
 from camgen.study import Study
 
 
-def preview(data: Data, source: str, folder: Path, settings: Sequence[str], quick: bool = False) -> dict[str, Any]:
+def preview(
+    data: Data, source: str, folder: Path, settings: Sequence[str], quick: bool = False
+) -> dict[str, Any]:
     """What the variant is: ok, its verdict, its page, and s it took; of one that cannot be made or is no spec, the reasons.
 
     quick: without the study, which may take seconds: verdict, limits and parts in motion, but no curves and sketches.
@@ -33,11 +35,23 @@ def preview(data: Data, source: str, folder: Path, settings: Sequence[str], quic
     except DesignError as error:
         return told("cannot be made", [str(error)])
     report = Report(
-        mechanism.name, mechanism.mechanism, findings, study.numbers, plots=plots, notes=study.notes, animation=shown,
+        mechanism.name,
+        mechanism.mechanism,
+        findings,
+        study.numbers,
+        plots=plots,
+        notes=study.notes,
+        animation=shown,
         not_judged=mechanism.unpressed(),
     )
     page = to_html(report)
-    return {"ok": report.ok, "verdict": report.verdict, "errors": [], "page": page, "s": time.perf_counter() - began}
+    return {
+        "ok": report.ok,
+        "verdict": report.verdict,
+        "errors": [],
+        "page": page,
+        "s": time.perf_counter() - began,
+    }
 
 
 def told(verdict: str, errors: Sequence[str]) -> dict[str, Any]:

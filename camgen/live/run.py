@@ -87,14 +87,18 @@ def rebuild(built: Built, say: Say, ended: threading.Event | None = None) -> Non
             files, began = files_of(built.spec), time.perf_counter()
             last = now = seen(files)
             answer = built.build([])
-            say(f"{time.strftime('%H:%M:%S')}  {answer['verdict']}  ({time.perf_counter() - began:.1f} s)")
+            say(
+                f"{time.strftime('%H:%M:%S')}  {answer['verdict']}  ({time.perf_counter() - began:.1f} s)"
+            )
             for error in answer["errors"]:
                 say(f"  {error}")
         before = now
         ended.wait(_EVERY)
 
 
-def _serve(app: App, port: int, way: Path | None, say: Say, beside: threading.Thread | None = None) -> None:
+def _serve(
+    app: App, port: int, way: Path | None, say: Say, beside: threading.Thread | None = None
+) -> None:
     """Serve an app until Ctrl-C. way: where the page is put that leads a browser to it; None where none is opened."""
     import uvicorn
 
@@ -107,13 +111,22 @@ def _serve(app: App, port: int, way: Path | None, say: Say, beside: threading.Th
         try:
             place.bind(("127.0.0.1", port))
         except OSError as error:
-            raise FileError(f"127.0.0.1:{port}", f"{error.strerror}; choose another --port") from None
+            raise FileError(
+                f"127.0.0.1:{port}", f"{error.strerror}; choose another --port"
+            ) from None
         known = word()
         address = f"http://127.0.0.1:{place.getsockname()[1]}/{known}/"
         say(f"{address}  (Ctrl-C ends it)")
-        server = uvicorn.Server(uvicorn.Config(
-            app(known), http=Few, ws="none", log_level="error", access_log=False, timeout_graceful_shutdown=1,
-        ))  # fmt: skip
+        server = uvicorn.Server(
+            uvicorn.Config(
+                app(known),
+                http=Few,
+                ws="none",
+                log_level="error",
+                access_log=False,
+                timeout_graceful_shutdown=1,
+            )
+        )
         if beside is not None:
             beside.start()
         with ExitStack() as held:
@@ -139,7 +152,9 @@ def _leading_to(address: str, folder: Path) -> Iterator[Path]:
     page = Path(name).resolve()
     try:
         with open(handle, "w", encoding="utf-8") as file:
-            file.write(f'<!DOCTYPE html><meta http-equiv="refresh" content="0; url={escape(address)}">\n')
+            file.write(
+                f'<!DOCTYPE html><meta http-equiv="refresh" content="0; url={escape(address)}">\n'
+            )
         yield page
     finally:
         page.unlink(missing_ok=True)

@@ -60,11 +60,16 @@ class Built:
                 assert report.folder is not None, "a build writes a folder"
                 self.folder = Path(report.folder)
                 said, left = report.verdict, bool(report.not_judged)
-                self.said = Answer(ok=report.ok, open=left, verdict=said, errors=[], folder=str(self.folder))
+                self.said = Answer(
+                    ok=report.ok, open=left, verdict=said, errors=[], folder=str(self.folder)
+                )
             except (CamgenError, OSError) as error:
                 self.said = reasons(explained(error))
             except Exception as error:  # a fault of ours is told, and does not end the watch
-                self.said = told("internal error", [f"{type(error).__name__}: {error}; please report it with the spec"])
+                self.said = told(
+                    "internal error",
+                    [f"{type(error).__name__}: {error}; please report it with the spec"],
+                )
             self.number += 1
         return self.said
 
@@ -72,7 +77,9 @@ class Built:
         """Serve a file of the last build."""
         folder = self.folder
         there = folder is not None and folder.is_dir()
-        app: ASGIApp = StaticFiles(directory=folder) if there else PlainTextResponse("nothing is built", 404)
+        app: ASGIApp = (
+            StaticFiles(directory=folder) if there else PlainTextResponse("nothing is built", 404)
+        )
         await app(scope, receive, send)
 
 
@@ -80,7 +87,10 @@ def reasons(error: CamgenError) -> Answer:
     """The answer that stands for an error."""
     if isinstance(error, SpecError):
         return told("no valid spec", [str(fault) for fault in error.faults])
-    return told("cannot be made" if isinstance(error, DesignError) else "cannot be read or written", [str(error)])
+    return told(
+        "cannot be made" if isinstance(error, DesignError) else "cannot be read or written",
+        [str(error)],
+    )
 
 
 class Explorer:
@@ -101,7 +111,13 @@ class Explorer:
     def preview(self, asked: Answer) -> Answer:
         """A variant's page; quick: without what takes long."""
         with self.lock:
-            return preview(self.data, self.source, self.folder, self._settings(asked), asked.get("quick") is True)
+            return preview(
+                self.data,
+                self.source,
+                self.folder,
+                self._settings(asked),
+                asked.get("quick") is True,
+            )
 
     def build(self, asked: Answer) -> Answer:
         """All files of a variant."""
@@ -124,7 +140,10 @@ class Explorer:
     def _unchanged(self) -> bytes:
         raw = read_bytes(self.spec, reading.SPEC_FILE)
         if sha256(raw).hexdigest() != self.digest:
-            raise FileError(self.spec, "was changed since this page read it; reload the page to see the new values")
+            raise FileError(
+                self.spec,
+                "was changed since this page read it; reload the page to see the new values",
+            )
         return raw
 
     def page(self) -> str:
@@ -132,11 +151,20 @@ class Explorer:
         with self.lock:
             self.read()
         listed = [vars(number) for number in self.numbers]
-        return _page("explore.html", self.spec, data=json.dumps(listed, ensure_ascii=False).replace("<", "\\u003c"))
+        return _page(
+            "explore.html",
+            self.spec,
+            data=json.dumps(listed, ensure_ascii=False).replace("<", "\\u003c"),
+        )
 
     def app(self, word: str) -> Starlette:
         """What serves it, below the word."""
-        return _app(word, self.page, self.built, {"/preview": self.preview, "/build": self.build, "/save": self.save})
+        return _app(
+            word,
+            self.page,
+            self.built,
+            {"/preview": self.preview, "/build": self.build, "/save": self.save},
+        )
 
 
 def watcher(built: Built, word: str) -> Starlette:
@@ -156,7 +184,12 @@ def _asset(file: str) -> str:
     return files("camgen.live").joinpath(file).read_text(encoding="utf-8")
 
 
-def _app(word: str, page: Callable[[], str], built: Built, answers: Mapping[str, Callable[[Answer], Answer]]) -> Starlette:
+def _app(
+    word: str,
+    page: Callable[[], str],
+    built: Built,
+    answers: Mapping[str, Callable[[Answer], Answer]],
+) -> Starlette:
     """A page, its script and style, the files of the last build, and what the page asks for: JSON to JSON."""
 
     async def shown(request: Request) -> Response:
@@ -166,8 +199,16 @@ def _app(word: str, page: Callable[[], str], built: Built, answers: Mapping[str,
             return PlainTextResponse(str(error), 500)
         return Response(text, media_type="text/html", headers={"Content-Security-Policy": _POLICY})
 
-    script, style = Response(_asset("live.js"), media_type="text/javascript"), Response(_asset("live.css"), media_type="text/css")
-    routes = [Route("/", shown), Route("/live.js", script), Route("/live.css", style), Mount("/out", app=built)]
+    script, style = (
+        Response(_asset("live.js"), media_type="text/javascript"),
+        Response(_asset("live.css"), media_type="text/css"),
+    )
+    routes = [
+        Route("/", shown),
+        Route("/live.js", script),
+        Route("/live.css", style),
+        Mount("/out", app=built),
+    ]
     routes += [Route(path, _answering(reply), methods=["POST"]) for path, reply in answers.items()]
     return Starlette(routes=routes, middleware=[Middleware(OnlyHere, word=word)])
 
@@ -179,7 +220,9 @@ def _answering(reply: Callable[[Answer], Answer]) -> Callable[[Request], Awaitab
         except (ValueError, RecursionError):  # no JSON, or too deep
             asked = None
         if not isinstance(asked, dict):
-            return _json(told("no valid request", [str(Fault("request", "", "a JSON object"))]), 400)
+            return _json(
+                told("no valid request", [str(Fault("request", "", "a JSON object"))]), 400
+            )
         try:
             return _json(await run_in_threadpool(reply, asked))
         except (CamgenError, OSError) as error:

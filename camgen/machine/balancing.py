@@ -21,7 +21,9 @@ def together(body: Body, *others: Body) -> Body:
     if not mass:
         return body
     centre = sum(each.mass * each.centre for each in bodies) / mass
-    inertia = sum(each.inertia + each.mass * abs((each.centre - centre) * MM) ** 2 for each in bodies)
+    inertia = sum(
+        each.inertia + each.mass * abs((each.centre - centre) * MM) ** 2 for each in bodies
+    )
     return replace(body, mass=mass, centre=centre, inertia=inertia)
 
 
@@ -30,7 +32,9 @@ def with_weight(body: Body, mass: float, place: complex) -> Body:
     return together(body, Body(body.name, mass=mass, centre=place)) if mass else body
 
 
-def balanced(body: Body, about: complex, radius: float, carried: float = 0.0, at: complex = 0) -> Body:
+def balanced(
+    body: Body, about: complex, radius: float, carried: float = 0.0, at: complex = 0
+) -> Body:
     """The body with a counterweight `radius` mm from `about`, sized so that the centre of mass comes to lie there.
 
     carried, at: a further mass that hangs at a place of the body and is balanced along with it.
@@ -80,4 +84,7 @@ def _circle_round(few: Sequence[complex]) -> tuple[complex, float]:
         area = 2 * (b.conjugate() * c).imag
         if area:
             centres.append(a + 1j * (b * abs(c) ** 2 - c * abs(b) ** 2) / area)
-    return min(((centre, max(abs(p - centre) for p in few)) for centre in centres), key=lambda circle: circle[1])
+    return min(
+        ((centre, max(abs(p - centre) for p in few)) for centre in centres),
+        key=lambda circle: circle[1],
+    )

@@ -26,7 +26,9 @@ def slider_travel(theta: ArrayLike, crank: float, rod: float, offset: float = 0.
     half = unit_turn(angle / 2).imag
     y = crank * unit_turn(angle).imag
     with np.errstate(invalid="ignore"):
-        roots = np.sqrt((rod - offset) * (rod + offset)) + np.sqrt((rod - y + offset) * (rod + y - offset))
+        roots = np.sqrt((rod - offset) * (rod + offset)) + np.sqrt(
+            (rod - y + offset) * (rod + y - offset)
+        )
         way: Floats = 2 * crank * half**2 + y * (y - 2 * offset) / roots
     return way.reshape(np.shape(theta))
 
@@ -58,7 +60,12 @@ def four_bar(frame: float, crank: float, coupler: float, output: float) -> FourB
     spans = []
     if slack < 0:
         turn = [
-            0.0 if side <= near else 180.0 if side >= far else math.degrees(_corner(frame, crank, side)) for side in (least, most)
+            0.0
+            if side <= near
+            else 180.0
+            if side >= far
+            else math.degrees(_corner(frame, crank, side))
+            for side in (least, most)
         ]
         spans = [span for span in ((0.0, turn[0]), (turn[1], 180.0)) if span[1] > span[0]]
     if sum(lengths[:3]) < lengths[3]:
@@ -68,12 +75,19 @@ def four_bar(frame: float, crank: float, coupler: float, output: float) -> FourB
     elif margin < 0:
         kind = "triple-rocker"
     else:
-        kinds = {frame: "double-crank", crank: "crank-rocker", output: "rocker-crank", coupler: "double-rocker"}
+        kinds = {
+            frame: "double-crank",
+            crank: "crank-rocker",
+            output: "rocker-crank",
+            coupler: "double-rocker",
+        }
         kind = kinds[lengths[0]]
     return FourBar(kind, margin, slack >= 0, slack, tuple(spans))
 
 
-def transmission_extremes(frame: float, crank: float, coupler: float, output: float) -> tuple[float, float]:
+def transmission_extremes(
+    frame: float, crank: float, coupler: float, output: float
+) -> tuple[float, float]:
     """Angle between coupler and output at theta = 0 and pi, its extremes over a full turn, rad; nan where open."""
     return _corner(coupler, output, abs(frame - crank)), _corner(coupler, output, frame + crank)
 
@@ -81,12 +95,22 @@ def transmission_extremes(frame: float, crank: float, coupler: float, output: fl
 def refuse_gap(joint: str, gap: float, worst: float, edges: Sequence[float]) -> NoReturn:
     """Raise DesignError: by how much a joint fails to close, mm, at which crank angle worst, deg, and where it begins to."""
     turns = sorted({round(edge % 360, 9) for edge in edges})
-    span = f"closes or opens at {', '.join(f'{edge:.6g}' for edge in turns)} deg" if turns else "never closes"
+    span = (
+        f"closes or opens at {', '.join(f'{edge:.6g}' for edge in turns)} deg"
+        if turns
+        else "never closes"
+    )
     where = f"crank angle {worst % 360:.6g} deg ({span})"
-    raise DesignError(f"gap at joint {joint}", gap, 0.0, "mm", where, "change the lengths of its links")
+    raise DesignError(
+        f"gap at joint {joint}", gap, 0.0, "mm", where, "change the lengths of its links"
+    )
 
 
 def _corner(a: float, b: float, c: float) -> float:
     """Angle between sides a and b of the triangle whose third side is c, rad; nan where there is none."""
     stretch, fold = (a + b - c) * (a + b + c), (c - a + b) * (c + a - b)
-    return 2 * math.atan2(math.sqrt(fold), math.sqrt(stretch)) if stretch >= 0 and fold >= 0 else math.nan
+    return (
+        2 * math.atan2(math.sqrt(fold), math.sqrt(stretch))
+        if stretch >= 0 and fold >= 0
+        else math.nan
+    )

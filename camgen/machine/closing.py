@@ -37,7 +37,9 @@ class Closed:
     second: Floats
 
 
-def close(system: Constraints, theta: Floats, guess: Floats | None = None, order: int = 2) -> Closed:
+def close(
+    system: Constraints, theta: Floats, guess: Floats | None = None, order: int = 2
+) -> Closed:
     """The machine closed at theta, (n,) rad, from guessed poses, (n, 3 bodies), or followed from the drawn ones.
 
     order: 2, or 1 to leave the second derivatives nan.
@@ -57,7 +59,9 @@ def close(system: Constraints, theta: Floats, guess: Floats | None = None, order
     return Closed(theta, q, first, second)
 
 
-def _derivatives(system: Constraints, q: Floats, theta: Floats, slopes: Floats, order: int = 2) -> tuple[Floats, Floats]:
+def _derivatives(
+    system: Constraints, q: Floats, theta: Floats, slopes: Floats, order: int = 2
+) -> tuple[Floats, Floats]:
     """q', q'' to theta at closed poses with their slopes; of order 1 the latter is nan."""
     with np.errstate(all="ignore"):
         first = solved(slopes, -system.drift(theta), system.holds)
@@ -67,7 +71,9 @@ def _derivatives(system: Constraints, q: Floats, theta: Floats, slopes: Floats, 
         return first, solved(slopes, -bends, system.holds)
 
 
-def _newton(system: Constraints, guess: Floats, theta: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+def _newton(
+    system: Constraints, guess: Floats, theta: Floats
+) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """Closed poses, the slopes there, and which stay open."""
     q = guess.copy()
     open_ = ~np.isfinite(q).all(axis=1)

@@ -84,12 +84,19 @@ class Constraints:
         self.conditions: tuple[Joint | Drive, ...] = (*machine.joints, *machine.drives)
         row = 0
         for each in self.conditions:
-            count = 2 if isinstance(each, Pin) or (isinstance(each, Slide) and each.name in self._turn_said) else 1
+            count = (
+                2
+                if isinstance(each, Pin)
+                or (isinstance(each, Slide) and each.name in self._turn_said)
+                else 1
+            )
             self.rows[each.name] = slice(row, row + count)
             row += count
         self.height = row
         start = [machine.start_of(body) for body in self.bodies]
-        self.start = np.array([part for p in start for part in (p.place.real, p.place.imag, p.angle)], float)
+        self.start = np.array(
+            [part for p in start for part in (p.place.real, p.place.imag, p.angle)], float
+        )
         levers = [abs(z) for body in machine.bodies for z in body.points.values()]
         self.size = max(1.0, np.abs(self.start).max(initial=0), *levers)
         self.unit = np.tile([self.size, self.size, 1.0], len(self.bodies))
@@ -116,9 +123,16 @@ class Constraints:
         if k < 0:
             return _Seen(np.full(len(q), complex(place.at)), 0j, -1, 0.0)
         spoke = place.at * np.exp(1j * q[:, k + 2])
-        return _Seen(q[:, k] + 1j * q[:, k + 1] + spoke, 1j * spoke, k, 0.0 if rates is None else rates[:, k + 2])
+        return _Seen(
+            q[:, k] + 1j * q[:, k + 1] + spoke,
+            1j * spoke,
+            k,
+            0.0 if rates is None else rates[:, k + 2],
+        )
 
-    def _line(self, slide: Slide | Slot, q: Floats, rates: Floats | None) -> tuple[Any, dict[int, Any], Any]:
+    def _line(
+        self, slide: Slide | Slot, q: Floats, rates: Floats | None
+    ) -> tuple[Any, dict[int, Any], Any]:
         """Runner seen from the guide: complex, along + i across; its slopes by column and its second derivative, q'' = 0."""
         guide, runner = self.place(slide.guide, q, rates), self.place(slide.runner, q, rates)
         back = np.exp(-1j * (self.angle(slide.guide.body, q) + slide.angle)) * np.ones(len(q))
@@ -141,25 +155,35 @@ class Constraints:
             bend = back * (pull - 2j * w * speed - w * w * way)
         return way * back, slopes, bend
 
-    def along(self, name: str, q: Floats, rates: Floats | None = None) -> tuple[Any, dict[int, Any], Any]:
+    def along(
+        self, name: str, q: Floats, rates: Floats | None = None
+    ) -> tuple[Any, dict[int, Any], Any]:
         """Place along a slide or slot, mm, its slopes and its second derivative with q'' = 0."""
         value, slopes, bend = self._line(self.machine.slide(name), q, rates)
         return value.real, {k: slope.real for k, slope in slopes.items()}, np.real(bend)
 
-    def evaluate(self, q: Floats, theta: Floats, rates: Floats | None = None) -> tuple[Floats, Floats, Floats]:
+    def evaluate(
+        self, q: Floats, theta: Floats, rates: Floats | None = None
+    ) -> tuple[Floats, Floats, Floats]:
         """Misfits (n, rows), their slopes (n, rows, columns), and with rates q' their second derivatives where q'' = 0."""
         rows = _Rows()
         for each in self.conditions:
             self._write(each, q, theta, rates, rows)
         n = len(q)
-        values, slopes, bends = np.zeros((n, self.height)), np.zeros((self.height, self.width, n)), np.zeros((n, self.height))
+        values, slopes, bends = (
+            np.zeros((n, self.height)),
+            np.zeros((self.height, self.width, n)),
+            np.zeros((n, self.height)),
+        )
         for r in range(self.height):
             values[:, r], bends[:, r] = rows.values[r], rows.bends[r]
             for k, slope in rows.slopes[r].items():
                 slopes[r, k] = slope  # angles lie side by side: what stays empty costs nothing
         return values, np.moveaxis(slopes, -1, 0), bends
 
-    def _write(self, each: Joint | Drive, q: Floats, theta: Floats, rates: Floats | None, rows: _Rows) -> None:
+    def _write(
+        self, each: Joint | Drive, q: Floats, theta: Floats, rates: Floats | None, rows: _Rows
+    ) -> None:
         """Write down the conditions of one joint or drive."""
         if isinstance(each, Pin):
             where, bend = np.zeros(len(q), complex), np.zeros(len(q), complex)
@@ -188,12 +212,16 @@ class Constraints:
         elif isinstance(each, Clutch):
             apart = each.apart(theta)
             held, turned = np.isnan(apart), self.angle(each.b, q)
-            value = np.where(held, turned - each.law(theta, 0), turned - self.angle(each.a, q) - apart)
+            value = np.where(
+                held, turned - each.law(theta, 0), turned - self.angle(each.a, q) - apart
+            )
             rows.add(value, self._turns((each.b, 1.0), (each.a, np.where(held, 0.0, -1.0))), 0.0)
         else:
             self._write_law(each, q, theta, rates, rows)
 
-    def _write_law(self, each: Cam | Drive, q: Floats, theta: Floats, rates: Floats | None, rows: _Rows) -> None:
+    def _write_law(
+        self, each: Cam | Drive, q: Floats, theta: Floats, rates: Floats | None, rows: _Rows
+    ) -> None:
         """A cam's or a drive's condition: follower - rest - law."""
         body = each.follower if isinstance(each, Cam) else each.body
         if each.slide is not None:
@@ -201,7 +229,11 @@ class Constraints:
         else:
             value, slopes, bend = self.angle(body, q), self._turns((body, 1.0)), 0.0
         if isinstance(each, Drive):
-            rows.add(value - each.law(theta, 0), slopes, bend - (0.0 if rates is None else each.law(theta, 2)))
+            rows.add(
+                value - each.law(theta, 0),
+                slopes,
+                bend - (0.0 if rates is None else each.law(theta, 2)),
+            )
             return
         angle = self.angle(each.cam, q) - each.phase + np.zeros(len(q))
         if each.cam != GROUND:
@@ -230,7 +262,9 @@ class Constraints:
     def refuse_unequal(self) -> None:
         """Raise ValueError where there are more or fewer conditions than freedoms."""
         if self.height != self.width:
-            raise ValueError(f"{self.height} conditions for {len(self.bodies)} bodies with 3 degrees of freedom each")
+            raise ValueError(
+                f"{self.height} conditions for {len(self.bodies)} bodies with 3 degrees of freedom each"
+            )
 
     # ---- outputs ----
 
@@ -285,7 +319,10 @@ class Constraints:
         if isinstance(of, Path):
             return [(of.of, turned[0], 1j * turned[0])]
         steep = self._steep(of, [self.place(place, q) for place in on])
-        return [(place, np.real(s.conj() * t), np.real(s.conj() * 1j * t)) for place, s, t in zip(on, steep, turned, strict=True)]
+        return [
+            (place, np.real(s.conj() * t), np.real(s.conj() * 1j * t))
+            for place, s, t in zip(on, steep, turned, strict=True)
+        ]
 
     def press(self, total: Floats, place: Place, q: Floats, force: Points) -> None:
         """Add to generalised forces, (n, 3 bodies), what a force (complex) on a place does: N and N mm."""
@@ -317,20 +354,29 @@ class Constraints:
         slopes = self.evaluate(q, theta)[1]
         gradients = [self.output(name, q)[1] for name in names]
         right = np.concatenate(gradients, axis=1)
-        found = np.swapaxes(solved(np.swapaxes(slopes, 1, 2), np.swapaxes(right, 1, 2), self.holds.T), 1, 2)
+        found = np.swapaxes(
+            solved(np.swapaxes(slopes, 1, 2), np.swapaxes(right, 1, 2), self.holds.T), 1, 2
+        )
         shares, first = [], 0
         for gradient in gradients:
             mine, first = found[:, first : first + gradient.shape[1]], first + gradient.shape[1]
             parts = {each.name: mine[:, :, self.rows[each.name]] for each in self.conditions}
             sliding = {each.name for each in self.conditions if isinstance(each, Slide)}
-            shares.append({name: _stretch(part[:, :, :1] if name in sliding else part) for name, part in parts.items()})
+            shares.append(
+                {
+                    name: _stretch(part[:, :, :1] if name in sliding else part)
+                    for name, part in parts.items()
+                }
+            )
         return shares
 
     def poses(self, q: Floats) -> Mapping[str, Pose]:
         """The same as poses of all bodies."""
         ground = Pose(np.zeros(len(q), complex), np.zeros(len(q)))
         return {GROUND: ground} | {
-            body: Pose(q[:, k] + 1j * q[:, k + 1], q[:, k + 2]) for body, k in self.column.items() if k >= 0
+            body: Pose(q[:, k] + 1j * q[:, k + 1], q[:, k + 2])
+            for body, k in self.column.items()
+            if k >= 0
         }
 
 
@@ -366,7 +412,9 @@ def solved(matrices: Floats, right: Floats, holds: NDArray[np.bool_] | None = No
     holds: (k, k), where they are other than zero; None: anywhere.
     """
     row, column = np.nonzero(np.ones(matrices.shape[1:], bool) if holds is None else holds)
-    sound = np.isfinite(matrices[:, row, column]).all(axis=1) & np.isfinite(right).all(axis=tuple(range(1, right.ndim)))
+    sound = np.isfinite(matrices[:, row, column]).all(axis=1) & np.isfinite(right).all(
+        axis=tuple(range(1, right.ndim))
+    )
     if sound.all():
         return solve(matrices, right, holds)
     found = np.full(right.shape, np.nan)

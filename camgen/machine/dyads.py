@@ -101,7 +101,9 @@ def inverted(known: Jet, c: complex, d: complex, branch: int) -> tuple[Spin, Jet
     return _rates(known, z, [d * e], [e], [root - p], divisor, inverted=True)
 
 
-def _rates(known: Jet, z: Any, d: Jet, angle: Jet, length: Jet, divisor: Any, inverted: bool) -> tuple[Jet, Jet]:
+def _rates(
+    known: Jet, z: Any, d: Jet, angle: Jet, length: Jet, divisor: Any, inverted: bool
+) -> tuple[Jet, Jet]:
     """Rates of an angle whose vector is z and a length along d; divisor is the cross product of their columns d and i z."""
     order, u = len(known) - 1, length[0]
     along = d[0]
@@ -119,7 +121,11 @@ def _rates(known: Jet, z: Any, d: Jet, angle: Jet, length: Jet, divisor: Any, in
         length.append(v)
     if order > 1:
         f = plus(known[2], -w * w * z)
-        f = f + 2j * v * w * along if inverted else plus(plus(f, times(u, d[2])), times(2 * v, d[1]))
+        f = (
+            f + 2j * v * w * along
+            if inverted
+            else plus(plus(f, times(u, d[2])), times(2 * v, d[1]))
+        )
         a, b = part(f)
         angle.append(a)
         length.append(b)

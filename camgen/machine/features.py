@@ -32,7 +32,11 @@ def mapped(record: T, change: Callable[[str, Any], Any]) -> T:
     """A record with change(key, value) in place of its values, of those in tuples one by one."""
 
     def each(key: str, value: Any) -> Any:
-        return tuple(each(key, one) for one in value) if isinstance(value, tuple) else change(key, value)
+        return (
+            tuple(each(key, one) for one in value)
+            if isinstance(value, tuple)
+            else change(key, value)
+        )
 
     keys = (key.name for key in fields(record))  # type: ignore[arg-type]
     return replace(record, **{key: each(key, getattr(record, key)) for key in keys})  # type: ignore[type-var]
@@ -398,7 +402,12 @@ def eyes(feature: Feature) -> Iterator[Eye]:
 
 def parts_of(features: Iterable[Feature]) -> set[str]:
     """Names of the parts that the features are on; of an own tip the cam's alone."""
-    found = {value.part for feature in features for value in vars(feature).values() if isinstance(value, Eye | Faces | Flat)}
+    found = {
+        value.part
+        for feature in features
+        for value in vars(feature).values()
+        if isinstance(value, Eye | Faces | Flat)
+    }
     found |= {feature.part for feature in features if isinstance(feature, CamOutline)}
     return {part for part in found if part is not None}
 
@@ -408,5 +417,10 @@ def eyes_of(part: str, features: Iterable[Feature]) -> tuple[tuple[complex, floa
 
     A pin's own rim is none: its place is the hole's.
     """
-    found = [eye for feature in features for eye in eyes(feature) if eye is not getattr(feature, "pin", None)]
+    found = [
+        eye
+        for feature in features
+        for eye in eyes(feature)
+        if eye is not getattr(feature, "pin", None)
+    ]
     return tuple((eye.at, eye.diameter) for eye in found if eye.part == part)

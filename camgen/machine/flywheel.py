@@ -47,4 +47,8 @@ def spring_on_shaft(turned: Floats, torque: Floats) -> tuple[float, float, float
     """
     first = 2 * np.mean((torque * np.exp(-1j * turned))[:-1])
     left = torque - np.real(first * np.exp(1j * turned))
-    return float(np.abs(first)), float(np.angle(1j * np.conj(first)) % (2 * np.pi)), float(np.max(np.abs(left)))
+    return (
+        float(np.abs(first)),
+        float(np.angle(1j * np.conj(first)) % (2 * np.pi)),
+        float(np.max(np.abs(left))),
+    )

@@ -87,11 +87,16 @@ class Forces:
 
 def peaks(values: Mapping[str, Points] | Mapping[str, Floats]) -> str:
     """The greatest size of each, (n,), by its name, as text."""
-    found = {name: round(float(np.max(np.nan_to_num(np.abs(rows)), initial=0.0)), 12) for name, rows in values.items()}
+    found = {
+        name: round(float(np.max(np.nan_to_num(np.abs(rows)), initial=0.0)), 12)
+        for name, rows in values.items()
+    }
     return ", ".join(f"{name} {peak:.4g}" for name, peak in found.items()) or "none"
 
 
-def kinetostatics(system: Constraints, theta: Floats, q: Floats, first: Floats, second: Floats, speed: float) -> Forces:
+def kinetostatics(
+    system: Constraints, theta: Floats, q: Floats, first: Floats, second: Floats, speed: float
+) -> Forces:
     """Forces at poses q and their derivatives to theta, (n, 3 bodies), theta growing steadily at `speed` rad/s."""
     n, joints = len(q), system.machine.joints
     rubs, locks = np.zeros(n), np.zeros(n, bool)
@@ -103,9 +108,13 @@ def kinetostatics(system: Constraints, theta: Floats, q: Floats, first: Floats, 
         given = np.sum(acting * rates, axis=1) * MM
         multipliers = solve(turned, wanted - acting)
         touched = {
-            joint.name: (system.rows[joint.name].start, *_touched(joint, system, q, rates, slopes, multipliers))
-            for joint in joints if isinstance(joint, Cam) and joint.touches
-        }  # fmt: skip
+            joint.name: (
+                system.rows[joint.name].start,
+                *_touched(joint, system, q, rates, slopes, multipliers),
+            )
+            for joint in joints
+            if isinstance(joint, Cam) and joint.touches
+        }
         efforts = {name: multipliers[:, row] for name, (row, _, _) in touched.items()}
         for row, _, acts in touched.values():
             multipliers = multipliers - multipliers[:, row, None] * solve(turned, acts)
@@ -118,8 +127,13 @@ def kinetostatics(system: Constraints, theta: Floats, q: Floats, first: Floats, 
             multipliers = multipliers + np.sum(units * loads[:, None, :], axis=2)
             multipliers[locks] = np.nan
             efforts = {name: multipliers[:, row] for name, (row, _, _) in touched.items()}
-            rubs = -MM * sum(loads[:, k] * np.sum(each.acts * rates, axis=1) for k, each in enumerate(rubbing))
-        pressing = {name: np.where(efforts[name] == 0, 0.0, efforts[name] * per) for name, (_, per, _) in touched.items()}
+            rubs = -MM * sum(
+                loads[:, k] * np.sum(each.acts * rates, axis=1) for k, each in enumerate(rubbing)
+            )
+        pressing = {
+            name: np.where(efforts[name] == 0, 0.0, efforts[name] * per)
+            for name, (_, per, _) in touched.items()
+        }
 
     def of(name: str, k: int = 0) -> Floats:
         rows = system.rows[name]
@@ -131,8 +145,9 @@ def kinetostatics(system: Constraints, theta: Floats, q: Floats, first: Floats, 
         drives[drive.name] = of(drive.name) * (1.0 if drive.slide else MM)
         power_in += of(drive.name) * drive.law(theta, 1) * speed * MM
     drives_smooth = {
-        drive.name: smooth[:, system.rows[drive.name].start] * (1.0 if drive.slide else MM) for drive in system.machine.drives
-    }  # fmt: skip
+        drive.name: smooth[:, system.rows[drive.name].start] * (1.0 if drive.slide else MM)
+        for drive in system.machine.drives
+    }
     lost = ~np.isfinite(multipliers).all(axis=1)
     for values in (given, energy, power, shaking, rubs):
         values[lost] = np.nan
@@ -142,8 +157,17 @@ def kinetostatics(system: Constraints, theta: Floats, q: Floats, first: Floats, 
         {j.name: of(j.name, 1) * MM for j in joints if isinstance(j, Slide)},
         {j.name: of(j.name) * MM for j in joints if isinstance(j, Gear | Clutch)},
         {j.name: of(j.name) * (1.0 if j.slide else MM) for j in joints if isinstance(j, Cam)},
-        pressing, drives, power_in, given, energy, power, shaking, rubs, drives_smooth, locks,
-    )  # fmt: skip
+        pressing,
+        drives,
+        power_in,
+        given,
+        energy,
+        power,
+        shaking,
+        rubs,
+        drives_smooth,
+        locks,
+    )
 
 
 def _touched(
@@ -160,21 +184,29 @@ def _touched(
     force, acts = np.full(len(q), np.nan), np.zeros(q.shape)
     for k, touch in enumerate(cam.touches[:2]):
         side = cam.leaves * (1 - 2 * k)  # the sense of s in which this one pushes
-        bears = np.ones(len(q), bool) if len(cam.touches) == 1 else (effort * cam.leaves >= 0) == (k == 0)
+        bears = (
+            np.ones(len(q), bool)
+            if len(cam.touches) == 1
+            else (effort * cam.leaves >= 0) == (k == 0)
+        )
         place, normal = touch(angle - cam.phase)
         turn = np.exp(1j * angle)
         where = q[:, column] + 1j * q[:, column + 1] + place * turn
         push = normal * turn
         if cam.friction:
             across = 1j * push
-            past = _speed(system, cam.cam, where, q, rates) - _speed(system, cam.follower, where, q, rates)
+            past = _speed(system, cam.cam, where, q, rates) - _speed(
+                system, cam.follower, where, q, rates
+            )
             slides = np.real(np.conj(across) * past)
             push = push + cam.friction * np.sign(slides) * across
         wrench = system.pressed(cam, q, where, push)
         lever = np.sum(wrench * gives, axis=1)
         size = np.where(lever * side > 0, 1 / lever, np.inf * np.sign(effort))
         force = np.where(bears, size, force)
-        acts += np.where((bears & (effort != 0))[:, None], size[:, None] * wrench - slopes[:, row], 0.0)
+        acts += np.where(
+            (bears & (effort != 0))[:, None], size[:, None] * wrench - slopes[:, row], 0.0
+        )
     return force, acts
 
 
@@ -185,7 +217,9 @@ def _speed(system: Constraints, body: str, where: Points, q: Floats, rates: Floa
     return np.asarray(rates[:, c] + 1j * rates[:, c + 1] + 1j * rates[:, c + 2] * arm)
 
 
-def _inertia(system: Constraints, q: Floats, v: Floats, a: Floats) -> tuple[Floats, Floats, Floats, Points]:
+def _inertia(
+    system: Constraints, q: Floats, v: Floats, a: Floats
+) -> tuple[Floats, Floats, Floats, Points]:
     """M q'' with what the turning of centres adds, N and N mm; kinetic energy J, its rate W, the shaking force N."""
     n = len(q)
     wanted = np.zeros(q.shape)
@@ -228,10 +262,17 @@ def _acting(system: Constraints, theta: Floats, q: Floats, rates: Floats) -> Flo
         elif isinstance(load, Resistance):
             value, gradient = system.measured(load.of, q)
             speed = np.sum(gradient[:, 0] * rates, axis=1)
-            force = load.force - load.rate * value - load.damping * speed - load.friction * np.sign(speed)
+            force = (
+                load.force
+                - load.rate * value
+                - load.damping * speed
+                - load.friction * np.sign(speed)
+            )
             if load.law is not None:
                 force = force + load.law(value)
-            acting += (force / (MM if isinstance(load.of, Angle) else 1.0))[:, None] * gradient[:, 0]
+            acting += (force / (MM if isinstance(load.of, Angle) else 1.0))[:, None] * gradient[
+                :, 0
+            ]
         elif isinstance(load, Effort):
             acting += _effort(load, system, theta, q, rates)
         else:
@@ -252,7 +293,11 @@ def _effort(load: Effort, system: Constraints, theta: Floats, q: Floats, rates: 
         fast = np.sqrt(np.sum(speed**2, axis=1, keepdims=True))
         force = np.where(fast > 0, force * speed / np.where(fast > 0, fast, 1.0), 0.0)
     elif isinstance(load.of, Path):
-        way = load.way * np.exp(1j * (system.angle(load.of.of.body, q) if load.turns else 0.0)) * np.ones(len(q))
+        way = (
+            load.way
+            * np.exp(1j * (system.angle(load.of.of.body, q) if load.turns else 0.0))
+            * np.ones(len(q))
+        )
         force = force * np.stack([way.real, way.imag], axis=1)
     return np.asarray(np.sum(force[:, :, None] * gradient, axis=1))
 

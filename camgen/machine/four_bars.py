@@ -45,7 +45,10 @@ class Block:
         """Least and greatest angle between coupler and output crank over the angles, rad, (designs,); it grows with the span."""
         with np.errstate(invalid="ignore"):
             sides, product = self.coupler**2 + self.output**2, 2 * self.coupler * self.output
-            ends = (np.fmin.reduce(self.span, axis=0), np.fmax.reduce(self.span, axis=0))  # of those that are not nan
+            ends = (
+                np.fmin.reduce(self.span, axis=0),
+                np.fmax.reduce(self.span, axis=0),
+            )  # of those that are not nan
             least, most = (np.arccos(np.clip((sides - end) / product, -1.0, 1.0)) for end in ends)
         return least, most
 
@@ -56,7 +59,9 @@ class Block:
         A full turn of the output counts as one: the angle is followed from each angle to the next.
         """
         arm = self.b - self.frame.astype(complex)
-        seen = arm * np.conj(np.sum(arm, axis=0))  # from the mean direction: within a quarter turn most rockers stay
+        seen = arm * np.conj(
+            np.sum(arm, axis=0)
+        )  # from the mean direction: within a quarter turn most rockers stay
         with np.errstate(invalid="ignore", divide="ignore"):
             slope = np.divide(seen.imag, seen.real)
             found = np.arctan(np.max(slope, axis=0)) - np.arctan(np.min(slope, axis=0))
@@ -65,7 +70,9 @@ class Block:
             arm = arm[:, wide]
             steps = arm[1:] * np.conj(arm[:-1])
             turned = np.cumsum(np.arctan2(steps.imag, steps.real), axis=0)
-            found[wide] = np.maximum(np.max(turned, axis=0), 0.0) - np.minimum(np.min(turned, axis=0), 0.0)
+            found[wide] = np.maximum(np.max(turned, axis=0), 0.0) - np.minimum(
+                np.min(turned, axis=0), 0.0
+            )
         return np.asarray(found)
 
     def coupler_point(self, along: ArrayLike, aside: ArrayLike) -> Points:
@@ -75,14 +82,24 @@ class Block:
 
 
 def four_bars(
-    frame: ArrayLike, crank: ArrayLike, coupler: ArrayLike, output: ArrayLike, theta: ArrayLike, branch: ArrayLike = 1,
+    frame: ArrayLike,
+    crank: ArrayLike,
+    coupler: ArrayLike,
+    output: ArrayLike,
+    theta: ArrayLike,
+    branch: ArrayLike = 1,
     block: int = BLOCK,
-) -> Iterator[Block]:  # fmt: skip
+) -> Iterator[Block]:
     """Positions of many four-bars, block by block.
 
     frame, crank, coupler, output: lengths > 0, mm, (n,) or numbers; theta: crank angles, (m,) rad; branch: +1 or -1, (n,).
     """
-    given = np.broadcast_arrays(*(np.atleast_1d(np.asarray(each, float)) for each in (frame, crank, coupler, output, branch)))
+    given = np.broadcast_arrays(
+        *(
+            np.atleast_1d(np.asarray(each, float))
+            for each in (frame, crank, coupler, output, branch)
+        )
+    )
     turn = np.exp(1j * np.asarray(theta, float))[:, None]
     for first in range(0, given[0].size, block):
         f, r, c, o, side = (each[first : first + block] for each in given)
@@ -90,7 +107,9 @@ def four_bars(
         way = f.astype(complex) - a
         span = way.real**2
         span += way.imag**2
-        square = (c + o) ** 2 - span  # Heron's formula in factors, which lose nothing to cancellation
+        square = (
+            c + o
+        ) ** 2 - span  # Heron's formula in factors, which lose nothing to cancellation
         square *= span - (c - o) ** 2
         with np.errstate(invalid="ignore", divide="ignore"):
             root = np.sqrt(square, out=square)

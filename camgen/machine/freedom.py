@@ -66,45 +66,93 @@ def freedoms(machine: Machine) -> Freedom:
     names = [body.name for body in machine.moving]
     loose = np.abs(right[rank:]).max(axis=0, initial=0).reshape(-1, 3).max(axis=1, initial=0)
     bound = np.abs(left[:, rank:]).max(axis=1, initial=0)
-    within = [each.name for each in system.conditions if bound[system.rows[each.name]].max(initial=0) > TAKES_PART]
+    within = [
+        each.name
+        for each in system.conditions
+        if bound[system.rows[each.name]].max(initial=0) > TAKES_PART
+    ]
     loose_names = tuple(name for name, part in zip(names, loose, strict=True) if part > TAKES_PART)
-    return replace(counted, moves=system.width - rank, spare=system.height - rank, loose=loose_names, bound=tuple(within))
+    return replace(
+        counted,
+        moves=system.width - rank,
+        spare=system.height - rank,
+        loose=loose_names,
+        bound=tuple(within),
+    )
 
 
 def _counted(machine: Machine) -> Freedom:
     """By Gruebler alone."""
     pairs = sum(isinstance(joint, Pin | Slide) for joint in machine.joints)
     half, bodies = len(machine.joints) - pairs, len(machine.moving)
-    return Freedom(bodies, pairs, half, len(machine.drives), 3 * bodies - 2 * pairs - half, 0, 0, (), ())
+    return Freedom(
+        bodies, pairs, half, len(machine.drives), 3 * bodies - 2 * pairs - half, 0, 0, (), ()
+    )
 
 
 def refuse_unsound(machine: Machine) -> Freedom:
     """The freedoms of a sound machine; raises DesignError that names what is loose, driven twice or locked."""
     found = freedoms(machine)
     if found.spare:
-        second = [drive.name for drive in machine.drives if drive.name in found.bound and _needless(machine, drive)]
+        second = [
+            drive.name
+            for drive in machine.drives
+            if drive.name in found.bound and _needless(machine, drive)
+        ]
         if second and found.drives > 1:
             raise DesignError(
-                "number of drives", found.drives, found.drives - found.spare, "", _joints(found.bound),
+                "number of drives",
+                found.drives,
+                found.drives - found.spare,
+                "",
+                _joints(found.bound),
                 f"take away {'one of the' if len(second) > 1 else 'the'} {listed('drive', second)}",
                 f"{found.drives} drives for {_degrees(found.drives - found.spare)} ({_tally(found)})",
-            )  # fmt: skip
+            )
         if second:
-            raise DesignError("degrees of freedom to drive", 0, 1, "", _joints(found.bound), "take away a joint or a link",
-                              f"the chain is rigid: {_joints(found.bound)} leave no degree of freedom to drive ({_tally(found)})")
+            raise DesignError(
+                "degrees of freedom to drive",
+                0,
+                1,
+                "",
+                _joints(found.bound),
+                "take away a joint or a link",
+                f"the chain is rigid: {_joints(found.bound)} leave no degree of freedom to drive ({_tally(found)})",
+            )
         raise _locked(found)
     if found.moves:
-        remedy = "join it to another link, or drive it" if len(found.loose) == 1 else "drive one of them, or join them"
+        remedy = (
+            "join it to another link, or drive it"
+            if len(found.loose) == 1
+            else "drive one of them, or join them"
+        )
         said = f"{_degrees(found.moves)} left over: {listed('link', found.loose, NAMED)} still "
-        said += f"{'moves' if len(found.loose) == 1 else 'move'} with the drive held ({_tally(found)})"
-        raise DesignError("degrees of freedom left", found.moves, 0, "", listed("link", found.loose, NAMED), remedy, said)
+        said += (
+            f"{'moves' if len(found.loose) == 1 else 'move'} with the drive held ({_tally(found)})"
+        )
+        raise DesignError(
+            "degrees of freedom left",
+            found.moves,
+            0,
+            "",
+            listed("link", found.loose, NAMED),
+            remedy,
+            said,
+        )
     return found
 
 
 def _locked(found: Freedom) -> DesignError:
     said = f"over-constrained: {_joints(found.bound)} hold the same links {counted(found.spare, 'time')} too often"
-    return DesignError("excess conditions", found.spare, 0, "", _joints(found.bound),
-                       "take away a link, or make one of its pins a slot", f"{said} ({_tally(found)})")
+    return DesignError(
+        "excess conditions",
+        found.spare,
+        0,
+        "",
+        _joints(found.bound),
+        "take away a link, or make one of its pins a slot",
+        f"{said} ({_tally(found)})",
+    )
 
 
 def _tally(found: Freedom) -> str:
@@ -131,7 +179,9 @@ def _values(system: Constraints, q: Floats) -> tuple[tuple[Floats, Floats, Float
     slope = system.evaluate(q[None], np.zeros(1))[1][0] * system.unit
     size = np.linalg.norm(slope, axis=1, keepdims=True)
     left, values, right = np.linalg.svd(slope / np.where(size > 0, size, 1.0))
-    return (left, values, right), int(np.count_nonzero(values > NO_VALUE * values.max(initial=1e-300)))
+    return (left, values, right), int(
+        np.count_nonzero(values > NO_VALUE * values.max(initial=1e-300))
+    )
 
 
 def _elsewhere(system: Constraints) -> list[Floats]:
@@ -152,11 +202,19 @@ def _elsewhere(system: Constraints) -> list[Floats]:
 def _loop(machine: Machine, joints: Sequence[str]) -> str:
     """The links that open joints hold, with the distances of their places, in brackets; nothing where they are too many."""
     pins = [joint for joint in machine.joints if isinstance(joint, Pin)]
-    bodies = dict.fromkeys(place.body for pin in pins if pin.name in joints for place in (pin.a, pin.b))
+    bodies = dict.fromkeys(
+        place.body for pin in pins if pin.name in joints for place in (pin.a, pin.b)
+    )
     told = []
     for body in bodies:
-        held = [(pin.name, place.at) for pin in pins for place in (pin.a, pin.b) if place.body == body]
-        told += [f"{body} {a}-{b} {abs(z - w):.6g}" for k, (a, z) in enumerate(held) for b, w in held[k + 1 :]]
+        held = [
+            (pin.name, place.at) for pin in pins for place in (pin.a, pin.b) if place.body == body
+        ]
+        told += [
+            f"{body} {a}-{b} {abs(z - w):.6g}"
+            for k, (a, z) in enumerate(held)
+            for b, w in held[k + 1 :]
+        ]
     return f" ({', '.join(told)})" if 0 < len(told) <= NAMED else ""
 
 
@@ -172,7 +230,9 @@ def _closest(system: Constraints, q: Floats) -> tuple[Floats, float]:
         elif best[1] <= CLOSED * system.size:
             break
         step = np.linalg.pinv(slopes[0] * system.unit, rcond=1e-10) @ misfit[0]
-        q = q - system.unit * step * min(1.0, LONGEST / max(float(np.abs(step).max(initial=0)), 1e-300))
+        q = q - system.unit * step * min(
+            1.0, LONGEST / max(float(np.abs(step).max(initial=0)), 1e-300)
+        )
     return best
 
 
@@ -185,16 +245,27 @@ def drawn(machine: Machine) -> Machine:
     q, gap = _closest(system, system.start)
     if gap > CLOSED * system.size:
         misfit = np.abs(system.evaluate(q[None], np.zeros(1))[0][0])
-        open_ = [each.name for each in system.conditions if misfit[system.rows[each.name]].max() > 0.01 * misfit.max()]
+        open_ = [
+            each.name
+            for each in system.conditions
+            if misfit[system.rows[each.name]].max() > 0.01 * misfit.max()
+        ]
         found = _counted(machine)
         if found.count < found.drives:  # no lengths will do
             raise _locked(replace(found, spare=found.drives - found.count, bound=tuple(open_)))
         said = f"the lengths contradict each other: {_joints(open_)} {'stays' if len(open_) == 1 else 'stay'} open"
         raise DesignError(
-            "gap of the joints as drawn", gap, 0, "mm", _joints(open_),
+            "gap of the joints as drawn",
+            gap,
+            0,
+            "mm",
+            _joints(open_),
             "change the lengths of the links in this loop, or draw their points nearer to where they meet",
             f"{said} by {gap:.6g} mm{_loop(machine, open_)}",
-        )  # fmt: skip
+        )
     rows = q.reshape(-1, 3)
-    start = {body: Pose(complex(x, y), float(angle)) for body, (x, y, angle) in zip(system.bodies, rows, strict=True)}
+    start = {
+        body: Pose(complex(x, y), float(angle))
+        for body, (x, y, angle) in zip(system.bodies, rows, strict=True)
+    }
     return replace(machine, start=start)

@@ -23,7 +23,11 @@ from camgen.machine.constraints import Constraints
 from camgen.machine.model import Machine, Pin, Slide, Slot
 from camgen.numerics import Floats, Points, solve
 
-_SHARES = {0.5: 2, 0.75: 2, 1.0: 20}  # of the friction, one after the other, and how many steps of Newton's method at each
+_SHARES = {
+    0.5: 2,
+    0.75: 2,
+    1.0: 20,
+}  # of the friction, one after the other, and how many steps of Newton's method at each
 _SAME = 1e-9  # of the largest load, by which it may be off
 _MOST = 10.0  # times the largest load without friction: what is more is as good as locked
 _REST = 1e-9  # of a joint's fastest, below which it stands still
@@ -36,7 +40,10 @@ def circle(radius: float, mu: float) -> float:
 
 def smooth(machine: Machine) -> Machine:
     """The same without friction in its joints."""
-    joints = [replace(j, friction=0.0) if isinstance(j, Pin | Slide | Slot) and j.friction else j for j in machine.joints]
+    joints = [
+        replace(j, friction=0.0) if isinstance(j, Pin | Slide | Slot) and j.friction else j
+        for j in machine.joints
+    ]
     return replace(machine, joints=tuple(joints))
 
 
@@ -58,8 +65,11 @@ def rubbing(system: Constraints, q: Floats, rates: Floats) -> list[Rubbing]:
             continue
         acts, row = np.zeros(q.shape), system.rows[joint.name].start
         if isinstance(joint, Pin):
-            bodies = [(system.column[place.body] + 2, sign) for place, sign in ((joint.a, 1.0), (joint.b, -1.0))
-                      if system.column[place.body] >= 0]  # fmt: skip
+            bodies = [
+                (system.column[place.body] + 2, sign)
+                for place, sign in ((joint.a, 1.0), (joint.b, -1.0))
+                if system.column[place.body] >= 0
+            ]
             turning = sum((sign * rates[:, k] for k, sign in bodies), np.zeros(len(q)))
             for k, sign in bodies:
                 acts[:, k] -= sign * joint.friction * _sense(turning)
@@ -113,5 +123,8 @@ def _step(free: Points, per: Points, found: Floats) -> Floats:
 
 def _measured(rubs: Sequence[Rubbing], rows: Floats) -> Points:
     """The reaction that loads each joint, (n, m, k) complex, of multipliers, (n, rows, k)."""
-    found = [rows[:, each.row] + (1j * rows[:, each.row + 1] if each.count == 2 else 0.0) for each in rubs]
+    found = [
+        rows[:, each.row] + (1j * rows[:, each.row + 1] if each.count == 2 else 0.0)
+        for each in rubs
+    ]
     return np.stack(found, axis=1).astype(complex)

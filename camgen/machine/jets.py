@@ -56,7 +56,9 @@ def combined(terms: Sequence[tuple[Any, Jet]], order: int, still: Any = 0, into:
     rows: Jet = []
     for k in range(order + 1):
         total: Any = None
-        place = out = None if into is None else into[k]  # out: memory of our own, none before the first sum
+        place = out = (
+            None if into is None else into[k]
+        )  # out: memory of our own, none before the first sum
         for factor, jet in terms:
             row = jet[k]
             if not isinstance(row, np.ndarray):

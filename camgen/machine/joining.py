@@ -28,7 +28,7 @@ from camgen.machine.model import (
     Place,
     Pose,
     bodies_of,
-)  # fmt: skip
+)
 from camgen.machine.run import solve
 from camgen.numerics import Floats
 
@@ -58,7 +58,9 @@ class _Shifted:
 
     def __call__(self, *jets: Any) -> Floats:
         """Value with its derivatives."""
-        found: Floats = self.value(*(np.concatenate([np.asarray(jet[:1]) - self.at, jet[1:]]) for jet in jets))
+        found: Floats = self.value(
+            *(np.concatenate([np.asarray(jet[:1]) - self.at, jet[1:]]) for jet in jets)
+        )
         return found
 
 
@@ -111,9 +113,20 @@ class Module:
         lost = self.lost(machine)
         return Machine(
             tuple(replace(body, name=self.name(body.name)) for body in own),
-            tuple(self._ahead(self.renamed(joint)) for joint in machine.joints if joint.name not in lost),
-            tuple(replace(self.renamed(d), law=Ahead(d.law, self.phase)) for d in machine.drives if d.name not in lost),
-            {self.name(name): Pose(complex(pose.place[0]) + self.at, float(pose.angle[0])) for name, pose in poses.items()},
+            tuple(
+                self._ahead(self.renamed(joint))
+                for joint in machine.joints
+                if joint.name not in lost
+            ),
+            tuple(
+                replace(self.renamed(d), law=Ahead(d.law, self.phase))
+                for d in machine.drives
+                if d.name not in lost
+            ),
+            {
+                self.name(name): Pose(complex(pose.place[0]) + self.at, float(pose.angle[0]))
+                for name, pose in poses.items()
+            },
             tuple(self._loaded(load) for load in machine.loads),
             tuple(self.renamed(output) for output in machine.outputs if output.name not in lost),
             machine.speed,
@@ -123,7 +136,11 @@ class Module:
         """A joint; a clutch, which knows theta, so far ahead."""
         if not isinstance(joint, Clutch):
             return joint
-        return replace(joint, law=Ahead(joint.law, self.phase), apart=lambda theta: joint.apart(theta + self.phase))
+        return replace(
+            joint,
+            law=Ahead(joint.law, self.phase),
+            apart=lambda theta: joint.apart(theta + self.phase),
+        )
 
     def _loaded(self, load: Load) -> Load:
         """A load; one over theta so far ahead."""
@@ -137,21 +154,32 @@ class Module:
         if not riding:
             return set()
         held = riding | {GROUND, *(drive.body for drive in machine.drives)}
-        joints = {each.name for each in machine.joints if riding & (bodies := set(bodies_of(each))) and bodies <= held}
-        drives = {drive.name for drive in machine.drives if drive.body in riding or drive.slide in joints}
+        joints = {
+            each.name
+            for each in machine.joints
+            if riding & (bodies := set(bodies_of(each))) and bodies <= held
+        }
+        drives = {
+            drive.name for drive in machine.drives if drive.body in riding or drive.slide in joints
+        }
         outputs = {
-            each.name for each in machine.outputs
-            if isinstance(each.of, Along) and each.of.slide in joints or isinstance(each.of, Angle) and each.of.body in riding
-        }  # fmt: skip
+            each.name
+            for each in machine.outputs
+            if isinstance(each.of, Along)
+            and each.of.slide in joints
+            or isinstance(each.of, Angle)
+            and each.of.body in riding
+        }
         return joints | drives | outputs
 
     def misfits(self, machine: Machine) -> list[str]:
         """Joints between a body that rides and one that moves by itself which are no pins: such cannot be carried over."""
         riding, lost = {ride.body for ride in self.rides}, self.lost(machine)
         return [
-            each.name for each in machine.joints
+            each.name
+            for each in machine.joints
             if each.name not in lost and riding & set(bodies_of(each)) and not isinstance(each, Pin)
-        ]  # fmt: skip
+        ]
 
     def renamed(self, record: T) -> T:
         """A joint, load, output or feature with the names and places that it has in the whole."""
@@ -172,13 +200,22 @@ class Module:
         ride = self.ride(place.body)
         if ride is not None:
             return Place(ride.link, ride.at + cmath.exp(1j * ride.turned) * place.at)
-        return Place(self.body(place.body), place.at + self.at if place.body == GROUND else place.at)
+        return Place(
+            self.body(place.body), place.at + self.at if place.body == GROUND else place.at
+        )
 
     def mount(self, mount: Mount) -> Mount:
         """A part's place on its body."""
         on, ride = self._place(Place(mount.body, mount.at)), self.ride(mount.body)
         turned = mount.turned + (ride.turned if ride else 0.0)
-        return replace(mount, part=self.part(mount.part), body=on.body, at=on.at, turned=turned, z=mount.z + self.z)
+        return replace(
+            mount,
+            part=self.part(mount.part),
+            body=on.body,
+            at=on.at,
+            turned=turned,
+            z=mount.z + self.z,
+        )
 
     def asked(self, asked: Asked) -> Asked:
         """What is asked of an output."""

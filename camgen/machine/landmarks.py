@@ -55,7 +55,9 @@ def double_points(point: Curve, n: int = 3600) -> tuple[Floats, Points]:
     a, b = p[:-1], p[1:]
     low, high = np.minimum(a.real, b.real), np.maximum(a.real, b.real)
     by_x = np.argsort(low)
-    met = np.searchsorted(low[by_x], high[by_x], side="right") - np.arange(1, n + 1)  # later ones that start within
+    met = np.searchsorted(low[by_x], high[by_x], side="right") - np.arange(
+        1, n + 1
+    )  # later ones that start within
     met = np.maximum(met, 0)
     first = np.repeat(np.arange(n), met)
     second = first + 1 + np.arange(met.sum()) - np.repeat(np.cumsum(met) - met, met)
@@ -65,7 +67,9 @@ def double_points(point: Curve, n: int = 3600) -> tuple[Floats, Points]:
         return (np.conj(b[of] - a[of]) * (end - a[of])).imag
 
     cross = (side(i, a[j]) * side(i, b[j]) < 0) & (side(j, a[i]) * side(j, b[i]) < 0)
-    cross &= np.abs(side(i, a[i] + b[j] - a[j])) > _ALONG * np.abs((b[i] - a[i]) * (b[j] - a[j]))  # not on one line
+    cross &= np.abs(side(i, a[i] + b[j] - a[j])) > _ALONG * np.abs(
+        (b[i] - a[i]) * (b[j] - a[j])
+    )  # not on one line
     apart = np.abs(i - j)
     i, j = np.sort(np.stack([i, j])[:, cross & (apart > 1) & (apart < n - 1)], axis=0)
     t1, t2 = theta[i] + math.pi / n, theta[j] + math.pi / n
@@ -116,11 +120,15 @@ def near_stops(point: Curve, centre: complex, radius: float) -> Floats:
     """
 
     def outside(theta: Floats, order: int) -> Floats:
-        away = thread_length(np.stack([point(theta, 0), point(theta, 1)]), np.array([[centre], [0]]))
+        away = thread_length(
+            np.stack([point(theta, 0), point(theta, 1)]), np.array([[centre], [0]])
+        )
         values: Floats = away[1] if order else away[0] - radius
         return values
 
     edges = zeros(outside)
     enters = edges[outside(edges, 1) < 0]
     leaves = edges[outside(edges, 1) > 0]
-    return np.array([(t, np.min(np.where(leaves > t, leaves, leaves + TURN))) for t in enters]).reshape(-1, 2)
+    return np.array(
+        [(t, np.min(np.where(leaves > t, leaves, leaves + TURN))) for t in enters]
+    ).reshape(-1, 2)

@@ -17,7 +17,16 @@ from camgen.errors import DesignError
 from camgen.machine import newton
 from camgen.machine.model import GROUND, Clutch, Machine, Pin
 from camgen.machine.newton import Block, Vectors
-from camgen.machine.order import NO_LEVER, Groups, Key, Relation, components, group_bodies, places, relations
+from camgen.machine.order import (
+    NO_LEVER,
+    Groups,
+    Key,
+    Relation,
+    components,
+    group_bodies,
+    places,
+    relations,
+)
 from camgen.machine.state import FOLLOWED, Direct, Dyad, State, Step
 from camgen.numerics import Floats
 
@@ -34,7 +43,9 @@ class Chain:
         self.maker: dict[Key, int] = {}  # the step that gives an unknown
         self._followed: dict[str, tuple[Floats, Floats]] = {}
         self._place_blocks(machine)
-        self.levers: dict[str, float] = {}  # of each group one on which something hangs, where it is real
+        self.levers: dict[
+            str, float
+        ] = {}  # of each group one on which something hangs, where it is real
         for vectors in self.route.values():
             for group, lever in vectors.levers.items():
                 if not lever.imag:
@@ -46,9 +57,16 @@ class Chain:
         ordered = components(machine, self.groups)
         if ordered.loose or ordered.over:
             names = list(ordered.over) or list(dict.fromkeys(name for _, name in ordered.loose))
-            short = "is held by more conditions than it needs" if ordered.over else "is held by nothing"
+            short = (
+                "is held by more conditions than it needs" if ordered.over else "is held by nothing"
+            )
             raise DesignError(
-                "conditions less unknowns", len(ordered.over) - len(ordered.loose), 0, "", ", ".join(names), short
+                "conditions less unknowns",
+                len(ordered.over) - len(ordered.loose),
+                0,
+                "",
+                ", ".join(names),
+                short,
             )
         by_name = {relation.name: relation for relation in relations(machine, self.groups)}
         for part in ordered.components:
@@ -56,11 +74,19 @@ class Chain:
             within = [by_name[name] for axis, name in part.equations if axis == "s"]
             bodies = [name for axis, name in part.unknowns if axis == "x"]
             loops = [self._folded(loop) for loop in self._loops(machine, names, bodies)]
-            self.route |= {body: self._folded(self.route[body]) for body in bodies if body in self.route}
+            self.route |= {
+                body: self._folded(self.route[body]) for body in bodies if body in self.route
+            }
             unknowns = [key for key in part.unknowns if key[0] in ("angle", "length")]
             if 2 * len(loops) + len(within) != len(unknowns):
-                raise DesignError("conditions less unknowns", 2 * len(loops) + len(within) - len(unknowns), 0, "",
-                                  ", ".join(part.joints()), "give these joints places that do not coincide")  # fmt: skip
+                raise DesignError(
+                    "conditions less unknowns",
+                    2 * len(loops) + len(within) - len(unknowns),
+                    0,
+                    "",
+                    ", ".join(part.joints()),
+                    "give these joints places that do not coincide",
+                )
             if unknowns:
                 for key in unknowns:
                     self.maker[key] = len(self.steps)
@@ -78,7 +104,11 @@ class Chain:
                 assert both is not None
                 a, b = both
                 here, there = (a, b) if a.body in self.route else (b, a)
-                if here.body not in self.route or there.body in self.route or there.body not in fresh:
+                if (
+                    here.body not in self.route
+                    or there.body in self.route
+                    or there.body not in fresh
+                ):
                     continue
                 base = _from(here.body) if here.body in before else self.route[here.body]
                 # origin of there = place on here - place on there, and the length between them
@@ -98,11 +128,20 @@ class Chain:
             assert both is not None
             if any(place.body not in self.route for place in both):
                 if bodies:
-                    raise DesignError("bodies without a place", len(bodies), 0, "", ", ".join(bodies), "join them to the ground")
+                    raise DesignError(
+                        "bodies without a place",
+                        len(bodies),
+                        0,
+                        "",
+                        ", ".join(bodies),
+                        "join them to the ground",
+                    )
                 continue
             roots: list[tuple[int, str]] = []
             levers, along = dict[str, complex](), list[tuple[str, str, complex]]()
-            for sign, place in zip((-1, 1) if not isinstance(joint, Pin) else (1, -1), both, strict=True):
+            for sign, place in zip(
+                (-1, 1) if not isinstance(joint, Pin) else (1, -1), both, strict=True
+            ):
                 base = _from(place.body) if place.body in before else self.route[place.body]
                 roots.append((sign, base.roots[0][1]))
                 for group, lever in base.levers.items():
@@ -114,7 +153,9 @@ class Chain:
                 along.append((joint.name, group, -way))
             if roots[0][1] == roots[1][1]:
                 roots = []
-            loops.append(Vectors(tuple(roots), {g: z for g, z in levers.items() if z}, tuple(along)))
+            loops.append(
+                Vectors(tuple(roots), {g: z for g, z in levers.items() if z}, tuple(along))
+            )
         return loops
 
     def _folded(self, vectors: Vectors) -> Vectors:
@@ -126,7 +167,12 @@ class Chain:
                 still += sign * route.still
             else:
                 roots.append((sign, body))
-        return Vectors(tuple(roots), {g: z for g, z in vectors.levers.items() if g != GROUND}, vectors.ways, still)
+        return Vectors(
+            tuple(roots),
+            {g: z for g, z in vectors.levers.items() if g != GROUND},
+            vectors.ways,
+            still,
+        )
 
     def _along(self, machine: Machine, name: str) -> tuple[str, complex]:
         """Group with which a slide's line turns, and the line's unit vector in its axes."""
@@ -135,19 +181,34 @@ class Chain:
         return self.groups.of[slide.guide.body], complex(math.cos(angle), math.sin(angle))
 
     def _step(
-        self, machine: Machine, unknowns: list[Key], loops: list[Vectors], within: list[Relation], joints: tuple[str, ...]
+        self,
+        machine: Machine,
+        unknowns: list[Key],
+        loops: list[Vectors],
+        within: list[Relation],
+        joints: tuple[str, ...],
     ) -> Step:
-        if not loops and len(unknowns) == 1 and unknowns[0] in within[0].shares and unknowns[0] != within[0].argument:
+        if (
+            not loops
+            and len(unknowns) == 1
+            and unknowns[0] in within[0].shares
+            and unknowns[0] != within[0].argument
+        ):
             return Direct(unknowns[0], within[0])
         angles = tuple(name for kind, name in unknowns if kind == "angle")
         lengths = tuple(name for kind, name in unknowns if kind == "length")
-        start = np.array([_start_angle(machine, self.groups, g) for g in angles] + [_start_length(machine, s) for s in lengths])
+        start = np.array(
+            [_start_angle(machine, self.groups, g) for g in angles]
+            + [_start_length(machine, s) for s in lengths]
+        )
         block = Block(angles, lengths, tuple(loops), tuple(within), joints, start)
         if len(loops) != 1 or within:
             return block
         (loop,) = loops
         own = {slide: (group, way) for slide, group, way in loop.ways}
-        if len(own) < len(loop.ways) or any(g in angles and s not in lengths for s, (g, _) in own.items()):
+        if len(own) < len(loop.ways) or any(
+            g in angles and s not in lengths for s, (g, _) in own.items()
+        ):
             return block
         levers = [loop.levers.get(g, 0j) for g in angles]
         if len(angles) == 2 and all(levers):
@@ -160,7 +221,11 @@ class Chain:
                 return Dyad("inverted", block, 1 if foot.real + start[1] >= 0 else -1)
             if levers[0]:
                 facing = way * np.exp(1j * _start_angle(machine, self.groups, group))
-                return Dyad("slider", block, 1 if (np.conj(facing) * levers[0] * np.exp(1j * start[0])).real >= 0 else -1)
+                return Dyad(
+                    "slider",
+                    block,
+                    1 if (np.conj(facing) * levers[0] * np.exp(1j * start[0])).real >= 0 else -1,
+                )
         if len(lengths) == 2 and set(lengths) == set(own):
             return Dyad("lengths", block, 1)
         return block
@@ -186,8 +251,13 @@ class Chain:
         if block.trace is None or not block.trace.covers(low, high):
             upto = self.steps.index(block)
             if block.trace is not None:
-                low, high = min(low, math.floor(block.trace.theta[0])), max(high, math.ceil(block.trace.theta[-1]))
-            block.trace = block.follow(lambda theta: self.state(theta, 2, upto).known(block), low, high)
+                low, high = (
+                    min(low, math.floor(block.trace.theta[0])),
+                    max(high, math.ceil(block.trace.theta[-1])),
+                )
+            block.trace = block.follow(
+                lambda theta: self.state(theta, 2, upto).known(block), low, high
+            )
         return block.trace
 
     def followed(self, group: str, low: float, high: float) -> tuple[Floats, Floats]:
@@ -232,7 +302,12 @@ def _start_length(machine: Machine, name: str) -> float:
     """Place along a slide or slot as drawn, mm."""
     slide = machine.slide(name)
     base, runner = (machine.start_of(place.body) for place in (slide.guide, slide.runner))
-    way = runner.place + np.exp(1j * runner.angle) * slide.runner.at - base.place - np.exp(1j * base.angle) * slide.guide.at
+    way = (
+        runner.place
+        + np.exp(1j * runner.angle) * slide.runner.at
+        - base.place
+        - np.exp(1j * base.angle) * slide.guide.at
+    )
     return float((way * np.exp(-1j * (base.angle + slide.angle))).real)
 
 
@@ -244,4 +319,3 @@ def chain_of(machine: Machine) -> Chain:
     if machine not in _chains:
         _chains[machine] = Chain(machine)
     return _chains[machine]
-

@@ -60,7 +60,9 @@ class Body:
     def at(self, point: str) -> Place:
         """The named point as a place; ValueError where there is none."""
         if point not in self.points:
-            raise ValueError(f"{point} is no point of {self.name}; there are: {', '.join(self.points) or 'none'}")
+            raise ValueError(
+                f"{point} is no point of {self.name}; there are: {', '.join(self.points) or 'none'}"
+            )
         return Place(self.name, complex(self.points[point]))
 
 
@@ -325,21 +327,30 @@ def places_of(of: Angle | Along | Path | Function) -> tuple[Place, ...]:
     return (of.of,) if isinstance(of, Path) else of.of if isinstance(of, Function) else ()
 
 
-def placed(of: Angle | Along | Path | Function, at: Callable[[Place], Place]) -> Angle | Along | Path | Function:
+def placed(
+    of: Angle | Along | Path | Function, at: Callable[[Place], Place]
+) -> Angle | Along | Path | Function:
     """The same measure of other places."""
     if isinstance(of, Function):
         return replace(of, of=tuple(at(place) for place in of.of))
     return Path(at(of.of)) if isinstance(of, Path) else of
 
 
-Named = Body | Joint | Drive | Force | Torque | Spring | TorsionSpring | Resistance | Effort | Output
+Named = (
+    Body | Joint | Drive | Force | Torque | Spring | TorsionSpring | Resistance | Effort | Output
+)
 N = TypeVar("N", bound=Named)
 
 
 def bodies_of(each: Joint | Drive | Load | Output) -> tuple[str, ...]:
     """Names of the bodies that a joint holds, a drive moves, a load is on or an output is of; of a slide that is named: none."""
     match each:
-        case Pin(a=Place() as a, b=b) | Spring(a=a, b=b) | Slide(guide=a, runner=b) | Slot(guide=a, runner=b):
+        case (
+            Pin(a=Place() as a, b=b)
+            | Spring(a=a, b=b)
+            | Slide(guide=a, runner=b)
+            | Slot(guide=a, runner=b)
+        ):
             return a.body, b.body
         case Gear():
             return each.a, each.b, each.carrier
@@ -366,14 +377,24 @@ def bodies_of(each: Joint | Drive | Load | Output) -> tuple[str, ...]:
 
 def centres_of(joint: Joint) -> tuple[Place, ...]:
     """Places of a joint that are centres of a hole or a pin."""
-    return (joint.a, joint.b) if isinstance(joint, Pin) else (joint.runner,) if isinstance(joint, Slot) else ()
+    return (
+        (joint.a, joint.b)
+        if isinstance(joint, Pin)
+        else (joint.runner,)
+        if isinstance(joint, Slot)
+        else ()
+    )
 
 
 def slide_of(each: Joint | Drive | Load | Output) -> str | None:
     """Name of the slide or slot along which a cam or drive moves its body, or a resistance or output is measured."""
     if isinstance(each, Cam | Drive):
         return each.slide
-    return each.of.slide if isinstance(each, Resistance | Effort | Output) and isinstance(each.of, Along) else None
+    return (
+        each.of.slide
+        if isinstance(each, Resistance | Effort | Output) and isinstance(each.of, Along)
+        else None
+    )
 
 
 def _named(name: str, among: Sequence[N], what: str) -> N:
@@ -438,7 +459,11 @@ class Machine:
 
     def slide(self, name: str) -> Slide | Slot:
         """The named slide or slot."""
-        return _named(name, [joint for joint in self.joints if isinstance(joint, Slide | Slot)], "slide or slot")
+        return _named(
+            name,
+            [joint for joint in self.joints if isinstance(joint, Slide | Slot)],
+            "slide or slot",
+        )
 
     def output(self, name: str) -> Output:
         """The named output."""

@@ -66,7 +66,9 @@ class Known:
         """The same at the k-th angle alone, in plain numbers: a hundred times faster there than arrays."""
 
         def cut(jet: Jet) -> Jet:
-            return [row[k].item() if isinstance(row, np.ndarray) and row.ndim else row for row in jet]
+            return [
+                row[k].item() if isinstance(row, np.ndarray) and row.ndim else row for row in jet
+            ]
 
         return Known(
             tuple(cut(jet) for jet in self.loops),
@@ -96,9 +98,13 @@ class Trace:
 
     def same_branch(self, theta: Floats, determinant: Floats) -> NDArray[np.bool_]:
         """Whether the determinant has the sign of a knot beside each angle."""
-        k = np.clip(np.searchsorted(self.theta, theta, side="right") - 1, 0, max(self.theta.size - 2, 0))
+        k = np.clip(
+            np.searchsorted(self.theta, theta, side="right") - 1, 0, max(self.theta.size - 2, 0)
+        )
         sign = np.sign(determinant)
-        same: NDArray[np.bool_] = (sign == self.signs[k]) | (sign == self.signs[np.minimum(k + 1, self.signs.size - 1)])
+        same: NDArray[np.bool_] = (sign == self.signs[k]) | (
+            sign == self.signs[np.minimum(k + 1, self.signs.size - 1)]
+        )
         return same
 
     def guess(self, theta: Floats) -> Floats:
@@ -136,7 +142,9 @@ class Block:
 
     def __post_init__(self) -> None:
         self.column: dict[Key, int] = {("angle", name): k for k, name in enumerate(self.angles)}
-        self.column |= {("length", name): k for k, name in enumerate(self.lengths, len(self.angles))}
+        self.column |= {
+            ("length", name): k for k, name in enumerate(self.lengths, len(self.angles))
+        }
         self.size = len(self.column)
         levers = [abs(lever) for loop in self.loops for lever in loop.levers.values()]
         levers += [abs(x) for x in self.start[len(self.angles) :]]
@@ -154,22 +162,33 @@ class Block:
     def _turns(self, x: Any) -> list[Any]:
         """exp(i angle) of each unknown angle."""
         angles = x[: len(self.angles)]
-        return [cmath.exp(1j * angle) for angle in angles] if isinstance(x, list) else [unit_turn(angle) for angle in angles]
+        return (
+            [cmath.exp(1j * angle) for angle in angles]
+            if isinstance(x, list)
+            else [unit_turn(angle) for angle in angles]
+        )
 
-    def _vectors(self, x: Any, turns: list[Any], known: Known) -> tuple[list[dict[int, Any]], list[dict[int, Any]]]:
+    def _vectors(
+        self, x: Any, turns: list[Any], known: Known
+    ) -> tuple[list[dict[int, Any]], list[dict[int, Any]]]:
         """For each loop the vector that turns with each unknown angle, and the way of each unknown length."""
         turning: list[dict[int, Any]] = []
         along: list[dict[int, Any]] = []
         for loop in self.loops:
-            z = {self.column["angle", g]: lever * turns[self.column["angle", g]] for g, lever in loop.levers.items()
-                 if ("angle", g) in self.column}  # fmt: skip
+            z = {
+                self.column["angle", g]: lever * turns[self.column["angle", g]]
+                for g, lever in loop.levers.items()
+                if ("angle", g) in self.column
+            }
             ways: dict[int, Any] = {}
             for slide, group, way in loop.ways:
                 k, j = self.column.get(("angle", group)), self.column.get(("length", slide))
                 if k is None:
                     continue
                 vector = way * turns[k]
-                z[k] = plus(z.get(k, 0), (x[j] if j is not None else known.lengths[slide][0]) * vector)
+                z[k] = plus(
+                    z.get(k, 0), (x[j] if j is not None else known.lengths[slide][0]) * vector
+                )
                 if j is not None:
                     ways[j] = plus(ways.get(j, 0), vector)
             turning.append(z)
@@ -203,7 +222,9 @@ class Block:
             residual[2 * c,], residual[2 * c + 1,] = total.real, total.imag
             for k, column in columns.items():
                 slope[2 * c, k], slope[2 * c + 1, k] = column.real, column.imag
-        for row, (relation, jet) in enumerate(zip(self.relations, known.relations, strict=True), 2 * len(self.loops)):
+        for row, (relation, jet) in enumerate(
+            zip(self.relations, known.relations, strict=True), 2 * len(self.loops)
+        ):
             value = jet[0]
             for key, share in relation.shares.items():
                 if key in self.column:
@@ -247,7 +268,9 @@ class Block:
                     total = plus(total, times(speed, 2j * speeds[turn] * vector))
             if not vanishes(total):
                 right[2 * c,], right[2 * c + 1,] = total.real, total.imag
-        for row, (relation, jet) in enumerate(zip(self.relations, known.relations, strict=True), 2 * len(self.loops)):
+        for row, (relation, jet) in enumerate(
+            zip(self.relations, known.relations, strict=True), 2 * len(self.loops)
+        ):
             value = jet[order]
             if rates is not None and relation.argument in self.column:
                 k = self.column[relation.argument]
@@ -298,7 +321,9 @@ class Block:
 
     def _closed(self, residual: Floats, known: Known) -> NDArray[np.bool_]:
         loops = (np.abs(jet[0]) for jet in known.loops)
-        size = self.scale + max((float(np.max(far, where=np.isfinite(far), initial=0.0)) for far in loops), default=0.0)
+        size = self.scale + max(
+            (float(np.max(far, where=np.isfinite(far), initial=0.0)) for far in loops), default=0.0
+        )
         closed: NDArray[np.bool_] = np.abs(residual).max(axis=1) <= 10 * CLOSED * size
         return closed
 
@@ -310,7 +335,9 @@ class Block:
             return Trace(np.zeros(1), np.full((3, 1, self.size), np.nan), np.zeros(1), (True, True))
         origin = np.stack([first[0], *self.rates(first[0], here, first[1], 2)])[:, :, 0]
         sign = float(np.sign(np.linalg.det(first[1][0])))
-        (low_side, below), (high_side, above) = (self._side(known_at, end, origin, sign) for end in (low, high))
+        (low_side, below), (high_side, above) = (
+            self._side(known_at, end, origin, sign) for end in (low, high)
+        )
         knots = [*low_side[::-1], (0.0, origin, sign), *high_side]
         theta, rows, signs = (np.array([knot[k] for knot in knots]) for k in range(3))
         return Trace(theta, np.swapaxes(rows, 0, 1), signs, (below, above))
@@ -385,6 +412,10 @@ def solved(matrices: Floats, right: Floats) -> Floats:
             (a, b), (c, d) = matrices[:, 0].T, matrices[:, 1].T
             area = a * d - b * c
             area = np.where(area == 0, np.nan, area)
-            return np.stack([d * right[:, 0] - b * right[:, 1], a * right[:, 1] - c * right[:, 0]], axis=1) / area[:, None]
+            return (
+                np.stack(
+                    [d * right[:, 0] - b * right[:, 1], a * right[:, 1] - c * right[:, 0]], axis=1
+                )
+                / area[:, None]
+            )
         return solve(matrices, right)
-

@@ -17,7 +17,20 @@ from graphlib import TopologicalSorter
 
 import numpy as np
 
-from camgen.machine.model import GROUND, Cam, Clutch, Drive, Gear, Joint, Law, Machine, Pin, Place, Slide, Slot
+from camgen.machine.model import (
+    GROUND,
+    Cam,
+    Clutch,
+    Drive,
+    Gear,
+    Joint,
+    Law,
+    Machine,
+    Pin,
+    Place,
+    Slide,
+    Slot,
+)
 
 Key = tuple[str, str]
 # A lever shorter than this is none, mm.
@@ -94,7 +107,12 @@ def relations(machine: Machine, groups: Groups) -> list[Relation]:
             return share * groups.excess[body]
 
         if isinstance(each, Gear):
-            constant = add(each.b, 1.0) + add(each.a, -each.ratio) + add(each.carrier, each.ratio - 1.0) - each.phase
+            constant = (
+                add(each.b, 1.0)
+                + add(each.a, -each.ratio)
+                + add(each.carrier, each.ratio - 1.0)
+                - each.phase
+            )
             found.append(Relation(each.name, {k: v for k, v in shares.items() if v}, constant))
         elif isinstance(each, Clutch):
             constant = add(each.b, 1.0)
@@ -111,7 +129,14 @@ def relations(machine: Machine, groups: Groups) -> list[Relation]:
             turns = groups.of[each.cam]
             argument = None if turns == GROUND else ("angle", turns)
             found.append(
-                Relation(each.name, shares, constant, each.law, argument, groups.excess[each.cam] - each.phase)
+                Relation(
+                    each.name,
+                    shares,
+                    constant,
+                    each.law,
+                    argument,
+                    groups.excess[each.cam] - each.phase,
+                )
             )
     return found
 
@@ -171,19 +196,28 @@ def components(machine: Machine, groups: Groups) -> Order:
     unknowns = dict.fromkeys(key for row in table.values() for key in row)
     for body in machine.moving:  # what no equation names is loose
         unknowns |= dict.fromkeys(
-            key for key in (("x", body.name), ("y", body.name), ("angle", groups.of[body.name])) if key[1] != GROUND
+            key
+            for key in (("x", body.name), ("y", body.name), ("angle", groups.of[body.name]))
+            if key[1] != GROUND
         )
     owner = matched(table)  # the equation that each unknown is solved from
     solved = {equation: key for key, equation in owner.items()}
-    free, spare = [key for key in unknowns if key not in owner], [equation for equation in table if equation not in solved]
+    free, spare = (
+        [key for key in unknowns if key not in owner],
+        [equation for equation in table if equation not in solved],
+    )
     if free or spare:
         holders: dict[Key, list[Key]] = {key: [] for key in unknowns}
         for equation, row in table.items():
             for key in row:
                 holders[key].append(equation)
         # loose: unknowns that can move, those left over and those whose equations need them instead; over: likewise
-        loose = _reached(free, lambda key: [solved[equation] for equation in holders[key] if equation in solved])
-        over = _reached(spare, lambda equation: [owner[key] for key in table[equation] if key in owner])
+        loose = _reached(
+            free, lambda key: [solved[equation] for equation in holders[key] if equation in solved]
+        )
+        over = _reached(
+            spare, lambda equation: [owner[key] for key in table[equation] if key in owner]
+        )
         return Order((), tuple(loose), tuple(dict.fromkeys(name for _, name in over)))
     needs = {equation: [owner[key] for key in row] for equation, row in table.items()}
     reach = {equation: set(_reached([equation], needs.__getitem__)) for equation in table}
@@ -193,7 +227,9 @@ def components(machine: Machine, groups: Groups) -> Order:
         for other in reach[equation]:
             if equation in reach[other]:
                 first.setdefault(other, first[equation])
-    sorter: TopologicalSorter[Key] = TopologicalSorter({equation: () for equation in table if first[equation] == equation})
+    sorter: TopologicalSorter[Key] = TopologicalSorter(
+        {equation: () for equation in table if first[equation] == equation}
+    )
     for equation, others in needs.items():
         for other in others:
             if first[other] != first[equation]:
@@ -202,7 +238,13 @@ def components(machine: Machine, groups: Groups) -> Order:
     for equation in table:
         inside.setdefault(first[equation], []).append(equation)
     ordered = [inside[which] for which in sorter.static_order()]
-    return Order(tuple(Component(tuple(rows), tuple(solved[equation] for equation in rows)) for rows in ordered), (), ())
+    return Order(
+        tuple(
+            Component(tuple(rows), tuple(solved[equation] for equation in rows)) for rows in ordered
+        ),
+        (),
+        (),
+    )
 
 
 def matched(table: Mapping[Key, Iterable[Key]]) -> dict[Key, Key]:

@@ -49,7 +49,9 @@ class Sizes:
     form: float  # of an outline's waves, all together
     place: float  # of a centre along an axis
     hole: float  # of the diameter of a hole
-    orders: tuple[int, int] = ORDERS  # waves a turn of an outline's form, least and greatest; one would be a bore off its centre
+    orders: tuple[int, int] = (
+        ORDERS  # waves a turn of an outline's form, least and greatest; one would be a bore off its centre
+    )
 
     @property
     def waves(self) -> range:
@@ -68,7 +70,11 @@ def waviness(place: Points, normal: Points, waves: Sequence[int]) -> Floats:
 
 def outline_modes(sizes: Sizes) -> list[tuple[str, float]]:
     """Kind and standard deviation, mm, of each of the same modes."""
-    return [("offset", sizes.offset), *[("bore", sizes.place)] * 2, *[("form", sizes.form)] * (2 * len(sizes.waves))]
+    return [
+        ("offset", sizes.offset),
+        *[("bore", sizes.place)] * 2,
+        *[("form", sizes.form)] * (2 * len(sizes.waves)),
+    ]
 
 
 @dataclass(frozen=True)
@@ -95,12 +101,27 @@ class _Contact:
 
 def hole_at(machine: Machine, place: Place, holes: Mapping[str, Place]) -> str | None:
     """Where the modes of the hole or pin that is at a place are, of its first joint; None where nothing is made there."""
-    made = [(f"{joint.name}, {side.body}", side) for joint in machine.joints for side in centres_of(joint)] + [*holes.items()]
-    return next((where for where, at in made if at.body == place.body and abs(at.at - place.at) < SAME_POINT), None)
+    made = [
+        (f"{joint.name}, {side.body}", side)
+        for joint in machine.joints
+        for side in centres_of(joint)
+    ] + [*holes.items()]
+    return next(
+        (
+            where
+            for where, at in made
+            if at.body == place.body and abs(at.at - place.at) < SAME_POINT
+        ),
+        None,
+    )
 
 
 def sensitivities(
-    run: Run, outputs: Sequence[str], sizes: Sizes, exact: Collection[str] = (), holes: Mapping[str, Place] | None = None
+    run: Run,
+    outputs: Sequence[str],
+    sizes: Sizes,
+    exact: Collection[str] = (),
+    holes: Mapping[str, Place] | None = None,
 ) -> tuple[list[Mode], dict[str, Sensitivity]]:
     """All modes of a machine at the run's angles, and what they do to each output; exact: cams whose tip is no print; holes:
     what is made beside the joints, such as a pen's, by where its modes are."""
@@ -108,9 +129,15 @@ def sensitivities(
     system, q = Constraints(machine), run.poses()
     slopes = system.evaluate(q, theta)[1]
     cams = [joint for joint in machine.joints if isinstance(joint, Cam) and joint.touches]
-    contacts = [_contact(cam, k, system, q, sizes.waves) for cam in cams for k in range(min(2, len(cam.touches)))]
+    contacts = [
+        _contact(cam, k, system, q, sizes.waves)
+        for cam in cams
+        for k in range(min(2, len(cam.touches)))
+    ]
     modes: list[Mode] = []
-    stands: list[Floats] = []  # by how much the mode itself stands out at each contact, (contacts, n)
+    stands: list[
+        Floats
+    ] = []  # by how much the mode itself stands out at each contact, (contacts, n)
     for c, contact in enumerate(contacts):
         kinds = outline_modes(sizes)
         kinds += [] if contact.cam.name in exact else [("tip", sizes.offset)]
@@ -132,13 +159,21 @@ def sensitivities(
             modes.append(Mode(where, "centre", sizes.place, axis))
             stands.append(np.zeros((len(contacts), len(q))))
             shifts.append(np.zeros((len(q), system.height)))
-    gives = -solved(slopes, np.stack(shifts, axis=2), system.holds)  # (n, 3 bodies, modes), the cams' s held
+    gives = -solved(
+        slopes, np.stack(shifts, axis=2), system.holds
+    )  # (n, 3 bodies, modes), the cams' s held
     units = np.zeros((len(q), system.height, len(cams)))
     for c, cam in enumerate(cams):
         units[:, system.rows[cam.name].start, c] = 1.0
     per_s = solved(slopes, units, system.holds)  # (n, 3 bodies, cams): for a unit of s
-    ways = np.stack([contact.slopes for contact in contacts], axis=1) if contacts else np.zeros((len(q), 0, system.width))
-    open_ = ways @ gives - np.transpose(np.array(stands), (2, 1, 0))  # (n, contacts, modes): air there
+    ways = (
+        np.stack([contact.slopes for contact in contacts], axis=1)
+        if contacts
+        else np.zeros((len(q), 0, system.width))
+    )
+    open_ = ways @ gives - np.transpose(
+        np.array(stands), (2, 1, 0)
+    )  # (n, contacts, modes): air there
     levers = ways @ per_s  # (n, contacts, cams)
     first = [c for c, contact in enumerate(contacts) if contact.side == 0]
     if cams:  # each first contact closes again
@@ -155,20 +190,33 @@ def sensitivities(
             c = cams.index(contact.cam)
             if contact.side and np.any(steep[:, c] > _STILL):
                 one, two = np.abs(levers[:, first[c], c]), np.abs(levers[:, k, c])
-                held[contact.cam.name] = (open_[:, k] * (steep[:, c] / two)[:, None]).T, (1 / one + 1 / two) * steep[:, c]
+                held[contact.cam.name] = (
+                    (open_[:, k] * (steep[:, c] / two)[:, None]).T,
+                    (1 / one + 1 / two) * steep[:, c],
+                )
         moved: Any = parts[0] + 1j * parts[1] if len(parts) == 2 else parts[0]
         for place, x, y in system.by_place(name, q):
             hole = hole_at(machine, place, holes or {})
-            for k in (k for k, mode in enumerate(modes) if (mode.where, mode.kind) == (hole, "centre")):
+            for k in (
+                k for k, mode in enumerate(modes) if (mode.where, mode.kind) == (hole, "centre")
+            ):
                 moved[k] += x if modes[k].along == 1 else y
-        found[name] = Sensitivity(moved, {j.name: reach[j.name] for j in machine.joints if j.clearance > 0}, held)
+        found[name] = Sensitivity(
+            moved, {j.name: reach[j.name] for j in machine.joints if j.clearance > 0}, held
+        )
     return modes, found
 
 
-def _centres(joint: Pin | Slot | Slide, system: Constraints, q: Floats) -> Iterator[tuple[str, complex, Floats]]:
+def _centres(
+    joint: Pin | Slot | Slide, system: Constraints, q: Floats
+) -> Iterator[tuple[str, complex, Floats]]:
     """Of each body of a joint and each axis of its frame, by what 1 mm there shifts the conditions, (n, conditions)."""
     row = system.rows[joint.name].start
-    sides = ((joint.a, 1.0), (joint.b, -1.0)) if isinstance(joint, Pin) else ((joint.runner, 1.0), (joint.guide, -1.0))
+    sides = (
+        ((joint.a, 1.0), (joint.b, -1.0))
+        if isinstance(joint, Pin)
+        else ((joint.runner, 1.0), (joint.guide, -1.0))
+    )
     for side, sign in sides:
         turn = sign * np.exp(1j * (system.angle(side.body, q) + np.zeros(len(q))))
         for axis in (1 + 0j, 1j):

@@ -1,9 +1,9 @@
 """How far a machine's drive can turn, and where on its way it stands near a fold.
 
-    determinant    of a block's equations with all sizes taken out: of a dyad the sine of its transmission angle
-    dead point     the chain ends: beyond it a block does not close, and at it the determinant is 0
-    change point   the determinant touches or passes 0 and the chain goes on: two branches meet, and play decides which is
-                   taken; closed forms keep their branch there, Newton's method goes straight on
+determinant    of a block's equations with all sizes taken out: of a dyad the sine of its transmission angle
+dead point     the chain ends: beyond it a block does not close, and at it the determinant is 0
+change point   the determinant touches or passes 0 and the chain goes on: two branches meet, and play decides which is
+               taken; closed forms keep their branch there, Newton's method goes straight on
 """
 
 from __future__ import annotations
@@ -86,11 +86,15 @@ def refuse_partial(machine: Machine, least: float = 0.0) -> None:
     driven, (begin, end, short) = machine.drives[0].body, _steep(machine, found, least)
     closes = f"the chain closes from {low:.6g} to {high:.6g} deg of it and opens beyond at {names}"
     raise DesignError(
-        "range of the drive", high - low, 360, "deg", f"{names}: it closes from {low:.6g} to {high:.6g} deg",
+        "range of the drive",
+        high - low,
+        360,
+        "deg",
+        f"{names}: it closes from {low:.6g} to {high:.6g} deg",
         f"let it go to and fro, drive.range_deg = [{begin:.4g}, {end:.4g}]{short}, or change the lengths of its links"
         + _grashof(four_bar_lengths(machine, driven), driven),
         f"the drive cannot turn fully: {closes}",
-    )  # fmt: skip
+    )
 
 
 def _steep(machine: Machine, found: Reach, least: float) -> tuple[float, float, str]:
@@ -103,10 +107,17 @@ def _steep(machine: Machine, found: Reach, least: float) -> tuple[float, float, 
     if not weak.size:
         return math.degrees(low), math.degrees(high), ""
     begin, end = max(weak[weak <= 0], default=low), min(weak[weak >= 0], default=high)
-    begin, end = (math.ceil(10 * math.degrees(begin)) + 1) / 10, (math.floor(10 * math.degrees(end)) - 1) / 10
+    begin, end = (
+        (math.ceil(10 * math.degrees(begin)) + 1) / 10,
+        (math.floor(10 * math.degrees(end)) - 1) / 10,
+    )
     if begin < end and (begin <= 0 <= end):
         return begin, end, f" (with a transmission angle of {least:g} deg)"
-    return math.degrees(low), math.degrees(high), f" (the transmission angle is below {least:g} deg as drawn)"
+    return (
+        math.degrees(low),
+        math.degrees(high),
+        f" (the transmission angle is below {least:g} deg as drawn)",
+    )
 
 
 def four_bar_lengths(machine: Machine, driven: str) -> dict[str, float] | None:
@@ -122,7 +133,12 @@ def four_bar_lengths(machine: Machine, driven: str) -> dict[str, float] | None:
         if len(places) != 2:
             return None
         lengths[body] = abs(places[1] - places[0])
-    output = [place.body for pin in ground for place in (pin.a, pin.b) if place.body not in (GROUND, driven)]
+    output = [
+        place.body
+        for pin in ground
+        for place in (pin.a, pin.b)
+        if place.body not in (GROUND, driven)
+    ]
     if len(output) != 1:
         return None
     (coupler,) = set(lengths) - {GROUND, driven, output[0]}
@@ -133,10 +149,20 @@ def _grashof(lengths: dict[str, float] | None, driven: str) -> str:
     """Why a four-bar's crank does not turn fully, and the longest that would."""
     if lengths is None:
         return ""
-    bar, (shortest, *_, longest) = four_bar(*lengths.values()), sorted(lengths, key=lambda name: lengths[name])
-    short, long = f"{shortest} ({lengths[shortest]:.6g} mm)", f"{longest} ({lengths[longest]:.6g} mm)"
+    bar, (shortest, *_, longest) = (
+        four_bar(*lengths.values()),
+        sorted(lengths, key=lambda name: lengths[name]),
+    )
+    short, long = (
+        f"{shortest} ({lengths[shortest]:.6g} mm)",
+        f"{longest} ({lengths[longest]:.6g} mm)",
+    )
     most = lengths[driven] + bar.slack
-    cure = f"; {driven} turns fully below {most:.6g} mm" if lengths[driven] < lengths[GROUND] and most > 0 else ""
+    cure = (
+        f"; {driven} turns fully below {most:.6g} mm"
+        if lengths[driven] < lengths[GROUND] and most > 0
+        else ""
+    )
     if bar.margin < 0:
         ends = f"the shortest, {short}, and the longest, {long}"
         return f": by Grashof {ends}, are {-bar.margin:.4g} mm more than the other two{cure}"
@@ -164,7 +190,11 @@ def folds(machine: Machine, low: float = 0.0, high: float = math.tau) -> tuple[F
         signs = np.sign(values[np.isfinite(values)])
         places = theta[np.isfinite(values)][1:][signs[1:] * signs[:-1] < 0]
         found.append(Fold(block.joints, least[0], max(least[1], 0.0), bool(places.size)))
-        found += [Fold(block.joints, float(place), 0.0, True) for place in places if abs(place - least[0]) > 0.02]
+        found += [
+            Fold(block.joints, float(place), 0.0, True)
+            for place in places
+            if abs(place - least[0]) > 0.02
+        ]
     return tuple(found)
 
 
@@ -173,12 +203,15 @@ def refuse_folds(machine: Machine, low: float = 0.0, high: float = math.tau) -> 
     for fold in folds(machine, low, high):
         if fold.change_point:
             raise DesignError(
-                "sine of the transmission angle", fold.determinant, FOLD, "",
+                "sine of the transmission angle",
+                fold.determinant,
+                FOLD,
+                "",
                 f"{listed('joint', fold.joints)}, {math.degrees(fold.theta):.6g} deg (change point)",
                 "change a length, or keep drive.range_deg away from there",
                 f"change point at {math.degrees(fold.theta):.6g} deg: the links at {listed('joint', fold.joints)} lie in line "
                 f"and either branch can follow (sine of the transmission angle {max(fold.determinant, 0):.1g}, limit {FOLD:g})",
-            )  # fmt: skip
+            )
 
 
 def transmission(machine: Machine, theta: Floats) -> dict[tuple[str, ...], Floats]:
@@ -189,7 +222,9 @@ def transmission(machine: Machine, theta: Floats) -> dict[tuple[str, ...], Float
     for number, step in enumerate(chain.steps):
         if not isinstance(step, Direct):
             joints = (step if isinstance(step, Block) else step.block).joints
-            found[joints] = np.degrees(np.arcsin(np.minimum(np.abs(determinant(chain, number, theta)), 1.0)))
+            found[joints] = np.degrees(
+                np.arcsin(np.minimum(np.abs(determinant(chain, number, theta)), 1.0))
+            )
     return found
 
 
@@ -202,7 +237,9 @@ def determinant(chain: Chain, number: int, theta: Floats) -> Floats:
     state = chain.state(theta, 0, number + 1)
     with np.errstate(all="ignore"):
         known = chain.state(theta, 0, number).known(block)
-        rows = [state.direction(name) for name in block.angles] + [state.lengths[name][0] for name in block.lengths]
+        rows = [state.direction(name) for name in block.angles] + [
+            state.lengths[name][0] for name in block.lengths
+        ]
         if isinstance(step, Block) and block.relations:  # laws of angles want them continuous
             rows[: len(block.angles)] = [state.angle(name)[0] for name in block.angles]
         return block.determinant(np.array(rows), known)
@@ -218,12 +255,17 @@ def _minima(value: Callable[[Floats], Floats], theta: Floats) -> list[tuple[floa
     inner = np.flatnonzero((at[1:-1] <= at[:-2]) & (at[1:-1] <= at[2:])) + 1
     inner = inner[at[inner] >= 0]
     place, least, reach = theta[inner], at[inner], theta[1] - theta[0]
-    for _ in range(ROUNDS if inner.size else 0):  # all of a round at once: a call costs more than its angles
+    for _ in range(
+        ROUNDS if inner.size else 0
+    ):  # all of a round at once: a call costs more than its angles
         grid = place[:, None] + reach * np.linspace(-1, 1, 2 * CLOSER + 1)
         grid = np.clip(grid, theta.min(), theta.max())
         seen = safe(np.ravel(grid)).reshape(grid.shape)
         best = np.argmin(seen, axis=1)[:, None]
-        place, least = np.take_along_axis(grid, best, 1)[:, 0], np.take_along_axis(seen, best, 1)[:, 0]
+        place, least = (
+            np.take_along_axis(grid, best, 1)[:, 0],
+            np.take_along_axis(seen, best, 1)[:, 0],
+        )
         reach = reach / CLOSER
     k = int(np.nanargmin(np.where(at >= 0, at, np.inf)))
     return [(float(theta[k]), float(at[k])), *zip(place.tolist(), least.tolist(), strict=True)]
@@ -257,7 +299,9 @@ def _end(chain: Chain, sign: int) -> tuple[float, tuple[str, ...]]:
             bad = min(gaps, key=abs)
             good = bad - sign * math.tau / LOOKED
         low, high = np.array([min(good, bad)]), np.array([max(good, bad)])
-        (edge,) = roots(lambda t, _, f=closes: (np.where(f(t), sign, -sign), np.zeros(1)), low, high).tolist()  # type: ignore[misc]
+        (edge,) = roots(
+            lambda t, _, f=closes: (np.where(f(t), sign, -sign), np.zeros(1)), low, high
+        ).tolist()  # type: ignore[misc]
         edge -= sign * INSIDE
         if abs(edge) < abs(nearest):
             nearest, by = edge, step.block.joints
@@ -271,7 +315,9 @@ def _closes(chain: Chain, number: int, step: Step) -> Callable[[Floats], NDArray
 
     def closes(theta: Floats) -> NDArray[np.bool_]:
         state = chain.state(theta, 0, number + 1)
-        rows = [state.spins[name][0] for name in block.angles] + [state.lengths[name][0] for name in block.lengths]
+        rows = [state.spins[name][0] for name in block.angles] + [
+            state.lengths[name][0] for name in block.lengths
+        ]
         finite: NDArray[np.bool_] = np.isfinite(np.array(rows)).all(axis=0)
         return finite
 

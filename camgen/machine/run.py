@@ -24,7 +24,9 @@ BLOCK = 16384
 T = TypeVar("T")
 
 
-def solve(machine: Machine, theta: ArrayLike, order: int = 2, loaded: Callable[[], Machine] | None = None) -> Run:
+def solve(
+    machine: Machine, theta: ArrayLike, order: int = 2, loaded: Callable[[], Machine] | None = None
+) -> Run:
     """The machine at theta, (n,) rad, with derivatives up to the order, 0..2.
 
     loaded: gives the same machine with what only forces ask for, masses, loads and friction; made when they are asked for.
@@ -93,11 +95,17 @@ class Run:
     """
 
     def __init__(
-        self, machine: Machine, theta: Floats, order: int, loaded: Callable[[], Machine] | None = None
-    ) -> None:  # fmt: skip
+        self,
+        machine: Machine,
+        theta: Floats,
+        order: int,
+        loaded: Callable[[], Machine] | None = None,
+    ) -> None:
         self.machine, self.theta, self.order, self._loaded = machine, theta, order, loaded
         chain = chain_of(machine)
-        self._states = [chain.state(theta[k : k + BLOCK], order) for k in range(0, max(theta.size, 1), BLOCK)]
+        self._states = [
+            chain.state(theta[k : k + BLOCK], order) for k in range(0, max(theta.size, 1), BLOCK)
+        ]
         self._outputs: dict[str, Floats | Points] = {}
 
     def __iter__(self) -> Iterator[str]:
@@ -156,14 +164,18 @@ class Run:
     def length(self, slide: str) -> Floats:
         """Place along a slide or slot with derivatives to theta, (order + 1, n) mm."""
         if slide not in (known := self._states[0].lengths):
-            raise ValueError(f"{slide} is no slide or slot of this machine; there are: {', '.join(known) or 'none'}")
+            raise ValueError(
+                f"{slide} is no slide or slot of this machine; there are: {', '.join(known) or 'none'}"
+            )
         return np.asarray(self._rows(lambda state, into: fill(into, state.lengths[slide]), float))
 
     def angle(self, body: str) -> Floats:
         """A body's angle, continuous, with derivatives to theta, (order + 1, n) rad."""
         self.machine.body(body)
         groups = self._states[0].chain.groups
-        rows: Floats = self._rows(lambda state, into: fill(into, state.angle(groups.of[body])), float)
+        rows: Floats = self._rows(
+            lambda state, into: fill(into, state.angle(groups.of[body])), float
+        )
         rows[0] += groups.excess[body]
         return rows
 
@@ -182,7 +194,11 @@ class Run:
         rows = np.empty((self.order + 1, self.theta.size, self._system.width))
         for k, body in enumerate(self._system.bodies):
             origin = self.point(body, 0j)
-            rows[:, :, 3 * k], rows[:, :, 3 * k + 1], rows[:, :, 3 * k + 2] = origin.real, origin.imag, self.angle(body)
+            rows[:, :, 3 * k], rows[:, :, 3 * k + 1], rows[:, :, 3 * k + 2] = (
+                origin.real,
+                origin.imag,
+                self.angle(body),
+            )
         return rows
 
     def forces(self) -> Forces:
@@ -203,4 +219,3 @@ class Run:
         (reach,) = self._system.shares([output], self._poses[0], self.theta)
         by_joint = {j.name: reach[j.name] * (j.clearance / 2) for j in self.machine.joints}
         return Play(by_joint, np.asarray(sum(by_joint.values(), np.zeros(self.theta.size))))
-

@@ -17,7 +17,17 @@ from typing import Any, Protocol
 import numpy as np
 
 from camgen.machine import dyads
-from camgen.machine.jets import Jet, Spin, combined, fill, product, through, times, turned, unit_turn
+from camgen.machine.jets import (
+    Jet,
+    Spin,
+    combined,
+    fill,
+    product,
+    through,
+    times,
+    turned,
+    unit_turn,
+)
 from camgen.machine.model import GROUND, Along, Angle, Output, Path, Place, Turning
 from camgen.machine.newton import Block, Known, Trace, Vectors
 from camgen.machine.order import Groups, Key, Relation
@@ -72,16 +82,22 @@ class State:
     def __init__(self, chain: Followed, theta: Floats, order: int) -> None:
         self.chain, self.theta, self.order = chain, theta, order
         self.spins: dict[str, Spin] = {GROUND: [1.0, 0, 0][: order + 1]}
-        self.levers: dict[str, complex] = {}  # the vector of each spin, in the axes that turn with it
+        self.levers: dict[
+            str, complex
+        ] = {}  # the vector of each spin, in the axes that turn with it
         self.lengths: dict[str, Jet] = {}
         self._angle: dict[str, Any] = {GROUND: 0.0}
         self._arms: dict[tuple[str, complex], Jet] = {}
         self._origins: dict[str, Jet] = {}
-        self._near: dict[tuple[float, int], Any] = {}  # by where an angle was followed, the nearest place of each theta
+        self._near: dict[
+            tuple[float, int], Any
+        ] = {}  # by where an angle was followed, the nearest place of each theta
 
     # ---- what is known ----
 
-    def hold(self, group: str, spin: Spin, lever: complex = 1 + 0j, angle: Floats | None = None) -> None:
+    def hold(
+        self, group: str, spin: Spin, lever: complex = 1 + 0j, angle: Floats | None = None
+    ) -> None:
         """Keep the spin of a lever of the group; its angle, where it is known before."""
         self.spins[group], self.levers[group] = spin, lever
         if angle is not None:
@@ -157,17 +173,23 @@ class State:
             terms.append(self.arm(groups.of[place.body], groups.turned(place)))
         return combined(terms, self.order, 0, into)
 
-    def _terms(self, vectors: Vectors, angles: tuple[str, ...] = (), lengths: tuple[str, ...] = ()) -> list[tuple[Any, Jet]]:
+    def _terms(
+        self, vectors: Vectors, angles: tuple[str, ...] = (), lengths: tuple[str, ...] = ()
+    ) -> list[tuple[Any, Jet]]:
         """What moves and is known of a sum of vectors; angles and lengths are the unknown ones."""
         terms: list[tuple[Any, Jet]] = [(sign, self.origin(body)) for sign, body in vectors.roots]
-        terms += [self.arm(group, lever) for group, lever in vectors.levers.items() if group not in angles]
+        terms += [
+            self.arm(group, lever) for group, lever in vectors.levers.items() if group not in angles
+        ]
         for slide, group, along in vectors.ways:
             if group not in angles and slide not in lengths:
                 factor, way = self.arm(group, along)
                 terms.append((factor, product(self.lengths[slide], way)))
         return terms
 
-    def sum(self, loop: Vectors, angles: tuple[str, ...], lengths: tuple[str, ...]) -> tuple[Jet, list[tuple[int, Jet]]]:
+    def sum(
+        self, loop: Vectors, angles: tuple[str, ...], lengths: tuple[str, ...]
+    ) -> tuple[Jet, list[tuple[int, Jet]]]:
         """What is known of a loop, and the known ways of its unknown lengths; angles and lengths are the unknown ones."""
         ways = []
         for slide, group, along in loop.ways:
@@ -182,7 +204,11 @@ class State:
 
     def relation(self, relation: Relation, unknown: tuple[Key, ...], scale: float = 1.0) -> Jet:
         """What is known of a relation, with derivatives, scaled."""
-        terms = [(scale * share, self.value(key)) for key, share in relation.shares.items() if key not in unknown]
+        terms = [
+            (scale * share, self.value(key))
+            for key, share in relation.shares.items()
+            if key not in unknown
+        ]
         constant, law = relation.constant, relation.law
         if law is not None and relation.argument not in unknown:
             argument: Jet = [np.zeros(self.theta.shape), 0, 0]
@@ -200,9 +226,13 @@ class State:
     def known(self, block: Block) -> Known:
         """What a larger block needs."""
         sums = [self.sum(loop, block.angles, block.lengths) for loop in block.loops]
-        ways = tuple((c, len(block.angles) + j, jet) for c, (_, along) in enumerate(sums) for j, jet in along)
+        ways = tuple(
+            (c, len(block.angles) + j, jet) for c, (_, along) in enumerate(sums) for j, jet in along
+        )
         unknown = tuple(block.column)
-        driven = {slide for loop in block.loops for slide, group, _ in loop.ways if group in block.angles}
+        driven = {
+            slide for loop in block.loops for slide, group, _ in loop.ways if group in block.angles
+        }
         lengths = {slide: self.lengths[slide] for slide in driven if slide in self.lengths}
         about = tuple(self.relation(relation, unknown) for relation in block.relations)
         return Known(tuple(total for total, _ in sums), ways, lengths, about)
@@ -212,11 +242,17 @@ class State:
     def take(self, step: Direct) -> None:
         """The unknown of a relation."""
         kind, name = step.unknown
-        rows = self.relation(step.relation, (step.unknown,), -1 / step.relation.shares[step.unknown])
+        rows = self.relation(
+            step.relation, (step.unknown,), -1 / step.relation.shares[step.unknown]
+        )
         if kind == "length":
             self.lengths[name] = rows
             return
-        angle = rows[0] if isinstance(rows[0], np.ndarray) else np.full(self.theta.shape, float(rows[0]))
+        angle = (
+            rows[0]
+            if isinstance(rows[0], np.ndarray)
+            else np.full(self.theta.shape, float(rows[0]))
+        )
         lever = self.chain.levers.get(name, 1.0)
         self.hold(name, [unit_turn(angle, lever), *rows[1:]], lever, angle)
 
@@ -258,7 +294,9 @@ class State:
             rows = block.solve(self.theta, self.known(block), self.order)
         for name in block.angles:
             k = block.column["angle", name]
-            self.hold(name, [unit_turn(rows[0][k]), *(row[k] for row in rows[1:])], angle=rows[0][k])
+            self.hold(
+                name, [unit_turn(rows[0][k]), *(row[k] for row in rows[1:])], angle=rows[0][k]
+            )
         for name in block.lengths:
             self.lengths[name] = [row[block.column["length", name]] for row in rows]
 

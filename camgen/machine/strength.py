@@ -1,11 +1,11 @@
 """What a contact, a pin and a bearing bear: closed formulas, vectorised; mm, N, MPa, s.
 
-    line contact    half width b = sqrt(4 F R / (pi L E*)), greatest pressure p = 2 F / (pi b L), with
-                    1/R = 1/R1 + 1/R2 and 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2
-                    [Hertz; Norton, Machine Design, eqs. 7.14, 7.15; Roark's Formulas for Stress and Strain, table 14.1, case 2]
-    pin             bent as a beam that is held at one end, 32 F l / (pi d^3); sheared by 4/3 of F / area [beam theory]
-    plain bearing   pressure F / (d l) on the projected area; sliding speed at its rim; heat: friction times both
-    ball bearing    life (C / P)^3 million turns, P the cubic mean of the load over the turning [ISO 281]
+line contact    half width b = sqrt(4 F R / (pi L E*)), greatest pressure p = 2 F / (pi b L), with
+                1/R = 1/R1 + 1/R2 and 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2
+                [Hertz; Norton, Machine Design, eqs. 7.14, 7.15; Roark's Formulas for Stress and Strain, table 14.1, case 2]
+pin             bent as a beam that is held at one end, 32 F l / (pi d^3); sheared by 4/3 of F / area [beam theory]
+plain bearing   pressure F / (d l) on the projected area; sliding speed at its rim; heat: friction times both
+ball bearing    life (C / P)^3 million turns, P the cubic mean of the load over the turning [ISO 281]
 """
 
 from __future__ import annotations
@@ -35,7 +35,9 @@ class Elastic:
         return (1 - self.poisson**2) / self.modulus
 
 
-def line_contact(force: Any, length: float, curvature: Any, a: Elastic, b: Elastic) -> tuple[Any, Any]:
+def line_contact(
+    force: Any, length: float, curvature: Any, a: Elastic, b: Elastic
+) -> tuple[Any, Any]:
     """Greatest pressure, MPa, and half width, mm, of two cylinders pressed together; (n,) or scalars.
 
     force: N; length: of the line, mm; curvature: of both together, 1/R1 + 1/R2, 1/mm, below 0 inside a hollow that fits
@@ -45,7 +47,11 @@ def line_contact(force: Any, length: float, curvature: Any, a: Elastic, b: Elast
     give = a.compliance + b.compliance
     pressure = np.sqrt(pressed * curved / (math.pi * length * give))
     with np.errstate(all="ignore"):
-        width = np.where(curved > 0, np.sqrt(4 * pressed * give / (math.pi * length * np.where(curved > 0, curved, 1.0))), np.inf)
+        width = np.where(
+            curved > 0,
+            np.sqrt(4 * pressed * give / (math.pi * length * np.where(curved > 0, curved, 1.0))),
+            np.inf,
+        )
     return pressure, width
 
 
@@ -86,13 +92,21 @@ class Sliding:
 def sliding(force: Any, turning: Any, diameter: float, length: float, friction: float) -> Sliding:
     """A round plain bearing: force N, relative angular speed rad/s, (n,) each; mm."""
     load, speed = np.abs(force), np.abs(turning) * diameter / 2 * 1e-3
-    return Sliding(np.asarray(load / (diameter * length)), np.asarray(speed), np.asarray(friction * load * speed))
+    return Sliding(
+        np.asarray(load / (diameter * length)),
+        np.asarray(speed),
+        np.asarray(friction * load * speed),
+    )
 
 
 def cubic_mean(force: Any, turning: Any) -> float:
     """Equivalent load of a ball bearing whose load and speed change: cubic mean over the turning, N."""
     share = np.abs(turning)
-    return float((np.sum(np.abs(force) ** 3 * share) / np.sum(share)) ** (1 / 3)) if np.any(share) else 0.0
+    return (
+        float((np.sum(np.abs(force) ** 3 * share) / np.sum(share)) ** (1 / 3))
+        if np.any(share)
+        else 0.0
+    )
 
 
 def bearing_life(rating: float, load: float) -> float:

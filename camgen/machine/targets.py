@@ -27,7 +27,9 @@ from camgen.spec import Record
 _FINE = 8  # places between two samples at which a dwell is looked for
 _WINDOWS = 720  # stretches of a path, from so many places, of which the straightest is looked for
 _CLOSER = 12  # of them that are measured by the least zone
-_PARTS = np.linspace(0.0, 1.0, 9)  # of a stretch in which a nearest place is sought, again in what is left of it
+_PARTS = np.linspace(
+    0.0, 1.0, 9
+)  # of a stretch in which a nearest place is sought, again in what is left of it
 _NARROWER = 18  # times, to 4^-18 of two samples
 _CHORDS = 64  # at most, in place of the cubic between two samples
 _FINE_SHARE = 0.001  # of a path's tolerance, to which its farthest place is found
@@ -65,9 +67,13 @@ class Course:
         do. A chord of a cubic z lies within max |z''| / 8 of it, and z'' is greatest at an end."""
         h = np.diff(self.theta)
         begin, end, way = h * self.slope[:-1], h * self.slope[1:], np.diff(self.value)
-        bends = np.maximum(np.abs(6 * way - 4 * begin - 2 * end), np.abs(6 * way - 2 * begin - 4 * end))
+        bends = np.maximum(
+            np.abs(6 * way - 4 * begin - 2 * end), np.abs(6 * way - 2 * begin - 4 * end)
+        )
         bend = float(np.max(bends)) / 8
-        count = _CHORDS if bend >= _CHORDS**2 * error else max(1, math.ceil(math.sqrt(bend / error)))
+        count = (
+            _CHORDS if bend >= _CHORDS**2 * error else max(1, math.ceil(math.sqrt(bend / error)))
+        )
         theta = (self.theta[:-1, None] + h[:, None] * np.arange(count) / count).ravel()
         return np.append(self.at(theta), self.value[-1]), bend / count**2
 
@@ -76,7 +82,9 @@ class Course:
         k = int(np.argmax(sign * self.value))
         last = len(self.theta) - 2
         found = [(float(self.theta[k]), float(self.value[k]))]
-        for j in {k - 1, k, *((0, last) if self.whole and k in (0, last + 1) else ())} & set(range(last + 1)):
+        for j in {k - 1, k, *((0, last) if self.whole and k in (0, last + 1) else ())} & set(
+            range(last + 1)
+        ):
             a, b = self.slope[j], self.slope[j + 1]
             if a * b < 0:
                 t = float(self.theta[j] + a / (a - b) * (self.theta[j + 1] - self.theta[j]))
@@ -131,17 +139,35 @@ class Through(Record):
 
     code: ClassVar[str] = "PATH_ERROR"
 
-    at: tuple[tuple[Value, Value], ...] = Field(min_length=1, max_length=1000, description="mm, places [x, y] as drawn")
+    at: tuple[tuple[Value, Value], ...] = Field(
+        min_length=1, max_length=1000, description="mm, places [x, y] as drawn"
+    )
     tolerance: Size = Field(description="mm, how far from each the path may pass")
-    in_order: bool = Field(False, description="whether it passes them in this order as theta grows; no unit")
-    theta_deg: tuple[Angle, ...] | None = Field(None, description="deg, when it is there: one angle for each place")
+    in_order: bool = Field(
+        False, description="whether it passes them in this order as theta grows; no unit"
+    )
+    theta_deg: tuple[Angle, ...] | None = Field(
+        None, description="deg, when it is there: one angle for each place"
+    )
 
     def faults(self, path: str) -> list[Fault]:
         """What does not go together."""
         if self.theta_deg is not None and len(self.theta_deg) != len(self.at):
-            return [Fault(f"{path}.theta_deg", f"{len(self.theta_deg)} angles", f"one for each of the {len(self.at)} places")]
+            return [
+                Fault(
+                    f"{path}.theta_deg",
+                    f"{len(self.theta_deg)} angles",
+                    f"one for each of the {len(self.at)} places",
+                )
+            ]
         if self.theta_deg is not None and self.in_order:
-            return [Fault(f"{path}.in_order", "true", "false, or no theta_deg: angles say the order already")]
+            return [
+                Fault(
+                    f"{path}.in_order",
+                    "true",
+                    "false, or no theta_deg: angles say the order already",
+                )
+            ]
         return []
 
     @property
@@ -155,14 +181,31 @@ class Through(Record):
             t = np.radians(self.theta_deg)
             return list(zip(t.tolist(), np.abs(course.at(t) - self.places).tolist(), strict=True))
         ways = [course.nearest(place) for place in self.places]
-        return _in_order(ways, course.whole) if self.in_order else [min(way, key=lambda pair: pair[1]) for way in ways]
+        return (
+            _in_order(ways, course.whole)
+            if self.in_order
+            else [min(way, key=lambda pair: pair[1]) for way in ways]
+        )
 
     def finding(self, course: Course, where: str) -> Finding:
         """PATH_ERROR: the place that the path misses most."""
         met = self.met(course)
-        how = "in their order" if self.in_order else "each at its nearest" if self.theta_deg is None else "at the angles given"
+        how = (
+            "in their order"
+            if self.in_order
+            else "each at its nearest"
+            if self.theta_deg is None
+            else "at the angles given"
+        )
         if not met:
-            return at_most(self.code, math.nan, self.tolerance, "mm", where, "the path never passes them in this order")
+            return at_most(
+                self.code,
+                math.nan,
+                self.tolerance,
+                "mm",
+                where,
+                "the path never passes them in this order",
+            )
         k = max(range(len(met)), key=lambda k: met[k][1])
         x, y = self.at[k]
         said = f"{len(met)} {'place' if len(met) == 1 else 'places'}, {how}: place {k + 1} ({x:g}, {y:g}) is missed most, "
@@ -175,9 +218,16 @@ class Trace(Record):
 
     code: ClassVar[str] = "PATH_ERROR"
 
-    at: tuple[tuple[Value, Value], ...] = Field(min_length=2, max_length=20_000, description="mm, places [x, y] as drawn")
-    joined: bool = Field(True, description="whether lines join the places in their order; false: a dense cloud; no unit")
-    tolerance: Size = Field(description="mm, how far the path may lie from the places and their lines, or these from the path")
+    at: tuple[tuple[Value, Value], ...] = Field(
+        min_length=2, max_length=20_000, description="mm, places [x, y] as drawn"
+    )
+    joined: bool = Field(
+        True,
+        description="whether lines join the places in their order; false: a dense cloud; no unit",
+    )
+    tolerance: Size = Field(
+        description="mm, how far the path may lie from the places and their lines, or these from the path"
+    )
 
     def apart(self, course: Course) -> Apart:
         """How far the path and the wanted one are apart at most."""
@@ -203,7 +253,9 @@ class Function(Record):
 
     code: ClassVar[str] = "FUNCTION_ERROR"
 
-    at: tuple[tuple[Angle, Value], ...] = Field(min_length=2, max_length=1000, description="deg of theta, and deg or mm: pairs")
+    at: tuple[tuple[Angle, Value], ...] = Field(
+        min_length=2, max_length=1000, description="deg of theta, and deg or mm: pairs"
+    )
     tolerance: Size = Field(description="mm; deg of an angle: how far it may differ")
 
     def finding(self, course: Course, where: str) -> Finding:
@@ -223,15 +275,25 @@ class Straight(Record):
     code: ClassVar[str] = "STRAIGHTNESS"
 
     tolerance: Size = Field(description="mm, greatest width of the strip")
-    range_deg: tuple[Angle, Angle] | None = Field(None, description="deg of theta, from and to: which stretch")
-    length: Size | None = Field(None, description="mm from end to end: instead, the straightest stretch that is so long")
+    range_deg: tuple[Angle, Angle] | None = Field(
+        None, description="deg of theta, from and to: which stretch"
+    )
+    length: Size | None = Field(
+        None, description="mm from end to end: instead, the straightest stretch that is so long"
+    )
 
     def faults(self, path: str) -> list[Fault]:
         """What does not go together."""
         if (self.range_deg is None) == (self.length is None):
             return [Fault(path, "", "either range_deg or length")]
         if self.range_deg is not None and not 0 < self.range_deg[1] - self.range_deg[0] <= 360:
-            return [Fault(f"{path}.range_deg", str(list(self.range_deg)), "the least before the greatest, at most a turn apart")]
+            return [
+                Fault(
+                    f"{path}.range_deg",
+                    str(list(self.range_deg)),
+                    "the least before the greatest, at most a turn apart",
+                )
+            ]
         return []
 
     def finding(self, course: Course, where: str) -> Finding:
@@ -250,7 +312,9 @@ class Straight(Record):
                 most = float(np.max(np.abs(way[:, None] - way)))
                 said = f"the path has no stretch of {self.length:g} mm, its places are at most {most:.4g} mm apart: ask for less"
                 return at_most(self.code, width, self.tolerance, "mm", where, said)
-        return at_most(self.code, width, self.tolerance, "mm", where, f"strip that holds the path {over}")
+        return at_most(
+            self.code, width, self.tolerance, "mm", where, f"strip that holds the path {over}"
+        )
 
 
 class Dwell(Record):
@@ -260,7 +324,9 @@ class Dwell(Record):
 
     span_deg: Annotated[float, Field(gt=0, le=360)] = Field(description="deg of theta, at least")
     band: Size = Field(description="width, mm; deg of an angle")
-    at: Value | None = Field(None, description="the middle of the band, mm; deg of an angle; anywhere unless given")
+    at: Value | None = Field(
+        None, description="the middle of the band, mm; deg of an angle; anywhere unless given"
+    )
 
     def finding(self, course: Course, where: str) -> Finding:
         """DWELL."""
@@ -276,7 +342,9 @@ class TimeRatio(Record):
 
     code: ClassVar[str] = "TIME_RATIO"
 
-    value: Annotated[float, Field(ge=1, le=1e3)] = Field(description="slower to quicker, 1 or more; no unit")
+    value: Annotated[float, Field(ge=1, le=1e3)] = Field(
+        description="slower to quicker, 1 or more; no unit"
+    )
     tolerance: Size = Field(description="how far it may differ; no unit")
 
     def finding(self, course: Course, where: str) -> Finding:
@@ -293,7 +361,9 @@ class Advance(Record):
 
     value: Size = Field(description="deg, wanted")
     tolerance: Size = Field(description="deg, how far it may differ")
-    lost: Annotated[float, Field(ge=0, le=360)] = Field(0.0, description="deg, that the wheel turns before the freewheel locks")
+    lost: Annotated[float, Field(ge=0, le=360)] = Field(
+        0.0, description="deg, that the wheel turns before the freewheel locks"
+    )
     forwards: Literal[-1, 1] = Field(1, description="sense of the angle in which it locks")
     time: Literal[-1, 1] = Field(1, description="sense in which theta runs")
 
@@ -330,7 +400,10 @@ def apart(corners: Points, sag: float, wanted: Points, joined: bool, resolution:
 
     corners: of a line that is no farther than `sag`, mm, from the path; wanted: (n,) complex mm, joined by lines or by itself.
     """
-    made, asked = Edges.of_line(corners), Edges.of_line(wanted) if joined else Edges.of_places(wanted)
+    made, asked = (
+        Edges.of_line(corners),
+        Edges.of_line(wanted) if joined else Edges.of_places(wanted),
+    )
     fine = max(resolution, _FINEST * max(made.length, asked.length))
     there, back = stray(made, asked, fine), stray(asked, made, fine)
     far = there if there.seen >= back.seen else back
@@ -351,7 +424,9 @@ def advance(angle: Floats, lost: float) -> float:
     return turned
 
 
-def _in_order(ways: Sequence[Sequence[tuple[float, float]]], whole: bool) -> list[tuple[float, float]]:
+def _in_order(
+    ways: Sequence[Sequence[tuple[float, float]]], whole: bool
+) -> list[tuple[float, float]]:
     """Of each place one of its nearest passes so that theta grows from place to place, the worst distance the least; none
     where there is no such order."""
 
@@ -359,7 +434,12 @@ def _in_order(ways: Sequence[Sequence[tuple[float, float]]], whole: bool) -> lis
         for start in (pair for pair in ways[0] if pair[1] <= limit):
             chain, end = [start], start[0] + math.tau if whole else math.inf
             for way in ways[1:]:
-                later = [(t + turn, away) for t, away in way if away <= limit for turn in ((0.0, math.tau) if whole else (0.0,))]
+                later = [
+                    (t + turn, away)
+                    for t, away in way
+                    if away <= limit
+                    for turn in ((0.0, math.tau) if whole else (0.0,))
+                ]
                 later = [pair for pair in later if chain[-1][0] < pair[0] < end]
                 if not later:
                     break
@@ -404,8 +484,17 @@ def straightest(course: Course, length: float) -> tuple[float, float, float]:
         far = np.flatnonzero(np.abs(ahead) >= length)
         if far.size:
             end = int(far[0])
-            found.append((float(np.ptp((ahead[: end + 1] * np.conj(ahead[end])).imag) / abs(ahead[end])), i, i + end))
-    closer = [(strip(z[i : j + 1]), float(theta[i]), float(theta[j])) for _, i, j in sorted(found)[:_CLOSER]]
+            found.append(
+                (
+                    float(np.ptp((ahead[: end + 1] * np.conj(ahead[end])).imag) / abs(ahead[end])),
+                    i,
+                    i + end,
+                )
+            )
+    closer = [
+        (strip(z[i : j + 1]), float(theta[i]), float(theta[j]))
+        for _, i, j in sorted(found)[:_CLOSER]
+    ]
     return min(closer, default=(math.nan, math.nan, math.nan))
 
 
@@ -418,7 +507,9 @@ def dwell(course: Course, band: float, at: float | None = None) -> tuple[float, 
     value, step = course.at(theta), theta[1] - theta[0]
     best, begins = 0.0, float(theta[0])
     if at is not None:
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], np.abs(value - at) <= band / 2, [False]])))
+        edges = np.flatnonzero(
+            np.diff(np.concatenate([[False], np.abs(value - at) <= band / 2, [False]]))
+        )
         for i, j in edges.reshape(-1, 2):
             if (j - 1 - i) * step > best:
                 best, begins = float((j - 1 - i) * step), float(theta[i])

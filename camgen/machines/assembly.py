@@ -50,7 +50,11 @@ class Round:
 
     def holds(self, outline: Round) -> bool:
         """Whether a round outline goes through this hole."""
-        return self.in_line(outline) and _common(self, outline) and abs(self.diameter - outline.diameter) < _LOOSE
+        return (
+            self.in_line(outline)
+            and _common(self, outline)
+            and abs(self.diameter - outline.diameter) < _LOOSE
+        )
 
 
 @dataclass(frozen=True)
@@ -66,7 +70,9 @@ class Slot:
     def holds(self, outline: Round) -> bool:
         """Whether a round outline stands in this slot."""
         off = (outline.at - self.a) * (self.b - self.a).conjugate() / abs(self.b - self.a)
-        inside = -_ONE_AXIS < off.real < abs(self.b - self.a) + _ONE_AXIS and abs(off.imag) < _ONE_AXIS
+        inside = (
+            -_ONE_AXIS < off.real < abs(self.b - self.a) + _ONE_AXIS and abs(off.imag) < _ONE_AXIS
+        )
         return inside and _common(self, outline) and abs(self.diameter - outline.diameter) < _LOOSE
 
 
@@ -118,16 +124,23 @@ class Fixing:
 
 
 def order(
-    parts: Sequence[Part], mounts: Sequence[Mount], poses: Mapping[str, Sequence[PartPose]], pairs: Sequence[object],
+    parts: Sequence[Part],
+    mounts: Sequence[Mount],
+    poses: Mapping[str, Sequence[PartPose]],
+    pairs: Sequence[object],
     fixing: Fixing,
-) -> Table:  # fmt: skip
+) -> Table:
     """Steps by the height of undersides; what is turned over, such as a pin with its head up, comes from above: by its top; a
     ball bearing before the link that holds it.
 
     poses: of each part's copies, at one angle; pairs: what joints are measured on.
     """
     eyes = [each for each in pairs if isinstance(each, PinEyes)]
-    seats = {ring.part: {eye.part for each in eyes for eye in (each.a, each.b)} for each in eyes for ring in each.rings}
+    seats = {
+        ring.part: {eye.part for each in eyes for eye in (each.a, each.b)}
+        for each in eyes
+        for ring in each.rings
+    }
     fixing = replace(fixing, rings=frozenset(seats))
     number, places = Counter[str](), {part.name: k for k, part in enumerate(parts)}
     copies: dict[tuple[float, bool, int, bool, float], list[tuple[str, _Laid]]] = {}
@@ -136,14 +149,41 @@ def order(
         part, number[mount.part] = parts[k], number[mount.part] + 1
         height = mount.z + (part.thickness if mount.flipped else 0.0)
         holders = seats.get(part.name, set())
-        height = min([height, *(each.z for each in mounts if each.body == mount.body and each.part in holders)])
-        step = round(height, 6) + 0.0, part.name not in seats, k, mount.flipped, round(mount.z, 6) + 0.0
+        height = min(
+            [
+                height,
+                *(each.z for each in mounts if each.body == mount.body and each.part in holders),
+            ]
+        )
+        step = (
+            round(height, 6) + 0.0,
+            part.name not in seats,
+            k,
+            mount.flipped,
+            round(mount.z, 6) + 0.0,
+        )
         stands = _laid(part, poses[part.name][number[part.name] - 1])
         copies.setdefault(step, []).append((f"{part.name}-{number[part.name]}", stands))
-    rows, below, by_height = list[tuple[object, ...]](), list[_Laid](), sorted(copies.items(), key=lambda each: each[0])
+    rows, below, by_height = (
+        list[tuple[object, ...]](),
+        list[_Laid](),
+        sorted(copies.items(), key=lambda each: each[0]),
+    )
     for count, ((_, _, k, over, z), laid) in enumerate(by_height, 1):
-        where = "; ".join(dict.fromkeys(filter(None, (_where(each, below, fixing) for _, each in laid))))
-        rows.append((count, parts[k].name, _held(parts[k]), where, len(laid), z, "turned over" if over else "as drawn"))
+        where = "; ".join(
+            dict.fromkeys(filter(None, (_where(each, below, fixing) for _, each in laid)))
+        )
+        rows.append(
+            (
+                count,
+                parts[k].name,
+                _held(parts[k]),
+                where,
+                len(laid),
+                z,
+                "turned over" if over else "as drawn",
+            )
+        )
         below += [each for _, each in laid]
     named = [[name for name, _ in laid] for _, laid in by_height]
     return Table("Assembly from the bottom up, by height", COLUMNS, rows, named)
@@ -158,17 +198,33 @@ def _held(part: Part) -> str:
 def _where(copy: _Laid, below: Sequence[_Laid], fixing: Fixing) -> str:
     """Where a copy goes, by what lies there before it; "" where nothing says."""
     if not copy.holes:  # a pin or a shaft
-        return _pinned(copy, below, fixing) or ("by itself, until what is fixed on it comes" if copy.outlines else "")
+        return _pinned(copy, below, fixing) or (
+            "by itself, until what is fixed on it comes" if copy.outlines else ""
+        )
     said = []
     for hole in copy.holes:
-        shaft, outline = next(((other, each) for other in below for each in other.outlines if hole.holds(each)), (None, None))
-        own = f"{hole.name} " if hole.name and (shaft is None or hole.name != shaft.part.name) else ""
+        shaft, outline = next(
+            ((other, each) for other in below for each in other.outlines if hole.holds(each)),
+            (None, None),
+        )
+        own = (
+            f"{hole.name} " if hole.name and (shaft is None or hole.name != shaft.part.name) else ""
+        )
         if shaft is not None and outline is not None:
-            far = f", underside {hole.low - shaft.low:.4g} mm from its lower end" if shaft.slender else ""
+            far = (
+                f", underside {hole.low - shaft.low:.4g} mm from its lower end"
+                if shaft.slender
+                else ""
+            )
             fixed = fixing.words(hole, copy.part, outline, shaft.part)
             said.append(f"{own}{f'{fixed} on' if fixed else 'on'} {shaft.part.name}{far}")
             continue
-        under = [(each.high, other.part.name, each.name) for other in below for each in other.holes if hole.in_line(each)]
+        under = [
+            (each.high, other.part.name, each.name)
+            for other in below
+            for each in other.holes
+            if hole.in_line(each)
+        ]
         if under:
             _, name, point = max(under)
             said.append(f"{own}over {f'{point} of ' if point and point != hole.name else ''}{name}")
@@ -180,8 +236,13 @@ def _where(copy: _Laid, below: Sequence[_Laid], fixing: Fixing) -> str:
 
 def _pinned(copy: _Laid, below: Sequence[_Laid], fixing: Fixing) -> str:
     """Through what a pin or a shaft goes that lies there, from above, and where it is fixed."""
-    round_holes = [(hole, other, outline) for other in reversed(below) for hole in other.holes for outline in copy.outlines
-                   if hole.holds(outline)]  # fmt: skip
+    round_holes = [
+        (hole, other, outline)
+        for other in reversed(below)
+        for hole in other.holes
+        for outline in copy.outlines
+        if hole.holds(outline)
+    ]
     point = next((f"{hole.name} of " for hole, _, _ in round_holes if hole.name), "")
     words: dict[str, list[str]] = {}
     for hole, other, outline in round_holes:
@@ -190,25 +251,46 @@ def _pinned(copy: _Laid, below: Sequence[_Laid], fixing: Fixing) -> str:
         names += [other.part.name] if other.part.name not in names else []
     said: list[str] = []
     for how, names in sorted(words.items(), key=lambda each: each[0] != "through"):
-        said.append(f"{how} {point if not said else ''}{' and '.join(filter(None, (', '.join(names[:-1]), names[-1])))}")
-    slotted = dict.fromkeys(other.part.name for other in reversed(below)
-                            if any(slot.holds(outline) for slot in other.slots for outline in copy.outlines))  # fmt: skip
+        said.append(
+            f"{how} {point if not said else ''}{' and '.join(filter(None, (', '.join(names[:-1]), names[-1])))}"
+        )
+    slotted = dict.fromkeys(
+        other.part.name
+        for other in reversed(below)
+        if any(slot.holds(outline) for slot in other.slots for outline in copy.outlines)
+    )
     return ", ".join([*said, *(f"in the slot of {name}" for name in slotted)])
 
 
 def _laid(part: Part, pose: PartPose) -> _Laid:
     """A copy's round things where it stands; of a hole through several layers the lowest and highest end."""
-    outlines = [standing(part, pose, layer, *disc) for layer in part.layers for disc in _disc(layer.region.outer)]
+    outlines = [
+        standing(part, pose, layer, *disc)
+        for layer in part.layers
+        for disc in _disc(layer.region.outer)
+    ]
     holes: list[Round] = []
-    bored = ((layer, disc) for layer in part.layers for hole in layer.region.holes for disc in _disc(hole))
+    bored = (
+        (layer, disc)
+        for layer in part.layers
+        for hole in layer.region.holes
+        for disc in _disc(hole)
+    )
     for each in (standing(part, pose, layer, *disc) for layer, disc in bored):
         same = next((k for k, other in enumerate(holes) if each.is_one_with(other)), None)
         if same is None:
             holes.append(each)
         else:
             other = holes[same]
-            holes[same] = replace(each, low=min(each.low, other.low), high=max(each.high, other.high))
-    slots = [_slot(part, pose, layer, *ends) for layer in part.layers for hole in layer.region.holes for ends in _stadium(hole)]
+            holes[same] = replace(
+                each, low=min(each.low, other.low), high=max(each.high, other.high)
+            )
+    slots = [
+        _slot(part, pose, layer, *ends)
+        for layer in part.layers
+        for hole in layer.region.holes
+        for ends in _stadium(hole)
+    ]
     return _Laid(part, pose.z, holes, slots, outlines)
 
 
@@ -225,12 +307,20 @@ def _stadium(contour: Contour) -> Iterator[tuple[complex, complex, float]]:
         sweeps[arc.centre, arc.radius] = sweeps.get((arc.centre, arc.radius), 0.0) + abs(arc.sweep)
     (a, radius), *others = sweeps or {(0j, 0.0): 0.0}
     straight = len([piece for piece in contour.pieces if not isinstance(piece, Arc)])
-    if straight == 2 and len(others) == 1 and all(abs(sweep - math.pi) < _HALF_TURN for sweep in sweeps.values()):
+    if (
+        straight == 2
+        and len(others) == 1
+        and all(abs(sweep - math.pi) < _HALF_TURN for sweep in sweeps.values())
+    ):
         yield a, others[0][0], radius
 
 
 def _disc(contour: Contour) -> Iterator[tuple[complex, float]]:
     """Centre and radius of a circle, with flats or a keyway or without."""
-    widest = max((piece for piece in contour.pieces if isinstance(piece, Arc)), key=lambda arc: abs(arc.sweep), default=None)
+    widest = max(
+        (piece for piece in contour.pieces if isinstance(piece, Arc)),
+        key=lambda arc: abs(arc.sweep),
+        default=None,
+    )
     if widest and abs(widest.sweep) > math.pi:
         yield widest.centre, widest.radius

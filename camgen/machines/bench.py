@@ -1,8 +1,8 @@
 """A cam machine that stands on a bench: cam, follower and what holds them, as the parts of a linkage.
 
-    tip    where the follower touches, as a point of it: a roller's centre, an edge, a place on a face
-    post   of the return spring on the plate, in line with the pull, beyond the cam
-    hook   the spring's other end: the roller's own pin, or a pin of the follower
+tip    where the follower touches, as a point of it: a roller's centre, an edge, a place on a face
+post   of the return spring on the plate, in line with the pull, beyond the cam
+hook   the spring's other end: the roller's own pin, or a pin of the follower
 """
 
 from __future__ import annotations
@@ -18,7 +18,13 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.machine.cams.followers import FlatFace, SlidingFace, SlidingTip, SwingingArm, SwingingFace
+from camgen.machine.cams.followers import (
+    FlatFace,
+    SlidingFace,
+    SlidingTip,
+    SwingingArm,
+    SwingingFace,
+)
 from camgen.machine.cams.machine import FollowerLoad
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Courses, Feature, Mount, StandIn
@@ -70,7 +76,12 @@ def _made(layout: Layout, run: Run) -> Bodies:
     except DesignError as error:
         of, where, remedy, said = (
             re.sub(r"\bparts\.(?!make)", "bodies.", words)
-            for words in (error.quantity, error.where, error.remedy, str(error).removesuffix(f"; {error.remedy}"))
+            for words in (
+                error.quantity,
+                error.where,
+                error.remedy,
+                str(error).removesuffix(f"; {error.remedy}"),
+            )
         )
         raise DesignError(of, error.value, error.limit, error.unit, where, remedy, said) from None
 
@@ -107,7 +118,11 @@ class Bench:
     def machine(self) -> Machine:
         """The machine with fits, masses of its solids and its spring."""
         machine = self._weighed(self.bodies)
-        return machine if self.spring is None else replace(machine, loads=(*machine.loads, self._pull(self.spring)))
+        return (
+            machine
+            if self.spring is None
+            else replace(machine, loads=(*machine.loads, self._pull(self.spring)))
+        )
 
     def _weighed(self, bodies: Bodies) -> Machine:
         """With masses of its solids and their weight, and all springs but that which returns the follower."""
@@ -118,7 +133,10 @@ class Bench:
     @property
     def pulls(self) -> list[Spring]:
         """The further springs, between the middles of their pins."""
-        points, pin = {body.name: body.points for body in self._named(False).bodies}, self.sizes.pin_diameter
+        points, pin = (
+            {body.name: body.points for body in self._named(False).bodies},
+            self.sizes.pin_diameter,
+        )
 
         def place(body: str, point: str) -> Place:
             return Place(body, complex(points[body][point]))
@@ -139,7 +157,9 @@ class Bench:
         if self.spring is None:
             return self._bare
         layout = self._layout(self._named(True))
-        spring = Stretched((GROUND, "post"), ("follower", self._hook), self.spring.outside, self.spring.wire)
+        spring = Stretched(
+            (GROUND, "post"), ("follower", self._hook), self.spring.outside, self.spring.wire
+        )
         return _made(replace(layout, springs={"spring": spring, **layout.springs}), self._run)
 
     def bought(self) -> list[Bought]:
@@ -149,7 +169,9 @@ class Bench:
             found = [*self.beneath.bought(), *(each for each in found if each.name != "drive")]
         if self.spring is not None:
             told = self.spring.bought(*self.way)
-            given = self.load.rate or self.load.preload or self.gears  # what a gear drives has no [spring]
+            given = (
+                self.load.rate or self.load.preload or self.gears
+            )  # what a gear drives has no [spring]
             found.append(told if given else replace(told, size=f"{told.size}; {self._of_a_shop()}"))
         return [*found, *(each.wire.bought(*each.way) for each in self.strung.values())]
 
@@ -181,7 +203,10 @@ class Bench:
             for name, spring in self.bodies.layout.springs.items():
                 ends = []
                 for body, point in (spring.a, spring.b):
-                    ends.append(poses[body].place + np.exp(1j * poses[body].angle) * self.bodies.layout.at(body, point))
+                    ends.append(
+                        poses[body].place
+                        + np.exp(1j * poses[body].angle) * self.bodies.layout.at(body, point)
+                    )
                 for k, (here, there) in enumerate((ends, ends[::-1]), 1):
                     poses[f"{name} {k}"] = Pose(here, np.unwrap(np.angle(there - here)))
             return poses
@@ -194,10 +219,18 @@ class Bench:
         for name, spring in layout.springs.items():
             shortest, longest = (length - self.sizes.pin_diameter for length in self.ways[name])
             radius, low = spring.diameter / 2, sum(layout.eye(name)) / 2 - spring.diameter / 2
-            start = max(layout.head_radius(point) for _, point in (spring.a, spring.b)) + HOOK_ROOM + radius
+            start = (
+                max(layout.head_radius(point) for _, point in (spring.a, spring.b))
+                + HOOK_ROOM
+                + radius
+            )
             end = min(longest / 2, shortest - start)
             bar = (complex(start), complex(end), radius, low, low + spring.diameter)
-            found += [StandIn(f"{name} {k}", f"{name} {k}", (), bars=(bar,), whole=name) for k in (1, 2) if end > start]
+            found += [
+                StandIn(f"{name} {k}", f"{name} {k}", (), bars=(bar,), whole=name)
+                for k in (1, 2)
+                if end > start
+            ]
         return found
 
     @property
@@ -218,15 +251,29 @@ class Bench:
         return _made(layout, self._run)
 
     def _layout(self, machine: Machine) -> Layout:
-        springs = {name: Stretched(each.a, each.b, each.wire.outside, each.wire.wire) for name, each in self.strung.items()}
+        springs = {
+            name: Stretched(each.a, each.b, each.wire.outside, each.wire.wire)
+            for name, each in self.strung.items()
+        }
         sizes, feet = self.sizes, list[tuple[complex, float]]()
         if self.beneath is not None:
             machine, sizes = self.beneath.above(machine), self.beneath.upper(sizes)
             feet = [(place, sizes.mount_diameter) for place in self.beneath.feet]
         return Layout(
-            machine, self.driven, sizes, self.fits, self.min_wall, {}, {}, {"contact": self.tip}, self.gears, springs=springs,
-            freewheels=self.freewheels, marks=self.marks, feet=feet,
-        )  # fmt: skip
+            machine,
+            self.driven,
+            sizes,
+            self.fits,
+            self.min_wall,
+            {},
+            {},
+            {"contact": self.tip},
+            self.gears,
+            springs=springs,
+            freewheels=self.freewheels,
+            marks=self.marks,
+            feet=feet,
+        )
 
     @cached_property
     def _run(self) -> Run:
@@ -235,15 +282,23 @@ class Bench:
     def _named(self, sprung: bool) -> Machine:
         """The machine with points where its joints are, those of the spring too."""
         places = self._places(sprung)
-        bodies = tuple(replace(body, points={**body.points, **places.get(body.name, {})}) for body in self.drawn.bodies)
+        bodies = tuple(
+            replace(body, points={**body.points, **places.get(body.name, {})})
+            for body in self.drawn.bodies
+        )
         joints = tuple(
-            replace(joint, law=Scaled(self.cam.program, 1)) if isinstance(joint, Cam) else joint for joint in self.drawn.joints
+            replace(joint, law=Scaled(self.cam.program, 1)) if isinstance(joint, Cam) else joint
+            for joint in self.drawn.joints
         )
         return replace(self.drawn, bodies=bodies, joints=joints)
 
     def _places(self, sprung: bool) -> dict[str, dict[str, complex]]:
         found = {name: dict(points) for name, points in self.more.items()}
-        found |= {GROUND: {"shaft": 0j, **found.get(GROUND, {})}, "cam": {"shaft": 0j}, "follower": {}}
+        found |= {
+            GROUND: {"shaft": 0j, **found.get(GROUND, {})},
+            "cam": {"shaft": 0j},
+            "follower": {},
+        }
         tip, follower = self._touching, self.cam.follower
         if isinstance(follower, SwingingArm | SwingingFace):
             found[GROUND]["pivot"], found["follower"]["pivot"] = follower.pivot, 0j
@@ -264,11 +319,17 @@ class Bench:
             case SwingingFace(_, facing, ahead) as follower:
                 if ahead:
                     raise DesignError(
-                        "geometry.follower.face_offset", ahead, 0, "mm", "the arm of a face",
+                        "geometry.follower.face_offset",
+                        ahead,
+                        0,
+                        "mm",
+                        "the arm of a face",
                         'its line goes through its pivot: use 0, or make the cams alone (parts.make = "cams")',
-                    )  # fmt: skip
+                    )
                 theta = np.linspace(0, math.tau, 721)
-                place = follower.place(self.cam.program(theta), self.cam.profile(theta) * np.exp(1j * theta))
+                place = follower.place(
+                    self.cam.program(theta), self.cam.profile(theta) * np.exp(1j * theta)
+                )
                 return complex(facing * 1j * float(np.ptp(place) / 2 + np.min(place)))
         raise TypeError(f"no machine for {type(self.cam.follower).__name__}")
 
@@ -289,9 +350,13 @@ class Bench:
             return complex(tip + follower.leaves * follower.along * back)
         if isinstance(follower, FlatFace):
             raise DesignError(
-                "pins of a spring on the arm of a face", 1, 0, "", "the follower",
+                "pins of a spring on the arm of a face",
+                1,
+                0,
+                "",
+                "the follower",
                 'give it a roller, or make the cams alone (parts.make = "cams")',
-            )  # fmt: skip
+            )
         away = follower.trace(0.0)
         return complex(tip + away / abs(away) * back)
 
@@ -310,7 +375,9 @@ class Bench:
         """The spring's end on the plate: beyond the cam, in line with the pull."""
         at, way = self._middle
         rim = float(np.abs(self.cam.profile(_SAMPLES)).max())
-        clear = rim + self.sizes.pin_diameter / 2 + self.sizes.head + self.fits.slide_clearance + _AIR
+        clear = (
+            rim + self.sizes.pin_diameter / 2 + self.sizes.head + self.fits.slide_clearance + _AIR
+        )
         beside = (at * way.conjugate()).imag
         length = math.sqrt(max(0.0, clear**2 - beside**2)) - (at * way.conjugate()).real
         return at + max(length, clear) * way
@@ -320,7 +387,10 @@ class Bench:
         """Distance of the spring's eyes over the turn, mm, and its derivative to s, mm or mm/rad, (n,) each."""
         follower, s = self.cam.follower, self.cam.program(_SAMPLES)
         if isinstance(follower, SlidingTip | SlidingFace):
-            z, slope = self._hooked + s * follower.along - self.post, np.full(s.shape, follower.along)
+            z, slope = (
+                self._hooked + s * follower.along - self.post,
+                np.full(s.shape, follower.along),
+            )
         else:
             arm = self._hooked * np.exp(1j * s)
             z, slope = follower.pivot + arm - self.post, 1j * arm
@@ -343,7 +413,9 @@ class Bench:
         first, last = lever[np.argmin(length)], lever[np.argmax(length)]
         if not self.load.rate:
             low = self.load.preload / first or self._least()
-            return pulling(low, shortest, longest, eye, _STRETCHED, hook) or self._none_such(f"{low:.4g} N at its shortest")
+            return pulling(low, shortest, longest, eye, _STRETCHED, hook) or self._none_such(
+                f"{low:.4g} N at its shortest"
+            )
         stroke = float(np.ptp(self.cam.program(_SAMPLES)))
         low, high = self.load.preload / first, (self.load.preload + self.load.rate * stroke) / last
         rate = (high - low) / (longest - shortest)
@@ -354,7 +426,10 @@ class Bench:
     def _of_a_shop(self) -> str:
         """Which other springs do as well, and what [spring] is with one."""
         shortest, longest = self.way
-        first, last = self._lever[np.argmin(self._lengths[0])], self._lever[np.argmax(self._lengths[0])]
+        first, last = (
+            self._lever[np.argmin(self._lengths[0])],
+            self._lever[np.argmax(self._lengths[0])],
+        )
         least, pull = self._least(), f"R ({shortest:.5g} - L)"
         keys = f"preload = {pull}, rate = R"
         if not isinstance(self.cam.follower, SlidingTip | SlidingFace):
@@ -368,9 +443,13 @@ class Bench:
     def _none_such(self, asked: str) -> NoReturn:
         shortest, longest = self.way
         raise DesignError(
-            "return springs of round wire", 0, 1, "", f"{asked}, length from {shortest:.4g} to {longest:.4g} mm",
+            "return springs of round wire",
+            0,
+            1,
+            "",
+            f"{asked}, length from {shortest:.4g} to {longest:.4g} mm",
             "ask for another spring ([spring], load.closing_n_m), less load or speed, or another closure",
-        )  # fmt: skip
+        )
 
     @property
     def _lever(self) -> Any:
@@ -381,7 +460,11 @@ class Bench:
     @property
     def closing(self) -> float:
         """What the spring presses the follower on its cam with at least, N or N m; 0 without one."""
-        pull = 0.0 if self.spring is None else self.spring.force(self._lengths[0] + self.sizes.pin_diameter)
+        pull = (
+            0.0
+            if self.spring is None
+            else self.spring.force(self._lengths[0] + self.sizes.pin_diameter)
+        )
         return float(np.min(pull * self._lever))
 
     def _least(self) -> float:

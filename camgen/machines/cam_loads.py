@@ -21,26 +21,46 @@ if TYPE_CHECKING:
 _JUMPS = "its speed jumps, which no spring bears: use a law that ends smoothly"
 
 
-def load_faults(load: LoadTable | None, spring: SpringTable | None, slides: bool, pushed: bool, made: bool) -> list[Fault]:
+def load_faults(
+    load: LoadTable | None, spring: SpringTable | None, slides: bool, pushed: bool, made: bool
+) -> list[Fault]:
     """What is wrong; slides: a translating follower; pushed: only a spring keeps it on its cam; made: it is a part."""
     found = []
     if spring is not None and not pushed:
         found.append(Fault("spring", "", 'nothing here: only closure "force" has a spring'))
     if load is None:
-        return [*found, Fault("load", "", "missing: what [spring] has to move")] if spring is not None else found
+        return (
+            [*found, Fault("load", "", "missing: what [spring] has to move")]
+            if spring is not None
+            else found
+        )
     needed, other = ("mass_kg", "inertia_kg_m2") if slides else ("inertia_kg_m2", "mass_kg")
     if getattr(load, other):
         kind = "translating" if slides else "oscillating"
-        found.append(Fault(f"load.{other}", f"{getattr(load, other):g}", f"nothing here: a follower that is {kind} has {needed}"))
+        found.append(
+            Fault(
+                f"load.{other}",
+                f"{getattr(load, other):g}",
+                f"nothing here: a follower that is {kind} has {needed}",
+            )
+        )
     if load.gravity_deg is not None:
-        what = unweighed(load.gravity_deg, bool(load.inertia_kg_m2), made) if not slides else (
-            None if load.mass_kg or made else Fault("load.mass_kg", "0", "above 0 with load.gravity_deg: what weighs")
-        )  # fmt: skip
+        what = (
+            unweighed(load.gravity_deg, bool(load.inertia_kg_m2), made)
+            if not slides
+            else (
+                None
+                if load.mass_kg or made
+                else Fault("load.mass_kg", "0", "above 0 with load.gravity_deg: what weighs")
+            )
+        )
         found += [] if what is None else [what]
     return found
 
 
-def polydyne_faults(load: LoadTable, spring: SpringTable | None, wanted: Program, sprung: bool) -> list[Fault]:
+def polydyne_faults(
+    load: LoadTable, spring: SpringTable | None, wanted: Program, sprung: bool
+) -> list[Fault]:
     """What a correction for the follower's elasticity lacks; sprung: a machine with a return spring is made."""
     from camgen.motion.polydyne import NEEDED, rough
 
@@ -51,8 +71,20 @@ def polydyne_faults(load: LoadTable, spring: SpringTable | None, wanted: Program
         right = "above 0 with load.polydyne: it corrects for the spring of the machine, which is else found by the cam"
         found.append(Fault("spring.rate", "0", right))
     if not load.mass_kg and not load.inertia_kg_m2:
-        found.append(Fault("load.mass_kg", "0", "above 0 with load.polydyne (or inertia_kg_m2 of an arm): what moves behind it"))
-    return [*found, *(Fault(f"segment.{k}.law", repr(wanted.segments[k].law.name), NEEDED) for k in rough(wanted.segments))]
+        found.append(
+            Fault(
+                "load.mass_kg",
+                "0",
+                "above 0 with load.polydyne (or inertia_kg_m2 of an arm): what moves behind it",
+            )
+        )
+    return [
+        *found,
+        *(
+            Fault(f"segment.{k}.law", repr(wanted.segments[k].law.name), NEEDED)
+            for k in rough(wanted.segments)
+        ),
+    ]
 
 
 def unweighed(deg: float, inertia: bool, made: bool) -> Fault | None:
@@ -62,10 +94,14 @@ def unweighed(deg: float, inertia: bool, made: bool) -> Fault | None:
     """
     if made and not inertia:
         return None
-    why = "the follower's inertia says nothing of its mass and its centre, on which weight pulls" if inertia else (
-        'no follower is made whose weight is known (parts.make = "machine")'
-    )  # fmt: skip
-    return Fault("load.gravity_deg", f"{deg:g}", f"nothing here: {why}; left out, the cam lies flat")
+    why = (
+        "the follower's inertia says nothing of its mass and its centre, on which weight pulls"
+        if inertia
+        else ('no follower is made whose weight is known (parts.make = "machine")')
+    )
+    return Fault(
+        "load.gravity_deg", f"{deg:g}", f"nothing here: {why}; left out, the cam lies flat"
+    )
 
 
 def load_of(load: LoadTable | None, spring: SpringTable | None) -> FollowerLoad | None:
@@ -73,11 +109,17 @@ def load_of(load: LoadTable | None, spring: SpringTable | None) -> FollowerLoad 
     if load is None:
         return None
     rate, preload = (spring.rate, spring.preload) if spring else (0.0, 0.0)
-    return FollowerLoad(load.mass_kg + load.inertia_kg_m2, load.damping, rate, preload, load.resistance)
+    return FollowerLoad(
+        load.mass_kg + load.inertia_kg_m2, load.damping, rate, preload, load.resistance
+    )
 
 
 def lift_off(
-    found: Loaded, load: FollowerLoad, slides: bool, jumps: str = _JUMPS, lower: str = "less mass, speed or a longer span"
+    found: Loaded,
+    load: FollowerLoad,
+    slides: bool,
+    jumps: str = _JUMPS,
+    lower: str = "less mass, speed or a longer span",
 ) -> Finding:
     """LIFT_OFF, with the spring that would keep the follower on; jumps: what is said where its speed does; lower: what lowers
     that spring."""
@@ -88,7 +130,9 @@ def lift_off(
     return found.keeps_contact(jumps if found.kick else kept)
 
 
-def force_study(found: Loaded, load: FollowerLoad, slides: bool, pushed: bool, weighs: bool) -> Study:
+def force_study(
+    found: Loaded, load: FollowerLoad, slides: bool, pushed: bool, weighs: bool
+) -> Study:
     """Figures and curves of contact force, torque, power and reactions."""
     forces, notes = found.forces, []
     power = forces.power_in
@@ -96,30 +140,46 @@ def force_study(found: Loaded, load: FollowerLoad, slides: bool, pushed: bool, w
         "peak_contact_force_n": _peak(found.force),
         "peak_torque_n_m": _peak(found.torque),
         "peak_power_w": float(np.nanmax(power)),
-        **{f"reaction_{name}_without_friction_n": _peak(reaction) for name, reaction in forces.reactions.items()},
-        **{f"reaction_{name}_without_friction_n": _peak(normal) for name, normal in forces.normals.items()},
+        **{
+            f"reaction_{name}_without_friction_n": _peak(reaction)
+            for name, reaction in forces.reactions.items()
+        },
+        **{
+            f"reaction_{name}_without_friction_n": _peak(normal)
+            for name, normal in forces.normals.items()
+        },
     }
     # of a round tip the force passes the tip, where the mass is: what is left is rounding
     moments = {f"peak_moment_{name}_n_m": _peak(moment) for name, moment in forces.moments.items()}
-    numbers |= {name: value for name, value in moments.items() if value > 1e-9 * numbers["peak_contact_force_n"]}
+    numbers |= {
+        name: value
+        for name, value in moments.items()
+        if value > 1e-9 * numbers["peak_contact_force_n"]
+    }
     if found.kick:
         unit = "n_s" if slides else "n_m_s"
         numbers[f"kick_{unit}"] = found.kick
-        notes.append("The follower's speed jumps, which kicks it; the curves of force and torque leave the kick out.")
+        notes.append(
+            "The follower's speed jumps, which kicks it; the curves of force and torque leave the kick out."
+        )
     if pushed:
         preload, rate = found.spring_needed(load)
         units = ("n", "n_mm") if slides else ("n_m", "n_m_per_rad")
         numbers |= {
             "least_contact_force_n": float(np.nanmin(found.force)),
-            f"spring_preload_needed_{units[0]}": preload, f"spring_rate_needed_{units[1]}": rate,
-        }  # fmt: skip
+            f"spring_preload_needed_{units[0]}": preload,
+            f"spring_rate_needed_{units[1]}": rate,
+        }
     numbers = {key: value for key, value in numbers.items() if math.isfinite(value)}
     return Study(numbers, force_plots(found, "follower on cam"), (), (), _notes(weighs, notes))
 
 
 def force_plots(found: Loaded, who: str) -> list[Plot]:
     """Contact force and torque over the turn; a kick, which has none, leaves a gap."""
-    degrees, force, torque = np.degrees(found.theta), *(np.where(np.isinf(y), np.nan, y) for y in (found.force, found.torque))
+    degrees, force, torque = (
+        np.degrees(found.theta),
+        *(np.where(np.isinf(y), np.nan, y) for y in (found.force, found.torque)),
+    )
     label, of_motor = "cam angle, deg", "Torque on the motor, without friction in the joints"
     driven = Plot(of_motor, label, "N m", [("drives the cam", degrees, torque)])
     return [Plot("Contact force", label, "N", [(who, degrees, force)]), driven]

@@ -31,7 +31,9 @@ def of_pins(mechanism: Mechanism) -> list[Finding]:
     which only the files tell."""
     joints = mechanism.model.joints
     wishes = [each for each in mechanism.asked() if each.judged]
-    if any(isinstance(each, Cam) and each.closure == "form" for each in joints) or not any(each.clearance for each in joints):
+    if any(isinstance(each, Cam) and each.closure == "form" for each in joints) or not any(
+        each.clearance for each in joints
+    ):
         return []
     run = mechanism.solve(np.linspace(*mechanism.range, _ANGLES), 1)
     outputs: dict[str, Output] = {each.name: each for each in run.machine.outputs}
@@ -58,7 +60,9 @@ def accepted(course: Course, lash: float | None, lash_deg: float | None) -> tupl
     size, of = stroke(course), "stroke"
     if np.iscomplexobj(course.value):
         length, width = rectangle(course.value)
-        size, of = (width, "path's smaller side") if width >= _LINE * length else (length, "path's length")
+        size, of = (
+            (width, "path's smaller side") if width >= _LINE * length else (length, "path's length")
+        )
     return scale * _LASH * size, f"a quarter of the {of} ({key} sets another)"
 
 
@@ -66,7 +70,11 @@ def borne(lash: float, value: Any, lash_of: str = "limits.lash") -> tuple[float,
     """The play that is accepted of an output with these values over the motion, (n,), and why no more."""
     box = max(np.ptp(value.real), np.ptp(value.imag)) if np.iscomplexobj(value) else np.ptp(value)
     half = float(box) / 2
-    return (lash, f"the limit is {lash_of}") if lash < half else (half, "the limit is half of the stroke")
+    return (
+        (lash, f"the limit is {lash_of}")
+        if lash < half
+        else (half, "the limit is half of the stroke")
+    )
 
 
 def between(cams: Sequence[DiscCam[Any]], air: float, lash: float) -> list[Finding]:

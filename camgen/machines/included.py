@@ -61,7 +61,11 @@ class Included:
         m, data = self.module, self.mechanism.model_dump(by_alias=True, exclude_none=True)
         where = {"at": (m.at.real, m.at.imag), "phase_deg": math.degrees(m.phase), "z": m.z}
         source = {} if self.source is None else {"source": self.source}
-        ride = {"ride": {each.body: each.link for each in m.rides}, "ride_tolerance": self.tolerance} if m.rides else {}
+        ride = (
+            {"ride": {each.body: each.link for each in m.rides}, "ride_tolerance": self.tolerance}
+            if m.rides
+            else {}
+        )
         where |= {"mounted": True} if self.mounted else {}
         return {"name": m.prefix, **where, **ride, **source, "spec": data}
 
@@ -74,7 +78,9 @@ class Included:
     def features(self) -> Sequence[Feature]:
         """On what of its parts its joints are measured."""
         lost = self.module.lost(self.mechanism.model)
-        held = (each for each in self.mechanism.features() if getattr(each, "joint", None) not in lost)
+        held = (
+            each for each in self.mechanism.features() if getattr(each, "joint", None) not in lost
+        )
         found = [self.module.renamed(each) for each in held]
         if self.merged is None:
             return found
@@ -85,12 +91,17 @@ class Included:
     def mounts(self) -> Sequence[Mount]:
         """Its parts on its bodies."""
         mounts = self.mechanism.mounts()
-        return [self.module.mount(mount) for mount in (self.merged[0].mounts(mounts) if self.merged else mounts)]
+        return [
+            self.module.mount(mount)
+            for mount in (self.merged[0].mounts(mounts) if self.merged else mounts)
+        ]
 
     def asked(self) -> Sequence[Asked]:
         """What is asked of its outputs."""
         lost = self.module.lost(self.mechanism.model)
-        return [self.module.asked(asked) for asked in self.mechanism.asked() if asked.output not in lost]
+        return [
+            self.module.asked(asked) for asked in self.mechanism.asked() if asked.output not in lost
+        ]
 
     # ---- bodies -----------------------------------------------------------------------------------------------------
 
@@ -106,19 +117,36 @@ class Included:
         found = []
         for thing in self.mechanism.stand_ins():
             shift = self.module.at if thing.body == GROUND else 0j
-            discs = tuple((at + shift, r, low + self.module.z, high + self.module.z) for at, r, low, high in thing.discs)
+            discs = tuple(
+                (at + shift, r, low + self.module.z, high + self.module.z)
+                for at, r, low, high in thing.discs
+            )
             z = self.module.z
-            bars = tuple((a + shift, b + shift, radius, low + z, high + z) for a, b, radius, low, high in thing.bars)
-            found.append(replace(
-                thing, name=self.module.part(thing.name), body=self.module.body(thing.body), discs=discs, bars=bars,
-            ))  # fmt: skip
+            bars = tuple(
+                (a + shift, b + shift, radius, low + z, high + z)
+                for a, b, radius, low, high in thing.bars
+            )
+            found.append(
+                replace(
+                    thing,
+                    name=self.module.part(thing.name),
+                    body=self.module.body(thing.body),
+                    discs=discs,
+                    bars=bars,
+                )
+            )
         return found
 
     def strands(self) -> Sequence[Strand]:
         """Its threads."""
         m = self.module
         return [
-            replace(each, posts=tuple((m.part(name), k) for name, k in each.posts), low=each.low + m.z, high=each.high + m.z)
+            replace(
+                each,
+                posts=tuple((m.part(name), k) for name, k in each.posts),
+                low=each.low + m.z,
+                high=each.high + m.z,
+            )
             for each in self.mechanism.strands()
         ]
 
@@ -127,36 +155,62 @@ class Included:
         m = self.module
         return [
             replace(
-                each, name=each.name, a=m.part(each.a), b=m.part(each.b), planes=tuple(z + m.z for z in each.planes),
-                drawn={m.part(name): (m.part(other), mirrored) for name, (other, mirrored) in each.drawn.items()},
+                each,
+                name=each.name,
+                a=m.part(each.a),
+                b=m.part(each.b),
+                planes=tuple(z + m.z for z in each.planes),
+                drawn={
+                    m.part(name): (m.part(other), mirrored)
+                    for name, (other, mirrored) in each.drawn.items()
+                },
             )
             for each in self.mechanism.contacts()
-        ]  # fmt: skip
+        ]
 
     def balances(self) -> Sequence[Balance]:
         """Its cranks with counterweights."""
         m = self.module
         return [
             replace(
-                each, body=m.body(each.body), joint=m.name(each.joint),
+                each,
+                body=m.body(each.body),
+                joint=m.name(each.joint),
                 density={m.part(name): heavy for name, heavy in each.density.items()},
             )
             for each in self.mechanism.balances()
-        ]  # fmt: skip
+        ]
 
     def bought(self) -> Sequence[Bought]:
         """What is bought for it; what turns the shaft is bought once."""
         name = self.module.prefix
-        turned = Bought(f"coupling or toothed belt 1 : 1, {name}", "", "turns its shaft with the machine's; not made", 1)
-        left = [each for each in self.mechanism.bought() if not (self.mounted and each.name.endswith(_BEHIND))]  # posts hold it
-        own = [replace(each, name=f"{each.name}, {name}") for each in left if each.name not in _DRIVES]
+        turned = Bought(
+            f"coupling or toothed belt 1 : 1, {name}",
+            "",
+            "turns its shaft with the machine's; not made",
+            1,
+        )
+        left = [
+            each
+            for each in self.mechanism.bought()
+            if not (self.mounted and each.name.endswith(_BEHIND))
+        ]  # posts hold it
+        own = [
+            replace(each, name=f"{each.name}, {name}") for each in left if each.name not in _DRIVES
+        ]
         return [*([turned] if self._shafts and not (self.sleeve or self.merged) else []), *own]
 
     @property
     def stand(self) -> Stand:
         """Its frame on the second plate."""
         places = tuple(z + self.module.at for z, _ in self.mechanism.fixings())
-        return Stand(self.module.part("")[:-1], places, self.module.z, self.sleeve, self.merged[1] if self.merged else None)
+        return Stand(
+            self.module.part("")[:-1],
+            places,
+            self.module.z,
+            self.sleeve,
+            self.merged[1] if self.merged else None,
+        )
 
     @property
     def _shafts(self) -> bool:
@@ -167,13 +221,19 @@ class Included:
 
     def limits(self) -> Sequence[Finding]:
         """Its design checks, and how well the links that carry bodies of it follow its own motion."""
-        own = [replace(each, where=f"{self.module.prefix}: {each.where}") for each in self.mechanism.limits()]
+        own = [
+            replace(each, where=f"{self.module.prefix}: {each.where}")
+            for each in self.mechanism.limits()
+        ]
         return [*own, *(self._followed(ride) for ride in self.module.rides)]
 
     def _followed(self, ride: Ride) -> Finding:
         """PROGRAM_ERROR: how far a body that rides is from where its own machine has it."""
         theta, m = np.linspace(0, math.tau, _ANGLES, endpoint=False), self.module
-        link, own = solve(self.host, theta, 0).pose(ride.link), self.mechanism.solve(theta + m.phase, 0).pose(ride.body)
+        link, own = (
+            solve(self.host, theta, 0).pose(ride.link),
+            self.mechanism.solve(theta + m.phase, 0).pose(ride.body),
+        )
         off = np.abs(link.place + ride.at * np.exp(1j * link.angle) - own.place - m.at)
         worst = int(np.argmax(off))
         where = f"{m.prefix}: {ride.body} on {ride.link}, crank angle {math.degrees(theta[worst]):.2f} deg"
@@ -186,15 +246,23 @@ class Included:
         return Study(
             {self.module.name(name): value for name, value in found.numbers.items()},
             Later(lambda: [replace(plot, title=f"{prefix}: {plot.title}") for plot in found.plots]),
-            Later(lambda: [replace(table, title=f"{prefix}: {table.title}") for table in found.tables]),
+            Later(
+                lambda: [replace(table, title=f"{prefix}: {table.title}") for table in found.tables]
+            ),
             Later(lambda: [self.sketch(sketch) for sketch in found.sketches]),
             [*self._told(), *self._fastened(), *(f"{prefix}: {note}" for note in found.notes)],
         )
 
     def sketch(self, sketch: Sketch) -> Sketch:
         """One of its own where it stands."""
-        shift, (name, body) = self.module.at if sketch.body == GROUND else 0j, (sketch.name, sketch.body)
-        strokes, circles = [z + shift for z in sketch.strokes], [(z + shift, r) for z, r in sketch.circles]
+        shift, (name, body) = (
+            self.module.at if sketch.body == GROUND else 0j,
+            (sketch.name, sketch.body),
+        )
+        strokes, circles = (
+            [z + shift for z in sketch.strokes],
+            [(z + shift, r) for z, r in sketch.circles],
+        )
         z = None if sketch.z is None else sketch.z + self.module.z
         course = None if sketch.course is None else partial(_ahead, sketch.course, self.module)
         return Sketch(self.module.part(name), strokes, circles, self.module.body(body), course, z)
@@ -209,15 +277,32 @@ class Included:
             if self.merged:
                 plate = f"{name} has no frame and no shaft of its own: the second plate holds what its frame would, and the "
                 plate += "machine's shaft turns it."
-                return [plate, *(f"{name}: {ride.body} rides on {ride.link}; fasten it there." for ride in self.module.rides)]
-            plate += "a sleeve joins both shafts." if self.sleeve else "its shaft is turned by a belt or coupling."
-        rides = [f"{name}: {ride.body} rides on {ride.link}; fasten it there." for ride in self.module.rides]
+                return [
+                    plate,
+                    *(
+                        f"{name}: {ride.body} rides on {ride.link}; fasten it there."
+                        for ride in self.module.rides
+                    ),
+                ]
+            plate += (
+                "a sleeve joins both shafts."
+                if self.sleeve
+                else "its shaft is turned by a belt or coupling."
+            )
+        rides = [
+            f"{name}: {ride.body} rides on {ride.link}; fasten it there."
+            for ride in self.module.rides
+        ]
         return [*([plate] if self._shafts else []), *rides]
 
     def _told(self) -> list[str]:
         """Where it was read, if not beside the spec."""
         outside = self.source is not None and ".." in PurePosixPath(self.source).parts
-        return [f"{self.module.prefix} was read from {self.source}, outside the spec's folder."] if outside else []
+        return (
+            [f"{self.module.prefix} was read from {self.source}, outside the spec's folder."]
+            if outside
+            else []
+        )
 
 
 def heights(parts: Sequence[Part], mounts: Sequence[Mount]) -> list[tuple[float, float]]:
@@ -226,18 +311,28 @@ def heights(parts: Sequence[Part], mounts: Sequence[Mount]) -> list[tuple[float,
     return [(mount.z, mount.z + thick[mount.part]) for mount in mounts]
 
 
-def distinct(found: Sequence[Included], parts: Sequence[Part], machine: Callable[[], Machine]) -> None:
+def distinct(
+    found: Sequence[Included], parts: Sequence[Part], machine: Callable[[], Machine]
+) -> None:
     """Raise SpecError where a name of an included machine is one of another machine, of its parts or in the model.
 
     parts: of the machine that includes them.
     """
 
     def refused(name: str, said: str) -> SpecError:
-        own = [k for k, each in enumerate(found) if name.startswith((each.module.name(""), each.module.part("")))]
+        own = [
+            k
+            for k, each in enumerate(found)
+            if name.startswith((each.module.name(""), each.module.part("")))
+        ]
         return SpecError([Fault(f"include.{own[-1] if own else 0}.name", said, right)])
 
-    right = "a name of its own in front of each included machine's names: give the include another one"
-    count = Counter(part.name.lower() for part in (*parts, *(part for each in found for part in each.parts)))
+    right = (
+        "a name of its own in front of each included machine's names: give the include another one"
+    )
+    count = Counter(
+        part.name.lower() for part in (*parts, *(part for each in found for part in each.parts))
+    )
     twice = [name for name, number in count.items() if number > 1]
     if twice:
         raise refused(twice[0], f"part {twice[0]} twice")
@@ -262,9 +357,14 @@ class Line:
 
 
 def stacked(
-    includes: Sequence[Include], host: Mapping[str, Any], rpm: float, chain: Machine, top: float, gap: float,
+    includes: Sequence[Include],
+    host: Mapping[str, Any],
+    rpm: float,
+    chain: Machine,
+    top: float,
+    gap: float,
     line: Line | None = None,
-) -> tuple[Included, ...]:  # fmt: skip
+) -> tuple[Included, ...]:
     """The included machines, each so far above the highest part before it as the gap says unless its z is given; mm.
 
     host: the tables of the spec that includes them; chain: its own model; line: its shaft, where it has a second plate.
@@ -276,7 +376,9 @@ def stacked(
             levels = heights(mechanism.parts(), mechanism.mounts())
         except DesignError as e:
             said = f"{_name(each)}{f' ({each.source})' if each.source else ''}: {str(e).removesuffix(f'; {e.remedy}')}"
-            raise DesignError(f"{_name(each)}: {e.quantity}", e.value, e.limit, e.unit, e.where, e.remedy, said) from None
+            raise DesignError(
+                f"{_name(each)}: {e.quantity}", e.value, e.limit, e.unit, e.where, e.remedy, said
+            ) from None
         low, high = min(low for low, _ in levels), max(high for _, high in levels)
         z = top + gap - low if each.z is None else each.z
         sleeve = merged = None
@@ -284,13 +386,38 @@ def stacked(
             _refuse_unfixed(f"include.{k}.mounted", mechanism, line.sizes.mount_diameter)
             z, sleeve, merged = _in_line(each, mechanism, line, gap) or (z, None, None)
             least = line.ceiling + line.sizes.base_thickness + gap - low
-            if each.z is not None and (abs(each.z - z) > SAME_POINT or not (sleeve or merged or z >= least)):
-                right = f"{z:.6g}, or nothing: both shafts are one" if sleeve or merged else f"at least {least:.6g}, or nothing"
-                raise SpecError([Fault(f"include.{k}.z", f"{each.z:g}", f"{right}: its frame stands on the second plate")])
+            if each.z is not None and (
+                abs(each.z - z) > SAME_POINT or not (sleeve or merged or z >= least)
+            ):
+                right = (
+                    f"{z:.6g}, or nothing: both shafts are one"
+                    if sleeve or merged
+                    else f"at least {least:.6g}, or nothing"
+                )
+                raise SpecError(
+                    [
+                        Fault(
+                            f"include.{k}.z",
+                            f"{each.z:g}",
+                            f"{right}: its frame stands on the second plate",
+                        )
+                    ]
+                )
         top = max(top, z + high)
         module = Module(_name(each), complex(*each.at), math.radians(each.phase_deg), z)
         module = replace(module, rides=_rides(f"include.{k}.ride", each, module, mechanism, chain))
-        found.append(Included(module, mechanism, chain, each.source, each.ride_tolerance, each.mounted, sleeve, merged))
+        found.append(
+            Included(
+                module,
+                mechanism,
+                chain,
+                each.source,
+                each.ride_tolerance,
+                each.mounted,
+                sleeve,
+                merged,
+            )
+        )
     return tuple(found)
 
 
@@ -298,9 +425,19 @@ def _refuse_unfixed(key: str, mechanism: Mechanism, core: float) -> None:
     """Raise SpecError where no screws of posts fit into a frame."""
     wide = {diameter for _, diameter in mechanism.fixings()}
     if not wide:
-        raise SpecError([Fault(key, "true", "nothing here: this machine has no frame with holes for screws from behind")])
+        raise SpecError(
+            [
+                Fault(
+                    key,
+                    "true",
+                    "nothing here: this machine has no frame with holes for screws from behind",
+                )
+            ]
+        )
     if wide != {core}:
-        right = f"screw holes of its frame as wide as parts.mount_diameter of this machine, {core:g} mm"
+        right = (
+            f"screw holes of its frame as wide as parts.mount_diameter of this machine, {core:g} mm"
+        )
         raise SpecError([Fault(key, f"{max(wide):g} mm", right)])
 
 
@@ -310,7 +447,9 @@ Joined = tuple[float, Sleeve | None, tuple[Merging, Merged] | None]
 def _in_line(each: Include, mechanism: Mechanism, line: Line, gap: float) -> Joined | None:
     """How far a machine is raised whose shaft is in line with the host's, mm, and what joins them, where both are alike and its
     frame is flat below the plate and shaft that both have; None where they are not in line."""
-    shaft = next(iter(mechanism.poses(np.array([math.radians(each.phase_deg)])).get("shaft", ())), None)
+    shaft = next(
+        iter(mechanism.poses(np.array([math.radians(each.phase_deg)])).get("shaft", ())), None
+    )
     making = getattr(mechanism, "making", None)
     if shaft is None or making is None or line.axis is None:
         return None
@@ -318,16 +457,28 @@ def _in_line(each: Include, mechanism: Mechanism, line: Line, gap: float) -> Joi
         return None
     phase, sizes = math.radians(each.phase_deg), line.sizes
     if (making.shaft_diameter, making.shaft_flat) == (sizes.shaft_diameter, sizes.shaft_flat):
-        found = merging(mechanism, complex(*each.at), phase, line.angle, line.shaft, sizes.base_thickness, sizes.wall)
+        found = merging(
+            mechanism,
+            complex(*each.at),
+            phase,
+            line.angle,
+            line.shaft,
+            sizes.base_thickness,
+            sizes.wall,
+        )
         if found is not None:
             return line.ceiling + sizes.base_thickness - found[2], None, found[:2]
     room = min(mount.z for mount in mechanism.mounts() if mount.part != "shaft") - shaft.z - gap
     up = min(SLEEVE * making.shaft_diameter, room)
     if up < making.shaft_diameter / 2:
         raise DesignError(
-            "room for a sleeve on the shaft", up, making.shaft_diameter / 2, "mm", _name(each),
+            "room for a sleeve on the shaft",
+            up,
+            making.shaft_diameter / 2,
+            "mm",
+            _name(each),
             "let it stand out further under its frame: a longer parts.shaft_length there",
-        )  # fmt: skip
+        )
     turn = float(shaft.angle[0]) - line.angle
     return line.end - shaft.z, Sleeve(making.shaft_diameter, making.shaft_flat, turn, up), None
 
@@ -343,33 +494,49 @@ def upper_end(layout: Layout) -> Line | None:
     return Line(axis, layout.line[1], angle, layout.sizes, shaft, layout.ceiling)
 
 
-def kept(includes: Sequence[Include], host: Callable[[], Mapping[str, Any]], rpm: float) -> tuple[tuple[complex, float], ...]:
+def kept(
+    includes: Sequence[Include], host: Callable[[], Mapping[str, Any]], rpm: float
+) -> tuple[tuple[complex, float], ...]:
     """Discs about the holes in the frames of machines that are mounted, on the host's ground, mm; host: gives its tables."""
     found: list[tuple[complex, float]] = []
     for each in (each for each in includes if each.mounted):
         mechanism = _mechanism(each, host(), rpm)
-        frame = next((part for part in mechanism.parts() if part.name == mechanism.frame_part), None)
+        frame = next(
+            (part for part in mechanism.parts() if part.name == mechanism.frame_part), None
+        )
         holes = frame.layers[0].region.holes if frame else ()
         arcs = (piece for hole in holes for piece in hole.pieces if isinstance(piece, Arc))
         found += [(arc.centre + complex(*each.at), 2 * arc.radius) for arc in arcs]
     return tuple(found)
 
 
-def _rides(key: str, each: Include, module: Module, mechanism: Mechanism, chain: Machine) -> tuple[Ride, ...]:
+def _rides(
+    key: str, each: Include, module: Module, mechanism: Mechanism, chain: Machine
+) -> tuple[Ride, ...]:
     """Bodies that links of the host carry, as they stand to each other at theta = 0; SpecError, by the key, where they cannot."""
     bodies, links = ([body.name for body in machine.moving] for machine in (mechanism.model, chain))
-    wrong = [specs.unknown(f"{key}.{body}", body, bodies) for body in each.ride if body not in bodies]
-    wrong += [specs.unknown(f"{key}.{body}", link, links) for body, link in each.ride.items() if link not in links]
+    wrong = [
+        specs.unknown(f"{key}.{body}", body, bodies) for body in each.ride if body not in bodies
+    ]
+    wrong += [
+        specs.unknown(f"{key}.{body}", link, links)
+        for body, link in each.ride.items()
+        if link not in links
+    ]
     if wrong:
         raise SpecError(wrong)
     run, host, found = mechanism.solve([module.phase], 0), solve(chain, [0.0], 0), []
     for body, link in each.ride.items():
         own, carrier = run.pose(body), host.pose(link)
         there = Pose(complex(own.place[0]) + module.at, float(own.angle[0]))
-        found.append(ride(body, link, there, Pose(complex(carrier.place[0]), float(carrier.angle[0]))))
+        found.append(
+            ride(body, link, there, Pose(complex(carrier.place[0]), float(carrier.angle[0])))
+        )
     misfits = replace(module, rides=tuple(found)).misfits(mechanism.model)
     if misfits:
-        raise SpecError([Fault(key, misfits[0], "bodies that only pins join to others that move by themselves")])
+        raise SpecError(
+            [Fault(key, misfits[0], "bodies that only pins join to others that move by themselves")]
+        )
     return tuple(found)
 
 
@@ -389,20 +556,39 @@ def faults(includes: Sequence[Include], host: Mapping[str, Any], rpm: float) -> 
         if names[k] in names[:k]:
             found.append(Fault(f"{path}.name", names[k], "a name of its own for each"))
         if isinstance(each.spec, str):
-            found.append(Fault(f"{path}.spec", each.spec, "its tables: only a spec in a file can name another file"))
+            found.append(
+                Fault(
+                    f"{path}.spec",
+                    each.spec,
+                    "its tables: only a spec in a file can name another file",
+                )
+            )
             continue
         if each.spec.get("include"):
             own = each.spec["include"]
-            specs_of = [str(one["spec"]) for one in own if isinstance(one, Mapping) and isinstance(one.get("spec"), str)]
+            specs_of = [
+                str(one["spec"])
+                for one in own
+                if isinstance(one, Mapping) and isinstance(one.get("spec"), str)
+            ]
             which = f" of {', '.join(specs_of)}" if specs_of else ""
             right = f"a spec without [[include]], so that none includes itself: take the [[include]]{which} out of it, and write "
-            found.append(Fault(f"{path}.spec", f"{each.source or names[k]}, which has [[include]]", right + "it in this spec"))
+            found.append(
+                Fault(
+                    f"{path}.spec",
+                    f"{each.source or names[k]}, which has [[include]]",
+                    right + "it in this spec",
+                )
+            )
             continue
         try:
             _mechanism(each, host, rpm)
         except SpecError as error:
             file = f" (in {each.source})" if each.source else ""
-            found += [replace(fault, path=f"{path}.spec.{fault.path}", expected=fault.expected + file) for fault in error.faults]
+            found += [
+                replace(fault, path=f"{path}.spec.{fault.path}", expected=fault.expected + file)
+                for fault in error.faults
+            ]
     return found
 
 
@@ -417,7 +603,11 @@ def opened(data: reading.Data, folder: Path) -> reading.Data:
             file = each.file(folder)
             tables = with_tables(reading.read(file), file.parent, str(file))
             read[id(each.table)] = {**each.table, "spec": tables, "source": each.name}
-    return {**data, "include": [read.get(id(each), each) for each in data["include"]]} if read else data
+    return (
+        {**data, "include": [read.get(id(each), each) for each in data["include"]]}
+        if read
+        else data
+    )
 
 
 def _mechanism(each: Include, host: Mapping[str, Any], rpm: float) -> Mechanism:

@@ -66,7 +66,9 @@ class Mechanism(Spec, ABC):
     """Base of all mechanisms; theta is the input angle, rad, counter-clockwise."""
 
     load: Weight | None = None
-    fixed: ClassVar[str] = "pressed and glued"  # how parts go together that do not turn on each other
+    fixed: ClassVar[str] = (
+        "pressed and glued"  # how parts go together that do not turn on each other
+    )
     frame_part: ClassVar[str] = ""  # name of the flat part that stands still under all others
 
     @abstractmethod
@@ -115,12 +117,17 @@ class Mechanism(Spec, ABC):
     def _exact(self) -> Machine:
         """The model as exact parts move it: cams that the spec undercuts give what they can."""
         laws = {name: cam.meant.given for name, cam in self.outlines().items() if cam.meant.given}
-        joints = [replace(j, law=laws[j.name]) if isinstance(j, Cam) and j.name in laws else j for j in self.model.joints]
+        joints = [
+            replace(j, law=laws[j.name]) if isinstance(j, Cam) and j.name in laws else j
+            for j in self.model.joints
+        ]
         return replace(self.model, joints=tuple(joints)) if laws else self.model
 
     def outlines(self) -> dict[str, CamOutline]:
         """The first outline of each cam, by the name of its joint."""
-        return {each.joint: each for each in reversed(self.features()) if isinstance(each, CamOutline)}
+        return {
+            each.joint: each for each in reversed(self.features()) if isinstance(each, CamOutline)
+        }
 
     def courses(self, theta: Floats) -> Mapping[str, Pose]:
         """Pose of each body of the model at theta, (n,) rad, as exact parts move it; worked out when asked for."""
@@ -136,7 +143,9 @@ class Mechanism(Spec, ABC):
         for mount in self.mounts():
             body = courses[mount.body]
             place = body.place + np.exp(1j * body.angle) * mount.at
-            found[mount.part].append(PartPose(place, body.angle + mount.turned, mount.flipped, mount.z))
+            found[mount.part].append(
+                PartPose(place, body.angle + mount.turned, mount.flipped, mount.z)
+            )
         return found
 
     def contacts(self) -> Sequence[Apart]:
@@ -171,7 +180,14 @@ class Mechanism(Spec, ABC):
         """Itself, whose limits all hold; DesignError with the first that fails."""
         failed = next((finding for finding in self.limits() if not finding.ok), None)
         if failed is not None:
-            raise DesignError(failed.code, failed.measured, failed.limit, failed.unit, failed.where, failed.message)
+            raise DesignError(
+                failed.code,
+                failed.measured,
+                failed.limit,
+                failed.unit,
+                failed.where,
+                failed.message,
+            )
         return self
 
     @abstractmethod
@@ -264,7 +280,9 @@ class Mechanism(Spec, ABC):
 
     def journals(self) -> Mapping[str, Journal]:
         """The plain bearings of its pins, by joint."""
-        return journals(self.model, self.features(), self.parts(), self.mounts(), self.material.name)
+        return journals(
+            self.model, self.features(), self.parts(), self.mounts(), self.material.name
+        )
 
     def posts(self) -> Sequence[Post]:
         """Its pins that only a spring or a roller bends."""
@@ -320,13 +338,21 @@ class Mechanism(Spec, ABC):
         """What is not made but in the way: unless a mechanism says more, each cam's round tip, as high as its part."""
         found = []
         for cam in self.features():
-            if isinstance(cam, CamOutline) and isinstance(cam.tip, Eye) and cam.tip.diameter and not (cam.own or cam.inside):
+            if (
+                isinstance(cam, CamOutline)
+                and isinstance(cam.tip, Eye)
+                and cam.tip.diameter
+                and not (cam.own or cam.inside)
+            ):
                 found.append(self._tip(cam, cam.tip))
         return found
 
     def _tip(self, cam: CamOutline, tip: Eye) -> StandIn:
         """A tip, as high as the cam that it touches."""
-        part, joint = next(part for part in self.parts() if part.name == cam.part), self.model.joint(cam.joint)
+        part, joint = (
+            next(part for part in self.parts() if part.name == cam.part),
+            self.model.joint(cam.joint),
+        )
         mount = [mount for mount in self.mounts() if mount.part == cam.part][cam.copy]
         assert isinstance(joint, Cam), f"{cam.joint} is no cam"
         layer = part.layers[part.cut]
@@ -336,7 +362,15 @@ class Mechanism(Spec, ABC):
     def moved(self) -> Moved:
         """What the sweep needs."""
         pairs, tolerance = (*self.contacts(), *self.features()), self.accuracy.chord_tolerance
-        return Moved(self.mounts(), self.courses, pairs, self.stand_ins(), self.running_gap, tolerance, self.angle_name)
+        return Moved(
+            self.mounts(),
+            self.courses,
+            pairs,
+            self.stand_ins(),
+            self.running_gap,
+            tolerance,
+            self.angle_name,
+        )
 
     @property
     def running_gap(self) -> float:
@@ -345,7 +379,9 @@ class Mechanism(Spec, ABC):
 
     def printed(self) -> Sequence[Part]:
         """Parts that are laid out on plates: not what is bought, or turned, or cut of a sheet."""
-        return [part for part in self.parts() if part.made == "printed" and not self.cut_of_sheet(part)]
+        return [
+            part for part in self.parts() if part.made == "printed" and not self.cut_of_sheet(part)
+        ]
 
     def cut_of_sheet(self, part: Part) -> bool:
         """Whether a part is cut of the laser's sheet."""
@@ -355,7 +391,9 @@ class Mechanism(Spec, ABC):
         """In which order it goes together, and where: unless a machine says more, by height."""
         press, slide = self.print.press_clearance, self.print.slide_clearance
         fixing = Fixing((press + slide) / 2 if press < slide else -math.inf, self.fixed)
-        return self.sprung_steps(order(self.parts(), self.mounts(), self.poses(np.zeros(1)), self.features(), fixing))
+        return self.sprung_steps(
+            order(self.parts(), self.mounts(), self.poses(np.zeros(1)), self.features(), fixing)
+        )
 
     def sprung_steps(self, table: Table, module: Module | None = None) -> Table:
         """Steps of assembly with those of its springs; module: how it stands in the machine whose steps they are."""
@@ -388,4 +426,6 @@ class Mechanism(Spec, ABC):
     def bought(self) -> Sequence[Bought]:
         """What is bought, by its standard; a spring that the spec asks for and no part of the machine holds is wound."""
         springs = self.mounted_springs().items()
-        return tuple(replace(spring.bought, name=name) for name, spring in springs if not spring.made)
+        return tuple(
+            replace(spring.bought, name=name) for name, spring in springs if not spring.made
+        )

@@ -1,7 +1,7 @@
 """A machine on another one's second plate and shaft: its own frame, shaft and collar are left out.
 
-    plate    takes the holes of the frame, and what stands on it; both have their upper sides at one height
-    shaft    goes on through that machine; bores with a flat are turned to the flat that it has
+plate    takes the holes of the frame, and what stands on it; both have their upper sides at one height
+shaft    goes on through that machine; bores with a flat are turned to the flat that it has
 """
 
 from __future__ import annotations
@@ -47,9 +47,14 @@ class Merging:
         turn = cmath.exp(1j * self.turn * (-1 if mount.flipped else 1))
 
         def bored(region: Region) -> Region:
-            return Region(region.outer, tuple(hole.moved(turn) if _keyed(hole) else hole for hole in region.holes))
+            return Region(
+                region.outer,
+                tuple(hole.moved(turn) if _keyed(hole) else hole for hole in region.holes),
+            )
 
-        return replace(part, layers=tuple(replace(layer, region=bored(layer.region)) for layer in part.layers))
+        return replace(
+            part, layers=tuple(replace(layer, region=bored(layer.region)) for layer in part.layers)
+        )
 
     def mounts(self, mounts: Sequence[Mount]) -> list[Mount]:
         """Of the parts that are left."""
@@ -62,7 +67,11 @@ class Merging:
         def moved(_: str, value: Any) -> Any:
             if isinstance(value, Eye | Faces) and value.part == plate:
                 return replace(value, part=SECOND, at=value.at + self.shift)
-            return replace(value, part=self.shaft) if isinstance(value, Eye) and value.part == shaft else value
+            return (
+                replace(value, part=self.shaft)
+                if isinstance(value, Eye) and value.part == shaft
+                else value
+            )
 
         return mapped(feature, moved)
 
@@ -75,7 +84,13 @@ def _keyed(hole: Contour) -> bool:
 
 
 def merging(
-    mechanism: Mechanism, shift: complex, phase: float, angle: float, name: str, thickness: float, wall: float
+    mechanism: Mechanism,
+    shift: complex,
+    phase: float,
+    angle: float,
+    name: str,
+    thickness: float,
+    wall: float,
 ) -> tuple[Merging, Merged, float] | None:
     """How a machine with its shaft in line comes on the host's plate, what the plate takes, and how far its frame's underside is
     under the plate's upper side, mm; None where it cannot.
@@ -94,16 +109,33 @@ def merging(
     if min(mount.z for mount in others) < 0 or floor > thickness or plate.cut:
         return None
     axis, fixed = complex(shaft.place[0]), [z for z, _ in mechanism.fixings()]
-    outer = [(piece.centre, piece.radius) for piece in plate.layers[0].region.outer.pieces if isinstance(piece, Arc)]
+    outer = [
+        (piece.centre, piece.radius)
+        for piece in plate.layers[0].region.outer.pieces
+        if isinstance(piece, Arc)
+    ]
     hole_at = [(hole, _middle(hole)) for hole in plate.layers[0].region.holes]
-    holes = tuple(hole.moved(1, shift) for hole, z in hole_at if min(abs(z - other) for other in (axis, *fixed)) > 1e-3)
-    above = tuple(Layer(each.region.moved(1, shift), each.z0 - floor, each.z1 - floor) for each in plate.layers[1:])
+    holes = tuple(
+        hole.moved(1, shift)
+        for hole, z in hole_at
+        if min(abs(z - other) for other in (axis, *fixed)) > 1e-3
+    )
+    above = tuple(
+        Layer(each.region.moved(1, shift), each.z0 - floor, each.z1 - floor)
+        for each in plate.layers[1:]
+    )
     turn = angle - float(shaft.angle[0])
     top = shaft.z + parts[_SHAFT].thickness - floor
-    edges = [(z + shift, radius) for z, radius in outer if min(abs(z - other) for other in fixed) > 1e-3]
+    edges = [
+        (z + shift, radius) for z, radius in outer if min(abs(z - other) for other in fixed) > 1e-3
+    ]
     arcs = [piece for hole in holes for piece in hole.pieces if isinstance(piece, Arc)]
     discs = (*edges, *((arc.centre, arc.radius + wall) for arc in arcs))
-    return Merging(frame.part, math.remainder(turn, math.tau), name, shift), Merged(discs, holes, above, top), floor
+    return (
+        Merging(frame.part, math.remainder(turn, math.tau), name, shift),
+        Merged(discs, holes, above, top),
+        floor,
+    )
 
 
 def _middle(hole: Contour) -> complex:

@@ -28,7 +28,13 @@ def air_faults(path: str, air: float, closure: str, radius: float | None) -> lis
     if air and closure != "conjugate":
         return [Fault(path, f"{air:g}", 'nothing here: only closure "conjugate" has two tips')]
     if radius is not None and air < -radius:
-        return [Fault(path, f"{air:g}", f"at least {0.0 - radius:g}: a preload that the tip's radius can give way by")]
+        return [
+            Fault(
+                path,
+                f"{air:g}",
+                f"at least {0.0 - radius:g}: a preload that the tip's radius can give way by",
+            )
+        ]
     return []
 
 
@@ -40,7 +46,12 @@ class Told:
     left: list[NotJudged] = field(default_factory=list)
 
 
-def told(forces: Forces, machine: Machine, outlines: Mapping[str, CamOutline], stiffness: float | None = None) -> Told:
+def told(
+    forces: Forces,
+    machine: Machine,
+    outlines: Mapping[str, CamOutline],
+    stiffness: float | None = None,
+) -> Told:
     """Which cam of a pair leads for how much of the turn by the forces, or that it is pressed; outlines: by joint, the first;
     stiffness: of a follower's arm, N m/rad, where it is known."""
     found = Told()
@@ -51,8 +62,16 @@ def told(forces: Forces, machine: Machine, outlines: Mapping[str, CamOutline], s
         if outline.free < 0:
             why = f"how hard the preload at {joint.name} presses follows from the stiffness of its parts, which is not known"
             most = _most(joint, -outline.free, stiffness or 0.0)
-            why += f" ({most:.3g} N at a tip at most: so much if arms alone gave way, not tips, cams and pins)" if most else ""
-            found.left.append(NotJudged("HERTZ", f"{why}: it is in no force here", "a torque measured on the machine"))
+            why += (
+                f" ({most:.3g} N at a tip at most: so much if arms alone gave way, not tips, cams and pins)"
+                if most
+                else ""
+            )
+            found.left.append(
+                NotJudged(
+                    "HERTZ", f"{why}: it is in no force here", "a torque measured on the machine"
+                )
+            )
             continue
         effort = forces.contacts[joint.name] * joint.leaves
         if np.any(effort):
@@ -60,7 +79,9 @@ def told(forces: Forces, machine: Machine, outlines: Mapping[str, CamOutline], s
         else:
             leads = "on which is not known: it bears no load"
         middle = "MOTION_ERROR is that of the middle between both cams"
-        found.notes.append(f"{joint.name}: {middle}; the follower lies half of LASH beside it, {leads}.")
+        found.notes.append(
+            f"{joint.name}: {middle}; the follower lies half of LASH beside it, {leads}."
+        )
     return found
 
 
@@ -68,9 +89,16 @@ def _most(joint: Cam, preload: float, stiffness: float) -> float:
     """Largest force at a tip of a pair, N, where only its two arms, each so stiff (N m/rad), give way by the preload, mm; 0 where
     that is not known. Both turn until what they give is what both tips overlap: the same moment is in both."""
     followers = [touch.cam.follower for touch in joint.touches[:2]]  # type: ignore[attr-defined]
-    if joint.slide is not None or len(followers) < 2 or not all(hasattr(each, "arm") for each in followers):
+    if (
+        joint.slide is not None
+        or len(followers) < 2
+        or not all(hasattr(each, "arm") for each in followers)
+    ):
         return 0.0
     theta = np.linspace(0, math.tau, 721)
-    levers = [abs(touch.cam.follower.arm) * np.cos(touch.cam.steepness(theta)) for touch in joint.touches[:2]]  # type: ignore[attr-defined]
+    levers = [
+        abs(touch.cam.follower.arm) * np.cos(touch.cam.steepness(theta))
+        for touch in joint.touches[:2]
+    ]  # type: ignore[attr-defined]
     moment = 1e3 * stiffness * sum(preload / lever for lever in levers) / 2
     return float(max(np.nanmax(moment / lever) for lever in levers))

@@ -41,7 +41,9 @@ class Sizes(Parts):
 class StandingCams(Mechanism):
     """Base of mechanisms that say their cams alone, with the underscored methods, and what they stand on."""
 
-    bodies: Sizes | None = Field(None, description="sizes of the parts of a machine, as [parts] of a linkage")
+    bodies: Sizes | None = Field(
+        None, description="sizes of the parts of a machine, as [parts] of a linkage"
+    )
 
     @property
     @abstractmethod
@@ -64,9 +66,18 @@ class StandingCams(Mechanism):
             return []
         faults = self.bodies.faults(("ground", *links), self.print.nozzle)
         if self.bodies.shaft != "through":
-            faults.append(Fault("parts.shaft", self.bodies.shaft, '"through": no link turns on a point of the cam'))
+            faults.append(
+                Fault(
+                    "parts.shaft",
+                    self.bodies.shaft,
+                    '"through": no link turns on a point of the cam',
+                )
+            )
         found = [replace(fault, path=fault.path.replace("parts", "bodies", 1)) for fault in faults]
-        return [*found, *sheets.faults(self.bodies, self.laser, "bodies", int(slides), int(grooves))]
+        return [
+            *found,
+            *sheets.faults(self.bodies, self.laser, "bodies", int(slides), int(grooves)),
+        ]
 
     # ---- the cams alone ---------------------------------------------------------------------------------------------
 
@@ -100,8 +111,16 @@ class StandingCams(Mechanism):
         making = getattr(self, "making", None)
         if making is None or not self.standing:
             return ()
-        fields = {key: (getattr(making, key), field) for key, field in type(making).model_fields.items() if key != "make"}
-        return [f"parts.{key}" for key, (value, field) in fields.items() if value not in (field.default, *(field.examples or ()))]
+        fields = {
+            key: (getattr(making, key), field)
+            for key, field in type(making).model_fields.items()
+            if key != "make"
+        }
+        return [
+            f"parts.{key}"
+            for key, (value, field) in fields.items()
+            if value not in (field.default, *(field.examples or ()))
+        ]
 
     # ---- either -----------------------------------------------------------------------------------------------------
 
@@ -138,14 +157,22 @@ class StandingCams(Mechanism):
         moved = super().moved()
         if not self.standing:
             return moved
-        return replace(moved, courses=self.bench.sweeping(moved.courses), stand_ins=[*moved.stand_ins, *self.bench.coils()])
+        return replace(
+            moved,
+            courses=self.bench.sweeping(moved.courses),
+            stand_ins=[*moved.stand_ins, *self.bench.coils()],
+        )
 
     def bought(self) -> Sequence[Bought]:
         """Drive, screws and spring of a machine."""
         if self.standing:
             return self.bench.bought()
         made, hub = getattr(self, "making", None), self.hub
-        held = hub.bought(made.hub_diameter / 2) if hub is not None and isinstance(made, DiscParts) else ()
+        held = (
+            hub.bought(made.hub_diameter / 2)
+            if hub is not None and isinstance(made, DiscParts)
+            else ()
+        )
         return (*held, *super().bought())
 
     @property
@@ -154,7 +181,11 @@ class StandingCams(Mechanism):
         points = self.bench.bodies.layout.points_of("follower") if self.standing else {}
         if not {"pivot", "tip"} <= points.keys():
             return None
-        arm, held, pushed = next(part for part in self.parts() if part.name == "follower"), points["pivot"], points["tip"]
+        arm, held, pushed = (
+            next(part for part in self.parts() if part.name == "follower"),
+            points["pivot"],
+            points["tip"],
+        )
         modulus = materials.of(self.material.name).elastic.modulus
         return bending_stiffness(arm, held, pushed, modulus) * abs(pushed - held) ** 2 * 1e-3
 
@@ -164,17 +195,29 @@ class StandingCams(Mechanism):
         if self.standing:
             return self.bench.bodies.collar
         made, allowed = getattr(self, "making", None), getattr(self, "allowed", None)
-        return made.hub(allowed.min_wall) if isinstance(made, DiscParts) and allowed is not None else None
+        return (
+            made.hub(allowed.min_wall)
+            if isinstance(made, DiscParts) and allowed is not None
+            else None
+        )
 
     @property
     def shaft_needed(self) -> float | None:
         """Of the motor under the plate."""
-        return self.bench.bodies.shaft_reach if self.standing and self.sizes.face is not None else super().shaft_needed
+        return (
+            self.bench.bodies.shaft_reach
+            if self.standing and self.sizes.face is not None
+            else super().shaft_needed
+        )
 
     @property
     def motor_frame(self) -> str:
         """Its frame."""
-        return self.sizes.motor if self.standing and self.sizes.face is not None else super().motor_frame
+        return (
+            self.sizes.motor
+            if self.standing and self.sizes.face is not None
+            else super().motor_frame
+        )
 
     @property
     def return_spring(self) -> Mounted | None:
@@ -188,7 +231,10 @@ class StandingCams(Mechanism):
         """That one, and what hangs on other bodies of the bench."""
         if not self.standing:
             return super().mounted_springs()
-        further = {each.title: Mounted(each.wire, *each.way, on_cam=False) for each in self.bench.strung.values()}
+        further = {
+            each.title: Mounted(each.wire, *each.way, on_cam=False)
+            for each in self.bench.strung.values()
+        }
         return {**super().mounted_springs(), **further}
 
     def posts(self) -> Sequence[Post]:
@@ -197,7 +243,10 @@ class StandingCams(Mechanism):
             return ()
         from camgen.machines.linkage.posts import posts
 
-        bench, pulls = self.bench, {name: each.wire.force(each.way[1]) for name, each in self.bench.strung.items()}
+        bench, pulls = (
+            self.bench,
+            {name: each.wire.force(each.way[1]) for name, each in self.bench.strung.items()},
+        )
         pulls |= {} if bench.spring is None else {"spring": bench.spring.force(bench.way[1])}
         return tuple(posts(bench.bodies, pulls, self.material.name))
 
@@ -209,7 +258,10 @@ class StandingCams(Mechanism):
         """With the bench's springs."""
         if not self.standing:
             return table
-        titles = {"spring": "Return spring", **{name: each.title for name, each in self.bench.strung.items()}}
+        titles = {
+            "spring": "Return spring",
+            **{name: each.title for name, each in self.bench.strung.items()},
+        }
         return finished(table, self.bench.bodies, self.mounts(), titles, module)
 
     def spring_sketches(self) -> Sequence[Sketch]:

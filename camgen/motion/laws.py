@@ -62,7 +62,9 @@ class Law:
     def __post_init__(self) -> None:
         reached = smoothness(self.formula, self.ends, (1.0, self.c_v, self.c_a, self.c_j))
         if reached < self.smoothness:
-            raise ValueError(f"law {self.name}: smooth to order {reached}, {self.smoothness} is declared")
+            raise ValueError(
+                f"law {self.name}: smooth to order {reached}, {self.smoothness} is declared"
+            )
 
     def __call__(self, u: Any, order: int = 0) -> Floats:
         """Displacement (order 0) or its derivative to u, (n,)."""
@@ -79,12 +81,16 @@ class Law:
     def steps(self) -> Sequence[Sequence[float]]:
         """By how much displacement and derivatives of order 1..3 jump at the breaks, (4, m)."""
         u = np.array(self.breaks)
-        return [(self(u + _BESIDE, order) - self(u - _BESIDE, order)).tolist() for order in range(4)]
+        return [
+            (self(u + _BESIDE, order) - self(u - _BESIDE, order)).tolist() for order in range(4)
+        ]
 
     @cached_property
     def extremes(self) -> tuple[float, float]:
         """Least and greatest displacement."""
-        return -greatest(lambda u: -self(u), 0.0, 1.0, self.breaks)[1], greatest(self, 0.0, 1.0, self.breaks)[1]
+        return -greatest(lambda u: -self(u), 0.0, 1.0, self.breaks)[1], greatest(
+            self, 0.0, 1.0, self.breaks
+        )[1]
 
 
 @lru_cache(maxsize=256)
@@ -94,11 +100,16 @@ def reversed_law(law: Law) -> Law:
 
     def formula(u: Floats, order: int) -> Floats:
         back = 1 - u
-        back = np.where(np.isin(u, breaks), np.nextafter(back, 0.0), back)  # the later side is the earlier one there
+        back = np.where(
+            np.isin(u, breaks), np.nextafter(back, 0.0), back
+        )  # the later side is the earlier one there
         value = law.formula(back, order)
         return np.asarray(top - value if order == 0 else -((-1) ** order) * value)
 
-    before, after = ([top - end[0], *(-((-1) ** k) * v for k, v in enumerate(end[1:], 1))] for end in reversed(law.ends))
+    before, after = (
+        [top - end[0], *(-((-1) ** k) * v for k, v in enumerate(end[1:], 1))]
+        for end in reversed(law.ends)
+    )
     return replace(law, formula=formula, breaks=breaks, ends=(tuple(before), tuple(after)))
 
 
@@ -122,14 +133,21 @@ def largest(f: Callable[[Floats], Floats], breaks: Sequence[float] = ()) -> floa
     marks = [0.0, *breaks, 1.0]
     for begin, end in zip(marks, marks[1:], strict=False):
         last = end if end == 1 else math.nextafter(end, begin)
-        found = max(found, greatest(lambda u: np.abs(f(u)), begin, last, count=max(33, 4097 // len(marks)))[1])
+        found = max(
+            found,
+            greatest(lambda u: np.abs(f(u)), begin, last, count=max(33, 4097 // len(marks)))[1],
+        )
     return found
 
 
-def measured(name: str, formula: Formula, source: str, breaks: tuple[float, ...] = (), ends: Ends = DWELLS) -> Law:
+def measured(
+    name: str, formula: Formula, source: str, breaks: tuple[float, ...] = (), ends: Ends = DWELLS
+) -> Law:
     """A law whose constants and smoothness are found from its formula, for the laws that come with parameters."""
     v, a, j = (largest(partial(formula, order=order), breaks) for order in (1, 2, 3))
-    return Law(name, formula, smoothness(formula, ends, (1.0, v, a, j)), v, a, j, source, breaks, ends)
+    return Law(
+        name, formula, smoothness(formula, ends, (1.0, v, a, j)), v, a, j, source, breaks, ends
+    )
 
 
 # ---- polynomials -----------------------------------------------------------------------------------------------------
@@ -143,7 +161,9 @@ class Polynomial:
 
     def __call__(self, u: Floats, order: int) -> Floats:
         """Values of the derivative, by Horner's scheme."""
-        *rest, value = [math.perm(k, order) * c for k, c in enumerate(self.coefficients)][order:] or [0.0]
+        *rest, value = [math.perm(k, order) * c for k, c in enumerate(self.coefficients)][
+            order:
+        ] or [0.0]
         result = np.full(np.shape(u), float(value))
         for c in reversed(rest):
             result = result * u + c
@@ -167,12 +187,23 @@ def coefficients_from(conditions: Sequence[Condition]) -> tuple[Fraction, ...]:
     rows = []
     for at, order, value in conditions:
         u = Fraction(at)
-        row = [Fraction(math.perm(k, order)) * u ** (k - order) if k >= order else Fraction(0) for k in range(n)]
+        row = [
+            Fraction(math.perm(k, order)) * u ** (k - order) if k >= order else Fraction(0)
+            for k in range(n)
+        ]
         rows.append([*row, Fraction(value)])
     for k in range(n):
         pivot = next((r for r in range(k, n) if rows[r][k]), None)
         if pivot is None:
-            raise SpecError([Fault("conditions", f"{n} of them", "conditions that fix one polynomial, none twice")])
+            raise SpecError(
+                [
+                    Fault(
+                        "conditions",
+                        f"{n} of them",
+                        "conditions that fix one polynomial, none twice",
+                    )
+                ]
+            )
         rows[k], rows[pivot] = rows[pivot], rows[k]
         rows[k] = [x / rows[k][k] for x in rows[k]]
         for r in range(n):
@@ -189,10 +220,26 @@ def polynomial_law(conditions: Sequence[Condition]) -> Law:
     try:
         formula = polynomial(*map(float, coefficients_from(conditions)))
     except OverflowError:
-        raise SpecError([Fault("conditions", "too far apart in size", "a polynomial with coefficients under 1e308")]) from None
+        raise SpecError(
+            [
+                Fault(
+                    "conditions",
+                    "too far apart in size",
+                    "a polynomial with coefficients under 1e308",
+                )
+            ]
+        ) from None
     ends = [float(formula(np.asarray(u), 0)) for u in (0.0, 1.0)]
     if not max(abs(ends[0]), abs(ends[1] - 1)) <= LAW_CLOSES:
-        raise SpecError([Fault("conditions", f"runs from {ends[0]:.6g} to {ends[1]:.6g}", "a law that runs from 0 to 1")])
+        raise SpecError(
+            [
+                Fault(
+                    "conditions",
+                    f"runs from {ends[0]:.6g} to {ends[1]:.6g}",
+                    "a law that runs from 0 to 1",
+                )
+            ]
+        )
     return measured("polynomial", formula, f"polynomial from {len(conditions)} boundary conditions")
 
 
@@ -206,7 +253,12 @@ def blocks(ramp: float, hold: float, fall: float, coast: float = 0.0) -> Formula
     """
     zones = []  # begin, rate of the sines, shares of constant, sine and cosine, speed and displacement at the beginning
     x = v = s = 0.0
-    for share, constant, sine, cosine in ((ramp, 0, 1, 0), (hold, 1, 0, 0), (fall, 0, 0, 1), (coast, 0, 0, 0)):
+    for share, constant, sine, cosine in (
+        (ramp, 0, 1, 0),
+        (hold, 1, 0, 0),
+        (fall, 0, 0, 1),
+        (coast, 0, 0, 0),
+    ):
         if share:
             zone = (x, math.pi / share if sine or cosine else 1.0, constant, sine, cosine, v, s)
             zones.append(zone)
@@ -235,9 +287,17 @@ def _in_zone(zone: tuple[float, ...], x: Floats, order: int) -> Floats:
     x = x - begin
     if order == 0:
         arc = 2 * np.sin(k * x / 2) ** 2
-        return np.asarray(s + v * x + constant * x**2 / 2 + sine * (x - np.sin(k * x) / k) / k + cosine * arc / k**2)
+        return np.asarray(
+            s
+            + v * x
+            + constant * x**2 / 2
+            + sine * (x - np.sin(k * x) / k) / k
+            + cosine * arc / k**2
+        )
     if order == 1:
-        return np.asarray(v + constant * x + (sine * 2 * np.sin(k * x / 2) ** 2 + cosine * np.sin(k * x)) / k)
+        return np.asarray(
+            v + constant * x + (sine * 2 * np.sin(k * x / 2) ** 2 + cosine * np.sin(k * x)) / k
+        )
     if order == 2:
         return np.asarray(constant + sine * np.sin(k * x) + cosine * np.cos(k * x))
     return np.asarray(k * (sine * np.cos(k * x) - cosine * np.sin(k * x)))
@@ -249,7 +309,9 @@ def modified_sine(constant_velocity: float = 0.0) -> Law:
     SpecError for another share.   [VDI 2143: modifizierte Sinuslinie; kombiniert mit gerader Linie]
     """
     if not 0 <= constant_velocity < 1:
-        raise SpecError([Fault("constant_velocity", f"{constant_velocity:g}", "a share >= 0 and < 1")])
+        raise SpecError(
+            [Fault("constant_velocity", f"{constant_velocity:g}", "a share >= 0 and < 1")]
+        )
     moving = 1 - constant_velocity
     c_a = 4 * math.pi**2 / (moving * (4 * math.pi + (4 - 3 * math.pi) * moving))
     return Law(
@@ -259,7 +321,8 @@ def modified_sine(constant_velocity: float = 0.0) -> Law:
         moving / math.pi * c_a,
         c_a,
         4 * math.pi / moving * c_a,
-        "VDI 2143: modifizierte Sinuslinie" + (", Gerade in der Mitte" if constant_velocity else ""),
+        "VDI 2143: modifizierte Sinuslinie"
+        + (", Gerade in der Mitte" if constant_velocity else ""),
         (moving / 2, 1 - moving / 2) if constant_velocity else (),
     )
 
@@ -285,7 +348,9 @@ def slider_crank(share: float) -> Law:
         elif order == 2:
             tilt, plain = share * ((cosine**2 - sine**2) / q + share**2 * both**2 / q**3), cosine
         else:
-            turn = 3 * share**2 * both * (cosine**2 - sine**2) / q**3 + 3 * share**4 * both**3 / q**5
+            turn = (
+                3 * share**2 * both * (cosine**2 - sine**2) / q**3 + 3 * share**4 * both**3 / q**5
+            )
             tilt, plain = share * (turn - 4 * both / q), -sine
         return np.asarray(math.pi**order * (plain + tilt) / 2)
 
@@ -336,7 +401,11 @@ def closed(sines: Sequence[float], cosines: Sequence[float]) -> tuple[float, ...
 
     Printed coefficients of six decimals leave a speed of some 1e-8, which a cam would show as a corner at each dwell.
     """
-    return (sines[0] + 2 * math.pi * end_speed(sines, cosines), *sines[1:]) if len(sines) else tuple(sines)
+    return (
+        (sines[0] + 2 * math.pi * end_speed(sines, cosines), *sines[1:])
+        if len(sines)
+        else tuple(sines)
+    )
 
 
 def fourier(sines: Sequence[float], cosines: Sequence[float] = (), source: str = "") -> Law:
@@ -346,7 +415,9 @@ def fourier(sines: Sequence[float], cosines: Sequence[float] = (), source: str =
         expected = "coefficients that close: sum A_n/(2 pi n) + 2 sum B_m/((2m - 1) pi)^2 = 1"
         raise SpecError([Fault("sines", f"speed {leaves:.6g} at both ends", expected)])
     formula = fourier_formula(closed(sines, cosines), cosines)
-    return measured("fourier", formula, source or f"Fourier series of {len(sines) + len(cosines)} terms")
+    return measured(
+        "fourier", formula, source or f"Fourier series of {len(sines) + len(cosines)} terms"
+    )
 
 
 # ---- tables ----------------------------------------------------------------------------------------------------------
@@ -368,18 +439,38 @@ def tabulated(points: Sequence[tuple[float, float]], source: str, rest: bool = T
         raise SpecError([Fault("points", f"{len(table)} of them", "at least 4 points")])
     faults = []
     if table[-1, 1] == table[0, 1]:
-        faults.append(Fault("points", f"start and end at {table[0, 1]:g}", "a last displacement that differs from the first"))
+        faults.append(
+            Fault(
+                "points",
+                f"start and end at {table[0, 1]:g}",
+                "a last displacement that differs from the first",
+            )
+        )
     for k in np.flatnonzero(~(np.diff(table[:, 0]) > _SAME_ANGLE * np.ptp(table[:, 0]))) + 1:
-        faults.append(Fault(f"points.{k}", f"{table[k, 0]:g}", f"an angle greater than the one before, {table[k - 1, 0]:g}"))
+        faults.append(
+            Fault(
+                f"points.{k}",
+                f"{table[k, 0]:g}",
+                f"an angle greater than the one before, {table[k - 1, 0]:g}",
+            )
+        )
     if not faults and not np.ptp(table[:, 1]) < 1e6 * abs(table[-1, 1] - table[0, 1]):
-        faults.append(Fault("points", f"vary by {np.ptp(table[:, 1]):g}", "a table that varies by under 1e6 times its lift"))
+        faults.append(
+            Fault(
+                "points",
+                f"vary by {np.ptp(table[:, 1]):g}",
+                "a table that varies by under 1e6 times its lift",
+            )
+        )
     if faults:
         raise SpecError(faults)
     u, s = ((column - column[0]) / (column[-1] - column[0]) for column in table.T)
     spline = CubicSpline(u, s, bc_type="clamped" if rest else "not-a-knot")
     bend = spline(u, 2)
     with np.errstate(divide="ignore", invalid="ignore"):
-        turns = u[:-1] + np.diff(u) * bend[:-1] / (bend[:-1] - bend[1:])  # where the acceleration passes 0 the speed is extreme
+        turns = u[:-1] + np.diff(u) * bend[:-1] / (
+            bend[:-1] - bend[1:]
+        )  # where the acceleration passes 0 the speed is extreme
     at = np.concatenate((u, turns[(turns > 0) & (turns < 1)]))
     v, a, j = (float(np.max(np.abs(spline(at, order)))) for order in (1, 2, 3))
 
@@ -387,7 +478,17 @@ def tabulated(points: Sequence[tuple[float, float]], source: str, rest: bool = T
         return np.asarray(spline(u, order))
 
     knots = tuple(float(x) for x in u[1:-1])
-    return Law("table", formula, smoothness(formula, DWELLS, (1.0, v, a, j)), v, a, j, source, knots, smooth=True)
+    return Law(
+        "table",
+        formula,
+        smoothness(formula, DWELLS, (1.0, v, a, j)),
+        v,
+        a,
+        j,
+        source,
+        knots,
+        smooth=True,
+    )
 
 
 # ---- the laws by name ------------------------------------------------------------------------------------------------
@@ -396,7 +497,10 @@ _PI, _ROOT3 = math.pi, math.sqrt(3)
 
 UNIFORM = Law("uniform", polynomial(0, 1), 0, 1.0, 0.0, 0.0, "VDI 2143: gerade Linie")
 _PARABOLIC = blocks(0.0, 1.0, 0.0)
-_DOUBLE_COSINE = (1 + math.sqrt(129)) / 16, (1 - math.sqrt(129)) / 16  # cosines of pi u where its jerk is extreme
+_DOUBLE_COSINE = (
+    (1 + math.sqrt(129)) / 16,
+    (1 - math.sqrt(129)) / 16,
+)  # cosines of pi u where its jerk is extreme
 
 
 def _double_harmonic(u: Floats, order: int) -> Floats:
@@ -414,30 +518,88 @@ LAWS = {
     law.name: law
     for law in (
         UNIFORM,
-        Law("parabolic", _PARABOLIC, 1, 2.0, 4.0, math.inf, "VDI 2143: quadratische Parabel", (0.5,)),
+        Law(
+            "parabolic", _PARABOLIC, 1, 2.0, 4.0, math.inf, "VDI 2143: quadratische Parabel", (0.5,)
+        ),
         Law("cubic", polynomial(0, 0, 3, -2), 1, 1.5, 6.0, 12.0, "polynomial 2-3"),
-        Law("simple-harmonic", fourier_formula((), (_PI**2 / 2,)), 1, _PI / 2, _PI**2 / 2, _PI**3 / 2,
-            "VDI 2143: einfache Sinuslinie"),
-        Law("double-harmonic", _double_harmonic, 1, 3 * _ROOT3 * _PI / 8, _PI**2,
+        Law(
+            "simple-harmonic",
+            fourier_formula((), (_PI**2 / 2,)),
+            1,
+            _PI / 2,
+            _PI**2 / 2,
+            _PI**3 / 2,
+            "VDI 2143: einfache Sinuslinie",
+        ),
+        Law(
+            "double-harmonic",
+            _double_harmonic,
+            1,
+            3 * _ROOT3 * _PI / 8,
+            _PI**2,
             max(_PI**3 / 2 * math.sqrt(1 - c * c) * abs(4 * c - 1) for c in _DOUBLE_COSINE),
-            "two sines; its mirrored return continues its acceleration of -pi^2"),
-        Law("cycloidal", fourier_formula((2 * _PI,)), 2, 2.0, 2 * _PI, 4 * _PI**2, "VDI 2143: geneigte Sinuslinie"),
-        Law("modified-trapezoid", blocks(1 / 4, 1 / 2, 1 / 4), 2, 2.0, 8 * _PI / (_PI + 2), 32 * _PI**2 / (_PI + 2),
-            "VDI 2143: modifiziertes Beschleunigungstrapez"),
+            "two sines; its mirrored return continues its acceleration of -pi^2",
+        ),
+        Law(
+            "cycloidal",
+            fourier_formula((2 * _PI,)),
+            2,
+            2.0,
+            2 * _PI,
+            4 * _PI**2,
+            "VDI 2143: geneigte Sinuslinie",
+        ),
+        Law(
+            "modified-trapezoid",
+            blocks(1 / 4, 1 / 2, 1 / 4),
+            2,
+            2.0,
+            8 * _PI / (_PI + 2),
+            32 * _PI**2 / (_PI + 2),
+            "VDI 2143: modifiziertes Beschleunigungstrapez",
+        ),
         modified_sine(),
-        Law("3-4-5", polynomial(0, 0, 0, 10, -15, 6), 2, 15 / 8, 10 / _ROOT3, 60.0, "VDI 2143: Polynom 5. Grades"),
-        Law("4-5-6-7", polynomial(0, 0, 0, 0, 35, -84, 70, -20), 3, 35 / 16, 84 * math.sqrt(5) / 25, 52.5,
-            "polynomial 4-5-6-7"),
-        Law("mr-13", fourier_formula(closed(MR_13_SINES, MR_13_COSINES), MR_13_COSINES), 1, 1.8917385846097312, 6.150072767977438,
-            40.26235849974344, "choice of cam mechanisms for pad-printing machines (in Ukrainian), law MR-13, A6 < 0"),
+        Law(
+            "3-4-5",
+            polynomial(0, 0, 0, 10, -15, 6),
+            2,
+            15 / 8,
+            10 / _ROOT3,
+            60.0,
+            "VDI 2143: Polynom 5. Grades",
+        ),
+        Law(
+            "4-5-6-7",
+            polynomial(0, 0, 0, 0, 35, -84, 70, -20),
+            3,
+            35 / 16,
+            84 * math.sqrt(5) / 25,
+            52.5,
+            "polynomial 4-5-6-7",
+        ),
+        Law(
+            "mr-13",
+            fourier_formula(closed(MR_13_SINES, MR_13_COSINES), MR_13_COSINES),
+            1,
+            1.8917385846097312,
+            6.150072767977438,
+            40.26235849974344,
+            "choice of cam mechanisms for pad-printing machines (in Ukrainian), law MR-13, A6 < 0",
+        ),
     )
-}  # fmt: skip
+}
 POLYNOMIAL_345 = LAWS["3-4-5"]
 
 # Speed goes from +1 to -1 by the 3-4-5 law, so displacement is u - 2 * integral of 3-4-5: it starts and ends at 0.
 # Acceleration and jerk vanish at both ends, so it joins uniform motion up to the third derivative.
 TURN = Law(
-    "turn", polynomial(0, 1, 0, 0, -5, 6, -2), 3, 1.0, 15 / 4, 20 / _ROOT3, "integral of 1 - 2 * (3-4-5)",
+    "turn",
+    polynomial(0, 1, 0, 0, -5, 6, -2),
+    3,
+    1.0,
+    15 / 4,
+    20 / _ROOT3,
+    "integral of 1 - 2 * (3-4-5)",
     ends=((0.0, 1.0), (0.0, -1.0)),
-)  # fmt: skip
+)
 TURN_PEAK = 11 / 32  # displacement of TURN at u = 1/2

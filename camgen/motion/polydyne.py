@@ -24,7 +24,9 @@ from camgen.motion.laws import Law, Polynomial, measured
 from camgen.motion.program import Program, Segment
 from camgen.numerics import Floats
 
-NEEDED = "a polynomial whose first three derivatives are 0 at both ends: 4-5-6-7, or one by conditions"
+NEEDED = (
+    "a polynomial whose first three derivatives are 0 at both ends: 4-5-6-7, or one by conditions"
+)
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,9 @@ class Polydyne(Program):
 def rough(segments: Sequence[Segment]) -> list[int]:
     """Segments whose law is not as smooth as it has to be, or has no further derivatives."""
     moving = [(k, s.law) for k, s in enumerate(segments) if s.scale]
-    return [k for k, law in moving if not (isinstance(law.formula, Polynomial) and law.smoothness >= 3)]
+    return [
+        k for k, law in moving if not (isinstance(law.formula, Polynomial) and law.smoothness >= 3)
+    ]
 
 
 @dataclass(frozen=True)
@@ -58,7 +62,9 @@ def polydyne(wanted: Program, lag: Lag) -> Polydyne:
     """The cam's program for what the mass is to do. ValueError where a law is too rough."""
     if rough(wanted.segments):
         raise ValueError(f"segments {rough(wanted.segments)}: {NEEDED}")
-    return Polydyne(tuple(_corrected(segment, lag) for segment in wanted.segments), wanted.begin, wanted)
+    return Polydyne(
+        tuple(_corrected(segment, lag) for segment in wanted.segments), wanted.begin, wanted
+    )
 
 
 def _corrected(segment: Segment, lag: Lag) -> Segment:
@@ -68,7 +74,12 @@ def _corrected(segment: Segment, lag: Lag) -> Segment:
         return longer
     first, second = lag.drag / segment.span / whole, lag.stretch / segment.span**2 / whole
     law, said = segment.law, f"corrected by {first:.6g} of its speed and {second:.6g} of its bend"
-    return replace(longer, law=measured(f"{law.name}-polydyne", partial(_sum, law, first, second), f"{law.source}, {said}"))
+    return replace(
+        longer,
+        law=measured(
+            f"{law.name}-polydyne", partial(_sum, law, first, second), f"{law.source}, {said}"
+        ),
+    )
 
 
 def _sum(law: Law, first: float, second: float, u: Floats, order: int) -> Floats:

@@ -15,7 +15,16 @@ from typing import Any
 
 import numpy as np
 
-from camgen.motion.laws import TURN, TURN_PEAK, UNIFORM, Floats, Law, measured, polynomial, reversed_law
+from camgen.motion.laws import (
+    TURN,
+    TURN_PEAK,
+    UNIFORM,
+    Floats,
+    Law,
+    measured,
+    polynomial,
+    reversed_law,
+)
 from camgen.numerics import distinct, product, solve
 from camgen.tolerances import LAW_CLOSES
 
@@ -32,7 +41,9 @@ class Segment:
 
     def at(self, angle: Any, order: int = 0) -> Floats:
         """Displacement or its derivative to theta at `angle` rad after the segment's beginning, (n,)."""
-        value = self.scale / self.span**order * self.law(np.asarray(angle, float) / self.span, order)
+        value = (
+            self.scale / self.span**order * self.law(np.asarray(angle, float) / self.span, order)
+        )
         return value + self.start if order == 0 else value
 
     def reached(self, order: int) -> tuple[float, float]:
@@ -81,30 +92,46 @@ class Program:
 
     def backwards(self) -> Program:
         """The same passed from its end to its beginning: s(-theta); segments keep the kind that they have by themselves."""
-        back = [Segment(s.kind, s.span, s.end, -s.scale, reversed_law(s.law)) for s in reversed(self.segments)]
+        back = [
+            Segment(s.kind, s.span, s.end, -s.scale, reversed_law(s.law))
+            for s in reversed(self.segments)
+        ]
         return Program(tuple(back), -self.begin)
 
     def jumps(self, order: int) -> list[float]:
         """Step of the derivative of this order at each joint, the first joint first, (n,)."""
         ends = [s.reached(order) for s in self.segments]
-        return [after - before for (_, before), (after, _) in zip((ends[-1], *ends), ends, strict=False)]
+        return [
+            after - before for (_, before), (after, _) in zip((ends[-1], *ends), ends, strict=False)
+        ]
 
     def peak(self, order: int) -> float:
         """Largest size of the derivative of order 1..3, unit of s per rad^order; inf where a lower one jumps."""
         if self.discontinuities(order - 1):
             return math.inf
-        return max(abs(s.scale) / s.span**order * (s.law.c_v, s.law.c_a, s.law.c_j)[order - 1] for s in self.segments)
+        return max(
+            abs(s.scale) / s.span**order * (s.law.c_v, s.law.c_a, s.law.c_j)[order - 1]
+            for s in self.segments
+        )
 
     @cached_property
     def breaks(self) -> Floats:
         """Cam angles, growing, where a derivative of order 0..3 may jump: joints and the breaks inside laws, (m,) rad."""
-        inner = [b + s.span * np.array(s.law.breaks) for b, s in zip(self.joints, self.segments, strict=False) if s.scale]
+        inner = [
+            b + s.span * np.array(s.law.breaks)
+            for b, s in zip(self.joints, self.segments, strict=False)
+            if s.scale
+        ]
         return distinct(self.joints, *inner)
 
     @cached_property
     def corners(self) -> Floats:
         """The breaks between which the motion is one smooth curve: joints, and those inside laws that are not smooth, (m,)."""
-        laws = [(b, s) for b, s in zip(self.joints, self.segments, strict=False) if s.scale and not s.law.smooth]
+        laws = [
+            (b, s)
+            for b, s in zip(self.joints, self.segments, strict=False)
+            if s.scale and not s.law.smooth
+        ]
         return distinct(self.joints, *(b + s.span * np.array(s.law.breaks) for b, s in laws))
 
     def knots(self, a: float, b: float) -> Floats:
@@ -127,8 +154,13 @@ class Program:
             jumps = list(zip(starts, self.jumps(order), strict=False))
             for begin, s in zip(starts, self.segments, strict=False):
                 rate = s.scale / s.span**order
-                jumps += [(begin + u * s.span, rate * step) for u, step in zip(s.law.breaks, s.law.steps[order], strict=True)]
-            self._found[order] = [Jump(order, theta, size) for theta, size in jumps if abs(size) > slack]
+                jumps += [
+                    (begin + u * s.span, rate * step)
+                    for u, step in zip(s.law.breaks, s.law.steps[order], strict=True)
+                ]
+            self._found[order] = [
+                Jump(order, theta, size) for theta, size in jumps if abs(size) > slack
+            ]
         return self._found[order]
 
     @cached_property
@@ -138,7 +170,11 @@ class Program:
     @cached_property
     def extremes(self) -> tuple[float, float]:
         """Least and greatest displacement."""
-        ends = [s.start + s.scale * value for s in self.segments for value in (s.law.extremes if s.scale else (0.0,))]
+        ends = [
+            s.start + s.scale * value
+            for s in self.segments
+            for value in (s.law.extremes if s.scale else (0.0,))
+        ]
         return min(ends), max(ends)
 
 
@@ -174,7 +210,9 @@ def matched(
                 continue
             for which, sign, end in ((k - 1, 1, 1.0), (k, -1, 0.0)):
                 which %= n
-                slopes, known = _quintic_end(order, end, spans[which], levels[which], levels[which + 1])
+                slopes, known = _quintic_end(
+                    order, end, spans[which], levels[which], levels[which + 1]
+                )
                 row[2 * which : 2 * which + 4] += sign * slopes
                 values[2 * k + jump] -= sign * known
     if whole:
@@ -192,21 +230,31 @@ _QUINTIC = np.array([[10, -6, -1.5, -4, 0.5], [-15, 8, 1.5, 7, -1], [6, -3, -0.5
 
 def _quintic_end(order: int, u: float, span: float, s0: float, s1: float) -> tuple[Floats, float]:
     """Derivative of order 3 or 4 of a quintic at u: its dependence on v0, a0, v1, a1, and the rest."""
-    weights = np.array([math.perm(k, order) * u ** (k - order) if k >= order else 0.0 for k in (3, 4, 5)])
+    weights = np.array(
+        [math.perm(k, order) * u ** (k - order) if k >= order else 0.0 for k in (3, 4, 5)]
+    )
     row = product(weights[None], _QUINTIC)[0] / span**order
     return row[1:] * np.array([span, span**2, span, span**2]), float(row[0] * (s1 - s0))
 
 
 def _quintic(span: float, s0: float, s1: float, start: Floats, end: Floats) -> Segment:
     """The quintic segment with this speed and acceleration at its ends."""
-    rates = np.array([s1 - s0, start[0] * span, start[1] * span**2, end[0] * span, end[1] * span**2])
+    rates = np.array(
+        [s1 - s0, start[0] * span, start[1] * span**2, end[0] * span, end[1] * span**2]
+    )
     scale = float(np.max(np.abs(rates))) or 1.0
     rates = rates / scale
     high = product(_QUINTIC, rates[:, None])[:, 0]
     formula = polynomial(0.0, rates[1], rates[2] / 2, *high)
     ends = ((0.0, *map(float, rates[1:3])), (float(rates[0]), *map(float, rates[3:])))
     kind = "rise" if s1 > s0 else "return"
-    return Segment(kind, span, s0, scale, measured("matched", formula, "quintic that joins its neighbours", ends=ends))
+    return Segment(
+        kind,
+        span,
+        s0,
+        scale,
+        measured("matched", formula, "quintic that joins its neighbours", ends=ends),
+    )
 
 
 def uniform_swing(swing: float, blend: float = 0.0) -> Program:

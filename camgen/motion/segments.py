@@ -1,14 +1,14 @@
 """The `[[segment]]` tables of a spec: from kind, span, lift and law to a program, or to the list of what is wrong.
 
-    [[segment]]
-    kind = "rise"                                          # "rise", "dwell" or "return"
-    span_deg = 90
-    lift = 10                                              # or to = 10: the displacement at the end
-    law = "modified-sine"                                  # a name of LAWS, or "matched" (joins its neighbours in v and a)
-    law = { name = "modified-sine", constant_velocity = 0.2 }
-    law = { name = "fourier", sines = [6.283185307179586] }
-    law = { name = "polynomial", conditions = [[0, 0, 0], [0, 1, 0], [1, 0, 1], [1, 1, 0]] }    # u, order, value
-    law = { name = "table", file = "rise.csv" }            # angle and displacement in any unit, from the first row to the last
+[[segment]]
+kind = "rise"                                          # "rise", "dwell" or "return"
+span_deg = 90
+lift = 10                                              # or to = 10: the displacement at the end
+law = "modified-sine"                                  # a name of LAWS, or "matched" (joins its neighbours in v and a)
+law = { name = "modified-sine", constant_velocity = 0.2 }
+law = { name = "fourier", sines = [6.283185307179586] }
+law = { name = "polynomial", conditions = [[0, 0, 0], [0, 1, 0], [1, 0, 1], [1, 1, 0]] }    # u, order, value
+law = { name = "table", file = "rise.csv" }            # angle and displacement in any unit, from the first row to the last
 """
 
 from __future__ import annotations
@@ -48,29 +48,45 @@ ABOUT = {
     MATCHED: "quintic that takes velocity and acceleration from its neighbours ([[segment]] alone)",
 }
 NAMES = tuple(dict.fromkeys((*LAWS, *ABOUT)))
-_NEEDED = {"fourier": ("sines", "cosines"), "polynomial": ("conditions",), "table": ("points", "file")}  # one of them
+_NEEDED = {
+    "fourier": ("sines", "cosines"),
+    "polynomial": ("conditions",),
+    "table": ("points", "file"),
+}  # one of them
 _FULL_TURN_SLACK = 1e-9  # deg, of rounding in a sum of spans
 
 Terms = Annotated[tuple[float, ...], Field(max_length=50)]
-Condition = tuple[Annotated[float, Field(ge=0, le=1)], Annotated[int, Field(ge=0, le=20)], float]  # u, order, value
+Condition = tuple[
+    Annotated[float, Field(ge=0, le=1)], Annotated[int, Field(ge=0, le=20)], float
+]  # u, order, value
 
 
 class LawChoice(Record):
     """A law with its parameters."""
 
     name: str = Field(description="of the law, see camgen list")
-    constant_velocity: float | None = Field(default=None, description="share, of the span, at constant velocity")
-    sines: Terms | None = Field(default=None, description="1, of the acceleration: sines of 2 pi u, 4 pi u, ...")
-    cosines: Terms | None = Field(default=None, description="1, of the acceleration: cosines of pi u, 3 pi u, ...")
+    constant_velocity: float | None = Field(
+        default=None, description="share, of the span, at constant velocity"
+    )
+    sines: Terms | None = Field(
+        default=None, description="1, of the acceleration: sines of 2 pi u, 4 pi u, ..."
+    )
+    cosines: Terms | None = Field(
+        default=None, description="1, of the acceleration: cosines of pi u, 3 pi u, ..."
+    )
     conditions: Annotated[tuple[Condition, ...], Field(max_length=20)] | None = Field(
         default=None, description="of a polynomial: rows u, order of the derivative, value"
     )
     points: Annotated[tuple[tuple[float, float], ...], Field(max_length=20_000)] | None = Field(
         default=None, description="1, of a table: rows angle, displacement, in any unit"
     )
-    file: str | None = Field(default=None, description="of a table: two columns, in a file beside the spec")
+    file: str | None = Field(
+        default=None, description="of a table: two columns, in a file beside the spec"
+    )
     source: str | None = Field(default=None, description="of a table: where it is from")
-    rest: bool | None = Field(default=None, description="of a table: whether it starts and ends at rest")
+    rest: bool | None = Field(
+        default=None, description="of a table: whether it starts and ends at rest"
+    )
 
     @property
     def parameters(self) -> dict[str, Any]:
@@ -81,7 +97,10 @@ class LawChoice(Record):
 # A law's bare name stands for the table with that name alone.
 NamedLaw = Annotated[
     LawChoice,
-    BeforeValidator(lambda law: {"name": law} if isinstance(law, str) else law, json_schema_input_type=str | LawChoice),
+    BeforeValidator(
+        lambda law: {"name": law} if isinstance(law, str) else law,
+        json_schema_input_type=str | LawChoice,
+    ),
 ]
 
 
@@ -114,8 +133,16 @@ def law_of(choice: str | LawChoice) -> Law:
     if faults:
         raise SpecError(faults)
     if name == "table":
-        points = given["points"] if "points" in given else read_points(Reference("file", "law", given, "file").file(Path()))
-        return tabulated(points, given.get("source") or given.get("file") or "points of the spec", given.get("rest", True))
+        points = (
+            given["points"]
+            if "points" in given
+            else read_points(Reference("file", "law", given, "file").file(Path()))
+        )
+        return tabulated(
+            points,
+            given.get("source") or given.get("file") or "points of the spec",
+            given.get("rest", True),
+        )
     if name == "fourier":
         return fourier(given.get("sines", ()), given.get("cosines", ()))
     if name == "polynomial":
@@ -124,28 +151,50 @@ def law_of(choice: str | LawChoice) -> Law:
 
 
 def program(
-    tables: Sequence[SegmentTable], unit: float = 1.0, path: str = "segment", turn: float = math.inf, suffix: str = ""
+    tables: Sequence[SegmentTable],
+    unit: float = 1.0,
+    path: str = "segment",
+    turn: float = math.inf,
+    suffix: str = "",
 ) -> Program:
     """The program of these tables, the first segment beginning at theta = 0 with s = 0; SpecError with every fault.
 
     unit: what one of the spec's lifts is in s, such as math.radians(1) for a follower that swings; turn: lift after which all is
     as at the beginning, such as 360 of what turns on and on; suffix: of the keys `lift` and `to` in the spec, such as "_deg".
     """
-    made = _program if all(table.law is None or table.law.file is None for table in tables) else _program.__wrapped__
+    made = (
+        _program
+        if all(table.law is None or table.law.file is None for table in tables)
+        else _program.__wrapped__
+    )
     return made(tuple(tables), unit, path, turn, suffix)
 
 
-@lru_cache(maxsize=256)  # variants of a sweep mostly share their program, and with it all that is known of it
-def _program(tables: tuple[SegmentTable, ...], unit: float, path: str, turn: float, suffix: str) -> Program:
+@lru_cache(
+    maxsize=256
+)  # variants of a sweep mostly share their program, and with it all that is known of it
+def _program(
+    tables: tuple[SegmentTable, ...], unit: float, path: str, turn: float, suffix: str
+) -> Program:
     faults: list[Fault] = []
     levels = _levels(tables, path, suffix, faults)
     laws = [_law(table, f"{path}.{k}.law", faults) for k, table in enumerate(tables)]
     total = math.fsum(table.span_deg for table in tables)
     if not abs(total - 360) <= _FULL_TURN_SLACK:
         much = f"{abs(total - 360):g} deg too {'much' if total > 360 else 'little'}"
-        faults.append(Fault(path, f"the spans make {total:.12g} deg", f"span_deg of all segments that make 360 ({much})"))
+        faults.append(
+            Fault(
+                path,
+                f"the spans make {total:.12g} deg",
+                f"span_deg of all segments that make 360 ({much})",
+            )
+        )
     rounding = 1e-12 * float(np.nanmax(np.abs(levels)))
-    whole = turn * round(levels[-1] / turn) if math.isfinite(turn) and math.isfinite(levels[-1]) else 0.0
+    whole = (
+        turn * round(levels[-1] / turn)
+        if math.isfinite(turn) and math.isfinite(levels[-1])
+        else 0.0
+    )
     if tables and abs(levels[-1] - whole) > rounding:
         last = f"{path}.{len(tables) - 1}"
         right = "a last segment that ends at 0, where the first begins"
@@ -155,7 +204,11 @@ def _program(tables: tuple[SegmentTable, ...], unit: float, path: str, turn: flo
         raise SpecError(faults)
     levels[-1] = whole
     made = Program(tuple(_segments(tables, [unit * level for level in levels], laws)))
-    faults = [fault for k, segment in enumerate(made.segments) if (fault := backwards(segment, f"{path}.{k}.law"))]
+    faults = [
+        fault
+        for k, segment in enumerate(made.segments)
+        if (fault := backwards(segment, f"{path}.{k}.law"))
+    ]
     if faults:
         raise SpecError(faults)
     return made
@@ -170,7 +223,9 @@ def program_faults(tables: Sequence[SegmentTable], path: str = "segment") -> Seq
     return ()
 
 
-def _levels(tables: Sequence[SegmentTable], path: str, suffix: str, faults: list[Fault]) -> list[float]:
+def _levels(
+    tables: Sequence[SegmentTable], path: str, suffix: str, faults: list[Fault]
+) -> list[float]:
     """Displacement at each joint, from 0; nan where a fault leaves it open. Adds the faults of lift and to."""
     levels, (lift, goal) = [0.0], (f"lift{suffix}", f"to{suffix}")
     for k, table in enumerate(tables):
@@ -178,17 +233,38 @@ def _levels(tables: Sequence[SegmentTable], path: str, suffix: str, faults: list
         sign = {"rise": 1, "dwell": 0, "return": -1}[table.kind]
         end = math.nan if to is None else to
         if sign == 0:
-            faults += [Fault(f"{at}.{key}", "", "nothing here: a dwell stays where it is")
-                       for key, value in ((lift, table.lift), ("law", table.law)) if value is not None]  # fmt: skip
+            faults += [
+                Fault(f"{at}.{key}", "", "nothing here: a dwell stays where it is")
+                for key, value in ((lift, table.lift), ("law", table.law))
+                if value is not None
+            ]
             if to is not None and abs(to - here) > 0:
-                faults.append(Fault(f"{at}.{goal}", f"{to:g}", f"{here:g}, where the segment before ends, or leave it out"))
+                faults.append(
+                    Fault(
+                        f"{at}.{goal}",
+                        f"{to:g}",
+                        f"{here:g}, where the segment before ends, or leave it out",
+                    )
+                )
             end = here
         elif (table.lift is None) == (to is None):
-            faults.append(Fault(f"{at}.{lift}", "" if table.lift is None else f"{table.lift:g}", f"either {lift} or {goal}"))
+            faults.append(
+                Fault(
+                    f"{at}.{lift}",
+                    "" if table.lift is None else f"{table.lift:g}",
+                    f"either {lift} or {goal}",
+                )
+            )
         elif table.lift is not None:
             end = here + sign * table.lift
         elif sign * (end - here) <= 0:
-            faults.append(Fault(f"{at}.{goal}", f"{to:g}", f"{'more' if sign > 0 else 'less'} than {here:g}, where it begins"))
+            faults.append(
+                Fault(
+                    f"{at}.{goal}",
+                    f"{to:g}",
+                    f"{'more' if sign > 0 else 'less'} than {here:g}, where it begins",
+                )
+            )
             end = math.nan
         levels.append(end)
     return levels
@@ -202,12 +278,18 @@ def _law(table: SegmentTable, path: str, faults: list[Fault]) -> Law | None:
         faults.append(Fault(path, "", f"missing: one of {', '.join(NAMES)}"))
         return None
     if table.law.name == MATCHED:
-        faults += [Fault(f"{path}.{key}", "", f"nothing here: '{MATCHED}' takes no parameters") for key in table.law.parameters]
+        faults += [
+            Fault(f"{path}.{key}", "", f"nothing here: '{MATCHED}' takes no parameters")
+            for key in table.law.parameters
+        ]
         return None
     try:
         law = law_of(table.law)
     except SpecError as error:
-        faults += [Fault(f"{path}.{f.path}".rstrip("."), f.value, f.expected, f.nearest) for f in error.faults]
+        faults += [
+            Fault(f"{path}.{f.path}".rstrip("."), f.value, f.expected, f.nearest)
+            for f in error.faults
+        ]
         return None
     wrong = turning_rows(table.law)
     faults += [Fault(f"{path}.{fault.path}", fault.value, fault.expected) for fault in wrong]
@@ -221,19 +303,30 @@ def turning_rows(choice: LawChoice) -> list[Fault]:
     s = np.array([row[1] for row in choice.points])
     wrong = np.flatnonzero(np.diff(s) * (s[-1:] - s[:1]) < 0) + 1
     way = "rises" if len(s) and s[-1] > s[0] else "falls"
-    return [Fault(f"points.{k}", f"{s[k]:g}", f"a table that {way} all the way, after {s[k - 1]:g}") for k in wrong]
+    return [
+        Fault(f"points.{k}", f"{s[k]:g}", f"a table that {way} all the way, after {s[k - 1]:g}")
+        for k in wrong
+    ]
 
 
-def _segments(tables: Sequence[SegmentTable], levels: Sequence[float], laws: Sequence[Law | None]) -> list[Segment]:
+def _segments(
+    tables: Sequence[SegmentTable], levels: Sequence[float], laws: Sequence[Law | None]
+) -> list[Segment]:
     """The segments; those without a law are matched to their neighbours."""
     spans = [math.radians(table.span_deg) for table in tables]
-    made = [None if law is None else Segment(table.kind, span, begin, end - begin, law)
-            for table, law, span, begin, end in zip(tables, laws, spans, levels, levels[1:], strict=False)]  # fmt: skip
+    made = [
+        None if law is None else Segment(table.kind, span, begin, end - begin, law)
+        for table, law, span, begin, end in zip(
+            tables, laws, spans, levels, levels[1:], strict=False
+        )
+    ]
     n = len(made)
     if not any(made):
         return matched(spans, levels)
     first = next(k for k, segment in enumerate(made) if segment is not None)
-    order = [(first + k) % n for k in range(n)]  # begins with a segment that has a law, so no run crosses the end
+    order = [
+        (first + k) % n for k in range(n)
+    ]  # begins with a segment that has a law, so no run crosses the end
     for free, run in groupby(order, key=lambda k: made[k] is None):
         if not free:
             continue
@@ -242,7 +335,9 @@ def _segments(tables: Sequence[SegmentTable], levels: Sequence[float], laws: Seq
         assert before is not None and after is not None
         start = float(before.at(before.span, 1)), float(before.at(before.span, 2))
         end = float(after.at(0.0, 1)), float(after.at(0.0, 2))
-        found = matched([spans[k] for k in ks], [*(levels[k] for k in ks), levels[ks[-1] + 1]], start, end)
+        found = matched(
+            [spans[k] for k in ks], [*(levels[k] for k in ks), levels[ks[-1] + 1]], start, end
+        )
         for k, segment in zip(ks, found, strict=True):
             made[k] = segment
     return [segment for segment in made if segment is not None]
@@ -263,4 +358,8 @@ def backwards(segment: Segment, path: str) -> Fault | None:
     if not len(wrong):
         return None
     where = f"{wrong[0]:.3g} to {wrong[-1]:.3g} of its span"
-    return Fault(path, f"'{segment.law.name}' runs backwards within {where}", f"a law that only goes one way in a {segment.kind}")
+    return Fault(
+        path,
+        f"'{segment.law.name}' runs backwards within {where}",
+        f"a law that only goes one way in a {segment.kind}",
+    )

@@ -66,9 +66,21 @@ def characteristic(points: Sequence[tuple[float, float]]) -> Characteristic:
     table = np.array(points, float).reshape(-1, 2)
     faults = []
     if len(table) < 3 or table[0, 0] != 0 or table[-1, 0] != 0.5:
-        faults.append(Fault("points", f"{len(table)} of them", "3 or more, from position 0 to 0.5, the middle of the stroke"))
+        faults.append(
+            Fault(
+                "points",
+                f"{len(table)} of them",
+                "3 or more, from position 0 to 0.5, the middle of the stroke",
+            )
+        )
     for k in np.flatnonzero(~(np.diff(table[:, 0]) > 0)) + 1:
-        faults.append(Fault(f"points.{k}", f"{table[k, 0]:g}", f"a position greater than the one before, {table[k - 1, 0]:g}"))
+        faults.append(
+            Fault(
+                f"points.{k}",
+                f"{table[k, 0]:g}",
+                f"a position greater than the one before, {table[k - 1, 0]:g}",
+            )
+        )
     if faults:
         raise SpecError(faults)
     curve = PchipInterpolator(*table.T)
@@ -80,7 +92,11 @@ def characteristic(points: Sequence[tuple[float, float]]) -> Characteristic:
 
 
 def synthesise(
-    torque: Characteristic, weight: float, sines: int = 5, cosines: int = 1, start: Synthesis | None = None
+    torque: Characteristic,
+    weight: float,
+    sines: int = 5,
+    cosines: int = 1,
+    start: Synthesis | None = None,
 ) -> Synthesis:
     """The Fourier law with so many sines and cosines that minimises Q = C^2 + q Y^2 for the spring's torque G(a).
 
@@ -92,7 +108,11 @@ def synthesise(
 
     faults = [Fault("weight", f"{weight:g}", "a number >= 0")] if not 0 <= weight < math.inf else []
     if sines < 1 or cosines < 0 or sines + cosines < 2:
-        faults.append(Fault("sines", f"{sines} and {cosines} cosines", "at least one sine, and two terms in all"))
+        faults.append(
+            Fault(
+                "sines", f"{sines} and {cosines} cosines", "at least one sine, and two terms in all"
+            )
+        )
     if faults:
         raise SpecError(faults)
     kappa = np.linspace(0, 0.5, _POSITIONS)
@@ -105,7 +125,9 @@ def synthesise(
     n = sines + cosines
     size = float(np.max(np.abs(torque(kappa))))
     if not 0 < size < math.inf:
-        raise DesignError("spring torque", size, 0.0, "", "the run-up", "give a spring that pulls over the stroke")
+        raise DesignError(
+            "spring torque", size, 0.0, "", "the run-up", "give a spring that pulls over the stroke"
+        )
 
     def effort(x: Floats) -> tuple[Floats, Floats]:
         """G / size at the positions, and its slope over a."""
@@ -123,7 +145,8 @@ def synthesise(
         left = np.hstack((pulls - x[n] * slope[:, None] * moves, -g[:, None]))
         zero, one = np.zeros((_POSITIONS, 1)), np.ones((_POSITIONS, 1))
         return np.block(
-            [[sign * pulls, zero, one, zero] for sign in (-1, 1)] + [[sign * left, zero, one] for sign in (-1, 1)]
+            [[sign * pulls, zero, one, zero] for sign in (-1, 1)]
+            + [[sign * left, zero, one] for sign in (-1, 1)]
         )
 
     # Q is scaled by a weight of its own, so that a search with a large q is as well conditioned as one with a small.
@@ -137,10 +160,16 @@ def synthesise(
     found: Any = minimize(
         lambda x: scale * (x[n + 1] ** 2 + weight * x[n + 2] ** 2),
         x,
-        jac=lambda x: np.concatenate((np.zeros(n + 1), 2 * scale * np.array([x[n + 1], weight * x[n + 2]]))),
+        jac=lambda x: np.concatenate(
+            (np.zeros(n + 1), 2 * scale * np.array([x[n + 1], weight * x[n + 2]]))
+        ),
         constraints=(
             {"type": "ineq", "fun": margins, "jac": margin_slopes},
-            {"type": "eq", "fun": lambda x: closes @ x[:n] - 1, "jac": lambda x: np.concatenate((closes, np.zeros(3)))},
+            {
+                "type": "eq",
+                "fun": lambda x: closes @ x[:n] - 1,
+                "jac": lambda x: np.concatenate((closes, np.zeros(3))),
+            },
         ),
         method="SLSQP",
         options={"ftol": 1e-12, "maxiter": 300},
@@ -148,13 +177,27 @@ def synthesise(
     x = found.x
     if not found.success or not np.all(np.isfinite(x)):
         said = f"no law was found for the weight {weight:g} in {found.nit} steps: {found.message}"
-        raise DesignError("steps of the search", found.nit, 300, "", f"weight {weight:g}", "use another weight", said)
-    best = [float(c) for c in x[:n] / (closes @ x[:n])]  # the search closes to its tolerance, this to rounding
+        raise DesignError(
+            "steps of the search",
+            found.nit,
+            300,
+            "",
+            f"weight {weight:g}",
+            "use another weight",
+            said,
+        )
+    best = [
+        float(c) for c in x[:n] / (closes @ x[:n])
+    ]  # the search closes to its tolerance, this to rounding
     return judged(torque, best[:sines], best[sines:], weight, float(x[n]) / size)
 
 
 def judged(
-    torque: Characteristic, sines: Sequence[float], cosines: Sequence[float], weight: float, factor: float | None = None
+    torque: Characteristic,
+    sines: Sequence[float],
+    cosines: Sequence[float],
+    weight: float,
+    factor: float | None = None,
 ) -> Synthesis:
     """Peak and rest of a given Fourier law on the continuum; without a factor, with the one that leaves the least rest."""
     law = fourier(sines, cosines, source="synthesis from a spring's characteristic")
@@ -172,7 +215,9 @@ def judged(
     return Synthesis(law, tuple(sines), tuple(cosines), weight, law.c_a, rest(factor), factor)
 
 
-def trade_off(torque: Characteristic, weights: Sequence[float], sines: int = 5, cosines: int = 1) -> list[Synthesis]:
+def trade_off(
+    torque: Characteristic, weights: Sequence[float], sines: int = 5, cosines: int = 1
+) -> list[Synthesis]:
     """The best law for each weight, in the order given: peak against rest, each search starting from the one before."""
     found: list[Synthesis] = []
     for weight in weights:

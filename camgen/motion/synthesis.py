@@ -74,14 +74,23 @@ def search(
 
     def misses(values: Floats) -> float:
         figures, shortfalls = measure(values)
-        worst = [abs(wish.missed(figures[wish.name])) for wish in wishes] + [abs(s) for s in shortfalls]
+        worst = [abs(wish.missed(figures[wish.name])) for wish in wishes] + [
+            abs(s) for s in shortfalls
+        ]
         return float(np.nan_to_num(max(worst), nan=np.inf))
 
     around = np.maximum(low, first - 4 * unit), np.minimum(high, first + 4 * unit)
     starts = np.random.default_rng(_SEED).uniform(*around, (_STARTS, len(first)))
     best, least = first, np.inf
     for start in (first, *starts):
-        fit = least_squares(residuals, start, bounds=(low, high), x_scale=unit, diff_step=1e-6, max_nfev=_EVALUATIONS)
+        fit = least_squares(
+            residuals,
+            start,
+            bounds=(low, high),
+            x_scale=unit,
+            diff_step=1e-6,
+            max_nfev=_EVALUATIONS,
+        )
         found: Floats = fit.x
         missed = misses(found)
         if missed < least:
@@ -89,11 +98,22 @@ def search(
         if least <= 0.5:
             return np.asarray(best)
     figures, shortfalls = measure(best)
-    worst = max(wishes, key=lambda wish: abs(np.nan_to_num(wish.missed(figures[wish.name]), nan=np.inf)))
-    others = ", ".join(f"{wish.name} {figures[wish.name]:.6g}" for wish in wishes if wish is not worst)
-    kept = "" if not any(abs(s) > 1 for s in shortfalls) else "; parts would not stay clear of each other"
+    worst = max(
+        wishes, key=lambda wish: abs(np.nan_to_num(wish.missed(figures[wish.name]), nan=np.inf))
+    )
+    others = ", ".join(
+        f"{wish.name} {figures[wish.name]:.6g}" for wish in wishes if wish is not worst
+    )
+    kept = (
+        ""
+        if not any(abs(s) > 1 for s in shortfalls)
+        else "; parts would not stay clear of each other"
+    )
     raise DesignError(
-        f"{worst.name} wanted", worst.wanted, figures[worst.name], worst.unit,
+        f"{worst.name} wanted",
+        worst.wanted,
+        figures[worst.name],
+        worst.unit,
         "the nearest design found" + (f" ({others})" if others else "") + kept,
         "the limit is what was reached; relax this wish, or start from other lengths",
-    )  # fmt: skip
+    )

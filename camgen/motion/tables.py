@@ -14,7 +14,15 @@ from camgen.errors import Fault, FileError, SpecError
 from camgen.reading import Data, references, too_large
 
 _MOST_LINES = 200_000  # of a table; the longest that a spec takes has 100,000 rows
-_ANGLES = {"deg": 1.0, "degree": 1.0, "degrees": 1.0, "\u00b0": 1.0, "rad": math.degrees(1), "turn": 360.0, "turns": 360.0}
+_ANGLES = {
+    "deg": 1.0,
+    "degree": 1.0,
+    "degrees": 1.0,
+    "\u00b0": 1.0,
+    "rad": math.degrees(1),
+    "turn": 360.0,
+    "turns": 360.0,
+}
 _FORCES = {"n": 1.0, "kn": 1e3, "kgf": 9.80665, "lbf": 4.4482216152605}
 _TORQUES = {"nm": 1.0, "ncm": 1e-2, "nmm": 1e-3, "knm": 1e3, "lbfin": 0.1129848290276167}
 _OTHERS = ("mm", "cm", "inch", "kg", "kpa", "mpa", "bar", "rpm", "hz")
@@ -27,7 +35,9 @@ def read_points(path: Path) -> tuple[tuple[float, float], ...]:
     return read_table(path)[1]
 
 
-def read_table(path: Path, columns: str = "angle and displacement") -> tuple[Sequence[str], tuple[tuple[float, float], ...]]:
+def read_table(
+    path: Path, columns: str = "angle and displacement"
+) -> tuple[Sequence[str], tuple[tuple[float, float], ...]]:
     """Heading of the first two columns, as far as there is one, and their rows; rows before the first number are headings.
 
     Columns part at commas, semicolons, tabs or spaces; with semicolons or tabs a comma in a number is its decimal point.
@@ -35,7 +45,9 @@ def read_table(path: Path, columns: str = "angle and displacement") -> tuple[Seq
     columns: what messages call them.
     """
     try:
-        text = read_bytes(path, Bound(f"a table of {columns}", 10_000_000, most=_MOST_LINES)).decode("utf-8-sig")
+        text = read_bytes(
+            path, Bound(f"a table of {columns}", 10_000_000, most=_MOST_LINES)
+        ).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise FileError(path, f"is not text: a table of {columns} was expected") from None
     points: list[tuple[float, float]] = []
@@ -43,7 +55,10 @@ def read_table(path: Path, columns: str = "angle and displacement") -> tuple[Seq
     faults = []
     lines = text.splitlines()
     if len(lines) > _MOST_LINES:  # that end otherwise than those that were counted
-        raise FileError(path, f"has {len(lines):,} lines, {_MOST_LINES:,} at most are read of a table of {columns}")
+        raise FileError(
+            path,
+            f"has {len(lines):,} lines, {_MOST_LINES:,} at most are read of a table of {columns}",
+        )
     for number, line in enumerate(lines, start=1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
@@ -59,9 +74,15 @@ def read_table(path: Path, columns: str = "angle and displacement") -> tuple[Seq
             points.append((x, y))
         except (ValueError, IndexError):
             if points:
-                faults.append(Fault(f"{path.name} line {number}", line.strip()[:60], f"two numbers: {columns}"))
+                faults.append(
+                    Fault(
+                        f"{path.name} line {number}", line.strip()[:60], f"two numbers: {columns}"
+                    )
+                )
             else:
-                heading = wide if len(wide) > 1 else line.split(",") if "," in line else line.split()
+                heading = (
+                    wide if len(wide) > 1 else line.split(",") if "," in line else line.split()
+                )
     if faults or not points:
         nothing = Fault(path.name, f"{len(text)} characters", f"rows of two numbers: {columns}")
         raise SpecError(faults or [nothing], str(path))
@@ -88,10 +109,15 @@ def load_table(path: Path) -> tuple[list[list[float]], str | None]:
     every = dict.fromkeys(_OTHERS) | _ANGLES | _FORCES | _TORQUES
     names = [unit_in(cell, every) for cell in heading] if len(heading) == 2 else ["", ""]
     faults, scales = [], [1.0, 1.0]
-    columns = ((_ANGLES, "deg, rad or turns"), (_FORCES | _TORQUES, "a force in N, kN, kgf, lbf; a torque in N m, N mm, lbf in"))
+    columns = (
+        (_ANGLES, "deg, rad or turns"),
+        (_FORCES | _TORQUES, "a force in N, kN, kgf, lbf; a torque in N m, N mm, lbf in"),
+    )
     for k, (name, (right, said)) in enumerate(zip(names, columns, strict=True)):
         if name and name not in right:
-            faults.append(Fault(f"{path.name}, heading of column {k + 1}", repr(heading[k].strip()), said))
+            faults.append(
+                Fault(f"{path.name}, heading of column {k + 1}", repr(heading[k].strip()), said)
+            )
         scales[k] = right.get(name, 1.0)
     if faults:
         raise SpecError(faults, str(path))

@@ -1,7 +1,7 @@
 """The band of a link with two hubs, narrower than these or bent in its plane, so that it passes round what is in its way.
 
-    middle line   the arc from the centre of one hub to that of the other, or the straight line
-    bow           how far the middle line leaves the straight one half way, mm; > 0 to the left, seen from the first hub
+middle line   the arc from the centre of one hub to that of the other, or the straight line
+bow           how far the middle line leaves the straight one half way, mm; > 0 to the left, seen from the first hub
 """
 
 from __future__ import annotations
@@ -59,22 +59,48 @@ class ArmBand:
     def outline(self) -> Contour:
         """Its edge, of lines and arcs, counter-clockwise; DesignError where there is none."""
         limits = [
-            (f"parts.{self.link}.width", self.width, 2 * min(self.radii), "the smaller hub: use a narrower one or larger hubs"),
-            (f"parts.{self.link}.bow", abs(self.bow), self._length / 2, "half the distance of its hubs: use a smaller one"),
-            (f"parts.{self.link}.width", self.width, 2 * self.radius, "twice the radius of its middle line: use a smaller bow"),
+            (
+                f"parts.{self.link}.width",
+                self.width,
+                2 * min(self.radii),
+                "the smaller hub: use a narrower one or larger hubs",
+            ),
+            (
+                f"parts.{self.link}.bow",
+                abs(self.bow),
+                self._length / 2,
+                "half the distance of its hubs: use a smaller one",
+            ),
+            (
+                f"parts.{self.link}.width",
+                self.width,
+                2 * self.radius,
+                "twice the radius of its middle line: use a smaller bow",
+            ),
         ]
         for key, value, limit, remedy in limits:
             if value > limit + 1e-9:
                 raise DesignError(key, value, limit, "mm", f"link {self.link}", remedy)
-        (a_left, a_right), (b_left, b_right) = ([self._corner(end, side) for side in (1, -1)] for end in (0, 1))
-        return Contour((
-            self._edge(a_right, b_right, 1), self._hub(self.b, self.radii[1], b_right, b_left),
-            self._edge(b_left, a_left, -1), self._hub(self.a, self.radii[0], a_left, a_right),
-        ))  # fmt: skip
+        (a_left, a_right), (b_left, b_right) = (
+            [self._corner(end, side) for side in (1, -1)] for end in (0, 1)
+        )
+        return Contour(
+            (
+                self._edge(a_right, b_right, 1),
+                self._hub(self.b, self.radii[1], b_right, b_left),
+                self._edge(b_left, a_left, -1),
+                self._hub(self.a, self.radii[0], a_left, a_right),
+            )
+        )
 
     def _hub(self, centre: complex, radius: float, start: complex, stop: complex) -> Arc:
         """The edge round a hub."""
-        return Arc(centre, radius, cmath.phase(start - centre), cmath.phase((stop - centre) / (start - centre)) % math.tau)
+        return Arc(
+            centre,
+            radius,
+            cmath.phase(start - centre),
+            cmath.phase((stop - centre) / (start - centre)) % math.tau,
+        )
 
     def _edge(self, start: complex, stop: complex, sense: int) -> Arc | Line:
         """One edge of the band; sense: 1 from a to b on the right, -1 back on the left."""
@@ -84,14 +110,18 @@ class ArmBand:
         sweep = cmath.phase((stop - centre) / (start - centre))
         if sweep * sense * side > 0:  # a half turn
             sweep -= math.copysign(math.tau, sweep)
-        return Arc(centre, self.radius - sense * side * self.width / 2, cmath.phase(start - centre), sweep)
+        return Arc(
+            centre, self.radius - sense * side * self.width / 2, cmath.phase(start - centre), sweep
+        )
 
     def _corner(self, end: int, side: int) -> complex:
         """Where an edge meets a hub, the second where `end`; side: 1 the left edge, -1 the right one."""
         hub, radius, half = (self.a, self.b)[end], self.radii[end], self.width / 2
         if not self.bow:
             way = (self.b - self.a) / self._length
-            return hub + way * (math.sqrt(max(0.0, radius**2 - half**2)) * (-1 if end else 1) + side * 1j * half)
+            return hub + way * (
+                math.sqrt(max(0.0, radius**2 - half**2)) * (-1 if end else 1) + side * 1j * half
+            )
         edge = self.radius + side * math.copysign(half, self.bow)
         share = (self.radius**2 + edge**2 - radius**2) / (2 * self.radius * edge)
         turn = math.acos(min(1.0, share)) * (1 if end else -1) * math.copysign(1, self.bow)

@@ -46,7 +46,9 @@ def triangles(loops: Sequence[Points], fine: bool = True) -> tuple[Points, Faces
         doubled = (np.conj(b - a) * (c - a)).imag
         # Neither makes a promise: earcut drops points that come in line on the way. All turned one way, as many as there must
         # be and of the right area, they lie side by side.
-        complete = len(faces) == len(z) + 2 * (len(points) - len(z)) + 2 * (len(loops) - 1) - 2 and np.all(doubled > 0)
+        complete = len(faces) == len(z) + 2 * (len(points) - len(z)) + 2 * (
+            len(loops) - 1
+        ) - 2 and np.all(doubled > 0)
         if complete and abs(np.sum(doubled) / 2 - wanted) <= 1e-9 * wanted:
             return points, faces
     corners = [np.column_stack([loop.real, loop.imag]) for loop in loops]
@@ -59,7 +61,11 @@ def _earcut(loops: Sequence[Points]) -> tuple[Points, Faces]:
 
     z = np.concatenate(loops)
     ends = np.cumsum([len(loop) for loop in loops]).astype(np.uint32)
-    faces = mapbox_earcut.triangulate_float64(np.column_stack([z.real, z.imag]), ends).reshape(-1, 3).astype(np.int64)
+    faces = (
+        mapbox_earcut.triangulate_float64(np.column_stack([z.real, z.imag]), ends)
+        .reshape(-1, 3)
+        .astype(np.int64)
+    )
     a, b, c = z[faces].T
     return z, np.where(((np.conj(b - a) * (c - a)).imag > 0)[:, None], faces, faces[:, ::-1])
 
@@ -80,7 +86,9 @@ def _banded(loops: Sequence[Points]) -> tuple[Points, Faces]:
         chunk, start = np.arange(n) // step, np.arange(0, n, step)
         following = np.roll(loop, -1)
         stop = np.append(loop[start[1:]], loop[0])
-        tip = ((loop[start] + stop) / 2 + 0.3j * (stop - loop[start])).astype(np.complex64).astype(complex) + 0
+        tip = ((loop[start] + stop) / 2 + 0.3j * (stop - loop[start])).astype(np.complex64).astype(
+            complex
+        ) + 0
         seen = (np.conj(following - loop) * (tip[chunk] - loop)).imag > 0
         good = np.logical_and.reduceat(seen, start)
         number = new + np.cumsum(good) - 1
@@ -102,7 +110,9 @@ def _delaunay(loops: Sequence[Points]) -> tuple[Points, Faces]:
 
     z = np.concatenate(loops)
     outer, *holes = [np.column_stack([loop.real, loop.imag]) for loop in loops]
-    found = shapely.get_coordinates(shapely.constrained_delaunay_triangles(shapely.Polygon(outer, holes)))
+    found = shapely.get_coordinates(
+        shapely.constrained_delaunay_triangles(shapely.Polygon(outer, holes))
+    )
     corners = (found[:, 0] + 1j * found[:, 1]).reshape(-1, 4)[:, :3]
     order = np.argsort(z)
     faces = order[np.minimum(np.searchsorted(z[order], corners), len(z) - 1)]

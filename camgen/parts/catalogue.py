@@ -40,7 +40,9 @@ class Screw:
 
     def through(self, grip: float) -> float:
         """Shortest length that is sold and passes a grip and a nut, mm; 0 where all are shorter."""
-        return min((length for length in SCREW_LENGTHS if length >= grip + self.nut - 1e-9), default=0.0)
+        return min(
+            (length for length in SCREW_LENGTHS if length >= grip + self.nut - 1e-9), default=0.0
+        )
 
 
 @dataclass(frozen=True)
@@ -120,7 +122,11 @@ class MotorFace:
 
     def screw_length(self, grip: float) -> float:
         """Length of the screws that hold it through a grip, mm; 0 where none is sold."""
-        return self.screw.through(grip + self.depth) if self.plain else self.screw.length(grip, self.depth)
+        return (
+            self.screw.through(grip + self.depth)
+            if self.plain
+            else self.screw.length(grip, self.depth)
+        )
 
 
 def turning_text(rpm: float) -> str:
@@ -147,8 +153,28 @@ STEEL = 7.85  # g/cm^3, of what is bought to turn on
 
 # Lengths in which screws are sold, mm [ISO 4762, ISO 7380-1].
 SCREW_LENGTHS = (
-    4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0, 50.0, 55.0, 60.0, 65.0, 70.0, 80.0, 90.0, 100.0,
-)  # fmt: skip
+    4.0,
+    5.0,
+    6.0,
+    8.0,
+    10.0,
+    12.0,
+    16.0,
+    20.0,
+    25.0,
+    30.0,
+    35.0,
+    40.0,
+    45.0,
+    50.0,
+    55.0,
+    60.0,
+    65.0,
+    70.0,
+    80.0,
+    90.0,
+    100.0,
+)
 
 SCREWS = {
     screw.thread: screw
@@ -187,7 +213,22 @@ CLUTCHES = {
     10.0: (Bearing("HFL1022", 10, 14, 22, ""), 5.3),
 }
 
-SHOULDER_LENGTHS = (10.0, 12.0, 16.0, 20.0, 25.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0, 120.0)  # mm, of the shoulder
+SHOULDER_LENGTHS = (
+    10.0,
+    12.0,
+    16.0,
+    20.0,
+    25.0,
+    30.0,
+    40.0,
+    50.0,
+    60.0,
+    70.0,
+    80.0,
+    90.0,
+    100.0,
+    120.0,
+)  # mm, of the shoulder
 SHOULDER_SCREWS = (
     ShoulderScrew(6.5, "M5", 9.5, 10.0, 4.5, 8.0, 4.7),
     ShoulderScrew(8.0, "M6", 11.0, 13.0, 5.5, 10.0, 5.2),
@@ -205,29 +246,57 @@ def narrowest(bore: float) -> Bearing | None:
 DOWEL_STANDARD = "ISO 2338"
 # Diameter -> shortest and longest, mm.
 DOWELS = {
-    1.0: (4, 10), 1.5: (4, 16), 2.0: (6, 20), 2.5: (6, 24), 3.0: (8, 30), 4.0: (8, 40), 5.0: (10, 50), 6.0: (12, 60),
-    8.0: (14, 80), 10.0: (18, 95), 12.0: (22, 140),
-}  # fmt: skip
+    1.0: (4, 10),
+    1.5: (4, 16),
+    2.0: (6, 20),
+    2.5: (6, 24),
+    3.0: (8, 30),
+    4.0: (8, 40),
+    5.0: (10, 50),
+    6.0: (12, 60),
+    8.0: (14, 80),
+    10.0: (18, 95),
+    12.0: (22, 140),
+}
 _DOWEL_LENGTHS = (*range(4, 7), *range(8, 33, 2), *range(35, 101, 5))
 
 
 def dowel(diameter: float, longest: float) -> float:
     """Longest dowel pin of a diameter that is sold and no longer than `longest`, mm; 0 where there is none."""
     low, high = DOWELS.get(diameter, (1, 0))
-    return float(max((length for length in _DOWEL_LENGTHS if low <= length <= min(high, longest + 1e-9)), default=0))
+    return float(
+        max(
+            (length for length in _DOWEL_LENGTHS if low <= length <= min(high, longest + 1e-9)),
+            default=0,
+        )
+    )
 
 
 def next_dowel(diameter: float, shortest: float) -> float:
     """Shortest dowel pin of a diameter that is sold and at least so long, mm; 0 where there is none."""
     low, high = DOWELS.get(diameter, (1, 0))
-    return float(min((length for length in _DOWEL_LENGTHS if max(low, shortest - 1e-9) <= length <= high), default=0))
+    return float(
+        min(
+            (length for length in _DOWEL_LENGTHS if max(low, shortest - 1e-9) <= length <= high),
+            default=0,
+        )
+    )
 
 
 def _square(
-    name: str, side: float, spacing: float, boss: float, height: float, thread: str, shaft: float, **holes: Any
+    name: str,
+    side: float,
+    spacing: float,
+    boss: float,
+    height: float,
+    thread: str,
+    shaft: float,
+    **holes: Any,
 ) -> MotorFace:
     half = spacing / 2
-    corners = tuple(complex(x, y) for x, y in ((half, half), (-half, half), (-half, -half), (half, -half)))
+    corners = tuple(
+        complex(x, y) for x, y in ((half, half), (-half, half), (-half, -half), (half, -half))
+    )
     return MotorFace(name, boss, height, corners, SCREWS[thread], side / 2, shaft, **holes)
 
 
@@ -237,7 +306,9 @@ MOTOR_FACES = {
         _square("nema-8", 20.3, 16.0, 15.0, 1.5, "M2", 4.0),
         _square("nema-11", 28.2, 23.0, 22.0, 2.0, "M2.5", 5.0, depth=3.0),
         _square("nema-14", 35.2, 26.0, 22.0, 2.0, "M3", 5.0, depth=4.5),
-        _square("nema-17", 42.3, 31.0, 22.0, 2.0, "M3", 5.0, depth=4.5, flat=0.5),  # 4.5 over the flat: usual
+        _square(
+            "nema-17", 42.3, 31.0, 22.0, 2.0, "M3", 5.0, depth=4.5, flat=0.5
+        ),  # 4.5 over the flat: usual
         _square("nema-23", 57.0, 47.14, 38.1, 1.6, "M5", 6.35, depth=4.8, plain=True),
     )
 }
@@ -253,12 +324,26 @@ def flange(boss: float, screw_circle: float, count: int, thread: str) -> MotorFa
     """
     screw = SCREWS[thread]
     places = tuple(cmath.rect(screw_circle / 2, math.tau * k / count) for k in range(count))
-    return MotorFace("flange", boss, 0.0, places, screw, screw_circle / 2 + screw.head / 2 + _RIM, 0.0, standard="")
+    return MotorFace(
+        "flange",
+        boss,
+        0.0,
+        places,
+        screw,
+        screw_circle / 2 + screw.head / 2 + _RIM,
+        0.0,
+        standard="",
+    )
 
 
 def screw_for(core: float) -> str:
     """The thread of a core hole, mm, where one has it, and the hole."""
-    return ", ".join([*(thread for thread, hole in CORE_HOLES.items() if hole == core), f"for a core hole of {core:g}"])
+    return ", ".join(
+        [
+            *(thread for thread, hole in CORE_HOLES.items() if hole == core),
+            f"for a core hole of {core:g}",
+        ]
+    )
 
 
 def nut(name: str, thread: str, count: int) -> Bought:

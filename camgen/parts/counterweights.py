@@ -1,8 +1,8 @@
 """Counterweights on a shaft: a hub and a sector of a disc that stands out of it, of one material or with steel pins pressed in.
 
-    moment    density x thickness x 2/3 (R^3 - r^3) sin(half) of the sector between hub r and rim R, half its angle on each
-              side of its middle line: first moment about the shaft, g mm
-    rim       R, from that in closed form; pins along the rim move with it, so that with them R is found by halving
+moment    density x thickness x 2/3 (R^3 - r^3) sin(half) of the sector between hub r and rim R, half its angle on each
+          side of its middle line: first moment about the shaft, g mm
+rim       R, from that in closed form; pins along the rim move with it, so that with them R is found by halving
 """
 
 from __future__ import annotations
@@ -66,19 +66,30 @@ class Sector:
     def moment(self, rim: float) -> float:
         """Of the sector without its hub, pins in it, about the shaft, g mm."""
         whole = self.heavy * self.thickness * 2 / 3 * (rim**3 - self.hub**3) * math.sin(self.half)
-        each = self.thickness * math.pi / 4 * (self.steel * self.pin**2 - self.heavy * (self.pin + self.press) ** 2)
+        each = (
+            self.thickness
+            * math.pi
+            / 4
+            * (self.steel * self.pin**2 - self.heavy * (self.pin + self.press) ** 2)
+        )
         return whole + each * sum(place.real for place in self.places(rim))
 
     def rim(self, moment: float) -> float:
         """The radius that has a moment, g mm; DesignError where its pins alone are more."""
         if not self.pins:
-            return math.cbrt(self.hub**3 + 3 * moment / (2 * self.heavy * self.thickness * math.sin(self.half)))
+            return math.cbrt(
+                self.hub**3 + 3 * moment / (2 * self.heavy * self.thickness * math.sin(self.half))
+            )
         low = self.least
         if self.moment(low) > moment:
             raise DesignError(
-                "moment of the counterweight's pins", self.moment(low), moment, "g mm", NAME,
+                "moment of the counterweight's pins",
+                self.moment(low),
+                moment,
+                "g mm",
+                NAME,
                 "ask for fewer or thinner pins (counterweight.pins, counterweight.pin_diameter), or for a thinner counterweight",
-            )  # fmt: skip
+            )
         high = 2 * low
         while self.moment(high) < moment:
             high *= 2
@@ -90,8 +101,14 @@ def outline(hub: float, rim: float, half: float) -> Contour:
     if rim - hub < 1e-6:
         return circle(0j, hub)
     a, b = cmath.exp(-1j * half), cmath.exp(1j * half)
-    return Contour((Arc(0j, rim, -half, 2 * half), Line(rim * b, hub * b), Arc(0j, hub, half, math.tau - 2 * half),
-                    Line(hub * a, rim * a)))  # fmt: skip
+    return Contour(
+        (
+            Arc(0j, rim, -half, 2 * half),
+            Line(rim * b, hub * b),
+            Arc(0j, hub, half, math.tau - 2 * half),
+            Line(hub * a, rim * a),
+        )
+    )
 
 
 def counterweight(
@@ -110,15 +127,30 @@ def counterweight(
     edge = outline(asked.hub, rim if half > 1e-6 else asked.hub, half).moved(turn)
     holes: Mapping[str, Contour] = {
         "bore": bore,
-        **{f"pin {k}": circle(z * turn, (asked.pin + asked.press) / 2) for k, z in enumerate(asked.places(rim), 1)},
+        **{
+            f"pin {k}": circle(z * turn, (asked.pin + asked.press) / 2)
+            for k, z in enumerate(asked.places(rim), 1)
+        },
     }
     said = f"{size:.4g} g mm at {math.degrees(cmath.phase(turn)):.4g} deg about the shaft, hub and bore left out"
     part = Part(
-        NAME, "Counterweight", (Layer(plate(NAME, edge, holes, min_wall), 0.0, asked.thickness),), centres=(0j,),
-        notes=(note, said), min_wall=min_wall, made=made,
-    )  # fmt: skip
+        NAME,
+        "Counterweight",
+        (Layer(plate(NAME, edge, holes, min_wall), 0.0, asked.thickness),),
+        centres=(0j,),
+        notes=(note, said),
+        min_wall=min_wall,
+        made=made,
+    )
     places = [z * turn for z in asked.places(rim)]
     if not places:
         return part, [], rim
-    pin = rod(f"{NAME}-pin", "Pin of the counterweight", asked.pin, asked.thickness, asked.pins, ("pressed and glued in",))
+    pin = rod(
+        f"{NAME}-pin",
+        "Pin of the counterweight",
+        asked.pin,
+        asked.thickness,
+        asked.pins,
+        ("pressed and glued in",),
+    )
     return part, [(replace(pin, made="turned of steel"), z) for z in places], rim

@@ -20,7 +20,9 @@ from camgen.spec import Length, Record
 
 Thickness = Annotated[float, Field(ge=0.1, le=1000)]
 
-LAYOUT = 0.01  # mm, facets on which holes are placed; every wall is judged again on the written files
+LAYOUT = (
+    0.01  # mm, facets on which holes are placed; every wall is judged again on the written files
+)
 
 
 def _no_laser(make: object) -> object:
@@ -59,19 +61,29 @@ class ShaftHole(Record):
     def reach(self) -> float:
         """How far the shaft hole reaches from the axis, mm."""
         keyed = self.shaft == "keyway"
-        return math.hypot(self.key_width / 2, self.bore / 2 + self.key_depth) if keyed else self.bore / 2
+        return (
+            math.hypot(self.key_width / 2, self.bore / 2 + self.key_depth)
+            if keyed
+            else self.bore / 2
+        )
 
     def hole(self) -> Contour:
         """The shaft hole; keyway or flat on Oy."""
         if self.shaft == "keyway":
             return keyed_bore(self.bore, self.key_width, self.key_depth)
-        return d_bore(self.bore, self.flat_depth) if self.shaft == "d-flat" else circle(0j, self.bore / 2)
+        return (
+            d_bore(self.bore, self.flat_depth)
+            if self.shaft == "d-flat"
+            else circle(0j, self.bore / 2)
+        )
 
     def notes(self) -> tuple[str, ...]:
         """What the drawing says of the hole beside the numbers."""
         bore = f"hole A: bore {self.bore:g}"
         if self.shaft == "keyway":
-            return (f"{bore}, keyway on +Y {self.key_width:g} wide, its floor {self.key_depth:g} above the bore",)
+            return (
+                f"{bore}, keyway on +Y {self.key_width:g} wide, its floor {self.key_depth:g} above the bore",
+            )
         if self.shaft == "d-flat":
             return (f"{bore}, flat on +Y {self.flat_depth:g} below its top",)
         return ()
@@ -112,7 +124,11 @@ def turning_note(sense: int) -> str:
 
 
 def holes_in(
-    made: ShaftHole, name: str, outline: Contour, more: Callable[[Points, float], Sequence[Contour]], hub: float = 0.0
+    made: ShaftHole,
+    name: str,
+    outline: Contour,
+    more: Callable[[Points, float], Sequence[Contour]],
+    hub: float = 0.0,
 ) -> tuple[Contour, ...]:
     """A cam's holes: its bore, and more(facets of its outline, reach of the bore).
 
@@ -125,9 +141,13 @@ def holes_in(
     thinnest = thinnest_wall(rim, [facet_contour(hole, LAYOUT) for hole in holes])
     if not thinnest > 0:
         raise DesignError(
-            "wall", thinnest, 0.0, "mm", f"between the holes and the edge of {name}",
+            "wall",
+            thinnest,
+            0.0,
+            "mm",
+            f"between the holes and the edge of {name}",
             "holes meet or leave the cam: use a smaller bore, key or pin_diameter, or a larger base_radius",
-        )  # fmt: skip
+        )
     return holes
 
 
@@ -141,13 +161,21 @@ def refuse_wide(name: str, room: float, reach: float, hub: float = 0.0) -> None:
     widest = max(reach, hub / 2)
     if widest >= room:
         raise DesignError(
-            "parts.hub_diameter" if widest > reach else "parts.bore", 2 * widest, 2 * room, "mm", f"the nearest side of {name}",
+            "parts.hub_diameter" if widest > reach else "parts.bore",
+            2 * widest,
+            2 * room,
+            "mm",
+            f"the nearest side of {name}",
             "it leaves the cam: use a smaller one, or a larger base_radius",
-        )  # fmt: skip
+        )
 
 
 def disc_parts(
-    made: Parts, outlines: Sequence[Contour], wall: Contour | None, groove: tuple[float, float], min_wall: float
+    made: Parts,
+    outlines: Sequence[Contour],
+    wall: Contour | None,
+    groove: tuple[float, float],
+    min_wall: float,
 ) -> tuple[Part, ...]:
     """Parts of these cam outlines; with a groove's outer wall: inner cam, outer ring and back plate.
 
@@ -155,32 +183,50 @@ def disc_parts(
     """
     if wall is not None:
         return _plates(made, outlines[0], wall, groove, min_wall)
-    names = [("cam", "Disc cam")] if len(outlines) == 1 else [("cam-1", "Disc cam, outward"), ("cam-2", "Disc cam, back")]
-    return tuple(_cam(made, *name, outline, [], min_wall) for name, outline in zip(names, outlines, strict=True))
+    names = (
+        [("cam", "Disc cam")]
+        if len(outlines) == 1
+        else [("cam-1", "Disc cam, outward"), ("cam-2", "Disc cam, back")]
+    )
+    return tuple(
+        _cam(made, *name, outline, [], min_wall)
+        for name, outline in zip(names, outlines, strict=True)
+    )
 
 
-def _cam(made: Parts, name: str, title: str, outline: Contour, pins: list[Contour], min_wall: float) -> Part:
+def _cam(
+    made: Parts, name: str, title: str, outline: Contour, pins: list[Contour], min_wall: float
+) -> Part:
     hub = made.hub_diameter if made.hub_height else 0.0
     holes = holes_in(made, name, outline, lambda rim, reach: pins, hub)
     layers = [Layer(Region(outline, holes), 0.0, made.thickness)]
     if made.hub_height:
         held = made.hub(min_wall)
-        plain = Layer(Region(circle(0j, hub / 2), holes[:1]), made.thickness, made.thickness + made.hub_height)
+        plain = Layer(
+            Region(circle(0j, hub / 2), holes[:1]), made.thickness, made.thickness + made.hub_height
+        )
         layers += [plain] if held is None else held.layers(hub / 2, made.thickness, made.hub_height)
     centres = (0j, *(pin.centroid for pin in pins))
     return Part(name, title, tuple(layers), 1, (), centres, made.notes(), made.bore, min_wall)
 
 
-def _plates(made: Parts, outline: Contour, wall: Contour, groove: tuple[float, float], min_wall: float) -> tuple[Part, ...]:
+def _plates(
+    made: Parts, outline: Contour, wall: Contour, groove: tuple[float, float], min_wall: float
+) -> tuple[Part, ...]:
     """Inner cam and outer ring, pinned to a back plate."""
     bore, beside = made.hole(), pins_beside(made, min_wall)
     radius = float(np.max(np.abs(facet_contour(wall, LAYOUT)))) + made.rim
     inner = [circle(complex(side * beside), made.pin_diameter / 2) for side in (1, -1)]
     corners = [cmath.rect(radius - made.rim / 2, math.radians(45 + 90 * k)) for k in range(4)]
     outer = [circle(corner, made.pin_diameter / 2) for corner in corners]
-    notes = (*made.notes(), f"with the inner wall a groove {groove[0]:g} wide, for a roller of {groove[1]:g}")
+    notes = (
+        *made.notes(),
+        f"with the inner wall a groove {groove[0]:g} wide, for a roller of {groove[1]:g}",
+    )
 
-    def plate(name: str, title: str, holes: Sequence[Contour], height: float, bore: float | None) -> Part:
+    def plate(
+        name: str, title: str, holes: Sequence[Contour], height: float, bore: float | None
+    ) -> Part:
         layer = Layer(Region(circle(0j, radius), tuple(holes)), 0.0, height)
         pins = [pin.centroid for pin in (*inner, *outer) if pin in holes]
         said = notes if bore is None else made.notes()

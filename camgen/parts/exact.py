@@ -79,7 +79,9 @@ class _Stroke:
         if not self.bulge:
             return ((z - self.a) / (self.b - self.a)).real
         turn = float(np.angle((z - self.centre) / (self.a - self.centre)))
-        return 0.5 + (turn - self.sweep / 2 + math.pi) % math.tau / self.sweep - math.pi / self.sweep
+        return (
+            0.5 + (turn - self.sweep / 2 + math.pi) % math.tau / self.sweep - math.pi / self.sweep
+        )
 
     def off(self, z: complex) -> float:
         """Distance of a point from its line or circle."""
@@ -104,18 +106,39 @@ def exact(part: Part, tolerance: float) -> Brep:
     """
     if part.crossed is not None:
         raise DesignError(
-            "exact solid", 1, 0, "", "", "take its STL or 3MF",
+            "exact solid",
+            1,
+            0,
+            "",
+            "",
+            "take its STL or 3MF",
             f"{part.name} is where two outlines that are extruded crosswise overlap; no exact solid of it can be written",
-        )  # fmt: skip
+        )
     layers = [*part.layers, *part.engraved]
     points, strokes, runs = _divided([_outlines(layer, tolerance) for layer in layers])
     left, right = _sides(strokes, runs)
     heights = sorted({z for layer in layers for z in (layer.z0, layer.z1)})
-    body = _Stack(points, strokes, heights, *(_filled(side, layers, len(part.layers), heights) for side in (left, right)))
+    body = _Stack(
+        points,
+        strokes,
+        heights,
+        *(_filled(side, layers, len(part.layers), heights) for side in (left, right)),
+    )
     found = body.brep()
     if found.faults or found.bodies != 1:
-        value, what = (found.faults, "edges with more than two faces") if found.faults else (found.bodies, "bodies and cavities")
-        raise DesignError(f"{what} of {part.name}", value, int(not found.faults), "", "", "let the layers overlap, or part them")
+        value, what = (
+            (found.faults, "edges with more than two faces")
+            if found.faults
+            else (found.bodies, "bodies and cavities")
+        )
+        raise DesignError(
+            f"{what} of {part.name}",
+            value,
+            int(not found.faults),
+            "",
+            "",
+            "let the layers overlap, or part them",
+        )
     return found
 
 
@@ -125,12 +148,17 @@ def _outlines(layer: Layer, tolerance: float) -> list[list[_Stroke]]:
     for k, contour in enumerate((layer.region.outer, *layer.region.holes)):
         contour = contour.counter_clockwise()
         z, bulge = bulges(fit_arcs(contour, tolerance))
-        strokes = [_Stroke(a, b, t) for a, b, t in zip(z.tolist(), np.roll(z, -1).tolist(), bulge.tolist(), strict=True)]
+        strokes = [
+            _Stroke(a, b, t)
+            for a, b, t in zip(z.tolist(), np.roll(z, -1).tolist(), bulge.tolist(), strict=True)
+        ]
         found.append([_Stroke(s.b, s.a, -s.bulge) for s in reversed(strokes)] if k else strokes)
     return found
 
 
-def _divided(regions: Sequence[list[list[_Stroke]]]) -> tuple[list[complex], list[_Stroke], list[list[Step]]]:
+def _divided(
+    regions: Sequence[list[list[_Stroke]]],
+) -> tuple[list[complex], list[_Stroke], list[list[Step]]]:
     """All outlines, divided by each other: the points where they end, the strokes between them, each once, and of each region
     the strokes that bound it, with whether they are run forwards."""
     ends, middles = _Points(), _Points()
@@ -141,7 +169,11 @@ def _divided(regions: Sequence[list[list[_Stroke]]]) -> tuple[list[complex], lis
 
     def enter(stroke: _Stroke, into: list[_Stroke], index: dict[tuple[int, int, int], int]) -> int:
         """Number of a stroke, -1 - k where the k-th is this one run backwards."""
-        a, b, middle = ends.number(stroke.a), ends.number(stroke.b), middles.number(stroke.point(0.5))
+        a, b, middle = (
+            ends.number(stroke.a),
+            ends.number(stroke.b),
+            middles.number(stroke.point(0.5)),
+        )
         if (b, a, middle) in index:
             return -1 - index[b, a, middle]
         if (a, b, middle) not in index:
@@ -167,16 +199,25 @@ def _divided(regions: Sequence[list[list[_Stroke]]]) -> tuple[list[complex], lis
     parts: list[list[int]] = []
     for whole, found in zip(pieces, cuts, strict=True):
         places = [whole.a, *(ends.at[k] for k in found), whole.b]
-        parts.append([enter(whole.part(a, b), strokes, index) for a, b in zip(places, places[1:], strict=False)])
+        parts.append(
+            [
+                enter(whole.part(a, b), strokes, index)
+                for a, b in zip(places, places[1:], strict=False)
+            ]
+        )
     runs: list[list[Step]] = [[] for _ in regions]
     for k, run in outlines:
         for number in run:
-            for part in parts[number] if number >= 0 else [-1 - part for part in parts[-1 - number]]:
+            for part in (
+                parts[number] if number >= 0 else [-1 - part for part in parts[-1 - number]]
+            ):
                 runs[k].append((part, True) if part >= 0 else (-1 - part, False))
     return ends.at, strokes, runs
 
 
-def _cuts(pieces: Sequence[_Stroke], owners: Sequence[set[tuple[int, int]]], ends: _Points) -> list[list[int]]:
+def _cuts(
+    pieces: Sequence[_Stroke], owners: Sequence[set[tuple[int, int]]], ends: _Points
+) -> list[list[int]]:
     """Numbers of the points at which each piece is divided, in their order along it."""
     boxes = np.array([_box(piece) for piece in pieces])
     apart = (boxes[:, None, :2] > boxes[None, :, 2:]).any(axis=2)
@@ -184,14 +225,27 @@ def _cuts(pieces: Sequence[_Stroke], owners: Sequence[set[tuple[int, int]]], end
         if owners[i] & owners[j]:
             continue  # of one contour, which does not cross itself
         for z in _meetings(pieces[i], pieces[j]):
-            if all(-SAME <= (each.share(z) - 0.5) * _length(each) + _length(each) / 2 <= _length(each) + SAME
-                   for each in (pieces[i], pieces[j])):  # fmt: skip
+            if all(
+                -SAME
+                <= (each.share(z) - 0.5) * _length(each) + _length(each) / 2
+                <= _length(each) + SAME
+                for each in (pieces[i], pieces[j])
+            ):
                 ends.number(z)
     places = np.array(ends.at)
     cuts = []
     for piece, (left, low, right, high) in zip(pieces, boxes, strict=True):
-        near = (places.real >= left) & (places.real <= right) & (places.imag >= low) & (places.imag <= high)
-        on = [(piece.share(z), k) for k in np.flatnonzero(near).tolist() if piece.off(z := ends.at[k]) <= SAME]
+        near = (
+            (places.real >= left)
+            & (places.real <= right)
+            & (places.imag >= low)
+            & (places.imag <= high)
+        )
+        on = [
+            (piece.share(z), k)
+            for k in np.flatnonzero(near).tolist()
+            if piece.off(z := ends.at[k]) <= SAME
+        ]
         spare = SAME / _length(piece)
         cuts.append([k for share, k in sorted(on) if spare < share < 1 - spare])
     return cuts
@@ -205,7 +259,12 @@ def _box(stroke: _Stroke) -> tuple[float, float, float, float]:
     """Least x and y, greatest x and y, and a little more."""
     rise = abs(stroke.bulge) * abs(stroke.b - stroke.a) / 2 + SAME
     a, b = stroke.a, stroke.b
-    return min(a.real, b.real) - rise, min(a.imag, b.imag) - rise, max(a.real, b.real) + rise, max(a.imag, b.imag) + rise
+    return (
+        min(a.real, b.real) - rise,
+        min(a.imag, b.imag) - rise,
+        max(a.real, b.real) + rise,
+        max(a.imag, b.imag) + rise,
+    )
 
 
 def _meetings(one: _Stroke, other: _Stroke) -> list[complex]:
@@ -264,7 +323,9 @@ def _inside(points: Points, bound: Sequence[_Stroke]) -> Bools:
         turn = (np.conj(a) * b).imag
         found ^= ((a.imag > 0) != (b.imag > 0)) & ((turn > 0) == (b.imag > a.imag))
         if stroke.bulge:
-            cap = (np.abs(points - stroke.centre) < abs(stroke.a - stroke.centre)) & (turn * stroke.bulge < 0)
+            cap = (np.abs(points - stroke.centre) < abs(stroke.a - stroke.centre)) & (
+                turn * stroke.bulge < 0
+            )
             found ^= cap
     return found
 
@@ -337,14 +398,26 @@ class _Stack:
             rings: list[Loop] = []
             for loop in loops:
                 steps = [along(s, level, forward) for s, forward in loop]
-                rings.append(tuple(steps if looks > 0 else [(e, not forward) for e, forward in reversed(steps)]))
+                rings.append(
+                    tuple(
+                        steps if looks > 0 else [(e, not forward) for e, forward in reversed(steps)]
+                    )
+                )
             found.append(Face(looks, tuple(rings)))
         for s, forward, low, high in walls:
             start, end = ends[s] if forward else ends[s][::-1]
             down = [(edge, False) for edge, _ in reversed(upright(start, low, high))]
-            steps = [along(s, low, forward), *upright(end, low, high), along(s, high, not forward), *down]
+            steps = [
+                along(s, low, forward),
+                *upright(end, low, high),
+                along(s, high, not forward),
+                *down,
+            ]
             found.append(Face(0, (tuple(steps),)))
-        places = [(self.points[p].real + 0.0, self.points[p].imag + 0.0, self.heights[level] + 0.0) for p, level in corners]
+        places = [
+            (self.points[p].real + 0.0, self.points[p].imag + 0.0, self.heights[level] + 0.0)
+            for p, level in corners
+        ]
         return Brep(np.array(places), made, found)
 
     def _walls(self) -> list[tuple[int, bool, int, int]]:
@@ -363,7 +436,9 @@ class _Stack:
                     begun = wall, slab - 1
         return walls
 
-    def _loops(self, ends: Sequence[tuple[int, int]], left: Bools, right: Bools) -> list[list[list[Step]]]:
+    def _loops(
+        self, ends: Sequence[tuple[int, int]], left: Bools, right: Bools
+    ) -> list[list[list[Step]]]:
         """The level faces that lie to these sides of the strokes, each as its loops with the face on their left, the outer one
         first."""
         leaving: dict[int, list[Step]] = defaultdict(list)
@@ -386,7 +461,11 @@ class _Stack:
                 holes.append((area, loop))
         for _, loop in holes:
             middle = np.array([self.strokes[loop[0][0]].point(0.5)])
-            around = [each for each in outer if _inside(middle, [self.strokes[s] for s, _ in each[1][0]])[0]]
+            around = [
+                each
+                for each in outer
+                if _inside(middle, [self.strokes[s] for s, _ in each[1][0]])[0]
+            ]
             if around:
                 min(around, key=lambda each: each[0])[1].append(loop)
         return [loops for _, loops in outer]
@@ -399,7 +478,11 @@ class _Stack:
         """Of the steps that leave where one ends, the one that turns most to the left: so faces that meet in a point are two."""
         here = self._run(step)
         back = _Stroke(here.b, here.a, -here.bulge).leaves()
-        return min(leaving, key=lambda other: float(np.angle(back / self._run(other).leaves())) % math.tau, default=None)
+        return min(
+            leaving,
+            key=lambda other: float(np.angle(back / self._run(other).leaves())) % math.tau,
+            default=None,
+        )
 
     def _area(self, loop: Sequence[Step]) -> float:
         """Signed area of a loop, mm^2."""
@@ -412,5 +495,3 @@ class _Stack:
                 radius = abs(stroke.a - stroke.centre)
                 found += radius * radius * (stroke.sweep - math.sin(stroke.sweep)) / 2
         return found
-
-

@@ -20,13 +20,26 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.geometry.distances import thinnest_wall
 from camgen.geometry.facets import facet_contour
-from camgen.geometry.outlines import Arc, Contour, Floats, Line, Piece, Points, Region, Smooth, end_point, start_point
+from camgen.geometry.outlines import (
+    Arc,
+    Contour,
+    Floats,
+    Line,
+    Piece,
+    Points,
+    Region,
+    Smooth,
+    end_point,
+    start_point,
+)
 from camgen.geometry.trimming import trim
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import SAME_POINT
 
 _CHECK = 1e-5  # of the outline's size: chord tolerance at which the result is compared with a polygon's offset
-_SLOPE_STEP = 1e-5  # of a piece's parameter, half the step over which the slope of its curvature is taken
+_SLOPE_STEP = (
+    1e-5  # of a piece's parameter, half the step over which the slope of its curvature is taken
+)
 _TURN = 1e-9  # rad, a joint that turns by less is smooth
 
 
@@ -69,9 +82,13 @@ def offset(contour: Contour, distance: float, name: str = "outline") -> Contour:
     made = Contour(tuple(trim(pieces)[0])).counter_clockwise()
     if not abs(made.area - wanted) <= slack:
         raise DesignError(
-            f"area of the {name} moved by {distance:g} mm", made.area, wanted, "mm^2", "",
+            f"area of the {name} moved by {distance:g} mm",
+            made.area,
+            wanted,
+            "mm^2",
+            "",
             "a loop of the parallel curve could not be cut off: use a smaller compensation",
-        )  # fmt: skip
+        )
     return made.reversed() if clockwise else made
 
 
@@ -87,14 +104,28 @@ def _expected(contour: Contour, distance: float, name: str) -> tuple[float, floa
     if grown.is_empty:
         room = shapely.length(shapely.maximum_inscribed_circle(face))
         raise DesignError(
-            f"compensation of the {name}", abs(distance), room, "mm", _at(contour), "no material is left: use a smaller one"
+            f"compensation of the {name}",
+            abs(distance),
+            room,
+            "mm",
+            _at(contour),
+            "no material is left: use a smaller one",
         )
     if grown.geom_type != "Polygon" or grown.interiors:
-        count = shapely.get_num_geometries(grown) + sum(len(p.interiors) for p in shapely.get_parts(grown))
-        raise DesignError(
-            f"pieces of the {name} moved by {distance:g} mm", count, 1, "", _at(contour), "use a smaller compensation"
+        count = shapely.get_num_geometries(grown) + sum(
+            len(p.interiors) for p in shapely.get_parts(grown)
         )
-    return float(grown.area), float(2 * tolerance * max(face.length, grown.length) + 3e-4 * distance**2)
+        raise DesignError(
+            f"pieces of the {name} moved by {distance:g} mm",
+            count,
+            1,
+            "",
+            _at(contour),
+            "use a smaller compensation",
+        )
+    return float(grown.area), float(
+        2 * tolerance * max(face.length, grown.length) + 3e-4 * distance**2
+    )
 
 
 def _at(contour: Contour) -> str:
@@ -115,7 +146,10 @@ def _raw(pieces: Sequence[Piece], e: float) -> list[Piece]:
         if turn > 0:
             moved.append(Arc(joint, e, float(np.angle(-1j * last)), turn))
         else:  # these two lie in what is cut away
-            moved += [Line(joint - 1j * e * last, joint), Line(joint, start_point(following) - 1j * e * first)]
+            moved += [
+                Line(joint - 1j * e * last, joint),
+                Line(joint, start_point(following) - 1j * e * first),
+            ]
     return moved
 
 
@@ -134,7 +168,14 @@ def _parallel(piece: Piece, e: float) -> list[Piece]:
         radius = piece.radius + e * math.copysign(1.0, piece.sweep)
         if abs(radius) <= SAME_POINT:
             return []
-        return [Arc(piece.centre, abs(radius), piece.start + (0.0 if radius > 0 else math.pi), piece.sweep)]
+        return [
+            Arc(
+                piece.centre,
+                abs(radius),
+                piece.start + (0.0 if radius > 0 else math.pi),
+                piece.sweep,
+            )
+        ]
     return [parallel_curve(piece, e)]
 
 
@@ -179,7 +220,9 @@ def compensated(part: Part, fit: Compensation) -> Part:
     walls lean to the plane in which a printer shrinks and swells it, so no outline of it can be compensated by itself.
     """
     if part.crossed is not None:
-        said = f"{part.name} is made of two crossed outlines and cannot be compensated for the print"
+        said = (
+            f"{part.name} is made of two crossed outlines and cannot be compensated for the print"
+        )
         remedy = "leave its keys of [print] at 0, and let the slicer compensate"
         raise DesignError("print fits of a crossed part", 1, 0, "", part.name, remedy, said)
     if not -0.5 < fit.shrinkage < 0.5:
@@ -194,14 +237,22 @@ def compensated(part: Part, fit: Compensation) -> Part:
             foot, thin = fit.foot_of(part), 2 * (layer.z1 - layer.z0)
             steps = max(1, math.ceil(foot / fit.layer - 1e-9))
             if not fit.foot < thin:
-                raise DesignError("elephant-foot chamfer", fit.foot, thin, "mm", part.name, "use a lower one")
+                raise DesignError(
+                    "elephant-foot chamfer", fit.foot, thin, "mm", part.name, "use a lower one"
+                )
             for k in range(steps):
                 inset = foot * (1 - k / steps)
                 region = _fitted(layer.region, fit.hole + inset, fit.profile + inset, part.name)
                 layers.append(Layer(region.moved(scale), floor, bottom + foot * (k + 1) / steps))
                 floor = layers[-1].z1
             cut += steps if index <= part.cut else 0
-        layers.append(Layer(_fitted(layer.region, fit.hole, fit.profile, part.name).moved(scale), floor, layer.z1))
+        layers.append(
+            Layer(
+                _fitted(layer.region, fit.hole, fit.profile, part.name).moved(scale),
+                floor,
+                layer.z1,
+            )
+        )
     return replace(
         part,
         layers=tuple(layers),
@@ -217,8 +268,17 @@ def _fitted(region: Region, hole: float, profile: float, name: str) -> Region:
     outer = offset(region.outer, -profile, f"outline of {name}")
     holes = tuple(offset(h, hole, f"hole of {name}") for h in region.holes)
     if (hole or profile) and holes:
-        facets: list[Any] = [facet_contour(c, 0.01 * math.sqrt(abs(c.area))) for c in (outer, *holes)]
+        facets: list[Any] = [
+            facet_contour(c, 0.01 * math.sqrt(abs(c.area))) for c in (outer, *holes)
+        ]
         wall = thinnest_wall(facets[0], facets[1:])
         if not wall > 0:
-            raise DesignError("wall", wall, 0.0, "mm", name, "the fits leave no material between holes and outline")
+            raise DesignError(
+                "wall",
+                wall,
+                0.0,
+                "mm",
+                name,
+                "the fits leave no material between holes and outline",
+            )
     return Region(outer, holes)

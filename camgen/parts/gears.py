@@ -68,17 +68,26 @@ class Spur:
 
     def outline(self) -> Contour:
         """The edge, counter-clockwise about the axis."""
-        half = self.thickness / 2 / self.pitch + math.tan(PRESSURE) - PRESSURE  # of a tooth at the base circle
+        half = (
+            self.thickness / 2 / self.pitch + math.tan(PRESSURE) - PRESSURE
+        )  # of a tooth at the base circle
         foot = math.sqrt(max(self.root / self.base, 1.0) ** 2 - 1) if self.root > self.base else 0.0
         begin, end = max(foot, _ROLL), math.sqrt((self.tip / self.base) ** 2 - 1)
         spread, top = half - (begin - math.atan(begin)), half - (end - math.atan(end))
         if top <= 0:
-            raise DesignError("tooth's tip", 2 * top * self.tip, 0, "mm", f"{self.teeth} teeth", "use more teeth")
+            raise DesignError(
+                "tooth's tip", 2 * top * self.tip, 0, "mm", f"{self.teeth} teeth", "use more teeth"
+            )
         pieces: list[Piece] = []
-        rise, fall = (Smooth(partial(_flank, self.base, -side * half, side), begin, end) for side in (1, -1))
+        rise, fall = (
+            Smooth(partial(_flank, self.base, -side * half, side), begin, end) for side in (1, -1)
+        )
         for k in range(self.teeth):
             middle = math.tau * k / self.teeth
-            up, down = rise.moved(cmath.rect(1, middle)), fall.moved(cmath.rect(1, middle)).reversed()
+            up, down = (
+                rise.moved(cmath.rect(1, middle)),
+                fall.moved(cmath.rect(1, middle)).reversed(),
+            )
             low, high = complex(up.at(begin)), complex(down.at(begin))
             feet = [self.root * z / abs(z) for z in (low, high)]
             if foot < begin:
@@ -98,14 +107,18 @@ def _flank(base: float, start: float, side: int, roll: Any, order: int) -> Point
     return np.asarray((spoke * (1 - 1j * side * t), t * spoke, spoke * (1 + 1j * side * t))[order])
 
 
-def pair(distance: float, ratio: float, backlash: float, least: float, teeth: int | None, where: str) -> tuple[Spur, Spur]:
+def pair(
+    distance: float, ratio: float, backlash: float, least: float, teeth: int | None, where: str
+) -> tuple[Spur, Spur]:
     """Two wheels that mesh outside: angle of b = ratio * angle of a, ratio below 0; distance of their axes, mm.
 
     least: module that can be made, mm; teeth: of a, None to find them. DesignError, with `where`, if there is no such pair.
     """
     share = Fraction(abs(ratio)).limit_denominator(_MOST)
 
-    def refused(quantity: str, value: float, limit: float, unit: str, remedy: str, said: str = "") -> DesignError:
+    def refused(
+        quantity: str, value: float, limit: float, unit: str, remedy: str, said: str = ""
+    ) -> DesignError:
         return DesignError(quantity, value, limit, unit, where, remedy, said)
 
     if ratio > 0:
@@ -113,26 +126,52 @@ def pair(distance: float, ratio: float, backlash: float, least: float, teeth: in
         said = f"gear.ratio {ratio:g} at {where}: wheels side by side turn against each other, and no inner teeth are made"
         raise refused("ratio of wheels", ratio, 0, "", remedy, said)
     if abs(share - abs(ratio)) > _WHOLE * abs(ratio) or not share:
-        share = (share if abs(ratio) < 1 else 1 / Fraction(1 / abs(ratio)).limit_denominator(_MOST)) or Fraction(1, _MOST)
+        share = (
+            share if abs(ratio) < 1 else 1 / Fraction(1 / abs(ratio)).limit_denominator(_MOST)
+        ) or Fraction(1, _MOST)
         remedy = f"take one of whole teeth, such as -{share.numerator}/{share.denominator} = {-float(share):.12g}"
         said = f"ratio {ratio:.12g} at {where} is none of wheels of at most {_MOST} teeth"
         raise refused("ratio", ratio, -float(share), "", remedy, said)
     if not distance > 0:
-        raise refused("distance of the axes", distance, 0, "mm", "pin both links to the ground at different points")
+        raise refused(
+            "distance of the axes",
+            distance,
+            0,
+            "mm",
+            "pin both links to the ground at different points",
+        )
     parts = share.numerator + share.denominator
     if teeth is not None and teeth % share.numerator:
         remedy = f"take a multiple of {share.numerator}, so that the other wheel has whole ones"
         raise refused("teeth", teeth, share.numerator, "", remedy)
-    counts = [teeth // share.numerator] if teeth is not None else range(math.ceil(2 * distance / _LARGE / parts) or 1, _MOST)
+    counts = (
+        [teeth // share.numerator]
+        if teeth is not None
+        else range(math.ceil(2 * distance / _LARGE / parts) or 1, _MOST)
+    )
     module = 0.0
     for k in counts:
         module = 2 * distance / (k * parts)
-        a, b = (Spur(k * each, module, backlash / 2) for each in (share.numerator, share.denominator))
+        a, b = (
+            Spur(k * each, module, backlash / 2) for each in (share.numerator, share.denominator)
+        )
         if min(a.least_roll(b), b.least_roll(a)) >= _ROLL:
             break
         if teeth is not None:
             roll = math.degrees(min(a.least_roll(b), b.least_roll(a)))
-            raise refused("roll at which the tips begin to touch", roll, math.degrees(_ROLL), "deg", "use more teeth")
+            raise refused(
+                "roll at which the tips begin to touch",
+                roll,
+                math.degrees(_ROLL),
+                "deg",
+                "use more teeth",
+            )
     if module < least:
-        raise refused("module", module, least, "mm", "put the axes further apart, or take a ratio of smaller whole numbers")
+        raise refused(
+            "module",
+            module,
+            least,
+            "mm",
+            "put the axes further apart, or take a ratio of smaller whole numbers",
+        )
     return a, b

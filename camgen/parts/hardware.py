@@ -54,7 +54,10 @@ def rounded(discs: Sequence[tuple[complex, float]]) -> Contour:
 
 def plate(name: str, outer: Contour, holes: Mapping[str, Contour], min_wall: float) -> Region:
     """The region inside `outer` less the named holes; DesignError names the two that leave a wall under min_wall, mm."""
-    rings = {hole: facet_contour(c, min(FACETS, 0.01 * math.sqrt(abs(c.area)))) for hole, c in holes.items()}
+    rings = {
+        hole: facet_contour(c, min(FACETS, 0.01 * math.sqrt(abs(c.area))))
+        for hole, c in holes.items()
+    }
     rim = facet_contour(outer, FACETS)
     _check_simple(name, rim)
     if thinnest_wall(rim, list(rings.values())) < min_wall:
@@ -63,9 +66,15 @@ def plate(name: str, outer: Contour, holes: Mapping[str, Contour], min_wall: flo
             walls[a, b] = min(thinnest_wall(rim, [rings[a], rings[b]]), math.inf)
         (a, b), wall = min(walls.items(), key=lambda item: item[1])
         raise DesignError(
-            f"wall of the {name}", wall, min_wall, "mm", f"between {a} and {b}",
-            "they meet or lie outside" if wall <= 0 else "make room between them or lower the wall that is asked for",
-        )  # fmt: skip
+            f"wall of the {name}",
+            wall,
+            min_wall,
+            "mm",
+            f"between {a} and {b}",
+            "they meet or lie outside"
+            if wall <= 0
+            else "make room between them or lower the wall that is asked for",
+        )
     return Region(outer, tuple(holes.values()))
 
 
@@ -77,7 +86,15 @@ def _check_simple(name: str, rim: Points) -> None:
     if reason != "Valid Geometry":
         place = reason.replace("[", " at (").replace("]", ") mm")
         said = f"the edge of the {name} crosses itself: {place}"
-        raise DesignError(f"crossings in the edge of the {name}", 1, 0, "", place, "its sizes do not go together", said)
+        raise DesignError(
+            f"crossings in the edge of the {name}",
+            1,
+            0,
+            "",
+            place,
+            "its sizes do not go together",
+            said,
+        )
 
 
 # ---- shaft and axles -------------------------------------------------------------------------------------------------
@@ -116,7 +133,11 @@ class Collet:
 
     def _radius(self, step: int) -> float:
         """Outer radius of the sleeve at a step from below."""
-        return (self.shaft + self.fit) / 2 + self.wall + (self.steps - 1 - step) * _TAPER * self.length / self.steps
+        return (
+            (self.shaft + self.fit) / 2
+            + self.wall
+            + (self.steps - 1 - step) * _TAPER * self.length / self.steps
+        )
 
     @property
     def radius(self) -> float:
@@ -131,40 +152,77 @@ class Collet:
     def sleeve(self, min_wall: float) -> Part:
         """Flange and slit sleeve; the origin is the shaft's axis."""
         bore = (self.shaft + self.fit) / 2
-        holes = {"bore": circle(0j, bore)} | {f"pin {k + 1}": circle(z, d / 2) for k, (z, d) in enumerate(self.pins)}
+        holes = {"bore": circle(0j, bore)} | {
+            f"pin {k + 1}": circle(z, d / 2) for k, (z, d) in enumerate(self.pins)
+        }
         for k, (z, d) in enumerate(self.pins):
             gap = abs(z) - d / 2 - self.radius
             if gap < -SAME_POINT:
-                raise DesignError("gap beside the collet's sleeve", gap, 0, "mm", f"pin {k + 1}", "use a smaller collet.wall")
+                raise DesignError(
+                    "gap beside the collet's sleeve",
+                    gap,
+                    0,
+                    "mm",
+                    f"pin {k + 1}",
+                    "use a smaller collet.wall",
+                )
         if self._radius(0) + self.wall > self.flange_diameter / 2:
             raise DesignError(
-                "flange of the collet", self.flange_diameter, self.ring_diameter, "mm", "", "the ring needs a wider flange"
+                "flange of the collet",
+                self.flange_diameter,
+                self.ring_diameter,
+                "mm",
+                "",
+                "the ring needs a wider flange",
             )
         between = math.tau / self.slits - 2 * math.asin(min(1.0, self.slit / 2 / bore))
         if between * bore < min_wall:
             raise DesignError(
-                "finger of the collet", between * bore, min_wall, "mm", "between two slits", "use fewer or narrower slits"
+                "finger of the collet",
+                between * bore,
+                min_wall,
+                "mm",
+                "between two slits",
+                "use fewer or narrower slits",
             )
         if self.wall < min_wall:
-            raise DesignError("wall of the collet", self.wall, min_wall, "mm", "thin end", "use a thicker wall")
+            raise DesignError(
+                "wall of the collet", self.wall, min_wall, "mm", "thin end", "use a thicker wall"
+            )
         region = plate("collet's flange", circle(0j, self.flange_diameter / 2), holes, min_wall)
         layers, rise = [Layer(region, 0.0, self.flange)], self.length / self.steps
         for step in range(self.steps):
             z = self.flange + step * rise
             for k in range(self.slits):
-                finger = _sector(bore, self._radius(step), self.slit, math.tau * k / self.slits, math.tau * (k + 1) / self.slits)
+                finger = _sector(
+                    bore,
+                    self._radius(step),
+                    self.slit,
+                    math.tau * k / self.slits,
+                    math.tau * (k + 1) / self.slits,
+                )
                 layers.append(Layer(Region(finger), z, z + rise))
         return Part(
-            "collet", "Collet", tuple(layers), centres=(0j, *(z for z, _ in self.pins)),
-            notes=("pinned and glued on the upper cam",), bore=2 * bore, min_wall=min_wall,
-        )  # fmt: skip
+            "collet",
+            "Collet",
+            tuple(layers),
+            centres=(0j, *(z for z, _ in self.pins)),
+            notes=("pinned and glued on the upper cam",),
+            bore=2 * bore,
+            min_wall=min_wall,
+        )
 
     def ring(self) -> Part:
         """The clamp ring, wide end down; the origin is its axis."""
         rise, first = self.length / self.steps, round(self.travel * self.steps / self.length)
         if first >= self.steps:
             raise DesignError(
-                "travel of the clamp ring", self.travel, self.length, "mm", "", "use a longer sleeve or a closer fit of the bore"
+                "travel of the clamp ring",
+                self.travel,
+                self.length,
+                "mm",
+                "",
+                "use a longer sleeve or a closer fit of the bore",
             )
         outer = circle(0j, self.ring_diameter / 2)
         layers = tuple(
@@ -172,9 +230,14 @@ class Collet:
             for k, step in enumerate(range(first, self.steps))
         )
         return Part(
-            "clamp-ring", "Clamp ring", layers, centres=(0j,), bore=2 * self._radius(first),
-            min_wall=self.wall, notes=("wide end first over the collet, pushed home",),
-        )  # fmt: skip
+            "clamp-ring",
+            "Clamp ring",
+            layers,
+            centres=(0j,),
+            bore=2 * self._radius(first),
+            min_wall=self.wall,
+            notes=("wide end first over the collet, pushed home",),
+        )
 
 
 def _sector(inner: float, outer: float, slit: float, start: float, end: float) -> Contour:
@@ -187,36 +250,81 @@ def _sector(inner: float, outer: float, slit: float, start: float, end: float) -
 
 
 def headed(
-    name: str, title: str, diameter: float, length: float, head_diameter: float, head: float, count: int = 1,
-    notes: tuple[str, ...] = (), made: str = "printed",
-) -> Part:  # fmt: skip
+    name: str,
+    title: str,
+    diameter: float,
+    length: float,
+    head_diameter: float,
+    head: float,
+    count: int = 1,
+    notes: tuple[str, ...] = (),
+    made: str = "printed",
+) -> Part:
     """A round pin or axle, printed head down: so long above its head, which is so wide and high, mm."""
     if not head_diameter > diameter:
-        raise DesignError(f"head of {name}", head_diameter, diameter, "mm", "", "it holds nothing: make it wider than the shank")
+        raise DesignError(
+            f"head of {name}",
+            head_diameter,
+            diameter,
+            "mm",
+            "",
+            "it holds nothing: make it wider than the shank",
+        )
     layers = (
-        Layer(Region(circle(0j, head_diameter / 2)), 0.0, head), Layer(Region(circle(0j, diameter / 2)), head, head + length),
-    )  # fmt: skip
+        Layer(Region(circle(0j, head_diameter / 2)), 0.0, head),
+        Layer(Region(circle(0j, diameter / 2)), head, head + length),
+    )
     return Part(name, title, layers, count, centres=(0j,), notes=notes, cut=1, made=made)
 
 
 def grooved(
-    name: str, title: str, diameter: float, length: float, wide: float, head: float, groove: float, count: int = 1,
-    notes: tuple[str, ...] = (), made: str = "printed",
-) -> Part:  # fmt: skip
+    name: str,
+    title: str,
+    diameter: float,
+    length: float,
+    wide: float,
+    head: float,
+    groove: float,
+    count: int = 1,
+    notes: tuple[str, ...] = (),
+    made: str = "printed",
+) -> Part:
     """A headed pin with a shoulder as wide and high as its head: between both a groove as high as asked for, mm."""
     plain = headed(name, title, diameter, length, wide, head, count, notes, made)
     (top, disc), (_, shank) = ((layer, layer.region) for layer in plain.layers)
     ends = (head + groove, head + groove + head, head + length)
-    layers = (top, Layer(shank, head, ends[0]), Layer(disc, ends[0], ends[1]), Layer(shank, ends[1], ends[2]))
+    layers = (
+        top,
+        Layer(shank, head, ends[0]),
+        Layer(disc, ends[0], ends[1]),
+        Layer(shank, ends[1], ends[2]),
+    )
     return replace(plain, layers=layers, cut=3)
 
 
 def spacer(
-    name: str, title: str, bore: float, diameter: float, thickness: float, min_wall: float, count: int = 1,
-    pins: Sequence[tuple[complex, float]] = (), outer: Contour | None = None,
-) -> Part:  # fmt: skip
+    name: str,
+    title: str,
+    bore: float,
+    diameter: float,
+    thickness: float,
+    min_wall: float,
+    count: int = 1,
+    pins: Sequence[tuple[complex, float]] = (),
+    outer: Contour | None = None,
+) -> Part:
     """A washer, with further holes (place, diameter) where it sits on pins; the origin is its axis; outer: an edge not round."""
-    holes = {"bore": circle(0j, bore / 2)} | {f"pin {k + 1}": circle(z, d / 2) for k, (z, d) in enumerate(pins)}
+    holes = {"bore": circle(0j, bore / 2)} | {
+        f"pin {k + 1}": circle(z, d / 2) for k, (z, d) in enumerate(pins)
+    }
     region = plate(name, outer or circle(0j, diameter / 2), holes, min_wall)
     centres = (0j, *(z for z, _ in pins))
-    return Part(name, title, (Layer(region, 0.0, thickness),), count, centres=centres, bore=bore, min_wall=min_wall)
+    return Part(
+        name,
+        title,
+        (Layer(region, 0.0, thickness),),
+        count,
+        centres=centres,
+        bore=bore,
+        min_wall=min_wall,
+    )

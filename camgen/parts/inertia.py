@@ -36,7 +36,10 @@ def _contours(part: Part) -> Iterator[tuple[float, Contour]]:
     """Every contour, counter-clockwise, and how high it is extruded, mm, below 0 where that takes material away."""
     for sign, layers in ((1, part.layers), (-1, part.engraved)):
         for layer in layers:
-            for side, contour in ((1, layer.region.outer), *((-1, hole) for hole in layer.region.holes)):
+            for side, contour in (
+                (1, layer.region.outer),
+                *((-1, hole) for hole in layer.region.holes),
+            ):
                 yield sign * side * (layer.z1 - layer.z0), contour.counter_clockwise()
 
 

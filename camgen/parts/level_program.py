@@ -9,7 +9,11 @@ import numpy as np
 
 from camgen.parts.level_rules import Axis, Band, Opening, Rule, Thing, Unlaid, Wall
 
-LEVEL, LOW, BROKEN = 100.0, 0.01, 1e5  # what a level, a high link, a broken rule cost; a level of a pin costs 1
+LEVEL, LOW, BROKEN = (
+    100.0,
+    0.01,
+    1e5,
+)  # what a level, a high link, a broken rule cost; a level of a pin costs 1
 
 
 @dataclass(frozen=True)
@@ -21,18 +25,26 @@ class Solution:
 
 
 def integer_program(
-    bands: Sequence[Band], axes: Sequence[Axis], rules: Sequence[Rule], given: Mapping[str, int],
-    over: Sequence[tuple[str, str]] = (), strict: bool = False,
-) -> dict[str, int] | None:  # fmt: skip
+    bands: Sequence[Band],
+    axes: Sequence[Axis],
+    rules: Sequence[Rule],
+    given: Mapping[str, int],
+    over: Sequence[tuple[str, str]] = (),
+    strict: bool = False,
+) -> dict[str, int] | None:
     """The same by branch and bound; rules that cannot be kept are broken at a price, or `strict`: None where one cannot be."""
     found = program(bands, axes, rules, given, over, strict)
     return None if found is None else found.level
 
 
 def program(
-    bands: Sequence[Band], axes: Sequence[Axis], rules: Sequence[Rule], given: Mapping[str, int],
-    over: Sequence[tuple[str, str]] = (), strict: bool = False,
-) -> Solution | None:  # fmt: skip
+    bands: Sequence[Band],
+    axes: Sequence[Axis],
+    rules: Sequence[Rule],
+    given: Mapping[str, int],
+    over: Sequence[tuple[str, str]] = (),
+    strict: bool = False,
+) -> Solution | None:
     """Its solution; None only where `strict`."""
     from scipy.optimize import Bounds, LinearConstraint, milp
 
@@ -46,19 +58,28 @@ def program(
         bounds.append((low, high))
         return len(cost) - 1
 
-    level = {name: column(LOW, given.get(name, low), given.get(name, most)) for name, low in least.items()}
+    level = {
+        name: column(LOW, given.get(name, low), given.get(name, most))
+        for name, low in least.items()
+    }
     rows += [({0: 1, k: -1}, 0) for k in level.values()]
     rows += [({level[upper]: 1, level[lower]: -1}, 1) for upper, lower in over]
     axis_ends: dict[str, tuple[int, int]] = {}
     uppers: dict[tuple[str, str], int] = {}
-    held: dict[str, tuple[int, int]] = {}  # whether the lower plate holds an axis, and whether the upper one does
+    held: dict[
+        str, tuple[int, int]
+    ] = {}  # whether the lower plate holds an axis, and whether the upper one does
     big, plate, bound = 2.0 * most + 4, column(0, 0, 0), bound_axes(axes, rules)
-    for axis in (axis for axis in axes if axis.far):  # top of the lower stub, bottom of the upper one: others pass between
+    for axis in (
+        axis for axis in axes if axis.far
+    ):  # top of the lower stub, bottom of the upper one: others pass between
         none = -1 if axis.name in bound and not axis.low else 0
         low, high = axis_ends[axis.name] = column(0, none, most + 1), column(0, 0, most + 2)
         rows.append(({high: 1, low: -1}, 0))
         for link in axis.links:
-            upper = column(LOW * (axis.name in bound), float(link in axis.high), float(link not in axis.low))
+            upper = column(
+                LOW * (axis.name in bound), float(link in axis.high), float(link not in axis.low)
+            )
             uppers[axis.name, link] = upper
             rows.append(({low: 1, level[link]: -1, upper: big}, axis.over))
             rows.append(({high: -1, level[link]: 1, upper: -big}, axis.over - big))
@@ -68,7 +89,10 @@ def program(
             rows += [({above: 1, uppers[axis.name, link]: -1}, 0) for link in axis.links]
             rows += [({below: -1, above: -1}, -1)] if axis.runs else []
     for axis in (axis for axis in axes if not axis.far):
-        low, high = axis_ends[axis.name] = column(-1, 0, 0 if axis.ground else most), column(1, 0, most + 1)
+        low, high = axis_ends[axis.name] = (
+            column(-1, 0, 0 if axis.ground else most),
+            column(1, 0, most + 1),
+        )
         for link in axis.links:
             rows.append(({high: 1, level[link]: -1}, axis.over))
             rows.append(({level[link]: 1, low: -1}, axis.under))
@@ -92,9 +116,13 @@ def program(
         if len(far) == 2 or (slotted and held.keys() & set(slotted)):  # on no plate both of them
             both = [held.get(name) for name in slotted or [axis.name for axis in far]]
             sides = zip(*(each or (plate, plate) for each in both), strict=True)
-            there = sum(each is None for each in both)  # those that end on the lower plate in any case
+            there = sum(
+                each is None for each in both
+            )  # those that end on the lower plate in any case
             for (one, other), fixed in zip(sides, (there, 0), strict=True):
-                rows.append(({one: -1.0, broken: 1} | ({other: -1.0} if other != one else {}), fixed - 1))
+                rows.append(
+                    ({one: -1.0, broken: 1} | ({other: -1.0} if other != one else {}), fixed - 1)
+                )
             if far:
                 rows.append(({b1: 1, a0: -1, broken: big}, 1))
                 rows.append(({a1: 1, b0: -1, broken: big}, 1))
@@ -102,19 +130,26 @@ def program(
         if far:
             if far[0] is rule.a:
                 (a0, a, a1, a_over), (b0, b, b1, b_over) = (b0, b, b1, b_over), (a0, a, a1, a_over)
-            rows.append(({a0: 1, b0: -1, broken: big}, 1 - a))  # over the lower stub, and under the upper one
+            rows.append(
+                ({a0: 1, b0: -1, broken: big}, 1 - a)
+            )  # over the lower stub, and under the upper one
             rows.append(({b1: 1, a1: -1, broken: big}, 1 + a_over))
             continue
         upper = column(0, 0, 1)
-        rows.append(({a0: 1, b1: -1, upper: big, broken: big}, 1 - a + b_over))  # a over b where `upper` is 0
+        rows.append(
+            ({a0: 1, b1: -1, upper: big, broken: big}, 1 - a + b_over)
+        )  # a over b where `upper` is 0
         rows.append(({b0: 1, a1: -1, upper: -big, broken: big}, 1 - b + a_over - big))
     table = np.zeros((len(rows), len(cost)))
     for k, (row, _) in enumerate(rows):
         table[k, list(row)] = list(row.values())
     found = milp(
-        cost, integrality=np.ones(len(cost)), bounds=Bounds(*np.array(bounds).T),
-        constraints=LinearConstraint(table, np.array([right for _, right in rows]), np.inf), options={"time_limit": 10.0},
-    )  # fmt: skip
+        cost,
+        integrality=np.ones(len(cost)),
+        bounds=Bounds(*np.array(bounds).T),
+        constraints=LinearConstraint(table, np.array([right for _, right in rows]), np.inf),
+        options={"time_limit": 10.0},
+    )
     if found.x is None and strict:
         return None
     if found.x is None:
@@ -125,7 +160,10 @@ def program(
 
 def least_levels(bands: Sequence[Band], axes: Sequence[Axis]) -> dict[str, int]:
     """Lowest level that each name may have."""
-    least = {band.level: 1 + max(each.below for each in bands if each.level == band.level) for band in bands}
+    least = {
+        band.level: 1 + max(each.below for each in bands if each.level == band.level)
+        for band in bands
+    }
     for axis in (axis for axis in axes if not axis.ground):
         least |= {link: max(least[link], 1 + axis.under) for link in axis.links}
     return least
@@ -134,13 +172,33 @@ def least_levels(bands: Sequence[Band], axes: Sequence[Axis]) -> dict[str, int]:
 def bound_axes(axes: Sequence[Axis], rules: Sequence[Rule]) -> set[str]:
     """Names of axes between two plates that may not be on whichever plate they like: they run in a slot of one, or meet what
     stands on the ground too."""
-    met = {thing.name for rule in rules for thing in (rule.a, rule.b)
-           if all(isinstance(each, Axis) and (each.far or each.ground) for each in (rule.a, rule.b))}  # fmt: skip
+    met = {
+        thing.name
+        for rule in rules
+        for thing in (rule.a, rule.b)
+        if all(isinstance(each, Axis) and (each.far or each.ground) for each in (rule.a, rule.b))
+    }
     return {axis.name for axis in axes if axis.far and (axis.runs or axis.name in met)}
 
 
 def _no_levels(given: Mapping[str, int]) -> Unlaid:
     if not given:
-        return Unlaid("levels found", 0, 1, "", "", "", "no order of levels has all that must lie over others over them")
+        return Unlaid(
+            "levels found",
+            0,
+            1,
+            "",
+            "",
+            "",
+            "no order of levels has all that must lie over others over them",
+        )
     remedy = "set what the shaft drives highest on its pivot, and a slot over the link with its pin"
-    return Unlaid("levels found", 0, 1, "", "[layers]", remedy, "no order of levels with those of [layers] is free of collisions")
+    return Unlaid(
+        "levels found",
+        0,
+        1,
+        "",
+        "[layers]",
+        remedy,
+        "no order of levels with those of [layers] is free of collisions",
+    )

@@ -108,16 +108,32 @@ class Crowded(Unlaid):
     need, and how many more such pairs there are. The remedy names keys that make them slimmer, where half as thick would do, or
     move them."""
 
-    def __init__(self, a: Thing, b: Thing, distance: float, needed: float, theta: float, more: int) -> None:
-        self.a, self.b, self.distance, self.needed, self.theta, self.more = a, b, distance, needed, theta, more
+    def __init__(
+        self, a: Thing, b: Thing, distance: float, needed: float, theta: float, more: int
+    ) -> None:
+        self.a, self.b, self.distance, self.needed, self.theta, self.more = (
+            a,
+            b,
+            distance,
+            needed,
+            theta,
+            more,
+        )
         others = f", and {more} more such pair{'s' if more > 1 else ''}" if more else ""
         said = f"{a.name} and {b.name}, {math.degrees(theta):.1f} deg{others}"
-        keys = [*(each.slim for each in (a, b) if distance >= needed / 2), *(each.move for each in (a, b))]
+        keys = [
+            *(each.slim for each in (a, b) if distance >= needed / 2),
+            *(each.move for each in (a, b)),
+        ]
         mends = list(dict.fromkeys(filter(None, keys)))
         super().__init__(
-            "distance of what cannot pass on any level", distance, needed, "mm", said,
+            "distance of what cannot pass on any level",
+            distance,
+            needed,
+            "mm",
+            said,
             f"make room for {needed - distance:.3g} mm: {', or '.join(mends) or 'use slimmer or longer links'}",
-        )  # fmt: skip
+        )
 
 
 @dataclass(frozen=True)
@@ -158,13 +174,19 @@ def _meets(one: _Way, other: _Way, gap: float) -> Rule | None:
     """The rule of two things that come nearer than `gap`, mm; None where they stay apart."""
     a, b = one.thing, other.thing
     if isinstance(a, Opening) and isinstance(b, Opening):
-        if a.axis == b.axis or (min(len(a.corners), len(b.corners)) > 1 and in_line(a.corners[:, 0], b.corners[:, 0])):
+        if a.axis == b.axis or (
+            min(len(a.corners), len(b.corners)) > 1 and in_line(a.corners[:, 0], b.corners[:, 0])
+        ):
             return None
     elif isinstance(a, Opening) or isinstance(b, Opening):
         return None  # its axis passes by whatever else stands on the ground, or moves
-    elif isinstance(a, Band) and (isinstance(b, Axis) and a.level in b.links or isinstance(b, Band) and a.level == b.level):
+    elif isinstance(a, Band) and (
+        isinstance(b, Axis) and a.level in b.links or isinstance(b, Band) and a.level == b.level
+    ):
         return None
-    elif isinstance(b, Wall) and (isinstance(a, Wall) or {b.link, b.on} & set(a.links if isinstance(a, Axis) else (a.level,))):
+    elif isinstance(b, Wall) and (
+        isinstance(a, Wall) or {b.link, b.on} & set(a.links if isinstance(a, Axis) else (a.level,))
+    ):
         return None
     needed, steps = a.radius + b.radius + gap, one.step + other.step
     if float((np.abs(other.centre - one.centre) - one.reach - other.reach - steps).min()) >= needed:
@@ -244,7 +266,12 @@ def kept(rule: Rule, level: Mapping[str, int], ends: Mapping[str, int | None]) -
         if cut_a is None or cut_b is None:
             return False
         (low_a, high_a), (low_b, high_b) = _gap(a, cut_a, level), _gap(b, cut_b, level)
-        apart = not any(one and other for one, other in zip(plates_of(a, cut_a, level), plates_of(b, cut_b, level), strict=True))
+        apart = not any(
+            one and other
+            for one, other in zip(
+                plates_of(a, cut_a, level), plates_of(b, cut_b, level), strict=True
+            )
+        )
         return apart and low_a < high_b and low_b < high_a
     for axis in (thing for thing in (a, b) if isinstance(thing, Axis) and thing.far):
         at, (one, other) = ends[axis.name], span(_others(rule, axis)[0], level)

@@ -26,16 +26,35 @@ from functools import lru_cache
 
 from camgen.geometry.outlines import Floats
 from camgen.parts.level_program import LOW, bound_axes, integer_program, least_levels, program
-from camgen.parts.level_rules import Axis, Band, Crowded, Opening, Rule, Thing, Wall, cut, kept, rules_of, span
+from camgen.parts.level_rules import (
+    Axis,
+    Band,
+    Crowded,
+    Opening,
+    Rule,
+    Thing,
+    Wall,
+    cut,
+    kept,
+    rules_of,
+    span,
+)
 
 _NODES = 20_000  # of the search, some 0.5 s; then the integer program, which takes that to load
 
 
 def levels(
-    bands: Sequence[Band], axes: Sequence[Axis], theta: Floats, gap: float, given: Mapping[str, int] | None = None,
-    walls: Sequence[Wall] = (), over: Sequence[tuple[str, str]] = (), explain: bool = True, searched: bool = False,
+    bands: Sequence[Band],
+    axes: Sequence[Axis],
+    theta: Floats,
+    gap: float,
+    given: Mapping[str, int] | None = None,
+    walls: Sequence[Wall] = (),
+    over: Sequence[tuple[str, str]] = (),
+    explain: bool = True,
+    searched: bool = False,
     openings: Sequence[Opening] = (),
-) -> dict[str, int] | None:  # fmt: skip
+) -> dict[str, int] | None:
     """Levels by name, 1 the lowest; None where they are not found soon, or to `explain` a longer search and DesignError.
 
     theta: (n,) rad, of the samples, for messages; gap: mm, least air of what passes by on one level; given: levels that are
@@ -58,14 +77,20 @@ def levels(
     broken = [rule for rule in rules if not kept(rule, found, ends)]
     if broken:
         rule = min(broken, key=lambda each: each.distance - each.needed)
-        raise Crowded(rule.a, rule.b, rule.distance, rule.needed, float(theta[rule.k]), len(broken) - 1)
+        raise Crowded(
+            rule.a, rule.b, rule.distance, rule.needed, float(theta[rule.k]), len(broken) - 1
+        )
     return found
 
 
 def cuts(
-    bands: Sequence[Band], axes: Sequence[Axis], walls: Sequence[Wall], gap: float, level: Mapping[str, int],
+    bands: Sequence[Band],
+    axes: Sequence[Axis],
+    walls: Sequence[Wall],
+    gap: float,
+    level: Mapping[str, int],
     openings: Sequence[Opening] = (),
-) -> dict[str, int]:  # fmt: skip
+) -> dict[str, int]:
     """Of each axis between two plates that does not go through, by its name, the highest level of its lower stub: 0 where all
     of its links are on the upper plate's, that of its highest link where all are on the lower plate's."""
     rules = rules_of([*bands, *axes, *walls, *openings], gap)
@@ -83,21 +108,32 @@ def _ends(
         solution = program(bands, axes, rules, level)
         assert solution is not None, "rules may be broken"
         upper = solution.upper
-        found |= {name: max([level[link] for link in far[name].links if (name, link) not in upper], default=0) for name in bound}
+        found |= {
+            name: max(
+                [level[link] for link in far[name].links if (name, link) not in upper], default=0
+            )
+            for name in bound
+        }
     return found
 
 
 @lru_cache(maxsize=8)  # variants of a machine mostly meet in the same places
 def search(
-    bands: tuple[Band, ...], axes: tuple[Axis, ...], rules: tuple[Rule, ...], kept: tuple[tuple[str, int], ...],
+    bands: tuple[Band, ...],
+    axes: tuple[Axis, ...],
+    rules: tuple[Rule, ...],
+    kept: tuple[tuple[str, int], ...],
     over: tuple[tuple[str, str], ...],
-) -> Mapping[str, int] | None:  # fmt: skip
+) -> Mapping[str, int] | None:
     """The best levels that keep all rules, by depth first on ever more levels; None where _NODES nodes do not find them."""
     given = dict(kept)
     least = least_levels(bands, axes)
     about = Counter(name for rule in rules for thing in (rule.a, rule.b) for name in _on(thing))
     names = sorted(least, key=lambda name: (name not in given, -about[name]))
-    touching = {name: [rule for rule in rules if name in _on(rule.a) or name in _on(rule.b)] for name in names}
+    touching = {
+        name: [rule for rule in rules if name in _on(rule.a) or name in _on(rule.b)]
+        for name in names
+    }
     ordered = {name: [pair for pair in over if name in pair] for name in names}
     pins = {name: [axis for axis in axes if name in axis.links] for name in names}
     level: dict[str, int] = {}
@@ -109,7 +145,9 @@ def search(
             a, b = _so_far(rule.a, level), _so_far(rule.b, level)
             if a and b and not (a[1] < b[0] or b[1] < a[0]):
                 return False
-        return all(level.get(upper, math.inf) > level.get(lower, 0) for upper, lower in ordered[name])
+        return all(
+            level.get(upper, math.inf) > level.get(lower, 0) for upper, lower in ordered[name]
+        )
 
     def lay(k: int, highest: int, cost: float) -> None:
         nonlocal best, cheapest, left
@@ -141,14 +179,22 @@ def _on(thing: Thing) -> tuple[str, ...]:
         return thing.links
     if isinstance(thing, Opening):
         return ()
-    return (thing.level,) if isinstance(thing, Band) else (thing.link, *([thing.on] if thing.on else []))
+    return (
+        (thing.level,)
+        if isinstance(thing, Band)
+        else (thing.link, *([thing.on] if thing.on else []))
+    )
 
 
 def _so_far(thing: Thing, level: Mapping[str, int]) -> tuple[int, int] | None:
     """Levels that a thing takes at least, some of its names being laid; None where nothing is known."""
     if isinstance(thing, Axis):
         held = [level[link] for link in thing.links if link in level]
-        return (0 if thing.ground else min(held) - thing.under, max(held) + thing.over) if held else None
+        return (
+            (0 if thing.ground else min(held) - thing.under, max(held) + thing.over)
+            if held
+            else None
+        )
     known = all(name in level for name in _on(thing))
     return span(thing, level) if known else None
 

@@ -1,9 +1,9 @@
 """What parts are made of, as loads see it; every row with its source. Where none is published there is no number.
 
-    modulus    Young's modulus of printed samples as they are built, MPa; Poisson's ratio
-    bears      alternating bending stress across the layers, MPa: half of what they bear in tension when stood upright
-    strength   greatest tensile strength that is told of such prints, in the plane, MPa
-    spread     usual tolerance of a printed size, +- mm
+modulus    Young's modulus of printed samples as they are built, MPa; Poisson's ratio
+bears      alternating bending stress across the layers, MPa: half of what they bear in tension when stood upright
+strength   greatest tensile strength that is told of such prints, in the plane, MPa
+spread     usual tolerance of a printed size, +- mm
 """
 
 from __future__ import annotations
@@ -24,30 +24,62 @@ class Material:
     source: str
 
 
-_POISSON = 0.35  # of plastics, usually 0.33 to 0.40: its square is a few percent of a contact's stiffness
+_POISSON = (
+    0.35  # of plastics, usually 0.33 to 0.40: its square is a few percent of a contact's stiffness
+)
 _GUIDE = "spread: FDM tolerance guide, toolsfast.app/3d-printing/fdm-tolerance-guide"
 
 STEEL = Material(
-    "steel", Elastic(207e3, 0.292), 350.0, 0.0,
+    "steel",
+    Elastic(207e3, 0.292),
+    350.0,
+    0.0,
     "207 GPa and 0.292 as handbooks have it; bears half of 700 MPa, the tensile strength of steel that can still be turned",
-)  # fmt: skip
+)
 
 MATERIALS = {
     row.name: row
     for row in (
-        Material("PLA", Elastic(3500.0, _POISSON), 20.0, 0.2,
-                 f"additive.tools/materials/pla: 3-4 GPa, 35-45 MPa upright; {_GUIDE}"),
-        Material("PETG", Elastic(2500.0, _POISSON), 16.0, 0.3,
-                 f"additive.tools/materials/petg: 2-3 GPa, 25-38 MPa upright; {_GUIDE}"),
-        Material("PC", Elastic(2500.0, _POISSON), 22.0, 0.5,
-                 f"additive.tools/materials/pc: 2-3 GPa, 35-52 MPa upright; {_GUIDE} (not listed there: as ABS)"),
-        Material("ABS", Elastic(1443.0, _POISSON), 9.0, 0.5,
-                 f"maker's values in PMC10406103, table 2: 1443 MPa, 35.3 MPa, half of that upright; {_GUIDE}"),
-        Material("ASA", Elastic(1443.0, _POISSON), 9.0, 0.45, f"as ABS, no source of its own; {_GUIDE}"),
-        Material("nylon", Elastic(1387.0, _POISSON), 11.0, 0.5,
-                 f"PA12, maker's values in PMC10406103, table 2: 1387 MPa, 43 MPa, half of that upright; {_GUIDE}"),
+        Material(
+            "PLA",
+            Elastic(3500.0, _POISSON),
+            20.0,
+            0.2,
+            f"additive.tools/materials/pla: 3-4 GPa, 35-45 MPa upright; {_GUIDE}",
+        ),
+        Material(
+            "PETG",
+            Elastic(2500.0, _POISSON),
+            16.0,
+            0.3,
+            f"additive.tools/materials/petg: 2-3 GPa, 25-38 MPa upright; {_GUIDE}",
+        ),
+        Material(
+            "PC",
+            Elastic(2500.0, _POISSON),
+            22.0,
+            0.5,
+            f"additive.tools/materials/pc: 2-3 GPa, 35-52 MPa upright; {_GUIDE} (not listed there: as ABS)",
+        ),
+        Material(
+            "ABS",
+            Elastic(1443.0, _POISSON),
+            9.0,
+            0.5,
+            f"maker's values in PMC10406103, table 2: 1443 MPa, 35.3 MPa, half of that upright; {_GUIDE}",
+        ),
+        Material(
+            "ASA", Elastic(1443.0, _POISSON), 9.0, 0.45, f"as ABS, no source of its own; {_GUIDE}"
+        ),
+        Material(
+            "nylon",
+            Elastic(1387.0, _POISSON),
+            11.0,
+            0.5,
+            f"PA12, maker's values in PMC10406103, table 2: 1387 MPa, 43 MPa, half of that upright; {_GUIDE}",
+        ),
     )
-}  # fmt: skip
+}
 
 # The strongest of these prints in their plane, MPa [additive.tools/materials/pc: 58-75].
 STRONGEST = 75.0

@@ -33,7 +33,12 @@ STEPPERS = {
 }
 
 # Usual shafts of motor frames: diameter and length over the face, mm.
-SHAFTS = {"nema-8": (4.0, 6.0), "nema-14": (5.0, 21.0), "nema-17": (5.0, 24.0), "nema-23": (6.35, 24.0)}
+SHAFTS = {
+    "nema-8": (4.0, 6.0),
+    "nema-14": (5.0, 21.0),
+    "nema-17": (5.0, 24.0),
+    "nema-23": (6.35, 24.0),
+}
 
 
 @dataclass(frozen=True)

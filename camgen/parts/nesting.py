@@ -62,7 +62,9 @@ def nest(outlines: Sequence[Points], sheet: tuple[float, float], gap: float) -> 
         key = outlines[k].tobytes()
         if key not in known:
             turned = [_turned(outlines[k], cell, gap, math.tau * a / ANGLES) for a in range(ANGLES)]
-            known[key] = [t for t in turned if all(m <= n for m, n in zip(t.mask.shape, size, strict=True))]
+            known[key] = [
+                t for t in turned if all(m <= n for m, n in zip(t.mask.shape, size, strict=True))
+            ]
         if not known[key]:
             continue
         for number in range(len(sheets) + 1):
@@ -89,10 +91,14 @@ def _turned(outline: Points, cell: float, gap: float, angle: float) -> _Turned:
     z = outline * cmath.rect(1, angle)
     reach = gap / 2 + _DIAGONAL * cell
     low = complex(z.real.min(), z.imag.min()) - reach * (1 + 1j)
-    width, height = (math.ceil((side + 2 * reach) / cell) for side in (np.ptp(z.real), np.ptp(z.imag)))
+    width, height = (
+        math.ceil((side + 2 * reach) / cell) for side in (np.ptp(z.real), np.ptp(z.imag))
+    )
     area = shapely.Polygon(np.column_stack([z.real - low.real, z.imag - low.imag])).buffer(reach)
     shapely.prepare(area)
-    x, y = np.meshgrid(cell * (np.arange(width) + 0.5), cell * (np.arange(height) + 0.5), indexing="ij")
+    x, y = np.meshgrid(
+        cell * (np.arange(width) + 0.5), cell * (np.arange(height) + 0.5), indexing="ij"
+    )
     mask = np.asarray(shapely.contains_xy(area, x, y))
     columns, rows = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     corner = cell * complex(columns[0], rows[0])
@@ -113,7 +119,9 @@ def _first(taken: Mask, choices: Sequence[_Turned]) -> tuple[tuple[int, int], _T
         m, n = choice.mask.shape
         if m > width:
             continue
-        shared = fft.irfft2(spectrum * np.conj(fft.rfft2(choice.mask, shape)), shape)[: width - m + 1, : there.shape[1] - n + 1]
+        shared = fft.irfft2(spectrum * np.conj(fft.rfft2(choice.mask, shape)), shape)[
+            : width - m + 1, : there.shape[1] - n + 1
+        ]
         free = shared < 0.5
         place = int(np.argmax(free))
         x, y = divmod(place, free.shape[1])

@@ -10,7 +10,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from camgen.geometry.crossing import Edge, spread, volume
-from camgen.geometry.outlines import Arc, Contour, Line, Piece, Points, Region, circle, kidney, polygon
+from camgen.geometry.outlines import (
+    Arc,
+    Contour,
+    Line,
+    Piece,
+    Points,
+    Region,
+    circle,
+    kidney,
+    polygon,
+)
 from camgen.tolerances import SAME_POINT
 
 
@@ -74,14 +84,20 @@ class Part:
     def volume(self) -> float:
         """Exact volume, mm^3, of layers that do not overlap less the engraving."""
         if self.crossed is not None:
-            whole = sum(volume(layer.region, self.crossed, layer.z0, layer.z1) for layer in self.layers)
+            whole = sum(
+                volume(layer.region, self.crossed, layer.z0, layer.z1) for layer in self.layers
+            )
             return whole - sum(edge.volume for edge in self.edges)
-        return sum(layer.volume for layer in self.layers) - sum(layer.volume for layer in self.engraved)
+        return sum(layer.volume for layer in self.layers) - sum(
+            layer.volume for layer in self.engraved
+        )
 
     @property
     def engraving(self) -> tuple[Contour, ...]:
         """The contours that a laser engraves."""
-        return tuple(each for layer in self.engraved for each in (layer.region.outer, *layer.region.holes))
+        return tuple(
+            each for layer in self.engraved for each in (layer.region.outer, *layer.region.holes)
+        )
 
     @property
     def walls(self) -> float:
@@ -123,7 +139,13 @@ def arrowhead(centre: complex, size: float, direction: complex) -> Contour:
     return polygon([centre + size * direction * cmath.exp(2j * math.pi * k / 3) for k in range(3)])
 
 
-def windows(rim: Points, hub: float, count: int, wall: float, obstacles: Sequence[tuple[complex, float]] = ()) -> list[Contour]:
+def windows(
+    rim: Points,
+    hub: float,
+    count: int,
+    wall: float,
+    obstacles: Sequence[tuple[complex, float]] = (),
+) -> list[Contour]:
     """Up to `count` lightening windows (arc slots about the origin) that keep `wall` to everything around them.
 
     rim: (n,) complex polygon of the part's edge; hub: radius about the origin to keep clear (wall not yet added);
@@ -156,12 +178,18 @@ def windows(rim: Points, hub: float, count: int, wall: float, obstacles: Sequenc
         half = np.minimum(half, (radii - hub - wall)[:, :, 0])
         half = np.minimum(half, rib - wall / 2)
         for centre, radius in obstacles:
-            half = np.minimum(half, clearance(np.array([centre]), direction)[:, :, 0] - radius - wall)
+            half = np.minimum(
+                half, clearance(np.array([centre]), direction)[:, :, 0] - radius - wall
+            )
         outside = radii[:, 0, 0] > np.min(
-            np.where(np.abs(np.angle(rim * cmath.exp(-1j * direction))) < sector, np.abs(rim), np.inf)
+            np.where(
+                np.abs(np.angle(rim * cmath.exp(-1j * direction))) < sector, np.abs(rim), np.inf
+            )
         )
         half[outside] = -1
-        area = np.where(half > wall / 2, 4 * half * (radii * spreads)[:, :, 0] + math.pi * half**2, -1)
+        area = np.where(
+            half > wall / 2, 4 * half * (radii * spreads)[:, :, 0] + math.pi * half**2, -1
+        )
         i, j = np.unravel_index(int(np.argmax(area)), area.shape)
         if area[i, j] < 0:
             continue
@@ -186,14 +214,22 @@ def hull(discs: Sequence[tuple[complex, float]]) -> Contour:
     """
     # Of discs that reach a tangent alike, the one farthest along it is next, then the largest: the rest touch on the way.
     right = max(centre.real + radius for centre, radius in discs)
-    tied = [k for k, (centre, radius) in enumerate(discs) if centre.real + radius >= right - 1e-12 * abs(right)]
+    tied = [
+        k
+        for k, (centre, radius) in enumerate(discs)
+        if centre.real + radius >= right - 1e-12 * abs(right)
+    ]
     start = here = max(tied, key=lambda k: (round(discs[k][0].imag, 9), discs[k][1]))
     angle = 0.0
     pieces: list[Line | Arc] = []
     while True:
         centre, radius = discs[here]
         leaving = [  # the angle at which another disc begins to reach as far
-            ((_direction(other - centre) - math.acos((radius - r) / abs(other - centre)) - angle) % math.tau, k)
+            (
+                (_direction(other - centre) - math.acos((radius - r) / abs(other - centre)) - angle)
+                % math.tau,
+                k,
+            )
             for k, (other, r) in enumerate(discs)
             if abs(radius - r) + SAME_POINT < abs(other - centre)
         ]
@@ -215,7 +251,9 @@ def hull(discs: Sequence[tuple[complex, float]]) -> Contour:
             return Contour(tuple(pieces))
 
 
-def with_bar(edge: Contour, at: complex, along: complex, half: float, length: float, pointed: bool = False) -> Contour:
+def with_bar(
+    edge: Contour, at: complex, along: complex, half: float, length: float, pointed: bool = False
+) -> Contour:
     """An edge of lines and arcs with a bar that sticks out of it: from the point `at` inside so far along a unit vector, mm.
 
     half: half its width; its end is round and reaches so much further, or pointed and does not.
@@ -224,21 +262,50 @@ def with_bar(edge: Contour, at: complex, along: complex, half: float, length: fl
     pieces = edge.counter_clockwise().pieces
     cuts = []
     for side in (-1, 1):
-        found = [(u, k, t) for k, piece in enumerate(pieces) for u, t in _crossings(piece, at, along, side * half) if u > 0]
+        found = [
+            (u, k, t)
+            for k, piece in enumerate(pieces)
+            for u, t in _crossings(piece, at, along, side * half)
+            if u > 0
+        ]
         if not found or max(found)[0] >= length:
             raise ValueError(f"no edge as wide as a bar of {2 * half:g} mm before its end")
         cuts.append(max(found))
     (low, first, t), (high, last, s) = cuts
-    rest = [pieces[(last + k) % len(pieces)] for k in range(1, (first - last) % len(pieces) or len(pieces))]
-    kept = [_part(pieces[last], s, pieces[last].t1), *rest, _part(pieces[first], pieces[first].t0, t)]
+    rest = [
+        pieces[(last + k) % len(pieces)]
+        for k in range(1, (first - last) % len(pieces) or len(pieces))
+    ]
+    kept = [
+        _part(pieces[last], s, pieces[last].t1),
+        *rest,
+        _part(pieces[first], pieces[first].t0, t),
+    ]
     straight = length - 2 * half * pointed
-    tip, corner, end = (at + z * along for z in (length, straight - 1j * half, straight + 1j * half))
-    nose = (Line(corner, tip), Line(tip, end)) if pointed else (Arc(tip, half, _direction(along) - math.pi / 2, math.pi),)
-    bar = (Line(at + (low - 1j * half) * along, corner), *nose, Line(end, at + (high + 1j * half) * along))
-    return Contour((*(piece for piece in kept if abs(piece.at(piece.t1) - piece.at(piece.t0)) > SAME_POINT), *bar))
+    tip, corner, end = (
+        at + z * along for z in (length, straight - 1j * half, straight + 1j * half)
+    )
+    nose = (
+        (Line(corner, tip), Line(tip, end))
+        if pointed
+        else (Arc(tip, half, _direction(along) - math.pi / 2, math.pi),)
+    )
+    bar = (
+        Line(at + (low - 1j * half) * along, corner),
+        *nose,
+        Line(end, at + (high + 1j * half) * along),
+    )
+    return Contour(
+        (
+            *(piece for piece in kept if abs(piece.at(piece.t1) - piece.at(piece.t0)) > SAME_POINT),
+            *bar,
+        )
+    )
 
 
-def _crossings(piece: Piece, at: complex, along: complex, aside: float) -> list[tuple[float, float]]:
+def _crossings(
+    piece: Piece, at: complex, along: complex, aside: float
+) -> list[tuple[float, float]]:
     """Where a line or arc crosses a line beside `at`: how far along that, mm, and the piece's parameter."""
     if isinstance(piece, Line):
         a, b = (piece.a - at) / along, (piece.b - at) / along
@@ -251,9 +318,16 @@ def _crossings(piece: Piece, at: complex, along: complex, aside: float) -> list[
         return []
     found = []
     for angle in (math.asin(rise), math.pi - math.asin(rise)):
-        turned = (angle + _direction(along) - piece.start) * math.copysign(1, piece.sweep) % math.tau
+        turned = (
+            (angle + _direction(along) - piece.start) * math.copysign(1, piece.sweep) % math.tau
+        )
         if turned <= abs(piece.sweep):
-            found.append((centre.real + piece.radius * math.cos(angle), piece.start + math.copysign(turned, piece.sweep)))
+            found.append(
+                (
+                    centre.real + piece.radius * math.cos(angle),
+                    piece.start + math.copysign(turned, piece.sweep),
+                )
+            )
     return found
 
 
@@ -266,10 +340,25 @@ def _part(piece: Piece, t0: float, t1: float) -> Piece:
 
 
 def rod(
-    name: str, title: str, diameter: float, length: float, count: int = 1, notes: tuple[str, ...] = (), made: str = "printed"
+    name: str,
+    title: str,
+    diameter: float,
+    length: float,
+    count: int = 1,
+    notes: tuple[str, ...] = (),
+    made: str = "printed",
 ) -> Part:
     """A round pin, upright on its end."""
-    return Part(name, title, (Layer(Region(circle(0j, diameter / 2)), 0.0, length),), count, (), (0j,), notes, made=made)
+    return Part(
+        name,
+        title,
+        (Layer(Region(circle(0j, diameter / 2)), 0.0, length),),
+        count,
+        (),
+        (0j,),
+        notes,
+        made=made,
+    )
 
 
 def clearance(discs: Sequence[tuple[complex, float]], points: Points) -> np.ndarray:
@@ -286,7 +375,9 @@ def clearance(discs: Sequence[tuple[complex, float]], points: Points) -> np.ndar
         if abs(d := w - z) > abs(r - s)
     ]
     normals = np.exp(1j * np.concatenate([np.arange(240) * (math.tau / 240), edges]))
-    reach = np.max([np.real(np.conj(normals) * centre) + radius for centre, radius in discs], axis=0)
+    reach = np.max(
+        [np.real(np.conj(normals) * centre) + radius for centre, radius in discs], axis=0
+    )
     best = np.full(points.shape, -np.inf)
     for normal, far in zip(normals, reach, strict=True):
         np.maximum(best, points.real * normal.real + points.imag * normal.imag - far, out=best)

@@ -76,7 +76,10 @@ class SetScrewHub:
         way = radius - (self.bore / 2 - self.flat)
         length = max((each for each in _LENGTHS if each <= way), default=_LENGTHS[0])
         name = "set screw of the hub"
-        return [Bought(name, "ISO 4029", f"{self.thread} x {length:g}", 1), nut("nut of the set screw", self.thread, 1)]
+        return [
+            Bought(name, "ISO 4029", f"{self.thread} x {length:g}", 1),
+            nut("nut of the set screw", self.thread, 1),
+        ]
 
     def force(self, bears: float) -> float:
         """With which the nut presses on its wall where the plastic bears so much, MPa: N."""
@@ -87,12 +90,23 @@ class SetScrewHub:
         screw is as thick as the shaft."""
         if radius < self.least_radius - 1e-9:
             raise DesignError(
-                "diameter of the hub with a set screw", 2 * radius, 2 * self.least_radius, "mm", f"{self.thread}, its nut",
+                "diameter of the hub with a set screw",
+                2 * radius,
+                2 * self.least_radius,
+                "mm",
+                f"{self.thread}, its nut",
                 "make it larger, or use a thinner set_screw",
-            )  # fmt: skip
+            )
         half, wide = self.screw.clearance / 2, (self.screw.flats + _ROOM) / 2
         if half >= 0.9 * self.bore / 2:
-            raise DesignError("hole of the set screw", 2 * half, 0.9 * self.bore, "mm", self.thread, "use a thinner set_screw")
+            raise DesignError(
+                "hole of the set screw",
+                2 * half,
+                0.9 * self.bore,
+                "mm",
+                self.thread,
+                "use a thinner set_screw",
+            )
         bore = d_bore(self.bore, self.flat) if self.flat else circle(0j, self.bore / 2)
         pocket = rectangle(complex(-wide, self.near), complex(wide, self.far))
         outer = circle(0j, radius)
@@ -100,15 +114,26 @@ class SetScrewHub:
         cut = Region(self._cut(radius, half, wide))
         heights = (0.0, self.thin, self.middle - half, self.middle + half, max(self.height, height))
         regions = (plain, held, cut, held)
-        return [Layer(region, z + low, z + high) for region, low, high in zip(regions, heights, heights[1:], strict=False)]
+        return [
+            Layer(region, z + low, z + high)
+            for region, low, high in zip(regions, heights, heights[1:], strict=False)
+        ]
 
     def _cut(self, radius: float, half: float, wide: float) -> Contour:
         """Where the screw's hole, as wide as it is high, leads from the edge through the pocket to the bore."""
         top, inner = math.sqrt(radius**2 - half**2), self._inner(half)
         first = cmath.phase(complex(-half, top))
-        pieces: list[Piece] = [Arc(0j, radius, first, cmath.phase(complex(half, top)) + math.tau - first)]
-        right = [complex(half, top), complex(half, self.far), complex(wide, self.far), complex(wide, self.near),
-                 complex(half, self.near), complex(half, inner[0])]  # fmt: skip
+        pieces: list[Piece] = [
+            Arc(0j, radius, first, cmath.phase(complex(half, top)) + math.tau - first)
+        ]
+        right = [
+            complex(half, top),
+            complex(half, self.far),
+            complex(wide, self.far),
+            complex(wide, self.near),
+            complex(half, self.near),
+            complex(half, inner[0]),
+        ]
         pieces += [Line(a, b) for a, b in zip(right, right[1:], strict=False)]
         pieces += inner[1]
         left = [-z.conjugate() for z in reversed(right)]
@@ -125,12 +150,20 @@ class SetScrewHub:
         lean = math.asin(height / radius)
         corner = complex(chord, height)
         arc = Arc(0j, radius, lean, -(math.pi + 2 * lean))
-        sides = Line(complex(half, height), corner), Line(-corner.conjugate(), complex(-half, height))
+        sides = (
+            Line(complex(half, height), corner),
+            Line(-corner.conjugate(), complex(-half, height)),
+        )
         return height, [sides[0], arc, sides[1]]
 
     def collar(self) -> Part:
         """The hub as a part of its own, its origin the axis."""
         return Part(
-            "shaft-collar", "Collar with a set screw", tuple(self.layers(self.least_radius)), centres=(0j,), bore=self.bore,
-            min_wall=min(self.thin, self.wall), notes=(Held(f"set screw {self.thread} in its nut, tight on the shaft"),),
-        )  # fmt: skip
+            "shaft-collar",
+            "Collar with a set screw",
+            tuple(self.layers(self.least_radius)),
+            centres=(0j,),
+            bore=self.bore,
+            min_wall=min(self.thin, self.wall),
+            notes=(Held(f"set screw {self.thread} in its nut, tight on the shaft"),),
+        )

@@ -33,7 +33,9 @@ def solid(part: Part, tolerance: float) -> Mesh:
     itself or another one, or where the layers do not make exactly one body.
     """
     alone = len(part.layers) == 1 and not part.engraved and part.crossed is None
-    layers = [_prism(layer, tolerance, part.name, pocket=False, fine=alone) for layer in part.layers]
+    layers = [
+        _prism(layer, tolerance, part.name, pocket=False, fine=alone) for layer in part.layers
+    ]
     pockets = [_prism(layer, tolerance, part.name, pocket=True) for layer in part.engraved]
     if part.crossed is not None:
         mesh = _cross(layers, part, tolerance)
@@ -57,7 +59,11 @@ def rings(region: Region, tolerance: float, pocket: bool = False) -> list[Points
 def _ring(contour: Contour, tolerance: float, outside: bool) -> Points:
     """Anticlockwise float32-clean ring without repeated points or points in line with their neighbours."""
     round_one = as_circle(contour) if outside else None
-    z = facet_circle(*round_one, tolerance, outside=True) if round_one else facet_contour(contour, tolerance)
+    z = (
+        facet_circle(*round_one, tolerance, outside=True)
+        if round_one
+        else facet_contour(contour, tolerance)
+    )
     z = z.astype(np.complex64).astype(np.complex128) + 0  # + 0 turns -0 into 0
     while True:
         z = np.asarray(z[z != np.roll(z, 1)])
@@ -85,8 +91,13 @@ def _prism(layer: Layer, tolerance: float, name: str, pocket: bool, fine: bool =
     here = np.arange(sizes.sum())
     following = here + 1
     following[np.cumsum(sizes) - 1] -= sizes
-    walls = [np.column_stack([here, following, following + n]), np.column_stack([here, following + n, here + n])]
-    return Mesh(np.concatenate([floor, ceiling]) + 0.0, np.concatenate([cap[:, ::-1], cap + n, *walls]))
+    walls = [
+        np.column_stack([here, following, following + n]),
+        np.column_stack([here, following + n, here + n]),
+    ]
+    return Mesh(
+        np.concatenate([floor, ceiling]) + 0.0, np.concatenate([cap[:, ::-1], cap + n, *walls])
+    )
 
 
 def _check_rings(loops: Sequence[Points], name: str) -> None:
@@ -97,13 +108,17 @@ def _check_rings(loops: Sequence[Points], name: str) -> None:
     reason = shapely.is_valid_reason(shapely.Polygon(outer, holes)) if len(outer) > 2 else "No area"
     if reason != "Valid Geometry":
         place = reason.replace("[", " at (").replace("]", ") mm")
-        raise DesignError(f"outline faults of {name}", 1, 0, "", place, "outlines may not cross, touch or nest")
+        raise DesignError(
+            f"outline faults of {name}", 1, 0, "", place, "outlines may not cross, touch or nest"
+        )
 
 
 def _manifold(mesh: Mesh) -> Any:
     import manifold3d
 
-    return manifold3d.Manifold(manifold3d.Mesh64(np.ascontiguousarray(mesh.vertices), mesh.faces.astype(np.uint64)))
+    return manifold3d.Manifold(
+        manifold3d.Mesh64(np.ascontiguousarray(mesh.vertices), mesh.faces.astype(np.uint64))
+    )
 
 
 def _combine(layers: Sequence[Mesh], pockets: Sequence[Mesh]) -> Mesh:
@@ -112,9 +127,14 @@ def _combine(layers: Sequence[Mesh], pockets: Sequence[Mesh]) -> Mesh:
 
     body = manifold3d.Manifold.batch_boolean([_manifold(m) for m in layers], manifold3d.OpType.Add)
     if pockets:
-        body = manifold3d.Manifold.batch_boolean([body, *map(_manifold, pockets)], manifold3d.OpType.Subtract)
+        body = manifold3d.Manifold.batch_boolean(
+            [body, *map(_manifold, pockets)], manifold3d.OpType.Subtract
+        )
     raw = body.to_mesh64()
-    vertices, faces = np.asarray(raw.vert_properties)[:, :3], np.asarray(raw.tri_verts).astype(np.int64)
+    vertices, faces = (
+        np.asarray(raw.vert_properties)[:, :3],
+        np.asarray(raw.tri_verts).astype(np.int64),
+    )
     levels = distinct(*(m.vertices[:, 2] for m in (*layers, *pockets)))
     height = levels[np.argmin(np.abs(vertices[:, 2, None] - levels), axis=1)]
     known = distinct(*(m.vertices[:, 0] + 1j * m.vertices[:, 1] for m in (*layers, *pockets)))
@@ -132,20 +152,29 @@ def _cross(layers: Sequence[Mesh], part: Part, tolerance: float) -> Mesh:
     assert part.crossed is not None
     upright = _prism(Layer(part.crossed, -reach, reach), tolerance, part.name, pocket=False)
     # (x, y, z) to (x, z, y) is a mirror image, so the faces turn round
-    across = Mesh(np.ascontiguousarray(upright.vertices[:, [0, 2, 1]]), np.ascontiguousarray(upright.faces[:, ::-1]))
-    body = manifold3d.Manifold.batch_boolean([stack, _manifold(across)], manifold3d.OpType.Intersect)
+    across = Mesh(
+        np.ascontiguousarray(upright.vertices[:, [0, 2, 1]]),
+        np.ascontiguousarray(upright.faces[:, ::-1]),
+    )
+    body = manifold3d.Manifold.batch_boolean(
+        [stack, _manifold(across)], manifold3d.OpType.Intersect
+    )
     cutters = [_manifold(_ordered(*edge.cutter(tolerance))) for edge in part.edges]
     if cutters:
         body = manifold3d.Manifold.batch_boolean([body, *cutters], manifold3d.OpType.Subtract)
     if body.is_empty():
-        raise DesignError(f"volume of {part.name}", 0.0, 0.0, "mm^3", "", "its two outlines must meet")
+        raise DesignError(
+            f"volume of {part.name}", 0.0, 0.0, "mm^3", "", "its two outlines must meet"
+        )
     raw = body.to_mesh64()
     vertices = np.asarray(raw.vert_properties)[:, :3].astype(np.float32).astype(float) + 0.0
     faces = np.asarray(raw.tri_verts).astype(np.int64)
     # Where cuts nearly meet, edges are a few float32 steps long: no two readers agree on the normal of a face with one.
     here, there = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     step = MERGED_STEPS * FLOAT32_ROUNDING * float(np.abs(vertices).max())
-    for k in np.flatnonzero((here < there) & (np.abs(vertices[here] - vertices[there]).max(axis=1) <= step)):
+    for k in np.flatnonzero(
+        (here < there) & (np.abs(vertices[here] - vertices[there]).max(axis=1) <= step)
+    ):
         vertices[there[k]] = vertices[here[k]]
     mesh = _ordered(vertices, faces)
     return _ordered(mesh.vertices, _split_flat(mesh))
@@ -206,13 +235,22 @@ def _check(mesh: Mesh, name: str) -> None:
     place = place[np.lexsort(place.T)]
     same = int(np.count_nonzero(np.all(place[1:] == place[:-1], axis=1)))
     if same:
-        raise DesignError(f"distinct vertices of {name}", len(place) - same, len(place), "", "float32")
+        raise DesignError(
+            f"distinct vertices of {name}", len(place) - same, len(place), "", "float32"
+        )
     a, b, size = mesh.faces, np.roll(mesh.faces, -1, axis=1), len(mesh.vertices)
     there, back = np.sort((a * size + b).ravel()), np.sort((b * size + a).ravel())
     # closed: every edge is run once each way
     faults = int(np.count_nonzero(there != back)) + int(np.count_nonzero(there[1:] == there[:-1]))
     if faults or not mesh.volume > 0:
-        raise DesignError(f"volume of {name}", mesh.volume, 0, "mm^3", f"{faults} faulty edges", "outlines must not touch")
+        raise DesignError(
+            f"volume of {name}",
+            mesh.volume,
+            0,
+            "mm^3",
+            f"{faults} faulty edges",
+            "outlines must not touch",
+        )
 
 
 def _check_bodies(mesh: Mesh, name: str) -> None:

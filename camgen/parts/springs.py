@@ -1,10 +1,10 @@
 """Extension springs of round wire, cold coiled: EN 13906-2; patented drawn wire EN 10270-1 SH.
 
-    surge    the lowest at which its coils swing by themselves, sqrt(rate / mass) / 2: half a wave along the coils, both ends held
-    rate     G d^4 / (8 D^3 n)
-    stress   k 8 F D / (pi d^3), k = (w + 0.5) / (w - 0.75) by Bergstraesser, w = D / d; at most 0.45 of the wire's tensile
-             strength
-    legs     where its closed coils and hooks are shorter than its free length, straight wire from the coils to either eye
+surge    the lowest at which its coils swing by themselves, sqrt(rate / mass) / 2: half a wave along the coils, both ends held
+rate     G d^4 / (8 D^3 n)
+stress   k 8 F D / (pi d^3), k = (w + 0.5) / (w - 0.75) by Bergstraesser, w = D / d; at most 0.45 of the wire's tensile
+         strength
+legs     where its closed coils and hooks are shorter than its free length, straight wire from the coils to either eye
 """
 
 from __future__ import annotations
@@ -43,7 +43,14 @@ class ExtensionSpring:
         """Of the wire, N/mm^2."""
         mean = self.outside - self.wire
         index = mean / self.wire
-        return float((index + 0.5) / (index - 0.75) * 8 * self.force(length) * mean / (math.pi * self.wire**3))
+        return float(
+            (index + 0.5)
+            / (index - 0.75)
+            * 8
+            * self.force(length)
+            * mean
+            / (math.pi * self.wire**3)
+        )
 
     @property
     def strength(self) -> float:
@@ -73,7 +80,11 @@ class ExtensionSpring:
 
     def bought(self, shortest: float, longest: float) -> Bought:
         """Its line in the list of parts, with its forces at both ends of its way, mm."""
-        legs = "" if self.leg <= 1.01 * (self.outside - 2 * self.wire) else f" and a leg of {self.leg:.4g} at each end"
+        legs = (
+            ""
+            if self.leg <= 1.01 * (self.outside - 2 * self.wire)
+            else f" and a leg of {self.leg:.4g} at each end"
+        )
         size = (
             f"wire {self.wire:g}, outside diameter {self.outside:.3g}, {self.coils:.3g} coils, free length {self.free:.4g} "
             f"inside the eyes: closed coils of {self.body:.4g}{legs}, "
@@ -83,7 +94,9 @@ class ExtensionSpring:
         return Bought("extension spring", "EN 13906-2", size, 1)
 
 
-def extension_spring(rate: float, free: float, longest: float, eye: float, hook: float = 0.0) -> ExtensionSpring | None:
+def extension_spring(
+    rate: float, free: float, longest: float, eye: float, hook: float = 0.0
+) -> ExtensionSpring | None:
     """The slimmest spring of a rate, N/mm, and free length whose eyes are at least so wide inside, its hooks so long; mm; None
     where none can be."""
     for wider in _WIDER:
@@ -91,19 +104,30 @@ def extension_spring(rate: float, free: float, longest: float, eye: float, hook:
             mean = wider * eye + wire
             coils = _SHEAR * wire**4 / (8 * mean**3 * rate)
             found = ExtensionSpring(wire, mean + wire, coils, free, rate)
-            wound = coils >= _LEAST_COILS and _INDEX[0] <= mean / wire <= _INDEX[1] and found.least_free(hook) <= free
+            wound = (
+                coils >= _LEAST_COILS
+                and _INDEX[0] <= mean / wire <= _INDEX[1]
+                and found.least_free(hook) <= free
+            )
             if wound and found.stress(longest) <= found.strength:
                 return found
     return None
 
 
 def pulling(
-    force: float, shortest: float, longest: float, eye: float, shares: Iterable[float], hook: float = 0.0
+    force: float,
+    shortest: float,
+    longest: float,
+    eye: float,
+    shares: Iterable[float],
+    hook: float = 0.0,
 ) -> ExtensionSpring | None:
     """A spring that pulls with a force, N, at its shortest, where it is stretched by the first of these shares of its length
     for which there is one."""
     for share in shares:
-        found = extension_spring(force / (share * shortest), (1 - share) * shortest, longest, eye, hook)
+        found = extension_spring(
+            force / (share * shortest), (1 - share) * shortest, longest, eye, hook
+        )
         if found is not None:
             return found
     return None

@@ -30,12 +30,18 @@ def bending_stiffness(part: Part, held: complex, pushed: complex, modulus: float
     length, turn = abs(pushed - held), cmath.exp(-1j * cmath.phase(pushed - held))
     shapes: list[tuple[float, Any]] = []
     for layer in part.layers:
-        rings = [(facet_contour(contour, _FACETS) - held) * turn for contour in (layer.region.outer, *layer.region.holes)]
+        rings = [
+            (facet_contour(contour, _FACETS) - held) * turn
+            for contour in (layer.region.outer, *layer.region.holes)
+        ]
         outer, *holes = ([(z.real, z.imag) for z in ring] for ring in rings)
         shapes.append((layer.z1 - layer.z0, shapely.Polygon(outer, holes)))
     x = (np.arange(_CUTS) + 0.5) * length / _CUTS
     reach = max(max(abs(value) for value in shape.bounds) for _, shape in shapes)
-    cuts = [[(high, *piece) for high, shape in shapes for piece in _pieces(shape, float(place), reach)] for place in x]
+    cuts = [
+        [(high, *piece) for high, shape in shapes for piece in _pieces(shape, float(place), reach)]
+        for place in x
+    ]
     if not all(cuts):
         return 0.0
     moments = np.array([_second_moment(cut) for cut in cuts])
@@ -53,6 +59,11 @@ def _pieces(shape: Any, x: float, reach: float) -> list[tuple[float, float]]:
 def _second_moment(cut: list[tuple[float, float, float]]) -> float:
     """Of rectangles (thickness, from, to) about their common middle, mm^4."""
     areas = [high * (b - a) for high, a, b in cut]
-    middle = math.fsum(area * (a + b) / 2 for area, (_, a, b) in zip(areas, cut, strict=True)) / math.fsum(areas)
-    own = (high * (b - a) ** 3 / 12 + area * ((a + b) / 2 - middle) ** 2 for area, (high, a, b) in zip(areas, cut, strict=True))
+    middle = math.fsum(
+        area * (a + b) / 2 for area, (_, a, b) in zip(areas, cut, strict=True)
+    ) / math.fsum(areas)
+    own = (
+        high * (b - a) ** 3 / 12 + area * ((a + b) / 2 - middle) ** 2
+        for area, (high, a, b) in zip(areas, cut, strict=True)
+    )
     return math.fsum(own)

@@ -38,7 +38,9 @@ class Compared:
     outside: Floats = field(default_factory=lambda: np.zeros(0))
 
 
-def compare(ring: Ring, spec: Path, bore: float | None, off: float, scanner_unknown: bool) -> Compared:
+def compare(
+    ring: Ring, spec: Path, bore: float | None, off: float, scanner_unknown: bool
+) -> Compared:
     """Lay a measured outline on the cams of a spec; SpecError where it has none, DesignError where it is like none of them.
 
     bore: measured diameter of the hole that is the ring's origin, mm, None where the origin means nothing. off: what the
@@ -49,7 +51,9 @@ def compare(ring: Ring, spec: Path, bore: float | None, off: float, scanner_unkn
     cams = {feature.part for feature in mechanism.features() if isinstance(feature, CamOutline)}
     parts = [part for part in mechanism.parts() if part.name in cams]
     if not parts:
-        raise SpecError([Fault("--against", mechanism.mechanism, "the spec of a machine with a cam")], str(spec))
+        raise SpecError(
+            [Fault("--against", mechanism.mechanism, "the spec of a machine with a cam")], str(spec)
+        )
     edge = ring.counter_clockwise().facetted(_CHORDS)
     best, found = math.inf, None
     for part in parts:
@@ -62,39 +66,67 @@ def compare(ring: Ring, spec: Path, bore: float | None, off: float, scanner_unkn
     part, known, over, (z, m, scale, how) = found
     size = float(np.max(np.abs(known)))
     if not best <= _ALIKE * size:
-        remedy = "name the spec of this part, and the unit and the dots per inch that it was measured in"
+        remedy = (
+            "name the spec of this part, and the unit and the dots per inch that it was measured in"
+        )
         what = f"rms distance of the outline from {part.name}, the cam nearest to it"
         raise DesignError(what, best, _ALIKE * size, "mm", str(spec), remedy)
     axis = _image(0j, edge, known, over, m, scale, how)
     numbers = {"fit_turn_deg": math.degrees(math.remainder(how.turn, math.tau))}
-    said = [f"laid on {part.name} of {spec.name}" + (", turned over: its other face was measured" if over else "")]
+    said = [
+        f"laid on {part.name} of {spec.name}"
+        + (", turned over: its other face was measured" if over else "")
+    ]
     if bore is not None:
         z = z - axis
         numbers["bore_off_centre_mm"] = abs(axis)
-        said.append(f"the bore, which stays the axis, is {abs(axis):.4f} mm off the outline's own centre")
+        said.append(
+            f"the bore, which stays the axis, is {abs(axis):.4f} mm off the outline's own centre"
+        )
     if scanner_unknown:
         long, across, shear = 100 * (scale - 1), 200 * m.real, 200 * m.imag
-        numbers |= {"scale_percent": long, "scanner_across_percent": across, "scanner_shear_percent": shear}
-        said.append(f"the scanner's scale {long:+.3f} %, x beside y {across:+.3f} % and shear {shear:+.3f} % are found "
-                    "from the whole outline, which hides what the print itself shrank")  # fmt: skip
+        numbers |= {
+            "scale_percent": long,
+            "scanner_across_percent": across,
+            "scanner_shear_percent": shear,
+        }
+        said.append(
+            f"the scanner's scale {long:+.3f} %, x beside y {across:+.3f} % and shear {shear:+.3f} % are found "
+            "from the whole outline, which hides what the print itself shrank"
+        )
     outside = deviation(z, dense(known, _STEP))
-    numbers |= {"deviation_max_mm": float(outside.max()), "deviation_min_mm": float(outside.min()),
-                "deviation_rms_mm": float(np.sqrt(np.mean(outside**2)))}  # fmt: skip
+    numbers |= {
+        "deviation_max_mm": float(outside.max()),
+        "deviation_min_mm": float(outside.min()),
+        "deviation_rms_mm": float(np.sqrt(np.mean(outside**2))),
+    }
     if math.isfinite(off):
-        keys = [f"profile_compensation = {mechanism.print.profile_compensation + float(np.mean(outside)):.3f}"]
+        keys = [
+            f"profile_compensation = {mechanism.print.profile_compensation + float(np.mean(outside)):.3f}"
+        ]
         if bore is not None and part.bore is not None:
             numbers["bore_deviation_mm"] = bore - part.bore
-            keys.append(f"hole_compensation = {mechanism.print.hole_compensation + (part.bore - bore) / 2:.3f}")
-        said.append(f"in [print] this would mend the mean of it, within {off:.3f} mm: {', '.join(keys)}")
+            keys.append(
+                f"hole_compensation = {mechanism.print.hole_compensation + (part.bore - bore) / 2:.3f}"
+            )
+        said.append(
+            f"in [print] this would mend the mean of it, within {off:.3f} mm: {', '.join(keys)}"
+        )
     else:
-        said.append("no compensation of [print] is told: the scanner's own scale is not known, which --across would tell")
+        said.append(
+            "no compensation of [print] is told: the scanner's own scale is not known, which --across would tell"
+        )
     order = np.argsort(np.angle(z) % (2 * np.pi))
     angle = np.degrees(np.angle(z) % (2 * np.pi))[order]
     measured, wanted = (Ring(each, np.zeros(len(each))) for each in (z, known))
-    return Compared(measured.counter_clockwise(), wanted, "; ".join(said), numbers, angle, outside[order])
+    return Compared(
+        measured.counter_clockwise(), wanted, "; ".join(said), numbers, angle, outside[order]
+    )
 
 
-def _laid(edge: Points, known: Points, over: bool, device: bool) -> tuple[Points, complex, float, Laid]:
+def _laid(
+    edge: Points, known: Points, over: bool, device: bool
+) -> tuple[Points, complex, float, Laid]:
     """The measured outline, turned over if asked, laid on the known one in the known one's frame."""
     own, middle = _seen(edge, edge, over), _middle(known)
     z, m, scale, how = lay_on_known(own, dense(known - middle, _STEP), device)
@@ -107,7 +139,9 @@ def _seen(place: Points, edge: Points, over: bool) -> Points:
     return np.asarray(-np.conj(z)[::-1] if over else z)
 
 
-def _image(place: complex, edge: Points, known: Points, over: bool, m: complex, scale: float, how: Laid) -> complex:
+def _image(
+    place: complex, edge: Points, known: Points, over: bool, m: complex, scale: float, how: Laid
+) -> complex:
     """Where a place in the measured outline's frame lies in the known one's."""
     w = complex(_seen(np.array([place]), edge, over)[0])
     straight = (w - m * w.conjugate()) / (1 - abs(m) ** 2)

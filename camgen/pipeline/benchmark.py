@@ -1,10 +1,10 @@
 """What a tolerance buys and what it costs: a mechanism made, read back and judged at a row of chord tolerances.
 
-    measured parts   those on which the machine's joints are measured, and those that pass by each other
-    outline          the contour that the follower touches, or the outer one of a part of one layer; for parts that are two
-                     outlines crossed, which no drawing and no section shows whole, the flat templates stand in
-    least            vertices: integral of sqrt(|kappa| / (8 tolerance)) ds, and one a straight line;
-                     arcs: integral of (|kappa'| / (40.5 tolerance))^(1/3) ds, and one a line or arc that was one before
+measured parts   those on which the machine's joints are measured, and those that pass by each other
+outline          the contour that the follower touches, or the outer one of a part of one layer; for parts that are two
+                 outlines crossed, which no drawing and no section shows whole, the flat templates stand in
+least            vertices: integral of sqrt(|kappa| / (8 tolerance)) ds, and one a straight line;
+                 arcs: integral of (|kappa'| / (40.5 tolerance))^(1/3) ds, and one a line or arc that was one before
 """
 
 from __future__ import annotations
@@ -82,7 +82,9 @@ class Bench:
     rows: Sequence[Row]
 
 
-def measure(spec: Path, tolerances: Sequence[float] = TOLERANCES, progress: Progress = silent) -> Bench:
+def measure(
+    spec: Path, tolerances: Sequence[float] = TOLERANCES, progress: Progress = silent
+) -> Bench:
     """Make and judge the measured parts of a spec at each tolerance, mm, in a folder that vanishes.
 
     Raises SpecError, DesignError or FileError; what a tolerance makes impossible stands in the faults of its row.
@@ -101,7 +103,9 @@ def measure(spec: Path, tolerances: Sequence[float] = TOLERANCES, progress: Prog
         with TemporaryDirectory() as folder:
             rows.append(_row(spec, tolerance, Path(folder)))
     unit = unit_of(mechanism.model.outputs[0])[0] if moves else "mm"
-    return Bench(mechanism.name, "distance" if apart and not moves else "motion", unit, list(parts), rows)
+    return Bench(
+        mechanism.name, "distance" if apart and not moves else "motion", unit, list(parts), rows
+    )
 
 
 def _subjects(mechanism: Mechanism) -> tuple[dict[str, Part], dict[str, Contour]]:
@@ -116,7 +120,9 @@ def _subjects(mechanism: Mechanism) -> tuple[dict[str, Part], dict[str, Contour]
     outlines = {}
     for name in (name for name in parts if name in flat):
         region = parts[name].region
-        contour = max(region.holes, key=lambda hole: abs(hole.area)) if name in inside else region.outer
+        contour = (
+            max(region.holes, key=lambda hole: abs(hole.area)) if name in inside else region.outer
+        )
         outlines[name] = contour.counter_clockwise()
     return {name: part for name, part in parts.items() if name in touching | flat}, outlines
 
@@ -149,7 +155,9 @@ def _row(spec: Path, tolerance: float, folder: Path) -> Row:
                 faults.append(f"no solid of {name}: {impossible}")
     with stage("write"):
         for name, part in parts.items():
-            write_dxf(case.file(name, "dxf"), part.region, (), tolerance, case.mechanism.output.curves)
+            write_dxf(
+                case.file(name, "dxf"), part.region, (), tolerance, case.mechanism.output.curves
+            )
         for name, mesh in meshes.items():
             write_stl(case.file(name, "stl"), mesh, name)
             write_3mf(case.file(name, "3mf"), {name: mesh}, [Placed(name, name)], name)
@@ -167,27 +175,41 @@ def _row(spec: Path, tolerance: float, folder: Path) -> Row:
         findings += _together(case, kind, read)
         faults += [
             f"{bad.code} ({bad.where}): {bad.measured:.3g} {bad.unit}, limit {bad.limit:.3g}; {bad.message}"
-            for bad in findings if not bad.ok and bad.code in ROUTINE | {"MOTION_ERROR"}
-        ]  # fmt: skip
-        errors = [finding.measured for finding in findings if finding.code in ("MOTION_ERROR", "DISTANCE_ERROR")]
+            for bad in findings
+            if not bad.ok and bad.code in ROUTINE | {"MOTION_ERROR"}
+        ]
+        errors = [
+            finding.measured
+            for finding in findings
+            if finding.code in ("MOTION_ERROR", "DISTANCE_ERROR")
+        ]
         ripples = [finding.measured for finding in findings if finding.code == "SPEED_RIPPLE"]
         motion |= {kind: max(errors)} if errors else {}
         ripple |= {kind: max(ripples)} if ripples else {}
-        rings = {name: _ring(read[name][kind], cams.get(name)) for name in outlines if kind in read.get(name, {})}
+        rings = {
+            name: _ring(read[name][kind], cams.get(name))
+            for name in outlines
+            if kind in read.get(name, {})
+        }
         if rings and rings.keys() == outlines.keys():
             counts[kind] = sum(len(ring.points) for ring in rings.values())
             outline[kind] = max(outline_error(outlines[name], ring) for name, ring in rings.items())
-    lines = sum(isinstance(piece, Line) for contour in outlines.values() for piece in contour.pieces)
+    lines = sum(
+        isinstance(piece, Line) for contour in outlines.values() for piece in contour.pieces
+    )
     return Row(
         tolerance,
         counts.get("stl", 0),
         lines + sum(theoretical_vertices(contour, tolerance) for contour in outlines.values()),
         counts.get("dxf", 0),
         sum(theoretical_arcs(contour, tolerance) for contour in outlines.values()),
-        outline, motion, ripple,
+        outline,
+        motion,
+        ripple,
         {kind: sum(path.stat().st_size for path in folder.glob(f"*.{kind}")) for kind in KINDS},
-        seconds, faults,
-    )  # fmt: skip
+        seconds,
+        faults,
+    )
 
 
 def _ring(sections: Sections, cam: CamOutline | None) -> Ring:
@@ -205,13 +227,17 @@ def _together(case: Case, kind: str, read: Mapping[str, Read]) -> list[Finding]:
     if mechanism.features():
         moved = judge_motion(mechanism, kind, read, judged_angles())
         return [] if moved is None else list(moved[0].findings)
-    if any({pair.a, pair.b} - read.keys() for pair in pairs):  # a part of which no solid could be made
+    if any(
+        {pair.a, pair.b} - read.keys() for pair in pairs
+    ):  # a part of which no solid could be made
         return []
     found = list(pass_by(case, [kind]).numbers.values()) if pairs and FORMATS[kind].solid else []
     if not pairs or len(found) != len(pairs):
         return []
     return [
-        Finding("DISTANCE_ERROR", True, abs(distance - _distance(case, pair)), 0.0, "mm", pair.name, "")
+        Finding(
+            "DISTANCE_ERROR", True, abs(distance - _distance(case, pair)), 0.0, "mm", pair.name, ""
+        )
         for distance, pair in zip(found, pairs, strict=True)
     ]
 
@@ -227,7 +253,10 @@ def _distance(case: Case, pair: Apart) -> float:
 
     found = []
     for plane in pair.planes:
-        a, b = (_section(case.parts[name], plane - poses(np.zeros(1))[name][0].z) for name in (pair.a, pair.b))
+        a, b = (
+            _section(case.parts[name], plane - poses(np.zeros(1))[name][0].z)
+            for name in (pair.a, pair.b)
+        )
         found.append(least_distance(meeting(a, b), way).distance)
     return min(found)
 
@@ -241,5 +270,7 @@ def _section(part: Part, height: float) -> list[Points]:
 
     shapes = [fine(layer.region) for layer in part.layers if layer.z0 <= height < layer.z1]
     if part.crossed is not None:
-        shapes = [piece for shape in shapes for piece in crossed_at(shape, fine(part.crossed), height)]
+        shapes = [
+            piece for shape in shapes for piece in crossed_at(shape, fine(part.crossed), height)
+        ]
     return [shape.outer.points for shape in shapes]

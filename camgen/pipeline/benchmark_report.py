@@ -41,19 +41,35 @@ def run(specs: Sequence[Path], out: Path, progress: Progress = silent) -> list[B
 
             benches.append(measure(spec, progress=step))
         (folder / "bench.csv").write_text(to_csv(benches), encoding="utf-8")
-        (folder / "bench.md").write_text("\n".join(to_markdown(bench) for bench in benches), encoding="utf-8")
+        (folder / "bench.md").write_text(
+            "\n".join(to_markdown(bench) for bench in benches), encoding="utf-8"
+        )
         for bench in benches:
             for what, plot in plots(bench).items():
-                (folder / f"{bench.name}-{what}.svg").write_text(plot_svg(plot, log=True), encoding="utf-8")
+                (folder / f"{bench.name}-{what}.svg").write_text(
+                    plot_svg(plot, log=True), encoding="utf-8"
+                )
         write_manifest(folder, ())
     return benches
 
 
 def sentences(bench: Bench) -> list[str]:
     """What a designer wants to know, from the rows: growth against theory, and from where finer tolerances buy nothing."""
-    fine = [row for row in bench.rows if row.outline.get("stl", math.inf) <= _FLOOR * row.tolerance]  # float32 takes no part
-    found = _growth("vertices", "STL", "1/2", [(row.tolerance, row.vertices, row.least_vertices) for row in fine])
-    found += _growth("arcs", "DXF", "1/3", [(row.tolerance, row.arcs, row.least_arcs) for row in bench.rows if row.arcs])
+    fine = [
+        row for row in bench.rows if row.outline.get("stl", math.inf) <= _FLOOR * row.tolerance
+    ]  # float32 takes no part
+    found = _growth(
+        "vertices",
+        "STL",
+        "1/2",
+        [(row.tolerance, row.vertices, row.least_vertices) for row in fine],
+    )
+    found += _growth(
+        "arcs",
+        "DXF",
+        "1/3",
+        [(row.tolerance, row.arcs, row.least_arcs) for row in bench.rows if row.arcs],
+    )
     by_motion = any("dxf" in row.motion for row in bench.rows)
     what, unit = (f"{bench.motion} error", bench.unit) if by_motion else ("outline error", "mm")
     for kind in JUDGED:
@@ -63,26 +79,38 @@ def sentences(bench: Bench) -> list[str]:
             continue
         worst, (finest, floor) = max(error for _, error in points), points[-1]
         # An error goes with the tolerance until something else sets it: the coarser half tells how.
-        ratio = float(np.median([error / tolerance for tolerance, error in points[: (len(points) + 1) // 2]]))
+        ratio = float(
+            np.median([error / tolerance for tolerance, error in points[: (len(points) + 1) // 2]])
+        )
         file, least = kind.upper(), f"{_short(floor, 1)} {unit}"
         setter = f"the {FORMATS[kind].numbers} of {file}" if FORMATS[kind].rounding else "rounding"
         if worst < SAME_POINT:
             found.append(f"The {file} is exact at every tolerance.")
         elif worst < _FLAT * floor:
-            found.append(f"The {what} of the {file} is {least}, whatever the tolerance: {setter} sets it.")
+            found.append(
+                f"The {what} of the {file} is {least}, whatever the tolerance: {setter} sets it."
+            )
         elif floor <= _FLOOR * ratio * finest:
-            found.append(f"The {what} of the {file} follows the tolerance down to {_short(finest, 1)} mm: {least}.")
+            found.append(
+                f"The {what} of the {file} follows the tolerance down to {_short(finest, 1)} mm: {least}."
+            )
         else:
-            found.append(f"Below {_short(floor / ratio, 1)} mm {setter} sets the {what}, {least}: "
-                         "a finer tolerance makes only larger files.")  # fmt: skip
+            found.append(
+                f"Below {_short(floor / ratio, 1)} mm {setter} sets the {what}, {least}: "
+                "a finer tolerance makes only larger files."
+            )
     apart = [row.motion["stl"] for row in bench.rows if "stl" in row.motion]
     if apart and not by_motion:
         off = _short(max(apart), 1)
-        found.append(f"{bench.motion.capitalize()}s of bodies in the STL are within {off} {bench.unit} at every tolerance.")
+        found.append(
+            f"{bench.motion.capitalize()}s of bodies in the STL are within {off} {bench.unit} at every tolerance."
+        )
     return found
 
 
-def _growth(what: str, kind: str, theory: str, counts: Sequence[tuple[float, int, float]]) -> list[str]:
+def _growth(
+    what: str, kind: str, theory: str, counts: Sequence[tuple[float, int, float]]
+) -> list[str]:
     """How a count grows as the tolerance falls: (tolerance, count, least count) of each row."""
     if len(counts) < 2:
         return []
@@ -101,20 +129,30 @@ def _short(value: float | None, digits: int = 2) -> str:
     """So many digits, with a power of ten below a hundredth; what is less than rounding is 0."""
     if value is None or value < _ROUNDING:
         return "–" if value is None else "0"
-    return f"{value:.{digits}g}" if not 0 < value < 0.01 else f"{value:.{digits - 1}e}".replace("e-0", "e-")
+    return (
+        f"{value:.{digits}g}"
+        if not 0 < value < 0.01
+        else f"{value:.{digits - 1}e}".replace("e-0", "e-")
+    )
 
 
 def accuracy(bench: Bench) -> tuple[list[str], list[list[str]]]:
     """Columns and rows, as text, of what each tolerance gives: counts, and largest errors by kind of file."""
     moved = f"{bench.motion}, {bench.unit}"
     columns = ["tolerance, mm", "vertices (least)", "arcs (least)"]
-    columns += [f"{what} {kind.upper()}" for what in ("outline, mm", moved, "ripple") for kind in JUDGED]
+    columns += [
+        f"{what} {kind.upper()}" for what in ("outline, mm", moved, "ripple") for kind in JUDGED
+    ]
     return columns, [
         [
             _short(row.tolerance, 1),
             f"{row.vertices or '–'} ({row.least_vertices:.1f})",
             f"{row.arcs or '–'} ({row.least_arcs:.1f})",
-            *(_short(values.get(kind)) for values in (row.outline, row.motion, row.ripple) for kind in JUDGED),
+            *(
+                _short(values.get(kind))
+                for values in (row.outline, row.motion, row.ripple)
+                for kind in JUDGED
+            ),
         ]
         for row in bench.rows
     ]
@@ -122,7 +160,11 @@ def accuracy(bench: Bench) -> tuple[list[str], list[list[str]]]:
 
 def cost(bench: Bench) -> tuple[list[str], list[list[str]]]:
     """Columns and rows, as text, of what each tolerance costs."""
-    columns = ["tolerance, mm", *(f"{kind.upper()}, kB" for kind in KINDS), *(f"{stage}, s" for stage in STAGES)]
+    columns = [
+        "tolerance, mm",
+        *(f"{kind.upper()}, kB" for kind in KINDS),
+        *(f"{stage}, s" for stage in STAGES),
+    ]
     return columns, [
         [
             _short(row.tolerance, 1),
@@ -150,7 +192,11 @@ def to_text(bench: Bench) -> str:
         console.print(table)
     stream = console.file
     assert isinstance(stream, io.StringIO)
-    told = [fault for row in bench.rows for fault in (f"at {row.tolerance:g} mm: {each}" for each in row.faults)]
+    told = [
+        fault
+        for row in bench.rows
+        for fault in (f"at {row.tolerance:g} mm: {each}" for each in row.faults)
+    ]
     return "\n".join([stream.getvalue(), *sentences(bench), *told])
 
 
@@ -162,7 +208,9 @@ def to_markdown(bench: Bench) -> str:
     lines += [" | ".join(["", *columns, ""]).strip(), "|".join(["", *(["---"] * len(columns)), ""])]
     for cells, row in zip(rows, bench.rows, strict=True):
         sizes = [f"{row.size[kind] / 1000:.0f}" for kind in JUDGED]
-        lines.append(" | ".join(["", *cells, *sizes, f"{sum(row.seconds.values()):.1f}", ""]).strip())
+        lines.append(
+            " | ".join(["", *cells, *sizes, f"{sum(row.seconds.values()):.1f}", ""]).strip()
+        )
     return "\n".join([*lines, "", " ".join(sentences(bench)), ""])
 
 
@@ -173,15 +221,40 @@ def to_csv(benches: Sequence[Bench]) -> str:
     counts = ["vertices", "least_vertices", "arcs", "least_arcs"]
     text = io.StringIO()
     lines = csv.writer(text, lineterminator="\n")
-    lines.writerow(["name", "tolerance_mm", *counts, *by_kind, "motion_unit", *(f"{k}_bytes" for k in KINDS), *stages, "faults"])
+    lines.writerow(
+        [
+            "name",
+            "tolerance_mm",
+            *counts,
+            *by_kind,
+            "motion_unit",
+            *(f"{k}_bytes" for k in KINDS),
+            *stages,
+            "faults",
+        ]
+    )
     for bench in benches:
         for row in bench.rows:
-            figures = [values.get(kind) for values in (row.outline, row.motion, row.ripple) for kind in JUDGED]
+            figures = [
+                values.get(kind)
+                for values in (row.outline, row.motion, row.ripple)
+                for kind in JUDGED
+            ]
             lines.writerow(
-                [bench.name, f"{row.tolerance:g}", row.vertices, f"{row.least_vertices:.1f}", row.arcs, f"{row.least_arcs:.1f}"]
-                + ["" if value is None else f"{value:.6g}" for value in figures] + [bench.unit]
-                + [row.size[kind] for kind in KINDS] + [f"{row.seconds[s]:.3f}" for s in STAGES] + ["; ".join(row.faults)]
-            )  # fmt: skip
+                [
+                    bench.name,
+                    f"{row.tolerance:g}",
+                    row.vertices,
+                    f"{row.least_vertices:.1f}",
+                    row.arcs,
+                    f"{row.least_arcs:.1f}",
+                ]
+                + ["" if value is None else f"{value:.6g}" for value in figures]
+                + [bench.unit]
+                + [row.size[kind] for kind in KINDS]
+                + [f"{row.seconds[s]:.3f}" for s in STAGES]
+                + ["; ".join(row.faults)]
+            )
     return text.getvalue()
 
 
@@ -190,7 +263,9 @@ def plots(bench: Bench) -> dict[str, Plot]:
     x = np.array([row.tolerance for row in bench.rows])
 
     def series(label: str, values: Sequence[float | None]) -> list[tuple[str, Floats, Floats]]:
-        known = np.array([value if value and value >= _ROUNDING else math.nan for value in values], float)
+        known = np.array(
+            [value if value and value >= _ROUNDING else math.nan for value in values], float
+        )
         return [(label, x, known)] if np.isfinite(known).any() else []
 
     rows = bench.rows
@@ -201,7 +276,9 @@ def plots(bench: Bench) -> dict[str, Plot]:
     errors = [("tolerance, slope 1", x, x)]
     for kind in JUDGED:
         errors += series(f"outline {kind.upper()}, mm", [row.outline.get(kind) for row in rows])
-        errors += series(f"{bench.motion} {kind.upper()}, {bench.unit}", [row.motion.get(kind) for row in rows])
+        errors += series(
+            f"{bench.motion} {kind.upper()}, {bench.unit}", [row.motion.get(kind) for row in rows]
+        )
     label = "chord tolerance, mm"
     return {
         "counts": Plot(f"{bench.name}: vertices and arcs", label, "count", counts),

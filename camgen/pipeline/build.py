@@ -23,9 +23,13 @@ KINDS = (*USUAL, "report")  # made where nobody says which
 
 
 def build(
-    spec: Source, out: Path, only: frozenset[str], overrides: Sequence[str] = (), progress: Progress = silent,
+    spec: Source,
+    out: Path,
+    only: frozenset[str],
+    overrides: Sequence[str] = (),
+    progress: Progress = silent,
     jobs: int | None = 1,
-) -> Report:  # fmt: skip
+) -> Report:
     """Make, read back and judge one mechanism; its folder out/<name>/ appears, whole, only when all is done.
 
     spec: a path, tables or a mechanism; only: the kinds of files to make, of ANY_KIND; where they are
@@ -66,7 +70,9 @@ def build(
     if staged.gone and only < frozenset(KINDS):
         gone = ", ".join(sorted({name.rpartition(".")[2].upper() for name in staged.gone}))
         count = f"{len(staged.gone)} more file{'' if len(staged.gone) == 1 else 's'} ({gone})"
-        remarks.append(f"the earlier {staged.target} had {count}, gone with it: a build without --only makes all")
+        remarks.append(
+            f"the earlier {staged.target} had {count}, gone with it: a build without --only makes all"
+        )
     return replace(report, remarks=remarks, folder=staged.target)
 
 
@@ -86,12 +92,21 @@ def check(folder: Path, progress: Progress = silent, jobs: int | None = 1) -> Re
         as_they_are = [name for name in differ if name in judged]
         changed = [name for name in differ if name not in judged]
         progress("making anew what is beside the parts", 0.85)
-        anew = Rebuild(case, kinds, manifest, report, columns, bool(as_they_are)).outcome(changed, workers)
+        anew = Rebuild(case, kinds, manifest, report, columns, bool(as_they_are)).outcome(
+            changed, workers
+        )
     findings = [*report.findings, *anew.findings]
     if changed:
         said = f"changed since the build: {', '.join(changed)}"
         findings.append(at_most("MANIFEST", len(changed), 0, "files", MANIFEST, said))
-    remarks = [f"changed since the build, and judged as they are now: {', '.join(as_they_are)}"] if as_they_are else []
+    remarks = (
+        [f"changed since the build, and judged as they are now: {', '.join(as_they_are)}"]
+        if as_they_are
+        else []
+    )
     return replace(
-        report, findings=findings, not_judged=[*report.not_judged, *anew.not_judged], remarks=[*remarks, *anew.notes],
-    )  # fmt: skip
+        report,
+        findings=findings,
+        not_judged=[*report.not_judged, *anew.not_judged],
+        remarks=[*remarks, *anew.notes],
+    )

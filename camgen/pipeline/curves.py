@@ -61,8 +61,14 @@ class Curves:
     def _mean(self, value: Any) -> Any:
         """Slope to theta, a mean over the window of SPEED_RIPPLE."""
         step = max(1, round(SPEED_WINDOW_DEG / 2 * (len(self.theta) - 1) / 360))
-        turn, further = value[:-1], value[-1] - value[0]  # what turns on ends the turn further on than it began
-        ahead, behind = np.append(turn[step:], turn[:step] + further), np.append(turn[-step:] - further, turn[:-step])
+        turn, further = (
+            value[:-1],
+            value[-1] - value[0],
+        )  # what turns on ends the turn further on than it began
+        ahead, behind = (
+            np.append(turn[step:], turn[:step] + further),
+            np.append(turn[-step:] - further, turn[:-step]),
+        )
         mean = (ahead - behind) / (2 * step * math.tau / len(turn))
         return np.append(mean, mean[0])
 
@@ -73,7 +79,9 @@ class Curves:
             shown = self.scale * part
             if title == self.output.name.capitalize() and self.unit == "deg":
                 self._sense = _turned(float(shown[-1] - shown[0]))
-            self._plots.setdefault(title, []).append((f"{axis} {label}".strip(), np.degrees(self.theta), shown))
+            self._plots.setdefault(title, []).append(
+                (f"{axis} {label}".strip(), np.degrees(self.theta), shown)
+            )
             if of is not None:
                 words = (self.output.name.replace(" ", "_"), axis, self.unit, of)
                 self.columns["_".join(word for word in words if word)] = shown
@@ -82,15 +90,23 @@ class Curves:
         """One plot a quantity: the output itself, its speed, error and play."""
         mean = f", mean of {SPEED_WINDOW_DEG:g} deg" if self.cams else ""
         of = "" if self.alone else f" of {self.output.name}"
-        titles = [title for title in (self.output.name.capitalize(), _SPEED, _ERROR, _BAND) if title in self._plots]
-        units = {_SPEED: f"{self.unit}/rad{mean}", titles[0]: self.unit + self._sense} if titles else {}
+        titles = [
+            title
+            for title in (self.output.name.capitalize(), _SPEED, _ERROR, _BAND)
+            if title in self._plots
+        ]
+        units = (
+            {_SPEED: f"{self.unit}/rad{mean}", titles[0]: self.unit + self._sense} if titles else {}
+        )
         return [
             Plot(
-                title + (of if title in (_SPEED, _ERROR, _BAND) else ""), "cam angle, deg" if self.cams else "crank angle, deg",
-                units.get(title, self.unit), self._plots[title],
+                title + (of if title in (_SPEED, _ERROR, _BAND) else ""),
+                "cam angle, deg" if self.cams else "crank angle, deg",
+                units.get(title, self.unit),
+                self._plots[title],
             )
             for title in titles
-        ]  # fmt: skip
+        ]
 
 
 def as_designed(mechanism: Mechanism) -> list[Plot]:

@@ -27,8 +27,16 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
     names = [each.name for each in mechanism.parts()]
     return Facts(
         mechanism=mechanism.mechanism,
-        material="as the sheet" if cut else mechanism.material.name if printed else "steel" if steel else part.made,
-        mass_g=part.volume * (mechanism.density if printed else 1e3 * STEEL) * 1e-6 if printed or steel else None,
+        material="as the sheet"
+        if cut
+        else mechanism.material.name
+        if printed
+        else "steel"
+        if steel
+        else part.made,
+        mass_g=part.volume * (mechanism.density if printed else 1e3 * STEEL) * 1e-6
+        if printed or steel
+        else None,
         tolerance=sheet.tolerance,
         number=f"{sheet.number}-{names.index(part.name) + 1:02d}" if sheet.number else "",
         date=sheet.date or "",
@@ -40,17 +48,24 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
 
 def _fits(mechanism: Mechanism, part: Part) -> Iterator[Fit]:
     """Fits of a part's round holes."""
-    clearances = {"press": mechanism.print.press_clearance, "slide": mechanism.print.slide_clearance}
+    clearances = {
+        "press": mechanism.print.press_clearance,
+        "slide": mechanism.print.slide_clearance,
+    }
     poses = mechanism.poses(np.zeros(1))
     shafts = [
         standing(other, pose, layer, outer.place, outer.radius)
-        for other in mechanism.parts() if other.name != part.name
-        for layer in other.layers if (outer := hole_of(layer.region.outer)).radius
+        for other in mechanism.parts()
+        if other.name != part.name
+        for layer in other.layers
+        if (outer := hole_of(layer.region.outer)).radius
         for pose in poses[other.name]
-    ]  # fmt: skip
+    ]
     told = set[tuple[complex, float]]()
     for layer in part.layers:
-        for place, radius in ((hole.place, hole.radius) for hole in map(hole_of, layer.region.holes)):
+        for place, radius in (
+            (hole.place, hole.radius) for hole in map(hole_of, layer.region.holes)
+        ):
             if not radius or (place, radius) in told:
                 continue
             inside = list(_said(mechanism, part.name, place))
@@ -68,9 +83,19 @@ def _fits(mechanism: Mechanism, part: Part) -> Iterator[Fit]:
 def _said(mechanism: Mechanism, part: str, place: complex) -> Iterator[float]:
     """Diameters, mm, of what goes through a part's hole and no file shows: as its joints say, and a motor's at its own datum."""
     tables = [getattr(mechanism, name, None) for name in ("geometry", "making", "motor")]
-    sizes = [getattr(table, name, None) for table in tables for name in ("shaft_diameter", "boss_diameter")]
+    sizes = [
+        getattr(table, name, None)
+        for table in tables
+        for name in ("shaft_diameter", "boss_diameter")
+    ]
     yield from (size for size in sizes if size and abs(place) < SAME_POINT)
     for joint in mechanism.features():
         if isinstance(joint, PinEyes):
-            mine = [eye for eye in (joint.a, joint.b) if eye.part == part and not eye.shaft and abs(eye.at - place) < SAME_POINT]
-            yield from (eye.diameter for eye in (joint.pin, joint.a, joint.b) if mine and eye and eye.shaft)
+            mine = [
+                eye
+                for eye in (joint.a, joint.b)
+                if eye.part == part and not eye.shaft and abs(eye.at - place) < SAME_POINT
+            ]
+            yield from (
+                eye.diameter for eye in (joint.pin, joint.a, joint.b) if mine and eye and eye.shaft
+            )

@@ -19,7 +19,9 @@ def edited(text: str, settings: Sequence[str]) -> str:
         data = override(data, setting)
         holder: Any = document
         value: Any = data
-        *tables, last = ((int(step) if step.isdigit() else step) for step in setting.partition("=")[0].split("."))
+        *tables, last = (
+            (int(step) if step.isdigit() else step) for step in setting.partition("=")[0].split(".")
+        )
         for step in tables:
             if isinstance(step, str) and step not in holder:
                 holder[step] = tomlkit.table()
@@ -29,13 +31,18 @@ def edited(text: str, settings: Sequence[str]) -> str:
         elif holder[last] != value[last]:
             before = holder[last]
             holder[last] = value[last]
-            trivia, longer = holder[last].trivia, len(holder[last].as_string()) - len(before.as_string())
+            trivia, longer = (
+                holder[last].trivia,
+                len(holder[last].as_string()) - len(before.as_string()),
+            )
             if trivia.comment:  # stays in its column
                 trivia.comment_ws = " " * max(1, len(trivia.comment_ws) - longer)
     return tomlkit.dumps(document)
 
 
-def with_tables(text: str, tables: Mapping[str, Any], without: Collection[str] = (), said: str = "") -> str:
+def with_tables(
+    text: str, tables: Mapping[str, Any], without: Collection[str] = (), said: str = ""
+) -> str:
     """The text with whole tables added, or keys added to tables that it has, less some tables; said: a comment before them."""
     import tomlkit
 

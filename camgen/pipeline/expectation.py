@@ -26,7 +26,10 @@ _BESIDE = 4.0  # chord tolerances from the ends of a layer
 
 
 def expected(
-    part: Part, tolerance: float, features: Sequence[Feature] = (), fit: Compensation | None = None,
+    part: Part,
+    tolerance: float,
+    features: Sequence[Feature] = (),
+    fit: Compensation | None = None,
     output: Output | None = None,
 ) -> Expected:
     """What a file of a part should hold, as plain numbers and points for the judge; output: what a drawing is asked to show.
@@ -35,7 +38,10 @@ def expected(
     chamfer, and those through an engraving beside holes that were made larger, as they were sent.
     """
     cams = [each for each in features if isinstance(each, CamOutline)]
-    turns = any((cam.bore and cam.part) == part.name or (cam.own and cam.own.part) == part.name for cam in cams)
+    turns = any(
+        (cam.bore and cam.part) == part.name or (cam.own and cam.own.part) == part.name
+        for cam in cams
+    )
     sent = compensated(part, fit) if fit is not None else part
     levels = sorted({z for layer in (*sent.layers, *sent.engraved) for z in (layer.z0, layer.z1)})
     low = levels[0] + (fit.foot_of(part) if fit is not None else 0.0)
@@ -44,7 +50,9 @@ def expected(
     fine = tolerance / 2 if part.crossed is None else tolerance
     sections, engraved = _sections(part, fine, low)
     cut = _spans(part).index((part.layers[part.cut].z0, part.layers[part.cut].z1))
-    if part.crossed is not None:  # what a cut shows changes with its height; the drawing has the whole region
+    if (
+        part.crossed is not None
+    ):  # what a cut shows changes with its height; the drawing has the whole region
         under, over = spread(part.crossed)
         levels = [max(levels[0], under), min(levels[-1], over)]
         through = _crossings(part, part.crossed, tolerance, sections)
@@ -54,7 +62,9 @@ def expected(
         sections += [replace(section, sent=True) for section in every if section.heights[-1] < low]
         engraved = [replace(section, sent=True) for section in sunk] if fit.hole else engraved
     return Expected(
-        part.name, (*sections, *engraved), cut,
+        part.name,
+        (*sections, *engraved),
+        cut,
         volume=sent.volume,
         levels=tuple(levels),
         facets=part.walls * tolerance,
@@ -66,8 +76,10 @@ def expected(
         stacked=part.crossed is None,
         undo=Undo(fit.hole, fit.profile, fit.shrinkage) if fit is not None else None,
         marks=center_marks(part.region, part.centres if output and output.center_marks else ()),
-        engraved=tuple(facetted(Region(each), fine).outer for each in part.engraving) if output and output.engrave else (),
-    )  # fmt: skip
+        engraved=tuple(facetted(Region(each), fine).outer for each in part.engraving)
+        if output and output.engrave
+        else (),
+    )
 
 
 def _spans(part: Part) -> list[tuple[float, float]]:
@@ -84,27 +96,40 @@ def _sections(part: Part, tolerance: float, low: float) -> tuple[list[Section], 
         bottom = max(z0, low)
         pockets = [layer for layer in part.engraved if bottom < layer.z0 < z1]
         top = min((layer.z0 for layer in pockets), default=z1)
-        sections.append(Section(tuple(bottom + (top - bottom) * share for share in _HEIGHTS), shapes))
+        sections.append(
+            Section(tuple(bottom + (top - bottom) * share for share in _HEIGHTS), shapes)
+        )
         if pockets and len(shapes) == 1 and part.crossed is None:
             sunk = tuple(facetted(layer.region, tolerance).outer for layer in pockets)
             middle = (top + min(layer.z1 for layer in pockets)) / 2
-            engraved.append(Section((middle,), (Shape(shapes[0].outer, (*shapes[0].holes, *sunk)),)))
+            engraved.append(
+                Section((middle,), (Shape(shapes[0].outer, (*shapes[0].holes, *sunk)),))
+            )
     return sections, engraved
 
 
-def _crossings(part: Part, crossed: Region, tolerance: float, sections: Sequence[Section]) -> list[Section]:
+def _crossings(
+    part: Part, crossed: Region, tolerance: float, sections: Sequence[Section]
+) -> list[Section]:
     """The sections of a crossed body, whose layers those given are."""
     face = facetted(crossed, tolerance)
     cutters = [Mesh(*edge.cutter(tolerance)) for edge in part.edges]
     through = []
     level = _level_facets(crossed)
-    beside = _BESIDE * tolerance  # a wall that lies level shows in sections just under and over it alone
+    beside = (
+        _BESIDE * tolerance
+    )  # a wall that lies level shows in sections just under and over it alone
     for section, (z0, z1) in zip(sections, _spans(part), strict=True):
-        between = [z for z in np.arange(z0 + _STEP, z1 - beside, _STEP).tolist()
-                   if not np.any((level[:, 0] <= z) & (z <= level[:, 1]))]  # fmt: skip
+        between = [
+            z
+            for z in np.arange(z0 + _STEP, z1 - beside, _STEP).tolist()
+            if not np.any((level[:, 0] <= z) & (z <= level[:, 1]))
+        ]
         for z in (z0 + beside, *section.heights, z1 - beside, *between):
             taken = [ring for cutter in cutters for ring in slice_mesh(cutter, z)]
-            through += [Section((z,), tuple(crossed_at(shape, face, z, taken))) for shape in section.shapes]
+            through += [
+                Section((z,), tuple(crossed_at(shape, face, z, taken))) for shape in section.shapes
+            ]
     return through
 
 
@@ -121,6 +146,9 @@ def _level_facets(crossed: Region) -> Floats:
 
 def facetted(region: Region, tolerance: float) -> Shape:
     """A region with its curves as chords, within the tolerance, mm."""
-    rings = [facet_contour(contour.counter_clockwise(), tolerance) for contour in (region.outer, *region.holes)]
+    rings = [
+        facet_contour(contour.counter_clockwise(), tolerance)
+        for contour in (region.outer, *region.holes)
+    ]
     outer, *holes = (Ring(points, np.zeros(len(points))) for points in rings)
     return Shape(outer, tuple(holes))

@@ -102,10 +102,14 @@ def changed(
     for setting in overrides:
         data = override(data, setting)
     left = [each for each in reading.references(data) if each.kind != "spec" and each.outside]
-    hints = tuple(f"{each.path} was read from {each.name}, outside the spec's folder" for each in left)
+    hints = tuple(
+        f"{each.path} was read from {each.name}, outside the spec's folder" for each in left
+    )
     data = with_tables(data, folder, source)
     made = specs.validate(load(specs.choose(data, MECHANISMS, source)), data, source, hints, like)
-    if made.load is not None and made.load.on:  # that they are on what is there; a design that does not exist is told later
+    if (
+        made.load is not None and made.load.on
+    ):  # that they are on what is there; a design that does not exist is told later
         with suppress(DesignError):
             made.model  # noqa: B018
     return made
@@ -186,7 +190,9 @@ def cores(jobs: int | None, mechanism: Mechanism, kinds: Collection[str]) -> int
         if not isinstance(jobs, int) or jobs < 0:
             raise SpecError([Fault("jobs", repr(jobs), "a whole number of cores, 0: all of them")])
         return jobs or all_cores()
-    several = len(mechanism.parts()) > _FEW and any(kind in FORMATS and FORMATS[kind].solid for kind in kinds)
+    several = len(mechanism.parts()) > _FEW and any(
+        kind in FORMATS and FORMATS[kind].solid for kind in kinds
+    )
     return min(all_cores(), _MOST) if several else 1
 
 
@@ -221,7 +227,12 @@ class Workers:
     def __enter__(self) -> Workers:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         if self._pool is None:
             return
         from concurrent.futures import BrokenExecutor

@@ -25,7 +25,14 @@ from camgen.machines.mechanism import Mechanism
 from camgen.parts.part import Part
 from camgen.pipeline.expectation import expected
 from camgen.pipeline.jobs import Case, Progress, Workers
-from camgen.pipeline.making import PLATE_GAP, assembled, compensation, lying_sides, parts_table, written
+from camgen.pipeline.making import (
+    PLATE_GAP,
+    assembled,
+    compensation,
+    lying_sides,
+    parts_table,
+    written,
+)
 from camgen.pipeline.reading import Read, budget_of, judge_motion, judge_part, moved_by
 from camgen.pipeline.scope import ANY, Outcome, Stage, not_judged, of_parts, unheard
 from camgen.pipeline.summary import plates_of
@@ -64,7 +71,9 @@ def judge(
     files = [kind for kind in kinds if kind != "report"]
     asked = _stages(mechanism, kinds)
     waiting = [
-        (stage.what, workers.start(stage.work, case, files)) for stage in asked if stage.work is not None and stage.runs(files)
+        (stage.what, workers.start(stage.work, case, files))
+        for stage in asked
+        if stage.work is not None and stage.runs(files)
     ]
     limits, study = mechanism.limits(), mechanism.study()
     parts: list[Outcome] = []
@@ -91,16 +100,29 @@ def judge(
         numbers |= {name: value for name, value in each.numbers.items() if name not in numbers}
     findings = (*limits, *(finding for outcome in outcomes for finding in outcome.findings))
     report = Report(
-        mechanism.name, mechanism.mechanism, findings, numbers,
+        mechanism.name,
+        mechanism.mechanism,
+        findings,
+        numbers,
         [_part_record(case, part, files) for part in case.parts.values()],
         [plot for outcome in outcomes for plot in outcome.plots] + [*study.plots, *more.plots],
         [*study.tables, *more.tables] + [table for outcome in outcomes for table in outcome.tables],
-        [*([_CLOCKWISE] if mechanism.sense < 0 else []), *study.notes, *more.notes,
-         *(note for each in outcomes for note in each.notes)],
-        None, budget, (*_SIDE_FILES, *_machine_files(case)),
-        (*not_judged(asked, files, findings), *(left for each in outcomes for left in each.not_judged), *_merged(parts)),
+        [
+            *([_CLOCKWISE] if mechanism.sense < 0 else []),
+            *study.notes,
+            *more.notes,
+            *(note for each in outcomes for note in each.notes),
+        ],
+        None,
+        budget,
+        (*_SIDE_FILES, *_machine_files(case)),
+        (
+            *not_judged(asked, files, findings),
+            *(left for each in outcomes for left in each.not_judged),
+            *_merged(parts),
+        ),
         (*unheard(mechanism, files), *(said for each in outcomes for said in each.warnings)),
-    )  # fmt: skip
+    )
     return report, columns
 
 
@@ -120,7 +142,11 @@ def _part_record(case: Case, part: Part, kinds: Sequence[str]) -> dict[str, obje
         "material_mm3": part.volume,
         "thickness_mm": part.thickness,
         "area_mm2": part.region.area,
-        "files": [file.name for kind in kinds if (file := case.file(part.name, kind)).exists() or kind not in EXACT],
+        "files": [
+            file.name
+            for kind in kinds
+            if (file := case.file(part.name, kind)).exists() or kind not in EXACT
+        ],
     }
 
 
@@ -131,25 +157,55 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
     """The stages that this mechanism asks for, in the order of the report, then those that are done as parts are read."""
     stages = []
     if mechanism.contacts():
-        stages.append(Stage(("CLEARANCE",), "parts that pass by each other over the turn", ANY, pass_by))
+        stages.append(
+            Stage(("CLEARANCE",), "parts that pass by each other over the turn", ANY, pass_by)
+        )
     if sum(part.count for part in mechanism.parts()) + len(mechanism.stand_ins()) > 1:
-        stages.append(Stage(("INTERFERENCE",), "all bodies, moved past each other through a turn", ("3mf",), sweep_assembly))
+        stages.append(
+            Stage(
+                ("INTERFERENCE",),
+                "all bodies, moved past each other through a turn",
+                ("3mf",),
+                sweep_assembly,
+            )
+        )
     if mechanism.balances():
-        stages.append(Stage(("BALANCE",), "the balanced crank, weighed in the assembly", ("3mf",), weigh_crank))
+        stages.append(
+            Stage(
+                ("BALANCE",), "the balanced crank, weighed in the assembly", ("3mf",), weigh_crank
+            )
+        )
     if mechanism.strands():
         codes = ("THREAD_HELD", "THREAD_CLEAR")
-        stages.append(Stage(codes, "threads between their posts in the assembly", ("3mf",), judge_threads))
+        stages.append(
+            Stage(codes, "threads between their posts in the assembly", ("3mf",), judge_threads)
+        )
     stages.append(Stage((), "copies of parts in the assembly", ("3mf",), judge_assembly))
     if mechanism.laser is not None:
         stages.append(Stage((), "sheets for the laser", DRAWN, judge_laser))
     if mechanism.output.machining:
         stages.append(Stage((), "tables for machine tools", DRAWN, judge_machining))
     if any(kind in EXACT for kind in kinds):
-        stages.append(Stage((), "copies of exact solids in the assembly", EXACT, judge_exact_assembly))
-    stages.append(Stage(("BED_FIT",), "room on the printer's bed", SOLID, judge_plates if "3mf" in kinds else fit_bed))
+        stages.append(
+            Stage((), "copies of exact solids in the assembly", EXACT, judge_exact_assembly)
+        )
+    stages.append(
+        Stage(
+            ("BED_FIT",),
+            "room on the printer's bed",
+            SOLID,
+            judge_plates if "3mf" in kinds else fit_bed,
+        )
+    )
     if "report" in kinds and any(kind in SOLID for kind in kinds):
         stages.append(Stage((), "the machine in motion, as viewers show it", SOLID, judge_seen))
-    return [*stages, Stage((), work=list_parts), Stage((), work=bear_loads), Stage((), work=print_errors), *of_parts(mechanism)]
+    return [
+        *stages,
+        Stage((), work=list_parts),
+        Stage((), work=bear_loads),
+        Stage((), work=print_errors),
+        *of_parts(mechanism),
+    ]
 
 
 def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
@@ -163,11 +219,28 @@ def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
     columns: dict[str, Floats] = {}
     plots = []
     for kind in (kind for kind in kinds if kind not in EXACT):
-        cleared = judge_clearance(kind, case.folder, mechanism.name, pairs, mechanism.poses, mechanism.accuracy.chord_tolerance)
+        cleared = judge_clearance(
+            kind,
+            case.folder,
+            mechanism.name,
+            pairs,
+            mechanism.poses,
+            mechanism.accuracy.chord_tolerance,
+        )
         findings += cleared.findings
         numbers |= cleared.numbers
-        plots.append(Plot(f"Distance, from {kind.upper()}", "shaft angle, deg", "mm, below 0 overlap", cleared.curves))
-        columns |= {f"distance_{name.lower().replace('/', '_')}_mm_{kind}": apart for name, _, apart in cleared.curves}
+        plots.append(
+            Plot(
+                f"Distance, from {kind.upper()}",
+                "shaft angle, deg",
+                "mm, below 0 overlap",
+                cleared.curves,
+            )
+        )
+        columns |= {
+            f"distance_{name.lower().replace('/', '_')}_mm_{kind}": apart
+            for name, _, apart in cleared.curves
+        }
     return Outcome(findings, numbers, plots, columns=columns)
 
 
@@ -177,10 +250,16 @@ def judge_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
 
     mechanism, path = case.mechanism, case.file("assembly", "3mf")
     originals, findings = written(case), []
-    if compensation(mechanism) is not None:  # single parts are files for the printer, the assembly shows them as designed
-        originals = {name: mesh for name, mesh in read_3mf(path).meshes.items() if name in case.parts}
+    if (
+        compensation(mechanism) is not None
+    ):  # single parts are files for the printer, the assembly shows them as designed
+        originals = {
+            name: mesh for name, mesh in read_3mf(path).meshes.items() if name in case.parts
+        }
         for name, mesh in originals.items():
-            meant = expected(case.parts[name], mechanism.accuracy.chord_tolerance, mechanism.features())
+            meant = expected(
+                case.parts[name], mechanism.accuracy.chord_tolerance, mechanism.features()
+            )
             judged = judge_solid(mesh, meant, f"{path.name}, {name}", FORMATS["3mf"].rounding)
             findings += [finding for finding in judged.findings if not finding.ok]
     places = [(copy.object, copy.transform) for copy in assembled(mechanism)]
@@ -190,8 +269,12 @@ def judge_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
 def judge_exact_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
     """ROUND_TRIP of the assembly of exact solids: every copy of every part that has one, where it belongs at theta = 0."""
     files = {name: file for name in case.parts if (file := case.file(name, "step")).exists()}
-    places = [(copy.object, copy.transform) for copy in assembled(case.mechanism) if copy.object in files]
-    return Outcome([judge_exact_copies(case.file("assembly", "step"), files, places)] if places else [])
+    places = [
+        (copy.object, copy.transform) for copy in assembled(case.mechanism) if copy.object in files
+    ]
+    return Outcome(
+        [judge_exact_copies(case.file("assembly", "step"), files, places)] if places else []
+    )
 
 
 def judge_laser(case: Case, kinds: Sequence[str]) -> Outcome:
@@ -200,10 +283,17 @@ def judge_laser(case: Case, kinds: Sequence[str]) -> Outcome:
     from camgen.pipeline.laser import judge_sheets
 
     findings, sections, tables, numbers = judge_sheets(case)
-    mechanism, read = case.mechanism, {name: {"dxf": sections[name]} if name in sections else {} for name in case.parts}
+    mechanism, read = (
+        case.mechanism,
+        {name: {"dxf": sections[name]} if name in sections else {} for name in case.parts},
+    )
     low, high = mechanism.range
     theta = low + judged_angles() * ((high - low) / math.tau)
-    moved = judge_motion(mechanism, "dxf", read, theta, f"{mechanism.name}-sheets, *") if numbers else None
+    moved = (
+        judge_motion(mechanism, "dxf", read, theta, f"{mechanism.name}-sheets, *")
+        if numbers
+        else None
+    )
     return Outcome([*findings, *(moved[0].findings if moved else ())], numbers, tables=tables)
 
 
@@ -228,14 +318,20 @@ def weigh_crank(case: Case, kinds: Sequence[str]) -> Outcome:
     from camgen.judge.balance import judge_balance
 
     assembly, moved = case.file("assembly", "3mf"), case.mechanism.moved()
-    return Outcome([judge_balance(assembly, moved, balance) for balance in case.mechanism.balances()])
+    return Outcome(
+        [judge_balance(assembly, moved, balance) for balance in case.mechanism.balances()]
+    )
 
 
 def judge_threads(case: Case, kinds: Sequence[str]) -> Outcome:
     """Threads in the grooves of their posts, and what they pass over the turn."""
     from camgen.judge.strands import judge_strands
 
-    return Outcome(judge_strands(case.file("assembly", "3mf"), case.mechanism.moved(), case.mechanism.strands()))
+    return Outcome(
+        judge_strands(
+            case.file("assembly", "3mf"), case.mechanism.moved(), case.mechanism.strands()
+        )
+    )
 
 
 def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:
@@ -248,7 +344,11 @@ def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:
     bed, margin = mechanism.print.bed, mechanism.print.bed_margin
     listed, sides = mechanism.printed(), lying_sides(mechanism, originals)
     laid = Counter(item.name for path in plates for item in read_3mf(path).items)
-    lying = [(part, originals[part.name].vertices @ sides[part.name].turn.T) for part in listed if part.name in originals]
+    lying = [
+        (part, originals[part.name].vertices @ sides[part.name].turn.T)
+        for part in listed
+        if part.name in originals
+    ]
     room, height = within(bed, margin), mechanism.print.bed_height
     fits = [bed_fit(part.name, part.count, vertices, room, height)[1] for part, vertices in lying]
     if not plates and not any(fit.ok for fit in fits):
@@ -258,8 +358,10 @@ def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:
     where = f"{len(plates)} plate{'' if len(plates) == 1 else 's'}"
     missing = at_most("BED_FIT", short, 0, "copies", where, said)
     on_plates = [
-        f for path in plates for f in (judge_copies(path, originals), *judge_plate(path, bed, PLATE_GAP, margin or 0.0))
-    ]  # fmt: skip
+        f
+        for path in plates
+        for f in (judge_copies(path, originals), *judge_plate(path, bed, PLATE_GAP, margin or 0.0))
+    ]
     return Outcome([*(fit for fit in fits if not fit.ok), missing, *on_plates])
 
 
@@ -269,9 +371,19 @@ def fit_bed(case: Case, kinds: Sequence[str]) -> Outcome:
 
     findings, bed = [], case.mechanism.print
     for part in case.mechanism.printed():
-        rims = [(facet_contour(layer.region.outer, _DRAWN), z) for layer in part.layers for z in (layer.z0, layer.z1)]
-        corners = np.concatenate([np.column_stack([rim.real, rim.imag, np.full(len(rim), z)]) for rim, z in rims])
-        findings.append(bed_fit(part.name, part.count, corners, within(bed.bed, bed.bed_margin), bed.bed_height)[1])
+        rims = [
+            (facet_contour(layer.region.outer, _DRAWN), z)
+            for layer in part.layers
+            for z in (layer.z0, layer.z1)
+        ]
+        corners = np.concatenate(
+            [np.column_stack([rim.real, rim.imag, np.full(len(rim), z)]) for rim, z in rims]
+        )
+        findings.append(
+            bed_fit(
+                part.name, part.count, corners, within(bed.bed, bed.bed_margin), bed.bed_height
+            )[1]
+        )
     return Outcome(findings)
 
 
@@ -282,7 +394,9 @@ def judge_seen(case: Case, kinds: Sequence[str]) -> Outcome:
     from camgen.pipeline.shown import flights
 
     path = case.file("assembly", "glb")
-    return Outcome([judge_scene(path, flights(case.mechanism), case.mechanism.shown_turns * SECONDS)])
+    return Outcome(
+        [judge_scene(path, flights(case.mechanism), case.mechanism.shown_turns * SECONDS)]
+    )
 
 
 def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
@@ -298,10 +412,14 @@ def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
     mass, minutes = (sum(float(str(row[column])) for row in rows) for column in (5, 6))
     numbers = {"mass_g": mass, "print_time_h": minutes / 60}
     if sides:
-        numbers["supports_mm2"] = sum(part.count * sides[part.name].overhang for part in mechanism.printed())
+        numbers["supports_mm2"] = sum(
+            part.count * sides[part.name].overhang for part in mechanism.printed()
+        )
     layers, said = between(mechanism, sides)
     listed, tables = judge_list(case.file("parts", "csv"), table), [table, mechanism.steps()]
-    return Outcome([listed], numbers, tables=[*tables, *([layers] if layers.rows else [])], warnings=said)
+    return Outcome(
+        [listed], numbers, tables=[*tables, *([layers] if layers.rows else [])], warnings=said
+    )
 
 
 def bear_loads(case: Case, kinds: Sequence[str]) -> Outcome:
@@ -311,9 +429,14 @@ def bear_loads(case: Case, kinds: Sequence[str]) -> Outcome:
     found = assess(case.mechanism)
     study = found.study
     return Outcome(
-        found.findings, study.numbers, study.plots, study.tables, not_judged=found.not_judged, warnings=found.warnings,
+        found.findings,
+        study.numbers,
+        study.plots,
+        study.tables,
+        not_judged=found.not_judged,
+        warnings=found.warnings,
         notes=study.notes,
-    )  # fmt: skip
+    )
 
 
 def print_errors(case: Case, kinds: Sequence[str]) -> Outcome:
@@ -326,7 +449,10 @@ def print_errors(case: Case, kinds: Sequence[str]) -> Outcome:
 
 def _machine_files(case: Case) -> list[str]:
     """Further files of the folder to which the page links."""
-    fixed = [*(case.file("assembly", ending) for ending in ("3mf", "glb", "step")), case.file("parts", "csv")]
+    fixed = [
+        *(case.file("assembly", ending) for ending in ("3mf", "glb", "step")),
+        case.file("parts", "csv"),
+    ]
     more = [case.folder / f"{case.mechanism.name}-{name}" for name in case.mechanism.texts()]
     drawings = [case.file(f"{name}-drawing", "pdf") for name in case.parts]
     others = (*plates_of(case), *cut_files(case), *more, *drawings)

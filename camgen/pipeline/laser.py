@@ -45,9 +45,13 @@ def _path(part: Part, laser: Laser) -> Part:
         return compensated(part, Compensation(hole=-laser.kerf / 2, profile=-laser.kerf / 2))
     except DesignError as error:
         raise DesignError(
-            error.quantity, error.value, error.limit, error.unit, error.where,
+            error.quantity,
+            error.value,
+            error.limit,
+            error.unit,
+            error.where,
             f"laser.kerf = {laser.kerf:g} mm is too wide for a hole or a slot of {part.name}: take a finer beam, or widen it",
-        ) from None  # fmt: skip
+        ) from None
 
 
 def make_sheets(case: Case) -> None:
@@ -63,16 +67,27 @@ def make_sheets(case: Case) -> None:
     copies = [(part.name, k + 1) for part in parts for k in range(part.count)]
     outlines = {name: facet_contour(path.region.outer, _PACKED) for name, path in paths.items()}
     spots: list[Spot] = []
-    for (name, _), spot in zip(copies, nest([outlines[name] for name, _ in copies], laser.sheet, laser.gap), strict=True):
+    for (name, _), spot in zip(
+        copies, nest([outlines[name] for name, _ in copies], laser.sheet, laser.gap), strict=True
+    ):
         if spot is None:
             z = outlines[name]
             raise DesignError(
-                f"length of {name}", max(float(np.ptp(z.real)), float(np.ptp(z.imag))), max(laser.sheet), "mm",
+                f"length of {name}",
+                max(float(np.ptp(z.real)), float(np.ptp(z.imag))),
+                max(laser.sheet),
+                "mm",
                 remedy=f"it fits on no sheet of {laser.sheet[0]:g} x {laser.sheet[1]:g} mm: make laser.sheet larger",
-            )  # fmt: skip
+            )
         spots.append(spot)
-    rows = sorted(zip(copies, spots, strict=True), key=lambda row: (row[1].sheet, row[1].place.real, row[1].place.imag))
-    rounded = [(copy, Spot(s.sheet, s.angle, complex(round(s.place.real, 6), round(s.place.imag, 6)))) for copy, s in rows]
+    rows = sorted(
+        zip(copies, spots, strict=True),
+        key=lambda row: (row[1].sheet, row[1].place.real, row[1].place.imag),
+    )
+    rounded = [
+        (copy, Spot(s.sheet, s.angle, complex(round(s.place.real, 6), round(s.place.imag, 6))))
+        for copy, s in rows
+    ]
     for number in range(1 + max(spot.sheet for spot in spots)):
         pieces = []
         for (name, copy), spot in rounded:
@@ -81,18 +96,28 @@ def make_sheets(case: Case) -> None:
                 moved = tuple(contour.moved(turn, spot.place) for contour in path.engraving)
                 pieces.append(Piece(f"{name}-{copy}", path.region.moved(turn, spot.place), moved))
         for ending in ("dxf", "svg"):
-            write_sheet(case.file(f"sheet-{number + 1}", ending), pieces, laser.sheet, mechanism.accuracy.chord_tolerance)
+            write_sheet(
+                case.file(f"sheet-{number + 1}", ending),
+                pieces,
+                laser.sheet,
+                mechanism.accuracy.chord_tolerance,
+            )
     with open(case.file("sheets", "csv"), "w", encoding="utf-8", newline="") as file:
         lines = csv.writer(file, lineterminator="\n")
         lines.writerow(_COLUMNS)
         for (name, copy), s in rounded:
             angle = f"{math.degrees(s.angle):z.9g}"
-            lines.writerow([s.sheet + 1, name, copy, f"{s.place.real:z.6f}", f"{s.place.imag:z.6f}", angle])
+            lines.writerow(
+                [s.sheet + 1, name, copy, f"{s.place.real:z.6f}", f"{s.place.imag:z.6f}", angle]
+            )
 
 
 def sheet_files(case: Case) -> list[Path]:
     """The files of all sheets that are there, and their list."""
-    found = sorted(case.folder.glob(f"{case.mechanism.name}-sheet-*"), key=lambda path: (len(path.name), path.name))
+    found = sorted(
+        case.folder.glob(f"{case.mechanism.name}-sheet-*"),
+        key=lambda path: (len(path.name), path.name),
+    )
     return [path for path in (*found, case.file("sheets", "csv")) if path.exists()]
 
 
@@ -104,7 +129,9 @@ def _listed(path: Path) -> dict[int, list[Laid]]:
         with open(path, encoding="utf-8", newline="") as file:
             for row in csv.DictReader(file):
                 place = complex(float(row["x_mm"]), float(row["y_mm"]))
-                one = Laid(row["part"], int(row["copy"]), math.radians(float(row["angle_deg"])), place)
+                one = Laid(
+                    row["part"], int(row["copy"]), math.radians(float(row["angle_deg"])), place
+                )
                 found.setdefault(int(row["sheet"]), []).append(one)
     except OSError as error:
         raise FileError(path, error.strerror or str(error)) from None
@@ -113,7 +140,9 @@ def _listed(path: Path) -> dict[int, list[Laid]]:
     return found
 
 
-def judge_sheets(case: Case) -> tuple[list[Finding], dict[str, Sections], list[Table], dict[str, float]]:
+def judge_sheets(
+    case: Case,
+) -> tuple[list[Finding], dict[str, Sections], list[Table], dict[str, float]]:
     """Findings on all sheets; sections of every part, as cut of a sheet or else as drawn; tables; figures."""
     mechanism, laser = case.mechanism, case.mechanism.laser
     assert laser is not None, "sheets are asked for"
@@ -127,7 +156,10 @@ def judge_sheets(case: Case) -> tuple[list[Finding], dict[str, Sections], list[T
         listed = _listed(case.file("sheets", "csv"))
         strange = sorted({one.part for laid in listed.values() for one in laid} - parts.keys())
         if strange:
-            raise FileError(case.file("sheets", "csv"), f"lists {', '.join(strange)}, which are not cut of sheets")
+            raise FileError(
+                case.file("sheets", "csv"),
+                f"lists {', '.join(strange)}, which are not cut of sheets",
+            )
         meant = {name: expected(part, tolerance, features) for name, part in parts.items()}
         beam = Beam(laser.kerf, laser.gap, laser.sheet)
         for number, laid in sorted(listed.items()):
@@ -147,7 +179,12 @@ def judge_sheets(case: Case) -> tuple[list[Finding], dict[str, Sections], list[T
             if judged.sections:
                 sections[part.name] = judged.sections
     columns = ("sheet", "part", "count", "angles, deg", "otherwise")
-    return findings, sections, [Table("Cut of sheets, and what is made otherwise", columns, rows)], numbers
+    return (
+        findings,
+        sections,
+        [Table("Cut of sheets, and what is made otherwise", columns, rows)],
+        numbers,
+    )
 
 
 def _rows(number: int, laid: Sequence[Laid], laser: Laser) -> list[tuple[object, ...]]:
@@ -155,7 +192,15 @@ def _rows(number: int, laid: Sequence[Laid], laser: Laser) -> list[tuple[object,
     found: list[tuple[object, ...]] = []
     for name in dict.fromkeys(one.part for one in laid):
         angles = ", ".join(f"{math.degrees(one.angle):g}" for one in laid if one.part == name)
-        found.append((f"{number}, {laser.thickness:g} mm", name, sum(one.part == name for one in laid), angles, ""))
+        found.append(
+            (
+                f"{number}, {laser.thickness:g} mm",
+                name,
+                sum(one.part == name for one in laid),
+                angles,
+                "",
+            )
+        )
     return found
 
 
@@ -174,6 +219,9 @@ def _density(listed: dict[int, list[Laid]], parts: dict[str, Part], laser: Laser
     outlines = {name: facet_contour(part.region.outer, _PACKED) for name, part in parts.items()}
     for number, laid in listed.items():
         area += sum(abs(parts[one.part].region.outer.area) for one in laid)
-        ends = [float((outlines[one.part] * cmath.rect(1, one.angle) + one.place).real.max()) for one in laid]
+        ends = [
+            float((outlines[one.part] * cmath.rect(1, one.angle) + one.place).real.max())
+            for one in laid
+        ]
         used += laser.sheet[1] * (max(ends) if number == max(listed) else laser.sheet[0])
     return area / used if used else math.nan

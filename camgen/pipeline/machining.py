@@ -1,8 +1,8 @@
 """Tables for machine tools: a cam's profile by its angle, and the path of a cutter's centre round it as exact lines and arcs.
 
-    <name>-<part>-profile.csv    contact, normal, curvature and pressure angle at each cam angle, in the part's frame
-    <name>-<part>-path.dxf .csv  where the centre of a cutter of `output.cutter_radius` runs, counter-clockwise: round the cam, or
-                                 within the outer wall of a groove
+<name>-<part>-profile.csv    contact, normal, curvature and pressure angle at each cam angle, in the part's frame
+<name>-<part>-path.dxf .csv  where the centre of a cutter of `output.cutter_radius` runs, counter-clockwise: round the cam, or
+                             within the outer wall of a groove
 """
 
 from __future__ import annotations
@@ -33,8 +33,27 @@ from camgen.parts.fits import offset
 from camgen.pipeline.jobs import Case
 
 _SIZE = Bound("a table for a machine tool", 50_000_000, most=200_000)
-_PROFILE = ("theta_deg", "radius_mm", "angle_deg", "x_mm", "y_mm", "normal_deg", "curvature_per_mm", "pressure_angle_deg")
-_PATH = ("piece", "x0_mm", "y0_mm", "x1_mm", "y1_mm", "centre_x_mm", "centre_y_mm", "radius_mm", "sweep_deg")
+_PROFILE = (
+    "theta_deg",
+    "radius_mm",
+    "angle_deg",
+    "x_mm",
+    "y_mm",
+    "normal_deg",
+    "curvature_per_mm",
+    "pressure_angle_deg",
+)
+_PATH = (
+    "piece",
+    "x0_mm",
+    "y0_mm",
+    "x1_mm",
+    "y1_mm",
+    "centre_x_mm",
+    "centre_y_mm",
+    "radius_mm",
+    "sweep_deg",
+)
 
 
 def cams_of(mechanism: Mechanism) -> dict[str, tuple[CamTouch, Mount, float]]:
@@ -71,12 +90,18 @@ def make_tables(case: Case) -> None:
             wall = max(region.holes, key=lambda hole: hole.length) if touch.outer else region.outer
             outline = fit_arcs(wall.counter_clockwise(), tolerance)
             try:
-                path = offset(outline, output.cutter_radius * (-1 if touch.outer else 1), f"outline of {name}")
+                path = offset(
+                    outline, output.cutter_radius * (-1 if touch.outer else 1), f"outline of {name}"
+                )
             except DesignError as error:
                 raise DesignError(
-                    error.quantity, error.value, error.limit, error.unit, error.where,
+                    error.quantity,
+                    error.value,
+                    error.limit,
+                    error.unit,
+                    error.where,
                     f"a cutter of output.cutter_radius = {output.cutter_radius:g} mm finds no path: use a smaller one",
-                ) from None  # fmt: skip
+                ) from None
             write_dxf(case.file(f"{name}-path", "dxf"), Region(path), (), tolerance)
             _write(case.file(f"{name}-path", "csv"), _PATH, map(_piece, path.pieces))
 
@@ -85,7 +110,9 @@ def _write(path: Path, columns: Sequence[str], rows: Iterable[Sequence[object]])
     with open(path, "w", encoding="utf-8", newline="") as file:
         lines = csv.writer(file, lineterminator="\n")
         lines.writerow(columns)
-        lines.writerows([_text(cell) if isinstance(cell, float) else cell for cell in row] for row in rows)
+        lines.writerows(
+            [_text(cell) if isinstance(cell, float) else cell for cell in row] for row in rows
+        )
 
 
 def _text(value: float) -> str:
@@ -93,11 +120,17 @@ def _text(value: float) -> str:
     return "" if math.isnan(value) else f"{value:z.9f}".rstrip("0").rstrip(".")
 
 
-def _profile(touch: CamTouch, mount: Mount, free: float, step_deg: float) -> Iterable[Sequence[object]]:
+def _profile(
+    touch: CamTouch, mount: Mount, free: float, step_deg: float
+) -> Iterable[Sequence[object]]:
     """Rows of a cam's table over a turn; on an undercut's corner there is no normal and no curvature."""
     theta, cam = np.radians(np.arange(0, 360, step_deg)), touch.cam
     place, normal = touch(theta)
-    place, radius, pressure = place - free * normal, touch.radius(theta) - free, cam.pressure_angle(theta)
+    place, radius, pressure = (
+        place - free * normal,
+        touch.radius(theta) - free,
+        cam.pressure_angle(theta),
+    )
     with np.errstate(divide="ignore"):
         curvature = 1 / radius
     for cut in () if touch.outer else cam.undercuts:
@@ -106,10 +139,18 @@ def _profile(touch: CamTouch, mount: Mount, free: float, step_deg: float) -> Ite
     turn = np.exp(-1j * mount.turned)
     place, normal = (place - mount.at) * turn, normal * turn
     columns = (
-        np.degrees(theta), np.abs(place), np.degrees(np.angle(place)) % 360, place.real, place.imag,
-        np.degrees(np.angle(normal)) % 360, curvature, np.degrees(pressure),
-    )  # fmt: skip
-    rows: list[tuple[object, ...]] = list(zip(*(column.tolist() for column in columns), strict=True))
+        np.degrees(theta),
+        np.abs(place),
+        np.degrees(np.angle(place)) % 360,
+        place.real,
+        place.imag,
+        np.degrees(np.angle(normal)) % 360,
+        curvature,
+        np.degrees(pressure),
+    )
+    rows: list[tuple[object, ...]] = list(
+        zip(*(column.tolist() for column in columns), strict=True)
+    )
     return rows
 
 
@@ -125,8 +166,11 @@ def _piece(piece: Piece) -> Sequence[object]:
 
 def table_files(case: Case) -> list[Path]:
     """Tables and paths that a build may have made and that are there."""
-    names = [(f"{name}-{what}", ending) for name in case.parts for what, ending in
-             (("profile", "csv"), ("path", "dxf"), ("path", "csv"))]  # fmt: skip
+    names = [
+        (f"{name}-{what}", ending)
+        for name in case.parts
+        for what, ending in (("profile", "csv"), ("path", "dxf"), ("path", "csv"))
+    ]
     return [path for path in (case.file(*each) for each in names) if path.exists()]
 
 
@@ -145,20 +189,30 @@ def judge_tables(case: Case) -> list[Finding]:
             try:
                 law = _rolled(case.mechanism, name, rings)
             except ValueError as fault:
-                findings.append(at_most("ROUND_TRIP", math.nan, 2 * tolerance, "mm", table.name, str(fault)))
+                findings.append(
+                    at_most("ROUND_TRIP", math.nan, 2 * tolerance, "mm", table.name, str(fault))
+                )
             else:
-                ring = outline.reversed() if touch.outer else outline  # with the material on its left
-                findings += judge_profile(table, _read_profile(table), ring, law, output.profile_step_deg, tolerance)
+                ring = (
+                    outline.reversed() if touch.outer else outline
+                )  # with the material on its left
+                findings += judge_profile(
+                    table, _read_profile(table), ring, law, output.profile_step_deg, tolerance
+                )
         path = case.file(f"{name}-path", "dxf")
         if output.cutter_radius is not None:
             pieces = _read_path(path.with_suffix(".csv"))
-            findings += judge_path(path, pieces, outline, output.cutter_radius, 2 * tolerance, touch.outer)
+            findings += judge_path(
+                path, pieces, outline, output.cutter_radius, 2 * tolerance, touch.outer
+            )
     return findings
 
 
 def _rolled(mechanism: Mechanism, part: str, rings: Sequence[Ring]) -> Rolled:
     """What the follower rolls to on a part's outline as it is drawn; ValueError where it does not fit."""
-    feature = next(each for each in mechanism.features() if isinstance(each, CamOutline) and each.part == part)
+    feature = next(
+        each for each in mechanism.features() if isinstance(each, CamOutline) and each.part == part
+    )
     return rolled(mechanism.model, feature, mechanism.mounts(), [pieces_of(rings)])[1]
 
 
@@ -172,7 +226,9 @@ def _rows(path: Path, columns: Sequence[str]) -> list[list[str]]:
             raise ValueError(f"its columns are to be {', '.join(columns)}")
         return rows
     except (OSError, UnicodeDecodeError, ValueError, csv.Error) as error:
-        raise FileError(path, f"cannot be read as a table: {getattr(error, 'strerror', None) or error}") from None
+        raise FileError(
+            path, f"cannot be read as a table: {getattr(error, 'strerror', None) or error}"
+        ) from None
 
 
 def _number(cell: str) -> float:
@@ -188,12 +244,25 @@ def _read_profile(path: Path) -> Profile:
     rows = _rows(path, _PROFILE)
     blank = [_PROFILE.index(name) for name in ("normal_deg", "curvature_per_mm")]
     try:
-        cells = [[math.nan if k in blank and not cell else _number(cell) for k, cell in enumerate(row)] for row in rows]
+        cells = [
+            [math.nan if k in blank and not cell else _number(cell) for k, cell in enumerate(row)]
+            for row in rows
+        ]
     except ValueError as error:
         raise FileError(path, f"not a table of a profile: {error}") from None
-    theta, radius, angle, x, y, normal, curvature, pressure = np.array(cells).reshape(-1, len(_PROFILE)).T
+    theta, radius, angle, x, y, normal, curvature, pressure = (
+        np.array(cells).reshape(-1, len(_PROFILE)).T
+    )
     facing = np.exp(1j * np.radians(normal))
-    return Profile(np.radians(theta), x + 1j * y, radius, np.radians(angle), facing, curvature, np.radians(pressure))
+    return Profile(
+        np.radians(theta),
+        x + 1j * y,
+        radius,
+        np.radians(angle),
+        facing,
+        curvature,
+        np.radians(pressure),
+    )
 
 
 def _read_path(path: Path) -> list[Step]:

@@ -30,7 +30,9 @@ if TYPE_CHECKING:
 PLATE_GAP = 3.0  # mm between bodies on a plate: room for a brim of two lines each
 
 
-Made = tuple[dict[str, "Mesh"], dict[str, "Mesh"]]  # solids of parts as designed and as sent to the printer, where any are
+Made = tuple[
+    dict[str, "Mesh"], dict[str, "Mesh"]
+]  # solids of parts as designed and as sent to the printer, where any are
 
 
 def make_parts(case: Case, only: frozenset[str], workers: Workers, progress: Progress) -> Made:
@@ -68,13 +70,20 @@ def put_together(case: Case, only: frozenset[str], made: Made, progress: Progres
     from camgen.files.threemf import write_3mf
 
     progress("putting the assembly together", 0.4)
-    write_3mf(case.folder / f"{mechanism.name}-assembly.3mf", meshes, assembled(mechanism), _key(mechanism))
+    write_3mf(
+        case.folder / f"{mechanism.name}-assembly.3mf",
+        meshes,
+        assembled(mechanism),
+        _key(mechanism),
+    )
     if not listed:
         return
     from camgen.files.plates import laid_out, write_plates
 
     progress("laying out the plates", 0.42)
-    layout = laid_out(listed, sent, mechanism.print.bed, PLATE_GAP, sides, mechanism.print.bed_margin)
+    layout = laid_out(
+        listed, sent, mechanism.print.bed, PLATE_GAP, sides, mechanism.print.bed_margin
+    )
     write_plates(case.folder, mechanism.name, layout, sent, _key(mechanism))
 
 
@@ -82,7 +91,11 @@ def written(case: Case) -> dict[str, Mesh]:
     """The solid of each part's 3MF, as it is sent to the printer."""
     from camgen.files.threemf import read_3mf
 
-    return {name: item.mesh for name in case.parts for item in read_3mf(case.file(name, "3mf")).items[:1]}
+    return {
+        name: item.mesh
+        for name in case.parts
+        for item in read_3mf(case.file(name, "3mf")).items[:1]
+    }
 
 
 def lying_sides(mechanism: Mechanism, meshes: Mapping[str, Mesh]) -> dict[str, Side]:
@@ -97,13 +110,18 @@ def lying_sides(mechanism: Mechanism, meshes: Mapping[str, Mesh]) -> dict[str, S
     drawn = mechanism.print.elephant_foot > 0
     printed = [part.name for part in mechanism.printed() if part.name in meshes]
     down = np.array([0.0, 0.0, -1.0])
-    return {name: side(meshes[name], down) if drawn else lying_side(meshes[name]) for name in printed}
+    return {
+        name: side(meshes[name], down) if drawn else lying_side(meshes[name]) for name in printed
+    }
 
 
 def _make_part(case: Case, name: str, only: frozenset[str]) -> tuple[Mesh, Mesh] | None:
     """Write one part's files; its solid as designed and as sent to the printer, None where no file asks for one."""
     mechanism, part = case.mechanism, case.parts[name]
-    tolerance, wanted = mechanism.accuracy.chord_tolerance, [kind for kind in FORMATS if kind in only]
+    tolerance, wanted = (
+        mechanism.accuracy.chord_tolerance,
+        [kind for kind in FORMATS if kind in only],
+    )
     mesh = sent = None
     if any(FORMATS[kind].solid for kind in wanted):
         from camgen.parts.solids import solid
@@ -112,11 +130,18 @@ def _make_part(case: Case, name: str, only: frozenset[str]) -> tuple[Mesh, Mesh]
         mesh = solid(part, tolerance)
         sent = solid(compensated(part, fit), tolerance) if fit else mesh
     output = mechanism.output
-    centres, engraved = part.centres if output.center_marks else (), part.engraving if output.engrave else ()
+    centres, engraved = (
+        part.centres if output.center_marks else (),
+        part.engraving if output.engrave else (),
+    )
     title, key = f"{mechanism.name}-{name}", _key(mechanism)
-    job = Job(name, title, key, part.region, centres, tolerance, output.curves, sent, part, engraved)
+    job = Job(
+        name, title, key, part.region, centres, tolerance, output.curves, sent, part, engraved
+    )
     for kind in wanted:
-        with suppress(DesignError) if kind in EXACT else nullcontext():  # a part that has none is told as files are judged
+        with (
+            suppress(DesignError) if kind in EXACT else nullcontext()
+        ):  # a part that has none is told as files are judged
             write_part(case.file(name, kind), job)
     if "dxf" in only:
         draw_part(case, name, case.folder)
@@ -134,7 +159,9 @@ def write_exact_assembly(case: Case) -> None:
     copies = [copy for copy in assembled(mechanism) if copy.object in bodies]
     if copies:
         titles = {part.name: part.title for part in parts}
-        write_step(case.file("assembly", "step"), bodies, titles, f"{mechanism.name}-assembly", copies)
+        write_step(
+            case.file("assembly", "step"), bodies, titles, f"{mechanism.name}-assembly", copies
+        )
 
 
 def _key(mechanism: Mechanism) -> str:
@@ -145,7 +172,9 @@ def _key(mechanism: Mechanism) -> str:
 def compensation(mechanism: Mechanism) -> Compensation | None:
     """What the spec says of the printer; None where files are sent as drawn."""
     p = mechanism.print
-    fit = Compensation(p.hole_compensation, p.profile_compensation, p.shrinkage, p.elephant_foot, p.first_layer)
+    fit = Compensation(
+        p.hole_compensation, p.profile_compensation, p.shrinkage, p.elephant_foot, p.first_layer
+    )
     return fit if fit.hole or fit.profile or fit.shrinkage or fit.foot else None
 
 
@@ -158,7 +187,9 @@ def assembled(mechanism: Mechanism) -> list[Placed]:
         Placed(
             part.name,
             f"{part.name}-{k + 1}",
-            placing(float(pose.angle[0]), complex(pose.place[0]), pose.z, part.thickness, pose.flipped),
+            placing(
+                float(pose.angle[0]), complex(pose.place[0]), pose.z, part.thickness, pose.flipped
+            ),
         )
         for part in mechanism.parts()
         for k, pose in enumerate(poses[part.name])
@@ -177,25 +208,51 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
     parts = mechanism.parts()
     printed = mechanism.printed()
     rows: list[tuple[object, ...]] = [
-        ("printed", row.part, row.title, row.count, row.material_mm3, row.mass_g, row.print_min, *_lying(sides.get(row.part)))
-        for row in parts_list(printed, material.name, mechanism.print.nozzle, density, sides, mechanism.print.layer)
+        (
+            "printed",
+            row.part,
+            row.title,
+            row.count,
+            row.material_mm3,
+            row.mass_g,
+            row.print_min,
+            *_lying(sides.get(row.part)),
+        )
+        for row in parts_list(
+            printed, material.name, mechanism.print.nozzle, density, sides, mechanism.print.layer
+        )
     ]
     blank: tuple[object, ...] = ("",) * 5
-    for part in (part for part in parts if part not in printed):  # what is bought has a size, what is turned a volume
+    for part in (
+        part for part in parts if part not in printed
+    ):  # what is bought has a size, what is turned a volume
         bought, sized = part.made == "bought", part.made in ("bought", TURNED)
-        what, volume = ": ".join([part.title, *part.notes[: int(sized)]]), "" if bought else part.count * part.volume
+        what, volume = (
+            ": ".join([part.title, *part.notes[: int(sized)]]),
+            "" if bought else part.count * part.volume,
+        )
         made = "cut of sheet" if mechanism.cut_of_sheet(part) else part.made
         rows.append((made, part.name, what, part.count, volume, *blank))
     things = list(mechanism.bought())
-    if any("glued" in note for part in parts for note in part.notes) and "glue" not in {thing.name for thing in things}:
+    if any("glued" in note for part in parts for note in part.notes) and "glue" not in {
+        thing.name for thing in things
+    }:
         things.append(Bought("glue", "", "for all that is glued", 1))
     for thing in things:
         size = ", ".join(text for text in (thing.size, thing.standard) if text)
         rows.append(("bought", thing.name, size, thing.count, "", *blank))
     columns = (
-        "how", "part", "what", "count", "material, mm^3", f"mass in {material.name}, g", "print time, min", "lies",
-        "on the bed, mm^2", "overhang, mm^2",
-    )  # fmt: skip
+        "how",
+        "part",
+        "what",
+        "count",
+        "material, mm^3",
+        f"mass in {material.name}, g",
+        "print time, min",
+        "lies",
+        "on the bed, mm^2",
+        "overhang, mm^2",
+    )
     return Table("Parts list", columns, rows)
 
 
@@ -212,4 +269,7 @@ def write_parts_list(path: Path, mechanism: Mechanism, sides: Mapping[str, Side]
     with open(path, "w", encoding="utf-8", newline="") as file:
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(table.columns)
-        rows.writerows([f"{float(f'{cell:.3g}'):zg}" if isinstance(cell, float) else cell for cell in row] for row in table.rows)
+        rows.writerows(
+            [f"{float(f'{cell:.3g}'):zg}" if isinstance(cell, float) else cell for cell in row]
+            for row in table.rows
+        )

@@ -1,8 +1,8 @@
 """From a cam's outline, made by any tool, to the motion of its follower: roll the tip on it and report what comes out.
 
-    s      the follower's displacement, rad on an arm and mm on a slide, counted as its table says
-    v, a   derivatives of s to the cam angle, low-passed: facets and file decimals make raw ones rough
-    lash   free play of a follower with two tips, on one outline or on two that turn together
+s      the follower's displacement, rad on an arm and mm on a slide, counted as its table says
+v, a   derivatives of s to the cam angle, low-passed: facets and file decimals make raw ones rough
+lash   free play of a follower with two tips, on one outline or on two that turn together
 """
 
 from __future__ import annotations
@@ -73,18 +73,38 @@ def recover(ring: Ring, follower: FollowerTable, harmonics: int = HARMONICS) -> 
     near, far = (float(bound(np.abs(ring.samples()))) for bound in (np.min, np.max))
     if not ring.encloses(0j):
         remedy = "give the shaft's place in the file as centre=X/Y, or take another contour=2"
-        raise DesignError("distance of the shaft (0, 0) from the outline", near, 0.0, "mm", "its outside", remedy)
+        raise DesignError(
+            "distance of the shaft (0, 0) from the outline", near, 0.0, "mm", "its outside", remedy
+        )
     if follower.motion == "oscillating" and not follower.inside and abs(follower.axle) < near:
         remedy = "the outline runs round the follower's axle: move the pivot out"
-        raise DesignError("distance of the pivot from the shaft", abs(follower.axle), near, "mm", "the whole turn", remedy)
+        raise DesignError(
+            "distance of the pivot from the shaft",
+            abs(follower.axle),
+            near,
+            "mm",
+            "the whole turn",
+            remedy,
+        )
     theta: Floats = np.linspace(0, math.tau, _SAMPLES, endpoint=False)
     touch = contact(ring, follower.form).touch(theta)
     if np.isnan(touch.angle).all():
         remedy = f"it never touches the outline, {near:.6g} to {far:.6g} mm from the shaft: check pivot, arm, leaves or offset"
         slides = follower.motion == "translating"
-        reach = abs(follower.offset or 0.0) if slides else abs(abs(follower.axle) - (follower.arm or 0.0))
+        reach = (
+            abs(follower.offset or 0.0)
+            if slides
+            else abs(abs(follower.axle) - (follower.arm or 0.0))
+        )
         limit = far + (follower.radius or 0.0)
-        raise DesignError("the follower's least distance from the shaft", reach, limit, "mm", "the whole turn", remedy)
+        raise DesignError(
+            "the follower's least distance from the shaft",
+            reach,
+            limit,
+            "mm",
+            "the whole turn",
+            remedy,
+        )
     s = touch.angle
     start = 0.0 if follower.anchored else float((np.nanmin if follower.sense > 0 else np.nanmax)(s))
     speed, acceleration = (low_passed(s, order, harmonics) for order in (1, 2))
@@ -107,7 +127,11 @@ def low_passed(values: Floats, order: int, harmonics: int) -> Floats:
 
 
 def roll(
-    path: Path, given: str | PathLike[str] | Mapping[str, Any], height: float | None, layer: str | None, harmonics: int
+    path: Path,
+    given: str | PathLike[str] | Mapping[str, Any],
+    height: float | None,
+    layer: str | None,
+    harmonics: int,
 ) -> Recovered:
     """Motion of a follower on the outline in a file, as `recover`; FileError where the file holds none that is closed."""
     follower = read_follower(given, "follower")
@@ -115,7 +139,9 @@ def roll(
         raise SpecError([Fault("harmonics", f"{harmonics}", f"1 to {MOST_HARMONICS}")])
     outline = read_outline(path, height, layer, follower.contour)
     if outline.ring is None:
-        raise FileError(path, "; ".join(f"{f.code}: {f.message}" for f in outline.findings if not f.ok))
+        raise FileError(
+            path, "; ".join(f"{f.code}: {f.message}" for f in outline.findings if not f.ok)
+        )
     return recover(outline.ring, follower, harmonics)
 
 
@@ -140,22 +166,38 @@ class Request:
     probe: float = 0.0
 
 
-def run(path: Path, request: Request, out: Path, progress: Callable[[str], None] = lambda _: None) -> Report:
+def run(
+    path: Path, request: Request, out: Path, progress: Callable[[str], None] = lambda _: None
+) -> Report:
     """Read an outline, roll the follower on it, write OUT/<file>-motion/ with report.html, report.json and motion.csv.
 
     Raises SpecError, FileError or DesignError; where the outline is open or crosses itself, a finding says so.
     """
     follower = read_follower(request.follower)
-    other = read_follower(request.second_follower, "--second-follower") if request.second_follower else None
+    other = (
+        read_follower(request.second_follower, "--second-follower")
+        if request.second_follower
+        else None
+    )
     faults = pair_faults(follower, other) if other is not None else ()
     if faults:
         raise SpecError(faults, "command line")
     if request.second is not None and other is None:
-        raise SpecError([Fault("--second", str(request.second), "--second-follower, the tip that rides on it")])
-    if request.against is not None and (other is not None or follower.inside or follower.contour not in (None, 1)):
-        raise SpecError([Fault("--against", str(request.against), "one follower, on the outside of a cam")], "command line")
+        raise SpecError(
+            [Fault("--second", str(request.second), "--second-follower, the tip that rides on it")]
+        )
+    if request.against is not None and (
+        other is not None or follower.inside or follower.contour not in (None, 1)
+    ):
+        raise SpecError(
+            [Fault("--against", str(request.against), "one follower, on the outside of a cam")],
+            "command line",
+        )
     if request.scanning != Scanning() and path.suffix.lower() not in PICTURES:
-        raise SpecError([Fault("--dpi, --second-scan, --across", path.name, f"a scan, {', '.join(PICTURES)}")], "command line")
+        raise SpecError(
+            [Fault("--dpi, --second-scan, --across", path.name, f"a scan, {', '.join(PICTURES)}")],
+            "command line",
+        )
     if request.probe and path.suffix.lower() != ".csv":
         raise SpecError([Fault("--probe", path.name, "measured points, .csv")], "command line")
     # what is rolled on: file and contour, one or two
@@ -165,7 +207,14 @@ def run(path: Path, request: Request, out: Path, progress: Callable[[str], None]
     outlines = []
     for file, contour in wanted:
         progress(f"reading {file.name}")
-        how = (request.height, request.layer, contour, request.line_width, request.scanning, request.probe)
+        how = (
+            request.height,
+            request.layer,
+            contour,
+            request.line_width,
+            request.scanning,
+            request.probe,
+        )
         outlines.append(read_outline(file, *how))
     findings = list(dict.fromkeys(finding for outline in outlines for finding in outline.findings))
     rings = [outline.ring for outline in outlines if outline.ring is not None]
@@ -179,7 +228,14 @@ def run(path: Path, request: Request, out: Path, progress: Callable[[str], None]
             compared = _compared(outlines[0], path, request)
             rings = [compared.ring]
             if "scale_percent" in compared.numbers:  # found from the outline: it is off no more
-                outlines = [replace(outlines[0], numbers={k: v for k, v in outlines[0].numbers.items() if k != "scanner_off_mm"})]
+                outlines = [
+                    replace(
+                        outlines[0],
+                        numbers={
+                            k: v for k, v in outlines[0].numbers.items() if k != "scanner_off_mm"
+                        },
+                    )
+                ]
         progress("rolling")
         found = recover(rings[0], follower, request.harmonics)
         pair = None
@@ -188,9 +244,16 @@ def run(path: Path, request: Request, out: Path, progress: Callable[[str], None]
             if follower.motion == "translating" and follower.inside == other.inside:
                 limit = -limit  # the second tip's way out is the first one's way in
             pair = (-1 if follower.inside else 1) * follower.sense * (limit - found.s)
-        remarks = [f"{file.name}: {outline.remark}" for (file, _), outline in zip(wanted, outlines, strict=True)]
-        report, columns = _report(report, path, follower, rings[0], found, pair, request.harmonics, remarks)
-        report = replace(report, numbers={**report.numbers, **_measured(outlines[0].numbers, found, follower)})
+        remarks = [
+            f"{file.name}: {outline.remark}"
+            for (file, _), outline in zip(wanted, outlines, strict=True)
+        ]
+        report, columns = _report(
+            report, path, follower, rings[0], found, pair, request.harmonics, remarks
+        )
+        report = replace(
+            report, numbers={**report.numbers, **_measured(outlines[0].numbers, found, follower)}
+        )
         if compared is not None:
             own = recover(compared.wanted, follower, request.harmonics)
             report, columns = _with_comparison(report, columns, compared, found.s, own.s, follower)
@@ -212,19 +275,33 @@ def _told(report: Report, follower: FollowerTable) -> Iterator[str]:
     if moved is not None:
         said = f"the follower moves {moved:.4g} {unit}"
         level = found.get(f"edge_level_in_motion_{unit}")
-        yield said + (f"; the level at which the edge is taken may shift it by {level:.2g} {unit}" if level is not None else "")
-    raw, smooth = (found.get(key, math.nan) for key in ("pressure_angle_deg", "pressure_angle_low_passed_deg"))
+        yield said + (
+            f"; the level at which the edge is taken may shift it by {level:.2g} {unit}"
+            if level is not None
+            else ""
+        )
+    raw, smooth = (
+        found.get(key, math.nan) for key in ("pressure_angle_deg", "pressure_angle_low_passed_deg")
+    )
     if raw - smooth > _ROUGH:
         yield f"the outline is rough: its pressure angle is {raw:.4g} deg at most, {smooth:.4g} deg low-passed as the speed"
     if f"motion_error_max_{unit}" in found:
         error, rms = (found[f"motion_error_{what}_{unit}"] for what in ("max", "rms"))
         least, most = found["deviation_min_mm"], found["deviation_max_mm"]
-        yield (f"against the spec's cam it is {error:.3g} {unit} off at most, {rms:.2g} rms; the outline lies {least:+.3f} to "
-               f"{most:+.3f} mm outside; {report.notes[0]}")  # fmt: skip
+        yield (
+            f"against the spec's cam it is {error:.3g} {unit} off at most, {rms:.2g} rms; the outline lies {least:+.3f} to "
+            f"{most:+.3f} mm outside; {report.notes[0]}"
+        )
 
 
 def _report(
-    empty: Report, path: Path, follower: FollowerTable, ring: Ring, found: Recovered, play: Floats | None, harmonics: int,
+    empty: Report,
+    path: Path,
+    follower: FollowerTable,
+    ring: Ring,
+    found: Recovered,
+    play: Floats | None,
+    harmonics: int,
     remarks: Sequence[str],
 ) -> tuple[Report, Mapping[str, Floats]]:
     """The report on a recovered motion, and the columns of motion.csv over the turn, both ends included."""
@@ -234,32 +311,55 @@ def _report(
         first = math.degrees(found.theta[np.flatnonzero(lost)[0]])
         where += f", cam angle {first:.3f} deg"
     held = 100 * float(np.mean(~lost))
-    findings = [*empty.findings, at_least(
-        "CONTACT", held, 100, "percent", where,
-        "of the turn the tip rests on the outline" + ("; no speed or acceleration is given" if lost.any() else ""),
-    )]  # fmt: skip
+    findings = [
+        *empty.findings,
+        at_least(
+            "CONTACT",
+            held,
+            100,
+            "percent",
+            where,
+            "of the turn the tip rests on the outline"
+            + ("; no speed or acceleration is given" if lost.any() else ""),
+        ),
+    ]
     name, scale = follower.unit
     key = "swing_deg" if name == "deg" else "lift_mm"
     columns = {
-        "theta_deg": np.degrees(found.theta), key: found.s * scale, f"speed_{name}_rad": found.speed * scale,
-        f"acceleration_{name}_rad2": found.acceleration * scale, "pressure_angle_deg": np.degrees(found.pressure_angle),
-    }  # fmt: skip
+        "theta_deg": np.degrees(found.theta),
+        key: found.s * scale,
+        f"speed_{name}_rad": found.speed * scale,
+        f"acceleration_{name}_rad2": found.acceleration * scale,
+        "pressure_angle_deg": np.degrees(found.pressure_angle),
+    }
     numbers = _extremes(found, ring, follower, harmonics)
     if play is not None:
         columns[f"lash_{name}"] = play * scale
         findings.append(_overlap(path.name, play, found, follower))
-        numbers |= {f"lash_max_{name}": float(np.nanmax(play)) * scale, f"lash_min_{name}": float(np.nanmin(play)) * scale}
+        numbers |= {
+            f"lash_max_{name}": float(np.nanmax(play)) * scale,
+            f"lash_min_{name}": float(np.nanmin(play)) * scale,
+        }
     turn = {key: np.append(value, value[0]) for key, value in columns.items()}
     turn["theta_deg"][-1] = 360.0
     passed = f"low-passed at {harmonics} harmonics"
     label, theta = "cam angle, deg", turn["theta_deg"]
     shown = [
-        ("Follower", name, key), (f"Speed, {passed}", f"{name} per rad", f"speed_{name}_rad"),
+        ("Follower", name, key),
+        (f"Speed, {passed}", f"{name} per rad", f"speed_{name}_rad"),
         (f"Acceleration, {passed}", f"{name} per rad²", f"acceleration_{name}_rad2"),
-        ("Pressure angle, positive ccw of the follower's outward motion", "deg", "pressure_angle_deg"),
+        (
+            "Pressure angle, positive ccw of the follower's outward motion",
+            "deg",
+            "pressure_angle_deg",
+        ),
         ("Lash of the pair", name, f"lash_{name}"),
-    ]  # fmt: skip
-    plots = [Plot(title, label, unit, [(title, theta, turn[key])]) for title, unit, key in shown if key in turn]
+    ]
+    plots = [
+        Plot(title, label, unit, [(title, theta, turn[key])])
+        for title, unit, key in shown
+        if key in turn
+    ]
     notes = [
         *remarks,
         f"Speed and acceleration are derivatives to the cam angle, {passed} of a turn: harmonic n counts by "
@@ -268,9 +368,18 @@ def _report(
         "The cam turns counter-clockwise about the shaft. " + _counted(follower, found),
     ]
     filled = Report(
-        empty.name, empty.mechanism, findings, numbers, (), plots, (_table(found, follower),), notes,
-        _animation(ring, follower, found), None, ("motion.csv", "report.json", "manifest.json"),
-    )  # fmt: skip
+        empty.name,
+        empty.mechanism,
+        findings,
+        numbers,
+        (),
+        plots,
+        (_table(found, follower),),
+        notes,
+        _animation(ring, follower, found),
+        None,
+        ("motion.csv", "report.json", "manifest.json"),
+    )
     return filled, turn
 
 
@@ -284,10 +393,17 @@ def _counted(follower: FollowerTable, found: Recovered) -> str:
         way = "The follower's displacement is positive outwards, "
         from_ = (follower.at or 0.0) + found.start
     kind = "" if follower.anchored else "its innermost position, "
-    return way + f"from {kind}{from_:.6g} " + ("deg" if follower.motion == "oscillating" else "mm from the shaft") + "."
+    return (
+        way
+        + f"from {kind}{from_:.6g} "
+        + ("deg" if follower.motion == "oscillating" else "mm from the shaft")
+        + "."
+    )
 
 
-def _extremes(found: Recovered, ring: Ring, follower: FollowerTable, harmonics: int) -> dict[str, float]:
+def _extremes(
+    found: Recovered, ring: Ring, follower: FollowerTable, harmonics: int
+) -> dict[str, float]:
     """Named numbers of the motion and the outline; what is low-passed is nan where contact is lost."""
     edge = np.abs(follower.mounted(ring).samples())
     name, scale = follower.unit
@@ -310,10 +426,11 @@ def _table(found: Recovered, follower: FollowerTable) -> Table:
     rows = []
     name, scale = follower.unit
     for what, unit, values, each in (
-        ("follower", name, found.s, scale), ("speed", f"{name} per rad", found.speed, scale),
+        ("follower", name, found.s, scale),
+        ("speed", f"{name} per rad", found.speed, scale),
         ("acceleration", f"{name} per rad²", found.acceleration, scale),
         ("pressure angle", "deg", found.pressure_angle, math.degrees(1)),
-    ):  # fmt: skip
+    ):
         if np.isnan(values).all():
             continue
         low, high = int(np.nanargmin(values)), int(np.nanargmax(values))
@@ -322,11 +439,16 @@ def _table(found: Recovered, follower: FollowerTable) -> Table:
     return Table("Extremes", ("quantity", "unit", "least", "at, deg", "greatest", "at, deg"), rows)
 
 
-def _measured(figures: Mapping[str, float], found: Recovered, follower: FollowerTable) -> Mapping[str, float]:
+def _measured(
+    figures: Mapping[str, float], found: Recovered, follower: FollowerTable
+) -> Mapping[str, float]:
     """Figures of what measured the outline, and what each length that ends in _off_mm may do to the motion."""
     name, scale = follower.unit
-    moved = {key.replace("_off_mm", f"_in_motion_{name}"): value / found.lever * scale for key, value in figures.items()
-             if key.endswith("_off_mm")}  # fmt: skip
+    moved = {
+        key.replace("_off_mm", f"_in_motion_{name}"): value / found.lever * scale
+        for key, value in figures.items()
+        if key.endswith("_off_mm")
+    }
     return {**figures, **moved}
 
 
@@ -337,27 +459,51 @@ def _compared(outline: Outline, path: Path, request: Request) -> Compared:
     assert outline.ring is not None and request.against is not None
     figures, how = outline.numbers, request.scanning
     alone = path.suffix.lower() in PICTURES and not how.others and how.across is None
-    off = math.nan if "scanner_off_mm" in figures else sum(each for key, each in figures.items() if key.endswith("_off_mm"))
+    off = (
+        math.nan
+        if "scanner_off_mm" in figures
+        else sum(each for key, each in figures.items() if key.endswith("_off_mm"))
+    )
     return compare(outline.ring, request.against, figures.get("bore_mm"), off, alone)
 
 
 def _with_comparison(
-    report: Report, columns: Mapping[str, Floats], compared: Compared, found: Floats, wanted: Floats, follower: FollowerTable
+    report: Report,
+    columns: Mapping[str, Floats],
+    compared: Compared,
+    found: Floats,
+    wanted: Floats,
+    follower: FollowerTable,
 ) -> tuple[Report, Mapping[str, Floats]]:
     """The report with what the spec's own cam does to the same follower, and where the outline stands off it."""
     name, scale = follower.unit
     miss = (found - wanted) * scale
-    numbers = {**report.numbers, **compared.numbers, f"motion_error_max_{name}": float(np.nanmax(np.abs(miss))),
-               f"motion_error_rms_{name}": float(np.sqrt(np.nanmean(miss**2)))}  # fmt: skip
+    numbers = {
+        **report.numbers,
+        **compared.numbers,
+        f"motion_error_max_{name}": float(np.nanmax(np.abs(miss))),
+        f"motion_error_rms_{name}": float(np.sqrt(np.nanmean(miss**2))),
+    }
     ends = {f"wanted_{name}": wanted * scale, f"error_{name}": miss}
     columns = {**columns, **{key: np.append(value, value[0]) for key, value in ends.items()}}
     plots = [
         *report.plots,
-        Plot("Motion less that of the spec's cam", "cam angle, deg", name,
-             [("error", columns["theta_deg"], columns[f"error_{name}"])]),
-        Plot("Outline outside the spec's", "angle about the shaft, deg", "mm", [("deviation", compared.angle, compared.outside)]),
-    ]  # fmt: skip
-    return replace(report, numbers=numbers, plots=plots, notes=(compared.remark, *report.notes)), columns
+        Plot(
+            "Motion less that of the spec's cam",
+            "cam angle, deg",
+            name,
+            [("error", columns["theta_deg"], columns[f"error_{name}"])],
+        ),
+        Plot(
+            "Outline outside the spec's",
+            "angle about the shaft, deg",
+            "mm",
+            [("deviation", compared.angle, compared.outside)],
+        ),
+    ]
+    return replace(
+        report, numbers=numbers, plots=plots, notes=(compared.remark, *report.notes)
+    ), columns
 
 
 def _overlap(where: str, play: Floats, found: Recovered, follower: FollowerTable) -> Finding:
@@ -365,10 +511,13 @@ def _overlap(where: str, play: Floats, found: Recovered, follower: FollowerTable
     least = int(np.nanargmin(play))
     name, scale = follower.unit
     return at_most(
-        "INTERFERENCE", max(0.0, -play[least]) * scale, _OVERLAP / max(found.lever, 1e-9) * scale, name,
+        "INTERFERENCE",
+        max(0.0, -play[least]) * scale,
+        _OVERLAP / max(found.lever, 1e-9) * scale,
+        name,
         f"{where}, cam angle {math.degrees(found.theta[least]):.3f} deg",
         f"largest overlap of both tips with the pair; the limit is {_OVERLAP:g} mm at the tips",
-    )  # fmt: skip
+    )
 
 
 def _animation(ring: Ring, follower: FollowerTable, found: Recovered) -> Animation:
@@ -389,6 +538,9 @@ def _animation(ring: Ring, follower: FollowerTable, found: Recovered) -> Animati
         strokes = [np.array([at, at + size * follower.direction])]
         if follower.shape == "flat":
             strokes.append(at + size * 1j * follower.direction * np.array([-1.5, 1.5]))
-    bodies = [Body("cam", [PartPose(still, theta)], [(held.points, held.bulges)]), Body("follower", [pose], (), strokes, circles)]
+    bodies = [
+        Body("cam", [PartPose(still, theta)], [(held.points, held.bulges)]),
+        Body("follower", [pose], (), strokes, circles),
+    ]
     name, scale = follower.unit
     return Animation(theta, bodies, found.s[::step] * scale, "follower", name)

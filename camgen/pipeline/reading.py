@@ -15,13 +15,7 @@ from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.as_printed import printed
-from camgen.judge.round_trip import (
-    Undo,
-    judge_dimensioned,
-    judge_drawing,
-    judge_exact,
-    judge_mesh,
-)
+from camgen.judge.round_trip import Undo, judge_dimensioned, judge_drawing, judge_exact, judge_mesh
 from camgen.machine.features import CamOutline, Feature, judged_outputs, parts_of
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import Compensation, compensated
@@ -37,16 +31,24 @@ if TYPE_CHECKING:
     from camgen.judge.motion import Verdict
 
 
-Read = dict[str, "Sections"]  # what was read from one part's files, by kind: the pieces at each height
+Read = dict[
+    str, "Sections"
+]  # what was read from one part's files, by kind: the pieces at each height
 
 
 # ---- a part by itself ------------------------------------------------------------------------------------------------
 
 
-def judge_part(case: Case, name: str, kinds: Sequence[str], dimensioned: bool = True) -> tuple[Outcome, Read]:
+def judge_part(
+    case: Case, name: str, kinds: Sequence[str], dimensioned: bool = True
+) -> tuple[Outcome, Read]:
     """Read one part's files; dimensioned: its drawing with dimensions too, which stands beside its DXF."""
     mechanism, part = case.mechanism, case.parts[name]
-    features, tolerance, fit = mechanism.features(), mechanism.accuracy.chord_tolerance, compensation(mechanism)
+    features, tolerance, fit = (
+        mechanism.features(),
+        mechanism.accuracy.chord_tolerance,
+        compensation(mechanism),
+    )
     findings: list[Finding] = []
     read: Read = {}
     refused: list[NotJudged] = []
@@ -56,7 +58,16 @@ def judge_part(case: Case, name: str, kinds: Sequence[str], dimensioned: bool = 
             why = _without(part, tolerance)
             refused += why
             if not why:
-                findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", path.name, "it is not there, and the part can have one"))
+                findings.append(
+                    at_most(
+                        "ROUND_TRIP",
+                        math.nan,
+                        0,
+                        "mm",
+                        path.name,
+                        "it is not there, and the part can have one",
+                    )
+                )
             continue
         solid = FORMATS[kind].solid
         sent, drawn = (fit, None) if solid else (None, mechanism.output)
@@ -88,7 +99,12 @@ def _without(part: Part, tolerance: float) -> list[NotJudged]:
 
 
 def judge_motion(
-    mechanism: Mechanism, kind: str, read: Mapping[str, Read], theta: Floats, where: str = "", more: float = 0.0
+    mechanism: Mechanism,
+    kind: str,
+    read: Mapping[str, Read],
+    theta: Floats,
+    where: str = "",
+    more: float = 0.0,
 ) -> tuple[Verdict, Sequence[Feature]] | None:
     """The machine closed on what was measured in files of a kind, at theta, (n,) rad, and on which features; None where a part
     is not there. Of cams those count whose parts are there; where: said in findings; more: mm, by which outlines may be off
@@ -98,15 +114,27 @@ def judge_motion(
 
     files = {name: part[kind] for name, part in read.items() if kind in part}
     lost = read.keys() - files.keys()
-    features = [each for each in mechanism.features() if not (isinstance(each, CamOutline) and each.part in lost)]
+    features = [
+        each
+        for each in mechanism.features()
+        if not (isinstance(each, CamOutline) and each.part in lost)
+    ]
     if not features or parts_of(features) & lost:
         return None
     fit = compensation(mechanism) if READABLE[kind].solid else None
     slack = Undo(fit.hole, fit.profile, fit.shrinkage).slack if fit is not None else 0.0
     verdict = judge_machine(
-        kind, where or f"{mechanism.name}-*.{kind}", files, mechanism.model, features, mechanism.mounts(), theta,
-        mechanism.accuracy.chord_tolerance + more, slack, mechanism.asked(),
-    )  # fmt: skip
+        kind,
+        where or f"{mechanism.name}-*.{kind}",
+        files,
+        mechanism.model,
+        features,
+        mechanism.mounts(),
+        theta,
+        mechanism.accuracy.chord_tolerance + more,
+        slack,
+        mechanism.asked(),
+    )
     return verdict, features
 
 
@@ -126,7 +154,10 @@ def moved_by(
     theta = np.linspace(low, high, math.ceil((ROWS - 1) * (high - low) / math.tau - 1e-9) + 1)
     judged = low + judged_angles() * ((high - low) / math.tau)
     outputs = judged_outputs(mechanism.model.outputs, wishes.values())
-    cams = any(isinstance(feature, CamOutline) for feature in features) and mechanism.range == (0.0, math.tau)
+    cams = any(isinstance(feature, CamOutline) for feature in features) and mechanism.range == (
+        0.0,
+        math.tau,
+    )
     curves = [Curves(output, theta, len(outputs) == 1, cams) for output in outputs]
     for curve in curves:
         motion = wishes[curve.output.name].motion if curve.output.name in wishes else None
@@ -147,7 +178,9 @@ def moved_by(
             tables += [verdict.table] if verdict.table.rows else []
             for curve in curves:
                 curve.add(kind, verdict.proof)
-            findings += judge_targets(mechanism.asked(), verdict.proof, theta, f"{mechanism.name}-*.{kind}")
+            findings += judge_targets(
+                mechanism.asked(), verdict.proof, theta, f"{mechanism.name}-*.{kind}"
+            )
     columns = {"theta_deg": np.degrees(theta)} if any(curve.columns for curve in curves) else {}
     for curve in curves:
         columns |= curve.columns
@@ -156,20 +189,34 @@ def moved_by(
     return Outcome(findings, numbers, plots, tables, not_judged=nominal), columns, more
 
 
-def budget_of(case: Case, read: Mapping[str, Read], found: Sequence[Mapping[str, float]]) -> Table | None:
+def budget_of(
+    case: Case, read: Mapping[str, Read], found: Sequence[Mapping[str, float]]
+) -> Table | None:
     """What each stage from law to file adds to the error of the outline that drives; `found`: the figures of today."""
     mechanism = case.mechanism
-    drive = next((feature for feature in mechanism.features() if isinstance(feature, CamOutline)), None)
+    drive = next(
+        (feature for feature in mechanism.features() if isinstance(feature, CamOutline)), None
+    )
     if drive is None or not read[drive.part]:
         return None
     from camgen.judge.budget import error_budget
 
-    part, tolerance, fit = case.parts[drive.part], mechanism.accuracy.chord_tolerance, compensation(mechanism)
+    part, tolerance, fit = (
+        case.parts[drive.part],
+        mechanism.accuracy.chord_tolerance,
+        compensation(mechanism),
+    )
     numbers = {name: value for figures in reversed(found) for name, value in figures.items()}
     return error_budget(
-        part.region.outer, _facets(part, tolerance, fit), mechanism.model, drive, mechanism.mounts(), tolerance, read[drive.part],
+        part.region.outer,
+        _facets(part, tolerance, fit),
+        mechanism.model,
+        drive,
+        mechanism.mounts(),
+        tolerance,
+        read[drive.part],
         numbers,
-    )  # fmt: skip
+    )
 
 
 def _facets(part: Part, tolerance: float, fit: Compensation | None) -> Ring:
@@ -178,4 +225,6 @@ def _facets(part: Part, tolerance: float, fit: Compensation | None) -> Ring:
         points = facet_contour(part.region.outer, tolerance)
         return Ring(points, np.zeros(len(points)))
     points = facet_contour(compensated(part, fit).region.outer, tolerance)
-    return printed(Shape(Ring(points, np.zeros(len(points))), ()), fit.hole, fit.profile, fit.shrinkage).outer
+    return printed(
+        Shape(Ring(points, np.zeros(len(points))), ()), fit.hole, fit.profile, fit.shrinkage
+    ).outer

@@ -36,10 +36,28 @@ from camgen.report.report import Report
 
 ANY_KIND = (*FORMATS, "report")  # that can be asked for
 PACKAGES = (
-    "ezdxf", "lib3mf", "manifold3d", "mapbox-earcut", "numpy", "pydantic", "rectpack", "reportlab", "scipy", "shapely", "tomli-w"
-)  # fmt: skip
+    "ezdxf",
+    "lib3mf",
+    "manifold3d",
+    "mapbox-earcut",
+    "numpy",
+    "pydantic",
+    "rectpack",
+    "reportlab",
+    "scipy",
+    "shapely",
+    "tomli-w",
+)
 _OF_FILES = {"motion.csv", "report.html", "report.json"}  # follow from the parts' files as well
-_TEXTS = {"csv", "dxf", "html", "json", "pmks", "svg", "toml"}  # endings of files in which a number may be written otherwise
+_TEXTS = {
+    "csv",
+    "dxf",
+    "html",
+    "json",
+    "pmks",
+    "svg",
+    "toml",
+}  # endings of files in which a number may be written otherwise
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _DIGITS = 1e-9  # mm, or a share: by which numbers that are the same may differ
 _SHOWN = 40  # characters of a place where two texts differ
@@ -58,7 +76,11 @@ def kinds_of(case: Case, manifest: Mapping[str, Any]) -> list[str]:
     """The kinds of files that a folder was built with: as its manifest says, and of which any file is there."""
     said = manifest.get("kinds", ())
     told = said if isinstance(said, list) else ()
-    return [kind for kind in ANY_KIND if kind in told or any(path.exists() for path in _files(case, kind))]
+    return [
+        kind
+        for kind in ANY_KIND
+        if kind in told or any(path.exists() for path in _files(case, kind))
+    ]
 
 
 def _files(case: Case, kind: str) -> list[Path]:
@@ -70,7 +92,9 @@ def _files(case: Case, kind: str) -> list[Path]:
 
 def judged_files(case: Case, listed: Collection[str]) -> set[str]:
     """Names of the files that are judged by what they hold."""
-    own = {path.name for kind in FORMATS for path in _files(case, kind)} | {path.name for path in sheet_files(case)}
+    own = {path.name for kind in FORMATS for path in _files(case, kind)} | {
+        path.name for path in sheet_files(case)
+    }
     return own | {SPEC} | {name for name in listed if name.endswith((".3mf", ".step"))}
 
 
@@ -100,26 +124,40 @@ class Rebuild:
             self._make(anew, workers)
             made = sorted(path.name for path in anew.iterdir())
             held = [name for name in made if name not in told and name not in left_out]
-            wrong = {name: said for name in held if (said := _difference(self.case.folder / name, anew / name))}
+            wrong = {
+                name: said
+                for name in held
+                if (said := _difference(self.case.folder / name, anew / name))
+            }
         known = {*made, *judged_files(self.case, listed), MANIFEST, *left_out}
         wrong |= {name: "is made by no such build" for name in listed if name not in known}
-        notes = ["of the parts' files as they were: " + ", ".join(sorted(left_out & set(made)))] if self.otherwise else []
+        notes = (
+            ["of the parts' files as they were: " + ", ".join(sorted(left_out & set(made)))]
+            if self.otherwise
+            else []
+        )
         others = _others(self.manifest)
         if wrong and others:
             why = f"built with {others}: not as they are made anew here, and not judged by all that they hold: {', '.join(wrong)}"
-            return Outcome(not_judged=[NotJudged("REBUILD", why, "what it was built with")], notes=notes)
+            return Outcome(
+                not_judged=[NotJudged("REBUILD", why, "what it was built with")], notes=notes
+            )
         said = f"{len(held)} files beside the parts are as they are made anew from spec.toml and the parts' files"
         if wrong:
             rows = [f"{name} {why}" for name, why in wrong.items()]
             more = [", ".join(list(wrong)[_TOLD:])] if len(wrong) > _TOLD else []
-            said = "not as they are made anew from spec.toml and the parts' files: " + "; ".join([*rows[:_TOLD], *more])
+            said = "not as they are made anew from spec.toml and the parts' files: " + "; ".join(
+                [*rows[:_TOLD], *more]
+            )
         return Outcome([at_most("REBUILD", len(wrong), 0, "files", SPEC, said)], notes=notes)
 
     def _make(self, folder: Path, workers: Workers) -> None:
         """Make what is no file of a part, an assembly, a plate or a sheet into another folder."""
         case, kinds, anew = self.case, self.kinds, Case(self.case.mechanism, folder)
         drawings = list(case.parts) if "dxf" in kinds else []
-        drawn = workers.map(draw_part, repeat(case, len(drawings)), drawings, repeat(folder, len(drawings)))
+        drawn = workers.map(
+            draw_part, repeat(case, len(drawings)), drawings, repeat(folder, len(drawings))
+        )
         scene = seen(case, kinds)
         if scene is not None:
             anew.file("assembly", "glb").write_bytes(scene.glb)
@@ -140,7 +178,11 @@ def _others(manifest: Mapping[str, Any]) -> str:
     here = {"camgen": __version__, **versions(PACKAGES)}
     packages = manifest.get("packages")
     there = {"camgen": manifest["camgen"], **(packages if isinstance(packages, dict) else {})}
-    other = [f"{name} {there.get(name, 'unknown')}" for name in sorted({*here, *there}) if here.get(name) != there.get(name)]
+    other = [
+        f"{name} {there.get(name, 'unknown')}"
+        for name in sorted({*here, *there})
+        if here.get(name) != there.get(name)
+    ]
     return ", ".join([*other, *(["another system"] if manifest.get("system") != system() else [])])
 
 
@@ -163,7 +205,9 @@ def _difference(path: Path, anew: Path) -> str:
         text = data.decode("utf-8")
     except UnicodeDecodeError:
         return "is no text"
-    for number, (line, other) in enumerate(zip_longest(text.split("\n"), wanted.decode("utf-8").split("\n"), fillvalue=""), 1):
+    for number, (line, other) in enumerate(
+        zip_longest(text.split("\n"), wanted.decode("utf-8").split("\n"), fillvalue=""), 1
+    ):
         if not _same(line, other):
             return f"has in line {number} {_from(line, other)!r} instead of {_from(other, line)!r}"
     return ""
@@ -181,6 +225,9 @@ def _same(line: str, other: str) -> bool:
 
 def _from(line: str, other: str) -> str:
     """A line from shortly before where it leaves the other one."""
-    first = next((k for k, (a, b) in enumerate(zip(line, other, strict=False)) if a != b), min(len(line), len(other)))
+    first = next(
+        (k for k, (a, b) in enumerate(zip(line, other, strict=False)) if a != b),
+        min(len(line), len(other)),
+    )
     begin = max(first - _SHOWN // 2, 0)
     return line[begin : begin + _SHOWN]

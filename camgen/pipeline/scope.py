@@ -63,7 +63,11 @@ def of_parts(mechanism: Mechanism) -> list[Stage]:
     stages = [
         Stage(("DXF_CLOSED", "DXF_UNITS"), "drawings", DRAWN),
         Stage(("WATERTIGHT", "VOLUME"), "solids", (*SOLID, *EXACT)),
-        Stage(("ROUND_TRIP", *(("MIN_WALL",) if holes else ())), "contours as they are in the files", READ),
+        Stage(
+            ("ROUND_TRIP", *(("MIN_WALL",) if holes else ())),
+            "contours as they are in the files",
+            READ,
+        ),
     ]
     features = mechanism.features()
     cams = [feature for feature in features if isinstance(feature, CamOutline)]
@@ -71,7 +75,9 @@ def of_parts(mechanism: Mechanism) -> list[Stage]:
         ripple = ("SPEED_RIPPLE",) if any(math.isfinite(cam.meant.ripple) for cam in cams) else ()
         stages.append(Stage(("MOTION_ERROR", *ripple), "the follower, rolled on the outline", READ))
     if len(cams) > len({cam.joint for cam in cams}):
-        stages.append(Stage(("LASH", "INTERFERENCE"), "the follower between both its contacts", READ))
+        stages.append(
+            Stage(("LASH", "INTERFERENCE"), "the follower between both its contacts", READ)
+        )
     if any(cam.own is not None for cam in cams):
         stages.append(Stage(("TIP_MOTION",), "the frame's own tip on the cam", READ))
     if any(isinstance(cam.tip, Flat) and math.isfinite(cam.tip.width) for cam in cams):
@@ -80,7 +86,13 @@ def of_parts(mechanism: Mechanism) -> list[Stage]:
         asked = mechanism.asked()
         more = dict.fromkeys(target.code for each in asked for target in each.targets)
         more |= {"STROKE_ERROR": None} if any(each.stroke for each in asked) else {}
-        stages.append(Stage(("MOTION_ERROR", "PIN_GAP", "LASH", *more), "the linkage, closed on the holes of its parts", READ))
+        stages.append(
+            Stage(
+                ("MOTION_ERROR", "PIN_GAP", "LASH", *more),
+                "the linkage, closed on the holes of its parts",
+                READ,
+            )
+        )
     return stages
 
 
@@ -88,13 +100,21 @@ def not_judged(
     stages: Sequence[Stage], kinds: Collection[str], findings: Sequence[Finding]
 ) -> tuple[NotJudged, ...]:
     """Codes that no stage could give: no file of its kinds is there, or none that could be judged."""
-    told, failing = {finding.code for finding in findings}, any(not finding.ok for finding in findings)
+    told, failing = (
+        {finding.code for finding in findings},
+        any(not finding.ok for finding in findings),
+    )
     found: dict[str, NotJudged] = {}
     for stage in stages:
         needs = " or ".join(kind.upper() for kind in stage.takes)
         for code in stage.codes:
             if not stage.runs(kinds):
-                found.setdefault(code, NotJudged(code, f"no {needs} is in the folder; it looks at {stage.what}", needs))
+                found.setdefault(
+                    code,
+                    NotJudged(
+                        code, f"no {needs} is in the folder; it looks at {stage.what}", needs
+                    ),
+                )
             elif failing and code not in told:
                 why = f"no {needs} could be judged so far, see what fails; it looks at {stage.what}"
                 found.setdefault(code, NotJudged(code, why, "a file without the faults above"))
@@ -113,12 +133,20 @@ def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
             found.append(f"print.{key} = {value:g} acts on {solid} alone: the {told}")
     if mechanism.laser is not None and "dxf" in kinds:
         kerf = mechanism.laser.kerf
-        found.append(f"laser.kerf = {kerf:g} acts on the sheets alone: every part's own DXF is as drawn")
+        found.append(
+            f"laser.kerf = {kerf:g} acts on the sheets alone: every part's own DXF is as drawn"
+        )
         if all(why_not(part, mechanism.laser.thickness) for part in mechanism.parts()):
-            flat = {part.thickness: part.name for part in mechanism.parts() if not why_not(part, part.thickness)}
+            flat = {
+                part.thickness: part.name
+                for part in mechanism.parts()
+                if not why_not(part, part.thickness)
+            }
             said = ", ".join(f"{name} is {thick:g}" for thick, name in sorted(flat.items()))
             told = f"no part is flat and as thick ({said} mm)" if flat else "no part is flat"
-            found.append(f"laser.thickness = {mechanism.laser.thickness:g}: {told}, so there is no sheet")
+            found.append(
+                f"laser.thickness = {mechanism.laser.thickness:g}: {told}, so there is no sheet"
+            )
     elif mechanism.laser is not None:
         found.append("[laser] makes its sheets with the DXF, and no DXF is made")
     if mechanism.output.engrave and not any(part.engraved for part in mechanism.parts()):
@@ -127,8 +155,14 @@ def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
         found.append(f"output.engrave = true acts on {drawn} alone, and no {drawn} is made")
     idle = mechanism.idle()
     if idle:
-        found.append(f'{", ".join(idle)} {"is" if len(idle) == 1 else "are"} not used with parts.make = "machine": see [bodies]')
+        found.append(
+            f'{", ".join(idle)} {"is" if len(idle) == 1 else "are"} not used with parts.make = "machine": see [bodies]'
+        )
     curves = mechanism.output.curves
-    if curves != "bulge" and any(kind in kinds for kind in SOLID) and not any(kind in kinds for kind in DRAWN):
+    if (
+        curves != "bulge"
+        and any(kind in kinds for kind in SOLID)
+        and not any(kind in kinds for kind in DRAWN)
+    ):
         found.append(f'output.curves = "{curves}" acts on {drawn} alone, and no {drawn} is made')
     return tuple(found)

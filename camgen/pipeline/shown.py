@@ -35,7 +35,9 @@ def _turn(mechanism: Mechanism, frames: int) -> Floats:
     """Angles of so many frames a turn, rad, as time goes on."""
     turns = mechanism.shown_turns
     if turns > 1:
-        return np.asarray(mechanism.sense * np.linspace(0, turns * math.tau, turns * frames, endpoint=False))
+        return np.asarray(
+            mechanism.sense * np.linspace(0, turns * math.tau, turns * frames, endpoint=False)
+        )
     theta = np.linspace(0, math.tau, frames, endpoint=False)
     return np.mod(-theta, math.tau) if mechanism.sense < 0 else theta
 
@@ -48,16 +50,23 @@ def animation(mechanism: Mechanism, sketches: Sequence[Sketch] | None = None) ->
         region = part.region
         rings = [bulges(fit_arcs(contour, _DRAWN)) for contour in (region.outer, *region.holes)]
         bodies.append(Body(part.name, poses[part.name], rings))
-    for s in (*(mechanism.study().sketches if sketches is None else sketches), *mechanism.spring_sketches()):
+    for s in (
+        *(mechanism.study().sketches if sketches is None else sketches),
+        *mechanism.spring_sketches(),
+    ):
         body = courses[s.body]
         course = None if s.course is None else s.course(theta)
-        bodies.append(Body(s.name, [PartPose(body.place, body.angle)], (), s.strokes, s.circles, course, s.z))
+        bodies.append(
+            Body(s.name, [PartPose(body.place, body.angle)], (), s.strokes, s.circles, course, s.z)
+        )
     if not mechanism.features():
         return Animation(theta, bodies, mechanism.motion(theta), "output", "mm")
     output = mechanism.model.outputs[0]
     unit, scale = unit_of(output)
     name = f"{output.name} x" if isinstance(output.of, Path) else output.name
-    return Animation(theta, bodies, scale * mechanism.reachable(theta), name, unit, mechanism.shown_turns)
+    return Animation(
+        theta, bodies, scale * mechanism.reachable(theta), name, unit, mechanism.shown_turns
+    )
 
 
 def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
@@ -67,13 +76,18 @@ def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
 
     parts, courses = mechanism.parts(), mechanism.courses(_turn(mechanism, _FRAMES_3D))
     number = {part.name: k for k, part in enumerate(parts)}
-    shapes = [Shape(part.name, _coarse(part, mechanism.accuracy.chord_tolerance), part_colour(k)) for k, part in enumerate(parts)]
+    shapes = [
+        Shape(part.name, _coarse(part, mechanism.accuracy.chord_tolerance), part_colour(k))
+        for k, part in enumerate(parts)
+    ]
     copies: Counter[str] = Counter()
     bodies: dict[str, list[tuple[str, int, Floats]]] = {}
     for mount in mechanism.mounts():
         copies[mount.part] += 1
         k = number[mount.part]
-        stands = placing(mount.turned, complex(mount.at), mount.z, parts[k].thickness, mount.flipped)
+        stands = placing(
+            mount.turned, complex(mount.at), mount.z, parts[k].thickness, mount.flipped
+        )
         bodies.setdefault(mount.body, []).append((f"{mount.part}-{copies[mount.part]}", k, stands))
     frames = mechanism.shown_turns * _FRAMES_3D
     moving = [Moving(name, *_over(courses[name], frames), held) for name, held in bodies.items()]
@@ -82,11 +96,21 @@ def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
     steps = []
     for row, laid in zip(table.rows, table.copies or [()] * len(table.rows), strict=True):
         found = [copy for copy in order if copy in laid or copy.rpartition("-")[0] in laid]
-        words = f"{row[1]}: {row[2]}" if table.columns[2] == "how" else f"{row[2]}{f' × {len(found)}' if len(found) > 1 else ''}"
+        words = (
+            f"{row[1]}: {row[2]}"
+            if table.columns[2] == "how"
+            else f"{row[2]}{f' × {len(found)}' if len(found) > 1 else ''}"
+        )
         words += f"; {row[3]}" if table.columns[3:4] == ("where",) and row[3] else ""
         steps.append(Step(words, found))
     made = glb(mechanism.name, shapes, moving, mechanism.shown_turns)
-    return Scene(made, order, plates, steps, Scene.work if table.title.startswith("Assembly") else table.title)
+    return Scene(
+        made,
+        order,
+        plates,
+        steps,
+        Scene.work if table.title.startswith("Assembly") else table.title,
+    )
 
 
 def flights(mechanism: Mechanism) -> dict[str, Flight]:
@@ -97,17 +121,27 @@ def flights(mechanism: Mechanism) -> dict[str, Flight]:
     poses, found = mechanism.poses(np.append(theta, theta[0])), {}
     for part in mechanism.parts():
         low, high = extent([layer.region.outer for layer in part.layers])
-        reach = max(abs(complex(x, y)) for x in (low.real, high.real) for y in (low.imag, high.imag)) + part.thickness
+        reach = (
+            max(abs(complex(x, y)) for x in (low.real, high.real) for y in (low.imag, high.imag))
+            + part.thickness
+        )
         for k, pose in enumerate(poses[part.name]):
             frames = len(theta) + 1
-            angle, place = np.broadcast_to(pose.angle, frames), np.broadcast_to(np.asarray(pose.place, complex), frames)
-            found[f"{part.name}-{k + 1}"] = Flight(part.name, angle, place, pose.z, pose.flipped, part.thickness, reach)
+            angle, place = (
+                np.broadcast_to(pose.angle, frames),
+                np.broadcast_to(np.asarray(pose.place, complex), frames),
+            )
+            found[f"{part.name}-{k + 1}"] = Flight(
+                part.name, angle, place, pose.z, pose.flipped, part.thickness, reach
+            )
     return found
 
 
 def _over(pose: Pose, frames: int) -> tuple[Floats, Points]:
     """Angle and place of a body at every frame."""
-    return np.broadcast_to(pose.angle, frames), np.broadcast_to(np.asarray(pose.place, complex), frames)
+    return np.broadcast_to(pose.angle, frames), np.broadcast_to(
+        np.asarray(pose.place, complex), frames
+    )
 
 
 def _coarse(part: Part, tolerance: float) -> Mesh:

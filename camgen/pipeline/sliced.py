@@ -73,13 +73,20 @@ class _Laid:
         """Those of the slab that holds the outline on which a follower runs; a hub beside it has none."""
 
         def size(shapes: Sequence[Shape]) -> float:
-            rings = [ring for shape in shapes for ring in (shape.holes if cam.inside else [shape.outer])]
+            rings = [
+                ring for shape in shapes for ring in (shape.holes if cam.inside else [shape.outer])
+            ]
             return max((abs(ring.area) for ring in rings), default=0.0)
 
         return self.slabs[int(np.argmax([size(shapes) for shapes in self.sections]))]
 
 
-def check_gcode(folder: Path, plates: Sequence[Path], line_width: float | None = None, progress: Progress = silent) -> Report:
+def check_gcode(
+    folder: Path,
+    plates: Sequence[Path],
+    line_width: float | None = None,
+    progress: Progress = silent,
+) -> Report:
     """Judge the G-code of a folder's plates, one or more; writes nothing.
 
     line_width: mm, where the files do not say it. FileError where a file cannot be read, or the folder holds no solid.
@@ -88,7 +95,10 @@ def check_gcode(folder: Path, plates: Sequence[Path], line_width: float | None =
     manifest_files(folder)  # a folder of camgen's
     mechanism, fit = case.mechanism, compensation(case.mechanism) or Compensation()
     _each_once(plates)
-    packages = {path.name: read_3mf(path).items for path in sorted(case.folder.glob(f"{mechanism.name}-plate*.3mf"))}
+    packages = {
+        path.name: read_3mf(path).items
+        for path in sorted(case.folder.glob(f"{mechanism.name}-plate*.3mf"))
+    }
     known = _known(case, packages.values())
     laid: dict[str, _Laid] = {}
     findings: list[Finding] = []
@@ -118,23 +128,45 @@ def check_gcode(folder: Path, plates: Sequence[Path], line_width: float | None =
     for one in laid.values():
         findings += one.findings
     wanted = Counter({part.name: part.count for part in mechanism.printed()})
-    held = {name: Counter(item.name for item in items) for name, items in packages.items()} or {"all parts": wanted}
+    held = {name: Counter(item.name for item in items) for name, items in packages.items()} or {
+        "all parts": wanted
+    }
     where = ", ".join(path.name for path in plates)
     complete, absent = judge_sliced_copies(count, wanted, held, where)
     findings.append(complete)
     progress("letting the parts touch")
     moved, numbers, more = _moved(case, laid, on_side, where)
-    columns = ("part", "layers", "height, mm", "meant, mm", "first: outline, mm", "first: holes, mm", "outline, mm", "holes, mm",
-               "spread, mm", "worst, mm", "at height, mm")  # fmt: skip
+    columns = (
+        "part",
+        "layers",
+        "height, mm",
+        "meant, mm",
+        "first: outline, mm",
+        "first: holes, mm",
+        "outline, mm",
+        "holes, mm",
+        "spread, mm",
+        "worst, mm",
+        "at height, mm",
+    )
     tables = [
-        Table("As laid by the printer, out of the material meant", columns, [row for one in laid.values() for row in one.rows]),
+        Table(
+            "As laid by the printer, out of the material meant",
+            columns,
+            [row for one in laid.values() for row in one.rows],
+        ),
         _eye_table(case, laid),
         _settings_table(settings),
     ]
     return Report(
-        mechanism.name, mechanism.mechanism, [*findings, *moved], numbers, tables=[table for table in tables if table.rows],
-        not_judged=tuple(dict.fromkeys([*absent, *more])), remarks=_remarks(laid, numbers, settings),
-    )  # fmt: skip
+        mechanism.name,
+        mechanism.mechanism,
+        [*findings, *moved],
+        numbers,
+        tables=[table for table in tables if table.rows],
+        not_judged=tuple(dict.fromkeys([*absent, *more])),
+        remarks=_remarks(laid, numbers, settings),
+    )
 
 
 def _each_once(plates: Sequence[Path]) -> None:
@@ -143,9 +175,13 @@ def _each_once(plates: Sequence[Path]) -> None:
         try:
             same = filecmp.cmp(path, other, shallow=False)
         except OSError as error:
-            raise FileError(Path(error.filename), f"cannot be read: {error.strerror or error}") from None
+            raise FileError(
+                Path(error.filename), f"cannot be read: {error.strerror or error}"
+            ) from None
         if same:
-            raise FileError(other, f"is {path} again, byte by byte: give the G-code of each plate once")
+            raise FileError(
+                other, f"is {path} again, byte by byte: give the G-code of each plate once"
+            )
 
 
 def _known(case: Case, packages: Iterable[Sequence[Item]]) -> list[Known]:
@@ -156,15 +192,28 @@ def _known(case: Case, packages: Iterable[Sequence[Item]]) -> list[Known]:
             lying.setdefault(item.name, []).append(_tilt(item.transform[:, :3]))
     found = []
     for part in case.mechanism.printed():
-        file = next((path for kind in reversed(SOLID) if (path := case.file(part.name, kind)).exists()), None)
+        file = next(
+            (path for kind in reversed(SOLID) if (path := case.file(part.name, kind)).exists()),
+            None,
+        )
         if file is None:
             continue
         solid = read_solid(file, part.name)[0]
         sides = lying.get(part.name, [(np.eye(3), 0.0)])
         for turn in [np.eye(3), *([] if np.allclose(sides[0][0], np.eye(3)) else [sides[0][0]])]:
-            found.append(Known(part.name, solid, turn, tuple(angle for each, angle in sides if np.allclose(each, turn))))
+            found.append(
+                Known(
+                    part.name,
+                    solid,
+                    turn,
+                    tuple(angle for each, angle in sides if np.allclose(each, turn)),
+                )
+            )
     if not found:
-        raise FileError(case.folder, "holds no STL or 3MF of a printed part, by which parts on a plate are known: build them")
+        raise FileError(
+            case.folder,
+            "holds no STL or 3MF of a printed part, by which parts on a plate are known: build them",
+        )
     return found
 
 
@@ -180,34 +229,66 @@ def _tilt(turn: Floats) -> tuple[Floats, float]:
 def _add(laid: _Laid, copy: Copy, part: Part, fit: Compensation, where: str) -> None:
     """Put a copy's layers with what is known of its part, and judge their contours."""
     spans = list(dict.fromkeys((layer.z0, layer.z1) for layer in part.layers))
-    pocket = min((layer.z0 for layer in part.engraved), default=math.inf)  # from there on engravings are cut into it
+    pocket = min(
+        (layer.z0 for layer in part.engraved), default=math.inf
+    )  # from there on engravings are cut into it
     low = part.layers[0].z0 + (fit.foot_of(part) if fit.foot else 0.0)
-    bead = max(float(wall.widths.max()) for layer in copy.layers[len(copy.layers) > 1 :] for wall in layer.walls)
+    bead = max(
+        float(wall.widths.max())
+        for layer in copy.layers[len(copy.layers) > 1 :]
+        for wall in layer.walls
+    )
     worst, told, rows = 0.0, "", []
     for z0, z1 in spans if part.crossed is None else ():
-        meant = tuple(facetted(layer.region, 1e-3) for layer in part.layers if (layer.z0, layer.z1) == (z0, z1))
-        here = [layer for layer in copy.layers[1:] if max(z0, low) < copy.height(layer) < min(z1, pocket)]
+        meant = tuple(
+            facetted(layer.region, 1e-3)
+            for layer in part.layers
+            if (layer.z0, layer.z1) == (z0, z1)
+        )
+        here = [
+            layer
+            for layer in copy.layers[1:]
+            if max(z0, low) < copy.height(layer) < min(z1, pocket)
+        ]
         shapes = [shapes_of(copy, layer, fit.hole, fit.profile, fit.shrinkage) for layer in here]
         if z0 <= copy.height(copy.layers[0]) < z1:
             laid.first = shapes_of(copy, copy.layers[0])
         for layer, one in zip(here, shapes, strict=True):
             outside, inside = outwards(one, meant)
-            rows.append((copy.height(layer), float(outside.mean()), float(inside.mean()) if len(inside) else 0.0))
+            rows.append(
+                (
+                    copy.height(layer),
+                    float(outside.mean()),
+                    float(inside.mean()) if len(inside) else 0.0,
+                )
+            )
             count, wanted = (sum(1 + len(shape.holes) for shape in each) for each in (one, meant))
             off = max(float(np.abs(each).max(initial=0.0)) for each in (outside, inside))
             if count != wanted:
-                off, told = math.inf, told or f"{count} contours instead of {wanted} at {layer.middle:.2f} mm over the bed"
+                off, told = (
+                    math.inf,
+                    told
+                    or f"{count} contours instead of {wanted} at {layer.middle:.2f} mm over the bed",
+                )
             worst = max(worst, off)
         if shapes:
             laid.sections.append(envelope(shapes))
-            laid.slabs.append([(copy.height(layer), one) for layer, one in zip(here, shapes, strict=True)])
+            laid.slabs.append(
+                [(copy.height(layer), one) for layer, one in zip(here, shapes, strict=True)]
+            )
     first = _first_layer(copy)
     if fit.foot:
         laid.findings.append(
-            at_most("FIRST_LAYER", abs(first[0]), _FOOT, "mm", f"{where}, {part.name}",
-                    f"its edge lies {first[0]:+.3f} mm out of the solid as it was sent, which is drawn in for the elephant's "
-                    "foot already: is the slicer's own compensation on?")
-        )  # fmt: skip
+            at_most(
+                "FIRST_LAYER",
+                abs(first[0]),
+                _FOOT,
+                "mm",
+                f"{where}, {part.name}",
+                f"its edge lies {first[0]:+.3f} mm out of the solid as it was sent, which is drawn in for the elephant's "
+                "foot already: is the slicer's own compensation on?",
+            )
+        )
     lying = copy.known.solid.vertices @ copy.known.turn[2]
     head = (part.name, len(copy.layers), copy.layers[-1].top, float(np.ptp(lying)), *first)
     if not rows:
@@ -215,10 +296,23 @@ def _add(laid: _Laid, copy: Copy, part: Part, fit: Compensation, where: str) -> 
         return
     table = np.array(rows)
     at = int(np.argmax(np.abs(table[:, 1])))
-    laid.rows.append((*head, float(table[:, 1].mean()), float(table[:, 2].mean()), float(table[:, 1].std()),
-                      float(table[at, 1]), float(table[at, 0])))  # fmt: skip
-    said = told or f"contours of {len(rows)} of {len(copy.layers)} layers; a bead {bead:g} mm wide rounds corners by less"
-    laid.findings.append(at_most("ROUND_TRIP", worst, bead / 2, "mm", f"{where}, {part.name}", said))
+    laid.rows.append(
+        (
+            *head,
+            float(table[:, 1].mean()),
+            float(table[:, 2].mean()),
+            float(table[:, 1].std()),
+            float(table[at, 1]),
+            float(table[at, 0]),
+        )
+    )
+    said = (
+        told
+        or f"contours of {len(rows)} of {len(copy.layers)} layers; a bead {bead:g} mm wide rounds corners by less"
+    )
+    laid.findings.append(
+        at_most("ROUND_TRIP", worst, bead / 2, "mm", f"{where}, {part.name}", said)
+    )
 
 
 def _first_layer(copy: Copy) -> tuple[float, float]:
@@ -234,14 +328,27 @@ def _first_layer(copy: Copy) -> tuple[float, float]:
 
 def left_out(on_side: Collection[str], away: Collection[str]) -> list[NotJudged]:
     """Parts that lie on a side, and those without which the machine is closed."""
-    found = [NotJudged("ROUND_TRIP", f"{name} lies on a side: its holes are not round in layers", "its STL") for name in on_side]
+    found = [
+        NotJudged(
+            "ROUND_TRIP", f"{name} lies on a side: its holes are not round in layers", "its STL"
+        )
+        for name in on_side
+    ]
     for names, why, needs in (
-        (set(away) & set(on_side), "on a side, where layers do not show the outline,", "them upright"),
+        (
+            set(away) & set(on_side),
+            "on a side, where layers do not show the outline,",
+            "them upright",
+        ),
         (set(away) - set(on_side), "not on the plate", "all plates"),
     ):
         if names:
-            counts = "counts as its file has it" if len(names) == 1 else "count as their files have them"
-            found.append(NotJudged("MOTION_ERROR", f"{', '.join(sorted(names))}: {why} and {counts}", needs))
+            counts = (
+                "counts as its file has it" if len(names) == 1 else "count as their files have them"
+            )
+            found.append(
+                NotJudged("MOTION_ERROR", f"{', '.join(sorted(names))}: {why} and {counts}", needs)
+            )
     return found
 
 
@@ -256,13 +363,24 @@ def _moved(
     wanted = parts_of(features)
     held = sorted(name for name in wanted if name in laid and laid[name].sections)
     if not held:
-        why = "no part on the plate makes the motion" if features else "nothing moves by the parts' outlines"
-        nothing = [NotJudged("MOTION_ERROR", why, "the plate with the parts that move")] if features else []
+        why = (
+            "no part on the plate makes the motion"
+            if features
+            else "nothing moves by the parts' outlines"
+        )
+        nothing = (
+            [NotJudged("MOTION_ERROR", why, "the plate with the parts that move")]
+            if features
+            else []
+        )
         return [], {}, [*left_out(sorted(on_side), ()), *nothing]
     more = left_out(sorted(on_side), wanted - set(held))
-    kind = next(kind for kind in (*SOLID[::-1], "dxf") if case.file(next(iter(case.parts)), kind).exists())
+    kind = next(
+        kind for kind in (*SOLID[::-1], "dxf") if case.file(next(iter(case.parts)), kind).exists()
+    )
     read: dict[str, Read] = {
-        name: {"gcode": laid[name].sections} if name in held else _as_filed(case, name, kind) for name in case.parts
+        name: {"gcode": laid[name].sections} if name in held else _as_filed(case, name, kind)
+        for name in case.parts
     }
     low, high = mechanism.range
     theta = low + judged_angles() * ((high - low) / math.tau)
@@ -270,7 +388,11 @@ def _moved(
     if verdict is None:
         return [], {}, more
     numbers = dict(verdict[0].numbers)
-    cams = {feature.part: feature for feature in features if isinstance(feature, CamOutline) and feature.part in held}
+    cams = {
+        feature.part: feature
+        for feature in features
+        if isinstance(feature, CamOutline) and feature.part in held
+    }
     if cams:
         numbers |= _by_layer(case, laid, read, cams)
     return list(verdict[0].findings), numbers, more
@@ -284,24 +406,42 @@ def _as_filed(case: Case, name: str, kind: str) -> Read:
 
 def _by_layer(
     case: Case, laid: Mapping[str, _Laid], read: Mapping[str, Read], cams: Mapping[str, CamOutline]
-) -> dict[str, float]:  # fmt: skip
+) -> dict[str, float]:
     """The greatest motion error of the machine with each layer of its cams alone: first, worst, mean and spread."""
     mechanism = case.mechanism
     theta = np.linspace(*mechanism.range, _ANGLES)
 
     def error(own: Mapping[str, Sections]) -> dict[str, float]:
-        found = judge_motion(mechanism, "gcode", {**read, **{name: {"gcode": each} for name, each in own.items()}}, theta)
+        found = judge_motion(
+            mechanism,
+            "gcode",
+            {**read, **{name: {"gcode": each} for name, each in own.items()}},
+            theta,
+        )
         figures = found[0].numbers if found is not None else {}
-        return {key: value for key, value in figures.items() if key.startswith("motion_error_") and math.isfinite(value)}
+        return {
+            key: value
+            for key, value in figures.items()
+            if key.startswith("motion_error_") and math.isfinite(value)
+        }
 
     own = {name: laid[name].cam_layers(cam) for name, cam in cams.items()}
     heights = sorted({round(z, 3) for each in own.values() for z, _ in each})
-    layers = [error({name: [min(each, key=lambda one: abs(one[0] - z))[1]] for name, each in own.items()}) for z in heights]
+    layers = [
+        error({name: [min(each, key=lambda one: abs(one[0] - z))[1]] for name, each in own.items()})
+        for z in heights
+    ]
     first = error({name: [laid[name].first] for name in cams if laid[name].first})
-    numbers: dict[str, float] = {key.replace("_gcode_", "_first_layer_"): value for key, value in first.items()}
+    numbers: dict[str, float] = {
+        key.replace("_gcode_", "_first_layer_"): value for key, value in first.items()
+    }
     for key in layers[0] if layers else ():
         each = np.array([layer.get(key, math.nan) for layer in layers])
-        for what, value in (("worst", np.nanmax(each)), ("mean", np.nanmean(each)), ("spread", np.nanstd(each))):
+        for what, value in (
+            ("worst", np.nanmax(each)),
+            ("mean", np.nanmean(each)),
+            ("spread", np.nanstd(each)),
+        ):
             numbers[key.replace("_gcode_", f"_{what}_layer_")] = float(value)
     return numbers
 
@@ -309,16 +449,45 @@ def _by_layer(
 def _eye_table(case: Case, laid: Mapping[str, _Laid]) -> Table:
     """Bores, holes and pins as they are laid: first layer, smallest and largest of the others."""
     rows: list[tuple[object, ...]] = []
-    held = {eye: None for feature in case.mechanism.features() for eye in eyes(feature) if eye.part in laid and eye.diameter}
+    held = {
+        eye: None
+        for feature in case.mechanism.features()
+        for eye in eyes(feature)
+        if eye.part in laid and eye.diameter
+    }
     for eye in held:
         one = laid[str(eye.part)]
-        sizes = [size for slab in one.slabs for _, shapes in slab if (size := _diameter(eye, [shapes])) is not None]
+        sizes = [
+            size
+            for slab in one.slabs
+            for _, shapes in slab
+            if (size := _diameter(eye, [shapes])) is not None
+        ]
         if sizes:
             first = _diameter(eye, [one.first]) if one.first else None
             what = "pin" if eye.shaft else "hole"
-            rows.append((eye.part, what, eye.at.real, eye.at.imag, eye.diameter, first if first is not None else "", min(sizes),
-                         max(sizes)))  # fmt: skip
-    columns = ("part", "what", "x, mm", "y, mm", "meant, mm", "first layer, mm", "smallest, mm", "largest, mm")
+            rows.append(
+                (
+                    eye.part,
+                    what,
+                    eye.at.real,
+                    eye.at.imag,
+                    eye.diameter,
+                    first if first is not None else "",
+                    min(sizes),
+                    max(sizes),
+                )
+            )
+    columns = (
+        "part",
+        "what",
+        "x, mm",
+        "y, mm",
+        "meant, mm",
+        "first layer, mm",
+        "smallest, mm",
+        "largest, mm",
+    )
     return Table("Holes and pins as laid by the printer", columns, rows)
 
 
@@ -329,33 +498,60 @@ def _diameter(eye: Eye, sections: Sections) -> float | None:
 
 def _settings_table(settings: Mapping[str, str]) -> Table:
     """What the slicer was set to, where it costs accuracy, and how much it cost elsewhere."""
-    rows = [(key, settings[key], said) for key, said in _COSTS.items() if key in settings and _costs(key, settings[key])]
-    return Table("Settings of the slicer that cost accuracy", ("setting", "value", "what it costs"), rows)
+    rows = [
+        (key, settings[key], said)
+        for key, said in _COSTS.items()
+        if key in settings and _costs(key, settings[key])
+    ]
+    return Table(
+        "Settings of the slicer that cost accuracy", ("setting", "value", "what it costs"), rows
+    )
 
 
 def _costs(key: str, value: str) -> bool:
     try:
-        return abs(float(value.rstrip("%").split(",")[0])) > (_UNSEEN if "resolution" in key else 0.0)
+        return abs(float(value.rstrip("%").split(",")[0])) > (
+            _UNSEEN if "resolution" in key else 0.0
+        )
     except ValueError:
         return value == "arachne"
 
 
-def _remarks(laid: Mapping[str, _Laid], numbers: Mapping[str, float], settings: Mapping[str, str]) -> list[str]:
+def _remarks(
+    laid: Mapping[str, _Laid], numbers: Mapping[str, float], settings: Mapping[str, str]
+) -> list[str]:
     """What a person should read beside the findings."""
     found = [f"{key} = {value}: {said}" for key, value, said in _settings_table(settings).rows]
-    rows = [[float(str(cell)) for cell in row[4:8]] for one in laid.values() for row in one.rows if row[6] != ""]
+    rows = [
+        [float(str(cell)) for cell in row[4:8]]
+        for one in laid.values()
+        for row in one.rows
+        if row[6] != ""
+    ]
     if rows:
         outside, holes = (max((row[k] for row in rows), key=abs) for k in (2, 3))
         lowest = ", ".join(f"{max((row[k] for row in rows), key=abs):+.3f} mm" for k in (0, 1))
         said = f"outlines lie {outside:+.3f} mm out of what is meant and walls come {holes:+.3f} mm into holes, by mean"
         found.append(f"{said}; in the first layer, against what was sent, {lowest}")
-    high = {str(row[0]): (float(str(row[2])), float(str(row[3]))) for one in laid.values() for row in one.rows}
-    off = [f"{part} {top:g} for {meant:g}" for part, (top, meant) in high.items() if abs(top - meant) > _HIGH]
+    high = {
+        str(row[0]): (float(str(row[2])), float(str(row[3])))
+        for one in laid.values()
+        for row in one.rows
+    }
+    off = [
+        f"{part} {top:g} for {meant:g}"
+        for part, (top, meant) in high.items()
+        if abs(top - meant) > _HIGH
+    ]
     if off:
-        found.append(f"layers do not add up to the parts' heights, mm: {', '.join(off)}; print.layer tells where before slicing")
+        found.append(
+            f"layers do not add up to the parts' heights, mm: {', '.join(off)}; print.layer tells where before slicing"
+        )
     for key, first in numbers.items():
         if "_first_layer_" in key:
-            worst, mean, spread = (numbers[key.replace("_first_", f"_{what}_")] for what in ("worst", "mean", "spread"))
+            worst, mean, spread = (
+                numbers[key.replace("_first_", f"_{what}_")] for what in ("worst", "mean", "spread")
+            )
             unit = key.rpartition("_")[2]
             said = f"of layers taken alone the worst moves {worst:.4f} {unit} off, the mean {mean:.4f}, spread {spread:.4f}"
             found.append(f"{said}; the first {first:.4f}")

@@ -18,7 +18,10 @@ from camgen.study import Plate, Scene
 
 def plates_of(case: Case) -> list[Path]:
     """The plate files of a build, in their order."""
-    return sorted(case.folder.glob(f"{case.mechanism.name}-plate*.3mf"), key=lambda path: (len(path.name), path.name))
+    return sorted(
+        case.folder.glob(f"{case.mechanism.name}-plate*.3mf"),
+        key=lambda path: (len(path.name), path.name),
+    )
 
 
 def seen(case: Case, kinds: Collection[str]) -> Scene | None:
@@ -28,7 +31,10 @@ def seen(case: Case, kinds: Collection[str]) -> Scene | None:
     from camgen.files.threemf import read_3mf
     from camgen.pipeline.shown import scene
 
-    laid = [Plate(path.name, [(item.name, item.transform[:3]) for item in read_3mf(path).items]) for path in plates_of(case)]
+    laid = [
+        Plate(path.name, [(item.name, item.transform[:3]) for item in read_3mf(path).items])
+        for path in plates_of(case)
+    ]
     return scene(case.mechanism, laid)
 
 

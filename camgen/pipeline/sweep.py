@@ -1,8 +1,8 @@
 """Many variants of one spec, each judged, as rows of one table; what is done survives a kill.
 
-    journal   a file beside the table, with the rows that are done
-    chunk     numbers of some variants, growing, the task of one worker: pure, so that it may run twice
-    engine    runs chunks: here, in processes of this machine, or on a Dask cluster; rows are written here alone
+journal   a file beside the table, with the rows that are done
+chunk     numbers of some variants, growing, the task of one worker: pure, so that it may run twice
+engine    runs chunks: here, in processes of this machine, or on a Dask cluster; rows are written here alone
 """
 
 from __future__ import annotations
@@ -26,7 +26,15 @@ from camgen import __version__
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, counted
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.tables import with_tables
-from camgen.pipeline.jobs import Progress, Template, changed, end_with_parent, prepare, read_tables, silent
+from camgen.pipeline.jobs import (
+    Progress,
+    Template,
+    changed,
+    end_with_parent,
+    prepare,
+    read_tables,
+    silent,
+)
 from camgen.pipeline.sweep_journal import Journal
 from camgen.pipeline.sweep_tables import WRITERS, Row, pyarrow_at
 from camgen.pipeline.variants import Variants
@@ -39,11 +47,20 @@ _LARGEST = 2_000  # variants in a chunk
 _CROWDS = (8, 64, 512)  # variants that are tried together, to see what each takes
 _TRIES = 3  # of a chunk whose worker dies
 
-HOLDS, LIMITS, FAILS, REFUSED, WRONG = "holds", "limits hold", "fails", "refused", "wrong"  # LIMITS: no file was made
+HOLDS, LIMITS, FAILS, REFUSED, WRONG = (
+    "holds",
+    "limits hold",
+    "fails",
+    "refused",
+    "wrong",
+)  # LIMITS: no file was made
 _TOLD = {
-    HOLDS: "hold", LIMITS: "hold their limits (no file made)", FAILS: "fail", REFUSED: "refused, cannot be made",
+    HOLDS: "hold",
+    LIMITS: "hold their limits (no file made)",
+    FAILS: "fail",
+    REFUSED: "refused, cannot be made",
     WRONG: "wrong, no valid spec",
-}  # fmt: skip
+}
 _REASONS = 5  # that are told, the most frequent
 
 
@@ -70,7 +87,9 @@ class Task:
     @property
     def digest(self) -> str:
         """What the rows follow from, as a short text."""
-        data = with_tables(dict(self.data), self.folder)  # what is in the files of laws, not their names alone
+        data = with_tables(
+            dict(self.data), self.folder
+        )  # what is in the files of laws, not their names alone
         asked = [__version__, data, self.variants, self.settings, self.keep, self.build]
         return hashlib.sha256(repr(asked).encode()).hexdigest()[:16]
 
@@ -104,7 +123,11 @@ def _row(task: Task, number: int, values: Sequence[str], made: Mechanism | Camge
     except DesignError as error:
         return row | {"verdict": REFUSED, "fails": "", "reason": str(error)}
     failing = list(dict.fromkeys(finding.code for finding in findings if not finding.ok))
-    row |= {"verdict": FAILS if failing else HOLDS if task.build else LIMITS, "fails": " ".join(failing), "reason": ""}
+    row |= {
+        "verdict": FAILS if failing else HOLDS if task.build else LIMITS,
+        "fails": " ".join(failing),
+        "reason": "",
+    }
     return row | {name: _figure(numbers.get(name, math.nan)) for name in task.keep or numbers}
 
 
@@ -151,7 +174,9 @@ class Processes:
             with ProcessPoolExecutor(self.jobs, initializer=end_with_parent) as pool:
                 try:
                     while True:
-                        while len(pending) < 2 * self.jobs and (chunk := again.pop() if again else next(chunks, None)):
+                        while len(pending) < 2 * self.jobs and (
+                            chunk := again.pop() if again else next(chunks, None)
+                        ):
                             pending[pool.submit(_judge_chunk, task, chunk)] = chunk
                         if not pending:
                             return
@@ -180,7 +205,9 @@ class Cluster:
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"\w+://.+:\d+", self.address):
-            fault = Fault("--workers", repr(self.address), "local, or tcp://HOST:PORT of a Dask scheduler")
+            fault = Fault(
+                "--workers", repr(self.address), "local, or tcp://HOST:PORT of a Dask scheduler"
+            )
             raise SpecError([fault], "command line")
 
     def __call__(self, task: Task, chunks: Iterator[Chunk]) -> Iterator[list[Row]]:
@@ -195,7 +222,12 @@ class Cluster:
                 held = client.scatter(task, broadcast=True)
 
                 def submit(chunk: Chunk) -> Any:
-                    return client.submit(_judge_chunk, held, chunk, key=f"camgen-{task.digest}-{chunk[0]}-{chunk[-1]}")
+                    return client.submit(
+                        _judge_chunk,
+                        held,
+                        chunk,
+                        key=f"camgen-{task.digest}-{chunk[0]}-{chunk[-1]}",
+                    )
 
                 most = 4 * max(sum(client.nthreads().values()), 1)
                 running = cluster.as_completed([submit(chunk) for chunk in islice(chunks, most)])
@@ -233,7 +265,11 @@ class Swept:
     @property
     def told(self) -> str:
         """The verdicts in a sentence: the same for the same sweep."""
-        parts = [f"{self.verdicts[name]} {word}" for name, word in _TOLD.items() if self.verdicts.get(name)]
+        parts = [
+            f"{self.verdicts[name]} {word}"
+            for name, word in _TOLD.items()
+            if self.verdicts.get(name)
+        ]
         return f"{self.count} variant{'s' if self.count > 1 else ''}: {', '.join(parts)}."
 
     def lines(self, table: Path) -> list[str]:
@@ -241,16 +277,28 @@ class Swept:
         more = f"  and {self.further} more reason{'s' if self.further > 1 else ''}, in the table"
         again = f", {self.before} of them done before" if self.before else ""
         rows = f"{self.count} row{'s' if self.count > 1 else ''}{again}"
-        place = f"{rows}, {self.seconds:.1f} s: {table} and {table.with_suffix('.html').name} beside it"
+        place = (
+            f"{rows}, {self.seconds:.1f} s: {table} and {table.with_suffix('.html').name} beside it"
+        )
         anew = f"{counted(self.strange, 'line')} of the journal not as this sweep wrote them: those variants are judged again"
         reasons = [f"  {n} x {reason}" for reason, n in self.reasons]
-        return [self.told, *reasons, *([more] if self.further else []), *([anew] if self.strange else []), place]
+        return [
+            self.told,
+            *reasons,
+            *([more] if self.further else []),
+            *([anew] if self.strange else []),
+            place,
+        ]
 
 
 def sweep(
-    task: Task, table: Path, engine: Engine = here, jobs: int = 1, progress: Progress = silent,
+    task: Task,
+    table: Path,
+    engine: Engine = here,
+    jobs: int = 1,
+    progress: Progress = silent,
     unit: Callable[[str], str] = lambda key: "",
-) -> Swept:  # fmt: skip
+) -> Swept:
     """Judge all variants that the journal does not have yet, then write the table and take the journal away.
 
     table: ends in .csv or .parquet. unit: of a key, for the page.
@@ -259,7 +307,9 @@ def sweep(
     count = task.variants.count
     write = WRITERS.get(table.suffix.lower())
     if write is None:
-        raise SpecError([Fault("-o", table.name, f"a name that ends in {' or '.join(WRITERS)}")], "command line")
+        raise SpecError(
+            [Fault("-o", table.name, f"a name that ends in {' or '.join(WRITERS)}")], "command line"
+        )
     if table.suffix == ".parquet":
         pyarrow_at(table)
     began = time.perf_counter()
@@ -273,7 +323,9 @@ def sweep(
     try:
         before = journal.done
         journal.add(first)
-        size = int(min(max(_CHUNK / max(each, 1e-6), 1), _LARGEST, max(count / (4 * max(jobs, 1)), 1)))
+        size = int(
+            min(max(_CHUNK / max(each, 1e-6), 1), _LARGEST, max(count / (4 * max(jobs, 1)), 1))
+        )
         done, told = journal.done, time.perf_counter()
         for rows in engine(task, _left(journal.places, size)):
             journal.add(rows)
@@ -287,13 +339,29 @@ def sweep(
             columns |= dict.fromkeys(row)
         del reasons[""]
         write(table, list(columns), journal.rows())
-        found = Swept(count, dict(verdicts), reasons.most_common(_REASONS), max(len(reasons) - _REASONS, 0),
-                      time.perf_counter() - began, before, list(columns), journal.strange)  # fmt: skip
+        found = Swept(
+            count,
+            dict(verdicts),
+            reasons.most_common(_REASONS),
+            max(len(reasons) - _REASONS, 0),
+            time.perf_counter() - began,
+            before,
+            list(columns),
+            journal.strange,
+        )
         keys = [axis.key for axis in task.variants.axes]
         named = table.with_suffix(".html"), f"Sweep of {Path(task.source).stem}", found.told
         units = {key: unit(key) for key in keys}
         shown = journal.rows(shown_step(count))
-        write_page(*named, found.columns, keys, shown, count, _wished(task.data, found.columns), units=units)
+        write_page(
+            *named,
+            found.columns,
+            keys,
+            shown,
+            count,
+            _wished(task.data, found.columns),
+            units=units,
+        )
     finally:
         journal.close()
     journal.path.unlink()
@@ -306,7 +374,9 @@ def _pace(task: Task) -> tuple[list[Row], float]:
     for many in (1, *(() if task.build else _CROWDS)):
         began = time.process_time()  # whatever else this machine does
         count = min(many, task.variants.count)
-        rows = judged(task, [k * task.variants.count // count for k in range(count)])  # from all of the sweep
+        rows = judged(
+            task, [k * task.variants.count // count for k in range(count)]
+        )  # from all of the sweep
         took = (time.process_time() - began) / len(rows)
         if many == 1:
             _refuse_unknown(task, rows[0])
@@ -323,7 +393,11 @@ def _refuse_unknown(task: Task, first: Row) -> None:
         try:
             changed(*asked)
         except SpecError as error:
-            faults = [f for f in error.faults if f.expected.startswith("unknown key") or f.path.startswith("--set")]
+            faults = [
+                f
+                for f in error.faults
+                if f.expected.startswith("unknown key") or f.path.startswith("--set")
+            ]
             if faults:
                 raise SpecError(faults, task.source) from None
     elif first["verdict"] != REFUSED:
@@ -337,9 +411,23 @@ def _wished(data: Mapping[str, Any], columns: Sequence[str]) -> list[str]:
     """Figures of a wish: a key of [wanted], or a table of an [[output]] such as stroke, by its name and the output's."""
     wanted, outputs = data.get("wanted"), data.get("output")
     keys = [(key,) for key in wanted] if isinstance(wanted, Mapping) else []
-    tables = [each for each in outputs if isinstance(each, Mapping)] if isinstance(outputs, list) else []
-    asked = [*keys, *((str(t.get("name", "")), key) for t in tables for key, value in t.items() if isinstance(value, Mapping))]
-    return [column for column in columns if any(all(word in column for word in words) for words in asked)]
+    tables = (
+        [each for each in outputs if isinstance(each, Mapping)] if isinstance(outputs, list) else []
+    )
+    asked = [
+        *keys,
+        *(
+            (str(t.get("name", "")), key)
+            for t in tables
+            for key, value in t.items()
+            if isinstance(value, Mapping)
+        ),
+    ]
+    return [
+        column
+        for column in columns
+        if any(all(word in column for word in words) for words in asked)
+    ]
 
 
 def _left(places: np.ndarray, size: int) -> Iterator[Chunk]:
@@ -351,14 +439,27 @@ def _left(places: np.ndarray, size: int) -> Iterator[Chunk]:
 
 def _span(seconds: float) -> str:
     day = 86400
-    units = (("s", 1, 120), ("min", 60, 7200), ("h", 3600, 3 * day), ("days", day, 730 * day), ("years", 365 * day, math.inf))
+    units = (
+        ("s", 1, 120),
+        ("min", 60, 7200),
+        ("h", 3600, 3 * day),
+        ("days", day, 730 * day),
+        ("years", 365 * day, math.inf),
+    )
     unit, size = next((unit, size) for unit, size, most in units if seconds < most)
     return f"{seconds / size:,.0f} {unit}"
 
 
 def prepared(
-    spec: Path, variants: Variants, settings: Sequence[str], keep: Sequence[str], build: Sequence[str], out: Path
-) -> Task:  # fmt: skip
+    spec: Path,
+    variants: Variants,
+    settings: Sequence[str],
+    keep: Sequence[str],
+    build: Sequence[str],
+    out: Path,
+) -> Task:
     """The task of a spec file."""
     data, source, folder = read_tables(spec)
-    return Task(data, source, folder.absolute(), variants, tuple(settings), tuple(keep), tuple(build), out)
+    return Task(
+        data, source, folder.absolute(), variants, tuple(settings), tuple(keep), tuple(build), out
+    )

@@ -38,7 +38,10 @@ class Journal:
             self._file.seek(0)
             if not locked(self._file, wait=False):
                 self._file.close()
-                raise FileError(path, "another run of camgen writes it; wait for that, or choose another table with -o")
+                raise FileError(
+                    path,
+                    "another run of camgen writes it; wait for that, or choose another table with -o",
+                )
             first = self._file.readline()
             if not first.endswith(b"\n"):  # new, or ended before its first line was whole
                 self._file.truncate(0)
@@ -78,7 +81,9 @@ class Journal:
             row = json.loads(text)
         except (ValueError, RecursionError):
             return None
-        return row if isinstance(row, dict) and self._has(row.get("variant")) and _whole(row) else None
+        return (
+            row if isinstance(row, dict) and self._has(row.get("variant")) and _whole(row) else None
+        )
 
     def _has(self, variant: object) -> bool:
         """Whether this is the number of a variant: 1.0 and true are none."""
@@ -111,7 +116,10 @@ class Journal:
             self._file.seek(int(place))
             row = self._row(self._file.readline())
             if row is None:
-                raise FileError(self.path, "was changed during this run; the same command judges the changed rows again")
+                raise FileError(
+                    self.path,
+                    "was changed during this run; the same command judges the changed rows again",
+                )
             yield row
         self._file.seek(0, os.SEEK_END)
 
@@ -124,4 +132,6 @@ class Journal:
 def _whole(row: Row) -> bool:
     """Whether a row says what every row says, in texts and numbers."""
     said = all(isinstance(row.get(name), str) for name in ("verdict", "fails", "reason"))
-    return said and all(value is None or isinstance(value, str | int | float) for value in row.values())
+    return said and all(
+        value is None or isinstance(value, str | int | float) for value in row.values()
+    )

@@ -31,7 +31,10 @@ def pyarrow_at(path: Path) -> Any:
         import pyarrow
         import pyarrow.parquet
     except ImportError:
-        raise FileError(path, "needs pyarrow: pip install 'camgen[table]'; a name that ends in .csv needs nothing") from None
+        raise FileError(
+            path,
+            "needs pyarrow: pip install 'camgen[table]'; a name that ends in .csv needs nothing",
+        ) from None
     return pyarrow
 
 
@@ -40,18 +43,34 @@ def _write_parquet(path: Path, columns: Sequence[str], rows: Iterator[Row]) -> N
     text = ("verdict", "fails", "reason")
     batch = list(islice(rows, 10_000))
     mixed = {name for name in columns if any(isinstance(row.get(name), str) for row in batch)}
-    kinds = {name: arrow.int64() if name == "variant" else arrow.string() if name in mixed or name in text else arrow.float64()
-             for name in columns}  # fmt: skip
+    kinds = {
+        name: arrow.int64()
+        if name == "variant"
+        else arrow.string()
+        if name in mixed or name in text
+        else arrow.float64()
+        for name in columns
+    }
     schema = arrow.schema(list(kinds.items()))
     with file_errors():
         part = path.with_name(path.name + ".part")
         with arrow.parquet.ParquetWriter(part, schema) as writer:
             while batch:
-                found = [{name: str(row[name]) if name in mixed and row.get(name) is not None else row.get(name)
-                          for name in columns} for row in batch]  # fmt: skip
+                found = [
+                    {
+                        name: str(row[name])
+                        if name in mixed and row.get(name) is not None
+                        else row.get(name)
+                        for name in columns
+                    }
+                    for row in batch
+                ]
                 writer.write_table(arrow.Table.from_pylist(found, schema))
                 batch = list(islice(rows, 10_000))
         os.replace(part, path)
 
 
-WRITERS: dict[str, Callable[[Path, Sequence[str], Iterator[Row]], None]] = {".csv": _write_csv, ".parquet": _write_parquet}
+WRITERS: dict[str, Callable[[Path, Sequence[str], Iterator[Row]], None]] = {
+    ".csv": _write_csv,
+    ".parquet": _write_parquet,
+}

@@ -21,8 +21,28 @@ from camgen.judge.joints import Rolled
 from camgen.machine.closing import close
 from camgen.machine.constraints import Constraints
 from camgen.machine.features import CamOutline, Eye, Mark, judged_outputs
-from camgen.machine.model import Cam, Joint, Machine, Output, Pin, Place, Slide, Slot, placed, places_of, unit_of
-from camgen.machine.print_errors import ORDERS, Mode, Sensitivity, Sizes, hole_at, sensitivities, waviness
+from camgen.machine.model import (
+    Cam,
+    Joint,
+    Machine,
+    Output,
+    Pin,
+    Place,
+    Slide,
+    Slot,
+    placed,
+    places_of,
+    unit_of,
+)
+from camgen.machine.print_errors import (
+    ORDERS,
+    Mode,
+    Sensitivity,
+    Sizes,
+    hole_at,
+    sensitivities,
+    waviness,
+)
 from camgen.machine.run import Run, solve
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats
@@ -42,7 +62,11 @@ def sizes_of(mechanism: Mechanism) -> Sizes:
     A wall's is half of a size's, which has two walls; that of an outline's form, a quarter, is an estimate.
     """
     given = mechanism.print
-    size = materials.of(mechanism.material.name).spread / 3 if given.size_error is None else given.size_error
+    size = (
+        materials.of(mechanism.material.name).spread / 3
+        if given.size_error is None
+        else given.size_error
+    )
     place = size / math.sqrt(2) if given.place_error is None else given.place_error
     form = size / 4 if given.form_error is None else given.form_error
     return Sizes(size / 2, form, place, size, given.form_orders or ORDERS)
@@ -72,18 +96,33 @@ class Spread:
 
     def budget(self) -> Table:
         """Largest error of each output by where it arises, at three standard deviations."""
-        heads = ["where", "what", "standard deviation, mm", *(f"{each.name}, {unit_of(each)[0]}" for each in self.outputs)]
+        heads = [
+            "where",
+            "what",
+            "standard deviation, mm",
+            *(f"{each.name}, {unit_of(each)[0]}" for each in self.outputs),
+        ]
         groups: dict[tuple[str, str], list[int]] = {}
         for k, mode in enumerate(self.modes):
             groups.setdefault((mode.where, mode.kind), []).append(k)
         rows: list[list[object]] = []
         for (where, kind), members in groups.items():
-            errors = [error if (error := 3 * self._size(output, members)) > _NOTHING else 0.0 for output in self.outputs]
+            errors = [
+                error if (error := 3 * self._size(output, members)) > _NOTHING else 0.0
+                for output in self.outputs
+            ]
             if max(errors, default=0.0) > _NOTHING:
                 rows.append([where, kind, self.modes[members[0]].size, *errors])
         rows.sort(key=lambda row: -float(str(row[3])))
         everything = range(len(self.modes))
-        rows.append(["all together", "", "", *(3 * self._size(output, everything) for output in self.outputs)])
+        rows.append(
+            [
+                "all together",
+                "",
+                "",
+                *(3 * self._size(output, everything) for output in self.outputs),
+            ]
+        )
         return Table("Error budget of the print, three standard deviations", heads, rows)
 
     def _size(self, output: Output, members: Sequence[int]) -> float:
@@ -97,7 +136,8 @@ class Spread:
         if not self.modes:
             return Study()
         numbers = {
-            f"print_error_{output.name.replace(' ', '_')}_{unit_of(output)[0]}": 3 * self._size(output, range(len(self.modes)))
+            f"print_error_{output.name.replace(' ', '_')}_{unit_of(output)[0]}": 3
+            * self._size(output, range(len(self.modes)))
             for output in self.outputs
         }
         return Study(numbers, tables=[self.budget()])
@@ -120,31 +160,44 @@ def spread_of(mechanism: Mechanism) -> Spread:
             sound &= np.isfinite(gap).all(axis=0)
     kept = {
         name: Sensitivity(
-            each.modes[:, sound], {joint: reach[sound] for joint, reach in each.reach.items()},
+            each.modes[:, sound],
+            {joint: reach[sound] for joint, reach in each.reach.items()},
             {cam: (gap[:, sound], air[sound]) for cam, (gap, air) in each.held.items()},
         )
         for name, each in found.items()
-    }  # fmt: skip
+    }
     told = any(np.any(np.abs(each.modes) > _NOTHING) for each in kept.values())
     return Spread(mechanism, theta[sound], sizes, holes, modes if told else (), outputs, kept)
 
 
 def _exact(mechanism: Mechanism) -> list[str]:
     """Cams whose tip is no print."""
-    return [joint.name for joint in mechanism.model.joints if isinstance(joint, Cam)] if mechanism.roller_bearing else []
+    return (
+        [joint.name for joint in mechanism.model.joints if isinstance(joint, Cam)]
+        if mechanism.roller_bearing
+        else []
+    )
 
 
 def _holes(mechanism: Mechanism, outputs: Sequence[Output]) -> dict[str, Place]:
     """Holes whose centres are places of outputs and make no joint."""
     marks = [each.eye for each in mechanism.features() if isinstance(each, Mark)]
-    made = [(mount.body, mount.place(eye.at)) for eye in marks for mount in mechanism.mounts() if mount.part == eye.part]
+    made = [
+        (mount.body, mount.place(eye.at))
+        for eye in marks
+        for mount in mechanism.mounts()
+        if mount.part == eye.part
+    ]
     found: dict[str, Place] = {}
     for output in outputs:
         for place in places_of(output.of):
             if any(body == place.body and abs(at - place.at) < SAME_POINT for body, at in made):
                 if hole_at(mechanism.model, place, found) is None:
                     points = mechanism.model.body(place.body).points
-                    name = next((name for name, at in points.items() if abs(at - place.at) < SAME_POINT), output.name)
+                    name = next(
+                        (name for name, at in points.items() if abs(at - place.at) < SAME_POINT),
+                        output.name,
+                    )
                     found[f"{name}, {place.body}"] = place
     return found
 
@@ -165,36 +218,53 @@ def copies_of(spread: Spread, samples: int, seed: int) -> Copies:
     """So many copies; by first order, in blocks."""
     machine, chance = spread.mechanism.model, np.random.default_rng(seed)
     sizes = np.array([mode.size for mode in spread.modes])
-    pins = [joint for joint in machine.joints if joint.clearance > 0 and isinstance(joint, Pin | Slot | Slide)]
+    pins = [
+        joint
+        for joint in machine.joints
+        if joint.clearance > 0 and isinstance(joint, Pin | Slot | Slide)
+    ]
     errors = {output.name: np.empty(samples) for output in spread.outputs}
     play = {output.name: np.zeros(samples) for output in spread.outputs}
     held = {
         (output.name, cam): (np.empty(samples), np.empty(samples), np.empty(samples))
-        for output in spread.outputs for cam in spread.found[output.name].held
-    }  # fmt: skip
+        for output in spread.outputs
+        for cam in spread.found[output.name].held
+    }
     tight = np.zeros(samples, bool)
     for begin in range(0, samples, _CHUNK):
         block = slice(begin, min(begin + _CHUNK, samples))
         drawn = _drawn(chance, sizes)[: block.stop - begin]
         fits = np.array([pin.clearance for pin in pins])
-        gaps = fits + chance.standard_normal((_CHUNK, len(pins)))[: block.stop - begin] * spread.sizes.hole * math.sqrt(2)
+        gaps = fits + chance.standard_normal((_CHUNK, len(pins)))[
+            : block.stop - begin
+        ] * spread.sizes.hole * math.sqrt(2)
         tight[block] = np.any(gaps < 0, axis=1)
         for output in spread.outputs:
             found = spread.found[output.name]
             moved = found.modes
             if np.iscomplexobj(moved):
-                errors[output.name][block] = np.sqrt(np.max((drawn @ moved.real) ** 2 + (drawn @ moved.imag) ** 2, axis=1))
+                errors[output.name][block] = np.sqrt(
+                    np.max((drawn @ moved.real) ** 2 + (drawn @ moved.imag) ** 2, axis=1)
+                )
             else:
                 made = drawn @ moved
                 errors[output.name][block] = np.maximum(made.max(axis=1), -made.min(axis=1))
-            reach = np.stack([found.reach[pin.name] for pin in pins]) if pins else np.zeros((0, len(spread.theta)))
+            reach = (
+                np.stack([found.reach[pin.name] for pin in pins])
+                if pins
+                else np.zeros((0, len(spread.theta)))
+            )
             if pins:
                 play[output.name][block] = np.max(np.maximum(gaps, 0) @ reach, axis=1)
             for cam, (gap, air) in found.held.items():
                 loose, least, needed = held[output.name, cam]
                 between = drawn @ gap
-                moving = air > _NOTHING * air.max()  # elsewhere the output stands still, whatever the follower does
-                needed[block] = np.maximum(0.0, -(between[:, moving] / air[moving]).min(axis=1, initial=0.0))
+                moving = (
+                    air > _NOTHING * air.max()
+                )  # elsewhere the output stands still, whatever the follower does
+                needed[block] = np.maximum(
+                    0.0, -(between[:, moving] / air[moving]).min(axis=1, initial=0.0)
+                )
                 between += spread.air.get(cam, 0.0) * air
                 loose[block], least[block] = between.max(axis=1), between.min(axis=1)
     return Copies(errors, held, play, tight)
@@ -208,8 +278,14 @@ def _drawn(chance: np.random.Generator, sizes: Floats) -> Floats:
 def drawn_again(spread: Spread, seed: int, which: Sequence[int]) -> Floats:
     """Errors of some copies, (copies, modes), as `copies_of` drew them."""
     chance, sizes = np.random.default_rng(seed), np.array([mode.size for mode in spread.modes])
-    pins = sum(joint.clearance > 0 and isinstance(joint, Pin | Slot | Slide) for joint in spread.mechanism.model.joints)
-    rows, wanted = np.empty((len(which), len(sizes))), dict(zip(which, range(len(which)), strict=True))
+    pins = sum(
+        joint.clearance > 0 and isinstance(joint, Pin | Slot | Slide)
+        for joint in spread.mechanism.model.joints
+    )
+    rows, wanted = (
+        np.empty((len(which), len(sizes))),
+        dict(zip(which, range(len(which)), strict=True)),
+    )
     for begin in range(0, max(which, default=-1) + 1, _CHUNK):
         block = _drawn(chance, sizes)
         chance.standard_normal((_CHUNK, pins))
@@ -228,10 +304,15 @@ def rolled(spread: Spread, errors: Floats) -> dict[str, Any]:
     """
     exact = _run(spread, np.zeros(len(spread.modes)))
     made = [_run(spread, each) for each in errors]
-    return {output.name: np.array([each[output.name] - exact[output.name] for each in made]) for output in spread.outputs}
+    return {
+        output.name: np.array([each[output.name] - exact[output.name] for each in made])
+        for output in spread.outputs
+    }
 
 
-def laws_of(spread: Spread, errors: Floats, shifted: Machine) -> dict[str, tuple[CamOutline, Rolled]]:
+def laws_of(
+    spread: Spread, errors: Floats, shifted: Machine
+) -> dict[str, tuple[CamOutline, Rolled]]:
     """Of each cam of one copy what its follower rolls to on the displaced outline, and the outline with its own tip; shifted: the
     machine with its joints' centres off, see `shifted_by`."""
     from camgen.judge.cams import rolled as rolled_on
@@ -248,8 +329,12 @@ def laws_of(spread: Spread, errors: Floats, shifted: Machine) -> dict[str, tuple
         if not isinstance(joint, Cam) or own is None:
             continue
         outline = first[joint.name]
-        mount = [m for m in mechanism.mounts() if (m.part, m.body) == (outline.part, joint.cam)][outline.copy]
-        points = facet_contour(parts[outline.part].region.outer.counter_clockwise(), mechanism.accuracy.chord_tolerance)
+        mount = [m for m in mechanism.mounts() if (m.part, m.body) == (outline.part, joint.cam)][
+            outline.copy
+        ]
+        points = facet_contour(
+            parts[outline.part].region.outer.counter_clockwise(), mechanism.accuracy.chord_tolerance
+        )
         ahead = np.roll(points, -1) - np.roll(points, 1)
         normals = -1j * ahead / np.abs(ahead)
         places = np.array([mount.place(z) for z in points])
@@ -261,8 +346,13 @@ def laws_of(spread: Spread, errors: Floats, shifted: Machine) -> dict[str, tuple
         if isinstance(outline.tip, Eye):
             radius = None if outline.radius is None else outline.radius + wider
             tip = replace(outline.tip, diameter=outline.tip.diameter + 2 * wider)
-            outline = replace(outline, tip=tip if outline.radius is None else outline.tip, radius=radius)
-        laws[joint.name] = outline, rolled_on(shifted, outline, mechanism.mounts(), [[Shape(ring, ())]])[1]
+            outline = replace(
+                outline, tip=tip if outline.radius is None else outline.tip, radius=radius
+            )
+        laws[joint.name] = (
+            outline,
+            rolled_on(shifted, outline, mechanism.mounts(), [[Shape(ring, ())]])[1],
+        )
     return laws
 
 
@@ -270,7 +360,10 @@ def _run(spread: Spread, errors: Floats) -> dict[str, Any]:
     """Outputs of one copy."""
     shifted = shifted_by(spread, errors)
     laws = laws_of(spread, errors, shifted)
-    joints = tuple(replace(j, law=laws[j.name][1]) if isinstance(j, Cam) and j.name in laws else j for j in shifted.joints)
+    joints = tuple(
+        replace(j, law=laws[j.name][1]) if isinstance(j, Cam) and j.name in laws else j
+        for j in shifted.joints
+    )
     system = Constraints(replace(shifted, joints=joints))
     closed = close(system, spread.theta, solve(spread.mechanism.model, spread.theta, 0).poses(), 1)
     return {output.name: system.output(output.name, closed.q)[0] for output in spread.outputs}
@@ -286,16 +379,25 @@ def shifted_by(spread: Spread, errors: Floats) -> Machine:
     joints: list[Joint] = []
     for joint in machine.joints:
         if isinstance(joint, Pin):
-            a, b = (replace(p, at=p.at + moved.get(f"{joint.name}, {p.body}", 0j)) for p in (joint.a, joint.b))
+            a, b = (
+                replace(p, at=p.at + moved.get(f"{joint.name}, {p.body}", 0j))
+                for p in (joint.a, joint.b)
+            )
             joints.append(replace(joint, a=a, b=b))
         elif isinstance(joint, Slot | Slide):
-            r, g = (replace(p, at=p.at + moved.get(f"{joint.name}, {p.body}", 0j)) for p in (joint.runner, joint.guide))
+            r, g = (
+                replace(p, at=p.at + moved.get(f"{joint.name}, {p.body}", 0j))
+                for p in (joint.runner, joint.guide)
+            )
             joints.append(replace(joint, runner=r, guide=g))
         else:
             joints.append(joint)
+
     def off(place: Place) -> Place:
         """A place of an output, with the hole that is there."""
-        return replace(place, at=place.at + moved.get(hole_at(machine, place, spread.holes) or "", 0j))
+        return replace(
+            place, at=place.at + moved.get(hole_at(machine, place, spread.holes) or "", 0j)
+        )
 
     outputs = tuple(replace(each, of=placed(each.of, off)) for each in machine.outputs)
     return replace(machine, joints=tuple(joints), outputs=outputs)

@@ -57,15 +57,34 @@ def judged(spread: Spread, errors: Floats) -> list[Judged]:
     bends, limits = _bends(spread), spread.mechanism.limits()
     exact = np.zeros(len(spread.modes))
     first = _followed(spread, exact, spread.mechanism.model)
-    designed, *copies = (_named(_of_copy(spread, each, bends, limits, first)) for each in (exact, *errors))
+    designed, *copies = (
+        _named(_of_copy(spread, each, bends, limits, first)) for each in (exact, *errors)
+    )
     found = []
     for (code, what), finding in designed.items():
         made = [copy.get((code, what)) for copy in copies]
         values = np.array([math.nan if each is None else each.measured for each in made])
         holds = np.array([each is not None and each.ok for each in made])
-        little = not finding.floor and finding.limit > 0 and np.all(np.abs(values) < _LITTLE * finding.limit)
-        if not little and not np.all(np.abs(values - finding.measured) <= _SAME * abs(finding.measured)):
-            found.append(Judged(code, what, finding.unit, finding.limit, finding.sign, finding.measured, values, holds))
+        little = (
+            not finding.floor
+            and finding.limit > 0
+            and np.all(np.abs(values) < _LITTLE * finding.limit)
+        )
+        if not little and not np.all(
+            np.abs(values - finding.measured) <= _SAME * abs(finding.measured)
+        ):
+            found.append(
+                Judged(
+                    code,
+                    what,
+                    finding.unit,
+                    finding.limit,
+                    finding.sign,
+                    finding.measured,
+                    values,
+                    holds,
+                )
+            )
     return sorted(found, key=lambda each: float(np.mean(each.holds)))
 
 
@@ -75,38 +94,55 @@ def _named(findings: Iterator[Finding]) -> dict[tuple[str, str], Finding]:
     for each in findings:
         key = each.code, re.sub(r",? *(cam|crank)? ?(angle )?-?[0-9.]+ deg$", "", each.where)
         margin = (each.measured - each.limit) * (1 if each.floor else -1)
-        if key not in named or margin < (named[key].measured - named[key].limit) * (1 if each.floor else -1):
+        if key not in named or margin < (named[key].measured - named[key].limit) * (
+            1 if each.floor else -1
+        ):
             named[key] = each
     return named
 
 
 def _of_copy(
-    spread: Spread, errors: Floats, bends: Mapping[str, Bend], limits: Sequence[Finding], first: Mapping[str, Followed]
-) -> Iterator[Finding]:  # fmt: skip
+    spread: Spread,
+    errors: Floats,
+    bends: Mapping[str, Bend],
+    limits: Sequence[Finding],
+    first: Mapping[str, Followed],
+) -> Iterator[Finding]:
     """All findings of one copy; limits: the design's own; first: by cam its follower on the outline without errors.
 
     Outlines are rolled as facets, which tilt the normal by more than a print does: so a copy counts with what it differs by from
     the design that is rolled in the same way, and that with its exact curve.
     """
     shifted = shifted_by(spread, errors)
-    steepest = min((each.limit for each in limits if each.code == "PRESSURE_ANGLE"), default=math.inf)
+    steepest = min(
+        (each.limit for each in limits if each.code == "PRESSURE_ANGLE"), default=math.inf
+    )
     for name, followed in _followed(spread, errors, shifted, first).items():
         steep = followed.pressure_angle - first[name].pressure_angle + _steepest(first[name])
-        yield from (each for each in followed.findings() if each.code != "UNDERCUT")  # it would count all that a print does
+        yield from (
+            each for each in followed.findings() if each.code != "UNDERCUT"
+        )  # it would count all that a print does
         yield at_most("PRESSURE_ANGLE", steep, steepest, "deg", name, "")
-    machine = replace(shifted, joints=tuple(
-        replace(joint, law=bends[joint.name].law(joint.law, errors)) if joint.name in bends and isinstance(joint, Cam) else joint
-        for joint in shifted.joints
-    ))  # fmt: skip
+    machine = replace(
+        shifted,
+        joints=tuple(
+            replace(joint, law=bends[joint.name].law(joint.law, errors))
+            if joint.name in bends and isinstance(joint, Cam)
+            else joint
+            for joint in shifted.joints
+        ),
+    )
     copy = spread.mechanism.model_copy()
-    copy.__dict__["model"] = machine  # parts and places stay those of the design: what they weigh and how wide they are
+    copy.__dict__["model"] = (
+        machine  # parts and places stay those of the design: what they weigh and how wide they are
+    )
     with suppress(DesignError):  # one that does not close any more holds none of these
         yield from (*assess(copy).findings, *_of_model(copy, machine, limits))
 
 
 def _followed(
     spread: Spread, errors: Floats, shifted: Machine, first: Mapping[str, Followed] | None = None
-) -> dict[str, Followed]:  # fmt: skip
+) -> dict[str, Followed]:
     """Of each cam its follower on the displaced outline; first: what it is held against, where that is not the wanted motion."""
     found = {}
     for name, (outline, law) in laws_of(spread, errors, shifted).items():
@@ -137,11 +173,17 @@ def _of_model(copy: Mechanism, machine: Machine, limits: Sequence[Finding]) -> I
         yield at_least("TRANSMISSION_ANGLE", least, limit.limit, "deg", "joints", "")
     forced = [cam.name for cam in by_force(machine)]
     if len(forced) > 1:  # of several that are judged, each says its name
-        forced = [name for name in forced if any(each.code == "LIFT_OFF" and name in each.where for each in limits)]
+        forced = [
+            name
+            for name in forced
+            if any(each.code == "LIFT_OFF" and name in each.where for each in limits)
+        ]
     if "LIFT_OFF" in asked and forced:
         theta = np.linspace(*copy.range, 1441)
         pressing = solve(pulled(copy), theta).forces().pressing
-        yield keeps_contact(theta, np.fmin.reduce([pressing[name] for name in forced]), False, "contact", "")
+        yield keeps_contact(
+            theta, np.fmin.reduce([pressing[name] for name in forced]), False, "contact", ""
+        )
 
 
 # ---- the motion of a copy's cams ---------------------------------------------------------------------------------------
@@ -169,7 +211,10 @@ def _bends(spread: Spread) -> dict[str, Bend]:
 
     machine = spread.mechanism.model
     cams = [joint for joint in machine.joints if isinstance(joint, Cam) and joint.touches]
-    outputs = [Output(f"s of {cam.name}", Angle(cam.follower) if cam.slide is None else Along(cam.slide)) for cam in cams]
+    outputs = [
+        Output(f"s of {cam.name}", Angle(cam.follower) if cam.slide is None else Along(cam.slide))
+        for cam in cams
+    ]
     if not cams:
         return {}
     followed = replace(machine, outputs=tuple(outputs))

@@ -44,16 +44,26 @@ _TIMED = (
 
 
 def tolerance(
-    spec: Source, overrides: Sequence[str] = (), samples: int = 100_000, seed: int = 1, worst: int = 10,
-    progress: Progress = silent, *, judged: int = 0,
-) -> Report:  # fmt: skip
+    spec: Source,
+    overrides: Sequence[str] = (),
+    samples: int = 100_000,
+    seed: int = 1,
+    worst: int = 10,
+    progress: Progress = silent,
+    *,
+    judged: int = 0,
+) -> Report:
     """So many printed copies of a mechanism, the worst of each output really rolled and closed, and the first `judged` of all
     judged by each finding; nothing is written.
 
     SpecError for counts that are none; DesignError where no joint of the model bears an error.
     """
     counts = (("--samples", samples, 1), ("--worst", worst, 0), ("--judged", judged, 0))
-    faults = [Fault(key, str(n), f"from {least} to {_MOST}") for key, n, least in counts if not least <= n <= _MOST]
+    faults = [
+        Fault(key, str(n), f"from {least} to {_MOST}")
+        for key, n, least in counts
+        if not least <= n <= _MOST
+    ]
     if seed < 0:
         faults.append(Fault("--seed", str(seed), "0 or more"))
     if faults:
@@ -64,7 +74,16 @@ def tolerance(
     struck = timings(mechanism)
     if not spread.modes and struck:
         numbers: dict[str, float] = {}
-        return Report(mechanism.name, mechanism.mechanism, (), numbers, (), (), _timings(struck, numbers), _TIMED)
+        return Report(
+            mechanism.name,
+            mechanism.mechanism,
+            (),
+            numbers,
+            (),
+            (),
+            _timings(struck, numbers),
+            _TIMED,
+        )
     if not spread.modes:
         why = "its bodies follow laws by themselves"
         raise DesignError("joints that print errors can displace", 0, 1, "", mechanism.name, why)
@@ -78,16 +97,30 @@ def tolerance(
     tables += _kept(targets(spread, few), numbers) + _loops(loops(spread, few, seed), numbers)
     if judged:
         progress("judging copies", 0.5)
-        tables += _findings(copies_judged(spread, drawn_again(spread, seed, range(min(samples, judged)))), numbers)
+        tables += _findings(
+            copies_judged(spread, drawn_again(spread, seed, range(min(samples, judged)))), numbers
+        )
     for k, output in enumerate(spread.outputs):
         progress(f"rolling the worst copies of {output.name}", 0.5 + 0.5 * k / len(spread.outputs))
         plots += _plots(spread, copies, output)
         if worst:
             tables.append(_worst(spread, copies, output, seed, min(worst, samples), numbers))
-    plots += [_histogram(f"Play of {cam}", "loosest place", least_unit(spread, name), loose, spread, name)
-              for (name, cam), (loose, _, _) in copies.held.items()]  # fmt: skip
+    plots += [
+        _histogram(f"Play of {cam}", "loosest place", least_unit(spread, name), loose, spread, name)
+        for (name, cam), (loose, _, _) in copies.held.items()
+    ]
     notes = (f"{samples} copies, seed {seed}.", *_waves(spread), *_NOTES)
-    return Report(mechanism.name, mechanism.mechanism, (), numbers, (), plots, tables, notes, summary=_summary(samples, numbers))
+    return Report(
+        mechanism.name,
+        mechanism.mechanism,
+        (),
+        numbers,
+        (),
+        plots,
+        tables,
+        notes,
+        summary=_summary(samples, numbers),
+    )
 
 
 def _waves(spread: Spread) -> list[str]:
@@ -96,20 +129,31 @@ def _waves(spread: Spread) -> list[str]:
         return []
     least, most = spread.sizes.orders
     waves = f"{least}" if least == most else f"{least} to {most}"
-    return [f"The form of a cam: {waves} waves a turn, all of a size, together print.form_error, {spread.sizes.form:.4g} mm. "
-            "print.form_orders sets how many: more waves of the same size turn the normal more."]  # fmt: skip
+    return [
+        f"The form of a cam: {waves} waves a turn, all of a size, together print.form_error, {spread.sizes.form:.4g} mm. "
+        "print.form_orders sets how many: more waves of the same size turn the normal more."
+    ]
 
 
 def _summary(samples: int, numbers: Mapping[str, float]) -> str:
     """The worst of the yields, in a line."""
-    yields = {name.removesuffix("yield_percent").rstrip("_"): value for name, value in numbers.items()
-              if name.endswith("yield_percent")}  # fmt: skip
+    yields = {
+        name.removesuffix("yield_percent").rstrip("_"): value
+        for name, value in numbers.items()
+        if name.endswith("yield_percent")
+    }
     if not yields:
         return f"Errors of {samples} printed copies"
     least = min(yields, key=lambda name: yields[name])
-    what = {"": "go together and keep their play", "targets": "keep what is wanted by value"}.get(least, f"hold {least.upper()}")
+    what = {"": "go together and keep their play", "targets": "keep what is wanted by value"}.get(
+        least, f"hold {least.upper()}"
+    )
     low, high = (numbers.get(f"{least}_yield_{end}_percent") for end in ("from", "to"))
-    sure = "" if low is None or high is None else f" ({low:.0f} to {high:.0f} % with a confidence of 95 %)"
+    sure = (
+        ""
+        if low is None or high is None
+        else f" ({low:.0f} to {high:.0f} % with a confidence of 95 %)"
+    )
     return f"Least yield: {yields[least]:.3g} % of copies {what}{sure}"
 
 
@@ -119,7 +163,10 @@ def wilson(holds: Floats | NDArray[np.bool_]) -> tuple[float, float]:
     The score interval of E. B. Wilson (1927).
     """
     n, share = len(holds), float(np.mean(holds))
-    middle, half = share + _Z**2 / (2 * n), _Z * math.sqrt(share * (1 - share) / n + _Z**2 / (4 * n**2))
+    middle, half = (
+        share + _Z**2 / (2 * n),
+        _Z * math.sqrt(share * (1 - share) / n + _Z**2 / (4 * n**2)),
+    )
     low, high = (100 * (middle + sign * half) / (1 + _Z**2 / n) for sign in (-1, 1))
     return max(low, 0.0), min(high, 100.0)
 
@@ -143,8 +190,10 @@ def _quantiles(spread: Spread, copies: Copies, numbers: dict[str, float]) -> Tab
     for output in spread.outputs:
         unit, scale = unit_of(output)
         found = [float(np.quantile(copies.errors[output.name], share)) * scale for share in _SHARES]
-        numbers |= {f"{_named(output)}_error_{100 * share:g}_percent_{unit}": value
-                    for share, value in zip(_SHARES, found, strict=True)}  # fmt: skip
+        numbers |= {
+            f"{_named(output)}_error_{100 * share:g}_percent_{unit}": value
+            for share, value in zip(_SHARES, found, strict=True)
+        }
         rows.append((output.name, unit, *found))
     heads = ("output", "unit", *(f"{100 * share:g} % of copies" for share in _SHARES))
     return Table("Largest error over the motion", heads, rows)
@@ -160,10 +209,14 @@ def _yields(spread: Spread, copies: Copies, numbers: dict[str, float]) -> list[T
     for output in spread.outputs:
         unit, scale = unit_of(output)
         pairs = [found for (name, _), found in copies.held.items() if name == output.name]
-        play = copies.play[output.name] + sum((np.maximum(loose, 0) for loose, _, _ in pairs), np.zeros(len(good)))
+        play = copies.play[output.name] + sum(
+            (np.maximum(loose, 0) for loose, _, _ in pairs), np.zeros(len(good))
+        )
         limit = limits.get(output.name, np.inf)
         if np.isfinite(limit) and np.any(play > 0):
-            rows.append(("LASH", output.name, limit * scale, unit, 100 * float(np.mean(play <= limit))))
+            rows.append(
+                ("LASH", output.name, limit * scale, unit, 100 * float(np.mean(play <= limit)))
+            )
             good &= play <= limit
     by_cam: dict[str, tuple[Floats, Floats, Floats]] = {}
     for (_, cam), each in copies.held.items():
@@ -173,15 +226,26 @@ def _yields(spread: Spread, copies: Copies, numbers: dict[str, float]) -> list[T
         if spread.air.get(cam, 0.0) < 0:
             code, what, holds = "LASH", "is pressed everywhere", loose <= 0
         rows.append((code, f"{cam} {what}", 0.0, "mm", 100 * float(np.mean(holds))))
-        numbers[f"tip_clearance_99_percent_{cam.replace(' ', '_')}_mm"] = float(np.quantile(air, 0.99))
+        numbers[f"tip_clearance_99_percent_{cam.replace(' ', '_')}_mm"] = float(
+            np.quantile(air, 0.99)
+        )
         good &= holds
     if not rows:
         return []
     rows.append(("all of these", "", "", "", 100 * float(np.mean(good))))
     numbers["yield_percent"] = 100 * float(np.mean(good))
-    told = [Table("Yield of play and fits alone", ("finding", "what", "limit", "unit", "copies that hold, %"), rows)]
+    told = [
+        Table(
+            "Yield of play and fits alone",
+            ("finding", "what", "limit", "unit", "copies that hold, %"),
+            rows,
+        )
+    ]
     if copies.held:
-        shares = [(cam, *(float(np.quantile(air, share)) for share in _SHARES)) for cam, (_, _, air) in by_cam.items()]
+        shares = [
+            (cam, *(float(np.quantile(air, share)) for share in _SHARES))
+            for cam, (_, _, air) in by_cam.items()
+        ]
         heads = ("contact", *(f"{100 * share:g} % of copies" for share in _SHARES))
         told.append(Table(_FREE, heads, shares))
     return told
@@ -193,25 +257,54 @@ def _findings(found: Sequence[Judged], numbers: dict[str, float]) -> list[Table]
     for each in found:
         limit, good = f"{each.sign} {each.limit:.4g}", 100 * float(np.mean(each.holds))
         mean, size = float(np.nanmean(each.values)), float(np.nanstd(each.values))
-        rows.append((each.code, each.what, each.unit, limit, each.designed, mean, size, good, _sure(each.holds)))
+        rows.append(
+            (
+                each.code,
+                each.what,
+                each.unit,
+                limit,
+                each.designed,
+                mean,
+                size,
+                good,
+                _sure(each.holds),
+            )
+        )
         name = f"{each.code.lower()}_yield"
         if good < numbers.get(f"{name}_percent", math.inf):
             numbers[f"{name}_percent"] = good
             numbers[f"{name}_from_percent"], numbers[f"{name}_to_percent"] = wilson(each.holds)
     heads = ("finding", "of", "unit", "limit", "as designed", "mean", "standard deviation", *_HOLD)
-    return [Table(f"Findings of the first {len(found[0].values)} copies, each judged", heads, rows)] if found else []
+    return (
+        [Table(f"Findings of the first {len(found[0].values)} copies, each judged", heads, rows)]
+        if found
+        else []
+    )
 
 
 def _kept(found: Sequence[Kept], numbers: dict[str, float]) -> list[Table]:
     """Share of copies that keep what is wanted of the outputs by value."""
-    rows = [(each.code, each.output, each.limit, each.unit, 100 * float(np.mean(each.holds)), _sure(each.holds))
-            for each in found]  # fmt: skip
+    rows = [
+        (
+            each.code,
+            each.output,
+            each.limit,
+            each.unit,
+            100 * float(np.mean(each.holds)),
+            _sure(each.holds),
+        )
+        for each in found
+    ]
     if found:
         whole = np.all([each.holds for each in found], axis=0)
         numbers["targets_yield_percent"] = 100 * float(np.mean(whole))
         numbers["targets_yield_from_percent"], numbers["targets_yield_to_percent"] = wilson(whole)
         rows.append(("all of these", "", "", "", numbers["targets_yield_percent"], _sure(whole)))  # type: ignore[arg-type]
-    title = f"Yield of what is wanted by value, of the first {len(found[0].holds)} copies" if found else ""
+    title = (
+        f"Yield of what is wanted by value, of the first {len(found[0].holds)} copies"
+        if found
+        else ""
+    )
     return [Table(title, ("finding", "output", "limit", "unit", *_HOLD), rows)] if found else []
 
 
@@ -219,23 +312,62 @@ def _timings(found: Sequence[Timing], numbers: dict[str, float]) -> list[Table]:
     """How much earlier or later one of two bodies may be until they strike."""
     rows, least = list[tuple[object, ...]](), 90.0
     for each in found:
-        exact, loose = ([float(np.degrees(angle)) for angle in pair] for pair in (each.exact, each.loose))
+        exact, loose = (
+            [float(np.degrees(angle)) for angle in pair] for pair in (each.exact, each.loose)
+        )
         rows.append((each.pair, each.least, *exact, each.play, *loose))
         least = min(least, *loose)
     if found:
         numbers["timing_tolerance_deg"] = least
-    heads = ("pair", "nearest, mm", "earlier, deg", "later, deg", "play, mm", "earlier with play, deg", "later with play, deg")
-    return [Table("Timing: by how much the first of two bodies may be off until they strike", heads, rows)] if found else []
+    heads = (
+        "pair",
+        "nearest, mm",
+        "earlier, deg",
+        "later, deg",
+        "play, mm",
+        "earlier with play, deg",
+        "later with play, deg",
+    )
+    return (
+        [
+            Table(
+                "Timing: by how much the first of two bodies may be off until they strike",
+                heads,
+                rows,
+            )
+        ]
+        if found
+        else []
+    )
 
 
 def _loops(found: Sequence[Loop], numbers: dict[str, float]) -> list[Table]:
     """Share of copies in which the smallest loop of a path is left."""
     for each in found:
         shares = {"printed": each.printed, "loose": each.loose}
-        numbers |= {f"{each.output.replace(' ', '_')}_loop_{how}_percent": 100 * share for how, share in shares.items()}
-    rows = [(each.output, float(np.degrees(each.begins)), float(np.degrees(each.ends)), each.extent, 100 * each.printed,
-             100 * each.loose) for each in found]  # fmt: skip
-    heads = ("path", "from, deg", "to, deg", "extent, mm", "left in copies, %", "and with the play of their pins, %")
+        numbers |= {
+            f"{each.output.replace(' ', '_')}_loop_{how}_percent": 100 * share
+            for how, share in shares.items()
+        }
+    rows = [
+        (
+            each.output,
+            float(np.degrees(each.begins)),
+            float(np.degrees(each.ends)),
+            each.extent,
+            100 * each.printed,
+            100 * each.loose,
+        )
+        for each in found
+    ]
+    heads = (
+        "path",
+        "from, deg",
+        "to, deg",
+        "extent, mm",
+        "left in copies, %",
+        "and with the play of their pins, %",
+    )
     return [Table("Smallest loops of paths", heads, rows)] if found else []
 
 
@@ -245,8 +377,16 @@ def _worst(
     """The copies with the largest errors: by first order, and really made."""
     unit, scale = unit_of(output)
     order = np.argsort(-copies.errors[output.name], kind="stable")[:count]
-    made = np.abs(rolled(spread, drawn_again(spread, seed, [int(k) for k in order]))[output.name]).max(axis=1) * scale
-    rows = [(int(k), float(copies.errors[output.name][k]) * scale, float(real)) for k, real in zip(order, made, strict=True)]
+    made = (
+        np.abs(rolled(spread, drawn_again(spread, seed, [int(k) for k in order]))[output.name]).max(
+            axis=1
+        )
+        * scale
+    )
+    rows = [
+        (int(k), float(copies.errors[output.name][k]) * scale, float(real))
+        for k, real in zip(order, made, strict=True)
+    ]
     if len(made):
         numbers[f"{_named(output)}_error_worst_{unit}"] = float(np.max(made))
     title = f"Worst copies of {output.name}, {unit}"
@@ -258,12 +398,29 @@ def _plots(spread: Spread, copies: Copies, output: Output) -> list[Plot]:
     """How far three standard deviations reach over the motion, and how often which worst error occurs."""
     unit, scale = unit_of(output)
     sizes = np.array([mode.size for mode in spread.modes])
-    band = 3 * scale * np.sqrt(np.sum((np.abs(spread.found[output.name].modes) * sizes[:, None]) ** 2, axis=0))
+    band = (
+        3
+        * scale
+        * np.sqrt(np.sum((np.abs(spread.found[output.name].modes) * sizes[:, None]) ** 2, axis=0))
+    )
     angle = np.degrees(spread.theta)
-    drawn = Plot(f"Error of {output.name} by the print", f"{spread.mechanism.angle_name}, deg", unit,
-                 [("3 standard deviations above", angle, band), ("3 below", angle, -band)])  # fmt: skip
-    return [drawn, _histogram(f"Largest error of {output.name}", "worst of a copy", unit, copies.errors[output.name], spread,
-                              output.name)]  # fmt: skip
+    drawn = Plot(
+        f"Error of {output.name} by the print",
+        f"{spread.mechanism.angle_name}, deg",
+        unit,
+        [("3 standard deviations above", angle, band), ("3 below", angle, -band)],
+    )
+    return [
+        drawn,
+        _histogram(
+            f"Largest error of {output.name}",
+            "worst of a copy",
+            unit,
+            copies.errors[output.name],
+            spread,
+            output.name,
+        ),
+    ]
 
 
 def _histogram(title: str, what: str, unit: str, values: Floats, spread: Spread, name: str) -> Plot:
@@ -271,7 +428,12 @@ def _histogram(title: str, what: str, unit: str, values: Floats, spread: Spread,
     scale = unit_of(next(each for each in spread.outputs if each.name == name))[1]
     counts, edges = np.histogram(values * scale, _BARS)
     x = np.repeat(edges, 2)[1:-1]
-    return Plot(title, f"{what}, {unit}", "% of copies", [("copies", x, np.repeat(100 * counts / len(values), 2))])
+    return Plot(
+        title,
+        f"{what}, {unit}",
+        "% of copies",
+        [("copies", x, np.repeat(100 * counts / len(values), 2))],
+    )
 
 
 def to_text(report: Report) -> str:
@@ -280,7 +442,10 @@ def to_text(report: Report) -> str:
     for table in report.tables:
         cells = [[*map(str, table.columns)], *([_cell(cell) for cell in row] for row in table.rows)]
         widths = [max(len(row[k]) for row in cells) for k in range(len(table.columns))]
-        lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in cells]
+        lines = [
+            "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+            for row in cells
+        ]
         blocks.append("\n".join([table.title, *(f"  {line}" for line in lines)]))
     return "\n\n".join([*blocks, "\n".join(report.notes)])
 

@@ -51,7 +51,10 @@ def targets(spread: Spread, errors: Floats) -> list[Kept]:
         value, slope = scale * run.derivatives(output.name)
         modes = scale * spread.found[output.name].modes
         bends = np.gradient(modes, spread.theta, axis=1)
-        courses = [Course(spread.theta, value + each @ modes, slope + each @ bends, unit, whole) for each in errors]
+        courses = [
+            Course(spread.theta, value + each @ modes, slope + each @ bends, unit, whole)
+            for each in errors
+        ]
         for target in wanted[output.name]:
             made = [target.finding(course, "") for course in courses]
             holds = np.array([each.ok for each in made])
@@ -87,25 +90,36 @@ def loops(spread: Spread, errors: Floats, seed: int) -> list[Loop]:
         inside = path[_SIDE : 2 * _SIDE + 1]
         extent = float(max(np.ptp(inside.real), np.ptp(inside.imag)))
         pushed = errors + _pushed(spread, len(errors), seed)
-        left = [float(np.mean([_crosses(path + each @ modes) for each in made])) for made in (errors, pushed)]
+        left = [
+            float(np.mean([_crosses(path + each @ modes) for each in made]))
+            for made in (errors, pushed)
+        ]
         found.append(Loop(output.name, begins, begins + span, extent, *left))
     return found
 
 
 def _path(spread: Spread, name: str, theta: Floats, order: int) -> Points:
     """A path or its derivative."""
-    return np.asarray(solve(spread.mechanism.model, theta, order).derivatives(name)[order], complex).reshape(np.shape(theta))
+    return np.asarray(
+        solve(spread.mechanism.model, theta, order).derivatives(name)[order], complex
+    ).reshape(np.shape(theta))
 
 
 def _moved(spread: Spread, output: Output, theta: Floats) -> tuple[Points, Points]:
     """A path at theta, (n,), and what each mode does to it, (modes, n)."""
     run = solve(spread.mechanism.model, theta, 0)
-    return np.asarray(run[output.name], complex), np.asarray(spread.felt(run, [output.name])[output.name].modes, complex)
+    return np.asarray(run[output.name], complex), np.asarray(
+        spread.felt(run, [output.name])[output.name].modes, complex
+    )
 
 
 def _pushed(spread: Spread, copies: int, seed: int) -> Floats:
     """Each pin with play somewhere in it, as errors of a centre, (copies, modes) mm: of the side that no output goes with."""
-    machine, chance, pushed = spread.mechanism.model, np.random.default_rng(seed), np.zeros((copies, len(spread.modes)))
+    machine, chance, pushed = (
+        spread.mechanism.model,
+        np.random.default_rng(seed),
+        np.zeros((copies, len(spread.modes))),
+    )
     seen = [place for output in spread.outputs for place in places_of(output.of)]
     centres: Mapping[str, Sequence[int]] = {}
     for k, mode in enumerate(spread.modes):
@@ -114,9 +128,15 @@ def _pushed(spread: Spread, copies: int, seed: int) -> Floats:
     for joint in machine.joints:
         if not isinstance(joint, Pin) or not joint.clearance:
             continue
-        held = (centres.get(f"{joint.name}, {place.body}", ()) for place in sorted((joint.a, joint.b), key=seen.__contains__))
+        held = (
+            centres.get(f"{joint.name}, {place.body}", ())
+            for place in sorted((joint.a, joint.b), key=seen.__contains__)
+        )
         both = next((found for found in held if len(found) == 2), None)
-        reach, angle = joint.clearance / 2 * np.sqrt(chance.random(copies)), 2 * np.pi * chance.random(copies)
+        reach, angle = (
+            joint.clearance / 2 * np.sqrt(chance.random(copies)),
+            2 * np.pi * chance.random(copies),
+        )
         if both is not None:
             pushed[:, both[0]], pushed[:, both[1]] = reach * np.cos(angle), reach * np.sin(angle)
     return pushed

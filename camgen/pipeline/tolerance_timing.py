@@ -22,7 +22,9 @@ from camgen.numerics import Points
 from camgen.parts.solids import solid
 
 _TURN = np.linspace(0.0, math.tau, 721)
-_STEPS = [math.radians(deg) for deg in (1.0, 2.0, 4.0, 7.0, 11.0, 16.0, 22.0, 29.0, 37.0, 48.0, 60.0)]  # that are looked at
+_STEPS = [
+    math.radians(deg) for deg in (1.0, 2.0, 4.0, 7.0, 11.0, 16.0, 22.0, 29.0, 37.0, 48.0, 60.0)
+]  # that are looked at
 _HALVES = 10
 _SAME = 1e-9  # mm
 _COARSE = 0.01  # mm, chord tolerance of the solids
@@ -43,14 +45,24 @@ class Timing:
 def timings(mechanism: Mechanism) -> list[Timing]:
     """Of all pairs that pass each other; nothing for bodies that keep together."""
     poses, mounts = mechanism.poses(_TURN), {mount.part: mount for mount in mechanism.mounts()}
-    pairs = [pair for pair in mechanism.contacts() if all(_shifts(poses[name][0]) for name in (pair.a, pair.b))]
+    pairs = [
+        pair
+        for pair in mechanism.contacts()
+        if all(_shifts(poses[name][0]) for name in (pair.a, pair.b))
+    ]
     named = {name for pair in pairs for name in (pair.a, pair.b)}
     solids = {part.name: solid(part, _COARSE) for part in mechanism.parts() if part.name in named}
     found = []
     for pair in pairs:
-        areas = [meeting(*sections) for plane in pair.planes if all(sections := _sections(mechanism, pair, solids, plane))]
+        areas = [
+            meeting(*sections)
+            for plane in pair.planes
+            if all(sections := _sections(mechanism, pair, solids, plane))
+        ]
         play = sum(_play(mechanism, mounts[name].body) for name in (pair.a, pair.b))
-        passing = _Passing(np.asarray(poses[pair.a][0].place), np.asarray(poses[pair.b][0].place), areas)
+        passing = _Passing(
+            np.asarray(poses[pair.a][0].place), np.asarray(poses[pair.b][0].place), areas
+        )
         if areas and not passing.together:
             exact, loose = ((passing.until(-1, gap), passing.until(1, gap)) for gap in (0.0, play))
             found.append(Timing(pair.name, passing.least(0.0), play, exact, loose))
@@ -62,7 +74,9 @@ def _shifts(pose: PartPose) -> bool:
     return not np.any(pose.angle) and not pose.flipped
 
 
-def _sections(mechanism: Mechanism, pair: Apart, solids: Mapping[str, Mesh], plane: float) -> list[list[Points]]:
+def _sections(
+    mechanism: Mechanism, pair: Apart, solids: Mapping[str, Mesh], plane: float
+) -> list[list[Points]]:
     """Outlines of both bodies at a height of the ground, of their solids."""
     rest, found = mechanism.poses(np.zeros(1)), []
     for name in (pair.a, pair.b):
@@ -73,8 +87,14 @@ def _sections(mechanism: Mechanism, pair: Apart, solids: Mapping[str, Mesh], pla
 
 def _play(mechanism: Mechanism, body: str) -> float:
     """Half the clearance of a body's guide, mm; that of the spec where the model has none."""
-    held = [joint for joint in mechanism.model.joints if isinstance(joint, Slide) and joint.runner.body == body]
-    return max((joint.clearance or mechanism.print.slide_clearance for joint in held), default=0.0) / 2
+    held = [
+        joint
+        for joint in mechanism.model.joints
+        if isinstance(joint, Slide) and joint.runner.body == body
+    ]
+    return (
+        max((joint.clearance or mechanism.print.slide_clearance for joint in held), default=0.0) / 2
+    )
 
 
 @dataclass(frozen=True)
@@ -94,7 +114,10 @@ class _Passing:
         """Least distance over the turn where a is so much later, rad: mm, below 0 an overlap."""
         later = np.mod(_TURN - off, math.tau)
         place = np.interp(later, _TURN, self.a.real) + 1j * np.interp(later, _TURN, self.a.imag)
-        return min(float(np.min(np.asarray(signed_distances(area, self.b - place), float))) for area in self.areas)
+        return min(
+            float(np.min(np.asarray(signed_distances(area, self.b - place), float)))
+            for area in self.areas
+        )
 
     def until(self, way: int, gap: float) -> float:
         """By how much a may be earlier (-1) or later (1) until it is as near as the gap, rad; 0 where it is so already."""

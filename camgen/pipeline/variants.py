@@ -42,7 +42,11 @@ class Axis:
 
     def share(self, u: float) -> str:
         """The value at a share u, 0 to 1, of the range or of the list."""
-        return self.listed[min(int(u * len(self.listed)), len(self.listed) - 1)] if self.listed else _text(self.low, self.high, u)
+        return (
+            self.listed[min(int(u * len(self.listed)), len(self.listed) - 1)]
+            if self.listed
+            else _text(self.low, self.high, u)
+        )
 
 
 def _text(low: float, high: float, u: float) -> str:
@@ -63,17 +67,33 @@ def axis(text: str) -> Axis:
             right = f"A and B finite numbers, N a whole one; {_FORM}"
             raise SpecError([Fault(f"--vary {key}", repr(values), right)], "command line")
         if not all(listed):
-            raise SpecError([Fault(f"--vary {key}", repr(values), f"a value between every two commas; {_FORM}")], "command line")
+            raise SpecError(
+                [
+                    Fault(
+                        f"--vary {key}", repr(values), f"a value between every two commas; {_FORM}"
+                    )
+                ],
+                "command line",
+            )
         if len(set(listed)) < len(listed):
-            raise SpecError([Fault(f"--vary {key}", repr(values), "each value once")], "command line")
+            raise SpecError(
+                [Fault(f"--vary {key}", repr(values), "each value once")], "command line"
+            )
         return Axis(key, tuple(listed))
     low, high, count = float(found[1]), float(found[2]), int(found[3] or 0)
     if not (math.isfinite(low) and math.isfinite(high) and low < high):
-        raise SpecError([Fault(f"--vary {key}", repr(values), f"A less than B, both finite; {_FORM}")], "command line")
+        raise SpecError(
+            [Fault(f"--vary {key}", repr(values), f"A less than B, both finite; {_FORM}")],
+            "command line",
+        )
     if count > 10**15:
-        raise SpecError([Fault(f"--vary {key}", repr(values), f"N of at most 1e15; {_FORM}")], "command line")
+        raise SpecError(
+            [Fault(f"--vary {key}", repr(values), f"N of at most 1e15; {_FORM}")], "command line"
+        )
     if found[3] and count < 2:
-        raise SpecError([Fault(f"--vary {key}", repr(values), f"N of at least 2; {_FORM}")], "command line")
+        raise SpecError(
+            [Fault(f"--vary {key}", repr(values), f"N of at least 2; {_FORM}")], "command line"
+        )
     return Axis(key, low=low, high=high, count=count)
 
 
@@ -111,13 +131,20 @@ class Variants:
         twice = sorted({key for key in keys if keys.count(key) > 1})
         if not keys:
             faults.append(Fault("--vary", "", f"at least one: {_FORM}"))
-        faults += [Fault(f"--vary {key}", "given twice", "each key once, with all its values") for key in twice]
+        faults += [
+            Fault(f"--vary {key}", "given twice", "each key once, with all its values")
+            for key in twice
+        ]
         if self.how != "latin":
             bare = [each.key for each in self.axes if not len(each)]
-            faults += [Fault(f"--vary {key}", "a range without a number of values", _FORM) for key in bare]
+            faults += [
+                Fault(f"--vary {key}", "a range without a number of values", _FORM) for key in bare
+            ]
         if self.how == "zip" and not faults and len({len(each) for each in self.axes}) > 1:
             shown = ", ".join(f"{each.key} {len(each)}" for each in self.axes)
-            faults.append(Fault("--zip", f"values: {shown}", "the same number of values for every key"))
+            faults.append(
+                Fault("--zip", f"values: {shown}", "the same number of values for every key")
+            )
         if faults:
             raise SpecError(faults, "command line")
 
@@ -126,7 +153,9 @@ class Variants:
         """How many there are."""
         if self.how == "latin":
             return self.samples
-        return len(self.axes[0]) if self.how == "zip" else math.prod(len(each) for each in self.axes)
+        return (
+            len(self.axes[0]) if self.how == "zip" else math.prod(len(each) for each in self.axes)
+        )
 
     @cached_property
     def _shares(self) -> list[np.ndarray]:
@@ -136,7 +165,10 @@ class Variants:
     def values(self, number: int) -> list[str]:
         """The values of a variant's keys, in the order of the axes, as `--set` takes them."""
         if self.how == "latin":
-            return [each.share(float(share[number])) for each, share in zip(self.axes, self._shares, strict=True)]
+            return [
+                each.share(float(share[number]))
+                for each, share in zip(self.axes, self._shares, strict=True)
+            ]
         if self.how == "zip":
             return [each.at(number) for each in self.axes]
         found = []
@@ -154,7 +186,9 @@ class Variants:
         return [f"{each.key}={value}" for each, value in zip(self.axes, values, strict=True)]
 
 
-def variants(texts: Sequence[str], zipped: bool = False, latin: int = 0, seed: int = 0, grid: bool = False) -> Variants:
+def variants(
+    texts: Sequence[str], zipped: bool = False, latin: int = 0, seed: int = 0, grid: bool = False
+) -> Variants:
     """The variants that a command line asks for; SpecError with what is wrong with it."""
     faults: list[Fault] = []
     axes: list[Axis] = []

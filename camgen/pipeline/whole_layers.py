@@ -34,22 +34,32 @@ def between(mechanism: Mechanism, sides: Mapping[str, Side]) -> tuple[Table, tup
         return Table("", COLUMNS, rows), ()
     for part in mechanism.printed():
         for height in _heights(part, sides.get(part.name)):
-            near = 0.0 if height < first / 2 else first + max(0, round((height - first) / layer)) * layer
+            near = (
+                0.0
+                if height < first / 2
+                else first + max(0, round((height - first) / layer)) * layer
+            )
             if abs(height - near) > _SAME:
                 rows.append((part.name, round(height, 6), round(near, 6), round(height - near, 6)))
     table = Table("Faces between layers", COLUMNS, rows)
     if not rows:
         return table, ()
-    told = ", ".join(f"{part} at {height:g} (layer at {near:g})" for part, height, near, _ in rows[:_TOLD])
+    told = ", ".join(
+        f"{part} at {height:g} (layer at {near:g})" for part, height, near, _ in rows[:_TOLD]
+    )
     more = f" and {len(rows) - _TOLD} more" if len(rows) > _TOLD else ""
-    return table, (f"print.layer = {layer:g}: faces lie between layers and print at the nearest: {told}{more}",)
+    return table, (
+        f"print.layer = {layer:g}: faces lie between layers and print at the nearest: {told}{more}",
+    )
 
 
 def _heights(part: Part, side: Side | None) -> Iterator[float]:
     """Heights of a part's flat faces over the bed, mm, from below; of one that lies on a side its whole height alone."""
     levels = {z for layer in (*part.layers, *part.engraved) for z in (layer.z0, layer.z1)}
     low, high = min(levels), max(levels)
-    up = 1.0 if side is None else float(side.turn[2, 2])  # cosine of its lean; -1: it lies turned over
+    up = (
+        1.0 if side is None else float(side.turn[2, 2])
+    )  # cosine of its lean; -1: it lies turned over
     if side is not None and abs(abs(up) - 1) > _FLAT:
         yield side.height
         return

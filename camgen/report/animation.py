@@ -60,7 +60,11 @@ class Animation:
     def moves(self) -> bool:
         """Whether anything moves at all: a coupon does not."""
         poses = [pose for body in self.bodies for pose in body.poses]
-        changes = any(np.ptp(values) > 0 for pose in poses for values in (pose.angle, np.real(pose.place), np.imag(pose.place)))
+        changes = any(
+            np.ptp(values) > 0
+            for pose in poses
+            for values in (pose.angle, np.real(pose.place), np.imag(pose.place))
+        )
         return changes or any(body.course is not None for body in self.bodies)
 
 
@@ -112,7 +116,9 @@ def svg_path(ring: Ring) -> str:
     chords = np.abs(ends - points)
     words = [f"M{_xy(points[0])}"]
     for end, chord, bulge in zip(ends.tolist(), chords.tolist(), bulges.tolist(), strict=True):
-        if abs(bulge) * chord < 2e-5:  # an arc this flat is a line to 0.01 um, and its radius would overflow renderers
+        if (
+            abs(bulge) * chord < 2e-5
+        ):  # an arc this flat is a line to 0.01 um, and its radius would overflow renderers
             words.append(f"L{_xy(end)}")
         else:
             radius = _number(chord * (1 + bulge * bulge) / (4 * abs(bulge)))
@@ -133,7 +139,9 @@ def _spread(body: Body) -> Points:
             half = np.where(curved, np.sin(sweep / 2), 1.0)
             along = np.where(curved, np.sin(share * sweep / 2) / half, share)
             groups.append(points + chord * along * np.exp(-1j * (1 - share) * sweep / 2))
-    groups += [centre + radius * np.exp(2j * np.pi * np.arange(48) / 48) for centre, radius in body.circles]
+    groups += [
+        centre + radius * np.exp(2j * np.pi * np.arange(48) / 48) for centre, radius in body.circles
+    ]
     points = np.concatenate(groups)
     points = points[np.isfinite(points)]
     outward = np.exp(-2j * np.pi * np.arange(72) / 72)
@@ -142,7 +150,9 @@ def _spread(body: Body) -> Points:
 
 def _posed(pose: PartPose, count: int) -> tuple[Floats, Points]:
     """Angles, rad, and positions, mm, (count,) each, of a pose that may be constant."""
-    return np.broadcast_to(pose.angle, count), np.broadcast_to(np.asarray(pose.place, complex), count)
+    return np.broadcast_to(pose.angle, count), np.broadcast_to(
+        np.asarray(pose.place, complex), count
+    )
 
 
 def _copies(animation: Animation) -> list[tuple[int, PartPose]]:
@@ -156,7 +166,9 @@ def frames(animation: Animation) -> dict[str, object]:
     poses = []
     for _, pose in _copies(animation):
         angle, position = _posed(pose, len(animation.theta))
-        rows = (np.round(np.column_stack([np.degrees(angle), position.real, position.imag]), 3) + 0.0).tolist()
+        rows = (
+            np.round(np.column_stack([np.degrees(angle), position.real, position.imag]), 3) + 0.0
+        ).tolist()
         states = [row if all(map(math.isfinite, row)) else None for row in rows]
         poses.append(states[:1] if all(state == states[0] for state in states) else states)
     output = [] if animation.output is None else np.asarray(animation.output, float).tolist()
@@ -165,8 +177,14 @@ def frames(animation: Animation) -> dict[str, object]:
         **({"turns": animation.turns} if animation.turns > 1 else {}),
         "poses": poses,
         "flipped": [pose.flipped for _, pose in _copies(animation)],
-        "heights": {str(k): body.z for k, body in enumerate(animation.bodies) if body.z is not None},
-        "courses": {str(k): _rounded(body.course) for k, body in enumerate(animation.bodies) if body.course is not None},
+        "heights": {
+            str(k): body.z for k, body in enumerate(animation.bodies) if body.z is not None
+        },
+        "courses": {
+            str(k): _rounded(body.course)
+            for k, body in enumerate(animation.bodies)
+            if body.course is not None
+        },
         "output": [float(f"{value:z.6g}") if math.isfinite(value) else None for value in output],
     }
 
@@ -190,10 +208,17 @@ def _drawing(animation: Animation, frame: int) -> tuple[str, str]:
     cloud = cloud[np.isfinite(cloud)]
     left, right, low, high = cloud.real.min(), cloud.real.max(), cloud.imag.min(), cloud.imag.max()
     size = max(right - left, high - low, 1e-3)
-    left, right, low, high = left - 0.05 * size, right + 0.05 * size, low - 0.13 * size, high + 0.05 * size
+    left, right, low, high = (
+        left - 0.05 * size,
+        right + 0.05 * size,
+        low - 0.13 * size,
+        high + 0.05 * size,
+    )
     power = 10.0 ** math.floor(math.log10(size / 10))
     step = next(power * factor for factor in (1, 2, 5, 10) if power * factor >= size / 10.000001)
-    across, up = (np.arange(math.ceil(a / step), b / step) * step for a, b in ((left, right), (low, high)))
+    across, up = (
+        np.arange(math.ceil(a / step), b / step) * step for a, b in ((left, right), (low, high))
+    )
     grid = "".join(f"M{_xy(complex(x, low))}V{_number(high)}" for x in across)
     grid += "".join(f"M{_xy(complex(left, y))}H{_number(right)}" for y in up)
     scale = max(power * factor for factor in (1, 2, 5, 10, 20) if power * factor <= size / 4)
@@ -219,7 +244,9 @@ def _drawing(animation: Animation, frame: int) -> tuple[str, str]:
 def _shape(k: int, body: Body, cross: float, frame: int) -> str:
     """A body as a symbol to be placed: tinted material, strokes, circles, a cross at its datum, a course at a frame."""
     rings = "".join(svg_path(ring) for ring in body.rings)
-    lines = "".join("M" + "L".join(_xy(z) for z in np.asarray(stroke).tolist()) for stroke in body.strokes)
+    lines = "".join(
+        "M" + "L".join(_xy(z) for z in np.asarray(stroke).tolist()) for stroke in body.strokes
+    )
     mark = f"M-{(c := _number(cross))} 0H{c}M0 -{c}V{c}" if rings else ""
     if body.course is not None:
         line = "M" + "L".join(_xy(z) for z in body.course[frame].tolist())
@@ -229,9 +256,12 @@ def _shape(k: int, body: Body, cross: float, frame: int) -> str:
         for z, radius in body.circles
     )
     return (
-        f'<g id="body-{k}">' + (f'<path fill-rule="evenodd" fill-opacity=".2" d="{rings}"/>' if rings else "")
-        + (f'<path fill="none" d="{lines}{mark}"/>' if lines or mark else "") + rounds + "</g>"
-    )  # fmt: skip
+        f'<g id="body-{k}">'
+        + (f'<path fill-rule="evenodd" fill-opacity=".2" d="{rings}"/>' if rings else "")
+        + (f'<path fill="none" d="{lines}{mark}"/>' if lines or mark else "")
+        + rounds
+        + "</g>"
+    )
 
 
 def _placed(pose: PartPose, frame: int, count: int) -> str:
@@ -251,7 +281,9 @@ def player(animation: Animation, scene: bool = False) -> str:
     items = []
     for k, body in enumerate(animation.bodies):
         over = sum(pose.flipped for pose in body.poses)
-        words = body.name.replace("_", " ") + (f" × {len(body.poses)}" if len(body.poses) > 1 else "")
+        words = body.name.replace("_", " ") + (
+            f" × {len(body.poses)}" if len(body.poses) > 1 else ""
+        )
         if over:
             words += f" ({over} turned over)" if len(body.poses) > 1 else ", turned over"
         items.append(
@@ -259,10 +291,14 @@ def player(animation: Animation, scene: bool = False) -> str:
             f'<label><input type="checkbox" checked data-body="{k}" hidden> {escape(words)}</label></li>'
         )
     names = ", ".join(body.name for body in animation.bodies)
-    value = "" if animation.output is None else (
-        f'<span>{escape(animation.output_name.replace("_", " "))} <output id="value">{fixed(animation.output[0])}</output> '
-        f"{escape(animation.output_unit)}</span>"
-    )  # fmt: skip
+    value = (
+        ""
+        if animation.output is None
+        else (
+            f'<span>{escape(animation.output_name.replace("_", " "))} <output id="value">{fixed(animation.output[0])}</output> '
+            f"{escape(animation.output_unit)}</span>"
+        )
+    )
     return (
         '<figure class="player"><div class="view">'
         f'<svg id="mechanism" viewBox="{box}" role="img" aria-labelledby="drawn drawn-what">'
@@ -273,7 +309,7 @@ def player(animation: Animation, scene: bool = False) -> str:
         '<input id="theta" type="range" min="0" max="360" step="0.5" value="0" aria-label="angle of the drive, degrees" hidden>'
         f'<p><span>θ <output id="angle">0.0</output> deg</span>{value}</p></div>'
         f'<details class="legend" open><summary>{"View and parts" if scene else "Parts"}</summary>{_TOOLS if scene else ""}'
-        f'<ul>{"".join(items)}</ul></details></figure>'
+        f"<ul>{''.join(items)}</ul></details></figure>"
     )
 
 

@@ -29,7 +29,11 @@ def _rgb(lightness: float, chroma: float, hue: float) -> tuple[float, float, flo
     a, b = chroma * math.cos(hue), chroma * math.sin(hue)
     long, medium, short = (
         (lightness + x * a + y * b) ** 3
-        for x, y in ((0.3963377774, 0.2158037573), (-0.1055613458, -0.0638541728), (-0.0894841775, -1.2914855480))
+        for x, y in (
+            (0.3963377774, 0.2158037573),
+            (-0.1055613458, -0.0638541728),
+            (-0.0894841775, -1.2914855480),
+        )
     )
     linear = (
         4.0767416621 * long - 3.3077115913 * medium + 0.2309699292 * short,
@@ -38,5 +42,7 @@ def _rgb(lightness: float, chroma: float, hue: float) -> tuple[float, float, flo
     )
     if not all(0 <= value <= 1 for value in linear):
         return None
-    red, green, blue = (12.92 * v if v <= 0.0031308 else 1.055 * v ** (1 / 2.4) - 0.055 for v in linear)
+    red, green, blue = (
+        12.92 * v if v <= 0.0031308 else 1.055 * v ** (1 / 2.4) - 0.055 for v in linear
+    )
     return red, green, blue

@@ -40,7 +40,7 @@ _STYLE = "".join(
     ".mid{text-anchor:middle}.curve{fill:none;stroke:currentColor;stroke-width:1.7;stroke-linejoin:round}"
     ".band{fill:currentColor;fill-opacity:.22;stroke:currentColor;stroke-width:.8}.plotted .dots{fill:currentColor}"
     ".plotted .named{fill:#1d2530}"
-)  # fmt: skip
+)
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,9 @@ def ticks(low: float, high: float, most: int = 6) -> list[float]:
     if not (math.isfinite(low) and math.isfinite(high) and high > low):
         return []
     power = 10.0 ** math.floor(math.log10((high - low) / most))
-    step = next(power * f for f in (1, 2, 2.5, 5, 10, 20) if (high - low) / (power * f) <= most + 1e-9)
+    step = next(
+        power * f for f in (1, 2, 2.5, 5, 10, 20) if (high - low) / (power * f) <= most + 1e-9
+    )
     first = math.ceil(low / step - 1e-9)
     return [step * k for k in range(first, math.floor(high / step + 1e-9) + 1)]
 
@@ -97,13 +99,13 @@ def figure(plot: Plot, own: str = "plot") -> str:
         f'<li class="s{k % 6}"><svg class="k" viewBox="0 0 22 8" aria-hidden="true"><path class="curve" d="M0 4h22"/></svg>'
         f"{escape(curve.label)} <output></output></li>"
         for k, curve in enumerate(curves)
-    )  # fmt: skip
+    )
     cursor = f'<path class="cursor" d="M0 {_TOP:g}V{_LOW:g}"/>' if turns(plot) else ""
     state = " turn" if turns(plot) else ""
     return (
         f'<figure class="plot{state}"><figcaption>{escape(plot.title.replace("_", " "))}</figcaption><ul class="keys">{keys}</ul>'
         f"<svg {_naming(plot, f'0 0 {_WIDTH:g} {_HEIGHT:g}', own)}{drawn}{cursor}</svg></figure>"
-    )  # fmt: skip
+    )
 
 
 def _naming(plot: Plot, box: str, own: str = "plot") -> str:
@@ -117,7 +119,12 @@ def _naming(plot: Plot, box: str, own: str = "plot") -> str:
 
 def _ends(plot: Plot) -> tuple[float, float] | None:
     """Least and greatest x of all series, None where there is none."""
-    found = [bound for _, x, _ in plot.series if len(x) for bound in (float(np.nanmin(x)), float(np.nanmax(x)))]
+    found = [
+        bound
+        for _, x, _ in plot.series
+        if len(x)
+        for bound in (float(np.nanmin(x)), float(np.nanmax(x)))
+    ]
     found += [x for _, x, _ in plot.points]
     return (min(found), max(found)) if found else None
 
@@ -128,17 +135,27 @@ class _Axes:
     def __init__(self, plot: Plot, log: bool) -> None:
         self.log = log
         self.x = _spread(*(_ends(plot) or (0.0, 1.0)), 0.0) if not turns(plot) else (0.0, 360.0)
-        values = np.concatenate([[y for _, _, y in plot.points], *(np.asarray(y, float) for _, _, y in plot.series)])
+        values = np.concatenate(
+            [[y for _, _, y in plot.points], *(np.asarray(y, float) for _, _, y in plot.series)]
+        )
         values = values[np.isfinite(values)]
         low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
         if not log and not plot.equal and 0 < high - low < 0.1 * max(abs(low), abs(high)):
-            low, high = min(low, 0.0), max(high, 0.0)  # nearly the same all the way: a share of the whole is to be seen
+            low, high = (
+                min(low, 0.0),
+                max(high, 0.0),
+            )  # nearly the same all the way: a share of the whole is to be seen
         self.y = low, high
         if log:
-            self.x, self.y = (tuple(math.log10(max(v, 1e-300)) for v in ends) for ends in (self.x, self.y))  # type: ignore[assignment]
+            self.x, self.y = (
+                tuple(math.log10(max(v, 1e-300)) for v in ends) for ends in (self.x, self.y)
+            )  # type: ignore[assignment]
         self.y = _spread(*self.y, 0.05)
         if plot.equal:  # the smaller range grows, so that a millimetre is as long both ways
-            across, up = (_RIGHT - _LEFT) / (self.x[1] - self.x[0]), (_LOW - _TOP) / (self.y[1] - self.y[0])
+            across, up = (
+                (_RIGHT - _LEFT) / (self.x[1] - self.x[0]),
+                (_LOW - _TOP) / (self.y[1] - self.y[0]),
+            )
             scale = min(across, up) * 0.95
             self.x, self.y = (
                 (sum(ends) / 2 - size / scale / 2, sum(ends) / 2 + size / scale / 2)
@@ -181,8 +198,10 @@ def _drawn(plot: Plot, log: bool) -> tuple[str, list[_Curve]]:
         pieces.append(
             f'<path class="mark" d="M{_n(at)} {_n(_TOP)}V{_n(_LOW)}"/><text {side} x="{_n(at + (3 if inside else -3))}" '
             f'y="{_n(_TOP + 9 + _ROW * row)}">{escape(label)}</text>'
-        )  # fmt: skip
-    pieces += [_named(name, axes.place(np.array([x]), np.array([y]))[0]) for name, x, y in plot.points]
+        )
+    pieces += [
+        _named(name, axes.place(np.array([x]), np.array([y]))[0]) for name, x, y in plot.points
+    ]
     (x0, x1), (y0, y1) = axes.x, axes.y
     scale = f"{_LEFT:g} {_RIGHT:g} {x0:.9g} {x1:.9g} {_LOW:g} {_TOP:g} {y0:.9g} {y1:.9g}"
     return f'<g class="drawn" data-axes="{scale}">{"".join(pieces)}</g>', curves
@@ -202,27 +221,40 @@ def _ruled(plot: Plot, axes: _Axes) -> str:
     """Grid, frame, numbers and what the axes show."""
     size = max(map(abs, axes.y))
     power = 0 if axes.log or 1e-3 <= size < 1e5 else math.floor(math.log10(size))
-    unit = plot.y_label.replace("^2", "²").replace("^3", "³") + (f" · 10{str(power).translate(_RAISED)}" if power else "")
+    unit = plot.y_label.replace("^2", "²").replace("^3", "³") + (
+        f" · 10{str(power).translate(_RAISED)}" if power else ""
+    )
     if axes.log:
         x_ticks, y_ticks = (
-            [(t, f"{10.0**t:g}") for t in ticks(*ends) if t == round(t)] for ends in (axes.x, axes.y)
+            [(t, f"{10.0**t:g}") for t in ticks(*ends) if t == round(t)]
+            for ends in (axes.x, axes.y)
         )
     else:
         angles = [45.0 * k for k in range(9)] if turns(plot) else ticks(*axes.x, 7)
         shown = 10.0**power
         x_ticks = [(t, _text(t, axes.x)) for t in angles]
-        y_ticks = [(t, _text(t / shown, (axes.y[0] / shown, axes.y[1] / shown))) for t in ticks(*axes.y)]
+        y_ticks = [
+            (t, _text(t / shown, (axes.y[0] / shown, axes.y[1] / shown))) for t in ticks(*axes.y)
+        ]
     (x0, x1), (y0, y1) = axes.x, axes.y
     across = [_LEFT + (t - x0) / (x1 - x0) * (_RIGHT - _LEFT) for t, _ in x_ticks]
     up = [_LOW - (t - y0) / (y1 - y0) * (_LOW - _TOP) for t, _ in y_ticks]
-    rules = "".join(f"M{_n(x)} {_TOP:g}V{_LOW:g}" for x in across) + "".join(f"M{_LEFT:g} {_n(y)}H{_RIGHT:g}" for y in up)
-    below = "".join(f'<text x="{_n(x)}" y="{_LOW + 15:g}">{text}</text>' for x, (_, text) in zip(across, x_ticks, strict=True))
-    beside = "".join(f'<text x="{_LEFT - 6:g}" y="{_n(y + 4)}">{text}</text>' for y, (_, text) in zip(up, y_ticks, strict=True))
+    rules = "".join(f"M{_n(x)} {_TOP:g}V{_LOW:g}" for x in across) + "".join(
+        f"M{_LEFT:g} {_n(y)}H{_RIGHT:g}" for y in up
+    )
+    below = "".join(
+        f'<text x="{_n(x)}" y="{_LOW + 15:g}">{text}</text>'
+        for x, (_, text) in zip(across, x_ticks, strict=True)
+    )
+    beside = "".join(
+        f'<text x="{_LEFT - 6:g}" y="{_n(y + 4)}">{text}</text>'
+        for y, (_, text) in zip(up, y_ticks, strict=True)
+    )
     return (
         f'<path class="rule" d="{rules}"/><path class="frame" d="M{_LEFT:g} {_TOP:g}V{_LOW:g}H{_RIGHT:g}"/>'
         f'<g class="mid">{below}</g><g class="end">{beside}<text x="{_RIGHT:g}" y="{_HEIGHT - 6:g}">{escape(plot.x_label)}</text>'
         f'</g><text x="4" y="13">{escape(unit)}</text>'
-    )  # fmt: skip
+    )
 
 
 def _text(value: float, ends: tuple[float, float]) -> str:
@@ -243,19 +275,30 @@ def _curves(plot: Plot, axes: _Axes) -> list[_Curve]:
         places = axes.place(x, y)
         for labels, x_before, _, drawn in groups:
             gap = np.abs(places - drawn) if np.array_equal(x, x_before) else np.full(1, np.inf)
-            if np.array_equal(np.isnan(places), np.isnan(drawn)) and len(gap) and not np.nanmax(gap, initial=0.0) > _ALIKE:
+            if (
+                np.array_equal(np.isnan(places), np.isnan(drawn))
+                and len(gap)
+                and not np.nanmax(gap, initial=0.0) > _ALIKE
+            ):
                 labels.append(label)
                 break
         else:
             groups.append(([label], x, y, places))
-    return [_curve(_joined(labels).replace("+- ", "± "), x, y, axes, labels[0] in plot.dots) for labels, x, y, _ in groups]
+    return [
+        _curve(_joined(labels).replace("+- ", "± "), x, y, axes, labels[0] in plot.dots)
+        for labels, x, y, _ in groups
+    ]
 
 
 def _joined(labels: Sequence[str]) -> str:
     """One name for curves that are the same: "x wanted", "x from DXF" are "x wanted = DXF"."""
     if len(labels) == 1:
         return labels[0]
-    parts = [found.groups("") for label in labels if (found := re.fullmatch(r"(x |y |\+- )?(?:from )?(.*)", label))]
+    parts = [
+        found.groups("")
+        for label in labels
+        if (found := re.fullmatch(r"(x |y |\+- )?(?:from )?(.*)", label))
+    ]
     first = parts[0][0]
     return first + " = ".join(name if axis == first else axis + name for axis, name in parts)
 
@@ -273,7 +316,10 @@ def _curve(label: str, x: Floats, y: Floats, axes: _Axes, dots: bool) -> _Curve:
         # at each border of two steps the wider of both, so that the band holds the whole curve
         lower = np.minimum(np.append(low, low[-1]), np.append(low[:1], low))
         upper = np.maximum(np.append(high, high[-1]), np.append(high[:1], high))
-        top, bottom = simplified(axes.place(middle, upper), _FINE), simplified(axes.place(middle, lower), _FINE)
+        top, bottom = (
+            simplified(axes.place(middle, upper), _FINE),
+            simplified(axes.place(middle, lower), _FINE),
+        )
         return _Curve(label, np.concatenate([top, bottom[::-1]]), "band", len(top))
     return _Curve(label, places, "curve")
 
@@ -302,7 +348,13 @@ def _path(k: int, curve: _Curve) -> str:
     group = f'<g class="s{k % 6}">'
     if curve.kind == "dots":
         known = curve.points[np.isfinite(curve.points)]
-        return group + "".join(f'<circle class="dots" cx="{_n(z.real)}" cy="{_n(z.imag)}" r="2.2"/>' for z in known) + "</g>"
+        return (
+            group
+            + "".join(
+                f'<circle class="dots" cx="{_n(z.real)}" cy="{_n(z.imag)}" r="2.2"/>' for z in known
+            )
+            + "</g>"
+        )
     if curve.kind == "band":
         return f'{group}<path class="band" data-upper="{curve.upper}" d="M{_line(curve.points)}Z"/></g>'
     known = np.isfinite(curve.points)
@@ -323,7 +375,9 @@ def _label_rows(plot: Plot, ends: tuple[float, float]) -> list[int]:
     for label, x in plot.marks:
         at, wide = (_RIGHT - _LEFT) * (x - ends[0]) / (ends[1] - ends[0]), _LETTER * len(label) + 6
         left = at if x < sum(ends) / 2 else at - wide
-        free = [k for k, row in enumerate(taken) if all(left >= b or left + wide <= a for a, b in row)]
+        free = [
+            k for k, row in enumerate(taken) if all(left >= b or left + wide <= a for a, b in row)
+        ]
         row = free[0] if free else len(taken)
         if not free:
             taken.append([])

@@ -34,7 +34,13 @@ if TYPE_CHECKING:
 
 _FIRST_PLOTS = 12  # more curves than this are folded away; it fills rows of two, three and four
 _SERIES_DARK = ("#6db3f2", "#f2a069", "#74cf98", "#c99be8", "#dcc04e", "#f08fbf")
-_NOISE = {"mm": 1e-6, "deg": 1e-6, "N": NOISE, "N m": NOISE, "W": NOISE}  # what is less is rounding: 1 nm, a millionth of a deg
+_NOISE = {
+    "mm": 1e-6,
+    "deg": 1e-6,
+    "N": NOISE,
+    "N m": NOISE,
+    "W": NOISE,
+}  # what is less is rounding: 1 nm, a millionth of a deg
 _NEAR = 0.8  # share of its limit from which on a margin is shown unfolded
 
 
@@ -53,8 +59,15 @@ def to_html(report: Report) -> str:
         mechanism=escape(report.mechanism),
         version=escape(__version__),
         verdict=escape(report.verdict),
-        state="bad" if not report.ok else "open" if report.not_judged else "ok" if report.findings else "",
-        style=_asset("page.css") + _palette(len(report.animation.bodies) if report.animation else 0),
+        state="bad"
+        if not report.ok
+        else "open"
+        if report.not_judged
+        else "ok"
+        if report.findings
+        else "",
+        style=_asset("page.css")
+        + _palette(len(report.animation.bodies) if report.animation else 0),
         key=_key_figures(report),
         change=to_change(report),
         machine=machine,
@@ -81,17 +94,24 @@ def _palette(count: int) -> str:
     light += "".join(f"--p{k}:{part_colour(k)};" for k in range(count))
     dark += "".join(f"--p{k}:{part_colour(k, dark=True)};" for k in range(count))
     classes = "".join(f".c{k}{{color:var(--p{k})}}" for k in range(count))
-    return f":root{{{light}}}@media screen and (prefers-color-scheme:dark){{:root{{{dark}}}}}{classes}"
+    return (
+        f":root{{{light}}}@media screen and (prefers-color-scheme:dark){{:root{{{dark}}}}}{classes}"
+    )
 
 
 def _viewer(report: Report, scene: Scene) -> str:
     """What shows the machine in three dimensions: three.js packed, the machine itself, what lies where, and the script."""
-    packed = base64.b64encode(files("camgen.report").joinpath("three.bundle.js.gz").read_bytes()).decode()
+    packed = base64.b64encode(
+        files("camgen.report").joinpath("three.bundle.js.gz").read_bytes()
+    ).decode()
     number = {str(part["name"]): k for k, part in enumerate(report.parts)}
     place = {copy: k for k, copy in enumerate(scene.copies)}
     lying = {
         "plates": [
-            [[number[part], *(float(f"{v:z.6g}") for v in transform.ravel())] for part, transform in plate.copies]
+            [
+                [number[part], *(float(f"{v:z.6g}") for v in transform.ravel())]
+                for part, transform in plate.copies
+            ]
             for plate in scene.plates
         ],
         "steps": [[place[copy] for copy in step.copies] for step in scene.steps],
@@ -99,7 +119,9 @@ def _viewer(report: Report, scene: Scene) -> str:
     machine = gzip.compress(scene.glb, mtime=0)
     data = {"three": packed, "glb": base64.b64encode(machine).decode()}
     blocks = [f'<script type="text/plain" id="{key}">{text}</script>' for key, text in data.items()]
-    blocks.append(f'<script type="application/json" id="lying">{json.dumps(lying, separators=(",", ":"))}</script>')
+    blocks.append(
+        f'<script type="application/json" id="lying">{json.dumps(lying, separators=(",", ":"))}</script>'
+    )
     return "".join(blocks) + f"<script>{_asset('viewer.js')}</script>"
 
 
@@ -122,7 +144,9 @@ def _link(file: str, words: str = "") -> str:
 
 
 def _section(title: str, body: str, kind: str = "") -> str:
-    return f'<section class="{kind or title.lower()}"><h2>{title}</h2>{body}</section>' if body else ""
+    return (
+        f'<section class="{kind or title.lower()}"><h2>{title}</h2>{body}</section>' if body else ""
+    )
 
 
 def _unit(unit: str) -> str:
@@ -135,10 +159,14 @@ def _table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]])
     def line(row: Sequence[object]) -> str:
         # What is only estimated, mass and time, is told to three digits.
         cells = (
-            rounded(cell, 3) if isinstance(cell, float) and column.endswith((", g", ", min")) else _text(cell)
+            rounded(cell, 3)
+            if isinstance(cell, float) and column.endswith((", g", ", min"))
+            else _text(cell)
             for column, cell in zip(columns, row, strict=True)
         )
-        rest = "".join(f"<td{kind(cell)}>{text}</td>" for cell, text in list(zip(row, cells, strict=True))[1:])
+        rest = "".join(
+            f"<td{kind(cell)}>{text}</td>" for cell, text in list(zip(row, cells, strict=True))[1:]
+        )
         return f'<tr><th scope="row">{_text(row[0])}</th>{rest}</tr>'
 
     def kind(cell: object) -> str:
@@ -147,7 +175,10 @@ def _table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]])
     rows = list(rows)
     models = rows[0] if rows else columns
     named = (column.replace("^2", "²").replace("^3", "³") for column in columns)
-    heads = (f'<th scope="col"{kind(m)}>{escape(c)}</th>' if c else "<td></td>" for c, m in zip(named, models, strict=True))
+    heads = (
+        f'<th scope="col"{kind(m)}>{escape(c)}</th>' if c else "<td></td>"
+        for c, m in zip(named, models, strict=True)
+    )
     head = "".join(heads)
     head = f"<caption>{escape(title)}</caption><thead><tr>{head}</tr></thead>"
     return _scrolling(title, f"<table>{head}<tbody>{''.join(map(line, rows))}</tbody></table>")
@@ -155,7 +186,9 @@ def _table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]])
 
 def _scrolling(title: str, table: str) -> str:
     """A table that scrolls sideways where it is too wide, by the arrow keys too."""
-    return f'<div class="scroll" tabindex="0" role="group" aria-label="{escape(title)}">{table}</div>'
+    return (
+        f'<div class="scroll" tabindex="0" role="group" aria-label="{escape(title)}">{table}</div>'
+    )
 
 
 def _folded(table: Table) -> str:
@@ -171,19 +204,38 @@ def _key_figures(report: Report) -> str:
     """Five figures that tell the most: how far it moves, how exactly, with what play and at which angles, how heavy it is."""
     found: list[tuple[str, float, str, str]] = []
     listed = figures(report.numbers)
-    strokes = [f for f in listed if f.name.endswith(("stroke", "Swing", "Stroke", "Indexing")) and "" in f.values]
+    strokes = [
+        f
+        for f in listed
+        if f.name.endswith(("stroke", "Swing", "Stroke", "Indexing")) and "" in f.values
+    ]
     found += [(f.name, f.values[""], f.unit, "") for f in strokes[:1]]
     for code, words in (
-        ("MOTION_ERROR", "Motion error"), ("LASH", "Free play"), ("PRESSURE_ANGLE", "Pressure angle"),
-        ("TRANSMISSION_ANGLE", "Transmission angle"), ("INTERFERENCE", "Least gap"),
-    ):  # fmt: skip
-        of = [f for f in report.findings if f.code == code and math.isfinite(f.measured) and (f.floor or code != "INTERFERENCE")]
+        ("MOTION_ERROR", "Motion error"),
+        ("LASH", "Free play"),
+        ("PRESSURE_ANGLE", "Pressure angle"),
+        ("TRANSMISSION_ANGLE", "Transmission angle"),
+        ("INTERFERENCE", "Least gap"),
+    ):
+        of = [
+            f
+            for f in report.findings
+            if f.code == code and math.isfinite(f.measured) and (f.floor or code != "INTERFERENCE")
+        ]
         if of:
             worst = max(of, key=lambda f: (not f.ok, _used(f) or 0.0))
             limit = f"{'at least' if worst.floor else 'at most'} {rounded(worst.limit, 3)}"
             found.append((words, worst.measured, worst.unit, limit))
-    for key, words in (("peak_torque", "Peak torque"), ("mass", "Mass printed"), ("print_time", "Time to print")):
-        found += [(words, f.values[""], f.unit, "") for f in listed if "" in f.values and f.name == name(key)]
+    for key, words in (
+        ("peak_torque", "Peak torque"),
+        ("mass", "Mass printed"),
+        ("print_time", "Time to print"),
+    ):
+        found += [
+            (words, f.values[""], f.unit, "")
+            for f in listed
+            if "" in f.values and f.name == name(key)
+        ]
     items = [
         f"<div><dt>{escape(words)}</dt><dd>{_rounded(value, unit, 3)}{_unit(unit)} <small>{escape(limit)}</small></dd></div>"
         for words, value, unit, limit in found[:5]
@@ -205,7 +257,10 @@ def to_change(report: Report) -> str:
         for f, where in failing
     ]
     rows += [_not_judged(each) for each in report.not_judged]
-    head = "".join(f'<th scope="col">{words}</th>' for words in ("Verdict", "What to change", "Measured", "Limit"))
+    head = "".join(
+        f'<th scope="col">{words}</th>'
+        for words in ("Verdict", "What to change", "Measured", "Limit")
+    )
     return f'{said}<table class="change"><thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>'
 
 
@@ -230,8 +285,12 @@ def _used(finding: Finding) -> float | None:
 
 def _kind(finding: Finding) -> str:
     """In which kind of file it was found, "" as designed."""
-    words = finding.where.lower().replace(",", " ").replace(".step", " .step").replace(".", " ").split()
-    words = [word for word in words if word != "step" or ".step" in finding.where.lower()]  # also an English word
+    words = (
+        finding.where.lower().replace(",", " ").replace(".step", " .step").replace(".", " ").split()
+    )
+    words = [
+        word for word in words if word != "step" or ".step" in finding.where.lower()
+    ]  # also an English word
     return next((kind for kind in KINDS if kind in words), "")
 
 
@@ -248,13 +307,19 @@ def margins(findings: Sequence[Finding]) -> str:
     worst = {key: max(group, key=_urgent) for key, group in groups.items()}
     order = sorted(groups, key=lambda key: _urgent(worst[key]), reverse=True)
     kinds = [kind for kind in ("", *KINDS) if any(_kind(finding) == kind for finding in findings)]
-    near = [key for key in order if not worst[key].ok or (_used(worst[key]) or 0) >= _NEAR or worst[key].code in _ALWAYS]
+    near = [
+        key
+        for key in order
+        if not worst[key].ok or (_used(worst[key]) or 0) >= _NEAR or worst[key].code in _ALWAYS
+    ]
     shown = near if len(near) < len(order) - 1 else order
     rest = [key for key in order if key not in shown]
     text = _margins([groups[key] for key in shown], kinds) if shown else ""
     if rest:
         count = sum(len(groups[key]) for key in rest)
-        hold = f"{count} more findings of {len(rest)} kinds hold, none uses {_NEAR:.0%} of its limit".replace("%", " %")
+        hold = f"{count} more findings of {len(rest)} kinds hold, none uses {_NEAR:.0%} of its limit".replace(
+            "%", " %"
+        )
         text += f"<details><summary>{hold}</summary>{_margins([groups[key] for key in rest], kinds)}</details>"
     return text
 
@@ -279,7 +344,9 @@ def _margins(groups: Sequence[Sequence[Finding]], kinds: Sequence[str]) -> str:
         )
     columns = "".join(f'<th scope="col">{words}</th>' for words in head)
     head_row = f"<thead><tr>{columns}</tr></thead>"
-    return _scrolling("Findings", f'<table class="rows">{head_row}<tbody>{"".join(rows)}</tbody></table>')
+    return _scrolling(
+        "Findings", f'<table class="rows">{head_row}<tbody>{"".join(rows)}</tbody></table>'
+    )
 
 
 def _cell(group: Sequence[Finding], kind: str) -> str:
@@ -304,7 +371,11 @@ def _plots(plots: Sequence[Plot]) -> str:
     drawn = [figure(plot, f"plot-{k}") for k, plot in enumerate(once(plots))]
     first, rest = drawn[:_FIRST_PLOTS], drawn[_FIRST_PLOTS:]
     said = f"{len(rest)} more curve{'' if len(rest) == 1 else 's'}"
-    folded = f'<details><summary>{said}</summary><div class="grid">{"".join(rest)}</div></details>' if rest else ""
+    folded = (
+        f'<details><summary>{said}</summary><div class="grid">{"".join(rest)}</div></details>'
+        if rest
+        else ""
+    )
     return f'<div class="grid">{"".join(first)}</div>{folded}' if first else ""
 
 
@@ -313,7 +384,10 @@ def once(plots: Sequence[Plot]) -> list[Plot]:
     over their marks."""
     kept: list[Plot] = []
     for plot in plots:
-        noise = next((size for unit, size in _NOISE.items() if re.search(rf"(^|\W){unit}$", plot.y_label)), 0.0)
+        noise = next(
+            (size for unit, size in _NOISE.items() if re.search(rf"(^|\W){unit}$", plot.y_label)),
+            0.0,
+        )
         if noise and all(np.nanmax(np.abs(y), initial=0.0) < noise for _, _, y in plot.series):
             continue
         at = next((k for k, other in enumerate(kept) if _shows(other, plot)), None)
@@ -326,16 +400,21 @@ def once(plots: Sequence[Plot]) -> list[Plot]:
 
 def _shows(plot: Plot, other: Plot) -> bool:
     """Whether a plot shows all curves of another one, to what can be seen."""
-    units = (plot.x_label.rpartition(", ")[2], plot.y_label), (other.x_label.rpartition(", ")[2], other.y_label)
+    units = (
+        (plot.x_label.rpartition(", ")[2], plot.y_label),
+        (other.x_label.rpartition(", ")[2], other.y_label),
+    )
     if units[0] != units[1] or plot.equal or other.equal or turns(plot) != turns(other):
         return False
     for _, x, y in other.series:
         size = float(np.ptp(y[np.isfinite(y)])) if np.isfinite(y).any() else 0.0
         alike = (
-            len(s) and s[0] <= x[0] + 1 and s[-1] >= x[-1] - 1
+            len(s)
+            and s[0] <= x[0] + 1
+            and s[-1] >= x[-1] - 1
             and np.nanmax(np.abs(np.interp(x, s, w) - y), initial=0.0) <= 0.005 * size
             for _, s, w in plot.series
-        )  # fmt: skip
+        )
         if not (size > 0 and np.isfinite(y).all() and any(alike)):
             return False
     return bool(other.series)
@@ -350,19 +429,28 @@ def figure_lists(numbers: Mapping[str, float]) -> str:
         by_kind = [each for each in members if set(each.values) != {""}]
         plain = [each for each in members if each not in by_kind]
         body = "".join(
-            f"<div><dt>{escape(each.name)}</dt><dd>{_known(each, '')}{_unit(each.unit)}</dd></div>" for each in plain
+            f"<div><dt>{escape(each.name)}</dt><dd>{_known(each, '')}{_unit(each.unit)}</dd></div>"
+            for each in plain
         )
         body = f"<dl>{body}</dl>" if body else ""
         if by_kind:
             kinds = [kind for kind in KINDS if any(kind in each.values for each in by_kind)]
             rows = (_row(each, kinds) for each in by_kind)
             body += _table(group, ["figure", "unit", *(kind.upper() for kind in kinds)], rows)
-        text += f"<details{' open' if len(members) <= 24 else ''}><summary>{group}</summary>{body}</details>" if body else ""
+        text += (
+            f"<details{' open' if len(members) <= 24 else ''}><summary>{group}</summary>{body}</details>"
+            if body
+            else ""
+        )
     return text
 
 
 def _row(each: Figure, kinds: Sequence[str]) -> tuple[str, ...]:
-    return (each.name, each.unit, *(_known(each, kind) if kind in each.values else "" for kind in kinds))
+    return (
+        each.name,
+        each.unit,
+        *(_known(each, kind) if kind in each.values else "" for kind in kinds),
+    )
 
 
 def _known(each: Figure, kind: str) -> str:
@@ -389,13 +477,25 @@ def _parts(report: Report) -> str:
         drawing = f"{report.name}-{label}-drawing.pdf"
         links += [_link(drawing, "PDF")] if drawing in report.files else []
         facts = [str(part["title"])] if part.get("title") else []
-        facts += [f"{rounded(_float(part['thickness_mm']), 3)} mm high"] if "thickness_mm" in part else []
-        facts += [f"{rounded(_float(part['material_mm3']) / 1000, 3)} cm³"] if "material_mm3" in part else []
-        title = label.replace("_", " ") + (f" × {part['count']}" if part.get("count", 1) != 1 else "")
+        facts += (
+            [f"{rounded(_float(part['thickness_mm']), 3)} mm high"]
+            if "thickness_mm" in part
+            else []
+        )
+        facts += (
+            [f"{rounded(_float(part['material_mm3']) / 1000, 3)} cm³"]
+            if "material_mm3" in part
+            else []
+        )
+        title = label.replace("_", " ") + (
+            f" × {part['count']}" if part.get("count", 1) != 1 else ""
+        )
         cards.append(_card(title, "; ".join(facts), links, f"part-{k}", report.scene is not None))
     whole = [file for file in report.files if file.startswith(f"{report.name}-assembly.")]
     links = [_link(file, file.rpartition(".")[2].upper()) for file in whole]
-    return (f'<p class="links">All together: {" ".join(links)}</p>' if links else "") + _cards(cards)
+    return (f'<p class="links">All together: {" ".join(links)}</p>' if links else "") + _cards(
+        cards
+    )
 
 
 def _float(value: object) -> float:
@@ -409,7 +509,9 @@ def _plates(scene: Scene | None) -> str:
     cards = []
     for k, plate in enumerate(scene.plates):
         copies = f"{len(plate.copies)} {'copy' if len(plate.copies) == 1 else 'copies'}"
-        cards.append(_card(f"Plate {k + 1}", copies, [_link(plate.file, "3MF")], f"plate-{k}", True))
+        cards.append(
+            _card(f"Plate {k + 1}", copies, [_link(plate.file, "3MF")], f"plate-{k}", True)
+        )
     return _cards(cards)
 
 
@@ -417,12 +519,19 @@ def _steps(scene: Scene | None) -> str:
     if scene is None or len(scene.steps) < 2:
         return ""
     return _cards(
-        [_card(f"Step {k + 1}", step.title, [], f"step-{k}", bool(step.copies)) for k, step in enumerate(scene.steps)]
+        [
+            _card(f"Step {k + 1}", step.title, [], f"step-{k}", bool(step.copies))
+            for k, step in enumerate(scene.steps)
+        ]
     )
 
 
 def _card(title: str, text: str, links: Sequence[str], view: str, shown: bool) -> str:
-    canvas = f'<canvas class="small" data-view="{view}" width="320" height="220" aria-hidden="true"></canvas>' if shown else ""
+    canvas = (
+        f'<canvas class="small" data-view="{view}" width="320" height="220" aria-hidden="true"></canvas>'
+        if shown
+        else ""
+    )
     files_of = f'<p class="links">{" ".join(links)}</p>' if links else ""
     return f"<li>{canvas}<h3>{escape(title)}</h3><p>{escape(text)}</p>{files_of}</li>"
 

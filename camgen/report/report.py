@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 Path = str | PathLike[str]
 
+
 @dataclass(frozen=True)
 class Report:
     """All that a build found out.
@@ -71,7 +72,9 @@ class Report:
     def verdict(self) -> str:
         """One line: how many findings hold or fail, and what was not judged."""
         failed, count = sum(not finding.ok for finding in self.findings), len(self.findings)
-        held = {0: self.summary, 1: "The one finding holds"}.get(count, f"All {count} findings hold")
+        held = {0: self.summary, 1: "The one finding holds"}.get(
+            count, f"All {count} findings hold"
+        )
         said = f"{failed} of {count} findings fail{'s' if failed == 1 else ''}" if failed else held
         return f"{said}; NOT JUDGED: {left_out(self.not_judged)}" if self.not_judged else said
 
@@ -82,7 +85,11 @@ class Report:
         from camgen.report import page
 
         kinds = ("_dxf_", "_stl_", "_3mf_", "_step_")
-        figures = {name: value for name, value in self.numbers.items() if not any(kind in name for kind in kinds)}
+        figures = {
+            name: value
+            for name, value in self.numbers.items()
+            if not any(kind in name for kind in kinds)
+        }
         found = f"<h3>{escape(self.name)}: {escape(self.verdict)}</h3>{page.to_change(self)}{page.margins(self.findings)}"
         return found + page.figure_lists(figures)
 

@@ -29,12 +29,17 @@ class Drawn:
 def picture(drawn: Drawn, said: str) -> str:
     """The sketch as SVG; its size follows what is drawn."""
     every = np.concatenate([list(drawn.points.values()), drawn.path, drawn.wanted])
-    low, high = complex(every.real.min(), every.imag.min()), complex(every.real.max(), every.imag.max())
+    low, high = (
+        complex(every.real.min(), every.imag.min()),
+        complex(every.real.max(), every.imag.max()),
+    )
     scale = (_SIDE - 2 * _EDGE) / max((high - low).real, (high - low).imag, 1e-9)
     height = (high - low).imag * scale + 2 * _EDGE
 
     def at(z: complex) -> tuple[float, float]:
-        return round((z - low).real * scale + _EDGE, 1), round(height - _EDGE - (z - low).imag * scale, 1)
+        return round((z - low).real * scale + _EDGE, 1), round(
+            height - _EDGE - (z - low).imag * scale, 1
+        )
 
     def line(kind: str, places: Sequence[complex]) -> str:
         shown = " ".join(f"{x:g},{y:g}" for x, y in map(at, places))
@@ -42,15 +47,21 @@ def picture(drawn: Drawn, said: str) -> str:
 
     parts = [line("wanted", drawn.wanted.tolist()), line("path", drawn.path.tolist())]
     for link in drawn.links:
-        parts += [line("link", [drawn.points[a], drawn.points[b]]) for a, b in combinations(link, 2)]
+        parts += [
+            line("link", [drawn.points[a], drawn.points[b]]) for a, b in combinations(link, 2)
+        ]
     for name, place in drawn.points.items():
         x, y = at(place)
-        parts.append(f'<circle class="{"still" if name in drawn.still else "pin"}" cx="{x:g}" cy="{y:g}" r="3"/>')
+        parts.append(
+            f'<circle class="{"still" if name in drawn.still else "pin"}" cx="{x:g}" cy="{y:g}" r="3"/>'
+        )
     inside = "".join(parts)
     return f'<svg viewBox="0 0 {_SIDE:g} {height:.4g}" role="img" aria-label="{escape(said)}">{inside}</svg>'
 
 
 def gallery(pictures: Sequence[tuple[str, str]]) -> str:
     """Pictures with what is said of each, as HTML."""
-    each = (f"<figure>{svg}<figcaption>{escape(said)}</figcaption></figure>" for svg, said in pictures)
+    each = (
+        f"<figure>{svg}<figcaption>{escape(said)}</figcaption></figure>" for svg, said in pictures
+    )
     return f'<h2>The machines</h2>\n<div class="gallery">{"".join(each)}</div>' if pictures else ""

@@ -28,6 +28,7 @@ _CONDENSED_FROM = 40  # findings; fewer are printed one by one
 _TICK = 1.0  # s between two looks at the clock of the progress line
 _BAR = 20  # characters of its bar
 
+
 def _condensed(findings: Sequence[Finding]) -> list[tuple[Finding, int]]:
     """Findings to print, each with how many it stands for: of many routine checks that hold only the tightest."""
     from camgen.findings import ROUTINE
@@ -39,7 +40,9 @@ def _condensed(findings: Sequence[Finding]) -> list[tuple[Finding, int]]:
     rows = []
     for finding in findings:
         group = routine.get(finding.code, []) if finding.ok else []
-        tightest = min(group, key=lambda f: abs(f.limit - f.measured) / (abs(f.limit) or 1), default=finding)
+        tightest = min(
+            group, key=lambda f: abs(f.limit - f.measured) / (abs(f.limit) or 1), default=finding
+        )
         if finding is tightest:
             rows.append((finding, max(1, len(group))))
     return rows
@@ -79,13 +82,25 @@ def print_report(report: Report, quiet: bool = False, verbose: bool = False) -> 
         _say(f"note: {text}")
     count = len(report.findings)
     held = "the one finding holds" if count == 1 else f"all {count} findings hold"
-    verdict = f"{len(failed)} of {count} findings {'FAILS' if len(failed) == 1 else 'FAIL'}" if failed else held
+    verdict = (
+        f"{len(failed)} of {count} findings {'FAILS' if len(failed) == 1 else 'FAIL'}"
+        if failed
+        else held
+    )
     open_ = f"; not judged: {left_out(report.not_judged)}" if report.not_judged else ""
-    _say(f"{report.name}: {verdict}{open_}", "red" if failed else "green" if not open_ else None, bold=True)
+    _say(
+        f"{report.name}: {verdict}{open_}",
+        "red" if failed else "green" if not open_ else None,
+        bold=True,
+    )
     codes = list(dict.fromkeys(finding.code for finding in failed))
     if codes:
-        _say(f"what {'it means' if len(codes) == 1 else 'they mean'} and what helps: camgen explain {' '.join(codes)}")
-    for text in () if quiet or report.folder is None else _where_to_go(report, Path(report.folder), verbose):
+        _say(
+            f"what {'it means' if len(codes) == 1 else 'they mean'} and what helps: camgen explain {' '.join(codes)}"
+        )
+    for text in (
+        () if quiet or report.folder is None else _where_to_go(report, Path(report.folder), verbose)
+    ):
         _say(text)
 
 
@@ -96,15 +111,22 @@ def _say(text: str, colour: str | None = None, **style: bool) -> None:
 
 def _print(line: str) -> None:
     """Print a line; with its colours on a terminal alone, and not where NO_COLOR asks for none."""
-    click.echo(line if sys.stdout.isatty() and not os.environ.get("NO_COLOR") else click.unstyle(line))
+    click.echo(
+        line if sys.stdout.isatty() and not os.environ.get("NO_COLOR") else click.unstyle(line)
+    )
 
 
 def _print_table(report: Report, every: bool) -> None:
     """The findings as a table of the terminal's width, those that fail first."""
-    findings = [(finding, 1) for finding in report.findings] if every else _condensed(report.findings)
+    findings = (
+        [(finding, 1) for finding in report.findings] if every else _condensed(report.findings)
+    )
     bad = [_cells(report, finding, of) for finding, of in findings if not finding.ok]
     blank = dict.fromkeys(_COLUMNS, "")
-    open_ = [blank | {"finding": each.code, "where": printable(each.why), "": _OPEN} for each in report.not_judged]
+    open_ = [
+        blank | {"finding": each.code, "where": printable(each.why), "": _OPEN}
+        for each in report.not_judged
+    ]
     rows = [*bad, *open_, *(_cells(report, finding, of) for finding, of in findings if finding.ok)]
     # a table that goes to a file or a pipe is as wide as it needs to be
     widths = _widths(rows, get_terminal_size().columns if sys.stdout.isatty() else 240)
@@ -133,7 +155,9 @@ def number(value: float, noise: float = NOISE) -> str:
     """A number of four digits, as short as it goes: "0.0018", "1.234e-5"; 0 for what is only rounding."""
     if abs(value) < noise:
         return "0"
-    return re.sub(r"e([+-])0*(\d)", lambda found: f"e{found[1].strip('+')}{found[2]}", f"{value:.4g}")
+    return re.sub(
+        r"e([+-])0*(\d)", lambda found: f"e{found[1].strip('+')}{found[2]}", f"{value:.4g}"
+    )
 
 
 def _in_words(finding: Finding, where: str) -> str:
@@ -141,11 +165,22 @@ def _in_words(finding: Finding, where: str) -> str:
     unit = f" {finding.unit}" if finding.unit else ""
     size = f"{number(finding.measured, NOISE * finding.ok)}{unit}"
     measured = size if not math.isnan(finding.measured) else "could not be measured"
-    bound, asked = {"<=": ("at most", "allowed"), ">=": ("at least", "asked"), ">": ("more than", "asked")}[finding.sign]
-    limit = "" if math.isnan(finding.limit) else f"; {bound} {number(finding.limit)}{unit} is {asked}"
+    bound, asked = {
+        "<=": ("at most", "allowed"),
+        ">=": ("at least", "asked"),
+        ">": ("more than", "asked"),
+    }[finding.sign]
+    limit = (
+        "" if math.isnan(finding.limit) else f"; {bound} {number(finding.limit)}{unit} is {asked}"
+    )
     at = f" ({where})" if where else ""
     message = finding.message[:1].upper() + finding.message[1:]
-    return f"{finding.code}{at} {'holds' if finding.ok else 'fails'}: {measured}{limit}. {message}".rstrip(" .") + "."
+    return (
+        f"{finding.code}{at} {'holds' if finding.ok else 'fails'}: {measured}{limit}. {message}".rstrip(
+            " ."
+        )
+        + "."
+    )
 
 
 def _where_to_go(report: Report, folder: Path, every: bool) -> list[str]:
@@ -157,15 +192,25 @@ def _where_to_go(report: Report, folder: Path, every: bool) -> list[str]:
     said = [f"files are in {folder}{f': {held}' if held else ''}"]
     if every:
         said += [f"  {folder / name}" for name in names]
-    plates = [name for name in names if re.fullmatch(rf"{re.escape(report.name)}-plate(-\d+)?\.3mf", name)]
+    plates = [
+        name for name in names if re.fullmatch(rf"{re.escape(report.name)}-plate(-\d+)?\.3mf", name)
+    ]
     if "report.html" in names:
         moves = "motion.csv" in names  # a coupon's does not
-        said.append(f"open {folder / 'report.html'} in a browser to see it{' move' if moves else ''}")
+        said.append(
+            f"open {folder / 'report.html'} in a browser to see it{' move' if moves else ''}"
+        )
     if plates:
-        said.append(f"print {folder / _first_and_rest(sorted(plates, key=lambda name: (len(name), name)))}")
-    sheets = [name for name in names if re.fullmatch(rf"{re.escape(report.name)}-sheet-\d+\.svg", name)]
+        said.append(
+            f"print {folder / _first_and_rest(sorted(plates, key=lambda name: (len(name), name)))}"
+        )
+    sheets = [
+        name for name in names if re.fullmatch(rf"{re.escape(report.name)}-sheet-\d+\.svg", name)
+    ]
     if sheets:
-        said.append(f"cut {folder / sheets[0]}{f' and {len(sheets) - 1} more' if len(sheets) > 1 else ''}")
+        said.append(
+            f"cut {folder / sheets[0]}{f' and {len(sheets) - 1} more' if len(sheets) > 1 else ''}"
+        )
     found = f"{report.name}-print.toml"
     if found in names:
         said.append(f"paste {folder / found} into your specs")
@@ -176,7 +221,11 @@ def _first_and_rest(plates: Sequence[str]) -> str:
     """Files of plates in few words: the first by its name, the others by their numbers: "plate.3mf, and plate-2 to -5"."""
     first, *more = (name.removesuffix(".3mf") for name in plates)
     numbers = [name.removeprefix(first) for name in more]
-    rest = f", and plate{numbers[0]}{f' to {numbers[-1]}' if len(numbers) > 1 else ''}" if numbers else ""
+    rest = (
+        f", and plate{numbers[0]}{f' to {numbers[-1]}' if len(numbers) > 1 else ''}"
+        if numbers
+        else ""
+    )
     return f"{first}.3mf{rest}"
 
 
@@ -184,18 +233,30 @@ def _cells(report: Report, finding: Finding, of: int) -> dict[str, str]:
     """A row of the table by its columns; of: how many findings it stands for."""
     margin, noise = abs(finding.limit - finding.measured), NOISE * finding.ok
     limit = "none" if math.isnan(finding.limit) else f"{finding.sign} {number(finding.limit)}"
-    short = finding.where.removeprefix(f"{report.name}-").replace("cam angle ", "at ").replace(", crank angle ", ", at ")
+    short = (
+        finding.where.removeprefix(f"{report.name}-")
+        .replace("cam angle ", "at ")
+        .replace(", crank angle ", ", at ")
+    )
     cells = {
-        "finding": finding.code, "measured": number(finding.measured, noise), "limit": limit,
-        "margin": number(margin if finding.ok else -margin, noise), "unit": finding.unit,
-        "where": short if of == 1 else f"tightest of {of}: {short}", "": "ok" if finding.ok else "FAIL",
-    }  # fmt: skip
+        "finding": finding.code,
+        "measured": number(finding.measured, noise),
+        "limit": limit,
+        "margin": number(margin if finding.ok else -margin, noise),
+        "unit": finding.unit,
+        "where": short if of == 1 else f"tightest of {of}: {short}",
+        "": "ok" if finding.ok else "FAIL",
+    }
     return {name: printable(text) for name, text in cells.items()}
 
 
 def _widths(rows: Sequence[Mapping[str, str]], room: int) -> dict[str, int]:
     """Width of each column that is shown where there are so many characters in a line."""
-    full = {name: max(len(name), *(len(row[name]) for row in rows)) for name in (*_ALWAYS, *_GIVE_WAY)} if rows else {}
+    full = (
+        {name: max(len(name), *(len(row[name]) for row in rows)) for name in (*_ALWAYS, *_GIVE_WAY)}
+        if rows
+        else {}
+    )
     found = {name: full[name] for name in _ALWAYS if name in full}
     for name, least in _GIVE_WAY.items() if rows else ():
         left = room - sum(found.values()) - _BETWEEN * len(found) - 1
@@ -222,7 +283,9 @@ class Bar:
         return self._step
 
     def _step(self, text: str, done: float | None = None) -> None:
-        if text.startswith("note: ") and sys.stderr is not None:  # stays on the screen, and is told at once
+        if (
+            text.startswith("note: ") and sys.stderr is not None
+        ):  # stays on the screen, and is told at once
             if self._shown:
                 self._write("")
             print(("\r" if self._shown else "") + printable(text), file=sys.stderr, flush=True)

@@ -10,12 +10,38 @@ from dataclasses import dataclass, field
 # Units as suffixes of a figure's key, the longest first.
 UNITS = {
     "mpa_m_s": "MPa m/s",
-    "n_m_per_rad": "N m/rad", "n_rad_s": "N rad/s", "n_m_s": "N m s", "deg_rad2": "deg/rad²", "mm_rad2": "mm/rad²",
-    "deg_rad": "deg/rad", "mm_rad": "mm/rad", "kg_m2": "kg m²", "n_mm": "N/mm", "g_mm": "g mm", "n_m": "N m", "mm_s2": "mm/s²",
-    "deg_s2": "deg/s²", "rad_s": "rad/s", "mm_s": "mm/s", "deg_s": "deg/s", "per_s": "1/s", "mm3": "mm³", "mm2": "mm²",
-    "percent": "%", "mm": "mm", "deg": "deg", "rpm": "rpm", "mpa": "MPa", "hz": "Hz",
-    "n": "N", "j": "J", "w": "W", "h": "h", "g": "g", "s": "s",
-}  # fmt: skip
+    "n_m_per_rad": "N m/rad",
+    "n_rad_s": "N rad/s",
+    "n_m_s": "N m s",
+    "deg_rad2": "deg/rad²",
+    "mm_rad2": "mm/rad²",
+    "deg_rad": "deg/rad",
+    "mm_rad": "mm/rad",
+    "kg_m2": "kg m²",
+    "n_mm": "N/mm",
+    "g_mm": "g mm",
+    "n_m": "N m",
+    "mm_s2": "mm/s²",
+    "deg_s2": "deg/s²",
+    "rad_s": "rad/s",
+    "mm_s": "mm/s",
+    "deg_s": "deg/s",
+    "per_s": "1/s",
+    "mm3": "mm³",
+    "mm2": "mm²",
+    "percent": "%",
+    "mm": "mm",
+    "deg": "deg",
+    "rpm": "rpm",
+    "mpa": "MPa",
+    "hz": "Hz",
+    "n": "N",
+    "j": "J",
+    "w": "W",
+    "h": "h",
+    "g": "g",
+    "s": "s",
+}
 
 # What quantities are called that a machine gives, where their keys do not say it in full.
 NAMES = {
@@ -47,20 +73,29 @@ NAMES = {
     "balance_spring_at": "direction of the balance spring",
     "print_error": "off by print errors",
     "source_r": "R of the source, AC",
-    **{f"source_{sign}_{k}": f"{word}{'₁₂'[k - 1]} of the source" for k in (1, 2)
-       for sign, word in (("r", "r"), ("alpha", "α"), ("beta", "β"))},
-}  # fmt: skip
+    **{
+        f"source_{sign}_{k}": f"{word}{'₁₂'[k - 1]} of the source"
+        for k in (1, 2)
+        for sign, word in (("r", "r"), ("alpha", "α"), ("beta", "β"))
+    },
+}
 
 # Groups of figures, each with what its keys hold, in the order of the page; the first that matches counts.
 GROUPS = (
-    ("From the files", r"motion_error|clearance|recovered|lash|canvas_share|tip_radius|_dxf|_stl|_3mf|_step(?=_|$)"),
+    (
+        "From the files",
+        r"motion_error|clearance|recovered|lash|canvas_share|tip_radius|_dxf|_stl|_3mf|_step(?=_|$)",
+    ),
     ("Making", r"^mass|print_time|supports|shaft_length|area|outline|section"),
-    ("Forces and drive", r"torque|force|reaction|energy|inertia|"
-     r"hertz|^pv|friction|drive|flywheel|balance|vibration|bearing_life|acceleration_factor|lift_off|follower_freq|"
-     r"kick|spring|wear|weight|shaking|harmonic|residual"),
+    (
+        "Forces and drive",
+        r"torque|force|reaction|energy|inertia|"
+        r"hertz|^pv|friction|drive|flywheel|balance|vibration|bearing_life|acceleration_factor|lift_off|follower_freq|"
+        r"kick|spring|wear|weight|shaking|harmonic|residual",
+    ),
     ("Shape and contact", r"radius|profile|pressure|undercut|curvature|wall|tip_on"),
     ("Motion", r""),
-)  # fmt: skip
+)
 
 KINDS = ("dxf", "stl", "3mf", "step")  # of files that are measured
 NOISE = 1e-9  # what is less counts as 0: lengths are known to some nanometres at best
@@ -93,7 +128,11 @@ def figures(numbers: Mapping[str, float]) -> list[Figure]:
 def name(stem: str) -> str:
     """Words for a key without unit and kind: motion_error_pen is "motion error: pen"."""
     known = max((k for k in NAMES if stem == k or stem.startswith(k + "_")), key=len, default="")
-    words = NAMES[known] + ": " + stem[len(known) + 1 :] if known and known != stem else NAMES.get(stem, stem)
+    words = (
+        NAMES[known] + ": " + stem[len(known) + 1 :]
+        if known and known != stem
+        else NAMES.get(stem, stem)
+    )
     words = re.sub(r"_(max|greatest)_at$", ", where greatest", words)
     words = re.sub(r"_(min|least)_at$", ", where least", words)
     words = re.sub(r"_(max|greatest)$", ", greatest", words)
@@ -117,7 +156,12 @@ def rounded(value: float, digits: int = 4) -> str:
     if abs(value) < 1e-4:
         power = math.floor(math.log10(abs(value)))
         raised = str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-        return f"{value / 10.0**power:.{min(digits, 3) - 1}f}".rstrip("0").rstrip(".").replace("-", "−") + f"·10{raised}"
+        return (
+            f"{value / 10.0**power:.{min(digits, 3) - 1}f}".rstrip("0")
+            .rstrip(".")
+            .replace("-", "−")
+            + f"·10{raised}"
+        )
     text = f"{value:,.{max(0, places)}f}"
     text = text.rstrip("0").rstrip(".") if "." in text else text
     return text.replace(",", " " if abs(value) >= 10_000 else "").replace("-", "−")

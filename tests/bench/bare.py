@@ -11,12 +11,19 @@ from typing import Any
 import numpy as np
 
 
-def four_bar(frame: float, crank: float, coupler: float, output: float, n: int, order: int) -> Callable[[Any], tuple[Any, Any]]:
+def four_bar(
+    frame: float, crank: float, coupler: float, output: float, n: int, order: int
+) -> Callable[[Any], tuple[Any, Any]]:
     """A function of n crank angles that gives A and B with derivatives, order 0 or 2, (order + 1, n), valid until the next
     call; B to the right of the way from A to C."""
     t, h, q, s, swing, w1, w2, s1 = (np.empty(n) for _ in range(8))
     a, b, leg = (np.empty((order + 1, n), complex) for _ in range(3))
-    way, u, part, rates = np.empty(n, complex), np.empty(n, complex), np.empty(n, complex), np.zeros((order, n), complex)
+    way, u, part, rates = (
+        np.empty(n, complex),
+        np.empty(n, complex),
+        np.empty(n, complex),
+        np.zeros((order, n), complex),
+    )
 
     def work(theta: Any) -> tuple[Any, Any]:
         np.multiply(theta, 0.5, out=t)

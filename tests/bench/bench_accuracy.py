@@ -88,7 +88,15 @@ def places(machine: Machine, theta: Any) -> tuple[Any, Any]:
 def closing(told: Callable[[str], None]) -> str:
     """Dyads, blocks by Newton, and the judge's Newton on all joints, at 3,600 angles."""
     theta = np.linspace(0, math.tau, ANGLES, endpoint=False)
-    heads = ["chain", "the maker's route", "positions", "with two derivatives", "the judge's route", "both differ by", "error"]
+    heads = [
+        "chain",
+        "the maker's route",
+        "positions",
+        "with two derivatives",
+        "the judge's route",
+        "both differ by",
+        "error",
+    ]
     rows = []
     for name in ("four_bar", *CHAINS):
         machine = chains.four_bar(*LONG) if name == "four_bar" else getattr(chains, name)()
@@ -103,8 +111,17 @@ def closing(told: Callable[[str], None]) -> str:
             made = solve(machine, theta, 0)["B"]
             error = f"{float(np.max(np.abs(made - exact(theta)))):.0e} mm"
         differ = f"{np.nanmax(np.abs(mine - judge)):.0e} mm"
-        rows.append([name.replace("_", " "), route, f"{1e3 * alone:.2g} ms", f"{1e3 * both:.2g} ms", f"{1e3 * judged:.2g} ms",
-                     differ, error])  # fmt: skip
+        rows.append(
+            [
+                name.replace("_", " "),
+                route,
+                f"{1e3 * alone:.2g} ms",
+                f"{1e3 * both:.2g} ms",
+                f"{1e3 * judged:.2g} ms",
+                differ,
+                error,
+            ]
+        )
         told(" | ".join(rows[-1]))
         theta = np.linspace(0, math.tau, ANGLES, endpoint=False)
     return table(heads, rows)
@@ -115,18 +132,33 @@ def closing(told: Callable[[str], None]) -> str:
 
 def copies(told: Callable[[str], None]) -> str:
     """By how much the error that 95 of 100 copies keep varies from seed to seed, over the number of copies."""
-    heads = ["machine", "copies", "time", "error that 95 % keep", "varies by (one standard deviation)"]
+    heads = [
+        "machine",
+        "copies",
+        "time",
+        "error that 95 % keep",
+        "varies by (one standard deviation)",
+    ]
     rows, series = [], []
-    for name, settings in (("uniform-swing", ["parts.make='cams'"]), ("disc-cam", []), ("linkage", [])):
+    for name, settings in (
+        ("uniform-swing", ["parts.make='cams'"]),
+        ("disc-cam", []),
+        ("linkage", []),
+    ):
         spread = spread_of(read_mechanism(ROOT / "specs" / f"{name}.toml", settings))
         output, varies = spread.outputs[0].name, []
         for samples in SAMPLES:
             begun = time.process_time()
-            kept = [float(np.quantile(copies_of(spread, samples, seed).errors[output], 0.95)) for seed in range(SEEDS)]
+            kept = [
+                float(np.quantile(copies_of(spread, samples, seed).errors[output], 0.95))
+                for seed in range(SEEDS)
+            ]
             took = (time.process_time() - begun) / SEEDS
             varies.append(statistics.stdev(kept) / statistics.mean(kept))
             worth = f"{statistics.mean(kept):.4g}"
-            rows.append([name, f"{samples:,}", f"{1e3 * took:.2g} ms", worth, f"{100 * varies[-1]:.2g} %"])
+            rows.append(
+                [name, f"{samples:,}", f"{1e3 * took:.2g} ms", worth, f"{100 * varies[-1]:.2g} %"]
+            )
             told(" | ".join(rows[-1]))
         series.append((name.partition("-")[0], np.array(SAMPLES, float), 100 * np.array(varies)))
     steady = ("1 / root n", np.array(SAMPLES, float), 20 / np.sqrt(SAMPLES))
@@ -145,15 +177,30 @@ def paths(told: Callable[[str], None]) -> str:
     rows, spent, missed = [], [], []
     for pairs, effort in BUDGETS:
         begun = time.process_time()
-        found = front(search(goal, [kind for kind in kinds(pairs, 2) if len(kind.bodies) <= 2 * pairs], effort))
+        found = front(
+            search(
+                goal, [kind for kind in kinds(pairs, 2) if len(kind.bodies) <= 2 * pairs], effort
+            )
+        )
         spent.append(time.process_time() - begun)
         score = area(found, goal)
         missed.append(1 - score)
-        rows.append([f"up to {2 * pairs}", str(effort), f"{spent[-1]:.3g} s", f"{score:.4f}",
-                     f"{found[0].error:.5f}" if found else "none"])  # fmt: skip
+        rows.append(
+            [
+                f"up to {2 * pairs}",
+                str(effort),
+                f"{spent[-1]:.3g} s",
+                f"{score:.4f}",
+                f"{found[0].error:.5f}" if found else "none",
+            ]
+        )
         told(" | ".join(rows[-1]))
-    plot = Plot("What the front leaves, over the search's time", "processor time, s", "1 - score",
-                [("target 1", np.array(spent), np.array(missed))])  # fmt: skip
+    plot = Plot(
+        "What the front leaves, over the search's time",
+        "processor time, s",
+        "1 - score",
+        [("target 1", np.array(spent), np.array(missed))],
+    )
     (HERE / "accuracy-paths.svg").write_text(plot_svg(plot, log=True) + "\n", encoding="utf-8")
     return table(["links", "effort", "processor time", "score", "least chamfer"], rows)
 

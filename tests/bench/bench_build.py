@@ -24,7 +24,11 @@ def process(top: Path, arguments: list[str], compiled: Path) -> tuple[float, flo
     """Processor time (s), wall time (s) and peak memory (MB) of a whole command of the checkout at `top`."""
     settings = os.environ | {"PYTHONPATH": str(top), "PYTHONPYCACHEPREFIX": str(compiled)}
     settings.pop("PYTHONDONTWRITEBYTECODE", None)
-    command, quiet, begin = [sys.executable, "-m", "camgen", *arguments], subprocess.DEVNULL, time.perf_counter()
+    command, quiet, begin = (
+        [sys.executable, "-m", "camgen", *arguments],
+        subprocess.DEVNULL,
+        time.perf_counter(),
+    )
     child = subprocess.Popen(command, stdout=quiet, stderr=quiet, cwd=top, env=settings)
     _, _, usage = os.wait4(child.pid, 0)
     return usage.ru_utime + usage.ru_stime, time.perf_counter() - begin, usage.ru_maxrss / 1024
@@ -32,7 +36,11 @@ def process(top: Path, arguments: list[str], compiled: Path) -> tuple[float, flo
 
 COMMANDS = (  # what, arguments, most seconds
     ("`camgen --help`", ["--help"], 0.1),
-    ("the cam alone (`--set parts.make='cams'`), `--only dxf`", [*BUILD, *CAMS, "--only", "dxf"], 0.6),
+    (
+        "the cam alone (`--set parts.make='cams'`), `--only dxf`",
+        [*BUILD, *CAMS, "--only", "dxf"],
+        0.6,
+    ),
     ("the cam alone, everything", [*BUILD, *CAMS], 2.5),
     ("the whole machine, everything", BUILD, 5.5),
     ("a four-bar, everything", ["build", "specs/linkage.toml"], 3.0),
@@ -50,10 +58,17 @@ def whole_processes(tops: list[Path], out: Path) -> list[list[str]]:
         alone = [*files, "--jobs", "1"] if arguments[0] == "build" else files
         for top in tops:
             process(top, files, out)
-        runs = [[(process(top, alone, out), process(top, files, out)[1]) for top in tops] for _ in range(RUNS)]
+        runs = [
+            [(process(top, alone, out), process(top, files, out)[1]) for top in tops]
+            for _ in range(RUNS)
+        ]
         told = []
         for own in zip(*runs, strict=True):
-            cpu, wall, memory = min(s for (s, _, _), _ in own), min(s for _, s in own), max(mb for (_, _, mb), _ in own)
+            cpu, wall, memory = (
+                min(s for (s, _, _), _ in own),
+                min(s for _, s in own),
+                max(mb for (_, _, mb), _ in own),
+            )
             told.append(f"{cpu:.2f} s, {wall:.2f} s of wall, {memory:.0f} MB")
         rows.append([name, f"{limit} s", *told])
         print(" | ".join(rows[-1]), flush=True)
@@ -71,4 +86,6 @@ if __name__ == "__main__":
             whole_processes(tops, Path(folder) / "out")
         finally:
             if len(tops) > 1:
-                subprocess.run(["git", "worktree", "remove", "--force", str(old)], cwd=TOP, check=True)
+                subprocess.run(
+                    ["git", "worktree", "remove", "--force", str(old)], cwd=TOP, check=True
+                )

@@ -36,7 +36,9 @@ def cam(count: int) -> np.ndarray:
 
 def contact() -> None:
     """Angles per second, millions."""
-    print("millions of angles per second; `touch` with pressure angle and element; `built` 3,600 angles and the table")
+    print(
+        "millions of angles per second; `touch` with pressure angle and element; `built` 3,600 angles and the table"
+    )
     print(f"{'vertices':>9} {'build ms':>9} {'random':>8} {'sorted':>8} {'touch':>8} {'built':>8}")
     theta = np.random.default_rng(1).uniform(0, 2 * np.pi, 10**6)
     ordered, turn = np.sort(theta), theta[:3600]
@@ -45,10 +47,14 @@ def contact() -> None:
         setup = (ring, 60 + 0j, -60 - 30j, 3.0, 1)
         table = rolling_contact(*setup)
         build = best(lambda setup=setup: rolling_contact(*setup))
-        rates = [len(theta) / best(lambda f=f, t=t: f(t)) / 1e6 for f, t in (
-            (table.angle, theta), (table.angle, ordered), (table.touch, theta))]  # fmt: skip
+        rates = [
+            len(theta) / best(lambda f=f, t=t: f(t)) / 1e6
+            for f, t in ((table.angle, theta), (table.angle, ordered), (table.touch, theta))
+        ]
         whole = 3600 / best(lambda setup=setup: rolling_contact(*setup).angle(turn)) / 1e6
-        print(f"{count:9} {build * 1e3:9.2f} {rates[0]:8.1f} {rates[1]:8.1f} {rates[2]:8.1f} {whole:8.2f}")
+        print(
+            f"{count:9} {build * 1e3:9.2f} {rates[0]:8.1f} {rates[1]:8.1f} {rates[2]:8.1f} {whole:8.2f}"
+        )
 
 
 def write_prism(path: Path) -> int:
@@ -60,10 +66,14 @@ def write_prism(path: Path) -> int:
     vertices = np.vstack([low, high])
     i, j, n = np.arange(count), np.roll(np.arange(count), -1), count + 1
     middle = np.full(count, count)
-    faces = np.vstack([
-        np.column_stack([i, j, j + n]), np.column_stack([i, j + n, i + n]),
-        np.column_stack([j, i, middle]), np.column_stack([i + n, j + n, middle + n]),
-    ])  # fmt: skip
+    faces = np.vstack(
+        [
+            np.column_stack([i, j, j + n]),
+            np.column_stack([i, j + n, i + n]),
+            np.column_stack([j, i, middle]),
+            np.column_stack([i + n, j + n, middle + n]),
+        ]
+    )
     write_stl(path, Mesh(vertices.astype(float), faces), "prism")
     return len(faces)
 
@@ -76,7 +86,9 @@ def slicing() -> None:
         mesh = read_stl(path)
         read, cut = best(lambda: read_stl(path)), best(lambda: slice_mesh(mesh, 2.5))
         faults = best(lambda: mesh_faults(mesh))
-    print(f"{count} triangles: read {read * 1e3:.1f} ms, slice {cut * 1e3:.1f} ms, faults {faults * 1e3:.1f} ms")
+    print(
+        f"{count} triangles: read {read * 1e3:.1f} ms, slice {cut * 1e3:.1f} ms, faults {faults * 1e3:.1f} ms"
+    )
 
 
 if __name__ == "__main__":

@@ -49,10 +49,14 @@ def designs(count: int) -> list[DiscCam[Follower]]:
         kind = k % 3
         if kind == 2:
             lift = math.radians(lift)
-        program = Program((
-            Segment("rise", float(spans[0]), 0.0, lift, up), Segment("dwell", float(spans[1]), lift, 0.0, UNIFORM),
-            Segment("return", float(spans[2]), lift, -lift, down), Segment("dwell", float(spans[3]), 0.0, 0.0, UNIFORM),
-        ))  # fmt: skip
+        program = Program(
+            (
+                Segment("rise", float(spans[0]), 0.0, lift, up),
+                Segment("dwell", float(spans[1]), lift, 0.0, UNIFORM),
+                Segment("return", float(spans[2]), lift, -lift, down),
+                Segment("dwell", float(spans[3]), 0.0, 0.0, UNIFORM),
+            )
+        )
         arm = SwingingArm(70 + 0j, -65 - 1j * base, 5.0, 1)
         followers = (SlidingTip(1j * (base + 5), 1j, 5.0), SlidingFace(1j * base, 1j), arm)
         found.append(DiscCam(program, followers[kind]))
@@ -65,28 +69,52 @@ def main() -> None:
         out = Path(folder)
         pipeline.build(SPEC, out, frozenset({"dxf"}))
         inside = median(lambda: pipeline.build(SPEC, out, frozenset({"dxf"})))
-        command = [sys.executable, "-m", "camgen", "build", str(SPEC), "-o", str(out), "--only", "dxf"]
+        command = [
+            sys.executable,
+            "-m",
+            "camgen",
+            "build",
+            str(SPEC),
+            "-o",
+            str(out),
+            "--only",
+            "dxf",
+        ]
         whole = median(lambda: subprocess.run(command, stdout=subprocess.DEVNULL, check=True))
-        print(f"four-segment cam, profile, checks and DXF: {whole:.2f} s as a process, {inside:.2f} s once loaded (limit 0.8 s)")
+        print(
+            f"four-segment cam, profile, checks and DXF: {whole:.2f} s as a process, {inside:.2f} s once loaded (limit 0.8 s)"
+        )
         everything = median(lambda: pipeline.build(SPEC, out, frozenset(pipeline.KINDS)), 3)
         print(f"all files and the report: {everything:.2f} s once loaded")
     quarter = math.pi / 2
     law = LAWS["cycloidal"]
-    program = Program((
-        Segment("dwell", quarter, 0.0, 0.0, UNIFORM), Segment("rise", quarter, 0.0, 1.0, law),
-        Segment("dwell", quarter, 1.0, 0.0, UNIFORM), Segment("return", quarter, 1.0, -1.0, law),
-    ))  # fmt: skip
-    sized = median(lambda: smallest(lambda d: DiscCam(program, SlidingTip(1j * d, 1j, 0.5)), math.pi / 6, 0.0, 0.6, 100.0), 3)
+    program = Program(
+        (
+            Segment("dwell", quarter, 0.0, 0.0, UNIFORM),
+            Segment("rise", quarter, 0.0, 1.0, law),
+            Segment("dwell", quarter, 1.0, 0.0, UNIFORM),
+            Segment("return", quarter, 1.0, -1.0, law),
+        )
+    )
+    sized = median(
+        lambda: smallest(
+            lambda d: DiscCam(program, SlidingTip(1j * d, 1j, 0.5)), math.pi / 6, 0.0, 0.6, 100.0
+        ),
+        3,
+    )
     print(f"base radius from a pressure angle, to rounding: {sized:.2f} s")
     cams = designs(1000)
     begin = time.perf_counter()
     found = [survey(cam) for cam in cams]
     took = time.perf_counter() - begin
     worst = max(
-        abs(each.pressure - cam.greatest(cam.steepness)[1]) for each, cam in zip(found[::50], cams[::50], strict=True)
+        abs(each.pressure - cam.greatest(cam.steepness)[1])
+        for each, cam in zip(found[::50], cams[::50], strict=True)
     )
-    print(f"designs judged (profile, curvature, pressure angle): {1000 / took:.0f} a second (goal 1,000); "
-          f"pressure angle off by at most {math.degrees(worst):.1e} deg")  # fmt: skip
+    print(
+        f"designs judged (profile, curvature, pressure angle): {1000 / took:.0f} a second (goal 1,000); "
+        f"pressure angle off by at most {math.degrees(worst):.1e} deg"
+    )
 
 
 if __name__ == "__main__":

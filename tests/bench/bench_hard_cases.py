@@ -19,22 +19,38 @@ SPEC = Path(__file__).parent.parent.parent / "specs" / "uniform-swing.toml"
 USUAL = {"swing": 30.0, "H/L": 0.5, "tip/L": 0.05, "L": 60.0, "tolerance": 1e-3}
 # What the designer accepts is opened wide: here the question is whether files keep the motion.
 OPEN = [
-    "parts.make='cams'", "parts.windows=0", "parts.pin_diameter=0", "parts.mark_depth=0", "limits.pressure_angle_deg=90",
-    "limits.undercut_deg=180", "limits.lash_deg=180", "limits.speed_ripple=10", "print.nozzle=1e-6",
-]  # fmt: skip
+    "parts.make='cams'",
+    "parts.windows=0",
+    "parts.pin_diameter=0",
+    "parts.mark_depth=0",
+    "limits.pressure_angle_deg=90",
+    "limits.undercut_deg=180",
+    "limits.lash_deg=180",
+    "limits.speed_ripple=10",
+    "print.nozzle=1e-6",
+]
 
 
 def settings(case: Mapping[str, float]) -> list[str]:
     """Overrides of a case; all sizes of the cam as a body go with L."""
     length = case["L"]
     lengths = {
-        "geometry.pivot_distance": 1.0, "geometry.arm_offset": case["H/L"], "geometry.tip_radius": case["tip/L"],
-        "parts.thickness": 0.02, "parts.bore": 0.02, "parts.wall": 0.01,
-    }  # fmt: skip
+        "geometry.pivot_distance": 1.0,
+        "geometry.arm_offset": case["H/L"],
+        "geometry.tip_radius": case["tip/L"],
+        "parts.thickness": 0.02,
+        "parts.bore": 0.02,
+        "parts.wall": 0.01,
+    }
     lengths["limits.min_wall"] = max(1e-4, 0.001 / length)
     sized = [f"{key}={share * length:.12g}" for key, share in lengths.items()]
     sized.append("print.bed=[1e6, 1e6]")  # cut, not printed
-    return [*OPEN, *sized, f"geometry.swing_deg={case['swing']:.12g}", f"accuracy.chord_tolerance={case['tolerance']:.3g}"]
+    return [
+        *OPEN,
+        *sized,
+        f"geometry.swing_deg={case['swing']:.12g}",
+        f"accuracy.chord_tolerance={case['tolerance']:.3g}",
+    ]
 
 
 def cases() -> Iterator[dict[str, float]]:
@@ -69,7 +85,9 @@ def outcome(case: Mapping[str, float], out: Path) -> tuple[bool, str]:
     kinds = {f.where.split(",")[0].rsplit(".", 1)[1] for f in motion}
     kept = kinds == {"dxf", "stl"} and all(f.ok for f in motion)
     said = f"{'kept' if kept else 'LOST'}: {worst.measured:.2e} of {worst.limit:.2e} deg ({worst.measured / worst.limit:.0%})"
-    told = [f"{f.code} {f.measured:.3g} of {f.limit:.3g} {f.unit}" for f in report.findings if not f.ok]
+    told = [
+        f"{f.code} {f.measured:.3g} of {f.limit:.3g} {f.unit}" for f in report.findings if not f.ok
+    ]
     return kept, "; ".join([said, *(f"told: {text}" for text in told)])
 
 
@@ -83,7 +101,9 @@ def independent(case: Mapping[str, float], folder: Path, angles: int = 400) -> f
 
     mechanism = pipeline.read_mechanism(SPEC, settings(case))
     data = next(folder.glob("*/*-cam.stl")).read_bytes()[84:]
-    triangles = np.frombuffer(data, [("normal", "<f4", 3), ("at", "<f4", (3, 3)), ("flag", "<u2")])["at"].astype(float)
+    triangles = np.frombuffer(data, [("normal", "<f4", 3), ("at", "<f4", (3, 3)), ("flag", "<u2")])[
+        "at"
+    ].astype(float)
     top = triangles[:, :, 2].max()
     caps = triangles[np.all(triangles[:, :, 2] == top, axis=1)][:, :, :2]
     body = shapely.union_all(shapely.polygons(caps), grid_size=0)
@@ -106,7 +126,12 @@ def main() -> None:
             spent = time.process_time() - begin
             off = independent(case, Path(folder)) if said.startswith("kept") else 0.0
         fine &= off <= 1.05 * case["tolerance"] + 1e-6 * case["L"]  # facets, and float32
-        row = [*(f"{value:g}" for value in case.values()), f"{spent:.1f}", f"{off:.1e}", ("" if fine else "BAD ") + said]
+        row = [
+            *(f"{value:g}" for value in case.values()),
+            f"{spent:.1f}",
+            f"{off:.1e}",
+            ("" if fine else "BAD ") + said,
+        ]
         print(" | ".join(row), flush=True)
 
 

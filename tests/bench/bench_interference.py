@@ -62,7 +62,9 @@ def machine() -> tuple[list[Body], dict[frozenset[str], float]]:
     axles = disc(0, 3), disc(far, 3)
     arm = around([ARM, ARM - 25j, 1j * ARM.imag - 25j], 2.45)
     bodies = [
-        Body("base", slab(around([-40, 110], 60.0), disc(0, 5), disc(PIVOT, 3.1), ring(slot)), z=-6),
+        Body(
+            "base", slab(around([-40, 110], 60.0), disc(0, 5), disc(PIVOT, 3.1), ring(slot)), z=-6
+        ),
         Body("cam 1", slab(disc(e, r), disc(0, 4), disc(14, 1.5)), spin),
         Body("cam 2", slab(disc(e, r), disc(0, 4), disc(14, 1.5)), spin, z=6.2),
         Body("cam pin", slab(disc(14, 1.5), thick=12), spin),
@@ -80,13 +82,17 @@ def machine() -> tuple[list[Body], dict[frozenset[str], float]]:
 
 def take_up() -> tuple[float, list[Body]]:
     """The gap that the thread take-up keeps, and its bodies as designed, on courses from poses alone."""
-    mechanism = pipeline.read_mechanism(Path(__file__).resolve().parents[2] / "specs" / "thread-take-up.toml")
+    mechanism = pipeline.read_mechanism(
+        Path(__file__).resolve().parents[2] / "specs" / "thread-take-up.toml"
+    )
     start, bodies = mechanism.poses(np.zeros(1)), []
     for part in mechanism.parts():
         mesh = solid(part, mechanism.accuracy.chord_tolerance)
         for k, pose in enumerate(start[part.name]):
 
-            def course(theta: np.ndarray, name: str = part.name, k: int = k) -> tuple[np.ndarray, np.ndarray]:
+            def course(
+                theta: np.ndarray, name: str = part.name, k: int = k
+            ) -> tuple[np.ndarray, np.ndarray]:
                 found = mechanism.poses(theta)[name][k]
                 return found.angle, found.place
 
@@ -99,15 +105,22 @@ def main() -> None:
     """Print a line for each pair and the time of all."""
     bodies, contacts = machine()
     gap, more = take_up()
-    for title, these, touching, needed in (("swing", bodies, contacts, 0.05), ("take-up", more, {}, gap)):
+    for title, these, touching, needed in (
+        ("swing", bodies, contacts, 0.05),
+        ("take-up", more, {}, gap),
+    ):
         began = time.process_time()
         found = swept(these, touching, needed)
         spent = time.process_time() - began
         for c in found:
-            print(f"{c.a:14} {c.b:14} gap {c.gap:9.4f}  proven {c.proven:9.4f} mm  {c.evaluations:6} evaluations")
+            print(
+                f"{c.a:14} {c.b:14} gap {c.gap:9.4f}  proven {c.proven:9.4f} mm  {c.evaluations:6} evaluations"
+            )
         if touching:
             print(*interference(found, needed), sep="\n")
-        print(f"{title}: {len(these)} bodies, {len(found)} pairs with heights in common: {spent:.2f} s of processor time\n")
+        print(
+            f"{title}: {len(these)} bodies, {len(found)} pairs with heights in common: {spent:.2f} s of processor time\n"
+        )
 
 
 if __name__ == "__main__":

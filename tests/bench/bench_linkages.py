@@ -21,11 +21,26 @@ from typing import Any
 
 COUNTS, ROUNDS = (360, 3_600, 36_000, 1_000_000), 9
 # How many times as fast as pylinkage's positions, by machine and number of angles.
-WANTED = {("four-bar", 3_600): 2, ("four-bar", 36_000): 5, ("four-bar", 1_000_000): 10, ("six-bar", 36_000): 3}
+WANTED = {
+    ("four-bar", 3_600): 2,
+    ("four-bar", 36_000): 5,
+    ("four-bar", 1_000_000): 10,
+    ("six-bar", 36_000): 3,
+}
 FRAME, CRANK, COUPLER, OUTPUT = 9.0, 30.0, 30.0, 19.0
-PIVOT, ROD, ROCKER = 60.0, 55.0, 30.0  # of the six-bar's second dyad: its place beside O, its two links
+PIVOT, ROD, ROCKER = (
+    60.0,
+    55.0,
+    30.0,
+)  # of the six-bar's second dyad: its place beside O, its two links
 # ms for 3,600 angles: chains of tests/machine/chains.py, those behind the first without dyads or with larger blocks.
-GOALS = {"jansen": 0.5, "klann": 0.5, "watt_two": 0.5, "double_butterfly": 30.0, "stephenson_three": 30.0}
+GOALS = {
+    "jansen": 0.5,
+    "klann": 0.5,
+    "watt_two": 0.5,
+    "double_butterfly": 30.0,
+    "stephenson_three": 30.0,
+}
 
 
 def peer_jobs(machine: str, count: int) -> tuple[dict[str, Callable[[], Any]], Callable[[], Any]]:
@@ -42,7 +57,14 @@ def peer_jobs(machine: str, count: int) -> tuple[dict[str, Callable[[], Any]], C
         parts = [o, c, a, b]
         if machine == "six-bar":
             g = Ground(PIVOT, 0, name="G")
-            parts = [o, c, g, a, b, RRRDyad(anchor1=b, anchor2=g, distance1=ROD, distance2=ROCKER, name="E")]
+            parts = [
+                o,
+                c,
+                g,
+                a,
+                b,
+                RRRDyad(anchor1=b, anchor2=g, distance1=ROD, distance2=ROCKER, name="E"),
+            ]
         linkage = Linkage(parts)
         linkage.compile()
         return linkage
@@ -50,7 +72,9 @@ def peer_jobs(machine: str, count: int) -> tuple[dict[str, Callable[[], Any]], C
     linkage = fresh()
     jobs = {"pylinkage step_fast, positions": lambda: linkage.step_fast(count, 1)}
     if machine == "four-bar":
-        jobs["pylinkage step_fast_with_kinematics"] = lambda: linkage.step_fast_with_kinematics(count, 1)
+        jobs["pylinkage step_fast_with_kinematics"] = lambda: linkage.step_fast_with_kinematics(
+            count, 1
+        )
     return jobs, lambda: fresh().step_fast(count, 1)[:, 2 if machine == "four-bar" else 3 :]
 
 
@@ -95,11 +119,18 @@ def machine_of(machine: str) -> tuple[Any, list[tuple[str, float]]]:
     if machine == "six-bar":
         e = _meet(b, ROD, PIVOT, ROCKER, 1)
         places |= {"rod": (b, e), "lever": (PIVOT + 0j, e)}
-        pins += [Pin("B of rod", Place("coupler", COUPLER), Place("rod")), Pin("G", Place("ground", PIVOT), Place("lever")),
-                 Pin("E", Place("rod", ROD), Place("lever", ROCKER))]  # fmt: skip
+        pins += [
+            Pin("B of rod", Place("coupler", COUPLER), Place("rod")),
+            Pin("G", Place("ground", PIVOT), Place("lever")),
+            Pin("E", Place("rod", ROD), Place("lever", ROCKER)),
+        ]
         asked.append(("rod", ROD))
-    start: Mapping[str, Pose] = {name: Pose(z, cmath.phase(w - z)) for name, (z, w) in places.items()}
-    return Machine(tuple(Body(name) for name in places), tuple(pins), (Drive("drive", "crank"),), start), asked
+    start: Mapping[str, Pose] = {
+        name: Pose(z, cmath.phase(w - z)) for name, (z, w) in places.items()
+    }
+    return Machine(
+        tuple(Body(name) for name in places), tuple(pins), (Drive("drive", "crank"),), start
+    ), asked
 
 
 def joints_of(machine: str) -> Callable[[Any, int], list[Any]]:
@@ -126,7 +157,11 @@ def main(interpreter: str | None) -> None:
     """Print the tables."""
     import numpy as np
 
-    if interpreter is None and importlib.util.find_spec("pylinkage") and importlib.util.find_spec("numba"):
+    if (
+        interpreter is None
+        and importlib.util.find_spec("pylinkage")
+        and importlib.util.find_spec("numba")
+    ):
         interpreter = sys.executable
     peer = None
     if interpreter is None:
@@ -140,12 +175,18 @@ def main(interpreter: str | None) -> None:
         peer.stdin.flush()
         return json.loads(peer.stdout.readline())
 
-    for machine, count in [*(("four-bar", count) for count in COUNTS), ("six-bar", 3_600), ("six-bar", 36_000)]:
+    for machine, count in [
+        *(("four-bar", count) for count in COUNTS),
+        ("six-bar", 3_600),
+        ("six-bar", 36_000),
+    ]:
         joints = joints_of(machine)
         theta = np.arange(1, count + 1) * (2 * math.pi / count)
         ours = {
             "camgen, positions": lambda theta=theta, joints=joints: joints(theta, 0),
-            "camgen, positions and two derivatives": lambda theta=theta, joints=joints: joints(theta, 2),
+            "camgen, positions and two derivatives": lambda theta=theta, joints=joints: joints(
+                theta, 2
+            ),
         }
         for job in ours.values():
             job()
@@ -155,7 +196,10 @@ def main(interpreter: str | None) -> None:
             theirs = np.array(ask([machine, count])) @ [1, 1j]
             here = joints(theta[:: max(1, count // 360)], 0)
             # Its crank is stepped by adding, which drifts; its coarse answers carry that.
-            print(f"; greatest difference {np.abs(theirs.T - [each[0] for each in here]).max():.1e} mm", end="")
+            print(
+                f"; greatest difference {np.abs(theirs.T - [each[0] for each in here]).max():.1e} mm",
+                end="",
+            )
         print()
         for _ in range(ROUNDS):
             for name, job in ours.items():
@@ -164,12 +208,16 @@ def main(interpreter: str | None) -> None:
                 times.setdefault(name, []).append(spent)
         base = min(times["camgen, positions and two derivatives"])
         for name, spent in times.items():
-            print(f"  {name:51} {min(spent):9.3f} ms   {min(spent) / base:6.2f} of positions and two derivatives")
+            print(
+                f"  {name:51} {min(spent):9.3f} ms   {min(spent) / base:6.2f} of positions and two derivatives"
+            )
         if peer:
             theirs_ms = min(times["pylinkage step_fast, positions"])
             wanted = f", {WANTED[machine, count]:g} wanted" if (machine, count) in WANTED else ""
             alike = min(times["camgen, positions"])
-            print(f"  {theirs_ms / base:.1f} times as fast as its positions{wanted}; by positions alone {theirs_ms / alike:.1f}")
+            print(
+                f"  {theirs_ms / base:.1f} times as fast as its positions{wanted}; by positions alone {theirs_ms / alike:.1f}"
+            )
     if peer and peer.stdin:
         peer.stdin.close()
         peer.wait()
@@ -203,13 +251,18 @@ def print_blocks() -> None:
         return lines
 
     for order, what in ((0, "positions"), (2, "positions and two derivatives")):
-        jobs = {f"bare lines, {size:,} at a time": least(size, order) for size in (4_000, 8_000, 20_000)}
+        jobs = {
+            f"bare lines, {size:,} at a time": least(size, order) for size in (4_000, 8_000, 20_000)
+        }
         jobs["camgen block by block"] = lambda order=order: ours(order)  # type: ignore[misc]
         spent: dict[str, list[float]] = {}
         for _ in range(2 * ROUNDS):
             for name, job in jobs.items():
                 spent.setdefault(name, []).append(clocked(job, time.process_time))
-        print(f"four-bar, {count:,} angles, {what}: " + ", ".join(f"{name} {min(each):.1f} ms" for name, each in spent.items()))
+        print(
+            f"four-bar, {count:,} angles, {what}: "
+            + ", ".join(f"{name} {min(each):.1f} ms" for name, each in spent.items())
+        )
 
 
 def print_chains() -> None:
@@ -234,7 +287,9 @@ def print_chains() -> None:
 
         job()
         spent = min(clocked(job) for _ in range(ROUNDS))
-        print(f"{name:20} {spent:8.3f} ms for 3,600 angles, goal {goal:g}: {'met' if spent <= goal else 'NOT met'}")
+        print(
+            f"{name:20} {spent:8.3f} ms for 3,600 angles, goal {goal:g}: {'met' if spent <= goal else 'NOT met'}"
+        )
 
 
 if __name__ == "__main__":

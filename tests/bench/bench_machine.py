@@ -45,7 +45,9 @@ def best(job: Callable[[], object], rounds: int) -> float:
 def main() -> None:
     """Print the table."""
     theta = np.arange(COUNT) * (math.tau / COUNT)
-    print(f"{COUNT:,} angles, two derivatives; ms{'':24} {'again':>8} {'first':>8} {'wanted':>7} {'judge':>8} {'forces':>8}")
+    print(
+        f"{COUNT:,} angles, two derivatives; ms{'':24} {'again':>8} {'first':>8} {'wanted':>7} {'judge':>8} {'forces':>8}"
+    )
     for name, make in CHAINS.items():
         machine = make()
         chain = chain_of(machine)
@@ -56,9 +58,13 @@ def main() -> None:
         judge = best(lambda system=system, guess=guess: close(system, theta, guess), 1)
         forces = best(lambda machine=machine: solve(machine, theta).forces(), 1)
         blocks = [step for step in chain.steps if isinstance(step, Dyad | Block)]
-        kinds = " ".join(step.kind if isinstance(step, Dyad) else f"Newton:{step.size}" for step in blocks)
+        kinds = " ".join(
+            step.kind if isinstance(step, Dyad) else f"Newton:{step.size}" for step in blocks
+        )
         wanted = f"{WANTED[name]:g}" if name in WANTED else ""
-        print(f"{name:30} {kinds:24.24} {again:8.3f} {first:8.1f} {wanted:>7} {judge:8.0f} {forces:8.0f}")
+        print(
+            f"{name:30} {kinds:24.24} {again:8.3f} {first:8.1f} {wanted:>7} {judge:8.0f} {forces:8.0f}"
+        )
 
 
 if __name__ == "__main__":

@@ -22,9 +22,11 @@ CROWD = 4_000
 VARY = (
     ("disc-cam", "geometry.base_radius=16:40 geometry.follower.offset=-4:4"),
     ("disc-cam", "geometry.base_radius=16:40 geometry.follower.radius=2:7 segment.0.lift=5:20"),
-    ("uniform-swing", "geometry.swing_deg=20:30"), ("eccentric-drive", "geometry.rod=40:60"),
-    ("linkage", "lengths.A-B=70:80"), ("thread-take-up", "geometry.coupler=17:21"),
-)  # fmt: skip
+    ("uniform-swing", "geometry.swing_deg=20:30"),
+    ("eccentric-drive", "geometry.rod=40:60"),
+    ("linkage", "lengths.A-B=70:80"),
+    ("thread-take-up", "geometry.coupler=17:21"),
+)
 
 
 def main() -> None:
@@ -35,14 +37,18 @@ def main() -> None:
         begun, closed = time.process_time(), 0
         for block in four_bars(*lengths, theta):
             least, _most = block.transmission
-            closed += int(np.count_nonzero(np.isfinite(block.output_range) & (least > math.radians(40))))
+            closed += int(
+                np.count_nonzero(np.isfinite(block.output_range) & (least > math.radians(40)))
+            )
         times.append(time.process_time() - begun)
     took = statistics.median(times)
     what = f"{COUNT:,} four-bars x {ANGLES} angles, positions, transmission angles, output range"
     print(f"{what}: {took:.2f} s of one core (goal {GOAL:g} s)")
     print(f"  of them close over the turn and keep 40 deg: {closed:,}")
     for name, vary in VARY:
-        task = prepared(SPECS / f"{name}.toml", variants(vary.split(), latin=CROWD), (), (), (), Path())
+        task = prepared(
+            SPECS / f"{name}.toml", variants(vary.split(), latin=CROWD), (), (), (), Path()
+        )
         count = CROWD if name == "disc-cam" else 10
         judged(task, range(2))
         begun = time.process_time()

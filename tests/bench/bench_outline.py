@@ -32,7 +32,9 @@ def milliseconds(work: Callable[[], object], repeats: int = 5) -> float:
     return 1e3 * float(np.median(times))
 
 
-def each(work: Callable[[Smooth, float], object], pieces: tuple[Smooth, ...], tolerance: float) -> None:
+def each(
+    work: Callable[[Smooth, float], object], pieces: tuple[Smooth, ...], tolerance: float
+) -> None:
     """The work on every piece."""
     for piece in pieces:
         work(piece, tolerance)
@@ -45,7 +47,9 @@ def uniform(piece: Smooth, tolerance: float) -> int:
         lo, hi = hi, 2 * hi
     while hi - lo > 1:
         middle = (lo + hi) // 2
-        inside = largest_distance(piece, np.linspace(piece.t0, piece.t1, middle + 1), 9) <= tolerance
+        inside = (
+            largest_distance(piece, np.linspace(piece.t0, piece.t1, middle + 1), 9) <= tolerance
+        )
         lo, hi = (lo, middle) if inside else (middle, hi)
     return hi
 
@@ -54,10 +58,14 @@ def main() -> None:
     """One table a cam; smooth pieces only, as in the published figures."""
     for name, pieces in (("knife edge", knife_cam().pieces), ("tip 3", blunt_pieces())):
         print(f"\n{name}: L = 60, H = 30, swing 30 deg, {len(pieces)} smooth pieces")
-        print("tolerance | vertices: theory reached ratio  equal angles       ms | arcs: theory reached ratio      ms")
+        print(
+            "tolerance | vertices: theory reached ratio  equal angles       ms | arcs: theory reached ratio      ms"
+        )
         for tolerance in 10.0 ** -np.arange(1, 8):
             least = sum(theoretical_vertices(_alone(p), tolerance) for p in pieces)
-            fewest = sum(theoretical_arcs(_alone(p), tolerance) - 1 for p in pieces)  # less the line
+            fewest = sum(
+                theoretical_arcs(_alone(p), tolerance) - 1 for p in pieces
+            )  # less the line
             facets = sum(facet(p, tolerance).size - 1 for p in pieces)
             arcs = sum(len(_fit_smooth(p, tolerance)) for p in pieces)
             plain = sum(uniform(p, tolerance) for p in pieces) if tolerance > 5e-7 else 0

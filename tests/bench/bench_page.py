@@ -49,7 +49,10 @@ def main(paths: list[Path]) -> None:
             for _ in range(9):
                 page.ask("Page.navigate", url="about:blank")
                 runs.append(times(page, path))
-            paint, solid = (f"{min(each):.0f} / {statistics.median(each):.0f}" for each in zip(*runs, strict=True))
+            paint, solid = (
+                f"{min(each):.0f} / {statistics.median(each):.0f}"
+                for each in zip(*runs, strict=True)
+            )
             name = path.stem if path == empty else path.parent.name
             print(f"| {name} | {path.stat().st_size / 1e3:.0f} | {paint} | {solid} |")
 

@@ -16,7 +16,18 @@ import time
 from pathlib import Path
 
 SPEC = Path(__file__).parent.parent.parent / "specs" / "uniform-swing.toml"
-HEAVY = ("numpy", "pydantic", "scipy", "shapely", "ezdxf", "manifold3d", "mapbox_earcut", "lib3mf", "matplotlib", "rich")
+HEAVY = (
+    "numpy",
+    "pydantic",
+    "scipy",
+    "shapely",
+    "ezdxf",
+    "manifold3d",
+    "mapbox_earcut",
+    "lib3mf",
+    "matplotlib",
+    "rich",
+)
 RUN = """
 import json, sys
 from camgen.cli import main
@@ -34,7 +45,9 @@ def started(*arguments: str) -> tuple[float, list[str]]:
     seconds, loaded = [], []
     for _ in range(5):
         begin = time.perf_counter()
-        done = subprocess.run([sys.executable, "-c", RUN, *arguments], capture_output=True, text=True, check=True)
+        done = subprocess.run(
+            [sys.executable, "-c", RUN, *arguments], capture_output=True, text=True, check=True
+        )
         seconds.append(time.perf_counter() - begin)
         loaded = json.loads(done.stdout.splitlines()[-1])
     return statistics.median(seconds), [name for name in HEAVY if name in loaded]
@@ -52,11 +65,18 @@ def main(spec: Path) -> None:
         print("| command | s | loads |\n|---|---|---|")
         for command in commands:
             seconds, loaded = started(*command)
-            said = " ".join(Path(word).name if word in (str(spec), folder) else word for word in command)
+            said = " ".join(
+                Path(word).name if word in (str(spec), folder) else word for word in command
+            )
             said = said.replace(f" -o {Path(folder).name}", "")
             print(f"| `camgen {said}` | {seconds:.2f} | {' '.join(loaded) or 'nothing heavy'} |")
         marks: list[tuple[str, float]] = []
-        build(spec, Path(folder), frozenset(KINDS), progress=lambda text, done=None: marks.append((text, time.perf_counter())))
+        build(
+            spec,
+            Path(folder),
+            frozenset(KINDS),
+            progress=lambda text, done=None: marks.append((text, time.perf_counter())),
+        )
         marks.append(("", time.perf_counter()))
     print(f"\n| stage of `camgen build {spec.name}` | s |\n|---|---|")
     for (text, begin), (_, end) in zip(marks, marks[1:], strict=False):

@@ -32,11 +32,17 @@ class LineTests:
     def __init__(self, of: list[str]) -> None:
         import coverage
 
-        named = (path for name in of for path in ([Path(name)] if name.endswith(".py") else Path(name).rglob("*.py")))
+        named = (
+            path
+            for name in of
+            for path in ([Path(name)] if name.endswith(".py") else Path(name).rglob("*.py"))
+        )
         self.files = sorted(map(str, named))
         included = [str(Path(file).resolve()) for file in self.files]
         self.coverage = coverage.Coverage(data_file=None, config_file=False, include=included)
-        self.coverage.set_option("run:disable_warnings", ["no-data-collected"])  # tests that run none of these files
+        self.coverage.set_option(
+            "run:disable_warnings", ["no-data-collected"]
+        )  # tests that run none of these files
         self.users: dict[str, set[str]] = defaultdict(set)
         self.seconds: dict[str, float] = defaultdict(float)
         self._tests: set[str] = set()
@@ -121,9 +127,13 @@ def _shared(definition: Any) -> str:
 
 def pytest_configure(config: pytest.Config) -> None:
     settings.register_profile(
-        "mutants", derandomize=True, deadline=None, database=None,
-        phases=(Phase.explicit, Phase.generate), suppress_health_check=[HealthCheck.too_slow],
-    )  # fmt: skip
+        "mutants",
+        derandomize=True,
+        deadline=None,
+        database=None,
+        phases=(Phase.explicit, Phase.generate),
+        suppress_health_check=[HealthCheck.too_slow],
+    )
     settings.load_profile("mutants")
     if OUT:
         config.pluginmanager.register(LineTests(os.environ["LINE_TESTS_OF"].split(os.pathsep)))

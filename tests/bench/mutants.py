@@ -44,13 +44,33 @@ from cosmic_ray.operators.operator import Example, Operator
 TOP = Path(__file__).resolve().parents[2]
 KEPT = TOP / "build" / "mutants"
 CODE = ("camgen/judge", "camgen/machine/closing.py", "camgen/machine/constraints.py")
-TESTS = ("tests/judge", "tests/machine", "tests/pipeline", "tests/files", "tests/parts/test_fits.py")
+TESTS = (
+    "tests/judge",
+    "tests/machine",
+    "tests/pipeline",
+    "tests/files",
+    "tests/parts/test_fits.py",
+)
 SWAPS = {
-    ("min", "max"), ("minimum", "maximum"), ("argmin", "argmax"), ("any", "all"), ("floor", "ceil"), ("real", "imag"),
+    ("min", "max"),
+    ("minimum", "maximum"),
+    ("argmin", "argmax"),
+    ("any", "all"),
+    ("floor", "ceil"),
+    ("real", "imag"),
     ("sin", "cos"),
-}  # fmt: skip
-ARITHMETIC = {"Add": "Sub", "Sub": "Add", "Mul": "Div", "Div": "Mul", "FloorDiv": "Div", "Mod": "Mul", "Pow": "Mul",
-              "BitAnd": "BitOr", "BitOr": "BitAnd"}  # fmt: skip
+}
+ARITHMETIC = {
+    "Add": "Sub",
+    "Sub": "Add",
+    "Mul": "Div",
+    "Div": "Mul",
+    "FloorDiv": "Div",
+    "Mod": "Mul",
+    "Pow": "Mul",
+    "BitAnd": "BitOr",
+    "BitOr": "BitAnd",
+}
 ORDER = ("Lt", "LtE", "Gt", "GtE")
 MEMORY = 6 << 30  # bytes that a run of tests may take
 _LONGEST = 12  # lines of a statement
@@ -85,8 +105,16 @@ def operators() -> dict[str, Operator]:
             case "ReplaceBinaryOperator":
                 sensible = ARITHMETIC.get(before) == after
             case "ReplaceComparisonOperator":
-                one_kind = {before, after} <= set(ORDER) or {before, after} in ({"Eq", "NotEq"}, {"Is", "IsNot"})
-                sensible = one_kind and (before, after) not in (("Lt", "Gt"), ("Gt", "Lt"), ("LtE", "GtE"), ("GtE", "LtE"))
+                one_kind = {before, after} <= set(ORDER) or {before, after} in (
+                    {"Eq", "NotEq"},
+                    {"Is", "IsNot"},
+                )
+                sensible = one_kind and (before, after) not in (
+                    ("Lt", "Gt"),
+                    ("Gt", "Lt"),
+                    ("LtE", "GtE"),
+                    ("GtE", "LtE"),
+                )
             case "ReplaceUnaryOperator":
                 sensible = way in ("Delete_USub", "Delete_Not", "Delete_Invert")
             case "VariableReplacer" | "VariableInserter":
@@ -123,7 +151,11 @@ def _annotations(source: str) -> list[tuple[tuple[int, int], tuple[int, int]]]:
             nodes.append(node.annotation)
         elif isinstance(node, ast.FunctionDef):
             nodes.append(node.returns)
-    return [((n.lineno, n.col_offset), (n.end_lineno or 0, n.end_col_offset or 0)) for n in nodes if n is not None]
+    return [
+        ((n.lineno, n.col_offset), (n.end_lineno or 0, n.end_col_offset or 0))
+        for n in nodes
+        if n is not None
+    ]
 
 
 def mutants_of(file: str) -> list[Mutant]:
@@ -146,7 +178,11 @@ def sample(seed: int, count: int, code: Sequence[str]) -> list[Mutant]:
     def drawn(*what: object) -> str:
         return hashlib.sha256(repr((seed, *what)).encode()).hexdigest()
 
-    files = [str(p.relative_to(TOP)) for n in code for p in ([TOP / n] if n.endswith(".py") else sorted((TOP / n).glob("*.py")))]
+    files = [
+        str(p.relative_to(TOP))
+        for n in code
+        for p in ([TOP / n] if n.endswith(".py") else sorted((TOP / n).glob("*.py")))
+    ]
     places: dict[tuple[str, str, int, int], list[Mutant]] = defaultdict(list)
     for file in files:
         seen = Counter[tuple[str, int]]()
@@ -157,7 +193,10 @@ def sample(seed: int, count: int, code: Sequence[str]) -> list[Mutant]:
                 at[mutant.line, mutant.column] = seen[mutant.text, mutant.column]
             places[file, mutant.text, mutant.column, at[mutant.line, mutant.column]].append(mutant)
     chosen = sorted(places, key=lambda place: drawn(*place))[:count]
-    return [min(places[place], key=lambda m: drawn(*place, m.operator, m.occurrence)) for place in chosen]
+    return [
+        min(places[place], key=lambda m: drawn(*place, m.operator, m.occurrence))
+        for place in chosen
+    ]
 
 
 # ---- running -----------------------------------------------------------------------------------------------------------
@@ -166,20 +205,31 @@ def sample(seed: int, count: int, code: Sequence[str]) -> list[Mutant]:
 def copy_tree(to: Path) -> None:
     """The files that git tracks or would track, compiled."""
     listed = subprocess.run(
-        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=TOP, capture_output=True, check=True
+        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+        cwd=TOP,
+        capture_output=True,
+        check=True,
     ).stdout.decode()
     shutil.rmtree(to, ignore_errors=True)
     for name in filter(None, listed.split("\0")):
         if (TOP / name).exists():
             (to / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(TOP / name, to / name)
-    subprocess.run([sys.executable, "-m", "compileall", "-q", "camgen", "tests"], cwd=to, check=True)
+    subprocess.run(
+        [sys.executable, "-m", "compileall", "-q", "camgen", "tests"], cwd=to, check=True
+    )
 
 
-def pytest_run(tree: Path, arguments: Sequence[str], limit: float | None, **variables: str) -> tuple[int, str]:
+def pytest_run(
+    tree: Path, arguments: Sequence[str], limit: float | None, **variables: str
+) -> tuple[int, str]:
     """Exit code of pytest in a copy of the checkout, and what it printed; limit: s, of processor time."""
     path = os.pathsep.join([str(tree), str(tree / "tests" / "bench")])
-    env = os.environ | {"PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1", "OPENBLAS_NUM_THREADS": "1"} | variables
+    env = (
+        os.environ
+        | {"PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1", "OPENBLAS_NUM_THREADS": "1"}
+        | variables
+    )
 
     def bounded() -> None:
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
@@ -187,9 +237,26 @@ def pytest_run(tree: Path, arguments: Sequence[str], limit: float | None, **vari
             resource.setrlimit(resource.RLIMIT_CPU, (round(limit), round(limit) + 5))
 
     process = subprocess.Popen(
-        [sys.executable, "-m", "pytest", "-q", "-p", "line_tests", "-p", "no:cacheprovider", "-p", "no:xdist", *arguments],
-        cwd=tree, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True, preexec_fn=bounded,
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-m",
+            "pytest",
+            "-q",
+            "-p",
+            "line_tests",
+            "-p",
+            "no:cacheprovider",
+            "-p",
+            "no:xdist",
+            *arguments,
+        ],
+        cwd=tree,
+        env=env,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        start_new_session=True,
+        preexec_fn=bounded,
+    )
     try:
         said, _ = process.communicate(timeout=None if limit is None else _WAITED * limit)
     except subprocess.TimeoutExpired:  # waits for what never comes
@@ -227,10 +294,20 @@ class Map:
         sources = {file: (TOP / file).read_text(encoding="utf-8") for file in lines}
         nodes = {file: ast.walk(ast.parse(source)) for file, source in sources.items()}
         bodies = {
-            file: [(node.body[0].lineno, node.end_lineno or 0) for node in each if isinstance(node, ast.FunctionDef)]
+            file: [
+                (node.body[0].lineno, node.end_lineno or 0)
+                for node in each
+                if isinstance(node, ast.FunctionDef)
+            ]
             for file, each in nodes.items()
         }
-        return cls(seconds, needs, lines, bodies, {file: source.split("\n") for file, source in sources.items()})
+        return cls(
+            seconds,
+            needs,
+            lines,
+            bodies,
+            {file: source.split("\n") for file, source in sources.items()},
+        )
 
     def tests(self, mutant: Mutant, most: float) -> list[str]:
         """Those that run its line, the quickest first, of `most` seconds together; of a line that is run on import those that
@@ -242,7 +319,11 @@ class Map:
             own = set(next(filter(None, near), ()))
         else:
             name = re.match(r"\w+", mutant.text)
-            used = [k for k, text in enumerate(self.texts[mutant.file], 1) if name and re.search(rf"\b{name[0]}\b", text)]
+            used = [
+                k
+                for k, text in enumerate(self.texts[mutant.file], 1)
+                if name and re.search(rf"\b{name[0]}\b", text)
+            ]
             own = {test for line in used for test in lines.get(line, ())}
             own = own or {test for tests in lines.values() for test in tests}
         chosen: list[str] = []
@@ -260,14 +341,20 @@ class Map:
 
 def _lines_now(before: str, now: str) -> dict[int, int]:
     """Where each line of a file stands that has been edited since, from 1."""
-    same = SequenceMatcher(None, before.split("\n"), now.split("\n"), autojunk=False).get_matching_blocks()
+    same = SequenceMatcher(
+        None, before.split("\n"), now.split("\n"), autojunk=False
+    ).get_matching_blocks()
     return {a + k + 1: b + k + 1 for a, b, size in same for k in range(size)}
 
 
 def collected(tree: Path) -> set[str]:
     """The tests that are in a copy of the checkout, of files of which a map was made."""
-    files = {name.partition("::")[0] for path in (KEPT / "map").glob("*.json")
-             for name in json.loads(path.read_text(encoding="utf-8"))["seconds"] if "::" in name}  # fmt: skip
+    files = {
+        name.partition("::")[0]
+        for path in (KEPT / "map").glob("*.json")
+        for name in json.loads(path.read_text(encoding="utf-8"))["seconds"]
+        if "::" in name
+    }
     there = sorted(name for name in files if (tree / name).exists())
     code, said = pytest_run(tree, ["--collect-only", *there], None)
     assert code == 0, f"tests cannot be collected\n{said[-3000:]}"
@@ -276,13 +363,18 @@ def collected(tree: Path) -> set[str]:
 
 def make_map(tests: Sequence[str], jobs: int) -> None:
     """Which tests run which line, a process for each file of tests."""
-    files = [str(p.relative_to(TOP)) for n in tests
-             for p in ([TOP / n] if n.endswith(".py") else sorted((TOP / n).rglob("test_*.py")))]  # fmt: skip
+    files = [
+        str(p.relative_to(TOP))
+        for n in tests
+        for p in ([TOP / n] if n.endswith(".py") else sorted((TOP / n).rglob("test_*.py")))
+    ]
     (KEPT / "map").mkdir(parents=True, exist_ok=True)
 
     def one(file: str) -> str:
         out = KEPT / "map" / f"{file.replace('/', '.')}.json"
-        code, said = pytest_run(TOP, [file], None, LINE_TESTS=str(out), LINE_TESTS_OF=os.pathsep.join(CODE))
+        code, said = pytest_run(
+            TOP, [file], None, LINE_TESTS=str(out), LINE_TESTS_OF=os.pathsep.join(CODE)
+        )
         return f"{file}: {'ok' if code == 0 else said[-2000:]}"
 
     with ThreadPoolExecutor(jobs) as pool:
@@ -296,7 +388,11 @@ def outcome(mutant: Mutant, tree: Path, known: Map, most: float) -> dict[str, An
     source = path.read_text(encoding="utf-8")
     changed = mutate_code(source, operators()[mutant.operator], mutant.occurrence)
     assert changed is not None and changed != source, f"{mutant} changes nothing"
-    pairs = [(a.strip(), b.strip()) for a, b in zip(source.split("\n"), changed.split("\n"), strict=False) if a != b]
+    pairs = [
+        (a.strip(), b.strip())
+        for a, b in zip(source.split("\n"), changed.split("\n"), strict=False)
+        if a != b
+    ]
     record = asdict(mutant) | {"becomes": pairs[0][1] if pairs else ""}
     tests = known.tests(mutant, most)
     if not tests:
@@ -311,7 +407,12 @@ def outcome(mutant: Mutant, tree: Path, known: Map, most: float) -> dict[str, An
         path.write_text(source, encoding="utf-8")
     if code == 0:
         return record | {"noticed": False, "by": f"{len(tests)} tests"}
-    killed = {-signal.SIGXCPU: "too long", -signal.SIGKILL: "killed", -signal.SIGSEGV: "crash", 2: "it cannot be imported"}
+    killed = {
+        -signal.SIGXCPU: "too long",
+        -signal.SIGKILL: "killed",
+        -signal.SIGSEGV: "crash",
+        2: "it cannot be imported",
+    }
     if "ERROR collecting" in said:
         code = 2
     assert code == 1 or code in killed, f"{mutant}: pytest ended with {code}\n{said[-3000:]}"
@@ -340,8 +441,11 @@ def run(mutants: Iterable[Mutant], jobs: int, most: float, kept: Path) -> None:
         for k, record in enumerate(pool.map(one, waiting), 1):
             file.write(json.dumps(record) + "\n")
             file.flush()
-            print(f"{k}/{len(waiting)} {'noticed' if record['noticed'] else 'NOT NOTICED'} {record['file']}:{record['line']} "
-                  f"{record['operator'].removeprefix('core/')} ({record['by']})", flush=True)  # fmt: skip
+            print(
+                f"{k}/{len(waiting)} {'noticed' if record['noticed'] else 'NOT NOTICED'} {record['file']}:{record['line']} "
+                f"{record['operator'].removeprefix('core/')} ({record['by']})",
+                flush=True,
+            )
 
 
 def results(kept: Path) -> dict[str, dict[str, Any]]:
@@ -359,7 +463,9 @@ def show(mutants: Sequence[Mutant], kept: Path) -> None:
     records = [done[mutant.key] for mutant in mutants if mutant.key in done]
     for record in records:
         if not record["noticed"]:
-            print(f"\n{record['file']}:{record['line']} {record['operator'].removeprefix('core/')}, {record['by']}")
+            print(
+                f"\n{record['file']}:{record['line']} {record['operator'].removeprefix('core/')}, {record['by']}"
+            )
             print(f"  - {record['text']}\n  + {record['becomes']}")
     noticed = sum(record["noticed"] for record in records)
     print(f"\n{noticed} of {len(records)} noticed, {noticed / max(len(records), 1):.1%}")
@@ -367,12 +473,16 @@ def show(mutants: Sequence[Mutant], kept: Path) -> None:
 
 def main() -> None:
     """The command."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("what", choices=("map", "run", "show"))
     parser.add_argument("tests", nargs="*", default=TESTS, help="folders or files of tests (map)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=300)
-    parser.add_argument("--code", nargs="*", default=CODE, help="files or folders to put faults into")
+    parser.add_argument(
+        "--code", nargs="*", default=CODE, help="files or folders to put faults into"
+    )
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--seconds", type=float, default=40.0, help="of tests for one fault")
     parser.add_argument("--again", action="store_true", help="run again those that no test noticed")

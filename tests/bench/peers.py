@@ -56,7 +56,9 @@ class Peers:
 
     def __init__(self, python: str | None) -> None:
         self.python = python or sys.executable
-        self.process = subprocess.Popen([self.python, str(HERE / "peers_jobs.py")], stdin=-1, stdout=-1, text=True)
+        self.process = subprocess.Popen(
+            [self.python, str(HERE / "peers_jobs.py")], stdin=-1, stdout=-1, text=True
+        )
         self.versions: set[str] = set()
         self.missing: set[str] = set()
 
@@ -94,7 +96,9 @@ def again(work: Callable[[], object]) -> float:
     return clocked(work)
 
 
-def alternated(rounds: int, ours: Callable[[], float], theirs: Callable[[], float] | None) -> tuple[float, float]:
+def alternated(
+    rounds: int, ours: Callable[[], float], theirs: Callable[[], float] | None
+) -> tuple[float, float]:
     """Medians of both, a round of each in turn after a warm one; nan without a peer.
 
     A peer whose warm round takes longer than a minute is not asked again.
@@ -118,13 +122,27 @@ def seconds(value: float) -> str:
 
 
 def faster(
-    work: str, peer: str, goal: float, ours: float, theirs: float, notes: tuple[str, str] = ("", ""), fine: bool = True
+    work: str,
+    peer: str,
+    goal: float,
+    ours: float,
+    theirs: float,
+    notes: tuple[str, str] = ("", ""),
+    fine: bool = True,
 ) -> Row:
     """A row on time; `fine`: what the goal asks besides."""
     ratio = theirs / ours
     met = None if math.isnan(ratio) else ratio >= goal and fine
     told = "-" if met is None else f"{ratio:,.3g} times as fast"
-    return Row(work, peer, f"{goal:,g} times as fast", seconds(ours) + notes[0], seconds(theirs) + notes[1], told, met)
+    return Row(
+        work,
+        peer,
+        f"{goal:,g} times as fast",
+        seconds(ours) + notes[0],
+        seconds(theirs) + notes[1],
+        told,
+        met,
+    )
 
 
 # ---- linkages --------------------------------------------------------------------------------------------------------
@@ -157,20 +175,38 @@ def four_bars(peers: Peers, rounds: int) -> Iterator[Row]:
         along = ((coupler - output) * np.longdouble(coupler + output) / np.abs(d) ** 2 + 1) / 2
         b = a + d * (along - 1j * np.sqrt(coupler**2 / np.abs(d) ** 2 - along**2))
         ours = joints(four_bar.run(some, 0))
-        error = float(max(np.abs(found[0] - exact).max() for found, exact in zip(ours, (a, b), strict=True)))
-        said = peers.job("four_bar", count=count, frame=frame, crank=crank, coupler=coupler, output=output)
+        error = float(
+            max(np.abs(found[0] - exact).max() for found, exact in zip(ours, (a, b), strict=True))
+        )
+        said = peers.job(
+            "four_bar", count=count, frame=frame, crank=crank, coupler=coupler, output=output
+        )
         theirs = math.nan
         if said:
             places = np.array(said["answer"]) @ [1, 1j]
             theirs = float(np.abs(places.T - [a, b]).max())
         notes = f", {error:.0e} mm off", f", {theirs:.0e} mm off" if said else ""
-        ways: dict[str, Callable[[Any, int], object]] = {"": lambda theta, order: joints(four_bar.run(theta, order))}
+        ways: dict[str, Callable[[Any, int], object]] = {
+            "": lambda theta, order: joints(four_bar.run(theta, order))
+        }
         if count > 100_000:
             ways[" block by block"] = block_by_block
-        for (how, way), (order, what) in product(ways.items(), ((0, "positions"), (2, "positions and two derivatives"))):
-            times = alternated(rounds, partial(again, partial(way, theta, order)), partial(peers.time, 2) if said else None)
-            yield faster(f"turn of a four-bar, {count:,} angles{how}, {what}", "pylinkage (positions)", goal,
-                         *times, notes, error <= theirs)  # fmt: skip
+        for (how, way), (order, what) in product(
+            ways.items(), ((0, "positions"), (2, "positions and two derivatives"))
+        ):
+            times = alternated(
+                rounds,
+                partial(again, partial(way, theta, order)),
+                partial(peers.time, 2) if said else None,
+            )
+            yield faster(
+                f"turn of a four-bar, {count:,} angles{how}, {what}",
+                "pylinkage (positions)",
+                goal,
+                *times,
+                notes,
+                error <= theirs,
+            )
 
 
 # ---- contact ---------------------------------------------------------------------------------------------------------
@@ -184,7 +220,10 @@ def rollers(peers: Peers, rounds: int) -> Iterator[Row]:
     from camgen.judge.contact import contact
     from camgen.judge.contact_tips import SlideTip
 
-    work, goal = "roller follower on a cam of 3,600 points, 360 positions", "1,000 times as fast, error a thousandth"
+    work, goal = (
+        "roller follower on a cam of 3,600 points, 360 positions",
+        "1,000 times as fast, error a thousandth",
+    )
     radius = 4.0
     said = peers.job("roller", base=20.0, radius=radius, lift=1.0)
     if not said:
@@ -199,16 +238,25 @@ def rollers(peers: Peers, rounds: int) -> Iterator[Row]:
     table = contact(ring, SlideTip(0j, 1 + 0j, radius, 1))
     wide = ring.points.astype(np.clongdouble)
     exact = np.array([highest(wide * np.exp(1j * np.longdouble(angle)), radius) for angle in theta])
-    ours, theirs = (float(np.abs(found - exact).max()) for found in (table.angle(theta), np.array(answer["centres"])))
+    ours, theirs = (
+        float(np.abs(found - exact).max())
+        for found in (table.angle(theta), np.array(answer["centres"]))
+    )
 
     def whole() -> None:
         contact(ring, SlideTip(0j, 1 + 0j, radius, 1)).angle(theta)
 
     built = median(again(whole) for _ in range(rounds))
     a, b = alternated(rounds, partial(again, partial(table.angle, theta)), partial(peers.time, 2))
-    yield Row(work, "mechanism", goal, f"{seconds(a)} ({seconds(built)} with its table), {ours:.0e} mm off",
-              f"{seconds(b)}, {theirs:.0e} mm off", f"{b / a:,.3g} ({b / built:,.3g}) times as fast, error {ours / theirs:.0e}",
-              b / a >= 1000 and ours <= theirs / 1000)  # fmt: skip
+    yield Row(
+        work,
+        "mechanism",
+        goal,
+        f"{seconds(a)} ({seconds(built)} with its table), {ours:.0e} mm off",
+        f"{seconds(b)}, {theirs:.0e} mm off",
+        f"{b / a:,.3g} ({b / built:,.3g}) times as fast, error {ours / theirs:.0e}",
+        b / a >= 1000 and ours <= theirs / 1000,
+    )
 
 
 def highest(z: Any, radius: float) -> float:
@@ -239,11 +287,23 @@ def recoveries(rounds: int) -> Iterator[Row]:
     for count in (1_000, 10_000, 100_000):
         setup = (Ring(cam(count), np.zeros(count)), 60 + 0j, -60 - 30j, 3.0, 1)
         table = rolling_contact(*setup)
-        works: list[Callable[[], object]] = [partial(table.angle, theta), partial(rolling_contact, *setup)]
-        spent, made = alternated(rounds, *(partial(clocked, work, time.process_time) for work in works))
+        works: list[Callable[[], object]] = [
+            partial(table.angle, theta),
+            partial(rolling_contact, *setup),
+        ]
+        spent, made = alternated(
+            rounds, *(partial(clocked, work, time.process_time) for work in works)
+        )
         rate, whole = (len(theta) / each / 1e6 for each in (spent, spent + made))
-        yield Row(f"contact recovery, a million angles, outline of {count:,} vertices", "none does it", "5 million angles/s",
-                  f"{rate:.3g} million/s ({whole:.2g} with its table)", "-", f"{rate / 5:.2g} goals", rate >= 5)  # fmt: skip
+        yield Row(
+            f"contact recovery, a million angles, outline of {count:,} vertices",
+            "none does it",
+            "5 million angles/s",
+            f"{rate:.3g} million/s ({whole:.2g} with its table)",
+            "-",
+            f"{rate / 5:.2g} goals",
+            rate >= 5,
+        )
 
 
 # ---- outlines --------------------------------------------------------------------------------------------------------
@@ -265,23 +325,34 @@ def offsets(rounds: int) -> Iterator[Row]:
     program = Program((there, Segment("return", math.pi, 2 * swing, -2 * swing, UNIFORM)))
     follower = SwingingArm(60 + 0j, -arm * np.exp(-1j * swing), 3.0, 1)
     # all but the loop that the concave corner cuts off
-    theta = np.concatenate([np.linspace(first.t0, first.t1, 5000), np.linspace(second.t0, second.t1, 5000)])
+    theta = np.concatenate(
+        [np.linspace(first.t0, first.t1, 5000), np.linspace(second.t0, second.t1, 5000)]
+    )
     turn = np.arange(10_000) * (2 * math.pi / 10_000)
     knife = np.concatenate([half_turn(*FIRST)(turn[:5000], 0), half_turn(*SECOND)(turn[5000:], 0)])
     assert np.abs(follower.pitch(turn, program, 0) - knife).max() < 1e-9
     polygon = shapely.Polygon(np.column_stack([knife.real, knife.imag]))
     ours = partial(again, lambda: follower.envelope(theta, program, 0))
     for segments in (16, 64, 256, 1024):  # to a quarter, until it takes no less time than ours
-        a, b = alternated(rounds, ours, partial(again, lambda n=segments: polygon.buffer(-3, quad_segs=n)))
+        a, b = alternated(
+            rounds, ours, partial(again, lambda n=segments: polygon.buffer(-3, quad_segs=n))
+        )
         if b >= a:
             break
     buffered = shapely.get_coordinates(polygon.buffer(-3, quad_segs=segments)) @ [1, 1j]
     exact, coarse = (
-        float(np.abs(nearest(found, FIRST, SECOND) - 3).max()) for found in (follower.envelope(theta, program, 0), buffered)
+        float(np.abs(nearest(found, FIRST, SECOND) - 3).max())
+        for found in (follower.envelope(theta, program, 0), buffered)
     )
-    yield Row("tip offset of 10,000 points, error at the vertices", f"shapely buffer, {segments} segments",
-              "error a thousandth at equal time", f"{exact:.1e} mm in {seconds(a)}", f"{coarse:.1e} mm in {seconds(b)}",
-              f"error {exact / coarse:.0e}, time {a / b:.2g}", exact <= coarse / 1000 and a <= 1.1 * b)  # fmt: skip
+    yield Row(
+        "tip offset of 10,000 points, error at the vertices",
+        f"shapely buffer, {segments} segments",
+        "error a thousandth at equal time",
+        f"{exact:.1e} mm in {seconds(a)}",
+        f"{coarse:.1e} mm in {seconds(b)}",
+        f"error {exact / coarse:.0e}, time {a / b:.2g}",
+        exact <= coarse / 1000 and a <= 1.1 * b,
+    )
 
 
 def nearest(z: Any, *halves: tuple[float, float]) -> Any:
@@ -294,7 +365,12 @@ def nearest(z: Any, *halves: tuple[float, float]) -> Any:
         curve, low, high = half_turn(*half), k * math.pi, (k + 1) * math.pi
         grid = np.linspace(low, high, 4001)
         table = curve(grid, 0)
-        t = np.concatenate([grid[np.argmin(np.abs(block[:, None] - table), axis=1)] for block in np.array_split(z, 50)])
+        t = np.concatenate(
+            [
+                grid[np.argmin(np.abs(block[:, None] - table), axis=1)]
+                for block in np.array_split(z, 50)
+            ]
+        )
         for _ in range(4):
             gap, d1, d2 = curve(t, 0) - z, curve(t, 1), curve(t, 2)
             slope = (np.conj(d1) * d1 + np.conj(gap) * d2).real
@@ -315,14 +391,30 @@ def counts() -> Iterator[Row]:
     for name, pieces in (("tip of 3 mm", blunt_pieces()), ("knife edge", knife_cam().pieces)):
         for tolerance in (1e-3, 1e-4):
             ours = sum(facet(piece, tolerance).size - 1 for piece in pieces)
-            step = min((piece.t1 - piece.t0) / uniform(piece, tolerance) for piece in pieces)  # one for the whole turn
+            step = min(
+                (piece.t1 - piece.t0) / uniform(piece, tolerance) for piece in pieces
+            )  # one for the whole turn
             plain = math.ceil(sum(piece.t1 - piece.t0 for piece in pieces) / step)
-            yield Row(f"vertices at {tolerance:g} mm, {name}", "uniform in angle", "0.76", f"{ours}", f"{plain}",
-                      f"{ours / plain:.3f}", round(ours / plain, 2) <= 0.76)  # fmt: skip
+            yield Row(
+                f"vertices at {tolerance:g} mm, {name}",
+                "uniform in angle",
+                "0.76",
+                f"{ours}",
+                f"{plain}",
+                f"{ours / plain:.3f}",
+                round(ours / plain, 2) <= 0.76,
+            )
         ours = sum(len(_fit_smooth(piece, 1e-4)) for piece in pieces)
         least = sum(theoretical_arcs(_alone(piece), 1e-4) - 1 for piece in pieces)
-        yield Row(f"arcs at 1e-4 mm, {name}", "theory", "1.1", f"{ours}", f"{least:.1f}", f"{ours / least:.3f}",
-                  ours <= 1.1 * least)  # fmt: skip
+        yield Row(
+            f"arcs at 1e-4 mm, {name}",
+            "theory",
+            "1.1",
+            f"{ours}",
+            f"{least:.1f}",
+            f"{ours / least:.3f}",
+            ours <= 1.1 * least,
+        )
     yield indexing_arcs()
 
 
@@ -338,11 +430,24 @@ def indexing_arcs() -> Row:
     outlines = [cam.outline for cam in drive.cams.values()]
     pieces = [piece for outline in outlines for piece in outline.pieces]
     ours = sum(len(fit_arcs(outline, 1e-4).pieces) for outline in outlines)
-    theory = [theoretical_arcs(_alone(piece), 1e-4) - 1 if isinstance(piece, Smooth) else 1.0 for piece in pieces]
-    whole = sum(2 * math.ceil(each / 2) if isinstance(piece, Smooth) else 1 for each, piece in zip(theory, pieces, strict=True))
+    theory = [
+        theoretical_arcs(_alone(piece), 1e-4) - 1 if isinstance(piece, Smooth) else 1.0
+        for piece in pieces
+    ]
+    whole = sum(
+        2 * math.ceil(each / 2) if isinstance(piece, Smooth) else 1
+        for each, piece in zip(theory, pieces, strict=True)
+    )
     least = f"{whole} ({sum(theory):.1f} with parts of biarcs, {ours / sum(theory):.3f})"
-    return Row("arcs at 1e-4 mm, indexing cam and its return cam", "theory, whole biarcs a curve", "1.1", f"{ours}", least,
-               f"{ours / whole:.3f}", ours <= 1.1 * whole)  # fmt: skip
+    return Row(
+        "arcs at 1e-4 mm, indexing cam and its return cam",
+        "theory, whole biarcs a curve",
+        "1.1",
+        f"{ours}",
+        least,
+        f"{ours / whole:.3f}",
+        ours <= 1.1 * whole,
+    )
 
 
 # ---- solids and files ------------------------------------------------------------------------------------------------
@@ -356,13 +461,33 @@ def whole_processes(peers: Peers, folder: Path, rounds: int) -> Iterator[Row]:
     from camgen.geometry.mesh import slice_mesh
 
     spec, out = ROOT / "specs" / "uniform-swing.toml", folder / "whole"
-    ours = [sys.executable, "-m", "camgen", "build", str(spec), "-o", str(out), "--set", "parts.make='cams'", "--only", "stl"]
+    ours = [
+        sys.executable,
+        "-m",
+        "camgen",
+        "build",
+        str(spec),
+        "-o",
+        str(out),
+        "--set",
+        "parts.make='cams'",
+        "--only",
+        "stl",
+    ]
     measured(ours)
     rings = slice_mesh(read_stl(out / "uniform-swing" / "uniform-swing-cam.stl"), 1.0)
     z = max(rings, key=lambda ring: ring.area).points
     np.save(folder / "cam.npy", np.column_stack([z.real, z.imag]))
-    said = peers.job("build123d_stl", vertices=str(folder / "cam.npy"), path=str(folder / "cam.stl"))
-    theirs = [peers.python, str(HERE / "peers_jobs.py"), "--cam", str(folder / "cam.npy"), str(folder / "cam.stl")]
+    said = peers.job(
+        "build123d_stl", vertices=str(folder / "cam.npy"), path=str(folder / "cam.stl")
+    )
+    theirs = [
+        peers.python,
+        str(HERE / "peers_jobs.py"),
+        "--cam",
+        str(folder / "cam.npy"),
+        str(folder / "cam.stl"),
+    ]
     memory: dict[str, list[float]] = {"ours": [], "theirs": []}
 
     def run(who: str, command: list[str]) -> float:
@@ -370,12 +495,24 @@ def whole_processes(peers: Peers, folder: Path, rounds: int) -> Iterator[Row]:
         memory[who].append(peak)
         return wall
 
-    a, b = alternated(rounds, partial(run, "ours", ours), partial(run, "theirs", theirs) if said else None)
-    work, peer = f"cam at 1e-3 mm ({len(z)} vertices) from spec to STL, whole process", "build123d polyline"
+    a, b = alternated(
+        rounds, partial(run, "ours", ours), partial(run, "theirs", theirs) if said else None
+    )
+    work, peer = (
+        f"cam at 1e-3 mm ({len(z)} vertices) from spec to STL, whole process",
+        "build123d polyline",
+    )
     yield faster(work, peer, 5, a, b, (", read back and judged", ""))
     peak, other = median(memory["ours"]), median(memory["theirs"]) if said else math.nan
-    yield Row("its memory", peer, "a fifth", f"{peak:.0f} MB", f"{other:.0f} MB" if said else "-",
-              f"{peak / other:.2f}" if said else "-", peak <= other / 5 if said else None)  # fmt: skip
+    yield Row(
+        "its memory",
+        peer,
+        "a fifth",
+        f"{peak:.0f} MB",
+        f"{other:.0f} MB" if said else "-",
+        f"{peak / other:.2f}" if said else "-",
+        peak <= other / 5 if said else None,
+    )
 
 
 def measured(command: list[str]) -> tuple[float, float]:
@@ -385,7 +522,13 @@ def measured(command: list[str]) -> tuple[float, float]:
         "p = subprocess.Popen(sys.argv[1:], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL); "
         "_, status, usage = os.wait4(p.pid, 0); print(time.perf_counter() - t, usage.ru_maxrss / 1024, status)"
     )
-    child = subprocess.run([sys.executable, "-I", "-S", "-c", code, *command], stdout=-1, text=True, check=True, cwd=ROOT)
+    child = subprocess.run(
+        [sys.executable, "-I", "-S", "-c", code, *command],
+        stdout=-1,
+        text=True,
+        check=True,
+        cwd=ROOT,
+    )
     wall, peak, status = map(float, child.stdout.split())
     # a finding that fails leaves its files
     assert os.waitstatus_to_exitcode(int(status)) in (0, 1), command
@@ -408,7 +551,13 @@ def outlines(peers: Peers, folder: Path, rounds: int) -> Iterator[Row]:
     for tolerance, goal in ((1.73e-4, 50.0), (1.727e-6, 1000.0), (9.5e-9, 0.0)):
         z = rings(part.region, tolerance)[0]
         np.save(folder / "outline.npy", np.column_stack([z.real, z.imag]))
-        said = peers.job("build123d_stl", vertices=str(folder / "outline.npy"), path=str(folder / "peer.stl")) if goal else None
+        said = (
+            peers.job(
+                "build123d_stl", vertices=str(folder / "outline.npy"), path=str(folder / "peer.stl")
+            )
+            if goal
+            else None
+        )
 
         def ours(tolerance: float = tolerance) -> None:
             write_stl(path, solid(part, tolerance), "cam")
@@ -417,10 +566,24 @@ def outlines(peers: Peers, folder: Path, rounds: int) -> Iterator[Row]:
         spent[len(z)] = median(clocked(ours, time.process_time) for _ in range(rounds))
         if goal:
             notes = ("", ", run once" if b > PATIENCE else "")
-            yield faster(f"cam outline of {len(z):,} vertices to STL, warm", "build123d polyline", goal, a, b, notes)
+            yield faster(
+                f"cam outline of {len(z):,} vertices to STL, warm",
+                "build123d polyline",
+                goal,
+                a,
+                b,
+                notes,
+            )
     (few, less), (many, more) = list(spent.items())[1:]
-    yield Row(f"solid and STL, from {few:,} to {many:,} contour points", "growth of our own processor time", "at most 15 times",
-              seconds(more), seconds(less), f"{more / less:.3g}", more <= 15 * less)  # fmt: skip
+    yield Row(
+        f"solid and STL, from {few:,} to {many:,} contour points",
+        "growth of our own processor time",
+        "at most 15 times",
+        seconds(more),
+        seconds(less),
+        f"{more / less:.3g}",
+        more <= 15 * less,
+    )
 
 
 def slicing(folder: Path, rounds: int) -> Iterator[Row]:
@@ -442,7 +605,9 @@ def slicing(folder: Path, rounds: int) -> Iterator[Row]:
     def theirs() -> object:
         return trimesh.load_mesh(path).section([0, 0, 1], [0, 0, 2.5])
 
-    a, b = alternated(rounds, partial(again, lambda: slice_mesh(read_stl(path), 2.5)), partial(again, theirs))
+    a, b = alternated(
+        rounds, partial(again, lambda: slice_mesh(read_stl(path), 2.5)), partial(again, theirs)
+    )
     yield faster(work, "trimesh load and section", 5, a, b)
 
 
@@ -451,7 +616,9 @@ def slicing(folder: Path, rounds: int) -> Iterator[Row]:
 
 def main() -> None:
     """Print the table; with --results put it into RESULTS.md as well."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--python", help="interpreter that has the peers")
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--results", action="store_true")
@@ -460,10 +627,19 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder, rounds = Path(name), options.rounds
         groups = (
-            four_bars(peers, rounds), rollers(peers, rounds), recoveries(rounds), whole_processes(peers, folder, rounds),
-            slicing(folder, rounds), offsets(rounds), counts(), outlines(peers, folder, rounds),
-        )  # fmt: skip
-        lines = ["| work | peer | goal | camgen | peer's | ratio | met |", "|---|---|---|---|---|---|---|"]
+            four_bars(peers, rounds),
+            rollers(peers, rounds),
+            recoveries(rounds),
+            whole_processes(peers, folder, rounds),
+            slicing(folder, rounds),
+            offsets(rounds),
+            counts(),
+            outlines(peers, folder, rounds),
+        )
+        lines = [
+            "| work | peer | goal | camgen | peer's | ratio | met |",
+            "|---|---|---|---|---|---|---|",
+        ]
         print(*lines, sep="\n")
         for group in groups:
             for row in group:
@@ -471,9 +647,16 @@ def main() -> None:
                 cells = (row.work, row.peer, row.goal, row.ours, row.theirs, row.ratio, met)
                 lines.append("| " + " | ".join(cells) + " |")
                 print(lines[-1], flush=True)
-    known = sorted(peers.versions | {f"{package} {version(package)}" for package in ("numpy", "shapely", "trimesh")})
-    lines += ["", f"{datetime.date.today()}, medians of {rounds}, commands alternated, Python {sys.version.split()[0]}; "
-              + ", ".join(known) + "."]  # fmt: skip
+    known = sorted(
+        peers.versions
+        | {f"{package} {version(package)}" for package in ("numpy", "shapely", "trimesh")}
+    )
+    lines += [
+        "",
+        f"{datetime.date.today()}, medians of {rounds}, commands alternated, Python {sys.version.split()[0]}; "
+        + ", ".join(known)
+        + ".",
+    ]
     if peers.missing:
         lines.append("Missing: " + ", ".join(sorted(peers.missing)) + ".")
     print(*lines[len(lines) - (2 if peers.missing else 1) :], sep="\n")

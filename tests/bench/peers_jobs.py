@@ -17,7 +17,9 @@ from importlib.metadata import version
 from typing import Any
 
 
-def four_bar(count: int, frame: float, crank: float, coupler: float, output: float) -> tuple[Callable[[], Any], Any]:
+def four_bar(
+    count: int, frame: float, crank: float, coupler: float, output: float
+) -> tuple[Callable[[], Any], Any]:
     """Pylinkage, compiled: positions at `count` steps of one turn."""
     import numba  # noqa: F401  without it nothing is compiled
     from pylinkage.actuators import Crank
@@ -35,7 +37,9 @@ def four_bar(count: int, frame: float, crank: float, coupler: float, output: flo
 
     linkage = fresh()
     # step k is the angle (k + 1) 2 pi / count; the last column pairs are A and B
-    return lambda: linkage.step_fast(count, 1), fresh().step_fast(count, 1)[:: max(1, count // 360), 2:].tolist()
+    return lambda: linkage.step_fast(count, 1), fresh().step_fast(count, 1)[
+        :: max(1, count // 360), 2:
+    ].tolist()
 
 
 def roller(base: float, radius: float, lift: float) -> tuple[Callable[[], Any], Any]:
@@ -47,7 +51,11 @@ def roller(base: float, radius: float, lift: float) -> tuple[Callable[[], Any], 
     from mechanism import Cam
     from mechanism.cams import RollerFollower
 
-    cam = Cam([("Rise", lift, 120), ("Dwell", 60), ("Fall", lift, 120), ("Dwell", 60)], degrees=True, h=2 * np.pi / 3600)
+    cam = Cam(
+        [("Rise", lift, 120), ("Dwell", 60), ("Fall", lift, 120), ("Dwell", 60)],
+        degrees=True,
+        h=2 * np.pi / 3600,
+    )
     size, motion = cam.thetas.size, cam.cycloidal
 
     def work() -> Any:
@@ -56,8 +64,12 @@ def roller(base: float, radius: float, lift: float) -> tuple[Callable[[], Any], 
 
     found = work()
     x, y = found.cam_x, found.cam_y
-    return work, {"x": list(x[0]), "y": list(y[0]), "turned": [[u[7], v[7]] for u, v in zip(x, y, strict=True)],
-                  "centres": list(found.roller_centers)}  # fmt: skip
+    return work, {
+        "x": list(x[0]),
+        "y": list(y[0]),
+        "turned": [[u[7], v[7]] for u, v in zip(x, y, strict=True)],
+        "centres": list(found.roller_centers),
+    }
 
 
 def build123d_stl(vertices: str, path: str) -> tuple[Callable[[], Any], Any]:
@@ -76,8 +88,10 @@ def build123d_stl(vertices: str, path: str) -> tuple[Callable[[], Any], Any]:
 
 
 JOBS: dict[str, tuple[Callable[..., tuple[Callable[[], Any], Any]], str]] = {
-    "four_bar": (four_bar, "pylinkage"), "roller": (roller, "mechanism"), "build123d_stl": (build123d_stl, "build123d")
-}  # fmt: skip
+    "four_bar": (four_bar, "pylinkage"),
+    "roller": (roller, "mechanism"),
+    "build123d_stl": (build123d_stl, "build123d"),
+}
 
 
 def serve() -> None:
@@ -99,7 +113,10 @@ def serve() -> None:
         except ImportError as error:
             print(json.dumps({"missing": f"{package} ({error})"}), file=answers)
         else:
-            print(json.dumps({"version": f"{package} {version(package)}", "answer": answer}), file=answers)
+            print(
+                json.dumps({"version": f"{package} {version(package)}", "answer": answer}),
+                file=answers,
+            )
 
 
 if __name__ == "__main__":

@@ -22,7 +22,16 @@ if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as folder:
         starters = [TOP / "specs" / f"{name}.toml" for name in benchmark_report.STARTERS]
         benches = benchmark_report.run(starters, Path(folder))
-        measured = [[what, goal, *told.split(", ")[:2]] for what, goal, told in whole_processes([TOP], Path(folder) / "out")]
+        measured = [
+            [what, goal, *told.split(", ")[:2]]
+            for what, goal, told in whole_processes([TOP], Path(folder) / "out")
+        ]
         rows = [["command", "goal", "processor time", "on all cores"], ["---"] * 4, *measured]
-    page = put(PAGE.read_text(encoding="utf-8"), "bench", "\n".join(map(benchmark_report.to_markdown, benches)))
-    PAGE.write_text(put(page, "commands", "".join(f"| {' | '.join(row)} |\n" for row in rows)), encoding="utf-8")
+    page = put(
+        PAGE.read_text(encoding="utf-8"),
+        "bench",
+        "\n".join(map(benchmark_report.to_markdown, benches)),
+    )
+    PAGE.write_text(
+        put(page, "commands", "".join(f"| {' | '.join(row)} |\n" for row in rows)), encoding="utf-8"
+    )

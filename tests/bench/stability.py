@@ -64,7 +64,11 @@ class Outcome:
     @property
     def fine(self) -> bool:
         """Within the tolerance, or refused with a reason."""
-        return self.said.startswith("refused: ") if math.isnan(self.error) else self.error <= self.tolerance
+        return (
+            self.said.startswith("refused: ")
+            if math.isnan(self.error)
+            else self.error <= self.tolerance
+        )
 
 
 # ---- the sources' formulas at 50 digits ------------------------------------------------------------------------------
@@ -81,7 +85,9 @@ def law(name: str, u: Any) -> Any:
     assert name == "mr-13", name
     b1 = mp.mpf("2.550126")
     sines = [mp.mpf(a) for a in ("3.587020", "-0.871476", "-0.566845", "0.316224", "-0.025629")]
-    waves = mp.fsum(a * mp.sin(2 * k * mp.pi * u) / (4 * k**2 * mp.pi**2) for k, a in enumerate(sines, 1))
+    waves = mp.fsum(
+        a * mp.sin(2 * k * mp.pi * u) / (4 * k**2 * mp.pi**2) for k, a in enumerate(sines, 1)
+    )
     return ((mp.pi**2 - 2 * b1) * u + b1 - b1 * mp.cos(mp.pi * u)) / mp.pi**2 - waves
 
 
@@ -90,7 +96,11 @@ def program(segments: Sequence[tuple[float, float, float, str]], theta: Any) -> 
     degrees = mp.mpf(theta) * 180 / mp.pi % 360
     for k, (span, start, stop, name) in enumerate(segments):
         if degrees <= span or k == len(segments) - 1:
-            return start + (stop - start) * law(name, degrees / span) if stop != start else mp.mpf(start)
+            return (
+                start + (stop - start) * law(name, degrees / span)
+                if stop != start
+                else mp.mpf(start)
+            )
         degrees -= mp.mpf(span)
     raise AssertionError
 
@@ -123,7 +133,9 @@ def indexing_cam(machine: Any) -> Truth:
     back = g.rise_deg if g.return_deg is None else g.return_deg
     spans = ((g.rise_deg, 0, swing), (g.dwell_deg, swing, swing), (back, swing, 0), (360, 0, 0))
     segments = [(*span, getattr(g.law, "name", g.law)) for span in spans]
-    return swing_arm(f.pivot_distance, f.arm, g.base_radius + f.roller_radius, partial(program, segments))
+    return swing_arm(
+        f.pivot_distance, f.arm, g.base_radius + f.roller_radius, partial(program, segments)
+    )
 
 
 def disc_cam(machine: Any) -> Truth:
@@ -136,7 +148,9 @@ def disc_cam(machine: Any) -> Truth:
         at = mp.mpf(to)
     reach = machine.geometry.base_radius + (f.radius or 0.0)
     if oscillating:
-        return swing_arm(f.pivot_distance, f.arm, reach, lambda theta: program(table, theta) * mp.pi / 180)
+        return swing_arm(
+            f.pivot_distance, f.arm, reach, lambda theta: program(table, theta) * mp.pi / 180
+        )
     return lambda theta: mp.mpc(0, reach + program(table, theta))
 
 
@@ -145,13 +159,17 @@ def eccentric_drive(machine: Any) -> Truth:
     g = machine.geometry
     crank, rod, offset = (mp.mpf(x) for x in (g.eccentricity, g.rod, g.offset))
     most = mp.sqrt((rod + crank) ** 2 - offset**2)
-    return lambda theta: most - crank * mp.cos(theta) - mp.sqrt(rod**2 - (crank * mp.sin(theta) - offset) ** 2)
+    return lambda theta: (
+        most - crank * mp.cos(theta) - mp.sqrt(rod**2 - (crank * mp.sin(theta) - offset) ** 2)
+    )
 
 
 def eye_of(machine: Any) -> Truth:
     """The take-up's eye D: B by the crossing of two circles, D in the coupler's axes."""
     g = machine.geometry
-    crank, coupler, output, frame = (mp.mpf(x) for x in (g.input_crank, g.coupler, g.output_crank, g.frame))
+    crank, coupler, output, frame = (
+        mp.mpf(x) for x in (g.input_crank, g.coupler, g.output_crank, g.frame)
+    )
     # B lies to the left (branch +1) of the way from A to C: seen from B, C and D lie to the left of the way to A
     eye = mp.mpf(g.eye_distance) * mp.expj(g.branch * mp.mpf(g.eye_angle_deg) * mp.pi / 180)
     tilt = mp.expj(mp.mpf(g.frame_angle_deg) * mp.pi / 180)
@@ -176,18 +194,26 @@ def thread_take_up(machine: Any) -> Truth:
 def chain_stitch_looper(machine: Any) -> Truth:
     """Way of the spreaders, 0.5 L_X (1 - cos phi), L_X = r S_X with the stroke that the feed asks for."""
     g = machine.geometry
-    (h1, h2), (a1, a2), (s1, s2) = ([mp.mpf(x) for x in pair] for pair in (g.point_lengths, g.nose_over_eye, g.loop_rise))
+    (h1, h2), (a1, a2), (s1, s2) = (
+        [mp.mpf(x) for x in pair] for pair in (g.point_lengths, g.nose_over_eye, g.loop_rise)
+    )
     b = a2 - a1 + (h2 - h1) / 2
     e, thick = mp.mpf(g.plate_to_spreader), mp.mpf(g.material_thickness)
-    in_fabric = max(h1 + s1 + a1 + 2 * (b + mp.mpf(g.protrusion)) + e + thick, h2 + s2 + a2 + b + e + thick)
+    in_fabric = max(
+        h1 + s1 + a1 + 2 * (b + mp.mpf(g.protrusion)) + e + thick, h2 + s2 + a2 + b + e + thick
+    )
     stroke = 2 * in_fabric / (1 - mp.cos(mp.pi - mp.mpf(g.feed_deg) * mp.pi / 360))
     return lambda theta: mp.mpf(g.velocity_ratio) * stroke * (1 - mp.cos(theta)) / 2
 
 
 TRUTHS: dict[str, Callable[[Any], Truth]] = {
-    "uniform-swing": uniform_swing, "disc-cam": disc_cam, "indexing-cam": indexing_cam, "eccentric-drive": eccentric_drive,
-    "thread-take-up": thread_take_up, "chain-stitch-looper": chain_stitch_looper,
-}  # fmt: skip
+    "uniform-swing": uniform_swing,
+    "disc-cam": disc_cam,
+    "indexing-cam": indexing_cam,
+    "eccentric-drive": eccentric_drive,
+    "thread-take-up": thread_take_up,
+    "chain-stitch-looper": chain_stitch_looper,
+}
 
 
 def refused(reason: CamgenError) -> Outcome:
@@ -204,7 +230,9 @@ def apart(ring: Ring, z: np.ndarray) -> np.ndarray:
     a, chord = ring.points, np.roll(ring.points, -1) - ring.points
     arcs = ring.bulges != 0
     start, half = a[arcs], 2 * np.arctan(ring.bulges[arcs])  # half the arc's sweep
-    top = -1j * chord[arcs] / 2 / np.tan(half)  # from the centre to the middle of the chord, or away from it
+    top = (
+        -1j * chord[arcs] / 2 / np.tan(half)
+    )  # from the centre to the middle of the chord, or away from it
     centre = start + chord[arcs] / 2 - top
     middle = np.abs(start - centre) * -1j * np.sign(half) * chord[arcs] / np.abs(chord[arcs])
     found = np.empty(len(z))
@@ -236,7 +264,10 @@ def rings(folder: Path, part: str) -> dict[str, Ring]:
     mesh = read_stl(name.with_name(name.name + ".stl"))
     levels = np.unique(mesh.vertices[:, 2])
     cut = slice_mesh(mesh, float(levels[0] + levels[1]) / 2)
-    return {"dxf": shape_of(read_dxf(name.with_name(name.name + ".dxf")).cut).outer, "stl": shape_of(cut).outer}
+    return {
+        "dxf": shape_of(read_dxf(name.with_name(name.name + ".dxf")).cut).outer,
+        "stl": shape_of(cut).outer,
+    }
 
 
 def judged_outline(case: Case, folder: Path) -> Outcome:
@@ -295,9 +326,16 @@ def judged_motion(case: Case, folder: Path) -> Outcome:
     truth = TRUTHS[case.mechanism](machine)
     condition, error, share = steepness(machine, theta), 0.0, 0.0
     for order, found in enumerate(values):
-        exact = [truth(mp.mpf(t)) if order == 0 else mp.diff(truth, mp.mpf(t), order, h=mp.mpf(10) ** -12) for t in theta]
+        exact = [
+            truth(mp.mpf(t))
+            if order == 0
+            else mp.diff(truth, mp.mpf(t), order, h=mp.mpf(10) ** -12)
+            for t in theta
+        ]
         scale = max(abs(x) for x in exact)
-        worst = max(float(abs(mp.mpf(float(a)) - b) / scale) for a, b in zip(found, exact, strict=True))
+        worst = max(
+            float(abs(mp.mpf(float(a)) - b) / scale) for a, b in zip(found, exact, strict=True)
+        )
         allowed = 64 * ROUNDING * condition ** (2 * order + 1) * weight(machine)
         if worst / allowed >= share:
             share, error, tolerance = worst / allowed, worst, allowed
@@ -314,11 +352,19 @@ def steepness(machine: Any, theta: np.ndarray) -> float:
         lean = np.abs(g.eccentricity * np.sin(theta) - g.offset) / g.rod
         return 1 / math.sqrt(1 - float(np.max(lean)) ** 2)
     if machine.mechanism == "thread-take-up":
-        way2 = g.input_crank**2 + g.frame**2 - 2 * g.input_crank * g.frame * np.cos(theta - math.radians(g.frame_angle_deg))
+        way2 = (
+            g.input_crank**2
+            + g.frame**2
+            - 2 * g.input_crank * g.frame * np.cos(theta - math.radians(g.frame_angle_deg))
+        )
         cosine = (g.coupler**2 + g.output_crank**2 - way2) / (2 * g.coupler * g.output_crank)
         eye = np.array([complex(eye_of(machine)(mp.mpf(t))) for t in theta])
-        near = min(float(np.abs(eye - complex(*guide)).min()) for guide in g.guides)  # there the thread turns in no time
-        return max(1 / math.sqrt(1 - float(np.max(np.abs(cosine))) ** 2), float(g.eye_distance) / near)
+        near = min(
+            float(np.abs(eye - complex(*guide)).min()) for guide in g.guides
+        )  # there the thread turns in no time
+        return max(
+            1 / math.sqrt(1 - float(np.max(np.abs(cosine))) ** 2), float(g.eye_distance) / near
+        )
     return 1.0
 
 
@@ -337,28 +383,57 @@ def weight(machine: Any) -> float:
 WIDE = ("limits.speed_ripple=10", "print.nozzle=0.001", "print.bed=[1e6,1e6]")
 OPEN = {
     "uniform-swing": (
-        *WIDE, "parts.make='cams'", "parts.windows=0", "parts.pin_diameter=0", "parts.mark_depth=0",
-        "limits.pressure_angle_deg=90", "limits.undercut_deg=180", "limits.lash_deg=180",
+        *WIDE,
+        "parts.make='cams'",
+        "parts.windows=0",
+        "parts.pin_diameter=0",
+        "parts.mark_depth=0",
+        "limits.pressure_angle_deg=90",
+        "limits.undercut_deg=180",
+        "limits.lash_deg=180",
     ),
     "disc-cam": (
-        *WIDE, "parts.hub_height=0", "limits.pressure_angle_deg=89.9", "limits.undercut=1000", "limits.least_radius=0",
+        *WIDE,
+        "parts.hub_height=0",
+        "limits.pressure_angle_deg=89.9",
+        "limits.undercut=1000",
+        "limits.least_radius=0",
         "limits.continuous=-1",
     ),
     "indexing-cam": (
-        *WIDE, "limits.pressure_angle_deg=89.9", "limits.undercut_deg=180", "limits.acceleration_jump=1e6",
+        *WIDE,
+        "limits.pressure_angle_deg=89.9",
+        "limits.undercut_deg=180",
+        "limits.acceleration_jump=1e6",
         "limits.residual=100",
     ),
-}  # fmt: skip
+}
 
 
-def swing(name: str, quick: bool = False, *, swing: float = 30, offset: float = 0.5, tip: float = 0.05, size: float = 60.0,
-          tolerance: float = 1e-3) -> Case:  # fmt: skip
+def swing(
+    name: str,
+    quick: bool = False,
+    *,
+    swing: float = 30,
+    offset: float = 0.5,
+    tip: float = 0.05,
+    size: float = 60.0,
+    tolerance: float = 1e-3,
+) -> Case:
     """A uniform-swing cam; lengths are shares of the pivot distance, `size`, and so are the body's."""
     shares = {
-        "geometry.pivot_distance": 1.0, "geometry.arm_offset": offset, "geometry.tip_radius": tip, "parts.thickness": 0.1,
-        "parts.bore": 0.02, "parts.wall": 0.01, "limits.min_wall": 0.001,
-    }  # fmt: skip
-    sized = [f"{key}={max(share * size, 0 if key == 'geometry.tip_radius' else 1e-3):.12g}" for key, share in shares.items()]
+        "geometry.pivot_distance": 1.0,
+        "geometry.arm_offset": offset,
+        "geometry.tip_radius": tip,
+        "parts.thickness": 0.1,
+        "parts.bore": 0.02,
+        "parts.wall": 0.01,
+        "limits.min_wall": 0.001,
+    }
+    sized = [
+        f"{key}={max(share * size, 0 if key == 'geometry.tip_radius' else 1e-3):.12g}"
+        for key, share in shares.items()
+    ]
     sized += [f"geometry.swing_deg={swing:.12g}", f"accuracy.chord_tolerance={tolerance:.3g}"]
     return Case("uniform-swing", name, (*OPEN["uniform-swing"], *sized), True, quick)
 
@@ -379,8 +454,12 @@ def disc(name: str, program: str, *more: str, quick: bool = False) -> Case:
 
 def plain(lift: float, law: str = "cycloidal", span: float = 120.0, dwell: float = 60.0) -> str:
     """Rise, dwell, return, dwell."""
-    return segments(("rise", span, lift, law), ("dwell", dwell, lift, law), ("return", span, 0.0, law),
-                    ("dwell", 360 - 2 * span - dwell, 0.0, law))  # fmt: skip
+    return segments(
+        ("rise", span, lift, law),
+        ("dwell", dwell, lift, law),
+        ("return", span, 0.0, law),
+        ("dwell", 360 - 2 * span - dwell, 0.0, law),
+    )
 
 
 def indexing(name: str, *settings: str, quick: bool = False) -> Case:
@@ -403,65 +482,157 @@ def looper(name: str, *settings: str, quick: bool = True) -> Case:
     return Case("chain-stitch-looper", name, settings, False, quick)
 
 
-FLAT, KNIFE = 'geometry.follower={motion="translating",shape="flat"}', 'geometry.follower={motion="translating",shape="knife"}'
+FLAT, KNIFE = (
+    'geometry.follower={motion="translating",shape="flat"}',
+    'geometry.follower={motion="translating",shape="knife"}',
+)
 CASES = (
     swing("as shipped", True),
-    *(swing(f"swing {x:g} deg", x == 1e-4, swing=x) for x in (1e-4, 1e-3, 0.01, 1, 10, 45, 50, 53, 53.1, 53.2, 80)),
-    *(swing(f"swing {x:g} deg, arm offset 6 L", swing=x, offset=6.0) for x in (53, 120, 150, 160, 161.1)),
+    *(
+        swing(f"swing {x:g} deg", x == 1e-4, swing=x)
+        for x in (1e-4, 1e-3, 0.01, 1, 10, 45, 50, 53, 53.1, 53.2, 80)
+    ),
+    *(
+        swing(f"swing {x:g} deg, arm offset 6 L", swing=x, offset=6.0)
+        for x in (53, 120, 150, 160, 161.1)
+    ),
     *(swing(f"arm offset {x:g} L", offset=x) for x in (0, 0.01, 0.2679, 0.268, 0.27, 0.3, 1, 3)),
-    *(swing(f"tip {x:g} L", x == 0.1753, tip=x) for x in (0, 1e-6, 1e-4, 0.01, 0.1, 0.175, 0.1753, 0.1754, 0.18, 0.2, 0.25, 1)),
-    *(swing(f"size {x:g} mm", size=x, tolerance=max(1e-7, min(0.1, x * 2e-5))) for x in (1e-3, 1e-2, 0.1, 1, 1e3, 1e4, 1e5)),
+    *(
+        swing(f"tip {x:g} L", x == 0.1753, tip=x)
+        for x in (0, 1e-6, 1e-4, 0.01, 0.1, 0.175, 0.1753, 0.1754, 0.18, 0.2, 0.25, 1)
+    ),
+    *(
+        swing(f"size {x:g} mm", size=x, tolerance=max(1e-7, min(0.1, x * 2e-5)))
+        for x in (1e-3, 1e-2, 0.1, 1, 1e3, 1e4, 1e5)
+    ),
     *(swing(f"tolerance {x:g} mm", tolerance=x) for x in (0.1, 0.01, 1e-4, 1e-5, 1e-6, 1e-7)),
     disc("as shipped but for its laws", plain(12.0), quick=True),
-    *(disc(f"rise and return in {x:g} deg", plain(1.0, span=x, dwell=1.0)) for x in (0.01, 1, 5, 20, 179)),
+    *(
+        disc(f"rise and return in {x:g} deg", plain(1.0, span=x, dwell=1.0))
+        for x in (0.01, 1, 5, 20, 179)
+    ),
     *(disc(f"dwell of {x:g} deg", plain(12.0, dwell=x)) for x in (1e-12, 1e-9, 1e-6, 1e-3, 1)),
-    disc("speed jumps at both ends (harmonic, no dwell)", segments(("rise", 180.0, 12.0, "simple-harmonic"),
-                                                                  ("return", 180.0, 0.0, "simple-harmonic"))),
+    disc(
+        "speed jumps at both ends (harmonic, no dwell)",
+        segments(
+            ("rise", 180.0, 12.0, "simple-harmonic"), ("return", 180.0, 0.0, "simple-harmonic")
+        ),
+    ),
     *(disc(f"lift {x:g} mm", plain(x)) for x in (1e-9, 1e-6, 1e-3, 30, 60, 100, 200)),
-    *(disc(f"roller {x:g} mm", plain(12.0), f'geometry.follower={{motion="translating",shape="roller",radius={x:g}}}')
-      for x in (1e-6, 1, 10, 20, 40, 100)),
-    *(disc(f"base circle {x:g} mm", plain(12.0), f"geometry.base_radius={x:g}") for x in (5, 6, 8, 10, 15, 1e3, 1e5)),
+    *(
+        disc(
+            f"roller {x:g} mm",
+            plain(12.0),
+            f'geometry.follower={{motion="translating",shape="roller",radius={x:g}}}',
+        )
+        for x in (1e-6, 1, 10, 20, 40, 100)
+    ),
+    *(
+        disc(f"base circle {x:g} mm", plain(12.0), f"geometry.base_radius={x:g}")
+        for x in (5, 6, 8, 10, 15, 1e3, 1e5)
+    ),
     disc("knife edge", plain(12.0), KNIFE),
-    *(disc(f"flat face, base {x:g} mm", plain(12.0, "3-4-5"), FLAT, f"geometry.base_radius={x:g}")
-      for x in (8, 12, 14.2, 14.3, 20, 40)),
-    *(disc(f"arm {x:g} mm on a pivot at 60 mm", plain(15.0), "geometry.base_radius=25",
-           f'geometry.follower={{motion="oscillating",shape="roller",radius=5,pivot_distance=60,arm={x:g}}}')
-      for x in (30.0001, 31, 50, 89, 89.9999)),
-    *(disc(f"tolerance {x:g} mm", plain(12.0), f"accuracy.chord_tolerance={x:g}") for x in (0.1, 1e-5, 1e-6, 1e-7)),
+    *(
+        disc(f"flat face, base {x:g} mm", plain(12.0, "3-4-5"), FLAT, f"geometry.base_radius={x:g}")
+        for x in (8, 12, 14.2, 14.3, 20, 40)
+    ),
+    *(
+        disc(
+            f"arm {x:g} mm on a pivot at 60 mm",
+            plain(15.0),
+            "geometry.base_radius=25",
+            f'geometry.follower={{motion="oscillating",shape="roller",radius=5,pivot_distance=60,arm={x:g}}}',
+        )
+        for x in (30.0001, 31, 50, 89, 89.9999)
+    ),
+    *(
+        disc(f"tolerance {x:g} mm", plain(12.0), f"accuracy.chord_tolerance={x:g}")
+        for x in (0.1, 1e-5, 1e-6, 1e-7)
+    ),
     indexing("as shipped", quick=True),
-    *(indexing(f"turn in {x:g} deg", f"geometry.rise_deg={x:g}") for x in (1, 10, 40, 60, 149, 150, 151)),
-    *(indexing(f"dwell of {x!r} deg", f"geometry.dwell_deg={x!r}") for x in (1e-9, 1e-6, 0.01, 119.999999, 120.0)),
-    *(indexing(f"gear ratio {x:g}", f"geometry.gear_ratio={x:g}") for x in (1, 1.2, 2, 3, 100, 1e6)),
-    *(indexing(f"base circle {x:g} mm", f"geometry.base_radius={x:g}") for x in (20.0001, 25, 35, 100, 199)),
-    *(indexing(f"roller {x:g} mm", f"geometry.follower={{arm=90,pivot_distance=120,roller_radius={x:g}}}", )
-      for x in (0, 0.01, 30, 40, 60)),
+    *(
+        indexing(f"turn in {x:g} deg", f"geometry.rise_deg={x:g}")
+        for x in (1, 10, 40, 60, 149, 150, 151)
+    ),
+    *(
+        indexing(f"dwell of {x!r} deg", f"geometry.dwell_deg={x!r}")
+        for x in (1e-9, 1e-6, 0.01, 119.999999, 120.0)
+    ),
+    *(
+        indexing(f"gear ratio {x:g}", f"geometry.gear_ratio={x:g}")
+        for x in (1, 1.2, 2, 3, 100, 1e6)
+    ),
+    *(
+        indexing(f"base circle {x:g} mm", f"geometry.base_radius={x:g}")
+        for x in (20.0001, 25, 35, 100, 199)
+    ),
+    *(
+        indexing(
+            f"roller {x:g} mm",
+            f"geometry.follower={{arm=90,pivot_distance=120,roller_radius={x:g}}}",
+        )
+        for x in (0, 0.01, 30, 40, 60)
+    ),
     drive("as shipped"),
-    *(drive(f"crank / rod {x!r}", "geometry.rod=1e6", f"geometry.eccentricity={1e6 * x!r}") for x in (1e-9, 1e-8, 1e-6)),
-    *(drive(f"crank / rod {x!r}", f"geometry.rod={1.5 / x!r}")
-      for x in (1e-3, 0.1, 0.9, 0.99, 0.999999, 0.999999999999, 1.0, 1.0001, 2.0)),
-    *(drive(f"offset {x:g} mm", f"geometry.offset={x:g}") for x in (1e-9, 1, 20, 40, 46, 46.49, 46.4999, 46.5, 47)),
-    *(drive(f"size {x:g}", *(f"{key}={value * x:.12g}" for key, value in (
-        ("geometry.eccentricity", 1.5), ("geometry.rod", 48), ("geometry.eccentric_diameter", 9), ("geometry.shaft_diameter", 2),
-        ("motor.boss_diameter", 6), ("motor.diameter", 21),
-    ))) for x in (1e-3, 1e-2, 1e2, 1e3)),
+    *(
+        drive(f"crank / rod {x!r}", "geometry.rod=1e6", f"geometry.eccentricity={1e6 * x!r}")
+        for x in (1e-9, 1e-8, 1e-6)
+    ),
+    *(
+        drive(f"crank / rod {x!r}", f"geometry.rod={1.5 / x!r}")
+        for x in (1e-3, 0.1, 0.9, 0.99, 0.999999, 0.999999999999, 1.0, 1.0001, 2.0)
+    ),
+    *(
+        drive(f"offset {x:g} mm", f"geometry.offset={x:g}")
+        for x in (1e-9, 1, 20, 40, 46, 46.49, 46.4999, 46.5, 47)
+    ),
+    *(
+        drive(
+            f"size {x:g}",
+            *(
+                f"{key}={value * x:.12g}"
+                for key, value in (
+                    ("geometry.eccentricity", 1.5),
+                    ("geometry.rod", 48),
+                    ("geometry.eccentric_diameter", 9),
+                    ("geometry.shaft_diameter", 2),
+                    ("motor.boss_diameter", 6),
+                    ("motor.diameter", 21),
+                )
+            ),
+        )
+        for x in (1e-3, 1e-2, 1e2, 1e3)
+    ),
     take_up("as shipped"),
-    *(take_up(f"frame {x!r} mm, fold at 19", f"geometry.frame={x!r}") for x in
-      (1e-9, 1e-3, 18.9, 18.99, 18.999, 18.9999, 18.999999, 18.999999999, 19.0, 19.0001)),
+    *(
+        take_up(f"frame {x!r} mm, fold at 19", f"geometry.frame={x!r}")
+        for x in (1e-9, 1e-3, 18.9, 18.99, 18.999, 18.9999, 18.999999, 18.999999999, 19.0, 19.0001)
+    ),
     take_up("coupler and output crank alike", "geometry.coupler=30"),
     take_up("parallelogram", "geometry.coupler=9", "geometry.output_crank=30"),
     take_up("eye at the joint", "geometry.eye_distance=1e-6"),
-    take_up("guide on the eye's path", "geometry.guides=[[21.5355314508, -20.2259486324], [-80, 160]]"),
+    take_up(
+        "guide on the eye's path", "geometry.guides=[[21.5355314508, -20.2259486324], [-80, 160]]"
+    ),
     take_up("both guides in one place", "geometry.guides=[[40, 15], [40, 15]]"),
     take_up("guides far away", "geometry.guides=[[4e4, 15], [-8e4, 160]]"),
     looper("as shipped"),
-    *(looper(f"b = {x:g} mm", f"geometry.point_lengths=[6, {6 + 2 * (x - 2.5):.12g}]") for x in
-      (3.5, 1, 0.1, 1e-3, 1e-6, 1e-9, 0, -0.4)),
-    *(looper(f"feed over {x:g} deg", f"geometry.feed_deg={x:g}") for x in (1e-6, 1, 240, 300, 350, 359.9, 359.999999)),
-    *(looper(f"velocity ratio {x:g}", f"geometry.velocity_ratio={x:g}") for x in (1e-6, 0.1, 0.86, 5, 1e3)),
+    *(
+        looper(f"b = {x:g} mm", f"geometry.point_lengths=[6, {6 + 2 * (x - 2.5):.12g}]")
+        for x in (3.5, 1, 0.1, 1e-3, 1e-6, 1e-9, 0, -0.4)
+    ),
+    *(
+        looper(f"feed over {x:g} deg", f"geometry.feed_deg={x:g}")
+        for x in (1e-6, 1, 240, 300, 350, 359.9, 359.999999)
+    ),
+    *(
+        looper(f"velocity ratio {x:g}", f"geometry.velocity_ratio={x:g}")
+        for x in (1e-6, 0.1, 0.86, 5, 1e3)
+    ),
     *(looper(f"loop rise {x:g} mm", f"geometry.loop_rise=[{x:g}, 4.5]") for x in (0, 1e-9, 10, 50)),
     looper("needle as wide as the stitch", "geometry.needle_diameter=6.4"),
     looper("needle of no width", "geometry.needle_diameter=1e-9"),
-)  # fmt: skip
+)
 
 
 def judged(case: Case, folder: Path) -> Outcome:
@@ -474,7 +645,11 @@ def judged(case: Case, folder: Path) -> Outcome:
 
 def main(wanted: Sequence[str]) -> int:
     """Print the table; 1 where a row is neither kept nor refused."""
-    print("| mechanism | case | error | allowed | condition | outcome |", "|---|---|---|---|---|---|", sep="\n")
+    print(
+        "| mechanism | case | error | allowed | condition | outcome |",
+        "|---|---|---|---|---|---|",
+        sep="\n",
+    )
     bad = 0
     with tempfile.TemporaryDirectory() as folder:
         for case in CASES:
@@ -483,8 +658,15 @@ def main(wanted: Sequence[str]) -> int:
             found = judged(case, Path(folder))
             bad += not found.fine
             unit = "mm" if case.outline else "of its range"
-            numbers = ("-", "-", "-") if math.isnan(found.error) else (
-                f"{found.error:.1e} {unit}", f"{found.tolerance:.1e}", f"{found.condition:.3g}")  # fmt: skip
+            numbers = (
+                ("-", "-", "-")
+                if math.isnan(found.error)
+                else (
+                    f"{found.error:.1e} {unit}",
+                    f"{found.tolerance:.1e}",
+                    f"{found.condition:.3g}",
+                )
+            )
             said = found.said if found.fine else f"**BAD** {found.said}"
             print("| " + " | ".join((case.mechanism, case.name, *numbers, said)) + " |", flush=True)
     print(f"\n{bad} rows are neither within their tolerance nor refused")

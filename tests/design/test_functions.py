@@ -22,7 +22,9 @@ from camgen.machines.linkage.mechanism import Linkage
 from camgen.spec import validate
 
 TABLES = {"mechanism": "linkage", "name": "found"}
-LOG = tuple((60 * (x - 1), 60 * math.log(x) / math.log(2)) for x in (1.067, 1.5, 1.933))  # Chebyshev's spacing of 1..2
+LOG = tuple(
+    (60 * (x - 1), 60 * math.log(x) / math.log(2)) for x in (1.067, 1.5, 1.933)
+)  # Chebyshev's spacing of 1..2
 
 
 def missed(made: Generator, pairs: Any) -> float:
@@ -43,14 +45,19 @@ def logarithm() -> list[Generator]:
 
 def test_three_pairs_are_met_exactly(logarithm: list[Generator]) -> None:
     for made in logarithm[:3]:
-        assert missed(made, LOG) < 1e-7 and made.error < 1e-9 and made.transmission >= math.radians(30)
+        assert (
+            missed(made, LOG) < 1e-7 and made.error < 1e-9 and made.transmission >= math.radians(30)
+        )
 
 
 def test_a_linkage_s_own_function_is_found_again_and_judged_by_the_kernel() -> None:
     points = {"O": [0, 0], "C": [60, 0], "A": [12, 16], "B": [50, 45]}
     links = {"ground": ["O", "C"], "crank": ["O", "A"], "coupler": ["A", "B"], "rocker": ["C", "B"]}
     output = [{"name": "turn", "link": "rocker"}]
-    own = validate(Linkage, {**TABLES, "points": points, "links": links, "drive": {"link": "crank"}, "output": output})
+    own = validate(
+        Linkage,
+        {**TABLES, "points": points, "links": links, "drive": {"link": "crank"}, "output": output},
+    )
     turns = np.radians([0, 15, 30, 45, 60, 75, 90])
     made = np.degrees(solve(own.chain, turns, 0)["turn"].real)
     pairs = tuple(zip(np.degrees(turns).tolist(), (made - made[0]).tolist(), strict=True))
@@ -62,8 +69,14 @@ def test_a_linkage_s_own_function_is_found_again_and_judged_by_the_kernel() -> N
     assert finding.ok and finding.measured == pytest.approx(math.degrees(best.error), abs=1e-5)
     wrong = best.data(0.01)
     wrong["output"][0]["function"]["at"][3][1] += 1.0
-    (finding,) = (each for each in validate(Linkage, wrong).limits() if each.code == "FUNCTION_ERROR")
-    assert not finding.ok and finding.measured == pytest.approx(1.0, abs=0.01) and "theta 45 deg" in finding.message
+    (finding,) = (
+        each for each in validate(Linkage, wrong).limits() if each.code == "FUNCTION_ERROR"
+    )
+    assert (
+        not finding.ok
+        and finding.measured == pytest.approx(1.0, abs=0.01)
+        and "theta 45 deg" in finding.message
+    )
 
 
 def test_a_front_trades_error_for_transmission() -> None:
@@ -77,8 +90,13 @@ def test_the_search_goes_along_the_bounds_to_the_tolerance_and_the_transmission_
     # another route, least squares on all lengths from many starts, ends at a coupler of twice the frame as well
     square = tuple((x, x**2 / 90) for x in (0, 22.5, 45, 67.5, 90))
     front = search(FunctionWish(function=square, tolerance=0.125), TABLES)
-    assert any(math.degrees(each.error) < 0.1197 and math.degrees(each.transmission) > 61.1 for each in front)
-    assert all(math.degrees(each.error) <= 0.125 and max(each.lengths) <= 2 + 1e-9 for each in front)
+    assert any(
+        math.degrees(each.error) < 0.1197 and math.degrees(each.transmission) > 61.1
+        for each in front
+    )
+    assert all(
+        math.degrees(each.error) <= 0.125 and max(each.lengths) <= 2 + 1e-9 for each in front
+    )
     sine = ((6.02885683, 6.3019), (45, 42.4264), (83.97114317, 59.6682))
     steep = search(FunctionWish(function=sine, transmission_deg=80), TABLES)[0]
     assert steep.transmission > math.radians(81.40) and missed(steep, sine) < 1e-7
@@ -92,13 +110,22 @@ def test_the_keys_that_a_remedy_names_are_there() -> None:
 
 
 def test_what_no_four_bar_transmits_is_told() -> None:
-    with pytest.raises(DesignError, match=r"least transmission angle is [1-7]\d\..* limit 80 deg.*wanted.transmission_deg"):
+    with pytest.raises(
+        DesignError,
+        match=r"least transmission angle is [1-7]\d\..* limit 80 deg.*wanted.transmission_deg",
+    ):
         search(FunctionWish(function=((0, 0), (20, 100), (40, 0)), transmission_deg=80), TABLES)
 
 
 def test_without_a_tolerance_a_useless_four_bar_is_none() -> None:
-    hardly: dict[str, Any] = {"function": [[0, 0], [20, 100], [40, 0]], "transmission_deg": 20, "lash": 60}  # a swing of 100 deg
-    with pytest.raises(DesignError, match=r"nearest buildable design is [12]\d\.\d+ deg off .*twentieth .*, 5 deg"):
+    hardly: dict[str, Any] = {
+        "function": [[0, 0], [20, 100], [40, 0]],
+        "transmission_deg": 20,
+        "lash": 60,
+    }  # a swing of 100 deg
+    with pytest.raises(
+        DesignError, match=r"nearest buildable design is [12]\d\.\d+ deg off .*twentieth .*, 5 deg"
+    ):
         design({**TABLES, "wanted": hardly})
     assert FunctionWish(function=LOG).borne == pytest.approx((LOG[2][1] - LOG[0][1]) / 20)
 
@@ -106,14 +133,26 @@ def test_without_a_tolerance_a_useless_four_bar_is_none() -> None:
 def test_all_faults_of_wish_and_spec_at_once(tmp_path: Path) -> None:
     (spec := tmp_path / "wish.toml").write_text(
         'mechanism = "disc-cam"\nname = "a b"\n[wanted]\nfunction = [[0, 0], [0, 5], [400, 5]]\nlongest = 5\n'
-        '[parts]\nthickness = -1\n[points]\nA = [0, 0]\n', encoding="utf-8")  # fmt: skip
+        "[parts]\nthickness = -1\n[points]\nA = [0, 0]\n",
+        encoding="utf-8",
+    )
     with pytest.raises(SpecError) as told:
         design(spec)
     paths = [fault.path for fault in told.value.faults]
-    assert paths == ["points", "mechanism", "name", "parts.thickness", "wanted.function", "wanted.function", "wanted.longest"]
+    assert paths == [
+        "points",
+        "mechanism",
+        "name",
+        "parts.thickness",
+        "wanted.function",
+        "wanted.function",
+        "wanted.longest",
+    ]
 
 
-def test_the_spec_keeps_its_comments_and_line_ends_and_the_front_its_pictures(tmp_path: Path) -> None:
+def test_the_spec_keeps_its_comments_and_line_ends_and_the_front_its_pictures(
+    tmp_path: Path,
+) -> None:
     pairs = [[round(x, 3), round(y, 3)] for x, y in LOG]
     text = f'# mine\r\nmechanism = "linkage" # kept\r\nname = "log"\r\n[wanted]\r\nfunction = {pairs}\r\nlash = 5\r\n'
     (spec := tmp_path / "wish.toml").write_bytes(text.encode())

@@ -76,19 +76,33 @@ def test_the_least_cam_has_the_pressure_angle_that_is_allowed(tmp_path: Path) ->
     assert "# a cam" in text and "# is found" in text and "wanted" not in text
     found = tomllib.loads(text)["geometry"]["base_radius"]
     least = prime_radius(math.radians(20)) - 5  # of the pitch curve, less the roller
-    assert least - 1e-3 < found < least + 0.05  # 60 designs over 70 mm: what a simplex of so few steps reaches
+    assert (
+        least - 1e-3 < found < least + 0.05
+    )  # 60 designs over 70 mm: what a simplex of so few steps reaches
 
 
 def test_the_least_cam_holds_its_hub() -> None:
     """By what a build would refuse, though no limit of the exact profile fails: the hub, 90 mm wide, leaves a lesser cam."""
-    found = tomllib.loads(design(tomllib.loads(CAM) | {"parts": {"hub_diameter": 90.0, "hub_height": 6.0}}))
+    found = tomllib.loads(
+        design(tomllib.loads(CAM) | {"parts": {"hub_diameter": 90.0, "hub_height": 6.0}})
+    )
     assert 45 < found["geometry"]["base_radius"] < 46
 
 
 def test_what_cannot_be_is_told_with_the_nearest() -> None:
-    with pytest.raises(DesignError, match=r"none of \d+ designs keeps every limit; the nearest one"):
-        design(tomllib.loads(CAM) | {"wanted": {"vary": {"geometry.base_radius": [10.0, 20.0]}, "least": "geometry.base_radius",
-                                                "figures": {"pressure_angle_deg": [0.0, 3.0]}}})  # fmt: skip
+    with pytest.raises(
+        DesignError, match=r"none of \d+ designs keeps every limit; the nearest one"
+    ):
+        design(
+            tomllib.loads(CAM)
+            | {
+                "wanted": {
+                    "vary": {"geometry.base_radius": [10.0, 20.0]},
+                    "least": "geometry.base_radius",
+                    "figures": {"pressure_angle_deg": [0.0, 3.0]},
+                }
+            }
+        )
 
 
 @pytest.mark.parametrize(
@@ -96,10 +110,19 @@ def test_what_cannot_be_is_told_with_the_nearest() -> None:
     [
         ({"vary": {"geometry.base_radius": [20.0, 10.0]}, "least": "x"}, "the least value first"),
         ({"vary": {"geometry.base_radius": [10.0, 20.0]}}, "one of wanted.least and wanted.most"),
-        ({"vary": {"geometry.base_radius": [10.0, 20.0]}, "least": "presure_angle_deg"}, "did you mean 'pressure_angle_deg'"),
-        ({"vary": {"geometry.bse_radius": [10.0, 20.0]}, "least": "pressure_angle_deg"}, "geometry.bse_radius"),
+        (
+            {"vary": {"geometry.base_radius": [10.0, 20.0]}, "least": "presure_angle_deg"},
+            "did you mean 'pressure_angle_deg'",
+        ),
+        (
+            {"vary": {"geometry.bse_radius": [10.0, 20.0]}, "least": "pressure_angle_deg"},
+            "geometry.bse_radius",
+        ),
         ({"vary": {}, "least": "x"}, "wanted.vary"),
-        ({"vary": {"geometry.base_radius": [-20.0, 20.0]}, "least": "x"}, "wanted.vary.geometry.base_radius: -20"),
+        (
+            {"vary": {"geometry.base_radius": [-20.0, 20.0]}, "least": "x"},
+            "wanted.vary.geometry.base_radius: -20",
+        ),
         ({"vary": {"a b=3 #": [10.0, 20.0]}, "least": "stroke_mm"}, "a key of the spec"),
         ({"path": [[0, 0], [1, 1], [2, 0]]}, '"linkage", for a path'),
         ({"path": "none.csv", "bars": 5}, "wanted.bars"),
@@ -114,11 +137,18 @@ def test_faults_of_a_wish_are_told(wanted: dict[str, Any], said: str) -> None:
 
 @pytest.mark.parametrize(
     ("table", "said"),
-    [("x,y\n1,2\n", "1 different points"), ("1,2\na,b\n", "line 2.*two numbers: x and y"), ("1,2\n3,1e9\n", "within"),
-     ("1,2\n1,nan\n", "line 2"),
-     ("", "rows of two numbers: x and y"),
-     ("\n".join(f"{(k * 7919) % 97},{(k * 31) % 89}" for k in range(60)), "a line of .* through all points")],
-)  # fmt: skip
+    [
+        ("x,y\n1,2\n", "1 different points"),
+        ("1,2\na,b\n", "line 2.*two numbers: x and y"),
+        ("1,2\n3,1e9\n", "within"),
+        ("1,2\n1,nan\n", "line 2"),
+        ("", "rows of two numbers: x and y"),
+        (
+            "\n".join(f"{(k * 7919) % 97},{(k * 31) % 89}" for k in range(60)),
+            "a line of .* through all points",
+        ),
+    ],
+)
 def test_tables_that_are_no_path_are_told(table: str, said: str, tmp_path: Path) -> None:
     (tmp_path / "path.csv").write_text(table, encoding="utf-8")
     asked = wish({"wanted": {"path": "path.csv"}}, "spec")
@@ -127,29 +157,44 @@ def test_tables_that_are_no_path_are_told(table: str, said: str, tmp_path: Path)
 
 
 def test_faults_of_the_rest_of_the_spec_come_before_a_search() -> None:
-    spec = {"mechanism": "linkage", "name": "Bad Name", "foo": 1, "parts": {"thickness": -2.0, "pin_diameter": "x"},
-            "wanted": {"path": [[0, 0], [20, 12], [45, 20], [20, 4]], "bars": 8}}  # fmt: skip
+    spec = {
+        "mechanism": "linkage",
+        "name": "Bad Name",
+        "foo": 1,
+        "parts": {"thickness": -2.0, "pin_diameter": "x"},
+        "wanted": {"path": [[0, 0], [20, 12], [45, 20], [20, 4]], "bars": 8},
+    }
     with pytest.raises(SpecError) as error:
         design(spec)
-    assert [fault.path for fault in error.value.faults] == ["name", "parts.thickness", "parts.pin_diameter", "foo"]
+    assert [fault.path for fault in error.value.faults] == [
+        "name",
+        "parts.thickness",
+        "parts.pin_diameter",
+        "foo",
+    ]
 
 
 def test_texts_keep_their_comments() -> None:
     text = "# head\n[a]\nx = 1 # one\n\n[wanted]\ny = 2\n"
     assert edited(text, ["a.x=2", "b.c=3"]).startswith("# head\n[a]\nx = 2 # one\n")
     changed = with_tables(text, {"a": {"z": 1}, "rows": [{"n": 1}]}, ["wanted"])
-    assert tomllib.loads(changed) == {"a": {"x": 1, "z": 1}, "rows": [{"n": 1}]} and "# one" in changed
+    assert (
+        tomllib.loads(changed) == {"a": {"x": 1, "z": 1}, "rows": [{"n": 1}]} and "# one" in changed
+    )
 
 
 def test_words_are_chosen_among() -> None:
     """Of the named laws the one whose peak acceleration, C_a of the VDI 2143, is least: parabolic 4, modified trapezoid 4.89."""
     laws = {"cycloidal": 2 * math.pi, "modified-trapezoid": 4.888, "3-4-5": 5.7735}
-    wanted = {"vary": {"segment.0.law": list(laws), "geometry.base_radius": [30, 50]}, "least": "peak_acceleration_mm_s2"}
+    wanted = {
+        "vary": {"segment.0.law": list(laws), "geometry.base_radius": [30, 50]},
+        "least": "peak_acceleration_mm_s2",
+    }
     data = {**tomllib.loads(CAM), "wanted": wanted}
     found = tomllib.loads(design(data))
-    assert found["segment"][0]["law"] == {"name": min(laws, key=laws.__getitem__)} or found["segment"][0]["law"] == min(
-        laws, key=laws.__getitem__
-    )
+    assert found["segment"][0]["law"] == {"name": min(laws, key=laws.__getitem__)} or found[
+        "segment"
+    ][0]["law"] == min(laws, key=laws.__getitem__)
     data["wanted"] = {**wanted, "vary": {"segment.0.law": ["cycloidal", "cycloid"]}}
     with pytest.raises(SpecError, match="wanted.vary.segment.0.law.*cycloid.*expected one of"):
         design(data)

@@ -58,15 +58,25 @@ def test_a_chain_traces_what_the_machine_of_its_spec_does(chain: Chain) -> None:
     from camgen.machines.linkage.mechanism import Linkage
 
     run = solve(validate(Linkage, data).chain, 2 * np.pi * np.arange(36) / 36, 0)
-    assert np.max(np.abs(run.derivatives("path")[0] - path[:, 0])) < 1e-4  # drawn to 1e-6 mm, and up to five dyads multiply it
+    assert (
+        np.max(np.abs(run.derivatives("path")[0] - path[:, 0])) < 1e-4
+    )  # drawn to 1e-6 mm, and up to five dyads multiply it
 
 
 def test_each_corner_of_the_wanted_path_counts_and_is_judged() -> None:
     """By all distances of many places; the corners are no places of an even grid along the lines."""
     own = FOUR_BAR.trace(DRAWN, 9)[0][:, 0]
     corners = np.append(own, own[:1]) * 1.02 + 0.3
-    design = Candidate(Found(FOUR_BAR, tuple(DRAWN[0]), 0.0, 0.0), corners, {"mechanism": "linkage", "name": "found"}, 1.2)
-    path, line = FOUR_BAR.trace(DRAWN, 20_000)[0][:, 0], np.interp(np.arange(0, 9, 1e-3), range(10), corners)
+    design = Candidate(
+        Found(FOUR_BAR, tuple(DRAWN[0]), 0.0, 0.0),
+        corners,
+        {"mechanism": "linkage", "name": "found"},
+        1.2,
+    )
+    path, line = (
+        FOUR_BAR.trace(DRAWN, 20_000)[0][:, 0],
+        np.interp(np.arange(0, 9, 1e-3), range(10), corners),
+    )
     a, b = (np.stack([z.real, z.imag], axis=-1) for z in (path, np.append(line, corners)))
     worst = max(cKDTree(a).query(b)[0].max(), cKDTree(b).query(a)[0].max())
     assert worst - 1e-3 < design.worst < worst + 5e-3 and design.worst > 1.2
@@ -74,10 +84,15 @@ def test_each_corner_of_the_wanted_path_counts_and_is_judged() -> None:
 
     data = design.data()
     trace = data["output"][0]["path"]
-    assert len(trace["at"]) == 10 and trace["tolerance"] == 1.2  # what is borne, though it reaches less
+    assert (
+        len(trace["at"]) == 10 and trace["tolerance"] == 1.2
+    )  # what is borne, though it reaches less
     (finding,) = (each for each in validate(Linkage, data).limits() if each.code == "PATH_ERROR")
     assert finding.measured == pytest.approx(design.worst, abs=3e-3) and not finding.ok
-    assert design.weighed.miss.startswith("PATH_ERROR") and not replace(design, borne=worst + 1).weighed.miss
+    assert (
+        design.weighed.miss.startswith("PATH_ERROR")
+        and not replace(design, borne=worst + 1).weighed.miss
+    )
     kept = validate(Linkage, replace(design, borne=worst + 1).data()).limits()
     assert all(each.ok for each in kept if each.code == "PATH_ERROR")
 
@@ -85,10 +100,19 @@ def test_each_corner_of_the_wanted_path_counts_and_is_judged() -> None:
 def test_without_a_tolerance_a_useless_path_is_none() -> None:
     """A figure eight, 100 mm long, of which a four-bar misses 14 mm: a twentieth is borne, 5 mm."""
     turn = np.linspace(0, 2 * np.pi, 41)
-    eight = [[round(50 * np.sin(t), 3), round(50 * np.sin(t) * np.cos(t), 3)] for t in turn.tolist()]
-    tables: dict[str, Any] = {"mechanism": "linkage", "name": "eight", "parts": {"thickness": 3, "pin_diameter": 3, "wall": 1.6}}
+    eight = [
+        [round(50 * np.sin(t), 3), round(50 * np.sin(t) * np.cos(t), 3)] for t in turn.tolist()
+    ]
+    tables: dict[str, Any] = {
+        "mechanism": "linkage",
+        "name": "eight",
+        "parts": {"thickness": 3, "pin_diameter": 3, "wall": 1.6},
+    }
     kept = list[Front]()
-    with pytest.raises(DesignError, match=r"nearest buildable design is 1\d\.\d+ mm from the path; .*twentieth .*, 4\.999 mm"):
+    with pytest.raises(
+        DesignError,
+        match=r"nearest buildable design is 1\d\.\d+ mm from the path; .*twentieth .*, 4\.999 mm",
+    ):
         design({**tables, "wanted": {"path": eight, "bars": 4, "effort": 0}}, keep=kept.append)
     (front,) = kept
     for row, text in zip(front.rows, front.texts, strict=True):
@@ -97,11 +121,16 @@ def test_without_a_tolerance_a_useless_path_is_none() -> None:
 
 
 @given(st.floats(-3, 3), st.floats(0.2, 5), st.complex_numbers(max_magnitude=100))
-def test_place_turn_and_size_of_a_path_do_not_count(turn: float, size: float, shift: complex) -> None:
+def test_place_turn_and_size_of_a_path_do_not_count(
+    turn: float, size: float, shift: complex
+) -> None:
     target = TARGET
     error, factor, moved = target.measured(size * np.exp(1j * turn) * PATH + shift)
     assert error < 1e-9 * target.chord
-    assert np.max(np.abs(factor * (size * np.exp(1j * turn) * PATH + shift) + moved - PATH)) < 1e-7 * target.chord
+    assert (
+        np.max(np.abs(factor * (size * np.exp(1j * turn) * PATH + shift) + moved - PATH))
+        < 1e-7 * target.chord
+    )
 
 
 def test_the_error_is_the_chamfer_distance() -> None:
@@ -109,14 +138,18 @@ def test_the_error_is_the_chamfer_distance() -> None:
     error, factor, shift = TARGET.measured(other)
     laid = factor * other + shift
     a, b = (np.stack([z.real, z.imag], axis=-1) for z in (PATH, laid))
-    assert error == pytest.approx(cKDTree(a).query(b)[0].mean() + cKDTree(b).query(a)[0].mean(), rel=1e-9)
+    assert error == pytest.approx(
+        cKDTree(a).query(b)[0].mean() + cKDTree(b).query(a)[0].mean(), rel=1e-9
+    )
     assert error > 0.2  # not the same path
 
 
 def test_a_fast_look_is_near_the_full_one() -> None:
     target = TARGET
     other = FOUR_BAR.trace(DRAWN + [[0, 0, 2, 0, 2j]], 64)[0]
-    assert target.glance(target.laid(other)[0])[0] == pytest.approx(target.measured(other[:, 0])[0], abs=0.02 * target.chord)
+    assert target.glance(target.laid(other)[0])[0] == pytest.approx(
+        target.measured(other[:, 0])[0], abs=0.02 * target.chord
+    )
 
 
 def test_polishing_only_betters_and_ends_at_a_known_linkage() -> None:
@@ -127,13 +160,24 @@ def test_polishing_only_betters_and_ends_at_a_known_linkage() -> None:
     before = goal.target.near(laid).error
     _, error, _ = polished(FOUR_BAR, packed(start), np.full(6, 1e-6), goal)
     closed = FOUR_BAR.trace(start, 128)[1] > goal.sine
-    assert closed.sum() >= 4 and (error <= before)[closed].all() and np.median(error) < 0.3 * np.median(before)
+    assert (
+        closed.sum() >= 4
+        and (error <= before)[closed].all()
+        and np.median(error) < 0.3 * np.median(before)
+    )
 
 
 def test_a_front_and_its_area() -> None:
     goal = Goal(TARGET, 1.0, 10.0)
-    points = [Found(FOUR_BAR, (), *each) for each in ((0.5, 4.0), (0.2, 6.0), (0.5, 7.0), (0.1, 6.0), (0.9, 12.0), (2.0, 1.0))]
-    assert [(each.error, each.bars) for each in front(points)] == [(0.1, 6.0), (0.5, 4.0), (2.0, 1.0)]
+    points = [
+        Found(FOUR_BAR, (), *each)
+        for each in ((0.5, 4.0), (0.2, 6.0), (0.5, 7.0), (0.1, 6.0), (0.9, 12.0), (2.0, 1.0))
+    ]
+    assert [(each.error, each.bars) for each in front(points)] == [
+        (0.1, 6.0),
+        (0.5, 4.0),
+        (2.0, 1.0),
+    ]
     assert [each.bars for each in front(points, 0.4)] == [6.0, 1.0]
     assert area(points, goal) == pytest.approx((0.4 * 4 + 0.5 * 6) / 10)
 
@@ -147,7 +191,9 @@ def test_a_path_of_a_four_bar_is_found_again() -> None:
 def test_a_design_that_is_shaken_is_bettered() -> None:
     drawn = DRAWN[0] + [0, 0, 4, -3j, 3]
     error = TARGET.measured(FOUR_BAR.trace(drawn[None], 720)[0][:, 0])[0]
-    known = Found(FOUR_BAR, tuple(drawn.tolist()), error, float(FOUR_BAR.lengths(drawn[None]).sum()))
+    known = Found(
+        FOUR_BAR, tuple(drawn.tolist()), error, float(FOUR_BAR.lengths(drawn[None]).sum())
+    )
     best = solved(GOAL, Task(FOUR_BAR, (1,), (known,)))[0]
     assert best.error < 0.3 * error and error > 0.02 * TARGET.chord
 
@@ -155,10 +201,17 @@ def test_a_design_that_is_shaken_is_bettered() -> None:
 def test_shortest_bar_and_transmission_angle_are_kept() -> None:
     for each in solved(replace(GOAL, shortest=15.0, sine=0.5), TASK):
         drawn = np.array([each.drawn])
-        assert FOUR_BAR.lengths(drawn).min() >= 15 - 1e-9 and FOUR_BAR.trace(drawn, 720)[1][0] >= 0.5 - 1e-6
+        assert (
+            FOUR_BAR.lengths(drawn).min() >= 15 - 1e-9
+            and FOUR_BAR.trace(drawn, 720)[1][0] >= 0.5 - 1e-6
+        )
 
 
-def test_a_target_of_the_challenge_is_met_by_a_four_bar_better_than_by_the_students_machines() -> None:
-    points = np.loadtxt(Path(__file__).parents[1] / "reference" / "path_target_0.csv", delimiter=",")
+def test_a_target_of_the_challenge_is_met_by_a_four_bar_better_than_by_the_students_machines() -> (
+    None
+):
+    points = np.loadtxt(
+        Path(__file__).parents[1] / "reference" / "path_target_0.csv", delimiter=","
+    )
     goal = Goal(Target(points @ [1, 1j]), 0.1, 5.0)
     assert area(search(goal, [FOUR_BAR], 0), goal) > 0.73  # their score on this target

@@ -71,7 +71,9 @@ def covered(edges: Sequence[Points], shape: tuple[int, int], low: complex, pitch
         image = Image.new("1", (shape[1], shape[0]))
         ImageDraw.Draw(image).polygon([(p.real, p.imag) for p in z], fill=1)
         mask = np.array(image)
-        band = ndimage.binary_dilation(mask, iterations=4) & ~ndimage.binary_erosion(mask, iterations=4)
+        band = ndimage.binary_dilation(mask, iterations=4) & ~ndimage.binary_erosion(
+            mask, iterations=4
+        )
         rows, columns = np.nonzero(band)
         step = np.abs(np.roll(z, -1) - z)
         count = np.maximum(1, np.ceil(step / 0.2)).astype(int)
@@ -79,9 +81,13 @@ def covered(edges: Sequence[Points], shape: tuple[int, int], low: complex, pitch
         u = (np.arange(len(piece)) - np.repeat(np.cumsum(count) - count, count)) / count[piece]
         dense = z[piece] + u * (np.roll(z, -1) - z)[piece]
         at = columns + 1j * rows
-        near = cKDTree(np.column_stack([dense.real, dense.imag])).query(np.column_stack([columns, rows]))[1]
+        near = cKDTree(np.column_stack([dense.real, dense.imag])).query(
+            np.column_stack([columns, rows])
+        )[1]
         along = np.roll(dense, -1)[near] - np.roll(dense, 1)[near]
-        side = np.imag(np.conj(along / np.abs(along)) * (at - dense[near]))  # on the left of a counter-clockwise edge
+        side = np.imag(
+            np.conj(along / np.abs(along)) * (at - dense[near])
+        )  # on the left of a counter-clockwise edge
         area = np.sum(np.imag(np.conj(z) * np.roll(z, -1)))
         inner = mask.astype(float)
         inner[rows, columns] = np.clip(np.sign(area) * side + 0.5, 0, 1)
@@ -102,9 +108,15 @@ def scan(edges: Sequence[Points], glass: Glass) -> tuple[np.ndarray, Points]:  #
     level = (glass.ground + (glass.part - glass.ground) * share) * light
     chance = np.random.default_rng(glass.seed)
     for _ in range(glass.specks):
-        row, column, size = chance.integers(0, shape[0]), chance.integers(0, shape[1]), chance.uniform(0.5, 2.5)
+        row, column, size = (
+            chance.integers(0, shape[0]),
+            chance.integers(0, shape[1]),
+            chance.uniform(0.5, 2.5),
+        )
         rows, columns = slice(max(0, row - 4), row + 5), slice(max(0, column - 4), column + 5)
-        j, i = np.ogrid[rows.start : min(rows.stop, shape[0]), columns.start : min(columns.stop, shape[1])]
+        j, i = np.ogrid[
+            rows.start : min(rows.stop, shape[0]), columns.start : min(columns.stop, shape[1])
+        ]
         speck = np.exp(-((j - row) ** 2 + (i - column) ** 2) / (2 * size**2))
         level[rows, columns] += (chance.choice([-1, 1]) * 90) * speck
     level += chance.normal(0, glass.noise, shape)

@@ -36,13 +36,23 @@ def unescaped(text):
 
 
 def disc(radius, shift=0.0):
-    return Part("disc", "Disc", (Layer(Region(circle(shift, radius), (circle(0, radius / 4),)), 0, 4),), 3, (), (0j,))
+    return Part(
+        "disc",
+        "Disc",
+        (Layer(Region(circle(shift, radius), (circle(0, radius / 4),)), 0, 4),),
+        3,
+        (),
+        (0j,),
+    )
 
 
 @pytest.mark.parametrize("part", [cam(), hub()], ids=lambda p: p.name)
 def test_dxf_has_the_part_at_its_own_size(tmp_path, part):
     dxf, pdf = write_drawing(tmp_path, "demo", part, TOLERANCE, META)
-    assert (dxf.name, pdf.name) == (f"demo-{part.name}-drawing.dxf", f"demo-{part.name}-drawing.pdf")
+    assert (dxf.name, pdf.name) == (
+        f"demo-{part.name}-drawing.dxf",
+        f"demo-{part.name}-drawing.pdf",
+    )
     doc = ezdxf.readfile(dxf)
     assert not doc.audit().errors and doc.header["$INSUNITS"] == 4
     space = doc.modelspace()
@@ -67,7 +77,13 @@ def test_both_outputs_say_the_same(tmp_path):
 
 @pytest.mark.parametrize(
     ("radius", "scale", "sheet"),
-    [(2.5, "10:1", "A4"), (9, "2:1", "A4"), (40, "1:1", "A4"), (80, "1:1", "A3"), (900, "1:10", "A3")],
+    [
+        (2.5, "10:1", "A4"),
+        (9, "2:1", "A4"),
+        (40, "1:1", "A4"),
+        (80, "1:1", "A3"),
+        (900, "1:10", "A3"),
+    ],
 )
 def test_scale_and_sheet(tmp_path, radius, scale, sheet):
     texts = texts_of(write_drawing(tmp_path, "d", disc(radius), TOLERANCE, META)[0])
@@ -81,7 +97,9 @@ def test_nothing_leaves_the_frame(tmp_path_factory, radius, share):
     folder = tmp_path_factory.mktemp("d")
     _, pdf = write_drawing(folder, "d", disc(radius, share * radius), TOLERANCE * radius, META)
     content = pdf.read_bytes().decode("cp1252")
-    width, height = (float(v) / 72 * 25.4 for v in re.search(r"MediaBox \[ 0 0 (\S+) (\S+) \]", content).groups())
+    width, height = (
+        float(v) / 72 * 25.4 for v in re.search(r"MediaBox \[ 0 0 (\S+) (\S+) \]", content).groups()
+    )
     pairs = re.findall(r"(-?[\d.]+) (-?[\d.]+) (?=[mlc]\b)", content)
     points = [complex(float(x), float(y)) for x, y in pairs if (x, y) != ("0", "0")]
     assert min(z.real for z in points) >= 19.999 and max(z.real for z in points) <= width - 9.99
@@ -90,14 +108,22 @@ def test_nothing_leaves_the_frame(tmp_path_factory, radius, share):
 
 def test_holes_are_named_and_described():
     contours = [
-        circle(0, 4), circle(10, 1.5), circle(10j, 1.5), kidney(0, 18, 4, math.radians(20), math.radians(50)),
-        keyed_bore(10, 3, 1.4), polygon([0, 4, 4 + 2j, 2j]),
-    ]  # fmt: skip
+        circle(0, 4),
+        circle(10, 1.5),
+        circle(10j, 1.5),
+        kidney(0, 18, 4, math.radians(20), math.radians(50)),
+        keyed_bore(10, 3, 1.4),
+        polygon([0, 4, 4 + 2j, 2j]),
+    ]
     named = {label: (hole.place, hole.shape) for label, hole in holes_of(contours)}
     assert named == {
-        "A": (0, "Ø8"), "B1": (10, "Ø3"), "B2": (10j, "Ø3"), "C": (0, "slot 8 on R18, 20.0° - 70.0°"),
-        "D": (0, "Ø10, 10 × 11.4 overall"), "E": (2 + 1j, "4 × 2"),
-    }  # fmt: skip
+        "A": (0, "Ø8"),
+        "B1": (10, "Ø3"),
+        "B2": (10j, "Ø3"),
+        "C": (0, "slot 8 on R18, 20.0° - 70.0°"),
+        "D": (0, "Ø10, 10 × 11.4 overall"),
+        "E": (2 + 1j, "4 × 2"),
+    }
 
 
 def test_a_straight_slot_is_told_by_its_length_its_width_and_how_it_leans():
@@ -117,15 +143,23 @@ def test_a_slot_across_the_axis_is_told_from_below_to_above():
 
 def test_holes_at_points_of_the_spec_have_their_names():
     contours = [circle(0, 4), circle(10, 1.5), circle(10j, 1.5), circle(5, 1)]
-    named = {label: hole.place for label, hole in holes_of(contours, (("pivot", 10 + 0j), ("B", 0j), ("far", 99 + 0j)))}
+    named = {
+        label: hole.place
+        for label, hole in holes_of(contours, (("pivot", 10 + 0j), ("B", 0j), ("far", 99 + 0j)))
+    }
     assert named == {"B": 0, "pivot": 10, "1": 10j, "2": 5}
 
 
 def test_a_link_is_drawn_with_the_points_of_its_spec(root, tmp_path):
     """Its holes by their names; screws of the plate by numbers, as no point is called."""
     parts = {part.name: part for part in read_mechanism(root / "specs" / "linkage.toml").parts()}
-    labels = {name: texts_of(write_drawing(tmp_path, "d", parts[name], TOLERANCE, META)[0]) for name in ("coupler", "ground")}
-    assert {"A", "B", "P"} <= set(labels["coupler"]) and {"O", "C", "1", "2"} <= set(labels["ground"])
+    labels = {
+        name: texts_of(write_drawing(tmp_path, "d", parts[name], TOLERANCE, META)[0])
+        for name in ("coupler", "ground")
+    }
+    assert {"A", "B", "P"} <= set(labels["coupler"]) and {"O", "C", "1", "2"} <= set(
+        labels["ground"]
+    )
     assert not {"A", "B", "A1", "B1"} & set(labels["ground"])
 
 
@@ -147,16 +181,22 @@ def test_least_and_greatest_radius():
     assert (abs(near), abs(far)) == pytest.approx((25, 31), abs=2e-5)
 
 
-@pytest.mark.parametrize(("value", "text"), [(0, "0"), (-1e-9, "0"), (8, "8"), (100, "100"), (-2.5, "-2.5"), (1 / 3, "0.333")])
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0, "0"), (-1e-9, "0"), (8, "8"), (100, "100"), (-2.5, "-2.5"), (1 / 3, "0.333")],
+)
 def test_numbers(value, text):
     assert number(value) == text
 
 
 def test_edges_that_are_no_curve_are_dimensioned():
-    assert edge_rows(polygon([1 - 2j, 5 - 2j, 5 + 3j, 1 + 3j])) == [("1", "-2", "4 × 5, its lower left corner")]
+    assert edge_rows(polygon([1 - 2j, 5 - 2j, 5 + 3j, 1 + 3j])) == [
+        ("1", "-2", "4 × 5, its lower left corner")
+    ]
     assert edge_rows(hull([(0j, 3.0), (10 + 0j, 2.0)])) in (
-        [("10", "0", "R2"), ("0", "0", "R3")], [("0", "0", "R3"), ("10", "0", "R2")],
-    )  # fmt: skip
+        [("10", "0", "R2"), ("0", "0", "R3")],
+        [("0", "0", "R3"), ("10", "0", "R2")],
+    )
     wedge = polygon([0j, 4 - 1j, 4 + 1j])
     assert edge_rows(wedge) == [("0", "0", "corner"), ("4", "±1", "corner")]
     assert edge_rows(circle(2j, 3)) == [("0", "2", "Ø6, its edge")]
@@ -170,7 +210,14 @@ def test_only_a_cam_turns(tmp_path):
     part = Part("bar", "Bar", (Layer(bar, 0, 2), Layer(rail, 2, 5)), bore=2.0)
     texts = texts_of(write_drawing(tmp_path, "d", part, TOLERANCE, META)[0])
     assert not any(t.endswith((" min", " max")) or t.startswith("+") for t in texts)
-    assert {"Edges, z 0 to 2:", "R3", "R2", "Edges, z 2 to 5:", "4 x 2, its lower left corner", "%%c1"} <= set(texts)
+    assert {
+        "Edges, z 0 to 2:",
+        "R3",
+        "R2",
+        "Edges, z 2 to 5:",
+        "4 x 2, its lower left corner",
+        "%%c1",
+    } <= set(texts)
     turning = texts_of(write_drawing(tmp_path, "d", replace(cam(), bore=8.0), TOLERANCE, META)[0])
     assert "+" in turning and "R37 max" in turning
 
@@ -190,23 +237,36 @@ def test_a_shaft_is_told_by_its_diameter_and_how_deep_its_flats_are(tmp_path):
     arc = Arc(0j, 3.0, math.pi - math.atan2(2.2, half), math.pi + 2 * math.atan2(2.2, half))
     bar = Contour((arc, Line(half + 2.2j, -half + 2.2j)))
     assert edge_rows(bar) == [("0", "0", "Ø6, round"), ("0", "2.2", "flat, 0.8 deep, at 90°")]
-    texts = texts_of(write_drawing(tmp_path, "d", Part("bar", "Bar", (Layer(Region(bar), 0, 40),)), TOLERANCE, META)[0])
+    texts = texts_of(
+        write_drawing(
+            tmp_path, "d", Part("bar", "Bar", (Layer(Region(bar), 0, 40),)), TOLERANCE, META
+        )[0]
+    )
     assert {"%%c6", "5.2", "40", "Length 40"} <= set(texts) and "6" not in texts
 
 
 def test_x_and_y_start_where_one_can_touch_and_holes_have_a_place(tmp_path):
     """A link far from its machine's origin: from its first hole, and where that is in the files; a position of ISO 1101."""
-    link = Region(hull([(50 + 20j, 4.0), (80 + 20j, 4.0)]), (circle(50 + 20j, 2), circle(80 + 20j, 1.5)))
+    link = Region(
+        hull([(50 + 20j, 4.0), (80 + 20j, 4.0)]), (circle(50 + 20j, 2), circle(80 + 20j, 1.5))
+    )
     part = Part("link", "Link", (Layer(link, 0, 3),), points=(("P", 50 + 20j), ("Q", 80 + 20j)))
     dxf, _ = write_drawing(tmp_path, "d", part, TOLERANCE, replace(META, position=0.1))
     texts = texts_of(dxf)
-    assert texts[texts.index("Q") + 1 :][:3] != [] and ("30", "0", "%%c3") in list(zip(texts, texts[1:], texts[2:], strict=False))
+    assert texts[texts.index("Q") + 1 :][:3] != [] and ("30", "0", "%%c3") in list(
+        zip(texts, texts[1:], texts[2:], strict=False)
+    )
     assert " ".join(t for t in reversed(texts) if "X and Y from" in t or "files" in t) == (
         "X and Y from the centre of hole P, which in the part's files is at 50, 20"
     )
-    assert {"%%c0.1", "round holes; X and Y are exact"} <= set(texts) and texts[texts.index("%%c0.1") + 1] == "P"
+    assert {"%%c0.1", "round holes; X and Y are exact"} <= set(texts) and texts[
+        texts.index("%%c0.1") + 1
+    ] == "P"
     z = [e for e in ezdxf.readfile(dxf).modelspace().query("CIRCLE[layer=='CUT']")]
-    assert sorted((e.dxf.center.x, e.dxf.center.y) for e in z) == [(50, 20), (80, 20)]  # the sheet is where the part's files are
+    assert sorted((e.dxf.center.x, e.dxf.center.y) for e in z) == [
+        (50, 20),
+        (80, 20),
+    ]  # the sheet is where the part's files are
     plain = texts_of(write_drawing(tmp_path, "d", part, TOLERANCE, replace(META, position=0.0))[0])
     assert "round holes; X and Y are exact" not in plain
 
@@ -216,7 +276,10 @@ def test_what_is_measured_of_a_coupon_has_its_name_and_no_label_lies_on_an_edge(
     part = read_mechanism(root / "specs" / "coupon.toml").parts()[0]
     space = ezdxf.readfile(write_drawing(tmp_path, "d", part, TOLERANCE, META)[0]).modelspace()
     texts = [e.dxf.text for e in space.query("TEXT")]
-    assert texts.count("pin 5") == 2 and texts[texts.index("pin 5", texts.index("pin 5") + 1) + 3] == "%%c5, z 4 to 12"
+    assert (
+        texts.count("pin 5") == 2
+        and texts[texts.index("pin 5", texts.index("pin 5") + 1) + 3] == "%%c5, z 4 to 12"
+    )
     words = " ".join(reversed(texts))
     assert "98 over the far walls of A and B" in words and "Height over all 12" in words
     (gap,) = [e for e in space.query("TEXT[layer=='DIM']") if e.dxf.text == "gap 8"]
@@ -227,7 +290,9 @@ def test_what_is_measured_of_a_coupon_has_its_name_and_no_label_lies_on_an_edge(
 
 
 def stepped(*layers: tuple[Contour, tuple[Contour, ...], float, float]) -> Part:
-    return Part("p", "P", tuple(Layer(Region(outer, holes), z0, z1) for outer, holes, z0, z1 in layers))
+    return Part(
+        "p", "P", tuple(Layer(Region(outer, holes), z0, z1) for outer, holes, z0, z1 in layers)
+    )
 
 
 def beyond(part: Part) -> set[tuple[float, float, float, float]]:
@@ -238,31 +303,52 @@ def beyond(part: Part) -> set[tuple[float, float, float, float]]:
     return {tuple(round(float(value), 2) + 0.0 for value in (*a, *b)) for a, b in ends}
 
 
-@pytest.mark.parametrize("bore", [keyed_bore(8, 2, 1), d_bore(8, 0.5), circle(0, 4)], ids=["keyway", "flat", "plain"])
+@pytest.mark.parametrize(
+    "bore", [keyed_bore(8, 2, 1), d_bore(8, 0.5), circle(0, 4)], ids=["keyway", "flat", "plain"]
+)
 def test_a_section_goes_through_the_axis_of_the_bore(bore: Contour) -> None:
     """A keyway or a flat moves the middle of the bore's box: cut there a bore of 8 mm showed 7.94."""
-    found = views.section(stepped((circle(0, 20), (bore,), 0, 6), (circle(0, 10), (bore,), 6, 12)), 1e-4)
+    found = views.section(
+        stepped((circle(0, 20), (bore,), 0, 6), (circle(0, 10), (bore,), 6, 12)), 1e-4
+    )
     assert found is not None and found.y == 0
     faces = sorted(face.bounds[0::2] for face in shapely.get_parts(found.faces))
-    assert faces[0][0] == pytest.approx(-20, abs=0.01) and faces[0][1] == pytest.approx(-4, abs=0.01)
-    assert faces[-1][0] == pytest.approx(4, abs=0.01) and faces[-1][1] == pytest.approx(20, abs=0.01)
+    assert faces[0][0] == pytest.approx(-20, abs=0.01) and faces[0][1] == pytest.approx(
+        -4, abs=0.01
+    )
+    assert faces[-1][0] == pytest.approx(4, abs=0.01) and faces[-1][1] == pytest.approx(
+        20, abs=0.01
+    )
 
 
 def test_behind_a_through_bore_only_its_ends_are_seen() -> None:
     """Of a hub on a disc: the bore's wall is one face from end to end, and hides the step outside; so does the hub's own side."""
-    seen = beyond(stepped((circle(0, 20), (circle(0, 4),), 0, 6), (circle(0, 10), (circle(0, 4),), 6, 12)))
+    seen = beyond(
+        stepped((circle(0, 20), (circle(0, 4),), 0, 6), (circle(0, 10), (circle(0, 4),), 6, 12))
+    )
     assert seen == {(-4, 0, 4, 0), (-4, 12, 4, 12)}
 
 
 def test_behind_a_wider_bore_its_floor_is_seen() -> None:
     """A bore of 4 that opens to 8 halfway: its step is an edge over all 8; a narrower one in front hides nothing of it."""
-    seen = beyond(stepped((circle(0, 20), (circle(0, 2),), 0, 6), (circle(0, 20), (circle(0, 4),), 6, 12)))
-    assert seen == {(-2, 0, 2, 0), (-4, 12, 4, 12), (-2, 6, 2, 6)}  # beside the narrower one it is the cut's own edge
+    seen = beyond(
+        stepped((circle(0, 20), (circle(0, 2),), 0, 6), (circle(0, 20), (circle(0, 4),), 6, 12))
+    )
+    assert seen == {
+        (-2, 0, 2, 0),
+        (-4, 12, 4, 12),
+        (-2, 6, 2, 6),
+    }  # beside the narrower one it is the cut's own edge
 
 
-def test_behind_a_blind_pocket_its_wall_is_seen_and_what_stands_before_hides_what_is_behind() -> None:
+def test_behind_a_blind_pocket_its_wall_is_seen_and_what_stands_before_hides_what_is_behind() -> (
+    None
+):
     """A plate 40 x 40 with a pocket 10 x 10 whose middle is the axis; in it stands a post 4 wide, 3 high, behind the cut."""
-    plate, pocket = polygon([-20 - 20j, 20 - 20j, 20 + 20j, -20 + 20j]), polygon([-5 - 5j, 5 - 5j, 5 + 5j, -5 + 5j])
+    plate, pocket = (
+        polygon([-20 - 20j, 20 - 20j, 20 + 20j, -20 + 20j]),
+        polygon([-5 - 5j, 5 - 5j, 5 + 5j, -5 + 5j]),
+    )
     post = polygon([-2 - 3j, 2 - 3j, 2 - 1j, -2 - 1j])
     part = stepped((plate, (), 0, 4), (plate, (pocket,), 4, 10), (post, (), 4, 7))
     assert beyond(part) == {(-5, 10, 5, 10), (-2, 4, -2, 7), (2, 4, 2, 7), (-2, 7, 2, 7)}

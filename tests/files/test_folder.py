@@ -24,7 +24,11 @@ from camgen.files.folder import MANIFEST, Staged, manifest_files, write_manifest
 
 def tree(folder: Path) -> dict[str, bytes]:
     """All files below a folder, hidden ones too."""
-    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
 
 
 def make(target: Path, text: str = "first", extra: str | None = None) -> None:
@@ -42,7 +46,9 @@ def test_result_replaces_an_earlier_one_whole(tmp_path: Path) -> None:
     target = tmp_path / "deep" / "out" / "cam"
     make(target, extra="only-in-the-first.txt")
     make(target, "second")
-    assert set(tree(tmp_path)) == {f"deep/out/cam/{name}" for name in ("a.txt", "sub/b.txt", "manifest.json")}
+    assert set(tree(tmp_path)) == {
+        f"deep/out/cam/{name}" for name in ("a.txt", "sub/b.txt", "manifest.json")
+    }
     assert (target / "a.txt").read_text() == "second"
 
 
@@ -56,7 +62,9 @@ def test_result_is_as_open_as_the_umask_says(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt, SystemExit, MemoryError])
-def test_any_exception_leaves_the_earlier_result(tmp_path: Path, error: type[BaseException]) -> None:
+def test_any_exception_leaves_the_earlier_result(
+    tmp_path: Path, error: type[BaseException]
+) -> None:
     make(tmp_path / "cam")
     before = tree(tmp_path)
     with pytest.raises(error), Staged(tmp_path / "cam") as folder:
@@ -77,7 +85,9 @@ def test_a_way_through_a_folder_that_is_not_there_yet(tmp_path: Path) -> None:
         raise ValueError
     assert list(tmp_path.iterdir()) == []
     make(target)
-    assert (tmp_path / "y" / "cam" / "a.txt").read_text() == "first" == (target / "a.txt").read_text()
+    assert (
+        (tmp_path / "y" / "cam" / "a.txt").read_text() == "first" == (target / "a.txt").read_text()
+    )
 
 
 def test_earlier_result_stays_while_the_new_one_is_made(tmp_path: Path) -> None:
@@ -96,23 +106,35 @@ def renames(monkeypatch: pytest.MonkeyPatch) -> pytest.MonkeyPatch:
     return monkeypatch
 
 
-def test_result_replaces_an_earlier_one_by_renames(tmp_path: Path, renames: pytest.MonkeyPatch) -> None:
+def test_result_replaces_an_earlier_one_by_renames(
+    tmp_path: Path, renames: pytest.MonkeyPatch
+) -> None:
     make(tmp_path / "cam", extra="only-in-the-first.txt")
     make(tmp_path / "cam", "second")
-    assert set(tree(tmp_path)) == {f"cam/{name}" for name in ("a.txt", "sub/b.txt", "manifest.json")}
+    assert set(tree(tmp_path)) == {
+        f"cam/{name}" for name in ("a.txt", "sub/b.txt", "manifest.json")
+    }
     assert (tmp_path / "cam" / "a.txt").read_text() == "second"
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="folders change places in one step on Linux alone")
+@pytest.mark.skipif(
+    sys.platform != "linux", reason="folders change places in one step on Linux alone"
+)
 def test_there_is_a_result_at_every_moment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     make(tmp_path / "cam")
-    monkeypatch.setattr(os, "rename", lambda source, target: pytest.fail("a moment without a result"))
+    monkeypatch.setattr(
+        os, "rename", lambda source, target: pytest.fail("a moment without a result")
+    )
     make(tmp_path / "cam", "second")
-    assert (tmp_path / "cam" / "a.txt").read_text() == "second" and len(list(tmp_path.iterdir())) == 1
+    assert (tmp_path / "cam" / "a.txt").read_text() == "second" and len(
+        list(tmp_path.iterdir())
+    ) == 1
 
 
 @pytest.mark.parametrize("failing", [1, 2])
-def test_failed_rename_restores_the_earlier_result(tmp_path: Path, renames: pytest.MonkeyPatch, failing: int) -> None:
+def test_failed_rename_restores_the_earlier_result(
+    tmp_path: Path, renames: pytest.MonkeyPatch, failing: int
+) -> None:
     monkeypatch = renames
     make(tmp_path / "cam")
     before, calls, rename = tree(tmp_path), [], os.rename
@@ -129,7 +151,9 @@ def test_failed_rename_restores_the_earlier_result(tmp_path: Path, renames: pyte
     assert tree(tmp_path) == before
 
 
-def test_interrupt_between_the_renames_restores_the_earlier_result(tmp_path: Path, renames: pytest.MonkeyPatch) -> None:
+def test_interrupt_between_the_renames_restores_the_earlier_result(
+    tmp_path: Path, renames: pytest.MonkeyPatch
+) -> None:
     monkeypatch = renames
     make(tmp_path / "cam")
     before, rename = tree(tmp_path), os.rename
@@ -145,7 +169,9 @@ def test_interrupt_between_the_renames_restores_the_earlier_result(tmp_path: Pat
     assert tree(tmp_path) == before
 
 
-def test_result_that_cannot_be_brought_back_at_once_is_not_thrown_away(tmp_path: Path, renames: pytest.MonkeyPatch) -> None:
+def test_result_that_cannot_be_brought_back_at_once_is_not_thrown_away(
+    tmp_path: Path, renames: pytest.MonkeyPatch
+) -> None:
     """Every rename after the first fails; the next build finds the earlier result and brings it back."""
     make(tmp_path / "cam")
     before, rename, calls = tree(tmp_path), os.rename, []
@@ -197,7 +223,9 @@ with folders.Staged(target) as folder:
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL")
 @pytest.mark.parametrize("when, left", [("work", "first"), ("between", None), ("after", "killed")])
-def test_what_a_killed_build_left_is_swept_and_brought_back(tmp_path: Path, when: str, left: str | None) -> None:
+def test_what_a_killed_build_left_is_swept_and_brought_back(
+    tmp_path: Path, when: str, left: str | None
+) -> None:
     """The next build, of whatever name, finds a result, even if it comes to nothing itself, and nothing else lies about."""
     target = tmp_path / "cam"
     make(target)
@@ -212,13 +240,18 @@ def test_what_a_killed_build_left_is_swept_and_brought_back(tmp_path: Path, when
     assert [path.name for path in tmp_path.iterdir()] == ["cam"]
     assert left == "killed" or tree(tmp_path) == before
     make(target, "second")
-    assert (target / "a.txt").read_text() == "second" and [path.name for path in tmp_path.iterdir()] == ["cam"]
+    assert (target / "a.txt").read_text() == "second" and [
+        path.name for path in tmp_path.iterdir()
+    ] == ["cam"]
 
 
 def test_folder_of_a_build_that_runs_is_left_alone(tmp_path: Path) -> None:
     """Another process, and another build in this one."""
     with subprocess.Popen(
-        [sys.executable, "-c", BUILD, str(tmp_path / "cam"), "wait"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        [sys.executable, "-c", BUILD, str(tmp_path / "cam"), "wait"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
     ) as other:
         assert other.stdin and other.stdout
         name = other.stdout.readline().strip()
@@ -230,15 +263,21 @@ def test_folder_of_a_build_that_runs_is_left_alone(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["cam"]
 
 
-@pytest.mark.parametrize("name", [".cam-notes", ".cam-abcd1234", ".cam-abcd123", ".other-abcd1234", "cam-abcd1234"])
+@pytest.mark.parametrize(
+    "name", [".cam-notes", ".cam-abcd1234", ".cam-abcd123", ".other-abcd1234", "cam-abcd1234"]
+)
 @pytest.mark.parametrize("files", [{}, {"camgen.lock": "mine"}, {"new/a.txt": ""}])
-def test_folders_that_only_look_like_camgen_s_are_left_alone(tmp_path: Path, name: str, files: dict[str, str]) -> None:
+def test_folders_that_only_look_like_camgen_s_are_left_alone(
+    tmp_path: Path, name: str, files: dict[str, str]
+) -> None:
     for file, text in ({"old/a.txt": "mine"} | files).items():
         (tmp_path / name / file).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name / file).write_text(text)
     before = tree(tmp_path)
     make(tmp_path / "cam")
-    assert {key: text for key, text in tree(tmp_path).items() if not key.startswith("cam/")} == before
+    assert {
+        key: text for key, text in tree(tmp_path).items() if not key.startswith("cam/")
+    } == before
 
 
 def test_folder_with_more_in_it_is_left_alone(tmp_path: Path) -> None:
@@ -278,11 +317,17 @@ def test_edited_spec_is_kept_by_this_build_and_the_next(
     wanted = {"spec.toml": b"lift = 2", "spec.toml.edited": b"lift = 3  # better"}
     for _ in range(2):
         found = tree(target)
-        assert json.loads(found.pop("manifest.json"))["files"].keys() == {"spec.toml"} and found == wanted
+        assert (
+            json.loads(found.pop("manifest.json"))["files"].keys() == {"spec.toml"}
+            and found == wanted
+        )
         assert with_spec(target, "lift = 2") == []
     (target / "spec.toml").write_text("lift = 4")
     assert with_spec(target, "lift = 2") == ["spec.toml.edited-2"]
-    assert tree(target)["spec.toml.edited"] == b"lift = 3  # better" and tree(target)["spec.toml.edited-2"] == b"lift = 4"
+    assert (
+        tree(target)["spec.toml.edited"] == b"lift = 3  # better"
+        and tree(target)["spec.toml.edited-2"] == b"lift = 4"
+    )
     for same in ("lift = 4", "lift = 5"):  # kept already; and what the new build writes anyway
         (target / "spec.toml").write_text(same)
         assert with_spec(target, "lift = 5") == []
@@ -309,7 +354,9 @@ def test_edited_spec_alone_does_not_make_a_folder_camgen_s(tmp_path: Path) -> No
         ({"manifest.json": '{"files": {"a.txt": {}}, "name": "a web app"}', "a.txt": "x"}, "a.txt"),
     ],
 )
-def test_folder_that_camgen_did_not_make_is_left_alone(tmp_path: Path, files: dict[str, str], named: str) -> None:
+def test_folder_that_camgen_did_not_make_is_left_alone(
+    tmp_path: Path, files: dict[str, str], named: str
+) -> None:
     for name, text in files.items():
         (tmp_path / "cam" / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / "cam" / name).write_text(text)
@@ -360,7 +407,12 @@ def test_file_or_link_where_the_folder_should_be(tmp_path: Path) -> None:
     with pytest.raises(FileError, match="Not a directory|File exists"):
         make(tmp_path / "file" / "cam")
     assert (tmp_path / "file").read_text() == "mine"
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["dangling", "elsewhere", "file", "link"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "dangling",
+        "elsewhere",
+        "file",
+        "link",
+    ]
 
 
 # ---- disks that do not take it ---------------------------------------------------------------------------------------
@@ -432,7 +484,9 @@ def test_manifest_lists_every_file_and_is_the_same_each_time(tmp_path: Path) -> 
     assert text == (tmp_path / "two" / "manifest.json").read_bytes()
     found = json.loads(text)
     digest = hashlib.sha256(b"first").hexdigest()
-    assert found["files"] == {name: {"bytes": 5, "sha256": digest} for name in ("a.txt", "sub/b.txt")}
+    assert found["files"] == {
+        name: {"bytes": 5, "sha256": digest} for name in ("a.txt", "sub/b.txt")
+    }
     assert found["packages"] == {"numpy": version("numpy")}
     assert list(found["files"]) == sorted(found["files"])
 

@@ -29,21 +29,34 @@ def circle(radius, n=200, centre=0j):
 def sliced(path, loops, marks=PRUSA, layers=3, at=100 + 90j, relative=False, scale=1.0, decimals=5):
     """Layers of 0.2 mm; loops: centre lines, the outer one first; after each outer wall an inner one and a wipe."""
     outer, inner, width = marks
-    lines = ["; made for a test", "G21" if scale == 1 else "G20", "G90", "M83" if relative else "M82", "G92 E0"]
+    lines = [
+        "; made for a test",
+        "G21" if scale == 1 else "G20",
+        "G90",
+        "M83" if relative else "M82",
+        "G92 E0",
+    ]
     e = 0.0
     for k in range(layers):
         lines += [";LAYER_CHANGE", f"G1 Z{0.2 * (k + 1) / scale:.7f} F7800"]
         for z in loops:
             places = [at + place for place in loop(z)]
-            lines.append(f"G1 X{places[0].real / scale:.{decimals}f} Y{places[0].imag / scale:.{decimals}f} F7800")
+            lines.append(
+                f"G1 X{places[0].real / scale:.{decimals}f} Y{places[0].imag / scale:.{decimals}f} F7800"
+            )
             lines += [outer, *([width] if width else []), "G1 F1800"]
             for a, b in zip(places, places[1:], strict=False):
                 step = 0.03 * abs(b - a)
                 e = step if relative else e + step
-                move = f"X{b.real / scale:.{decimals}f}" + (f" Y{b.imag / scale:.{decimals}f}" if b.imag != a.imag else "")
+                move = f"X{b.real / scale:.{decimals}f}" + (
+                    f" Y{b.imag / scale:.{decimals}f}" if b.imag != a.imag else ""
+                )
                 lines.append(f"G1 {move} E{e / scale:.6f}".replace("E0.", "E."))
             e = -0.8 if relative else e - 0.8
-            lines += [f"G1 X{places[1].real / scale:.5f} Y{places[1].imag / scale:.5f} E{e / scale:.5f} ; wipe", inner]
+            lines += [
+                f"G1 X{places[1].real / scale:.5f} Y{places[1].imag / scale:.5f} E{e / scale:.5f} ; wipe",
+                inner,
+            ]
             e = 0.0 if relative else e + 0.8
             lines += [f"G1 E{0.8 if relative else e:.5f}", "G92 E0"]
             e = 0.0
@@ -56,13 +69,17 @@ def tube(path, **how):
     return sliced(path, [circle(20 - WIDTH / 2), circle(4 + WIDTH / 2, 90)[::-1]], **how)
 
 
-@pytest.mark.parametrize("marks", [PRUSA, ORCA, BAMBU, CURA], ids=["prusa", "orca", "bambu", "cura"])
+@pytest.mark.parametrize(
+    "marks", [PRUSA, ORCA, BAMBU, CURA], ids=["prusa", "orca", "bambu", "cura"]
+)
 @pytest.mark.parametrize("relative", [False, True], ids=["M82", "M83"])
 def test_every_dialect(tmp_path, marks, relative):
     path = tube(tmp_path / "p.gcode", marks=marks, relative=relative)
     rings, said = printed_outlines(path, line_width=WIDTH if marks == CURA else None)
     outer, bore = sorted(rings, key=lambda ring: -ring.area)
-    assert np.abs(outer.points).max() == pytest.approx(20, abs=2e-3) and np.abs(bore.points).min() == pytest.approx(4, abs=2e-3)
+    assert np.abs(outer.points).max() == pytest.approx(20, abs=2e-3) and np.abs(
+        bore.points
+    ).min() == pytest.approx(4, abs=2e-3)
     assert abs(outer.centroid) < 2e-3  # the bore is the origin, though the part lies at 100, 90
     assert "layer 2 of 3" in said and "X 100.0" in said
 
@@ -70,15 +87,24 @@ def test_every_dialect(tmp_path, marks, relative):
 def test_inches_and_other_layers(tmp_path):
     path = tube(tmp_path / "p.gcode", scale=25.4, decimals=7)
     rings, said = printed_outlines(path, 0.1)
-    assert "layer 1 of 3" in said and max(ring.area for ring in rings) == pytest.approx(400 * math.pi, rel=1e-3)
-    with pytest.raises(FileError, match="no layer 0.7 mm over the bed; its highest one ends at 0.6"):
+    assert "layer 1 of 3" in said and max(ring.area for ring in rings) == pytest.approx(
+        400 * math.pi, rel=1e-3
+    )
+    with pytest.raises(
+        FileError, match="no layer 0.7 mm over the bed; its highest one ends at 0.6"
+    ):
         printed_outlines(path, 0.7)
 
 
 def test_arcs_by_their_centre(tmp_path):
     r = 20 - WIDTH / 2
     lines = [f"G1 X{r} Y0", "G1 Z.2", PRUSA[0], PRUSA[2], "M83"]
-    lines += [f"G3 X{-r} Y0 I{-r} J0 E3", f"G3 X0 Y{-r} I{r} J0 E1.5", f"G3 X{r} Y0 I0 J{r} E1.5", "G3 Z.6 I1 J0 P1"]
+    lines += [
+        f"G3 X{-r} Y0 I{-r} J0 E3",
+        f"G3 X0 Y{-r} I{r} J0 E1.5",
+        f"G3 X{r} Y0 I0 J{r} E1.5",
+        "G3 Z.6 I1 J0 P1",
+    ]
     (tmp_path / "p.gcode").write_text("\n".join(lines))
     (wall,) = read_gcode(tmp_path / "p.gcode")
     assert wall.ring.area == pytest.approx(math.pi * r * r, rel=1e-12)
@@ -129,7 +155,10 @@ def test_what_is_refused(tmp_path):
 
 
 def test_an_outline_of_a_plate_of_two(tmp_path):
-    path = sliced(tmp_path / "p.gcode", [circle(20 - WIDTH / 2), circle(4 + WIDTH / 2, 90)[::-1], circle(10, centre=60 + 0j)])
+    path = sliced(
+        tmp_path / "p.gcode",
+        [circle(20 - WIDTH / 2), circle(4 + WIDTH / 2, 90)[::-1], circle(10, centre=60 + 0j)],
+    )
     assert read_outline(path).ring.area == pytest.approx(400 * math.pi, rel=1e-3)
     other = read_outline(path, contour=2).ring
     assert other.area == pytest.approx((10 + WIDTH / 2) ** 2 * math.pi, rel=1e-3)
@@ -142,8 +171,13 @@ def test_the_motion_of_a_sliced_disc(tmp_path):
     from camgen.pipeline.outline_motion import recover
 
     e, r, p = 3.0, 20.0, 5.0
-    path = sliced(tmp_path / "p.gcode", [circle(r - WIDTH / 2, 2000, e + 0j), circle(4 + WIDTH / 2, 400)[::-1]])
-    found = recover(read_outline(path).ring, read_follower("translating,radius=5,direction_deg=0,at=0"))
+    path = sliced(
+        tmp_path / "p.gcode",
+        [circle(r - WIDTH / 2, 2000, e + 0j), circle(4 + WIDTH / 2, 400)[::-1]],
+    )
+    found = recover(
+        read_outline(path).ring, read_follower("translating,radius=5,direction_deg=0,at=0")
+    )
     wanted = e * np.cos(found.theta) + np.sqrt((r + p) ** 2 - (e * np.sin(found.theta)) ** 2)
     assert np.abs(found.s - wanted).max() < 3e-3  # the seam is 0.05 mm of a chord
 
@@ -151,10 +185,14 @@ def test_the_motion_of_a_sliced_disc(tmp_path):
 @pytest.mark.parametrize(
     "old, new, said",
     [
-        ("X", "Xgarbage", "line"), ("X", "X-1e5 X", "line"), ("X", "Xnan", "line"), ("X", "X" + "9" * 400, "beyond"),
-        (";WIDTH:", ";WIDTH:500\n;WIDTH:", "500 mm wide"), (";WIDTH:", ";WIDTH:0.4.5\n;WIDTH:", "mm wide"),
+        ("X", "Xgarbage", "line"),
+        ("X", "X-1e5 X", "line"),
+        ("X", "Xnan", "line"),
+        ("X", "X" + "9" * 400, "beyond"),
+        (";WIDTH:", ";WIDTH:500\n;WIDTH:", "500 mm wide"),
+        (";WIDTH:", ";WIDTH:0.4.5\n;WIDTH:", "mm wide"),
     ],
-)  # fmt: skip
+)
 def test_damaged_numbers_are_no_motion(tmp_path, old, new, said):
     path = tube(tmp_path / "p.gcode", layers=1)
     text = path.read_text()
@@ -166,12 +204,19 @@ def test_damaged_numbers_are_no_motion(tmp_path, old, new, said):
 
 def test_a_bore_laid_as_walls_of_two_widths(tmp_path):
     """Each half's centre line lies half of its own width inside the material: the bore is round; a wall keeps its height."""
-    half = [(4 + w / 2) * np.exp(1j * np.linspace(a, a + math.pi, 200)) for w, a in ((0.4, 0.0), (0.6, math.pi))]
+    half = [
+        (4 + w / 2) * np.exp(1j * np.linspace(a, a + math.pi, 200))
+        for w, a in ((0.4, 0.0), (0.6, math.pi))
+    ]
     lines = ["M83", *(f"{mark}" for mark in (PRUSA[0], ";WIDTH:0.45"))]
     for k in range(3):
         outer = [*circle(20 - WIDTH / 2, 400), 20 - WIDTH / 2]
         for z, width in ((outer, 0.45), (half[0], 0.4), (half[1], 0.6)):
-            lines += [] if width == 0.6 else [f"G1 X{z[0].real:.5f} Y{z[0].imag:.5f} Z{0.2 * (k + 1):.1f}"]
+            lines += (
+                []
+                if width == 0.6
+                else [f"G1 X{z[0].real:.5f} Y{z[0].imag:.5f} Z{0.2 * (k + 1):.1f}"]
+            )
             lines += [f";WIDTH:{width}", *(f"G1 X{p.real:.5f} Y{p.imag:.5f} E.01" for p in z[1:])]
         lines.append(f"G1 X{half[0][0].real:.5f} Y0 E.01")
     path = tmp_path / "p.gcode"

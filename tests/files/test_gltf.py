@@ -30,11 +30,14 @@ THETA = np.linspace(0, 2 * np.pi, 360, endpoint=False)
 PLACE = 5 * np.exp(1j * THETA) + 40
 BODIES = [
     Moving("ground", np.zeros(360), np.zeros(360, complex), [("base-1", 0, np.eye(3, 4))]),
-    Moving("crank", THETA, np.zeros(360, complex), [
-        ("arm-1", 1, placing(0.5, 3 + 2j, 7.0, 4.0)), ("arm-2", 1, placing(0, 1j, 0, 4.0, True))
-    ]),
+    Moving(
+        "crank",
+        THETA,
+        np.zeros(360, complex),
+        [("arm-1", 1, placing(0.5, 3 + 2j, 7.0, 4.0)), ("arm-2", 1, placing(0, 1j, 0, 4.0, True))],
+    ),
     Moving("slider", np.zeros(360), PLACE, [("base-2", 0, placing(0.0, 0j, 10.0, 3.0))]),
-]  # fmt: skip
+]
 SHAPES = [Shape("base", box(30, 20, 3), "#0b62a8"), Shape("arm", box(12, 5, 4), "#ffffff")]
 
 
@@ -70,7 +73,10 @@ def test_trimesh_finds_every_copy_where_it_belongs_in_metres_with_y_up(data: byt
         for copy, shape, transform in body.copies:
             matrix, geometry = scene.graph[copy]
             mesh = SHAPES[shape].mesh.moved(transform)
-            turn = np.exp(1j * body.angle[0]) * (mesh.vertices[:, 0] + 1j * mesh.vertices[:, 1]) + body.place[0]
+            turn = (
+                np.exp(1j * body.angle[0]) * (mesh.vertices[:, 0] + 1j * mesh.vertices[:, 1])
+                + body.place[0]
+            )
             wanted = np.column_stack([turn.real, turn.imag, mesh.vertices[:, 2]]) @ up.T
             there = trimesh.transform_points(scene.geometry[geometry].vertices, matrix)
             order, other = (np.lexsort(np.round(rows, 6).T) for rows in (there, wanted))
@@ -81,14 +87,19 @@ def test_trimesh_finds_every_copy_where_it_belongs_in_metres_with_y_up(data: byt
 def test_one_turn_is_the_animation_and_only_what_moves_is_in_it(data: bytes) -> None:
     file, _ = chunks(data)
     (turn,) = file["animations"]
-    names = {file["nodes"][c["target"]["node"]]["name"] + " " + c["target"]["path"] for c in turn["channels"]}
+    names = {
+        file["nodes"][c["target"]["node"]]["name"] + " " + c["target"]["path"]
+        for c in turn["channels"]
+    }
     assert names == {"crank rotation", "slider translation"}
     rotation, translation = (values(data, s["output"]) for s in turn["samplers"])
     time = values(data, turn["samplers"][0]["input"])[:, 0]
     assert time[0] == 0 and time[-1] == SECONDS and np.all(np.diff(time) > 0) and len(time) == 361
     assert file["accessors"][turn["samplers"][0]["input"]]["max"] == [SECONDS]
     np.testing.assert_allclose(np.linalg.norm(rotation, axis=1), 1, atol=1e-6)
-    assert np.all((rotation[1:] * rotation[:-1]).sum(axis=1) > 0.99), "consecutive quaternions on one side"
+    assert np.all((rotation[1:] * rotation[:-1]).sum(axis=1) > 0.99), (
+        "consecutive quaternions on one side"
+    )
     turned = 2 * np.unwrap(np.arctan2(rotation[:, 2], rotation[:, 3]), period=2 * np.pi)
     np.testing.assert_allclose(turned, np.linspace(0, 2 * math.pi, 361), atol=1e-5)
     np.testing.assert_allclose(translation[:-1, 0] + 1j * translation[:-1, 1], PLACE, atol=1e-5)
@@ -98,15 +109,23 @@ def test_one_turn_is_the_animation_and_only_what_moves_is_in_it(data: bytes) -> 
 def test_bounds_indices_and_the_root_are_as_the_format_asks(data: bytes) -> None:
     file, _ = chunks(data)
     root = file["nodes"][file["scenes"][0]["nodes"][0]]
-    assert root["scale"] == [0.001] * 3 and np.allclose(root["rotation"], [-math.sqrt(0.5), 0, 0, math.sqrt(0.5)])
+    assert root["scale"] == [0.001] * 3 and np.allclose(
+        root["rotation"], [-math.sqrt(0.5), 0, 0, math.sqrt(0.5)]
+    )
     for mesh in file["meshes"]:
         (primitive,) = mesh["primitives"]
         assert list(primitive["attributes"]) == ["POSITION"], "without normals faces are flat"
-        points, corners = (values(data, n) for n in (primitive["attributes"]["POSITION"], primitive["indices"]))
+        points, corners = (
+            values(data, n) for n in (primitive["attributes"]["POSITION"], primitive["indices"])
+        )
         accessor = file["accessors"][primitive["attributes"]["POSITION"]]
-        assert accessor["min"] == points.min(0).tolist() and accessor["max"] == points.max(0).tolist()
+        assert (
+            accessor["min"] == points.min(0).tolist() and accessor["max"] == points.max(0).tolist()
+        )
         assert corners.max() < len(points)
-    blue, white = (material["pbrMetallicRoughness"]["baseColorFactor"] for material in file["materials"])
+    blue, white = (
+        material["pbrMetallicRoughness"]["baseColorFactor"] for material in file["materials"]
+    )
     assert white == [1, 1, 1, 1] and blue[2] == pytest.approx(0.39157, abs=1e-5)
 
 
@@ -117,7 +136,11 @@ def test_same_machine_same_bytes_and_one_at_rest_has_no_animation(data: bytes) -
 
 def test_a_body_waits_where_the_machine_cannot_go() -> None:
     angle = np.where((THETA > 1) & (THETA < 2), np.nan, THETA)
-    data = glb("demo", SHAPES, [Moving("crank", angle, np.zeros(360, complex), [("arm-1", 1, np.eye(3, 4))])])
+    data = glb(
+        "demo",
+        SHAPES,
+        [Moving("crank", angle, np.zeros(360, complex), [("arm-1", 1, np.eye(3, 4))])],
+    )
     file, _ = chunks(data)
     rotation = values(data, file["animations"][0]["samplers"][0]["output"])
     waits = np.flatnonzero((THETA > 1) & (THETA < 2))
@@ -132,49 +155,75 @@ def test_bodies_come_back_as_they_move(data: bytes, tmp_path: Path) -> None:
     found = read_glb(path)
     assert [course.name for course in found] == ["ground", "crank", "slider"]
     assert [[copy[:2] for copy in course.copies] for course in found] == [
-        [("base-1", "base")], [("arm-1", "arm"), ("arm-2", "arm")], [("base-2", "base")]
-    ]  # fmt: skip
+        [("base-1", "base")],
+        [("arm-1", "arm"), ("arm-2", "arm")],
+        [("base-2", "base")],
+    ]
     for course, body in zip(found, BODIES, strict=True):
         count = len(course.angle)
         assert count == (1 if body.name == "ground" else 361)
-        assert np.abs(np.exp(1j * course.angle) - np.exp(1j * np.resize(body.angle, count))).max() < 1e-6
+        assert (
+            np.abs(np.exp(1j * course.angle) - np.exp(1j * np.resize(body.angle, count))).max()
+            < 1e-6
+        )
         assert np.abs(course.place - np.resize(body.place, count)).max() < 1e-5
         for (_, _, there), (_, _, meant) in zip(course.copies, body.copies, strict=True):
             assert np.abs(there - meant).max() < 1e-8
-    assert found[1].seconds[-1] == SECONDS and np.allclose(np.diff(found[1].seconds), SECONDS / 360, rtol=1e-4)
+    assert found[1].seconds[-1] == SECONDS and np.allclose(
+        np.diff(found[1].seconds), SECONDS / 360, rtol=1e-4
+    )
 
 
 STRANGE = [
-    lambda whole: whole["nodes"][1].update(scale=[1, 1, 1]), lambda whole: whole["nodes"][1].update(mesh=0),
-    lambda whole: whole["nodes"][0].update(translation=[0, 0, 1]), lambda whole: whole["nodes"][0].update(scale=[1, 1, 1]),
-    lambda whole: whole["nodes"][2].update(extensions={}), lambda whole: whole.update(skins=[]),
-    lambda whole: whole.update(extensionsUsed=["KHR_node_visibility"]), lambda whole: whole["scenes"][0]["nodes"].append(1),
+    lambda whole: whole["nodes"][1].update(scale=[1, 1, 1]),
+    lambda whole: whole["nodes"][1].update(mesh=0),
+    lambda whole: whole["nodes"][0].update(translation=[0, 0, 1]),
+    lambda whole: whole["nodes"][0].update(scale=[1, 1, 1]),
+    lambda whole: whole["nodes"][2].update(extensions={}),
+    lambda whole: whole.update(skins=[]),
+    lambda whole: whole.update(extensionsUsed=["KHR_node_visibility"]),
+    lambda whole: whole["scenes"][0]["nodes"].append(1),
     lambda whole: whole["animations"][0]["samplers"][0].update(interpolation="STEP"),
     lambda whole: whole["nodes"][1].update(name=5),
-    lambda whole: whole["animations"].append(whole["animations"][0]), lambda whole: whole["nodes"].append({"name": "x"}),
-    lambda whole: whole["accessors"][-1].update(sparse={}), lambda whole: whole["accessors"][-1].update(count=3),
-    lambda whole: whole["bufferViews"][-1].update(byteStride=20), lambda whole: whole["nodes"][3].update(rotation=[0, 0, 1, 0]),
-]  # fmt: skip
+    lambda whole: whole["animations"].append(whole["animations"][0]),
+    lambda whole: whole["nodes"].append({"name": "x"}),
+    lambda whole: whole["accessors"][-1].update(sparse={}),
+    lambda whole: whole["accessors"][-1].update(count=3),
+    lambda whole: whole["bufferViews"][-1].update(byteStride=20),
+    lambda whole: whole["nodes"][3].update(rotation=[0, 0, 1, 0]),
+]
 
 
 @pytest.mark.parametrize("number", range(len(STRANGE)))
-def test_what_could_move_scale_or_hide_something_is_refused(data: bytes, tmp_path: Path, number: int) -> None:
+def test_what_could_move_scale_or_hide_something_is_refused(
+    data: bytes, tmp_path: Path, number: int
+) -> None:
     whole, rest = chunks(data)
     STRANGE[number](whole)
     text = json.dumps(whole).encode()
     text += b" " * (-len(text) % 4)
     head = struct.pack("<4sIII4s", b"glTF", 2, 28 + len(text) + len(rest), len(text), b"JSON")
-    (path := tmp_path / "a.glb").write_bytes(head + text + struct.pack("<I4s", len(rest), b"BIN\0") + rest)
+    (path := tmp_path / "a.glb").write_bytes(
+        head + text + struct.pack("<I4s", len(rest), b"BIN\0") + rest
+    )
     with pytest.raises(FileError, match="not a machine in GLB as camgen writes it"):
         read_glb(path)
 
 
 @given(draw=st.data())
-def test_any_bytes_are_read_or_refused(data: bytes, tmp_path_factory: pytest.TempPathFactory, draw: st.DataObject) -> None:
+def test_any_bytes_are_read_or_refused(
+    data: bytes, tmp_path_factory: pytest.TempPathFactory, draw: st.DataObject
+) -> None:
     path = tmp_path_factory.getbasetemp() / "any.glb"
     damaged = bytearray(data)
     for _ in range(draw.draw(st.integers(1, 4))):
-        damaged[draw.draw(st.integers(0, 4000))] = draw.draw(st.sampled_from(b'0159-.,:"[]{}eE\x00\xff'))
-    path.write_bytes(bytes(damaged[: draw.draw(st.integers(0, len(damaged)))]) if draw.draw(st.booleans()) else bytes(damaged))
+        damaged[draw.draw(st.integers(0, 4000))] = draw.draw(
+            st.sampled_from(b'0159-.,:"[]{}eE\x00\xff')
+        )
+    path.write_bytes(
+        bytes(damaged[: draw.draw(st.integers(0, len(damaged)))])
+        if draw.draw(st.booleans())
+        else bytes(damaged)
+    )
     with suppress(FileError):
         read_glb(path)

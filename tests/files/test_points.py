@@ -39,9 +39,16 @@ def test_flat_face_on_measured_points_is_harmonic(tmp_path: Path, kind: str) -> 
     path, z = tmp_path / "points.csv", PLACES
     if kind == "polar":
         shuffled = np.random.default_rng(1).permutation(z)
-        table(path, "Angle [deg],Radius (mm)", zip(np.degrees(np.angle(shuffled)), np.abs(shuffled), strict=True))
+        table(
+            path,
+            "Angle [deg],Radius (mm)",
+            zip(np.degrees(np.angle(shuffled)), np.abs(shuffled), strict=True),
+        )
     elif kind == "german":
-        path.write_text("x;y\n" + "\n".join(f"{p.real:.6f};{p.imag:.6f}".replace(".", ",") for p in z), encoding="utf-8")
+        path.write_text(
+            "x;y\n" + "\n".join(f"{p.real:.6f};{p.imag:.6f}".replace(".", ",") for p in z),
+            encoding="utf-8",
+        )
     elif kind == "columns":
         table(path, "point\tY\tX", [(1, p.imag, p.real) for p in z], "\t")
     else:
@@ -69,7 +76,9 @@ def lens(radius: float, half: float, count: int, shift: float) -> np.ndarray:
     count=st.integers(40, 200),
     shift=st.one_of(st.just(0.0), st.floats(0.01, 0.99)),
 )
-def test_a_sharp_tip_is_no_part_of_a_spline(radius: float, share: float, count: int, shift: float) -> None:
+def test_a_sharp_tip_is_no_part_of_a_spline(
+    radius: float, share: float, count: int, shift: float
+) -> None:
     """A lens of two arcs: wherever its points lie, the curve lies on the arcs and reaches both tips."""
     half = share * radius
     z = lens(radius, half, count, shift)
@@ -77,7 +86,12 @@ def test_a_sharp_tip_is_no_part_of_a_spline(radius: float, share: float, count: 
     ring, off, said = read_points(Path("lens.csv"), f"x,y\n{rows}\n".encode())
     assert "2 sharp corners" in said
     centre = np.sqrt(radius**2 - half**2)
-    missed = np.abs(np.abs(np.where(ring.points.imag >= 0, ring.points + 1j * centre, ring.points - 1j * centre)) - radius)
+    missed = np.abs(
+        np.abs(
+            np.where(ring.points.imag >= 0, ring.points + 1j * centre, ring.points - 1j * centre)
+        )
+        - radius
+    )
     step = 2 * np.arcsin(share) / count  # of an arc, rad; a cubic drawn on misses its fourth power
     assert missed.max() < 2 * radius * step**4 + 2e-6
     assert min(np.abs(ring.points - half)) < 2 * radius * step**4 / np.sin(np.arcsin(share)) + 2e-6
@@ -87,16 +101,22 @@ def test_a_sharp_tip_is_no_part_of_a_spline(radius: float, share: float, count: 
 @pytest.mark.parametrize("digits", [3, 6])
 def test_the_tip_of_a_swing_cam_from_its_points(digits: int) -> None:
     """Its sharp reversal leaves a tip of 26 deg: one spline through it all was off by 0.007 to 0.05 mm there."""
-    exact = read_mechanism(Path(__file__).parents[2] / "specs" / "uniform-swing.toml", ()).cam.outline  # type: ignore[attr-defined]
+    exact = read_mechanism(
+        Path(__file__).parents[2] / "specs" / "uniform-swing.toml", ()
+    ).cam.outline  # type: ignore[attr-defined]
     fine = facet_contour(exact.counter_clockwise(), 1e-5)
     tip = fine[np.argmax(np.abs(fine))]
     for step in (0.25, 0.5):
-        rows = "\n".join(f"{angle:.6f},{radius:.{digits}f}" for angle, radius in polar_table(exact, step))
+        rows = "\n".join(
+            f"{angle:.6f},{radius:.{digits}f}" for angle, radius in polar_table(exact, step)
+        )
         ring, _, _ = read_points(Path("p.csv"), f"angle,radius\n{rows}\n".encode())
         near = ring.points[np.abs(ring.points - tip) < 4]
         edges = shapely.LinearRing(np.column_stack([fine.real, fine.imag]))
         off = shapely.distance(edges, shapely.points(near.real, near.imag)).max()
-        borne = 1e-4 if digits == 6 else 8 * 0.0005  # a cubic drawn on over a span takes eight times what points are rounded by
+        borne = (
+            1e-4 if digits == 6 else 8 * 0.0005
+        )  # a cubic drawn on over a span takes eight times what points are rounded by
         assert off < borne and min(abs(near - tip)) < borne / math.sin(math.radians(13))
 
 
@@ -105,7 +125,9 @@ def test_a_small_rounding_is_no_corner() -> None:
     edge, bend = np.arange(-18, 18, 0.2), np.radians(np.arange(0, 90, 90 / 16))
     side = np.concatenate([20 + 1j * edge, 18 + 18j + 2 * np.exp(1j * bend)])
     z = np.concatenate([side * 1j**k for k in range(4)])
-    _, _, said = read_points(Path("p.csv"), ("x,y\n" + "\n".join(f"{p.real:.6f},{p.imag:.6f}" for p in z)).encode())
+    _, _, said = read_points(
+        Path("p.csv"), ("x,y\n" + "\n".join(f"{p.real:.6f},{p.imag:.6f}" for p in z)).encode()
+    )
     assert "sharp" not in said
 
 
@@ -115,17 +137,25 @@ def test_few_points_say_what_they_miss(tmp_path: Path) -> None:
     outline = read_outline(places(tmp_path / "p.csv", z=30 * np.cos(turn) + 8j * np.sin(turn)))
     assert outline.ring is not None
     x, y = outline.ring.points.real, outline.ring.points.imag
-    off = np.abs((x / 30) ** 2 + (y / 8) ** 2 - 1) / (2 * np.hypot(x / 900, y / 64))  # to first order
+    off = np.abs((x / 30) ** 2 + (y / 8) ** 2 - 1) / (
+        2 * np.hypot(x / 900, y / 64)
+    )  # to first order
     assert 1e-5 < off.max() <= outline.numbers["points_off_mm"] < 0.2
 
 
 def test_points_that_scatter_are_told_from_points_that_are_few(tmp_path: Path) -> None:
     turn = np.linspace(0, 2 * np.pi, 720, endpoint=False)
     noise = np.random.default_rng(3).normal(0, 0.01, 720)
-    said = read_outline(places(tmp_path / "p.csv", z=(30 + 5 * np.cos(turn) + noise) * np.exp(1j * turn))).remark
+    said = read_outline(
+        places(tmp_path / "p.csv", z=(30 + 5 * np.cos(turn) + noise) * np.exp(1j * turn))
+    ).remark
     assert 0.0085 < float(said.partition("they scatter by ")[2].partition(" mm")[0]) < 0.0115, said
     square = np.array([max(abs(np.cos(t)), abs(np.sin(t))) for t in turn])
-    for few in (PLACES, 30 * np.cos(turn[::15]) + 8j * np.sin(turn[::15]), 20 / square * np.exp(1j * turn)):
+    for few in (
+        PLACES,
+        30 * np.cos(turn[::15]) + 8j * np.sin(turn[::15]),
+        20 / square * np.exp(1j * turn),
+    ):
         assert "scatter" not in read_outline(places(tmp_path / "p.csv", z=few)).remark
 
 

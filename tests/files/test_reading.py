@@ -42,7 +42,9 @@ def write_dxf(path: Path, *, units: int | None = 4, damage: str = "") -> Path:
     space.add_lwpolyline(rows, format="xyb", close=damage != "open", dxfattribs=attributes)
     space.add_circle((5, 5), 2, dxfattribs={"layer": "CUT"})
     if damage == "duplicate":
-        space.add_lwpolyline([(7, 5, -1), (3, 5, -1)], format="xyb", close=True, dxfattribs={"layer": "CUT"})
+        space.add_lwpolyline(
+            [(7, 5, -1), (3, 5, -1)], format="xyb", close=True, dxfattribs={"layer": "CUT"}
+        )
     if damage == "entity":
         space.add_line((0, 0), (10, 0), dxfattribs={"layer": "CUT"})
     space.add_line((0, 0), (10, 0), dxfattribs={"layer": "CENTER"})
@@ -76,10 +78,14 @@ def test_dxf_units_are_what_the_header_says(tmp_path: Path) -> None:
     assert read_dxf(path).units is None
 
 
-@pytest.mark.parametrize("damage", ["open", "nan", "zero_length", "plane", "duplicate", "entity", "lettering", "mark"])
+@pytest.mark.parametrize(
+    "damage", ["open", "nan", "zero_length", "plane", "duplicate", "entity", "lettering", "mark"]
+)
 def test_dxf_damage_is_named(tmp_path: Path, damage: str) -> None:
     (fault,) = read_dxf(write_dxf(tmp_path / "part.dxf", damage=damage)).faults
-    assert fault.kind == {"nan": "number", "lettering": "entity", "mark": "plane"}.get(damage, damage)
+    assert fault.kind == {"nan": "number", "lettering": "entity", "mark": "plane"}.get(
+        damage, damage
+    )
     if damage == "open":
         assert fault.size == 10
 
@@ -91,7 +97,13 @@ def test_dxf_that_cannot_be_read(tmp_path: Path) -> None:
         path.write_bytes(data[: int(len(data) * share)])
         with pytest.raises(FileError, match="cut short"):
             read_dxf(path)
-    for junk in (b"", b"solid\n", bytes(range(256)) * 4 + b"EOF", b"hello EOF", b"  0\nSECTION\n  x\nEOF\n  0\nEOF"):
+    for junk in (
+        b"",
+        b"solid\n",
+        bytes(range(256)) * 4 + b"EOF",
+        b"hello EOF",
+        b"  0\nSECTION\n  x\nEOF\n  0\nEOF",
+    ):
         path.write_bytes(junk)
         with pytest.raises(FileError, match="not a"):
             read_dxf(path)
@@ -122,7 +134,9 @@ def test_stl_read_and_sliced(tmp_path: Path) -> None:
     for z in (0.1, 3.0, np.pi):
         outer, hole = sorted(slice_mesh(mesh, z), key=lambda ring: -ring.area)
         for ring, source in ((outer, OUTLINE), (hole, HOLE)):
-            single = source.real.astype(np.float32).astype(float) + 1j * source.imag.astype(np.float32)
+            single = source.real.astype(np.float32).astype(float) + 1j * source.imag.astype(
+                np.float32
+            )
             assert np.array_equal(np.sort(ring.points), np.sort(single))
         assert outer.area > 0 > hole.area
     assert slice_mesh(mesh, 7.0) == []
@@ -176,7 +190,10 @@ def write_3mf(path: Path, mesh: Mesh, unit: str = "MilliMeter") -> Path:
         [lib3mf.Position((lib3mf.Position._fields_[0][1])(*v)) for v in mesh.vertices.tolist()],
         [lib3mf.Triangle((lib3mf.Triangle._fields_[0][1])(*f)) for f in mesh.faces.tolist()],
     )
-    identity, turned = lib3mf.get_wrapper().GetIdentityTransform(), lib3mf.get_wrapper().GetIdentityTransform()
+    identity, turned = (
+        lib3mf.get_wrapper().GetIdentityTransform(),
+        lib3mf.get_wrapper().GetIdentityTransform(),
+    )
     for row, values in enumerate([(0, 1, 0), (-1, 0, 0), (0, 0, 1), (5, 0, 6)]):
         for column, value in enumerate(values):
             turned.Fields[row][column] = value
@@ -211,14 +228,20 @@ def test_copies_under_each_other_s_names_are_told(tmp_path: Path) -> None:
     assert read_3mf(path).remarks == []
     with zipfile.ZipFile(path) as package:
         parts = {name: package.read(name) for name in package.namelist()}
-    for one, other in ((b'partnumber="cam-1"', b'partnumber="pin-1 1"'), (b'<item objectid="4"', b'<item objectid="5"')):
+    for one, other in (
+        (b'partnumber="cam-1"', b'partnumber="pin-1 1"'),
+        (b'<item objectid="4"', b'<item objectid="5"'),
+    ):
         model = parts["3D/3dmodel.model"]
         assert one in model and other in model
         model = model.replace(one, b"@@").replace(other, one).replace(b"@@", other)
         with zipfile.ZipFile(path, "w") as package:
             for name, data in (parts | {"3D/3dmodel.model": model}).items():
                 package.writestr(name, data)
-        assert sorted(read_3mf(path).remarks) == ["'cam-1' is made of 'pin-1'", "'pin-1 1' is made of 'cam'"]
+        assert sorted(read_3mf(path).remarks) == [
+            "'cam-1' is made of 'pin-1'",
+            "'pin-1 1' is made of 'cam'",
+        ]
 
 
 def test_what_unpacks_to_far_more_than_it_is_is_not_unpacked(tmp_path: Path) -> None:

@@ -30,15 +30,29 @@ from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
-THE_OTHERS_PARTS = {"four-leg-walker", "stitch-head"}  # two legs more, and two machines on one plate
+THE_OTHERS_PARTS = {
+    "four-leg-walker",
+    "stitch-head",
+}  # two legs more, and two machines on one plate
 NAMES = sorted({path.stem for path in SPECS.glob("*.toml")} - THE_OTHERS_PARTS)
 FACTS = Facts("m", "PLA", 12.3, "ISO 2768-m", "K-104-01", "2026-05-31", (), 10.0)
 FACETS = 0.02  # mm, of the solids and of what is read from the sheets
 # Widths of LibreCAD's standard.lff in ninths of the height of capitals, each with its letter spacing of 3; the space has 6.75.
 CAD_WIDTHS = {
-    3.0: "!.:Ii|", 3.5: ",;", 4.0: "'l()[]`", 5.0: "1j{}", 6.0: "Jcfrt°^", 6.5: 's"', 6.75: " ",
-    7.0: "02356789abdeghknopquvxyzCEFL-+=/<>~±×", 7.5: "B", 8.0: "4DGHKNOPRSTUZ", 9.0: "mwAMQVXYØ#&*", 11.0: "W%@", 14.0: "_",
-}  # fmt: skip
+    3.0: "!.:Ii|",
+    3.5: ",;",
+    4.0: "'l()[]`",
+    5.0: "1j{}",
+    6.0: "Jcfrt°^",
+    6.5: 's"',
+    6.75: " ",
+    7.0: "02356789abdeghknopquvxyzCEFL-+=/<>~±×",
+    7.5: "B",
+    8.0: "4DGHKNOPRSTUZ",
+    9.0: "mwAMQVXYØ#&*",
+    11.0: "W%@",
+    14.0: "_",
+}
 NINTHS = {character: width for width, characters in CAD_WIDTHS.items() for character in characters}
 
 
@@ -65,7 +79,11 @@ class Drawn:
 def drawn(part: Part, folder: Path, tolerance: float = FACETS / 4) -> Drawn:
     path, _ = write_drawing(folder, "x", part, tolerance, FACTS)
     space = ezdxf.readfile(path).modelspace()
-    frames = [np.array(e.get_points("xy")) @ [1, 1j] for e in space.query("LWPOLYLINE[layer=='TEXT']") if len(e) == 4]
+    frames = [
+        np.array(e.get_points("xy")) @ [1, 1j]
+        for e in space.query("LWPOLYLINE[layer=='TEXT']")
+        if len(e) == 4
+    ]
     frame = max(frames, key=lambda z: np.ptp(z.real))
     texts = [e.dxf.text for e in space.query("TEXT")]
     wide = {"A4": 297, "A3": 420}[texts[texts.index("Sheet") + 1]] - 30
@@ -76,13 +94,18 @@ def drawn(part: Part, folder: Path, tolerance: float = FACETS / 4) -> Drawn:
 @pytest.fixture(scope="module", params=NAMES)
 def sheets(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> list[Drawn]:
     folder = tmp_path_factory.mktemp(request.param)
-    return [drawn(part, folder) for part in pipeline.read_mechanism(SPECS / f"{request.param}.toml", []).parts()]
+    return [
+        drawn(part, folder)
+        for part in pipeline.read_mechanism(SPECS / f"{request.param}.toml", []).parts()
+    ]
 
 
 # ---- views ------------------------------------------------------------------------------------------------------------
 
 
-def views(sheet: Drawn) -> tuple[list[shapely.Polygon], list[shapely.Polygon], list[shapely.Polygon]]:
+def views(
+    sheet: Drawn,
+) -> tuple[list[shapely.Polygon], list[shapely.Polygon], list[shapely.Polygon]]:
     """Closed contours of the view along z, of that from the left and of that from above."""
     found: tuple[list[shapely.Polygon], ...] = ([], [], [])
     boxes = [sheet_box(layer.region) for layer in sheet.part.layers]
@@ -91,11 +114,15 @@ def views(sheet: Drawn) -> tuple[list[shapely.Polygon], list[shapely.Polygon], l
         if entity.dxf.layer not in ("CUT", "VIEW", "HIDDEN"):
             continue
         # a path's splines leave a large circle by 3e-4 of its radius
-        line = (entity if entity.dxftype() == "CIRCLE" else ezdxf.path.make_path(entity)).flattening(5e-4)
+        line = (
+            entity if entity.dxftype() == "CIRCLE" else ezdxf.path.make_path(entity)
+        ).flattening(5e-4)
         ring = shapely.Polygon([(v.x, v.y) for v in line]).buffer(0)
         if entity.dxf.layer == "HIDDEN" and ring.area > shapely.box(*ring.bounds).area - 1e-9:
             continue  # a bore
-        found[1 if ring.bounds[0] > right + 1e-6 else 2 if ring.bounds[3] < low - 1e-6 else 0].append(ring)
+        found[
+            1 if ring.bounds[0] > right + 1e-6 else 2 if ring.bounds[3] < low - 1e-6 else 0
+        ].append(ring)
     return found  # type: ignore[return-value]
 
 
@@ -110,7 +137,9 @@ def shadow(mesh: Mesh, along: int, across: tuple[int, int], sign: int = 1) -> sh
     a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     doubled = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
     triangles = shapely.polygons(corners[doubled > 1e-9])
-    return filled(shapely.union_all(shapely.buffer(triangles, 1e-4, quad_segs=1)))  # a hair wider, so that none has gaps
+    return filled(
+        shapely.union_all(shapely.buffer(triangles, 1e-4, quad_segs=1))
+    )  # a hair wider, so that none has gaps
 
 
 def filled(shape: shapely.Geometry) -> shapely.Geometry:
@@ -133,7 +162,9 @@ def body(part: Part, folder: Path, facets: float = FACETS) -> Mesh:
     return read_stl(folder / f"{part.name}.stl")
 
 
-def test_views_are_the_shadows_of_the_body_that_is_made(sheets: list[Drawn], tmp_path: Path) -> None:
+def test_views_are_the_shadows_of_the_body_that_is_made(
+    sheets: list[Drawn], tmp_path: Path
+) -> None:
     for sheet in sheets:
         name, mesh = sheet.part.name, body(sheet.part, tmp_path)
         plan, side, above = views(sheet)
@@ -154,23 +185,40 @@ def test_views_are_the_shadows_of_the_body_that_is_made(sheets: list[Drawn], tmp
 
 def plane_of(sheet: Drawn) -> float | None:
     """The y at which the arrows of a section stand; None where there is none."""
-    titles = [e.dxf.text for e in sheet.texts if e.dxf.text[1:2] == "-" and e.dxf.text[:1] == e.dxf.text[2:]]
-    marks = [e.dxf.align_point.y for e in sheet.texts if titles and e.dxf.text == titles[0][0] and e.dxf.layer == "TEXT"]
+    titles = [
+        e.dxf.text
+        for e in sheet.texts
+        if e.dxf.text[1:2] == "-" and e.dxf.text[:1] == e.dxf.text[2:]
+    ]
+    marks = [
+        e.dxf.align_point.y
+        for e in sheet.texts
+        if titles and e.dxf.text == titles[0][0] and e.dxf.layer == "TEXT"
+    ]
     return marks[0] - 1.2 / sheet.scale if titles else None
 
 
-def assert_section_is_that_of_the_body(sheet: Drawn, mesh: Mesh, faces: list[shapely.Polygon]) -> None:
+def assert_section_is_that_of_the_body(
+    sheet: Drawn, mesh: Mesh, faces: list[shapely.Polygon]
+) -> None:
     """Cut faces have the area and the places of a cut through the body itself, and only parts with steps have any."""
     y, name = plane_of(sheet), sheet.part.name
     assert (y is not None) == (len(faces) > 0), name
-    steps = len({layer.region for layer in sheet.part.layers}) > 1 and any(layer.region.holes for layer in sheet.part.layers)
+    steps = len({layer.region for layer in sheet.part.layers}) > 1 and any(
+        layer.region.holes for layer in sheet.part.layers
+    )
     assert y is not None or not steps, name
     if y is None:
         return
     turned = Mesh(mesh.vertices[:, (0, 2, 1)] * (1, 1, -1), mesh.faces)
-    rings = [shapely.Polygon(np.column_stack([z.real, z.imag])) for z in (ring.points for ring in slice_mesh(turned, 1e-4 - y))]
+    rings = [
+        shapely.Polygon(np.column_stack([z.real, z.imag]))
+        for z in (ring.points for ring in slice_mesh(turned, 1e-4 - y))
+    ]
     wanted = reduce(shapely.symmetric_difference, rings)
-    drawn_faces = shapely.transform(reduce(shapely.symmetric_difference, faces), lambda points: points * (1, -1))
+    drawn_faces = shapely.transform(
+        reduce(shapely.symmetric_difference, faces), lambda points: points * (1, -1)
+    )
     assert drawn_faces.area == pytest.approx(wanted.area, abs=FACETS * wanted.length), name
     assert unlike(moved_to(drawn_faces, wanted), wanted) < 2 * FACETS, name
     assert drawn_faces.bounds[::2] == pytest.approx(wanted.bounds[::2], abs=FACETS), name
@@ -182,19 +230,36 @@ def test_the_volume_of_a_crossed_body_follows_from_its_views(tmp_path: Path) -> 
         if part.crossed is None:
             continue
         plan, _, above = views(drawn(part, tmp_path, 5e-4))
-        holes = [ring for ring in plan if any(other.contains(ring) and ring.length < 9 for other in plan if other is not ring)]
-        pits = [ring for ring in above if any(other.contains(ring) for other in above if other is not ring)]
+        holes = [
+            ring
+            for ring in plan
+            if any(other.contains(ring) and ring.length < 9 for other in plan if other is not ring)
+        ]
+        pits = [
+            ring
+            for ring in above
+            if any(other.contains(ring) for other in above if other is not ring)
+        ]
         total = 0.0
         fronts = [ring for ring in plan if ring not in holes]
         tops = [ring for ring in above if ring not in pits]
         assert len(fronts) == len(tops) == len(part.layers), part.name
         for front in fronts:
-            top = min(tops, key=lambda ring: abs(ring.bounds[0] - front.bounds[0]) + abs(ring.bounds[2] - front.bounds[2]))
-            one = front.difference(shapely.union_all([ring for ring in holes if front.contains(ring)]))
+            top = min(
+                tops,
+                key=lambda ring: (
+                    abs(ring.bounds[0] - front.bounds[0]) + abs(ring.bounds[2] - front.bounds[2])
+                ),
+            )
+            one = front.difference(
+                shapely.union_all([ring for ring in holes if front.contains(ring)])
+            )
             two = top.difference(shapely.union_all([ring for ring in pits if top.contains(ring)]))
             x = np.linspace(front.bounds[0], front.bounds[2], 4001)
             x = (x[1:] + x[:-1]) / 2
-            lines = shapely.linestrings(np.stack([np.repeat(x[:, None], 2, 1), np.tile([-1e3, 1e3], (len(x), 1))], axis=-1))
+            lines = shapely.linestrings(
+                np.stack([np.repeat(x[:, None], 2, 1), np.tile([-1e3, 1e3], (len(x), 1))], axis=-1)
+            )
             chords = [shapely.length(shapely.intersection(shape, lines)) for shape in (one, two)]
             total += float(np.mean(chords[0] * chords[1])) * (front.bounds[2] - front.bounds[0])
         mesh = body(part, tmp_path, 0.001)
@@ -204,11 +269,17 @@ def test_the_volume_of_a_crossed_body_follows_from_its_views(tmp_path: Path) -> 
 
 
 def test_what_lies_behind_material_is_dashed(tmp_path: Path) -> None:
-    (upper,) = [p for p in pipeline.read_mechanism(SPECS / "chain-stitch-looper.toml", []).parts() if p.name == "upper-spreader"]
+    (upper,) = [
+        p
+        for p in pipeline.read_mechanism(SPECS / "chain-stitch-looper.toml", []).parts()
+        if p.name == "upper-spreader"
+    ]
     sheet = drawn(upper, tmp_path)
     hidden = sheet.space.query("*[layer=='HIDDEN']")
     assert {entity.dxf.linetype for entity in hidden} == {"HIDDEN2"} and "HIDDEN" in LAYERS
-    assert len(hidden) == 3  # the layer below the upper one, and its bore from the left and from above
+    assert (
+        len(hidden) == 3
+    )  # the layer below the upper one, and its bore from the left and from above
 
 
 def test_bores_are_dashed_in_the_view_from_the_left(sheets: list[Drawn]) -> None:
@@ -216,7 +287,11 @@ def test_bores_are_dashed_in_the_view_from_the_left(sheets: list[Drawn]) -> None
     for sheet in sheets:
         right = max(sheet_box(layer.region)[2] for layer in sheet.part.layers)
         boxes = [ezdxf.path.make_path(e) for e in sheet.space.query("LWPOLYLINE[layer=='HIDDEN']")]
-        sides = [box for path in boxes if (box := shapely.LineString([v.vec2 for v in path.flattening(1)]).bounds)[0] > right]
+        sides = [
+            box
+            for path in boxes
+            if (box := shapely.LineString([v.vec2 for v in path.flattening(1)]).bounds)[0] > right
+        ]
         for layer in sheet.part.layers:
             for hole in layer.region.holes:
                 _, low, _, high = sheet_box(Region(hole))
@@ -245,20 +320,27 @@ def text_box(text: ezdxf.entities.Text) -> shapely.Polygon:
     share = {0: 0.0, 1: 0.5, 2: 1.0}[text.dxf.halign]
     at = text.dxf.insert if text.dxf.halign == 0 else text.dxf.align_point
     box = shapely.box(-share * wide, -0.25 * h, (1 - share) * wide, h)
-    return shapely.affinity.translate(shapely.affinity.rotate(box, text.dxf.rotation, origin=(0, 0)), at.x, at.y)
+    return shapely.affinity.translate(
+        shapely.affinity.rotate(box, text.dxf.rotation, origin=(0, 0)), at.x, at.y
+    )
 
 
 def test_no_text_leaves_the_frame_or_runs_into_the_title_block(sheets: list[Drawn]) -> None:
     """What stands in the block stays in its own cell, all else outside it; a number or table never runs into another text."""
     for sheet in sheets:
         low, high = sheet.low, sheet.high
-        block = shapely.box(high.real - 170 / sheet.scale, low.imag, high.real, low.imag + 36 / sheet.scale)
+        block = shapely.box(
+            high.real - 170 / sheet.scale, low.imag, high.real, low.imag + 36 / sheet.scale
+        )
         inner = shapely.box(low.real, low.imag, high.real, high.imag)
         boxes = [(text.dxf.text, text_box(text)) for text in sheet.texts]
         outside = [(name, box) for name, box in boxes if not block.buffer(1e-6).contains(box)]
         assert len(boxes) - len(outside) == 26, sheet.part.name  # 13 cells, a name and a value each
         for name, box in outside:
-            assert inner.buffer(1e-6).contains(box) and not block.intersects(box), (sheet.part.name, name)
+            assert inner.buffer(1e-6).contains(box) and not block.intersects(box), (
+                sheet.part.name,
+                name,
+            )
         for k, (name, box) in enumerate(boxes):
             for other, its in boxes[:k]:
                 assert box.intersection(its).area < 0.02 * box.area, (sheet.part.name, name, other)
@@ -267,17 +349,29 @@ def test_no_text_leaves_the_frame_or_runs_into_the_title_block(sheets: list[Draw
 def test_title_block_says_what_a_workshop_asks(sheets: list[Drawn]) -> None:
     for sheet in sheets:
         texts = [text.dxf.text for text in sheet.texts]
-        said = {key: texts[texts.index(key) + 1] for key in ("Material", "Mass", "General tolerance", "Date", "Drawing number")}
-        assert said == dict(zip(said, ("PLA", "12.3 g", "ISO 2768-m", "2026-05-31", "K-104-01"), strict=True))
+        said = {
+            key: texts[texts.index(key) + 1]
+            for key in ("Material", "Mass", "General tolerance", "Date", "Drawing number")
+        }
+        assert said == dict(
+            zip(said, ("PLA", "12.3 g", "ISO 2768-m", "2026-05-31", "K-104-01"), strict=True)
+        )
         # first angle: the cone's frustum left of its view from the small end, two circles about one axis [ISO 5456-2]
         at = next(text.dxf.insert for text in sheet.texts if text.dxf.text == "Projection")
-        near = [e for e in sheet.space.query("ARC CIRCLE[layer=='TEXT']") if abs(e.dxf.center.y - at.y) * sheet.scale < 6]
+        near = [
+            e
+            for e in sheet.space.query("ARC CIRCLE[layer=='TEXT']")
+            if abs(e.dxf.center.y - at.y) * sheet.scale < 6
+        ]
         small, large = sorted(near, key=lambda e: e.dxf.radius)
-        assert small.dxf.center == large.dxf.center and large.dxf.radius == pytest.approx(2 * small.dxf.radius)
+        assert small.dxf.center == large.dxf.center and large.dxf.radius == pytest.approx(
+            2 * small.dxf.radius
+        )
         (frustum,) = [
-            e for e in sheet.space.query("LWPOLYLINE[layer=='TEXT']")
+            e
+            for e in sheet.space.query("LWPOLYLINE[layer=='TEXT']")
             if len({round(y * sheet.scale, 3) for _, y in e.get_points("xy")}) == 4
-        ]  # fmt: skip
+        ]
         z = np.array(frustum.get_points("xy")) @ [1, 1j]
         left, right = np.ptp(z.imag[z.real == z.real.min()]), np.ptp(z.imag[z.real == z.real.max()])
         assert (left, right) == pytest.approx((2 * small.dxf.radius, 2 * large.dxf.radius))
@@ -288,13 +382,19 @@ def test_a_disc_is_told_by_its_diameter(sheets: list[Drawn]) -> None:
     for sheet in sheets:
         outers = [layer.region.outer for layer in sheet.part.layers]
         if len(sheet.part.layers) == 1 and (disc := as_circle(outers[0])):
-            dims = [e.dxf.text for e in sheet.texts if e.dxf.layer == "DIM" and e.dxf.text.startswith("%%c")]
+            dims = [
+                e.dxf.text
+                for e in sheet.texts
+                if e.dxf.layer == "DIM" and e.dxf.text.startswith("%%c")
+            ]
             assert dims == [f"%%c{number(2 * disc[1])}"], sheet.part.name
 
 
 def test_radii_of_a_cam_are_those_of_its_outline(sheets: list[Drawn]) -> None:
     for sheet in sheets:
-        curve = next((c for c in (sheet.part.region.outer, *sheet.part.region.holes) if free(c)), None)
+        curve = next(
+            (c for c in (sheet.part.region.outer, *sheet.part.region.holes) if free(c)), None
+        )
         texts = [text.dxf.text for text in sheet.texts]
         if curve is None:
             assert "Radius" not in texts
@@ -306,12 +406,20 @@ def test_radii_of_a_cam_are_those_of_its_outline(sheets: list[Drawn]) -> None:
         ring = shapely.LinearRing(np.column_stack([z.real, z.imag]))
         for angle, radius in rows:
             point = radius * np.exp(1j * np.radians(angle))
-            assert ring.distance(shapely.Point(point.real, point.imag)) < 6e-4, (sheet.part.name, angle)
+            assert ring.distance(shapely.Point(point.real, point.imag)) < 6e-4, (
+                sheet.part.name,
+                angle,
+            )
 
 
-@pytest.mark.parametrize("word", ["a-word-without-any-space-in-it-that-is-longer-than-the-room-for-notes.dxf", "mw " * 30])
+@pytest.mark.parametrize(
+    "word",
+    ["a-word-without-any-space-in-it-that-is-longer-than-the-room-for-notes.dxf", "mw " * 30],
+)
 def test_no_note_is_too_long(word: str, tmp_path: Path) -> None:
-    part = Part("disc", "Disc", (Layer(Region(circle(0, 9), (circle(0, 2),)), 0, 4),), notes=(word,))
+    part = Part(
+        "disc", "Disc", (Layer(Region(circle(0, 9), (circle(0, 2),)), 0, 4),), notes=(word,)
+    )
     sheet = drawn(part, tmp_path)
     notes = [e for e in sheet.texts if e.dxf.insert.x < sheet.low.real + 3.1 / sheet.scale]
     found = [e for e in notes if e.dxf.text and e.dxf.text in word]
@@ -332,28 +440,43 @@ def each_label_has_its_hole(sheet: Drawn) -> None:
         z = facet_contour(contour, 1e-3)
         rims[hole] = shapely.LinearRing(np.column_stack([z.real, z.imag]))
     for name, own in named:
-        small = [e for e in sheet.texts if e.dxf.layer == "DIM" and e.dxf.height * sheet.scale < 3]  # a size is larger
+        small = [
+            e for e in sheet.texts if e.dxf.layer == "DIM" and e.dxf.height * sheet.scale < 3
+        ]  # a size is larger
         (label,) = [e for e in small if e.dxf.text == name]
         place = complex(label.dxf.align_point.x, label.dxf.align_point.y) + 1.25j / sheet.scale
         to_middle = {hole: abs(hole.middle - place) for _, hole in named}
-        to_rim = {hole: rims[hole].distance(shapely.Point(place.real, place.imag)) for _, hole in named}
+        to_rim = {
+            hole: rims[hole].distance(shapely.Point(place.real, place.imag)) for _, hole in named
+        }
         if all(away[own] <= min(away.values()) for away in (to_middle, to_rim)):
             continue
         ends = [
             (complex(e.dxf.start.x, e.dxf.start.y), complex(e.dxf.end.x, e.dxf.end.y))
             for e in sheet.space.query("LINE[layer=='DIM']")
         ]
-        half = Text(0j, name, 2.5).room / 2 + 1.25j  # mm of paper, of the label's box, from whose edge its leader starts
+        half = (
+            Text(0j, name, 2.5).room / 2 + 1.25j
+        )  # mm of paper, of the label's box, from whose edge its leader starts
         apart = [(start - place) * sheet.scale for start, _ in ends]
         beside = [abs(z.real) < half.real + 1 and abs(z.imag) < half.imag + 1 for z in apart]
         near = [tip for (_, tip), close in zip(ends, beside, strict=True) if close]
-        tips = [min(abs(tip - own.middle), rims[own].distance(shapely.Point(tip.real, tip.imag))) for tip in near]
+        tips = [
+            min(abs(tip - own.middle), rims[own].distance(shapely.Point(tip.real, tip.imag)))
+            for tip in near
+        ]
         assert tips and min(tips) * sheet.scale < 0.1, (sheet.part.name, name)
 
 
 def test_labels_of_crowded_holes(tmp_path: Path) -> None:
     """Small holes so near to each other that beside none there is room for a label of its own."""
-    holes = tuple(circle(complex(1.2 * x, 1.2 * y), 0.5) for x in range(-3, 4) for y in range(-3, 4))
-    part = Part("sieve", "Sieve", (Layer(Region(polygon([-40 - 40j, 40 - 40j, 40 + 40j, -40 + 40j]), holes), 0, 2),))
+    holes = tuple(
+        circle(complex(1.2 * x, 1.2 * y), 0.5) for x in range(-3, 4) for y in range(-3, 4)
+    )
+    part = Part(
+        "sieve",
+        "Sieve",
+        (Layer(Region(polygon([-40 - 40j, 40 - 40j, 40 + 40j, -40 + 40j]), holes), 0, 2),),
+    )
     sheet = drawn(part, tmp_path)
     each_label_has_its_hole(sheet)

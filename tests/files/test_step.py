@@ -24,12 +24,19 @@ TOLERANCE = 1e-3
 
 def written(folder, part):
     path = folder / f"{part.name}.step"
-    write_part(path, Job(part.name, f"x-{part.name}", "key", part.region, (), TOLERANCE, "bulge", None, part))
+    write_part(
+        path,
+        Job(part.name, f"x-{part.name}", "key", part.region, (), TOLERANCE, "bulge", None, part),
+    )
     return path
 
 
 def failing(path, part):
-    return {finding.code for finding in judge_exact(path, expected(part, TOLERANCE)).findings if not finding.ok}
+    return {
+        finding.code
+        for finding in judge_exact(path, expected(part, TOLERANCE)).findings
+        if not finding.ok
+    }
 
 
 @pytest.mark.parametrize("part", [cam(), hub()], ids=lambda part: part.name)
@@ -88,7 +95,12 @@ def test_another_solid_under_the_same_name_is_told(tmp_path):
     part = hub()
     thicker = replace(part, layers=(part.layers[0], replace(part.layers[1], z1=12.5)))
     assert failing(written(tmp_path, thicker), part) == {"ROUND_TRIP", "VOLUME"}
-    moved = replace(part, layers=tuple(replace(layer, region=layer.region.moved(shift=0.01)) for layer in part.layers))
+    moved = replace(
+        part,
+        layers=tuple(
+            replace(layer, region=layer.region.moved(shift=0.01)) for layer in part.layers
+        ),
+    )
     assert failing(written(tmp_path, moved), part) == {"ROUND_TRIP"}
 
 
@@ -96,32 +108,51 @@ def test_an_assembly(tmp_path):
     plate = Part("plate", "Plate", (Layer(Region(rectangle(0, 3 + 2j)), 0, 1),))
     files = {part.name: written(tmp_path, part) for part in (hub(), plate)}
     bodies = {part.name: exact(part, TOLERANCE) for part in (hub(), plate)}
-    copies = [Placed("hub", "hub-1", placing(0.3, 4 - 2j, 5, 12, True)), Placed("plate", "plate-1"),
-              Placed("plate", "plate-2", placing(-2.0, 1j, -3, 1))]
+    copies = [
+        Placed("hub", "hub-1", placing(0.3, 4 - 2j, 5, 12, True)),
+        Placed("plate", "plate-1"),
+        Placed("plate", "plate-2", placing(-2.0, 1j, -3, 1)),
+    ]
     path, places = tmp_path / "a.step", [(copy.object, copy.transform) for copy in copies]
     write_step(path, bodies, {}, "a", copies)
     _, found, remarks = read_step(path)
-    assert remarks == [] and [(copy.object, copy.name) for copy in found] == [(copy.object, copy.name) for copy in copies]
-    assert max(np.abs(a.transform - b.transform).max() for a, b in zip(found, copies, strict=True)) < 1e-14
+    assert remarks == [] and [(copy.object, copy.name) for copy in found] == [
+        (copy.object, copy.name) for copy in copies
+    ]
+    assert (
+        max(np.abs(a.transform - b.transform).max() for a, b in zip(found, copies, strict=True))
+        < 1e-14
+    )
     assert judge_exact_copies(path, files, places).ok
     astray = [*places[:2], ("plate", placing(-2.0, 1.001j, -3, 1))]
     assert judge_exact_copies(path, files, astray).measured == pytest.approx(1e-3)
     assert not judge_exact_copies(path, files, places[:2]).ok
     write_step(path, bodies | {"plate": bodies["hub"]}, {}, "a", copies)
-    assert "plate is not of the faces of its own file" in judge_exact_copies(path, files, places).message
+    assert (
+        "plate is not of the faces of its own file"
+        in judge_exact_copies(path, files, places).message
+    )
 
 
 def test_a_build_with_exact_solids_is_proved_by_them(tmp_path, root):
     spec = root / "specs" / "disc-cam.toml"
     report = build(spec, tmp_path, frozenset({"step"}))
     names = {path.name for path in report.folder.iterdir()}
-    assert report.ok and {"disc-cam-cam.step", "disc-cam-assembly.step"} <= names and "disc-cam-cam.stl" not in names
-    assert {"MOTION_ERROR", "ROUND_TRIP", "WATERTIGHT", "VOLUME"} <= {finding.code for finding in report.findings}
+    assert (
+        report.ok
+        and {"disc-cam-cam.step", "disc-cam-assembly.step"} <= names
+        and "disc-cam-cam.stl" not in names
+    )
+    assert {"MOTION_ERROR", "ROUND_TRIP", "WATERTIGHT", "VOLUME"} <= {
+        finding.code for finding in report.findings
+    }
     path, whole = report.folder / "disc-cam-cam.step", report.folder / "disc-cam-assembly.step"
     assert check(report.folder).ok
     sound = whole.read_bytes()
     whole.write_bytes(sound.replace(b"DIRECTION('',(1.0,0.0,0.0))", b"DIRECTION('',(0.8,0.6,0.0))"))
-    assert [(f.code, f.where) for f in check(report.folder).findings if not f.ok] == [("ROUND_TRIP", whole.name)]
+    assert [(f.code, f.where) for f in check(report.folder).findings if not f.ok] == [
+        ("ROUND_TRIP", whole.name)
+    ]
     whole.write_bytes(sound)
     path.write_text(re.sub(r"(CLOSED_SHELL\('',\()#\d+,", r"\1", path.read_text(), count=1))
     assert not check(report.folder).ok
@@ -130,8 +161,15 @@ def test_a_build_with_exact_solids_is_proved_by_them(tmp_path, root):
 def test_a_whole_build_makes_them_where_the_spec_asks(tmp_path, root):
     settings = ("output.step=true", "print.hole_compensation=0.05")
     report = build(root / "specs" / "disc-cam.toml", tmp_path, frozenset(KINDS), settings)
-    assert report.ok and {path.suffix for path in report.folder.iterdir()} > {".step", ".dxf", ".stl", ".3mf"}
-    assert list(report.warnings) == ["print.hole_compensation = 0.05 acts on STL and 3MF alone: the DXF and STEP are as drawn"]
+    assert report.ok and {path.suffix for path in report.folder.iterdir()} > {
+        ".step",
+        ".dxf",
+        ".stl",
+        ".3mf",
+    }
+    assert list(report.warnings) == [
+        "print.hole_compensation = 0.05 acts on STL and 3MF alone: the DXF and STEP are as drawn"
+    ]
     drawings = build(root / "specs" / "disc-cam.toml", tmp_path, frozenset({"dxf"}), settings)
     assert not list(drawings.folder.glob("*.step"))  # --only means what it says
 
@@ -140,4 +178,6 @@ def test_parts_without_one_are_named(tmp_path, root):
     report = build(root / "specs" / "chain-stitch-looper.toml", tmp_path, frozenset({"step"}))
     told = " ".join(each.why for each in report.not_judged if each.code == "ROUND_TRIP")
     assert "lower-spreader" in told and "needle-plate" in told and "crosswise" in told
-    assert not list(report.folder.glob("*spreader.step")) and list(report.folder.glob("*outline.step"))
+    assert not list(report.folder.glob("*spreader.step")) and list(
+        report.folder.glob("*outline.step")
+    )

@@ -29,8 +29,13 @@ def area(entity):
     z = x + 1j * y
     chord = np.roll(z, -1) - z
     sweep = 4 * np.arctan(bulge)
-    radius2 = np.divide(np.abs(chord) ** 2, 2 - 2 * np.cos(sweep), out=np.zeros(len(z)), where=bulge != 0)
-    return np.sum(np.imag(np.conj(z) * np.roll(z, -1))) / 2 + np.sum(radius2 * (sweep - np.sin(sweep))) / 2
+    radius2 = np.divide(
+        np.abs(chord) ** 2, 2 - 2 * np.cos(sweep), out=np.zeros(len(z)), where=bulge != 0
+    )
+    return (
+        np.sum(np.imag(np.conj(z) * np.roll(z, -1))) / 2
+        + np.sum(radius2 * (sweep - np.sin(sweep))) / 2
+    )
 
 
 @pytest.mark.parametrize("curves", ["bulge", "lines"])
@@ -40,7 +45,9 @@ def test_dxf_holds_what_is_cut_and_nothing_else(tmp_path, curves):
     doc = ezdxf.readfile(tmp_path / "cam.dxf")
     assert not doc.audit().errors and not doc.audit().fixes
     assert doc.header["$INSUNITS"] == 4 and doc.header["$MEASUREMENT"] == 1
-    assert np.allclose(doc.header["$EXTMIN"], (-25, -25, 0)) and np.allclose(doc.header["$EXTMAX"], (37, 25, 0))
+    assert np.allclose(doc.header["$EXTMIN"], (-25, -25, 0)) and np.allclose(
+        doc.header["$EXTMAX"], (37, 25, 0)
+    )
     assert {layer.dxf.name for layer in doc.layers} == {"0", "Defpoints", "CUT", "CENTER"}
     cut = [e for e in doc.modelspace() if e.dxf.layer == "CUT"]
     assert [e.dxftype() for e in cut] == ["LWPOLYLINE"] * 4 + ["CIRCLE"]
@@ -51,7 +58,9 @@ def test_dxf_holds_what_is_cut_and_nothing_else(tmp_path, curves):
             bulge = np.array(entity.get_points("b"))
             assert np.abs(bulge).max() < 1 and (curves == "bulge" or not bulge.any())
     marks = [e for e in doc.modelspace() if e.dxf.layer != "CUT"]
-    assert {(e.dxftype(), e.dxf.layer) for e in marks} == {("LINE", "CENTER")} and len(marks) == 2 * len(part.centres)
+    assert {(e.dxftype(), e.dxf.layer) for e in marks} == {("LINE", "CENTER")} and len(
+        marks
+    ) == 2 * len(part.centres)
     middles = [complex(*((e.dxf.start + e.dxf.end) / 2).vec2) for e in marks]
     assert np.allclose(middles[::2], part.centres) and np.allclose(middles[1::2], part.centres)
     assert all(len(layout) == 0 for layout in doc.layouts if layout.name != "Model")
@@ -65,9 +74,14 @@ def test_marks_end_in_the_open_and_are_shorter_than_a_radius(tmp_path, radius, s
     lines = ezdxf.readfile(tmp_path / "d.dxf").modelspace().query("LINE")
     assert len(lines) == strokes  # on the rim there is no room
     for line in lines:
-        assert np.isclose((line.dxf.end - line.dxf.start).magnitude, min(2.0, 0.8 * radius), atol=2e-3)
+        assert np.isclose(
+            (line.dxf.end - line.dxf.start).magnitude, min(2.0, 0.8 * radius), atol=2e-3
+        )
         assert (line.dxf.end - line.dxf.start).magnitude < radius
-        assert all(abs(complex(*end.vec2) - 3 - 1j) < 0.5 * radius for end in (line.dxf.start, line.dxf.end))
+        assert all(
+            abs(complex(*end.vec2) - 3 - 1j) < 0.5 * radius
+            for end in (line.dxf.start, line.dxf.end)
+        )
 
 
 def test_without_marks_there_is_no_layer_for_them(tmp_path):
@@ -79,7 +93,10 @@ def test_without_marks_there_is_no_layer_for_them(tmp_path):
 
 def test_dxf_of_a_disc_is_two_circles(tmp_path):
     write_dxf(tmp_path / "d.dxf", Region(circle(1.5, 9), (circle(0, 3),)), (), TOLERANCE, "lines")
-    found = [(e.dxftype(), tuple(e.dxf.center), e.dxf.radius) for e in ezdxf.readfile(tmp_path / "d.dxf").modelspace()]
+    found = [
+        (e.dxftype(), tuple(e.dxf.center), e.dxf.radius)
+        for e in ezdxf.readfile(tmp_path / "d.dxf").modelspace()
+    ]
     assert found == [("CIRCLE", (1.5, 0, 0), 9), ("CIRCLE", (0, 0, 0), 3)]
 
 
@@ -96,7 +113,9 @@ def test_stl_is_the_mesh(tmp_path, make):
     data = (tmp_path / "x.stl").read_bytes()
     assert data.startswith(b"camgen solid-x") and len(data) == 84 + 50 * len(mesh.faces)
     assert struct.unpack("<I", data[80:84]) == (len(mesh.faces),)
-    rows = np.frombuffer(data[84:], np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("zero", "<u2")]))
+    rows = np.frombuffer(
+        data[84:], np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("zero", "<u2")])
+    )
     assert np.array_equal(rows["corners"], mesh.vertices[mesh.faces])
     a, b, c = np.moveaxis(rows["corners"].astype(float), 1, 0)
     normal = np.cross(b - a, c - a)
@@ -141,15 +160,25 @@ def test_3mf_says_what_it_is_and_gives_each_part_one_colour(tmp_path):
     for name in ("x-assembly", "x-rod"):
         model = read_strictly(tmp_path / f"{name}.3mf")
         about = model.GetMetaDataGroup()
-        said = {about.GetMetaData(k).GetName(): about.GetMetaData(k).GetValue() for k in range(about.GetMetaDataCount())}
+        said = {
+            about.GetMetaData(k).GetName(): about.GetMetaData(k).GetValue()
+            for k in range(about.GetMetaDataCount())
+        }
         assert said == {"Title": name, "Application": f"camgen {__version__}"}
         (group,) = listed(model.GetBaseMaterialGroups(), "GetCurrentBaseMaterialGroup")
         for thing in listed(model.GetMeshObjects(), "GetCurrentMeshObject"):
             resource, number, has = thing.GetObjectLevelProperty()
-            assert has and resource == group.GetUniqueResourceID() and group.GetName(number) == thing.GetName()
+            assert (
+                has
+                and resource == group.GetUniqueResourceID()
+                and group.GetName(number) == thing.GetName()
+            )
             colour = group.GetDisplayColor(number)
             colours.setdefault(thing.GetName(), set()).add((colour.Red, colour.Green, colour.Blue))
-    assert {name: len(found) for name, found in colours.items()} == {"hub": 1, "rod": 1} and colours["hub"] != colours["rod"]
+    assert {name: len(found) for name, found in colours.items()} == {
+        "hub": 1,
+        "rod": 1,
+    } and colours["hub"] != colours["rod"]
 
 
 def test_3mf_of_an_assembly(tmp_path):
@@ -160,7 +189,10 @@ def test_3mf_of_an_assembly(tmp_path):
     model = read_strictly(tmp_path / "a.3mf")
     copies = list(listed(model.GetComponentsObjects(), "GetCurrentComponentsObject"))
     assert [copy.GetName() for copy in copies] == ["cam-1", "cam-2"]
-    assert [item.GetPartNumber() for item in listed(model.GetBuildItems(), "GetCurrent")] == ["cam-1", "cam-2"]
+    assert [item.GetPartNumber() for item in listed(model.GetBuildItems(), "GetCurrent")] == [
+        "cam-1",
+        "cam-2",
+    ]
     rows = np.array([list(row) for row in copies[1].GetComponent(0).GetTransform().Fields])
     assert np.abs(rows.T - turned).max() < 1e-6
 
@@ -169,7 +201,9 @@ def test_3mf_of_an_assembly(tmp_path):
 def test_every_format_is_written_and_one_of_a_solid_read_by_its_ending(tmp_path, kind):
     part = hub()
     mesh, path = solid(part, TOLERANCE), tmp_path / f"hub.{kind}"
-    write_part(path, Job("hub", "x-hub", "key", part.region, part.centres, TOLERANCE, "bulge", mesh, part))
+    write_part(
+        path, Job("hub", "x-hub", "key", part.region, part.centres, TOLERANCE, "bulge", mesh, part)
+    )
     if FORMATS[kind].holds == "exact":
         assert read_exact(path, "hub")[1] == []
     elif FORMATS[kind].solid:
@@ -182,7 +216,10 @@ def test_every_format_is_written_and_one_of_a_solid_read_by_its_ending(tmp_path,
 
 def test_a_package_of_another_part_is_told(tmp_path):
     part = hub()
-    write_part(tmp_path / "hub.3mf", Job("hub", "x", "k", part.region, (), TOLERANCE, "bulge", solid(part, TOLERANCE)))
+    write_part(
+        tmp_path / "hub.3mf",
+        Job("hub", "x", "k", part.region, (), TOLERANCE, "bulge", solid(part, TOLERANCE)),
+    )
     assert read_solid(tmp_path / "hub.3mf", "cam")[1] == ["holds hub instead of cam alone"]
 
 
@@ -230,9 +267,13 @@ def test_same_bytes_in_other_processes_on_other_days(tmp_path):
     for seed, shift in (("1", "-4e7"), ("2", "5e6")):
         folder = tmp_path / seed
         folder.mkdir()
-        paths = os.pathsep.join([os.path.dirname(here), *filter(None, [os.environ.get("PYTHONPATH")])])
+        paths = os.pathsep.join(
+            [os.path.dirname(here), *filter(None, [os.environ.get("PYTHONPATH")])]
+        )
         environment = os.environ | {"PYTHONHASHSEED": seed, "PYTHONPATH": paths}
-        subprocess.run([sys.executable, "-c", SCRIPT, str(folder), shift, here], check=True, env=environment)
+        subprocess.run(
+            [sys.executable, "-c", SCRIPT, str(folder), shift, here], check=True, env=environment
+        )
         sums.append({p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in folder.iterdir()})
     assert len(sums[0]) == 10 and sums[0] == sums[1]
 

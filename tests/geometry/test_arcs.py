@@ -11,7 +11,18 @@ from hypothesis import strategies as st
 from test_facets import blunt_cam, ellipse, knife_cam, sine, spiral
 
 from camgen.geometry.arcs import as_circle, bulges, fit_arcs, theoretical_arcs
-from camgen.geometry.outlines import Arc, Contour, Line, Piece, Smooth, circle, end_point, kidney, polygon, start_point
+from camgen.geometry.outlines import (
+    Arc,
+    Contour,
+    Line,
+    Piece,
+    Smooth,
+    circle,
+    end_point,
+    kidney,
+    polygon,
+    start_point,
+)
 
 
 def closed(piece: Smooth) -> Contour:
@@ -62,7 +73,8 @@ def tangent_turns(contour: Contour) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    ("tolerance", "theory", "published"), [(1e-3, 42.6, 48), (1e-4, 91.7, 98), (1e-5, 197.5, 204), (1e-6, 425.5, 432)]
+    ("tolerance", "theory", "published"),
+    [(1e-3, 42.6, 48), (1e-4, 91.7, 98), (1e-5, 197.5, 204), (1e-6, 425.5, 432)],
 )
 def test_cam_takes_the_published_number(tolerance: float, theory: float, published: int) -> None:
     """Theory and reached number for the knife-edge cam, at most 1.2 times the theory."""
@@ -121,7 +133,9 @@ def test_coarser_arcs_fail() -> None:
     dense = np.concatenate([p.at(np.linspace(p.t0, p.t1, 20_001)) for p in cam.pieces])
     assert distance_to_pieces(dense, pieces).max() <= tolerance
     for i in range(0, len(pieces), 5):
-        damaged = pieces[:i] + (Line(start_point(pieces[i]), end_point(pieces[i])),) + pieces[i + 1 :]
+        damaged = (
+            pieces[:i] + (Line(start_point(pieces[i]), end_point(pieces[i])),) + pieces[i + 1 :]
+        )
         assert distance_to_pieces(dense, damaged).max() > 10 * tolerance
     assert distance_to_pieces(dense, fit_arcs(cam, 2 * tolerance).pieces).max() > tolerance
 
@@ -136,8 +150,12 @@ def test_bulges_describe_the_same_arcs() -> None:
         assert distance_to_pieces(middle, contour.pieces).max() < 1e-10
         assert distance_to_pieces(z, contour.pieces).max() < 1e-10
         half = 2 * np.arctan(bulge)
-        radius = np.divide(np.abs(chord) / 2, np.sin(half), out=np.zeros_like(half), where=half != 0)
-        area = 0.5 * np.sum(np.imag(np.conj(z) * np.roll(z, -1))) + np.sum(radius**2 / 2 * (2 * half - np.sin(2 * half)))
+        radius = np.divide(
+            np.abs(chord) / 2, np.sin(half), out=np.zeros_like(half), where=half != 0
+        )
+        area = 0.5 * np.sum(np.imag(np.conj(z) * np.roll(z, -1))) + np.sum(
+            radius**2 / 2 * (2 * half - np.sin(2 * half))
+        )
         assert area == pytest.approx(contour.area, rel=1e-10)
 
 
@@ -190,7 +208,9 @@ def test_equal_pieces_are_the_same_to_the_bit(data: st.DataObject, kind: type) -
 
 def test_a_fit_is_that_of_its_own_contour() -> None:
     fits = [fit_arcs(circle(complex(x, y), 2.6), 0.01) for x in (-0.0, 0.0) for y in (-0.0, 0.0)]
-    assert {repr(fit) for fit in fits} == {"Contour(pieces=(Arc(centre=0j, radius=2.6, start=0.0, sweep=6.283185307179586),))"}
+    assert {repr(fit) for fit in fits} == {
+        "Contour(pieces=(Arc(centre=0j, radius=2.6, start=0.0, sweep=6.283185307179586),))"
+    }
 
 
 def test_refused() -> None:

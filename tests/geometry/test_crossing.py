@@ -40,18 +40,26 @@ def test_a_box_crossed_with_all_of_space_is_itself() -> None:
 @pytest.mark.parametrize("region", [PLATE, PILL, Region(circle(1 + 1j, 2.0))])
 def test_chords_by_shapely(region: Region) -> None:
     outer, *holes = [facet_contour(c, 1e-6) for c in (region.outer, *region.holes)]
-    shape = shapely.Polygon(np.column_stack([outer.real, outer.imag]), [np.column_stack([h.real, h.imag]) for h in holes])
+    shape = shapely.Polygon(
+        np.column_stack([outer.real, outer.imag]),
+        [np.column_stack([h.real, h.imag]) for h in holes],
+    )
     left, low, right, high = shape.bounds
     assert spread(region) == pytest.approx((low, high), abs=1e-5)
     for x in np.linspace(left + 0.011, right - 0.013, 37):
         line = shapely.LineString([(x, -50), (x, 50)])
-        assert chord(region, np.array([x]))[0] == pytest.approx(shape.intersection(line).length, abs=5e-3)
+        assert chord(region, np.array([x]))[0] == pytest.approx(
+            shape.intersection(line).length, abs=5e-3
+        )
         part = shape.intersection(shapely.box(x - 1, 0.5, x + 1, 1.7)).intersection(line).length
         assert chord(region, np.array([x]), 0.5, 1.7)[0] == pytest.approx(part, abs=5e-3)
 
 
 def facetted(region: Region) -> Shape:
-    outer, *holes = (Ring(z, np.zeros(len(z))) for z in (facet_contour(c, 1e-6) for c in (region.outer, *region.holes)))
+    outer, *holes = (
+        Ring(z, np.zeros(len(z)))
+        for z in (facet_contour(c, 1e-6) for c in (region.outer, *region.holes))
+    )
     return Shape(outer, tuple(holes))
 
 
@@ -61,12 +69,16 @@ def area(shape: Shape) -> float:
 
 def test_cut_has_a_piece_for_each_span() -> None:
     ring = Region(circle(0j, 4.0), (circle(0j, 1.0),))
-    found = crossed_at(facetted(PLATE), facetted(ring), 0.0)  # where the ring's chords run, from -4 to -1 and from 1 to 4
+    found = crossed_at(
+        facetted(PLATE), facetted(ring), 0.0
+    )  # where the ring's chords run, from -4 to -1 and from 1 to 4
     assert [area(shape) for shape in found] == pytest.approx([9.0, 9.0 - math.pi / 2], abs=1e-5)
     assert all(shape.holes == () for shape in found)
 
 
-@pytest.mark.parametrize("crossed", [Region(circle(2j, 2.0)), PILL, Region(polygon([-3, 3.5 + 1j, 2 + 3j, -2 + 4j]))])
+@pytest.mark.parametrize(
+    "crossed", [Region(circle(2j, 2.0)), PILL, Region(polygon([-3, 3.5 + 1j, 2 + 3j, -2 + 4j]))]
+)
 def test_mesh_is_closed_and_as_large(crossed: Region) -> None:
     taller = Region(polygon([-4, 2, 2 + 4j, -4 + 3j]))
     part = Part("x", "X", (Layer(PLATE, 0, 1.3), Layer(taller, 1.3, 4)), crossed=crossed)
@@ -81,7 +93,10 @@ def test_mesh_is_closed_and_as_large(crossed: Region) -> None:
         rings = slice_mesh(made, z)
         assert sum(r.area for r in rings) == pytest.approx(sum(areas), abs=0.05)
     again = solid(part, 1e-4)
-    assert made.vertices.tobytes() == again.vertices.tobytes() and made.faces.tobytes() == again.faces.tobytes()
+    assert (
+        made.vertices.tobytes() == again.vertices.tobytes()
+        and made.faces.tobytes() == again.faces.tobytes()
+    )
 
 
 def test_crossed_that_misses_is_refused() -> None:
@@ -91,7 +106,11 @@ def test_crossed_that_misses_is_refused() -> None:
 
 
 @settings(max_examples=60)
-@given(st.lists(st.floats(0.3, 1.0), min_size=3, max_size=7), st.floats(0.001, 0.08) | st.just(0.0), st.floats(0, 6))
+@given(
+    st.lists(st.floats(0.3, 1.0), min_size=3, max_size=7),
+    st.floats(0.001, 0.08) | st.just(0.0),
+    st.floats(0, 6),
+)
 def test_rounded_corners_are_tangent_to_their_edges(radii, radius, turn):  # type: ignore[no-untyped-def]
     n = len(radii)
     points = [3 * r * cmath.exp(1j * (turn + math.tau * k / n)) for k, r in enumerate(radii)]
@@ -111,7 +130,9 @@ def test_rounded_corners_are_tangent_to_their_edges(radii, radius, turn):  # typ
         arc = [p for p in pieces if isinstance(p, Arc)][k]
         for a, b in ((points[k - 1], points[k]), (points[k], points[(k + 1) % n])):
             way = (b - a) / abs(b - a)
-            assert abs((way.conjugate() * (arc.centre - a)).imag) == pytest.approx(radius, abs=1e-12)
+            assert abs((way.conjugate() * (arc.centre - a)).imag) == pytest.approx(
+                radius, abs=1e-12
+            )
     assert all(isinstance(p, Line | Arc) for p in pieces)
 
 
@@ -133,20 +154,30 @@ WAY = ((1.0, 2.0, 1.5, 0.2), (3.0, 2.0, 1.5, 0.5), (6.0, 2.0, 1.5, 0.5), (7.0, 2
 def test_edge_of_a_box_is_an_arc_in_every_plane_across(up: int, out: int, mirror: bool) -> None:
     """A box with one rounded edge: cut across x, its corner is a quarter disc tangent to both sides; volume by its formula."""
     edge = Edge(tuple((x, up * y, out * z, r) for x, y, z, r in WAY), up, out)
-    low, high, side = (0.0, 1.5, -1 if mirror else 1) if out > 0 else (-1.5, 0.0, -1 if mirror else 1)
+    low, high, side = (
+        (0.0, 1.5, -1 if mirror else 1) if out > 0 else (-1.5, 0.0, -1 if mirror else 1)
+    )
     box = Region(polygon([0 - 2j, 8 - 2j, 8 + 2j, 0 + 2j]).moved(side, mirror=mirror))
     wide = Region(polygon([-9 - 9j, 9 - 9j, 9 + 9j, -9 + 9j]))
-    part = Part("x", "X", (Layer(box, low, high),), crossed=wide, edges=(edge.mirrored if mirror else edge,))
+    part = Part(
+        "x", "X", (Layer(box, low, high),), crossed=wide, edges=(edge.mirrored if mirror else edge,)
+    )
     mesh = solid(part, 1e-4)
     assert mesh_faults(mesh).count == 0
-    assert part.volume == pytest.approx(48 - (1 - math.pi / 4) * (2 * 0.13 + 3 * 0.25 + 0.31 / 3), abs=1e-12)
+    assert part.volume == pytest.approx(
+        48 - (1 - math.pi / 4) * (2 * 0.13 + 3 * 0.25 + 0.31 / 3), abs=1e-12
+    )
     assert mesh_faults(mesh).volume == pytest.approx(part.volume, abs=2e-3)
     turned = Mesh(mesh.vertices[:, [1, 2, 0]], mesh.faces)
     for x, r in ((2.0, 0.35), (4.5, 0.5), (6.5, 0.3)):
         (ring,) = slice_mesh(turned, side * x)
         found = shapely.Polygon(np.column_stack([ring.points.real, ring.points.imag]))
         corner = shapely.Point(up * (2 - r), out * (1.5 - r)).buffer(r, quad_segs=300)
-        square = shapely.box(min(up * (2 - r), up * 2), min(out * (1.5 - r), out * 1.5), max(up * (2 - r), up * 2),
-                             max(out * (1.5 - r), out * 1.5))  # fmt: skip
+        square = shapely.box(
+            min(up * (2 - r), up * 2),
+            min(out * (1.5 - r), out * 1.5),
+            max(up * (2 - r), up * 2),
+            max(out * (1.5 - r), out * 1.5),
+        )
         wanted = shapely.box(-2, low, 2, high).difference(square).union(corner.intersection(square))
         assert found.exterior.hausdorff_distance(wanted.exterior) <= 2e-4

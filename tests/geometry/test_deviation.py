@@ -24,7 +24,9 @@ def straight(points: np.ndarray) -> Ring:
 def test_regular_polygon_in_a_circle(n: int, begin: float) -> None:
     """R (1 - cos(pi / n)), wherever the polygon begins and where the circle's seam lies."""
     ring = straight(3j + 20 * np.exp(1j * (begin + np.arange(n) * math.tau / n)))
-    assert outline_error(circle(3j, 20.0), ring) == pytest.approx(20 * (1 - math.cos(math.pi / n)), rel=1e-7)
+    assert outline_error(circle(3j, 20.0), ring) == pytest.approx(
+        20 * (1 - math.cos(math.pi / n)), rel=1e-7
+    )
 
 
 def test_circle_beside_a_circle() -> None:
@@ -37,7 +39,11 @@ def test_circle_beside_a_circle() -> None:
 def test_extreme_between_samples() -> None:
     """A chord across an ellipse: farthest where the tangent is parallel to it, at the eccentric angle half way."""
     a, b = 30.0, 4.0
-    ellipse = Smooth(lambda t, k: a * np.cos(t + k * math.pi / 2) + 1j * b * np.sin(t + k * math.pi / 2), 0.0, math.tau)
+    ellipse = Smooth(
+        lambda t, k: a * np.cos(t + k * math.pi / 2) + 1j * b * np.sin(t + k * math.pi / 2),
+        0.0,
+        math.tau,
+    )
     t = np.array([0.2, 0.9, 1.7, 2.6, 3.3, 4.1, 5.2])
     z = ellipse.at(t)
     sagitta = 0.0
@@ -81,10 +87,14 @@ def test_corners_and_arcs_of_a_slot() -> None:
     slot = kidney(0j, 20.0, 2.0, 0.3, 1.0).counter_clockwise()
     exact = Ring(*bulges(slot))
     assert outline_error(slot, exact) < 1e-12
-    outer = next(i for i, piece in enumerate(slot.pieces) if isinstance(piece, Arc) and piece.radius == 22.0)
+    outer = next(
+        i for i, piece in enumerate(slot.pieces) if isinstance(piece, Arc) and piece.radius == 22.0
+    )
     start = complex(slot.pieces[outer].at(slot.pieces[outer].t0))
     edge = int(np.argmin(np.abs(exact.points - start)))
     flat = exact.bulges.copy()
     flat[edge] *= 0.99
     half = abs(exact.ends[edge] - exact.points[edge]) / 2
-    assert outline_error(slot, Ring(exact.points, flat)) == pytest.approx(0.01 * half * abs(exact.bulges[edge]), rel=1e-6)
+    assert outline_error(slot, Ring(exact.points, flat)) == pytest.approx(
+        0.01 * half * abs(exact.bulges[edge]), rel=1e-6
+    )

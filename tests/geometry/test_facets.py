@@ -30,7 +30,9 @@ def half_turn(start: float, slope: float, tip: float = 0.0) -> Callable[..., np.
         tangent, speed2 = p1 / np.abs(p1), np.abs(p1) ** 2
         turning = (np.conj(p1) * p2).imag / speed2
         bend = (np.conj(p1) * p3).imag / speed2 - 2 * turning * (np.conj(p1) * p2).real / speed2
-        inward = (-1j, turning, bend + 1j * turning**2)[order] * tangent  # P runs clockwise: inside is on the right
+        inward = (-1j, turning, bend + 1j * turning**2)[
+            order
+        ] * tangent  # P runs clockwise: inside is on the right
         return knife(phi, order) + tip * inward
 
     return parallel if tip else knife
@@ -42,7 +44,9 @@ SECOND = (MID + SWING + 2 * SWING, -2 * SWING / math.pi)
 
 
 def knife_cam() -> Contour:
-    return Contour((Smooth(half_turn(*FIRST), 0, math.pi), Smooth(half_turn(*SECOND), math.pi, 2 * math.pi)))
+    return Contour(
+        (Smooth(half_turn(*FIRST), 0, math.pi), Smooth(half_turn(*SECOND), math.pi, 2 * math.pi))
+    )
 
 
 def blunt_pieces() -> tuple[Smooth, Smooth]:
@@ -60,11 +64,19 @@ def blunt_cam() -> Contour:
     first, second = blunt_pieces()
     corner = complex(half_turn(*FIRST)(np.array(0.0), 0))
     spoke, following = complex(second.at(second.t1)) - corner, complex(first.at(0.0)) - corner
-    return Contour((first, second, Arc(corner, 3.0, float(np.angle(spoke)), float(np.angle(following / spoke)))))
+    return Contour(
+        (
+            first,
+            second,
+            Arc(corner, 3.0, float(np.angle(spoke)), float(np.angle(following / spoke))),
+        )
+    )
 
 
 def ellipse(a: float, b: float, t0: float = 0.0, t1: float = 2 * math.pi) -> Smooth:
-    return Smooth(lambda t, k: a * np.cos(t + k * math.pi / 2) + 1j * b * np.sin(t + k * math.pi / 2), t0, t1)
+    return Smooth(
+        lambda t, k: a * np.cos(t + k * math.pi / 2) + 1j * b * np.sin(t + k * math.pi / 2), t0, t1
+    )
 
 
 def sine(height: float, length: float) -> Smooth:
@@ -87,7 +99,13 @@ def largest_distance(piece: Smooth, t: np.ndarray, samples: int = 40) -> float:
 
 @pytest.mark.parametrize(
     ("tolerance", "knife", "blunt"),
-    [(1e-1, 41.5, 38.9), (1e-2, 131.3, 122.9), (1e-3, 415.3, 388.7), (1e-4, 1313.4, 1229.2), (1e-5, 4153.5, 3887.1)],
+    [
+        (1e-1, 41.5, 38.9),
+        (1e-2, 131.3, 122.9),
+        (1e-3, 415.3, 388.7),
+        (1e-4, 1313.4, 1229.2),
+        (1e-5, 4153.5, 3887.1),
+    ],
 )
 def test_cam_takes_the_least_vertices(tolerance: float, knife: float, blunt: float) -> None:
     """Published theory for the uniform-swing cam; reached with at most two vertices more a piece."""
@@ -161,7 +179,10 @@ def test_a_vertex_less_fails() -> None:
 def test_near_cusp(tolerance: float) -> None:
     """Curvature 1e6 at the ends of a needle of an ellipse."""
     needle = ellipse(1.0, 1e-3)
-    assert abs(np.imag(np.conj(needle.at(0.0, 1)) * needle.at(0.0, 2)) / abs(needle.at(0.0, 1)) ** 3) > 0.99e6
+    assert (
+        abs(np.imag(np.conj(needle.at(0.0, 1)) * needle.at(0.0, 2)) / abs(needle.at(0.0, 1)) ** 3)
+        > 0.99e6
+    )
     t = facet(needle, tolerance)
     assert largest_distance(needle, t, 400) <= tolerance
     assert t.size - 1 <= theoretical_vertices(Contour((needle,)), tolerance) + 2
@@ -213,7 +234,13 @@ def test_circle_from_within_and_from_outside(radius: float, tolerance: float) ->
 def test_refused() -> None:
     """Pieces without length, and tolerances that are none."""
     still = Smooth(lambda t, k: np.zeros(np.shape(t), complex), 0, 1)
-    for piece in (Line(1j, 1j), Arc(0j, 0.0, 0.0, 1.0), Arc(0j, 1.0, 0.0, 0.0), still, ellipse(1, 1, 2.0, 2.0)):
+    for piece in (
+        Line(1j, 1j),
+        Arc(0j, 0.0, 0.0, 1.0),
+        Arc(0j, 1.0, 0.0, 0.0),
+        still,
+        ellipse(1, 1, 2.0, 2.0),
+    ):
         with pytest.raises(ValueError, match="length"):
             facet(piece, 1e-3)
     for tolerance in (0.0, -1.0, math.nan, math.inf):

@@ -9,7 +9,10 @@ from test_rings import regular
 
 from camgen.geometry.mesh import Mesh, mesh_faults, slice_mesh
 
-OUTLINE, HOLE = regular(300, 30.0) * (1 + 0.2 * np.cos(2 * np.angle(regular(300)))), regular(40, 4.0, 2 + 1j)
+OUTLINE, HOLE = (
+    regular(300, 30.0) * (1 + 0.2 * np.cos(2 * np.angle(regular(300)))),
+    regular(40, 4.0, 2 + 1j),
+)
 
 
 def prism(outline: np.ndarray, height: float = 6.0, holes: tuple[np.ndarray, ...] = ()) -> Mesh:
@@ -45,7 +48,9 @@ def test_mesh_faults_are_counted_one_by_one() -> None:
     flat = mesh.vertices.copy()
     flat[mesh.faces[0, 0]] = flat[mesh.faces[0, 1]]
     assert mesh_faults(Mesh(flat, mesh.faces)).degenerate > 0
-    apart = Mesh(np.vstack([mesh.vertices, mesh.vertices + 100]), np.vstack([mesh.faces, mesh.faces + 680]))
+    apart = Mesh(
+        np.vstack([mesh.vertices, mesh.vertices + 100]), np.vstack([mesh.faces, mesh.faces + 680])
+    )
     assert mesh_faults(apart).bodies == 2
 
 

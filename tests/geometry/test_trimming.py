@@ -24,11 +24,19 @@ def cam(length: float, offset: float, swing_deg: float, rho: float, blend: float
 
 
 @cache
-def pitch_polygon(length: float, offset: float, swing_deg: float, blend: float) -> tuple[np.ndarray, np.ndarray]:
+def pitch_polygon(
+    length: float, offset: float, swing_deg: float, blend: float
+) -> tuple[np.ndarray, np.ndarray]:
     knife = cam(length, offset, swing_deg, 0.0, blend)
     joints = np.mod(knife.program.joints, 2 * math.pi)
-    near = (joints[:, None] + np.linspace(-1, 1, 401) * max(2 * blend, 1e-3)).ravel() if 0 < blend < 1 else joints
-    theta = np.unique(np.mod(np.concatenate((np.linspace(0, 2 * math.pi, 6001), near)), 2 * math.pi))
+    near = (
+        (joints[:, None] + np.linspace(-1, 1, 401) * max(2 * blend, 1e-3)).ravel()
+        if 0 < blend < 1
+        else joints
+    )
+    theta = np.unique(
+        np.mod(np.concatenate((np.linspace(0, 2 * math.pi, 6001), near)), 2 * math.pi)
+    )
     return theta, knife.pitch(theta)
 
 
@@ -139,7 +147,11 @@ def test_tip_at_the_limit_of_undercut(blend: float, excess: float) -> None:
     limit = cam(60.0, 38.5, 46.0, 0.0, blend).least_radius
     made = cam(60.0, 38.5, 46.0, limit * (1 + excess), blend)
     assert made.outline.area > 0
-    smooth = [c for c in made.undercuts if not c.begin < math.pi < c.end] if blend == 0 else list(made.undercuts)
+    smooth = (
+        [c for c in made.undercuts if not c.begin < math.pi < c.end]
+        if blend == 0
+        else list(made.undercuts)
+    )
     if excess < 0:
         assert not smooth
     if excess >= (1e-5 if blend else 1e-3):
@@ -153,7 +165,10 @@ def test_other_way_round_is_seen() -> None:
     truth = material(polygon, 3.0)
     assert truth is not None
     z = ring(cam(60.0, 30.0, 30.0, 3.01, 0.0))
-    assert shapely.Polygon(np.c_[z.real, z.imag]).symmetric_difference(truth).area > 3e-3 * truth.length
+    assert (
+        shapely.Polygon(np.c_[z.real, z.imag]).symmetric_difference(truth).area
+        > 3e-3 * truth.length
+    )
     made = cam(60.0, 30.0, 30.0, 3.0, 0.0)
     raw = made.profile(np.linspace(3.12, math.pi - 1e-6, 50))
     assert np.min(free_distance(made, raw, np.linspace(0, 2 * math.pi, 6001))) < 3 - 1e-3
@@ -161,9 +176,12 @@ def test_other_way_round_is_seen() -> None:
 
 @settings(max_examples=15)
 @given(
-    st.floats(-1, 4), st.floats(0.05, 1.5), st.floats(0.001, 0.95), st.floats(0.002, 1.1),
+    st.floats(-1, 4),
+    st.floats(0.05, 1.5),
+    st.floats(0.001, 0.95),
+    st.floats(0.002, 1.1),
     st.one_of(st.just(0.0), st.just(math.pi), st.floats(2e-4, 3.1)),
-)  # fmt: skip
+)
 def test_all_designs(decade: float, ratio: float, swing: float, tip: float, blend: float) -> None:
     length = 10**decade
     swing_deg = swing * math.degrees(2 * math.atan2(ratio, 1))
@@ -177,7 +195,14 @@ def test_loops_of_lines() -> None:
     lines = [Line(complex(a), complex(b)) for a, b in zip(ends, ends[1:] + ends[:1], strict=True)]
     kept, cuts = trim(lines)
     assert [c.at for c in cuts] == [10 + 6j]
-    assert [complex(p.a) for p in kept if isinstance(p, Line)] == [10 + 6j, 8 + 6j, 8, 0, 10j, 10 + 10j]
+    assert [complex(p.a) for p in kept if isinstance(p, Line)] == [
+        10 + 6j,
+        8 + 6j,
+        8,
+        0,
+        10j,
+        10 + 10j,
+    ]
     triangle = [*lines[:2], Line(10 + 10j, 0j)]
     assert trim(triangle) == (triangle, [])
 

@@ -26,7 +26,10 @@ def mechanism_of(folder: Path) -> Mechanism:
 @lru_cache(maxsize=4)
 def _read(text: str) -> Mechanism:
     found = read_mechanism(tomllib.loads(text))
-    found.__dict__ |= {"study": cache(found.study), "limits": cache(found.limits)}  # no file changes them
+    found.__dict__ |= {
+        "study": cache(found.study),
+        "limits": cache(found.limits),
+    }  # no file changes them
     return found
 
 
@@ -51,7 +54,15 @@ def _part(case: Case, name: str, kinds: tuple[str, ...]) -> tuple[Outcome, Read]
     held = hashlib.sha256()
     for path in (case.file(name, kind) for kind in kinds):
         held.update(path.read_bytes() if path.exists() else b"none")
-    return _judged(_Part((case.folder / "spec.toml").read_text(encoding="utf-8"), name, kinds, held.hexdigest(), case))
+    return _judged(
+        _Part(
+            (case.folder / "spec.toml").read_text(encoding="utf-8"),
+            name,
+            kinds,
+            held.hexdigest(),
+            case,
+        )
+    )
 
 
 def judged(folder: Path, *kinds: str) -> Report:
@@ -63,8 +74,12 @@ def judged(folder: Path, *kinds: str) -> Report:
         return check(folder)
     with Workers() as workers:
         case = Case(mechanism_of(folder), folder)
-        report = judge(case, kinds, (_part(case, name, kinds) for name in case.parts), workers, silent)[0]
-    return replace(report, findings=[finding for finding in report.findings if finding.code != "PARTS_LIST"])
+        report = judge(
+            case, kinds, (_part(case, name, kinds) for name in case.parts), workers, silent
+        )[0]
+    return replace(
+        report, findings=[finding for finding in report.findings if finding.code != "PARTS_LIST"]
+    )
 
 
 def wrong(folder: Path, *kinds: str) -> list[Finding]:

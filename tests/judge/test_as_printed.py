@@ -15,7 +15,9 @@ from camgen.geometry.rings import Ring, Shape
 from camgen.judge.as_printed import grown, printed
 
 SQUARE = np.array([0, 10, 10 + 10j, 10j])
-CONVEX = st.lists(st.floats(0.7, 1.6), min_size=3, max_size=6).filter(lambda steps: sum(steps) < 5.5)
+CONVEX = st.lists(st.floats(0.7, 1.6), min_size=3, max_size=6).filter(
+    lambda steps: sum(steps) < 5.5
+)
 
 
 def area(points: np.ndarray) -> shapely.Polygon:
@@ -28,11 +30,17 @@ def on_a_circle(steps: list[float], radius: float = 20.0) -> np.ndarray:
 
 
 @settings(max_examples=50)
-@given(steps=CONVEX, dent=st.floats(0.3, 0.8), distance=st.floats(-1.5, 1.5).filter(lambda d: abs(d) > 1e-3))
+@given(
+    steps=CONVEX,
+    dent=st.floats(0.3, 0.8),
+    distance=st.floats(-1.5, 1.5).filter(lambda d: abs(d) > 1e-3),
+)
 def test_corners_stay_sharp(steps: list[float], dent: float, distance: float) -> None:
     """Polygons whose corners all turn by more than facets do, one of them hollow: the mitred buffer."""
     corners = on_a_circle(steps)
-    hollow = np.insert(corners, 1, dent * abs(corners[0] + corners[1]) / 2 * np.exp(0.5j * steps[0]))
+    hollow = np.insert(
+        corners, 1, dent * abs(corners[0] + corners[1]) / 2 * np.exp(0.5j * steps[0])
+    )
     for points in (corners, hollow):
         turns = np.angle((np.roll(points, -1) - points) / (points - np.roll(points, 1)))
         if np.min(np.abs(turns)) < 0.65 or np.max(np.abs(turns)) > 2.6:
@@ -44,7 +52,9 @@ def test_corners_stay_sharp(steps: list[float], dent: float, distance: float) ->
 
 @settings(max_examples=50)
 @given(steps=CONVEX, radius=st.floats(0.5, 6), distance=st.floats(-5, 5))
-def test_arcs_stay_arcs_about_their_centres(steps: list[float], radius: float, distance: float) -> None:
+def test_arcs_stay_arcs_about_their_centres(
+    steps: list[float], radius: float, distance: float
+) -> None:
     """What a disc covers that goes round a polygon, moved, is what a smaller or a larger disc covers."""
     corners = on_a_circle(steps)
     larger = max(radius + distance, 0.01)
@@ -79,21 +89,34 @@ def test_facets_that_end_in_an_arc_go_on_in_it(distance: float, start: int) -> N
     made = grown(ring, distance)
     away = np.abs(made.points) - 8 - distance
     stands_out = abs(distance) * (1 / math.cos(math.pi / 58) - 1)
-    assert -1e-3 * abs(distance) <= np.min(away) and np.max(away) <= stands_out + 1e-3 * abs(distance)
+    assert -1e-3 * abs(distance) <= np.min(away) and np.max(away) <= stands_out + 1e-3 * abs(
+        distance
+    )
     (arc,) = np.flatnonzero(made.bulges)
     ends = made.points[[arc, (arc + 1) % 30]]
-    assert np.max(np.abs(np.sort(ends.real) - [-8 - distance, 8 + distance])) < 2e-3 and np.max(np.abs(ends.imag)) < 0.02
+    assert (
+        np.max(np.abs(np.sort(ends.real) - [-8 - distance, 8 + distance])) < 2e-3
+        and np.max(np.abs(ends.imag)) < 0.02
+    )
 
 
 @pytest.mark.parametrize("distance", [-0.3, 0.3])
 @pytest.mark.parametrize("turned_over", [False, True])
-def test_a_curve_of_an_arc_and_three_facets_keeps_its_corner(distance: float, turned_over: bool) -> None:
+def test_a_curve_of_an_arc_and_three_facets_keeps_its_corner(
+    distance: float, turned_over: bool
+) -> None:
     """A disc less a segment, whose circle goes on in facets of 6 deg beside one of its corners: the corner goes to where the
     larger circle meets the moved chord, as it does at its other end, an arc's."""
     angles = np.radians([-50, 212, 218, 224, 230])  # both ends 50 deg beside the lowest place
-    points, bulges = 10 * np.exp(1j * angles), np.append(math.tan(math.radians(262) / 4), np.zeros(4))
+    points, bulges = (
+        10 * np.exp(1j * angles),
+        np.append(math.tan(math.radians(262) / 4), np.zeros(4)),
+    )
     ring = Ring(points, bulges).moved(-1, mirror=True) if turned_over else Ring(points, bulges)
-    low, wide = points[0].imag - distance, math.sqrt((10 + distance) ** 2 - (points[0].imag - distance) ** 2)
+    low, wide = (
+        points[0].imag - distance,
+        math.sqrt((10 + distance) ** 2 - (points[0].imag - distance) ** 2),
+    )
     made = grown(ring, distance).points
     for corner in (complex(wide, low), complex(-wide, low)):
         assert np.min(np.abs(made - corner)) < 0.015 * abs(distance)
@@ -140,7 +163,10 @@ def test_the_arc_round_a_corner_becomes_the_corner_again(facets: int, start: int
 def test_where_a_ring_begins_says_nothing() -> None:
     """Corners rounded by more or less than what is taken off, of facets and of arcs: the same points, from any start."""
     corners = on_a_circle([1.1, 1.4, 1.6])
-    facetted, chipped = rounded(corners, 0.4).facetted(0.002), np.append(SQUARE, [0.2j, 0.05 + 0.05j])
+    facetted, chipped = (
+        rounded(corners, 0.4).facetted(0.002),
+        np.append(SQUARE, [0.2j, 0.05 + 0.05j]),
+    )
     for ring in (rounded(corners, 0.3), polygon(facetted), polygon(chipped)):
         wanted = grown(ring, -0.45)
         for start in range(1, len(ring.points)):
@@ -186,5 +212,7 @@ def test_a_part_prints_smaller_with_smaller_holes() -> None:
     made = printed(Shape(square, (hole,)), hole=0.1, profile=0.25, shrinkage=0.01)
     assert made.outer.box == pytest.approx((19.8 - 0.25, -0.25, 29.7 + 0.25, 9.9 + 0.25))
     (left,) = made.holes
-    assert left.box == pytest.approx((24 * 0.99 + 0.1, 4 * 0.99 + 0.1, 26 * 0.99 - 0.1, 6 * 0.99 - 0.1))
+    assert left.box == pytest.approx(
+        (24 * 0.99 + 0.1, 4 * 0.99 + 0.1, 26 * 0.99 - 0.1, 6 * 0.99 - 0.1)
+    )
     assert grown(square, 0.0) is square

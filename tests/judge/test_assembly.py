@@ -39,15 +39,20 @@ from camgen.pipeline import build as pipeline
 
 # The stitch whose needles slide along the spreaders.
 SLIDING = (
-    "geometry.plate_to_spreader=7", "geometry.velocity_ratio=0.9142857", "geometry.blade_length=34", "geometry.p6_setback=0",
+    "geometry.plate_to_spreader=7",
+    "geometry.velocity_ratio=0.9142857",
+    "geometry.blade_length=34",
+    "geometry.p6_setback=0",
     "limits.clearance=0",
-)  # fmt: skip
+)
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 
 
 @cache
 def machine(name: str, *settings: str) -> Mechanism:
-    return pipeline.read_mechanism(SPECS / f"{name}.toml", ["accuracy.chord_tolerance=0.005", *settings])
+    return pipeline.read_mechanism(
+        SPECS / f"{name}.toml", ["accuracy.chord_tolerance=0.005", *settings]
+    )
 
 
 @cache
@@ -64,37 +69,60 @@ def swept(path: Path, name: str, *settings: str, **shifts: complex) -> list[Find
         for k, pose in enumerate(start[part.name]):
             copy = f"{part.name}-{k + 1}"
             at = complex(pose.place[0]) + shifts.get(copy.replace("-", "_"), 0j)
-            items.append(Placed(part.name, copy, placing(float(pose.angle[0]), at, pose.z, part.thickness, pose.flipped)))
+            items.append(
+                Placed(
+                    part.name,
+                    copy,
+                    placing(float(pose.angle[0]), at, pose.z, part.thickness, pose.flipped),
+                )
+            )
     write_3mf(path, dict(solids(name, *settings)), items, "key")
     return sweep(path, found.moved())[0]
 
 
-@pytest.mark.parametrize("name", sorted({path.stem for path in SPECS.glob("*.toml")} - {"uniform-swing", "four-leg-walker"}))
+@pytest.mark.parametrize(
+    "name",
+    sorted({path.stem for path in SPECS.glob("*.toml")} - {"uniform-swing", "four-leg-walker"}),
+)
 def test_free_as_designed(tmp_path: Path, name: str) -> None:
-    coarse = ("accuracy.chord_tolerance=0.02",) if name == "stitch-head" else ()  # a tenth of its joints' air
+    coarse = (
+        ("accuracy.chord_tolerance=0.02",) if name == "stitch-head" else ()
+    )  # a tenth of its joints' air
     findings = swept(tmp_path / "x.3mf", name, *coarse)
     assert [f"{f.code} {f.where}" for f in findings if not f.ok] == []
     assert "INTERFERENCE" in {f.code for f in findings}
 
 
-@pytest.mark.parametrize("name, shifted, by, pair", [
-    ("thread-take-up", "guide_1", -1, "bell-crank-1 and guide-1"),
-    ("thread-take-up", "output_crank_1", 1j, "pivot-1 and output-crank-1"),
-    ("thread-take-up", "dowel_2", 1, "frame-1 and dowel-2"),  # fixed: it never moves as the frame sees it
-    ("eccentric-drive", "rod_1", 1, "disc-1 and rod-1"),
-    ("eccentric-drive", "slider_1", 1j, "body-1 and slider-1"),
-    ("chain-stitch-looper", "lower_spreader_1", 1j, "lower-spreader-1 and upper-spreader-1"),
-    ("chain-stitch-looper", "upper_spreader_1", -1, "upper-spreader-1 and needle-2-1"),
-    ("chain-stitch-looper", "needle_1_1", 1, "needle-1-1 and needle-plate-1"),
-    ("disc-cam", "cam_1", -1, "cam-1 and tip on cam-1"),
-    ("indexing-cam", "return_cam_1", 1, "return-cam-1 and tip on return-cam-1"),
-])  # fmt: skip
-def test_a_part_out_of_its_place_is_named(tmp_path: Path, name: str, shifted: str, by: complex, pair: str) -> None:
+@pytest.mark.parametrize(
+    "name, shifted, by, pair",
+    [
+        ("thread-take-up", "guide_1", -1, "bell-crank-1 and guide-1"),
+        ("thread-take-up", "output_crank_1", 1j, "pivot-1 and output-crank-1"),
+        (
+            "thread-take-up",
+            "dowel_2",
+            1,
+            "frame-1 and dowel-2",
+        ),  # fixed: it never moves as the frame sees it
+        ("eccentric-drive", "rod_1", 1, "disc-1 and rod-1"),
+        ("eccentric-drive", "slider_1", 1j, "body-1 and slider-1"),
+        ("chain-stitch-looper", "lower_spreader_1", 1j, "lower-spreader-1 and upper-spreader-1"),
+        ("chain-stitch-looper", "upper_spreader_1", -1, "upper-spreader-1 and needle-2-1"),
+        ("chain-stitch-looper", "needle_1_1", 1, "needle-1-1 and needle-plate-1"),
+        ("disc-cam", "cam_1", -1, "cam-1 and tip on cam-1"),
+        ("indexing-cam", "return_cam_1", 1, "return-cam-1 and tip on return-cam-1"),
+    ],
+)
+def test_a_part_out_of_its_place_is_named(
+    tmp_path: Path, name: str, shifted: str, by: complex, pair: str
+) -> None:
     close = SLIDING if name == "chain-stitch-looper" else ()
     failed = [f for f in swept(tmp_path / "x.3mf", name, *close, **{shifted: by}) if not f.ok]
     assert {f.code for f in failed} == {"INTERFERENCE"}
     angle = "cam angle" if "cam" in name else "crank angle"
-    assert any(f.where.startswith(f"{pair}: ") and angle in f.where for f in failed), [f.where for f in failed]
+    assert any(f.where.startswith(f"{pair}: ") and angle in f.where for f in failed), [
+        f.where for f in failed
+    ]
 
 
 def test_a_body_that_is_flat_is_named(tmp_path: Path) -> None:
@@ -102,11 +130,19 @@ def test_a_body_that_is_flat_is_named(tmp_path: Path) -> None:
     path, whole = tmp_path / "x.3mf", machine("eccentric-drive")
     swept(path, "eccentric-drive")
     package = read_3mf(path)
-    items = [Placed(item.name, f"{item.name}-{k}", item.transform) for k, item in enumerate(package.items)]
-    meshes = {name: mesh.moved(np.diag([1.0, 1, name != "rod", 0])[:3]) for name, mesh in package.meshes.items()}
+    items = [
+        Placed(item.name, f"{item.name}-{k}", item.transform)
+        for k, item in enumerate(package.items)
+    ]
+    meshes = {
+        name: mesh.moved(np.diag([1.0, 1, name != "rod", 0])[:3])
+        for name, mesh in package.meshes.items()
+    }
     write_3mf(path, meshes, items, "key")
     failed = [f for f in sweep(path, whole.moved())[0] if not f.ok]
-    assert [(f.code, f.message) for f in failed] == [("INTERFERENCE", "cannot be judged: rod-1 has no volume")]
+    assert [(f.code, f.message) for f in failed] == [
+        ("INTERFERENCE", "cannot be judged: rod-1 has no volume")
+    ]
 
 
 def test_fits_without_air_may_touch(tmp_path: Path) -> None:
@@ -129,7 +165,9 @@ def test_a_motion_that_jumps_is_told(tmp_path: Path, jump: float, said: str) -> 
 
     swept(tmp_path / "x.3mf", "eccentric-drive")
     failed = [f for f in sweep(tmp_path / "x.3mf", replace(whole, courses=jumpy))[0] if not f.ok]
-    assert [(f.code, said in f.message) for f in failed] == ([("INTERFERENCE", True)] if jump else [])
+    assert [(f.code, said in f.message) for f in failed] == (
+        [("INTERFERENCE", True)] if jump else []
+    )
 
 
 def test_a_tube_beside_its_needle_is_struck(tmp_path: Path) -> None:
@@ -139,17 +177,31 @@ def test_a_tube_beside_its_needle_is_struck(tmp_path: Path) -> None:
 
 # ---- what may touch ----------------------------------------------------------------------------------------------------
 
-GAP, SPARE = 0.1875, 0.03125  # mm: of the machine, and what facets may show of an overlap; sums of them are exact
+GAP, SPARE = (
+    0.1875,
+    0.03125,
+)  # mm: of the machine, and what facets may show of an overlap; sums of them are exact
 ARM, PLATE, PIN = Eye("arm", 5j, 4.1), Eye("plate", 0j, 4.3), Eye("pin", 0j, 4.0, shaft=True)
 TIP = Eye("arm", 30 + 0j, 6.0, shaft=True)
 CAM = CamOutline("lift", "cam", "shaft", "pivot", TIP)
 OWN = OwnTip("arm", TIP, PLATE)
 
 
-def touching(*contacts: Apart | Feature, gap: float = GAP, stand_ins: Sequence[StandIn] = ()) -> dict[str, float]:
+def touching(
+    *contacts: Apart | Feature, gap: float = GAP, stand_ins: Sequence[StandIn] = ()
+) -> dict[str, float]:
     """What may overlap, of one copy of each part and two of the arm."""
     machine = Moved((), lambda theta: {}, contacts, stand_ins, gap, SPARE / 4)
-    names = ["plate-1", "arm-1", "arm-2", "pin-1", "cam-1", "roller-1", "ring-1", *(thing.name for thing in stand_ins)]
+    names = [
+        "plate-1",
+        "arm-1",
+        "arm-2",
+        "pin-1",
+        "cam-1",
+        "roller-1",
+        "ring-1",
+        *(thing.name for thing in stand_ins),
+    ]
     fits = _touching(machine, names, SPARE)
     return {" ".join(sorted(pair)): round(overlap, 9) for pair, overlap in fits.items()}
 
@@ -159,7 +211,10 @@ def arms(other: str, overlap: float) -> dict[str, float]:
     return {" ".join(sorted((copy, other))): overlap for copy in ("arm-1", "arm-2")}
 
 
-@pytest.mark.parametrize("air, overlap", [(0.0, 0.0), (0.125, 0.0), (GAP, 0.0), (GAP + SPARE / 2, 0.0), (-0.03125, 0.0625)])
+@pytest.mark.parametrize(
+    "air, overlap",
+    [(0.0, 0.0), (0.125, 0.0), (GAP, 0.0), (GAP + SPARE / 2, 0.0), (-0.03125, 0.0625)],
+)
 def test_fits_with_no_more_air_than_the_gap_may_touch(air: float, overlap: float) -> None:
     """air: mm, on either side of what is in the other; overlap: of the diameters where it is pressed in."""
     hole = replace(PIN, part="plate", diameter=4 + 2 * air, shaft=False)
@@ -176,15 +231,26 @@ def test_fits_with_no_more_air_than_the_gap_may_touch(air: float, overlap: float
 def test_fits_with_more_air_must_keep_their_distance() -> None:
     hole = replace(PIN, part="plate", diameter=4 + 2 * 0.21, shaft=False)
     rails = SlideFaces("guide", Faces("plate", 0j, 0.0, 8 + 2 * 0.21), Faces("arm", 0j, 0.0, 8))
-    for wide in (PinEyes("P", hole, PIN), Steady("P", PLATE, hole, PIN), rails, Apart("x", "arm", "plate", gap=0.21)):
+    for wide in (
+        PinEyes("P", hole, PIN),
+        Steady("P", PLATE, hole, PIN),
+        rails,
+        Apart("x", "arm", "plate", gap=0.21),
+    ):
         assert touching(wide) == {}
-    assert touching(PinEyes("P", ARM, replace(hole, part="cam"))) == {}  # holes do not hold each other
-    assert touching(PinEyes("P", hole, replace(PIN, part=None))) == {}  # what no part has, nobody sees
+    assert (
+        touching(PinEyes("P", ARM, replace(hole, part="cam"))) == {}
+    )  # holes do not hold each other
+    assert (
+        touching(PinEyes("P", hole, replace(PIN, part=None))) == {}
+    )  # what no part has, nobody sees
 
 
 def test_a_ring_in_a_hole_holds_the_pin() -> None:
     pin = replace(PIN, diameter=3.0)
-    found = touching(PinEyes("P", ARM, Eye(None, 0j, 4.1), pin, rings=(FeatureRing("ring", 3.0, 4.0),)))
+    found = touching(
+        PinEyes("P", ARM, Eye(None, 0j, 4.1), pin, rings=(FeatureRing("ring", 3.0, 4.0),))
+    )
     assert found == {"pin-1 ring-1": SPARE}
 
 
@@ -200,7 +266,9 @@ def test_tips_and_teeth_touch_as_they_roll(free: float, beyond: float) -> None:
     assert touching(cam) == pytest.approx(arms("cam-1", rolling))
     assert touching(replace(seat, own=OWN)) == pytest.approx(arms("cam-1", rolling))
     assert touching(replace(cam, roller="roller")) == pytest.approx({"cam-1 roller-1": rolling})
-    assert touching(replace(seat, own=replace(OWN, radius=3.0)), stand_ins=things) == pytest.approx({"cam-1 tip on cam": rolling})
+    assert touching(replace(seat, own=replace(OWN, radius=3.0)), stand_ins=things) == pytest.approx(
+        {"cam-1 tip on cam": rolling}
+    )
     teeth = Teeth("plate", 9, 9.0, 3.0), Teeth("cam", 9, 9.0, 3.0)
     assert touching(GearTeeth("mesh", *teeth, ("O", "P"))) == {"cam-1 plate-1": 0.08 + SPARE}
 
@@ -210,7 +278,9 @@ def test_without_a_gap_all_may_graze() -> None:
     hole = replace(PIN, part="plate", diameter=3.9, shaft=False)
     found = touching(PinEyes("P", hole, PIN), gap=0.0)
     assert len(found) == 7 * 6 / 2
-    assert {pair: overlap for pair, overlap in found.items() if overlap != SPARE} == {"pin-1 plate-1": pytest.approx(0.1 + SPARE)}
+    assert {pair: overlap for pair, overlap in found.items() if overlap != SPARE} == {
+        "pin-1 plate-1": pytest.approx(0.1 + SPARE)
+    }
 
 
 def test_pieces_of_one_thing_overlap_by_their_width() -> None:
@@ -218,7 +288,13 @@ def test_pieces_of_one_thing_overlap_by_their_width() -> None:
     bar = (0j, 10 + 0j)
     things = [
         StandIn("spring, one end", "arm", (), bars=((*bar, 1.5, 0.0, 3.0),), whole="spring"),
-        StandIn("spring, other end", "plate", (), bars=((*bar, 2.0, 0.0, 3.0), (*bar, 0.5, 3.0, 4.0)), whole="spring"),
+        StandIn(
+            "spring, other end",
+            "plate",
+            (),
+            bars=((*bar, 2.0, 0.0, 3.0), (*bar, 0.5, 3.0, 4.0)),
+            whole="spring",
+        ),
         StandIn("belt", "plate", (), bars=((*bar, 9.0, 0.0, 3.0),), whole="belt"),
     ]
     assert touching(stand_ins=things) == {"spring, one end spring, other end": 4.0 + SPARE}
@@ -226,9 +302,14 @@ def test_pieces_of_one_thing_overlap_by_their_width() -> None:
 
 def test_stand_ins_as_slabs_stand_as_they_are_turned() -> None:
     """A disc and a bar with round ends: their areas and where they lie, turned with their body about its origin."""
-    thing = StandIn("x", "arm", ((20 + 0j, 3.0, 0.0, 2.0),), bars=((5 + 0j, 5 + 8j, 2.0, 2.0, 6.0),))
+    thing = StandIn(
+        "x", "arm", ((20 + 0j, 3.0, 0.0, 2.0),), bars=((5 + 0j, 5 + 8j, 2.0, 2.0, 6.0),)
+    )
     disc, bar = _slabs(thing, math.pi / 2)
-    assert [(slab.z0, slab.z1, len(slab.rings)) for slab in (disc, bar)] == [(0.0, 2.0, 1), (2.0, 6.0, 1)]
+    assert [(slab.z0, slab.z1, len(slab.rings)) for slab in (disc, bar)] == [
+        (0.0, 2.0, 1),
+        (2.0, 6.0, 1),
+    ]
     assert disc.rings[0].area == pytest.approx(9 * math.pi)
     assert disc.rings[0].centroid == pytest.approx(20j)
     assert bar.rings[0].area == pytest.approx(8 * 4 + 4 * math.pi)

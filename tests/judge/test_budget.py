@@ -29,19 +29,33 @@ def test_each_stage_adds_its_own(undercut: float) -> None:
     the spec itself undercuts stands first, and what the follower loses is counted from there."""
     machine = Machine(
         (Body("cam"), Body("follower")),
-        (Pin("O", Place(GROUND), Place("cam")), Slide("stem", Place(GROUND), Place("follower")),
-         Cam("lift", "cam", "follower", lift, slide="stem", rest=RADIUS, closure="force")),
+        (
+            Pin("O", Place(GROUND), Place("cam")),
+            Slide("stem", Place(GROUND), Place("follower")),
+            Cam("lift", "cam", "follower", lift, slide="stem", rest=RADIUS, closure="force"),
+        ),
         (Drive("motor", "cam"),),
         {"cam": Pose(0j, 0.0), "follower": Pose(complex(RADIUS + OFF), 0.0)},
-    )  # fmt: skip
-    meant = CamMeant(given=lambda theta, order=0: lift(theta, order) - undercut * (order == 0)) if undercut else CamMeant()
+    )
+    meant = (
+        CamMeant(given=lambda theta, order=0: lift(theta, order) - undercut * (order == 0))
+        if undercut
+        else CamMeant()
+    )
     drive = CamOutline("lift", "cam", "O", None, Flat(None, 0j, math.pi, 30.0), meant=meant)
     facets = polygon(OFF + RADIUS * np.exp(2j * np.pi * np.arange(COUNT) / COUNT))
     moved = polygon(facets.points + 3e-3 * np.exp(2j * np.pi * np.arange(COUNT) / COUNT))
     drawn = Ring(*bulges(fit_arcs(circle(complex(OFF), RADIUS), 1e-3))).moved(shift=1e-4)
     files = {"dxf": [[Shape(drawn, ())]], "stl": [[Shape(moved, ())]]}
     table = error_budget(
-        circle(complex(OFF), RADIUS), facets, machine, drive, [Mount("cam", "cam")], 1e-3, files, {"undercut_mm": 0.5 * undercut}
+        circle(complex(OFF), RADIUS),
+        facets,
+        machine,
+        drive,
+        [Mount("cam", "cam")],
+        1e-3,
+        files,
+        {"undercut_mm": 0.5 * undercut},
     )
     rows = {str(name): (outline, follower) for name, outline, follower in table.rows}
     sagitta = RADIUS * (1 - math.cos(math.pi / COUNT))

@@ -10,7 +10,17 @@ import pytest
 from camgen import tolerances
 from camgen.findings import at_most
 from camgen.geometry.rings import Ring, Shape
-from camgen.judge.cams import Followed, _overlap, _own_tip, _tips, judged_angles, limit, named, rolled, s_unit
+from camgen.judge.cams import (
+    Followed,
+    _overlap,
+    _own_tip,
+    _tips,
+    judged_angles,
+    limit,
+    named,
+    rolled,
+    s_unit,
+)
 from camgen.judge.contact import contact
 from camgen.judge.contact_faces import ArmFace, SlideFace
 from camgen.judge.contact_tips import ArmTip, Form, SlideTip
@@ -27,7 +37,9 @@ def disc(centre: complex, radius: float) -> Ring:
     return Ring(centre + radius * np.array([1, -1 + 0j]), np.ones(2))
 
 
-def outline(part: str, form: Form, ring: Ring, air: float = 0.0, arm: float | None = None, **keys: object) -> Outline:
+def outline(
+    part: str, form: Form, ring: Ring, air: float = 0.0, arm: float | None = None, **keys: object
+) -> Outline:
     feature = CamOutline("lift", part, "O", None, TIP, leaves=form.leaves, free=air, **keys)  # type: ignore[arg-type,attr-defined]
     law = Rolled(contact(ring, form), arm)
     return Outline(feature, law, law)
@@ -38,22 +50,40 @@ def test_where_a_follower_has_its_tips() -> None:
     ring, within = disc(3 + 0j, 20.0), disc(3 + 0j, 40.0).reversed()
     first = outline("cam", ArmTip(60 + 5j, 50 * np.exp(2.6j), 3.0, -1), ring)
     second = outline("return-cam", ArmFace(60 + 5j, np.exp(-1.2j), 4.0, 1), ring)
-    slide, face = outline("cam", SlideTip(2 + 30j, 1j, 3.0, 1), ring), outline("top", SlideFace(-31j, 1j, -1), ring)
+    slide, face = (
+        outline("cam", SlideTip(2 + 30j, 1j, 3.0, 1), ring),
+        outline("top", SlideFace(-31j, 1j, -1), ring),
+    )
     groove = outline("other", SlideTip(2 + 30j, 1j, 3.0, 1, True), within)
     tip, foot = 60 + 5j + 50 * np.exp(2.6j), 60 + 5j + 4 * np.exp(-1.2j)
-    assert _tips([first, second]) == pytest.approx({
-        "tip_on_cam_x_mm": tip.real, "tip_on_cam_y_mm": tip.imag,
-        "tip_on_return_cam_x_mm": foot.real, "tip_on_return_cam_y_mm": foot.imag,
-    })  # fmt: skip
-    assert _tips([slide, face]) == {"tip_on_cam_x_mm": 2, "tip_on_cam_y_mm": 30, "tip_on_top_x_mm": 0, "tip_on_top_y_mm": -31}
+    assert _tips([first, second]) == pytest.approx(
+        {
+            "tip_on_cam_x_mm": tip.real,
+            "tip_on_cam_y_mm": tip.imag,
+            "tip_on_return_cam_x_mm": foot.real,
+            "tip_on_return_cam_y_mm": foot.imag,
+        }
+    )
+    assert _tips([slide, face]) == {
+        "tip_on_cam_x_mm": 2,
+        "tip_on_cam_y_mm": 30,
+        "tip_on_top_x_mm": 0,
+        "tip_on_top_y_mm": -31,
+    }
     assert _tips([slide, groove]) == {"tip_on_cam_x_mm": 2, "tip_on_cam_y_mm": 30}
     assert _tips([first]) == _tips([slide, slide]) == {}
 
 
-@pytest.mark.parametrize("where, parts, said", [
-    ("x-*.dxf", {"b"}, "x-b.dxf"), ("x-*.dxf", {"b", "a"}, "x-a.dxf with x-b.dxf"), ("x-*.dxf", {"a", "b", "c"}, "x-*.dxf"),
-    ("x-*.dxf", set(), "x-*.dxf"), ("x.3mf", {"b"}, "x.3mf"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "where, parts, said",
+    [
+        ("x-*.dxf", {"b"}, "x-b.dxf"),
+        ("x-*.dxf", {"b", "a"}, "x-a.dxf with x-b.dxf"),
+        ("x-*.dxf", {"a", "b", "c"}, "x-*.dxf"),
+        ("x-*.dxf", set(), "x-*.dxf"),
+        ("x.3mf", {"b"}, "x.3mf"),
+    ],
+)
 def test_one_or_two_files_are_named(where: str, parts: set[str], said: str) -> None:
     assert named(where, parts) == said
 
@@ -77,21 +107,31 @@ def test_play_between_two_outlines_is_the_gap_between_them(gap: float) -> None:
     finding, play = _overlap(CAM, front, back, "x", OFF)
     assert play == pytest.approx(gap, abs=1e-9)
     assert finding.measured == pytest.approx(max(0.0, -gap), abs=1e-9) and finding.unit == "mm"
-    assert finding.limit == pytest.approx(2 * OFF * (1 + tolerances.BOUND_SPARE)) and finding.ok is (gap > 0)
+    assert finding.limit == pytest.approx(
+        2 * OFF * (1 + tolerances.BOUND_SPARE)
+    ) and finding.ok is (gap > 0)
 
 
 @pytest.mark.parametrize(
-    "free, said", [(0.0, "both outlines;"), (0.05, "each 0.05 mm off its tip"), (-0.05, "the preload, 0.05 mm")]
+    "free, said",
+    [(0.0, "both outlines;"), (0.05, "each 0.05 mm off its tip"), (-0.05, "the preload, 0.05 mm")],
 )
 def test_an_overlap_is_told_where_it_is_largest(free: float, said: str) -> None:
     """The back is an eccentric further out: they overlap by 2 e at most, where it looks away. Of a pair with preload what tips
     that are smaller by it would overlap."""
     front = outline("cam", SlideFace(16 + 0j, 1 + 0j, 1), disc(4 + 0j, 16.0), free)
     back = outline("return", SlideFace(-16 + 0j, 1 + 0j, -1), disc(4.5 + 0j, 16.0), free)
-    smaller = Outline(back.feature, outline("return", SlideFace(-16 + 0j, 1 + 0j, -1), disc(4.2 + 0j, 16.0)).law, back.tight)
+    smaller = Outline(
+        back.feature,
+        outline("return", SlideFace(-16 + 0j, 1 + 0j, -1), disc(4.2 + 0j, 16.0)).law,
+        back.tight,
+    )
     finding, play = _overlap(CAM, front, smaller, "x", OFF)
     assert play == pytest.approx(0.5, abs=1e-5)
-    assert finding.measured == pytest.approx(0.2 if free < 0 else 0.5, abs=1e-5) and said in finding.message
+    assert (
+        finding.measured == pytest.approx(0.2 if free < 0 else 0.5, abs=1e-5)
+        and said in finding.message
+    )
     degrees = float(finding.where.removeprefix("x, cam angle ").removesuffix(" deg"))
     assert math.cos(math.radians(degrees) - 0.3) == pytest.approx(-1, abs=1e-5)
 
@@ -102,11 +142,14 @@ def test_an_outline_is_seen_about_its_bore(bored: bool) -> None:
     tip that another part has counts as meant."""
     machine = Machine(
         (Body("cam"), Body("follower")),
-        (Pin("O", Place(GROUND), Place("cam")), Slide("stem", Place(GROUND), Place("follower")),
-         Cam("lift", "cam", "follower", Harmonic(), slide="stem", rest=19.0, closure="force")),
+        (
+            Pin("O", Place(GROUND), Place("cam")),
+            Slide("stem", Place(GROUND), Place("follower")),
+            Cam("lift", "cam", "follower", Harmonic(), slide="stem", rest=19.0, closure="force"),
+        ),
         (Drive("motor", "cam"),),
         {"cam": Pose(0j, 0.0), "follower": Pose(23 + 0j, 0.0)},
-    )  # fmt: skip
+    )
     off = 2 - 3j
     bore = Eye("cam", 0j, 5.0) if bored else None
     mounts = [Mount("cam", "cam"), Mount("stem", "follower", turned=math.pi)]
@@ -119,51 +162,95 @@ def test_an_outline_is_seen_about_its_bore(bored: bool) -> None:
         assert ring.centroid == pytest.approx(4 if bored else 4 + off, abs=1e-6)
         centre = (4 if bored else 4 + off) * np.exp(1j * theta)
         across = centre.imag if more else 0.0
-        np.testing.assert_allclose(law(theta), centre.real + np.sqrt((16 + more) ** 2 - across**2) - 19, atol=1e-6)
+        np.testing.assert_allclose(
+            law(theta), centre.real + np.sqrt((16 + more) ** 2 - across**2) - 19, atol=1e-6
+        )
 
 
 def test_the_limit_of_s_is_the_outlines_over_the_least_lever() -> None:
     tip = outline("cam", ArmTip(60 + 5j, 50 * np.exp(2.6j), 3.0, -1), disc(3 + 0j, 20.0), arm=50.0)
     least = 50 * math.cos(np.max(np.abs(tip.law.contact.touch(judged_angles()).pressure_angle)))
     assert limit(tip.law, OFF) == pytest.approx(OFF * (1 + tolerances.BOUND_SPARE) / least)
-    assert s_unit(CAM) == ("mm", 1.0) and s_unit(Cam("x", "cam", "arm", Harmonic())) == ("deg", math.degrees(1))
+    assert s_unit(CAM) == ("mm", 1.0) and s_unit(Cam("x", "cam", "arm", Harmonic())) == (
+        "deg",
+        math.degrees(1),
+    )
 
 
 def test_judged_angles_are_one_in_each_step() -> None:
     """Even steps of the turn, an angle in each, none of them even."""
     theta, n = judged_angles(), tolerances.JUDGED_ANGLES
-    assert np.array_equal(np.floor(theta / (math.tau / n)), np.arange(n)) and np.array_equal(theta, judged_angles())
-    assert 0.4 < np.mean(theta / (math.tau / n) % 1) < 0.6 and np.std(theta / (math.tau / n) % 1) > 0.25
+    assert np.array_equal(np.floor(theta / (math.tau / n)), np.arange(n)) and np.array_equal(
+        theta, judged_angles()
+    )
+    assert (
+        0.4 < np.mean(theta / (math.tau / n) % 1) < 0.6
+        and np.std(theta / (math.tau / n) % 1) > 0.25
+    )
 
 
-@pytest.mark.parametrize("width, middle, beyond", [(12.0, 0.0, -2.0), (6.0, 0.0, 1.0), (12.0, 3.0, 1.0), (12.0, -3.0, 1.0)])
-def test_contact_runs_along_a_face_by_the_eccentricity(width: float, middle: float, beyond: float) -> None:
+@pytest.mark.parametrize(
+    "width, middle, beyond",
+    [(12.0, 0.0, -2.0), (6.0, 0.0, 1.0), (12.0, 3.0, 1.0), (12.0, -3.0, 1.0)],
+)
+def test_contact_runs_along_a_face_by_the_eccentricity(
+    width: float, middle: float, beyond: float
+) -> None:
     """4 mm to either side of the stem's line; the face's middle may lie beside it."""
     ring = disc(4 + 0j, 16.0)
     feature = CamOutline("lift", "cam", "O", None, Flat(None, 0j, math.pi, width), leaves=1)
     law = Rolled(contact(ring, SlideFace(16 + 0j, 1 + 0j, 1)), None, middle=middle)
     finding = Followed(CAM, Outline(feature, law, law), "x", OFF).on_face()
-    assert finding is not None and finding.measured == pytest.approx(beyond, abs=1e-5) and finding.ok is (beyond < 0)
+    assert (
+        finding is not None
+        and finding.measured == pytest.approx(beyond, abs=1e-5)
+        and finding.ok is (beyond < 0)
+    )
     assert "from -4.000 to 4.000 mm" in finding.message
-    degrees = math.radians(float(finding.where.removeprefix("x, cam angle ").removesuffix(" deg"))) - 0.3
+    degrees = (
+        math.radians(float(finding.where.removeprefix("x, cam angle ").removesuffix(" deg"))) - 0.3
+    )
     assert abs(math.sin(degrees)) == pytest.approx(1, abs=1e-5)
     assert middle == 0 or math.sin(degrees) * middle < 0
-    endless = Outline(CamOutline("lift", "cam", "O", None, Flat(None, 0j, math.pi, math.inf)), law, law)
+    endless = Outline(
+        CamOutline("lift", "cam", "O", None, Flat(None, 0j, math.pi, math.inf)), law, law
+    )
     assert Followed(CAM, endless, "x", OFF).on_face() is None
-    assert Followed(CAM, outline("cam", SlideTip(2 + 30j, 1j, 3.0, 1), ring), "x", OFF).on_face() is None
+    assert (
+        Followed(CAM, outline("cam", SlideTip(2 + 30j, 1j, 3.0, 1), ring), "x", OFF).on_face()
+        is None
+    )
 
 
 @pytest.mark.parametrize("more", [0.0, 0.02])
 def test_speed_ripple_is_of_the_greatest_speed_over_a_window(more: float) -> None:
     """An eccentric larger by a share: its speed is too, everywhere; the exact one has none."""
     half = math.radians(tolerances.SPEED_WINDOW_DEG) / 2
-    made = outline("cam", SlideFace(16 + 0j, 1 + 0j, 1), disc(4 * (1 + more) + 0j, 16.0), meant=CamMeant(ripple=0.01))
+    made = outline(
+        "cam",
+        SlideFace(16 + 0j, 1 + 0j, 1),
+        disc(4 * (1 + more) + 0j, 16.0),
+        meant=CamMeant(ripple=0.01),
+    )
     finding = Followed(CAM, made, "x", OFF).ripple()
-    assert finding is not None and finding.measured == pytest.approx(more, abs=1e-6) and finding.ok is (more == 0)
-    shaken = outline("cam", SlideFace(16 + 0j, 1 + 0j, 1), disc(4 + 1j, 16.0), meant=CamMeant(ripple=0.01))
-    off = Followed(CAM, shaken, "x", OFF).ripple()  # a quarter of a turn later: speeds differ by cos
+    assert (
+        finding is not None
+        and finding.measured == pytest.approx(more, abs=1e-6)
+        and finding.ok is (more == 0)
+    )
+    shaken = outline(
+        "cam", SlideFace(16 + 0j, 1 + 0j, 1), disc(4 + 1j, 16.0), meant=CamMeant(ripple=0.01)
+    )
+    off = Followed(
+        CAM, shaken, "x", OFF
+    ).ripple()  # a quarter of a turn later: speeds differ by cos
     assert off is not None and off.measured == pytest.approx(0.25, abs=1e-4) and half > 0
-    assert Followed(CAM, outline("cam", SlideFace(16 + 0j, 1 + 0j, 1), disc(4 + 0j, 16.0)), "x", OFF).ripple() is None
+    assert (
+        Followed(
+            CAM, outline("cam", SlideFace(16 + 0j, 1 + 0j, 1), disc(4 + 0j, 16.0)), "x", OFF
+        ).ripple()
+        is None
+    )
 
 
 def test_what_is_lost_of_the_wanted_motion_counts_where_the_exact_outline_loses_it() -> None:
@@ -177,9 +264,18 @@ def test_what_is_lost_of_the_wanted_motion_counts_where_the_exact_outline_loses_
         meant = CamMeant(given=Harmonic(), undercut=accepted)
         made = outline("cam", SlideFace(16 + 0j, 1 + 0j, 1), disc(4 + 0j, 15.9), meant=meant)
         finding = Followed(joint, made, "x", OFF).undercut()
-        assert finding is not None and finding.measured == pytest.approx(0.4, abs=1e-6) and finding.ok is ok
+        assert (
+            finding is not None
+            and finding.measured == pytest.approx(0.4, abs=1e-6)
+            and finding.ok is ok
+        )
         assert finding.limit == pytest.approx(accepted + OFF * (1 + tolerances.BOUND_SPARE))
-    assert Followed(CAM, outline("cam", SlideFace(16 + 0j, 1 + 0j, 1), disc(4 + 0j, 15.9)), "x", OFF).undercut() is None
+    assert (
+        Followed(
+            CAM, outline("cam", SlideFace(16 + 0j, 1 + 0j, 1), disc(4 + 0j, 15.9)), "x", OFF
+        ).undercut()
+        is None
+    )
 
 
 def test_a_parts_own_tip_may_be_off_by_the_tolerance_as_well() -> None:
@@ -188,9 +284,19 @@ def test_a_parts_own_tip_may_be_off_by_the_tolerance_as_well() -> None:
     tip = OwnTip("arm", TIP, Eye("arm", 0j, 3.0))
     moved = at_most("MOTION_ERROR", 0.003, 0.002, "mm", ", cam angle 3 deg", "")
     made = outline("cam", form, ring, 0.2)
-    finding, numbers = _own_tip(Outline(made.feature, made.law, made.law, made.law), tip, "x-*.dxf", moved)
-    assert (finding.code, finding.measured, finding.limit, finding.ok) == ("TIP_MOTION", 0.003, 0.004, True)
-    assert finding.where == "x-arm.dxf, cam angle 3 deg" and "frame's own tip, radius 3.0000 mm" in finding.message
+    finding, numbers = _own_tip(
+        Outline(made.feature, made.law, made.law, made.law), tip, "x-*.dxf", moved
+    )
+    assert (finding.code, finding.measured, finding.limit, finding.ok) == (
+        "TIP_MOTION",
+        0.003,
+        0.004,
+        True,
+    )
+    assert (
+        finding.where == "x-arm.dxf, cam angle 3 deg"
+        and "frame's own tip, radius 3.0000 mm" in finding.message
+    )
     assert numbers == {("tip_motion_error", "mm"): 0.003, ("tip_radius", "mm"): pytest.approx(3.0)}
     lost, none = _own_tip(made, OwnTip("arm", TIP, TIP, 3.0), "x-*.dxf", moved)
     assert math.isnan(lost.measured) and not lost.ok and none == {}

@@ -22,14 +22,23 @@ from camgen.files.dxf import write_dxf
 from camgen.files.stl import write_stl
 from camgen.files.threemf import Placed, write_3mf
 from camgen.geometry.outlines import Region, polygon
-from camgen.judge.clearance import _way, convex_pieces, judge_clearance, least_distance, meeting, signed_distances
+from camgen.judge.clearance import (
+    _way,
+    convex_pieces,
+    judge_clearance,
+    least_distance,
+    meeting,
+    signed_distances,
+)
 from camgen.machine.features import Apart, PartPose
 from camgen.machines.chain_stitch_looper.mechanism import ChainStitchLooper
 from camgen.parts.part import Layer, Part
 from camgen.parts.solids import solid
 
 ROOT = Path(__file__).resolve().parents[2]
-REFERENCE = tomllib.loads((ROOT / "tests" / "reference" / "chain-stitch-looper.toml").read_text(encoding="utf-8"))["clearance"]
+REFERENCE = tomllib.loads(
+    (ROOT / "tests" / "reference" / "chain-stitch-looper.toml").read_text(encoding="utf-8")
+)["clearance"]
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 PAIRS = ("N1/P1", "N2/P1", "N2/P2", "N1/P2")
 SQUARE = np.array([0, 2, 2 + 2j, 2j], complex)
@@ -47,13 +56,17 @@ def circling(radius: float, centre: complex) -> Callable[[np.ndarray], np.ndarra
 def test_least_distance_lies_between_all_samples(at: float) -> None:
     # the point of a small triangle circles about 10 + i; nearest to the square's side x = 2 at one angle of the turn
     tip = np.array([0, 1 + 0.2j, 1 - 0.2j], complex)
-    found = least_distance(meeting([SQUARE], [tip]), lambda t: 10 + 1j - 5 * np.exp(1j * (np.asarray(t) - at)))
+    found = least_distance(
+        meeting([SQUARE], [tip]), lambda t: 10 + 1j - 5 * np.exp(1j * (np.asarray(t) - at))
+    )
     assert found.distance == pytest.approx(3.0, abs=2e-9)
     assert found.theta == pytest.approx(at, abs=1e-3)
     assert found.overlaps == ()
 
 
-@pytest.mark.parametrize(("shift", "wanted"), [(0.25, 0.25), (1e-4, 1e-4), (0.0, 0.0), (-1e-4, -1e-4), (-0.25, -0.25)])
+@pytest.mark.parametrize(
+    ("shift", "wanted"), [(0.25, 0.25), (1e-4, 1e-4), (0.0, 0.0), (-1e-4, -1e-4), (-0.25, -0.25)]
+)
 def test_grazing_is_told_from_a_strike(shift: float, wanted: float) -> None:
     """A square sliding along another one: the distance is the shift, and below 0 the depth."""
 
@@ -73,7 +86,9 @@ def test_depth_is_the_shortest_way_out_and_overlaps_are_placed() -> None:
     assert found.distance == pytest.approx(-1.3, abs=1e-9)  # 2 - 0.7 upwards
     (first, last), (again, end) = found.overlaps
     touch = math.acos(2 / 3)
-    assert (first, last, again, end) == pytest.approx((touch, math.pi - touch, math.pi + touch, math.tau - touch), abs=2e-3)
+    assert (first, last, again, end) == pytest.approx(
+        (touch, math.pi - touch, math.pi + touch, math.tau - touch), abs=2e-3
+    )
 
 
 @pytest.mark.parametrize("height", [0.0, 0.5])
@@ -92,7 +107,10 @@ def test_the_deepest_place_is_told_by_its_angle(height: float) -> None:
 def still(theta: np.ndarray) -> dict[str, list[PartPose]]:
     """Bodies that stand where they are drawn, b 30 mm to the right and 4 mm higher."""
     none = np.zeros(theta.shape)
-    return {name: [PartPose(none + at, none, z=z)] for name, at, z in (("a", 0j, 0.0), ("b", 30 + 0j, 4.0))}
+    return {
+        name: [PartPose(none + at, none, z=z)]
+        for name, at, z in (("a", 0j, 0.0), ("b", 30 + 0j, 4.0))
+    }
 
 
 def blocks(folder: Path, kind: str, widths: tuple[float, float]) -> None:
@@ -102,19 +120,37 @@ def blocks(folder: Path, kind: str, widths: tuple[float, float]) -> None:
         if kind == "dxf":
             write_dxf(folder / f"x-{name}.dxf", region, (), 0.01)
         else:
-            write_stl(folder / f"x-{name}.stl", solid(Part(name, name, (Layer(region, 0, 6),)), 0.01), name)
+            write_stl(
+                folder / f"x-{name}.stl",
+                solid(Part(name, name, (Layer(region, 0, 6),)), 0.01),
+                name,
+            )
 
 
 @pytest.mark.parametrize("kind", ["dxf", "stl"])
-@pytest.mark.parametrize("width, said, ok", [
-    (19.0, "clear by 1.000 mm", True), (19.985, "grazes at", True), (20.015, "grazes at", True), (20.03, "strikes", False),
-])  # fmt: skip
-def test_what_outlines_may_be_off_is_grazing(tmp_path: Path, kind: str, width: float, said: str, ok: bool) -> None:
+@pytest.mark.parametrize(
+    "width, said, ok",
+    [
+        (19.0, "clear by 1.000 mm", True),
+        (19.985, "grazes at", True),
+        (20.015, "grazes at", True),
+        (20.03, "strikes", False),
+    ],
+)
+def test_what_outlines_may_be_off_is_grazing(
+    tmp_path: Path, kind: str, width: float, said: str, ok: bool
+) -> None:
     """Of both by 0.01 mm; in a solid by what float32 leaves of the larger one as well."""
     blocks(tmp_path, kind, (width, 90.0))
-    found = judge_clearance(kind, tmp_path, "x", [Apart("A/B", "a", "b", planes=(5.0,))], still, 0.01)
+    found = judge_clearance(
+        kind, tmp_path, "x", [Apart("A/B", "a", "b", planes=(5.0,))], still, 0.01
+    )
     (finding,) = found.findings
-    assert finding.ok is ok and said in finding.message and finding.measured == pytest.approx(20 - width, abs=1e-4)
+    assert (
+        finding.ok is ok
+        and said in finding.message
+        and finding.measured == pytest.approx(20 - width, abs=1e-4)
+    )
     size = math.hypot(90, 10) if kind == "stl" else 0.0
     slack = 0.02 + 4 * 2.0**-24 * size
     assert finding.message.endswith(f"up to {slack:.2g} mm either way is grazing")
@@ -127,15 +163,22 @@ def test_what_cannot_be_compared_is_told(tmp_path: Path) -> None:
     """No section at a height that one of both does not reach, and a drawing that is open or has nothing to cut."""
     blocks(tmp_path, "stl", (19.0, 10.0))
     for height, lacks in ((2.0, "b"), (8.0, "a")):
-        (finding,) = judge_clearance("stl", tmp_path, "x", [Apart("A/B", "a", "b", planes=(5.0, height))], still, 0.01).findings
-        assert math.isnan(finding.measured) and finding.message == f"no section of {lacks} at height {height:g} mm"
+        (finding,) = judge_clearance(
+            "stl", tmp_path, "x", [Apart("A/B", "a", "b", planes=(5.0, height))], still, 0.01
+        ).findings
+        assert (
+            math.isnan(finding.measured)
+            and finding.message == f"no section of {lacks} at height {height:g} mm"
+        )
     blocks(tmp_path, "dxf", (19.0, 10.0))
     for entity, said in (("line", "is no part of a cut"), ("", "nothing is drawn to be cut")):
         drawing = ezdxf.new()
         if entity:
             drawing.modelspace().add_line((0, 0), (5, 0))
         drawing.saveas(tmp_path / "x-b.dxf")
-        (finding,) = judge_clearance("dxf", tmp_path, "x", [Apart("A/B", "a", "b")], still, 0.01).findings
+        (finding,) = judge_clearance(
+            "dxf", tmp_path, "x", [Apart("A/B", "a", "b")], still, 0.01
+        ).findings
         assert math.isnan(finding.measured) and said in finding.message
 
 
@@ -148,7 +191,13 @@ def test_only_bodies_that_shift_are_compared(turned: str, angle: float, flipped:
         still = np.zeros(theta.shape)
         ways = {"a": 3 * np.exp(1j * theta), "b": 5 + 1j * theta}
         return {
-            name: [PartPose(way, angle * (theta > 3) if name == turned else still, flipped and name == turned)]
+            name: [
+                PartPose(
+                    way,
+                    angle * (theta > 3) if name == turned else still,
+                    flipped and name == turned,
+                )
+            ]
             for name, way in ways.items()
         }
 
@@ -171,11 +220,17 @@ def test_pieces_fill_what_is_not_convex() -> None:
     assert signed_distances(meeting([DART], [SQUARE / 10]), np.array([3.4 + 0.5j]))[0] < 0
 
 
-CORNERS = st.lists(st.complex_numbers(max_magnitude=4, allow_nan=False, allow_infinity=False), min_size=3, max_size=7)
+CORNERS = st.lists(
+    st.complex_numbers(max_magnitude=4, allow_nan=False, allow_infinity=False),
+    min_size=3,
+    max_size=7,
+)
 
 
 def hull(points: list[complex]) -> np.ndarray | None:
-    found = shapely.convex_hull(shapely.MultiPoint([(round(z.real, 9), round(z.imag, 9)) for z in points]))
+    found = shapely.convex_hull(
+        shapely.MultiPoint([(round(z.real, 9), round(z.imag, 9)) for z in points])
+    )
     if found.geom_type != "Polygon" or found.area < 0.1:
         return None
     x, y = np.array(found.exterior.coords)[:-1].T
@@ -183,7 +238,9 @@ def hull(points: list[complex]) -> np.ndarray | None:
 
 
 @settings(max_examples=40)
-@example([0j, -2 + 1.125j, 2 - 1j], [0j, -2 + 1.125j, 2 - 1j], 4.0, 0.0, 0.0)  # along a straight line, not evenly
+@example(
+    [0j, -2 + 1.125j, 2 - 1j], [0j, -2 + 1.125j, 2 - 1j], 4.0, 0.0, 0.0
+)  # along a straight line, not evenly
 @given(CORNERS, CORNERS, st.floats(0.5, 8), st.floats(0, 8), st.floats(0, 6.2))
 def test_never_above_any_sample_and_reached_by_one(a, b, width, height, phase):  # type: ignore[no-untyped-def]
     first, second = hull(a), hull(b)
@@ -195,7 +252,9 @@ def test_never_above_any_sample_and_reached_by_one(a, b, width, height, phase): 
 
     found = least_distance(meeting([first], [second]), way)
     theta = np.linspace(0, math.tau, 1001)
-    bodies = shapely.polygons([np.column_stack([z.real, z.imag]) for z in second + way(theta)[:, None]])
+    bodies = shapely.polygons(
+        [np.column_stack([z.real, z.imag]) for z in second + way(theta)[:, None]]
+    )
     fixed = shapely.Polygon(np.column_stack([first.real, first.imag]))
     sampled = float(np.min(shapely.distance(fixed, bodies)))
     step = (width + 2 * height) * math.tau / 1000
@@ -234,7 +293,9 @@ def written(m: ChainStitchLooper, folder: Path) -> None:
     for part in m.parts()[:4]:
         mesh = solid(part, m.accuracy.chord_tolerance)
         write_stl(folder / f"x-{part.name}.stl", mesh, part.name)
-        write_3mf(folder / f"x-{part.name}.3mf", {part.name: mesh}, [Placed(part.name, part.name)], "key")
+        write_3mf(
+            folder / f"x-{part.name}.3mf", {part.name: mesh}, [Placed(part.name, part.name)], "key"
+        )
 
 
 @pytest.fixture(scope="module")
@@ -254,13 +315,18 @@ def judged(m: ChainStitchLooper, folder: Path, kind: str = "stl", **changes: Any
 
 @pytest.mark.parametrize("kind", ["stl", "3mf"])
 @pytest.mark.parametrize("name", DESIGNS)
-def test_the_table_comes_out_of_the_files(made: dict[str, tuple[ChainStitchLooper, Path]], name: str, kind: str) -> None:
+def test_the_table_comes_out_of_the_files(
+    made: dict[str, tuple[ChainStitchLooper, Path]], name: str, kind: str
+) -> None:
     cleared = judged(*made[name], kind)
     assert [f.where.split(":")[0] for f in cleared.findings] == [*PAIRS, "P1/P2"]
     for finding, wanted in zip(cleared.findings, REFERENCE[name], strict=False):
         assert finding.ok == (wanted >= 0)
         if wanted > 0:
-            assert finding.measured == pytest.approx(wanted, abs=5.1e-4) and "clear by" in finding.message
+            assert (
+                finding.measured == pytest.approx(wanted, abs=5.1e-4)
+                and "clear by" in finding.message
+            )
         elif wanted == 0:
             assert abs(finding.measured) < 1e-5 and "grazes" in finding.message
         else:
@@ -268,17 +334,25 @@ def test_the_table_comes_out_of_the_files(made: dict[str, tuple[ChainStitchLoope
     assert cleared.findings[4].measured == pytest.approx(0.1, abs=1e-5)
 
 
-def test_strikes_are_as_deep_as_the_source_has_them(made: dict[str, tuple[ChainStitchLooper, Path]]) -> None:
+def test_strikes_are_as_deep_as_the_source_has_them(
+    made: dict[str, tuple[ChainStitchLooper, Path]],
+) -> None:
     inside, offsets = REFERENCE["published_inside"], made["published"][0].design.offsets()
     d = made["published"][0].design
     at_top = offsets["N1/P1"] + d.l2 - d.spreader_stroke / d.needle_stroke * d.given.height
-    assert -at_top == pytest.approx(inside[0], abs=0.005) and -offsets["N2/P2"] == pytest.approx(inside[1], abs=0.006)
+    assert -at_top == pytest.approx(inside[0], abs=0.005) and -offsets["N2/P2"] == pytest.approx(
+        inside[1], abs=0.006
+    )
     # at right angles to P6 needle 1 comes in by less than along the stroke, and no deeper than the corner lets it
     deepest = judged(*made["published"]).findings[0].measured
-    assert -0.14 < deepest < -0.14 * math.sin(math.atan2(1, d.spreader_stroke / d.needle_stroke)) * 0.9
+    assert (
+        -0.14 < deepest < -0.14 * math.sin(math.atan2(1, d.spreader_stroke / d.needle_stroke)) * 0.9
+    )
 
 
-def test_curves_agree_with_the_least_distance(made: dict[str, tuple[ChainStitchLooper, Path]]) -> None:
+def test_curves_agree_with_the_least_distance(
+    made: dict[str, tuple[ChainStitchLooper, Path]],
+) -> None:
     for name in DESIGNS:
         cleared = judged(*made[name])
         for finding, (_, theta, curve) in zip(cleared.findings, cleared.curves, strict=True):
@@ -295,7 +369,13 @@ def test_spreaders_that_touch_graze(tmp_path: Path) -> None:
 
 
 def test_more_distance_can_be_asked_for(made: dict[str, tuple[ChainStitchLooper, Path]]) -> None:
-    assert [f.ok for f in judged(*made["r08"], gap=3.0).findings] == [False, True, False, True, True]
+    assert [f.ok for f in judged(*made["r08"], gap=3.0).findings] == [
+        False,
+        True,
+        False,
+        True,
+        True,
+    ]
 
 
 def test_other_laws_out_of_step_against_brute_force(tmp_path: Path) -> None:
@@ -304,7 +384,9 @@ def test_other_laws_out_of_step_against_brute_force(tmp_path: Path) -> None:
     cleared = judged(m, tmp_path)
     theta = np.linspace(0, math.tau, 4001)
     poses = m.poses(theta)
-    section = np.array([m.design.l1 - 1j * 0.9, 57 - 0.9j, 57 + 3.5j, m.design.nose + 3.5j, m.design.l1])
+    section = np.array(
+        [m.design.l1 - 1j * 0.9, 57 - 0.9j, 57 + 3.5j, m.design.nose + 3.5j, m.design.l1]
+    )
     for finding, spreader, k in zip(cleared.findings, ("lower", "upper"), (0, 1), strict=False):
         body = section if spreader == "upper" else -section.conj()
         pair = next(f for f in cleared.findings if f.where.startswith(f"N{k + 1}/P{k + 1}"))
@@ -336,11 +418,15 @@ def failing(m: ChainStitchLooper, folder: Path) -> set[str]:
     return {f.where.split(":")[0] for f in judged(m, folder).findings if not f.ok}
 
 
-def test_a_sound_folder_passes(made: dict[str, tuple[ChainStitchLooper, Path]], folder: Path) -> None:
+def test_a_sound_folder_passes(
+    made: dict[str, tuple[ChainStitchLooper, Path]], folder: Path
+) -> None:
     assert failing(made["r08"][0], folder) == set()
 
 
-def test_a_front_that_stands_out_by_10_um_strikes(made: dict[str, tuple[ChainStitchLooper, Path]], folder: Path) -> None:
+def test_a_front_that_stands_out_by_10_um_strikes(
+    made: dict[str, tuple[ChainStitchLooper, Path]], folder: Path
+) -> None:
     def forward(c: np.ndarray) -> np.ndarray:
         near = (np.abs(c[..., 0] - 8) < 1e-3) & (np.abs(c[..., 1]) < 1e-3)
         c[near, 0] -= 0.01
@@ -350,7 +436,9 @@ def test_a_front_that_stands_out_by_10_um_strikes(made: dict[str, tuple[ChainSti
     assert failing(made["r08"][0], folder) == {"N2/P2"}
 
 
-def test_a_thicker_spreader_meets_the_other(made: dict[str, tuple[ChainStitchLooper, Path]], folder: Path) -> None:
+def test_a_thicker_spreader_meets_the_other(
+    made: dict[str, tuple[ChainStitchLooper, Path]], folder: Path
+) -> None:
     def thicker(c: np.ndarray) -> np.ndarray:
         c[..., 1] = np.where(c[..., 1] < -0.5, c[..., 1] - 0.15, c[..., 1])
         return c
@@ -359,7 +447,9 @@ def test_a_thicker_spreader_meets_the_other(made: dict[str, tuple[ChainStitchLoo
     assert failing(made["r08"][0], folder) == {"P1/P2"}
 
 
-def test_a_needle_of_another_length_is_told(made: dict[str, tuple[ChainStitchLooper, Path]], folder: Path) -> None:
+def test_a_needle_of_another_length_is_told(
+    made: dict[str, tuple[ChainStitchLooper, Path]], folder: Path
+) -> None:
     def longer(c: np.ndarray) -> np.ndarray:
         c[..., 1] = np.where(c[..., 1] < 1, c[..., 1] - 0.5, c[..., 1])
         return c
@@ -368,10 +458,14 @@ def test_a_needle_of_another_length_is_told(made: dict[str, tuple[ChainStitchLoo
     assert failing(made["r08"][0], folder) == {"N2/P2"}
 
 
-def test_a_body_moved_out_of_the_plane_is_told(made: dict[str, tuple[ChainStitchLooper, Path]], folder: Path) -> None:
+def test_a_body_moved_out_of_the_plane_is_told(
+    made: dict[str, tuple[ChainStitchLooper, Path]], folder: Path
+) -> None:
     edit(folder / "x-needle-1.stl", lambda c: c + [0, 0, 5])
     lost = [f for f in judged(made["r08"][0], folder).findings if not f.ok]
-    assert len(lost) == 2 and all(math.isnan(f.measured) and "no section of needle-1" in f.message for f in lost)
+    assert len(lost) == 2 and all(
+        math.isnan(f.measured) and "no section of needle-1" in f.message for f in lost
+    )
 
 
 def test_bodies_that_turn_are_refused(made: dict[str, tuple[ChainStitchLooper, Path]]) -> None:

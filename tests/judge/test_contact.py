@@ -42,7 +42,9 @@ def distance(z: np.ndarray, p: np.ndarray) -> np.ndarray:
     return np.where(inside, 0.0, free)
 
 
-def trace(z: np.ndarray, pivot: complex, arm: complex, rho: float, leaves: int, theta: np.ndarray) -> np.ndarray:
+def trace(
+    z: np.ndarray, pivot: complex, arm: complex, rho: float, leaves: int, theta: np.ndarray
+) -> np.ndarray:
     """First touch by steps that can never pass through: the tip moves in by no more than its free distance.
 
     Starts where arm and pivot are in line, ends where they are again (nan).
@@ -77,12 +79,19 @@ def agree(table: RollingContact, z: np.ndarray, rho: float, theta: np.ndarray) -
         way = near - leaves * np.concatenate([[0.0], np.geomspace(1e-9, 1e-4, 40)])
         if not np.isnan(angles).any():
             way = np.linspace(angles[0], angles[1], 41)
-        return bool(np.min(distance(z, (pivot + arm * np.exp(1j * way)) * np.exp(-1j * theta[k]))) > rho - EXACT)
+        return bool(
+            np.min(distance(z, (pivot + arm * np.exp(1j * way)) * np.exp(-1j * theta[k])))
+            > rho - EXACT
+        )
 
     apart = np.isnan(touch.angle) != np.isnan(slow)
     apart |= np.abs(touch.angle - slow) * abs(arm) * np.cos(touch.pressure_angle) >= 2 * EXACT
     sure = np.array([not (apart[k] and grazes(k)) for k in range(len(theta))])
-    theta, slow, touch = theta[sure], slow[sure], Touch(*(values[sure] for values in vars(touch).values()))
+    theta, slow, touch = (
+        theta[sure],
+        slow[sure],
+        Touch(*(values[sure] for values in vars(touch).values())),
+    )
     reached = ~np.isnan(touch.angle)
     assert np.array_equal(reached, ~np.isnan(slow))
     c = pivot + arm * np.exp(1j * touch.angle[reached])
@@ -120,7 +129,11 @@ def test_disc_of_arcs_is_a_four_bar(radius: float, size: float, arm: complex) ->
 def test_pivots_near_and_far(distance_to_pivot: float) -> None:
     """The tip circle stays tangent to the disc, to EXACT, from L = 0.1 to 10,000 mm."""
     centre, r, rho, pivot = 3 + 1j, 20.0, 2.0, distance_to_pivot * np.exp(0.7j)
-    arm = 22j - pivot if distance_to_pivot < 20 else abs(pivot) * np.exp(1j * (np.pi + 0.7 + 22 / distance_to_pivot))
+    arm = (
+        22j - pivot
+        if distance_to_pivot < 20
+        else abs(pivot) * np.exp(1j * (np.pi + 0.7 + 22 / distance_to_pivot))
+    )
     theta = np.random.default_rng(4).uniform(0, 7, 2000)
     angle = rolling_contact(disc(centre, r), pivot, arm, rho, sense(pivot, arm)).angle(theta)
     reached = ~np.isnan(angle)
@@ -165,7 +178,9 @@ def star(seed: int, count: int, noise: float) -> np.ndarray:
     arm=st.sampled_from([-60 + 30j, -60 - 30j, -40 + 20j, -75 - 50j]),
     bearing=st.floats(-3.1, 3.1),
 )
-def test_noisy_polygons_against_the_trace(seed: int, count: int, noise: float, rho: float, arm: complex, bearing: float) -> None:
+def test_noisy_polygons_against_the_trace(
+    seed: int, count: int, noise: float, rho: float, arm: complex, bearing: float
+) -> None:
     """Concave corners, edges past 90 deg of pressure angle, knife edges: the first touch, to EXACT."""
     z, turn = star(seed, count, noise), np.exp(1j * bearing)
     pivot, arm = 60 * turn, arm * turn
@@ -212,7 +227,9 @@ def test_turning_part_and_ground_together(seed: int) -> None:
     pivot, arm, theta = 60 + 5j, -60 + 20j, rng.uniform(-100, 100, 200)
     here = rolling_contact(polygon(z), pivot, arm, 1.5, -1).touch(theta)
     turn = np.exp(1j * g)
-    there = rolling_contact(polygon(z * np.exp(1j * t)), pivot * turn, arm * turn, 1.5, -1).touch(theta - t + g)
+    there = rolling_contact(polygon(z * np.exp(1j * t)), pivot * turn, arm * turn, 1.5, -1).touch(
+        theta - t + g
+    )
     off = np.abs(here.angle - there.angle) * np.cos(here.pressure_angle)
     assert np.nanmax(off) < 1e-11
 
@@ -242,12 +259,18 @@ def test_no_gap_at_the_ends_of_the_intervals(rho: float) -> None:
     Where the tip drops off a point, either side of the drop is right.
     """
     z = star(5, 80, 0.5)
-    table = rolling_contact(polygon(z), 60 + 0j, -60 + 30j, rho, -1)  # pivot on Ox, arm above: theta is used as it is
+    table = rolling_contact(
+        polygon(z), 60 + 0j, -60 + 30j, rho, -1
+    )  # pivot on Ox, arm above: theta is used as it is
     bounds = table.breaks[:-1]
-    near = np.concatenate([bounds, np.nextafter(bounds, -1), np.nextafter(bounds, 9), bounds + 1e-12, bounds - 1e-12])
+    near = np.concatenate(
+        [bounds, np.nextafter(bounds, -1), np.nextafter(bounds, 9), bounds + 1e-12, bounds - 1e-12]
+    )
     touch = table.touch(near)
     traces = [trace(z, 60 + 0j, -60 + 30j, rho, -1, near + step) for step in (-3e-12, 0, 3e-12)]
-    off = np.min([np.abs(touch.angle - slow) for slow in traces], axis=0) * np.cos(touch.pressure_angle)
+    off = np.min([np.abs(touch.angle - slow) for slow in traces], axis=0) * np.cos(
+        touch.pressure_angle
+    )
     assert np.max(off) * 67 < EXACT
 
 
@@ -263,7 +286,13 @@ def test_no_gap_at_the_ends_of_the_intervals(rho: float) -> None:
     ],
 )
 def test_setups_that_make_no_sense(change: dict[str, object], words: str) -> None:
-    setup = {"ring": disc(0, 20.0), "pivot": 60 + 0j, "arm": -60 + 30j, "tip_radius": 3.0, "leaves": -1}
+    setup = {
+        "ring": disc(0, 20.0),
+        "pivot": 60 + 0j,
+        "arm": -60 + 30j,
+        "tip_radius": 3.0,
+        "leaves": -1,
+    }
     with pytest.raises(ValueError, match=words):
         rolling_contact(**(setup | change))  # type: ignore[arg-type]
 
@@ -284,7 +313,9 @@ def test_a_moved_vertex_is_seen() -> None:
 
 
 @pytest.mark.parametrize("size", [0.1, 1.0, 100.0])
-@pytest.mark.parametrize(("radius", "eccentricity", "roller"), [(20.0, 5.0, 3.0), (20.0, 1.5, 0.0), (12.0, 11.0, 40.0)])
+@pytest.mark.parametrize(
+    ("radius", "eccentricity", "roller"), [(20.0, 5.0, 3.0), (20.0, 1.5, 0.0), (12.0, 11.0, 40.0)]
+)
 @pytest.mark.parametrize("leaves", [1, -1])
 def test_in_line_tip_on_an_off_centre_disc_is_a_slider_crank(
     size: float, radius: float, eccentricity: float, roller: float, leaves: int
@@ -301,7 +332,9 @@ def test_in_line_tip_on_an_off_centre_disc_is_a_slider_crank(
         np.testing.assert_allclose(touch.pressure_angle, -normal, atol=1e-12)
 
 
-def marched(z: np.ndarray, start: complex, ahead: complex, rho: float, theta: np.ndarray) -> np.ndarray:
+def marched(
+    z: np.ndarray, start: complex, ahead: complex, rho: float, theta: np.ndarray
+) -> np.ndarray:
     """Way of a tip along `ahead` from `start` at first touch, by steps that can never pass through, from 80 mm off."""
     x, todo = np.full(len(theta), 80.0), np.arange(len(theta))
     for _ in range(6000):
@@ -322,14 +355,18 @@ def marched(z: np.ndarray, start: complex, ahead: complex, rho: float, theta: np
     bearing=st.floats(-3.1, 3.1),
     leaves=st.sampled_from([1, -1]),
 )
-def test_slides_on_noisy_polygons(seed: int, noise: float, rho: float, aside: float, bearing: float, leaves: int) -> None:
+def test_slides_on_noisy_polygons(
+    seed: int, noise: float, rho: float, aside: float, bearing: float, leaves: int
+) -> None:
     """First touch of a sliding tip against the march, of faces against the highest vertex; place and pressure too."""
     z, along = star(seed, 40, noise), np.exp(1j * bearing)
     start, ahead = along * (2 + 1j * aside), leaves * along
     theta = np.random.default_rng(seed).uniform(-9, 9, 40)
     touch = contact(polygon(z), SlideTip(start, along, rho, leaves)).touch(theta)
     x = marched(z, start, ahead, rho, theta)
-    before = np.real((start + ahead * x) * np.conj(ahead)) > 0  # past the axis a tip would come out on the other side
+    before = (
+        np.real((start + ahead * x) * np.conj(ahead)) > 0
+    )  # past the axis a tip would come out on the other side
     off = np.abs(leaves * x - touch.angle)[before] * np.cos(touch.pressure_angle[before])
     assert np.max(off, initial=0) < EXACT
 
@@ -338,7 +375,10 @@ def test_slides_on_noisy_polygons(seed: int, noise: float, rho: float, aside: fl
     heights = np.real((ground - start) * np.conj(ahead))
     assert np.max(np.abs(leaves * np.max(heights, axis=1) - face.angle)) < 1e-12
     k = np.argmax(heights, axis=1)
-    assert np.max(np.abs(np.imag((ground[np.arange(40), k] - start) * np.conj(ahead)) - face.place)) < 1e-9
+    assert (
+        np.max(np.abs(np.imag((ground[np.arange(40), k] - start) * np.conj(ahead)) - face.place))
+        < 1e-9
+    )
 
 
 @settings(max_examples=40)
@@ -349,12 +389,16 @@ def test_slides_on_noisy_polygons(seed: int, noise: float, rho: float, aside: fl
     bearing=st.floats(-3.1, 3.1),
     leaves=st.sampled_from([1, -1]),
 )
-def test_a_swinging_face_on_noisy_polygons(seed: int, noise: float, ahead: float, bearing: float, leaves: int) -> None:
+def test_a_swinging_face_on_noisy_polygons(
+    seed: int, noise: float, ahead: float, bearing: float, leaves: int
+) -> None:
     """Tangent from each vertex by the triangle at the pivot; the first that the face meets; contact normal by definition."""
     z, pivot = star(seed, 40, noise), 70 * np.exp(1j * bearing)
     facing = pivot / 70 * np.exp(-1.2j * leaves)
     theta = np.random.default_rng(seed).uniform(-9, 9, 40)
-    touch = contact(polygon(z), ArmFace(complex(pivot), complex(facing), ahead, leaves)).touch(theta)
+    touch = contact(polygon(z), ArmFace(complex(pivot), complex(facing), ahead, leaves)).touch(
+        theta
+    )
     ground = z[None] * np.exp(1j * theta[:, None])
     spoke = (ground - pivot) / facing
     met = np.angle(spoke * np.exp(1j * leaves * np.arccos(ahead / np.abs(spoke))))
@@ -364,7 +408,10 @@ def test_a_swinging_face_on_noisy_polygons(seed: int, noise: float, ahead: float
     assert np.max(np.abs(deepest - ahead)) < EXACT
     at = ground[np.arange(40), np.argmax(leaves * met, axis=1)]
     assert np.max(np.abs(np.imag(np.conj(normal) * (at - pivot)) - touch.place)) < 1e-9
-    assert np.max(np.abs(np.angle(normal / (1j * leaves * (at - pivot))) - touch.pressure_angle)) < 1e-9
+    assert (
+        np.max(np.abs(np.angle(normal / (1j * leaves * (at - pivot))) - touch.pressure_angle))
+        < 1e-9
+    )
 
 
 @settings(max_examples=60, deadline=None)
@@ -387,16 +434,22 @@ def test_a_face_comes_down_on_a_part_that_reaches_past_its_pivot(
     turns = (np.arange(count) + rng.uniform(0, 0.9, count)) * (2 * np.pi / count)
     corners = hull(rng.uniform(2, 20, count) * np.exp(1j * turns))
     theta, down = rng.uniform(-9, 9, 60), np.linspace(0, np.pi, 4001)
-    found = contact(rounded(corners, radius), ArmFace(far + 0j, complex(np.exp(-1.2j * leaves)), ahead, leaves)).angle(theta)
+    found = contact(
+        rounded(corners, radius), ArmFace(far + 0j, complex(np.exp(-1.2j * leaves)), ahead, leaves)
+    ).angle(theta)
     ways = theta[:, None, None] + leaves * down[:, None]  # of corners against the face's normal
-    room = far * np.cos(down) + ahead - np.max(np.real(corners * np.exp(1j * ways)), axis=2) - radius
+    room = (
+        far * np.cos(down) + ahead - np.max(np.real(corners * np.exp(1j * ways)), axis=2) - radius
+    )
     met = np.argmax(room <= 0, axis=1)
     none = (room[:, 0] <= 0) | np.all(room > 0, axis=1)
     assert np.array_equal(np.isnan(found), none)
     k = np.flatnonzero(~none)
     before, after = room[k, met[k] - 1], room[k, met[k]]
     wanted = down[met[k]] + (down[1] - down[0]) * after / (before - after)
-    assert np.max(np.abs(leaves * found[k] - (1.2 - wanted)), initial=0) < 2e-3  # on a grid: less where it does not graze
+    assert (
+        np.max(np.abs(leaves * found[k] - (1.2 - wanted)), initial=0) < 2e-3
+    )  # on a grid: less where it does not graze
 
 
 def hull(points: np.ndarray) -> np.ndarray:
@@ -413,17 +466,27 @@ def hull(points: np.ndarray) -> np.ndarray:
     far=st.floats(45, 70),
     leaves=st.sampled_from([1, -1]),
 )
-def test_noses_that_a_tip_grazes(seed: int, count: int, radius: float, rho: float, far: float, leaves: int) -> None:
+def test_noses_that_a_tip_grazes(
+    seed: int, count: int, radius: float, rho: float, far: float, leaves: int
+) -> None:
     """Discs round slim polygons, met by tips on an arm and on a slide until they pass by: as if the tip were larger by them."""
     rng = np.random.default_rng(seed)
-    corners = hull(rng.uniform(4, 22, count) * np.exp(1j * (np.arange(count) + rng.uniform(0, 0.9, count)) * 2 * np.pi / count))
+    corners = hull(
+        rng.uniform(4, 22, count)
+        * np.exp(1j * (np.arange(count) + rng.uniform(0, 0.9, count)) * 2 * np.pi / count)
+    )
     ring = rounded(corners, radius)
     if distance(corners, np.zeros(1, complex))[0] > 0:
         ring, corners = ring.moved(shift=-ring.centroid), corners - ring.centroid
     theta = rng.uniform(-9, 9, 60)
     pivot = far * np.exp(1j * rng.uniform(-3, 3))
     arm = pivot * np.exp(1j * (np.pi + leaves * rng.uniform(0.3, 1.2))) * rng.uniform(0.7, 1.05)
-    agree(rolling_contact(ring, complex(pivot), complex(arm), rho, leaves), corners, radius + rho, theta)
+    agree(
+        rolling_contact(ring, complex(pivot), complex(arm), rho, leaves),
+        corners,
+        radius + rho,
+        theta,
+    )
     along = np.exp(1j * rng.uniform(-3, 3))
     start, ahead = along * complex(2, rng.uniform(-12, 12)), leaves * along
     touch = contact(ring, SlideTip(complex(start), complex(along), rho, leaves)).touch(theta)
@@ -458,7 +521,9 @@ def test_the_vertex_with_which_a_ring_begins_says_nothing(
         SlideFace(1j, 1j, 1),
     ]
     for form in forms:
-        np.testing.assert_allclose(contact(rolled, form).angle(theta), contact(ring, form).angle(theta), atol=1e-12)
+        np.testing.assert_allclose(
+            contact(rolled, form).angle(theta), contact(ring, form).angle(theta), atol=1e-12
+        )
 
 
 @settings(max_examples=60, deadline=None)
@@ -471,8 +536,12 @@ def test_the_vertex_with_which_a_ring_begins_says_nothing(
     bearing=st.floats(-3.1, 3.1),
     leaves=st.sampled_from([1, -1]),
 )
-@example(seed=285, count=3, radius=0.5, far=14, ahead=0, bearing=0, leaves=1)  # a corner that is farther off than the pivot
-@example(seed=0, count=3, radius=0.5, far=14, ahead=18, bearing=1, leaves=1)  # a face that would meet it after half a turn
+@example(
+    seed=285, count=3, radius=0.5, far=14, ahead=0, bearing=0, leaves=1
+)  # a corner that is farther off than the pivot
+@example(
+    seed=0, count=3, radius=0.5, far=14, ahead=18, bearing=1, leaves=1
+)  # a face that would meet it after half a turn
 def test_a_swinging_face_comes_down_on_what_is_beside_its_pivot(
     seed: int, count: int, radius: float, far: float, ahead: float, bearing: float, leaves: int
 ) -> None:
@@ -492,26 +561,45 @@ def test_a_swinging_face_comes_down_on_what_is_beside_its_pivot(
     def over(nu: np.ndarray, k: np.ndarray) -> np.ndarray:
         """How far the part reaches over the face, which faces nu from the pivot's direction; (steps, angles)."""
         normal = np.exp(1j * (bearing + leaves * nu))
-        reach = np.real(corners[:, None, None] * np.exp(1j * theta[k]) * np.conj(normal)).max(axis=0) + radius
+        reach = (
+            np.real(corners[:, None, None] * np.exp(1j * theta[k]) * np.conj(normal)).max(axis=0)
+            + radius
+        )
         return np.asarray(reach - ahead - far * np.cos(nu))
 
     nu = np.linspace(0, -np.pi, 2001)[:, None] + np.zeros(len(theta))
     gaps = over(nu, np.arange(len(theta)))
     blocked, meets = gaps[0] >= 0, (gaps >= 0).any(axis=0)
     first = np.argmax(gaps >= 0, axis=0)
-    grazes = np.array([np.sort(-gaps[: max(first[k], 1), k])[0] < 1e-2 and first[k] > 3 and
-                       np.max(gaps[: first[k] - 2, k]) > -1e-2 for k in range(len(theta))])  # fmt: skip
+    grazes = np.array(
+        [
+            np.sort(-gaps[: max(first[k], 1), k])[0] < 1e-2
+            and first[k] > 3
+            and np.max(gaps[: first[k] - 2, k]) > -1e-2
+            for k in range(len(theta))
+        ]
+    )
     assert np.isnan(touch.angle[(blocked | ~meets) & ~grazes]).all()
     sure = np.flatnonzero(~blocked & meets & ~grazes)
     low, high = nu[first[sure] - 1, sure], nu[first[sure], sure]
     for _ in range(50):
         middle = (low + high) / 2
-        low, high = np.where(over(middle, sure) < 0, middle, low), np.where(over(middle, sure) < 0, high, middle)
+        low, high = (
+            np.where(over(middle, sure) < 0, middle, low),
+            np.where(over(middle, sure) < 0, high, middle),
+        )
     met = np.exp(1j * (bearing + leaves * low))
-    assert np.max(np.abs(np.angle(met / (facing * np.exp(1j * touch.angle[sure])))), initial=0) < 1e-9
+    assert (
+        np.max(np.abs(np.angle(met / (facing * np.exp(1j * touch.angle[sure])))), initial=0) < 1e-9
+    )
     ground = corners[:, None] * np.exp(1j * theta[sure])
-    at = ground[np.argmax(np.real(ground * np.conj(met)), axis=0), np.arange(len(sure))] + radius * met
-    assert np.max(np.abs(np.imag(np.conj(met) * (at - pivot)) - touch.place[sure]), initial=0) < 1e-6
+    at = (
+        ground[np.argmax(np.real(ground * np.conj(met)), axis=0), np.arange(len(sure))]
+        + radius * met
+    )
+    assert (
+        np.max(np.abs(np.imag(np.conj(met) * (at - pivot)) - touch.place[sure]), initial=0) < 1e-6
+    )
 
 
 def test_arcs_under_a_face_are_discs() -> None:
@@ -522,7 +610,11 @@ def test_arcs_under_a_face_are_discs() -> None:
     np.testing.assert_allclose(slide, np.imag(e * np.exp(1j * theta)) + a - 3, atol=1e-13)
     arm = contact(ring, ArmFace(70 + 0j, complex(np.exp(-1.2j)), 4.0, 1)).angle(theta)
     spoke = e * np.exp(1j * theta) - 70
-    np.testing.assert_allclose(arm, np.angle(spoke * np.exp(1.2j) * np.exp(1j * np.arccos((4 - a) / np.abs(spoke)))), atol=1e-13)
+    np.testing.assert_allclose(
+        arm,
+        np.angle(spoke * np.exp(1.2j) * np.exp(1j * np.arccos((4 - a) / np.abs(spoke)))),
+        atol=1e-13,
+    )
 
 
 @pytest.mark.parametrize("rho", [0.5, 3.0, 6.0])
@@ -558,7 +650,10 @@ def test_the_wall_of_a_groove_from_within(rho: float, seed: int, leaves: int) ->
     touch = contact(hole, ArmTip(pivot, arm, rho, leaves, True)).touch(theta)
     rest = float(np.angle(-pivot / arm))
     x = outwards(lambda x: pivot + arm * np.exp(1j * (rest + leaves * x)), abs(arm))
-    assert np.max(np.abs(rest + leaves * x - touch.angle) * np.cos(touch.pressure_angle)) * abs(arm) < 1e-8
+    assert (
+        np.max(np.abs(rest + leaves * x - touch.angle) * np.cos(touch.pressure_angle)) * abs(arm)
+        < 1e-8
+    )
 
 
 @pytest.mark.parametrize("size", [1e-3, 0.1])
@@ -593,13 +688,20 @@ def test_slides_and_faces_that_make_no_sense(make: object) -> None:
 
 
 @pytest.mark.parametrize(
-    "form", [SlideTip(2 + 0j, 1j, 3.0, 1), SlideFace(0j, 1j, 1), ArmFace(70 + 0j, complex(np.exp(-1.2j)), 0.0, 1)]
+    "form",
+    [
+        SlideTip(2 + 0j, 1j, 3.0, 1),
+        SlideFace(0j, 1j, 1),
+        ArmFace(70 + 0j, complex(np.exp(-1.2j)), 0.0, 1),
+    ],
 )
 def test_a_moved_vertex_is_felt_by_every_follower(form: Form) -> None:
     z = 25 * np.exp(2j * np.pi * np.arange(200) / 200)
     theta = np.linspace(0, 2 * np.pi, 4000, endpoint=False)
     good = contact(polygon(z), form).angle(theta)
     z[70] *= 1 + 1e-3 / 25
-    moved = np.abs(contact(polygon(z), form).angle(theta) - good) * (66 if isinstance(form, ArmFace) else 1)
+    moved = np.abs(contact(polygon(z), form).angle(theta) - good) * (
+        66 if isinstance(form, ArmFace) else 1
+    )
     assert 0.9e-3 < moved.max() < 1.2e-3
     assert np.mean(moved > 1e-9) < 0.02

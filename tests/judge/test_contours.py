@@ -43,11 +43,21 @@ MACHINES = {
     "eccentric": ("eccentric-drive", ()),
     "groove": ("disc-cam", ('geometry.closure="groove"', "parts.hub_height=0")),
     "swing": ("uniform-swing", ("frame.tip='plate'",)),
-    "foot": ("disc-cam", ("print.elephant_foot=0.3", "print.hole_compensation=0.1", "print.profile_compensation=0.12")),
-    "grown holes": ("uniform-swing", ("parts.make='cams'", "print.hole_compensation=0.1", "print.shrinkage=0.004")),
+    "foot": (
+        "disc-cam",
+        (
+            "print.elephant_foot=0.3",
+            "print.hole_compensation=0.1",
+            "print.profile_compensation=0.12",
+        ),
+    ),
+    "grown holes": (
+        "uniform-swing",
+        ("parts.make='cams'", "print.hole_compensation=0.1", "print.shrinkage=0.004"),
+    ),
     "looper": ("chain-stitch-looper", ()),
     "knife": ("disc-cam", ('geometry.follower={motion="translating",shape="knife"}',)),
-}  # fmt: skip
+}
 Face = shapely.Polygon
 Damage = Callable[[Face], Face]
 
@@ -72,13 +82,18 @@ def face_of(region: Region) -> Face:
 
 
 def region_of(face: Face) -> Region:
-    rings = [polygon([complex(*z) for z in ring.coords[:-1]]) for ring in (face.exterior, *face.interiors)]
+    rings = [
+        polygon([complex(*z) for z in ring.coords[:-1]])
+        for ring in (face.exterior, *face.interiors)
+    ]
     return Region(rings[0], tuple(rings[1:]))
 
 
 def damaged(part: Part, damage: Damage, at: Callable[[Layer], bool] = lambda layer: True) -> Part:
     """The part with the regions of those layers changed."""
-    layers = [replace(x, region=region_of(damage(face_of(x.region)))) if at(x) else x for x in part.layers]
+    layers = [
+        replace(x, region=region_of(damage(face_of(x.region)))) if at(x) else x for x in part.layers
+    ]
     return replace(part, layers=tuple(layers))
 
 
@@ -129,7 +144,9 @@ def slit(begin: complex, end: complex, width: float, void: float = 0.0) -> Damag
     """A cut between two places, square at its ends, and a round void at its end."""
 
     def damage(face: Face) -> Face:
-        line = shapely.LineString(corners(np.array([begin, end]))).buffer(width / 2, cap_style="flat")
+        line = shapely.LineString(corners(np.array([begin, end]))).buffer(
+            width / 2, cap_style="flat"
+        )
         return face.difference(shapely.union_all([line, disc(end, void)]) if void else line)
 
     return damage
@@ -137,11 +154,25 @@ def slit(begin: complex, end: complex, width: float, void: float = 0.0) -> Damag
 
 @pytest.mark.parametrize("kind", ["dxf", "stl"])
 @pytest.mark.parametrize(
-    ("name", "part"), [("take-up", "frame"), ("eccentric", "disc"), ("groove", "outer"), ("groove", "inner"),
-                       ("swing", "frame"), ("foot", "cam"), ("grown holes", "cam"), ("looper", "upper-spreader")],
-)  # fmt: skip
+    ("name", "part"),
+    [
+        ("take-up", "frame"),
+        ("eccentric", "disc"),
+        ("groove", "outer"),
+        ("groove", "inner"),
+        ("swing", "frame"),
+        ("foot", "cam"),
+        ("grown holes", "cam"),
+        ("looper", "upper-spreader"),
+    ],
+)
 def test_sound_parts_pass(name: str, part: str, kind: str, tmp_path: Path) -> None:
-    assert failing(name, part, kind, part_of(name, part) if kind == "dxf" else sent(name, part), tmp_path) == set()
+    assert (
+        failing(
+            name, part, kind, part_of(name, part) if kind == "dxf" else sent(name, part), tmp_path
+        )
+        == set()
+    )
 
 
 @pytest.mark.parametrize("kind", ["dxf", "stl"])
@@ -152,17 +183,35 @@ def test_sound_parts_pass(name: str, part: str, kind: str, tmp_path: Path) -> No
         pytest.param("take-up", "frame", dented(40 + 14j, -0.3j), id="a corner of a hole outwards"),
         pytest.param("take-up", "frame", dented(40 + 14j, 0.3j), id="a corner of a hole inwards"),
         pytest.param("take-up", "output-crank", dented(30 + 1.75j, 0.1j), id="a dent in a joint"),
-        pytest.param("groove", "outer", lambda face: larger(face), id="a groove plate 5 mm too wide"),
+        pytest.param(
+            "groove", "outer", lambda face: larger(face), id="a groove plate 5 mm too wide"
+        ),
         pytest.param("groove", "outer", slit(-80 + 1j, -47 + 1j, 0.12), id="a slit"),
-        pytest.param("groove", "outer", slit(-80 + 1j, -47 + 1j, 0.12, 3.0), id="a slit that opens into a void"),
-        pytest.param("groove", "inner", slit(40 + 2j, 20 + 2j, 0.12), id="a slit in the groove's inner wall"),
-        pytest.param("groove", "inner", slit(-60 + 5j, -14 + 5j, 0.12, 2.0), id="a slit in a rolled part that opens into a void"),
+        pytest.param(
+            "groove",
+            "outer",
+            slit(-80 + 1j, -47 + 1j, 0.12, 3.0),
+            id="a slit that opens into a void",
+        ),
+        pytest.param(
+            "groove", "inner", slit(40 + 2j, 20 + 2j, 0.12), id="a slit in the groove's inner wall"
+        ),
+        pytest.param(
+            "groove",
+            "inner",
+            slit(-60 + 5j, -14 + 5j, 0.12, 2.0),
+            id="a slit in a rolled part that opens into a void",
+        ),
         pytest.param("swing", "frame", lambda face: gouged(face), id="a gouge in the rolling tip"),
     ],
-)  # fmt: skip
-def test_a_damaged_contour_is_told(name: str, part: str, damage: Damage, kind: str, tmp_path: Path) -> None:
+)
+def test_a_damaged_contour_is_told(
+    name: str, part: str, damage: Damage, kind: str, tmp_path: Path
+) -> None:
     made = damaged(part_of(name, part), damage)
-    assert abs(made.region.area - damaged(part_of(name, part), lambda face: face).region.area) > 1e-3
+    assert (
+        abs(made.region.area - damaged(part_of(name, part), lambda face: face).region.area) > 1e-3
+    )
     assert "ROUND_TRIP" in failing(name, part, kind, made, tmp_path)
 
 
@@ -173,7 +222,11 @@ def larger(face: Face) -> Face:
 
 def gouged(face: Face) -> Face:
     """1 mm deep in the middle of the frame's tip, which still touches the cam beside it."""
-    tip = next(c.own.tip for c in machine("swing").features() if isinstance(c, CamOutline) and c.own is not None)
+    tip = next(
+        c.own.tip
+        for c in machine("swing").features()
+        if isinstance(c, CamOutline) and c.own is not None
+    )
     return face.difference(disc(tip.at + 0.5j * tip.diameter, 1.0))
 
 
@@ -197,7 +250,9 @@ def test_a_bore_that_is_aside_in_the_hub_alone_is_told(tmp_path: Path) -> None:
     assert failing("foot", "cam", "stl", made, tmp_path) == {"ROUND_TRIP"}
 
 
-@pytest.mark.parametrize("damage", [lambda f: f.buffer(2.6), lambda f: f.buffer(0.2), widened(0j, 9)])
+@pytest.mark.parametrize(
+    "damage", [lambda f: f.buffer(2.6), lambda f: f.buffer(0.2), widened(0j, 9)]
+)
 def test_a_wrong_chamfer_is_told(damage: Damage, tmp_path: Path) -> None:
     """An edge far beyond the outline, hardly a chamfer, and a bore that is chamfered too far, below the chamfer's top alone."""
     whole = sent("foot", "cam")
@@ -210,7 +265,11 @@ def test_a_chamfer_that_is_hardly_one_is_told(tmp_path: Path) -> None:
     """Its steps stand at the right heights, and no check but that of contours sees them."""
     whole = sent("foot", "cam")
     full = face_of(next(layer.region for layer in whole.layers if layer.z0 > 0.29))
-    steps = [replace(x, region=region_of(full.buffer(-0.02 + 0.01 * k))) for k, x in enumerate(whole.layers) if x.z1 < 0.31]
+    steps = [
+        replace(x, region=region_of(full.buffer(-0.02 + 0.01 * k)))
+        for k, x in enumerate(whole.layers)
+        if x.z1 < 0.31
+    ]
     made = replace(whole, layers=(*steps, *whole.layers[len(steps) :]))
     assert len(steps) == 2 and failing("foot", "cam", "stl", made, tmp_path) >= {"ROUND_TRIP"}
 
@@ -242,11 +301,19 @@ def test_a_notch_between_the_usual_heights_is_told(tmp_path: Path) -> None:
     mechanism, part = machine("looper"), part_of("looper", "upper-spreader")
     tolerance, whole = mechanism.accuracy.chord_tolerance, replace(part, edges=())
     assert whole.crossed is not None
-    face = shapely.Polygon([(z.real, z.imag) for z in facet_contour(whole.crossed.outer, tolerance)])
-    for notched in (face, face.difference(shapely.box(face.bounds[2] - 2, 3.95, face.bounds[2] + 1, 4.15))):
+    face = shapely.Polygon(
+        [(z.real, z.imag) for z in facet_contour(whole.crossed.outer, tolerance)]
+    )
+    for notched in (
+        face,
+        face.difference(shapely.box(face.bounds[2] - 2, 3.95, face.bounds[2] + 1, 4.15)),
+    ):
         made = replace(whole, crossed=region_of(notched))
         write_stl(tmp_path / "x.stl", solid(made, tolerance), "x")
-        judged = judge_mesh(tmp_path / "x.stl", replace(expected(whole, tolerance, mechanism.features()), volume=made.volume))
+        judged = judge_mesh(
+            tmp_path / "x.stl",
+            replace(expected(whole, tolerance, mechanism.features()), volume=made.volume),
+        )
         told = {finding.code for finding in judged.findings if not finding.ok}
         assert told == ({"ROUND_TRIP"} if notched is not face else set())
 
@@ -254,9 +321,17 @@ def test_a_notch_between_the_usual_heights_is_told(tmp_path: Path) -> None:
 def test_a_slit_whose_corners_all_lie_on_the_outline_is_told(tmp_path: Path) -> None:
     """1 um wide, from side to side but for 1 um at its end: each of its corners is on the outline, and its area is nothing."""
     square = shapely.box(-5, -5, 5, 5)
-    plate = replace(part_of("groove", "back"), layers=(Layer(region_of(square), 0.0, 3.0),), bore=None, min_wall=0.0)
+    plate = replace(
+        part_of("groove", "back"),
+        layers=(Layer(region_of(square), 0.0, 3.0),),
+        bore=None,
+        min_wall=0.0,
+    )
     path = tmp_path / "x.dxf"
-    for face, codes in ((square, set()), (square.difference(shapely.box(-6, -1, 4.999, -0.999)), {"ROUND_TRIP"})):
+    for face, codes in (
+        (square, set()),
+        (square.difference(shapely.box(-6, -1, 4.999, -0.999)), {"ROUND_TRIP"}),
+    ):
         write_dxf(path, region_of(face), (), 0.001, "lines")
         judged = judge_drawing(path, expected(plate, 0.001))
         assert {finding.code for finding in judged.findings if not finding.ok} == codes
@@ -273,7 +348,9 @@ def test_a_spike_between_the_judged_angles_is_told() -> None:
     theta = judged_angles()
     gap = int(np.argmax(np.diff(theta)))
     assert math.degrees(theta[gap + 1] - theta[gap]) > 0.04
-    where = math.pi / 2 - (theta[gap] + theta[gap + 1]) / 2  # the follower slides along Oy, its line through the shaft
+    where = (
+        math.pi / 2 - (theta[gap] + theta[gap + 1]) / 2
+    )  # the follower slides along Oy, its line through the shaft
     half, ray = math.radians(0.015), np.exp(1j * np.angle(ring))
 
     def at(angle: float) -> complex:
@@ -287,13 +364,26 @@ def test_a_spike_between_the_judged_angles_is_told() -> None:
     kept = ring[np.abs(turned) > half]
     order = np.argsort(np.angle(kept * np.exp(-1j * (where + math.pi))))
     top = at(where)
-    spiked = np.concatenate([kept[order], [at(where - half), top * (1 + 1 / abs(top)), at(where + half)]])
+    spiked = np.concatenate(
+        [kept[order], [at(where - half), top * (1 + 1 / abs(top)), at(where + half)]]
+    )
     spiked = spiked[np.argsort(np.angle(spiked * np.exp(-1j * where)) % math.tau)]
     for points, told in ((kept[order], False), (spiked, True)):
         shape = Shape(Ring(points, np.zeros(len(points))).counter_clockwise(), ())
-        features = [replace(each, bore=None) for each in mechanism.features() if isinstance(each, CamOutline)]
+        features = [
+            replace(each, bore=None)
+            for each in mechanism.features()
+            if isinstance(each, CamOutline)
+        ]
         findings = judge_machine(
-            "dxf", "x.dxf", {"cam": [[shape]]}, mechanism.model, features, mechanism.mounts(), theta, tolerance
+            "dxf",
+            "x.dxf",
+            {"cam": [[shape]]},
+            mechanism.model,
+            features,
+            mechanism.mounts(),
+            theta,
+            tolerance,
         ).findings
         assert (not findings[0].ok) is told and findings[0].code == "MOTION_ERROR"
     assert findings[0].measured == pytest.approx(1.0, abs=0.01)
@@ -304,10 +394,14 @@ def test_a_spike_between_the_judged_angles_is_told() -> None:
 
 @settings(max_examples=30)
 @given(
-    steps=st.lists(st.floats(0.3, 1.2), min_size=4, max_size=9), by=st.complex_numbers(max_magnitude=0.3),
-    dent=st.complex_numbers(max_magnitude=3), start=st.integers(0, 9),
-)  # fmt: skip
-def test_contours_are_apart_by_the_largest_distance(steps: list[float], by: complex, dent: complex, start: int) -> None:
+    steps=st.lists(st.floats(0.3, 1.2), min_size=4, max_size=9),
+    by=st.complex_numbers(max_magnitude=0.3),
+    dent=st.complex_numbers(max_magnitude=3),
+    start=st.integers(0, 9),
+)
+def test_contours_are_apart_by_the_largest_distance(
+    steps: list[float], by: complex, dent: complex, start: int
+) -> None:
     """A polygon shifted, one corner dented, and begun elsewhere: as far as shapely's Hausdorff distance tells, from points a
     quarter of a millimetre apart."""
     phi = 2 * math.pi * np.cumsum(steps) / sum(steps)
@@ -315,7 +409,11 @@ def test_contours_are_apart_by_the_largest_distance(steps: list[float], by: comp
     z = meant.points + by
     z[1] += dent
     z = np.roll(z, start % len(z))
-    apart = float(shapely.hausdorff_distance(*(shapely.LinearRing(corners(np.append(p, p[0]))) for p in (z, meant.points)), 0.01))
+    apart = float(
+        shapely.hausdorff_distance(
+            *(shapely.LinearRing(corners(np.append(p, p[0]))) for p in (z, meant.points)), 0.01
+        )
+    )
     found = contour_error(polygon_ring(z), meant, 1e-3)
     assert apart - 0.15 <= found <= apart + 1e-9
 
@@ -324,7 +422,9 @@ def test_contours_are_apart_by_the_largest_distance(steps: list[float], by: comp
 def test_contours_of_the_same_vertices_are_apart_by_them(size: float, off: float) -> None:
     """Arcs too: a disc that is larger by a hair, and one whose area alone tells."""
     arcs = Ring(np.array([9, -9 + 0j]), np.ones(2))
-    assert contour_error(Ring(arcs.points * (1 + size / 9), arcs.bulges), arcs, 1e-3) == pytest.approx(off, rel=0.01)
+    assert contour_error(
+        Ring(arcs.points * (1 + size / 9), arcs.bulges), arcs, 1e-3
+    ) == pytest.approx(off, rel=0.01)
     wider = Ring(arcs.points, arcs.bulges * (1 + size))
     grown = abs(wider.area - arcs.area) / arcs.length
     assert contour_error(wider, arcs, 1e-3) >= grown * (1 - 1e-9) > 0
@@ -333,14 +433,20 @@ def test_contours_of_the_same_vertices_are_apart_by_them(size: float, off: float
 def test_a_contour_turned_by_half_a_turn_is_another_one() -> None:
     """About the origin, vertex by vertex: the corner of an L is as far from the other's edges as its notch is deep."""
     shape = np.array([-10 - 10j, 10 - 10j, 10 + 0j, 4 + 0j, 4 + 10j, -10 + 10j])
-    assert contour_error(polygon_ring(-shape), polygon_ring(shape), 1e-3) == pytest.approx(6.0, abs=1e-9)
+    assert contour_error(polygon_ring(-shape), polygon_ring(shape), 1e-3) == pytest.approx(
+        6.0, abs=1e-9
+    )
 
 
 def test_a_slit_between_vertices_is_found() -> None:
     """0.3 mm wide and 8 mm deep, in the middle of a side of 400 mm that has no other vertex: one way only its ends tell."""
     meant = polygon_ring(np.array([0, 400, 400 + 60j, 60j]))
-    slit = np.array([0, 200 - 0.15, 200 - 0.15 + 8j, 200 + 0.15 + 8j, 200 + 0.15, 400, 400 + 60j, 60j])
+    slit = np.array(
+        [0, 200 - 0.15, 200 - 0.15 + 8j, 200 + 0.15 + 8j, 200 + 0.15, 400, 400 + 60j, 60j]
+    )
     for one, other in ((polygon_ring(slit), meant), (meant, polygon_ring(slit))):
         assert contour_error(one, other, 1e-3) == pytest.approx(8.0, abs=0.02)
-    thin = np.array([0, 400, 400 + 60j, 300 + 60j, 300 + 60.2j, 100 + 60.2j, 100 + 60j, 60j])  # a step of 0.2 mm along a side
+    thin = np.array(
+        [0, 400, 400 + 60j, 300 + 60j, 300 + 60.2j, 100 + 60.2j, 100 + 60j, 60j]
+    )  # a step of 0.2 mm along a side
     assert contour_error(polygon_ring(thin), meant, 1e-3) == pytest.approx(0.2, abs=1e-9)

@@ -51,36 +51,54 @@ def damage(path: Path, part: str, eyes: Eyes, change: Change) -> None:
     else:
         package = read_3mf(path)
         meshes = package.meshes | {part: changed(package.meshes[part], eyes, change)}
-        items = [Placed(item.name, f"{item.name}-{k}", item.transform) for k, item in enumerate(package.items)]
+        items = [
+            Placed(item.name, f"{item.name}-{k}", item.transform)
+            for k, item in enumerate(package.items)
+        ]
         if len(items) == 1:
             items = [replace(items[0], name=part)]
         write_3mf(path, meshes, items, "key")
 
 
-@pytest.mark.parametrize(("kind", "spec", "part", "change", "off"), [
-    *((kind, "linkage", "coupler", lambda z: z + 0.6, 0.6) for kind in ("dxf", "stl", "3mf")),
-    ("dxf", "linkage", "ground", lambda z: z - 0.05j, 0.05),
-    ("stl", "linkage", "ground", lambda z: z - 0.05j, 0.05),
-    ("dxf", "thread-take-up", "bell-crank", lambda z: (z - 19) * TURN + 19, None),
-    ("3mf", "thread-take-up", "bell-crank", lambda z: (z - 19) * TURN + 19, None),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("kind", "spec", "part", "change", "off"),
+    [
+        *((kind, "linkage", "coupler", lambda z: z + 0.6, 0.6) for kind in ("dxf", "stl", "3mf")),
+        ("dxf", "linkage", "ground", lambda z: z - 0.05j, 0.05),
+        ("stl", "linkage", "ground", lambda z: z - 0.05j, 0.05),
+        ("dxf", "thread-take-up", "bell-crank", lambda z: (z - 19) * TURN + 19, None),
+        ("3mf", "thread-take-up", "bell-crank", lambda z: (z - 19) * TURN + 19, None),
+    ],
+)
 def test_moved_together(
-    built: Callable[..., Path], tmp_path: Path, kind: str, spec: str, part: str, change: Change, off: float | None
+    built: Callable[..., Path],
+    tmp_path: Path,
+    kind: str,
+    spec: str,
+    part: str,
+    change: Change,
+    off: float | None,
 ) -> None:
     folder = Path(shutil.copytree(built(spec), tmp_path / spec))
     eyes = eyes_of(part, mechanism_of(folder).features())
     damage(folder / f"{spec}-{part}.{kind}", part, eyes, change)
     found = [f for f in wrong(folder, kind) if f.where == f"{spec}-{part}.{kind}"]
-    assert [f.code for f in found] == ["ROUND_TRIP"] and "moved or turned together" in found[0].message
+    assert [f.code for f in found] == ["ROUND_TRIP"] and "moved or turned together" in found[
+        0
+    ].message
     if off is not None:
         assert found[0].measured == pytest.approx(off, abs=1e-5)
 
 
 @pytest.mark.parametrize("settings", [(), ("print.hole_compensation=0.1",)])
-def test_moved_together_in_the_assembly_alone(root: Path, tmp_path: Path, settings: tuple[str, ...]) -> None:
+def test_moved_together_in_the_assembly_alone(
+    root: Path, tmp_path: Path, settings: tuple[str, ...]
+) -> None:
     """Where files for the printer are compensated, the assembly's parts are judged by themselves."""
     folder = tmp_path / "linkage"
-    assert pipeline.build(root / "specs" / "linkage.toml", tmp_path, frozenset({"3mf"}), settings).ok
+    assert pipeline.build(
+        root / "specs" / "linkage.toml", tmp_path, frozenset({"3mf"}), settings
+    ).ok
     eyes = eyes_of("coupler", mechanism_of(folder).features())
     damage(folder / "linkage-assembly.3mf", "coupler", eyes, lambda z: z + 0.6)
     found = [(f.code, f.where) for f in wrong(folder, "3mf")]
@@ -92,16 +110,24 @@ def test_a_lone_hole_that_no_output_sees(tmp_path: Path) -> None:
     """The pin of a ram, moved along its way: the arm swings as ever."""
     spec = Path(__file__).resolve().parents[2] / "specs" / "quick-return.toml"
     text = spec.read_text("utf-8")
-    own = text[: text.index("[[output]]")] + '[[output]]\nname = "arm"\nlink = "arm"\n\n' + text[text.index("[limits]") :]
+    own = (
+        text[: text.index("[[output]]")]
+        + '[[output]]\nname = "arm"\nlink = "arm"\n\n'
+        + text[text.index("[limits]") :]
+    )
     (tmp_path / "spec.toml").write_text(own, "utf-8")
     assert pipeline.build(tmp_path / "spec.toml", tmp_path / "out", frozenset({"dxf"})).ok
     folder = tmp_path / "out" / "quick-return"
     damage(folder / "quick-return-ram.dxf", "ram", ((0j, 5.0),), lambda z: z + 0.6)
-    assert {(f.code, f.where) for f in wrong(folder, "dxf")} == {("ROUND_TRIP", "quick-return-ram.dxf")}
+    assert {(f.code, f.where) for f in wrong(folder, "dxf")} == {
+        ("ROUND_TRIP", "quick-return-ram.dxf")
+    }
 
 
 @pytest.mark.parametrize("kind", ["dxf", "stl", "3mf"])
-def test_the_bore_of_a_cam_is_the_motions(built: Callable[..., Path], tmp_path: Path, kind: str) -> None:
+def test_the_bore_of_a_cam_is_the_motions(
+    built: Callable[..., Path], tmp_path: Path, kind: str
+) -> None:
     """How a bore stands to the outline that a follower runs on: an error of the motion, told once."""
     folder = Path(shutil.copytree(built("disc-cam"), tmp_path / "disc-cam"))
     bore = next(part for part in mechanism_of(folder).parts() if part.name == "cam").bore

@@ -66,7 +66,9 @@ def test_eccentric_disc_and_a_wall() -> None:
 
 def test_turning_square_by_brute_force() -> None:
     square, post = box(-10 - 10j, 10 + 10j), disc(17.3 + 2j, 3)
-    c = only(swept([Body("square", slabs(square), SPIN), Body("post", slabs(post))], {}, resolution=1e-4))
+    c = only(
+        swept([Body("square", slabs(square), SPIN), Body("post", slabs(post))], {}, resolution=1e-4)
+    )
     theta = np.linspace(0, math.tau, 100_001)
     centre = (17.3 + 2j) * np.exp(-1j * theta)
     outside = np.maximum(np.abs(centre.real) - 10, 0) + 1j * np.maximum(np.abs(centre.imag) - 10, 0)
@@ -76,8 +78,13 @@ def test_turning_square_by_brute_force() -> None:
 
 def test_of_sections_at_several_heights_the_widest_counts() -> None:
     """A wall whose middle stands out, an eccentric that has a hole in its upper half: the gap is that of what stands out."""
-    wall = tuple(Slab(z, z + 2, (box(x - 50j, 40 + 50j),)) for z, x in ((0.0, 27.0), (2.0, 25.3), (4.0, 26.0)))
-    cam = Body("cam", (Slab(0.0, 3.0, (disc(5, 20),)), Slab(3.0, 6.0, (disc(5, 20), disc(9, 2)))), SPIN)
+    wall = tuple(
+        Slab(z, z + 2, (box(x - 50j, 40 + 50j),))
+        for z, x in ((0.0, 27.0), (2.0, 25.3), (4.0, 26.0))
+    )
+    cam = Body(
+        "cam", (Slab(0.0, 3.0, (disc(5, 20),)), Slab(3.0, 6.0, (disc(5, 20), disc(9, 2)))), SPIN
+    )
     alone = only(swept([cam, Body("wall", (wall[1],))], {}, 0.25))
     assert alone.proven <= 0.3 <= alone.gap + 0.005
     for slabs_of_wall in (wall, wall[::-1]):
@@ -124,20 +131,35 @@ def test_an_overlap_may_be_as_deep_as_is_allowed(allowed: float, round_: bool) -
 def test_what_is_thinner_than_it_may_overlap_says_nothing(thin: str) -> None:
     """A foil of 0.1 mm, or a needle, that goes right through what it may overlap by 0.3 mm; thicker, it is seen."""
     for width, holds in ((0.1, True), (1.0, False)):
-        wide = {"home": (width, 8.0), "guest": (8.0, width), "both": (width, width), "disc": (8.0, width)}[thin]
+        wide = {
+            "home": (width, 8.0),
+            "guest": (8.0, width),
+            "both": (width, width),
+            "disc": (8.0, width),
+        }[thin]
         home = box(complex(20, -wide[0] / 2), complex(30, wide[0] / 2))
-        guest = disc(25, wide[1] / 2, 720) if thin == "disc" else box(complex(20, -wide[1] / 2), complex(30, wide[1] / 2))
-        c = only(swept([Body("a", slabs(home)), Body("b", slabs(guest), SPIN)], {frozenset("ab"): 0.3}))
+        guest = (
+            disc(25, wide[1] / 2, 720)
+            if thin == "disc"
+            else box(complex(20, -wide[1] / 2), complex(30, wide[1] / 2))
+        )
+        c = only(
+            swept([Body("a", slabs(home)), Body("b", slabs(guest), SPIN)], {frozenset("ab"): 0.3})
+        )
         assert interference([c], 0.0)[0].ok is holds
 
 
 def test_spikes_that_meet_between_two_samples() -> None:
     """Two spikes 0.05 mm wide at radius 40 meet for under 0.15 deg; off every grid of whole degrees."""
     at = np.exp(1j * math.radians(123.4567))
-    turning = Body("rotor", slabs(ring([30 - 10j, 40 - 0.02j, 40.1, 40 + 0.02j, 30 + 10j, 0])), SPIN)
+    turning = Body(
+        "rotor", slabs(ring([30 - 10j, 40 - 0.02j, 40.1, 40 + 0.02j, 30 + 10j, 0])), SPIN
+    )
     still = ring(at * np.array([60 - 10j, 60 + 10j, 40 + 0.02j, 40 - 0.02j]))
     grid = np.radians(np.arange(360))
-    assert np.all(np.abs(40.05 * np.exp(1j * grid) - 40.05 * at) > 0.2), "a coarse grid sees nothing"
+    assert np.all(np.abs(40.05 * np.exp(1j * grid) - 40.05 * at) > 0.2), (
+        "a coarse grid sees nothing"
+    )
     c = only(swept([turning, Body("stator", slabs(still))], {}))
     assert c.gap <= 0 and not interference([c], 0.0)[0].ok
     assert math.degrees(c.theta) == pytest.approx(123.4567, abs=0.1)
@@ -161,7 +183,9 @@ def test_pin_that_meets_the_end_of_its_slot(short: float, ok: bool) -> None:
 def test_proven_gap_is_never_above_the_true_one(e: float, r: float, air: float) -> None:
     """Eccentric of radius r in a round hole: the air left is hole radius - e - r wherever it turns."""
     hole = disc(0, e + r + air, 720)
-    c = only(swept([Body("cam", slabs(disc(e, r)), SPIN), Body("ring", slabs(disc(0, 30), hole))], {}))
+    c = only(
+        swept([Body("cam", slabs(disc(e, r)), SPIN), Body("ring", slabs(disc(0, 30), hole))], {})
+    )
     assert c.proven <= air and c.gap >= air - 0.01 and c.proven > 0.5 * air - 0.02
 
 
@@ -176,7 +200,10 @@ def test_heights() -> None:
 
 
 def test_bodies_of_one_course_are_judged_once() -> None:
-    cam, pin = Body("cam", slabs(disc(0, 20), disc(8, 1.5)), SPIN), Body("pin", slabs(disc(8, 1.49)), SPIN)
+    cam, pin = (
+        Body("cam", slabs(disc(0, 20), disc(8, 1.5)), SPIN),
+        Body("pin", slabs(disc(8, 1.49)), SPIN),
+    )
     assert only(swept([cam, pin], {})).evaluations == 1
 
 
@@ -200,10 +227,24 @@ def test_an_undeclared_press_fit(oversize: float, ok: bool) -> None:
 STAR = st.lists(st.floats(2.0, 8.0), min_size=3, max_size=12)
 
 
-@given(STAR, STAR, st.floats(6, 30), st.floats(-2, 2), st.integers(-3, 3), st.floats(0, 12), st.floats(0, 6.28))
+@given(
+    STAR,
+    STAR,
+    st.floats(6, 30),
+    st.floats(-2, 2),
+    st.integers(-3, 3),
+    st.floats(0, 12),
+    st.floats(0, 6.28),
+)
 @settings(max_examples=60, deadline=None)
 def test_bound_against_brute_force(
-    a: list[float], b: list[float], away: float, swing: float, turns: int, orbit: float, phase: float
+    a: list[float],
+    b: list[float],
+    away: float,
+    swing: float,
+    turns: int,
+    orbit: float,
+    phase: float,
 ) -> None:
     """Random stars on random courses: the proven gap is not above the least of 1500 angles, the one seen not below it."""
     import shapely
@@ -225,13 +266,18 @@ def test_bound_against_brute_force(
         placed.append(shapely.polygons(np.stack([z.real, z.imag], axis=-1)))
     true = float(np.min(shapely.distance(*placed)))
     bodies = [Body("a", slabs(ring(star(a))), first), Body("b", slabs(ring(star(b))), second)]
-    for needed, share in ((0.0, 0.25), (100.0, 0.0)):  # roughly where there is room, finely where it matters
+    for needed, share in (
+        (0.0, 0.25),
+        (100.0, 0.0),
+    ):  # roughly where there is room, finely where it matters
         c = only(swept(bodies, {}, needed, resolution=0.01))
         if true == 0:
             assert c.gap <= 0
         else:
             assert c.proven <= true + 1e-9
-            assert true - 0.3 <= c.gap <= true / (1 - share) + 0.01 + 1e-9 or c.gap <= 0 and true < 0.3  # between two angles
+            assert (
+                true - 0.3 <= c.gap <= true / (1 - share) + 0.01 + 1e-9 or c.gap <= 0 and true < 0.3
+            )  # between two angles
 
 
 def test_far_ends_do_not_slow_down_a_bearing() -> None:
@@ -246,7 +292,9 @@ def test_far_ends_do_not_slow_down_a_bearing() -> None:
 def test_a_course_that_jumps_is_refused(size: float, often: int) -> None:
     """Aside between the angles of the grid, wherever it is looked at there: there it is faster, up to 1 + size * often times."""
     grid = math.tau / 3600
-    jumpy = about(lambda t: t + size * np.sin(often * t) * (np.abs(t / grid - np.round(t / grid)) > 1e-6))
+    jumpy = about(
+        lambda t: t + size * np.sin(often * t) * (np.abs(t / grid - np.round(t / grid)) > 1e-6)
+    )
     with pytest.raises(ValueError, match="faster than its course"):
         swept([Body("cam", slabs(disc(5, 20)), jumpy), Body("post", slabs(disc(26, 0.5, 8)))], {})
 
@@ -263,30 +311,44 @@ def mesh(part: Part) -> Mesh:
 
 
 def test_slabs_of_a_stepped_part_and_of_a_cone() -> None:
-    stepped = Part("p", "", (Layer(Region(circle(0j, 5)), 0, 2), Layer(Region(circle(0j, 3), (circle(0j, 1),)), 2, 7)))
+    stepped = Part(
+        "p",
+        "",
+        (Layer(Region(circle(0j, 5)), 0, 2), Layer(Region(circle(0j, 3), (circle(0j, 1),)), 2, 7)),
+    )
     found = slabs_of(mesh(stepped))
     assert [(s.z0, s.z1) for s in found] == [(0, 2), (2, 7)]
     assert [len(s.rings) for s in found] == [1, 2]
-    assert abs(found[1].rings[0].area) + abs(found[1].rings[1].area) == pytest.approx(10 * math.pi, rel=0.02)
+    assert abs(found[1].rings[0].area) + abs(found[1].rings[1].area) == pytest.approx(
+        10 * math.pi, rel=0.02
+    )
     corners = np.array([[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0], [10, 2, 3]], float)
     faces = np.array([[0, 2, 1], [0, 3, 2], [0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])
     leaning = slabs_of(Mesh(corners, faces))[0]
-    assert abs(leaning.rings[0].area) == pytest.approx(4 * 4 + 4 * 6 / 2)  # its shadow, over the foot and out to the apex
+    assert abs(leaning.rings[0].area) == pytest.approx(
+        4 * 4 + 4 * 6 / 2
+    )  # its shadow, over the foot and out to the apex
 
 
 def plate(path: Path, shift: complex, lift: float = 0.0) -> Path:
     block = solid(Part("block", "", (Layer(Region(polygon([0, 10, 10 + 10j, 10j])), 0, 3),)), 0.01)
-    places = [Placed("block", "block 1", placing(0, 5 + 5j, 0, 3)), Placed("block", "block 2", placing(0, shift, lift, 3))]
+    places = [
+        Placed("block", "block 1", placing(0, 5 + 5j, 0, 3)),
+        Placed("block", "block 2", placing(0, shift, lift, 3)),
+    ]
     write_3mf(path, {"block": block}, places, "key")
     return path
 
 
-@pytest.mark.parametrize("shift, lift, verdict", [
-    (17 + 5j, 0.0, [True, True, True]),
-    (16.9 + 5j, 0.0, [True, True, False]),
-    (91 + 5j, 0.0, [False, True, True]),
-    (40 + 5j, 0.5, [True, False, True]),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "shift, lift, verdict",
+    [
+        (17 + 5j, 0.0, [True, True, True]),
+        (16.9 + 5j, 0.0, [True, True, False]),
+        (91 + 5j, 0.0, [False, True, True]),
+        (40 + 5j, 0.5, [True, False, True]),
+    ],
+)
 def test_plate(tmp_path: Path, shift: complex, lift: float, verdict: list[bool]) -> None:
     findings = judge_plate(plate(tmp_path / "x-plate.3mf", shift, lift), (100.0, 60.0), 2.0)
     assert [f.ok for f in findings] == verdict
@@ -296,7 +358,12 @@ def test_plate(tmp_path: Path, shift: complex, lift: float, verdict: list[bool])
 
 def test_a_plate_of_one_body(tmp_path: Path) -> None:
     block = solid(Part("block", "", (Layer(Region(polygon([0, 10, 10 + 10j, 10j])), 0, 3),)), 0.01)
-    write_3mf(tmp_path / "x.3mf", {"block": block}, [Placed("block", "block 1", placing(0, 95 + 5j, 0, 3))], "key")
+    write_3mf(
+        tmp_path / "x.3mf",
+        {"block": block},
+        [Placed("block", "block 1", placing(0, 95 + 5j, 0, 3))],
+        "key",
+    )
     out, lift = judge_plate(tmp_path / "x.3mf", (100.0, 60.0), 2.0)
     assert out.measured == pytest.approx(5, abs=1e-5) and not out.ok and lift.ok
     assert out.message.startswith("how far 1 body stands out over")
@@ -309,12 +376,17 @@ def test_what_slides_on_a_straight_line_is_looked_at_as_a_whole(nose: float) -> 
     wall = [box(-40 - 5j, 40 + 0j)] * 5 + [ring([-40 - 5j, 40 - 5j, 40, 7.1, 7 + 0.02j, 6.9, -40])]
     nosed = [-10 + 4j, -10 + 0.1j, -0.1 + 0.1j, 1j * (0.1 - nose), 0.1 + 0.1j, 10 + 0.1j, 10 + 4j]
     bar = [box(-10 + 0.1j, 10 + 4j)] * 5 + [ring(nosed)]
-    stacks = [tuple(Slab(k, k + 1, (each.moved(along),)) for k, each in enumerate(some)) for some in (wall, bar)]
+    stacks = [
+        tuple(Slab(k, k + 1, (each.moved(along),)) for k, each in enumerate(some))
+        for some in (wall, bar)
+    ]
 
     def slide(t: Floats) -> tuple[Floats, Points]:
         return np.zeros(t.shape), along * (20 * np.sin(t)).astype(complex)
 
-    c = only(swept([Body("wall", stacks[0]), Body("bar", stacks[1], slide)], {}, 0.02, resolution=1e-3))
+    c = only(
+        swept([Body("wall", stacks[0]), Body("bar", stacks[1], slide)], {}, 0.02, resolution=1e-3)
+    )
     assert c.gap == pytest.approx(0.08 - nose, abs=0.005) if nose < 0.08 else c.gap <= 0
     assert c.evaluations < 10_000
     if nose:
@@ -324,32 +396,56 @@ def test_what_slides_on_a_straight_line_is_looked_at_as_a_whole(nose: float) -> 
 # ---- what is said --------------------------------------------------------------------------------------------------------
 
 
-def clearance(a: str, gap: float, proven: float, allowed: float | None = None, theta: float = 1.0) -> Clearance:
+def clearance(
+    a: str, gap: float, proven: float, allowed: float | None = None, theta: float = 1.0
+) -> Clearance:
     return Clearance(a, "frame", gap, proven, theta, allowed, 9)
 
 
 def test_of_pairs_that_stay_apart_the_nearest_is_said_or_all_that_fail() -> None:
     """By what is proven against what is needed; what was seen stands beside it, and where."""
-    apart = [clearance("rod", 0.9, 0.8), clearance("arm", 0.5, 0.4, theta=math.pi / 3), clearance("cam", 2.0, 1.9)]
+    apart = [
+        clearance("rod", 0.9, 0.8),
+        clearance("arm", 0.5, 0.4, theta=math.pi / 3),
+        clearance("cam", 2.0, 1.9),
+    ]
     (finding,) = interference(apart, 0.3, "crank angle")
     assert (finding.ok, finding.measured, finding.limit) == (True, 0.4, 0.3)
     assert finding.where == "arm and frame: gap, crank angle 60.000 deg"
-    assert finding.message.startswith("nearest of 3 pairs that must stay apart; smallest gap seen 0.5000 mm; proven")
-    failed = interference([*apart, clearance("pin", -0.2, -0.25), clearance("belt", 0.0, -0.1)], 0.6)
-    assert [f.where.partition(" ")[0] for f in failed] == ["pin", "belt", "arm"] and not any(f.ok for f in failed)
-    assert "they overlap by 0.2000 mm or more" in failed[0].message and "overlap by 0.0000 mm" in failed[1].message
+    assert finding.message.startswith(
+        "nearest of 3 pairs that must stay apart; smallest gap seen 0.5000 mm; proven"
+    )
+    failed = interference(
+        [*apart, clearance("pin", -0.2, -0.25), clearance("belt", 0.0, -0.1)], 0.6
+    )
+    assert [f.where.partition(" ")[0] for f in failed] == ["pin", "belt", "arm"] and not any(
+        f.ok for f in failed
+    )
+    assert (
+        "they overlap by 0.2000 mm or more" in failed[0].message
+        and "overlap by 0.0000 mm" in failed[1].message
+    )
     assert interference([clearance("rod", 0.4, 0.3)], 0.3)[0].ok  # just as much
     assert interference([], 0.3) == []
 
 
 def test_of_pairs_that_touch_the_deepest_is_said_or_all_that_overlap_by_more() -> None:
     """Each against its own allowance: 0.09 of 0.1 mm is nearer to it than 0.3 of 0.5."""
-    touching = [clearance("rod", -0.3, -0.3, 0.5), clearance("arm", -0.08, -0.09, 0.1), clearance("cam", 0.2, 0.1, 0.05)]
+    touching = [
+        clearance("rod", -0.3, -0.3, 0.5),
+        clearance("arm", -0.08, -0.09, 0.1),
+        clearance("cam", 0.2, 0.1, 0.05),
+    ]
     (finding,) = interference(touching, 0.3)
     assert (finding.ok, finding.measured, finding.limit) == (True, 0.09, 0.1)
-    assert finding.where.startswith("arm and frame: overlap, cam angle 57.29") and "overlap seen 0.0800 mm" in finding.message
+    assert (
+        finding.where.startswith("arm and frame: overlap, cam angle 57.29")
+        and "overlap seen 0.0800 mm" in finding.message
+    )
     assert "deepest of 3 pairs that touch by intent" in finding.message
-    failed = interference([*touching, clearance("pin", -0.7, -0.8, 0.6), clearance("x", -0.1, -0.1, 0.1)], 0.3)
+    failed = interference(
+        [*touching, clearance("pin", -0.7, -0.8, 0.6), clearance("x", -0.1, -0.1, 0.1)], 0.3
+    )
     assert [(f.where.partition(" ")[0], f.measured) for f in failed] == [("pin", 0.8)]
     both = interference([clearance("a", 5, 5), clearance("b", 1, 1, 0.1)], 0.3)
     assert [(f.ok, f.measured, f.limit) for f in both] == [(True, 5, 0.3), (True, 0.0, 0.1)]
@@ -361,13 +457,21 @@ def test_of_stacks_of_many_sections_the_nearest_pair_counts(layers: int, deep: i
     """A tower whose k-th section stands out most towards the wall, and the wall whose own does: where both meet counts."""
     out = (layers - 1) * deep
     tower = [Slab(k, k + 1.0, (disc(5, 20 - 0.05 * abs(k - out), 200),)) for k in range(layers)]
-    wall = [Slab(k, k + 1.0, (box(complex(26 + 0.05 * abs(k - out), -50), 40 + 50j),)) for k in range(layers)]
+    wall = [
+        Slab(k, k + 1.0, (box(complex(26 + 0.05 * abs(k - out), -50), 40 + 50j),))
+        for k in range(layers)
+    ]
     c = only(swept([Body("tower", tuple(tower), SPIN), Body("wall", tuple(wall))], {}, 0.9))
     assert c.proven <= 1.0 + 1e-9 and c.gap == pytest.approx(1.0, abs=0.03)
     shaft = [Slab(k, k + 1.0, (disc(0, 2 + (k == out), 90),)) for k in range(layers)]
     pushed = only(swept([Body("tower", tuple(tower), SPIN), Body("shaft", tuple(shaft))], {}))
     assert pushed.gap == pytest.approx(-6.0, abs=0.01)  # the shaft's whole width
-    assert interference(swept([Body("tower", tuple(tower), SPIN), Body("wall", tuple(wall))], {}, 1.1), 1.1)[0].ok is False
+    assert (
+        interference(
+            swept([Body("tower", tuple(tower), SPIN), Body("wall", tuple(wall))], {}, 1.1), 1.1
+        )[0].ok
+        is False
+    )
 
 
 @pytest.mark.parametrize("depth", [0.003, 0.2, 3.0])
@@ -376,7 +480,9 @@ def test_the_depth_of_an_overlap_is_the_largest_circle_in_it(depth: float) -> No
     touch = {frozenset(("bar", "stud")): 1e-3}
     bar, stud = box(-30 - 2j, 30 + 2j), Body("stud", slabs(box(complex(-8, 2 - depth), 8 + 20j)))
     turning = only(swept([Body("bar", slabs(bar), SPIN), stud], touch))
-    assert turning.gap == pytest.approx(-4.0, abs=0.006) and turning.proven <= turning.gap  # somewhere across its whole width
+    assert (
+        turning.gap == pytest.approx(-4.0, abs=0.006) and turning.proven <= turning.gap
+    )  # somewhere across its whole width
     still = only(swept([Body("bar", slabs(bar)), stud], touch))
     assert still.gap == pytest.approx(-depth, abs=0.006) and still.at_rest
 
@@ -384,9 +490,16 @@ def test_the_depth_of_an_overlap_is_the_largest_circle_in_it(depth: float) -> No
 def test_a_part_of_the_turn_is_judged_alone() -> None:
     """An eccentric that meets a post at a quarter of a turn: before that it does not."""
     cam, post = Body("cam", slabs(disc(5, 20)), SPIN), Body("post", slabs(disc(26j, 2)))
-    for turn, meets in (((0.0, math.tau), True), ((0.0, 0.5), False), ((-1.0, 1.3), True), ((2.8, 6.0), False)):
+    for turn, meets in (
+        ((0.0, math.tau), True),
+        ((0.0, 0.5), False),
+        ((-1.0, 1.3), True),
+        ((2.8, 6.0), False),
+    ):
         c = only(swept([cam, post], {}, 0.05, turn=turn))
         assert (c.gap <= 0) is meets and turn[0] <= c.theta <= turn[1]
         theta = np.linspace(*turn, 20_001)
         true = float(np.min(np.abs(5 * np.exp(1j * theta) - 26j))) - 22
-        assert meets or (c.proven <= true + 1e-9 and c.gap == pytest.approx(true, rel=0.3, abs=0.02))
+        assert meets or (
+            c.proven <= true + 1e-9 and c.gap == pytest.approx(true, rel=0.3, abs=0.02)
+        )

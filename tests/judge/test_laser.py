@@ -31,13 +31,22 @@ BEAM = Beam(KERF, 2.0, (200.0, 100.0))
 
 
 def plate(*holes, outer=None):
-    return Part("plate", "Plate", (Layer(Region(outer or oval(), (circle(0, 4), *holes)), 0, 3),), bore=8.0, min_wall=1.0)
+    return Part(
+        "plate",
+        "Plate",
+        (Layer(Region(outer or oval(), (circle(0, 4), *holes)), 0, 3),),
+        bore=8.0,
+        min_wall=1.0,
+    )
 
 
 def written(folder, part, kerf=KERF, places=((0.5, 50 + 45j), (-2.0, 140 + 50j))):
     """A sheet with copies of a part, and what is found on it."""
     path = compensated(part, Compensation(hole=-kerf / 2, profile=-kerf / 2)).region
-    pieces = [Piece(f"plate-{k + 1}", path.moved(np.exp(1j * angle), at)) for k, (angle, at) in enumerate(places)]
+    pieces = [
+        Piece(f"plate-{k + 1}", path.moved(np.exp(1j * angle), at))
+        for k, (angle, at) in enumerate(places)
+    ]
     files = [folder / f"s.{ending}" for ending in ("dxf", "svg")]
     for file in files:
         write_sheet(file, pieces, (200.0, 100.0), TOLERANCE)
@@ -57,12 +66,16 @@ def test_parts_come_back_as_cut(tmp_path):
     worst = max(finding.measured for finding in findings if finding.code == "ROUND_TRIP")
     assert worst < 2 * TOLERANCE
     (kerf,) = {round(finding.measured, 3) for finding in findings if finding.code == "KERF"}
-    assert kerf == pytest.approx((2**0.5 - 1) * KERF / 2, abs=2e-3)  # the keyway's corners, as round as the beam
+    assert kerf == pytest.approx(
+        (2**0.5 - 1) * KERF / 2, abs=2e-3
+    )  # the keyway's corners, as round as the beam
     (shape,) = judged["plate"].sections[0]
     assert shape.holes[0].area != 0 and len(shape.holes) == 2
     drawn = read_dxf(files[0], engraving=True)
     assert drawn.units == 4 and len(drawn.cut) == 6 and not drawn.faults
-    assert {layer.dxf.name: layer.dxf.color for layer in ezdxf.readfile(files[0]).layers}["CUT"] == 1
+    assert {layer.dxf.name: layer.dxf.color for layer in ezdxf.readfile(files[0]).layers}[
+        "CUT"
+    ] == 1
 
 
 def test_the_path_is_exact_and_its_arcs_stay_arcs(tmp_path):
@@ -79,14 +92,23 @@ def test_a_path_without_kerf_is_told(tmp_path):
 def test_a_notch_narrower_than_the_kerf_is_told(tmp_path):
     def notched(width):
         half = width / 2
-        corners = [-20 - 20j, 20 - 20j, complex(20, -half), complex(15, -half), complex(15, half), complex(20, half)]
+        corners = [
+            -20 - 20j,
+            20 - 20j,
+            complex(20, -half),
+            complex(15, -half),
+            complex(15, half),
+            complex(20, half),
+        ]
         return plate(outer=polygon([*corners, 20 + 20j, -20 + 20j]))
 
     assert failing(*written(tmp_path, notched(0.5))[:3]) == set()
     files, laid, meant, beam = written(tmp_path, notched(0.15))
     findings = judge_sheet(files[0], files[1], laid, meant, beam)[0]
     assert {finding.code for finding in findings if not finding.ok} >= {"KERF"}
-    assert max(finding.measured for finding in findings if finding.code == "KERF") > 4  # of a notch that is 5 deep
+    assert (
+        max(finding.measured for finding in findings if finding.code == "KERF") > 4
+    )  # of a notch that is 5 deep
 
 
 def test_a_contour_that_falls_apart_or_vanishes_is_told():
@@ -112,7 +134,10 @@ def test_damage_is_told(tmp_path):
         read_svg(svg)
     svg.write_text(text)
     assert failing(files, [*laid, Laid("plate", 3, 0.0, 0j)], meant) >= {"SHEET_FIT"}
-    assert failing(files, [laid[0], Laid("plate", 2, -2.0, 140.02 + 50j)], meant) == {"ROUND_TRIP", "KERF"}
+    assert failing(files, [laid[0], Laid("plate", 2, -2.0, 140.02 + 50j)], meant) == {
+        "ROUND_TRIP",
+        "KERF",
+    }
     assert failing(files, laid, meant, Beam(KERF, 30.0, (200.0, 100.0))) == {"SHEET_FIT"}
     drawing = ezdxf.readfile(dxf)
     circles = drawing.modelspace().query("CIRCLE")
@@ -165,7 +190,9 @@ STRANGE = [
 @pytest.fixture(scope="module")
 def sheet(tmp_path_factory):
     """A sheet of two copies with straight edges, arcs and circles."""
-    return written(tmp_path_factory.mktemp("sheet"), plate(keyed_bore(6, 2, 1).moved(shift=14 + 4j)))
+    return written(
+        tmp_path_factory.mktemp("sheet"), plate(keyed_bore(6, 2, 1).moved(shift=14 + 4j))
+    )
 
 
 @pytest.mark.parametrize("was, now", STRANGE)
@@ -183,10 +210,16 @@ def test_a_sheet_that_is_more_than_plain_geometry_is_told(sheet, tmp_path, was, 
 def test_no_attribute_of_any_element_is_passed_over(sheet, tmp_path_factory, data):
     """Whatever its name: those that SVG has today are not all that a program may know."""
     text = sheet[0][1].read_text(encoding="utf-8")
-    place = data.draw(st.sampled_from([match.end() for match in re.finditer(r"<(?:svg|g|title|circle|path)\b", text)]))
+    place = data.draw(
+        st.sampled_from(
+            [match.end() for match in re.finditer(r"<(?:svg|g|title|circle|path)\b", text)]
+        )
+    )
     name = data.draw(st.from_regex(r"[a-zA-Z_][a-zA-Z_:.-]{0,12}", fullmatch=True))
     value = data.draw(st.text("abcxyz0123456789.%() ", max_size=8))
-    (other := tmp_path_factory.getbasetemp() / "other.svg").write_text(f'{text[:place]} {name}="{value}"{text[place:]}')
+    (other := tmp_path_factory.getbasetemp() / "other.svg").write_text(
+        f'{text[:place]} {name}="{value}"{text[place:]}'
+    )
     with pytest.raises(FileError, match="not a sheet in SVG as camgen writes it"):
         read_svg(other)
 
@@ -202,7 +235,9 @@ def test_what_is_read_is_all_that_there_is(sheet):
 
 def test_an_arc_with_two_radii_is_told(sheet, tmp_path):
     text = sheet[0][1].read_text(encoding="utf-8")
-    (other := tmp_path / "s.svg").write_text(re.sub(r" A([\d.]+) ([\d.]+) ", r" A\1 99 ", text, count=1))
+    (other := tmp_path / "s.svg").write_text(
+        re.sub(r" A([\d.]+) ([\d.]+) ", r" A\1 99 ", text, count=1)
+    )
     with pytest.raises(FileError, match="an arc of the radii"):
         read_svg(other)
 
@@ -222,20 +257,32 @@ def test_a_layer_for_another_tool_is_told(sheet, tmp_path):
         drawing = ezdxf.readfile(dxf)
         drawing.layers.get("CUT").dxf.set(key, value)
         drawing.saveas(other := tmp_path / "s.dxf")
-        assert {f.code for f in judge_sheet(other, svg, laid, meant, BEAM)[0] if not f.ok} == {"DXF_CLOSED"}
+        assert {f.code for f in judge_sheet(other, svg, laid, meant, BEAM)[0] if not f.ok} == {
+            "DXF_CLOSED"
+        }
 
 
 def test_pieces_over_the_edge_or_too_near_are_told(tmp_path):
     files, laid, meant, beam = written(tmp_path, plate(), places=((0.0, 20 + 45j), (0.0, 85 + 50j)))
-    found = [f for f in judge_sheet(files[0], files[1], laid, meant, beam)[0] if f.code == "SHEET_FIT"]
+    found = [
+        f for f in judge_sheet(files[0], files[1], laid, meant, beam)[0] if f.code == "SHEET_FIT"
+    ]
     assert [finding.ok for finding in found] == [True, False, True]
-    files, laid, meant, beam = written(tmp_path, plate(), places=((0.0, 50 + 45j), (0.0, 112 + 45j)))
-    found = [f for f in judge_sheet(files[0], files[1], laid, meant, beam)[0] if f.code == "SHEET_FIT"]
+    files, laid, meant, beam = written(
+        tmp_path, plate(), places=((0.0, 50 + 45j), (0.0, 112 + 45j))
+    )
+    found = [
+        f for f in judge_sheet(files[0], files[1], laid, meant, beam)[0] if f.code == "SHEET_FIT"
+    ]
     assert [finding.ok for finding in found] == [True, True, False]
 
 
 def test_engraving_comes_first_and_is_not_cut(tmp_path):
-    piece = Piece("p", Region(rectangle(10 + 10j, 60 + 40j), (circle(20 + 20j, 5),)), (polygon([30 + 15j, 40 + 15j, 35 + 25j]),))
+    piece = Piece(
+        "p",
+        Region(rectangle(10 + 10j, 60 + 40j), (circle(20 + 20j, 5),)),
+        (polygon([30 + 15j, 40 + 15j, 35 + 25j]),),
+    )
     for ending in ("dxf", "svg"):
         write_sheet(tmp_path / f"s.{ending}", [piece], (100.0, 50.0), TOLERANCE)
     drawn = read_dxf(tmp_path / "s.dxf", engraving=True)
@@ -243,8 +290,12 @@ def test_engraving_comes_first_and_is_not_cut(tmp_path):
     assert size == (100.0, 50.0) and (len(drawn.cut), len(drawn.engraved)) == (2, 1)
     assert {name: len(layer.rings) for name, layer in layers.items()} == {"ENGRAVE": 1, "CUT": 2}
     assert read_dxf(tmp_path / "s.dxf").faults  # no drawing of one part
-    for ring, other in zip((*drawn.engraved, *drawn.cut), (*layers["ENGRAVE"].rings, *layers["CUT"].rings), strict=True):
-        assert ring.area == pytest.approx(other.area, rel=1e-6) and ring.centroid == pytest.approx(other.centroid, abs=1e-6)
+    for ring, other in zip(
+        (*drawn.engraved, *drawn.cut), (*layers["ENGRAVE"].rings, *layers["CUT"].rings), strict=True
+    ):
+        assert ring.area == pytest.approx(other.area, rel=1e-6) and ring.centroid == pytest.approx(
+            other.centroid, abs=1e-6
+        )
 
 
 # ---- whole machines -----------------------------------------------------------------------------------------------------
@@ -260,12 +311,16 @@ def test_a_linkage_of_sheet_moves_as_asked(tmp_path, root):
     assert codes >= {"KERF", "SHEET_FIT", "PIN_GAP", "LASH", "MIN_WALL", "ROUND_TRIP"}
     (table,) = [table for table in report.tables if table.title.startswith("Cut of sheets")]
     otherwise = {row[1]: row[4] for row in table.rows if row[0] == "none"}
-    assert otherwise["ground"] == "5 mm thick, the sheet is 4" and otherwise["pin-1"].startswith("stepped")
+    assert otherwise["ground"] == "5 mm thick, the sheet is 4" and otherwise["pin-1"].startswith(
+        "stepped"
+    )
     assert 0 < report.numbers["sheet_density"] < 1 and report.numbers["sheets"] == 1
     assert any("laser.kerf = 0.3 acts on the sheets alone" in line for line in report.warnings)
     again = build(root / "specs" / "linkage.toml", tmp_path / "b", DXF, settings)
     names = [path.name for path in report.folder.glob("*sheet*")]
-    assert len(names) == 3 and all((report.folder / n).read_bytes() == (again.folder / n).read_bytes() for n in names)
+    assert len(names) == 3 and all(
+        (report.folder / n).read_bytes() == (again.folder / n).read_bytes() for n in names
+    )
     assert judged(report.folder, "dxf").ok
     dxf = report.folder / "linkage-sheet-1.dxf"
     drawing = ezdxf.readfile(dxf)
@@ -286,9 +341,14 @@ def test_a_linkage_of_sheet_moves_as_asked(tmp_path, root):
 
 def test_what_cannot_be_cut_is_refused_before_anything_is_written(tmp_path, root):
     spec = root / "specs" / "linkage.toml"
-    with pytest.raises(DesignError, match="fits on no sheet of 60 x 60 mm: make laser.sheet larger"):
+    with pytest.raises(
+        DesignError, match="fits on no sheet of 60 x 60 mm: make laser.sheet larger"
+    ):
         build(spec, tmp_path, DXF, ("laser.thickness=4", "laser.sheet=[60.0, 60.0]"))
-    with pytest.raises(DesignError, match=r"laser.kerf = 5 mm is too wide for a hole or a slot of \w+: take a finer beam"):
+    with pytest.raises(
+        DesignError,
+        match=r"laser.kerf = 5 mm is too wide for a hole or a slot of \w+: take a finer beam",
+    ):
         build(spec, tmp_path, DXF, ("laser.thickness=4", "laser.kerf=5"))
     with pytest.raises(SpecError, match="laser.kerf"):
         build(spec, tmp_path, DXF, ("laser.kerf=-0.1",))
@@ -299,11 +359,19 @@ def test_what_cannot_be_cut_is_refused_before_anything_is_written(tmp_path, root
 
 
 def test_which_parts_a_sheet_can_be(root):
-    mechanism = read_mechanism(root / "specs" / "thread-take-up.toml", ("laser.thickness=4",)).resolved()
-    assert {part.name for part in sheet_parts(mechanism)} == {"frame", "output-crank", "input-crank", "bell-crank", "collar"}
-    assert {part.name for part in mechanism.printed()} == {p.name for p in mechanism.parts() if p.made == "printed"} - {
-        part.name for part in sheet_parts(mechanism)
-    }  # what is cut lies on no print plate
+    mechanism = read_mechanism(
+        root / "specs" / "thread-take-up.toml", ("laser.thickness=4",)
+    ).resolved()
+    assert {part.name for part in sheet_parts(mechanism)} == {
+        "frame",
+        "output-crank",
+        "input-crank",
+        "bell-crank",
+        "collar",
+    }
+    assert {part.name for part in mechanism.printed()} == {
+        p.name for p in mechanism.parts() if p.made == "printed"
+    } - {part.name for part in sheet_parts(mechanism)}  # what is cut lies on no print plate
     said = {part.name: why_not(part, mechanism.laser.thickness) for part in mechanism.parts()}
     assert said["shaft"] == "turned of steel" and said["guide"].startswith("stepped")
     assert said["dowel"] == "8.2 mm thick, the sheet is 4"

@@ -94,29 +94,92 @@ EYE, BORE = (48, 2.0), (0, 1.2)
 @pytest.mark.parametrize(
     ("part", "change", "codes"),
     [
-        pytest.param("rod", near(*EYE, lambda z: z + 0.02), {"MOTION_ERROR"}, id="eye 20 um too far"),
         pytest.param(
-            "rod", lambda z, _: np.where(z.real > 20, z + 0.02, z), {"MOTION_ERROR", "ROUND_TRIP"}, id="rod 20 um too long"
+            "rod", near(*EYE, lambda z: z + 0.02), {"MOTION_ERROR"}, id="eye 20 um too far"
         ),
-        pytest.param("rod", near(*EYE, lambda z: 48 + (z - 48) * 1.01), {"PIN_GAP", "ROUND_TRIP"}, id="eye 32 um too large"),
-        pytest.param("rod", near(*EYE, lambda z: 48 + (z - 48) * 0.99), {"PIN_GAP", "ROUND_TRIP"}, id="eye too small"),
-        pytest.param("rod", lambda z, h: np.where((np.abs(z - 48) < 2) & (h > 1), z + 0.02j, z), {"PIN_GAP"}, id="eye askew"),
         pytest.param(
-            "rod", near(*EYE, lambda z: 48 + (z - 48) * 2), {"PIN_GAP", "MIN_WALL", "VOLUME", "ROUND_TRIP"}, id="eye without wall"
+            "rod",
+            lambda z, _: np.where(z.real > 20, z + 0.02, z),
+            {"MOTION_ERROR", "ROUND_TRIP"},
+            id="rod 20 um too long",
         ),
-        pytest.param("rod", lambda z, _: z * 1.001, {"PIN_GAP", "MOTION_ERROR", "VOLUME", "ROUND_TRIP"}, id="rod scaled"),
-        pytest.param("disc", near(*BORE, lambda z: z + 0.02), {"MOTION_ERROR", "STROKE_ERROR"}, id="20 um less eccentric"),
-        pytest.param("disc", near(*BORE, lambda z: z + 0.0008), {"STROKE_ERROR"}, id="both ends off within the limit"),
-        pytest.param("disc", near(*BORE, lambda z: z + 0.02j), {"MOTION_ERROR", "ROUND_TRIP"}, id="eccentric a little late"),
-        pytest.param("disc", lambda z, _: -z.conjugate(), {"PIN_GAP", "VOLUME", "ROUND_TRIP"}, id="mirrored"),
-        pytest.param("pin", near(0, 1.7, lambda z: z * 0.9993), {"PIN_GAP", "ROUND_TRIP"}, id="thin pin"),
-        pytest.param("slider", near(0, 1.7, lambda z: z + 0.02), {"MOTION_ERROR", "ROUND_TRIP"}, id="pin hole off"),
         pytest.param(
-            "slider", lambda z, _: np.where(np.abs(z.imag - 4) < 0.1, z - 0.005j, z), {"PIN_GAP", "ROUND_TRIP"}, id="narrow"
+            "rod",
+            near(*EYE, lambda z: 48 + (z - 48) * 1.01),
+            {"PIN_GAP", "ROUND_TRIP"},
+            id="eye 32 um too large",
         ),
-        pytest.param("body", near(0, 3.5, lambda z: z + 0.02), {"MOTION_ERROR", "ROUND_TRIP"}, id="motor's seat off"),
         pytest.param(
-            "body", lambda z, h: np.where(rails(z, h) & (z.imag < 0), z - 0.01j, z), {"PIN_GAP", "ROUND_TRIP"}, id="wide guide"
+            "rod",
+            near(*EYE, lambda z: 48 + (z - 48) * 0.99),
+            {"PIN_GAP", "ROUND_TRIP"},
+            id="eye too small",
+        ),
+        pytest.param(
+            "rod",
+            lambda z, h: np.where((np.abs(z - 48) < 2) & (h > 1), z + 0.02j, z),
+            {"PIN_GAP"},
+            id="eye askew",
+        ),
+        pytest.param(
+            "rod",
+            near(*EYE, lambda z: 48 + (z - 48) * 2),
+            {"PIN_GAP", "MIN_WALL", "VOLUME", "ROUND_TRIP"},
+            id="eye without wall",
+        ),
+        pytest.param(
+            "rod",
+            lambda z, _: z * 1.001,
+            {"PIN_GAP", "MOTION_ERROR", "VOLUME", "ROUND_TRIP"},
+            id="rod scaled",
+        ),
+        pytest.param(
+            "disc",
+            near(*BORE, lambda z: z + 0.02),
+            {"MOTION_ERROR", "STROKE_ERROR"},
+            id="20 um less eccentric",
+        ),
+        pytest.param(
+            "disc",
+            near(*BORE, lambda z: z + 0.0008),
+            {"STROKE_ERROR"},
+            id="both ends off within the limit",
+        ),
+        pytest.param(
+            "disc",
+            near(*BORE, lambda z: z + 0.02j),
+            {"MOTION_ERROR", "ROUND_TRIP"},
+            id="eccentric a little late",
+        ),
+        pytest.param(
+            "disc", lambda z, _: -z.conjugate(), {"PIN_GAP", "VOLUME", "ROUND_TRIP"}, id="mirrored"
+        ),
+        pytest.param(
+            "pin", near(0, 1.7, lambda z: z * 0.9993), {"PIN_GAP", "ROUND_TRIP"}, id="thin pin"
+        ),
+        pytest.param(
+            "slider",
+            near(0, 1.7, lambda z: z + 0.02),
+            {"MOTION_ERROR", "ROUND_TRIP"},
+            id="pin hole off",
+        ),
+        pytest.param(
+            "slider",
+            lambda z, _: np.where(np.abs(z.imag - 4) < 0.1, z - 0.005j, z),
+            {"PIN_GAP", "ROUND_TRIP"},
+            id="narrow",
+        ),
+        pytest.param(
+            "body",
+            near(0, 3.5, lambda z: z + 0.02),
+            {"MOTION_ERROR", "ROUND_TRIP"},
+            id="motor's seat off",
+        ),
+        pytest.param(
+            "body",
+            lambda z, h: np.where(rails(z, h) & (z.imag < 0), z - 0.01j, z),
+            {"PIN_GAP", "ROUND_TRIP"},
+            id="wide guide",
         ),
     ],
 )
@@ -135,7 +198,9 @@ def test_stl_with_a_shifted_guide(folder: Path) -> None:
 
 
 def circle_of(drawing: ezdxf.document.Drawing, radius: float):  # type: ignore[no-untyped-def]
-    return next(c for c in drawing.modelspace().query("CIRCLE") if abs(c.dxf.radius - radius) < 1e-6)
+    return next(
+        c for c in drawing.modelspace().query("CIRCLE") if abs(c.dxf.radius - radius) < 1e-6
+    )
 
 
 def moved(radius: float, to: complex) -> Callable[[ezdxf.document.Drawing], None]:
@@ -162,13 +227,19 @@ def lost(drawing: ezdxf.document.Drawing) -> None:
         pytest.param("rod", moved(1.6, 48.02), {"MOTION_ERROR"}, id="rod 20 um too long"),
         pytest.param("rod", swollen(1.6, 0.01), {"PIN_GAP", "ROUND_TRIP"}, id="eye too large"),
         pytest.param("rod", lost, {"ROUND_TRIP", "PIN_GAP"}, id="lost eye"),
-        pytest.param("disc", moved(1.0, 0.02), {"MOTION_ERROR", "STROKE_ERROR"}, id="less eccentric"),
-        pytest.param("disc", moved(1.0, -0.0008), {"STROKE_ERROR"}, id="both ends off within the limit"),
+        pytest.param(
+            "disc", moved(1.0, 0.02), {"MOTION_ERROR", "STROKE_ERROR"}, id="less eccentric"
+        ),
+        pytest.param(
+            "disc", moved(1.0, -0.0008), {"STROKE_ERROR"}, id="both ends off within the limit"
+        ),
         pytest.param("disc", swollen(4.5, -0.01), {"PIN_GAP", "ROUND_TRIP"}, id="disc too small"),
         pytest.param("cover", moved(1.2, 1 - 7.1j), {"ROUND_TRIP"}, id="a hole that is no joint"),
     ],
 )
-def test_dxf(folder: Path, part: str, edit: Callable[[ezdxf.document.Drawing], None], codes: set[str]) -> None:
+def test_dxf(
+    folder: Path, part: str, edit: Callable[[ezdxf.document.Drawing], None], codes: set[str]
+) -> None:
     path = folder / f"eccentric-drive-{part}.dxf"
     drawing = ezdxf.readfile(path)
     edit(drawing)
@@ -192,7 +263,9 @@ def test_a_roller_on_the_eccentric_moves_as_the_four_bar(
     """
     tolerance = 1e-4
     sizes = {"eccentricity": eccentricity, "eccentric_diameter": diameter}
-    mechanism = pipeline.read_mechanism(SPEC, [f"geometry.{key}={value}" for key, value in sizes.items()])
+    mechanism = pipeline.read_mechanism(
+        SPEC, [f"geometry.{key}={value}" for key, value in sizes.items()]
+    )
     (part,) = (part for part in mechanism.parts() if part.name == "disc")
     write_stl(tmp_path / "disc.stl", solid(part, tolerance), "disc")
     shape = shape_of(slice_mesh(read_stl(tmp_path / "disc.stl"), 0.9 * part.thickness))
@@ -226,12 +299,18 @@ def test_a_tight_hole_is_not_mended_by_a_wide_one(folder: Path) -> None:
     assert ("PIN_GAP", "dxf") in failing(folder, "dxf")
 
 
-def test_a_shaft_hole_that_is_no_joint_stays_in_its_place(built: Callable[..., Path], tmp_path: Path) -> None:
+def test_a_shaft_hole_that_is_no_joint_stays_in_its_place(
+    built: Callable[..., Path], tmp_path: Path
+) -> None:
     """The take-up's frame lets the shaft through to the pivot: a millimetre off, and it does not."""
     folder = Path(shutil.copytree(built("thread-take-up"), tmp_path / "thread-take-up"))
     path = folder / "thread-take-up-frame.dxf"
     drawing = ezdxf.readfile(path)
-    (hole,) = (c for c in drawing.modelspace().query("CIRCLE") if abs(complex(c.dxf.center.x, c.dxf.center.y)) < 1e-9)
+    (hole,) = (
+        c
+        for c in drawing.modelspace().query("CIRCLE")
+        if abs(complex(c.dxf.center.x, c.dxf.center.y)) < 1e-9
+    )
     hole.dxf.center = (1, 0)
     drawing.saveas(path)
     assert ("ROUND_TRIP", "dxf") in failing(folder, "dxf")
@@ -242,13 +321,17 @@ def test_a_bed_too_small_is_told(tmp_path: Path) -> None:
     assert {f.code for f in report.findings if not f.ok} == {"BED_FIT"}
 
 
-def test_the_feed_is_taken_from_the_guides_in_the_file(built: Callable[..., Path], tmp_path: Path) -> None:
+def test_the_feed_is_taken_from_the_guides_in_the_file(
+    built: Callable[..., Path], tmp_path: Path
+) -> None:
     """A guide's hole 0.1 mm off along the thread changes the feed, and the stroke with it."""
     folder = Path(shutil.copytree(built("thread-take-up"), tmp_path / "thread-take-up"))
     path = folder / "thread-take-up-frame.dxf"
     drawing = ezdxf.readfile(path)
     circles = drawing.modelspace().query("CIRCLE")
-    (hole,) = (c for c in circles if abs(complex(c.dxf.center.x, c.dxf.center.y) - (40 + 15j)) < 1e-6)
+    (hole,) = (
+        c for c in circles if abs(complex(c.dxf.center.x, c.dxf.center.y) - (40 + 15j)) < 1e-6
+    )
     hole.dxf.center = (40.1, 15)
     drawing.saveas(path)
     report = judged(folder, "dxf")

@@ -66,16 +66,24 @@ def profile(form: object) -> Profile:
             normal = way = np.full(len(THETA), 1j)
         case ArmFace():  # the face is tangent: its line is `ahead` from the pivot, and a radius from the centre
             spoke = CENTRE - form.pivot
-            normal = spoke / np.abs(spoke) * np.exp(1j * form.leaves * np.arccos((form.ahead - RADIUS) / np.abs(spoke)))
+            normal = (
+                spoke
+                / np.abs(spoke)
+                * np.exp(1j * form.leaves * np.arccos((form.ahead - RADIUS) / np.abs(spoke)))
+            )
             foot = CENTRE + RADIUS * normal - form.pivot
             way = form.leaves * 1j * foot / np.abs(foot)
     back = np.exp(-1j * THETA)
     place, own = (CENTRE + RADIUS * normal) * back, normal * back
     pressure = np.abs(np.angle(normal * np.conj(way)))
-    return Profile(THETA, place, np.abs(place), np.angle(place), own, np.full(len(THETA), 1 / RADIUS), pressure)
+    return Profile(
+        THETA, place, np.abs(place), np.angle(place), own, np.full(len(THETA), 1 / RADIUS), pressure
+    )
 
 
-def judged(form: object, table: Profile, ring: Ring | None = None, tolerance: float = TOLERANCE) -> list[Finding]:
+def judged(
+    form: object, table: Profile, ring: Ring | None = None, tolerance: float = TOLERANCE
+) -> list[Finding]:
     ring = disc() if ring is None else ring
     law = Rolled(contact(ring, form), None)  # type: ignore[arg-type]
     return judge_profile(TABLE, table, ring, law, STEP, tolerance)
@@ -99,7 +107,9 @@ def test_every_column_of_a_disc_follows_from_triangles(name: str, outline: str) 
     found = judged(FORMS[name], profile(FORMS[name]), ring)
     assert told(found) == set()
     assert len(found) == (8 if "face" in name else 7)
-    assert all(f.measured < (1e-7 if outline == "arcs" else 0.5) for f in found)  # facets lean by 0.45 deg
+    assert all(
+        f.measured < (1e-7 if outline == "arcs" else 0.5) for f in found
+    )  # facets lean by 0.45 deg
 
 
 def moved(table: Profile, by: np.ndarray) -> Profile:
@@ -111,13 +121,23 @@ def moved(table: Profile, by: np.ndarray) -> Profile:
 @pytest.mark.parametrize("name", FORMS)
 @pytest.mark.parametrize("late", [None, 0, 41])
 @pytest.mark.parametrize("sign", [-1, 1])
-def test_a_place_off_the_outline_is_told_by_how_much(name: str, late: int | None, sign: int) -> None:
+def test_a_place_off_the_outline_is_told_by_how_much(
+    name: str, late: int | None, sign: int
+) -> None:
     """By more than both tolerances, the file's and the table's; a row by itself, too."""
     table = profile(FORMS[name])
     rows = np.ones(72) if late is None else (np.arange(72) == late).astype(float)
     for by, ok in ((1.8e-3, True), (2.2e-3, False)):
-        (found,) = [f for f in judged(FORMS[name], moved(table, sign * by * rows)) if column(f) == "x_mm and y_mm"]
-        assert found.ok is ok and found.measured == pytest.approx(by, rel=1e-6) and found.limit == pytest.approx(2e-3)
+        (found,) = [
+            f
+            for f in judged(FORMS[name], moved(table, sign * by * rows))
+            if column(f) == "x_mm and y_mm"
+        ]
+        assert (
+            found.ok is ok
+            and found.measured == pytest.approx(by, rel=1e-6)
+            and found.limit == pytest.approx(2e-3)
+        )
         if late is not None:
             assert found.where.endswith(f"row of {5 * late} deg")
     for by, ok in ((1e-9, True), (1e-7, False)):
@@ -135,7 +155,10 @@ def test_angles_that_are_off_are_told(name: str, sign: int) -> None:
     assert told(judged(form, replace(table, theta=THETA + sign * 1e-11))) == set()
     steeper = judged(form, replace(table, pressure_angle=table.pressure_angle + sign * 2e-7))
     assert told(steeper) == {"pressure_angle_deg"}
-    assert told(judged(form, replace(table, pressure_angle=table.pressure_angle + sign * 1e-9))) == set()
+    assert (
+        told(judged(form, replace(table, pressure_angle=table.pressure_angle + sign * 1e-9)))
+        == set()
+    )
     found = judged(form, replace(table, normal=table.normal * np.exp(1j * sign * 0.01)))
     assert {"normal_deg", "pressure_angle_deg"} <= told(found)
     (lean,) = [f for f in found if column(f) == "normal_deg"]
@@ -160,9 +183,15 @@ def test_a_row_of_another_cam_angle_puts_the_roller_elsewhere(sign: int) -> None
     table, late = profile(form), replace(profile(form))
     turn = np.exp(1j * sign * 0.01)
     about = OFF + (table.place - OFF) * turn  # on the disc
-    late = replace(table, place=about, radius=np.abs(about), angle=np.angle(about), normal=table.normal * turn)
+    late = replace(
+        table, place=about, radius=np.abs(about), angle=np.angle(about), normal=table.normal * turn
+    )
     found = judged(form, late)
-    assert FOLLOWER in told(found) and "x_mm and y_mm" not in told(found) and "normal_deg" not in told(found)
+    assert (
+        FOLLOWER in told(found)
+        and "x_mm and y_mm" not in told(found)
+        and "normal_deg" not in told(found)
+    )
     (worst,) = [f for f in found if column(f) == FOLLOWER]
     assert worst.measured == pytest.approx((RADIUS + RHO) * 2 * math.sin(0.005), rel=1e-4)
 
@@ -176,7 +205,9 @@ def test_a_curve_within_the_tolerance_leans_and_bends_by_no_more_than_is_granted
     form = FORMS["roller"]
     table = profile(form)
     by_slope = [f for f in judged(form, table) if column(f) == "normal_deg"]
-    assert math.radians(by_slope[0].limit) < 3 * slope and math.radians(by_slope[0].limit) > slope / 3
+    assert (
+        math.radians(by_slope[0].limit) < 3 * slope and math.radians(by_slope[0].limit) > slope / 3
+    )
     (by_bend,) = [f for f in judged(form, table) if "curvature" in f.where]
     assert by_bend.limit < 5 * bend
 
@@ -186,7 +217,9 @@ def test_a_curve_within_the_tolerance_leans_and_bends_by_no_more_than_is_granted
 def test_a_curvature_that_is_off_is_told(name: str, sign: int) -> None:
     table, form = profile(FORMS[name]), FORMS[name]
     wrong = table.curvature + sign * 0.004 * (np.arange(72) == 33)
-    assert told(judged(form, replace(table, curvature=wrong), polygon(disc(400).points))) == {"curvature_per_mm"}
+    assert told(judged(form, replace(table, curvature=wrong), polygon(disc(400).points))) == {
+        "curvature_per_mm"
+    }
     found = judged(form, replace(table, curvature=wrong))
     assert told(found) == {"curvature_per_mm"}
     (bend,) = [f for f in found if "curvature" in f.where]
@@ -199,7 +232,19 @@ def test_a_curvature_that_is_off_is_told(name: str, sign: int) -> None:
 def test_rows_too_few_or_too_many_are_counted() -> None:
     table = profile(FORMS["roller"])
     for rows in (slice(0, 70), slice(0, 71)):
-        few = Profile(*(getattr(table, name)[rows] for name in
-                        ("theta", "place", "radius", "angle", "normal", "curvature", "pressure_angle")))  # fmt: skip
+        few = Profile(
+            *(
+                getattr(table, name)[rows]
+                for name in (
+                    "theta",
+                    "place",
+                    "radius",
+                    "angle",
+                    "normal",
+                    "curvature",
+                    "pressure_angle",
+                )
+            )
+        )
         (found,) = judged(FORMS["roller"], few)
         assert not found.ok and found.measured == 72 - rows.stop and found.where == "x-profile.csv"

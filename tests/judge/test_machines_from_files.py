@@ -34,7 +34,19 @@ from camgen.machine import (
     Slot,
     solve,
 )
-from camgen.machine.features import Asked, CamMeant, CamOutline, Eye, Faces, Feature, Flat, Mount, PinEyes, SlideFaces, SlotFaces
+from camgen.machine.features import (
+    Asked,
+    CamMeant,
+    CamOutline,
+    Eye,
+    Faces,
+    Feature,
+    Flat,
+    Mount,
+    PinEyes,
+    SlideFaces,
+    SlotFaces,
+)
 from camgen.machine.model import Floats
 from camgen.parts.part import Layer, Part, hull
 from camgen.parts.solids import solid
@@ -62,7 +74,10 @@ def link(*holes: complex, radius: float = 5.0) -> Region:
 
 
 def box(middle: complex, length: float, width: float, turned: float = 0.0) -> Contour:
-    corners = [complex(x, y) / 2 for x, y in ((-length, -width), (length, -width), (length, width), (-length, width))]
+    corners = [
+        complex(x, y) / 2
+        for x, y in ((-length, -width), (length, -width), (length, width), (-length, width))
+    ]
     return polygon([middle + z * cmath.exp(1j * turned) for z in corners])
 
 
@@ -79,11 +94,15 @@ class Case:
     regions: Callable[..., Regions]
     mounts: tuple[Mount, ...] = ()
 
-    def judged(self, kind: str, folder: Path, asked: Sequence[Asked] = (), **damage: object) -> Verdict:
+    def judged(
+        self, kind: str, folder: Path, asked: Sequence[Asked] = (), **damage: object
+    ) -> Verdict:
         regions = self.regions(**damage)
         files = {name: sections(name, region, kind, folder) for name, region in regions.items()}
         mounts = self.mounts or tuple(Mount(name, name) for name in regions)
-        return judge_machine(kind, "f", files, self.machine, self.features, mounts, THETA, TOLERANCE, asked=asked)  # type: ignore[arg-type]
+        return judge_machine(
+            kind, "f", files, self.machine, self.features, mounts, THETA, TOLERANCE, asked=asked
+        )  # type: ignore[arg-type]
 
     def wanted(self) -> list[Asked]:
         """Its outputs by the other route, in closed form."""
@@ -91,7 +110,9 @@ class Case:
         def motion(name: str) -> Callable[[Floats, int], Floats]:
             return lambda theta, order: solve(self.machine, theta, 1).derivatives(name)[order]  # type: ignore[return-value]
 
-        return [Asked(output.name, motion(output.name), stroke=True) for output in self.machine.outputs]
+        return [
+            Asked(output.name, motion(output.name), stroke=True) for output in self.machine.outputs
+        ]
 
 
 def failing(verdict: Verdict) -> set[str]:
@@ -117,7 +138,8 @@ def shaper() -> Case:
     machine = Machine(
         (Body("crank"), Body("coupler"), Body("rocker"), Body("ram")),
         (
-            Pin("O", Place(GROUND), Place("crank"), 0.2), Pin("A", Place("crank", CRANK), Place("coupler"), 0.2),
+            Pin("O", Place(GROUND), Place("crank"), 0.2),
+            Pin("A", Place("crank", CRANK), Place("coupler"), 0.2),
             Pin("B", Place("coupler", COUPLER), Place("rocker", ROCKER), 0.2),
             Pin("C", Place(GROUND, FRAME), Place("rocker"), 0.2),
             Slot("slot", Place("rocker"), Place("ram"), clearance=0.2),
@@ -125,31 +147,47 @@ def shaper() -> Case:
         ),
         (Drive("motor", "crank"),),
         {
-            "crank": Pose(0j, 0.0), "coupler": Pose(a, cmath.phase(b - a)), "rocker": Pose(FRAME, lean),
+            "crank": Pose(0j, 0.0),
+            "coupler": Pose(a, cmath.phase(b - a)),
+            "rocker": Pose(FRAME, lean),
             "ram": Pose(complex(ram, HEIGHT), 0.0),
         },
         outputs=(Output("ram", Along("guide")), Output("rocker", Angle("rocker"), "rad")),
-    )  # fmt: skip
+    )
 
-    def regions(hole: complex = 0j, slot: float = 0.0, swapped: bool = False, high: float = 0.0) -> Regions:
+    def regions(
+        hole: complex = 0j, slot: float = 0.0, swapped: bool = False, high: float = 0.0
+    ) -> Regions:
         holes = (circle(0j, HOLE / 2), circle(ROCKER, HOLE / 2), box(50, 26, 3.1, slot))
         rocker = Region(hull([(0j, 5), (66, 5)]), holes)
         parts = {
             "base": Region(
-                box(30 + 20j, 140, 90), (circle(0j, HOLE / 2), circle(FRAME, HOLE / 2), box(50 + 1j * (HEIGHT + high), 90, 10.2))
+                box(30 + 20j, 140, 90),
+                (
+                    circle(0j, HOLE / 2),
+                    circle(FRAME, HOLE / 2),
+                    box(50 + 1j * (HEIGHT + high), 90, 10.2),
+                ),
             ),
-            "crank": link(0j, CRANK), "coupler": link(0j, COUPLER + hole), "rocker": rocker,
+            "crank": link(0j, CRANK),
+            "coupler": link(0j, COUPLER + hole),
+            "rocker": rocker,
             "ram": Region(box(0j, 30, 10), (circle(0j, HOLE / 2),)),
-        }  # fmt: skip
+        }
         return parts | {"crank": parts["coupler"], "coupler": parts["crank"]} if swapped else parts
 
     features = (
-        eyes("O", "base", 0j, "crank"), eyes("A", "crank", CRANK, "coupler"), eyes("B", "coupler", COUPLER, "rocker", ROCKER),
+        eyes("O", "base", 0j, "crank"),
+        eyes("A", "crank", CRANK, "coupler"),
+        eyes("B", "coupler", COUPLER, "rocker", ROCKER),
         eyes("C", "base", FRAME, "rocker"),
         SlotFaces("slot", Faces("rocker", 50 + 0j, 0.0, 3.1), Eye("ram", 0j, HOLE), PIN),
         SlideFaces("guide", Faces("base", 50 + 1j * HEIGHT, 0.0, 10.2), Faces("ram", 0j, 0.0, 10)),
-    )  # fmt: skip
-    mounts = (Mount("base", GROUND), *(Mount(name, name) for name in ("crank", "coupler", "rocker", "ram")))
+    )
+    mounts = (
+        Mount("base", GROUND),
+        *(Mount(name, name) for name in ("crank", "coupler", "rocker", "ram")),
+    )
     return Case(machine, features, regions, mounts)
 
 
@@ -168,12 +206,16 @@ def test_a_shaper_from_its_files(kind: str, tmp_path: Path) -> None:
     "damage, output, codes",
     [
         pytest.param({"hole": 0.03}, "both", {"MOTION_ERROR"}, id="a hole 30 um off"),
-        pytest.param({"slot": math.radians(0.2)}, "ram", {"MOTION_ERROR"}, id="a slot turned by 0.2 deg"),
+        pytest.param(
+            {"slot": math.radians(0.2)}, "ram", {"MOTION_ERROR"}, id="a slot turned by 0.2 deg"
+        ),
         pytest.param({"high": 0.03}, "ram", {"MOTION_ERROR"}, id="the guide 30 um too high"),
         pytest.param({"swapped": True}, "", {"PIN_GAP"}, id="two links swapped"),
     ],
 )
-def test_a_damaged_shaper(kind: str, damage: dict[str, object], output: str, codes: set[str], tmp_path: Path) -> None:
+def test_a_damaged_shaper(
+    kind: str, damage: dict[str, object], output: str, codes: set[str], tmp_path: Path
+) -> None:
     case = shaper()
     verdict = case.judged(kind, tmp_path, case.wanted(), **damage)
     assert codes <= failing(verdict) <= codes | {"STROKE_ERROR"}
@@ -186,7 +228,9 @@ def test_a_moved_hole_is_told_by_its_share(tmp_path: Path) -> None:
     """What the table foretells for the shift is what the closed machine shows, at most."""
     verdict = shaper().judged("dxf", tmp_path, hole=0.01)
     assert verdict.table is not None
-    rows = {row[0]: dict(zip(verdict.table.columns, row, strict=True)) for row in verdict.table.rows}
+    rows = {
+        row[0]: dict(zip(verdict.table.columns, row, strict=True)) for row in verdict.table.rows
+    }
     assert rows["B"]["centres off, mm"] == pytest.approx(0.01, abs=1e-9)
     assert rows["A"]["centres off, mm"] == pytest.approx(0, abs=1e-9)
     (said,) = (finding.message for finding in verdict.findings if finding.code == "MOTION_ERROR")
@@ -211,12 +255,23 @@ class Rocking:
         tip = meeting(OFF, PIVOT, DISC + TIP, ARM)
         bodies = (Body("crank"), Body("rod"), Body("rocker"))
         pins = (
-            Pin("O", Place(GROUND), Place("crank")), Pin("A", Place("crank", OFF), Place("rod")),
-            Pin("B", Place("rod", DISC + TIP), Place("rocker", ARM)), Pin("C", Place(GROUND, PIVOT), Place("rocker")),
-        )  # fmt: skip
-        start = {"crank": Pose(0j, 0.0), "rod": Pose(OFF, cmath.phase(tip - OFF)),
-                 "rocker": Pose(PIVOT, cmath.phase(tip - PIVOT))}  # fmt: skip
-        chain = Machine(bodies, pins, (Drive("motor", "crank"),), start, outputs=(Output("angle", Angle("rocker"), "rad"),))
+            Pin("O", Place(GROUND), Place("crank")),
+            Pin("A", Place("crank", OFF), Place("rod")),
+            Pin("B", Place("rod", DISC + TIP), Place("rocker", ARM)),
+            Pin("C", Place(GROUND, PIVOT), Place("rocker")),
+        )
+        start = {
+            "crank": Pose(0j, 0.0),
+            "rod": Pose(OFF, cmath.phase(tip - OFF)),
+            "rocker": Pose(PIVOT, cmath.phase(tip - PIVOT)),
+        }
+        chain = Machine(
+            bodies,
+            pins,
+            (Drive("motor", "crank"),),
+            start,
+            outputs=(Output("angle", Angle("rocker"), "rad"),),
+        )
         angle: Floats = solve(chain, theta, order).derivatives("angle")[order]
         return angle - (self.rest if order == 0 else 0.0)
 
@@ -231,37 +286,58 @@ def rocking_cam(flipped: bool = False) -> Case:
     machine = Machine(
         (Body("cam"), Body("rocker"), Body("rod"), Body("ram")),
         (
-            Pin("shaft", Place(GROUND), Place("cam"), 0.2), Pin("pivot", Place(GROUND, PIVOT), Place("rocker"), 0.2),
+            Pin("shaft", Place(GROUND), Place("cam"), 0.2),
+            Pin("pivot", Place(GROUND, PIVOT), Place("rocker"), 0.2),
             Cam("lift", "cam", "rocker", Rocking(rest), rest=rest, closure="force", leaves=-1),
-            Pin("P", Place("rocker", OTHER), Place("rod"), 0.2), Pin("Q", Place("rod", ROD), Place("ram"), 0.2),
+            Pin("P", Place("rocker", OTHER), Place("rod"), 0.2),
+            Pin("Q", Place("rod", ROD), Place("ram"), 0.2),
             Slide("guide", Place(GROUND, 1j * high), Place("ram"), clearance=0.2),
         ),
         (Drive("motor", "cam"),),
         {
-            "cam": Pose(0j, 0.0), "rocker": Pose(PIVOT, rest), "ram": Pose(complex(far, high), 0.0),
+            "cam": Pose(0j, 0.0),
+            "rocker": Pose(PIVOT, rest),
+            "ram": Pose(complex(far, high), 0.0),
             "rod": Pose(joint, cmath.phase(complex(far, high) - joint)),
         },
         outputs=(Output("ram", Along("guide")),),
-    )  # fmt: skip
+    )
 
-    def regions(mirrored: bool = False, tip: complex = 0j, bore: complex = 0j, disc: float = DISC) -> Regions:
+    def regions(
+        mirrored: bool = False, tip: complex = 0j, bore: complex = 0j, disc: float = DISC
+    ) -> Regions:
         off = -OFF.conjugate() if mirrored is not flipped else OFF
         return {
             "base": Region(
-                box(80 + 10j, 240, 90), (circle(0j, HOLE / 2), circle(PIVOT, HOLE / 2), box(complex(far, high), 60, 10.2))
+                box(80 + 10j, 240, 90),
+                (circle(0j, HOLE / 2), circle(PIVOT, HOLE / 2), box(complex(far, high), 60, 10.2)),
             ),
             "cam": Region(circle(off, disc), (circle(bore, HOLE / 2),)),
-            "rocker": Region(hull([(0j, 6), (ARM + tip, TIP), (OTHER, 5)]), (circle(0j, HOLE / 2), circle(OTHER, HOLE / 2))),
-            "rod": link(0j, ROD), "ram": Region(box(0j, 30, 10), (circle(0j, HOLE / 2),)),
-        }  # fmt: skip
+            "rocker": Region(
+                hull([(0j, 6), (ARM + tip, TIP), (OTHER, 5)]),
+                (circle(0j, HOLE / 2), circle(OTHER, HOLE / 2)),
+            ),
+            "rod": link(0j, ROD),
+            "ram": Region(box(0j, 30, 10), (circle(0j, HOLE / 2),)),
+        }
 
     features = (
-        CamOutline("lift", "cam", "shaft", "pivot", Eye("rocker", ARM, 2 * TIP, shaft=True), leaves=-1),
-        eyes("shaft", "base", 0j, "cam"), eyes("pivot", "base", PIVOT, "rocker"),
-        eyes("P", "rocker", OTHER, "rod"), eyes("Q", "rod", ROD, "ram"),
-        SlideFaces("guide", Faces("base", complex(far, high), 0.0, 10.2), Faces("ram", 0j, 0.0, 10)),
-    )  # fmt: skip
-    mounts = (Mount("base", GROUND), Mount("cam", "cam", flipped=flipped), *(Mount(n, n) for n in ("rocker", "rod", "ram")))
+        CamOutline(
+            "lift", "cam", "shaft", "pivot", Eye("rocker", ARM, 2 * TIP, shaft=True), leaves=-1
+        ),
+        eyes("shaft", "base", 0j, "cam"),
+        eyes("pivot", "base", PIVOT, "rocker"),
+        eyes("P", "rocker", OTHER, "rod"),
+        eyes("Q", "rod", ROD, "ram"),
+        SlideFaces(
+            "guide", Faces("base", complex(far, high), 0.0, 10.2), Faces("ram", 0j, 0.0, 10)
+        ),
+    )
+    mounts = (
+        Mount("base", GROUND),
+        Mount("cam", "cam", flipped=flipped),
+        *(Mount(n, n) for n in ("rocker", "rod", "ram")),
+    )
     return Case(machine, features, regions, mounts)
 
 
@@ -296,8 +372,14 @@ def test_a_follower_that_misses_its_cam_is_told(kind: str, tmp_path: Path) -> No
     """A disc so small that the arm's tip, never nearer to the shaft than 5 mm, loses it."""
     verdict = rocking_cam().judged(kind, tmp_path, disc=5.6)
     (wrong,) = (finding for finding in verdict.findings if not finding.ok)
-    assert wrong.code == "MOTION_ERROR" and math.isinf(wrong.measured) and "it does not close at" in wrong.message
-    assert not [f for f in rocking_cam().judged(kind, tmp_path).findings if "does not close" in f.message]
+    assert (
+        wrong.code == "MOTION_ERROR"
+        and math.isinf(wrong.measured)
+        and "it does not close at" in wrong.message
+    )
+    assert not [
+        f for f in rocking_cam().judged(kind, tmp_path).findings if "does not close" in f.message
+    ]
     assert verdict.proof is None
 
 
@@ -308,7 +390,9 @@ class More:
     law: Callable[[Floats, int], Floats]
 
     def __call__(self, theta: Floats, order: int = 0) -> Floats:
-        return self.law(theta, order) + math.radians(0.1) * (np.cos(theta) > math.sqrt(0.5)) * (order == 0)
+        return self.law(theta, order) + math.radians(0.1) * (np.cos(theta) > math.sqrt(0.5)) * (
+            order == 0
+        )
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -317,26 +401,41 @@ def test_what_is_judged_on_the_cam_of_any_machine(kind: str, tmp_path: Path) -> 
     case = rocking_cam()
     lift = case.machine.joint("lift")
     assert isinstance(lift, Cam)
-    joints = tuple(replace(lift, law=More(lift.law)) if joint is lift else joint for joint in case.machine.joints)
+    joints = tuple(
+        replace(lift, law=More(lift.law)) if joint is lift else joint
+        for joint in case.machine.joints
+    )
     machine = replace(case.machine, joints=joints)
-    for ripple, undercut, codes in ((0.01, 0.11, set()), (1e-9, 0.11, {"SPEED_RIPPLE"}), (0.01, 0.09, {"UNDERCUT"})):
+    for ripple, undercut, codes in (
+        (0.01, 0.11, set()),
+        (1e-9, 0.11, {"SPEED_RIPPLE"}),
+        (0.01, 0.09, {"UNDERCUT"}),
+    ):
         meant = CamMeant(lift.law, None, ripple, math.radians(undercut))
-        features = tuple(replace(f, meant=meant) if isinstance(f, CamOutline) else f for f in case.features)
+        features = tuple(
+            replace(f, meant=meant) if isinstance(f, CamOutline) else f for f in case.features
+        )
         found = replace(case, machine=machine, features=features).judged(kind, tmp_path)
         told = failing(found)
-        assert told == (codes if kind != "dxf" else codes - {"SPEED_RIPPLE"})  # a drawing's circle is exact
+        assert told == (
+            codes if kind != "dxf" else codes - {"SPEED_RIPPLE"}
+        )  # a drawing's circle is exact
         assert found.numbers[f"undercut_{kind}_deg"] == pytest.approx(0.1, abs=0.004)
         assert 0 < found.numbers[f"pressure_angle_{kind}_deg"] < 60
 
 
 def test_a_lost_outline_and_a_wrong_pin_are_told(tmp_path: Path) -> None:
     case = rocking_cam()
-    files = {name: sections(name, region, "dxf", tmp_path) for name, region in case.regions().items()}
+    files = {
+        name: sections(name, region, "dxf", tmp_path) for name, region in case.regions().items()
+    }
     for changed, code, words in (
         ({"cam": [[]]}, "PIN_GAP", "the outline of cam is lost"),
         ({"rocker": files["rod"]}, "PIN_GAP", "no eye of 6 mm near 40.000 in rocker"),
     ):
-        found = judge_machine("dxf", "f", files | changed, case.machine, case.features, case.mounts, THETA, TOLERANCE)  # type: ignore[arg-type]
+        found = judge_machine(
+            "dxf", "f", files | changed, case.machine, case.features, case.mounts, THETA, TOLERANCE
+        )  # type: ignore[arg-type]
         (wrong,) = (finding for finding in found.findings if not finding.ok)
         assert wrong.code == code and words in wrong.message
 
@@ -360,29 +459,53 @@ def flat_faced(phase: float = 0.0) -> Case:
         (
             Pin("shaft", Place(GROUND), Place("cam"), 0.2),
             Slide("stem", Place(GROUND), Place("follower"), clearance=0.2),
-            Cam("lift", "cam", "follower", Lift(), slide="stem", phase=phase, rest=DISC, closure="force"),
-            Gear("wheels", "cam", "wheel", -0.5), Pin("axle", Place(GROUND, -60), Place("wheel"), 0.2),
+            Cam(
+                "lift",
+                "cam",
+                "follower",
+                Lift(),
+                slide="stem",
+                phase=phase,
+                rest=DISC,
+                closure="force",
+            ),
+            Gear("wheels", "cam", "wheel", -0.5),
+            Pin("axle", Place(GROUND, -60), Place("wheel"), 0.2),
         ),
         (Drive("motor", "cam"),),
-        {"cam": Pose(0j, 0.0), "follower": Pose(complex(DISC + 4 * math.cos(phase)), 0.0), "wheel": Pose(-60, 0.0)},
+        {
+            "cam": Pose(0j, 0.0),
+            "follower": Pose(complex(DISC + 4 * math.cos(phase)), 0.0),
+            "wheel": Pose(-60, 0.0),
+        },
         outputs=(Output("lift", Along("stem")), Output("wheel", Angle("wheel"), "rad")),
-    )  # fmt: skip
+    )
 
     def regions(lean: float = 0.0, ahead: float = 0.0) -> Regions:
-        stem = [complex(4, -12), complex(4, -5), complex(60, -5), complex(60, 5), complex(4, 5), complex(4, 12)]
+        stem = [
+            complex(4, -12),
+            complex(4, -5),
+            complex(60, -5),
+            complex(60, 5),
+            complex(4, 5),
+            complex(4, 12),
+        ]
         face = [complex(ahead - y * math.tan(lean), y) for y in (12, -12)]
         return {
-            "base": Region(box(0j, 180, 60), (circle(0j, HOLE / 2), circle(-60, HOLE / 2), box(55, 40, 10.2))),
+            "base": Region(
+                box(0j, 180, 60), (circle(0j, HOLE / 2), circle(-60, HOLE / 2), box(55, 40, 10.2))
+            ),
             "cam": Region(circle(4 * cmath.exp(1j * phase), DISC), (circle(0j, HOLE / 2),)),
             "wheel": Region(circle(0j, 20), (circle(0j, HOLE / 2),)),
             "follower": Region(polygon([*face, *stem])),
         }
 
     features = (
-        eyes("shaft", "base", 0j, "cam"), eyes("axle", "base", -60, "wheel"),
+        eyes("shaft", "base", 0j, "cam"),
+        eyes("axle", "base", -60, "wheel"),
         SlideFaces("stem", Faces("base", 55 + 0j, 0.0, 10.2), Faces("follower", 30 + 0j, 0.0, 10)),
         CamOutline("lift", "cam", "shaft", None, Flat("follower", 0j, math.pi, 24), leaves=1),
-    )  # fmt: skip
+    )
     mounts = (Mount("base", GROUND), *(Mount(name, name) for name in ("cam", "follower", "wheel")))
     return Case(machine, features, regions, mounts)
 
@@ -390,7 +513,9 @@ def flat_faced(phase: float = 0.0) -> Case:
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_flat_face_and_gears_from_their_files(kind: str, tmp_path: Path) -> None:
     case = flat_faced()
-    lift = Asked("lift", lambda theta, order: Lift()(theta, order) + DISC * (order == 0), stroke=True)
+    lift = Asked(
+        "lift", lambda theta, order: Lift()(theta, order) + DISC * (order == 0), stroke=True
+    )
     sound = case.judged(kind, tmp_path, [lift])
     assert failing(sound) == set()
     assert sound.numbers[f"stroke_recovered_lift_{kind}_mm"] == pytest.approx(8, abs=0.002)
@@ -403,9 +528,12 @@ def yoke() -> Case:
     """The same between two faces: an eccentric disc is of constant breadth, so the play is the same all round."""
     case = flat_faced()
     machine = Machine(
-        case.machine.bodies[:2], case.machine.joints[:3], case.machine.drives,
-        {name: case.machine.start[name] for name in ("cam", "follower")}, outputs=case.machine.outputs[:1],
-    )  # fmt: skip
+        case.machine.bodies[:2],
+        case.machine.joints[:3],
+        case.machine.drives,
+        {name: case.machine.start[name] for name in ("cam", "follower")},
+        outputs=case.machine.outputs[:1],
+    )
 
     def regions(gap: float = 0.1) -> Regions:
         window = box(complex(-DISC - gap / 2, 0), 2 * DISC + gap, 50)
@@ -413,15 +541,26 @@ def yoke() -> Case:
             "base": Region(box(0j, 220, 60), (circle(0j, HOLE / 2), box(65, 40, 10.2))),
             "cam": case.regions()["cam"],
             "follower": Region(
-                polygon([-40 - 30j, 10 - 30j, 10 - 5j, 70 - 5j, 70 + 5j, 10 + 5j, 10 + 30j, -40 + 30j]), (window,)
+                polygon(
+                    [-40 - 30j, 10 - 30j, 10 - 5j, 70 - 5j, 70 + 5j, 10 + 5j, 10 + 30j, -40 + 30j]
+                ),
+                (window,),
             ),
         }
 
     features = (
-        case.features[0], case.features[3],
+        case.features[0],
+        case.features[3],
         SlideFaces("stem", Faces("base", 65 + 0j, 0.0, 10.2), Faces("follower", 30 + 0j, 0.0, 10)),
-        CamOutline("lift", "cam", "shaft", None, Flat("follower", complex(-2 * DISC - 0.1), 0.0, 24), leaves=-1),
-    )  # fmt: skip
+        CamOutline(
+            "lift",
+            "cam",
+            "shaft",
+            None,
+            Flat("follower", complex(-2 * DISC - 0.1), 0.0, 24),
+            leaves=-1,
+        ),
+    )
     return Case(machine, features, regions, case.mounts)
 
 
@@ -430,8 +569,12 @@ def test_a_follower_between_two_faces(kind: str, tmp_path: Path) -> None:
     case = yoke()
     sound = case.judged(kind, tmp_path)
     assert failing(sound) == set() and "INTERFERENCE" in {f.code for f in sound.findings}
-    assert sound.numbers[f"clearance_band_{kind}_mm"] == pytest.approx(0.05, abs=0.003)  # the stem's own is across
+    assert sound.numbers[f"clearance_band_{kind}_mm"] == pytest.approx(
+        0.05, abs=0.003
+    )  # the stem's own is across
     assert sound.numbers[f"lash_{kind}_mm"] == pytest.approx(0.1, abs=0.003)
     tight = case.judged(kind, tmp_path, gap=-0.01)
-    assert failing(tight) == {"INTERFERENCE"} and tight.numbers[f"preload_{kind}_mm"] == pytest.approx(0.01, abs=0.003)
+    assert failing(tight) == {"INTERFERENCE"} and tight.numbers[
+        f"preload_{kind}_mm"
+    ] == pytest.approx(0.01, abs=0.003)
     assert not [name for name in sound.numbers if "tip_on" in name]  # both faces touch one part

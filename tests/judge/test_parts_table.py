@@ -12,7 +12,11 @@ from camgen.judge.parts_table import judge_list
 from camgen.study import Table
 
 HEAD = ("no", "part", "made", "count", "mass_g")
-ROWS = ((1, "cam", "printed", 1, 12.34), (2, "dowel 5 x 20", "bought", 4, 3.081), (3, "plate", "cut", 2, 0.0))
+ROWS = (
+    (1, "cam", "printed", 1, 12.34),
+    (2, "dowel 5 x 20", "bought", 4, 3.081),
+    (3, "plate", "cut", 2, 0.0),
+)
 TABLE = Table("Parts", HEAD, ROWS)
 
 
@@ -25,8 +29,12 @@ def judged(path: Path, rows: list[list[str]]):  # type: ignore[no-untyped-def]
 @pytest.fixture
 def rows() -> list[list[str]]:
     """As they are written: numbers to three digits."""
-    return [list(HEAD), ["1", "cam", "printed", "1", "12.3"], ["2", "dowel 5 x 20", "bought", "4", "3.08"],
-            ["3", "plate", "cut", "2", "0"]]  # fmt: skip
+    return [
+        list(HEAD),
+        ["1", "cam", "printed", "1", "12.3"],
+        ["2", "dowel 5 x 20", "bought", "4", "3.08"],
+        ["3", "plate", "cut", "2", "0"],
+    ]
 
 
 def test_rows_as_they_are_written_hold(tmp_path: Path, rows: list[list[str]]) -> None:
@@ -38,16 +46,26 @@ def test_rows_as_they_are_written_hold(tmp_path: Path, rows: list[list[str]]) ->
 @pytest.mark.parametrize("line", range(4))
 @pytest.mark.parametrize("column", range(5))
 @pytest.mark.parametrize("cell", ["", "x", "7.5", "nan"])
-def test_each_cell_is_read(tmp_path: Path, rows: list[list[str]], line: int, column: int, cell: str) -> None:
+def test_each_cell_is_read(
+    tmp_path: Path, rows: list[list[str]], line: int, column: int, cell: str
+) -> None:
     rows[line][column] = cell
     found = judged(tmp_path / "parts.csv", rows)
     assert not found.ok and found.measured == 1
     wanted = [*map(str, (HEAD, *ROWS)[line][1:4])]
-    assert found.message == f"line {line + 1} has {', '.join(rows[line][1:4])} instead of {', '.join(wanted)}"
+    assert (
+        found.message
+        == f"line {line + 1} has {', '.join(rows[line][1:4])} instead of {', '.join(wanted)}"
+    )
 
 
-@pytest.mark.parametrize("mass, ok", [("12.34", True), ("12.4", True), ("12.28", True), ("12.41", False), ("12.27", False)])
-def test_a_number_may_be_off_by_its_fourth_digit(tmp_path: Path, rows: list[list[str]], mass: str, ok: bool) -> None:
+@pytest.mark.parametrize(
+    "mass, ok",
+    [("12.34", True), ("12.4", True), ("12.28", True), ("12.41", False), ("12.27", False)],
+)
+def test_a_number_may_be_off_by_its_fourth_digit(
+    tmp_path: Path, rows: list[list[str]], mass: str, ok: bool
+) -> None:
     """12.34 by no more than 0.0617, the half of what three digits tell at worst."""
     rows[1][4] = mass
     assert judged(tmp_path / "parts.csv", rows).ok is ok

@@ -18,7 +18,20 @@ from camgen.judge.joints import Closable, Rolled
 from camgen.judge.motion import _stroke
 from camgen.judge.proof import Proof, _Meant, with_laws
 from camgen.judge.targets import judge_targets
-from camgen.machine import GROUND, Angle, Body, Cam, Drive, Gear, Machine, Output, Path, Pin, Place, Pose
+from camgen.machine import (
+    GROUND,
+    Angle,
+    Body,
+    Cam,
+    Drive,
+    Gear,
+    Machine,
+    Output,
+    Path,
+    Pin,
+    Place,
+    Pose,
+)
 from camgen.machine.features import Asked
 from camgen.machine.model import Floats, Turning
 from camgen.machine.targets import Dwell, Stroke
@@ -39,14 +52,19 @@ def machine(rate: float = 1.0, start: float = 0.0, size: float = 0.4) -> Machine
     return Machine(
         (Body("crank"), Body("wheel"), Body("arm")),
         (
-            Pin("O", Place(GROUND), Place("crank")), Pin("W", Place(GROUND, -50), Place("wheel")),
-            Pin("A", Place(GROUND, 60j), Place("arm")), Gear("gear", "crank", "wheel", -0.5),
+            Pin("O", Place(GROUND), Place("crank")),
+            Pin("W", Place(GROUND, -50), Place("wheel")),
+            Pin("A", Place(GROUND, 60j), Place("arm")),
+            Gear("gear", "crank", "wheel", -0.5),
             Cam("lift", "crank", "arm", Wave(size), phase=0.3, rest=0.1, closure="force"),
         ),
         (Drive("motor", "crank", Turning(rate, start)),),
         {"crank": Pose(0j, start), "wheel": Pose(-50, -0.5 * start), "arm": Pose(60j, 0.1)},
-        outputs=(*(Output(name, Angle(name), "rad") for name in ("wheel", "arm")), Output("end", Path(Place("arm", 20)))),
-    )  # fmt: skip
+        outputs=(
+            *(Output(name, Angle(name), "rad") for name in ("wheel", "arm")),
+            Output("end", Path(Place("arm", 20))),
+        ),
+    )
 
 
 @pytest.mark.parametrize("rate, start", [(1.0, 0.0), (-1.0, 0.4), (3.0, -2.0), (-2.0, 5.0)])
@@ -55,7 +73,11 @@ def test_where_a_body_stands_at_an_angle(rate: float, start: float) -> None:
     meant = _Meant(machine(rate, start), 0.0, math.tau)
     angles = np.array([0.5, -1.0, 2.0 + 6 * math.pi])
     for body, share in (("crank", 1.0), ("wheel", -0.5)):
-        wanted = [(a + math.tau * k - share * start) / (share * rate) for a in angles for k in range(-20, 20)]
+        wanted = [
+            (a + math.tau * k - share * start) / (share * rate)
+            for a in angles
+            for k in range(-20, 20)
+        ]
         wanted = sorted(t for t in wanted if 0 <= t <= math.tau)
         assert sorted(meant.when(body, angles)) == pytest.approx(wanted, abs=1e-9)
     assert len(meant.when("arm", angles)) == len(meant.when(GROUND, np.zeros(1))) == 0
@@ -86,11 +108,17 @@ def test_what_is_asked_in_parts_or_again_is_the_same(monkeypatch: pytest.MonkeyP
             np.testing.assert_allclose(slope, -0.4 * np.sin(theta - 0.3), atol=1e-12)
             end, speed = found.outcome("end", theta)
             np.testing.assert_allclose(end, 60j + 20 * np.exp(1j * moved.value), atol=1e-10)
-            np.testing.assert_allclose(speed, 20j * np.exp(1j * moved.value) * moved.slope, atol=1e-10)
+            np.testing.assert_allclose(
+                speed, 20j * np.exp(1j * moved.value) * moved.slope, atol=1e-10
+            )
         for k in range(5):  # others in between
             again = theta[: 10 + k] + 0.01
-            np.testing.assert_allclose(found.moved("arm", again).value, arm(again, 0.41), atol=1e-12)
-            np.testing.assert_allclose(found.outcome("arm", again)[1], -0.41 * np.sin(again - 0.3), atol=1e-12)
+            np.testing.assert_allclose(
+                found.moved("arm", again).value, arm(again, 0.41), atol=1e-12
+            )
+            np.testing.assert_allclose(
+                found.outcome("arm", again)[1], -0.41 * np.sin(again - 0.3), atol=1e-12
+            )
         np.testing.assert_allclose(found.moved("arm", theta).value, arm(theta, 0.41), atol=1e-12)
 
 
@@ -98,7 +126,9 @@ def test_laws_take_the_place_of_those_of_cams_alone() -> None:
     """What an undercut outline gives is reachable; the machine's own law is wanted."""
     theta = np.linspace(0, math.tau, 100)
     other = Wave(0.2)
-    found = Proof(machine(), Closable(machine(), {}, {}, {}), theta, (("lift", other), ("gear", other)))
+    found = Proof(
+        machine(), Closable(machine(), {}, {}, {}), theta, (("lift", other), ("gear", other))
+    )
     np.testing.assert_allclose(found.reachable("arm", theta)[0], arm(theta, 0.2), atol=1e-12)
     np.testing.assert_allclose(found.wanted("arm", theta)[0], arm(theta, 0.4), atol=1e-12)
     kept = with_laws(machine(), (("lift", other),))
@@ -113,23 +143,36 @@ def test_corners_are_where_the_tip_passes_a_vertex() -> None:
     square = polygon(corner * np.exp(1j * (np.arange(4) + 0.5) * math.pi / 2))
     law = Rolled(contact(square, ArmTip(far * 1j, -far * 1j * np.exp(0.2j), 0.0, 1)), None)
     found = proof(with_laws(machine(), (("lift", law),)), np.linspace(0, math.tau, 1001)).corners
-    seen = math.pi / 2 - math.acos(corner / (2 * far))  # to the right of the line upwards, where the arm is
+    seen = math.pi / 2 - math.acos(
+        corner / (2 * far)
+    )  # to the right of the line upwards, where the arm is
     wanted = [(seen - (k + 0.5) * math.pi / 2 + 0.3) % math.tau for k in range(4)]
     near = np.abs(found - np.array(wanted)[:, None]) < 1e-5
-    assert np.all(np.sum(near, axis=1) == 2) and len(found) - np.sum(near) <= 2  # and where the table of touches begins
+    assert (
+        np.all(np.sum(near, axis=1) == 2) and len(found) - np.sum(near) <= 2
+    )  # and where the table of touches begins
 
 
 # ---- strokes and targets ---------------------------------------------------------------------------------------------------
 
 
 @settings(max_examples=40)
-@given(late=st.floats(0, 6.3), size=st.floats(1, 50), count=st.integers(30, 200), second=st.floats(-0.2, 0.2))
-def test_a_stroke_reaches_between_the_judged_angles(late: float, size: float, count: int, second: float) -> None:
+@given(
+    late=st.floats(0, 6.3),
+    size=st.floats(1, 50),
+    count=st.integers(30, 200),
+    second=st.floats(-0.2, 0.2),
+)
+def test_a_stroke_reaches_between_the_judged_angles(
+    late: float, size: float, count: int, second: float
+) -> None:
     """Extremes of a wave with a second harmonic wherever they fall: at the ends of the turn as well; by a million samples."""
 
     def both(theta: Floats) -> tuple[Any, Any]:
-        return (size * (np.cos(theta - late) + second * np.sin(2 * theta)),
-                size * (-np.sin(theta - late) + 2 * second * np.cos(2 * theta)))  # fmt: skip
+        return (
+            size * (np.cos(theta - late) + second * np.sin(2 * theta)),
+            size * (-np.sin(theta - late) + 2 * second * np.cos(2 * theta)),
+        )
 
     theta = (np.arange(count) + 0.3) * (math.tau / count)
     fine = both(np.linspace(0, math.tau, 200_001))[0]
@@ -145,13 +188,16 @@ def test_a_paths_stroke_is_the_larger_side_of_its_box(width: float, height: floa
 
 @pytest.mark.parametrize("reach", [math.tau, 2.0])
 @pytest.mark.parametrize("high", [30.0, 99.0])
-def test_targets_are_measured_in_their_units_where_the_machine_closes(reach: float, high: float) -> None:
+def test_targets_are_measured_in_their_units_where_the_machine_closes(
+    reach: float, high: float
+) -> None:
     """Degrees of an arm and of a wheel, over a turn or a part of it; an output that does not close has told so."""
     theta = np.linspace(0, reach, 721)
     asked = [
-        Asked("arm", targets=(Stroke(value=50.0, tolerance=1.0),)), Asked("end"),
+        Asked("arm", targets=(Stroke(value=50.0, tolerance=1.0),)),
+        Asked("end"),
         Asked("wheel", targets=(Stroke(value=high, tolerance=1.0),)),
-    ]  # fmt: skip
+    ]
     first, second = judge_targets(asked, proof(machine(size=0.41), theta), theta, "x")
     stroke = 0.82 if reach > 6 else float(np.ptp(arm(np.linspace(0, 2, 9001), 0.41)))
     assert (first.where, second.where, first.unit) == ("x, arm", "x, wheel", "deg")
@@ -172,5 +218,7 @@ def test_a_dwell_goes_on_over_the_end_of_a_turn(more: float, ok: bool) -> None:
     size = math.degrees(0.41)
     band = 2 * size * (1 - math.cos(0.4))  # either way of `at`
     wish = Dwell(span_deg=math.degrees(0.8) + more, band=band, at=math.degrees(0.1) + size)
-    (finding,) = judge_targets([Asked("arm", targets=(wish,))], proof(machine(size=0.41), theta), theta, "x")
+    (finding,) = judge_targets(
+        [Asked("arm", targets=(wish,))], proof(machine(size=0.41), theta), theta, "x"
+    )
     assert finding.ok is ok

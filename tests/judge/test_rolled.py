@@ -70,7 +70,9 @@ def test_a_slope_is_that_of_the_motion_and_is_kept(name: str) -> None:
 @pytest.mark.parametrize("name", FORMS)
 def test_changes_lie_beside_each_angle_at_which_another_element_is_touched(name: str) -> None:
     """On both sides of it by a hair, and nowhere else, as a dense look over the turn tells."""
-    table = contact(polygon(25 * np.exp(2j * np.pi * np.arange(23) / 23 + 0.02j) + 3), FORMS[name][0])
+    table = contact(
+        polygon(25 * np.exp(2j * np.pi * np.arange(23) / 23 + 0.02j) + 3), FORMS[name][0]
+    )
     theta = np.linspace(0, math.tau, 50_001)
     element = table.touch(theta).element
     k = np.flatnonzero(np.diff(element))

@@ -50,7 +50,10 @@ PLATE = Shape(plate(), tuple(hole(*eye) for eye in EYES))
 
 def moved(*shifts: complex, turn: complex = 1) -> list[Ring]:
     """The plate, whose eyes are turned together about the middle one and shifted one by one."""
-    return [PLATE.outer, *(hole(turn * at + by, size) for (at, size), by in zip(EYES, shifts, strict=True))]
+    return [
+        PLATE.outer,
+        *(hole(turn * at + by, size) for (at, size), by in zip(EYES, shifts, strict=True)),
+    ]
 
 
 SHIFT = st.complex_numbers(min_magnitude=0.1, max_magnitude=0.8)
@@ -62,7 +65,10 @@ def test_a_hole_elsewhere_is_off_by_its_way(by: complex) -> None:
     """One that is no joint's; one that is, where it moved alone, along the line of all, is judged by the motion."""
     lone = judged(expected(PLATE), moved(0j, by, 0j))["ROUND_TRIP"]
     assert lone.measured == pytest.approx(abs(by), abs=1e-3) and not lone.ok
-    assert judged(expected(PLATE, eyes=EYES), moved(0j, complex(abs(by)), 0j))["ROUND_TRIP"].measured < 1e-6
+    assert (
+        judged(expected(PLATE, eyes=EYES), moved(0j, complex(abs(by)), 0j))["ROUND_TRIP"].measured
+        < 1e-6
+    )
 
 
 @settings(max_examples=20)
@@ -75,17 +81,30 @@ def test_eyes_that_moved_together_are_off_in_their_outline(by: complex, degrees:
     far = max(abs((turn - 1) * at + by) for at, _ in EYES)
     meant = expected(PLATE, eyes=EYES)
     finding = judged(meant, rings)["ROUND_TRIP"]
-    assert finding.measured == pytest.approx(far, abs=1e-6) and "moved or turned together" in finding.message
+    assert (
+        finding.measured == pytest.approx(far, abs=1e-6)
+        and "moved or turned together" in finding.message
+    )
     assert judged(replace(meant, rolls=True), rings)["ROUND_TRIP"].ok
     assert judged(meant, moved(complex(abs(by)), complex(-abs(by)), 0j))["ROUND_TRIP"].ok
     round_plate = Shape(hole(0j, 60), PLATE.holes)
     rim = (*EYES, (0j, 60.0))
-    assert judged(expected(round_plate, eyes=rim), [round_plate.outer, *rings[1:]])["ROUND_TRIP"].ok  # its rim is an eye itself
+    assert judged(expected(round_plate, eyes=rim), [round_plate.outer, *rings[1:]])[
+        "ROUND_TRIP"
+    ].ok  # its rim is an eye itself
 
 
-@pytest.mark.parametrize("near, wide, eye", [
-    (0.9, 0.0, True), (1.1, 0.0, False), (0.0, 0.9, True), (0.0, 1.1, False), (0.0, -0.9, True), (0.0, -1.1, False),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "near, wide, eye",
+    [
+        (0.9, 0.0, True),
+        (1.1, 0.0, False),
+        (0.0, 0.9, True),
+        (0.0, 1.1, False),
+        (0.0, -0.9, True),
+        (0.0, -1.1, False),
+    ],
+)
 def test_an_eye_is_told_by_its_place_and_its_size(near: float, wide: float, eye: bool) -> None:
     """Both within two tolerances of the joint's; what is no eye is judged where it lies."""
     joint = (15 + 2j * TOLERANCE * near, 6 + 2 * TOLERANCE * wide)
@@ -104,10 +123,15 @@ def test_the_bore_of_what_turns_lies_where_the_motion_says(bore: float | None, o
 def test_a_bore_is_as_far_off_at_all_heights() -> None:
     """Two heights whose bores do not lie over each other: of the second the error is what it is off the first."""
     rim, others = contour(list(PLATE.outer.points)), (circle(-15, 2), circle(15, 3))
-    layers = [Layer(Region(rim, (circle(at, 2.5), *others)), 1.5 * k, 1.5 * k + 1.5) for k, at in enumerate((0.4, 0.5))]
+    layers = [
+        Layer(Region(rim, (circle(at, 2.5), *others)), 1.5 * k, 1.5 * k + 1.5)
+        for k, at in enumerate((0.4, 0.5))
+    ]
     part = Part("x", "", tuple(layers))
     sections = Section((1.0,), (PLATE,)), Section((2.0,), (PLATE,))
-    meant = expected(sections=sections, bore=5.0, levels=(0.0, 1.5, 3.0), volume=part.volume, facets=9.0)
+    meant = expected(
+        sections=sections, bore=5.0, levels=(0.0, 1.5, 3.0), volume=part.volume, facets=9.0
+    )
     found = {f.code: f for f in judge_solid(solid(part, TOLERANCE / 2), meant, "x", 0.0).findings}
     assert found["ROUND_TRIP"].measured == pytest.approx(0.1, abs=2e-3)
 
@@ -119,7 +143,9 @@ def test_contours_too_many_or_of_another_piece_are_told() -> None:
     two = [left.outer, right.outer, hole(20, 4.0), hole(15, 4.0)]
     finding = judged(expected(left, right), two)["ROUND_TRIP"]
     assert not finding.ok and finding.message == "a piece has the holes of another one"
-    assert judged(expected(left, right), [right.outer, *right.holes, *left.holes, left.outer])["ROUND_TRIP"].ok
+    assert judged(expected(left, right), [right.outer, *right.holes, *left.holes, left.outer])[
+        "ROUND_TRIP"
+    ].ok
 
 
 def test_pieces_are_what_lies_in_no_other_ring() -> None:
@@ -148,13 +174,18 @@ def test_the_thinnest_wall_is_between_holes_or_at_the_rim(across: float, ok: boo
 @pytest.mark.parametrize("which", ["levels", "there"])
 def test_flat_faces_off_their_height_are_told(off: float, which: str) -> None:
     """Each of the file is near one that is meant, and each that is meant near one of the file."""
-    layers = [Layer(Region(contour(list(PLATE.outer.points))), 0, 1), Layer(Region(contour([-9, 9, 9 + 9j])), 1, 3 + off)]
+    layers = [
+        Layer(Region(contour(list(PLATE.outer.points))), 0, 1),
+        Layer(Region(contour([-9, 9, 9 + 9j])), 1, 3 + off),
+    ]
     part = Part("x", "", tuple(layers if which == "there" else layers[:1]))
     levels = (0.0, 1.0, 3.0) if which == "there" else (0.0, 1 + off)
     sections = (Section((0.5,), (Shape(plate(), ()),)),)
     meant = expected(sections=sections, levels=levels, volume=part.volume)
     found = {f.code: f for f in judge_solid(solid(part, TOLERANCE), meant, "x", 0.0).findings}
-    assert found["ROUND_TRIP"].measured == pytest.approx(off, abs=1e-6) and found["ROUND_TRIP"].ok is (off == 0)
+    assert found["ROUND_TRIP"].measured == pytest.approx(off, abs=1e-6) and found[
+        "ROUND_TRIP"
+    ].ok is (off == 0)
     # of what is not stacked only the lowest and the highest place count
     loose = replace(meant, stacked=False, levels=(levels[0], levels[-1]))
     found = {f.code: f for f in judge_solid(solid(part, TOLERANCE), loose, "x", 0.0).findings}
@@ -165,39 +196,66 @@ def test_flat_faces_off_their_height_are_told(off: float, which: str) -> None:
 def test_a_volume_may_be_off_by_a_share_and_what_facets_take(off: float, ok: bool) -> None:
     part = Part("x", "", (Layer(Region(contour([0, 10, 10 + 10j, 10j])), 0, 3),))
     limit = tolerances.VOLUME_SHARE * 300 + 0.5
-    meant = expected(sections=(), volume=300 / (1 + off * tolerances.VOLUME_SHARE) - off * 0.5, facets=0.5)
+    meant = expected(
+        sections=(), volume=300 / (1 + off * tolerances.VOLUME_SHARE) - off * 0.5, facets=0.5
+    )
     mesh = solid(part, TOLERANCE)
     assert float(np.ptp(mesh.vertices[:, 2])) == 3
-    meant = replace(meant, sections=(Section((1.0,), (Shape(polygon(np.array([0, 10, 10 + 10j, 10j])), ()),)),))
+    meant = replace(
+        meant, sections=(Section((1.0,), (Shape(polygon(np.array([0, 10, 10 + 10j, 10j])), ()),)),)
+    )
     volume = {f.code: f for f in judge_solid(mesh, meant, "x", 0.0).findings}["VOLUME"]
     assert volume.ok is ok and volume.measured == pytest.approx(abs(off) * limit, rel=0.02)
 
 
-@pytest.mark.parametrize("rounding, stacked, undo", [(0.0, True, 0.0), (1e-5, True, 0.0), (1e-5, False, 0.0), (0.0, True, 0.2)])
-def test_the_limit_is_two_tolerances_and_what_the_format_rounds(rounding: float, stacked: bool, undo: float) -> None:
+@pytest.mark.parametrize(
+    "rounding, stacked, undo",
+    [(0.0, True, 0.0), (1e-5, True, 0.0), (1e-5, False, 0.0), (0.0, True, 0.2)],
+)
+def test_the_limit_is_two_tolerances_and_what_the_format_rounds(
+    rounding: float, stacked: bool, undo: float
+) -> None:
     """Of a share of the largest coordinate four steps, of merged corners their steps more; and what a way back may cost."""
     part = Part("x", "", (Layer(Region(contour([0, 40, 40 + 10j, 10j])), 0, 3),))
     shape = Shape(polygon(np.array([0, 40, 40 + 10j, 10j])), ())
     back = Undo(-undo, undo / 2, 0.0) if undo else None
     sections = Section((1.0,), (shape,), sent=True), Section((1.0,), (shape,))
     meant = expected(sections=sections, volume=1200.0, stacked=stacked, undo=back)
-    found = {f.code: f for f in judge_solid(solid(part, TOLERANCE), meant, "x", rounding).findings}["ROUND_TRIP"]
+    found = {f.code: f for f in judge_solid(solid(part, TOLERANCE), meant, "x", rounding).findings}[
+        "ROUND_TRIP"
+    ]
     steps = 4 + (0 if stacked else math.sqrt(2) * tolerances.MERGED_STEPS)
-    assert found.limit == pytest.approx(2 * TOLERANCE + steps * rounding * 40 + tolerances.WAY_BACK * undo)
-    assert found.measured == pytest.approx(undo * math.sqrt(0.5) if undo else 0.0, abs=undo * 0.3 + 1e-9)
+    assert found.limit == pytest.approx(
+        2 * TOLERANCE + steps * rounding * 40 + tolerances.WAY_BACK * undo
+    )
+    assert found.measured == pytest.approx(
+        undo * math.sqrt(0.5) if undo else 0.0, abs=undo * 0.3 + 1e-9
+    )
 
 
 def test_faults_of_a_mesh_are_counted_before_all_else() -> None:
     """A hole in the wall, two bodies, and triangles that look inwards."""
     part = Part("x", "", (Layer(Region(contour([0, 10, 10 + 10j, 10j])), 0, 3),))
     sound = solid(part, TOLERANCE)
-    meant = expected(sections=(Section((1.0,), (Shape(polygon(np.array([0, 10, 10 + 10j, 10j])), ()),)),), volume=300.0)
+    meant = expected(
+        sections=(Section((1.0,), (Shape(polygon(np.array([0, 10, 10 + 10j, 10j])), ()),)),),
+        volume=300.0,
+    )
     torn = Mesh(sound.vertices, sound.faces[1:])
     second = sound.vertices + [50.0, 0, 0]
-    two = Mesh(np.concatenate([sound.vertices, second]), np.concatenate([sound.faces, sound.faces + len(sound.vertices)]))
-    for mesh, codes in ((sound, ["WATERTIGHT", "VOLUME", "ROUND_TRIP"]), (torn, ["WATERTIGHT"]), (two, ["WATERTIGHT"])):
+    two = Mesh(
+        np.concatenate([sound.vertices, second]),
+        np.concatenate([sound.faces, sound.faces + len(sound.vertices)]),
+    )
+    for mesh, codes in (
+        (sound, ["WATERTIGHT", "VOLUME", "ROUND_TRIP"]),
+        (torn, ["WATERTIGHT"]),
+        (two, ["WATERTIGHT"]),
+    ):
         judged_ = judge_solid(mesh, meant, "x", 0.0)
-        assert [f.code for f in judged_.findings] == codes and judged_.findings[0].ok is (mesh is sound)
+        assert [f.code for f in judged_.findings] == codes and judged_.findings[0].ok is (
+            mesh is sound
+        )
         assert bool(judged_.sections) is (mesh is sound)
     assert judge_solid(two, meant, "x", 0.0).findings[0].measured == 1
 

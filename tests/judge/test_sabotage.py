@@ -115,7 +115,10 @@ def test_stl_mirrored(folder: Path) -> None:
         return triangles
 
     edit_stl(folder, mirror)
-    assert failing(folder, "stl") == {("MOTION_ERROR", "stl"), ("ROUND_TRIP", "stl")}  # the engraved arrow points the other way
+    assert failing(folder, "stl") == {
+        ("MOTION_ERROR", "stl"),
+        ("ROUND_TRIP", "stl"),
+    }  # the engraved arrow points the other way
 
 
 def test_stl_with_a_shifted_bore(folder: Path) -> None:
@@ -235,7 +238,11 @@ def test_stl_whose_stored_normals_are_not_those_of_its_triangles(
     edit_stl(folder, edit, normals=True)
     (finding,) = wrong(folder, "stl")
     triangles = (len((folder / "cam-cam.stl").read_bytes()) - 84) // 50
-    assert (finding.code, finding.where, finding.measured) == ("WATERTIGHT", "cam-cam.stl", count or triangles)
+    assert (finding.code, finding.where, finding.measured) == (
+        "WATERTIGHT",
+        "cam-cam.stl",
+        count or triangles,
+    )
 
 
 def flipped(triangles: np.ndarray) -> np.ndarray:
@@ -266,7 +273,9 @@ def push(change: Callable[[np.ndarray], np.ndarray]) -> Callable[[ezdxf.document
         line = rim(drawing)
         rows = np.array(line.get_points("xyb"))
         z = change(rows[:, 0] + 1j * rows[:, 1])
-        line.set_points([(p.real, p.imag, b) for p, b in zip(z, rows[:, 2], strict=True)], format="xyb")
+        line.set_points(
+            [(p.real, p.imag, b) for p, b in zip(z, rows[:, 2], strict=True)], format="xyb"
+        )
 
     return edit
 
@@ -355,7 +364,9 @@ def mark_a_centre(drawing: ezdxf.document.Drawing) -> None:
         pytest.param(painted(true_color=255), {"DXF_CLOSED"}, id="layer in a true colour"),
         pytest.param(rim_with(invisible=1), {"DXF_CLOSED"}, id="invisible contour"),
         pytest.param(rim_with(const_width=2), {"DXF_CLOSED"}, id="contour with a width"),
-        pytest.param(rim_with(transparency=0x020000FF - 255), {"DXF_CLOSED"}, id="transparent contour"),
+        pytest.param(
+            rim_with(transparency=0x020000FF - 255), {"DXF_CLOSED"}, id="transparent contour"
+        ),
         pytest.param(rim_with(thickness=5), {"DXF_CLOSED"}, id="contour drawn upwards"),
         pytest.param(rim_with(linetype="CENTER2"), {"DXF_CLOSED"}, id="dashed contour"),
         pytest.param(widen_one_segment, {"DXF_CLOSED"}, id="segment with a width"),
@@ -380,7 +391,9 @@ def test_dxf(folder: Path, edit: Callable[[ezdxf.document.Drawing], None], codes
 
 
 def test_marks_that_were_asked_for_are_as_meant(tmp_path: Path) -> None:
-    report = pipeline.build(SPEC, tmp_path, frozenset({"dxf"}), (*OVERRIDES, "output.center_marks=true"))
+    report = pipeline.build(
+        SPEC, tmp_path, frozenset({"dxf"}), (*OVERRIDES, "output.center_marks=true")
+    )
     folder = tmp_path / "cam"
     marks = ezdxf.readfile(folder / "cam-cam.dxf").modelspace().query("LINE[layer=='CENTER']")
     assert report.ok and len(marks) == 6  # the shaft and two pins
@@ -432,12 +445,24 @@ def judged(folder: Path, first: float = 3.0, second: float = 3.0, **twin: object
     shape = shape_of(read_dxf(folder / "cam-cam.dxf").cut)
     features = []
     for feature, radius in zip(mechanism.features(), (first, second), strict=True):
-        assert isinstance(feature, CamOutline) and isinstance(feature.tip, Eye) and feature.tip.diameter == 6
+        assert (
+            isinstance(feature, CamOutline)
+            and isinstance(feature.tip, Eye)
+            and feature.tip.diameter == 6
+        )
         features.append(replace(feature, tip=replace(feature.tip, diameter=2 * radius)))
     one, other = mechanism.mounts()
     mounts = [one, replace(other, **twin)]  # type: ignore[arg-type]
     found = judge_machine(
-        "dxf", "cam-*.dxf", {"cam": [[shape]]}, mechanism.model, features, mounts, judged_angles(), 0.001, asked=mechanism.asked()
+        "dxf",
+        "cam-*.dxf",
+        {"cam": [[shape]]},
+        mechanism.model,
+        features,
+        mounts,
+        judged_angles(),
+        0.001,
+        asked=mechanism.asked(),
     )
     return {f.code for f in found.findings if not f.ok}
 
@@ -489,25 +514,41 @@ def edit_3mf(folder: Path, name: str, edit: Callable[[str], str]) -> None:
         files = {item: package.read(item) for item in package.namelist()}
     with zipfile.ZipFile(path, "w") as package:
         for item, data in files.items():
-            package.writestr(item, edit(data.decode()).encode() if item.endswith(".model") else data)
+            package.writestr(
+                item, edit(data.decode()).encode() if item.endswith(".model") else data
+            )
 
 
 @pytest.mark.parametrize(
     "edit, meets",
     [
-        pytest.param(lambda text: text.replace('unit="millimeter"', 'unit="inch"'), "", id="inches"),
-        pytest.param(lambda text: re.sub(r'<vertex x="[^"]*"', '<vertex x="1.234"', text, count=1), "", id="moved vertex"),
+        pytest.param(
+            lambda text: text.replace('unit="millimeter"', 'unit="inch"'), "", id="inches"
+        ),
+        pytest.param(
+            lambda text: re.sub(r'<vertex x="[^"]*"', '<vertex x="1.234"', text, count=1),
+            "",
+            id="moved vertex",
+        ),
         pytest.param(lambda text: re.sub(r"<item [^>]*/>", "", text, count=1), "", id="lost copy"),
-        pytest.param(lambda text: re.sub(r'transform="[^ ]* ', 'transform="-1.02 ', text, count=1),
-                     "cam-2 and tip on cam-2: overlap", id="stretched copy"),
-        pytest.param(lambda text: re.sub(r' transform="[^"]*"', "", text), "cam-1 and cam-2: overlap",
-                     id="two copies in one place"),
+        pytest.param(
+            lambda text: re.sub(r'transform="[^ ]* ', 'transform="-1.02 ', text, count=1),
+            "cam-2 and tip on cam-2: overlap",
+            id="stretched copy",
+        ),
+        pytest.param(
+            lambda text: re.sub(r' transform="[^"]*"', "", text),
+            "cam-1 and cam-2: overlap",
+            id="two copies in one place",
+        ),
     ],
-)  # fmt: skip
+)
 def test_a_damaged_assembly_is_told(folder: Path, edit: Callable[[str], str], meets: str) -> None:
     """meets: bodies that overlap for it, as the sweep sees them."""
     edit_3mf(folder, "cam-assembly.3mf", edit)
-    assert failing(folder, "3mf") == {("ROUND_TRIP", "3mf")} | ({("INTERFERENCE", meets)} if meets else set())
+    assert failing(folder, "3mf") == {("ROUND_TRIP", "3mf")} | (
+        {("INTERFERENCE", meets)} if meets else set()
+    )
 
 
 BEAM = (
@@ -522,7 +563,9 @@ def with_impostor(text: str, name: str = "cam") -> str:
     start, end = text.index("<object "), text.index("</object>") + len("</object>")
     good = text[start:end].replace('name="cam"', f'name="{name}"')
     good = re.sub(r'id="\d+"', 'id="4711"', re.sub(r'UUID="\w+', 'UUID="0000abcd', good), count=1)
-    large = re.sub(r'([xy])="([-\d.e]+)"', lambda m: f'{m[1]}="{1.2 * float(m[2]):.9g}"', text[start:end])
+    large = re.sub(
+        r'([xy])="([-\d.e]+)"', lambda m: f'{m[1]}="{1.2 * float(m[2]):.9g}"', text[start:end]
+    )
     return text[:start] + large + good + text[end:]
 
 
@@ -531,17 +574,39 @@ def with_impostor(text: str, name: str = "cam") -> str:
     "edit, said",
     [
         pytest.param(with_impostor, "have the name 'cam'", id="two of one name"),
-        pytest.param(lambda text: with_impostor(text, "kit"), "nothing builds object 'kit'", id="unbuilt object"),
-        pytest.param(lambda text: text.replace('type="model"', 'type="support"'), "of type support", id="support"),
-        pytest.param(lambda text: text.replace(*SPARE), "1 vertices that no triangle uses", id="spare vertex"),
-        pytest.param(lambda text: text.replace('unit="millimeter"', 'unit="micron"'), "unit is MicroMeter", id="micron"),
-        pytest.param(lambda text: text.replace(*BEAM), "elements of extensions: b:beam, b:beamlattice", id="beam"),
+        pytest.param(
+            lambda text: with_impostor(text, "kit"),
+            "nothing builds object 'kit'",
+            id="unbuilt object",
+        ),
+        pytest.param(
+            lambda text: text.replace('type="model"', 'type="support"'),
+            "of type support",
+            id="support",
+        ),
+        pytest.param(
+            lambda text: text.replace(*SPARE), "1 vertices that no triangle uses", id="spare vertex"
+        ),
+        pytest.param(
+            lambda text: text.replace('unit="millimeter"', 'unit="micron"'),
+            "unit is MicroMeter",
+            id="micron",
+        ),
+        pytest.param(
+            lambda text: text.replace(*BEAM),
+            "elements of extensions: b:beam, b:beamlattice",
+            id="beam",
+        ),
     ],
-)  # fmt: skip
-def test_a_package_that_is_not_plain_is_told(folder: Path, name: str, edit: Callable[[str], str], said: str) -> None:
+)
+def test_a_package_that_is_not_plain_is_told(
+    folder: Path, name: str, edit: Callable[[str], str], said: str
+) -> None:
     edit_3mf(folder, f"cam-{name}.3mf", edit)
     failed = wrong(folder, "3mf")
-    assert {f.where for f in failed if f.code == "ROUND_TRIP" and said in f.message} == {f"cam-{name}.3mf"}
+    assert {f.where for f in failed if f.code == "ROUND_TRIP" and said in f.message} == {
+        f"cam-{name}.3mf"
+    }
 
 
 def test_a_part_for_slicers_in_a_package_is_told(folder: Path) -> None:
@@ -549,7 +614,9 @@ def test_a_part_for_slicers_in_a_package_is_told(folder: Path) -> None:
     with zipfile.ZipFile(folder / "cam-cam.3mf", "a") as package:
         package.writestr("Metadata/Slic3r_PE_model.config", "<config/>")
     told = [f for f in wrong(folder, "3mf") if f.code == "ROUND_TRIP"]
-    assert [f.where for f in told] == ["cam-cam.3mf"] and "Slic3r_PE_model.config" in told[0].message
+    assert [f.where for f in told] == ["cam-cam.3mf"] and "Slic3r_PE_model.config" in told[
+        0
+    ].message
 
 
 def test_a_unit_that_there_is_not_is_no_millimetre(folder: Path) -> None:
@@ -564,9 +631,15 @@ def nested(text: str) -> str:
     assert first is not None
     last, objects = int(first[1]), ""
     for number in range(5000, 5008):
-        objects += f'<object id="{number}"><components>' + f'<component objectid="{last}"/>' * 10 + "</components></object>"
+        objects += (
+            f'<object id="{number}"><components>'
+            + f'<component objectid="{last}"/>' * 10
+            + "</components></object>"
+        )
         last = number
-    return text.replace("</resources>", objects + "</resources>").replace("</build>", f'<item objectid="{last}"/></build>')
+    return text.replace("</resources>", objects + "</resources>").replace(
+        "</build>", f'<item objectid="{last}"/></build>'
+    )
 
 
 def test_copies_are_counted_before_they_are_placed(folder: Path) -> None:

@@ -23,9 +23,13 @@ SPEC = Path(__file__).resolve().parents[2] / "specs" / "chain-stitch-looper.toml
 KINDS = frozenset({"dxf", "stl"})
 # Clear of its needles by 1.1 mm, so that no damage is found by the way that grazing turns into a strike.
 SLIDING = (
-    "name='x'", "geometry.plate_to_spreader=7", "geometry.velocity_ratio=0.9142857", "geometry.blade_length=34",
-    "geometry.p6_setback=0", "limits.clearance=0",
-)  # fmt: skip
+    "name='x'",
+    "geometry.plate_to_spreader=7",
+    "geometry.velocity_ratio=0.9142857",
+    "geometry.blade_length=34",
+    "geometry.p6_setback=0",
+    "limits.clearance=0",
+)
 SETTINGS = (*SLIDING, "geometry.p6_setback=1.5", "geometry.blade_length=36")
 
 
@@ -108,7 +112,9 @@ def _middle(folder: Path) -> float:
 def test_sharp_edges_instead_of_round_ones_are_found(folder: Path) -> None:
     sharp = pipeline.read_mechanism(SPEC, (*SETTINGS, "parts.edge_radius=0.05")).resolved()
     part = next(part for part in sharp.parts() if part.name == "upper-spreader")
-    write_stl(folder / "x-upper-spreader.stl", solid(part, sharp.accuracy.chord_tolerance), part.name)
+    write_stl(
+        folder / "x-upper-spreader.stl", solid(part, sharp.accuracy.chord_tolerance), part.name
+    )
     assert failing(folder, "stl") == {("ROUND_TRIP", "x-upper-spreader.stl")}
 
 
@@ -147,7 +153,10 @@ def test_a_thin_wall_round_the_clamp_hole_is_found(folder: Path) -> None:
         return c
 
     edit(folder / "x-upper-spreader.stl", wider)
-    assert {("MIN_WALL", "x-upper-spreader.stl"), ("ROUND_TRIP", "x-upper-spreader.stl")} <= failing(folder, "stl")
+    assert {
+        ("MIN_WALL", "x-upper-spreader.stl"),
+        ("ROUND_TRIP", "x-upper-spreader.stl"),
+    } <= failing(folder, "stl")
 
 
 @pytest.mark.parametrize(("by", "found"), [(1.48, False), (1.52, True)])
@@ -186,7 +195,10 @@ def test_an_open_drawing_and_inches_are_found(folder: Path) -> None:
         else:
             drawing.units = 1
         drawing.saveas(path)
-    assert failing(folder, "dxf") == {("DXF_CLOSED", "x-side-outline.dxf"), ("DXF_UNITS", "x-top-outline.dxf")}
+    assert failing(folder, "dxf") == {
+        ("DXF_CLOSED", "x-side-outline.dxf"),
+        ("DXF_UNITS", "x-top-outline.dxf"),
+    }
 
 
 def test_a_file_that_breaks_off_is_told(folder: Path) -> None:
@@ -210,7 +222,10 @@ def test_a_file_that_breaks_off_is_told(folder: Path) -> None:
         # what the ratio must keep fails together with the ratio's own range
         (("geometry.velocity_ratio=0.85",), {"VELOCITY_RATIO", "LOOP"}),
         (("geometry.blade_length=32.5",), {"VELOCITY_RATIO", "BLADE_LENGTH"}),
-        (("geometry.protrusion=1.5", "limits.loop_angle_deg=0.2"), {"VELOCITY_RATIO", "LOOP_ANGLE"}),
+        (
+            ("geometry.protrusion=1.5", "limits.loop_angle_deg=0.2"),
+            {"VELOCITY_RATIO", "LOOP_ANGLE"},
+        ),
     ],
 )
 def test_each_code_of_a_spec(settings: tuple[str, ...], codes: set[str]) -> None:
@@ -219,16 +234,33 @@ def test_each_code_of_a_spec(settings: tuple[str, ...], codes: set[str]) -> None
 
 def test_every_code_of_the_spec_is_among_them() -> None:
     assert {f.code for f in told()} == {
-        "ALLOWED_RANGE", "MIN_WALL", "SIDE_GAP", "LOOP", "LOOP_ANGLE", "FEED", "BLADE_LENGTH", "VELOCITY_RATIO",
-    }  # fmt: skip
+        "ALLOWED_RANGE",
+        "MIN_WALL",
+        "SIDE_GAP",
+        "LOOP",
+        "LOOP_ANGLE",
+        "FEED",
+        "BLADE_LENGTH",
+        "VELOCITY_RATIO",
+    }
     assert all(math.isfinite(f.measured) for f in told())
 
 
 @pytest.mark.parametrize(
     ("settings", "codes"),
     [
-        (("limits.clearance=1", "parts.shank_length=300"), {"VELOCITY_RATIO", "CLEARANCE", "BED_FIT"}),
-        (("geometry.velocity_ratio=0.8", "geometry.mode='published'", "geometry.blade_length=44"), {"CLEARANCE"}),
+        (
+            ("limits.clearance=1", "parts.shank_length=300"),
+            {"VELOCITY_RATIO", "CLEARANCE", "BED_FIT"},
+        ),
+        (
+            (
+                "geometry.velocity_ratio=0.8",
+                "geometry.mode='published'",
+                "geometry.blade_length=44",
+            ),
+            {"CLEARANCE"},
+        ),
     ],
 )
 def test_each_code_of_its_files(settings: tuple[str, ...], codes: set[str], tmp_path: Path) -> None:

@@ -33,21 +33,33 @@ FLIGHTS = {
 def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
     bodies = [
         Moving("ground", STILL[:-1], STILL[:-1] + 0j, [("base-1", 0, placing(0, 0j, -3.0, 4.0))]),
-        Moving("crank", THETA[:-1], STILL[:-1] + 0j, [
-            ("arm-1", 1, placing(0.5, 3 + 2j, 7.0, 4.0)), ("arm-2", 1, placing(0.2, 1j, 1.0, 4.0, True)),
-        ]),
+        Moving(
+            "crank",
+            THETA[:-1],
+            STILL[:-1] + 0j,
+            [
+                ("arm-1", 1, placing(0.5, 3 + 2j, 7.0, 4.0)),
+                ("arm-2", 1, placing(0.2, 1j, 1.0, 4.0, True)),
+            ],
+        ),
         Moving("slider", STILL[:-1], CAST[:-1], [("base-2", 0, placing(0.0, 0j, 10.0, 4.0))]),
-    ]  # fmt: skip
+    ]
     found = tmp_path_factory.mktemp("scene") / "a.glb"
-    found.write_bytes(glb("demo", [Shape("base", WEDGE, "#000000"), Shape("arm", WEDGE, "#ffffff")], bodies))
+    found.write_bytes(
+        glb("demo", [Shape("base", WEDGE, "#000000"), Shape("arm", WEDGE, "#ffffff")], bodies)
+    )
     return found
 
 
 @settings(max_examples=20)
 @given(
-    angle=st.floats(-9, 9), x=st.floats(-50, 50), y=st.floats(-50, 50), z=st.floats(-20, 20), flipped=st.booleans(),
+    angle=st.floats(-9, 9),
+    x=st.floats(-50, 50),
+    y=st.floats(-50, 50),
+    z=st.floats(-20, 20),
+    flipped=st.booleans(),
     point=st.tuples(*[st.floats(-30, 30)] * 3),
-)  # fmt: skip
+)
 def test_a_copy_turned_over_lies_within_its_thickness(
     angle: float, x: float, y: float, z: float, flipped: bool, point: tuple[float, float, float]
 ) -> None:
@@ -56,7 +68,9 @@ def test_a_copy_turned_over_lies_within_its_thickness(
         u, w = -u, 4.0 - w
     turned = complex(u, v) * np.exp(1j * angle) + complex(x, y)
     flight = Flight("arm", np.array([angle]), np.array([complex(x, y)]), z, flipped, 4.0, 50.0)
-    assert flight.transforms[0] @ (*point, 1) == pytest.approx((turned.real, turned.imag, z + w), abs=1e-9)
+    assert flight.transforms[0] @ (*point, 1) == pytest.approx(
+        (turned.real, turned.imag, z + w), abs=1e-9
+    )
 
 
 def test_every_copy_is_where_it_is_to_be(path: Path) -> None:
@@ -70,22 +84,33 @@ def test_a_copy_that_is_off_is_told_by_how_much(path: Path, copy: str, by: float
     """At one frame alone, too; of a turn the farthest point counts."""
     there, late = FLIGHTS[copy], np.arange(91) == 70
     for other in (
-        replace(there, z=there.z - by), replace(there, place=there.place + by), replace(there, place=there.place - 1j * by),
-        replace(there, place=there.place + by * late), replace(there, place=there.place - 1j * by * late),
-    ):  # fmt: skip
+        replace(there, z=there.z - by),
+        replace(there, place=there.place + by),
+        replace(there, place=there.place - 1j * by),
+        replace(there, place=there.place + by * late),
+        replace(there, place=there.place - 1j * by * late),
+    ):
         found = judge_scene(path, {**FLIGHTS, copy: other}, SECONDS)
         assert not found.ok and found.where == f"a.glb, {copy}"
         assert found.measured == pytest.approx(by, abs=1e-4)
     for turned in (there.angle + by, there.angle - by * late):
         found = judge_scene(path, {**FLIGHTS, copy: replace(there, angle=turned)}, SECONDS)
         assert not found.ok and found.where == f"a.glb, {copy}"
-        assert 13 * math.sin(by) / math.sqrt(2) - 1e-4 < found.measured <= 2 * 13 * math.sin(by / 2) + 1e-4
-    assert not judge_scene(path, {**FLIGHTS, copy: replace(there, flipped=not there.flipped)}, SECONDS).ok
+        assert (
+            13 * math.sin(by) / math.sqrt(2) - 1e-4
+            < found.measured
+            <= 2 * 13 * math.sin(by / 2) + 1e-4
+        )
+    assert not judge_scene(
+        path, {**FLIGHTS, copy: replace(there, flipped=not there.flipped)}, SECONDS
+    ).ok
 
 
 def test_a_turned_over_copy_stands_out_by_what_it_is_too_thick(path: Path) -> None:
     thick = replace(FLIGHTS["arm-2"], thickness=4.25)
-    assert judge_scene(path, {**FLIGHTS, "arm-2": thick}, SECONDS).measured == pytest.approx(0.25, abs=1e-4)
+    assert judge_scene(path, {**FLIGHTS, "arm-2": thick}, SECONDS).measured == pytest.approx(
+        0.25, abs=1e-4
+    )
     upright = replace(FLIGHTS["arm-1"], thickness=4.25)
     assert judge_scene(path, {**FLIGHTS, "arm-1": upright}, SECONDS).ok
 
@@ -100,8 +125,9 @@ def test_other_copies_or_times_are_told(path: Path) -> None:
         assert not found.ok and f"4 copies, which are not the {len(other)}" in found.message
     assert judge_scene(path, FLIGHTS, 1.01 * SECONDS).measured == math.inf
     every_other = {
-        name: replace(each, angle=each.angle[::2], place=each.place[::2]) for name, each in FLIGHTS.items()
-    }  # fmt: skip
+        name: replace(each, angle=each.angle[::2], place=each.place[::2])
+        for name, each in FLIGHTS.items()
+    }
     assert judge_scene(path, every_other, SECONDS).measured == math.inf
 
 
@@ -110,7 +136,9 @@ def test_where_the_machine_cannot_go_nothing_is_wanted(path: Path) -> None:
     lost = replace(FLIGHTS["base-2"], angle=gone, place=FLIGHTS["base-2"].place + gone)
     assert judge_scene(path, {**FLIGHTS, "base-2": lost}, SECONDS).ok
     off = replace(lost, place=lost.place + 0.5)
-    assert judge_scene(path, {**FLIGHTS, "base-2": off}, SECONDS).measured == pytest.approx(0.5, abs=1e-4)
+    assert judge_scene(path, {**FLIGHTS, "base-2": off}, SECONDS).measured == pytest.approx(
+        0.5, abs=1e-4
+    )
 
 
 def test_places_far_away_are_as_exact_as_float32(tmp_path: Path) -> None:

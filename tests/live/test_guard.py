@@ -44,23 +44,41 @@ def page(spec: Path, tmp_path: Path) -> TestClient:
 # ---- the word --------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("word", ["", "x", WORD[:-1], WORD + "x", WORD.upper(), "%61-word", "w\u00f6rd", "%ff%fe"])
-@pytest.mark.parametrize("path", ["", "live.js", "out/report.html", "preview", "save", "build", "state"])
-def test_whoever_does_not_know_the_word_is_refused(spec: Path, tmp_path: Path, word: str, path: str) -> None:
+@pytest.mark.parametrize(
+    "word", ["", "x", WORD[:-1], WORD + "x", WORD.upper(), "%61-word", "w\u00f6rd", "%ff%fe"]
+)
+@pytest.mark.parametrize(
+    "path", ["", "live.js", "out/report.html", "preview", "save", "build", "state"]
+)
+def test_whoever_does_not_know_the_word_is_refused(
+    spec: Path, tmp_path: Path, word: str, path: str
+) -> None:
     before = spec.read_bytes()
-    for app in (Explorer(spec, tmp_path / "out").app(WORD), watcher(Built(spec, tmp_path / "out"), WORD)):
+    for app in (
+        Explorer(spec, tmp_path / "out").app(WORD),
+        watcher(Built(spec, tmp_path / "out"), WORD),
+    ):
         asking = TestClient(app, base_url=HOME, headers=ORIGIN)
         posted = asking.post(f"/{word}/{path}", json={"settings": {"geometry.base_radius": "24"}})
         for reply in (asking.get(f"/{word}/{path}"), posted):
-            assert reply.status_code == 403 and "cam.toml" not in reply.text and WORD not in reply.text
+            assert (
+                reply.status_code == 403 and "cam.toml" not in reply.text and WORD not in reply.text
+            )
     assert spec.read_bytes() == before and not (tmp_path / "out").exists()
 
 
 def test_whoever_knows_it_is_let_in_and_the_page_asks_below_it(page: TestClient) -> None:
     shown = page.get(f"/{WORD}/")
     assert shown.status_code == 200 and "cam.toml" in shown.text and WORD not in shown.text
-    assert 'src="live.js"' in shown.text and 'href="live.css"' in shown.text and '"/' not in page.get(f"/{WORD}/live.js").text
-    assert shown.headers["referrer-policy"] == "no-referrer" and shown.headers["cache-control"] == "no-store"
+    assert (
+        'src="live.js"' in shown.text
+        and 'href="live.css"' in shown.text
+        and '"/' not in page.get(f"/{WORD}/live.js").text
+    )
+    assert (
+        shown.headers["referrer-policy"] == "no-referrer"
+        and shown.headers["cache-control"] == "no-store"
+    )
 
 
 def test_each_start_has_a_word_of_its_own() -> None:
@@ -68,7 +86,9 @@ def test_each_start_has_a_word_of_its_own() -> None:
     assert len(words) == 200 and min(map(len, words)) >= 43  # 32 bytes
 
 
-def test_words_are_compared_in_a_time_that_tells_nothing(page: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_words_are_compared_in_a_time_that_tells_nothing(
+    page: TestClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
     compared = list[tuple[bytes, bytes]]()
 
     def seen(a: bytes, b: bytes) -> bool:
@@ -130,7 +150,9 @@ ODD = [*DEEP, b"9" * 90_000, b"\xff\xfe", b"", b'"\\ud800"', b"nul", b"[]"]
 
 
 @pytest.mark.parametrize("body", ODD, ids=range(len(ODD)))
-def test_what_is_no_json_is_said(page: TestClient, body: bytes, capfd: pytest.CaptureFixture[str]) -> None:
+def test_what_is_no_json_is_said(
+    page: TestClient, body: bytes, capfd: pytest.CaptureFixture[str]
+) -> None:
     for path in ("preview", "save", "build"):
         reply = page.post(f"/{WORD}/{path}", content=body)
         assert reply.status_code == 400 and reply.json()["verdict"] == "no valid request"
@@ -140,24 +162,40 @@ def test_what_is_no_json_is_said(page: TestClient, body: bytes, capfd: pytest.Ca
 @pytest.mark.parametrize(
     "settings",
     [
-        {"\ud800": "1"}, {"geometry.base_radius": "\ud800"}, {"geometry.base_radius": 3}, {"geometry.base_radius": None},
-        {str(k): "1" for k in range(6_000)}, {"x" * 90_000: "1"}, [], "x", {"geometry.base_radius": "[" * 90},
-        {"segment.0.law": '{ name = "table", file = "/etc/passwd" }'}, {"geometry.base_radius": '"/etc/passwd"'},
+        {"\ud800": "1"},
+        {"geometry.base_radius": "\ud800"},
+        {"geometry.base_radius": 3},
+        {"geometry.base_radius": None},
+        {str(k): "1" for k in range(6_000)},
+        {"x" * 90_000: "1"},
+        [],
+        "x",
+        {"geometry.base_radius": "[" * 90},
+        {"segment.0.law": '{ name = "table", file = "/etc/passwd" }'},
+        {"geometry.base_radius": '"/etc/passwd"'},
         {"segment.0.law": "no-such-law"},
     ],
     ids=range(12),
-)  # fmt: skip
-def test_odd_settings_are_refused_in_words(page: TestClient, settings: object, capfd: pytest.CaptureFixture[str]) -> None:
+)
+def test_odd_settings_are_refused_in_words(
+    page: TestClient, settings: object, capfd: pytest.CaptureFixture[str]
+) -> None:
     began = time.perf_counter()
     for path in ("preview", "save", "build"):
         reply = page.post(f"/{WORD}/{path}", content=json.dumps({"settings": settings}))
-        assert reply.status_code == 409 and reply.json()["verdict"] == "no valid spec" and len(reply.text) < 10_000
+        assert (
+            reply.status_code == 409
+            and reply.json()["verdict"] == "no valid spec"
+            and len(reply.text) < 10_000
+        )
         assert "root:" not in reply.text
     assert "Traceback" not in "".join(capfd.readouterr()) and time.perf_counter() - began < 30
 
 
 def test_a_value_is_a_number_or_one_of_the_words_to_choose_from() -> None:
-    root = {"properties": {"a": {"type": "number"}, "b": {"type": "string", "enum": ["flat", "knife"]}}}
+    root = {
+        "properties": {"a": {"type": "number"}, "b": {"type": "string", "enum": ["flat", "knife"]}}
+    }
     known = numbers({"a": 1.0, "b": "flat"}, root)
     assert overrides({"a": "-2.5e-3", "b": "knife"}, known) == ["a=-2.5e-3", "b=knife"]
     for text in ("{x = 1}", "[1]", "'x'", "1 # x", " ", "a/b", "1\n"):
@@ -177,18 +215,28 @@ def test_a_fault_of_ours_is_told_without_a_traceback(
     monkeypatch.setattr(Explorer, "preview", broken)
     page = TestClient(Explorer(spec, tmp_path / "out").app(WORD), base_url=HOME, headers=ORIGIN)
     reply = page.post(f"/{WORD}/preview", json={"settings": {}})
-    assert reply.status_code == 500 and reply.json()["verdict"] == "internal error" and "ZeroDivisionError" in reply.text
+    assert (
+        reply.status_code == 500
+        and reply.json()["verdict"] == "internal error"
+        and "ZeroDivisionError" in reply.text
+    )
     assert "Traceback" not in "".join(capfd.readouterr())
 
 
-def test_a_link_that_waits_where_a_spec_is_written_is_not_followed(spec: Path, tmp_path: Path) -> None:
+def test_a_link_that_waits_where_a_spec_is_written_is_not_followed(
+    spec: Path, tmp_path: Path
+) -> None:
     (other := tmp_path / "other.txt").write_text("mine", encoding="utf-8")
     (tmp_path / ".cam.toml.part").symlink_to(other)
     os.chmod(spec, 0o640)
     write(spec, "name = 'x'\n")
     assert spec.read_text("utf-8") == "name = 'x'\n" and other.read_text("utf-8") == "mine"
     assert os.name != "posix" or stat.S_IMODE(spec.stat().st_mode) == 0o640
-    assert sorted(path.name for path in tmp_path.iterdir()) == [".cam.toml.part", "cam.toml", "other.txt"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        ".cam.toml.part",
+        "cam.toml",
+        "other.txt",
+    ]
 
 
 # ---- by real connections ---------------------------------------------------------------------------------------------
@@ -197,7 +245,13 @@ def test_a_link_that_waits_where_a_spec_is_written_is_not_followed(spec: Path, t
 @contextmanager
 def served(spec: Path, out: Path) -> Iterator[int]:
     """The page on a port of this machine, as `explore` serves it."""
-    config = uvicorn.Config(Explorer(spec, out).app(WORD), http=guard.Few, ws="none", log_level="error", access_log=False)
+    config = uvicorn.Config(
+        Explorer(spec, out).app(WORD),
+        http=guard.Few,
+        ws="none",
+        log_level="error",
+        access_log=False,
+    )
     server = uvicorn.Server(config)
     with socket.socket() as place:
         place.bind(("127.0.0.1", 0))
@@ -211,7 +265,9 @@ def served(spec: Path, out: Path) -> Iterator[int]:
             thread.join()
 
 
-def answer(port: int, request: bytes, more: Callable[[socket.socket], None] = lambda way: None) -> bytes:
+def answer(
+    port: int, request: bytes, more: Callable[[socket.socket], None] = lambda way: None
+) -> bytes:
     """All that is sent back until the connection ends."""
     with closing(socket.create_connection(("127.0.0.1", port), 10)) as way:
         found = b""
@@ -238,17 +294,29 @@ def test_odd_requests_leave_the_server_as_it_was(
     good, word = GET % (WORD.encode() + b"/"), WORD.encode()
     with served(spec, tmp_path / "out") as port:
         assert answer(port, good).startswith(b"HTTP/1.1 200")
-        assert b" 413 " in answer(port, POST % (word, b"Transfer-Encoding: chunked"), endless).splitlines()[0]
+        assert (
+            b" 413 "
+            in answer(port, POST % (word, b"Transfer-Encoding: chunked"), endless).splitlines()[0]
+        )
         assert b" 413 " in answer(port, POST % (word, b"Content-Length: 999999999999"))
-        assert b" 403 " in answer(port, POST % (b"x", b"Transfer-Encoding: chunked"), endless).splitlines()[0]
+        assert (
+            b" 403 "
+            in answer(port, POST % (b"x", b"Transfer-Encoding: chunked"), endless).splitlines()[0]
+        )
         assert b" 400 " in answer(port, POST % (word, b"Content-Length: +5"))
         assert b" 403 " in answer(port, good.replace(b"Host: HERE", b"Host: evil.example"))
-        assert b" 400 " in answer(port, good.replace(b"Host: HERE", b"Host: HERE\r\nHost: evil.example"))
+        assert b" 400 " in answer(
+            port, good.replace(b"Host: HERE", b"Host: HERE\r\nHost: evil.example")
+        )
         assert b" 404 " in answer(port, GET % (word + b"/out/../../cam.toml")).splitlines()[0]
         assert b" 40" in answer(port, GET % (word + b"/" + b"x" * 70_000))
-        assert b" 40" in answer(port, good.replace(b"Connection", b"X: " + b"y" * 3_000_000 + b"\r\nConnection"))
+        assert b" 40" in answer(
+            port, good.replace(b"Connection", b"X: " + b"y" * 3_000_000 + b"\r\nConnection")
+        )
         upgrade = b"Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: eA==\r\n\r\n"
-        assert b" 101 " not in answer(port, (GET % b"x/").replace(b"Connection: close\r\n\r\n", upgrade))
+        assert b" 101 " not in answer(
+            port, (GET % b"x/").replace(b"Connection: close\r\n\r\n", upgrade)
+        )
         assert answer(port, b"\x16\x03\x01 no http\r\n\r\n").startswith(b"HTTP/1.1 400")
         assert answer(port, good).startswith(b"HTTP/1.1 200")
     assert "Traceback" not in "".join(capfd.readouterr())

@@ -37,7 +37,9 @@ def spec(root: Path, tmp_path: Path) -> Path:
 
 
 def client(app: Starlette, home: str = HOME, origin: str | None = HOME) -> TestClient:
-    return TestClient(app, base_url=f"{home}/{WORD}/", headers={} if origin is None else {"origin": origin})
+    return TestClient(
+        app, base_url=f"{home}/{WORD}/", headers={} if origin is None else {"origin": origin}
+    )
 
 
 @pytest.fixture
@@ -46,7 +48,9 @@ def page(spec: Path, tmp_path: Path) -> TestClient:
 
 
 def asked(page: TestClient, path: str, **settings: str) -> dict[str, Any]:
-    reply = page.post(path, json={"settings": {key.replace("__", "."): text for key, text in settings.items()}})
+    reply = page.post(
+        path, json={"settings": {key.replace("__", "."): text for key, text in settings.items()}}
+    )
     return {"status": reply.status_code, **reply.json()}
 
 
@@ -60,9 +64,15 @@ def test_every_number_lies_on_its_slider_and_every_spec_comes_back_as_it_was(pat
     assert len(listed) >= 3
     for number in listed:
         if number.choices:
-            assert (str(number.value).lower() if isinstance(number.value, bool) else str(number.value)) in number.choices
+            assert (
+                str(number.value).lower() if isinstance(number.value, bool) else str(number.value)
+            ) in number.choices
         else:
-            assert isinstance(number.value, int | float) and number.low <= number.value <= number.high and number.step > 0
+            assert (
+                isinstance(number.value, int | float)
+                and number.low <= number.value <= number.high
+                and number.step > 0
+            )
     assert edited(text, []) == text
     settings = [f"{number.key}={number.value!r}" for number in listed if not number.choices]
     assert edited(text, settings) == text
@@ -76,38 +86,56 @@ def test_examples_are_among_them() -> None:
 
 
 def test_ranges_are_those_of_the_schema() -> None:
-    root = {"properties": {
-        "share": {"type": "number", "exclusiveMinimum": 0, "maximum": 1},
-        "long": {"type": "number", "minimum": 2, "maximum": 1e6},
-        "count": {"type": "integer", "minimum": 1}, "way": {"type": "number", "unit": "deg"},
-        "points": {"type": "array", "items": {"type": "number"}},
-    }}  # fmt: skip
+    root = {
+        "properties": {
+            "share": {"type": "number", "exclusiveMinimum": 0, "maximum": 1},
+            "long": {"type": "number", "minimum": 2, "maximum": 1e6},
+            "count": {"type": "integer", "minimum": 1},
+            "way": {"type": "number", "unit": "deg"},
+            "points": {"type": "array", "items": {"type": "number"}},
+        }
+    }
     found = numbers({"share": 0.5, "long": 30, "count": 3, "way": 0, "points": [1.0] * 13}, root)
     assert [(n.key, n.low, n.high, n.step) for n in found] == [
-        ("share", 0.01, 1, 0.01), ("long", 2, 60, 0.1), ("count", 1, 6, 1), ("way", -30, 30, 0.1)
-    ]  # fmt: skip
+        ("share", 0.01, 1, 0.01),
+        ("long", 2, 60, 0.1),
+        ("count", 1, 6, 1),
+        ("way", -30, 30, 0.1),
+    ]
 
 
 def test_values_that_are_one_of_a_few_are_chosen() -> None:
-    root = {"properties": {
-        "branch": {"type": "integer", "enum": [1, -1]}, "shape": {"type": "string", "enum": ["flat", "knife"]},
-        "step": {"type": "boolean"}, "name": {"type": "string"},
-    }}  # fmt: skip
+    root = {
+        "properties": {
+            "branch": {"type": "integer", "enum": [1, -1]},
+            "shape": {"type": "string", "enum": ["flat", "knife"]},
+            "step": {"type": "boolean"},
+            "name": {"type": "string"},
+        }
+    }
     found = numbers({"branch": 1, "shape": "flat", "step": True, "name": "x"}, root)
     assert [(n.key, list(n.choices)) for n in found] == [
-        ("branch", ["1", "-1"]), ("shape", ["flat", "knife"]), ("step", ["false", "true"])
-    ]  # fmt: skip
-    assert edited("branch = 1  # way\n", overrides({"branch": "-1"}, found)) == "branch = -1 # way\n"
+        ("branch", ["1", "-1"]),
+        ("shape", ["flat", "knife"]),
+        ("step", ["false", "true"]),
+    ]
+    assert (
+        edited("branch = 1  # way\n", overrides({"branch": "-1"}, found)) == "branch = -1 # way\n"
+    )
 
 
 def test_comments_and_columns_stay() -> None:
     text = 'a = 1      # first\n\n[[b]]  # table\nc = [1, 2] # pair\n\n[b.d]\n"x-y" = { e = 2.0 }   # last\n'
     expected = 'a = 12.5   # first\n\n[[b]]  # table\nc = [1, 7] # pair\n\n[b.d]\n"x-y" = { e = 3 }   # last\n'
     assert edited(text, ["a=12.5", "b.0.c.1=7", "b.0.d.x-y.e=3"]) == expected
-    assert edited(text.replace("\n", "\r\n"), ["a=12.5", "b.0.c.1=7", "b.0.d.x-y.e=3"]) == expected.replace("\n", "\r\n")
+    assert edited(
+        text.replace("\n", "\r\n"), ["a=12.5", "b.0.c.1=7", "b.0.d.x-y.e=3"]
+    ) == expected.replace("\n", "\r\n")
 
 
-@pytest.mark.parametrize("settings", [[], {"c": "1"}, {"a": ""}, {"a": 1}, {"a": "1\nb = 2"}, {"a": "1" * 101}])
+@pytest.mark.parametrize(
+    "settings", [[], {"c": "1"}, {"a": ""}, {"a": 1}, {"a": "1\nb = 2"}, {"a": "1" * 101}]
+)
 def test_a_page_may_set_known_keys_to_short_values_alone(settings: object) -> None:
     known = numbers({"a": 1.0}, {"properties": {"a": {"type": "number"}}})
     assert overrides({"a": "2"}, known) == ["a=2"]
@@ -122,16 +150,26 @@ def test_a_preview_shows_how_each_output_moves(root: Path, tmp_path: Path) -> No
     """Of a slide on a lever as of a cam's own follower; the quick answer leaves curves for later."""
     explorer = Explorer(root / "specs" / "linkage.toml", tmp_path / "out")
     page = explorer.preview({"settings": {}})["page"]
-    assert page.index("<figcaption>Swing<") < page.index("<figcaption>Transmission angle<") and "mm/rad" not in page
+    assert (
+        page.index("<figcaption>Swing<") < page.index("<figcaption>Transmission angle<")
+        and "mm/rad" not in page
+    )
     assert "<figcaption>" not in explorer.preview({"settings": {}, "quick": True})["page"]
-    disc = Explorer(root / "specs" / "disc-cam.toml", tmp_path / "out").preview({"settings": {}})["page"]
+    disc = Explorer(root / "specs" / "disc-cam.toml", tmp_path / "out").preview({"settings": {}})[
+        "page"
+    ]
     assert "<figcaption>Lift<" in disc and "mm/rad" in disc
 
 
 def test_a_move_gives_the_report_of_that_variant(page: TestClient) -> None:
-    first, small = asked(page, "/preview"), asked(page, "/preview", geometry__base_radius="10", geometry__follower__radius="4")
+    first, small = (
+        asked(page, "/preview"),
+        asked(page, "/preview", geometry__base_radius="10", geometry__follower__radius="4"),
+    )
     assert first["ok"] and 'id="mechanism"' in first["page"]
-    assert first["verdict"] == "All 5 findings hold; NOT JUDGED: LIFT_OFF (needs [load] and [spring])"
+    assert (
+        first["verdict"] == "All 5 findings hold; NOT JUDGED: LIFT_OFF (needs [load] and [spring])"
+    )
     assert not small["ok"] and "PRESSURE_ANGLE" in small["page"] and small["page"] != first["page"]
     assert "at most 30" in first["page"]
 
@@ -142,30 +180,42 @@ def test_a_preview_says_what_a_sweep_says_of_bore_and_hub(page: TestClient) -> N
 
 
 def test_a_quick_answer_has_verdict_and_picture_without_the_study(page: TestClient) -> None:
-    whole, quick = (page.post("/preview", json={"settings": {}, "quick": quick}).json() for quick in (False, True))
+    whole, quick = (
+        page.post("/preview", json={"settings": {}, "quick": quick}).json()
+        for quick in (False, True)
+    )
     assert quick["verdict"] == whole["verdict"] and 'id="mechanism"' in quick["page"]
     assert 'class="plot' in whole["page"] and 'class="plot' not in quick["page"]
 
 
 def test_what_is_no_spec_or_no_machine_is_said(page: TestClient) -> None:
     wrong = asked(page, "/preview", geometry__base_radius="many")
-    assert wrong["verdict"] == "no valid spec" and wrong["errors"][0].startswith("geometry.base_radius: 'many'")
+    assert wrong["verdict"] == "no valid spec" and wrong["errors"][0].startswith(
+        "geometry.base_radius: 'many'"
+    )
     other = asked(page, "/preview", name="other")
     assert (other["status"], other["ok"]) == (409, False) and "settings" in other["errors"][0]
     assert page.post("/preview", content=b"[1]").status_code == 400
     assert page.post("/preview", content=b"{").status_code == 400
 
 
-def test_saved_with_comments_kept_and_nothing_else_written(page: TestClient, spec: Path, tmp_path: Path) -> None:
+def test_saved_with_comments_kept_and_nothing_else_written(
+    page: TestClient, spec: Path, tmp_path: Path
+) -> None:
     before = spec.read_text(encoding="utf-8")
     assert asked(page, "/save", geometry__base_radius="24.5")["ok"]
     after = spec.read_text(encoding="utf-8")
-    changed = [(a, b) for a, b in zip(before.splitlines(), after.splitlines(), strict=True) if a != b]
+    changed = [
+        (a, b) for a, b in zip(before.splitlines(), after.splitlines(), strict=True) if a != b
+    ]
     (line,) = (line for line in before.splitlines() if line.startswith("base_radius = 25"))
     assert changed == [(line, line.replace("25  ", "24.5", 1))]
     assert [path.name for path in tmp_path.iterdir()] == ["cam.toml"]
     assert '"value": 24.5' in page.get("/").text
-    assert asked(page, "/save", geometry__base_radius="-3")["status"] == 409 and spec.read_text(encoding="utf-8") == after
+    assert (
+        asked(page, "/save", geometry__base_radius="-3")["status"] == 409
+        and spec.read_text(encoding="utf-8") == after
+    )
 
 
 def test_a_spec_changed_by_someone_else_is_not_overwritten(page: TestClient, spec: Path) -> None:
@@ -176,7 +226,9 @@ def test_a_spec_changed_by_someone_else_is_not_overwritten(page: TestClient, spe
         assert refused["status"] == 409 and "was changed since" in refused["errors"][0]
     assert spec.read_text(encoding="utf-8") == text
     page.get("/")  # loaded anew
-    assert asked(page, "/save", geometry__base_radius="24")["ok"] and spec.read_text(encoding="utf-8").endswith("# mine\n")
+    assert asked(page, "/save", geometry__base_radius="24")["ok"] and spec.read_text(
+        encoding="utf-8"
+    ).endswith("# mine\n")
 
 
 def test_a_full_build_is_made_and_served(page: TestClient, spec: Path, tmp_path: Path) -> None:
@@ -184,10 +236,21 @@ def test_a_full_build_is_made_and_served(page: TestClient, spec: Path, tmp_path:
     built = asked(page, "/build", geometry__base_radius="26")
     assert built["folder"] == str(tmp_path / "out" / "disc-cam") and built["errors"] == []
     assert "MOTION_ERROR" in page.get("/out/report.html").text
-    assert page.get("/out/disc-cam-cam.dxf").content == (tmp_path / "out" / "disc-cam" / "disc-cam-cam.dxf").read_bytes()
-    for path in ("/out/%2e%2e/%2e%2e/cam.toml", "/out/..%2f..%2fcam.toml", "/out//etc/passwd", "/out/%00", "/out/a" + "b" * 5000):
+    assert (
+        page.get("/out/disc-cam-cam.dxf").content
+        == (tmp_path / "out" / "disc-cam" / "disc-cam-cam.dxf").read_bytes()
+    )
+    for path in (
+        "/out/%2e%2e/%2e%2e/cam.toml",
+        "/out/..%2f..%2fcam.toml",
+        "/out//etc/passwd",
+        "/out/%00",
+        "/out/a" + "b" * 5000,
+    ):
         assert page.get(path).status_code == 404, path
-    assert page.get("/out/../../cam.toml").status_code == 403  # as a browser asks it: without the word
+    assert (
+        page.get("/out/../../cam.toml").status_code == 403
+    )  # as a browser asks it: without the word
     (tmp_path / "out" / "disc-cam" / "way-out.txt").symlink_to(spec)
     assert page.get("/out/way-out.txt").status_code == 404
     shutil.rmtree(tmp_path / "out")
@@ -203,7 +266,14 @@ def test_script_and_style_are_served(page: TestClient) -> None:
 # ---- who is let in ---------------------------------------------------------------------------------------------------
 
 
-OTHERS = ["evil.example", "evil.example:8000", "127.0.0.1.evil.example:8000", "", "10.0.0.1:8000", "[::1]:8000"]
+OTHERS = [
+    "evil.example",
+    "evil.example:8000",
+    "127.0.0.1.evil.example:8000",
+    "",
+    "10.0.0.1:8000",
+    "[::1]:8000",
+]
 
 
 @pytest.mark.parametrize("host", OTHERS)
@@ -213,7 +283,13 @@ def test_another_host_is_refused(page: TestClient, host: str) -> None:
         assert reply.status_code == 403 and "cam.toml" not in reply.text
 
 
-ELSEWHERE = ["null", "http://evil.example", "http://127.0.0.1:9000", "http://localhost:8000", "https://127.0.0.1:8000"]
+ELSEWHERE = [
+    "null",
+    "http://evil.example",
+    "http://127.0.0.1:9000",
+    "http://localhost:8000",
+    "https://127.0.0.1:8000",
+]
 
 
 @pytest.mark.parametrize("origin", [None, *ELSEWHERE])
@@ -221,11 +297,15 @@ def test_a_post_of_another_page_is_refused(spec: Path, tmp_path: Path, origin: s
     before = spec.read_bytes()
     page = client(Explorer(spec, tmp_path / "out").app(WORD), origin=origin)
     for path in ("/preview", "/build", "/save"):
-        assert page.post(path, json={"settings": {"geometry.base_radius": "24"}}).status_code == 403, path
+        assert (
+            page.post(path, json={"settings": {"geometry.base_radius": "24"}}).status_code == 403
+        ), path
     assert spec.read_bytes() == before and not (tmp_path / "out").exists()
 
 
-def test_localhost_is_this_machine_and_a_long_request_is_refused(spec: Path, tmp_path: Path) -> None:
+def test_localhost_is_this_machine_and_a_long_request_is_refused(
+    spec: Path, tmp_path: Path
+) -> None:
     near = "http://localhost:8000"
     page = client(Explorer(spec, tmp_path / "out").app(WORD), near, near)
     assert asked(page, "/preview")["ok"]
@@ -256,7 +336,10 @@ def test_a_save_builds_anew_and_an_error_is_shown(spec: Path, tmp_path: Path) ->
         assert state["ok"] and state["open"] and "NOT JUDGED" in state["verdict"]
         first = page.get("/out/report.html").text
         new = tmp_path / "new"  # as editors do: a new file takes the old one's place
-        new.write_text(spec.read_text(encoding="utf-8").replace("base_radius = 25", "base_radius = 27"), encoding="utf-8")
+        new.write_text(
+            spec.read_text(encoding="utf-8").replace("base_radius = 25", "base_radius = 27"),
+            encoding="utf-8",
+        )
         new.replace(spec)
         assert after(2)["errors"] == [] and page.get("/out/report.html").text != first
         second = page.get("/out/report.html").text
@@ -281,9 +364,13 @@ def test_files_that_are_none_of_a_spec_are_not_looked_at(spec: Path) -> None:
 
 def test_a_file_that_the_spec_names_sets_off_a_build_and_no_other_one(tmp_path: Path) -> None:
     """The table of an included spec's law, which comes later, and a file beside it that nothing names."""
-    (spec := tmp_path / "whole.toml").write_text('[[include]]\nspec = "other/cam.toml"\n', encoding="utf-8")
+    (spec := tmp_path / "whole.toml").write_text(
+        '[[include]]\nspec = "other/cam.toml"\n', encoding="utf-8"
+    )
     (inner := tmp_path / "other").mkdir()
-    (inner / "cam.toml").write_text('[[segment]]\nlaw = { name = "table", file = "rise.csv" }\n', encoding="utf-8")
+    (inner / "cam.toml").write_text(
+        '[[segment]]\nlaw = { name = "table", file = "rise.csv" }\n', encoding="utf-8"
+    )
     assert files_of(spec) == [spec, inner / "cam.toml", inner / "rise.csv"]
 
     class Counted(Built):
@@ -332,11 +419,16 @@ def test_without_the_extra_its_name_is_told(
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(SystemExit) as done:
         main([command, str(spec)])
-    assert done.value.code == 4 and "needs uvicorn: pip install 'camgen[live]'" in capsys.readouterr().err
+    assert (
+        done.value.code == 4
+        and "needs uvicorn: pip install 'camgen[live]'" in capsys.readouterr().err
+    )
 
 
 @pytest.mark.parametrize("command", ["watch", "explore"])
-def test_a_missing_spec_and_a_taken_port_are_told(command: str, spec: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_missing_spec_and_a_taken_port_are_told(
+    command: str, spec: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     with pytest.raises(SystemExit) as done:
         main([command, str(spec.with_name("none.toml"))])
     assert done.value.code == 4 and "none.toml" in capsys.readouterr().err

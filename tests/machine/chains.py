@@ -33,7 +33,7 @@ from camgen.machine import (
     Spring,
     Turning,
     thread_length,
-)  # fmt: skip
+)
 from camgen.machine.freedom import drawn
 from camgen.machine.model import Floats
 
@@ -48,7 +48,11 @@ class Wave:
     late: float = 0.0
 
     def __call__(self, theta: Floats, order: int = 0) -> Floats:
-        value = self.size * self.times**order * np.cos(self.times * theta - self.late + order * math.pi / 2)
+        value = (
+            self.size
+            * self.times**order
+            * np.cos(self.times * theta - self.late + order * math.pi / 2)
+        )
         return value + self.middle if order == 0 else value
 
 
@@ -87,7 +91,14 @@ def linked(
     pins = []
     for point, who in holders.items():
         for k, other in enumerate(who[1:]):
-            pins.append(Pin(point if k == 0 else f"{point}{k + 1}", by_name[other].at(point), by_name[who[0]].at(point), 0.1))
+            pins.append(
+                Pin(
+                    point if k == 0 else f"{point}{k + 1}",
+                    by_name[other].at(point),
+                    by_name[who[0]].at(point),
+                    0.1,
+                )
+            )
     law = law or Turning(1.0, start[crank].angle)
     outputs = keys.pop("outputs", ())
     drives = keys.pop("drives", (Drive("motor", crank, law),))
@@ -103,7 +114,9 @@ def at(points: Mapping[str, complex], links: Mapping[str, str], name: str, point
     return Place(name, (points[point] - points[carried[0]]) / (way / abs(way)))
 
 
-def four_bar(frame: float, crank: float, coupler: float, rocker: float, branch: int = 1, **keys: Any) -> Machine:
+def four_bar(
+    frame: float, crank: float, coupler: float, rocker: float, branch: int = 1, **keys: Any
+) -> Machine:
     """O, C on the ground, crank O-A along x at theta = 0; branch +1: B to the left of the way from A to C."""
     way = frame - crank
     far = abs(way)
@@ -113,7 +126,10 @@ def four_bar(frame: float, crank: float, coupler: float, rocker: float, branch: 
     points = {"O": 0j, "C": complex(frame), "A": complex(crank), "B": b}
     links = {GROUND: "O C", "crank": "O A", "coupler": "A B", "rocker": "C B"}
     lengths = {"A-B": coupler, "C-B": rocker}
-    outputs = (Output("rocker", Angle("rocker"), "rad"), Output("B", Path(Place("coupler", coupler))))
+    outputs = (
+        Output("rocker", Angle("rocker"), "rad"),
+        Output("B", Path(Place("coupler", coupler))),
+    )
     return linked(points, links, "crank", lengths, outputs=outputs, **keys)
 
 
@@ -137,17 +153,31 @@ def take_up(interchanged: bool = False, low: bool = True) -> Machine:
         "rocker": {"mass": 8.3e-3, "centre": centre[1], "inertia": 2.5e-6},
     }
     base = four_bar(9, 30, l2, l3, 1, masses=masses, speed=5000 * math.tau / 60)
-    outputs = (*base.outputs, Output("D", Path(eye)), Output("thread", Function(guides, thread_length)))
+    outputs = (
+        *base.outputs,
+        Output("D", Path(eye)),
+        Output("thread", Function(guides, thread_length)),
+    )
     return Machine(base.bodies, base.joints, base.drives, base.start, (), outputs, base.speed)
 
 
-def slider_crank(crank: float = 1.5, rod: float = 48.0, offset: float = 0.0, **keys: Any) -> Machine:
+def slider_crank(
+    crank: float = 1.5, rod: float = 48.0, offset: float = 0.0, **keys: Any
+) -> Machine:
     """In line or offset; the slider's place counts from O along x."""
     b = complex(crank + math.sqrt(rod**2 - offset**2), offset)
     points = {"O": 0j, "A": complex(crank), "B": b}
     links = {GROUND: "O", "crank": "O A", "rod": "A B", "ram": "B"}
     slide = Slide("guide", Place(GROUND, 1j * offset), Place("ram", 0j), clearance=0.05)
-    return linked(points, links, "crank", {"A-B": rod}, (slide,), outputs=(Output("way", Along("guide")),), **keys)
+    return linked(
+        points,
+        links,
+        "crank",
+        {"A-B": rod},
+        (slide,),
+        outputs=(Output("way", Along("guide")),),
+        **keys,
+    )
 
 
 def scotch_yoke(crank: float = 10.0) -> Machine:
@@ -159,7 +189,14 @@ def scotch_yoke(crank: float = 10.0) -> Machine:
         Slot("slot", Place("yoke"), Place("crank", crank), math.pi / 2, 0.02),
     )
     start = {"crank": Pose(0j, 0.0), "yoke": Pose(complex(crank), 0.0)}
-    return Machine(bodies, joints, (Drive("motor", "crank"),), start, outputs=(Output("way", Along("guide")),), speed=7.0)
+    return Machine(
+        bodies,
+        joints,
+        (Drive("motor", "crank"),),
+        start,
+        outputs=(Output("way", Along("guide")),),
+        speed=7.0,
+    )
 
 
 def whitworth(crank: float = 20.0, frame: float = 40.0) -> Machine:
@@ -171,7 +208,13 @@ def whitworth(crank: float = 20.0, frame: float = 40.0) -> Machine:
         Slot("slot", Place("arm"), Place("crank", crank)),
     )
     start = {"crank": Pose(0j, 0.0), "arm": Pose(-1j * frame, math.atan2(frame, crank))}
-    return Machine(bodies, joints, (Drive("motor", "crank"),), start, outputs=(Output("arm", Angle("arm"), "rad"),))
+    return Machine(
+        bodies,
+        joints,
+        (Drive("motor", "crank"),),
+        start,
+        outputs=(Output("arm", Angle("arm"), "rad"),),
+    )
 
 
 def peaucellier(long: float = 50.0, short: float = 20.0, ground: float = 25.0) -> Machine:
@@ -181,19 +224,53 @@ def peaucellier(long: float = 50.0, short: float = 20.0, ground: float = 25.0) -
     half = (long**2 - short**2 + middle**2) / (2 * middle)
     side = math.sqrt(long**2 - half**2)
     e = p / middle
-    points = {"O": 0j, "Q": complex(ground), "P": p, "A": e * complex(half, side), "B": e * complex(half, -side)}
+    points = {
+        "O": 0j,
+        "Q": complex(ground),
+        "P": p,
+        "A": e * complex(half, side),
+        "B": e * complex(half, -side),
+    }
     points["R"] = points["A"] + points["B"] - p
-    links = {GROUND: "O Q", "crank": "Q P", "oa": "O A", "ob": "O B", "pa": "P A", "pb": "P B", "ra": "R A", "rb": "R B"}
-    lengths = {"Q-P": ground, "O-A": long, "O-B": long} | {f"{x}-{y}": short for x in "PR" for y in "AB"}
+    links = {
+        GROUND: "O Q",
+        "crank": "Q P",
+        "oa": "O A",
+        "ob": "O B",
+        "pa": "P A",
+        "pb": "P B",
+        "ra": "R A",
+        "rb": "R B",
+    }
+    lengths = {"Q-P": ground, "O-A": long, "O-B": long} | {
+        f"{x}-{y}": short for x in "PR" for y in "AB"
+    }
     law = Wave(0.0, 0.6, late=math.pi / 2 - 0.5)  # to and fro
     law = Wave(0.3 - float(law(np.zeros(1))[0]), 0.6, late=math.pi / 2 - 0.5)
-    return linked(points, links, "crank", lengths, outputs=(Output("R", Path(Place("ra", 0j))),), law=law)
+    return linked(
+        points, links, "crank", lengths, outputs=(Output("R", Path(Place("ra", 0j))),), law=law
+    )
 
 
 def watt_two() -> Machine:
     """A four-bar whose rocker carries a second four-bar: Watt II."""
-    points = {"O": 0j, "A": 15 + 10j, "B": 62 + 42j, "C": 70 - 5j, "E": 98 + 25j, "F": 140 + 52j, "G": 150 - 8j}
-    links = {GROUND: "O C G", "crank": "O A", "coupler": "A B", "rocker": "C B E", "link": "E F", "last": "G F"}
+    points = {
+        "O": 0j,
+        "A": 15 + 10j,
+        "B": 62 + 42j,
+        "C": 70 - 5j,
+        "E": 98 + 25j,
+        "F": 140 + 52j,
+        "G": 150 - 8j,
+    }
+    links = {
+        GROUND: "O C G",
+        "crank": "O A",
+        "coupler": "A B",
+        "rocker": "C B E",
+        "link": "E F",
+        "last": "G F",
+    }
     return linked(points, links, "crank", outputs=(Output("last", Angle("last"), "rad"),))
 
 
@@ -202,15 +279,47 @@ def stephenson_three(driven: str = "last", crank: complex = 3 + 2.6j) -> Machine
 
     With the crank 8 + 7j it cannot turn fully.
     """
-    points = {"O": 0j, "A": 20 + 36j, "B": 75 + 52j, "C": 82 - 4j, "D": 50 + 90j, "E": 130 + 55j + crank, "G": 130 + 55j}
-    links = {GROUND: "O C G", "crank": "O A", "coupler": "A B D", "rocker": "C B", "link": "D E", "last": "G E"}
-    outputs = (Output("D", Path(at(points, links, "coupler", "D"))), Output("crank", Angle("crank"), "rad"))
+    points = {
+        "O": 0j,
+        "A": 20 + 36j,
+        "B": 75 + 52j,
+        "C": 82 - 4j,
+        "D": 50 + 90j,
+        "E": 130 + 55j + crank,
+        "G": 130 + 55j,
+    }
+    links = {
+        GROUND: "O C G",
+        "crank": "O A",
+        "coupler": "A B D",
+        "rocker": "C B",
+        "link": "D E",
+        "last": "G E",
+    }
+    outputs = (
+        Output("D", Path(at(points, links, "coupler", "D"))),
+        Output("crank", Angle("crank"), "rad"),
+    )
     return linked(points, links, driven, outputs=outputs)
 
 
 def jansen() -> Machine:
     """Theo Jansen's leg with the published lengths; the foot's path is about 68 x 22.5 mm."""
-    a, b, c, d, e, f, g, h, i, j, k, el, m = 38, 41.5, 39.3, 40.1, 55.8, 39.4, 36.7, 65.7, 49, 50, 61.9, 7.8, 15
+    a, b, c, d, e, f, g, h, i, j, k, el, m = (
+        38,
+        41.5,
+        39.3,
+        40.1,
+        55.8,
+        39.4,
+        36.7,
+        65.7,
+        49,
+        50,
+        61.9,
+        7.8,
+        15,
+    )
 
     def meet(p: complex, q: complex, rp: float, rq: float, side: int) -> complex:
         way = q - p
@@ -226,28 +335,75 @@ def jansen() -> Machine:
     u = meet(w, v, f, g, -1)
     foot = meet(u, v, h, i, -1)
     points = {"O": o, "Z": z, "X": x, "Y": y, "W": w, "V": v, "U": u, "P": foot}
-    links = {GROUND: "O Z", "crank": "O X", "j": "X Y", "top": "Z Y W", "k": "X V", "c": "Z V", "f": "W U", "low": "U V P"}
-    return linked(points, links, "crank", outputs=(Output("foot", Path(at(points, links, "low", "P"))),))
+    links = {
+        GROUND: "O Z",
+        "crank": "O X",
+        "j": "X Y",
+        "top": "Z Y W",
+        "k": "X V",
+        "c": "Z V",
+        "f": "W U",
+        "low": "U V P",
+    }
+    return linked(
+        points, links, "crank", outputs=(Output("foot", Path(at(points, links, "low", "P"))),)
+    )
 
 
 def klann() -> Machine:
     """Klann's leg by its published coordinates (patent US 6,260,862), in units of 100 mm."""
-    points = {"A": 1.366 + 1.366j, "B": 1.009 + 0.574j, "O": 1.599 + 0.750j, "M": 1.331 + 0.750j,
-              "C": 0.741 + 0.750j, "D": 0.323 + 0.855j, "E": 0.856 + 1.212j, "F": 0.0 + 0j}  # fmt: skip
+    points = {
+        "A": 1.366 + 1.366j,
+        "B": 1.009 + 0.574j,
+        "O": 1.599 + 0.750j,
+        "M": 1.331 + 0.750j,
+        "C": 0.741 + 0.750j,
+        "D": 0.323 + 0.855j,
+        "E": 0.856 + 1.212j,
+        "F": 0.0 + 0j,
+    }
     points = {name: 100 * p for name, p in points.items()}
-    links = {GROUND: "O A B", "crank": "O M", "conn": "M C D", "rockb": "B C", "rocka": "A E", "leg": "D E F"}
-    return linked(points, links, "crank", outputs=(Output("foot", Path(at(points, links, "leg", "F"))),))
+    links = {
+        GROUND: "O A B",
+        "crank": "O M",
+        "conn": "M C D",
+        "rockb": "B C",
+        "rocka": "A E",
+        "leg": "D E F",
+    }
+    return linked(
+        points, links, "crank", outputs=(Output("foot", Path(at(points, links, "leg", "F"))),)
+    )
 
 
 def double_butterfly() -> Machine:
     """Eight bodies, three loops of three unknowns each, no dyads at all."""
-    points = {"O": 0j, "C": 60 + 5j, "G": 120 + 0j, "A": -4 + 8j, "B": 30 + 52j, "D": 34 + 90j, "E": 55 + 40j,
-              "F": 66 + 36j, "H": 112 + 48j, "I": 95 + 92j}  # fmt: skip
+    points = {
+        "O": 0j,
+        "C": 60 + 5j,
+        "G": 120 + 0j,
+        "A": -4 + 8j,
+        "B": 30 + 52j,
+        "D": 34 + 90j,
+        "E": 55 + 40j,
+        "F": 66 + 36j,
+        "H": 112 + 48j,
+        "I": 95 + 92j,
+    }
     links = {
-        GROUND: "O C G", "crank": "O A", "left": "A B D", "middle": "C E F", "right": "G H I",
-        "be": "B E", "fh": "F H", "di": "D I",
-    }  # fmt: skip
-    outputs = (Output("right", Angle("right"), "rad"), Output("D", Path(at(points, links, "left", "D"))))
+        GROUND: "O C G",
+        "crank": "O A",
+        "left": "A B D",
+        "middle": "C E F",
+        "right": "G H I",
+        "be": "B E",
+        "fh": "F H",
+        "di": "D I",
+    }
+    outputs = (
+        Output("right", Angle("right"), "rad"),
+        Output("D", Path(at(points, links, "left", "D"))),
+    )
     return linked(points, links, "crank", outputs=outputs)
 
 
@@ -255,8 +411,22 @@ def geared_five_bar(ratio: float = -1.0, carrier: str = GROUND) -> Machine:
     """Two cranks about O and C, geared; their pins joined by two links at P."""
     points = {"O": 0j, "C": 60 + 0j, "A": -20 + 0j, "B": 80 + 0j, "P": 30 + 70j}
     links = {GROUND: "O C", "crank": "O A", "other": "C B", "left": "A P", "right": "B P"}
-    gear = Gear("gear", "crank", "other", ratio, phase=0.0 - ratio * math.pi, carrier=carrier, clearance=0.001)
-    return linked(points, links, "crank", joints=(gear,), outputs=(Output("P", Path(at(points, links, "left", "P"))),))
+    gear = Gear(
+        "gear",
+        "crank",
+        "other",
+        ratio,
+        phase=0.0 - ratio * math.pi,
+        carrier=carrier,
+        clearance=0.001,
+    )
+    return linked(
+        points,
+        links,
+        "crank",
+        joints=(gear,),
+        outputs=(Output("P", Path(at(points, links, "left", "P"))),),
+    )
 
 
 def hoeken(scale: float = 10.0) -> Machine:
@@ -268,26 +438,65 @@ def hoeken(scale: float = 10.0) -> Machine:
 
 def ram_machine() -> Machine:
     """A cam drives a rocker, the rocker a Watt chain with a ram, a gear a drum: masses, springs, gravity."""
-    points = {"O": 0j, "C": 60 + 0j, "T": 30 + 32j, "E": 88 + 44j, "F": 128 + 78j, "G": 140 + 5j, "H": 168 + 62j,
-              "K": 210 + 20j, "Z": -40 + 0j, "W": -20 + 0j}  # fmt: skip
-    links = {GROUND: "O C G Z", "disc": "O", "rocker": "C T E", "link": "E F", "last": "G F H", "rod": "H K", "ram": "K",
-             "drum": "Z W"}  # fmt: skip
+    points = {
+        "O": 0j,
+        "C": 60 + 0j,
+        "T": 30 + 32j,
+        "E": 88 + 44j,
+        "F": 128 + 78j,
+        "G": 140 + 5j,
+        "H": 168 + 62j,
+        "K": 210 + 20j,
+        "Z": -40 + 0j,
+        "W": -20 + 0j,
+    }
+    links = {
+        GROUND: "O C G Z",
+        "disc": "O",
+        "rocker": "C T E",
+        "link": "E F",
+        "last": "G F H",
+        "rod": "H K",
+        "ram": "K",
+        "drum": "Z W",
+    }
     rest = float(np.angle(points["T"] - points["C"]))
     rise = Wave(0.0, 0.12, 1.0, 0.0)
     joints = (
-        Cam("cam", "disc", "rocker", rise, phase=0.4, rest=rest - float(rise(np.array([-0.4]))[0]), closure="force", leaves=1),
+        Cam(
+            "cam",
+            "disc",
+            "rocker",
+            rise,
+            phase=0.4,
+            rest=rest - float(rise(np.array([-0.4]))[0]),
+            closure="force",
+            leaves=1,
+        ),
         Slide("guide", Place(GROUND, points["K"]), Place("ram"), angle=0.1),
         Gear("gear", "disc", "drum", -2.0),
     )
-    masses = {name: {"mass": 0.05, "centre": 8 + 3j, "inertia": 2e-5}
-              for name in ("rocker", "link", "last", "rod", "ram", "drum", "disc")}  # fmt: skip
+    masses = {
+        name: {"mass": 0.05, "centre": 8 + 3j, "inertia": 2e-5}
+        for name in ("rocker", "link", "last", "rod", "ram", "drum", "disc")
+    }
     loads = (
-        Gravity(), Spring("spring", at(points, links, "rocker", "E"), Place(GROUND, 100 + 120j), 0.6, 30.0),
+        Gravity(),
+        Spring("spring", at(points, links, "rocker", "E"), Place(GROUND, 100 + 120j), 0.6, 30.0),
         Force("work", Place("ram"), -3 + 1j),
-    )  # fmt: skip
+    )
     outputs = (Output("way", Along("guide")), Output("drum", Angle("drum"), "rad"))
-    machine = linked(points, links, "disc", joints=joints, law=Turning(), masses=masses, outputs=outputs, speed=20.0,
-                     loads=loads)  # fmt: skip
+    machine = linked(
+        points,
+        links,
+        "disc",
+        joints=joints,
+        law=Turning(),
+        masses=masses,
+        outputs=outputs,
+        speed=20.0,
+        loads=loads,
+    )
     return machine
 
 
@@ -302,16 +511,31 @@ def excavator() -> Machine:
     )
     start = {"arm": Pose(0j, 0.1), "tube": Pose(-40j, 0.9), "rod": Pose(30 + 0j, 0.9)}
     law = Wave(50.0, 12.0)
-    return drawn(Machine(bodies, joints, (Drive("oil", "rod", law, "ram"),), start,
-                            outputs=(Output("arm", Angle("arm"), "rad"), Output("ram", Along("ram")))))  # fmt: skip
+    return drawn(
+        Machine(
+            bodies,
+            joints,
+            (Drive("oil", "rod", law, "ram"),),
+            start,
+            outputs=(Output("arm", Angle("arm"), "rad"), Output("ram", Along("ram"))),
+        )
+    )
 
 
 def planetary() -> Machine:
     """A planet on a turning arm, geared 1 : 1 to a sun that stands still."""
     points = {"O": 0j, "P": 30 + 0j, "Q": 45 + 0j}
     gear = Gear("mesh", GROUND, "planet", -1.0, carrier="arm")
-    return linked(points, {GROUND: "O", "arm": "O P", "planet": "P Q"}, "arm", joints=(gear,),
-                     outputs=(Output("Q", Path(Place("planet", 15 + 0j))), Output("planet", Angle("planet"), "rad")))  # fmt: skip
+    return linked(
+        points,
+        {GROUND: "O", "arm": "O P", "planet": "P Q"},
+        "arm",
+        joints=(gear,),
+        outputs=(
+            Output("Q", Path(Place("planet", 15 + 0j))),
+            Output("planet", Angle("planet"), "rad"),
+        ),
+    )
 
 
 def wedge() -> Machine:

@@ -49,12 +49,17 @@ def test_counterweight_on_the_crank_is_the_best_there_is() -> None:
 
     def peak_with(weight: complex) -> float:
         place = weight / abs(weight) * 20
-        return peak(forces({"crank": with_weight(LINKS["crank"], abs(weight) / 20, place)}, THETA[::20]), "O")
+        return peak(
+            forces({"crank": with_weight(LINKS["crank"], abs(weight) / 20, place)}, THETA[::20]),
+            "O",
+        )
 
     assert peak_with(moment) == pytest.approx(left, rel=1e-5)
     for step in 1e-3 * abs(moment) * np.exp(1j * np.arange(8) * math.pi / 4):
         assert peak_with(moment + step) > left
-    far = forces({"crank": with_weight(LINKS["crank"], abs(moment) / 20, moment / abs(moment) * 20)})
+    far = forces(
+        {"crank": with_weight(LINKS["crank"], abs(moment) / 20, moment / abs(moment) * 20)}
+    )
     for point in "ABC":  # an evenly turning weight loads nothing but its own bearing
         np.testing.assert_allclose(far.reactions[point], before.reactions[point], atol=1e-9)
 

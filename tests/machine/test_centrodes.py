@@ -19,11 +19,20 @@ def test_a_ladder_rolls_in_a_circle_twice_its_own() -> None:
     radius 40 about the middle (Cardan). A crank of 40 from the crossing to the middle drives it."""
     bodies = (Body("crank", {"pin": 40 + 0j}), Body("ladder", {"pin": 0j, "end": 40 + 0j}))
     joints = (
-        Pin("shaft", Place("crank"), Place(GROUND)), Pin("middle", Place("crank", 40 + 0j), Place("ladder")),
+        Pin("shaft", Place("crank"), Place(GROUND)),
+        Pin("middle", Place("crank", 40 + 0j), Place("ladder")),
         Slot("line", Place(GROUND), Place("ladder", 40 + 0j)),
-    )  # fmt: skip
-    start = {"crank": Pose(0j, 0.3), "ladder": Pose(40 * complex(math.cos(0.3), math.sin(0.3)), -0.3)}
-    machine = Machine(bodies, joints, (Drive("motor", "crank", lambda t, k=0: t + 0.3 if k == 0 else 0 * t + (k == 1)),), start)
+    )
+    start = {
+        "crank": Pose(0j, 0.3),
+        "ladder": Pose(40 * complex(math.cos(0.3), math.sin(0.3)), -0.3),
+    }
+    machine = Machine(
+        bodies,
+        joints,
+        (Drive("motor", "crank", lambda t, k=0: t + 0.3 if k == 0 else 0 * t + (k == 1)),),
+        start,
+    )
     theta = np.linspace(-1.7, 1.2, 60)  # up to where the ladder stands upright, and may turn back
     fixed, moving = centrodes(solve(machine, theta, 1), "ladder", 80.0)
     assert np.abs(fixed) == pytest.approx(80.0)
@@ -39,13 +48,28 @@ def test_a_couplers_centre_is_where_the_cranks_lines_cross() -> None:
     lean = math.acos((70**2 + reach**2 - 50**2) / (2 * 70 * reach))
     coupler = float(np.angle(far)) + lean
     rocker = float(np.angle(crank + 70 * np.exp(1j * coupler) - b))
-    bodies = (Body("crank", {"A": 20 + 0j}), Body("coupler", {"A": 0j, "B": 70 + 0j}), Body("rocker", {"B": 50 + 0j}))
+    bodies = (
+        Body("crank", {"A": 20 + 0j}),
+        Body("coupler", {"A": 0j, "B": 70 + 0j}),
+        Body("rocker", {"B": 50 + 0j}),
+    )
     joints = (
-        Pin("O", Place("crank"), Place(GROUND, a)), Pin("A", Place("crank", 20 + 0j), Place("coupler")),
-        Pin("B", Place("coupler", 70 + 0j), Place("rocker", 50 + 0j)), Pin("C", Place("rocker"), Place(GROUND, b)),
-    )  # fmt: skip
-    start = {"crank": Pose(a, 0.8), "coupler": Pose(complex(crank), coupler), "rocker": Pose(b, rocker)}
-    machine = Machine(bodies, joints, (Drive("motor", "crank", lambda t, k=0: t + 0.8 if k == 0 else 0 * t + (k == 1)),), start)
+        Pin("O", Place("crank"), Place(GROUND, a)),
+        Pin("A", Place("crank", 20 + 0j), Place("coupler")),
+        Pin("B", Place("coupler", 70 + 0j), Place("rocker", 50 + 0j)),
+        Pin("C", Place("rocker"), Place(GROUND, b)),
+    )
+    start = {
+        "crank": Pose(a, 0.8),
+        "coupler": Pose(complex(crank), coupler),
+        "rocker": Pose(b, rocker),
+    }
+    machine = Machine(
+        bodies,
+        joints,
+        (Drive("motor", "crank", lambda t, k=0: t + 0.8 if k == 0 else 0 * t + (k == 1)),),
+        start,
+    )
     run = solve(machine, THETA, 1)
     fixed, moving = centrodes(run, "coupler", 70.0)
     seen = np.isfinite(fixed)

@@ -9,7 +9,17 @@ from pathlib import Path as File
 
 import numpy as np
 import pytest
-from chains import CHAINS, Wave, closing_four_bars, four_bar, jansen, ram_machine, stephenson_three, take_up, wedge
+from chains import (
+    CHAINS,
+    Wave,
+    closing_four_bars,
+    four_bar,
+    jansen,
+    ram_machine,
+    stephenson_three,
+    take_up,
+    wedge,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -57,7 +67,9 @@ def test_both_routes_agree(name: str) -> None:
 
 
 def test_a_ring_of_slides_by_both_routes() -> None:
-    np.testing.assert_allclose(close(Constraints(wedge()), THETA).q, poses(wedge(), THETA)[0], atol=1e-12)
+    np.testing.assert_allclose(
+        close(Constraints(wedge()), THETA).q, poses(wedge(), THETA)[0], atol=1e-12
+    )
 
 
 @settings(max_examples=25, deadline=None)
@@ -70,16 +82,37 @@ def test_random_four_bars_by_both_routes(lengths: tuple[float, ...], branch: int
 
 def test_it_shares_nothing_with_the_maker_but_the_model() -> None:
     tree = ast.parse(File(module.__file__).read_text(encoding="utf-8"))
-    ours = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and "camgen" in (node.module or "")}
+    ours = {
+        node.module
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and "camgen" in (node.module or "")
+    }
     assert ours == {"camgen.machine.model", "camgen.numerics"}
 
 
 # Imports inside the kernel go to its earlier rows only.
 ROWS = (
-    {"model", "strength", "flywheel"}, {"jets", "constraints", "targets", "balancing"}, {"friction"},
-    {"closing", "order", "dyads", "forces", "freedom", "features", "closed_form", "four_bars", "landmarks"},
-    {"newton"}, {"state"}, {"loops"}, {"reach", "run"}, {"cams", "centrodes", "joining", "print_errors"}, {"__init__"},
-)  # fmt: skip
+    {"model", "strength", "flywheel"},
+    {"jets", "constraints", "targets", "balancing"},
+    {"friction"},
+    {
+        "closing",
+        "order",
+        "dyads",
+        "forces",
+        "freedom",
+        "features",
+        "closed_form",
+        "four_bars",
+        "landmarks",
+    },
+    {"newton"},
+    {"state"},
+    {"loops"},
+    {"reach", "run"},
+    {"cams", "centrodes", "joining", "print_errors"},
+    {"__init__"},
+)
 
 
 def test_imports_inside_the_package_go_down() -> None:
@@ -88,7 +121,9 @@ def test_imports_inside_the_package_go_down() -> None:
     assert {file.stem for file in files} == row.keys() - {"cams"}
     for file in files:
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("camgen.machine"):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(
+                "camgen.machine"
+            ):
                 path = (node.module or "").split(".")[2:]
                 for name in path[:1] or [alias.name for alias in node.names]:
                     assert row.get(name, len(ROWS)) < row[file.stem], f"{file.stem} imports {name}"
@@ -97,7 +132,9 @@ def test_imports_inside_the_package_go_down() -> None:
 def test_a_guess_saves_the_way_there() -> None:
     machine = jansen()
     guess = poses(machine, THETA)[0] + 0.05
-    np.testing.assert_allclose(close(Constraints(machine), THETA, guess).q, guess - 0.05, atol=1e-12)
+    np.testing.assert_allclose(
+        close(Constraints(machine), THETA, guess).q, guess - 0.05, atol=1e-12
+    )
 
 
 def test_a_displaced_hole_moves_the_output_by_its_share() -> None:
@@ -110,13 +147,20 @@ def test_a_displaced_hole_moves_the_output_by_its_share() -> None:
         for joint in machine.joints:
             moved = 0.0
             for h in (1e-7, 1e-7j) if isinstance(joint, Pin) else (1e-7,):
-                again = Constraints(replace(machine, joints=tuple(displaced(j, h) if j is joint else j for j in machine.joints)))
+                again = Constraints(
+                    replace(
+                        machine,
+                        joints=tuple(displaced(j, h) if j is joint else j for j in machine.joints),
+                    )
+                )
                 change = np.abs(again.output(output, close(again, THETA, q).q)[0] - value) / 1e-7
                 assert (change <= shares[joint.name] * (1 + 1e-4) + 1e-5).all(), joint.name
                 moved = moved + change**2
             if not isinstance(joint, Pin) or output != "foot":
                 # A pin's two displacements turn with its body: the share is the length of both together.
-                np.testing.assert_allclose(np.sqrt(moved), shares[joint.name], rtol=1e-4, atol=1e-5, err_msg=joint.name)
+                np.testing.assert_allclose(
+                    np.sqrt(moved), shares[joint.name], rtol=1e-4, atol=1e-5, err_msg=joint.name
+                )
 
 
 @pytest.mark.parametrize("right", [(9, 3), (9, 3, 2)])
@@ -129,7 +173,9 @@ def test_systems_that_have_no_numbers_have_no_solution(right: tuple[int, ...]) -
     sides[3, 0], sides[4, 1] = np.nan, -np.inf
     found = solved(matrices, sides)
     lost = np.isnan(found).reshape(9, -1)
-    assert lost.all(axis=1).tolist() == lost.any(axis=1).tolist() == [k in (1, 3, 4) for k in range(9)]
+    assert (
+        lost.all(axis=1).tolist() == lost.any(axis=1).tolist() == [k in (1, 3, 4) for k in range(9)]
+    )
     np.testing.assert_allclose(found[~lost[:, 0]], wanted[~lost[:, 0]], atol=1e-12)
     np.testing.assert_array_equal(solved(matrices[5:], sides[5:]), found[5:])
 
@@ -138,7 +184,9 @@ def test_systems_that_have_no_numbers_have_no_solution(right: tuple[int, ...]) -
 def test_a_stretch_is_the_largest_singular_value(shape: tuple[int, int]) -> None:
     matrices = np.random.default_rng(8).normal(size=(50, *shape))
     matrices[0], matrices[1], matrices[2] = 0.0, 1.0, np.eye(*shape)
-    np.testing.assert_allclose(_stretch(matrices), np.linalg.svd(matrices, compute_uv=False)[:, 0], rtol=1e-12, atol=1e-15)
+    np.testing.assert_allclose(
+        _stretch(matrices), np.linalg.svd(matrices, compute_uv=False)[:, 0], rtol=1e-12, atol=1e-15
+    )
 
 
 def displaced(joint: object, h: complex) -> object:
@@ -161,13 +209,32 @@ def indexed() -> Machine:
     """A wheel that a clutch turns, a carriage driven along it, and on that a pusher which a cam on the wheel lifts."""
     bodies = (Body("arm"), Body("wheel"), Body("carriage"), Body("pusher"))
     joints = (
-        Pin("O", Place(GROUND, 2 + 1j), Place("arm")), Pin("W", Place(GROUND, 2 + 1j), Place("wheel", 0.5j)),
-        Clutch("clutch", "arm", "wheel", Wave(0.3, 0.2), lambda theta: np.where(np.cos(theta) > 0, 0.1, np.nan)),
+        Pin("O", Place(GROUND, 2 + 1j), Place("arm")),
+        Pin("W", Place(GROUND, 2 + 1j), Place("wheel", 0.5j)),
+        Clutch(
+            "clutch",
+            "arm",
+            "wheel",
+            Wave(0.3, 0.2),
+            lambda theta: np.where(np.cos(theta) > 0, 0.1, np.nan),
+        ),
         Slide("rail", Place("wheel", 3 - 2j), Place("carriage", 1 + 1j), angle=0.4, turn=0.2),
         Slide("stem", Place("carriage", 1j), Place("pusher", 2 + 0j), angle=-0.7, turn=0.1),
-        Cam("lift", "wheel", "pusher", Wave(1, 4, 2, 0.3), slide="stem", phase=0.2, rest=5.0, closure="force"),
-    )  # fmt: skip
-    drives = Drive("motor", "arm", Wave(0.1, 0.6)), Drive("ram", "carriage", Wave(30, 9), slide="rail")
+        Cam(
+            "lift",
+            "wheel",
+            "pusher",
+            Wave(1, 4, 2, 0.3),
+            slide="stem",
+            phase=0.2,
+            rest=5.0,
+            closure="force",
+        ),
+    )
+    drives = (
+        Drive("motor", "arm", Wave(0.1, 0.6)),
+        Drive("ram", "carriage", Wave(30, 9), slide="rail"),
+    )
     start = {body.name: Pose(complex(3 * k, 2 - k), 0.3 * k) for k, body in enumerate(bodies)}
     pen = Output("pen", Path(Place("pusher", 4j)))
     outputs = Output("way", Along("rail")), Output("turn", Angle("pusher", "wheel"), "rad"), pen
@@ -193,7 +260,9 @@ def test_slopes_and_bends_of_conditions_are_those_of_their_values(name: str) -> 
     _, slopes, bends = system.evaluate(q, theta, rates)
     size = np.abs(slopes).max() + np.abs(bends).max()
     for k, unit in enumerate(np.eye(system.width)):
-        change = (system.evaluate(q + h * unit, theta)[0] - system.evaluate(q - h * unit, theta)[0]) / (2 * h)
+        change = (
+            system.evaluate(q + h * unit, theta)[0] - system.evaluate(q - h * unit, theta)[0]
+        ) / (2 * h)
         np.testing.assert_allclose(slopes[:, :, k], change, atol=1e-8 * size)
         assert system.holds[np.abs(change).max(axis=0) > 1e-6, k].all()
     drift = (system.evaluate(q, theta + h)[0] - system.evaluate(q, theta - h)[0]) / (2 * h)
@@ -202,7 +271,9 @@ def test_slopes_and_bends_of_conditions_are_those_of_their_values(name: str) -> 
     h = 1e-3
     ahead, here, back = (system.evaluate(q + rates * t, theta + t)[0] for t in (h, 0.0, -h))
     free = np.isclose(drift, system.drift(theta)).all(axis=0)  # a clutch's own law is no drive's
-    np.testing.assert_allclose(bends[:, free], ((ahead - 2 * here + back) / h**2)[:, free], atol=1e-5 * size)
+    np.testing.assert_allclose(
+        bends[:, free], ((ahead - 2 * here + back) / h**2)[:, free], atol=1e-5 * size
+    )
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -214,15 +285,35 @@ def test_slopes_of_outputs_and_what_their_places_do_are_those_of_their_values(na
     for output in machine.outputs:
         value, gradient = system.output(output.name, q)
         for k, unit in enumerate(np.eye(system.width)):
-            change = (system.output(output.name, q + h * unit)[0] - system.output(output.name, q - h * unit)[0]) / (2 * h)
-            slope = gradient[:, 0, k] + 1j * gradient[:, 1, k] if gradient.shape[1] == 2 else gradient[:, 0, k]
+            change = (
+                system.output(output.name, q + h * unit)[0]
+                - system.output(output.name, q - h * unit)[0]
+            ) / (2 * h)
+            slope = (
+                gradient[:, 0, k] + 1j * gradient[:, 1, k]
+                if gradient.shape[1] == 2
+                else gradient[:, 0, k]
+            )
             np.testing.assert_allclose(slope, change, atol=1e-7 * system.size)
         for place, *ways in system.by_place(output.name, q):
             for way, slope in zip((h, 1j * h), ways, strict=True):
-                moved = placed(output.of, lambda each, place=place, way=way: replace(each, at=each.at + way * (each is place)))
-                np.testing.assert_allclose(slope, (system.measured(moved, q)[0] - value) / h, atol=1e-6 * system.size)
+                moved = placed(
+                    output.of,
+                    lambda each, place=place, way=way: replace(
+                        each, at=each.at + way * (each is place)
+                    ),
+                )
+                np.testing.assert_allclose(
+                    slope, (system.measured(moved, q)[0] - value) / h, atol=1e-6 * system.size
+                )
         places = len(system.by_place(output.name, q))
-        assert places == (1 if isinstance(output.of, Path) else len(output.of.of) if isinstance(output.of, Function) else 0)
+        assert places == (
+            1
+            if isinstance(output.of, Path)
+            else len(output.of.of)
+            if isinstance(output.of, Function)
+            else 0
+        )
 
 
 def test_forces_do_the_work_of_their_places() -> None:
@@ -234,17 +325,28 @@ def test_forces_do_the_work_of_their_places() -> None:
     for body in system.bodies:
         place, total = Place(body, 3 - 7j), np.zeros(q.shape)
         system.press(total, place, q, force)
-        speed = (system.place(place, q + h * rates).where - system.place(place, q - h * rates).where) / (2 * h)
-        np.testing.assert_allclose((total * rates).sum(axis=1), np.real(force.conj() * speed), rtol=1e-6, atol=1e-6)
+        speed = (
+            system.place(place, q + h * rates).where - system.place(place, q - h * rates).where
+        ) / (2 * h)
+        np.testing.assert_allclose(
+            (total * rates).sum(axis=1), np.real(force.conj() * speed), rtol=1e-6, atol=1e-6
+        )
     cam = next(joint for joint in system.machine.joints if isinstance(joint, Cam))
     where = rng.normal(size=len(q)) * 30 + 9j
     work = 0.0
     for body, sign in ((cam.follower, 1), (cam.cam, -1)):
         k = system.column[body]
-        at = (where - q[:, k] - 1j * q[:, k + 1]) * np.exp(-1j * q[:, k + 2])  # the place in the body's frame
-        ahead, back = ((z[:, k] + 1j * z[:, k + 1] + at * np.exp(1j * z[:, k + 2])) for z in (q + h * rates, q - h * rates))
+        at = (where - q[:, k] - 1j * q[:, k + 1]) * np.exp(
+            -1j * q[:, k + 2]
+        )  # the place in the body's frame
+        ahead, back = (
+            (z[:, k] + 1j * z[:, k + 1] + at * np.exp(1j * z[:, k + 2]))
+            for z in (q + h * rates, q - h * rates)
+        )
         work = work + sign * np.real(force.conj() * (ahead - back)) / (2 * h)
-    np.testing.assert_allclose((system.pressed(cam, q, where, force) * rates).sum(axis=1), work, rtol=1e-6, atol=1e-5)
+    np.testing.assert_allclose(
+        (system.pressed(cam, q, where, force) * rates).sum(axis=1), work, rtol=1e-6, atol=1e-5
+    )
 
 
 def test_a_wrong_hole_is_seen_at_the_output() -> None:
@@ -280,17 +382,27 @@ def test_a_parallelogram_stays_one_where_its_links_lie_in_line(start: float, rat
     """There both branches meet, and the determinant changes its sign; the rocker goes on as the crank does."""
     machine = Machine(
         (Body("crank"), Body("coupler"), Body("rocker")),
-        (Pin("O", Place(GROUND), Place("crank")), Pin("A", Place("crank", 20), Place("coupler")),
-         Pin("B", Place("coupler", 40), Place("rocker", 20)), Pin("C", Place(GROUND, 40), Place("rocker"))),
+        (
+            Pin("O", Place(GROUND), Place("crank")),
+            Pin("A", Place("crank", 20), Place("coupler")),
+            Pin("B", Place("coupler", 40), Place("rocker", 20)),
+            Pin("C", Place(GROUND, 40), Place("rocker")),
+        ),
         (Drive("motor", "crank", Turning(rate, start)),),
-        {"crank": Pose(0j, start), "coupler": Pose(20 * np.exp(1j * start), 0.0), "rocker": Pose(40 + 0j, start)},
-    )  # fmt: skip
+        {
+            "crank": Pose(0j, start),
+            "coupler": Pose(20 * np.exp(1j * start), 0.0),
+            "rocker": Pose(40 + 0j, start),
+        },
+    )
     theta = np.linspace(-3, 3, 83) / abs(rate)
     system = Constraints(machine)
     closed = close(system, theta)
     np.testing.assert_allclose(closed.q[:, 8], start + rate * theta, atol=1e-9)
     np.testing.assert_allclose(closed.q[:, 5], 0.0, atol=1e-9)
-    assert not _followed(system, theta)[1].any()  # what the sign is to be is not known beyond the first of them
+    assert not _followed(system, theta)[
+        1
+    ].any()  # what the sign is to be is not known beyond the first of them
     near = np.linspace(-0.2, 0.2, 9)
     assert np.ptp(_followed(system, near)[1]) == 0 and _followed(system, near)[1].all()
 
@@ -303,10 +415,19 @@ def test_the_size_of_a_machine_is_its_largest_place() -> None:
         moved = {name: Pose(pose.place + shift, pose.angle) for name, pose in machine.start.items()}
         points = tuple(replace(body, points={}) for body in machine.bodies)
         system = Constraints(replace(machine, bodies=points, start=moved))
-        drawn_ = max(abs(part) for pose in moved.values() for part in (pose.place.real, pose.place.imag, pose.angle))
+        drawn_ = max(
+            abs(part)
+            for pose in moved.values()
+            for part in (pose.place.real, pose.place.imag, pose.angle)
+        )
         assert system.size == pytest.approx(max(1.0, drawn_))
         np.testing.assert_array_equal(system.unit, [system.size, system.size, 1.0] * 3)
-        long = Constraints(replace(machine, bodies=(replace(machine.bodies[0], points={"x": 7777j}), *machine.bodies[1:])))
+        long = Constraints(
+            replace(
+                machine,
+                bodies=(replace(machine.bodies[0], points={"x": 7777j}), *machine.bodies[1:]),
+            )
+        )
         assert long.size == 7777.0
 
 

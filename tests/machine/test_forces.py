@@ -26,13 +26,15 @@ from camgen.machine import (
     TorsionSpring,
     Turning,
     solve,
-)  # fmt: skip
+)
 
 THETA = np.arange(7200) * math.tau / 7200
 FEW = THETA[::100]
 
 
-@pytest.mark.parametrize(("low", "peaks"), [(True, (80.202, 82.988, 122.607)), (False, (97.430, 92.695, 117.992))])
+@pytest.mark.parametrize(
+    ("low", "peaks"), [(True, (80.202, 82.988, 122.607)), (False, (97.430, 92.695, 117.992))]
+)
 def test_peak_reactions_of_the_take_up(low: bool, peaks: tuple[float, ...]) -> None:
     reactions = solve(take_up(low=low), THETA).forces().reactions
     for name, value in zip("ABC", peaks, strict=True):
@@ -50,22 +52,31 @@ def test_balances_of_the_take_up_from_its_points_alone() -> None:
         body = machine.body(name)
         way = np.fft.fft(run.point(name, body.centre)[0] * 1e-3)
         k = np.fft.fftfreq(way.size, 1 / way.size)
-        pull = pull + body.mass * np.fft.ifft(np.where(np.abs(k) < 400, -(k**2) * way, 0)) * speed**2
-    on = {name: forces.reactions[name] * (1 if joints[name].a.body in bodies else -1)
-          for name, bodies in {"A": ["coupler"], "C": ["rocker"], "B": ["rocker"]}.items()}  # fmt: skip
+        pull = (
+            pull + body.mass * np.fft.ifft(np.where(np.abs(k) < 400, -(k**2) * way, 0)) * speed**2
+        )
+    on = {
+        name: forces.reactions[name] * (1 if joints[name].a.body in bodies else -1)
+        for name, bodies in {"A": ["coupler"], "C": ["rocker"], "B": ["rocker"]}.items()
+    }
     np.testing.assert_allclose(on["A"] + on["C"], pull, atol=1e-8 * np.abs(pull).max())
     np.testing.assert_allclose(forces.shaking, -pull, atol=1e-8 * np.abs(pull).max())
     body = machine.body("rocker")
     arm = (run.point("rocker", "B")[0] - run.point("rocker", "C")[0]) * 1e-3
     alpha = run.angle("rocker")[2] * speed**2
     about_c = (np.conj(arm) * on["B"]).imag
-    np.testing.assert_allclose(about_c, (body.inertia + body.mass * (abs(body.centre) * 1e-3) ** 2) * alpha, atol=1e-10)
+    np.testing.assert_allclose(
+        about_c, (body.inertia + body.mass * (abs(body.centre) * 1e-3) ** 2) * alpha, atol=1e-10
+    )
 
 
 @pytest.mark.parametrize("offset", [0.0, 7.0])
 def test_slider_crank_against_newton(offset: float) -> None:
-    masses = {"crank": {"mass": 2e-3, "centre": 0.7 + 0.2j, "inertia": 1e-8},
-              "rod": {"mass": 3e-3, "centre": 20 + 1j, "inertia": 2e-7}, "ram": {"mass": 4e-3, "centre": 3j}}  # fmt: skip
+    masses = {
+        "crank": {"mass": 2e-3, "centre": 0.7 + 0.2j, "inertia": 1e-8},
+        "rod": {"mass": 3e-3, "centre": 20 + 1j, "inertia": 2e-7},
+        "ram": {"mass": 4e-3, "centre": 3j},
+    }
     machine = slider_crank(1.5, 48, offset, masses=masses, speed=1361.357)
     run = solve(machine, FEW)
     forces, pull = run.forces(), 4e-3 * run.derivatives("way")[2] * 1e-3 * machine.speed**2
@@ -81,12 +92,22 @@ def test_slider_crank_against_newton(offset: float) -> None:
 def test_power_in_is_power_out(name: str) -> None:
     machine = CHAINS[name]()
     masses = tuple(replace(b, mass=0.05, centre=5 + 2j, inertia=1e-5) for b in machine.bodies)
-    base = Machine(masses, machine.joints, machine.drives, machine.start, (*machine.loads, Gravity()), machine.outputs, 12.0)
+    base = Machine(
+        masses,
+        machine.joints,
+        machine.drives,
+        machine.start,
+        (*machine.loads, Gravity()),
+        machine.outputs,
+        12.0,
+    )
     theta = np.linspace(0.2, 3.8, 50)
     forces = solve(base, theta).forces()
     size = np.abs(forces.power).max() + np.abs(forces.loads).max()
     assert size > 1e-6
-    np.testing.assert_allclose(forces.power_in + forces.loads, forces.power, atol=1e-12 * max(size, 1))
+    np.testing.assert_allclose(
+        forces.power_in + forces.loads, forces.power, atol=1e-12 * max(size, 1)
+    )
     h = 1e-4  # the rate from the energy itself
     ahead, behind = (solve(base, theta + s * h).forces().energy for s in (1, -1))
     np.testing.assert_allclose((ahead - behind) / (2 * h) * 12.0, forces.power, atol=1e-5 * size)
@@ -109,11 +130,23 @@ def test_scotch_yoke_torque_and_pin_by_hand() -> None:
 
 def test_torque_torsion_spring_and_weight_on_one_arm() -> None:
     bodies = (Body(GROUND), Body("arm", {}, 2.0, 100 + 0j, 0.01))
-    loads = (Torque("brake", "arm", -0.7), TorsionSpring("coil", "arm", GROUND, 0.5, 0.2), Gravity(-10j))
-    machine = Machine(bodies, (Pin("O", Place("arm"), Place(GROUND)),), (Drive("motor", "arm"),), {"arm": Pose(0j, 0.0)}, loads,
-                      speed=3.0)  # fmt: skip
+    loads = (
+        Torque("brake", "arm", -0.7),
+        TorsionSpring("coil", "arm", GROUND, 0.5, 0.2),
+        Gravity(-10j),
+    )
+    machine = Machine(
+        bodies,
+        (Pin("O", Place("arm"), Place(GROUND)),),
+        (Drive("motor", "arm"),),
+        {"arm": Pose(0j, 0.0)},
+        loads,
+        speed=3.0,
+    )
     forces = solve(machine, FEW).forces()
-    np.testing.assert_allclose(forces.drives["motor"], 0.7 + 0.5 * (FEW - 0.2) + 2 * 10 * 0.1 * np.cos(FEW), atol=1e-13)
+    np.testing.assert_allclose(
+        forces.drives["motor"], 0.7 + 0.5 * (FEW - 0.2) + 2 * 10 * 0.1 * np.cos(FEW), atol=1e-13
+    )
     wanted = 20j - 2 * 0.1 * 9 * np.exp(1j * FEW)
     np.testing.assert_allclose(forces.reactions["O"], wanted, atol=1e-13)
     np.testing.assert_allclose(forces.energy, 0.5 * (0.01 + 2 * 0.01) * 9, atol=1e-15)
@@ -125,7 +158,16 @@ def follower(spring: float, preload: float) -> Machine:
     joints = (
         Pin("O", Place("cam"), Place(GROUND)),
         Slide("guide", Place(GROUND), Place("tappet"), angle=math.pi / 2, turn=0.0),
-        Cam("contact", "cam", "tappet", Wave(5.0, -5.0), "guide", rest=30.0, closure="force", leaves=1),
+        Cam(
+            "contact",
+            "cam",
+            "tappet",
+            Wave(5.0, -5.0),
+            "guide",
+            rest=30.0,
+            closure="force",
+            leaves=1,
+        ),
     )
     start = {"cam": Pose(0j, 0.0), "tappet": Pose(30j, 0.0)}
     free = 70 + preload / spring
@@ -150,12 +192,16 @@ def test_a_constant_force_reaches_the_motor_by_virtual_work() -> None:
     machine = replace(slider_crank(10, 40), loads=(Force("work", Place("ram"), -25 + 3j),))
     run = solve(machine, FEW)
     forces = run.forces()
-    np.testing.assert_allclose(forces.drives["motor"], 25e-3 * run.derivatives("way")[1], atol=1e-13)
+    np.testing.assert_allclose(
+        forces.drives["motor"], 25e-3 * run.derivatives("way")[1], atol=1e-13
+    )
     np.testing.assert_allclose(forces.normals["guide"] + forces.reactions["O"].imag, -3, atol=1e-11)
 
 
 def test_reactions_scale_with_the_square_of_the_speed_and_a_wrong_mass_is_seen() -> None:
-    slow, fast = (solve(replace(take_up(), speed=s), FEW).forces().reactions for s in (100.0, -300.0))
+    slow, fast = (
+        solve(replace(take_up(), speed=s), FEW).forces().reactions for s in (100.0, -300.0)
+    )
     for point in "OABC":
         np.testing.assert_allclose(fast[point], 9 * slow[point], rtol=1e-9, atol=1e-12)
     machine = take_up()
@@ -168,4 +214,8 @@ def test_no_forces_at_a_dead_point() -> None:
     machine = four_bar(40, 25, 30, 32)  # opens on the way round
     forces = solve(machine, THETA[::50]).forces()
     lost = np.isnan(solve(machine, THETA[::50])["rocker"])
-    assert lost.any() and (np.isnan(forces.power_in) == lost).all() and (np.isnan(forces.energy) == lost).all()
+    assert (
+        lost.any()
+        and (np.isnan(forces.power_in) == lost).all()
+        and (np.isnan(forces.energy) == lost).all()
+    )

@@ -24,13 +24,21 @@ def test_both_links_keep_their_lengths_and_the_branch_its_side() -> None:
         n = slice(block.first, block.first + block.frame.size)
         seen += block.frame.size
         there = np.isfinite(block.b.real)
-        np.testing.assert_allclose(np.abs(block.b - block.a)[there], np.broadcast_to(c[n], there.shape)[there], rtol=1e-9)
-        np.testing.assert_allclose(np.abs(block.b - f[n])[there], np.broadcast_to(o[n], there.shape)[there], rtol=1e-9)
+        np.testing.assert_allclose(
+            np.abs(block.b - block.a)[there], np.broadcast_to(c[n], there.shape)[there], rtol=1e-9
+        )
+        np.testing.assert_allclose(
+            np.abs(block.b - f[n])[there], np.broadcast_to(o[n], there.shape)[there], rtol=1e-9
+        )
         left = ((f[n] - block.a).conjugate() * (block.b - block.a)).imag
         assert np.all((left * side[n] > 0)[there])
-        for k in range(0, block.frame.size, 97):  # who cannot turn fully is open somewhere, but for what lies between two angles
+        for k in range(
+            0, block.frame.size, 97
+        ):  # who cannot turn fully is open somewhere, but for what lies between two angles
             bar = four_bar(*(float(each[block.first + k]) for each in (f, r, c, o)))
-            assert block.closes[k] == 1 if bar.full_turn else block.closes[k] < 1 or bar.slack > -0.1
+            assert (
+                block.closes[k] == 1 if bar.full_turn else block.closes[k] < 1 or bar.slack > -0.1
+            )
     assert seen == 3000
 
 
@@ -62,4 +70,8 @@ def test_points_of_couplers_and_open_chains() -> None:
     (block,) = four_bars([40.0, 10.0], [12.0, 30.0], [35.0, 5.0], [30.0, 6.0], THETA)
     path = block.coupler_point([20.0, 1.0], [0.0, 0.0])
     np.testing.assert_allclose(np.abs(path[:, 0] - block.a[:, 0]), 20, rtol=1e-12)
-    assert block.closes[1] == 0 and np.isnan(block.output_range[1]) and np.isnan(block.transmission[0][1])
+    assert (
+        block.closes[1] == 0
+        and np.isnan(block.output_range[1])
+        and np.isnan(block.transmission[0][1])
+    )

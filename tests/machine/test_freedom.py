@@ -7,10 +7,30 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from chains import CHAINS, four_bar, linked, peaucellier, scotch_yoke, slider_crank, stephenson_three
+from chains import (
+    CHAINS,
+    four_bar,
+    linked,
+    peaucellier,
+    scotch_yoke,
+    slider_crank,
+    stephenson_three,
+)
 
 from camgen.errors import DesignError
-from camgen.machine import GROUND, Body, Cam, Drive, Machine, Pin, Place, Pose, Slide, Turning, solve
+from camgen.machine import (
+    GROUND,
+    Body,
+    Cam,
+    Drive,
+    Machine,
+    Pin,
+    Place,
+    Pose,
+    Slide,
+    Turning,
+    solve,
+)
 from camgen.machine.freedom import drawn, freedoms, refuse_unsound
 from camgen.machine.reach import folds, reach, refuse_folds, refuse_partial
 
@@ -36,7 +56,9 @@ def test_a_loose_body_is_named_alone() -> None:
     joints = (*machine.joints, Pin("axle", Place("wheel"), Place("rocker", 10 + 0j)))
     start = {**machine.start, "wheel": Pose(0j, 0.0)}
     loose = drawn(replace(machine, bodies=(*machine.bodies, wheel), joints=joints, start=start))
-    with pytest.raises(DesignError, match=r"1 degree of freedom left over: link wheel .*join it to another link") as error:
+    with pytest.raises(
+        DesignError, match=r"1 degree of freedom left over: link wheel .*join it to another link"
+    ) as error:
         refuse_unsound(loose)
     assert "rocker" not in error.value.where
     unheld = replace(machine, bodies=(*machine.bodies, wheel), start=start)
@@ -47,8 +69,13 @@ def test_a_loose_body_is_named_alone() -> None:
 def test_a_second_drive_is_named() -> None:
     machine = four_bar(40, 15, 45, 35)
     angle = machine.start["rocker"].angle
-    twice = replace(machine, drives=(*machine.drives, Drive("second", "rocker", Turning(1.0, angle))))
-    with pytest.raises(DesignError, match="2 drives for 1 degree of freedom .*take away one of the drives motor and second"):
+    twice = replace(
+        machine, drives=(*machine.drives, Drive("second", "rocker", Turning(1.0, angle)))
+    )
+    with pytest.raises(
+        DesignError,
+        match="2 drives for 1 degree of freedom .*take away one of the drives motor and second",
+    ):
         refuse_unsound(twice)
     with pytest.raises(DesignError, match="is held by more conditions than it needs"):
         solve(twice, [0.0])
@@ -61,9 +88,15 @@ def test_a_rigid_chain_and_an_over_constrained_loop_are_named() -> None:
     rocker = machine.start["rocker"]
     far = rocker.place + np.exp(1j * rocker.angle) * b.at - 7
     braced = replace(
-        machine, bodies=(*machine.bodies, brace), start={**machine.start, "brace": Pose(7 + 0j, float(np.angle(far)))},
-        joints=(*machine.joints, Pin("P", Place("brace"), a), Pin("Q", Place("brace", complex(abs(far))), b)),
-    )  # fmt: skip
+        machine,
+        bodies=(*machine.bodies, brace),
+        start={**machine.start, "brace": Pose(7 + 0j, float(np.angle(far)))},
+        joints=(
+            *machine.joints,
+            Pin("P", Place("brace"), a),
+            Pin("Q", Place("brace", complex(abs(far))), b),
+        ),
+    )
     with pytest.raises(DesignError, match="the chain is rigid"):
         refuse_unsound(braced)
 
@@ -92,7 +125,10 @@ def test_a_special_drawing_does_not_hide_the_rank() -> None:
 def test_rough_points_are_closed_on_exact_lengths() -> None:
     exact = four_bar(40, 15, 45, 35)
     rng = np.random.default_rng(7)
-    rough = {name: Pose(p.place + complex(*rng.normal(0, 2, 2)), p.angle + rng.normal(0, 0.1)) for name, p in exact.start.items()}
+    rough = {
+        name: Pose(p.place + complex(*rng.normal(0, 2, 2)), p.angle + rng.normal(0, 0.1))
+        for name, p in exact.start.items()
+    }
     again = drawn(replace(exact, start=rough))
     for name, pose in exact.start.items():
         assert again.start[name].place == pytest.approx(pose.place, abs=1e-11)
@@ -102,10 +138,14 @@ def test_rough_points_are_closed_on_exact_lengths() -> None:
 def test_contradicting_lengths_are_told_with_their_loop() -> None:
     machine = four_bar(40, 15, 45, 35)
     short = tuple(
-        replace(j, a=Place(j.a.body, 5 + 0j), b=Place(j.b.body, 6 + 0j)) if isinstance(j, Pin) and j.name == "B" else j
+        replace(j, a=Place(j.a.body, 5 + 0j), b=Place(j.b.body, 6 + 0j))
+        if isinstance(j, Pin) and j.name == "B"
+        else j
         for j in machine.joints
     )
-    with pytest.raises(DesignError, match="contradict each other: joint.*B.* open by .* mm.*change the lengths") as error:
+    with pytest.raises(
+        DesignError, match="contradict each other: joint.*B.* open by .* mm.*change the lengths"
+    ) as error:
         drawn(replace(machine, joints=short))
     assert error.value.value > 1
 
@@ -114,9 +154,15 @@ def test_range_of_a_chain_that_cannot_turn_fully() -> None:
     """A crank too long for its rod: it closes where the rod still reaches the guide; exact dead points."""
     found = reach(slider_crank(30.0, 20.0))
     end = math.asin(20 / 30)
-    assert not found.full and found.low == pytest.approx(-end, abs=1e-12) and found.high == pytest.approx(end, abs=1e-12)
+    assert (
+        not found.full
+        and found.low == pytest.approx(-end, abs=1e-12)
+        and found.high == pytest.approx(end, abs=1e-12)
+    )
     assert "B" in found.ends[1]
-    with pytest.raises(DesignError, match=r"cannot turn fully: .*from -41.8103 to 41.8103 deg.*drive.range_deg = "):
+    with pytest.raises(
+        DesignError, match=r"cannot turn fully: .*from -41.8103 to 41.8103 deg.*drive.range_deg = "
+    ):
         refuse_partial(slider_crank(30.0, 20.0))
     refuse_partial(slider_crank())
 
@@ -126,7 +172,9 @@ def test_the_range_advised_keeps_the_transmission_angle() -> None:
     end = math.degrees(math.asin(20 / 30 * math.cos(math.radians(30))))
     with pytest.raises(DesignError, match="with a transmission angle of 30 deg") as caught:
         refuse_partial(slider_crank(30.0, 20.0), 30.0)
-    low, high = map(float, str(caught.value).partition("range_deg = [")[2].partition("]")[0].split(", "))
+    low, high = map(
+        float, str(caught.value).partition("range_deg = [")[2].partition("]")[0].split(", ")
+    )
     assert -end <= low < -end + 0.6 and end - 0.6 < high <= end
     with pytest.raises(DesignError, match="is below 90.1 deg as drawn"):
         refuse_partial(slider_crank(30.0, 20.0), 90.1)
@@ -138,7 +186,10 @@ def test_range_of_a_triple_rocker_by_the_law_of_cosines() -> None:
     end = math.acos((frame**2 + crank**2 - (coupler + rocker) ** 2) / (2 * frame * crank))
     found = reach(machine)
     assert (found.low, found.high) == (pytest.approx(-end, abs=1e-7), pytest.approx(end, abs=1e-7))
-    with pytest.raises(DesignError, match=r"crank \(25 mm\), and the longest, \w+ \(40 mm\), are 3 mm more .*below 22 mm"):
+    with pytest.raises(
+        DesignError,
+        match=r"crank \(25 mm\), and the longest, \w+ \(40 mm\), are 3 mm more .*below 22 mm",
+    ):
         refuse_partial(machine)
     refuse_partial(four_bar(frame, 21.99, coupler, rocker))
 
@@ -150,7 +201,10 @@ def test_range_by_newton_ends_at_the_same_dead_point_in_both_ways_of_solving() -
     assert not found.full and found.high - found.low < math.tau
     inside = np.array([found.low + 1e-4, found.high - 1e-4])
     beyond = np.array([found.low - 1e-9, found.high + 1e-9])
-    assert np.isfinite(solve(machine, inside)["D"]).all() and np.isnan(solve(machine, beyond)["D"]).all()
+    assert (
+        np.isfinite(solve(machine, inside)["D"]).all()
+        and np.isnan(solve(machine, beyond)["D"]).all()
+    )
     speed = np.abs(solve(machine, inside).derivatives("D")[1])
     usual = np.abs(solve(machine, [0.0]).derivatives("D")[1])
     assert (speed > 20 * usual).all()  # it stalls there: the output races against the drive
@@ -160,7 +214,9 @@ def test_a_parallelogram_has_its_change_points_told() -> None:
     machine = four_bar(40, 15, 40, 15)
     told = [fold for fold in folds(machine, -0.5, 0.5) if fold.change_point]
     assert told and told[0].joints == ("B",) and abs(told[0].theta) < 1e-6
-    with pytest.raises(DesignError, match=r"change point at .* deg: the links at joint.* B .*transmission angle"):
+    with pytest.raises(
+        DesignError, match=r"change point at .* deg: the links at joint.* B .*transmission angle"
+    ):
         refuse_folds(machine)
     refuse_folds(four_bar(40, 15, 45, 35))
 
@@ -182,7 +238,9 @@ def test_a_change_point_in_a_larger_block_is_passed_and_told() -> None:
     from camgen.machine.state import Dyad
 
     points = {"O": 0j, "C": 40 + 0j, "A": 15j, "B": 40 + 15j}
-    machine = linked(points, {GROUND: "O C", "crank": "O A", "coupler": "A B", "rocker": "C B"}, "crank")
+    machine = linked(
+        points, {GROUND: "O C", "crank": "O A", "coupler": "A B", "rocker": "C B"}, "crank"
+    )
     chain = chain_of(machine)
     chain.steps = [step.block if isinstance(step, Dyad) else step for step in chain.steps]
     told = folds(machine)
@@ -193,8 +251,14 @@ def test_a_change_point_in_a_larger_block_is_passed_and_told() -> None:
 def test_a_cam_and_its_own_follower_alone() -> None:
     bodies = (Body(GROUND), Body("cam"), Body("tappet"))
     cam = Cam("contact", "cam", "tappet", Turning(2.0), "guide")
-    joints = (Pin("O", Place("cam"), Place(GROUND)), Slide("guide", Place(GROUND), Place("tappet")), cam)
-    machine = Machine(bodies, joints, (Drive("motor", "cam"),), {"cam": Pose(0j, 0.0), "tappet": Pose(0j, 0.0)})
+    joints = (
+        Pin("O", Place("cam"), Place(GROUND)),
+        Slide("guide", Place(GROUND), Place("tappet")),
+        cam,
+    )
+    machine = Machine(
+        bodies, joints, (Drive("motor", "cam"),), {"cam": Pose(0j, 0.0), "tappet": Pose(0j, 0.0)}
+    )
     found = refuse_unsound(machine)
     assert (found.pairs, found.half_pairs, found.count) == (2, 1, 1)
     assert freedoms(scotch_yoke()).half_pairs == 1

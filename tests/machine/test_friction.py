@@ -10,7 +10,22 @@ import numpy as np
 import pytest
 from chains import CHAINS, slider_crank
 
-from camgen.machine import GROUND, Body, Drive, Force, Gravity, Machine, Pin, Place, Pose, Slide, Slot, Spring, Turning, solve
+from camgen.machine import (
+    GROUND,
+    Body,
+    Drive,
+    Force,
+    Gravity,
+    Machine,
+    Pin,
+    Place,
+    Pose,
+    Slide,
+    Slot,
+    Spring,
+    Turning,
+    solve,
+)
 from camgen.machine.flywheel import spring_on_shaft
 from camgen.machine.friction import circle, smooth
 
@@ -23,10 +38,19 @@ def test_weight_on_a_journal(speed: float) -> None:
     """Torque = m g (e cos theta + r sin phi, against the turning)."""
     bodies = (Body(GROUND), Body("arm", {}, 2.0, 30 + 0j, 0.0))
     pin = Pin("O", Place("arm"), Place(GROUND), friction=circle(5.0, 0.3))
-    machine = Machine(bodies, (pin,), (Drive("motor", "arm"),), {"arm": Pose(0j, 0.0)}, (Gravity(-10j),), speed=speed)
+    machine = Machine(
+        bodies,
+        (pin,),
+        (Drive("motor", "arm"),),
+        {"arm": Pose(0j, 0.0)},
+        (Gravity(-10j),),
+        speed=speed,
+    )
     forces = solve(machine, FEW).forces()
     friction = 5e-3 * math.sin(math.atan(0.3)) * 20.0
-    np.testing.assert_allclose(forces.drives["motor"], 20 * 0.03 * np.cos(FEW) + math.copysign(friction, speed), atol=1e-12)
+    np.testing.assert_allclose(
+        forces.drives["motor"], 20 * 0.03 * np.cos(FEW) + math.copysign(friction, speed), atol=1e-12
+    )
     np.testing.assert_allclose(forces.smooth["motor"], 20 * 0.03 * np.cos(FEW), atol=1e-12)
     np.testing.assert_allclose(forces.rubs, friction * abs(speed), rtol=1e-9)
 
@@ -35,7 +59,9 @@ def incline(mu: float, speed: float = SLOW, angle: float = 0.5) -> Machine:
     bodies = (Body(GROUND), Body("block", {}, 3.0))
     slide = Slide("plane", Place(GROUND), Place("block"), angle=angle, turn=0.0, friction=mu)
     drive = Drive("pull", "block", Turning(10.0), slide="plane")
-    return Machine(bodies, (slide,), (drive,), {"block": Pose(0j, 0.0)}, (Gravity(-10j),), speed=speed)
+    return Machine(
+        bodies, (slide,), (drive,), {"block": Pose(0j, 0.0)}, (Gravity(-10j),), speed=speed
+    )
 
 
 @pytest.mark.parametrize("mu", [0.0, 0.2, 0.8])
@@ -49,11 +75,21 @@ def test_block_on_an_incline(mu: float, way: int) -> None:
 def rod(radii: tuple[float, float], force: float) -> Machine:
     """A slider-crank whose rod turns in two journals; a force on its slider."""
     machine = slider_crank(10.0, 40.0, 0.0, speed=SLOW)
-    joints = [replace(j, friction=dict(zip("AB", radii, strict=True)).get(j.name, 0.0)) if isinstance(j, Pin) else j
-              for j in machine.joints]  # fmt: skip
+    joints = [
+        replace(j, friction=dict(zip("AB", radii, strict=True)).get(j.name, 0.0))
+        if isinstance(j, Pin)
+        else j
+        for j in machine.joints
+    ]
     ram = machine.body("ram")
-    return replace(machine, joints=tuple(joints), loads=(Force("load", Place("ram", 0j), complex(force)),), bodies=tuple(
-        replace(body, mass=0.0) if body is not ram else body for body in machine.bodies))  # fmt: skip
+    return replace(
+        machine,
+        joints=tuple(joints),
+        loads=(Force("load", Place("ram", 0j), complex(force)),),
+        bodies=tuple(
+            replace(body, mass=0.0) if body is not ram else body for body in machine.bodies
+        ),
+    )
 
 
 @pytest.mark.parametrize("force", [-7.0, 7.0])
@@ -62,10 +98,14 @@ def test_a_rod_pulls_along_the_tangent_of_both_friction_circles(force: float) ->
     theta = np.linspace(0.2, 6.1, 60)
     run = solve(machine, theta)
     forces, (a, b) = run.forces(), (machine.pin(name) for name in "AB")
-    on_rod = {pin.name: forces.reactions[pin.name] * (1 if pin.a.body == "rod" else -1) for pin in (a, b)}
+    on_rod = {
+        pin.name: forces.reactions[pin.name] * (1 if pin.a.body == "rod" else -1) for pin in (a, b)
+    }
     np.testing.assert_allclose(on_rod["A"], -on_rod["B"], rtol=1e-9)  # the rod has no mass
     along = run.point("rod", "B")[0] - run.point("rod", "A")[0]
-    turns = 1.5 * np.sign(run.angle("rod")[1] - run.angle("crank")[1]) + 1.0 * np.sign(run.angle("rod")[1])
+    turns = 1.5 * np.sign(run.angle("rod")[1] - run.angle("crank")[1]) + 1.0 * np.sign(
+        run.angle("rod")[1]
+    )
     lean = np.angle(on_rod["B"] / along * np.sign(np.real(on_rod["B"] / along)))
     np.testing.assert_allclose(np.abs(lean), np.abs(np.arcsin(turns / 40.0)), atol=1e-9)
     assert np.max(np.abs(lean)) > 0.05
@@ -80,10 +120,19 @@ def wedge(slope: float, mu: float, guide: float) -> Machine:
         Slot("face", Place("wedge"), Place("weight"), angle=math.pi - slope, friction=mu),
     )
     start = {"wedge": Pose(0j, 0.0), "weight": Pose(0j, 0.0)}
-    return Machine(bodies, joints, (Drive("push", "wedge", Turning(10.0), slide="floor"),), start, (Gravity(-10j),), speed=SLOW)
+    return Machine(
+        bodies,
+        joints,
+        (Drive("push", "wedge", Turning(10.0), slide="floor"),),
+        start,
+        (Gravity(-10j),),
+        speed=SLOW,
+    )
 
 
-@pytest.mark.parametrize(("mu", "guide"), [(0.0, 0.0), (0.3, 0.0), (0.0, 0.4), (0.3, 0.4), (0.6, 0.5)])
+@pytest.mark.parametrize(
+    ("mu", "guide"), [(0.0, 0.0), (0.3, 0.0), (0.0, 0.4), (0.3, 0.4), (0.6, 0.5)]
+)
 def test_wedge(mu: float, guide: float) -> None:
     """Push = W tan(a + phi) / (1 - mu_guide tan(a + phi))."""
     slope = 0.4
@@ -93,7 +142,9 @@ def test_wedge(mu: float, guide: float) -> None:
     assert forces.drives["push"][0] == pytest.approx(50 * lean / (1 - guide * lean), rel=1e-9)
 
 
-@pytest.mark.parametrize(("guide", "locks"), [(0.69, False), (0.70, True), (0.79, True), (0.81, True), (1.5, True)])
+@pytest.mark.parametrize(
+    ("guide", "locks"), [(0.69, False), (0.70, True), (0.79, True), (0.81, True), (1.5, True)]
+)
 def test_a_wedge_locks_where_its_closed_form_has_no_force(guide: float, locks: bool) -> None:
     """No force from 0.8 on; the face bears 1.3 / (1 - 1.25 guide) of its load without friction, tenfold from 0.696 on."""
     slope, mu = math.atan(0.5), 0.4615384615  # tan(a + phi) = 1.25
@@ -104,19 +155,36 @@ def test_a_wedge_locks_where_its_closed_form_has_no_force(guide: float, locks: b
 @pytest.mark.parametrize("name", CHAINS)
 def test_power_in_is_power_out_and_heat(name: str) -> None:
     machine = CHAINS[name]()
-    joints = [replace(j, friction={Pin: 0.3, Slide: 0.1, Slot: 0.1}[type(j)]) if isinstance(j, Pin | Slide | Slot) else j
-              for j in machine.joints]  # fmt: skip
+    joints = [
+        replace(j, friction={Pin: 0.3, Slide: 0.1, Slot: 0.1}[type(j)])
+        if isinstance(j, Pin | Slide | Slot)
+        else j
+        for j in machine.joints
+    ]
     masses = tuple(replace(b, mass=0.05, centre=5 + 2j, inertia=1e-5) for b in machine.bodies)
-    rough = replace(machine, bodies=masses, joints=tuple(joints), loads=(*machine.loads, Gravity()), speed=2.0)
+    rough = replace(
+        machine, bodies=masses, joints=tuple(joints), loads=(*machine.loads, Gravity()), speed=2.0
+    )
     theta = np.linspace(0.2, 3.8, 50)
     forces, without = solve(rough, theta).forces(), solve(smooth(rough), theta).forces()
     fine = ~forces.locks
     assert np.mean(fine) > 0.8 and np.all(forces.rubs[fine] >= 0) and np.max(forces.rubs[fine]) > 0
     size = np.nanmax(np.abs(forces.power)) + np.nanmax(np.abs(forces.loads))
-    np.testing.assert_allclose((forces.power_in + forces.loads - forces.rubs)[fine], forces.power[fine], atol=1e-9 * max(size, 1))
+    np.testing.assert_allclose(
+        (forces.power_in + forces.loads - forces.rubs)[fine],
+        forces.power[fine],
+        atol=1e-9 * max(size, 1),
+    )
     for drive in forces.smooth:
-        np.testing.assert_allclose(forces.smooth[drive], without.drives[drive], rtol=1e-9, atol=1e-9)
-    for name_, reaction in forces.reactions.items():  # each pin's friction is that of its reaction with friction in it
+        np.testing.assert_allclose(
+            forces.smooth[drive], without.drives[drive], rtol=1e-9, atol=1e-9
+        )
+    for (
+        name_,
+        reaction,
+    ) in (
+        forces.reactions.items()
+    ):  # each pin's friction is that of its reaction with friction in it
         assert np.all(np.isfinite(reaction[fine])), name_
 
 
@@ -124,12 +192,26 @@ def test_a_spring_of_no_free_length_balances_a_weight_on_an_arm() -> None:
     """What `spring_on_shaft` says, as a spring of the model: the drive's torque is then even."""
     bodies = (Body(GROUND), Body("arm", {}, 2.0, cmath.rect(30, 0.4), 0.01))
     pin = Pin("O", Place("arm"), Place(GROUND))
-    machine = Machine(bodies, (pin,), (Drive("motor", "arm"),), {"arm": Pose(0j, 0.0)}, (Gravity(-10j),), speed=3.0)
+    machine = Machine(
+        bodies,
+        (pin,),
+        (Drive("motor", "arm"),),
+        {"arm": Pose(0j, 0.0)},
+        (Gravity(-10j),),
+        speed=3.0,
+    )
     turn = np.linspace(0, math.tau, 361)
     torque = solve(machine, turn).forces().drives["motor"] + 0.1
     size, place, left = spring_on_shaft(turn, torque)
     assert size == pytest.approx(2 * 10 * 0.03) and left == pytest.approx(0.1)
     pinned, held = 20.0, 50.0  # mm, of the spring's ends from the axis
-    spring = Spring("balance", Place("arm", pinned), Place(GROUND, cmath.rect(held, place)), size / (pinned * held * 1e-3))
-    even = solve(replace(machine, loads=(*machine.loads, spring)), turn).forces().drives["motor"] + 0.1
+    spring = Spring(
+        "balance",
+        Place("arm", pinned),
+        Place(GROUND, cmath.rect(held, place)),
+        size / (pinned * held * 1e-3),
+    )
+    even = (
+        solve(replace(machine, loads=(*machine.loads, spring)), turn).forces().drives["motor"] + 0.1
+    )
     np.testing.assert_allclose(even, 0.1, atol=1e-12)

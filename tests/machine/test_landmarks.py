@@ -51,7 +51,9 @@ TABLE = np.radians(ECCENTRIC["angle_deg"])
 
 
 def test_the_exact_speed_column() -> None:
-    np.testing.assert_allclose(-way(TABLE, 1) * ECCENTRIC["table_speed"], ECCENTRIC["exact_v3"], rtol=0, atol=6e-11)
+    np.testing.assert_allclose(
+        -way(TABLE, 1) * ECCENTRIC["table_speed"], ECCENTRIC["exact_v3"], rtol=0, atol=6e-11
+    )
 
 
 def test_the_published_speed_column_is_mirrored() -> None:
@@ -59,7 +61,9 @@ def test_the_published_speed_column_is_mirrored() -> None:
     low = 100 * (1 - np.array(ECCENTRIC["published_v3"])[v3 != 0] / v3[v3 != 0])
     wrong = dict(zip(np.array(ECCENTRIC["angle_deg"])[v3 != 0], low, strict=True))
     for angle, share in wrong.items():
-        assert share == pytest.approx(ECCENTRIC["published_low_percent"].get(str(angle), 0.0), abs=0.01)
+        assert share == pytest.approx(
+            ECCENTRIC["published_low_percent"].get(str(angle), 0.0), abs=0.01
+        )
 
 
 def test_the_printed_chain_with_the_wrong_sign_of_phi2() -> None:
@@ -74,7 +78,9 @@ def test_the_printed_chain_with_the_wrong_sign_of_phi2() -> None:
 def test_rod_angle_and_rate_and_the_lost_sign() -> None:
     rod = solve(DRIVE, TABLE).angle("rod")
     np.testing.assert_allclose(-np.degrees(rod[0]), ECCENTRIC["published_phi2_deg"], atol=0.006)
-    np.testing.assert_allclose(-rod[1] * -ECCENTRIC["table_speed"], -np.array(ECCENTRIC["published_phi2_rate"]), atol=0.01)
+    np.testing.assert_allclose(
+        -rod[1] * -ECCENTRIC["table_speed"], -np.array(ECCENTRIC["published_phi2_rate"]), atol=0.01
+    )
 
 
 def test_speeds_of_the_motor() -> None:
@@ -85,7 +91,9 @@ def test_speeds_of_the_motor() -> None:
 
 
 def test_greatest_speed_is_before_90_degrees() -> None:
-    at = zeros(lambda t, k: way(t, 2) if k == 0 else np.full(t.shape, np.nan))  # no slope: bisection
+    at = zeros(
+        lambda t, k: way(t, 2) if k == 0 else np.full(t.shape, np.nan)
+    )  # no slope: bisection
     peak = np.degrees(at[0])
     assert peak == pytest.approx(ECCENTRIC["peak_angle_deg"], abs=1e-11)
     ratio = -way(at[:1], 1)[0] / ECCENTRIC["eccentricity"]
@@ -105,11 +113,15 @@ def test_stroke_sag_travel_and_end_accelerations() -> None:
     ends = np.array([0, math.pi])
     ways, a = way(ends, 0), way(ends, 2)
     assert ways[0] - ways[1] == pytest.approx(ECCENTRIC["stroke"], abs=1e-12)
-    assert slider_travel(math.pi / 2, 1.5, 48) - 1.5 == pytest.approx(ECCENTRIC["sag_at_90"], abs=1e-14)
+    assert slider_travel(math.pi / 2, 1.5, 48) - 1.5 == pytest.approx(
+        ECCENTRIC["sag_at_90"], abs=1e-14
+    )
     assert a[0] == pytest.approx(-1.5 * (1 + 1 / 32), abs=1e-14)
     assert a[0] / a[1] == pytest.approx(-33 / 31, abs=1e-13)
     for angle, travel in ECCENTRIC["travel"].items():
-        assert slider_travel(math.radians(float(angle)), 1.5, 48) == pytest.approx(travel, abs=5e-10)
+        assert slider_travel(math.radians(float(angle)), 1.5, 48) == pytest.approx(
+            travel, abs=5e-10
+        )
         assert ways[0] - way(math.radians(float(angle)), 0)[0] == pytest.approx(travel, abs=5e-10)
 
 
@@ -119,11 +131,21 @@ def test_travel_of_a_tiny_crank_keeps_its_digits() -> None:
         for theta in EVERYWHERE[:40]:
             s = mpmath.sin(mpmath.mpf(float(theta)))
             c = mpmath.cos(mpmath.mpf(float(theta)))
-            exact = crank * (1 - c) + rod - mpmath.sqrt(mpmath.mpf(rod) ** 2 - (mpmath.mpf(crank) * s) ** 2)
+            exact = (
+                crank * (1 - c)
+                + rod
+                - mpmath.sqrt(mpmath.mpf(rod) ** 2 - (mpmath.mpf(crank) * s) ** 2)
+            )
             assert slider_travel(theta, crank, rod) == pytest.approx(float(exact), rel=1e-12, abs=0)
-            naive = rod + crank - (crank * math.cos(theta) + math.sqrt(rod**2 - (crank * math.sin(theta)) ** 2))
+            naive = (
+                rod
+                + crank
+                - (crank * math.cos(theta) + math.sqrt(rod**2 - (crank * math.sin(theta)) ** 2))
+            )
             if exact > crank:
-                assert naive != pytest.approx(float(exact), rel=1e-12, abs=0)  # the check would see the cancellation
+                assert naive != pytest.approx(
+                    float(exact), rel=1e-12, abs=0
+                )  # the check would see the cancellation
 
 
 def test_offset_slider_travel() -> None:
@@ -137,7 +159,9 @@ def test_offset_slider_travel() -> None:
 @pytest.mark.parametrize("reading", ["printed", "interchanged"])
 def test_transmission_angle(reading: str) -> None:
     machine, expected = READINGS[reading], np.radians(TAKE_UP["transmission_deg"])
-    np.testing.assert_allclose(transmission_extremes(9, 30, *TAKE_UP[reading]), expected, atol=2e-15 * 180)
+    np.testing.assert_allclose(
+        transmission_extremes(9, 30, *TAKE_UP[reading]), expected, atol=2e-15 * 180
+    )
 
     def transmission(theta: np.ndarray, order: int) -> np.ndarray:
         run = solve(machine, theta, order)
@@ -159,7 +183,9 @@ def test_formula_1_as_printed_does_not_close() -> None:
     closure = np.abs(l1 * np.exp(1j * theta) + l2 * np.exp(1j * phi) - l0) - l3
     assert (np.abs(closure) > 1).all()
     phi = np.arctan2(-l1 * np.sin(theta), l0 - l1 * np.cos(theta))
-    phi = phi + np.arccos((l0**2 + l1**2 + l2**2 - l3**2 - 2 * l0 * l1 * np.cos(theta)) / (2 * l2 * reach))
+    phi = phi + np.arccos(
+        (l0**2 + l1**2 + l2**2 - l3**2 - 2 * l0 * l1 * np.cos(theta)) / (2 * l2 * reach)
+    )
     joint = l1 * np.exp(1j * theta) + l2 * np.exp(1j * phi)
     assert np.abs(joint - solve(READINGS["printed"], theta).point("rocker", "B")[0]).max() < 1e-13
 
@@ -201,7 +227,9 @@ def test_double_points_of_curves_that_are_known() -> None:
     # A trochoid of four inner loops: exp(it) + a exp(5it) with a > 1/5 crosses itself at least four times.
     many, _ = double_points(lambda t, k: np.exp(1j * t) * 1j**k + 0.5 * (5j) ** k * np.exp(5j * t))
     values = np.exp(1j * many) + 0.5 * np.exp(5j * many)
-    assert len(many) >= 4 and len(many) % 4 == 0 and np.abs(values[:, 0] - values[:, 1]).max() < 1e-12
+    assert (
+        len(many) >= 4 and len(many) % 4 == 0 and np.abs(values[:, 0] - values[:, 1]).max() < 1e-12
+    )
 
 
 def test_cusp() -> None:
@@ -229,7 +257,10 @@ def test_near_stop_round_the_double_point() -> None:
 
 
 def test_eye_through_a_guide_has_a_kink_not_a_number() -> None:
-    rows = jets.thread_length(np.array([[eye("printed")(1.0, k)] for k in range(3)]), np.array([[eye("printed")(1.0)], [0], [0]]))
+    rows = jets.thread_length(
+        np.array([[eye("printed")(1.0, k)] for k in range(3)]),
+        np.array([[eye("printed")(1.0)], [0], [0]]),
+    )
     assert rows[0, 0] == 0 and np.isnan(rows[1:]).all()
 
 
@@ -271,12 +302,16 @@ def test_dead_points_of_a_crank_rocker_are_extremes_of_its_output() -> None:
     machine = chains.four_bar(40, 10, 35, 30)
     at, _ = extremes(lambda theta, order: solve(machine, theta, order).angle("rocker")[order])
     # Triangle O, C, B with the coupler and the crank in line, stretched and folded.
-    stretched, folded = (math.acos((40**2 + side**2 - 30**2) / (2 * 40 * side)) for side in (45, 25))
+    stretched, folded = (
+        math.acos((40**2 + side**2 - 30**2) / (2 * 40 * side)) for side in (45, 25)
+    )
     np.testing.assert_allclose(at, np.sort([stretched, folded + math.pi]), atol=1e-12)
 
 
 def test_unit_turn_to_1e_15() -> None:
-    theta = np.concatenate([EVERYWHERE, -EVERYWHERE, [0, math.pi, -math.pi, math.pi / 2, TURN, 1e4, 1e-300]])
+    theta = np.concatenate(
+        [EVERYWHERE, -EVERYWHERE, [0, math.pi, -math.pi, math.pi / 2, TURN, 1e4, 1e-300]]
+    )
     assert np.abs(jets.unit_turn(theta) - np.exp(1j * theta)).max() < 1e-15
 
 
@@ -296,11 +331,17 @@ def test_a_line_to_and_fro_does_not_cross_itself() -> None:
     """Rounding alone makes its pieces cross; a lemniscate's two branches do, at a right angle."""
 
     def line(theta: Floats, order: int) -> Points:
-        sway = (np.cos(theta) + 0.3 * np.sin(2 * theta), -np.sin(theta) + 0.6 * np.cos(2 * theta))[order]
+        sway = (np.cos(theta) + 0.3 * np.sin(2 * theta), -np.sin(theta) + 0.6 * np.cos(2 * theta))[
+            order
+        ]
         return np.asarray(np.exp(0.3j) * (20 + sway))
 
     def eight(theta: Floats, order: int) -> Points:
-        return np.asarray((np.sin(theta) + 0.5j * np.sin(2 * theta), np.cos(theta) + 1j * np.cos(2 * theta))[order])
+        return np.asarray(
+            (np.sin(theta) + 0.5j * np.sin(2 * theta), np.cos(theta) + 1j * np.cos(2 * theta))[
+                order
+            ]
+        )
 
     assert not len(double_points(line, 1440)[0])
     pairs, places = double_points(eight, 1441)

@@ -26,7 +26,7 @@ from chains import (
     watt_two,
     wedge,
     whitworth,
-)  # fmt: skip
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -42,7 +42,7 @@ from camgen.machine import (
     Slot,
     Turning,
     solve,
-)  # fmt: skip
+)
 from camgen.machine.loops import chain_of
 from camgen.machine.newton import Block
 from camgen.machine.state import Dyad
@@ -51,12 +51,16 @@ THETA = np.random.default_rng(3).uniform(0, math.tau, 400)
 
 
 def kinds(machine: Machine) -> list[str]:
-    return [s.kind if isinstance(s, Dyad) else f"newton {s.size}" if isinstance(s, Block) else "direct"
-            for s in chain_of(machine).steps]  # fmt: skip
+    return [
+        s.kind if isinstance(s, Dyad) else f"newton {s.size}" if isinstance(s, Block) else "direct"
+        for s in chain_of(machine).steps
+    ]
 
 
 @pytest.mark.parametrize("branch", [1, -1])
-@pytest.mark.parametrize("lengths", [(40.0, 15.0, 45.0, 35.0), (9.0, 30.0, 30.0, 19.0), (9.0, 30.0, 19.0, 30.0)])
+@pytest.mark.parametrize(
+    "lengths", [(40.0, 15.0, 45.0, 35.0), (9.0, 30.0, 30.0, 19.0), (9.0, 30.0, 19.0, 30.0)]
+)
 def test_four_bar_is_where_two_circles_meet(lengths: tuple[float, ...], branch: int) -> None:
     frame, crank, coupler, rocker = lengths
     a = crank * np.exp(1j * THETA)
@@ -90,11 +94,15 @@ def test_eccentric_drive_has_its_exact_figures() -> None:
     theta = np.radians([0, 30, 60, 90, 120, 150, 180])
     run = solve(slider_crank(1.5, 48.0, speed=22.6), theta)
     travel = run["way"][0] - run["way"]
-    np.testing.assert_allclose(travel[1:6], [0.206821627, 0.767581345, 1.523443225, 2.267581340, 2.804897840], atol=5e-10)
+    np.testing.assert_allclose(
+        travel[1:6], [0.206821627, 0.767581345, 1.523443225, 2.267581340, 2.804897840], atol=5e-10
+    )
     speed = [17.4087788378, 29.8171521010, 33.9, 28.8993702756, 16.4912211622, 0]
     np.testing.assert_allclose(-run.velocity["way"][1:], speed, atol=6e-11)
     assert travel[6] == pytest.approx(3, abs=1e-12)
-    assert run.acceleration["way"][0] / run.acceleration["way"][6] == pytest.approx(-33 / 31, rel=1e-12)
+    assert run.acceleration["way"][0] / run.acceleration["way"][6] == pytest.approx(
+        -33 / 31, rel=1e-12
+    )
 
 
 def test_offset_slider_is_the_plain_formula() -> None:
@@ -110,7 +118,9 @@ def test_whitworth_time_ratio() -> None:
     ends = np.array([math.pi + alpha / 2, math.tau - alpha / 2]) + np.array([0.0, 0.0])
     np.testing.assert_allclose(solve(machine, ends).derivatives("arm")[1], 0, atol=1e-14)
     back = ends[1] - ends[0]
-    assert (math.tau - back) / back == pytest.approx((math.pi + alpha) / (math.pi - alpha), rel=1e-14)
+    assert (math.tau - back) / back == pytest.approx(
+        (math.pi + alpha) / (math.pi - alpha), rel=1e-14
+    )
     run = solve(machine, THETA)
     np.testing.assert_allclose(run["arm"], np.angle(20 * np.exp(1j * THETA) + 40j), atol=1e-14)
 
@@ -118,7 +128,9 @@ def test_whitworth_time_ratio() -> None:
 def test_peaucellier_is_straight_to_rounding() -> None:
     run = solve(peaucellier(), THETA)
     foot = run["R"]
-    np.testing.assert_allclose(foot.real, (50**2 - 20**2) / (2 * 25), atol=5e-12)  # inversion: |OP| |OR| = a^2 - b^2
+    np.testing.assert_allclose(
+        foot.real, (50**2 - 20**2) / (2 * 25), atol=5e-12
+    )  # inversion: |OP| |OR| = a^2 - b^2
     assert np.ptp(foot.imag) > 20
 
 
@@ -132,14 +144,18 @@ def test_jansens_foot_walks_its_known_path() -> None:
 
 def test_klanns_leg_walks() -> None:
     foot = solve(klann(), np.linspace(0, math.tau, 1801))["foot"]
-    assert np.isfinite(foot).all() and np.ptp(foot.real) > 2 * np.ptp(foot.imag[foot.imag < np.median(foot.imag)])
+    assert np.isfinite(foot).all() and np.ptp(foot.real) > 2 * np.ptp(
+        foot.imag[foot.imag < np.median(foot.imag)]
+    )
 
 
 def test_hoeken_is_symmetric_and_straight() -> None:
     """Exact symmetry about the crank's perpendicular through the ground line; straight over half a turn to 0.4 %."""
     theta = np.linspace(0.01, math.pi, 500)
     machine = hoeken(10.0)
-    there, back = (solve(machine, sign * theta + (math.tau if sign < 0 else 0))["trace"] for sign in (1, -1))
+    there, back = (
+        solve(machine, sign * theta + (math.tau if sign < 0 else 0))["trace"] for sign in (1, -1)
+    )
     centre = 20.0
     side = there - centre, back - centre
     np.testing.assert_allclose(side[0], -np.conj(side[1]), atol=1e-11)
@@ -169,7 +185,9 @@ def test_derivatives_against_differences(name: str) -> None:
         values, first, second = rows[3].derivatives(output.name)
         f = [row.derivatives(output.name)[0] for row in rows]
         slope = (45 * (f[4] - f[2]) - 9 * (f[5] - f[1]) + (f[6] - f[0])) / (60 * h)
-        bend = (270 * (f[4] + f[2]) - 27 * (f[5] + f[1]) + 2 * (f[6] + f[0]) - 490 * f[3]) / (180 * h * h)
+        bend = (270 * (f[4] + f[2]) - 27 * (f[5] + f[1]) + 2 * (f[6] + f[0]) - 490 * f[3]) / (
+            180 * h * h
+        )
         size = max(1.0, float(np.abs(values).max()))
         assert np.isfinite(values).all()
         np.testing.assert_allclose(first, slope, atol=2e-10 * size, rtol=1e-9)
@@ -191,13 +209,22 @@ def test_angles_are_continuous_whatever_the_order_of_theta() -> None:
     theta = np.array([9.0, 0.0, -4.0, 30.0, 3.0])
     fine = solve(machine, np.linspace(-4, 30, 5001))["rocker"]
     assert np.abs(np.diff(fine)).max() < 0.03
-    np.testing.assert_allclose(solve(machine, theta)["rocker"], np.interp(theta, np.linspace(-4, 30, 5001), fine), atol=1e-4)
+    np.testing.assert_allclose(
+        solve(machine, theta)["rocker"],
+        np.interp(theta, np.linspace(-4, 30, 5001), fine),
+        atol=1e-4,
+    )
 
 
 def test_either_sense_of_turning() -> None:
     base = jansen()
-    back = Machine(base.bodies, base.joints, (Drive("motor", "crank", Turning(-1.0, base.drives[0].law(np.zeros(1))[0])),),
-                   base.start, outputs=base.outputs)  # fmt: skip
+    back = Machine(
+        base.bodies,
+        base.joints,
+        (Drive("motor", "crank", Turning(-1.0, base.drives[0].law(np.zeros(1))[0])),),
+        base.start,
+        outputs=base.outputs,
+    )
     a, b = solve(base, THETA), solve(back, -THETA)
     np.testing.assert_allclose(a["foot"], b["foot"], atol=1e-12)
     np.testing.assert_allclose(a.velocity["foot"], -b.velocity["foot"], atol=1e-11)
@@ -205,7 +232,9 @@ def test_either_sense_of_turning() -> None:
 
 def test_where_a_dyad_does_not_close_it_is_nan() -> None:
     machine = slider_crank(30.0, 20.0)
-    run = solve(machine, np.array([0.1, math.pi / 2, math.asin(2 / 3) + 1e-9, math.asin(2 / 3) - 1e-9]))
+    run = solve(
+        machine, np.array([0.1, math.pi / 2, math.asin(2 / 3) + 1e-9, math.asin(2 / 3) - 1e-9])
+    )
     assert (np.isfinite(run["way"]) == [True, False, False, True]).all()
     assert (np.isnan(run.forces().drives["motor"]) == [False, True, True, False]).all()
 
@@ -247,7 +276,9 @@ def test_planet_carrier() -> None:
     machine = planetary()
     run = solve(machine, THETA)
     np.testing.assert_allclose(run["planet"], 2 * THETA, atol=1e-13)
-    np.testing.assert_allclose(run["Q"], 30 * np.exp(1j * THETA) + 15 * np.exp(2j * THETA), atol=1e-12)
+    np.testing.assert_allclose(
+        run["Q"], 30 * np.exp(1j * THETA) + 15 * np.exp(2j * THETA), atol=1e-12
+    )
 
 
 def test_wedge_of_three_slides() -> None:
@@ -259,9 +290,17 @@ def test_wedge_of_three_slides() -> None:
 def test_slot_on_two_moving_bodies_by_newton_and_by_hand() -> None:
     """Elliptic trammel: two sliders on crossed lines, the bar's angle driven: its ends run straight."""
     bodies = (Body(GROUND), Body("bar", {"A": 0j, "B": 50 + 0j}))
-    joints = (Slot("x", Place(GROUND), Place("bar")), Slot("y", Place(GROUND), Place("bar", 50 + 0j), math.pi / 2))
-    machine = Machine(bodies, joints, (Drive("motor", "bar", Turning(1.0, 2.0)),), {"bar": Pose(-50 * complex(math.cos(2)), 2.0)},
-                      outputs=(Output("x", Along("x")), Output("y", Along("y"))))  # fmt: skip
+    joints = (
+        Slot("x", Place(GROUND), Place("bar")),
+        Slot("y", Place(GROUND), Place("bar", 50 + 0j), math.pi / 2),
+    )
+    machine = Machine(
+        bodies,
+        joints,
+        (Drive("motor", "bar", Turning(1.0, 2.0)),),
+        {"bar": Pose(-50 * complex(math.cos(2)), 2.0)},
+        outputs=(Output("x", Along("x")), Output("y", Along("y"))),
+    )
     run = solve(machine, THETA)
     np.testing.assert_allclose(run["x"], -50 * np.cos(THETA + 2), atol=1e-12)
     np.testing.assert_allclose(run["y"], 50 * np.sin(THETA + 2), atol=1e-12)

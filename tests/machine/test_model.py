@@ -42,24 +42,35 @@ def law(theta: Any, order: int = 0) -> Any:
 
 HERE = Place("crank", 3j)
 JOINTS: Mapping[str, Any] = {
-    "pin": Pin("pin", HERE, Place(GROUND)), "slide": Slide("slide", Place(GROUND), Place("ram")),
-    "slot": Slot("slot", Place("crank"), Place("ram")), "gear": Gear("gear", "crank", "wheel", -2.0, carrier="arm"),
+    "pin": Pin("pin", HERE, Place(GROUND)),
+    "slide": Slide("slide", Place(GROUND), Place("ram")),
+    "slot": Slot("slot", Place("crank"), Place("ram")),
+    "gear": Gear("gear", "crank", "wheel", -2.0, carrier="arm"),
     "cam": Cam("cam", "crank", "ram", law, "slide"),
-}  # fmt: skip
+}
 LOADS: Mapping[str, Any] = {
-    "force": Force("force", HERE, 1j), "torque": Torque("torque", "crank", 1.0, by="arm"),
-    "spring": Spring("spring", HERE, Place("ram"), 1.0), "wound": TorsionSpring("wound", "crank", "arm", 1.0),
-    "brake": Resistance("brake", Along("slide")), "drag": Resistance("drag", Angle("crank", "arm")),
-}  # fmt: skip
+    "force": Force("force", HERE, 1j),
+    "torque": Torque("torque", "crank", 1.0, by="arm"),
+    "spring": Spring("spring", HERE, Place("ram"), 1.0),
+    "wound": TorsionSpring("wound", "crank", "arm", 1.0),
+    "brake": Resistance("brake", Along("slide")),
+    "drag": Resistance("drag", Angle("crank", "arm")),
+}
 OUTPUTS: Mapping[str, Any] = {
-    "angle": Output("angle", Angle("crank", "arm")), "way": Output("way", Along("slide")), "path": Output("path", Path(HERE)),
+    "angle": Output("angle", Angle("crank", "arm")),
+    "way": Output("way", Along("slide")),
+    "path": Output("path", Path(HERE)),
     "thread": Output("thread", Function((HERE, Place("ram")), law)),
-}  # fmt: skip
+}
 MOVING = ("crank", "ram", "wheel", "arm")
 MACHINE = Machine(
-    (Body(GROUND), *map(Body, MOVING)), tuple(JOINTS.values()), (Drive("motor", "arm"), Drive("push", "ram", law, "slide")),
-    dict.fromkeys(MOVING, Pose(0j, 0.0)), (*LOADS.values(), Gravity()), tuple(OUTPUTS.values()),
-)  # fmt: skip
+    (Body(GROUND), *map(Body, MOVING)),
+    tuple(JOINTS.values()),
+    (Drive("motor", "arm"), Drive("push", "ram", law, "slide")),
+    dict.fromkeys(MOVING, Pose(0j, 0.0)),
+    (*LOADS.values(), Gravity()),
+    tuple(OUTPUTS.values()),
+)
 
 
 def damaged(record: Any, key: str) -> Any:
@@ -77,18 +88,41 @@ def damaged(record: Any, key: str) -> Any:
 @pytest.mark.parametrize(
     "table, name, key",
     [
-        *(("joints", name, key) for name, keys in {"pin": "a b", "slide": "guide runner", "slot": "guide runner",
-          "gear": "a b carrier", "cam": "cam follower slide"}.items() for key in keys.split()),
-        ("drives", "motor", "body"), ("drives", "push", "slide"),
-        *(("loads", name, key) for name, keys in {"force": "on", "torque": "on by", "spring": "a b", "wound": "a b",
-          "brake": "of", "drag": "of"}.items() for key in keys.split()),
+        *(
+            ("joints", name, key)
+            for name, keys in {
+                "pin": "a b",
+                "slide": "guide runner",
+                "slot": "guide runner",
+                "gear": "a b carrier",
+                "cam": "cam follower slide",
+            }.items()
+            for key in keys.split()
+        ),
+        ("drives", "motor", "body"),
+        ("drives", "push", "slide"),
+        *(
+            ("loads", name, key)
+            for name, keys in {
+                "force": "on",
+                "torque": "on by",
+                "spring": "a b",
+                "wound": "a b",
+                "brake": "of",
+                "drag": "of",
+            }.items()
+            for key in keys.split()
+        ),
         *(("outputs", name, "of") for name in OUTPUTS),
     ],
-)  # fmt: skip
+)
 def test_a_name_that_is_nowhere_is_told(table: str, name: str, key: str) -> None:
     rows = getattr(MACHINE, table)
     changed = tuple(damaged(row, key) if getattr(row, "name", "") == name else row for row in rows)
-    with pytest.raises(ValueError, match=f"^{name} is (on zz, which is no body|along zz, which is no slide or slot)$"):
+    with pytest.raises(
+        ValueError,
+        match=f"^{name} is (on zz, which is no body|along zz, which is no slide or slot)$",
+    ):
         replace(MACHINE, **{table: changed})
 
 
@@ -109,20 +143,37 @@ def test_what_is_asked_for_by_a_wrong_name_is_told(what: str) -> None:
 EYE, FACES = f.Eye("part", 0j, 4.0), f.Faces("part", 0j, 0.0, 4.0)
 FEATURES = (
     f.PinEyes("pin", EYE, EYE, EYE, (f.Ring("part", 3.0, 9.0),)),
-    f.SlideFaces("slide", FACES, FACES), f.SlotFaces("slot", FACES, EYE),
-    f.CamOutline("cam", "part", "pin", "pin", f.Flat("part", 0j, 0.0, 4.0), bore=EYE, own=f.OwnTip("part", EYE, EYE),
-                 roller="part"),
-    f.GearTeeth("gear", f.Teeth("part", 9, 9.0, 1.0), f.Teeth("part", 9, 9.0, 1.0), ("pin", "pin")), f.Mark(EYE),
-    f.Keyed(EYE, EYE, 0.0), f.Steady("pin", EYE, EYE, EYE, (EYE, EYE)),
-)  # fmt: skip
+    f.SlideFaces("slide", FACES, FACES),
+    f.SlotFaces("slot", FACES, EYE),
+    f.CamOutline(
+        "cam",
+        "part",
+        "pin",
+        "pin",
+        f.Flat("part", 0j, 0.0, 4.0),
+        bore=EYE,
+        own=f.OwnTip("part", EYE, EYE),
+        roller="part",
+    ),
+    f.GearTeeth("gear", f.Teeth("part", 9, 9.0, 1.0), f.Teeth("part", 9, 9.0, 1.0), ("pin", "pin")),
+    f.Mark(EYE),
+    f.Keyed(EYE, EYE, 0.0),
+    f.Steady("pin", EYE, EYE, EYE, (EYE, EYE)),
+)
 
 
 def names(record: Any) -> list[str]:
     """Every text in a record, however deep; units aside."""
     found: list[str] = []
-    values = record if isinstance(record, tuple) else [
-        getattr(record, field.name) for field in fields(record) if field.name not in ("unit", "closure")
-    ]  # fmt: skip
+    values = (
+        record
+        if isinstance(record, tuple)
+        else [
+            getattr(record, field.name)
+            for field in fields(record)
+            if field.name not in ("unit", "closure")
+        ]
+    )
     for value in values:
         if isinstance(value, str):
             found.append(value)
@@ -131,7 +182,9 @@ def names(record: Any) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize("record", [*JOINTS.values(), *MACHINE.drives, *LOADS.values(), *OUTPUTS.values(), *FEATURES])
+@pytest.mark.parametrize(
+    "record", [*JOINTS.values(), *MACHINE.drives, *LOADS.values(), *OUTPUTS.values(), *FEATURES]
+)
 def test_every_name_in_a_record_is_given_the_prefix_in_a_larger_machine(record: Any) -> None:
     before, after = names(record), names(Module("left").renamed(record))
     given = [a if a == GROUND else f"left-{a}" if a == "part" else f"left_{a}" for a in before]

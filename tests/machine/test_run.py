@@ -16,7 +16,9 @@ from camgen.machine import Body, Pin, Place, solve
 from camgen.machine.closing import close
 from camgen.machine.constraints import Constraints
 
-CITED = tomllib.loads((File(__file__).parent.parent / "reference" / "thread-take-up.toml").read_text(encoding="utf-8"))
+CITED = tomllib.loads(
+    (File(__file__).parent.parent / "reference" / "thread-take-up.toml").read_text(encoding="utf-8")
+)
 TURN = np.linspace(0, math.tau, 3601)
 
 
@@ -32,15 +34,23 @@ def test_rates_and_transmission_of_the_take_up() -> None:
     assert [rate.min(), rate.max()] == pytest.approx([0.523911844, 1.619809264], abs=1e-6)
     assert math.degrees(TURN[rate.argmin()]) == pytest.approx(253.8, abs=0.06)
     coupler = run.angle("coupler")
-    assert [coupler[1].min(), coupler[1].max()] == pytest.approx([0.698801607, 1.431021322], abs=1e-6)
-    assert rate[:-1].mean() == pytest.approx(1, abs=1e-9) and coupler[1][:-1].mean() == pytest.approx(1, abs=1e-9)
+    assert [coupler[1].min(), coupler[1].max()] == pytest.approx(
+        [0.698801607, 1.431021322], abs=1e-6
+    )
+    assert rate[:-1].mean() == pytest.approx(1, abs=1e-9) and coupler[1][
+        :-1
+    ].mean() == pytest.approx(1, abs=1e-9)
     corner = np.degrees(np.arccos(np.cos(coupler[0] - run["rocker"])))
-    assert [corner.min(), corner.max()] == pytest.approx([44.0034273488996, 103.18348148622], abs=1e-9)
+    assert [corner.min(), corner.max()] == pytest.approx(
+        [44.0034273488996, 103.18348148622], abs=1e-9
+    )
 
 
 def test_thread_of_the_take_up() -> None:
     length = solve(take_up(True), TURN)["thread"]
-    assert [length.max(), length.min(), np.ptp(length)] == pytest.approx([274.3539, 192.1888, 82.1651], abs=2e-4)
+    assert [length.max(), length.min(), np.ptp(length)] == pytest.approx(
+        [274.3539, 192.1888, 82.1651], abs=2e-4
+    )
 
 
 def test_speeds_are_in_time_and_of_either_sign() -> None:
@@ -65,24 +75,36 @@ def test_poses_carry_points_and_joints_meet(name: str) -> None:
             a, b = (run.point(place.body, place.at) for place in (joint.a, joint.b))
             np.testing.assert_allclose(a, b, atol=1e-9)
             pose = run.pose(joint.a.body)
-            np.testing.assert_allclose(pose.place + np.exp(1j * pose.angle) * joint.a.at, a[0], atol=1e-11)
+            np.testing.assert_allclose(
+                pose.place + np.exp(1j * pose.angle) * joint.a.at, a[0], atol=1e-11
+            )
 
 
 def test_play_of_each_joint_at_the_output() -> None:
     theta = np.linspace(0.1, 6, 15)
     play = solve(scotch_yoke(), theta).play("way")
-    np.testing.assert_allclose(play.by_joint["slot"], 0.01, atol=1e-14)  # the slot's walls carry straight over
+    np.testing.assert_allclose(
+        play.by_joint["slot"], 0.01, atol=1e-14
+    )  # the slot's walls carry straight over
     np.testing.assert_allclose(play.by_joint["O"], 0.01, atol=1e-14)
     np.testing.assert_allclose(play.by_joint["guide"], 0, atol=1e-14)  # across the way
     np.testing.assert_allclose(play.total, 0.02, atol=1e-14)
     gear = solve(geared_five_bar(), theta).play("P")
-    assert set(gear.by_joint) == {"O", "C", "A", "B", "P", "gear"} and (gear.by_joint["gear"] > 0).all()
+    assert (
+        set(gear.by_joint) == {"O", "C", "A", "B", "P", "gear"}
+        and (gear.by_joint["gear"] > 0).all()
+    )
 
 
 def test_many_angles_are_printed_in_a_line() -> None:
     run = solve(scotch_yoke(), np.linspace(0.1, 6, 1000))
-    assert repr(run.play("way")) == "Play at 1000 angles: up to total 0.02, O 0.01, guide 0, slot 0.01"
-    assert repr(run.forces()).startswith("Forces at 1000 angles; reactions to O ") and len(repr(run.forces())) < 200
+    assert (
+        repr(run.play("way")) == "Play at 1000 angles: up to total 0.02, O 0.01, guide 0, slot 0.01"
+    )
+    assert (
+        repr(run.forces()).startswith("Forces at 1000 angles; reactions to O ")
+        and len(repr(run.forces())) < 200
+    )
 
 
 def test_play_of_a_slider_crank_by_hand() -> None:
@@ -123,7 +145,9 @@ def test_records_travel() -> None:
         machine = make()
         again = pickle.loads(pickle.dumps(machine))
         name = machine.outputs[0].name
-        np.testing.assert_array_equal(solve(machine, [0.3, 2.0])[name], solve(again, [0.3, 2.0])[name])
+        np.testing.assert_array_equal(
+            solve(machine, [0.3, 2.0])[name], solve(again, [0.3, 2.0])[name]
+        )
 
 
 def test_judged_and_made_outputs_agree() -> None:
@@ -134,7 +158,9 @@ def test_judged_and_made_outputs_agree() -> None:
         q = close(system, theta).q
         for output in machine.outputs:
             value = system.output(output.name, q)[0]
-            np.testing.assert_allclose(value, solve(machine, theta)[output.name], atol=1e-11, err_msg=name)
+            np.testing.assert_allclose(
+                value, solve(machine, theta)[output.name], atol=1e-11, err_msg=name
+            )
 
 
 def test_names_that_are_not_there() -> None:
@@ -146,7 +172,9 @@ def test_names_that_are_not_there() -> None:
     with pytest.raises(ValueError, match="P is on nobody"):
         replace(machine, joints=(*machine.joints, Pin("P", Place("nobody"), Place("rod"))))
     with pytest.raises(ValueError, match="without a start: rod"):
-        replace(machine, start={name: pose for name, pose in machine.start.items() if name != "rod"})
+        replace(
+            machine, start={name: pose for name, pose in machine.start.items() if name != "rod"}
+        )
 
 
 def test_a_run_lists_its_outputs_and_says_which_names_it_has() -> None:
@@ -154,8 +182,15 @@ def test_a_run_lists_its_outputs_and_says_which_names_it_has() -> None:
     names = [output.name for output in run.machine.outputs]
     assert list(run) == names == list(run.velocity) and names[0] in run and "nix" not in run
     assert "nix" not in run.velocity and run.acceleration.get("nix") is None
-    asked = [run.__getitem__, run.pose, run.angle, run.length, run.play, lambda name: run.point(name, 0j),
-             lambda name: run.point("rod", name)]  # fmt: skip
+    asked = [
+        run.__getitem__,
+        run.pose,
+        run.angle,
+        run.length,
+        run.play,
+        lambda name: run.point(name, 0j),
+        lambda name: run.point("rod", name),
+    ]
     for ask in asked:
         with pytest.raises(ValueError, match="nix is no .* there are: "):
             ask("nix")

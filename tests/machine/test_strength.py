@@ -34,13 +34,17 @@ def test_the_constants_of_roark() -> None:
 
 
 def test_a_hollow_that_fits_and_a_pull_press_nothing() -> None:
-    pressure, width = strength.line_contact(np.array([10.0, -10.0]), 5.0, np.array([-0.1, 0.1]), LB_IN, LB_IN)
+    pressure, width = strength.line_contact(
+        np.array([10.0, -10.0]), 5.0, np.array([-0.1, 0.1]), LB_IN, LB_IN
+    )
     assert np.all(pressure == 0) and math.isinf(width[0]) and width[1] == 0
 
 
 def test_pressure_times_speed_of_a_plastic_bearing() -> None:
     """BNB Industries, bearing technical information: shaft 5/8 in, length 1 1/32 in, 35 lb at 120 rpm: 54.3 psi, 19.635 fpm."""
-    slides = strength.sliding(np.array([35.0]), np.array([120 * math.tau / 60]), 0.625, 1 + 1 / 32, 0.1)
+    slides = strength.sliding(
+        np.array([35.0]), np.array([120 * math.tau / 60]), 0.625, 1 + 1 / 32, 0.1
+    )
     assert slides.pressure[0] == pytest.approx(54.3, abs=0.05)
     feet = slides.speed[0] * 1e3 / 12 * 60  # from thousandths of the unit a second to feet a minute
     assert feet == pytest.approx(19.635, abs=5e-4)
@@ -62,7 +66,9 @@ def test_bearing_of_shigley() -> None:
 
 def test_mean_load_of_a_bearing_is_cubic() -> None:
     assert strength.cubic_mean(np.full(5, 7.0), np.ones(5)) == pytest.approx(7.0)
-    assert strength.cubic_mean(np.array([2.0, 0.0]), np.ones(2)) == pytest.approx(4 ** (1 / 3))  # half the turns at 2, half at 0
+    assert strength.cubic_mean(np.array([2.0, 0.0]), np.ones(2)) == pytest.approx(
+        4 ** (1 / 3)
+    )  # half the turns at 2, half at 0
 
 
 def test_round_sections() -> None:
@@ -76,10 +82,56 @@ def test_round_sections() -> None:
 
 # Torque of a one-cylinder engine over two turns, lbf in, every 15 deg [Shigley's Mechanical Engineering Design, table 16-6].
 ENGINE = (
-    0, 2800, 2090, 2430, 2160, 1840, 1590, 1210, 1066, 803, 532, 184, 0, -107, -206, -260, -323, -310, -242, -126, -8, 89, 125,
-    85, 0, -85, -125, -89, 8, 126, 242, 310, 323, 280, 206, 107, 0, -107, -206, -292, -355, -371, -362, -312, -272, -274, -548,
-    -760, 0,
-)  # fmt: skip
+    0,
+    2800,
+    2090,
+    2430,
+    2160,
+    1840,
+    1590,
+    1210,
+    1066,
+    803,
+    532,
+    184,
+    0,
+    -107,
+    -206,
+    -260,
+    -323,
+    -310,
+    -242,
+    -126,
+    -8,
+    89,
+    125,
+    85,
+    0,
+    -85,
+    -125,
+    -89,
+    8,
+    126,
+    242,
+    310,
+    323,
+    280,
+    206,
+    107,
+    0,
+    -107,
+    -206,
+    -292,
+    -355,
+    -371,
+    -362,
+    -312,
+    -272,
+    -274,
+    -548,
+    -760,
+    0,
+)
 
 
 def test_flywheel_of_an_engine() -> None:

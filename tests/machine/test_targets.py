@@ -20,7 +20,13 @@ def wave(theta: np.ndarray = THETA, whole: bool = True) -> Course:
 
 def ellipse() -> Course:
     """Half-axes 20 and 5, off the round angles."""
-    return Course(THETA, 20 * np.cos(THETA) + 5j * np.sin(THETA), -20 * np.sin(THETA) + 5j * np.cos(THETA), "mm", True)
+    return Course(
+        THETA,
+        20 * np.cos(THETA) + 5j * np.sin(THETA),
+        -20 * np.sin(THETA) + 5j * np.cos(THETA),
+        "mm",
+        True,
+    )
 
 
 def test_between_samples_the_course_is_right() -> None:
@@ -32,7 +38,9 @@ def test_between_samples_the_course_is_right() -> None:
 
 def test_stroke() -> None:
     assert targets.stroke(wave()) == pytest.approx(40, abs=1e-9)
-    assert targets.stroke(wave(PART, False)) == pytest.approx(20 - 20 * math.cos(math.radians(50)), abs=1e-9)
+    assert targets.stroke(wave(PART, False)) == pytest.approx(
+        20 - 20 * math.cos(math.radians(50)), abs=1e-9
+    )
     assert targets.stroke(ellipse()) == pytest.approx(40, abs=1e-9)
     assert Stroke(value=40.1, tolerance=0.2).finding(wave(), "").ok
     assert not Stroke(value=40.1, tolerance=0.05).finding(wave(), "").ok
@@ -42,7 +50,9 @@ def test_stroke() -> None:
 def test_a_sine_dwells_longest_where_it_turns_back(band: float) -> None:
     span = math.degrees(2 * math.acos(1 - band / 20))
     assert math.degrees(targets.dwell(wave(), band)[0]) == pytest.approx(span, abs=0.07)
-    half = math.degrees(2 * math.acos(1 - band / 40))  # of the band about 20 only its lower half is reached
+    half = math.degrees(
+        2 * math.acos(1 - band / 40)
+    )  # of the band about 20 only its lower half is reached
     assert math.degrees(targets.dwell(wave(), band, 20)[0]) == pytest.approx(half, abs=0.07)
     assert Dwell(span_deg=span - 0.1, band=band).finding(wave(), "").ok
     assert not Dwell(span_deg=span + 0.1, band=band).finding(wave(), "").ok
@@ -92,10 +102,14 @@ def test_a_path_as_a_whole_lies_nowhere_further_from_the_wanted_one() -> None:
     assert found.code == "PATH_ERROR" and not found.ok and far <= found.measured < far + 0.02
     assert "of the wanted one" in found.message
     assert Trace(at=square, tolerance=8.31).finding(circle, "").ok
-    inside = tuple((x * 0.5**0.5, y * 0.5**0.5) for x, y in square)  # now the path strays, between the corners
+    inside = tuple(
+        (x * 0.5**0.5, y * 0.5**0.5) for x, y in square
+    )  # now the path strays, between the corners
     found = Trace(at=inside, tolerance=5.0).finding(circle, "")
     bulge = 20 * (1 - math.sqrt(0.5))
-    assert not found.ok and bulge <= found.measured < bulge + 0.02 and "of the path" in found.message
+    assert (
+        not found.ok and bulge <= found.measured < bulge + 0.02 and "of the path" in found.message
+    )
 
 
 @pytest.mark.parametrize("tolerance", [1e-9, 1e-4, 0.03, 3.0])
@@ -112,7 +126,9 @@ def test_a_cloud_has_no_order_and_no_lines() -> None:
     assert Trace(at=shuffled, joined=False, tolerance=0.9).finding(ellipse(), "").ok
     assert not Trace(at=shuffled, tolerance=0.9).finding(ellipse(), "").ok
     away = Trace(at=(*shuffled, (0.0, 8.0)), joined=False, tolerance=0.9).finding(ellipse(), "")
-    assert away.measured == pytest.approx(3, abs=2e-3) and "(0, 8) of the wanted one" in away.message
+    assert (
+        away.measured == pytest.approx(3, abs=2e-3) and "(0, 8) of the wanted one" in away.message
+    )
 
 
 def test_sides_of_a_path_do_not_change_with_its_turn() -> None:
@@ -127,7 +143,9 @@ def test_sides_of_a_path_do_not_change_with_its_turn() -> None:
 def test_straightness_of_an_arc_is_its_height() -> None:
     circle = Course(THETA, 30 * np.exp(1j * THETA), 30j * np.exp(1j * THETA), "mm", True)
     height = 30 * (1 - math.cos(math.radians(20)))
-    assert Straight(tolerance=1.0, range_deg=(100.0, 140.0)).finding(circle, "").measured == pytest.approx(height, rel=1e-4)
+    assert Straight(tolerance=1.0, range_deg=(100.0, 140.0)).finding(
+        circle, ""
+    ).measured == pytest.approx(height, rel=1e-4)
     chord = 2 * 30 * math.sin(math.radians(20))
     assert targets.straightest(circle, chord)[0] == pytest.approx(height, rel=0.03)
     assert math.isnan(targets.straightest(circle, 61.0)[0])

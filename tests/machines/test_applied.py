@@ -37,10 +37,17 @@ def torque(mechanism: Mechanism) -> Any:
 
 def test_a_constant_load_on_a_lift_is_a_resistance() -> None:
     on = made("disc-cam", mass_kg=0.1, on=[{"output": "lift", "value": -10.0}])
-    np.testing.assert_allclose(torque(on), torque(made("disc-cam", mass_kg=0.1, resistance=10.0)), atol=1e-12)
+    np.testing.assert_allclose(
+        torque(on), torque(made("disc-cam", mass_kg=0.1, resistance=10.0)), atol=1e-12
+    )
     assert np.max(np.abs(torque(on))) > 0.05
-    less, more = (made("disc-cam", mass_kg=0.1, **each).limits() for each in ({}, {"on": [{"output": "lift", "value": -10.0}]}))
-    held = [next(each.measured for each in limits if each.code == "LIFT_OFF") for limits in (less, more)]
+    less, more = (
+        made("disc-cam", mass_kg=0.1, **each).limits()
+        for each in ({}, {"on": [{"output": "lift", "value": -10.0}]})
+    )
+    held = [
+        next(each.measured for each in limits if each.code == "LIFT_OFF") for limits in (less, more)
+    ]
     assert held[0] < 0 < 9.5 < held[1]  # it presses the follower on its cam
 
 
@@ -52,7 +59,9 @@ def test_work_of_a_thread_and_of_a_brake() -> None:
         run, plain = (solve(each.model, TURN) for each in (machine, made("thread-take-up")))
         way = np.sum(np.abs(np.diff(run["feed"]))) * 1e-3
         more = np.mean((run.forces().power_in - plain.forces().power_in)[:-1])
-        assert more == pytest.approx(share * 0.5 * way * abs(speed) / math.tau, rel=2e-4, abs=1e-9 * abs(speed))
+        assert more == pytest.approx(
+            share * 0.5 * way * abs(speed) / math.tau, rel=2e-4, abs=1e-9 * abs(speed)
+        )
 
 
 def test_a_jet_turns_with_its_body_and_a_weight_does_not() -> None:
@@ -73,7 +82,9 @@ def test_a_jet_turns_with_its_body_and_a_weight_does_not() -> None:
 
 def test_table_over_theta() -> None:
     table = Table((0.0, 1.0, 2.0), (0.0, 4.0, 4.0))
-    np.testing.assert_allclose(table(np.array([0.5, 1.5, 2.5, math.tau + 0.5, -0.001])), [2, 4, 0, 2, 0])
+    np.testing.assert_allclose(
+        table(np.array([0.5, 1.5, 2.5, math.tau + 0.5, -0.001])), [2, 4, 0, 2, 0]
+    )
     whole = Table((0.0, math.tau), (1.0, 3.0))
     np.testing.assert_allclose(whole(np.array([0.0, math.pi, math.tau])), [1, 2, 3])
     ahead = Table((-1.0, 1.0), (1.0, 1.0))
@@ -85,27 +96,40 @@ def test_a_table_may_be_in_a_file_beside_the_spec(tmp_path: Path) -> None:
     spec, text = tmp_path / "mine.toml", starters.text("disc-cam")
     spec.write_text(f'{text}\n[[load.on]]\noutput = "lift"\nfile = "press.csv"\n', encoding="utf-8")
     found = read_mechanism(spec, ()).load
-    assert found is not None and found.on[0].points == ((0, 0), (90, -8), (180, 0)) and found.on[0].source == "press.csv"
+    assert (
+        found is not None
+        and found.on[0].points == ((0, 0), (90, -8), (180, 0))
+        and found.on[0].source == "press.csv"
+    )
     spec.write_text(f'{text}\n[[load.on]]\noutput = "lift"\nfile = "pres.csv"\n', encoding="utf-8")
     with pytest.raises(Exception, match="pres.csv"):
         read_mechanism(spec, ())
 
 
 HEADINGS: list[tuple[str, tuple[float, float], str | None]] = [  # of a row 0.5, 2: what is meant
-    ("theta_deg,force_n", (0.5, 2.0), "N"), ("theta_rad, force (kN)", (math.degrees(0.5), 2000.0), "N"),
-    ("turn;torque [N mm]", (180.0, 0.002), "N m"), ("angle load", (0.5, 2.0), None), ("deg\tlbf", (0.5, 8.8964432), "N"),
-    ("Winkel (\u00b0); Moment (Nm)", (0.5, 2.0), "N m"), ("", (0.5, 2.0), None), ("theta, force (measured)", (0.5, 2.0), None),
-]  # fmt: skip
+    ("theta_deg,force_n", (0.5, 2.0), "N"),
+    ("theta_rad, force (kN)", (math.degrees(0.5), 2000.0), "N"),
+    ("turn;torque [N mm]", (180.0, 0.002), "N m"),
+    ("angle load", (0.5, 2.0), None),
+    ("deg\tlbf", (0.5, 8.8964432), "N"),
+    ("Winkel (\u00b0); Moment (Nm)", (0.5, 2.0), "N m"),
+    ("", (0.5, 2.0), None),
+    ("theta, force (measured)", (0.5, 2.0), None),
+]
 
 
 @pytest.mark.parametrize(("heading", "row", "unit"), HEADINGS)
-def test_units_of_a_heading(heading: str, row: tuple[float, float], unit: str | None, tmp_path: Path) -> None:
+def test_units_of_a_heading(
+    heading: str, row: tuple[float, float], unit: str | None, tmp_path: Path
+) -> None:
     (tmp_path / "a.csv").write_text(f"{heading}\n0;0\n0.5;2\n", encoding="utf-8")
     rows, found = load_table(tmp_path / "a.csv")
     assert rows[1] == pytest.approx(row) and found == unit
 
 
-@pytest.mark.parametrize("heading", ["theta_deg,force_mm", "theta_n,force_n", "deg, force (bar)", "deg;load [oz]"])
+@pytest.mark.parametrize(
+    "heading", ["theta_deg,force_mm", "theta_n,force_n", "deg, force (bar)", "deg;load [oz]"]
+)
 def test_a_heading_with_a_wrong_unit_is_told(heading: str, tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text(f"{heading}\n0;0\n0.5;2\n", encoding="utf-8")
     with pytest.raises(SpecError, match="heading of column"):
@@ -113,10 +137,18 @@ def test_a_heading_with_a_wrong_unit_is_told(heading: str, tmp_path: Path) -> No
 
 
 def test_a_load_that_jumps_from_turn_to_turn_is_told() -> None:
-    whole, part, even = ([[0.0, 1.0], [360.0, 3.0]], [[90.0, 0.0], [180.0, 5.0]], [[0.0, 2.0], [180.0, 1.0], [360.0, 2.0]])
-    notes = assess(made("disc-cam", on=[{"output": "lift", "points": rows} for rows in (whole, part, even)])).study.notes
-    assert notes == ["Load load 1 jumps at 0 deg: its table ends with 3 and begins with 1.",
-                     "Load load 2 jumps at 180 deg from 5 to 0: outside its rows it is 0."]  # fmt: skip
+    whole, part, even = (
+        [[0.0, 1.0], [360.0, 3.0]],
+        [[90.0, 0.0], [180.0, 5.0]],
+        [[0.0, 2.0], [180.0, 1.0], [360.0, 2.0]],
+    )
+    notes = assess(
+        made("disc-cam", on=[{"output": "lift", "points": rows} for rows in (whole, part, even)])
+    ).study.notes
+    assert notes == [
+        "Load load 1 jumps at 0 deg: its table ends with 3 and begins with 1.",
+        "Load load 2 jumps at 180 deg from 5 to 0: outside its rows it is 0.",
+    ]
 
 
 WRONG: list[tuple[dict[str, Any], str, str]] = [
@@ -125,9 +157,21 @@ WRONG: list[tuple[dict[str, Any], str, str]] = [
     ({"body": "follower", "point": "tap", "value": 1.0, "acts": "along"}, "load.on.0.point", "tip"),
     ({"output": "lift"}, "load.on.0", "one of value, points and file"),
     ({"value": 1.0}, "load.on.0", "either output or body"),
-    ({"output": "lift", "value": 1.0, "points": [[0.0, 1.0], [1.0, 1.0]]}, "load.on.0", "one of value"),
-    ({"output": "lift", "points": [[90.0, 1.0], [0.0, 1.0]]}, "load.on.0", "row 1 has 0 deg after 90"),
-    ({"output": "lift", "points": [[0.0, 1.0], [4.0, 1.0]], "unit": "N m"}, "load.on.0.unit", "N on a way"),
+    (
+        {"output": "lift", "value": 1.0, "points": [[0.0, 1.0], [1.0, 1.0]]},
+        "load.on.0",
+        "one of value",
+    ),
+    (
+        {"output": "lift", "points": [[90.0, 1.0], [0.0, 1.0]]},
+        "load.on.0",
+        "row 1 has 0 deg after 90",
+    ),
+    (
+        {"output": "lift", "points": [[0.0, 1.0], [4.0, 1.0]], "unit": "N m"},
+        "load.on.0.unit",
+        "N on a way",
+    ),
     ({"output": "lift", "points": [[0.0, 1.0], [400.0, 1.0]]}, "load.on.0", "within one turn"),
     ({"output": "lift", "value": 1.0, "direction_deg": 3.0}, "load.on.0.direction_deg", "own way"),
     ({"body": "follower", "point": "tip", "value": 1.0}, "load.on.0", "direction_deg"),
@@ -145,19 +189,33 @@ def test_what_is_wrong_is_told_by_its_key(table: dict[str, Any], path: str, said
 
 def test_all_loads_that_are_wrong_are_told_at_once() -> None:
     with pytest.raises(SpecError) as caught:
-        made("disc-cam", on=[{"output": "a", "value": 1.0}, {"name": "x", "body": "b", "value": 1.0},
-                             {"name": "x", "output": "lift", "value": 1.0}])  # fmt: skip
-    assert [fault.path for fault in caught.value.faults] == ["load.on.0.output", "load.on.1.body", "load.on.2.name"]
+        made(
+            "disc-cam",
+            on=[
+                {"output": "a", "value": 1.0},
+                {"name": "x", "body": "b", "value": 1.0},
+                {"name": "x", "output": "lift", "value": 1.0},
+            ],
+        )
+    assert [fault.path for fault in caught.value.faults] == [
+        "load.on.0.output",
+        "load.on.1.body",
+        "load.on.2.name",
+    ]
 
 
 # ---- friction --------------------------------------------------------------------------------------------------------
 
 
 def test_friction_is_in_the_drive_and_may_be_left_out() -> None:
-    smooth, rough = (assess(made("linkage", friction=mu, gravity_deg=-90.0)).study.numbers for mu in (0.0, 0.3))
+    smooth, rough = (
+        assess(made("linkage", friction=mu, gravity_deg=-90.0)).study.numbers for mu in (0.0, 0.3)
+    )
     assert smooth["friction_heat_w"] == 0 and rough["friction_heat_w"] > 0
     assert smooth["drive_power_w"] == pytest.approx(0, abs=1e-6 * smooth["drive_torque_n_m"])
-    assert rough["drive_power_w"] == pytest.approx(rough["friction_heat_w"], rel=1e-3)  # all that goes in becomes heat
+    assert rough["drive_power_w"] == pytest.approx(
+        rough["friction_heat_w"], rel=1e-3
+    )  # all that goes in becomes heat
 
 
 def test_a_machine_that_locks_is_told() -> None:
@@ -165,7 +223,9 @@ def test_a_machine_that_locks_is_told() -> None:
     for mu, locks in ((0.1, False), (3.0, True)):
         findings = assess(made("quick-return", friction=mu, on=[held])).findings
         found = [each for each in findings if each.code == "SELF_LOCKING"]
-        assert bool(found) is locks and all(not each.ok and 0 < each.measured <= 360 for each in found)
+        assert bool(found) is locks and all(
+            not each.ok and 0 < each.measured <= 360 for each in found
+        )
 
 
 def test_a_machine_that_locks_says_which_friction_it_bears() -> None:
@@ -182,8 +242,14 @@ def test_a_machine_that_locks_says_which_friction_it_bears() -> None:
 
 
 def test_what_inertia_does_to_a_pin_is_said_where_it_acts_alone() -> None:
-    said = {gravity: [each.message for each in assess(made("linkage", **gravity_deg)).findings if each.code == "PIN_STRESS"]
-            for gravity, gravity_deg in ((False, {}), (True, {"gravity_deg": -90.0}))}  # fmt: skip
+    said = {
+        gravity: [
+            each.message
+            for each in assess(made("linkage", **gravity_deg)).findings
+            if each.code == "PIN_STRESS"
+        ]
+        for gravity, gravity_deg in ((False, {}), (True, {"gravity_deg": -90.0}))
+    }
     assert said[True] and not any("inertia" in each for each in said[True])
     assert said[False] and all("by inertia alone: " in each for each in said[False])
 
@@ -197,28 +263,51 @@ def test_several_drives_are_one_shaft() -> None:
 
 
 FOUR_BAR: dict[str, Any] = {
-    "mechanism": "linkage", "name": "four-bar",
+    "mechanism": "linkage",
+    "name": "four-bar",
     "points": {"O": [0, 0], "C": [80, -10], "A": [22, 0], "B": [70, 45], "S": [60, -20]},
-    "links": {"ground": ["O", "C", "S"], "crank": ["O", "A"], "coupler": ["A", "B"], "rocker": ["C", "B"]},
-    "drive": {"link": "crank", "speed_rpm": 90}, "output": [{"name": "swing", "link": "rocker"}],
-    "load": {"gravity_deg": -90, "friction": 0.2, "on": [{"body": "rocker", "point": "B", "value": 12, "direction_deg": -60}]},
+    "links": {
+        "ground": ["O", "C", "S"],
+        "crank": ["O", "A"],
+        "coupler": ["A", "B"],
+        "rocker": ["C", "B"],
+    },
+    "drive": {"link": "crank", "speed_rpm": 90},
+    "output": [{"name": "swing", "link": "rocker"}],
+    "load": {
+        "gravity_deg": -90,
+        "friction": 0.2,
+        "on": [{"body": "rocker", "point": "B", "value": 12, "direction_deg": -60}],
+    },
     "spring": [{"between": ["B", "S"], "rate": 0.5, "preload": 3}],
     "masses": {"crank": {"mass_g": 20, "centre": [8, 1], "inertia_kg_m2": 2e-6}},
-}  # fmt: skip
+}
 
 
-@pytest.mark.parametrize("machine", [
-    lambda: read_mechanism(FOUR_BAR), lambda: made("disc-cam", mass_kg=0.1, gravity_deg=-90.0),
-    lambda: made("thread-take-up", gravity_deg=-90.0),
-], ids=["linkage", "cam", "take-up"])  # fmt: skip
+@pytest.mark.parametrize(
+    "machine",
+    [
+        lambda: read_mechanism(FOUR_BAR),
+        lambda: made("disc-cam", mass_kg=0.1, gravity_deg=-90.0),
+        lambda: made("thread-take-up", gravity_deg=-90.0),
+    ],
+    ids=["linkage", "cam", "take-up"],
+)
 def test_forces_of_a_run_are_those_of_the_report(machine: Callable[[], Mechanism]) -> None:
     """Each reaction's peak over the angles that the report looks at; the energy of what is loaded and rubs adds up."""
     whole = machine()
-    forces, numbers = whole.solve(np.linspace(0, math.tau, 1441)).forces(), assess(whole).study.numbers
+    forces, numbers = (
+        whole.solve(np.linspace(0, math.tau, 1441)).forces(),
+        assess(whole).study.numbers,
+    )
     for name, load in forces.reactions.items():
         assert numbers[f"reaction_{name.lower()}_n"] == pytest.approx(np.abs(load).max(), rel=1e-12)
     assert np.abs(forces.loads).max() > 0 < forces.rubs.max()
-    np.testing.assert_allclose(forces.power, forces.power_in + forces.loads - forces.rubs, atol=1e-9 * np.abs(forces.power).max())
+    np.testing.assert_allclose(
+        forces.power,
+        forces.power_in + forces.loads - forces.rubs,
+        atol=1e-9 * np.abs(forces.power).max(),
+    )
 
 
 def test_the_frame_bears_what_pulls_on_the_machine() -> None:
@@ -226,9 +315,14 @@ def test_the_frame_bears_what_pulls_on_the_machine() -> None:
     machine = read_mechanism(FOUR_BAR)
     run = machine.solve(TURN)
     forces, loaded = run.forces(), machine.loaded()
-    assert loaded.body("crank").mass == 0.02 and loaded.body("rocker").mass > 1e-3  # given; of its solids
-    held = sum(forces.reactions[pin.name] * (1 if pin.b.body == "ground" else -1)
-               for pin in loaded.joints if "ground" in (pin.a.body, pin.b.body))  # fmt: skip
+    assert (
+        loaded.body("crank").mass == 0.02 and loaded.body("rocker").mass > 1e-3
+    )  # given; of its solids
+    held = sum(
+        forces.reactions[pin.name] * (1 if pin.b.body == "ground" else -1)
+        for pin in loaded.joints
+        if "ground" in (pin.a.body, pin.b.body)
+    )
     weight = -9.80665j * sum(body.mass for body in loaded.moving)
     way = complex(60, -20) - run.point("rocker", "B")[0]
     (spring,) = (each for each in loaded.loads if hasattr(each, "rate"))

@@ -33,7 +33,9 @@ ARM = 'geometry.follower={motion="oscillating",shape="roller",radius=5,pivot_dis
 FLAT = 'geometry.follower={motion="translating",shape="flat"}'
 
 
-def made(out: Path, *settings: str, kinds: tuple[str, ...] = ("3mf",), spec: str = "disc-cam") -> Path:
+def made(
+    out: Path, *settings: str, kinds: tuple[str, ...] = ("3mf",), spec: str = "disc-cam"
+) -> Path:
     """The folder of a green build of a starter spec as a machine."""
     report = build(SPECS / f"{spec}.toml", out, frozenset({*kinds, "report"}), [MACHINE, *settings])
     assert report.ok, [finding for finding in report.findings if not finding.ok]
@@ -43,7 +45,9 @@ def made(out: Path, *settings: str, kinds: tuple[str, ...] = ("3mf",), spec: str
 def curves(folder: Path) -> dict[str, Floats]:
     """The columns of motion.csv."""
     head = (folder / "motion.csv").read_text(encoding="utf-8").partition("\n")[0].split(",")
-    return dict(zip(head, np.loadtxt(folder / "motion.csv", delimiter=",", skiprows=1).T, strict=True))
+    return dict(
+        zip(head, np.loadtxt(folder / "motion.csv", delimiter=",", skiprows=1).T, strict=True)
+    )
 
 
 def drive(**tables: Any) -> DiscCamDrive:
@@ -68,22 +72,35 @@ def bought(folder: Path) -> str:
         ((ARM, "geometry.closure='conjugate'"), False),
     ],
 )
-def test_the_return_is_cycloidal_in_the_files(tmp_path: Path, settings: tuple[str, ...], sprung: bool) -> None:
+def test_the_return_is_cycloidal_in_the_files(
+    tmp_path: Path, settings: tuple[str, ...], sprung: bool
+) -> None:
     """The starter's return: 12 mm, or degrees, over 120 deg from 160 on; a clockwise cam has its program mirrored."""
     folder = made(tmp_path, *settings)
     rows = curves(folder)
-    column = next(name for name in rows if name.endswith("_3mf") and name.startswith(("lift", "swing")) and "speed" not in name)
+    column = next(
+        name
+        for name in rows
+        if name.endswith("_3mf") and name.startswith(("lift", "swing")) and "speed" not in name
+    )
     angle = rows["theta_deg"] if "motor.speed_rpm=-60" not in settings else 360 - rows["theta_deg"]
     u = (angle[(angle >= 160) & (angle <= 280)] - 160) / 120
-    off = rows[column][(angle >= 160) & (angle <= 280)] - 12 * (1 - u + np.sin(math.tau * u) / math.tau)
+    off = rows[column][(angle >= 160) & (angle <= 280)] - 12 * (
+        1 - u + np.sin(math.tau * u) / math.tau
+    )
     assert np.max(np.abs(off - (0 if "lift" in column else off[-1]))) < 2.5e-3
     assert ("extension spring" in bought(folder)) == sprung
     tables = json.loads((folder / "report.json").read_text("utf-8"))["tables"]
     steps = next(table for table in tables if table["title"].startswith("Assembly"))
     assert ("extension spring" in [row[1] for row in steps["rows"]]) == sprung
     pairs = {str(row[0]) for table in tables for row in table["rows"]}
-    assert any(pair.startswith("spring 1, ") or pair.endswith(", spring 1") for pair in pairs) == sprung
-    assert not pairs & {"spring 1, spring 2", "spring 2, spring 1"}, "two ends of one spring are no pair"
+    assert (
+        any(pair.startswith("spring 1, ") or pair.endswith(", spring 1") for pair in pairs)
+        == sprung
+    )
+    assert not pairs & {"spring 1, spring 2", "spring 2, spring 1"}, (
+        "two ends of one spring are no pair"
+    )
 
 
 def test_the_table_of_an_indexing_cam_turns_by_half_and_rests(tmp_path: Path) -> None:
@@ -101,12 +118,22 @@ def test_gears_that_cannot_be_and_a_follower_that_no_spring_holds_are_told() -> 
     data = read(SPECS / "indexing-cam.toml")
     data["parts"]["make"] = "machine"
     with pytest.raises(DesignError, match="whole teeth"):
-        validate(IndexingCam, {**data, "geometry": {**data["geometry"], "gear_ratio": 2 * math.pi}}).parts()
+        validate(
+            IndexingCam, {**data, "geometry": {**data["geometry"], "gear_ratio": 2 * math.pi}}
+        ).parts()
     with pytest.raises(DesignError, match="another closure"):
-        validate(IndexingCam, {**data, "geometry": {**data["geometry"], "closure": "force"}}).parts()
+        validate(
+            IndexingCam, {**data, "geometry": {**data["geometry"], "closure": "force"}}
+        ).parts()
     light = {"inertia_kg_m2": 1e-4, "friction_n_m": 0.001}
     sprung = validate(
-        IndexingCam, {**data, "geometry": {**data["geometry"], "closure": "force"}, "load": light, "unloader": {"torque": "none"}}
+        IndexingCam,
+        {
+            **data,
+            "geometry": {**data["geometry"], "closure": "force"},
+            "load": light,
+            "unloader": {"torque": "none"},
+        },
     )
     assert "extension spring" in [thing.name for thing in sprung.bought()]
     assert all(finding.ok for finding in sprung.limits() if finding.code == "FORCE_CLOSURE")
@@ -137,24 +164,48 @@ def test_the_roller_at_rest_bears_the_springs_force() -> None:
 
 def test_an_arm_bears_the_torque_that_the_spec_gives_its_spring() -> None:
     """N m about the pivot at both ends of the swing, as [spring] says."""
-    arm = {"motion": "oscillating", "shape": "roller", "radius": 5.0, "pivot_distance": 60.0, "arm": 50.0}
-    machine = drive(geometry={"follower": arm}, load={"inertia_kg_m2": 1e-4}, spring={"rate": 0.3, "preload": 0.1})
+    arm = {
+        "motion": "oscillating",
+        "shape": "roller",
+        "radius": 5.0,
+        "pivot_distance": 60.0,
+        "arm": 50.0,
+    }
+    machine = drive(
+        geometry={"follower": arm},
+        load={"inertia_kg_m2": 1e-4},
+        spring={"rate": 0.3, "preload": 0.1},
+    )
     torque = machine.solve(np.radians([320.0, 130.0])).forces().contacts["contact"]
     assert torque == pytest.approx([0.1, 0.1 + 0.3 * math.radians(12)])
 
 
-@pytest.mark.parametrize("follower", [{}, {"motion": "oscillating", "pivot_distance": 60.0, "arm": 50.0}])
-def test_a_shops_spring_goes_into_the_spec_by_the_formulas_of_the_list(follower: dict[str, Any]) -> None:
+@pytest.mark.parametrize(
+    "follower", [{}, {"motion": "oscillating", "pivot_distance": 60.0, "arm": 50.0}]
+)
+def test_a_shops_spring_goes_into_the_spec_by_the_formulas_of_the_list(
+    follower: dict[str, Any],
+) -> None:
     """Rate and free length come back as they were put in; a machine whose spec names its spring is told of no other."""
     shape = {"motion": "translating", "shape": "roller", "radius": 5.0, **follower}
-    (told,) = (each.size for each in drive(geometry={"follower": shape}).bought() if each.name == "extension spring")
-    preload, rate = (text.replace(" (", " * (").replace(" R", " * R") for text in re.split(r"preload = |, rate = ", told)[1:])
+    (told,) = (
+        each.size
+        for each in drive(geometry={"follower": shape}).bought()
+        if each.name == "extension spring"
+    )
+    preload, rate = (
+        text.replace(" (", " * (").replace(" R", " * R")
+        for text in re.split(r"preload = |, rate = ", told)[1:]
+    )
     values = {"R": 0.05, "L": 48.0}
     values["preload"] = eval(preload, values)
     spring = {"preload": values["preload"], "rate": eval(rate, values)}
     mine = drive(geometry={"follower": shape}, load={}, spring=spring)
     found = mine.bench.spring
-    assert found is not None and (found.rate, found.free) == (pytest.approx(0.05, rel=1e-3), pytest.approx(48, abs=0.02))
+    assert found is not None and (found.rate, found.free) == (
+        pytest.approx(0.05, rel=1e-3),
+        pytest.approx(48, abs=0.02),
+    )
     assert not any("of a shop" in each.size for each in mine.bought())
 
 
@@ -169,15 +220,41 @@ def test_a_fast_heavy_follower_gets_a_spring_that_holds_it_and_a_weak_one_is_tol
     ("tables", "error", "said"),
     [
         ({"geometry": {"closure": "conjugate"}}, DesignError, "meets the shaft"),
-        ({"geometry": {"follower": {"motion": "oscillating", "shape": "flat", "pivot_distance": 80.0}},
-          "limits": {"least_radius": 1}}, DesignError, "arm of a face.*give it a roller"),
-        ({"geometry": {"follower": {"motion": "oscillating", "shape": "flat", "pivot_distance": 80.0, "face_offset": 2.0}}},
-         DesignError, "face_offset"),
-        ({"load": {"mass_kg": 1.0}, "spring": {"rate": 100.0, "preload": 5.0}}, DesignError, r"return spring.*\[spring\]"),
+        (
+            {
+                "geometry": {
+                    "follower": {"motion": "oscillating", "shape": "flat", "pivot_distance": 80.0}
+                },
+                "limits": {"least_radius": 1},
+            },
+            DesignError,
+            "arm of a face.*give it a roller",
+        ),
+        (
+            {
+                "geometry": {
+                    "follower": {
+                        "motion": "oscillating",
+                        "shape": "flat",
+                        "pivot_distance": 80.0,
+                        "face_offset": 2.0,
+                    }
+                }
+            },
+            DesignError,
+            "face_offset",
+        ),
+        (
+            {"load": {"mass_kg": 1.0}, "spring": {"rate": 100.0, "preload": 5.0}},
+            DesignError,
+            r"return spring.*\[spring\]",
+        ),
         ({"bodies": {"thickness": 0.1}}, SpecError, r"bodies.thickness.*nozzle"),
     ],
-)  # fmt: skip
-def test_what_cannot_be_made_is_told(tables: dict[str, Any], error: type[Exception], said: str) -> None:
+)
+def test_what_cannot_be_made_is_told(
+    tables: dict[str, Any], error: type[Exception], said: str
+) -> None:
     with pytest.raises(error, match=said):
         drive(**tables).parts()
 
@@ -203,7 +280,9 @@ def mirror(drawing: ezdxf.document.Drawing) -> None:
 
 
 def shift_seat(drawing: ezdxf.document.Drawing) -> None:
-    seat = min(drawing.modelspace().query("CIRCLE"), key=lambda c: abs(complex(*c.dxf.center.vec2) - 30j))
+    seat = min(
+        drawing.modelspace().query("CIRCLE"), key=lambda c: abs(complex(*c.dxf.center.vec2) - 30j)
+    )
     seat.dxf.center = (0.0, 30.03)
 
 
@@ -226,12 +305,16 @@ def test_a_motor_under_the_plate_and_its_seat_30_um_off(tmp_path: Path) -> None:
     assert report.ok, [finding for finding in report.findings if not finding.ok]
     folder = tmp_path / "linkage"
     listed = (folder / "linkage-parts.csv").read_text(encoding="utf-8")
-    assert "NEMA 17 frame" in listed and "shaft of 5 with a flat 0.5 deep" in listed  # usual: 4.5 over the flat
+    assert (
+        "NEMA 17 frame" in listed and "shaft of 5 with a flat 0.5 deep" in listed
+    )  # usual: 4.5 over the flat
     assert not (folder / "linkage-shaft.dxf").exists()
     drawing = ezdxf.readfile(folder / "linkage-ground.dxf")
     circles = list(drawing.modelspace().query("CIRCLE"))
     screws = [complex(*c.dxf.center.vec2) for c in circles if c.dxf.radius == pytest.approx(1.7)]
-    assert sorted((round(abs(z.real), 9), round(abs(z.imag), 9)) for z in screws) == [(15.5, 15.5)] * 4
+    assert (
+        sorted((round(abs(z.real), 9), round(abs(z.imag), 9)) for z in screws) == [(15.5, 15.5)] * 4
+    )
     seat = next(c for c in circles if abs(complex(*c.dxf.center.vec2)) < 1e-9)
     assert seat.dxf.radius == pytest.approx(11)
     seat.dxf.center = (0.03, 0.0)
@@ -241,11 +324,25 @@ def test_a_motor_under_the_plate_and_its_seat_30_um_off(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("sizes", "said"),
-    [({"motor": "nema-17", "shaft_diameter": 6.0}, 'shaft_diameter: 6 - expected 5 mm, the shaft of motor = "nema-17"'),
-     ({"motor": "nema-17", "shaft_flat": 0.8}, 'shaft_flat: 0.8 - expected 0.5 mm, .* motor = "nema-17", 4.5 over its flat'),
-     ({"motor": "nema-17", "shaft_diameter": 5.0, "base_thickness": 2.0}, "base_thickness: 2 - expected at least 2.65"),
-     ({"motor": "nema-17", "shaft_diameter": 5.0, "base_thickness": 200.0}, "base_thickness: 200 - .* that is sold")],
-)  # fmt: skip
+    [
+        (
+            {"motor": "nema-17", "shaft_diameter": 6.0},
+            'shaft_diameter: 6 - expected 5 mm, the shaft of motor = "nema-17"',
+        ),
+        (
+            {"motor": "nema-17", "shaft_flat": 0.8},
+            'shaft_flat: 0.8 - expected 0.5 mm, .* motor = "nema-17", 4.5 over its flat',
+        ),
+        (
+            {"motor": "nema-17", "shaft_diameter": 5.0, "base_thickness": 2.0},
+            "base_thickness: 2 - expected at least 2.65",
+        ),
+        (
+            {"motor": "nema-17", "shaft_diameter": 5.0, "base_thickness": 200.0},
+            "base_thickness: 200 - .* that is sold",
+        ),
+    ],
+)
 def test_a_motor_that_does_not_fit_is_told(sizes: dict[str, Any], said: str) -> None:
     with pytest.raises(SpecError, match=said):
         drive(bodies=sizes)
@@ -260,15 +357,24 @@ def test_a_groove_of_no_base_radius_gets_room_for_its_pins() -> None:
     """Each hole of the cam as made lies inside it, with a wall of limits.min_wall or more."""
     made = drive(geometry={"closure": "groove", "base_radius": None})
     cam = next(part for part in made.parts() if "inner" in part.name)
-    outer, *holes = (facet_contour(contour, 1e-3) for contour in (cam.layers[0].region.outer, *cam.layers[0].region.holes))
-    assert len(holes) == 3 and all(np.min(point_to_ring(hole, outer)) >= made.allowed.min_wall for hole in holes)
+    outer, *holes = (
+        facet_contour(contour, 1e-3)
+        for contour in (cam.layers[0].region.outer, *cam.layers[0].region.holes)
+    )
+    assert len(holes) == 3 and all(
+        np.min(point_to_ring(hole, outer)) >= made.allowed.min_wall for hole in holes
+    )
 
 
-@pytest.mark.parametrize(("parts", "idle"), [({"hub_height": 7.0}, ["parts.hub_height"]), ({"rim": 9.0}, ["parts.rim"])])
+@pytest.mark.parametrize(
+    ("parts", "idle"), [({"hub_height": 7.0}, ["parts.hub_height"]), ({"rim": 9.0}, ["parts.rim"])]
+)
 def test_keys_that_a_machine_replaces_are_named(parts: dict[str, float], idle: list[str]) -> None:
     """What is set, and not what the starter brings, the hub of a cam alone; with the cams alone they all act."""
     assert drive().idle() == [] and drive(parts=parts).idle() == idle
-    told = [each for each in unheard(drive(parts=parts), ("dxf",)) if "not used with parts.make" in each]
+    told = [
+        each for each in unheard(drive(parts=parts), ("dxf",)) if "not used with parts.make" in each
+    ]
     assert len(told) == 1 and all(key in told[0] for key in idle)
     alone = read(SPECS / "disc-cam.toml")
     assert validate(DiscCamDrive, alone).idle() == ()
@@ -276,7 +382,11 @@ def test_keys_that_a_machine_replaces_are_named(parts: dict[str, float], idle: l
 
 def test_a_dowel_that_is_not_sold_is_told_by_keys_of_the_bench() -> None:
     """Dowels of 5 mm end at 50 mm (ISO 2338); a post of the return spring as high as four thick levels asks for more."""
-    spec = drive(parts={"make": "machine"}, bodies={"pin": "dowel", "thickness": 30, "shaft_length": 40})
-    with pytest.raises(DesignError, match=r"the longest dowel of 5 mm is 50 mm, [\d.]+ mm are needed at pin") as caught:
+    spec = drive(
+        parts={"make": "machine"}, bodies={"pin": "dowel", "thickness": 30, "shaft_length": 40}
+    )
+    with pytest.raises(
+        DesignError, match=r"the longest dowel of 5 mm is 50 mm, [\d.]+ mm are needed at pin"
+    ) as caught:
         spec.parts()
     assert "parts." not in str(caught.value) and "bodies.thickness" in str(caught.value)

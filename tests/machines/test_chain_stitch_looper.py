@@ -28,13 +28,22 @@ from camgen.pipeline import build as pipeline
 
 ROOT = Path(__file__).resolve().parents[2]
 STARTER = ROOT / "specs" / "chain-stitch-looper.toml"
-REFERENCE = tomllib.loads((ROOT / "tests" / "reference" / "chain-stitch-looper.toml").read_text(encoding="utf-8"))
+REFERENCE = tomllib.loads(
+    (ROOT / "tests" / "reference" / "chain-stitch-looper.toml").read_text(encoding="utf-8")
+)
 # Nearer to the source than the starter: a needle slides along a front, nothing is set back.
 SLIDING = {
-    "geometry.plate_to_spreader": 7, "geometry.velocity_ratio": 0.9142857, "geometry.blade_length": 34,
-    "geometry.p6_setback": 0, "limits.clearance": 0,
-}  # fmt: skip
-EXAMPLE = {"geometry.velocity_ratio": 0.8, "geometry.plate_to_spreader": 8, "geometry.blade_length": 32}
+    "geometry.plate_to_spreader": 7,
+    "geometry.velocity_ratio": 0.9142857,
+    "geometry.blade_length": 34,
+    "geometry.p6_setback": 0,
+    "limits.clearance": 0,
+}
+EXAMPLE = {
+    "geometry.velocity_ratio": 0.8,
+    "geometry.plate_to_spreader": 8,
+    "geometry.blade_length": 32,
+}
 
 
 def machine(changes: dict[str, Any] | None = None) -> ChainStitchLooper:
@@ -59,7 +68,9 @@ def failing(m: ChainStitchLooper) -> list[str]:
 @pytest.mark.parametrize("tau", [90, 75])
 def test_areas_of_the_outlines(tau: int) -> None:
     m = machine({**EXAMPLE, "geometry.protrusion_deg": tau, "parts.side_gap": 0.0})
-    assert m.bodies.side_outline().area == pytest.approx(REFERENCE["areas"]["side"][str(tau)], abs=5e-7)
+    assert m.bodies.side_outline().area == pytest.approx(
+        REFERENCE["areas"]["side"][str(tau)], abs=5e-7
+    )
     assert m.design.opening == pytest.approx(1.40625, abs=1e-12)
 
 
@@ -85,9 +96,13 @@ def arcs(contour: Contour) -> list[Arc]:
 def test_rounded_where_thread_runs_and_tangent_to_the_nose() -> None:
     m = machine(EXAMPLE)
     side, top = m.bodies.side_outline(0.3), m.bodies.top_outline(0.3)
-    assert [arc.radius for arc in arcs(side)] == [0.3] * 3 and [arc.radius for arc in arcs(top)] == [0.3]
+    assert [arc.radius for arc in arcs(side)] == [0.3] * 3 and [
+        arc.radius for arc in arcs(top)
+    ] == [0.3]
     seat, _, crest = arcs(side)
-    assert seat.centre == pytest.approx(complex(7.1 - 0.3, -0.3))  # below y = 0 and before u = l3, by the radius
+    assert seat.centre == pytest.approx(
+        complex(7.1 - 0.3, -0.3)
+    )  # below y = 0 and before u = l3, by the radius
     upper = complex(10.8, 3.5)
     assert ((upper / abs(upper)).conjugate() * crest.centre).imag == pytest.approx(-0.3)
     assert crest.centre.imag == pytest.approx(3.5 - 0.3)
@@ -97,7 +112,12 @@ def test_rounded_where_thread_runs_and_tangent_to_the_nose() -> None:
 
 @pytest.mark.parametrize(
     ("changes", "limit"),
-    [({}, 0.45), ({"parts.running_gap": 0.2}, 0.4), ({"geometry.protrusion": 2}, None), ({"parts.nose_width": 0.8}, None)],
+    [
+        ({}, 0.45),
+        ({"parts.running_gap": 0.2}, 0.4),
+        ({"geometry.protrusion": 2}, None),
+        ({"parts.nose_width": 0.8}, None),
+    ],
 )
 def test_largest_edge_radius_is_told_and_fits(changes: dict[str, Any], limit: float | None) -> None:
     """At tau = 90 both arcs of the protrusion's front share what the running gap leaves of it; else the nose is too thin."""
@@ -125,7 +145,9 @@ def across(mesh: Any, x: float) -> list[shapely.Polygon]:
 
 @pytest.mark.parametrize("name", ["upper-spreader", "lower-spreader"])
 @pytest.mark.parametrize("radius", [0.3, 0.1])
-def test_long_edges_of_the_nose_are_arcs_in_the_file(name: str, radius: float, tmp_path: Path) -> None:
+def test_long_edges_of_the_nose_are_arcs_in_the_file(
+    name: str, radius: float, tmp_path: Path
+) -> None:
     """Cut across the stroke, the nose is a rectangle grown from the tip whose corners are quarter discs, tangent to its sides."""
     m = machine({"parts.edge_radius": radius})
     d, p = m.design, m.making
@@ -143,7 +165,9 @@ def test_long_edges_of_the_nose_are_arcs_in_the_file(name: str, radius: float, t
         assert found.exterior.hausdorff_distance(core.buffer(r, quad_segs=200).exterior) <= 2e-3
     # the seat's corner stays whole: at its end the rounding is out
     (found,) = across(mesh, sign * (d.l3 - radius - 1e-3))
-    assert found.area == pytest.approx(b * (d.l3 - radius) / d.nose * p.nose_width * (d.l3 - radius) / d.l3, abs=2e-3)
+    assert found.area == pytest.approx(
+        b * (d.l3 - radius) / d.nose * p.nose_width * (d.l3 - radius) / d.l3, abs=2e-3
+    )
 
 
 def test_far_edge_of_the_front_is_an_arc_in_the_file(tmp_path: Path) -> None:
@@ -171,9 +195,18 @@ def test_sharp_edges_are_a_choice() -> None:
 @pytest.mark.parametrize("tau", [75, 90])
 @pytest.mark.parametrize("mode", ["corrected", "published"])
 def test_solids(lean: str, tau: int, mode: str, tmp_path: Path) -> None:
-    m = machine({**EXAMPLE, "parts.lean": lean, "geometry.protrusion_deg": tau, "geometry.mode": mode})
+    m = machine(
+        {**EXAMPLE, "parts.lean": lean, "geometry.protrusion_deg": tau, "geometry.mode": mode}
+    )
     lower, upper, *rest = m.parts()
-    assert [p.name for p in rest] == ["needle-1", "needle-2", "needle-plate", "side-outline", "top-outline", "needle-section"]
+    assert [p.name for p in rest] == [
+        "needle-1",
+        "needle-2",
+        "needle-plate",
+        "side-outline",
+        "top-outline",
+        "needle-section",
+    ]
     assert lower.volume == pytest.approx(upper.volume, rel=1e-12)
     for part in m.parts():
         path = tmp_path / f"{part.name}.stl"
@@ -183,7 +216,12 @@ def test_solids(lean: str, tau: int, mode: str, tmp_path: Path) -> None:
         assert abs(faults.volume - part.volume) <= part.walls * 0.001
     # the section in the needles' plane: as the outline has it, with shank and running gap
     floor = m.bodies.plan[2].imag
-    wanted = shapely.Polygon([(z.real, z.imag) for z in (complex(p.at(0.0)) for p in m.bodies.section_outline(12.0, 0.9).pieces)])
+    wanted = shapely.Polygon(
+        [
+            (z.real, z.imag)
+            for z in (complex(p.at(0.0)) for p in m.bodies.section_outline(12.0, 0.9).pieces)
+        ]
+    )
     for name, mirror in (("upper-spreader", 1), ("lower-spreader", -1)):
         (found,) = sections(tmp_path / f"{name}.stl", name, -floor)
         ring = shapely.Polygon([(mirror * z.real, z.imag) for z in found])
@@ -221,7 +259,9 @@ def test_thin_shank_is_refused() -> None:
 def test_poses_put_noses_and_tips_in_place() -> None:
     m = machine(EXAMPLE)
     capture = m.poses(np.array(m.design.capture))
-    assert capture["lower-spreader"][0].place[0] == pytest.approx(-1j * (8 + 4.5 + 3.5))  # nose 1 at needle 1
+    assert capture["lower-spreader"][0].place[0] == pytest.approx(
+        -1j * (8 + 4.5 + 3.5)
+    )  # nose 1 at needle 1
     assert capture["upper-spreader"][0].place[1] == pytest.approx(6.4 - 1j * (8 + 3.5))
     tip = capture["needle-1"][0].place[0]
     assert tip.imag + 4 + 1.5 == pytest.approx(-16)  # the nose is a1 above the top of the eye
@@ -259,7 +299,11 @@ def test_ranges_state_value_and_range() -> None:
     found = [f for f in machine({"geometry.protrusion": 2.5}).limits() if f.code == "ALLOWED_RANGE"]
     assert len(found) == len(ALLOWED)
     (bad,) = [f for f in found if not f.ok]
-    assert (bad.measured, bad.limit, bad.where) == (2.5, 2.0, "geometry.protrusion") and "1 to 2" in bad.message
+    assert (bad.measured, bad.limit, bad.where) == (
+        2.5,
+        2.0,
+        "geometry.protrusion",
+    ) and "1 to 2" in bad.message
 
 
 @pytest.mark.parametrize(
@@ -267,16 +311,29 @@ def test_ranges_state_value_and_range() -> None:
     [
         ({}, ("nose 2", "blade")),
         ({"geometry.plate_to_spreader": 8, "geometry.blade_length": 60}, ("nose 2", "lean alike")),
-        ({"geometry.plate_to_spreader": 4, "geometry.blade_length": 400}, ("lean alike", "lean alike")),
         (
-            {"limits.clearance": 1, "geometry.p6_setback": 1.5, "geometry.blade_length": 60, "limits.loop_angle_deg": 5},
+            {"geometry.plate_to_spreader": 4, "geometry.blade_length": 400},
+            ("lean alike", "lean alike"),
+        ),
+        (
+            {
+                "limits.clearance": 1,
+                "geometry.p6_setback": 1.5,
+                "geometry.blade_length": 60,
+                "limits.loop_angle_deg": 5,
+            },
             ("nose 2", "N2/P2"),
         ),
         ({"limits.clearance": 1.2, "geometry.p6_setback": 1.5}, None),
-        ({"parts.edge_radius": 0.32, "parts.nose_width": 0.8, "geometry.blade_length": 60}, ("room", "lean alike")),
+        (
+            {"parts.edge_radius": 0.32, "parts.nose_width": 0.8, "geometry.blade_length": 60},
+            ("room", "lean alike"),
+        ),
     ],
 )
-def test_the_range_of_the_ratio_is_where_all_findings_hold(changes: dict[str, Any], stops: tuple[str, str] | None) -> None:
+def test_the_range_of_the_ratio_is_where_all_findings_hold(
+    changes: dict[str, Any], stops: tuple[str, str] | None
+) -> None:
     """At the ends one finding or the parts fail, just inside none does; also clearances, from closed forms for laws in step."""
 
     def works(ratio: float) -> bool:
@@ -300,13 +357,18 @@ def test_the_range_of_the_ratio_is_where_all_findings_hold(changes: dict[str, An
     for (end, why), stop, inward in zip(found, stops, (1, -1), strict=True):
         assert stop in why
         if math.isfinite(end):
-            assert (works(end * (1 + inward * 1e-7)), works(end * (1 - inward * 1e-7))) == (True, False)
+            assert (works(end * (1 + inward * 1e-7)), works(end * (1 - inward * 1e-7))) == (
+                True,
+                False,
+            )
 
 
 def test_ratio_finding_turns_at_the_bound() -> None:
     low = 6.4 / 7.5
     assert "VELOCITY_RATIO" in failing(machine({"geometry.velocity_ratio": low - 1e-6}))
-    assert {"VELOCITY_RATIO", "LOOP"}.isdisjoint(failing(machine({"geometry.velocity_ratio": low + 1e-6})))
+    assert {"VELOCITY_RATIO", "LOOP"}.isdisjoint(
+        failing(machine({"geometry.velocity_ratio": low + 1e-6}))
+    )
 
 
 def test_study_has_synchrogram_and_tables() -> None:
@@ -321,7 +383,9 @@ def test_study_has_synchrogram_and_tables() -> None:
     d, k = machine().design, 8  # at 120 deg a harmonic law is at three quarters
     assert table.rows[k][1:3] == pytest.approx((0.75 * d.needle_stroke, 0.75 * d.spreader_stroke))
     columns = study.columns
-    assert {len(column) for column in columns.values()} == {1441} and columns["theta_deg"][-1] == pytest.approx(360)
+    assert {len(column) for column in columns.values()} == {1441} and columns["theta_deg"][
+        -1
+    ] == pytest.approx(360)
     assert columns["tip_1_mm"] == pytest.approx(columns["needle_mm"] - d.given.depths[0])
 
 
@@ -354,17 +418,30 @@ def as_made(m: ChainStitchLooper, folder: Path) -> ChainStitchLooper:
 
 def least(m: ChainStitchLooper, folder: Path, poses: Any = None) -> float:
     """Smallest clearance of needles and spreaders on the files, mm."""
-    return min(f.measured for f in judge_clearance("stl", folder, "x", m.contacts()[:4], poses or m.poses, 0.001).findings)
+    return min(
+        f.measured
+        for f in judge_clearance(
+            "stl", folder, "x", m.contacts()[:4], poses or m.poses, 0.001
+        ).findings
+    )
 
 
 def test_the_starter_clears_its_needles_by_half_a_millimetre(tmp_path: Path) -> None:
     m = as_made(starter({}), tmp_path)
     assert m.allowed.clearance == 0.5
-    assert least(m, tmp_path) == pytest.approx(min(clearances(m.stitch)), abs=2e-3) and min(clearances(m.stitch)) > 1.3
+    assert (
+        least(m, tmp_path) == pytest.approx(min(clearances(m.stitch)), abs=2e-3)
+        and min(clearances(m.stitch)) > 1.3
+    )
 
 
-@pytest.mark.parametrize("changes", [{}, {"timing.spreader": "cycloidal", "geometry.p6_setback": 6, "geometry.blade_length": 50}])
-def test_timing_tolerance_is_where_the_files_strike(changes: dict[str, Any], tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "changes",
+    [{}, {"timing.spreader": "cycloidal", "geometry.p6_setback": 6, "geometry.blade_length": 50}],
+)
+def test_timing_tolerance_is_where_the_files_strike(
+    changes: dict[str, Any], tmp_path: Path
+) -> None:
     """A hundredth of a degree before the told lag or lead the bodies in the files are apart, as much after it they overlap."""
     m = as_made(starter(changes), tmp_path)
     numbers = m.study().numbers
@@ -400,7 +477,11 @@ def test_timing_tolerance_is_where_a_loop_is_missed() -> None:
     lead = numbers["designed_lead_to_missed_loop_deg"]
     assert "LOOP" not in failing(starter({"timing.lag_deg": -lead + 0.01}))
     assert "LOOP" in failing(starter({"timing.lag_deg": -lead - 0.01}))
-    told = [numbers.get(f"timing_{way}_to_{what}_deg", math.inf) for way in ("lag", "lead") for what in ("strike", "missed_loop")]
+    told = [
+        numbers.get(f"timing_{way}_to_{what}_deg", math.inf)
+        for way in ("lag", "lead")
+        for what in ("strike", "missed_loop")
+    ]
     assert numbers["timing_tolerance_deg"] == min(told) > 5
     assert any(f"{min(told):.2f} deg are left" in note for note in starter({}).study().notes)
 
@@ -425,7 +506,9 @@ def test_laws_programs_and_lag() -> None:
         {"kind": "dwell", "span_deg": 20},
         {"kind": "return", "span_deg": 170, "to": 0, "law": "3-4-5"},
     ]
-    m = machine({"timing.needle": "modified-sine", "timing.spreader_segment": segments, "timing.lag_deg": 5})
+    m = machine(
+        {"timing.needle": "modified-sine", "timing.spreader_segment": segments, "timing.lag_deg": 5}
+    )
     theta = np.radians([0, 175, 185, 195])
     assert m.design.risen(theta)[0] == 0
     assert m.motion(theta)[1:] == pytest.approx([m.design.spreader_stroke] * 3)
@@ -440,11 +523,21 @@ def test_laws_programs_and_lag() -> None:
     [
         ({"timing.needle": "sine"}, "timing.needle"),
         ({"timing.spreader": {"name": "fourier"}}, "timing.spreader.sines"),
-        ({"timing.needle_segment": [{"kind": "rise", "span_deg": 100, "to": 1, "law": "cycloidal"}]}, "timing.needle_segment"),
         (
-            {"timing.spreader_segment": [
-                {"kind": "rise", "span_deg": 180, "to": 2, "law": "cycloidal"},
-                {"kind": "return", "span_deg": 180, "to": 0, "law": "cycloidal"}]},
+            {
+                "timing.needle_segment": [
+                    {"kind": "rise", "span_deg": 100, "to": 1, "law": "cycloidal"}
+                ]
+            },
+            "timing.needle_segment",
+        ),
+        (
+            {
+                "timing.spreader_segment": [
+                    {"kind": "rise", "span_deg": 180, "to": 2, "law": "cycloidal"},
+                    {"kind": "return", "span_deg": 180, "to": 0, "law": "cycloidal"},
+                ]
+            },
             "timing.spreader_segment",
         ),
         ({"timing.lag_deg": 5, "geometry.mode": "published"}, "geometry.mode"),
@@ -458,7 +551,7 @@ def test_laws_programs_and_lag() -> None:
         ({"print.shrinkage": 0.003}, "print.shrinkage"),
         ({"print.elephant_foot": 0.2}, "print.elephant_foot"),
     ],
-)  # fmt: skip
+)
 def test_faults_between_keys(changes: dict[str, Any], path: str) -> None:
     with pytest.raises(SpecError) as caught:
         machine(changes)
@@ -477,7 +570,9 @@ def test_search_gives_a_spec_that_builds_and_clears(tmp_path: Path) -> None:
     for part in again.parts()[:4]:
         write_stl(tmp_path / f"x-{part.name}.stl", solid(part, 0.001), part.name)
     cleared = judge_clearance("stl", tmp_path, "x", again.contacts(), again.poses, 0.001)
-    assert min(f.measured for f in cleared.findings[:4]) == pytest.approx(min(clearances(again.stitch)), abs=2e-3)
+    assert min(f.measured for f in cleared.findings[:4]) == pytest.approx(
+        min(clearances(again.stitch)), abs=2e-3
+    )
     for key in ("nose_over_eye", "loop_rise", "protrusion", "plate_to_spreader"):
         low, high = getattr(again.wanted, key)
         values = np.atleast_1d(getattr(again.geometry, key))
@@ -499,10 +594,17 @@ def test_search_needs_no_table() -> None:
         ({"wanted.nose_length": 3}, "wanted.nose_length"),
         ({"limits.clearance": 2.5}, "smallest clearance"),
         ({"wanted.protrusion": [1, 1.05], "parts.edge_radius": 0.5}, "wanted.protrusion"),
-        ({"timing.needle_stroke": 17, "parts.clamp_hole": 0.5, "wanted.nose_length": 100, "wanted.spreader_stroke": 100},
-         "timing.needle_stroke"),
+        (
+            {
+                "timing.needle_stroke": 17,
+                "parts.clamp_hole": 0.5,
+                "wanted.nose_length": 100,
+                "wanted.spreader_stroke": 100,
+            },
+            "timing.needle_stroke",
+        ),
     ],
-)  # fmt: skip
+)
 def test_search_tells_what_cannot_be_kept(changes: dict[str, Any], quantity: str) -> None:
     with pytest.raises(DesignError) as caught:
         machine(changes).designed()
@@ -510,7 +612,9 @@ def test_search_tells_what_cannot_be_kept(changes: dict[str, Any], quantity: str
     assert math.isfinite(caught.value.value) and math.isfinite(caught.value.limit)
 
 
-@pytest.mark.parametrize("changes", [{"limits.loop_angle_deg": 0.1}, {"parts.edge_radius": 0.6, "parts.nose_width": 2.0}])
+@pytest.mark.parametrize(
+    "changes", [{"limits.loop_angle_deg": 0.1}, {"parts.edge_radius": 0.6, "parts.nose_width": 2.0}]
+)
 def test_search_keeps_the_limits_of_the_spec(changes: dict[str, Any]) -> None:
     found = machine(changes).designed()
     assert failing(found) == [] and min(clearances(found.stitch)) > 2.2
@@ -523,19 +627,29 @@ def test_search_is_for_laws_in_step() -> None:
 
 def test_spreaders_lie_on_their_undersides(tmp_path: Path) -> None:
     """173 mm^2 on the bed: the shank's 22 x 6 mm and more; as drawn 49 carry it and 119 overhang."""
-    changes = [f"{path}={value}" for path, value in {**SLIDING, "accuracy.chord_tolerance": 0.01}.items()]
+    changes = [
+        f"{path}={value}" for path, value in {**SLIDING, "accuracy.chord_tolerance": 0.01}.items()
+    ]
     report = pipeline.build(STARTER, tmp_path, frozenset({"3mf"}), changes)
     assert [f for f in report.findings if not f.ok and f.code in ("BED_FIT", "ROUND_TRIP")] == []
     folder = tmp_path / "chain-stitch-looper"
     with open(folder / "chain-stitch-looper-parts.csv", encoding="utf-8", newline="") as file:
         rows = {row["part"]: row for row in csv.DictReader(file)}
     package = read_3mf(folder / "chain-stitch-looper-plate.3mf")
-    assert {item.name for item in package.items} == {name for name, row in rows.items() if row["how"] == "printed"}
+    assert {item.name for item in package.items} == {
+        name for name, row in rows.items() if row["how"] == "printed"
+    }
     for item in package.items:
         if item.name.endswith("spreader"):
-            z = package.meshes[item.name].moved(item.transform).vertices[package.meshes[item.name].faces]
+            z = (
+                package.meshes[item.name]
+                .moved(item.transform)
+                .vertices[package.meshes[item.name].faces]
+            )
             flat = z[np.all(z[..., 2] < 1e-3, axis=1)]
-            area = np.abs(np.cross(flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0])[:, 2]).sum() / 2
+            area = (
+                np.abs(np.cross(flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0])[:, 2]).sum() / 2
+            )
             assert area == pytest.approx(173, abs=1) == float(rows[item.name]["on the bed, mm^2"])
             assert float(rows[item.name]["overhang, mm^2"]) < 15 and "-y" in rows[item.name]["lies"]
 
@@ -548,15 +662,27 @@ def test_rods_as_the_source_has_them_cost_clearance() -> None:
     m = pipeline.read_mechanism(SHIPPED, ["timing.distortion=[0.1, 0.2]"])
 
     def risen(phi: float) -> float:
-        return (1 - math.cos(phi) + 10 - math.sqrt(100 - math.sin(phi) ** 2)) / 2 * m.design.needle_stroke
+        return (
+            (1 - math.cos(phi) + 10 - math.sqrt(100 - math.sin(phi) ** 2))
+            / 2
+            * m.design.needle_stroke
+        )
 
     for k, rise in enumerate(m.stitch.rise):
         low, high = 0.0, math.pi
         for _ in range(60):
-            low, high = ((low + high) / 2, high) if risen((low + high) / 2) < rise else (low, (low + high) / 2)
+            low, high = (
+                ((low + high) / 2, high)
+                if risen((low + high) / 2) < rise
+                else (low, (low + high) / 2)
+            )
         assert m.design.capture[k] == pytest.approx(low, abs=1e-9)
     table = next(table for table in m.study().tables if table.title.startswith("Driven by cranks"))
     assert [row[:2] for row in table.rows] == [(0.0, 0.0), (0.1, 0.2)]
-    assert float(table.rows[1][7]) < float(table.rows[0][7]) and float(table.rows[1][8]) < float(table.rows[0][8])  # type: ignore[arg-type]
+    assert float(table.rows[1][7]) < float(table.rows[0][7]) and float(table.rows[1][8]) < float(
+        table.rows[0][8]
+    )  # type: ignore[arg-type]
     with pytest.raises(SpecError, match="timing.distortion"):
-        pipeline.read_mechanism(SHIPPED, ["timing.distortion=[0.1, 0.2]", "timing.needle='cycloidal'"])
+        pipeline.read_mechanism(
+            SHIPPED, ["timing.distortion=[0.1, 0.2]", "timing.needle='cycloidal'"]
+        )

@@ -84,7 +84,9 @@ def written(tmp_path: Path, made: DiscCamDrive) -> Any:
 
 def from_stl(path: Path, bore: float) -> Shape:
     shape = shape_of(slice_mesh(read_stl(path), 2.0))
-    return shape.moved(shift=-bore_circle(min(shape.holes, key=lambda h: abs(h.centroid)), bore).centre)
+    return shape.moved(
+        shift=-bore_circle(min(shape.holes, key=lambda h: abs(h.centroid)), bore).centre
+    )
 
 
 # ---- published answers -----------------------------------------------------------------------------------------------
@@ -125,7 +127,11 @@ def norton(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Any]:
             out = tmp_path_factory.mktemp(shape)
             drive = specs.validate(DiscCamDrive, data)
             report = written(out, drive)
-            made[shape] = drive, report, from_stl(out / "out" / "disc-cam" / "disc-cam-cam.stl", 8.0)
+            made[shape] = (
+                drive,
+                report,
+                from_stl(out / "out" / "disc-cam" / "disc-cam-cam.stl", 8.0),
+            )
         return made[shape]
 
     return build
@@ -142,9 +148,12 @@ def on(made: DiscCamDrive, shape: Shape) -> RollingContact:
 def test_the_flat_faced_harmonic_cam_comes_back_as_a_circle(tmp_path: Path, offset: float) -> None:
     """Uicker, Pennock, Shigley: 2 in, prime radius 1.5 in: a circle of 2.5 in, 1.0 in off centre; the face reaches 1 in."""
     made = mechanism(
-        f"geometry.base_radius={1.5 * INCH}", f'geometry.follower={{motion="translating",shape="flat",offset={offset}}}',
-        "parts.hub_height=0", "limits.continuous=2", segments=rise_and_return("simple-harmonic", 2 * INCH),
-    )  # fmt: skip
+        f"geometry.base_radius={1.5 * INCH}",
+        f'geometry.follower={{motion="translating",shape="flat",offset={offset}}}',
+        "parts.hub_height=0",
+        "limits.continuous=2",
+        segments=rise_and_return("simple-harmonic", 2 * INCH),
+    )
     report = written(tmp_path, made)
     assert report.ok, failing(report)
     shape = from_stl(tmp_path / "out" / "disc-cam" / "disc-cam-cam.stl", 8.0)
@@ -153,8 +162,12 @@ def test_the_flat_faced_harmonic_cam_comes_back_as_a_circle(tmp_path: Path, offs
     assert abs(centre) == pytest.approx(1.0 * INCH, abs=1e-5)
     assert deviation < 1e-5  # vertices lie on the exact outline, to the float32 of the file
     places = offset - on(made, shape).touch(np.linspace(0, 7, 3000)).place
-    chord = math.sqrt(8 * 2.5 * INCH * 0.001)  # a corner is touched until the next edge lies on the face
-    assert np.max(places) == pytest.approx(INCH, abs=chord) and np.min(places) == pytest.approx(-INCH, abs=chord)
+    chord = math.sqrt(
+        8 * 2.5 * INCH * 0.001
+    )  # a corner is touched until the next edge lies on the face
+    assert np.max(places) == pytest.approx(INCH, abs=chord) and np.min(places) == pytest.approx(
+        -INCH, abs=chord
+    )
     assert report.numbers["face_width_needed_mm"] == pytest.approx(2 * INCH, abs=1e-9)
     assert report.numbers["curvature_radius_min_mm"] == pytest.approx(2.5 * INCH, rel=1e-9)
 
@@ -169,14 +182,23 @@ def test_nortons_roller_cam(norton: Callable[[str], Any]) -> None:
     assert numbers["pitch_curvature_radius_min_mm"] / INCH == pytest.approx(1.39411, abs=5e-6)
     rim = shape.outer.facetted(1e-4)
     assert np.min(np.abs(rim)) / INCH == pytest.approx(1.25094, abs=0.001 / INCH)
-    assert numbers["pressure_angle_stl_deg"] == pytest.approx(30, abs=0.4)  # of facets, which lean by half their turn
+    assert numbers["pressure_angle_stl_deg"] == pytest.approx(
+        30, abs=0.4
+    )  # of facets, which lean by half their turn
     # the circle through neighbouring points of the file's rim, half a radian of turning long, is nowhere smaller
     theta = np.linspace(0, 2 * math.pi, 1441)
     s = INCH * 1.75094 + on(drive, shape).angle(theta)
     z = s * np.exp(-1j * theta)
     a, b, c = (np.roll(z[:-1], k) for k in (18, 0, -18))
     area = np.abs(np.imag(np.conj(b - a) * (c - a)))
-    curvature = np.sort(2 * area / np.abs(b - a) / np.abs(c - b) / np.abs(a - c) * np.sign(np.imag(np.conj(b - c) * (b - a))))
+    curvature = np.sort(
+        2
+        * area
+        / np.abs(b - a)
+        / np.abs(c - b)
+        / np.abs(a - c)
+        * np.sign(np.imag(np.conj(b - c) * (b - a)))
+    )
     assert INCH * np.max(np.abs(curvature)) == pytest.approx(1 / 1.39411, rel=0.01)
     speeds = [numbers["peak_speed_mm_s"] / INCH, numbers["peak_acceleration_mm_s2"] / INCH]
     assert speeds == pytest.approx([8.000, 100.53], rel=1e-4)  # in/s, in/s^2 at one turn a second
@@ -189,21 +211,27 @@ def test_nortons_flat_faced_cam(norton: Callable[[str], Any]) -> None:
     assert report.numbers["base_radius_mm"] / INCH == pytest.approx(1.89263, abs=5e-6)
     assert report.numbers["face_width_needed_mm"] / INCH == pytest.approx(2.54648, abs=5e-6)
     place = on(drive, shape).touch(np.linspace(0, 2 * math.pi, 7201)).place
-    assert np.ptp(place) / INCH == pytest.approx(8 / math.pi, abs=0.03)  # to a facet of its 1 um chords on each side
+    assert np.ptp(place) / INCH == pytest.approx(
+        8 / math.pi, abs=0.03
+    )  # to a facet of its 1 um chords on each side
     assert np.min(np.abs(shape.outer.points)) / INCH == pytest.approx(1.89263, abs=1e-5)
 
 
 def test_an_off_centre_disc_from_an_stl_is_a_slider_crank(tmp_path: Path) -> None:
     """The harmonic flat-faced cam is a disc; an in-line roller on its STL moves as crank e, rod a + r."""
     made = mechanism(
-        "geometry.base_radius=15", 'geometry.follower={motion="translating",shape="flat"}', "parts.hub_height=0",
+        "geometry.base_radius=15",
+        'geometry.follower={motion="translating",shape="flat"}',
+        "parts.hub_height=0",
         segments=rise_and_return("simple-harmonic", 10.0),
-    )  # fmt: skip
+    )
     written(tmp_path, made)
     shape = from_stl(tmp_path / "out" / "disc-cam" / "disc-cam-cam.stl", 8.0)
     theta = np.linspace(0, 2 * math.pi, 2000)
     way = 28 - contact(shape.outer, SlideTip(0j, 1j, 3.0, 1)).angle(theta)
-    expected = slider_travel(theta - math.pi, 5.0, 23.0)  # the centre is opposite the slide at theta = 0
+    expected = slider_travel(
+        theta - math.pi, 5.0, 23.0
+    )  # the centre is opposite the slide at theta = 0
     assert np.max(np.abs(way - expected)) < 0.00105
     # on an arm: a four-bar of crank e, coupler a + r, rocker = arm, ground = distance of the pivot
     spoke = 5 * np.exp(1j * (theta - math.pi / 2)) - 60
@@ -211,7 +239,9 @@ def test_an_off_centre_disc_from_an_stl_is_a_slider_crank(tmp_path: Path) -> Non
     wanted = np.unwrap(np.angle(spoke) + bearing)
     arm = complex(-55, -10) / abs(complex(-55, -10)) * 55
     angle = contact(shape.outer, ArmTip(60 + 0j, arm, 3.0, 1)).angle(theta) + np.angle(arm)
-    assert np.max(np.abs((angle - wanted + math.pi) % math.tau - math.pi)) < 0.00105 / 55 / math.cos(0.5)
+    assert np.max(
+        np.abs((angle - wanted + math.pi) % math.tau - math.pi)
+    ) < 0.00105 / 55 / math.cos(0.5)
 
 
 def test_rolling_on_facets_converges_as_measured() -> None:
@@ -230,8 +260,13 @@ def test_rolling_on_facets_converges_as_measured() -> None:
         s = on(made, Shape(Ring(z, np.zeros(count)), ())).angle(theta)
         step = theta[1] - theta[0]
         speed, bend = np.diff(s) / step, np.diff(s, 2) / step**2
-        errors.append((np.max(np.abs(s - made.motion(theta))), np.max(np.abs(speed - made.motion(theta[1:] - step / 2, 1))),
-                       np.max(np.abs(bend - made.motion(theta[1:-1], 2)))))  # fmt: skip
+        errors.append(
+            (
+                np.max(np.abs(s - made.motion(theta))),
+                np.max(np.abs(speed - made.motion(theta[1:] - step / 2, 1))),
+                np.max(np.abs(bend - made.motion(theta[1:-1], 2))),
+            )
+        )
     (s1, v1, a1), (s2, v2, a2), (s3, v3, a3) = errors
     assert [1e3 * s for s in (s1, s2, s3)] == pytest.approx([8.4, 2.1, 0.52], rel=0.15)
     assert s1 / s2 == pytest.approx(4, rel=0.1) and s2 / s3 == pytest.approx(4, rel=0.1)
@@ -244,22 +279,42 @@ def test_rolling_on_facets_converges_as_measured() -> None:
 KINDS = {
     "offset roller": ['geometry.follower={motion="translating",shape="roller",radius=5,offset=4}'],
     "knife": ['geometry.follower={motion="translating",shape="knife",offset=-3}'],
-    "flat": ['geometry.follower={motion="translating",shape="flat",offset=3,face_width=40}', "limits.least_radius=1"],
+    "flat": [
+        'geometry.follower={motion="translating",shape="flat",offset=3,face_width=40}',
+        "limits.least_radius=1",
+    ],
     "swinging roller": [f"geometry.follower={{{ROLLER}}}", STEEP],
-    "swinging knife": ['geometry.follower={motion="oscillating",shape="knife",pivot_distance=60,arm=50}', STEEP],
-    "swinging flat": ['geometry.follower={motion="oscillating",shape="flat",pivot_distance=80,face_offset=4,face_width=60}',
-                      "limits.least_radius=0.1", STEEP],
+    "swinging knife": [
+        'geometry.follower={motion="oscillating",shape="knife",pivot_distance=60,arm=50}',
+        STEEP,
+    ],
+    "swinging flat": [
+        'geometry.follower={motion="oscillating",shape="flat",pivot_distance=80,face_offset=4,face_width=60}',
+        "limits.least_radius=0.1",
+        STEEP,
+    ],
     "pair": ['geometry.closure="conjugate"'],
-    "flat pair": ['geometry.closure="conjugate"', 'geometry.follower={motion="translating",shape="flat"}',
-                  "limits.least_radius=1"],
+    "flat pair": [
+        'geometry.closure="conjugate"',
+        'geometry.follower={motion="translating",shape="flat"}',
+        "limits.least_radius=1",
+    ],
     "swinging pair": ['geometry.closure="conjugate"', f"geometry.follower={{{ROLLER}}}", STEEP],
-    "swinging flat pair": ['geometry.closure="conjugate"', "limits.least_radius=0.1", STEEP,
-                           'geometry.follower={motion="oscillating",shape="flat",pivot_distance=80}'],
+    "swinging flat pair": [
+        'geometry.closure="conjugate"',
+        "limits.least_radius=0.1",
+        STEEP,
+        'geometry.follower={motion="oscillating",shape="flat",pivot_distance=80}',
+    ],
     "groove": ['geometry.closure="groove"', "parts.hub_height=0"],
-    "swinging groove": ['geometry.closure="groove"', "parts.hub_height=0", "geometry.follower={motion='oscillating',"
-                        "shape='roller',radius=5,pivot_distance=90,arm=70}", STEEP],
+    "swinging groove": [
+        'geometry.closure="groove"',
+        "parts.hub_height=0",
+        "geometry.follower={motion='oscillating',shape='roller',radius=5,pivot_distance=90,arm=70}",
+        STEEP,
+    ],
     "keyway": ["parts.shaft='keyway'"],
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -272,20 +327,32 @@ def test_every_follower_is_proved_from_its_files(sound: Callable[[str], Any], ki
     assert all(0 < f.measured <= f.limit < 0.005 for f in motions)
     pairs = [f for f in report.findings if f.code == "LASH"]
     assert len(pairs) == (2 if walls == 2 else 0)
-    if walls == 2:  # a pair has none but its facets', a groove its clearance along the follower's way
+    if (
+        walls == 2
+    ):  # a pair has none but its facets', a groove its clearance along the follower's way
         way = 1 / math.cos(math.radians(report.numbers["pressure_angle_deg"]))
         clearance = 0.2 if "groove" in kind else 0.0
         scale = math.degrees(1 / 70) if kind == "swinging groove" else 1.0
-        assert all(scale * clearance <= f.measured <= scale * clearance * way + 0.005 for f in pairs)
+        assert all(
+            scale * clearance <= f.measured <= scale * clearance * way + 0.005 for f in pairs
+        )
     # what judges the files once more begins with the spec beside them
-    assert pipeline.read_mechanism(folder / "spec.toml") == mechanism("name='c'", *KINDS[kind]).resolved()
+    assert (
+        pipeline.read_mechanism(folder / "spec.toml")
+        == mechanism("name='c'", *KINDS[kind]).resolved()
+    )
 
 
-@pytest.mark.parametrize("kind", ["offset roller", "knife", "swinging flat", "flat pair", "swinging flat pair", "swinging pair"])
+@pytest.mark.parametrize(
+    "kind",
+    ["offset roller", "knife", "swinging flat", "flat pair", "swinging flat pair", "swinging pair"],
+)
 def test_the_nearest_side_by_arithmetic_is_that_of_the_outline(kind: str) -> None:
     for cam in mechanism(*KINDS[kind]).cams:
         rim = facet_contour(cam.outline, 1e-3)
-        assert cam.nearest == pytest.approx(float(np.min(point_to_ring(np.zeros(1, complex), rim))), abs=1.1e-3)
+        assert cam.nearest == pytest.approx(
+            float(np.min(point_to_ring(np.zeros(1, complex), rim))), abs=1.1e-3
+        )
 
 
 def test_it_can_be_shown(tmp_path: Path) -> None:
@@ -293,9 +360,18 @@ def test_it_can_be_shown(tmp_path: Path) -> None:
     report = built(tmp_path, *KINDS["groove"], only=frozenset(pipeline.KINDS))
     assert report.ok, failing(report)
     titles = {plot.title for plot in report.plots}
-    assert {"Displacement", "Velocity", "Acceleration", "Jerk", "Pressure angle", "Profile, by pressure angle"} <= titles
+    assert {
+        "Displacement",
+        "Velocity",
+        "Acceleration",
+        "Jerk",
+        "Pressure angle",
+        "Profile, by pressure angle",
+    } <= titles
     page = (tmp_path / "c" / "report.html").read_text("utf-8")
-    assert "Radius of curvature" in page and "nan" not in page.split("<script")[0].lower().replace("nanmax", "")
+    assert "Radius of curvature" in page and "nan" not in page.split("<script")[0].lower().replace(
+        "nanmax", ""
+    )
 
 
 def test_a_groove_whose_inner_wall_is_undercut(tmp_path: Path) -> None:
@@ -307,10 +383,17 @@ def test_a_groove_whose_inner_wall_is_undercut(tmp_path: Path) -> None:
         {"kind": "dwell", "span_deg": 239.0},
     ]
     made = mechanism(
-        "geometry.base_radius=14", "geometry.follower.radius=22", 'geometry.closure="groove"', "parts.hub_height=0",
-        "parts.bore=3", "parts.pin_diameter=1", "limits.pressure_angle_deg=80", "limits.undercut=1", "limits.lash=1",
+        "geometry.base_radius=14",
+        "geometry.follower.radius=22",
+        'geometry.closure="groove"',
+        "parts.hub_height=0",
+        "parts.bore=3",
+        "parts.pin_diameter=1",
+        "limits.pressure_angle_deg=80",
+        "limits.undercut=1",
+        "limits.lash=1",
         segments=segments,
-    )  # fmt: skip
+    )
     report = written(tmp_path, made)
     assert {code for code, _ in failing(report)} <= {"CURVATURE", "MIN_WALL"}
     lost = max(cut.shortfall for cut in made.cam.undercuts)
@@ -327,10 +410,18 @@ def test_a_groove_whose_inner_wall_is_undercut(tmp_path: Path) -> None:
         (["limits.pressure_angle_deg=15"], {"PRESSURE_ANGLE"}),
         (["limits.least_radius=30"], {"CURVATURE"}),
         (['geometry.follower={motion="translating",shape="flat",face_width=10}'], {"FACE_WIDTH"}),
-        (["geometry.base_radius=8", "parts.hub_height=0", "parts.bore=4", "limits.least_radius=0",
-          'geometry.follower={motion="translating",shape="flat"}'], {"UNDERCUT", "CURVATURE"}),
+        (
+            [
+                "geometry.base_radius=8",
+                "parts.hub_height=0",
+                "parts.bore=4",
+                "limits.least_radius=0",
+                'geometry.follower={motion="translating",shape="flat"}',
+            ],
+            {"UNDERCUT", "CURVATURE"},
+        ),
     ],
-)  # fmt: skip
+)
 def test_a_design_beyond_its_limits(tmp_path: Path, settings: list[str], codes: set[str]) -> None:
     """The same codes from the design and, where a shape shows it, from the files."""
     assert {code for code, _ in failing(built(tmp_path, *settings))} == codes
@@ -344,10 +435,16 @@ def test_a_law_that_jumps_is_told() -> None:
     ]
     (jump,) = [f for f in mechanism(segments=segments).limits() if f.code == "MOTION_JUMP"]
     assert not jump.ok and jump.measured == 2 and "acceleration at 0.000 deg" in jump.message
-    (jump,) = [f for f in mechanism("limits.continuous=1", segments=segments).limits() if f.code == "MOTION_JUMP"]
+    (jump,) = [
+        f
+        for f in mechanism("limits.continuous=1", segments=segments).limits()
+        if f.code == "MOTION_JUMP"
+    ]
     assert jump.ok and jump.message == "no jump of displacement and velocity"
     free = mechanism("limits.continuous=-1", segments=segments)
-    assert not [f for f in free.limits() if f.code == "MOTION_JUMP"], "nothing is asked, so nothing holds"
+    assert not [f for f in free.limits() if f.code == "MOTION_JUMP"], (
+        "nothing is asked, so nothing holds"
+    )
     assert any("limits.continuous = -1" in note for note in free.study().notes)
 
 
@@ -361,7 +458,9 @@ def sharp(kind: str, lift: float) -> DiscCamDrive:
     return mechanism(*settings, "geometry.base_radius=30", segments=segments)
 
 
-@pytest.mark.parametrize("kind, lift, unit", [("translating", 8.0, "mm"), ("oscillating", 12.0, "deg")])
+@pytest.mark.parametrize(
+    "kind, lift, unit", [("translating", 8.0, "mm"), ("oscillating", 12.0, "deg")]
+)
 def test_a_jump_is_told_in_its_own_unit(kind: str, lift: float, unit: str) -> None:
     """Up by `lift` in 2 pi / 3 rad, down in twice that: the speed steps by lift / (2 pi / 3) * 3 / 2."""
     made = sharp(kind, lift)
@@ -388,8 +487,13 @@ def test_acceleration_is_endless_where_the_speed_jumps() -> None:
 
 def test_an_accepted_undercut_fails_nowhere() -> None:
     """Its radius of curvature is below 0: limits.least_radius can say how far below."""
-    settings = ["geometry.base_radius=8", "parts.hub_height=0", "parts.bore=4", "limits.undercut=5",
-                'geometry.follower={motion="translating",shape="flat"}']  # fmt: skip
+    settings = [
+        "geometry.base_radius=8",
+        "parts.hub_height=0",
+        "parts.bore=4",
+        "limits.undercut=5",
+        'geometry.follower={motion="translating",shape="flat"}',
+    ]
     refused = {f.code for f in mechanism(*settings, "limits.least_radius=0").limits() if not f.ok}
     assert refused == {"CURVATURE"}
     assert all(f.ok for f in mechanism(*settings, "limits.least_radius=-50").limits())
@@ -398,7 +502,13 @@ def test_an_accepted_undercut_fails_nowhere() -> None:
 @pytest.mark.parametrize("least", [-2.0, 0.0, 3.0])
 def test_the_base_radius_that_is_found_keeps_to_a_least_radius_of_any_sign(least: float) -> None:
     flat = 'geometry={follower={motion="translating",shape="flat"}}'
-    made = mechanism(flat, "limits.pressure_angle_deg=89", f"limits.least_radius={least}", "parts.hub_height=0", "parts.bore=4")
+    made = mechanism(
+        flat,
+        "limits.pressure_angle_deg=89",
+        f"limits.least_radius={least}",
+        "parts.hub_height=0",
+        "parts.bore=4",
+    )
     (curvature,) = [f for f in made.limits() if f.code == "CURVATURE"]
     assert curvature.measured == pytest.approx(least, abs=1e-6)
 
@@ -464,7 +574,9 @@ def test_pressure_angle_and_undercut_by_other_routes() -> None:
     theta = np.linspace(0.01, 6.2, 400)
     chord = cam.pitch(theta + 1e-6) - cam.pitch(theta - 1e-6)
     way = cam.follower.velocity(made.motion(theta), 0) * np.exp(-1j * theta)
-    angle = np.pi / 2 - np.arccos(np.abs(np.real(chord * np.conj(way))) / np.abs(chord) / np.abs(way))
+    angle = np.pi / 2 - np.arccos(
+        np.abs(np.real(chord * np.conj(way))) / np.abs(chord) / np.abs(way)
+    )
     np.testing.assert_allclose(np.degrees(cam.pressure_angle(theta)), np.degrees(angle), atol=1e-5)
 
 
@@ -475,16 +587,43 @@ def test_pressure_angle_and_undercut_by_other_routes() -> None:
     ("settings", "path"),
     [
         (['geometry.follower={motion="translating",shape="roller"}'], "geometry.follower.radius"),
-        (['geometry.follower={motion="translating",shape="flat",radius=3}'], "geometry.follower.radius"),
-        (['geometry.follower={motion="translating",shape="roller",radius=3,arm=40}'], "geometry.follower.arm"),
-        (['geometry.follower={motion="translating",shape="roller",radius=3,face_width=4}'], "geometry.follower.face_width"),
-        (['geometry.follower={motion="translating",shape="roller",radius=3,face_offset=4}'], "geometry.follower.face_offset"),
-        (['geometry.follower={motion="oscillating",shape="roller",radius=3,arm=40}'], "geometry.follower.pivot_distance"),
-        (['geometry.follower={motion="oscillating",shape="roller",radius=3,pivot_distance=40}'], "geometry.follower.arm"),
+        (
+            ['geometry.follower={motion="translating",shape="flat",radius=3}'],
+            "geometry.follower.radius",
+        ),
+        (
+            ['geometry.follower={motion="translating",shape="roller",radius=3,arm=40}'],
+            "geometry.follower.arm",
+        ),
+        (
+            ['geometry.follower={motion="translating",shape="roller",radius=3,face_width=4}'],
+            "geometry.follower.face_width",
+        ),
+        (
+            ['geometry.follower={motion="translating",shape="roller",radius=3,face_offset=4}'],
+            "geometry.follower.face_offset",
+        ),
+        (
+            ['geometry.follower={motion="oscillating",shape="roller",radius=3,arm=40}'],
+            "geometry.follower.pivot_distance",
+        ),
+        (
+            ['geometry.follower={motion="oscillating",shape="roller",radius=3,pivot_distance=40}'],
+            "geometry.follower.arm",
+        ),
         ([f"geometry.follower={{{ROLLER},offset=3}}"], "geometry.follower.offset"),
-        (['geometry.follower={motion="translating",shape="roller",radius=3,ofset=3}'], "geometry.follower.ofset"),
-        (['geometry.closure="groove"', "parts.hub_height=0", 'geometry.follower={motion="translating",shape="flat"}'],
-         "geometry.closure"),
+        (
+            ['geometry.follower={motion="translating",shape="roller",radius=3,ofset=3}'],
+            "geometry.follower.ofset",
+        ),
+        (
+            [
+                'geometry.closure="groove"',
+                "parts.hub_height=0",
+                'geometry.follower={motion="translating",shape="flat"}',
+            ],
+            "geometry.closure",
+        ),
         (['geometry.closure="groove"'], "parts.hub_height"),
         (["parts.hub_diameter=7"], "parts.hub_diameter"),
         (["parts.hub_diameter=8.001"], "parts.hub_diameter"),
@@ -496,7 +635,7 @@ def test_pressure_angle_and_undercut_by_other_routes() -> None:
         (["limits.min_wall=0.1"], "limits.min_wall"),
         (["segment=[]"], "segment"),
     ],
-)  # fmt: skip
+)
 def test_bad_keys_are_told_by_their_path(settings: list[str], path: str) -> None:
     with pytest.raises(SpecError) as caught:
         mechanism(*settings)
@@ -506,21 +645,54 @@ def test_bad_keys_are_told_by_their_path(settings: list[str], path: str) -> None
 @pytest.mark.parametrize(
     ("segments", "path", "word"),
     [
-        ([{"kind": "rise", "span_deg": 100.0, "lift": 5.0, "law": "cubic"},
-          {"kind": "return", "span_deg": 200.0, "to": 0.0, "law": "cubic"}], "segment", "360"),
-        ([{"kind": "rise", "span_deg": 360.0, "lift": 5.0, "law": "cubic"}], "segment.0", "ends at 0"),
+        (
+            [
+                {"kind": "rise", "span_deg": 100.0, "lift": 5.0, "law": "cubic"},
+                {"kind": "return", "span_deg": 200.0, "to": 0.0, "law": "cubic"},
+            ],
+            "segment",
+            "360",
+        ),
+        (
+            [{"kind": "rise", "span_deg": 360.0, "lift": 5.0, "law": "cubic"}],
+            "segment.0",
+            "ends at 0",
+        ),
         ([{"kind": "dwell", "span_deg": 360.0}], "segment", "rise"),
-        ([{"kind": "rise", "span_deg": 180.0, "lift": 5.0, "law": "cycloid"},
-          {"kind": "return", "span_deg": 180.0, "to": 0.0, "law": "cubic"}], "segment.0.law", "cycloidal"),
-        ([{"kind": "rise", "span_deg": 180.0, "lift": 5.0,
-           "law": {"name": "table", "points": [[0.0, 0.0], [1.0, 2.0], [2.0, 1.0], [3.0, 3.0], [4.0, 4.0]]}},
-          {"kind": "return", "span_deg": 180.0, "to": 0.0, "law": "cubic"}], "segment.0.law.points.2", "rises"),
+        (
+            [
+                {"kind": "rise", "span_deg": 180.0, "lift": 5.0, "law": "cycloid"},
+                {"kind": "return", "span_deg": 180.0, "to": 0.0, "law": "cubic"},
+            ],
+            "segment.0.law",
+            "cycloidal",
+        ),
+        (
+            [
+                {
+                    "kind": "rise",
+                    "span_deg": 180.0,
+                    "lift": 5.0,
+                    "law": {
+                        "name": "table",
+                        "points": [[0.0, 0.0], [1.0, 2.0], [2.0, 1.0], [3.0, 3.0], [4.0, 4.0]],
+                    },
+                },
+                {"kind": "return", "span_deg": 180.0, "to": 0.0, "law": "cubic"},
+            ],
+            "segment.0.law.points.2",
+            "rises",
+        ),
     ],
-)  # fmt: skip
-def test_bad_segments_are_told_by_their_path(segments: list[dict[str, Any]], path: str, word: str) -> None:
+)
+def test_bad_segments_are_told_by_their_path(
+    segments: list[dict[str, Any]], path: str, word: str
+) -> None:
     with pytest.raises(SpecError) as caught:
         mechanism(segments=segments)
-    assert any(fault.path == path and word in str(fault) for fault in caught.value.faults), str(caught.value)
+    assert any(fault.path == path and word in str(fault) for fault in caught.value.faults), str(
+        caught.value
+    )
 
 
 @pytest.mark.parametrize(
@@ -531,8 +703,16 @@ def test_bad_segments_are_told_by_their_path(segments: list[dict[str, Any]], pat
         ["parts.hub_diameter=60"],
         ["parts.bore=60", "parts.hub_height=0"],
         ["geometry.base_radius=120", f"geometry.follower={{{ROLLER}}}"],
-        ["geometry.base_radius=81", 'geometry.follower={motion="oscillating",shape="flat",pivot_distance=80}'],
-        ["geometry.closure='groove'", "parts.hub_height=0", "geometry.base_radius=9", "parts.bore=8"],
+        [
+            "geometry.base_radius=81",
+            'geometry.follower={motion="oscillating",shape="flat",pivot_distance=80}',
+        ],
+        [
+            "geometry.closure='groove'",
+            "parts.hub_height=0",
+            "geometry.base_radius=9",
+            "parts.bore=8",
+        ],
     ],
 )
 def test_designs_that_do_not_exist(tmp_path: Path, settings: list[str]) -> None:
@@ -547,7 +727,9 @@ def test_a_law_from_a_file(tmp_path: Path) -> None:
     u = np.linspace(0, 1, 41)
     rows = [f"{90 * x},{4 * (x - np.sin(2 * np.pi * x) / (2 * np.pi))}" for x in u]
     (tmp_path / "rise.csv").write_text("\n".join(["deg,mm", *rows]))
-    text = SPEC.read_text("utf-8").replace('law = "modified-sine" ', 'law = { name = "table", file = "rise.csv" } ')
+    text = SPEC.read_text("utf-8").replace(
+        'law = "modified-sine" ', 'law = { name = "table", file = "rise.csv" } '
+    )
     (tmp_path / "t.toml").write_text(text)
     report = pipeline.build(tmp_path / "t.toml", tmp_path / "out", frozenset({"dxf"}))
     assert not [f for f in report.findings if not f.ok and f.code != "MOTION_JUMP"]
@@ -580,7 +762,12 @@ def table_of(count: int, steps: int = 1) -> list[dict[str, Any]]:
     s = 10 * (u - np.sin(math.tau * steps * u) / (math.tau * steps))
     points = [[float(a), float(b)] for a, b in zip(120 * u, s, strict=True)]
     return [
-        {"kind": "rise", "span_deg": 120.0, "lift": 10.0, "law": {"name": "table", "points": points}},
+        {
+            "kind": "rise",
+            "span_deg": 120.0,
+            "lift": 10.0,
+            "law": {"name": "table", "points": points},
+        },
         {"kind": "return", "span_deg": 240.0, "to": 0.0, "law": "cycloidal"},
     ]
 
@@ -596,7 +783,9 @@ def test_a_table_of_2000_points_costs_no_more_than_a_law(tmp_path: Path) -> None
         "peak = int(own.read_text().split('VmHWM:')[1].split()[0]) if own.exists() else peak\n"
         "print(report.ok, time.process_time(), peak)"
     )
-    done = subprocess.run([sys.executable, "-c", code, str(tmp_path)], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path)], capture_output=True, text=True, check=True
+    )
     ok, seconds, kilobytes = done.stdout.split()
     assert ok == "True" and float(seconds) < 5 and float(kilobytes) < 300_000
 
@@ -608,7 +797,10 @@ def test_outline_of_a_table_is_the_envelope_through_all_its_knots(count: int) ->
         cam = mechanism("geometry.base_radius=30", segments=table_of(count, steps)).cam
         z = cam.profile(np.linspace(0, math.tau, 20_001))
         assert cam.undercuts == () and len(cam.outline.pieces) == 2
-        for ring in (facet_contour(cam.outline, 1e-3), facet_contour(fit_arcs(cam.outline, 1e-3), 1e-6)):
+        for ring in (
+            facet_contour(cam.outline, 1e-3),
+            facet_contour(fit_arcs(cam.outline, 1e-3), 1e-6),
+        ):
             ends = np.column_stack([ring, np.roll(ring, -1)])
             edges = shapely.linestrings(np.stack([ends.real, ends.imag], -1))
             points = shapely.points(z.real, z.imag)

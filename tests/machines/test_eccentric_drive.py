@@ -26,7 +26,12 @@ SPEC = Path(__file__).resolve().parents[2] / "specs" / "eccentric-drive.toml"
 BASE: dict[str, Any] = {
     "mechanism": "eccentric-drive",
     "name": "drive",
-    "geometry": {"eccentricity": 1.5, "rod": 48.0, "eccentric_diameter": 9.0, "shaft_diameter": 2.0},
+    "geometry": {
+        "eccentricity": 1.5,
+        "rod": 48.0,
+        "eccentric_diameter": 9.0,
+        "shaft_diameter": 2.0,
+    },
     "motor": {"speed_rpm": 13000.0},
 }
 
@@ -43,7 +48,9 @@ def design(**keys: Any) -> EccentricDrive:
 # ---- the paper, /reference: values re-computed there from its lengths ------------------------------------------------
 
 RADIANS = np.radians([30, 60, 90, 120, 150, 180, 210, 240, 270, 300, 330, 360])
-EXACT_SPEED = np.array([17.4087788378, 29.8171521010, 33.9, 28.8993702756, 16.4912211622, 0])  # mm/s at 22.6 rad/s
+EXACT_SPEED = np.array(
+    [17.4087788378, 29.8171521010, 33.9, 28.8993702756, 16.4912211622, 0]
+)  # mm/s at 22.6 rad/s
 EXACT_TRAVEL = np.array([0.206821627, 0.767581345, 1.523443225, 2.267581340, 2.804897840])
 
 
@@ -51,7 +58,9 @@ def test_travel_and_speed_of_the_paper() -> None:
     m = design()
     np.testing.assert_allclose(m.motion(RADIANS[:5]), EXACT_TRAVEL, atol=5e-10)
     np.testing.assert_allclose(m.motion(RADIANS[:6], 1) * 22.6, EXACT_SPEED, atol=6e-11)
-    np.testing.assert_allclose(m.motion(RADIANS[6:], 1) * 22.6, np.append(-EXACT_SPEED[4::-1], 0), atol=6e-11)
+    np.testing.assert_allclose(
+        m.motion(RADIANS[6:], 1) * 22.6, np.append(-EXACT_SPEED[4::-1], 0), atol=6e-11
+    )
     np.testing.assert_allclose(m.motion(np.array([0, math.pi])), [0, 3], atol=1e-12)
     ends = m.motion(np.array([0, math.pi]), 2)
     assert ends[0] / ends[1] == pytest.approx(-33 / 31, rel=1e-12)
@@ -65,16 +74,32 @@ def test_numbers_of_the_report() -> None:
     assert numbers["paper_peak_speed_mm_s"] == pytest.approx(33.916549, abs=5e-7)
     assert numbers["motor_speed_rad_s"] == pytest.approx(1361.357, abs=5e-4)
     assert numbers["strokes_per_s"] == pytest.approx(216.67, abs=5e-3)
-    assert numbers["second_harmonic_share"] == pytest.approx(1 / 64, rel=1e-3)  # Lambda / 2 to the first order
+    assert numbers["second_harmonic_share"] == pytest.approx(
+        1 / 64, rel=1e-3
+    )  # Lambda / 2 to the first order
 
 
 def test_peak_angle_solves_the_cubic() -> None:
     """x = sin^2 p solves L^4 x^3 - L^2 x^2 - x + 1 = 0."""
     for rod in (10.0, 20.0, 200.0):
         ratio = 1.5 / rod
-        x = math.sin(math.radians(design(geometry__rod=rod, geometry__eccentric_diameter=6.6, parts__strap_wall=0.8,
-                                         parts__pin_diameter=1.0, parts__slider_width=3.0, parts__wire_diameter=0.5)
-                                  .study().numbers["peak_speed_angle_deg"])) ** 2  # fmt: skip
+        x = (
+            math.sin(
+                math.radians(
+                    design(
+                        geometry__rod=rod,
+                        geometry__eccentric_diameter=6.6,
+                        parts__strap_wall=0.8,
+                        parts__pin_diameter=1.0,
+                        parts__slider_width=3.0,
+                        parts__wire_diameter=0.5,
+                    )
+                    .study()
+                    .numbers["peak_speed_angle_deg"]
+                )
+            )
+            ** 2
+        )
         assert ratio**4 * x**3 - ratio**2 * x**2 - x + 1 == pytest.approx(0, abs=1e-13)
 
 
@@ -82,7 +107,9 @@ def test_the_published_table_stands_beside_the_exact_one() -> None:
     study = design().study()
     (table,) = (table for table in study.tables if "Published" in table.title)
     rows = np.array(table.rows, float)
-    np.testing.assert_allclose(rows[:, 2], np.concatenate([EXACT_SPEED, -EXACT_SPEED[4::-1], [0]]), atol=6e-11)
+    np.testing.assert_allclose(
+        rows[:, 2], np.concatenate([EXACT_SPEED, -EXACT_SPEED[4::-1], [0]]), atol=6e-11
+    )
     off = dict(zip(rows[:, 0], rows[:, 3], strict=True))
     assert [off[30], off[330]] == pytest.approx([-5.28] * 2, abs=6e-3)
     assert [off[60], off[300]] == pytest.approx([-3.08] * 2, abs=6e-3)
@@ -99,8 +126,12 @@ def test_the_published_table_stands_beside_the_exact_one() -> None:
 def test_motion_is_the_plain_formula(eccentricity: float, rod: float, offset: float) -> None:
     m = design(geometry__eccentricity=eccentricity, geometry__rod=rod, geometry__offset=offset)
     theta = np.linspace(0, 7, 50)
-    x = eccentricity * np.cos(theta) + np.sqrt(rod**2 - (eccentricity * np.sin(theta) - offset) ** 2)
-    np.testing.assert_allclose(m.motion(theta), math.sqrt((rod + eccentricity) ** 2 - offset**2) - x, atol=1e-12 * rod)
+    x = eccentricity * np.cos(theta) + np.sqrt(
+        rod**2 - (eccentricity * np.sin(theta) - offset) ** 2
+    )
+    np.testing.assert_allclose(
+        m.motion(theta), math.sqrt((rod + eccentricity) ** 2 - offset**2) - x, atol=1e-12 * rod
+    )
     assert m.motion(np.linspace(0, math.tau, 2001)).min() > -1e-12 * rod
 
 
@@ -110,8 +141,18 @@ MACHINES: list[dict[str, Any]] = [
     {},
     {"geometry__offset": 4.0},
     {"geometry__offset": -6.0, "geometry__eccentricity": 2.5, "geometry__eccentric_diameter": 12.0},
-    {"geometry__rod": 30.0, "geometry__eccentricity": 4.0, "geometry__eccentric_diameter": 14.0, "print__slide_clearance": 0.3},
-    {"parts__pin_diameter": 2.0, "parts__slider_width": 12.0, "parts__rail_width": 4.0, "print__press_clearance": 0.05},
+    {
+        "geometry__rod": 30.0,
+        "geometry__eccentricity": 4.0,
+        "geometry__eccentric_diameter": 14.0,
+        "print__slide_clearance": 0.3,
+    },
+    {
+        "parts__pin_diameter": 2.0,
+        "parts__slider_width": 12.0,
+        "parts__rail_width": 4.0,
+        "print__press_clearance": 0.05,
+    },
 ]
 
 
@@ -126,8 +167,15 @@ def test_nothing_overlaps_on_the_turn(keys: dict[str, Any]) -> None:
         bodies = []
         for placed in assembled(m):
             mesh = meshes[placed.object]
-            raw = manifold3d.Mesh64(np.ascontiguousarray(mesh.vertices), mesh.faces.astype(np.uint64))
-            bodies.append((placed.object, manifold3d.Manifold(raw).transform(np.asarray(placed.transform)[:3, :4])))
+            raw = manifold3d.Mesh64(
+                np.ascontiguousarray(mesh.vertices), mesh.faces.astype(np.uint64)
+            )
+            bodies.append(
+                (
+                    placed.object,
+                    manifold3d.Manifold(raw).transform(np.asarray(placed.transform)[:3, :4]),
+                )
+            )
         for (a, first), (b, second) in combinations(bodies, 2):
             assert (first ^ second).volume() < 1e-3, (a, b, math.degrees(angle))
 
@@ -146,8 +194,12 @@ def test_forces_of_a_slider_alone_are_its_mass_times_acceleration() -> None:
     numbers = design(**{f"masses__{key}": value for key, value in masses.items()}).study().numbers
     speed = 13000 * math.tau / 60
     # at theta = 0, where rod and guide are in line and the acceleration is greatest: m e w^2 (1 + Lambda)
-    assert numbers["peak_force_p_n"] == pytest.approx(1.5e-3 * 1.5e-3 * speed**2 * (1 + 1 / 32), rel=1e-6)
-    assert numbers["peak_torque_n_m"] > 0 and not any(key.endswith(("_N", "_N_m")) for key in numbers)
+    assert numbers["peak_force_p_n"] == pytest.approx(
+        1.5e-3 * 1.5e-3 * speed**2 * (1 + 1 / 32), rel=1e-6
+    )
+    assert numbers["peak_torque_n_m"] > 0 and not any(
+        key.endswith(("_N", "_N_m")) for key in numbers
+    )
     assert "peak_force_p_n" not in design().study().numbers
 
 
@@ -158,26 +210,52 @@ def test_the_papers_disc_has_no_wall() -> None:
     with pytest.raises(DesignError) as caught:
         design(geometry__eccentric_diameter=5.0).parts()
     assert (caught.value.value, caught.value.limit) == (pytest.approx(0, abs=1e-12), 0.8)
-    assert "MIN_WALL" in str(caught.value) and "eccentric_diameter of 6.6 mm or more works" in str(caught.value)
+    assert "MIN_WALL" in str(caught.value) and "eccentric_diameter of 6.6 mm or more works" in str(
+        caught.value
+    )
     assert design(geometry__eccentric_diameter=6.6).parts()
 
 
 @settings(max_examples=30)
 @given(st.floats(0.1, 5), st.floats(0.5, 8), st.floats(0.4, 3))
-def test_the_diameter_that_is_said_to_work_works(eccentricity: float, shaft: float, wall: float) -> None:
-    keys = {"geometry__eccentricity": eccentricity, "geometry__shaft_diameter": shaft, "limits__min_wall": wall}
+def test_the_diameter_that_is_said_to_work_works(
+    eccentricity: float, shaft: float, wall: float
+) -> None:
+    keys = {
+        "geometry__eccentricity": eccentricity,
+        "geometry__shaft_diameter": shaft,
+        "limits__min_wall": wall,
+    }
     # room for such a shaft and such walls in the other parts
-    keys |= {"motor__boss_diameter": 9.0, "parts__rail_width": 12.0, "parts__cover_length": 12.0, "parts__slider_width": 12.0}
+    keys |= {
+        "motor__boss_diameter": 9.0,
+        "parts__rail_width": 12.0,
+        "parts__cover_length": 12.0,
+        "parts__slider_width": 12.0,
+    }
     keys |= {"parts__strap_wall": 3.0}
     with pytest.raises(DesignError) as caught:
         design(**keys, geometry__eccentric_diameter=0.5).parts()
     works = float(caught.value.remedy.split("eccentric_diameter of ")[1].split(" mm")[0])
-    assert design(**keys, geometry__eccentric_diameter=works * (1 + 1e-5), geometry__rod=120.0).parts()
+    assert design(
+        **keys, geometry__eccentric_diameter=works * (1 + 1e-5), geometry__rod=120.0
+    ).parts()
 
 
-def test_no_wall_exits_with_3_and_writes_nothing(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_no_wall_exits_with_3_and_writes_nothing(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
     with pytest.raises(SystemExit) as done:
-        main(["build", str(SPEC), "--set", "geometry.eccentric_diameter=5", "-o", str(tmp_path / "out")])
+        main(
+            [
+                "build",
+                str(SPEC),
+                "--set",
+                "geometry.eccentric_diameter=5",
+                "-o",
+                str(tmp_path / "out"),
+            ]
+        )
     assert done.value.code == 3
     assert "6.6 mm or more works" in "".join(capfd.readouterr())
     assert not (tmp_path / "out" / "eccentric-drive").exists()
@@ -191,7 +269,9 @@ def test_no_wall_exits_with_3_and_writes_nothing(tmp_path: Path, capfd: pytest.C
         ({"geometry__offset": 60.0}, 13.5, "never closes"),
     ],
 )
-def test_a_rod_that_does_not_reach_says_where_and_by_how_much(keys: dict[str, Any], gap: float, said: str) -> None:
+def test_a_rod_that_does_not_reach_says_where_and_by_how_much(
+    keys: dict[str, Any], gap: float, said: str
+) -> None:
     with pytest.raises(DesignError) as caught:
         design(**keys).parts()
     assert caught.value.value == pytest.approx(gap, abs=1e-9)
@@ -200,7 +280,9 @@ def test_a_rod_that_does_not_reach_says_where_and_by_how_much(keys: dict[str, An
         assert all(edge in str(caught.value) for edge in ("41.8103", "138.19", "221.81", "318.19"))
 
 
-@pytest.mark.parametrize("keys", [{"geometry__rod": 1.5}, {"geometry__offset": 46.5}, {"geometry__offset": -46.5}])
+@pytest.mark.parametrize(
+    "keys", [{"geometry__rod": 1.5}, {"geometry__offset": 46.5}, {"geometry__offset": -46.5}]
+)
 def test_a_change_point_is_told(keys: dict[str, Any]) -> None:
     with pytest.raises(DesignError, match="change point"):
         design(**keys).parts()
@@ -272,7 +354,9 @@ def test_the_motor_shaft_is_told_and_judged() -> None:
     assert m.study().numbers["motor_shaft_length_mm"] == pytest.approx(13.6, abs=1e-12)
     assert m.shaft_needed == pytest.approx(13.6, abs=1e-12)
     assert {f.code for f in assess(m).findings if not f.ok} == {"SHAFT_REACH"}
-    assert all(f.ok for f in assess(design(motor__shaft_length=13.7, limits__pv_mpa_m_s=2.0)).findings)
+    assert all(
+        f.ok for f in assess(design(motor__shaft_length=13.7, limits__pv_mpa_m_s=2.0)).findings
+    )
     lines = {line.name: line for line in m.bought()}
     assert "shaft 2 x 13.6 over its face" in lines["motor"].size
     # 5 + 4.2 + 3 and a nut of 2; 2 * 5 + 25 and 2; 4 + 3 and 2
@@ -284,7 +368,9 @@ def test_the_clamp_presses_on_the_wire_and_stays_outside_the_guide() -> None:
     m = design()
     parts = {part.name: part for part in m.parts()}
     head, top = parts["slider"].layers[1], parts["slider"].thickness
-    assert head.z1 == pytest.approx(top - 1.5 / 4) and head.z0 == pytest.approx(top - 1.5)  # the wire stands out by a quarter
+    assert head.z1 == pytest.approx(top - 1.5 / 4) and head.z0 == pytest.approx(
+        top - 1.5
+    )  # the wire stands out by a quarter
     poses = m.poses(np.array([math.pi]))
     edge = poses["clamp"][0].place[0].real - 3.2
     body = max(z.real for z in parts["body"].region.outer.pieces[0].at(np.linspace(0, 1, 9)))
@@ -295,16 +381,29 @@ def test_the_clamp_presses_on_the_wire_and_stays_outside_the_guide() -> None:
 def test_play_is_judged_by_the_designers_limit(limit: float, tmp_path: Path) -> None:
     """0.2 mm of play in strap and pin each; no limit bears more than half of the stroke of 3 mm."""
     settings = [] if limit == 1 else [f"limits.lash={limit}"]
-    (lash,) = [f for f in pipeline.build(SPEC, tmp_path, frozenset({"dxf"}), settings).findings if f.code == "LASH"]
+    (lash,) = [
+        f
+        for f in pipeline.build(SPEC, tmp_path, frozenset({"dxf"}), settings).findings
+        if f.code == "LASH"
+    ]
     assert lash.measured == pytest.approx(0.4, rel=0.02) and lash.ok is (lash.measured <= limit)
     assert lash.limit == pytest.approx(min(limit, 1.5), abs=1e-6)
 
 
 def test_play_as_large_as_the_stroke_fails(tmp_path: Path) -> None:
-    report = pipeline.build(SPEC, tmp_path, frozenset({"dxf"}), ["print.slide_clearance=0.8", "geometry.eccentricity=0.4"])
+    report = pipeline.build(
+        SPEC,
+        tmp_path,
+        frozenset({"dxf"}),
+        ["print.slide_clearance=0.8", "geometry.eccentricity=0.4"],
+    )
     lash = next(f for f in report.findings if f.code == "LASH")
     # by hand: strap and pin 0.4 each way, the guide's share under 1 %; half of the stroke of 0.8
-    assert not lash.ok and lash.measured == pytest.approx(1.6, rel=0.01) and lash.limit == pytest.approx(0.4, abs=1e-6)
+    assert (
+        not lash.ok
+        and lash.measured == pytest.approx(1.6, rel=0.01)
+        and lash.limit == pytest.approx(0.4, abs=1e-6)
+    )
 
 
 @pytest.mark.parametrize(
@@ -336,14 +435,23 @@ def of_tube(found: EccentricDrive) -> dict[tuple[str, bool], bool]:
 
 def test_the_needle_is_guided_and_reaches_as_deep_as_it_should() -> None:
     m = design(parts__tube_length=12.0, limits__stroke=(2.0, 3.0))
-    assert m.tube is not None and m.tube.out == pytest.approx((0.0, 3.0))  # the paper: 2 to 3 mm out of the tube
+    assert m.tube is not None and m.tube.out == pytest.approx(
+        (0.0, 3.0)
+    )  # the paper: 2 to 3 mm out of the tube
     assert set(of_tube(m).values()) == {True} and len(of_tube(m)) == 3
     tip = m.poses(np.array([0.0, math.pi]))["slider"][0].place.real + m.hook + m.tube.wire
     face = m.tube.mount().at.real + 6.0
     assert tip - face == pytest.approx([3.0, 0.0], abs=1e-9)  # innermost at 180 deg
-    longer, shorter = (design(parts__tube_length=12.0, limits__stroke=(2.0, 3.0), parts__wire_length=m.tube.wire + d)
-                       for d in (0.1, -1.1))  # fmt: skip
-    assert of_tube(longer)["NEEDLE_REACH", False] is False and of_tube(shorter)["NEEDLE_REACH", True] is False
+    longer, shorter = (
+        design(
+            parts__tube_length=12.0, limits__stroke=(2.0, 3.0), parts__wire_length=m.tube.wire + d
+        )
+        for d in (0.1, -1.1)
+    )
+    assert (
+        of_tube(longer)["NEEDLE_REACH", False] is False
+        and of_tube(shorter)["NEEDLE_REACH", True] is False
+    )
     blunt = design(parts__tube_length=12.0, parts__wire_length=m.tube.wire - 9.5)
     assert of_tube(blunt) == {("NEEDLE_GUIDED", True): False}
     assert of_tube(design()) == {} and design().stand_ins() == ()
@@ -354,14 +462,25 @@ def test_the_bore_of_the_tube_holds_the_wire_with_the_fit_of_what_slides() -> No
     part = next(part for part in m.parts() if part.name == "needle-tube")
     assert m.tube is not None
     beside = [layer for layer in part.layers if layer.z0 == part.layers[1].z0]
-    edges = sorted(z.imag for layer in beside for piece in layer.region.outer.pieces for z in (piece.a, piece.b))
+    edges = sorted(
+        z.imag
+        for layer in beside
+        for piece in layer.region.outer.pieces
+        for z in (piece.a, piece.b)
+    )
     inner = [y for y in edges if abs(y) < 2]
     assert max(inner) - min(inner) == pytest.approx(1.8) == beside[0].z1 - beside[0].z0
     assert {line.name: line for line in m.bought()}["nut"].count == 8
 
 
-@pytest.mark.parametrize("keys", [{"parts__wire_length": 40.0}, {"parts__tube_length": 3.0},
-                                  {"parts__tube_length": 12.0, "parts__wire_diameter": 3.55}])  # fmt: skip
+@pytest.mark.parametrize(
+    "keys",
+    [
+        {"parts__wire_length": 40.0},
+        {"parts__tube_length": 3.0},
+        {"parts__tube_length": 12.0, "parts__wire_diameter": 3.55},
+    ],
+)
 def test_a_tube_that_cannot_be_is_told(keys: dict[str, float]) -> None:
     with pytest.raises(SpecError, match="parts.w|parts.t"):
         design(**keys)
@@ -370,6 +489,11 @@ def test_a_tube_that_cannot_be_is_told(keys: dict[str, float]) -> None:
 def test_a_counterweight_lies_across_from_the_eccentric_and_spares_the_shaft() -> None:
     m = design(counterweight__made="steel")
     numbers = assess(m).study.numbers
-    assert numbers["counterweight_bearing_after_n"] < 0.75 * numbers["counterweight_bearing_before_n"]
+    assert (
+        numbers["counterweight_bearing_after_n"] < 0.75 * numbers["counterweight_bearing_before_n"]
+    )
     # rod and slider shift along the guide: half to all of their moment at the eccentric, and the disc's own, across from it
-    assert abs(numbers["counterweight_at_deg"]) == pytest.approx(180, abs=1) and m.shaft_length == design().shaft_length + 3.0
+    assert (
+        abs(numbers["counterweight_at_deg"]) == pytest.approx(180, abs=1)
+        and m.shaft_length == design().shaft_length + 3.0
+    )

@@ -19,8 +19,20 @@ from camgen.machines import MECHANISMS, load
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 NOTHING = (math.nan, math.inf, -math.inf, 10**400, {}, {"x": 1}, [[[0]]], [None])
 EXTREMES = (0, -1, 1e-9, 1e-3, 0.3, 3, 90, 359, 1e3, 1e6, "x", True, [], [1.0, 2.0])
-SWINGING = {"motion": "oscillating", "shape": "roller", "radius": 5.0, "pivot_distance": 60.0, "arm": 50.0}
-FACE = {"motion": "oscillating", "shape": "flat", "pivot_distance": 80.0, "face_offset": 2.0, "face_width": 60.0}
+SWINGING = {
+    "motion": "oscillating",
+    "shape": "roller",
+    "radius": 5.0,
+    "pivot_distance": 60.0,
+    "arm": 50.0,
+}
+FACE = {
+    "motion": "oscillating",
+    "shape": "flat",
+    "pivot_distance": 80.0,
+    "face_offset": 2.0,
+    "face_width": 60.0,
+}
 VARIANTS: dict[str, tuple[str, dict[str, Any]]] = {
     **{name: (name, {}) for name in MECHANISMS},
     "disc-cam, groove": ("disc-cam", {"geometry.closure": "groove", "parts.hub_height": 0.0}),
@@ -30,10 +42,14 @@ VARIANTS: dict[str, tuple[str, dict[str, Any]]] = {
     "indexing-cam, machine": ("indexing-cam", {"parts.make": "machine"}),
     "disc-cam, face on an arm": ("disc-cam", {"geometry.follower": FACE}),
 }
-Leaf = tuple[tuple[str | int, ...], dict[str, Any], bool]  # of a key: its path, its schema, whether it must be given
+Leaf = tuple[
+    tuple[str | int, ...], dict[str, Any], bool
+]  # of a key: its path, its schema, whether it must be given
 
 
-def leaves(node: Any, root: Any, data: Any, path: tuple[str | int, ...] = (), asked: bool = True) -> Iterator[Leaf]:
+def leaves(
+    node: Any, root: Any, data: Any, path: tuple[str | int, ...] = (), asked: bool = True
+) -> Iterator[Leaf]:
     """All keys that are no tables; of a list of tables those of its first and its last one in `data`."""
     while "$ref" in node:
         node = root["$defs"][node["$ref"].rsplit("/", 1)[1]]
@@ -45,7 +61,13 @@ def leaves(node: Any, root: Any, data: Any, path: tuple[str | int, ...] = (), as
         for key, value in node["properties"].items():
             inner = data.get(key) if isinstance(data, dict) else None
             given = isinstance(data, dict) and key in data
-            yield from leaves(value, root, inner, (*path, key), asked and given and key in node.get("required", ()))
+            yield from leaves(
+                value,
+                root,
+                inner,
+                (*path, key),
+                asked and given and key in node.get("required", ()),
+            )
     elif "items" in node and isinstance(data, list) and data and isinstance(data[0], dict):
         for k in sorted({0, len(data) - 1}):
             yield from leaves(node["items"], root, data[k], (*path, k), False)
@@ -62,7 +84,11 @@ def keys_of(mechanism: str) -> list[Leaf]:
     """Every key once, `mechanism` left out."""
     root = specs.schema(load(mechanism), mechanism)
     found = leaves(root, root, starter(mechanism))
-    return list({path: (path, node, asked) for path, node, asked in found if path != ("mechanism",)}.values())
+    return list(
+        {
+            path: (path, node, asked) for path, node, asked in found if path != ("mechanism",)
+        }.values()
+    )
 
 
 def beyond(node: dict[str, Any]) -> Iterator[object]:
@@ -106,20 +132,36 @@ def test_what_is_no_value_is_told_by_its_path(mechanism: str) -> None:
         dotted = ".".join(map(str, path))
         parents = {".".join(map(str, path[:k])) for k in range(1, len(path) + 1)}
         for value in (*NOTHING, *beyond(node)):
-            if value == {} and not asked and ({"additionalProperties", "patternProperties"} & node.keys()):
+            if (
+                value == {}
+                and not asked
+                and ({"additionalProperties", "patternProperties"} & node.keys())
+            ):
                 continue  # a table of names that a person gives may be empty
             with pytest.raises(SpecError) as caught:
                 changed(mechanism, path, value)
-            told = [fault for fault in caught.value.faults if fault.path.startswith(dotted) or fault.path in parents]
+            told = [
+                fault
+                for fault in caught.value.faults
+                if fault.path.startswith(dotted) or fault.path in parents
+            ]
             assert told and all(fault.expected for fault in told), (path, value, caught.value)
         if asked:
             with pytest.raises(SpecError) as caught:
                 changed(mechanism, path)
-            assert [fault.path for fault in caught.value.faults if fault.expected.startswith("missing")] == [dotted]
+            assert [
+                fault.path for fault in caught.value.faults if fault.expected.startswith("missing")
+            ] == [dotted]
 
 
 # whose figures cost most: each key of theirs gets one extreme, and of four keys one is studied
-HEAVY = ("indexing-cam, machine", "chain-stitch-looper", "thread-take-up", "uniform-swing", "indexing-cam")
+HEAVY = (
+    "indexing-cam, machine",
+    "chain-stitch-looper",
+    "thread-take-up",
+    "uniform-swing",
+    "indexing-cam",
+)
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
@@ -138,8 +180,16 @@ def test_extremes_end_well(variant: str) -> None:
             value = EXTREMES[turn % len(EXTREMES)]
             try:
                 made = changed(variant, path, value)
-                studied = number % 4 == (2 if settings else 1) if variant in HEAVY else k and (number % 2 or settings)
-                findings, parts, numbers = made.limits(), made.parts(), made.study().numbers if studied else {}
+                studied = (
+                    number % 4 == (2 if settings else 1)
+                    if variant in HEAVY
+                    else k and (number % 2 or settings)
+                )
+                findings, parts, numbers = (
+                    made.limits(),
+                    made.parts(),
+                    made.study().numbers if studied else {},
+                )
                 made.contacts(), made.bought()
             except SpecError as error:
                 assert all(fault.path and fault.expected for fault in error.faults), (path, value)
@@ -149,7 +199,13 @@ def test_extremes_end_well(variant: str) -> None:
                 assert str(error)
             else:
                 good += 1
-                assert not [f.code for f in findings if f.ok and math.isnan(f.measured)], (path, value)
-                assert not [name for name, number in numbers.items() if math.isnan(number)], (path, value)
+                assert not [f.code for f in findings if f.ok and math.isnan(f.measured)], (
+                    path,
+                    value,
+                )
+                assert not [name for name, number in numbers.items() if math.isnan(number)], (
+                    path,
+                    value,
+                )
                 assert all(0 < part.volume < math.inf for part in parts), (path, value)
     assert good > 0

@@ -17,9 +17,12 @@ STANDING = "dial-table"  # of 29 parts; what of it is judged without files
 
 
 @pytest.mark.parametrize(
-    "path", sorted(path for path in (starters.folder() / "gallery").glob("*.toml") if path.stem != STANDING),
+    "path",
+    sorted(
+        path for path in (starters.folder() / "gallery").glob("*.toml") if path.stem != STANDING
+    ),
     ids=lambda path: path.stem,
-)  # fmt: skip
+)
 def test_each_spec_builds(path: Path, tmp_path: Path) -> None:
     report = build(path, tmp_path, ONLY)
     assert report.ok and report.name == path.stem
@@ -33,11 +36,19 @@ def test_standing_indexing_cams_hold_on_shafts_of_steel(name: str) -> None:
     tables["parts"]["make"] = "machine"
     machine = load(tables)
     found = assess(machine)
-    assert all(finding.ok for finding in (*machine.limits(), *found.findings)) and not found.warnings
-    assert {part.made for part in machine.parts() if part.name.startswith("shaft")} <= {"turned of steel", "bought"}
+    assert (
+        all(finding.ok for finding in (*machine.limits(), *found.findings)) and not found.warnings
+    )
+    assert {part.made for part in machine.parts() if part.name.startswith("shaft")} <= {
+        "turned of steel",
+        "bought",
+    }
     bought = {row[1]: (row[0], row[2]) for row in parts_table(machine).rows}
     (shaft,) = (part for part in machine.parts() if part.name == "shaft")
-    assert bought["shaft"] == ("turned of steel", f"Shaft: rod 6 h9 x {shaft.thickness:g}, a flat 0.8 deep all along")
+    assert bought["shaft"] == (
+        "turned of steel",
+        f"Shaft: rod 6 h9 x {shaft.thickness:g}, a flat 0.8 deep all along",
+    )
     tables["bodies"]["shaft_made"] = "printed"
     broken = [finding for finding in assess(load(tables)).findings if not finding.ok]
     assert {finding.code for finding in broken} == {"PIN_STRESS"} and broken
@@ -45,7 +56,15 @@ def test_standing_indexing_cams_hold_on_shafts_of_steel(name: str) -> None:
 
 
 def test_an_example_is_named_once_and_none_needs_another_file() -> None:
-    assert {"automaton", "dial-table", "four-bar", "groove", "valve", "quick-return", "walking-leg"} <= set(starters.examples())
+    assert {
+        "automaton",
+        "dial-table",
+        "four-bar",
+        "groove",
+        "valve",
+        "quick-return",
+        "walking-leg",
+    } <= set(starters.examples())
     assert "stitch-head" not in starters.examples()  # it includes other specs
 
 

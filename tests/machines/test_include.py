@@ -51,13 +51,20 @@ def test_machine_joined_moves_as_by_itself(root: Path, name: str) -> None:
         rate = run.derivatives(f"other_{output.name}")[1]
         assert np.allclose(rate, ahead.derivatives(output.name)[1], rtol=0, atol=1e-8)
     for body in alone.model.moving:
-        assert np.allclose(run.pose(f"other_{body.name}").place, ahead.pose(body.name).place + module.at, rtol=0, atol=1e-9)
+        assert np.allclose(
+            run.pose(f"other_{body.name}").place,
+            ahead.pose(body.name).place + module.at,
+            rtol=0,
+            atol=1e-9,
+        )
 
 
 def test_take_up_included_keeps_its_figures(root: Path, tables: dict[str, Any]) -> None:
     """Its numbers and limits are those of its own spec, its parts have its names, and it stands above the host."""
     own = read_mechanism(root / "specs" / "thread-take-up.toml").resolved()
-    whole = read_mechanism(include(root, tables, {"spec": "thread-take-up.toml", "at": [0, 120], "phase_deg": 30}))
+    whole = read_mechanism(
+        include(root, tables, {"spec": "thread-take-up.toml", "at": [0, 120], "phase_deg": 30})
+    )
     numbers = whole.study().numbers
     for name, value in own.study().numbers.items():
         assert numbers[f"thread_take_up_{name}"] == pytest.approx(value, rel=1e-12, nan_ok=True)
@@ -66,14 +73,25 @@ def test_take_up_included_keeps_its_figures(root: Path, tables: dict[str, Any]) 
     parts = {part.name for part in whole.parts()}
     assert {f"thread-take-up-{part.name}" for part in own.parts()} < parts
     poses = whole.poses(np.zeros(1))
-    low = min(pose.z for name, copies in poses.items() if name.startswith("thread-take-up") for pose in copies if pose.z)
+    low = min(
+        pose.z
+        for name, copies in poses.items()
+        if name.startswith("thread-take-up")
+        for pose in copies
+        if pose.z
+    )
     high = max(
-        pose.z + part.thickness for part in whole.parts() if not part.name.startswith("thread") for pose in poses[part.name]
+        pose.z + part.thickness
+        for part in whole.parts()
+        if not part.name.startswith("thread")
+        for pose in poses[part.name]
     )
     assert low >= high
 
 
-def test_whole_is_built_judged_and_built_again(root: Path, tables: dict[str, Any], tmp_path: Path) -> None:
+def test_whole_is_built_judged_and_built_again(
+    root: Path, tables: dict[str, Any], tmp_path: Path
+) -> None:
     """Every joint of host and module is measured, a hole that is off in the module's file is found at its output, and the
     resolved spec needs no other file."""
     data = include(root, tables, {"spec": "thread-take-up.toml", "at": [0, 120], "phase_deg": 30})
@@ -97,8 +115,14 @@ def test_machines_in_one_place_meet(root: Path, tables: dict[str, Any], tmp_path
     data = include(root, tables, {"spec": "thread-take-up.toml", "at": [0, 0], "z": 0})
     case = Case(read_mechanism(data).resolved(), tmp_path)
     with Workers() as workers:
-        put_together(case, frozenset({"3mf"}), make_parts(case, frozenset({"3mf"}), workers, silent), silent)
-    failed = [finding for finding in sweep(case.file("assembly", "3mf"), case.mechanism.moved())[0] if not finding.ok]
+        put_together(
+            case, frozenset({"3mf"}), make_parts(case, frozenset({"3mf"}), workers, silent), silent
+        )
+    failed = [
+        finding
+        for finding in sweep(case.file("assembly", "3mf"), case.mechanism.moved())[0]
+        if not finding.ok
+    ]
     assert {finding.code for finding in failed} == {"INTERFERENCE"}
     assert any("coupler-1" in f.where and "thread-take-up-bell-crank-1" in f.where for f in failed)
 
@@ -106,7 +130,9 @@ def test_machines_in_one_place_meet(root: Path, tables: dict[str, Any], tmp_path
 def test_a_linkage_is_included_too(root: Path, tables: dict[str, Any]) -> None:
     """With all its defaults filled in, among them an empty list of includes."""
     data = include(root, tables, {"spec": "quick-return.toml", "at": [0, 300]})
-    again = read_mechanism(read_mechanism(data).resolved().model_dump(by_alias=True, exclude_none=True))
+    again = read_mechanism(
+        read_mechanism(data).resolved().model_dump(by_alias=True, exclude_none=True)
+    )
     names = {part.name for part in again.parts()}
     assert {"quick-return-ram", "quick-return-arm", "coupler"} <= names
     bought = [each.name for each in again.bought()]
@@ -121,8 +147,16 @@ def test_a_linkage_is_included_too(root: Path, tables: dict[str, Any]) -> None:
         ({"name": "1a"}, "include.0.name", ""),
         ({"colour": 1}, "include.0.colour", "unknown"),
         ({"spec": {"mechanism": "linkages", "name": "x"}}, "include.0.spec.mechanism", ""),
-        ({"spec": {"include": [{"spec": "linkage.toml"}]}}, "include.0.spec", "take the [[include]] of linkage.toml out of it"),
-        ({"spec": "stitch-head.toml"}, "include.0.spec", "of chain-stitch-looper.toml, thread-take-up.toml out of it, and write"),
+        (
+            {"spec": {"include": [{"spec": "linkage.toml"}]}},
+            "include.0.spec",
+            "take the [[include]] of linkage.toml out of it",
+        ),
+        (
+            {"spec": "stitch-head.toml"},
+            "include.0.spec",
+            "of chain-stitch-looper.toml, thread-take-up.toml out of it, and write",
+        ),
     ],
 )
 def test_wrong_include_is_told_by_its_key(
@@ -147,18 +181,30 @@ def test_names_that_meet_those_of_the_host_are_told(root: Path, tables: dict[str
     tables["output"][0]["name"] = "thread_take_up_feed"
     with pytest.raises(SpecError) as told:
         read_mechanism(include(root, tables, {"spec": "thread-take-up.toml"})).parts()
-    assert [fault.path for fault in told.value.faults] == ["include.0.name"] and "thread_take_up_feed" in str(told.value)
+    assert [fault.path for fault in told.value.faults] == [
+        "include.0.name"
+    ] and "thread_take_up_feed" in str(told.value)
 
 
 def test_two_of_one_name_and_faults_inside_are_told(root: Path, tables: dict[str, Any]) -> None:
-    both = include(root, tables, {"spec": "thread-take-up.toml"}, {"spec": "thread-take-up.toml", "at": [0, 300]})
+    both = include(
+        root,
+        tables,
+        {"spec": "thread-take-up.toml"},
+        {"spec": "thread-take-up.toml", "at": [0, 300]},
+    )
     both["include"][0]["spec"]["geometry"]["frame"] = -4
     with pytest.raises(SpecError) as told:
         read_mechanism(both)
-    assert [fault.path for fault in told.value.faults] == ["include.0.spec.geometry.frame", "include.1.name"]
+    assert [fault.path for fault in told.value.faults] == [
+        "include.0.spec.geometry.frame",
+        "include.1.name",
+    ]
     impossible = include(root, tables, {"spec": "thread-take-up.toml"})
     impossible["include"][0]["spec"]["geometry"]["frame"] = 90
-    with pytest.raises(DesignError, match=r"^thread_take_up \(thread-take-up\.toml\): gap at joint B is 71 mm"):
+    with pytest.raises(
+        DesignError, match=r"^thread_take_up \(thread-take-up\.toml\): gap at joint B is 71 mm"
+    ):
         read_mechanism(impossible).parts()
 
 
@@ -176,7 +222,9 @@ def test_stitch_head_moves_as_the_stitch_asks(root: Path, head: Any) -> None:
     off = {f.where.split(" ")[1]: f.measured for f in head.limits() if f.code == "PROGRAM_ERROR"}
     crank, rod = 35.3333333333 / 2, 175.0
     assert off["lower-spreader"] < 1e-9 and off["upper-spreader"] < 1e-9
-    assert off["needle-1"] == pytest.approx(rod - math.sqrt(rod**2 - crank**2), rel=1e-6)  # at half stroke
+    assert off["needle-1"] == pytest.approx(
+        rod - math.sqrt(rod**2 - crank**2), rel=1e-6
+    )  # at half stroke
     poses = head.poses(THETA)
     (spreader,) = poses["chain-stitch-looper-lower-spreader"]
     assert np.allclose(spreader.place - spreader.place[0], stitch.motion(THETA), rtol=0, atol=1e-9)
@@ -190,7 +238,9 @@ def test_stitch_head_keeps_each_module_s_figures(root: Path, head: Any) -> None:
     for name in ("chain-stitch-looper", "thread-take-up"):
         own = read_mechanism(root / "specs" / f"{name}.toml", ["motor.speed_rpm=3000"]).resolved()
         for key, value in own.study().numbers.items():
-            assert numbers[f"{name.replace('-', '_')}_{key}"] == pytest.approx(value, rel=1e-9, nan_ok=True), key
+            assert numbers[f"{name.replace('-', '_')}_{key}"] == pytest.approx(
+                value, rel=1e-9, nan_ok=True
+            ), key
 
 
 def test_clearance_is_judged_where_the_riding_bodies_go(root: Path, tmp_path: Path) -> None:
@@ -199,18 +249,27 @@ def test_clearance_is_judged_where_the_riding_bodies_go(root: Path, tmp_path: Pa
     assert shipped.ok
     apart = {f.where.split(":")[0]: f.measured for f in shipped.findings if f.code == "CLEARANCE"}
     assert 0.5 < apart["N2/P2"] < 1.345  # by its own program it keeps 1.345 mm
-    short = ["lengths.A-B=120", "points.B=[3.2, 2.333333]", "points.U=[3.2, -5]", "points.V=[3.2, 45]", "points.P=[3.2, -30]"]
+    short = [
+        "lengths.A-B=120",
+        "points.B=[3.2, 2.333333]",
+        "points.U=[3.2, -5]",
+        "points.V=[3.2, 45]",
+        "points.P=[3.2, -30]",
+    ]
     off = read_mechanism(root / "specs" / "stitch-head.toml", short)
     assert [f.code for f in off.limits() if not f.ok] == ["PROGRAM_ERROR"] * 2
 
 
 @pytest.mark.parametrize(
-    ("ride", "said"),
-    [({"needle-9": "crank"}, "needle-9"), ({"needle-1": "cranks"}, "cranks")],
+    ("ride", "said"), [({"needle-9": "crank"}, "needle-9"), ({"needle-1": "cranks"}, "cranks")]
 )
-def test_who_cannot_ride_is_told(root: Path, tables: dict[str, Any], ride: dict[str, str], said: str) -> None:
+def test_who_cannot_ride_is_told(
+    root: Path, tables: dict[str, Any], ride: dict[str, str], said: str
+) -> None:
     with pytest.raises(SpecError) as told:
-        read_mechanism(include(root, tables, {"spec": "chain-stitch-looper.toml", "ride": ride})).parts()
+        read_mechanism(
+            include(root, tables, {"spec": "chain-stitch-looper.toml", "ride": ride})
+        ).parts()
     assert said in str(told.value.faults[0])
 
 
@@ -218,12 +277,15 @@ def test_who_cannot_ride_is_told(root: Path, tables: dict[str, Any], ride: dict[
 
 
 STACKED = {
-    "mechanism": "linkage", "name": "stacked", "drive": {"link": "crank", "speed_rpm": 300},
+    "mechanism": "linkage",
+    "name": "stacked",
+    "drive": {"link": "crank", "speed_rpm": 300},
     "points": {"O": [0, 0], "C": [60, 0], "A": [15, 0], "B": [50, 40]},
     "links": {"ground": ["O", "C"], "crank": ["O", "A"], "rod": ["A", "B"], "rocker": ["C", "B"]},
-    "output": [{"name": "out", "link": "rocker"}], "limits": {"pv_mpa_m_s": 2},
+    "output": [{"name": "out", "link": "rocker"}],
+    "limits": {"pv_mpa_m_s": 2},
     "parts": {"plates": 2, "shaft": "interrupted"},
-}  # fmt: skip
+}
 MOUNTED = {"spec": "thread-take-up.toml", "mounted": True, "phase_deg": 40}
 
 
@@ -244,12 +306,16 @@ def test_a_mounted_machine_stands_on_posts_and_turns_by_a_sleeve(root: Path) -> 
     own = float(poses["sleeve-thread-take-up"][0].angle[0])
     for layer, shaft in enumerate(("shaft-crank_web2", "thread-take-up-shaft")):
         there = float(poses[shaft][0].angle[0]) + flat(parts[shaft], 0)
-        assert math.remainder(own + flat(sleeve, layer) - there, math.tau) == pytest.approx(0, abs=1e-9)
+        assert math.remainder(own + flat(sleeve, layer) - there, math.tau) == pytest.approx(
+            0, abs=1e-9
+        )
     ends = {name: poses[name][0].z + np.array([0, parts[name].thickness]) for name in poses}
     low, high = ends["sleeve-thread-take-up"]
     assert ends["shaft-crank_web2"][1] == pytest.approx(ends["thread-take-up-shaft"][0])
     assert low < ends["shaft-crank_web2"][1] < high < ends["thread-take-up-collar"][0]
-    assert ends["post-thread-take-up"] == pytest.approx([ends["second-plate"][1], ends["thread-take-up-frame"][0]])
+    assert ends["post-thread-take-up"] == pytest.approx(
+        [ends["second-plate"][1], ends["thread-take-up-frame"][0]]
+    )
     take_up = read_mechanism(root / "specs" / "thread-take-up.toml")
     holes = sorted((complex(pose.place[0]) for pose in poses["post-thread-take-up"]), key=abs)
     frame = next(part for part in take_up.parts() if part.name == "frame").region
@@ -264,24 +330,41 @@ def test_machines_with_shafts_alike_in_line_have_one_shaft_and_one_plate(root: P
     data = include(root, {**STACKED, "parts": {**STACKED["parts"], "shaft_flat": 0.5}}, MOUNTED)
     machine = read_mechanism(data)
     parts, poses = {part.name: part for part in machine.parts()}, machine.poses(np.zeros(1))
-    own = {part.name: part for part in read_mechanism(root / "specs" / "thread-take-up.toml").parts()}
+    own = {
+        part.name: part for part in read_mechanism(root / "specs" / "thread-take-up.toml").parts()
+    }
     assert not {f"thread-take-up-{name}" for name in ("frame", "shaft", "collar")} & parts.keys()
-    assert not [each.name for each in machine.bought() if "belt" in each.name or each.name.startswith("stud")]
+    assert not [
+        each.name
+        for each in machine.bought()
+        if "belt" in each.name or each.name.startswith("stud")
+    ]
     crank, shaft = "thread-take-up-input-crank", "shaft-crank_web2"
     turned = [float(poses[name][0].angle[0]) + flat(parts[name], 0) for name in (crank, shaft)]
     assert math.remainder(turned[0] - turned[1], math.tau) == pytest.approx(0, abs=1e-9)
     top = poses[shaft][0].z + parts[shaft].thickness
     assert top == pytest.approx(poses[crank][0].z + parts[crank].thickness)
-    small = [hole for hole in own["frame"].region.holes if abs(hole.pieces[0].radius) < 2 and hole.pieces[0].radius != 1.25]
+    small = [
+        hole
+        for hole in own["frame"].region.holes
+        if abs(hole.pieces[0].radius) < 2 and hole.pieces[0].radius != 1.25
+    ]
     assert len(small) == 4  # dowels and guides
     plate = parts["second-plate"]
     for hole in small:
-        assert any(abs(each.pieces[0].centre - hole.pieces[0].centre) < 1e-9 and each.pieces[0].radius == hole.pieces[0].radius
-                   for each in plate.region.holes)  # fmt: skip
+        assert any(
+            abs(each.pieces[0].centre - hole.pieces[0].centre) < 1e-9
+            and each.pieces[0].radius == hole.pieces[0].radius
+            for each in plate.region.holes
+        )
     upper = poses["second-plate"][0].z + plate.thickness
     assert poses["thread-take-up-pivot"][0].z == pytest.approx(upper)
     marks = [each.eye for each in machine.features() if isinstance(each, Mark)]
-    assert [eye.part for eye in marks] == ["thread-take-up-bell-crank", "second-plate", "second-plate"]
+    assert [eye.part for eye in marks] == [
+        "thread-take-up-bell-crank",
+        "second-plate",
+        "second-plate",
+    ]
 
 
 @pytest.mark.parametrize(
@@ -292,43 +375,67 @@ def test_machines_with_shafts_alike_in_line_have_one_shaft_and_one_plate(root: P
         ({"parts": {"plates": 2, "mount_diameter": 3.3}}, {}, "parts.mount_diameter"),
     ],
 )
-def test_what_cannot_be_mounted_is_told(root: Path, host: dict[str, Any], change: dict[str, Any], said: str) -> None:
+def test_what_cannot_be_mounted_is_told(
+    root: Path, host: dict[str, Any], change: dict[str, Any], said: str
+) -> None:
     with pytest.raises(SpecError) as told:
         read_mechanism(include(root, {**STACKED, **host}, {**MOUNTED, **change})).parts()
-    assert [fault.path for fault in told.value.faults] == ["include.0.mounted"] and said in told.value.faults[0].expected
+    assert [fault.path for fault in told.value.faults] == [
+        "include.0.mounted"
+    ] and said in told.value.faults[0].expected
 
 
 @pytest.mark.parametrize(
     ("at", "z", "said"),
-    [((20, 0), -50, "at least "), ((20, 0), 20, "at least "), ((0, 0), 90, "or nothing: both shafts are one")],
+    [
+        ((20, 0), -50, "at least "),
+        ((20, 0), 20, "at least "),
+        ((0, 0), 90, "or nothing: both shafts are one"),
+    ],
 )
-def test_a_height_at_which_no_frame_can_stand_is_told(root: Path, at: tuple[float, float], z: float, said: str) -> None:
+def test_a_height_at_which_no_frame_can_stand_is_told(
+    root: Path, at: tuple[float, float], z: float, said: str
+) -> None:
     with pytest.raises(SpecError) as told:
         read_mechanism(include(root, STACKED, {**MOUNTED, "at": list(at), "z": z})).parts()
     (fault,) = told.value.faults
     assert (fault.path, fault.value) == ("include.0.z", f"{z}") and said in fault.expected
     right = float(fault.expected.removeprefix("at least ").partition(",")[0])
-    read_mechanism(include(root, STACKED, {**MOUNTED, "at": list(at), "z": right + 1e-3 * (at != (0, 0))})).parts()
+    read_mechanism(
+        include(root, STACKED, {**MOUNTED, "at": list(at), "z": right + 1e-3 * (at != (0, 0))})
+    ).parts()
 
 
 def test_a_linkage_on_another_ones_second_plate(root: Path) -> None:
     """Posts pass by the collar that hangs under its frame; where a screw of it meets a pin of the plate, keys move it."""
     starter = read(root / "specs" / "linkage.toml")
-    host, other = {**starter, "parts": {"plates": 2}}, {"spec": "linkage.toml", "name": "up", "mounted": True}
+    host, other = (
+        {**starter, "parts": {"plates": 2}},
+        {"spec": "linkage.toml", "name": "up", "mounted": True},
+    )
     machine = read_mechanism(include(root, host, {**other, "at": [0, 90]}))
     parts, poses = {part.name: part for part in machine.parts()}, machine.poses(np.zeros(1))
-    radius = {name: abs(parts[name].region.outer.pieces[0].at(0.0)) for name in ("post-up", "up-collar")}
+    radius = {
+        name: abs(parts[name].region.outer.pieces[0].at(0.0)) for name in ("post-up", "up-collar")
+    }
     (collar,) = poses["up-collar"]
     apart = min(abs(complex(post.place[0] - collar.place[0])) for post in poses["post-up"])
     assert apart - sum(radius.values()) >= machine.print.slide_clearance
-    with pytest.raises(DesignError, match=r"mm between hole C and stand 1, a screw of the frame of up,.*include.at"):
+    with pytest.raises(
+        DesignError, match=r"mm between hole C and stand 1, a screw of the frame of up,.*include.at"
+    ):
         read_mechanism(include(root, host, other)).parts()
 
 
 def test_beside_the_line_a_belt_turns_it_and_a_short_shaft_leaves_no_room(root: Path) -> None:
     beside = read_mechanism(include(root, STACKED, {**MOUNTED, "at": [20, 0]}))
-    assert any("belt" in each.name for each in beside.bought()) and "sleeve" not in "".join(p.name for p in beside.parts())
+    assert any("belt" in each.name for each in beside.bought()) and "sleeve" not in "".join(
+        p.name for p in beside.parts()
+    )
     data = include(root, STACKED, MOUNTED)
-    data["include"][0]["spec"]["parts"] = {**data["include"][0]["spec"].get("parts", {}), "shaft_length": 6}
+    data["include"][0]["spec"]["parts"] = {
+        **data["include"][0]["spec"].get("parts", {}),
+        "shaft_length": 6,
+    }
     with pytest.raises(DesignError, match="room for a sleeve"):
         read_mechanism(data).parts()

@@ -23,7 +23,9 @@ from camgen.pipeline import build as pipeline
 from camgen.reading import read
 from camgen.spec import dump, schema, validate
 
-REFERENCE = tomllib.loads((Path(__file__).resolve().parents[1] / "reference" / "indexing-cam.toml").read_text())
+REFERENCE = tomllib.loads(
+    (Path(__file__).resolve().parents[1] / "reference" / "indexing-cam.toml").read_text()
+)
 STARTER = Path(__file__).resolve().parents[2] / "specs" / "indexing-cam.toml"
 
 
@@ -65,12 +67,18 @@ def test_peaks_are_those_of_the_page() -> None:
 
 
 def test_errata() -> None:
-    assert abs(end_speed(MR_13_SINES, MR_13_COSINES)) == pytest.approx(REFERENCE["dwell"]["closes"], abs=1e-9)
+    assert abs(end_speed(MR_13_SINES, MR_13_COSINES)) == pytest.approx(
+        REFERENCE["dwell"]["closes"], abs=1e-9
+    )
     printed = (*MR_13_SINES[:-1], -MR_13_SINES[-1])
-    assert abs(end_speed(printed, MR_13_COSINES)) == pytest.approx(REFERENCE["dwell"]["misses"], abs=5e-5)
+    assert abs(end_speed(printed, MR_13_COSINES)) == pytest.approx(
+        REFERENCE["dwell"]["misses"], abs=5e-5
+    )
     sines = list(printed)
     path = "geometry.law.sines"
-    assert faults(geometry__law={"name": "fourier", "sines": sines, "cosines": list(MR_13_COSINES)}) == [path]
+    assert faults(
+        geometry__law={"name": "fourier", "sines": sines, "cosines": list(MR_13_COSINES)}
+    ) == [path]
     assert any("A6 = -0.025629" in note for note in design().study().notes)
 
 
@@ -81,19 +89,26 @@ def test_the_link_turns_by_180_deg_and_rests() -> None:
     link = np.degrees(cam.geometry.gear_ratio * cam.motion(theta))
     assert link == pytest.approx(REFERENCE["dwell"]["index_deg"], abs=1e-9)
     rest = np.linspace(rise + dwell + back + 1e-9, math.tau - 1e-9, 50)
-    assert cam.motion(rest) == pytest.approx(0, abs=1e-12) and cam.motion(rest, 1) == pytest.approx(0, abs=1e-12)
+    assert cam.motion(rest) == pytest.approx(0, abs=1e-12) and cam.motion(rest, 1) == pytest.approx(
+        0, abs=1e-12
+    )
     # half way at half the turn, and the return is the same law backwards
     assert cam.motion(np.array([rise / 2])) == pytest.approx(cam.swing / 2, rel=1e-12)
     t = np.linspace(1e-6, rise - 1e-6, 31)
     assert cam.motion(rise + dwell + t) == pytest.approx(cam.motion(rise - t), abs=1e-12)
 
 
-@pytest.mark.parametrize("rise, dwell, back", [(60, 40, 100), (150, 30, 150), (90, 180, 90), (120, 0, 240)])
+@pytest.mark.parametrize(
+    "rise, dwell, back", [(60, 40, 100), (150, 30, 150), (90, 180, 90), (120, 0, 240)]
+)
 def test_rise_and_dwell_are_free(rise: float, dwell: float, back: float) -> None:
     cam = design(
-        geometry__rise_deg=rise, geometry__dwell_deg=dwell, geometry__return_deg=back, geometry__gear_ratio=10.0,
+        geometry__rise_deg=rise,
+        geometry__dwell_deg=dwell,
+        geometry__return_deg=back,
+        geometry__gear_ratio=10.0,
         limits__pressure_angle_deg=89,
-    )  # fmt: skip
+    )
     spans = [math.degrees(s.span) for s in cam.program.segments]
     assert sum(spans) == pytest.approx(360, abs=1e-9)
     assert spans[0] == pytest.approx(rise) and back in [pytest.approx(s) for s in spans]
@@ -129,11 +144,15 @@ def test_peaks_are_those_of_the_faster_way(rise: float, back: float) -> None:
     numbers = cam.study().numbers
     assert numbers["link_peak_speed_deg_s"] == pytest.approx(speed, rel=1e-4)
     assert numbers["link_peak_acceleration_deg_s2"] == pytest.approx(np.max(inside), rel=1e-3)
-    assert numbers["kinetic_energy_j"] == pytest.approx(0.05 * math.radians(speed) ** 2 / 2, rel=1e-3)
+    assert numbers["kinetic_energy_j"] == pytest.approx(
+        0.05 * math.radians(speed) ** 2 / 2, rel=1e-3
+    )
 
 
 def test_an_impact_has_no_greatest_acceleration() -> None:
-    assert design(geometry__law="uniform").study().numbers["link_peak_acceleration_deg_s2"] == math.inf
+    assert (
+        design(geometry__law="uniform").study().numbers["link_peak_acceleration_deg_s2"] == math.inf
+    )
 
 
 def test_the_starter_has_a_spring_that_can_be_built() -> None:
@@ -151,7 +170,9 @@ def test_the_starter_has_a_spring_that_can_be_built() -> None:
     assert 15 < 100 * left < 20 and verdicts(found)["RESIDUAL_TORQUE"][0].ok
     assert "ideal" not in verdicts(found)["RESIDUAL_TORQUE"][0].message
     forces = numbers["spring_force_least_n"], numbers["spring_force_greatest_n"]
-    assert forces == pytest.approx((6, 6 + math.sqrt(30**2 + 120**2 + 2 * 30 * 120 * math.cos(math.radians(18))) - 90))
+    assert forces == pytest.approx(
+        (6, 6 + math.sqrt(30**2 + 120**2 + 2 * 30 * 120 * math.cos(math.radians(18))) - 90)
+    )
     table = next(t for t in found.study().tables if "by the unloader's spring" in t.title)
     assert [row[0].split(":")[0] for row in table.rows] == ["none", "ideal", "this spring"]
     assert table.rows[1][2] == pytest.approx(100 * 0.1 / (2.1736146 + 0.1), rel=1e-5)
@@ -161,7 +182,10 @@ def test_the_starter_has_a_spring_that_can_be_built() -> None:
 def test_the_ideal_is_named_as_such() -> None:
     cam = design()
     (finding,) = verdicts(cam)["RESIDUAL_TORQUE"]
-    assert "ideal spring, which cannot be built" in finding.message and 'unloader.torque = "law"' in finding.message
+    assert (
+        "ideal spring, which cannot be built" in finding.message
+        and 'unloader.torque = "law"' in finding.message
+    )
     plot = next(p for p in cam.study().plots if p.title.startswith("Torque on the driven link"))
     assert [name for name, *_ in plot.series] == ["inertia", "ideal spring"]
 
@@ -177,7 +201,11 @@ def test_the_spring_of_the_law_bears_all_inertia() -> None:
 
 @pytest.mark.parametrize("balance", [0.5, 0.9, 1.2])
 def test_what_is_not_balanced_is_left(balance: float) -> None:
-    numbers = design(load__friction_n_m=0.0, unloader__balance=balance, limits__residual=1.0).study().numbers
+    numbers = (
+        design(load__friction_n_m=0.0, unloader__balance=balance, limits__residual=1.0)
+        .study()
+        .numbers
+    )
     assert numbers["residual_share_percent"] == pytest.approx(100 * abs(1 - balance), rel=1e-5)
 
 
@@ -188,7 +216,12 @@ def test_another_speed_leaves_the_difference_of_squares() -> None:
         f = float(percent) / 100  # type: ignore[arg-type]
         assert share == pytest.approx(100 * abs(1 - f**-2), abs=1e-4)
         assert left == pytest.approx(float(bare) * abs(1 - f**-2), abs=1e-5)  # type: ignore[arg-type]
-    slow = design(load__friction_n_m=0.0, motor__speed_rpm=15.0, unloader__design_rpm=30.0, limits__residual=10.0)
+    slow = design(
+        load__friction_n_m=0.0,
+        motor__speed_rpm=15.0,
+        unloader__design_rpm=30.0,
+        limits__residual=10.0,
+    )
     assert slow.study().numbers["residual_share_percent"] == pytest.approx(300, rel=1e-4)
 
 
@@ -201,7 +234,10 @@ def test_no_power_is_lost_on_the_way_to_the_shaft() -> None:
     cam = design(load__friction_n_m=0.0)
     theta = np.linspace(0, math.tau, 20_001)
     found = cam.indexing.at(theta)
-    assert abs(np.trapezoid(found.shaft_bare, theta)) < 1e-6 and abs(np.trapezoid(found.shaft, theta)) < 1e-6
+    assert (
+        abs(np.trapezoid(found.shaft_bare, theta)) < 1e-6
+        and abs(np.trapezoid(found.shaft, theta)) < 1e-6
+    )
 
 
 def test_a_table_of_the_law_is_the_law() -> None:
@@ -229,7 +265,9 @@ def test_crank_spring_is_the_slope_of_its_energy() -> None:
 def test_the_card_parameters_as_a_crank_spring_come_near_mr_13() -> None:
     """gamma, lambda, x0 and Y of the card, read as a spring on a crank's cord, give P within 15 % of C of the law's c."""
     card, law, kappa = REFERENCE["unloader"], LAWS["mr-13"], np.linspace(0, 0.5, 61)
-    spring = CrankSpring(1e3, 1.0, card["lambda"], card["x0"], card["gamma"], 2 * (math.pi - card["gamma"]))
+    spring = CrankSpring(
+        1e3, 1.0, card["lambda"], card["x0"], card["gamma"], 2 * (math.pi - card["gamma"])
+    )
     effort = card["factor"] * spring(law(kappa))
     assert effort[0] == pytest.approx(REFERENCE["dwell"]["c0"], rel=0.03)
     assert np.max(np.abs(effort - law(kappa, 2))) < 0.15 * law.c_a
@@ -244,7 +282,9 @@ def test_joints() -> None:
     assert speed.ok and acceleration.ok
     assert acceleration.measured == pytest.approx(REFERENCE["dwell"]["c0"], abs=1e-6)
     assert not verdicts(design(limits__acceleration_jump=2.5))["JOINT_JUMP"][1].ok
-    assert not verdicts(design(geometry__law="uniform", unloader={"torque": "none"}))["JOINT_JUMP"][0].ok
+    assert not verdicts(design(geometry__law="uniform", unloader={"torque": "none"}))["JOINT_JUMP"][
+        0
+    ].ok
     smooth = design(geometry__law="modified-sine", limits__acceleration_jump=0)
     assert all(finding.ok for finding in verdicts(smooth)["JOINT_JUMP"])
 
@@ -259,7 +299,9 @@ def test_force_closure_in_the_dwell() -> None:
     """The unloader presses with J B1 stroke / T^2 on the link: 0.9013 N m here."""
     assert verdicts(design(load__dwell_torque_n_m=0.90))["FORCE_CLOSURE"][0].ok
     assert not verdicts(design(load__dwell_torque_n_m=0.91))["FORCE_CLOSURE"][0].ok
-    assert not verdicts(design(load__dwell_torque_n_m=0.01, unloader={"torque": "none"}))["FORCE_CLOSURE"][0].ok
+    assert not verdicts(design(load__dwell_torque_n_m=0.01, unloader={"torque": "none"}))[
+        "FORCE_CLOSURE"
+    ][0].ok
 
 
 @pytest.mark.parametrize("spring, needed", [("law", 6 * 0.901289), ("none", 6 * 2.1736146)])
@@ -275,8 +317,13 @@ def test_a_single_cam_needs_a_closing_torque(spring: str, needed: float) -> None
 def test_pressure_angle_and_undercut_are_seen_to_fail() -> None:
     assert not verdicts(design(limits__pressure_angle_deg=30.5))["PRESSURE_ANGLE"][0].ok
     follower = {"arm": 90.0, "pivot_distance": 120.0, "roller_radius": 45.0}
-    sharp = design(geometry__follower=follower, geometry__base_radius=20.0, geometry__rise_deg=60.0, geometry__return_deg=60.0,
-                   geometry__law="modified-sine")  # fmt: skip
+    sharp = design(
+        geometry__follower=follower,
+        geometry__base_radius=20.0,
+        geometry__rise_deg=60.0,
+        geometry__return_deg=60.0,
+        geometry__law="modified-sine",
+    )
     assert not verdicts(sharp)["UNDERCUT"][0].ok
 
 
@@ -292,16 +339,24 @@ def test_files_move_as_asked(built: Callable[..., Path]) -> None:
     for kind in ("dxf", "stl", "3mf"):
         assert report.numbers[f"index_recovered_{kind}_deg"] == pytest.approx(180, abs=0.05)
     *own, anew = report.as_dict()["findings"]
-    assert own == json.loads((folder / "report.json").read_text())["findings"] and anew["code"] == "REBUILD"
+    assert (
+        own == json.loads((folder / "report.json").read_text())["findings"]
+        and anew["code"] == "REBUILD"
+    )
 
 
 def test_swapped_cams_do_not_move_as_asked(built: Callable[..., Path], tmp_path: Path) -> None:
     shutil.copytree(built("indexing-cam"), tmp_path / "indexing-cam")
-    one, other = (tmp_path / "indexing-cam" / f"indexing-cam-{name}.dxf" for name in ("cam", "return-cam"))
+    one, other = (
+        tmp_path / "indexing-cam" / f"indexing-cam-{name}.dxf" for name in ("cam", "return-cam")
+    )
     a, b = one.read_bytes(), other.read_bytes()
     one.write_bytes(b)
     other.write_bytes(a)
-    assert {f.code for f in wrong(tmp_path / "indexing-cam", "dxf")} == {"MOTION_ERROR", "ROUND_TRIP"}
+    assert {f.code for f in wrong(tmp_path / "indexing-cam", "dxf")} == {
+        "MOTION_ERROR",
+        "ROUND_TRIP",
+    }
 
 
 def test_the_resolved_spec_is_the_spec() -> None:
@@ -339,13 +394,26 @@ def test_the_law_for_a_spring_becomes_a_spec() -> None:
 @pytest.mark.parametrize(
     "path, value",
     [
-        ("geometry.law", "mr13"), ("geometry.law", "matched"), ("geometry.dwell_deg", 121), ("geometry.return_deg", 0.5),
-        ("geometry.closure", "groove"), ("geometry.follower.roler_radius", 1), ("load.closing_n_m", 1),
-        ("unloader.torque", "spring"), ("unloader.points", [[0, 1]]), ("unloader.stiffness_n_mm", 1), ("unloader.crank", 1),
-        ("unloader.guide", 1), ("unloader.stretch", 1), ("unloader.lead_deg", 18), ("synthesis.weights", []),
-        ("parts.key_width", 12.0), ("parts.wall", 0.1), ("limits.min_wall", 0.1),
+        ("geometry.law", "mr13"),
+        ("geometry.law", "matched"),
+        ("geometry.dwell_deg", 121),
+        ("geometry.return_deg", 0.5),
+        ("geometry.closure", "groove"),
+        ("geometry.follower.roler_radius", 1),
+        ("load.closing_n_m", 1),
+        ("unloader.torque", "spring"),
+        ("unloader.points", [[0, 1]]),
+        ("unloader.stiffness_n_mm", 1),
+        ("unloader.crank", 1),
+        ("unloader.guide", 1),
+        ("unloader.stretch", 1),
+        ("unloader.lead_deg", 18),
+        ("synthesis.weights", []),
+        ("parts.key_width", 12.0),
+        ("parts.wall", 0.1),
+        ("limits.min_wall", 0.1),
     ],
-)  # fmt: skip
+)
 def test_each_wrong_key_is_named(path: str, value: object) -> None:
     assert any(found.startswith(path) for found in faults(**{path.replace(".", "__"): value}))
 
@@ -354,7 +422,17 @@ def test_each_wrong_key_is_named(path: str, value: object) -> None:
     "unloader, paths",
     [
         ({"torque": "crank"}, ["crank", "guide", "stretch", "lead_deg"]),
-        ({"torque": "crank", "stiffness_n_mm": 1, "crank": 30, "guide": 20, "stretch": 0, "lead_deg": 18}, ["guide"]),
+        (
+            {
+                "torque": "crank",
+                "stiffness_n_mm": 1,
+                "crank": 30,
+                "guide": 20,
+                "stretch": 0,
+                "lead_deg": 18,
+            },
+            ["guide"],
+        ),
         ({"torque": "table"}, ["points"]),
         ({"torque": "table", "points": [[0, 1], [0.3, 2], [0.2, 1], [0.5, 0]]}, ["points.2"]),
         ({"torque": "table", "points": [[0, 1], [0.3, 2], [0.4, 1]]}, ["points"]),
@@ -376,9 +454,13 @@ def test_a_law_from_a_file(tmp_path: Path) -> None:
     u = np.linspace(0, 1, 201)
     rows = [f"{x},{x - math.sin(math.tau * x) / math.tau}" for x in u]
     (tmp_path / "law.csv").write_text("\n".join(["share,share", *rows]))
-    text = STARTER.read_text().replace('law = "mr-13"', 'law = { name = "table", file = "law.csv" }')
+    text = STARTER.read_text().replace(
+        'law = "mr-13"', 'law = { name = "table", file = "law.csv" }'
+    )
     (tmp_path / "t.toml").write_text(text)
-    report = pipeline.build(tmp_path / "t.toml", tmp_path / "out", frozenset({"dxf"}), ['unloader={torque="law"}'])
+    report = pipeline.build(
+        tmp_path / "t.toml", tmp_path / "out", frozenset({"dxf"}), ['unloader={torque="law"}']
+    )
     assert [f.code for f in report.findings if not f.ok] == []
     by_name = design(geometry__law="cycloidal")
     theta = np.linspace(0, math.tau, 500)
@@ -408,15 +490,26 @@ def test_designs_that_do_not_exist(keys: dict[str, Any], quantity: str) -> None:
 def test_the_starter_describes_every_key() -> None:
     text = STARTER.read_text()
     tables = schema(IndexingCam)["$defs"]
-    own = {"Arm", "Geometry", "Limits", "LoadTable", "Motor", "Parts", "SynthesisTable", "UnloaderTable", "LawChoice"}
+    own = {
+        "Arm",
+        "Geometry",
+        "Limits",
+        "LoadTable",
+        "Motor",
+        "Parts",
+        "SynthesisTable",
+        "UnloaderTable",
+        "LawChoice",
+    }
     assert {key for table in own for key in tables[table]["properties"] if key not in text} == set()
 
 
 def test_card_of_the_source() -> None:
     """31 rows; P = Y G by the source's crank and spring, written out by hand, and what it differs from c on the 61 positions."""
     table, plots, numbers = card(LAWS["mr-13"])
-    assert [row[0] for row in table.rows] == list(range(31)) and [name for name, *_ in plots[0].series] == [
-        "c, the law", "P = Y G, the unloader"]  # fmt: skip
+    assert [row[0] for row in table.rows] == list(range(31)) and [
+        name for name, *_ in plots[0].series
+    ] == ["c, the law", "P = Y G, the unloader"]
     for z in (0, 7, 19):
         phi = math.pi / 10 + 2 * (math.pi - math.pi / 10) * float(table.rows[z][1])  # type: ignore[arg-type]
         cord = math.sqrt(1 + 16 + 8 * math.cos(phi))

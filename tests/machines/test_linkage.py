@@ -44,7 +44,12 @@ WHITWORTH = {
 
 
 def spec(**tables: Any) -> dict[str, Any]:
-    return {"mechanism": "linkage", "name": "own", "drive": {"link": "crank", "speed_rpm": 60}, **tables}
+    return {
+        "mechanism": "linkage",
+        "name": "own",
+        "drive": {"link": "crank", "speed_rpm": 60},
+        **tables,
+    }
 
 
 def linkage(**tables: Any) -> Linkage:
@@ -119,15 +124,28 @@ def shifted_hole(file: Path, near: complex, by: float) -> None:
     import ezdxf
 
     document = ezdxf.readfile(file)
-    hole = min(document.modelspace().query("CIRCLE"), key=lambda c: abs(complex(c.dxf.center.x, c.dxf.center.y) - near))
+    hole = min(
+        document.modelspace().query("CIRCLE"),
+        key=lambda c: abs(complex(c.dxf.center.x, c.dxf.center.y) - near),
+    )
     hole.dxf.center = (hole.dxf.center.x + by, hole.dxf.center.y, 0)
     document.saveas(file)
 
 
 def test_four_bar_from_spec_to_verdict(built: Callable[..., Path], tmp_path: Path) -> None:
     folder = built("linkage")
-    codes = {finding["code"] for finding in json.loads((folder / "report.json").read_text(encoding="utf-8"))["findings"]}
-    assert {"MOTION_ERROR", "LASH", "PIN_GAP", "INTERFERENCE", "TRANSMISSION_ANGLE", "BED_FIT"} <= codes
+    codes = {
+        finding["code"]
+        for finding in json.loads((folder / "report.json").read_text(encoding="utf-8"))["findings"]
+    }
+    assert {
+        "MOTION_ERROR",
+        "LASH",
+        "PIN_GAP",
+        "INTERFERENCE",
+        "TRANSMISSION_ANGLE",
+        "BED_FIT",
+    } <= codes
     with open(folder / "motion.csv", encoding="utf-8") as file:
         head = file.readline().strip().split(",")
         rows = np.loadtxt(file, delimiter=",")
@@ -139,32 +157,57 @@ def test_four_bar_from_spec_to_verdict(built: Callable[..., Path], tmp_path: Pat
     psi = np.radians(columns["swing_deg_dxf"])
     theta = np.radians(columns["theta_deg"])
     k3 = (20**2 - 60**2 + 50**2 + 70**2) / (2 * 20 * 50)
-    assert np.max(np.abs(70 / 20 * np.cos(psi) - 70 / 50 * np.cos(theta) + k3 - np.cos(theta - psi))) < 1e-6
+    assert (
+        np.max(np.abs(70 / 20 * np.cos(psi) - 70 / 50 * np.cos(theta) + k3 - np.cos(theta - psi)))
+        < 1e-6
+    )
     levels = read(folder / "spec.toml")["layers"]
     assert levels == {"crank": 1, "coupler": 2, "rocker": 1}
     again = build(folder / "spec.toml", tmp_path / "again", frozenset({"dxf"}))
     assert again.ok
-    assert (folder / "linkage-coupler.dxf").read_bytes() == (tmp_path / "again" / "linkage" / "linkage-coupler.dxf").read_bytes()
+    assert (folder / "linkage-coupler.dxf").read_bytes() == (
+        tmp_path / "again" / "linkage" / "linkage-coupler.dxf"
+    ).read_bytes()
 
 
-def test_masses_are_those_of_the_solids_and_torque_makes_the_energy(four_bar: dict[str, Any]) -> None:
+def test_masses_are_those_of_the_solids_and_torque_makes_the_energy(
+    four_bar: dict[str, Any],
+) -> None:
     from camgen.machine.run import solve
 
     four_bar["masses"] = {"rocker": {"mass_g": 50, "centre": [25, 0], "inertia_kg_m2": 1e-5}}
     built = validate(Linkage, four_bar).resolved()
     machine, made = built.machine(), {part.name: part for part in built.parts()}
-    moving = sum(made[mount.part].volume for mount in built.mounts() if mount.body in ("crank", "coupler")) * 1.24e-6
-    assert sum(machine.body(name).mass for name in ("crank", "coupler")) == pytest.approx(moving, rel=1e-9)
-    assert machine.body("rocker").mass == pytest.approx(0.05) and machine.body("rocker").centre == 25
-    assert abs(machine.body("crank").centre.imag) < 0.2 and 0 < machine.body("crank").centre.real < 20
+    moving = (
+        sum(
+            made[mount.part].volume
+            for mount in built.mounts()
+            if mount.body in ("crank", "coupler")
+        )
+        * 1.24e-6
+    )
+    assert sum(machine.body(name).mass for name in ("crank", "coupler")) == pytest.approx(
+        moving, rel=1e-9
+    )
+    assert (
+        machine.body("rocker").mass == pytest.approx(0.05) and machine.body("rocker").centre == 25
+    )
+    assert (
+        abs(machine.body("crank").centre.imag) < 0.2 and 0 < machine.body("crank").centre.real < 20
+    )
     theta = np.linspace(0, math.tau, 721)
     forces = solve(machine, theta).forces()
     torque = np.gradient(forces.energy, theta)[5:-5]
     assert np.max(np.abs(forces.drives["drive"][5:-5] - torque)) < 1e-3 * np.max(np.abs(torque))
 
 
-@pytest.mark.parametrize(("part", "near"), [("coupler", 60 + 0j), ("rocker", 50 + 0j), ("crank", 20 + 0j), ("ground", 70 + 0j)])
-def test_a_hole_off_by_30_um_is_found(built: Callable[..., Path], tmp_path: Path, part: str, near: complex) -> None:
+@pytest.mark.parametrize(
+    ("part", "near"),
+    [("coupler", 60 + 0j), ("rocker", 50 + 0j), ("crank", 20 + 0j), ("ground", 70 + 0j)],
+)
+def test_a_hole_off_by_30_um_is_found(
+    built: Callable[..., Path], tmp_path: Path, part: str, near: complex
+) -> None:
     folder = Path(shutil.copytree(built("linkage"), tmp_path / "linkage"))
     shifted_hole(folder / f"linkage-{part}.dxf", near, 0.03)
     assert "MOTION_ERROR" in {finding.code for finding in wrong(folder, "dxf")}
@@ -179,10 +222,17 @@ def test_two_links_swapped_are_found(built: Callable[..., Path], tmp_path: Path)
 
 
 def test_links_on_one_level_meet(root: Path, tmp_path: Path) -> None:
-    report = build(root / "specs" / "linkage.toml", tmp_path, frozenset({"3mf"}), ["layers.crank=1"])
+    report = build(
+        root / "specs" / "linkage.toml", tmp_path, frozenset({"3mf"}), ["layers.crank=1"]
+    )
     assert report.ok
     with pytest.raises(DesignError, match="link coupler and link rocker"):
-        build(root / "specs" / "linkage.toml", tmp_path, frozenset({"3mf"}), ["layers.coupler=1", "layers.rocker=1"])
+        build(
+            root / "specs" / "linkage.toml",
+            tmp_path,
+            frozenset({"3mf"}),
+            ["layers.coupler=1", "layers.rocker=1"],
+        )
 
 
 def quick_return(theta: np.ndarray) -> np.ndarray:
@@ -195,10 +245,17 @@ def slider_crank(theta: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize(
     ("tables", "column", "scale", "motion"),
-    [(WHITWORTH, "arm_deg", math.degrees(1), quick_return), (SLIDER_CRANK, "ram_mm", 1.0, slider_crank)],
+    [
+        (WHITWORTH, "arm_deg", math.degrees(1), quick_return),
+        (SLIDER_CRANK, "ram_mm", 1.0, slider_crank),
+    ],
 )
 def test_slot_and_slide_from_their_files(
-    tmp_path: Path, tables: dict[str, Any], column: str, scale: float, motion: Callable[[np.ndarray], np.ndarray]
+    tmp_path: Path,
+    tables: dict[str, Any],
+    column: str,
+    scale: float,
+    motion: Callable[[np.ndarray], np.ndarray],
 ) -> None:
     import tomli_w
 
@@ -206,11 +263,16 @@ def test_slot_and_slide_from_their_files(
     file.write_text(tomli_w.dumps(spec(**tables)), encoding="utf-8")
     report = build(file, tmp_path, frozenset({"dxf", "3mf"}))
     assert report.ok, [finding for finding in report.findings if not finding.ok]
-    assert {"MOTION_ERROR", "PIN_GAP", "INTERFERENCE"} <= {finding.code for finding in report.findings}
+    assert {"MOTION_ERROR", "PIN_GAP", "INTERFERENCE"} <= {
+        finding.code for finding in report.findings
+    }
     head = table.read_text(encoding="utf-8").partition("\n")[0].split(",")
     rows = dict(zip(head, np.loadtxt(table, delimiter=",", skiprows=1).T, strict=True))
     for kind in ("", "_dxf", "_3mf"):
-        assert np.max(np.abs(rows[column + kind] - scale * motion(np.radians(rows["theta_deg"])))) < 1e-6 * scale
+        assert (
+            np.max(np.abs(rows[column + kind] - scale * motion(np.radians(rows["theta_deg"]))))
+            < 1e-6 * scale
+        )
 
 
 def test_a_rocker_that_is_driven_to_and_fro(root: Path, tmp_path: Path) -> None:
@@ -246,28 +308,57 @@ def many(e: dict[str, Any]) -> None:
         (twice, SpecError, "output.2.name"),
         (lambda e: e["points"].update(X=[1, 2]), SpecError, "points.X"),
         (lambda e: e["points"].update({"1 x": [1, 2]}), SpecError, "a letter first"),
-        (lambda e: (e["points"].update(X=[1, 2]), e["links"].update(loose=["X"])), SpecError, "nothing holds it"),
-        (lambda e: e["links"].update(hung=["A"]), DesignError, "1 degree of freedom left over: link hung still moves"),
+        (
+            lambda e: (e["points"].update(X=[1, 2]), e["links"].update(loose=["X"])),
+            SpecError,
+            "nothing holds it",
+        ),
+        (
+            lambda e: e["links"].update(hung=["A"]),
+            DesignError,
+            "1 degree of freedom left over: link hung still moves",
+        ),
         (lambda e: e["links"].update(strut=["A", "B"]), DesignError, "over-constrained: joints"),
         (lambda e: e["lengths"].update({"A-P": 1, "B-P": 1}), SpecError, "mm too long"),
         (lambda e: e["points"].update(A=[0, 0]), SpecError, "O and A are drawn at one place"),
-        (lambda e: e["lengths"].update({"C-B": 5}), DesignError, "open by 4.79162 mm (coupler A-B 60, rocker C-B 5)"),
-        (lambda e: e.update(slide=[{"link": "rocker", "along": ["C", "C"]}]), SpecError, "two different points"),
+        (
+            lambda e: e["lengths"].update({"C-B": 5}),
+            DesignError,
+            "open by 4.79162 mm (coupler A-B 60, rocker C-B 5)",
+        ),
+        (
+            lambda e: e.update(slide=[{"link": "rocker", "along": ["C", "C"]}]),
+            SpecError,
+            "two different points",
+        ),
         (lambda e: e.update(drive=[e["drive"], e["drive"]]), SpecError, "expected one drive"),
-        (lambda e: e["layers"].update(rocer=1) if "layers" in e else e.update(layers={"rocer": 1}), SpecError, "'rocker'"),
+        (
+            lambda e: (
+                e["layers"].update(rocer=1) if "layers" in e else e.update(layers={"rocer": 1})
+            ),
+            SpecError,
+            "'rocker'",
+        ),
         (lambda e: e["parts"].update(rocker={"hub_diametr": 3}), SpecError, "'hub_diameter'"),
         (lambda e: e["parts"].update(rokcer={"thickness": 3}), SpecError, "parts.rokcer"),
         (lambda e: e["lengths"].update({"O-A": 40}), DesignError, "change point"),
         (many, SpecError, "at most 60"),
         (lambda e: e["links"].update(ROCKER=["C", "B"]), SpecError, "capitals alone"),
         (long_crank, DesignError, "drive.range_deg = ["),
-        (lambda e: e.update(gear=[{"a": "crank", "b": "rocker", "ratio": 2}]), DesignError, "1 time too often"),
+        (
+            lambda e: e.update(gear=[{"a": "crank", "b": "rocker", "ratio": 2}]),
+            DesignError,
+            "1 time too often",
+        ),
         (lambda e: long_crank(e, range_deg=[-40, 170]), DesignError, "drive.range_deg"),
         (lambda e: e.pop("output"), SpecError, "missing"),
     ],
-)  # fmt: skip
+)
 def test_bad_specs(
-    four_bar: dict[str, Any], change: Callable[[dict[str, Any]], object], kind: type[CamgenError], said: str
+    four_bar: dict[str, Any],
+    change: Callable[[dict[str, Any]], object],
+    kind: type[CamgenError],
+    said: str,
 ) -> None:
     change(four_bar)
     with pytest.raises(kind) as caught:
@@ -277,10 +368,18 @@ def test_bad_specs(
 
 def test_links_called_as_what_is_made_have_parts_of_their_own(four_bar: dict[str, Any]) -> None:
     names = {"crank": "shaft", "coupler": "collar", "rocker": "plate"}
-    four_bar["links"] = {names.get(name, name): points for name, points in four_bar["links"].items()}
+    four_bar["links"] = {
+        names.get(name, name): points for name, points in four_bar["links"].items()
+    }
     four_bar["drive"]["link"], four_bar["output"][1]["link"] = "shaft", "plate"
     parts = [part.name for part in validate(Linkage, four_bar).parts()]
-    assert len(set(parts)) == len(parts) and {"link-shaft", "link-collar", "link-plate", "shaft", "collar"} <= set(parts)
+    assert len(set(parts)) == len(parts) and {
+        "link-shaft",
+        "link-collar",
+        "link-plate",
+        "shaft",
+        "collar",
+    } <= set(parts)
 
 
 def test_to_and_fro_within_its_range(four_bar: dict[str, Any]) -> None:

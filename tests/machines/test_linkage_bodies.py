@@ -23,9 +23,11 @@ from camgen.spec import validate
 
 Floats = np.ndarray
 DWELLS = [
-    {"kind": "rise", "span_deg": 120, "law": "cycloidal"}, {"kind": "dwell", "span_deg": 60},
-    {"kind": "return", "span_deg": 120, "law": "cycloidal"}, {"kind": "dwell", "span_deg": 60},
-]  # fmt: skip
+    {"kind": "rise", "span_deg": 120, "law": "cycloidal"},
+    {"kind": "dwell", "span_deg": 60},
+    {"kind": "return", "span_deg": 120, "law": "cycloidal"},
+    {"kind": "dwell", "span_deg": 60},
+]
 
 YOKE = {
     "points": {"O": [0, 0], "R": [50, 0], "A": [20, 0], "D": [20, -30], "E": [20, 30]},
@@ -49,7 +51,13 @@ GEARED = {
 }
 FIVE_BAR = {  # two cranks that turn against each other: their common point stays on the middle line
     "points": {"O": [0, 0], "C": [60, 0], "A": [20, 0], "B": [40, 0], "P": [30, 60]},
-    "links": {"ground": ["O", "C"], "crank": ["O", "A"], "other": ["C", "B"], "left": ["A", "P"], "right": ["B", "P"]},
+    "links": {
+        "ground": ["O", "C"],
+        "crank": ["O", "A"],
+        "other": ["C", "B"],
+        "left": ["A", "P"],
+        "right": ["B", "P"],
+    },
     "lengths": {"A-P": 70, "B-P": 70},
     "gear": [{"a": "crank", "b": "other", "ratio": -1}],
     "output": [{"name": "out", "point": "P"}],
@@ -62,24 +70,61 @@ def without_none(table: dict[str, Any]) -> dict[str, Any]:
 
 
 def cam_rocker(**cam: Any) -> dict[str, Any]:
-    rows = [{**row, **({"lift_deg": 15} if row["kind"] == "rise" else {"to_deg": 0} if row["kind"] == "return" else {})}
-            for row in DWELLS]  # fmt: skip
+    rows = [
+        {
+            **row,
+            **(
+                {"lift_deg": 15}
+                if row["kind"] == "rise"
+                else {"to_deg": 0}
+                if row["kind"] == "return"
+                else {}
+            ),
+        }
+        for row in DWELLS
+    ]
     return {
         "points": {"O": [0, 0], "A": [15, 0], "C": [60, 0], "T": [30, 25]},
         "links": {"ground": ["O", "C"], "crank": ["O", "A"], "rocker": ["C", "T"]},
-        "cam": [without_none({"cam": "crank", "follower": "rocker", "at": "T", "radius": 6, "segment": rows, **cam})],
+        "cam": [
+            without_none(
+                {
+                    "cam": "crank",
+                    "follower": "rocker",
+                    "at": "T",
+                    "radius": 6,
+                    "segment": rows,
+                    **cam,
+                }
+            )
+        ],
         "output": [{"name": "out", "link": "rocker"}],
     }
 
 
 def cam_ram(**cam: Any) -> dict[str, Any]:
-    rows = [{**row, **({"lift": 12} if row["kind"] == "rise" else {"to": 0} if row["kind"] == "return" else {})}
-            for row in DWELLS]  # fmt: skip
+    rows = [
+        {
+            **row,
+            **(
+                {"lift": 12}
+                if row["kind"] == "rise"
+                else {"to": 0}
+                if row["kind"] == "return"
+                else {}
+            ),
+        }
+        for row in DWELLS
+    ]
     return {
         "points": {"O": [0, 0], "A": [10, 0], "R": [0, 60], "T": [0, 35]},
         "links": {"ground": ["O", "R"], "crank": ["O", "A"], "ram": ["T"]},
         "slide": [{"link": "ram", "along": ["O", "R"]}],
-        "cam": [without_none({"cam": "crank", "follower": "ram", "at": "T", "radius": 6, "segment": rows, **cam})],
+        "cam": [
+            without_none(
+                {"cam": "crank", "follower": "ram", "at": "T", "radius": 6, "segment": rows, **cam}
+            )
+        ],
         "output": [{"name": "out", "link": "ram"}],
     }
 
@@ -98,7 +143,13 @@ def cycloidal(theta: Floats) -> Floats:
 
 def made(folder: Path, tables: dict[str, Any], *kinds: str, **more: Any) -> Path:
     """The folder of a green build."""
-    spec = {"mechanism": "linkage", "name": "own", "drive": {"link": "crank", "speed_rpm": 60}, **tables, **more}
+    spec = {
+        "mechanism": "linkage",
+        "name": "own",
+        "drive": {"link": "crank", "speed_rpm": 60},
+        **tables,
+        **more,
+    }
     (folder / "own.toml").write_text(tomli_w.dumps(spec), encoding="utf-8")
     report = build(folder / "own.toml", folder, frozenset(kinds))
     assert report.ok, [finding for finding in report.findings if not finding.ok]
@@ -108,30 +159,66 @@ def made(folder: Path, tables: dict[str, Any], *kinds: str, **more: Any) -> Path
 def curves(folder: Path) -> dict[str, Floats]:
     """The columns of motion.csv."""
     head = (folder / "motion.csv").read_text(encoding="utf-8").partition("\n")[0].split(",")
-    return dict(zip(head, np.loadtxt(folder / "motion.csv", delimiter=",", skiprows=1).T, strict=True))
+    return dict(
+        zip(head, np.loadtxt(folder / "motion.csv", delimiter=",", skiprows=1).T, strict=True)
+    )
 
 
 def failing(folder: Path) -> set[str]:
-    return {finding.code for finding in wrong(folder, *{path.suffix[1:] for path in folder.iterdir()} & {"dxf", "stl", "3mf"})}
+    return {
+        finding.code
+        for finding in wrong(
+            folder, *{path.suffix[1:] for path in folder.iterdir()} & {"dxf", "stl", "3mf"}
+        )
+    }
 
 
 @pytest.mark.parametrize(
     ("tables", "column", "motion", "within"),
     [
         (YOKE, "out_mm", lambda t: 20 * np.cos(t), 1e-5),
-        (CYLINDER, "out_deg", lambda t: 180 - np.degrees(np.arctan2(20 * np.sin(t), 80 - 20 * np.cos(t))), 1e-5),
-        (cam_rocker(), "out_deg", lambda t: math.degrees(math.atan2(25, -30)) - 15 * cycloidal(t), 2e-3),
-        (cam_rocker(closure="conjugate"), "out_deg", lambda t: math.degrees(math.atan2(25, -30)) - 15 * cycloidal(t), 2e-3),
+        (
+            CYLINDER,
+            "out_deg",
+            lambda t: 180 - np.degrees(np.arctan2(20 * np.sin(t), 80 - 20 * np.cos(t))),
+            1e-5,
+        ),
+        (
+            cam_rocker(),
+            "out_deg",
+            lambda t: math.degrees(math.atan2(25, -30)) - 15 * cycloidal(t),
+            2e-3,
+        ),
+        (
+            cam_rocker(closure="conjugate"),
+            "out_deg",
+            lambda t: math.degrees(math.atan2(25, -30)) - 15 * cycloidal(t),
+            2e-3,
+        ),
         (cam_ram(), "out_mm", lambda t: 35 + 12 * cycloidal(t), 1.2e-3),
-        (cam_rocker(shape="flat", radius=None), "out_deg", lambda t: math.degrees(math.atan2(25, -30)) - 15 * cycloidal(t), 2e-3),
-        (knife_rocker(), "out_deg", lambda t: math.degrees(math.atan2(-12, -70)) % 360 - 15 * cycloidal(t), 2e-3),
+        (
+            cam_rocker(shape="flat", radius=None),
+            "out_deg",
+            lambda t: math.degrees(math.atan2(25, -30)) - 15 * cycloidal(t),
+            2e-3,
+        ),
+        (
+            knife_rocker(),
+            "out_deg",
+            lambda t: math.degrees(math.atan2(-12, -70)) % 360 - 15 * cycloidal(t),
+            2e-3,
+        ),
         (cam_ram(shape="flat", radius=None), "out_mm", lambda t: 35 + 12 * cycloidal(t), 1.2e-3),
         (cam_ram(shape="knife", radius=None), "out_mm", lambda t: 35 + 12 * cycloidal(t), 1.2e-3),
         (cam_ram(closure="groove"), "out_mm", lambda t: 35 + 12 * cycloidal(t), 1.2e-3),
     ],
-)  # fmt: skip
+)
 def test_motion_from_the_files(
-    tmp_path: Path, tables: dict[str, Any], column: str, motion: Callable[[Floats], Floats], within: float
+    tmp_path: Path,
+    tables: dict[str, Any],
+    column: str,
+    motion: Callable[[Floats], Floats],
+    within: float,
 ) -> None:
     rows = curves(made(tmp_path, tables, "stl"))
     theta = np.radians(rows["theta_deg"])
@@ -144,7 +231,9 @@ KNOWN = read(Path(__file__).resolve().parents[1] / "reference" / "linkage_specs.
 
 @pytest.mark.parametrize("name", KNOWN)
 def test_known_linkages_are_built(tmp_path: Path, name: str) -> None:
-    kind = "3mf" if name == "ram" else "stl"  # that one is swept, too: it has a cam, a gear and a slide
+    kind = (
+        "3mf" if name == "ram" else "stl"
+    )  # that one is swept, too: it has a cam, a gear and a slide
     rows = curves(made(tmp_path, KNOWN[name], kind))
     for column in (column for column in rows if column.endswith(f"_{kind}")):
         assert np.max(np.abs(rows[column] - rows[column.removesuffix(f"_{kind}")])) < 2.5e-3
@@ -152,7 +241,10 @@ def test_known_linkages_are_built(tmp_path: Path, name: str) -> None:
         low = np.abs(rows["theta_deg"] - 180) <= 90
         assert np.ptp(rows["out_y_mm_stl"][low]) < 0.02 * np.ptp(rows["out_x_mm_stl"][low])
     if name == "ram":
-        assert np.max(np.abs(rows["drum_deg_3mf"] - rows["drum_deg_3mf"][0] + 2 * rows["theta_deg"])) < 1e-4
+        assert (
+            np.max(np.abs(rows["drum_deg_3mf"] - rows["drum_deg_3mf"][0] + 2 * rows["theta_deg"]))
+            < 1e-4
+        )
 
 
 def test_jansens_leg_and_peaucelliers_cell_need_few_levels(root: Path) -> None:
@@ -170,7 +262,16 @@ def test_a_geared_five_bar_draws_a_straight_line(tmp_path: Path) -> None:
     rows = curves(made(tmp_path, FIVE_BAR, "3mf"))
     theta = np.radians(rows["theta_deg"])
     assert np.max(np.abs(rows["out_x_mm_3mf"] - 30)) < 1e-4
-    assert np.max(np.abs(rows["out_y_mm_3mf"] - 20 * np.sin(theta) - np.sqrt(70**2 - (30 - 20 * np.cos(theta)) ** 2))) < 1e-4
+    assert (
+        np.max(
+            np.abs(
+                rows["out_y_mm_3mf"]
+                - 20 * np.sin(theta)
+                - np.sqrt(70**2 - (30 - 20 * np.cos(theta)) ** 2)
+            )
+        )
+        < 1e-4
+    )
 
 
 @pytest.mark.parametrize(
@@ -188,7 +289,9 @@ def test_wheels_that_cannot_be(tmp_path: Path, change: dict[str, Any], said: str
         made(tmp_path, {**GEARED, "gear": [GEARED["gear"][0] | change]}, "dxf")
 
 
-def test_a_face_that_is_touched_at_its_hinge_and_a_face_in_a_groove_are_refused(tmp_path: Path) -> None:
+def test_a_face_that_is_touched_at_its_hinge_and_a_face_in_a_groove_are_refused(
+    tmp_path: Path,
+) -> None:
     near = cam_rocker(shape="flat", radius=None)
     near["points"] = near["points"] | {"C": [32, 0], "T": [26, 25]}
     with pytest.raises(DesignError, match="place on the face"):
@@ -205,12 +308,17 @@ def test_a_face_that_is_off_is_found(tmp_path: Path) -> None:
 
 def test_a_cam_that_undercuts_or_is_steep_is_told() -> None:
     def failing_limits(**cam: Any) -> set[str]:
-        machine = validate(Linkage, {"mechanism": "linkage", "name": "own", "drive": {"link": "crank"}, **cam_ram(**cam)})
+        machine = validate(
+            Linkage,
+            {"mechanism": "linkage", "name": "own", "drive": {"link": "crank"}, **cam_ram(**cam)},
+        )
         return {finding.code for finding in machine.limits() if not finding.ok}
 
     assert failing_limits() == set()
-    steep = [{"kind": "rise", "span_deg": 40, "lift": 24, "law": "cycloidal"},
-             {"kind": "return", "span_deg": 320, "to": 0, "law": "cycloidal"}]  # fmt: skip
+    steep = [
+        {"kind": "rise", "span_deg": 40, "lift": 24, "law": "cycloidal"},
+        {"kind": "return", "span_deg": 320, "to": 0, "law": "cycloidal"},
+    ]
     assert failing_limits(segment=steep) == {"PRESSURE_ANGLE"}
     assert failing_limits(segment=steep, radius=30) >= {"PRESSURE_ANGLE", "UNDERCUT"}
 
@@ -230,14 +338,20 @@ def test_a_bar_between_two_rollers_is_refused(tmp_path: Path) -> None:
 
 def test_steel_dowels_in_place_of_printed_pins(root: Path, tmp_path: Path) -> None:
     """Lengths of ISO 2338: above 8 mm they step by 2."""
-    report = build(root / "specs" / "linkage.toml", tmp_path, frozenset({"3mf"}), ["parts.pin=dowel"])
+    report = build(
+        root / "specs" / "linkage.toml", tmp_path, frozenset({"3mf"}), ["parts.pin=dowel"]
+    )
     assert report.ok, [finding for finding in report.findings if not finding.ok]
     table = (tmp_path / "linkage" / "linkage-parts.csv").read_text(encoding="utf-8")
     bought = validate(Linkage, read(tmp_path / "linkage" / "spec.toml")).parts()
     lengths = {part.thickness for part in bought if part.made == "bought"}
     assert lengths and all(length % 2 == 0 for length in lengths) and "bought" in table
     with pytest.raises(SpecError, match=r"parts.pin_diameter.*dowels are sold"):
-        validate(Linkage, read(root / "specs" / "linkage.toml") | {"parts": {"pin": "dowel", "pin_diameter": 5.2}})
+        validate(
+            Linkage,
+            read(root / "specs" / "linkage.toml")
+            | {"parts": {"pin": "dowel", "pin_diameter": 5.2}},
+        )
 
 
 # ---- damage ----------------------------------------------------------------------------------------------------------
@@ -289,8 +403,13 @@ def test_links_that_change_their_levels_in_the_assembly_are_found(tmp_path: Path
     with zipfile.ZipFile(path) as package:
         files = {name: package.read(name) for name in package.namelist()}
     text = files["3D/3dmodel.model"].decode()
-    floor = {name: re.search(rf'name="{name}-1".*?transform="[^"]* ([^ "]+)"', text, re.S) for name in ("crank", "yoke")}
-    (low, a), (high, b) = ((found[1], found.span(1)) for found in (floor["crank"], floor["yoke"]) if found)
+    floor = {
+        name: re.search(rf'name="{name}-1".*?transform="[^"]* ([^ "]+)"', text, re.S)
+        for name in ("crank", "yoke")
+    }
+    (low, a), (high, b) = (
+        (found[1], found.span(1)) for found in (floor["crank"], floor["yoke"]) if found
+    )
     assert low != high and a < b
     text = text[: a[0]] + high + text[a[1] : b[0]] + low + text[b[1] :]
     with zipfile.ZipFile(path, "w") as package:

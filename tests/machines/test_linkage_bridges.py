@@ -36,7 +36,12 @@ def spec_of(text: str, folder: Path) -> dict[str, Any]:
 def test_pylinkages_four_bar(chains: dict[str, str], tmp_path: Path) -> None:
     """Freudenstein's equation with the lengths that it was made from."""
     data = spec_of(chains["pylinkage_four_bar"], tmp_path)
-    assert data["drive"]["link"] == "crank" and set(data["links"]) == {"ground", "crank", "coupler", "rocker"}
+    assert data["drive"]["link"] == "crank" and set(data["links"]) == {
+        "ground",
+        "crank",
+        "coupler",
+        "rocker",
+    }
     psi = validate(Linkage, data).solve(THETA)["rocker"]
     k3 = (20**2 - 60**2 + 50**2 + 70**2) / (2 * 20 * 50)
     turned = psi + math.pi if data["links"]["rocker"][0].startswith("coupler") else psi
@@ -49,7 +54,12 @@ def test_pylinkages_slider_crank(chains: dict[str, str], tmp_path: Path) -> None
     data["output"] = [{"name": "pin", "point": "rod_1"}]
     path = validate(Linkage, data).solve(THETA)["pin"]
     assert np.max(np.abs(path.imag)) < 1e-9
-    assert np.max(np.abs(path.real - (20 * np.cos(THETA) - np.sqrt(60**2 - (20 * np.sin(THETA)) ** 2)))) < 1e-9
+    assert (
+        np.max(
+            np.abs(path.real - (20 * np.cos(THETA) - np.sqrt(60**2 - (20 * np.sin(THETA)) ** 2)))
+        )
+        < 1e-9
+    )
 
 
 def test_pmks_lines(chains: dict[str, str], tmp_path: Path) -> None:
@@ -57,8 +67,14 @@ def test_pmks_lines(chains: dict[str, str], tmp_path: Path) -> None:
     crank, coupler = abs(12.92 + 32.53j), abs(73.28 - 12.92 + (67.97 - 32.53) * 1j)
     machine = validate(Linkage, data)
     assert data["drive"]["link"] == "link_1" and [each["point"] for each in data["output"]] == ["D"]
-    pin, far = machine.solve(THETA).point("link_1", "B")[0], machine.solve(THETA).point("link_3", "C")[0]
-    assert np.max(np.abs(np.abs(pin) - crank)) < 1e-9 and np.max(np.abs(np.abs(far - pin) - coupler)) < 1e-9
+    pin, far = (
+        machine.solve(THETA).point("link_1", "B")[0],
+        machine.solve(THETA).point("link_3", "C")[0],
+    )
+    assert (
+        np.max(np.abs(np.abs(pin) - crank)) < 1e-9
+        and np.max(np.abs(np.abs(far - pin) - coupler)) < 1e-9
+    )
     pen = machine.solve(THETA)["D"]
     assert np.max(np.abs(np.abs(pen - pin) - abs(33.3 - 12.92 + (66.95 - 32.53) * 1j))) < 1e-9
 
@@ -78,7 +94,12 @@ def test_there_and_back(name: str, root: Path, tmp_path: Path) -> None:
     again = validate(Linkage, spec_of(bridges.pmks(machine.chain), tmp_path))
     path = next(output.name for output in machine.chain.outputs if output.unit == "mm")
     traced = next(output.name for output in again.chain.outputs)
-    assert np.max(np.abs(np.asarray(machine.solve(THETA)[path]) - np.asarray(again.solve(THETA)[traced]))) < 1e-6
+    assert (
+        np.max(
+            np.abs(np.asarray(machine.solve(THETA)[path]) - np.asarray(again.solve(THETA)[traced]))
+        )
+        < 1e-6
+    )
 
 
 def test_the_picture_shows_each_link_and_point(root: Path) -> None:
@@ -86,7 +107,10 @@ def test_the_picture_shows_each_link_and_point(root: Path) -> None:
     page = ElementTree.fromstring(bridges.svg(machine.chain))
     told = [text.text for text in page.iter("{http://www.w3.org/2000/svg}text")]
     assert {"ground", "crank", "coupler", "rocker", "O", "A", "B", "C", "P"} == set(told)
-    centres = {(float(c.get("cx", "")), -float(c.get("cy", ""))) for c in page.iter("{http://www.w3.org/2000/svg}circle")}
+    centres = {
+        (float(c.get("cx", "")), -float(c.get("cy", "")))
+        for c in page.iter("{http://www.w3.org/2000/svg}circle")
+    }
     assert (0.0, 0.0) in centres and (70.0, 0.0) in centres and (20.0, 0.0) in centres
 
 
@@ -128,7 +152,11 @@ def test_the_command(run: Any, chains: dict[str, str], tmp_path: Path) -> None: 
     assert (code, out) == (0, "") and err.startswith(f"wrote {file}, which builds as it is")
     assert validate(Linkage, read(file)).name == "mine"
     code, out, _ = run("new", "linkage", "--from", source)
-    assert code == 0 and 'name = "crank-rocker"' in out and "# PMKS lines do not say what drives" in out
+    assert (
+        code == 0
+        and 'name = "crank-rocker"' in out
+        and "# PMKS lines do not say what drives" in out
+    )
     assert run("new", "machine", "--from", source)[:2] == (0, out)
     code, _, err = run("new", "disc-cam", "--from", source)
     assert code == 2 and "only a linkage" in err

@@ -18,16 +18,22 @@ from camgen.pipeline.jobs import read_mechanism
 from camgen.pipeline.tolerance import copies_of, rolled, spread_of
 
 TURN = np.linspace(0, math.tau, 181)
-CASES: list[tuple[Any, float, float]] = [  # the machine, a load on its output that presses it on its cam, what then presses
-    (lambda: cam_ram(), -5.0, 5.0), (lambda: cam_ram(closure="groove"), 5.0, 5.0),
+CASES: list[
+    tuple[Any, float, float]
+] = [  # the machine, a load on its output that presses it on its cam, what then presses
+    (lambda: cam_ram(), -5.0, 5.0),
+    (lambda: cam_ram(closure="groove"), 5.0, 5.0),
     (lambda: cam_ram(shape="flat", radius=None), -5.0, 5.0),
-    (lambda: cam_rocker(), 0.5, 0.5 / math.hypot(30, 25) * 1e3), (lambda: cam_rocker(closure="conjugate"), -0.5, 12.8),
-]  # fmt: skip
+    (lambda: cam_rocker(), 0.5, 0.5 / math.hypot(30, 25) * 1e3),
+    (lambda: cam_rocker(closure="conjugate"), -0.5, 12.8),
+]
 
 
 def made(tables: dict[str, Any], load: float) -> Mechanism:
     head = {"mechanism": "linkage", "name": "own", "drive": {"link": "crank", "speed_rpm": 6.0}}
-    return read_mechanism({**head, **tables, "load": {"friction": 0.0, "on": [{"output": "out", "value": load}]}}, ())
+    return read_mechanism(
+        {**head, **tables, "load": {"friction": 0.0, "on": [{"output": "out", "value": load}]}}, ()
+    )
 
 
 @pytest.mark.parametrize("case", range(len(CASES)))
@@ -48,7 +54,12 @@ def test_hertz_of_a_face_on_its_cam_by_hand() -> None:
     (hertz,) = (each for each in found.findings if each.code == "HERTZ")
     stiff = 3500.0 / (2 * (1 - 0.35**2))
     base = math.sqrt(5.0 * stiff / (math.pi * 4.0 * 35.0))
-    assert hertz.ok and hertz.measured >= 0.999 * base and hertz.measured < 2 * base and "press harder" in hertz.message
+    assert (
+        hertz.ok
+        and hertz.measured >= 0.999 * base
+        and hertz.measured < 2 * base
+        and "press harder" in hertz.message
+    )
     plot = next(each for each in found.study.plots if each.title.startswith("Hertz"))
     _, degrees, pressure = plot.series[0]
     rests = (degrees > 305) & (degrees < 355)
@@ -66,16 +77,26 @@ def lift_off(machine: Mechanism) -> Any:
 
 
 @pytest.mark.parametrize("load", [5.0, -5.0])
-def test_what_pulls_the_follower_off_its_cam_fails_and_says_how_much_is_missing(load: float) -> None:
+def test_what_pulls_the_follower_off_its_cam_fails_and_says_how_much_is_missing(
+    load: float,
+) -> None:
     """A ram that stands across the shaft: the cam bears the load over the cosine of its pressure angle, at no speed."""
     machine = made(cam_ram(), load)
     found = lift_off(machine)
     assert found.ok is (load < 0) and "cam angle" in found.where and not machine.unpressed()
     if not found.ok:
-        u = np.linspace(0, 1, 2001)  # of the cycloidal rise by 12 mm in 120 deg, from 35 mm off the shaft
-        s, slope = 12 * (u - np.sin(math.tau * u) / math.tau), 12 * (1 - np.cos(math.tau * u)) / (math.tau / 3)
+        u = np.linspace(
+            0, 1, 2001
+        )  # of the cycloidal rise by 12 mm in 120 deg, from 35 mm off the shaft
+        s, slope = (
+            12 * (u - np.sin(math.tau * u) / math.tau),
+            12 * (1 - np.cos(math.tau * u)) / (math.tau / 3),
+        )
         assert found.measured == pytest.approx(-5.0 * np.hypot(1, slope / (35 + s)).max(), rel=1e-3)
-        assert re.search(r"; a little over 5(\.0\d*)? N more", found.message) and "[[spring]]" in found.message
+        assert (
+            re.search(r"; a little over 5(\.0\d*)? N more", found.message)
+            and "[[spring]]" in found.message
+        )
     else:
         assert found.measured == pytest.approx(5.0, rel=0.02)
 

@@ -17,13 +17,19 @@ from camgen.pipeline.build import build
 from camgen.reading import read
 from camgen.spec import validate
 
-STEPPED = [{"kind": "rise", "span_deg": 270.0, "lift_deg": 360.0, "law": "cycloidal"}, {"kind": "dwell", "span_deg": 90.0}]
+STEPPED = [
+    {"kind": "rise", "span_deg": 270.0, "lift_deg": 360.0, "law": "cycloidal"},
+    {"kind": "dwell", "span_deg": 90.0},
+]
 
 
 def there_and_back(lift: float) -> list[dict[str, Any]]:
     law = {"law": "cycloidal"}
-    return [{"kind": "rise", "span_deg": 100.0, "lift_deg": lift, **law}, {"kind": "dwell", "span_deg": 90.0},
-            {"kind": "return", "span_deg": 170.0, "lift_deg": lift, **law}]  # fmt: skip
+    return [
+        {"kind": "rise", "span_deg": 100.0, "lift_deg": lift, **law},
+        {"kind": "dwell", "span_deg": 90.0},
+        {"kind": "return", "span_deg": 170.0, "lift_deg": lift, **law},
+    ]
 
 
 @pytest.fixture
@@ -49,7 +55,9 @@ def test_a_stepped_crank_passes_the_places_of_an_even_one(four_bar: dict[str, An
 
 
 def test_a_dwell_of_the_drive_is_one_of_the_output(four_bar: dict[str, Any]) -> None:
-    four_bar["output"] = [{"name": "swing", "link": "rocker", "dwell": {"span_deg": 90.0, "band": 0.001}}]
+    four_bar["output"] = [
+        {"name": "swing", "link": "rocker", "dwell": {"span_deg": 90.0, "band": 0.001}}
+    ]
     assert next(f for f in driven(four_bar, segment=STEPPED).limits() if f.code == "DWELL").ok
     assert not next(f for f in driven(four_bar).limits() if f.code == "DWELL").ok
 
@@ -60,7 +68,11 @@ def test_a_stepped_crank_from_its_files(four_bar: dict[str, Any], tmp_path: Path
     file.write_text(tomli_w.dumps(four_bar), encoding="utf-8")
     report = build(file, tmp_path, frozenset({"dxf", "3mf"}))
     assert report.ok, [finding for finding in report.findings if not finding.ok]
-    assert any("drive angle" in finding.where for finding in report.findings if finding.code == "INTERFERENCE")
+    assert any(
+        "drive angle" in finding.where
+        for finding in report.findings
+        if finding.code == "INTERFERENCE"
+    )
     rows = np.loadtxt(tmp_path / "linkage" / "motion.csv", delimiter=",", skiprows=1)
     assert np.ptp(rows[1081:, 1]) < 1e-9  # rests from 270 deg on
     again = build(tmp_path / "linkage" / "spec.toml", tmp_path / "again", frozenset({"dxf"}))
@@ -69,22 +81,43 @@ def test_a_stepped_crank_from_its_files(four_bar: dict[str, Any], tmp_path: Path
 
 def test_a_rocker_by_a_program_keeps_to_what_the_chain_has(four_bar: dict[str, Any]) -> None:
     """Crank 20 and coupler 60 in line, 80 or 40 from C, end the rocker's swing: from -9.14 to 38.6 deg of the drawn place."""
-    assert all(finding.ok for finding in driven(four_bar, link="rocker", segment=there_and_back(30.0)).limits())
-    with pytest.raises(DesignError, match=r"drive.segment goes from 0 to 60 deg.*closes from -9.14081 to 38.5982 deg"):
+    assert all(
+        finding.ok
+        for finding in driven(four_bar, link="rocker", segment=there_and_back(30.0)).limits()
+    )
+    with pytest.raises(
+        DesignError,
+        match=r"drive.segment goes from 0 to 60 deg.*closes from -9.14081 to 38.5982 deg",
+    ):
         driven(four_bar, link="rocker", segment=there_and_back(60.0)).limits()
-    with pytest.raises(DesignError, match=r"cannot turn fully.*\(with a transmission angle of 30 deg\)") as caught:
+    with pytest.raises(
+        DesignError, match=r"cannot turn fully.*\(with a transmission angle of 30 deg\)"
+    ) as caught:
         driven(four_bar, link="rocker").limits()
-    low, high = map(float, str(caught.value).partition("range_deg = [")[2].partition("]")[0].split(", "))
-    for wider, holds in ((0.0, True), (1.0, False)):  # what it advises keeps to the limits, a degree more does not
+    low, high = map(
+        float, str(caught.value).partition("range_deg = [")[2].partition("]")[0].split(", ")
+    )
+    for wider, holds in (
+        (0.0, True),
+        (1.0, False),
+    ):  # what it advises keeps to the limits, a degree more does not
         found = driven(four_bar, link="rocker", range_deg=[low - wider, high + wider]).limits()
         assert all(each.ok for each in found if each.code == "TRANSMISSION_ANGLE") is holds
-    with pytest.raises(DesignError, match=r"by Grashof the shortest link turns fully, which is crank \(20 mm\), not rocker"):
+    with pytest.raises(
+        DesignError,
+        match=r"by Grashof the shortest link turns fully, which is crank \(20 mm\), not rocker",
+    ):
         driven(four_bar, link="rocker").limits()
 
 
-def test_clockwise_passes_the_same_places_with_speeds_turned_round(four_bar: dict[str, Any]) -> None:
+def test_clockwise_passes_the_same_places_with_speeds_turned_round(
+    four_bar: dict[str, Any],
+) -> None:
     theta = np.linspace(0, 6, 50)
-    one, other = driven(four_bar, speed_rpm=60.0).solve(theta), driven(four_bar, speed_rpm=-60.0).solve(theta)
+    one, other = (
+        driven(four_bar, speed_rpm=60.0).solve(theta),
+        driven(four_bar, speed_rpm=-60.0).solve(theta),
+    )
     assert np.array_equal(one["pen"], other["pen"])
     assert np.allclose(one.velocity["swing"], -np.asarray(other.velocity["swing"]), rtol=1e-12)
 
@@ -107,15 +140,22 @@ def test_programs_that_are_none(four_bar: dict[str, Any], drive: dict[str, Any],
 
 def test_a_program_from_a_file_of_points(four_bar: dict[str, Any], tmp_path: Path) -> None:
     """Read from beside the spec; the resolved spec needs it no more."""
-    (tmp_path / "rise.csv").write_text("angle,turned\n0,0\n30,40\n60,200\n90,360\n", encoding="utf-8")
-    four_bar["drive"]["segment"] = [{**STEPPED[0], "law": {"name": "table", "file": "rise.csv"}}, STEPPED[1]]
+    (tmp_path / "rise.csv").write_text(
+        "angle,turned\n0,0\n30,40\n60,200\n90,360\n", encoding="utf-8"
+    )
+    four_bar["drive"]["segment"] = [
+        {**STEPPED[0], "law": {"name": "table", "file": "rise.csv"}},
+        STEPPED[1],
+    ]
     file = tmp_path / "stepped.toml"
     file.write_text(tomli_w.dumps(four_bar), encoding="utf-8")
     report = build(file, tmp_path, frozenset({"dxf"}))
     assert report.ok, [finding for finding in report.findings if not finding.ok]
     rows = np.loadtxt(tmp_path / "linkage" / "motion.csv", delimiter=",", skiprows=1)
     even = driven({**four_bar, "drive": {"link": "crank"}}).solve(np.radians([40.0, 200.0]))["pen"]
-    assert rows[[360, 720], 1] == pytest.approx(even.real, abs=1e-6)  # 30 and 60 of 90 are 90 and 180 of 270 deg
+    assert rows[[360, 720], 1] == pytest.approx(
+        even.real, abs=1e-6
+    )  # 30 and 60 of 90 are 90 and 180 of 270 deg
     (tmp_path / "rise.csv").unlink()
     assert build(tmp_path / "linkage" / "spec.toml", tmp_path / "again", frozenset({"dxf"})).ok
 

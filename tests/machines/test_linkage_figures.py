@@ -28,7 +28,9 @@ def data(root: Path) -> dict[str, Any]:
 
 @pytest.fixture
 def published(root: Path) -> dict[str, Any]:
-    return tomllib.loads((root / "tests" / "reference" / "linkages.toml").read_text(encoding="utf-8"))
+    return tomllib.loads(
+        (root / "tests" / "reference" / "linkages.toml").read_text(encoding="utf-8")
+    )
 
 
 def study(data: dict[str, Any]) -> Study:
@@ -54,20 +56,29 @@ def test_extreme_positions_are_where_crank_and_coupler_are_in_line(data: dict[st
     stretched = math.degrees(math.acos((ground**2 + far**2 - rocker**2) / (2 * ground * far)))
     folded = 180 + math.degrees(math.acos((ground**2 + near**2 - rocker**2) / (2 * ground * near)))
     found = study(data)
-    assert sorted(row[3] for row in table(found, "Extreme positions")) == pytest.approx([stretched, folded], abs=1e-3)
-    assert found.numbers["swing_time_ratio"] == pytest.approx((folded - stretched) / (360 - folded + stretched), abs=1e-5)
+    assert sorted(row[3] for row in table(found, "Extreme positions")) == pytest.approx(
+        [stretched, folded], abs=1e-3
+    )
+    assert found.numbers["swing_time_ratio"] == pytest.approx(
+        (folded - stretched) / (360 - folded + stretched), abs=1e-5
+    )
 
 
 def test_quick_return_as_published(published: dict[str, Any]) -> None:
     crank, distance = published["quick_return"]["crank"], published["quick_return"]["distance"]
     alpha = 2 * math.degrees(math.asin(crank / distance))
     arm = {
-        "mechanism": "linkage", "name": "own", "drive": {"link": "crank"},
+        "mechanism": "linkage",
+        "name": "own",
+        "drive": {"link": "crank"},
         "points": {"O": [0, 0], "A": [0, crank], "D": [0, -distance], "E": [0, 60]},
         "links": {"ground": ["O", "D"], "crank": ["O", "A"], "arm": ["D", "E"]},
-        "slot": [{"pin": "A", "link": "arm", "along": ["D", "E"]}], "output": [{"name": "arm", "link": "arm"}],
-    }  # fmt: skip
-    assert study(arm).numbers["arm_time_ratio"] == pytest.approx((180 + alpha) / (180 - alpha), abs=1e-5)
+        "slot": [{"pin": "A", "link": "arm", "along": ["D", "E"]}],
+        "output": [{"name": "arm", "link": "arm"}],
+    }
+    assert study(arm).numbers["arm_time_ratio"] == pytest.approx(
+        (180 + alpha) / (180 - alpha), abs=1e-5
+    )
 
 
 def test_a_circle_has_its_radius_and_length(data: dict[str, Any]) -> None:
@@ -110,18 +121,43 @@ def test_a_path_that_crosses_itself(data: dict[str, Any]) -> None:
 
 def test_hoekens_path_is_symmetric(published: dict[str, Any]) -> None:
     """About the perpendicular to the ground through the crank's pivot turned to lie along it: theta and -theta mirror."""
-    crank, ground, coupler, rocker, tracer = (20 * share for share in published["hoeken"]["proportions"])
+    crank, ground, coupler, rocker, tracer = (
+        20 * share for share in published["hoeken"]["proportions"]
+    )
     data = {
-        "mechanism": "linkage", "name": "own", "drive": {"link": "crank"},
+        "mechanism": "linkage",
+        "name": "own",
+        "drive": {"link": "crank"},
         "points": {"O": [0, 0], "C": [ground, 0], "A": [-crank, 0], "B": [10, 40], "P": [40, 80]},
-        "links": {"ground": ["O", "C"], "crank": ["O", "A"], "coupler": ["A", "B", "P"], "rocker": ["C", "B"]},
-        "lengths": {"O-C": ground, "O-A": crank, "A-B": coupler, "C-B": rocker, "B-P": tracer - coupler, "A-P": tracer},
-        "output": [{"name": "pen", "point": "P", "straightness": {"range_deg": [-90, 90], "tolerance": 1.0}}],
-    }  # fmt: skip
+        "links": {
+            "ground": ["O", "C"],
+            "crank": ["O", "A"],
+            "coupler": ["A", "B", "P"],
+            "rocker": ["C", "B"],
+        },
+        "lengths": {
+            "O-C": ground,
+            "O-A": crank,
+            "A-B": coupler,
+            "C-B": rocker,
+            "B-P": tracer - coupler,
+            "A-P": tracer,
+        },
+        "output": [
+            {
+                "name": "pen",
+                "point": "P",
+                "straightness": {"range_deg": [-90, 90], "tolerance": 1.0},
+            }
+        ],
+    }
     machine = validate(Linkage, data)
     theta = np.linspace(0.05, 3.0, 60)
     one, other = machine.solve(theta)["pen"], machine.solve(-theta)["pen"]
-    assert np.max(np.abs((one + other).real - 2 * ground)) < 1e-9 and np.max(np.abs((one - other).imag)) < 1e-9
+    assert (
+        np.max(np.abs((one + other).real - 2 * ground)) < 1e-9
+        and np.max(np.abs((one - other).imag)) < 1e-9
+    )
 
 
 def test_jansens_foot_as_published(root: Path, published: dict[str, Any]) -> None:
@@ -136,19 +172,24 @@ def test_jansens_foot_as_published(root: Path, published: dict[str, Any]) -> Non
 def test_a_slot_that_is_made_longer_than_drawn_is_said() -> None:
     """Of a yoke the pin goes 20 mm to either side."""
     tables = {
-        "mechanism": "linkage", "name": "own", "drive": {"link": "crank"},
+        "mechanism": "linkage",
+        "name": "own",
+        "drive": {"link": "crank"},
         "points": {"O": [0, 0], "R": [50, 0], "A": [20, 0], "D": [20, -30], "E": [20, 30]},
         "links": {"ground": ["O", "R"], "crank": ["O", "A"], "yoke": ["D", "E"]},
-        "slide": [{"link": "yoke", "along": ["O", "R"]}], "slot": [{"pin": "A", "link": "yoke", "along": ["D", "E"]}],
+        "slide": [{"link": "yoke", "along": ["O", "R"]}],
+        "slot": [{"pin": "A", "link": "yoke", "along": ["D", "E"]}],
         "output": [{"name": "out", "link": "yoke"}],
-    }  # fmt: skip
+    }
 
     def said(**points: list[float]) -> list[str]:
         own = validate(Linkage, {**tables, "points": {**tables["points"], **points}})  # type: ignore[dict-item]
         return [note for note in own.study().notes if note.startswith("Slot")]
 
     assert said() == []
-    assert said(E=[20, 15]) == ["Slot of yoke: pin A passes its drawn end E by 5 mm; the slot is made longer."]
+    assert said(E=[20, 15]) == [
+        "Slot of yoke: pin A passes its drawn end E by 5 mm; the slot is made longer."
+    ]
     assert said(D=[20, -8.5])[0].startswith("Slot of yoke: pin A passes its drawn end D by 11.5 mm")
 
 
@@ -162,8 +203,13 @@ def test_the_places_that_a_path_shall_pass_stand_under_it(data: dict[str, Any]) 
     assert list(curves) == ["path", "every 15 deg", "wanted", "within 4 mm", "missed by"]
     assert curves["wanted"].tolist() == [30, 18j]
     ways = curves["missed by"].reshape(2, 3)
-    assert ways[:, :2] == pytest.approx(np.array([[30, 20], [18j, 20j]]), abs=1e-5) and np.isnan(ways[:, 2]).all()
+    assert (
+        ways[:, :2] == pytest.approx(np.array([[30, 20], [18j, 20j]]), abs=1e-5)
+        and np.isnan(ways[:, 2]).all()
+    )
     away = np.abs(curves["within 4 mm"][:, None] - np.array([30, 18j])).min(axis=1)
     assert np.nanmax(away) == pytest.approx(4) and np.nanmin(away) == pytest.approx(4, abs=1e-6)
     drawn = {sketch.name: sketch for sketch in found.sketches}
-    assert [z for z, _ in drawn["pin: wanted"].circles] == [30, 18j] and len(drawn["pin: wanted"].strokes) == 2
+    assert [z for z, _ in drawn["pin: wanted"].circles] == [30, 18j] and len(
+        drawn["pin: wanted"].strokes
+    ) == 2

@@ -29,14 +29,20 @@ def four_bar(root: Path) -> dict[str, Any]:
 
 def cam_machine(**changes: Any) -> dict[str, Any]:
     """A disc on O, a rocker on C with a roller at T."""
-    rise, back = ({"kind": kind, "span_deg": 180, "law": "cycloidal"} for kind in ("rise", "return"))
+    rise, back = (
+        {"kind": kind, "span_deg": 180, "law": "cycloidal"} for kind in ("rise", "return")
+    )
     segments = [{**rise, "lift_deg": 20}, {**back, "to_deg": 0}]
     cam = {"cam": "disc", "follower": "rocker", "at": "T", "radius": 5, "segment": segments}
     return {
-        "mechanism": "linkage", "name": "own", "drive": {"link": "disc", "speed_rpm": 30},
-        "points": {"O": [0, 0], "C": [60, 0], "T": [30, 35]}, "cam": [{**cam, **changes}],
-        "links": {"ground": ["O", "C"], "disc": ["O"], "rocker": ["C", "T"]}, "output": [{"name": "a", "link": "rocker"}],
-    }  # fmt: skip
+        "mechanism": "linkage",
+        "name": "own",
+        "drive": {"link": "disc", "speed_rpm": 30},
+        "points": {"O": [0, 0], "C": [60, 0], "T": [30, 35]},
+        "cam": [{**cam, **changes}],
+        "links": {"ground": ["O", "C"], "disc": ["O"], "rocker": ["C", "T"]},
+        "output": [{"name": "a", "link": "rocker"}],
+    }
 
 
 def faults(data: dict[str, Any]) -> list[str]:
@@ -49,7 +55,10 @@ def faults(data: dict[str, Any]) -> list[str]:
 
 
 def test_a_roller_too_large_is_told_by_its_key() -> None:
-    with pytest.raises(DesignError, match=r"^radius is 80 mm at cam disc on rocker.* use a smaller radius or a smaller lift$"):
+    with pytest.raises(
+        DesignError,
+        match=r"^radius is 80 mm at cam disc on rocker.* use a smaller radius or a smaller lift$",
+    ):
         validate(Linkage, cam_machine(radius=80.0)).parts()
 
 
@@ -63,27 +72,41 @@ def test_a_cam_that_follows_itself(at: str) -> None:
 def test_a_segment_is_told_by_the_keys_that_it_has(four_bar: dict[str, Any]) -> None:
     rise = {"kind": "rise", "span_deg": 180, "law": "cycloidal"}
     both = [{**rise, "lift_deg": 20}, {**rise, "kind": "return"}]
-    assert faults(cam_machine(segment=both)) == ["cam.0.segment.1.lift_deg - either lift_deg or to_deg"]
+    assert faults(cam_machine(segment=both)) == [
+        "cam.0.segment.1.lift_deg - either lift_deg or to_deg"
+    ]
     four_bar["drive"]["segment"] = both
     assert faults(four_bar) == ["drive.segment.1.lift_deg - either lift_deg or to_deg"]
 
 
-@pytest.mark.parametrize(("ratio", "near"), [(-1.2345, -1.2345), (-0.001, -1 / 400), (-0.71234, -0.71234)])
+@pytest.mark.parametrize(
+    ("ratio", "near"), [(-1.2345, -1.2345), (-0.001, -1 / 400), (-0.71234, -0.71234)]
+)
 def test_a_ratio_of_no_wheels_is_told_with_one_that_can_be(ratio: float, near: float) -> None:
-    with pytest.raises(DesignError, match="of at most 400 teeth; take one of whole teeth, such as ") as caught:
+    with pytest.raises(
+        DesignError, match="of at most 400 teeth; take one of whole teeth, such as "
+    ) as caught:
         pair(40, ratio, 0.1, 0.0, None, "gears")
     shown, value = caught.value.remedy.split("such as ")[1].split(" = ")
     a, b = (abs(int(part)) for part in shown.split("/"))
-    assert 0 < a <= 400 and 0 < b <= 400 and float(value) == pytest.approx(-a / b) and -a / b == pytest.approx(near, abs=5e-5)
+    assert (
+        0 < a <= 400
+        and 0 < b <= 400
+        and float(value) == pytest.approx(-a / b)
+        and -a / b == pytest.approx(near, abs=5e-5)
+    )
 
 
 def test_gears_by_name_are_named_once(root: Path) -> None:
     data = {
-        "mechanism": "linkage", "name": "own", "drive": {"link": "crank", "speed_rpm": 30},
-        "points": {"O": [0, 0], "C": [4, 0], "A": [10, 5], "B": [50, 5]}, "output": [{"name": "a", "link": "drum"}],
+        "mechanism": "linkage",
+        "name": "own",
+        "drive": {"link": "crank", "speed_rpm": 30},
+        "points": {"O": [0, 0], "C": [4, 0], "A": [10, 5], "B": [50, 5]},
+        "output": [{"name": "a", "link": "drum"}],
         "links": {"ground": ["O", "C"], "crank": ["O", "A"], "drum": ["C", "B"]},
         "gear": [{"a": "crank", "b": "drum", "ratio": -2, "name": "gears"}],
-    }  # fmt: skip
+    }
     with pytest.raises(DesignError, match="^module is .* mm at gears, limit"):
         validate(Linkage, data).parts()
 
@@ -103,13 +126,21 @@ def test_a_wrong_output_is_no_missing_one(four_bar: dict[str, Any]) -> None:
 def test_a_fault_that_is_found_late_names_the_file(
     root: Path, four_bar: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    text = (root / "specs" / "linkage.toml").read_text("utf-8") + '[[include]]\nspec = "other.toml"\nride = { foo = "crank" }\n'
+    text = (root / "specs" / "linkage.toml").read_text(
+        "utf-8"
+    ) + '[[include]]\nspec = "other.toml"\nride = { foo = "crank" }\n'
     (tmp_path / "host.toml").write_text(text, "utf-8")
-    (tmp_path / "other.toml").write_text((root / "specs" / "thread-take-up.toml").read_text("utf-8"), "utf-8")
+    (tmp_path / "other.toml").write_text(
+        (root / "specs" / "thread-take-up.toml").read_text("utf-8"), "utf-8"
+    )
     with pytest.raises(SystemExit):
-        main(["build", str(tmp_path / "host.toml"), "--out", str(tmp_path / "out"), "--only", "dxf"])
+        main(
+            ["build", str(tmp_path / "host.toml"), "--out", str(tmp_path / "out"), "--only", "dxf"]
+        )
     told = capsys.readouterr().err
-    assert told.startswith(f"error: {tmp_path / 'host.toml'}: 1 fault\n  include.0.ride.foo: 'foo' - expected one of ")
+    assert told.startswith(
+        f"error: {tmp_path / 'host.toml'}: 1 fault\n  include.0.ride.foo: 'foo' - expected one of "
+    )
 
 
 def test_a_straight_stretch_longer_than_the_path_has_its_reason() -> None:
@@ -117,7 +148,10 @@ def test_a_straight_stretch_longer_than_the_path_has_its_reason() -> None:
     circle_of_30 = Course(theta, 30 * np.exp(1j * theta), 30j * np.exp(1j * theta), "mm", True)
     found = Straight(tolerance=1.0, length=61.0).finding(circle_of_30, "")
     assert not found.ok
-    assert found.message == "the path has no stretch of 61 mm, its places are at most 60 mm apart: ask for less"
+    assert (
+        found.message
+        == "the path has no stretch of 61 mm, its places are at most 60 mm apart: ask for less"
+    )
 
 
 # ---- large machines --------------------------------------------------------------------------------------------------
@@ -137,7 +171,9 @@ def test_contours_of_a_machine_of_a_hundred_metres_are_compared_in_bounded_time(
     assert time.process_time() - begin < 4.0
 
 
-def test_a_long_run_is_told_beforehand(four_bar: dict[str, Any], capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_long_run_is_told_beforehand(
+    four_bar: dict[str, Any], capsys: pytest.CaptureFixture[str]
+) -> None:
     """Twenty four-bars in a row, each driven by the one before; the starter's is made at once."""
     points, links = {"O": [0, 0], "A": [10, 0]}, {"ground": ["O"], "crank": ["O", "A"]}
     for k, before in enumerate(["A", *(f"B{k}" for k in range(19))]):
@@ -145,7 +181,9 @@ def test_a_long_run_is_told_beforehand(four_bar: dict[str, Any], capsys: pytest.
         links["ground"].append(f"C{k}")
         links |= {f"c{k}": [before, f"B{k}"], f"r{k}": [f"C{k}", f"B{k}"]}
     last = {"name": "a", "link": "r19"}
-    row = validate(Linkage, {**four_bar, "points": points, "links": links, "lengths": {}, "output": [last]})
+    row = validate(
+        Linkage, {**four_bar, "points": points, "links": links, "lengths": {}, "output": [last]}
+    )
     assert row.beforehand(3) == "42 links: to make and judge it takes about 38 s"
     assert row.beforehand(1) == "" and validate(Linkage, four_bar).beforehand(3) == ""
     with Bar() as progress:

@@ -40,7 +40,9 @@ def with_parts(root: Path, **parts: Any) -> Linkage:
 
 
 @pytest.mark.parametrize("diameter", [5.0, 8.0])
-def test_shoulder_screws_are_those_of_the_standard(root: Path, tmp_path: Path, diameter: float) -> None:
+def test_shoulder_screws_are_those_of_the_standard(
+    root: Path, tmp_path: Path, diameter: float
+) -> None:
     sets = ["parts.pin=shoulder", f"parts.pin_diameter={diameter:g}", "parts.thickness=5"]
     machine = made(root, tmp_path, *sets)
     shoulder = min(size for size in SHOULDERS if size >= diameter)
@@ -63,9 +65,15 @@ def test_bearings_turn_in_all_links_but_one_of_each_joint(root: Path, tmp_path: 
     rocker = next(part for part in machine.parts() if part.name == "rocker")
     holes = sorted(math.sqrt(4 * abs(hole.area) / math.pi) for hole in rocker.region.holes)
     assert holes[-1] == pytest.approx(8, abs=1e-9)
-    assert [machine.machine().joint(name).clearance for name in "ABC"] == [0, 0, 0]  # both press fits
+    assert [machine.machine().joint(name).clearance for name in "ABC"] == [
+        0,
+        0,
+        0,
+    ]  # both press fits
     plain = with_parts(root)
-    assert [plain.machine().joint(name).clearance for name in "ABC"] == pytest.approx([0.2, 0.2, 0.2])
+    assert [plain.machine().joint(name).clearance for name in "ABC"] == pytest.approx(
+        [0.2, 0.2, 0.2]
+    )
 
 
 def rise(machine: Linkage) -> dict[tuple[str, int], float]:
@@ -76,15 +84,26 @@ def rise(machine: Linkage) -> dict[tuple[str, int], float]:
     poses, found = machine.poses(np.zeros(1)), dict[tuple[str, int], float]()
     for k, mount in enumerate(mount for mount in machine.mounts() if mount.part == "bearing-mr85"):
         link, place = links[mount.body], poses["bearing-mr85"][k].place[0]
-        pins = [(pose, parts[name]) for name in parts if name.startswith("pin-") for pose in poses[name]]
+        pins = [
+            (pose, parts[name]) for name in parts if name.startswith("pin-") for pose in poses[name]
+        ]
         pose, pin = min(pins, key=lambda each: abs(each[0].place[0] - place))
         under = [layer for layer in parts[link.part].layers if link.z + layer.z1 <= mount.z + 1e-9]
-        holes = [hole for layer in under for hole in layer.region.holes if abs(hole.centroid - mount.at) < 1e-6]
+        holes = [
+            hole
+            for layer in under
+            for hole in layer.region.holes
+            if abs(hole.centroid - mount.at) < 1e-6
+        ]
         lips = [math.sqrt(4 * abs(hole.area) / math.pi) for hole in holes]
         head = math.sqrt(4 * pin.layers[0].region.area / math.pi)
-        assert pose.flipped and head <= 5.75 + 1e-9  # turned over, its head is above, on the inner ring alone
+        assert (
+            pose.flipped and head <= 5.75 + 1e-9
+        )  # turned over, its head is above, on the inner ring alone
         holds = lips and 5.75 < min(lips) < 7.9 and head > 5
-        found[link.part, k] = pose.z + pin.thickness - pin.layers[0].z1 - (mount.z + 2.5) if holds else math.inf
+        found[link.part, k] = (
+            pose.z + pin.thickness - pin.layers[0].z1 - (mount.z + 2.5) if holds else math.inf
+        )
     return found
 
 
@@ -92,8 +111,14 @@ def test_a_bearing_holds_its_link_down(root: Path, monkeypatch: pytest.MonkeyPat
     """MR85, 2.5 wide, in a link of 4: over it a play of 0.2, under it a lip of 1.3, of the bore (5 + 8) / 2."""
     machine = with_parts(root, pin="bearing")
     rocker = next(part for part in machine.parts() if part.name == "rocker")
-    assert [(layer.z0, layer.z1) for layer in rocker.layers] == [(0, 1.3), (1.3, 4)] and rocker.cut == 1
-    sizes = [[math.sqrt(4 * abs(hole.area) / math.pi) for hole in layer.region.holes] for layer in rocker.layers]
+    assert [(layer.z0, layer.z1) for layer in rocker.layers] == [
+        (0, 1.3),
+        (1.3, 4),
+    ] and rocker.cut == 1
+    sizes = [
+        [math.sqrt(4 * abs(hole.area) / math.pi) for hole in layer.region.holes]
+        for layer in rocker.layers
+    ]
     assert max(sizes[0]) == pytest.approx(6.5) and max(sizes[1]) == pytest.approx(8)
     assert any("pressed in from above, down on the lip: MR85" in note for note in rocker.notes)
     ways = rise(machine)
@@ -112,11 +137,15 @@ def test_a_bearing_is_pressed_in_before_its_link_goes_on(root: Path) -> None:
         under = [(poses[name][0].z, name) for name in ("crank", "coupler", "rocker")]
         link = max(each for each in under if each[0] < float(row[5]))[1]
         assert names.index(link) >= int(row[0]), link
-    assert all("pressed and glued into" in where for name, where in steps if name.startswith("pin-"))
+    assert all(
+        "pressed and glued into" in where for name, where in steps if name.startswith("pin-")
+    )
     assert all("pressed on bearing-mr85" in where for name, where in steps if name == "coupler")
     rows = {str(row[1]): row for row in parts_table(machine).rows}
     assert "5 x 8 x 2.5" in str(rows["bearing-mr85"][2]) and rows["bearing-mr85"][4] == ""
-    assert "glue" in rows and str(rows["screw of the plate, from behind"][2]).startswith("M3, for a core hole of 2.5")
+    assert "glue" in rows and str(rows["screw of the plate, from behind"][2]).startswith(
+        "M3, for a core hole of 2.5"
+    )
 
 
 def test_a_head_little_wider_than_its_pin_is_not_taken_for_it() -> None:
@@ -137,7 +166,10 @@ def test_a_seat_that_is_too_wide_and_rings_that_are_not_counted_are_found(
     made(root, tmp_path, "parts.pin=bearing", kind="dxf")
     folder = tmp_path / "linkage"
     document = ezdxf.readfile(folder / "linkage-rocker.dxf")
-    seat = max((circle for circle in document.modelspace().query("CIRCLE")), key=lambda circle: circle.dxf.radius)
+    seat = max(
+        (circle for circle in document.modelspace().query("CIRCLE")),
+        key=lambda circle: circle.dxf.radius,
+    )
     assert seat.dxf.radius == 4
     seat.dxf.radius = 4.02
     document.saveas(folder / "linkage-rocker.dxf")
@@ -148,8 +180,12 @@ def test_a_seat_that_is_too_wide_and_rings_that_are_not_counted_are_found(
     sound = judged(folder, "dxf").findings
     assert "PIN_GAP" not in {finding.code for finding in sound if not finding.ok}
     lash = {finding.code: finding for finding in sound}["LASH"].measured
-    monkeypatch.setattr(joints, "sum", lambda rings: 0.0, raising=False)  # as if a pin had all of the seat to itself
-    assert {finding.code: finding for finding in judged(folder, "dxf").findings}["LASH"].measured > lash + 1
+    monkeypatch.setattr(
+        joints, "sum", lambda rings: 0.0, raising=False
+    )  # as if a pin had all of the seat to itself
+    assert {finding.code: finding for finding in judged(folder, "dxf").findings}[
+        "LASH"
+    ].measured > lash + 1
 
 
 @pytest.mark.parametrize(
@@ -158,19 +194,44 @@ def test_a_seat_that_is_too_wide_and_rings_that_are_not_counted_are_found(
         ({"pins": {"X": "bearing"}}, SpecError, "parts.pins.X"),
         ({"pins": {"P": "bearing"}}, DesignError, "parts.pins.P: no link turns there"),
         ({"pins": {"O": "shoulder"}}, DesignError, "parts.pins.O: it is a shaft"),
-        ({"pins": {"O": "bearing"}, "motor": "nema-17", "shaft_diameter": 5}, DesignError, "pins.O: it is the motor"),
+        (
+            {"pins": {"O": "bearing"}, "motor": "nema-17", "shaft_diameter": 5},
+            DesignError,
+            "pins.O: it is the motor",
+        ),
         ({"pins": {"O": "bearing"}}, DesignError, "parts.base_thickness is 5 mm.*limit 6 mm.*626"),
-        ({"pin": "bearing", "coupler": {"thickness": 2}}, DesignError, "thickness is 2 mm.*limit 3.5 mm.*MR85.*lip of 0.8"),
-        ({"pin": "bearing", "pin_diameter": 4.5}, DesignError, "parts.pin_diameter is 4.5 mm.*3, 4, 5, 6, 8"),
+        (
+            {"pin": "bearing", "coupler": {"thickness": 2}},
+            DesignError,
+            "thickness is 2 mm.*limit 3.5 mm.*MR85.*lip of 0.8",
+        ),
+        (
+            {"pin": "bearing", "pin_diameter": 4.5},
+            DesignError,
+            "parts.pin_diameter is 4.5 mm.*3, 4, 5, 6, 8",
+        ),
         ({"pin": "shoulder", "pin_diameter": 14}, SpecError, "parts.pin_diameter.*at most 13"),
-        ({"pin": "shoulder", "base_thickness": 40, "thickness": 2, "head": 1}, DesignError,
-         'shoulder screw.*mended by parts.pin = "printed"'),
+        (
+            {"pin": "shoulder", "base_thickness": 40, "thickness": 2, "head": 1},
+            DesignError,
+            'shoulder screw.*mended by parts.pin = "printed"',
+        ),
         ({"hand_crank": 5}, SpecError, "parts.hand_crank.*at least 15 mm"),
-        ({"hand_crank": 40, "shaft_length": 8}, SpecError, "parts.shaft_length.*at least 10 mm.*hand crank"),
-        ({"hand_crank": 40, "motor": "nema-17", "shaft_diameter": 5}, SpecError, "parts.hand_crank.*nema-17 drives"),
+        (
+            {"hand_crank": 40, "shaft_length": 8},
+            SpecError,
+            "parts.shaft_length.*at least 10 mm.*hand crank",
+        ),
+        (
+            {"hand_crank": 40, "motor": "nema-17", "shaft_diameter": 5},
+            SpecError,
+            "parts.hand_crank.*nema-17 drives",
+        ),
     ],
 )
-def test_pins_and_cranks_that_cannot_be(root: Path, parts: dict[str, Any], error: type[Exception], said: str) -> None:
+def test_pins_and_cranks_that_cannot_be(
+    root: Path, parts: dict[str, Any], error: type[Exception], said: str
+) -> None:
     with pytest.raises(error, match=said):
         with_parts(root, **parts).parts()
 
@@ -182,13 +243,29 @@ def test_a_hand_crank_turns_with_the_shaft(root: Path, tmp_path: Path) -> None:
     (knob,) = machine.poses(theta)["knob"]
     assert np.max(np.abs(knob.place - 40 * np.exp(1j * theta))) < 1e-9
     listed = (tmp_path / "linkage" / "linkage-parts.csv").read_text(encoding="utf-8")
-    assert all(name in listed for name in ("hand-crank,", "knob,", "knob-pin,")) and "drive" not in listed
+    assert (
+        all(name in listed for name in ("hand-crank,", "knob,", "knob-pin,"))
+        and "drive" not in listed
+    )
     steps = [row[1] for row in machine.steps().rows]
     assert {"hand-crank", "knob", "knob-pin"} <= {str(step) for step in steps}
-    heights = {mount.part: (mount.z, mount.z + next(part for part in machine.parts() if part.name == mount.part).thickness)
-               for mount in machine.mounts() if mount.part in ("hand-crank", "knob", "knob-pin", "shaft", "collar")}  # fmt: skip
-    assert heights["hand-crank"][0] == heights["shaft"][0] and heights["hand-crank"][1] < heights["collar"][0]
+    heights = {
+        mount.part: (
+            mount.z,
+            mount.z + next(part for part in machine.parts() if part.name == mount.part).thickness,
+        )
+        for mount in machine.mounts()
+        if mount.part in ("hand-crank", "knob", "knob-pin", "shaft", "collar")
+    }
+    assert (
+        heights["hand-crank"][0] == heights["shaft"][0]
+        and heights["hand-crank"][1] < heights["collar"][0]
+    )
     plate = next(part for part in machine.parts() if part.name == "ground")
     screws = [z for z in plate.centres if z not in dict(plate.points).values()]
-    assert len(screws) == 2 and min(map(abs, screws)) > 40 + 5 + 1.5 + 2.5 / 2  # beside the way of the knob, 13 wide
-    assert heights["knob"][1] < heights["hand-crank"][0] and heights["knob-pin"][1] == pytest.approx(heights["hand-crank"][1])
+    assert (
+        len(screws) == 2 and min(map(abs, screws)) > 40 + 5 + 1.5 + 2.5 / 2
+    )  # beside the way of the knob, 13 wide
+    assert heights["knob"][1] < heights["hand-crank"][0] and heights["knob-pin"][
+        1
+    ] == pytest.approx(heights["hand-crank"][1])

@@ -30,7 +30,9 @@ def stacks(machine: Linkage) -> list[list[tuple[float, float]]]:
     """Of each pin: bottom and top of all links and spacers on it, mm, by the mounts of the solids."""
     parts, found = {part.name: part for part in machine.parts()}, []
     chain, poses = machine.chain, machine.chain.start
-    links = {mount.part: mount for mount in machine.mounts() if mount.part in (*poses, "plate", "ground")}
+    links = {
+        mount.part: mount for mount in machine.mounts() if mount.part in (*poses, "plate", "ground")
+    }
 
     def place(body: str, at: complex) -> complex:
         return at if body == "ground" else poses[body].place + np.exp(1j * poses[body].angle) * at
@@ -38,9 +40,14 @@ def stacks(machine: Linkage) -> list[list[tuple[float, float]]]:
     for point, on in machine.bodies.layout.pivots.items():
         here = place(on[0], complex(chain.body(on[0]).points[point]))
         mounts = [links[link] for link in on]
-        mounts += [mount for mount in machine.mounts()
-                   if mount.part.startswith("spacer") and abs(place(mount.body, mount.at) - here) < 1e-6]  # fmt: skip
-        found.append(sorted((mount.z, mount.z + parts[mount.part].layers[0].z1) for mount in mounts))
+        mounts += [
+            mount
+            for mount in machine.mounts()
+            if mount.part.startswith("spacer") and abs(place(mount.body, mount.at) - here) < 1e-6
+        ]
+        found.append(
+            sorted((mount.z, mount.z + parts[mount.part].layers[0].z1) for mount in mounts)
+        )
     return found
 
 
@@ -48,10 +55,15 @@ def stacks(machine: Linkage) -> list[list[tuple[float, float]]]:
     ("spec", "sets"),
     [
         ("linkage", ["parts.crank.thickness=7.5", "parts.coupler.thickness=1"]),
-        ("walking-leg", ["parts.shoulder.thickness=6", "parts.foot.thickness=2", "parts.crank.thickness=1.2"]),
+        (
+            "walking-leg",
+            ["parts.shoulder.thickness=6", "parts.foot.thickness=2", "parts.crank.thickness=1.2"],
+        ),
     ],
 )
-def test_links_of_unequal_thickness_lie_on_each_other(root: Path, tmp_path: Path, spec: str, sets: list[str]) -> None:
+def test_links_of_unequal_thickness_lie_on_each_other(
+    root: Path, tmp_path: Path, spec: str, sets: list[str]
+) -> None:
     machine = green(root / "specs" / f"{spec}.toml", tmp_path, *sets)
     thickness = {part.name: part.thickness for part in machine.parts()}
     for each in sets:
@@ -63,21 +75,38 @@ def test_links_of_unequal_thickness_lie_on_each_other(root: Path, tmp_path: Path
         assert all(PLAY - 1e-9 <= gap <= 2 * PLAY + machine.making.thickness / 4 for gap in gaps)
 
 
-def test_levels_of_one_height_for_links_of_two_collide(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(lo.Layout, "_heights", property(lambda self: [self.sizes.base_thickness, 4.0, 4.0, 4.0]))
-    report = build(root / "specs" / "linkage.toml", tmp_path, frozenset({"3mf"}), ["parts.crank.thickness=7"])
+def test_levels_of_one_height_for_links_of_two_collide(
+    root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        lo.Layout, "_heights", property(lambda self: [self.sizes.base_thickness, 4.0, 4.0, 4.0])
+    )
+    report = build(
+        root / "specs" / "linkage.toml", tmp_path, frozenset({"3mf"}), ["parts.crank.thickness=7"]
+    )
     assert "INTERFERENCE" in {finding.code for finding in report.findings if not finding.ok}
 
 
 @pytest.mark.parametrize("sets", [["bow=10"], ["bow=-8", "width=5"]])
 def test_links_bent_and_slim_are_built(root: Path, tmp_path: Path, sets: list[str]) -> None:
-    machine = green(root / "specs" / "linkage.toml", tmp_path, *(f"parts.rocker.{each}" for each in sets))
+    machine = green(
+        root / "specs" / "linkage.toml", tmp_path, *(f"parts.rocker.{each}" for each in sets)
+    )
     plain = validate(Linkage, read(root / "specs" / "linkage.toml"))
-    (own,), (straight,) = ([part for part in each.parts() if part.name == "rocker"] for each in (machine, plain))
+    (own,), (straight,) = (
+        [part for part in each.parts() if part.name == "rocker"] for each in (machine, plain)
+    )
     asked = {key: float(value) for key, value in (each.split("=") for each in sets)}
     ends = [z for z in own.centres]
-    at = (ends[0] + ends[1]) / 2 + 1j * asked["bow"]  # the axes' x runs from the first hole to the second
-    ring = np.concatenate([piece.at(np.linspace(piece.t0, piece.t1, 999)) for piece in own.layers[0].region.outer.pieces])
+    at = (ends[0] + ends[1]) / 2 + 1j * asked[
+        "bow"
+    ]  # the axes' x runs from the first hole to the second
+    ring = np.concatenate(
+        [
+            piece.at(np.linspace(piece.t0, piece.t1, 999))
+            for piece in own.layers[0].region.outer.pieces
+        ]
+    )
     assert np.abs(ring - at).min() == pytest.approx(asked.get("width", 9.2) / 2, abs=1e-3)
     assert own.centres == straight.centres
 
@@ -92,6 +121,8 @@ def test_links_bent_and_slim_are_built(root: Path, tmp_path: Path, sets: list[st
         ({"ground": {"thickness": 6.0}}, SpecError, "parts.ground.thickness.*parts.base_thickness"),
     ],
 )
-def test_shapes_that_cannot_be(root: Path, shapes: dict[str, Any], error: type[Exception], said: str) -> None:
+def test_shapes_that_cannot_be(
+    root: Path, shapes: dict[str, Any], error: type[Exception], said: str
+) -> None:
     with pytest.raises(error, match=said):
         validate(Linkage, {**read(root / "specs" / "linkage.toml"), "parts": shapes}).parts()

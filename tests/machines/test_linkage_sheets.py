@@ -27,20 +27,33 @@ def test_a_four_bar_of_one_sheet(report):
     """Nothing is left to print: its links, ring and caps lie on the sheet, which is judged as cut."""
     assert report.ok, [finding for finding in report.findings if not finding.ok]
     assert report.numbers["sheets"] == 1
-    assert {finding.code for finding in report.findings} >= {"SHEET_FIT", "KERF", "MOTION_ERROR", "PIN_GAP"}
+    assert {finding.code for finding in report.findings} >= {
+        "SHEET_FIT",
+        "KERF",
+        "MOTION_ERROR",
+        "PIN_GAP",
+    }
     with open(report.folder / "linkage-parts.csv", encoding="utf-8") as file:
         made = {row["part"]: row["how"] for row in csv.DictReader(file)}
     assert made == {
-        **dict.fromkeys(("ground", "crank", "coupler", "rocker", "collar", "cap-1"), "cut of sheet"), "shaft": "turned of steel",
+        **dict.fromkeys(
+            ("ground", "crank", "coupler", "rocker", "collar", "cap-1"), "cut of sheet"
+        ),
+        "shaft": "turned of steel",
         **dict.fromkeys(("pin-1", "drive", "screw of the plate, from behind", "glue"), "bought"),
-    }  # fmt: skip
+    }
     assert report.numbers["mass_g"] == report.numbers["print_time_h"] == 0
 
 
 def test_the_resolved_spec_says_what_the_sheet_decided(report):
     spec = tomllib.loads((report.folder / "spec.toml").read_text(encoding="utf-8"))
     parts = spec["parts"]
-    assert (parts["thickness"], parts["base_thickness"], parts["pin"], parts["pin_diameter"]) == (3, 3, "dowel", 4)
+    assert (parts["thickness"], parts["base_thickness"], parts["pin"], parts["pin_diameter"]) == (
+        3,
+        3,
+        "dowel",
+        4,
+    )
     assert camgen.load(spec).making == camgen.load(laser("linkage")).making
 
 
@@ -49,13 +62,22 @@ def test_all_of_a_walker_is_of_the_sheet(thickness):
     """Rings fill the empty levels, one a level, and dowels reach through all."""
     machine = camgen.load(laser("two-leg-walker", sheet=thickness)).resolved()
     parts = {part.name: part for part in machine.parts()}
-    assert {part.made for part in parts.values()} == {"printed", "turned of steel", "bought"} and not machine.printed()
+    assert {part.made for part in parts.values()} == {
+        "printed",
+        "turned of steel",
+        "bought",
+    } and not machine.printed()
     assert {part.thickness for part in parts.values() if part.made == "printed"} == {thickness}
     step = thickness + machine.print.slide_clearance
-    levels = {round((mount.z - machine.print.slide_clearance) / step, 6) for mount in machine.mounts()
-              if parts[mount.part].made == "printed"}  # fmt: skip
-    assert levels - {-1.0} and all(level % 1 in (0, pytest.approx(1 - machine.print.slide_clearance / step, abs=1e-5))
-                                   for level in levels)  # fmt: skip
+    levels = {
+        round((mount.z - machine.print.slide_clearance) / step, 6)
+        for mount in machine.mounts()
+        if parts[mount.part].made == "printed"
+    }
+    assert levels - {-1.0} and all(
+        level % 1 in (0, pytest.approx(1 - machine.print.slide_clearance / step, abs=1e-5))
+        for level in levels
+    )
 
 
 def test_thin_sheets_take_thin_dowels():
@@ -68,8 +90,13 @@ def test_thin_sheets_take_thin_dowels():
 def test_a_hand_crank_of_sheet_is_turned_by_a_dowel():
     """Its arm is cut, 15 mm under the plate; a dowel of 4 mm, sold in 18 mm and not in 19, ends flush with its upper face."""
     machine = camgen.load(laser("linkage", hand_crank=30.0)).resolved()
-    parts, stands = ({each.name: each for each in machine.parts()}, {mount.part: mount for mount in machine.mounts()})
-    assert machine.cut_of_sheet(parts["hand-crank"]) and "knob" not in parts and not machine.printed()
+    parts, stands = (
+        {each.name: each for each in machine.parts()},
+        {mount.part: mount for mount in machine.mounts()},
+    )
+    assert (
+        machine.cut_of_sheet(parts["hand-crank"]) and "knob" not in parts and not machine.printed()
+    )
     assert parts["knob-pin"].made == "bought" and parts["knob-pin"].thickness == 18
     assert stands["hand-crank"].z == -15 and stands["knob-pin"].z == pytest.approx(-15 + 3 - 18)
 
@@ -77,25 +104,38 @@ def test_a_hand_crank_of_sheet_is_turned_by_a_dowel():
 def test_a_cam_machine_of_sheet():
     """Cams and wheels are plates on a turned shaft."""
     spec = laser("indexing-cam", "bodies", 4.0)
-    spec["parts"] = {**tomllib.loads((SPECS / "indexing-cam.toml").read_text(encoding="utf-8"))["parts"], "make": "machine"}
+    spec["parts"] = {
+        **tomllib.loads((SPECS / "indexing-cam.toml").read_text(encoding="utf-8"))["parts"],
+        "make": "machine",
+    }
     machine = camgen.load(spec).resolved()
     cut = [part for part in machine.parts() if machine.cut_of_sheet(part)]
-    assert {"cam-contact", "cam-contact_2", "roller-contact", "gear-gears-follower"} <= {part.name for part in cut}
+    assert {"cam-contact", "cam-contact_2", "roller-contact", "gear-gears-follower"} <= {
+        part.name for part in cut
+    }
     assert not machine.printed()
 
 
 @pytest.mark.parametrize(
     "name, sizes, said",
     [
-        ("linkage", {"thickness": 4.0}, "parts.thickness: 4 - expected 3, as thick as laser.thickness"),
+        (
+            "linkage",
+            {"thickness": 4.0},
+            "parts.thickness: 4 - expected 3, as thick as laser.thickness",
+        ),
         ("linkage", {"base_thickness": 5.0}, "parts.base_thickness: 5"),
         ("linkage", {"rocker": {"thickness": 2.0}}, "parts.rocker.thickness: 2"),
-        ("linkage", {"pin": "printed"}, "parts.pin: 'printed' - expected \"dowel\" or \"shoulder\""),
+        ("linkage", {"pin": "printed"}, 'parts.pin: \'printed\' - expected "dowel" or "shoulder"'),
         ("linkage", {"pins": {"A": "bearing"}}, "parts.pins.A: 'bearing'"),
-        ("linkage", {"motor": "nema-17", "shaft_diameter": 5.0, "base_thickness": 3.0}, "heads of its screws lie in pockets"),
+        (
+            "linkage",
+            {"motor": "nema-17", "shaft_diameter": 5.0, "base_thickness": 3.0},
+            "heads of its screws lie in pockets",
+        ),
         ("quick-return", {}, "slide: 1 with parts.make = 'laser' - expected slots and pins"),
     ],
-)  # fmt: skip
+)
 def test_what_no_sheet_can_be(name, sizes, said):
     with pytest.raises(SpecError) as refused:
         camgen.load(laser(name, **sizes))
@@ -113,9 +153,14 @@ def test_where_else_sheet_is_had(name):
 def test_without_a_sheet_or_dowels():
     spec = laser("linkage")
     del spec["laser"]
-    with pytest.raises(SpecError, match="parts.make: 'laser' - expected a table \\[laser\\] beside it"):
+    with pytest.raises(
+        SpecError, match="parts.make: 'laser' - expected a table \\[laser\\] beside it"
+    ):
         camgen.load(spec)
-    with pytest.raises(DesignError, match="the shortest dowel of 8 mm is 14 mm, there is room for .*thin dowels are sold"):
+    with pytest.raises(
+        DesignError,
+        match="the shortest dowel of 8 mm is 14 mm, there is room for .*thin dowels are sold",
+    ):
         camgen.load(laser("linkage", pin_diameter=8.0)).parts()
 
 
@@ -131,7 +176,10 @@ def test_a_cap_of_sheet_is_filled_by_its_pin(sheet: float) -> None:
     """By three quarters at least; where a longer dowel stands out of it, its note says how far, by the heights."""
     machine = camgen.load(laser("linkage", sheet=sheet)).resolved()
     parts = {part.name: part for part in machine.parts()}
-    caps, outs = [mount for mount in machine.mounts() if mount.part.startswith("cap")], list[float]()
+    caps, outs = (
+        [mount for mount in machine.mounts() if mount.part.startswith("cap")],
+        list[float](),
+    )
     for cap in caps:
         here = (each for each in machine.mounts() if (each.body, each.at) == (cap.body, cap.at))
         pin = next(each for each in here if each.part.startswith("pin"))

@@ -26,19 +26,40 @@ from camgen.pipeline.build import build
 from camgen.spec import validate
 
 CROSSED = {  # two rods on one crank, whose other pins run in slots that cross at (60, 0), never there at one time
-    "mechanism": "linkage", "name": "own", "drive": {"link": "crank"},
-    "points": {"O": [0, 0], "A": [15, 0], "P": [75, 0], "Q": [70, 5.77],
-               "U": [40, 0], "V": [80, 0], "W": [34, -15], "Z": [86, 15]},
-    "links": {"ground": ["O", "U", "V", "W", "Z"], "crank": ["O", "A"], "rod": ["A", "P"], "other": ["A", "Q"]},
-    "slot": [{"pin": "P", "link": "ground", "along": ["U", "V"]}, {"pin": "Q", "link": "ground", "along": ["W", "Z"]}],
+    "mechanism": "linkage",
+    "name": "own",
+    "drive": {"link": "crank"},
+    "points": {
+        "O": [0, 0],
+        "A": [15, 0],
+        "P": [75, 0],
+        "Q": [70, 5.77],
+        "U": [40, 0],
+        "V": [80, 0],
+        "W": [34, -15],
+        "Z": [86, 15],
+    },
+    "links": {
+        "ground": ["O", "U", "V", "W", "Z"],
+        "crank": ["O", "A"],
+        "rod": ["A", "P"],
+        "other": ["A", "Q"],
+    },
+    "slot": [
+        {"pin": "P", "link": "ground", "along": ["U", "V"]},
+        {"pin": "Q", "link": "ground", "along": ["W", "Z"]},
+    ],
     "output": [{"name": "out", "point": "P"}],
-}  # fmt: skip
+}
 SLIDER = {  # a slider-crank whose slider is a pin in the ground
-    "mechanism": "linkage", "name": "own", "drive": {"link": "crank"},
+    "mechanism": "linkage",
+    "name": "own",
+    "drive": {"link": "crank"},
     "points": {"O": [0, 0], "A": [15, 0], "P": [75, 0], "U": [40, 0], "V": [80, 0]},
     "links": {"ground": ["O", "U", "V"], "crank": ["O", "A"], "rod": ["A", "P"]},
-    "slot": [{"pin": "P", "link": "ground", "along": ["U", "V"]}], "output": [{"name": "out", "point": "P"}],
-}  # fmt: skip
+    "slot": [{"pin": "P", "link": "ground", "along": ["U", "V"]}],
+    "output": [{"name": "out", "point": "P"}],
+}
 
 
 def linkage(tables: dict[str, Any], **parts: Any) -> Linkage:
@@ -49,15 +70,24 @@ def slots_of(machine: Linkage, part: str) -> list[tuple[float, float, complex]]:
     """Length and width along x and y, and the middle, of the holes of a part that are not round."""
     holes = next(each for each in machine.parts() if each.name == part).layers[-1].region.holes
     rings = [facet_contour(hole, 1e-6) for hole in holes]
-    boxes = [(float(np.ptp(z.real)), float(np.ptp(z.imag)), complex(z.real.min() + z.real.max(), z.imag.min() + z.imag.max()) / 2)
-             for z in rings]  # fmt: skip
+    boxes = [
+        (
+            float(np.ptp(z.real)),
+            float(np.ptp(z.imag)),
+            complex(z.real.min() + z.real.max(), z.imag.min() + z.imag.max()) / 2,
+        )
+        for z in rings
+    ]
     return [box for box in boxes if abs(box[0] - box[1]) > 0.1]
 
 
 def test_a_slot_in_the_ground_is_as_long_as_its_pins_way() -> None:
     """P goes from 60 - 15 to 60 + 15; half a millimetre of room at both ends, the pin 5 and its play 0.2."""
     ((long, wide, middle),) = slots_of(linkage(SLIDER), "ground")
-    assert (long, wide) == (pytest.approx(30 + 2 * 0.5 + 5.2, abs=1e-3), pytest.approx(5.2, abs=1e-4))
+    assert (long, wide) == (
+        pytest.approx(30 + 2 * 0.5 + 5.2, abs=1e-3),
+        pytest.approx(5.2, abs=1e-4),
+    )
     assert middle == pytest.approx(60, abs=1e-3)
 
 
@@ -66,7 +96,11 @@ def test_its_pin_ends_inside_the_plate_and_is_fixed_in_what_lies_next_to_it() ->
     for parts, plate, sign in (({}, "ground", 1), ({"plates": 2}, "second-plate", -1)):
         machine = linkage(SLIDER if not parts else CROSSED, **parts)
         heights = {part.name: part.thickness for part in machine.parts()}
-        faces = next(each for each in machine.features() if isinstance(each, SlotFaces) and each.walls.part == plate)
+        faces = next(
+            each
+            for each in machine.features()
+            if isinstance(each, SlotFaces) and each.walls.part == plate
+        )
         (pin,) = (mount for mount in machine.mounts() if mount.part == faces.pin.part)  # type: ignore[union-attr]
         (board,) = (mount for mount in machine.mounts() if mount.part == plate)
         low, high = pin.z, pin.z + heights[pin.part]
@@ -84,13 +118,19 @@ def test_two_pins_on_one_line_whose_ways_meet_run_in_one_slot() -> None:
     tables["points"] |= {"O": [-40, 0], "A": [-25, 0], "E": [-25, -18], "F": [-25, 18]}
     tables["output"] = [{"name": "end", "point": "Q"}]
     ((long, wide, middle),) = slots_of(linkage(tables), "ground")
-    assert long == pytest.approx(30 + 30 + 2 * 0.5 + 5.2, abs=1e-3) and wide == pytest.approx(5.2, abs=1e-4)
-    assert middle == pytest.approx(complex((0 + 60) / 2), abs=1e-3)  # P from 0 to 30, Q from 30 to 60
+    assert long == pytest.approx(30 + 30 + 2 * 0.5 + 5.2, abs=1e-3) and wide == pytest.approx(
+        5.2, abs=1e-4
+    )
+    assert middle == pytest.approx(
+        complex((0 + 60) / 2), abs=1e-3
+    )  # P from 0 to 30, Q from 30 to 60
 
 
 def test_slots_that_cross_lie_in_two_plates() -> None:
     """In one plate no wall would guide a pin at the crossing: refused, and what is told mends."""
-    with pytest.raises(DesignError, match="slot of pin P and slot of pin Q.*mended by parts.plates = 2"):
+    with pytest.raises(
+        DesignError, match="slot of pin P and slot of pin Q.*mended by parts.plates = 2"
+    ):
         linkage(CROSSED).parts()
     machine = linkage(CROSSED, plates=2)
     assert len(slots_of(machine, "ground")) == len(slots_of(machine, "second-plate")) == 1
@@ -112,7 +152,11 @@ def test_a_slot_of_the_ground_that_lies_aside_is_found(tmp_path: Path) -> None:
     assert build(tmp_path / "own.toml", tmp_path, frozenset({"dxf"})).ok
     path = tmp_path / "own" / "own-ground.dxf"
     drawing = ezdxf.readfile(path)
-    (slot,) = (each for each in drawing.modelspace().query("LWPOLYLINE") if 34 < np.ptp([x for x, *_ in each.get_points()]) < 38)
+    (slot,) = (
+        each
+        for each in drawing.modelspace().query("LWPOLYLINE")
+        if 34 < np.ptp([x for x, *_ in each.get_points()]) < 38
+    )
     slot.set_points([(x, y + 0.05, *rest) for x, y, *rest in slot.get_points()])
     drawing.saveas(path)
     found = {finding.code: finding for finding in wrong(tmp_path / "own", "dxf")}
@@ -121,10 +165,16 @@ def test_a_slot_of_the_ground_that_lies_aside_is_found(tmp_path: Path) -> None:
 
 # ---- any small machine of slots and slides ---------------------------------------------------------------------------
 
-PARTS = st.fixed_dictionaries({}, optional={
-    "plates": st.just(2), "shaft": st.just("interrupted"), "pin": st.sampled_from(["dowel", "shoulder"]), "cover": st.just(False),
-    "hand_crank": st.just(20.0),
-})  # fmt: skip
+PARTS = st.fixed_dictionaries(
+    {},
+    optional={
+        "plates": st.just(2),
+        "shaft": st.just("interrupted"),
+        "pin": st.sampled_from(["dowel", "shoulder"]),
+        "cover": st.just(False),
+        "hand_crank": st.just(20.0),
+    },
+)
 
 
 class Sketch:
@@ -155,12 +205,18 @@ class Sketch:
             case "pin in the ground":
                 pin = self.point("P", x + far, y + aside / 3)
                 self.link(end, pin)
-                low, high = (self.point("U", x + far + side * 40, y + aside / 3, "ground") for side in (-1, 1))
+                low, high = (
+                    self.point("U", x + far + side * 40, y + aside / 3, "ground")
+                    for side in (-1, 1)
+                )
                 line = low, high
                 self.slots.append({"pin": pin, "link": "ground", "along": line})
                 self.ends.append(pin)
             case "slotted arm" | "block on an arm":
-                hinge, tip = self.point("D", x + aside, y - far, "ground"), self.point("F", x - aside + 0.5, y + far)
+                hinge, tip = (
+                    self.point("D", x + aside, y - far, "ground"),
+                    self.point("F", x - aside + 0.5, y + far),
+                )
                 arm, line = self.link(hinge, tip), (hinge, tip)
                 if kind == "slotted arm":
                     self.slots.append({"pin": end, "link": arm, "along": line})
@@ -168,16 +224,26 @@ class Sketch:
                     self.slides.append({"link": self.link(end), "on": arm, "along": line})
                 self.ends.append(tip)
             case "slotted coupler":
-                pin, tip = self.point("D", x + far, y + aside, "ground"), self.point("F", x + 2 * far + 0.5, y + 2 * aside)
+                pin, tip = (
+                    self.point("D", x + far, y + aside, "ground"),
+                    self.point("F", x + 2 * far + 0.5, y + 2 * aside),
+                )
                 self.slots.append({"pin": pin, "link": self.link(end, tip), "along": (end, tip)})
                 self.ends.append(tip)
             case "slotted crank":
-                tip, hinge = self.point("H", 0, -far, "crank"), self.point("D", aside / 5, aside / 5 + 2, "ground")
+                tip, hinge = (
+                    self.point("H", 0, -far, "crank"),
+                    self.point("D", aside / 5, aside / 5 + 2, "ground"),
+                )
                 pin = self.point("Q", 0, -far / 2)
                 self.link(hinge, pin)
                 self.slots.append({"pin": pin, "link": "crank", "along": ("O", tip)})
             case "yoke":
-                low, high, out = self.point("E", x, y - 30), self.point("E", x, y + 30), self.point("P", x + far, y)
+                low, high, out = (
+                    self.point("E", x, y - 30),
+                    self.point("E", x, y + 30),
+                    self.point("P", x + far, y),
+                )
                 back = self.point("P", x - far - aside, y)
                 yoke = self.link(low, out, high, back)
                 line = self.point("U", x - 90, y, "ground"), self.point("V", x + 90, y, "ground")
@@ -187,26 +253,48 @@ class Sketch:
             case _:
                 pin = self.point("P", x + far, y + aside / 3)
                 self.link(end, pin)
-                line = self.point("U", x + far, y + aside / 3, "ground"), self.point("V", x + far + 30, y + aside / 3, "ground")
+                line = (
+                    self.point("U", x + far, y + aside / 3, "ground"),
+                    self.point("V", x + far + 30, y + aside / 3, "ground"),
+                )
                 self.slides.append({"link": self.link(pin), "along": line})
                 self.ends.append(pin)
 
     def tables(self, parts: dict[str, Any], swing: tuple[float, float] | None) -> dict[str, Any]:
         drive = {"link": "crank"} if swing is None else {"link": "crank", "range_deg": swing}
         return {
-            "mechanism": "linkage", "name": "own", "points": self.points, "links": self.links, "slot": self.slots,
-            "slide": self.slides, "drive": drive, "parts": parts, "output": [{"name": "out", "point": self.ends[-1]}],
+            "mechanism": "linkage",
+            "name": "own",
+            "points": self.points,
+            "links": self.links,
+            "slot": self.slots,
+            "slide": self.slides,
+            "drive": drive,
+            "parts": parts,
+            "output": [{"name": "out", "point": self.ends[-1]}],
             "limits": {"transmission_angle_deg": 1},
-        }  # fmt: skip
+        }
 
 
 @st.composite
 def small_machines(draw: st.DrawFn) -> dict[str, Any]:
     sketch = Sketch(draw(st.sampled_from([8.0, 15.0, 25.0])))
-    kinds = ["pin in the ground", "slotted arm", "block on an arm", "slotted coupler", "slotted crank", "yoke", "slide"]
+    kinds = [
+        "pin in the ground",
+        "slotted arm",
+        "block on an arm",
+        "slotted coupler",
+        "slotted crank",
+        "yoke",
+        "slide",
+    ]
     for kind in draw(st.lists(st.sampled_from(kinds), min_size=1, max_size=2)):
-        sketch.hang(kind, draw(st.sampled_from(sketch.ends)), draw(st.sampled_from([35.0, 50.0, 70.0])),
-                    draw(st.sampled_from([-25.0, 0.0, 10.0])))  # fmt: skip
+        sketch.hang(
+            kind,
+            draw(st.sampled_from(sketch.ends)),
+            draw(st.sampled_from([35.0, 50.0, 70.0])),
+            draw(st.sampled_from([-25.0, 0.0, 10.0])),
+        )
     return sketch.tables(draw(PARTS), draw(st.sampled_from([None, (-10.0, 12.0)])))
 
 
@@ -232,7 +320,9 @@ def mends(error: DesignError) -> list[str]:
 
 @settings(max_examples=20)
 @given(small_machines())
-def test_every_small_machine_of_slots_and_slides_has_parts_or_is_refused_in_words(tables: dict[str, Any]) -> None:
+def test_every_small_machine_of_slots_and_slides_has_parts_or_is_refused_in_words(
+    tables: dict[str, Any],
+) -> None:
     """Nothing else is raised; and what is said to mend it does."""
     try:
         machine = load(tables)
@@ -262,7 +352,9 @@ def test_a_slot_in_a_web_lies_over_the_link_of_its_pin() -> None:
     tables["points"] |= {"H": [0, -32.5], "D": [-9.6, 4.3], "Q": [0, -19.5]}
     tables["links"] |= {"ground": ["O", "U", "V", "D"], "crank": ["O", "A", "H"], "arm": ["D", "Q"]}
     tables["slot"] = [*tables["slot"], {"pin": "Q", "link": "crank", "along": ["O", "H"]}]
-    machine = linkage({**tables, "drive": {"link": "crank", "range_deg": [-10, 2]}}, shaft="interrupted")
+    machine = linkage(
+        {**tables, "drive": {"link": "crank", "range_deg": [-10, 2]}}, shaft="interrupted"
+    )
     level = machine.bodies.layout.level
     assert level["crank"] > level["arm"] and level["rod"] > level["crank"]
     assert machine.bodies.layout.hole("Q", "crank") == pytest.approx(5.2)

@@ -60,7 +60,9 @@ def test_free_length_and_preload_say_the_same(four_bar: dict[str, Any]) -> None:
     assert validate(Linkage, four_bar).sprung[0].forces()[0] == pytest.approx(2.0, abs=1e-9)
 
 
-def test_a_machine_with_a_spring_is_built_and_holds(four_bar: dict[str, Any], tmp_path: Path) -> None:
+def test_a_machine_with_a_spring_is_built_and_holds(
+    four_bar: dict[str, Any], tmp_path: Path
+) -> None:
     """A post with its pin and a level for the spring, which is bought; what nothing asks for is as without it."""
     report = build(four_bar, tmp_path, frozenset({"dxf", "3mf"}))
     assert report.ok
@@ -76,13 +78,20 @@ def test_a_machine_with_a_spring_is_built_and_holds(four_bar: dict[str, Any], tm
 
 def test_a_spring_holds_a_follower_on_its_cam() -> None:
     """What the cam needs besides is none with it."""
-    rise, back = ({"kind": kind, "span_deg": 180, "law": "cycloidal", "lift_deg": 20} for kind in ("rise", "return"))
+    rise, back = (
+        {"kind": kind, "span_deg": 180, "law": "cycloidal", "lift_deg": 20}
+        for kind in ("rise", "return")
+    )
     cam = {"cam": "disc", "follower": "rocker", "at": "T", "radius": 5, "segment": [rise, back]}
     data: dict[str, Any] = {
-        "mechanism": "linkage", "name": "own", "drive": {"link": "disc", "speed_rpm": 600},
-        "points": {"O": [0, 0], "C": [60, 0], "T": [30, 35]}, "cam": [cam],
-        "links": {"ground": ["O", "C"], "disc": ["O"], "rocker": ["C", "T"]}, "output": [{"name": "a", "link": "rocker"}],
-    }  # fmt: skip
+        "mechanism": "linkage",
+        "name": "own",
+        "drive": {"link": "disc", "speed_rpm": 600},
+        "points": {"O": [0, 0], "C": [60, 0], "T": [30, 35]},
+        "cam": [cam],
+        "links": {"ground": ["O", "C"], "disc": ["O"], "rocker": ["C", "T"]},
+        "output": [{"name": "a", "link": "rocker"}],
+    }
     assert validate(Linkage, data).study().numbers["hold_disc_on_rocker_n_m"] > 0
     data["points"]["S"], data["links"]["ground"] = [-60, -20], ["O", "C", "S"]
     data["spring"] = [{"between": ["T", "S"], "rate": 0.2, "preload": 6.0}]
@@ -94,7 +103,9 @@ def test_a_spring_holds_a_follower_on_its_cam() -> None:
 def test_a_machine_with_a_spring_joins_another(four_bar: dict[str, Any]) -> None:
     own = validate(Linkage, four_bar).machine()
     whole = joined(own, {Module("other", 300j): own})
-    (spring,) = [load for load in whole.loads if isinstance(load, Spring) and load.name == "other_spring"]
+    (spring,) = [
+        load for load in whole.loads if isinstance(load, Spring) and load.name == "other_spring"
+    ]
     assert (spring.a.body, spring.b.at) == ("other_coupler", POST + 300j)
     torque = solve(own, THETA).forces().drives["drive"]
     both = sum(solve(whole, THETA).forces().drives.values())
@@ -106,17 +117,31 @@ def test_a_machine_with_a_spring_joins_another(four_bar: dict[str, Any]) -> None
     [
         ({"free": 50.0}, SpecError, "spring.0 - either free or preload"),
         ({"preload": None}, SpecError, "spring.0 - either free or preload"),
-        ({"between": ["A", "P"]}, SpecError, "spring.0.between: A, P - expected points of two links: coupler carries both"),
+        (
+            {"between": ["A", "P"]},
+            SpecError,
+            "spring.0.between: A, P - expected points of two links: coupler carries both",
+        ),
         ({"between": ["B", "X"]}, SpecError, "spring.0.between.1: 'X' - expected one of"),
-        ({"between": ["B", "O"]}, SpecError, "spring.0.between.1: 'O' - expected a point that is no shaft"),
+        (
+            {"between": ["B", "O"]},
+            SpecError,
+            "spring.0.between.1: 'O' - expected a point that is no shaft",
+        ),
         ({"name": "coupler"}, SpecError, "spring.0.name: 'coupler' - expected a name of its own"),
         ({"name": "drive"}, SpecError, "spring.0.name: 'drive' - expected a name of its own"),
-        ({"preload": None, "free": 70.0}, DesignError, "come as near as 64.3024 mm, its free length is 70 mm, and it only pulls"),
+        (
+            {"preload": None, "free": 70.0},
+            DesignError,
+            "come as near as 64.3024 mm, its free length is 70 mm, and it only pulls",
+        ),
         ({"preload": 20.0}, DesignError, "free length is -2.3"),
         ({"rate": 40.0}, DesignError, "no spring of round wire has 40 N/mm"),
     ],
-)  # fmt: skip
-def test_springs_that_cannot_be(four_bar: dict[str, Any], change: dict[str, Any], kind: type[Exception], said: str) -> None:
+)
+def test_springs_that_cannot_be(
+    four_bar: dict[str, Any], change: dict[str, Any], kind: type[Exception], said: str
+) -> None:
     spring = {**four_bar["spring"][0], **change}
     four_bar["spring"] = [{key: value for key, value in spring.items() if value is not None}]
     with pytest.raises(kind) as caught:

@@ -26,13 +26,23 @@ SHAPER = {
 # Hoeken's straight-line chain, ten times its published proportions 1 : 2 : 2.5 : 2.5, tracing point at 5 on the coupler.
 HOEKEN = {
     "points": {"O": [0, 0], "C": [20, 0], "A": [-10, 0], "B": [5, 20], "P": [20, 40]},
-    "links": {"ground": ["O", "C"], "crank": ["O", "A"], "coupler": ["A", "B", "P"], "rocker": ["C", "B"]},
+    "links": {
+        "ground": ["O", "C"],
+        "crank": ["O", "A"],
+        "coupler": ["A", "B", "P"],
+        "rocker": ["C", "B"],
+    },
     "lengths": {"O-C": 20, "O-A": 10, "A-B": 25, "C-B": 25, "B-P": 25, "A-P": 50},
 }
 
 
 def spec(**tables: Any) -> dict[str, Any]:
-    return {"mechanism": "linkage", "name": "own", "drive": {"link": "crank", "speed_rpm": 60}, **tables}
+    return {
+        "mechanism": "linkage",
+        "name": "own",
+        "drive": {"link": "crank", "speed_rpm": 60},
+        **tables,
+    }
 
 
 def found(output: dict[str, Any], **tables: Any) -> dict[str, Finding]:
@@ -45,17 +55,26 @@ def test_time_ratio_of_the_crank_shaper() -> None:
     alpha = 2 * math.degrees(math.asin(20 / 50))
     ratio = (180 + alpha) / (180 - alpha)
     arm = {"name": "arm", "link": "arm"}
-    asked = {"time_ratio": {"value": ratio, "tolerance": 1e-4}, "stroke": {"value": alpha, "tolerance": 1e-5}}
+    asked = {
+        "time_ratio": {"value": ratio, "tolerance": 1e-4},
+        "stroke": {"value": alpha, "tolerance": 1e-5},
+    }
     good = found({**arm, **asked}, **SHAPER)
     assert good["TIME_RATIO"].ok and good["STROKE_ERROR"].ok and good["STROKE_ERROR"].unit == "deg"
-    assert not found({**arm, "time_ratio": {"value": ratio + 0.01, "tolerance": 1e-3}}, **SHAPER)["TIME_RATIO"].ok
+    assert not found({**arm, "time_ratio": {"value": ratio + 0.01, "tolerance": 1e-3}}, **SHAPER)[
+        "TIME_RATIO"
+    ].ok
 
 
 def test_hoekens_line_is_nearly_straight_over_half_a_turn() -> None:
     """Half a turn of the crank about the place away from the rocker's pivot, the least of its published uses."""
     pen = {"name": "pen", "point": "P"}
-    straight = found({**pen, "straightness": {"range_deg": [-90, 90], "tolerance": 1.0}}, **HOEKEN)["STRAIGHTNESS"]
-    curved = found({**pen, "straightness": {"range_deg": [0, 360], "tolerance": 1.0}}, **HOEKEN)["STRAIGHTNESS"]
+    straight = found({**pen, "straightness": {"range_deg": [-90, 90], "tolerance": 1.0}}, **HOEKEN)[
+        "STRAIGHTNESS"
+    ]
+    curved = found({**pen, "straightness": {"range_deg": [0, 360], "tolerance": 1.0}}, **HOEKEN)[
+        "STRAIGHTNESS"
+    ]
     assert straight.ok and not curved.ok and curved.measured > 5
 
 
@@ -64,27 +83,45 @@ def test_targets_from_files_and_their_damage(root: Path, tmp_path: Path) -> None
     from tests.machines.test_linkage import shifted_hole
 
     data = read(root / "specs" / "linkage.toml")
-    least, most = (math.degrees(math.acos((70**2 + 50**2 - way**2) / (2 * 70 * 50))) for way in (40, 80))
+    least, most = (
+        math.degrees(math.acos((70**2 + 50**2 - way**2) / (2 * 70 * 50))) for way in (40, 80)
+    )
     data["output"][1] |= {"stroke": {"value": most - least, "tolerance": 0.1}}
     machine = validate(Linkage, data)
     course = np.asarray(machine.run(np.linspace(0, math.tau, 361), 0)["pen"])
     data["output"][0] |= {"points": {"at": [[22, 52]], "tolerance": 1.0}}
-    data["output"][0] |= {"path": {"at": np.stack([course.real, course.imag], 1).tolist(), "tolerance": 0.05}}
+    data["output"][0] |= {
+        "path": {"at": np.stack([course.real, course.imag], 1).tolist(), "tolerance": 0.05}
+    }
     file = tmp_path / "own.toml"
     file.write_text(tomli_w.dumps(data), encoding="utf-8")
     report = build(file, tmp_path, frozenset({"dxf"}))
     assert report.ok, [finding for finding in report.findings if not finding.ok]
-    places = {code: [f.where for f in report.findings if f.code == code] for code in ("STROKE_ERROR", "PATH_ERROR")}
-    assert places["STROKE_ERROR"] == ["swing as designed", "linkage-*.dxf, swing"] and len(places["PATH_ERROR"]) == 4
+    places = {
+        code: [f.where for f in report.findings if f.code == code]
+        for code in ("STROKE_ERROR", "PATH_ERROR")
+    }
+    assert (
+        places["STROKE_ERROR"] == ["swing as designed", "linkage-*.dxf, swing"]
+        and len(places["PATH_ERROR"]) == 4
+    )
     shifted_hole(tmp_path / "linkage" / "linkage-rocker.dxf", 50 + 0j, -0.3)
     failed = {(f.code, f.where) for f in wrong(tmp_path / "linkage", "dxf")}
-    assert ("STROKE_ERROR", "linkage-*.dxf, swing") in failed and ("STROKE_ERROR", "swing as designed") not in failed
-    assert ("PATH_ERROR", "linkage-*.dxf, pen") in failed and ("PATH_ERROR", "pen as designed") not in failed
+    assert ("STROKE_ERROR", "linkage-*.dxf, swing") in failed and (
+        "STROKE_ERROR",
+        "swing as designed",
+    ) not in failed
+    assert ("PATH_ERROR", "linkage-*.dxf, pen") in failed and (
+        "PATH_ERROR",
+        "pen as designed",
+    ) not in failed
 
 
 def test_a_path_as_a_whole_from_the_model() -> None:
     """Its own course but for one corner that is 0.3 mm off."""
-    run = validate(Linkage, spec(**HOEKEN, output=[{"name": "pen", "point": "P"}])).run(np.linspace(0, math.tau, 721), 0)
+    run = validate(Linkage, spec(**HOEKEN, output=[{"name": "pen", "point": "P"}])).run(
+        np.linspace(0, math.tau, 721), 0
+    )
     course = [[z.real, z.imag] for z in np.asarray(run["pen"]).tolist()]
     pen = {"name": "pen", "point": "P"}
     assert found({**pen, "path": {"at": course, "tolerance": 0.01}}, **HOEKEN)["PATH_ERROR"].ok
@@ -99,14 +136,22 @@ def test_the_play_of_a_path_is_borne_to_a_quarter_of_its_smaller_side() -> None:
     course = np.asarray(machine.run(np.linspace(0, math.tau, 721), 0)["pen"])
     widths = [np.ptp((course * np.exp(1j * turn)).imag) for turn in np.linspace(0, math.pi, 2001)]
     (asked,) = machine.asked()
-    assert asked.lash == pytest.approx(min(widths) / 4, rel=1e-3) and "smaller side" in asked.lash_of
-    (asked,) = validate(Linkage, spec(**HOEKEN, output=[{"name": "pen", "point": "P"}], limits={"lash": 3.0})).asked()
+    assert (
+        asked.lash == pytest.approx(min(widths) / 4, rel=1e-3) and "smaller side" in asked.lash_of
+    )
+    (asked,) = validate(
+        Linkage, spec(**HOEKEN, output=[{"name": "pen", "point": "P"}], limits={"lash": 3.0})
+    ).asked()
     assert (asked.lash, asked.lash_of) == (3.0, "limits.lash")
-    slider = {"points": {"O": [0, 0], "A": [10, 0], "B": [50, 0], "K": [20, 0], "R": [80, 0]},
-              "links": {"ground": ["O", "K", "R"], "crank": ["O", "A"], "rod": ["A", "B"], "ram": ["B"]},
-              "slide": [{"link": "ram", "along": ["K", "R"]}]}  # fmt: skip
+    slider = {
+        "points": {"O": [0, 0], "A": [10, 0], "B": [50, 0], "K": [20, 0], "R": [80, 0]},
+        "links": {"ground": ["O", "K", "R"], "crank": ["O", "A"], "rod": ["A", "B"], "ram": ["B"]},
+        "slide": [{"link": "ram", "along": ["K", "R"]}],
+    }
     (asked,) = validate(Linkage, spec(**slider, output=[{"name": "end", "point": "B"}])).asked()
-    assert asked.lash == pytest.approx(20 / 4, rel=1e-6) and "length" in asked.lash_of  # a line has one side: twice the crank
+    assert (
+        asked.lash == pytest.approx(20 / 4, rel=1e-6) and "length" in asked.lash_of
+    )  # a line has one side: twice the crank
 
 
 @pytest.mark.parametrize(
@@ -115,12 +160,21 @@ def test_the_play_of_a_path_is_borne_to_a_quarter_of_its_smaller_side() -> None:
         ({"link": "rocker", "path": {"at": [[1, 2], [3, 4]], "tolerance": 1}}, "output.0.path"),
         ({"point": "P", "path": {"at": [[1, 2]], "tolerance": 1}}, "output.0.path.at"),
         ({"link": "rocker", "points": {"at": [[1, 2]], "tolerance": 1}}, "output.0.points"),
-        ({"link": "rocker", "straightness": {"length": 3, "tolerance": 1}}, "output.0.straightness"),
+        (
+            {"link": "rocker", "straightness": {"length": 3, "tolerance": 1}},
+            "output.0.straightness",
+        ),
         ({"point": "P", "dwell": {"span_deg": 3, "band": 1}}, "output.0.dwell"),
         ({"point": "P", "time_ratio": {"value": 2, "tolerance": 1}}, "output.0.time_ratio"),
         ({"point": "P", "straightness": {"tolerance": 1}}, "output.0.straightness"),
-        ({"point": "P", "straightness": {"tolerance": 1, "range_deg": [50, 20]}}, "output.0.straightness.range_deg"),
-        ({"point": "P", "points": {"at": [[1, 2]], "tolerance": 1, "theta_deg": [1, 2]}}, "output.0.points.theta_deg"),
+        (
+            {"point": "P", "straightness": {"tolerance": 1, "range_deg": [50, 20]}},
+            "output.0.straightness.range_deg",
+        ),
+        (
+            {"point": "P", "points": {"at": [[1, 2]], "tolerance": 1, "theta_deg": [1, 2]}},
+            "output.0.points.theta_deg",
+        ),
         ({"link": "rocker", "stroke": {"value": 0, "tolerance": 1}}, "output.0.stroke.value"),
         ({"link": "rocker", "stroke": {"value": 3}}, "output.0.stroke.tolerance"),
     ],

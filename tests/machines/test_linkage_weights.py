@@ -41,12 +41,17 @@ def test_against_the_frame_it_shakes_least() -> None:
     numbers = assess(made("counterweight.against='frame'")).study.numbers
     bearing = assess(made("counterweight.against='bearing'")).study.numbers
     assert numbers["counterweight_shaking_after_n"] < bearing["counterweight_shaking_after_n"]
-    assert numbers["counterweight_shaking_after_n"] == pytest.approx(bearing["shaking_force_balanced_n"], rel=0.02)
+    assert numbers["counterweight_shaking_after_n"] == pytest.approx(
+        bearing["shaking_force_balanced_n"], rel=0.02
+    )
     assert numbers["counterweight_shaking_after_n"] < numbers["counterweight_shaking_before_n"]
 
 
 def test_what_else_is_on_the_shaft_is_balanced_with_it() -> None:
-    plain, more = made("counterweight.pins=0").balance, made("counterweight.other_g_mm=50", "counterweight.other_deg=90").balance
+    plain, more = (
+        made("counterweight.pins=0").balance,
+        made("counterweight.other_g_mm=50", "counterweight.other_deg=90").balance,
+    )
     assert plain is not None and more is not None
     assert plain.moment - more.moment == pytest.approx(50 * cmath.exp(0.5j * math.pi), abs=0.5)
 
@@ -54,9 +59,17 @@ def test_what_else_is_on_the_shaft_is_balanced_with_it() -> None:
 def test_a_resolved_spec_makes_the_same() -> None:
     first = made("counterweight.pins=2")
     again = pipeline.read_mechanism(first.resolved().model_dump(by_alias=True, exclude_none=True))
-    assert isinstance(again, Linkage) and again.counterweight is not None and again.counterweight.given is not None
-    assert {part.name: part.volume for part in again.parts()} == pytest.approx({p.name: p.volume for p in first.parts()})
-    assert [(mount.part, mount.z) for mount in again.mounts()] == [(mount.part, mount.z) for mount in first.mounts()]
+    assert (
+        isinstance(again, Linkage)
+        and again.counterweight is not None
+        and again.counterweight.given is not None
+    )
+    assert {part.name: part.volume for part in again.parts()} == pytest.approx(
+        {p.name: p.volume for p in first.parts()}
+    )
+    assert [(mount.part, mount.z) for mount in again.mounts()] == [
+        (mount.part, mount.z) for mount in first.mounts()
+    ]
 
 
 def test_a_moment_of_none_is_one() -> None:
@@ -64,13 +77,16 @@ def test_a_moment_of_none_is_one() -> None:
     assert balance is not None and balance.moment == 0 and balance.tolerance > 0.1
 
 
-@pytest.mark.parametrize("settings, said", [
-    (["counterweight.moment_g_mm=10"], "moment_g_mm and at_deg together"),
-    (["counterweight.pins=1", "drive.range_deg=[0, 30]"], "does not turn evenly"),
-    (["counterweight.pins=1", "masses.crank.mass_g=5"], "sized for the solids"),
-    (["counterweight.pins=13"], "counterweight.pins"),
-    (["counterweight.half_angle_deg=5"], "counterweight.half_angle_deg"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "settings, said",
+    [
+        (["counterweight.moment_g_mm=10"], "moment_g_mm and at_deg together"),
+        (["counterweight.pins=1", "drive.range_deg=[0, 30]"], "does not turn evenly"),
+        (["counterweight.pins=1", "masses.crank.mass_g=5"], "sized for the solids"),
+        (["counterweight.pins=13"], "counterweight.pins"),
+        (["counterweight.half_angle_deg=5"], "counterweight.half_angle_deg"),
+    ],
+)
 def test_what_does_not_go_together_is_told(settings: list[str], said: str) -> None:
     with pytest.raises(SpecError) as caught:
         made(*settings)

@@ -28,7 +28,12 @@ from camgen.parts.solids import solid
 from camgen.pipeline.jobs import read_mechanism
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
-MOVED = ("parts.make='machine'", "nozzle.inertia_kg_m2=0.002", "motor.speed_rpm=120", "geometry.reversal_blend_deg=20")
+MOVED = (
+    "parts.make='machine'",
+    "nozzle.inertia_kg_m2=0.002",
+    "motor.speed_rpm=120",
+    "geometry.reversal_blend_deg=20",
+)
 
 
 def made(name: str, *settings: str) -> Mechanism:
@@ -63,18 +68,33 @@ def test_masses_are_those_of_the_solids() -> None:
 
 
 def test_infill_and_typed_masses() -> None:
-    full, part = (weighed(made("eccentric-drive", f"material.infill={share}")).machine for share in (1.0, 0.25))
+    full, part = (
+        weighed(made("eccentric-drive", f"material.infill={share}")).machine
+        for share in (1.0, 0.25)
+    )
     assert part.body("rod").mass == pytest.approx(full.body("rod").mass / 4)
-    typed = weighed(made("eccentric-drive", "masses={rod_g=9.0, rod_centre=16.0, rod_inertia_g_mm2=450.0, slider_g=1.5}"))
-    assert typed.machine.body("rod").mass == pytest.approx(0.009) and typed.sources["rod"] == "given"
-    assert typed.machine.body("disc").mass == pytest.approx(full.body("disc").mass) and typed.sources["disc"] == "solids"
+    typed = weighed(
+        made(
+            "eccentric-drive",
+            "masses={rod_g=9.0, rod_centre=16.0, rod_inertia_g_mm2=450.0, slider_g=1.5}",
+        )
+    )
+    assert (
+        typed.machine.body("rod").mass == pytest.approx(0.009) and typed.sources["rod"] == "given"
+    )
+    assert (
+        typed.machine.body("disc").mass == pytest.approx(full.body("disc").mass)
+        and typed.sources["disc"] == "solids"
+    )
 
 
 def test_a_given_inertia_stays_about_its_pivot() -> None:
     machine = weighed(made("uniform-swing", *MOVED)).machine
     own = machine.body("follower")
     given = made("uniform-swing", *MOVED).model.body("follower").inertia
-    assert own.mass > 0 and own.inertia + own.mass * abs(own.centre * 1e-3) ** 2 == pytest.approx(given)
+    assert own.mass > 0 and own.inertia + own.mass * abs(own.centre * 1e-3) ** 2 == pytest.approx(
+        given
+    )
 
 
 @pytest.mark.parametrize("deg", [-90.0, 0.0, 215.0])
@@ -98,7 +118,9 @@ def test_gravity_does_no_work_over_a_turn_and_pulls_its_way(deg: float) -> None:
 
 
 def test_what_a_motor_gives() -> None:
-    straight = motor_of(made("disc-cam", "motor.stall_torque_n_m=0.4", "motor.no_load_rpm=300").drives)
+    straight = motor_of(
+        made("disc-cam", "motor.stall_torque_n_m=0.4", "motor.no_load_rpm=300").drives
+    )
     assert straight is not None
     assert straight.torque(0) == 0.4 and straight.torque(-150 * math.tau / 60) == pytest.approx(0.2)
     assert straight.torque(600 * math.tau / 60) == pytest.approx(-0.4)
@@ -110,19 +132,31 @@ def test_what_a_motor_gives() -> None:
 def test_drive_torque_holds_and_fails() -> None:
     needed = numbers("uniform-swing", *MOVED)["drive_torque_n_m"]
     for share, ok in ((1.01, True), (0.99, False)):
-        (each,) = found("DRIVE_TORQUE", "uniform-swing", *MOVED, f"motor.torque_n_m={share * needed}")
+        (each,) = found(
+            "DRIVE_TORQUE", "uniform-swing", *MOVED, f"motor.torque_n_m={share * needed}"
+        )
         assert each.ok is ok and each.measured == pytest.approx(needed) and each.unit == "N m"
     none = judged("uniform-swing", *MOVED)
     (left,) = none.not_judged
     assert left.code == "DRIVE_TORQUE" and "motor.model" in left.needs and "N m" in left.why
-    (fast,) = found("DRIVE_TORQUE", "uniform-swing", *MOVED, "motor.stall_torque_n_m=50", "motor.no_load_rpm=119")
+    (fast,) = found(
+        "DRIVE_TORQUE",
+        "uniform-swing",
+        *MOVED,
+        "motor.stall_torque_n_m=50",
+        "motor.no_load_rpm=119",
+    )
     assert not fast.ok and fast.limit == 0  # it never gets there
 
 
 @pytest.mark.parametrize(("name", "turns"), [("disc-cam", False), ("eccentric-drive", True)])
 def test_a_torque_of_rounding_is_none_and_asks_for_no_spring(name: str, turns: bool) -> None:
     given = numbers(name)
-    assert (given["drive_torque_n_m"] > 0, "balance_spring_n_m" in given, "drive_torque_balanced_n_m" in given) == (turns,) * 3
+    assert (
+        given["drive_torque_n_m"] > 0,
+        "balance_spring_n_m" in given,
+        "drive_torque_balanced_n_m" in given,
+    ) == (turns,) * 3
 
 
 def test_power_is_what_friction_eats() -> None:
@@ -140,7 +174,9 @@ def test_shaft_reach() -> None:
     (short,) = found("SHAFT_REACH", "uniform-swing", f"motor.shaft_length={needed - 0.01}")
     assert not short.ok
     assert found("SHAFT_REACH", "uniform-swing", f"motor.shaft_length={needed}")[0].ok
-    assert "SHAFT_REACH" in {each.code for each in judged("uniform-swing", "base.motor=nema-11").not_judged}
+    assert "SHAFT_REACH" in {
+        each.code for each in judged("uniform-swing", "base.motor=nema-11").not_judged
+    }
 
 
 def test_flywheel_that_is_told_keeps_to_the_swing() -> None:
@@ -149,7 +185,12 @@ def test_flywheel_that_is_told_keeps_to_the_swing() -> None:
     assert not loose.ok
     more = numbers("eccentric-drive", *settings)["flywheel_for_2_percent_kg_m2"]
     for share, ok in ((1.001, True), (0.99, False)):
-        (each,) = found("SPEED_FLUCTUATION", "eccentric-drive", *settings, f"motor.flywheel_kg_m2={share * more}")
+        (each,) = found(
+            "SPEED_FLUCTUATION",
+            "eccentric-drive",
+            *settings,
+            f"motor.flywheel_kg_m2={share * more}",
+        )
         assert each.ok is ok and each.measured == pytest.approx(0.02, rel=0.02)
 
 
@@ -161,28 +202,45 @@ def test_hertz_grows_as_the_root_of_the_force() -> None:
     bare = ("load.friction_n_m=0", "unloader={torque='none'}")
     heavy = numbers("indexing-cam", "load.inertia_kg_m2=0.2", "motor.speed_rpm=60", *bare)
     plain = numbers("indexing-cam", *bare)
-    assert heavy["hertz_pressure_contact_mpa"] == pytest.approx(4 * plain["hertz_pressure_contact_mpa"], rel=0.02)
+    assert heavy["hertz_pressure_contact_mpa"] == pytest.approx(
+        4 * plain["hertz_pressure_contact_mpa"], rel=0.02
+    )
     for limit, ok in ((light * 1.01, True), (light * 0.99, False)):
         (each,) = found("HERTZ", "indexing-cam", f"limits.hertz_mpa={limit}")
         assert each.ok is ok and each.unit == "MPa"
-    (most,) = found("HERTZ", "indexing-cam", "load.inertia_kg_m2=2", "motor.speed_rpm=90", "unloader={torque='none'}")
+    (most,) = found(
+        "HERTZ",
+        "indexing-cam",
+        "load.inertia_kg_m2=2",
+        "motor.speed_rpm=90",
+        "unloader={torque='none'}",
+    )
     assert not most.ok and "no limit is published" in most.message
 
 
 def test_strap_of_the_needle_machine_asks_for_oil() -> None:
     (dry,) = found("PV", "eccentric-drive", "limits.pv_mpa_m_s=")
-    assert not dry.ok and dry.limit == 0.4 and dry.where.startswith("pin E") and "no limit is published" in dry.message
+    assert (
+        not dry.ok
+        and dry.limit == 0.4
+        and dry.where.startswith("pin E")
+        and "no limit is published" in dry.message
+    )
     (oiled,) = found("PV", "eccentric-drive")
     assert oiled.ok and oiled.limit == 2 and oiled.measured == dry.measured
     (slow,) = found("PV", "eccentric-drive", "limits.pv_mpa_m_s=", "motor.speed_rpm=6500")
-    assert slow.ok and slow.measured == pytest.approx(dry.measured / 8, rel=1e-6)  # force with the square, speed with it
+    assert slow.ok and slow.measured == pytest.approx(
+        dry.measured / 8, rel=1e-6
+    )  # force with the square, speed with it
 
 
 def test_pins_of_the_needle_machine_by_hand() -> None:
     """The slider's pin: pressed into it, bent in the middle of the rod, 0.2 + 0.2 + 3 / 2 above its face."""
     run = numbers("eccentric-drive")
     each = next(each for each in found("PIN_STRESS", "eccentric-drive") if each.where == "pin P")
-    assert each.measured == pytest.approx(32 * run["reaction_p_n"] * 1.9 / (math.pi * 27)) and each.ok
+    assert (
+        each.measured == pytest.approx(32 * run["reaction_p_n"] * 1.9 / (math.pi * 27)) and each.ok
+    )
     broken = found("PIN_STRESS", "eccentric-drive", "limits.pin_stress_mpa=1")
     assert [f.where for f in broken if not f.ok] == ["pin P"]
 
@@ -194,32 +252,71 @@ def test_a_printed_pin_is_not_taken_for_steel_in_silence() -> None:
     (said,) = judged("stitch-head", printed, "limits.pin_stress_mpa=120").warnings
     assert said.startswith("limits.pin_stress_mpa = 120 ")
     assert "PLA bears 20 MPa: shaft (pin O) 35.4 MPa; make it of steel" in said
-    assert not judged("stitch-head", printed, "limits.pin_stress_mpa=30").warnings  # it fails, which is no silence
-    assert not judged("thread-take-up", "limits.pin_stress_mpa=350").warnings  # these are turned of steel
+    assert not judged(
+        "stitch-head", printed, "limits.pin_stress_mpa=30"
+    ).warnings  # it fails, which is no silence
+    assert not judged(
+        "thread-take-up", "limits.pin_stress_mpa=350"
+    ).warnings  # these are turned of steel
 
 
 @pytest.mark.parametrize(
     ("name", "settings", "keys"),
     [
-        ("disc-cam", ("parts.make='machine'",),
-         {"bodies.pin_diameter", 'bodies.pin = "dowel"', "bodies.shaft_diameter", 'bodies.shaft_made = "steel"'}),
-        ("linkage", (), {"parts.pin_diameter", 'parts.pin = "dowel"', "parts.shaft_diameter", 'parts.shaft_made = "steel"'}),
+        (
+            "disc-cam",
+            ("parts.make='machine'",),
+            {
+                "bodies.pin_diameter",
+                'bodies.pin = "dowel"',
+                "bodies.shaft_diameter",
+                'bodies.shaft_made = "steel"',
+            },
+        ),
+        (
+            "linkage",
+            (),
+            {
+                "parts.pin_diameter",
+                'parts.pin = "dowel"',
+                "parts.shaft_diameter",
+                'parts.shaft_made = "steel"',
+            },
+        ),
         ("eccentric-drive", (), {"parts.pin_diameter", 'parts.pins = "steel"'}),
     ],
-)  # fmt: skip
-def test_remedy_of_a_bent_pin_names_keys_of_this_machine(name: str, settings: tuple[str, ...], keys: set[str]) -> None:
-    broken = [f.message for f in found("PIN_STRESS", name, *settings, "limits.pin_stress_mpa=1e-5") if not f.ok]
-    told = {key for text in broken for key in re.findall(r"(?:parts|bodies)\.\w+(?: = \"\w+\")?", text)}
+)
+def test_remedy_of_a_bent_pin_names_keys_of_this_machine(
+    name: str, settings: tuple[str, ...], keys: set[str]
+) -> None:
+    broken = [
+        f.message
+        for f in found("PIN_STRESS", name, *settings, "limits.pin_stress_mpa=1e-5")
+        if not f.ok
+    ]
+    told = {
+        key for text in broken for key in re.findall(r"(?:parts|bodies)\.\w+(?: = \"\w+\")?", text)
+    }
     assert told == keys
 
 
 def test_life_of_a_roller() -> None:
-    settings = (*MOVED, "frame.tip='623'", "geometry.tip_radius=5", "nozzle.friction=0.01", "nozzle.inertia_kg_m2=0.2")
+    settings = (
+        *MOVED,
+        "frame.tip='623'",
+        "geometry.tip_radius=5",
+        "nozzle.friction=0.01",
+        "nozzle.inertia_kg_m2=0.2",
+    )
     hours = numbers("uniform-swing", *settings)["bearing_life_contact_h"]
     faster = numbers("uniform-swing", *settings, "motor.speed_rpm=240")["bearing_life_contact_h"]
-    assert hours / faster == pytest.approx(2 * 4**3, rel=1e-3)  # twice the turns an hour, four times the load
+    assert hours / faster == pytest.approx(
+        2 * 4**3, rel=1e-3
+    )  # twice the turns an hour, four times the load
     for share, ok in ((0.99, True), (1.01, False)):
-        (each,) = found("BEARING_LIFE", "uniform-swing", *settings, f"limits.bearing_life_h={share * hours}")
+        (each,) = found(
+            "BEARING_LIFE", "uniform-swing", *settings, f"limits.bearing_life_h={share * hours}"
+        )
         assert each.ok is ok and each.unit == "h"
     assert not found("BEARING_LIFE", "uniform-swing", *settings)
 
@@ -252,12 +349,20 @@ def test_every_starter_bears_what_it_does(path: Path) -> None:
 
 # ---- elastic followers, balance --------------------------------------------------------------------------------------
 
-HEAVY = ("load.mass_kg=0.5", "load.stiffness=200", "motor.speed_rpm=300", "spring.rate=2", "spring.preload=20")
+HEAVY = (
+    "load.mass_kg=0.5",
+    "load.stiffness=200",
+    "motor.speed_rpm=300",
+    "spring.rate=2",
+    "spring.preload=20",
+)
 
 
 def test_frequency_of_a_follower_is_that_of_its_mass() -> None:
     given = numbers("disc-cam", *HEAVY)
-    assert given["follower_frequency_contact_hz"] == pytest.approx(math.sqrt(202e3 / 0.5) / math.tau, rel=1e-9)
+    assert given["follower_frequency_contact_hz"] == pytest.approx(
+        math.sqrt(202e3 / 0.5) / math.tau, rel=1e-9
+    )
     assert 0 < given["vibration_in_dwells_contact_mm"] <= given["vibration_contact_mm"]
 
 
@@ -269,7 +374,9 @@ def test_an_elastic_follower_lifts_off_where_it_is_told() -> None:
     stiff = numbers("disc-cam", *HEAVY, "load.stiffness=1e5")["lift_off_speed_contact_rpm"]
     assert fast < stiff  # elasticity adds to what throws it off
     rigid = made("disc-cam", *HEAVY, f"motor.speed_rpm={stiff}").limits()
-    assert next(each for each in rigid if each.code == "LIFT_OFF").measured == pytest.approx(0, abs=2.0)  # of 60 N
+    assert next(each for each in rigid if each.code == "LIFT_OFF").measured == pytest.approx(
+        0, abs=2.0
+    )  # of 60 N
 
 
 def test_inertia_behind_gears_counts_with_the_ratio_squared() -> None:
@@ -287,7 +394,10 @@ def test_a_counterweight_takes_off_what_is_told() -> None:
     machine = weighed(drive).machine
     at = 1e-3 * told["balance_weight_g_mm"] / 10 * np.exp(0j)  # kg at 10 mm
     place = 10 * np.exp(1j * math.radians(told["balance_weight_at_deg"]))
-    bodies = tuple(with_weight(b, float(at.real), complex(place)) if b.name == "disc" else b for b in machine.bodies)
+    bodies = tuple(
+        with_weight(b, float(at.real), complex(place)) if b.name == "disc" else b
+        for b in machine.bodies
+    )
     theta = np.linspace(0, math.tau, 721)
     left = np.abs(solve(replace(machine, bodies=bodies), theta).forces().shaking).max()
     assert left == pytest.approx(told["shaking_force_balanced_n"], rel=1e-3)
@@ -299,13 +409,23 @@ def test_springs_of_the_bench_and_to_be_wound() -> None:
     codes = {each.code: each for each in bench.findings}
     assert codes["SPRING_STRESS"].ok and codes["SURGE"].ok and codes["SURGE"].unit == "Hz"
     surge = bench.study.numbers["spring_surge_hz"]
-    fast = judged("disc-cam", "parts.make='machine'", "spring={rate=0.5, preload=20}", "load={mass_kg=0.01}",
-                  f"motor.speed_rpm={surge * 60 / 3:.0f}")  # fmt: skip
+    fast = judged(
+        "disc-cam",
+        "parts.make='machine'",
+        "spring={rate=0.5, preload=20}",
+        "load={mass_kg=0.01}",
+        f"motor.speed_rpm={surge * 60 / 3:.0f}",
+    )
     assert not next(each for each in fast.findings if each.code == "SURGE").ok
-    (stress,) = found("SPRING_STRESS", "disc-cam", "load={mass_kg=0.5}", "spring={rate=0.4, preload=10}")
+    (stress,) = found(
+        "SPRING_STRESS", "disc-cam", "load={mass_kg=0.5}", "spring={rate=0.4, preload=10}"
+    )
     assert stress.ok and "to be wound" in stress.where
     forced = ("geometry.closure='force'", "spring={preload=0.2, rate=0.1}", *MOVED[1:])
-    assert {each.code for each in judged("uniform-swing", *forced).findings} >= {"SPRING_STRESS", "SURGE"}
+    assert {each.code for each in judged("uniform-swing", *forced).findings} >= {
+        "SPRING_STRESS",
+        "SURGE",
+    }
 
 
 # ---- weight on a cam -------------------------------------------------------------------------------------------------
@@ -325,14 +445,20 @@ def test_weight_of_a_follower_presses_or_lifts(deg: float | None, pull: float) -
     assert lifts.ok is (pull < 6)
     # with the load at a slant of at most the largest pressure angle, and an inertia of 2 kg at most 0.1 N
     slant = math.cos(math.radians(study.numbers["pressure_angle_deg"]))
-    assert dwell / slant - 0.1 <= lifts.measured <= dwell if pull > 6 else dwell - 0.1 <= lifts.measured <= dwell
+    assert (
+        dwell / slant - 0.1 <= lifts.measured <= dwell
+        if pull > 6
+        else dwell - 0.1 <= lifts.measured <= dwell
+    )
     needed = study.numbers["spring_preload_needed_n"]
     assert needed == pytest.approx(max(0.0, pull - 2), abs=0.1)
     codes = {each.code for each in given.findings}
     assert ("HERTZ" in codes) is (pull < 6)
     assert ("HERTZ" in {each.code for each in given.not_judged}) is (pull > 6)
     # torque without friction, in the one report as in the other
-    torque = next(plot for plot in given.study.plots if plot.title.startswith("Torque that the motor gives")).series[1][2]
+    torque = next(
+        plot for plot in given.study.plots if plot.title.startswith("Torque that the motor gives")
+    ).series[1][2]
     assert study.numbers["peak_torque_n_m"] == pytest.approx(np.max(np.abs(torque)), rel=1e-3)
 
 
@@ -352,14 +478,27 @@ def test_a_spring_of_the_bench_bears_the_weight() -> None:
     "name, settings, path",
     [
         ("disc-cam", ("load.gravity_deg=90",), "load.mass_kg"),
-        ("disc-cam", ("geometry.follower={motion='oscillating', shape='roller', radius=5, pivot_distance=60, arm=50}",
-                      "load.inertia_kg_m2=0.001", "load.gravity_deg=90"), "load.gravity_deg"),
+        (
+            "disc-cam",
+            (
+                "geometry.follower={motion='oscillating', shape='roller', radius=5, pivot_distance=60, arm=50}",
+                "load.inertia_kg_m2=0.001",
+                "load.gravity_deg=90",
+            ),
+            "load.gravity_deg",
+        ),
         ("uniform-swing", ("load.gravity_deg=90", "parts.make='cams'"), "load.gravity_deg"),
-        ("uniform-swing", ("load.gravity_deg=90", "nozzle.inertia_kg_m2=0.002"), "load.gravity_deg"),
+        (
+            "uniform-swing",
+            ("load.gravity_deg=90", "nozzle.inertia_kg_m2=0.002"),
+            "load.gravity_deg",
+        ),
         ("indexing-cam", ("load.gravity_deg=90",), "load.gravity_deg"),
     ],
-)  # fmt: skip
-def test_weight_that_would_not_count_is_refused(name: str, settings: tuple[str, ...], path: str) -> None:
+)
+def test_weight_that_would_not_count_is_refused(
+    name: str, settings: tuple[str, ...], path: str
+) -> None:
     with pytest.raises(SpecError) as told:
         made(name, *settings)
     assert [fault.path for fault in told.value.faults] == [path]
@@ -376,18 +515,33 @@ def test_ball_bearings_roll() -> None:
     given = assess(drive)
     balls = [journal for journal in drive.journals().values() if journal.ball]
     assert balls and {journal.ball.name for journal in balls if journal.ball} == {"MR85"}
-    plain = {str(row[0]) for table in given.study.tables if table.title.startswith("Plain bearings") for row in table.rows}
+    plain = {
+        str(row[0])
+        for table in given.study.tables
+        if table.title.startswith("Plain bearings")
+        for row in table.rows
+    }
     assert not plain & {journal.joint for journal in balls}
-    assert {f"pin {journal.joint}" for journal in balls} <= {f.where for f in given.findings if f.code == "PIN_STRESS"}
-    run = solve(rough(weighed(drive).machine, drive.journals(), None), np.linspace(0, math.tau, 1441))
+    assert {f"pin {journal.joint}" for journal in balls} <= {
+        f.where for f in given.findings if f.code == "PIN_STRESS"
+    }
+    run = solve(
+        rough(weighed(drive).machine, drive.journals(), None), np.linspace(0, math.tau, 1441)
+    )
     forces, heat = run.forces(), 0.0
     speed = 300 * math.tau / 60
     for journal in drive.journals().values():
         joint = run.machine.joint(journal.joint)
-        turns = [0.0 if side.body == GROUND else run.angle(side.body)[1] for side in (joint.a, joint.b)]  # type: ignore[union-attr]
+        turns = [
+            0.0 if side.body == GROUND else run.angle(side.body)[1] for side in (joint.a, joint.b)
+        ]  # type: ignore[union-attr]
         force = np.abs(forces.reactions[journal.joint])
-        friction, bore = (0.0015, 5.0) if journal.ball else (math.sin(math.atan(0.7)), journal.diameter)
-        heat += np.mean((friction * force * np.abs(turns[0] - turns[1]))[:-1]) * speed * bore / 2 * 1e-3
+        friction, bore = (
+            (0.0015, 5.0) if journal.ball else (math.sin(math.atan(0.7)), journal.diameter)
+        )
+        heat += (
+            np.mean((friction * force * np.abs(turns[0] - turns[1]))[:-1]) * speed * bore / 2 * 1e-3
+        )
     assert given.study.numbers["friction_heat_w"] == pytest.approx(heat, rel=1e-9)
 
 
@@ -396,23 +550,36 @@ def test_life_of_a_bearing_that_is_asked_for_is_judged_or_named() -> None:
     left = [each for each in asked.not_judged if each.code == "BEARING_LIFE"]
     assert left and all("no load rating" in each.why for each in left)
     none = judged("linkage", "limits.bearing_life_h=100")
-    assert [each.why for each in none.not_judged if each.code == "BEARING_LIFE"] == ["no ball bearing of the machine is loaded"]
+    assert [each.why for each in none.not_judged if each.code == "BEARING_LIFE"] == [
+        "no ball bearing of the machine is loaded"
+    ]
 
 
 def test_life_of_a_bearing_on_a_pin_by_hand() -> None:
     """A 625, C = 1.14 kN: (C / P)^3 million turns, P the cubic mean over the way that it turns to and fro."""
     drive = made("linkage", *BALLS, "limits.bearing_life_h=1")
-    journals = {name: replace(each, ball=BEARINGS["625"]) for name, each in drive.journals().items() if each.ball}
+    journals = {
+        name: replace(each, ball=BEARINGS["625"])
+        for name, each in drive.journals().items()
+        if each.ball
+    }
     run = solve(weighed(drive).machine, np.linspace(0, math.tau, 1441))
     forces = run.forces()
     given = plain_bearings(run, forces, journals, drive.bears)
     for name in journals:
         joint = run.machine.joint(name)
-        a, b = (np.zeros(1441) if side.body == GROUND else run.angle(side.body)[0] for side in (joint.a, joint.b))  # type: ignore[union-attr]
+        a, b = (
+            np.zeros(1441) if side.body == GROUND else run.angle(side.body)[0]
+            for side in (joint.a, joint.b)
+        )  # type: ignore[union-attr]
         way, force = np.abs(np.diff(a - b)), np.abs(forces.reactions[name])
         mean = (np.sum((force[1:] ** 3 + force[:-1] ** 3) / 2 * way) / np.sum(way)) ** (1 / 3)
         hours = 1e6 * (1140 / mean) ** 3 / (np.sum(way) / math.tau) / 300 / 60
-        (life,) = (each for each in given.findings if each.code == "BEARING_LIFE" and each.where == f"ball bearing of {name}")
+        (life,) = (
+            each
+            for each in given.findings
+            if each.code == "BEARING_LIFE" and each.where == f"ball bearing of {name}"
+        )
         assert life.measured == pytest.approx(min(hours, 1e9), rel=0.01)
 
 
@@ -425,13 +592,17 @@ def test_the_post_of_a_return_spring_by_hand() -> None:
     """5 mm thick; the plate ends at 5 mm, the pin's head starts where the parts list has it: 32 F a / (pi d^3) there."""
     drive = made("disc-cam", *PRESSED, "load.resistance=2", "load.gravity_deg=90")
     report = assess(drive)
-    head = next(part.thickness for part in drive.parts() if part.name == "pin-1") - 1.5  # of its head, the plate's side is 0
+    head = (
+        next(part.thickness for part in drive.parts() if part.name == "pin-1") - 1.5
+    )  # of its head, the plate's side is 0
     force = report.study.numbers["spring_force_greatest_n"]
     (post,) = (each for each in report.findings if each.where == "pin post, under spring")
     assert post.measured == pytest.approx(32 * force * (head - 0.2 - 5) / (math.pi * 125), rel=1e-6)
     assert post.ok
     heavy = judged("disc-cam", *PRESSED, "spring.preload=35")
-    broken = {each.where: each for each in heavy.findings if each.code == "PIN_STRESS" and not each.ok}
+    broken = {
+        each.where: each for each in heavy.findings if each.code == "PIN_STRESS" and not each.ok
+    }
     assert "pin post, under spring" in broken
     assert {each.where for each in heavy.findings if each.where.startswith("pin tip")}
     steel = judged("disc-cam", *PRESSED, "spring.preload=35", "bodies.pin='dowel'")
@@ -440,25 +611,48 @@ def test_the_post_of_a_return_spring_by_hand() -> None:
 
 def test_the_pin_of_a_roller_in_a_groove_bends_by_the_contact() -> None:
     """No spring pulls; the roller's middle over its follower's face, 0.2 + 4 / 2, bends its pin by the greatest force."""
-    drive = made("disc-cam", "parts.make='machine'", "geometry.closure='groove'", "parts.hub_height=0", "load.mass_kg=5",
-                 "load.friction=0")  # fmt: skip
+    drive = made(
+        "disc-cam",
+        "parts.make='machine'",
+        "geometry.closure='groove'",
+        "parts.hub_height=0",
+        "load.mass_kg=5",
+        "load.friction=0",
+    )
     force = drive.study().numbers["peak_contact_force_n"]
     (each,) = (each for each in assess(drive).findings if each.where == "pin tip, under contact")
-    assert each.measured == pytest.approx(32 * force * 2.2 / (math.pi * 125), rel=1e-3) and "2.2 mm" in each.message
+    assert (
+        each.measured == pytest.approx(32 * force * 2.2 / (math.pi * 125), rel=1e-3)
+        and "2.2 mm" in each.message
+    )
 
 
 def test_the_pressure_of_a_knife_edge_is_not_judged() -> None:
-    given = judged("disc-cam", "geometry.follower={motion='translating', shape='knife'}", "load.mass_kg=0.1", "spring.preload=9")
+    given = judged(
+        "disc-cam",
+        "geometry.follower={motion='translating', shape='knife'}",
+        "load.mass_kg=0.1",
+        "spring.preload=9",
+    )
     assert "HERTZ" not in {each.code for each in given.findings}
     assert ["knife edge" in each.why for each in given.not_judged if each.code == "HERTZ"] == [True]
 
 
 def test_weight_counts_in_a_machine_that_swings() -> None:
     """The frames' weight about their axle: lift-off of force closure differs by where it pulls."""
-    settings = ("geometry.closure='force'", "frame.tip='MR63'", "spring.preload=0.1", "spring.rate=0.2",
-                "geometry.reversal_blend_deg=20")  # fmt: skip
+    settings = (
+        "geometry.closure='force'",
+        "frame.tip='MR63'",
+        "spring.preload=0.1",
+        "spring.rate=0.2",
+        "geometry.reversal_blend_deg=20",
+    )
     least = [
-        next(each.measured for each in made("uniform-swing", *settings, *more).limits() if each.code == "LIFT_OFF")
+        next(
+            each.measured
+            for each in made("uniform-swing", *settings, *more).limits()
+            if each.code == "LIFT_OFF"
+        )
         for more in ((), ("load.gravity_deg=90",), ("load.gravity_deg=-90",))
     ]
     assert len({round(each, 6) for each in least}) == 3
@@ -468,6 +662,11 @@ def test_weight_counts_in_a_machine_that_swings() -> None:
 def test_a_spring_that_cannot_be_wound_is_told() -> None:
     """5,000 N by wire of 2 mm at most: named as not judged; 5 N by a spring whose stress and surge are judged."""
     asked = ("load.mass_kg=0.1", "spring={rate=100,preload=5000}")
-    (left,) = [each for each in judged("disc-cam", *asked).not_judged if each.code == "SPRING_STRESS"]
+    (left,) = [
+        each for each in judged("disc-cam", *asked).not_judged if each.code == "SPRING_STRESS"
+    ]
     assert "5000 N" in left.why and "2 mm" in left.why
-    assert len(found("SPRING_STRESS", "disc-cam", "load.mass_kg=0.1", "spring={rate=1,preload=5}")) == 1
+    assert (
+        len(found("SPRING_STRESS", "disc-cam", "load.mass_kg=0.1", "spring={rate=1,preload=5}"))
+        == 1
+    )

@@ -26,10 +26,22 @@ FLAT = {"motion": "translating", "shape": "flat", "face_width": 40.0}
 KNIFE = {"motion": "translating", "shape": "knife"}
 KNIFE_ARM = {"motion": "oscillating", "shape": "knife", "pivot_distance": 60, "arm": 50}
 FLAT_ARM = {"motion": "oscillating", "shape": "flat", "pivot_distance": 70, "face_width": 60.0}
-SHARED = {"PRESSURE_ANGLE", "UNDERCUT", "CURVATURE", "MOTION_JUMP", "FACE_WIDTH"}  # what cams alone are judged by too
+SHARED = {
+    "PRESSURE_ANGLE",
+    "UNDERCUT",
+    "CURVATURE",
+    "MOTION_JUMP",
+    "FACE_WIDTH",
+}  # what cams alone are judged by too
 
 
-def disc_spec(follower: Tables, closure: str = "force", law: str = "cycloidal", base: float = 30, lift: float = 12) -> Tables:
+def disc_spec(
+    follower: Tables,
+    closure: str = "force",
+    law: str = "cycloidal",
+    base: float = 30,
+    lift: float = 12,
+) -> Tables:
     """A cam that rises, dwells and returns, as disc-cam says it."""
     rise = {"kind": "rise", "span_deg": 120, "lift": lift, "law": law}
     back = {"kind": "return", "span_deg": 120, "to": 0, "law": law}
@@ -61,10 +73,21 @@ def cam_table(spec: Tables) -> Tables:
     """The same cam as a [[cam]] says it."""
     follower = spec["geometry"]["follower"]
     suffix = "" if follower["motion"] == "translating" else "_deg"
-    segments = [{key + suffix * (key in ("lift", "to")): value for key, value in row.items()} for row in spec["segment"]]
+    segments = [
+        {key + suffix * (key in ("lift", "to")): value for key, value in row.items()}
+        for row in spec["segment"]
+    ]
     kept = {key: follower[key] for key in ("shape", "radius", "face_width") if key in follower}
     closure = spec["geometry"]["closure"]
-    return {"cam": "cam", "follower": "follower", "at": "tip", "name": "contact", "closure": closure, "segment": segments, **kept}
+    return {
+        "cam": "cam",
+        "follower": "follower",
+        "at": "tip",
+        "name": "contact",
+        "closure": closure,
+        "segment": segments,
+        **kept,
+    }
 
 
 def linkage_spec(spec: Tables, drive: DiscCamDrive, sprung: bool) -> Tables:
@@ -82,7 +105,10 @@ def linkage_spec(spec: Tables, drive: DiscCamDrive, sprung: bool) -> Tables:
     if spring is not None:
         bodies, hook = drive.bench.bodies.layout.bodies, drive.bench._hook
         place = complex(bodies["follower"].points[hook])
-        points |= {"post": drive.bench.post, hook: place if "foot" in points else points["pivot"] + place}
+        points |= {
+            "post": drive.bench.post,
+            hook: place if "foot" in points else points["pivot"] + place,
+        }
         ground, carried = [*ground, "post"], list(dict.fromkeys([*carried, hook]))
         free = spring.free - drive.sizes.pin_diameter
         tables["spring"] = [{"between": [hook, "post"], "rate": spring.rate, "free": free}]
@@ -110,7 +136,9 @@ def rows(findings: list[Finding]) -> list[tuple[str, str, float, float]]:
     return sorted((each.code, each.unit, each.limit, round(each.measured, 6)) for each in findings)
 
 
-def assert_alike(mine: list[tuple[str, str, float, float]], other: list[tuple[str, str, float, float]]) -> None:
+def assert_alike(
+    mine: list[tuple[str, str, float, float]], other: list[tuple[str, str, float, float]]
+) -> None:
     assert [row[:2] for row in mine] == [row[:2] for row in other]
     for one, two in zip(mine, other, strict=True):
         assert one[2:] == pytest.approx(two[2:], rel=1e-5, abs=2e-5), one[0]
@@ -165,17 +193,22 @@ def test_what_it_bears_is_judged_alike(spec: Tables) -> None:
     machines = both(spec, True)
     assessed = [assess(machine) for machine in machines]
     mine, other = (
-        rows([*machine.limits(), *found.findings]) for machine, found in zip(machines, assessed, strict=True)
+        rows([*machine.limits(), *found.findings])
+        for machine, found in zip(machines, assessed, strict=True)
     )
     assert_alike(mine, other)
     judged = {row[0] for row in mine}
     assert "HERTZ" in judged or "knife" in str(spec)
-    assert ({"LIFT_OFF", "SPRING_STRESS", "SURGE"} <= judged) == (spec["geometry"]["closure"] == "force")
+    assert ({"LIFT_OFF", "SPRING_STRESS", "SURGE"} <= judged) == (
+        spec["geometry"]["closure"] == "force"
+    )
     left = [{each.code for each in found.not_judged} for found in assessed]
     assert left[0] == left[1]
 
 
-@pytest.mark.parametrize("spec", [disc_spec(FLAT), disc_spec(SLIDE, "groove"), disc_spec(ARM, "conjugate")])
+@pytest.mark.parametrize(
+    "spec", [disc_spec(FLAT), disc_spec(SLIDE, "groove"), disc_spec(ARM, "conjugate")]
+)
 def test_its_files_are_judged_alike(spec: Tables, tmp_path: Path) -> None:
     """SPEED_RIPPLE, FACE_WIDTH and the play between two contacts among them; how much play is borne is each output's own."""
     drive, _ = both(spec, True)
@@ -202,11 +235,17 @@ def test_an_undercut_that_is_accepted_is_accepted_by_both(tmp_path: Path) -> Non
     report = build(file, tmp_path, frozenset({"dxf"}))
     assert report.ok, [each for each in report.findings if not each.ok]
     exact = max(each.measured for each in drive.limits() if each.code == "UNDERCUT")
-    from_files = max(each.measured for each in report.findings if each.code == "UNDERCUT" and ".dxf" in each.where)
+    from_files = max(
+        each.measured
+        for each in report.findings
+        if each.code == "UNDERCUT" and ".dxf" in each.where
+    )
     assert 0.05 < exact < 0.3 and from_files == pytest.approx(exact, abs=2e-3)
 
 
-@pytest.mark.parametrize(("kind", "usual"), [("disc-cam", 30.0), ("indexing-cam", 45.0), ("uniform-swing", 45.0)])
+@pytest.mark.parametrize(
+    ("kind", "usual"), [("disc-cam", 30.0), ("indexing-cam", 45.0), ("uniform-swing", 45.0)]
+)
 def test_one_usual_pressure_angle_for_each_kind_of_follower(kind: str, usual: float) -> None:
     """30 deg of a follower that slides and 45 of one that swings: the field's advice; a paper's own limit stands in its spec."""
     mechanism = read_mechanism({**read(SPECS / f"{kind}.toml"), "limits": {}}, ())

@@ -12,48 +12,90 @@ import camgen
 from camgen.machines.mechanism import Mechanism
 from camgen.pipeline.shown import animation
 
-DISC = {"kind": "rise", "span_deg": 180, "law": "cycloidal"}, {"kind": "return", "span_deg": 180, "law": "cycloidal"}
+DISC = (
+    {"kind": "rise", "span_deg": 180, "law": "cycloidal"},
+    {"kind": "return", "span_deg": 180, "law": "cycloidal"},
+)
 
 
 def bench(**tables: Any) -> Mechanism:
     """A cam under the roller of an arm."""
     segments = [{**DISC[0], "lift": 12}, {**DISC[1], "to": 0}]
-    follower = {"motion": "oscillating", "shape": "roller", "radius": 5, "pivot_distance": 60, "arm": 50}
-    return camgen.load({
-        "mechanism": "disc-cam", "name": "own", "geometry": {"closure": "force", "follower": follower}, "segment": segments,
-        "motor": {"speed_rpm": 60}, "parts": {"make": "machine"}, "limits": {"pressure_angle_deg": 45}, **tables,
-    })  # fmt: skip
+    follower = {
+        "motion": "oscillating",
+        "shape": "roller",
+        "radius": 5,
+        "pivot_distance": 60,
+        "arm": 50,
+    }
+    return camgen.load(
+        {
+            "mechanism": "disc-cam",
+            "name": "own",
+            "geometry": {"closure": "force", "follower": follower},
+            "segment": segments,
+            "motor": {"speed_rpm": 60},
+            "parts": {"make": "machine"},
+            "limits": {"pressure_angle_deg": 45},
+            **tables,
+        }
+    )
 
 
 def own_linkage() -> Mechanism:
     """A rocker on a disc, its roller's pin drawn to the ground."""
     segments = [{**each, "lift_deg": 20} for each in DISC]
-    return camgen.load({
-        "mechanism": "linkage", "name": "own", "drive": {"link": "disc", "speed_rpm": 60},
-        "points": {"O": [0, 0], "C": [60, 0], "T": [30, 35], "S": [-60, -20]},
-        "links": {"ground": ["O", "C", "S"], "disc": ["O"], "rocker": ["C", "T"]},
-        "cam": [{"cam": "disc", "follower": "rocker", "at": "T", "radius": 5, "segment": segments}],
-        "spring": [{"between": ["T", "S"], "rate": 0.2, "preload": 6.0}], "output": [{"name": "a", "link": "rocker"}],
-    })  # fmt: skip
+    return camgen.load(
+        {
+            "mechanism": "linkage",
+            "name": "own",
+            "drive": {"link": "disc", "speed_rpm": 60},
+            "points": {"O": [0, 0], "C": [60, 0], "T": [30, 35], "S": [-60, -20]},
+            "links": {"ground": ["O", "C", "S"], "disc": ["O"], "rocker": ["C", "T"]},
+            "cam": [
+                {"cam": "disc", "follower": "rocker", "at": "T", "radius": 5, "segment": segments}
+            ],
+            "spring": [{"between": ["T", "S"], "rate": 0.2, "preload": 6.0}],
+            "output": [{"name": "a", "link": "rocker"}],
+        }
+    )
 
 
 def including() -> Mechanism:
     """A four-bar with the cam on its bench beside it."""
-    return camgen.load({
-        "mechanism": "linkage", "name": "host", "drive": {"link": "crank", "speed_rpm": 60},
-        "points": {"O": [0, 0], "C": [70, 0], "A": [20, 0], "B": [60, 45]},
-        "links": {"ground": ["O", "C"], "crank": ["O", "A"], "coupler": ["A", "B"], "rocker": ["C", "B"]},
-        "output": [{"name": "a", "link": "rocker"}],
-        "include": [{"spec": bench().model_dump(by_alias=True, exclude_none=True), "at": [200, 0]}],
-    })  # fmt: skip
+    return camgen.load(
+        {
+            "mechanism": "linkage",
+            "name": "host",
+            "drive": {"link": "crank", "speed_rpm": 60},
+            "points": {"O": [0, 0], "C": [70, 0], "A": [20, 0], "B": [60, 45]},
+            "links": {
+                "ground": ["O", "C"],
+                "crank": ["O", "A"],
+                "coupler": ["A", "B"],
+                "rocker": ["C", "B"],
+            },
+            "output": [{"name": "a", "link": "rocker"}],
+            "include": [
+                {"spec": bench().model_dump(by_alias=True, exclude_none=True), "at": [200, 0]}
+            ],
+        }
+    )
 
 
 def spans(machine: Mechanism, body: str, at: complex) -> dict[str, list[tuple[float, float]]]:
     """Heights of the rollers and spacers there, by the kind of part; "head": underside and top of a pin's head or its cap."""
-    parts, found = {part.name: part for part in machine.parts()}, dict[str, list[tuple[float, float]]]()
+    parts, found = (
+        {part.name: part for part in machine.parts()},
+        dict[str, list[tuple[float, float]]](),
+    )
     for mount in machine.mounts():
         part, kind = parts[mount.part], mount.part.partition("-")[0]
-        if mount.body != body or abs(mount.at - at) > 1e-9 or kind not in ("roller", "spacer", "pin", "cap"):
+        if (
+            mount.body != body
+            or abs(mount.at - at) > 1e-9
+            or kind not in ("roller", "spacer", "pin", "cap")
+        ):
             continue
         low, high = mount.z, mount.z + part.thickness
         if kind == "pin" and mount.flipped:
@@ -64,7 +106,12 @@ def spans(machine: Mechanism, body: str, at: complex) -> dict[str, list[tuple[fl
 
 @pytest.mark.parametrize(
     "machine",
-    [bench(), bench(bodies={"pin": "dowel"}), bench(bodies={"make": "laser"}, laser={"thickness": 3.0}), own_linkage()],
+    [
+        bench(),
+        bench(bodies={"pin": "dowel"}),
+        bench(bodies={"make": "laser"}, laser={"thickness": 3.0}),
+        own_linkage(),
+    ],
     ids=["printed", "dowel", "laser", "linkage"],
 )
 def test_a_roller_under_a_spring_cannot_climb_off_its_cam(machine: Mechanism) -> None:
@@ -80,11 +127,18 @@ def test_a_roller_under_a_spring_cannot_climb_off_its_cam(machine: Mechanism) ->
     assert room < (top - low) / 2, "with or without the spring's eye it stays on"
 
 
-@pytest.mark.parametrize("machine", [bench(), bench(bodies={"pin": "dowel"}), own_linkage(), including()],
-                         ids=["bench", "dowel", "linkage", "included"])  # fmt: skip
+@pytest.mark.parametrize(
+    "machine",
+    [bench(), bench(bodies={"pin": "dowel"}), own_linkage(), including()],
+    ids=["bench", "dowel", "linkage", "included"],
+)
 def test_a_spring_comes_before_the_heads_that_are_wider_than_its_eyes(machine: Mechanism) -> None:
     """Its eyes are 1.1 pins wide, the heads of a pin of 5 are 8: what of pins and caps ends above the eyes comes later."""
-    table, parts, number = machine.steps(), {part.name: part for part in machine.parts()}, Counter[str]()
+    table, parts, number = (
+        machine.steps(),
+        {part.name: part for part in machine.parts()},
+        Counter[str](),
+    )
     (step,) = (k for k, row in enumerate(table.rows) if row[1] == "extension spring")
     eye, over = float(str(table.rows[step][5])), set()
     for mount in machine.mounts():
@@ -96,7 +150,11 @@ def test_a_spring_comes_before_the_heads_that_are_wider_than_its_eyes(machine: M
         if headed and mount.z + parts[mount.part].thickness > eye:
             over.add(f"{mount.part}-{number[mount.part]}")
     before = {copy for laid in table.copies[:step] for copy in laid}
-    assert len(over) == 2 and not over & before and over <= {copy for laid in table.copies[step:] for copy in laid}
+    assert (
+        len(over) == 2
+        and not over & before
+        and over <= {copy for laid in table.copies[step:] for copy in laid}
+    )
     assert [row[0] for row in table.rows] == list(range(1, len(table.rows) + 1))
 
 
@@ -104,7 +162,12 @@ def test_springs_are_drawn_between_their_pins() -> None:
     """From the pin in the ground to that of the follower, at their height; of an included machine where it stands."""
     theta, whole, own = np.linspace(0, 6, 7), including(), bench()
     (drawn,), (there,) = own.spring_sketches(), whole.spring_sketches()
-    assert drawn.course is not None and there.course is not None and drawn.z is not None and there.z is not None
+    assert (
+        drawn.course is not None
+        and there.course is not None
+        and drawn.z is not None
+        and there.z is not None
+    )
     line = drawn.course(theta)
     spring = own.return_spring
     assert spring is not None and np.ptp(line[:, 0]) == 0
@@ -126,4 +189,6 @@ def test_coils_lie_clear_of_what_is_beneath() -> None:
     eye = max(top for name, top in tops.items() if name.startswith("spacer"))
     beneath = max(top for name, top in tops.items() if name.startswith(("cam", "roller")))
     spring = mounted.spring
-    assert eye + spring.wire / 2 - spring.outside / 2 - beneath >= 0.2 - 1e-9  # print.slide_clearance
+    assert (
+        eye + spring.wire / 2 - spring.outside / 2 - beneath >= 0.2 - 1e-9
+    )  # print.slide_clearance

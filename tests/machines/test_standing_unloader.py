@@ -50,15 +50,23 @@ def test_the_list_names_the_springs_wire_and_its_forces(starter: IndexingCam) ->
     """
     farthest = math.sqrt(30**2 + 120**2 + 2 * 30 * 120 * math.cos(math.radians(18)))
     bought = next(each for each in starter.bought() if each.name == "extension spring")
-    assert "wire 1.25, outside diameter 9.38, 46.4 coils, free length 89 inside the eyes: closed coils" in bought.size
+    assert (
+        "wire 1.25, outside diameter 9.38, 46.4 coils, free length 89 inside the eyes: closed coils"
+        in bought.size
+    )
     closed = 47.37 * 1.25  # a coil more than turns lies side by side
-    assert f"closed coils of {closed:.4g}" in bought.size and f"a leg of {(89 - closed) / 2:.4g}" in bought.size
+    assert (
+        f"closed coils of {closed:.4g}" in bought.size
+        and f"a leg of {(89 - closed) / 2:.4g}" in bought.size
+    )
     assert "at each end, 1 N/mm" in bought.size
     assert f"6 N at 95 and {farthest - 84:.4g} N at {farthest + 5:.4g}" in bought.size
     assert 81500 * 1.25**4 / (8 * 8.125**3 * 46.37) == pytest.approx(1.0, rel=1e-3)
     rows = starter.steps().rows
     (step,) = (row for row in rows if row[1] == "extension spring")
-    assert step[2].startswith("Unloader's spring, eyes on the pins at points hook and anchor, before their caps")
+    assert step[2].startswith(
+        "Unloader's spring, eyes on the pins at points hook and anchor, before their caps"
+    )
     assert {"unloader", "gear-unloader_gears-unloader"} <= {row[1] for row in rows}
 
 
@@ -91,14 +99,18 @@ def test_lead_whose_ratio_no_teeth_have_is_told_with_one_that_works() -> None:
     lead = float(caught.value.remedy.partition("lead_deg = ")[2].split()[0])
     assert abs(lead - 17.3) < 2
     assert machine(unloader={"lead_deg": lead}).made_unloader is not None
-    assert abs(machine(unloader={"lead_deg": lead}).made_unloader.ratio) == pytest.approx(2 * (180 - lead) / 180)  # type: ignore[union-attr]
+    assert abs(machine(unloader={"lead_deg": lead}).made_unloader.ratio) == pytest.approx(
+        2 * (180 - lead) / 180
+    )  # type: ignore[union-attr]
 
 
 @pytest.mark.parametrize(
     ("unloader", "said"),
-    [({"stiffness_n_mm": 100.0}, "springs of round wire for the unloader.*stiffness_n_mm"),
-     ({"crank": 400.0, "guide": 401.0}, "crank")],
-)  # fmt: skip
+    [
+        ({"stiffness_n_mm": 100.0}, "springs of round wire for the unloader.*stiffness_n_mm"),
+        ({"crank": 400.0, "guide": 401.0}, "crank"),
+    ],
+)
 def test_a_spring_that_cannot_be_wound_is_told(unloader: dict[str, Any], said: str) -> None:
     with pytest.raises(DesignError, match=said):
         machine(unloader=unloader).parts()
@@ -112,10 +124,12 @@ WHEEL, MATE = "gear-unloader_gears-unloader", "gear-unloader_gears-driven-link-1
     [
         ({}, []),
         # half a tooth; and the crank one level up, where its spring is
-        ({WHEEL: (math.pi / 35, 0.0), "unloader": (0.0, 4.2)},
-         [{MATE, f"{WHEEL}-1"}, {"unloader-1", "unloader_spring 1"}]),
+        (
+            {WHEEL: (math.pi / 35, 0.0), "unloader": (0.0, 4.2)},
+            [{MATE, f"{WHEEL}-1"}, {"unloader-1", "unloader_spring 1"}],
+        ),
     ],
-)  # fmt: skip
+)
 def test_parts_out_of_place_are_found_out(
     tmp_path: Path,
     starter: IndexingCam,
@@ -128,24 +142,39 @@ def test_parts_out_of_place_are_found_out(
         for k, pose in enumerate(poses[each.name]):
             turned, raised = moved.get(each.name, (0.0, 0.0))
             where = placing(
-                float(pose.angle[0]) + turned, complex(pose.place[0]), pose.z + raised, each.thickness, pose.flipped
+                float(pose.angle[0]) + turned,
+                complex(pose.place[0]),
+                pose.z + raised,
+                each.thickness,
+                pose.flipped,
             )
             items.append(Placed(each.name, f"{each.name}-{k + 1}", where))
     write_3mf(tmp_path / "x.3mf", meshes, items, "key")
-    failed = [set(f.where.partition(":")[0].split(" and ")) for f in sweep(tmp_path / "x.3mf", starter.moved())[0] if not f.ok]
+    failed = [
+        set(f.where.partition(":")[0].split(" and "))
+        for f in sweep(tmp_path / "x.3mf", starter.moved())[0]
+        if not f.ok
+    ]
     assert all(pair in failed for pair in pairs) and bool(failed) == bool(pairs)
 
 
 def test_both_ends_of_a_spring_lie_along_it_and_cover_it(starter: IndexingCam) -> None:
     """At each angle: from pin to post and back; the bars, from beside each pin's head, meet in the middle where it is longest."""
     theta = np.radians([0.0, 60.0, 120.0, 240.0])
-    courses, bars = starter.moved().courses(theta), {thing.name: thing.bars[0] for thing in starter.bench.coils()}
+    courses, bars = (
+        starter.moved().courses(theta),
+        {thing.name: thing.bars[0] for thing in starter.bench.coils()},
+    )
     one, two = (courses[f"unloader_spring {k}"] for k in (1, 2))
     assert np.abs(two.place - one.place) == pytest.approx([148.82, 90.0, 148.82, 90.0], abs=0.01)
-    assert np.exp(1j * one.angle) == pytest.approx((two.place - one.place) / np.abs(two.place - one.place))
+    assert np.exp(1j * one.angle) == pytest.approx(
+        (two.place - one.place) / np.abs(two.place - one.place)
+    )
     assert np.exp(1j * two.angle) == pytest.approx(-np.exp(1j * one.angle))
     for begin, end, radius, *_ in bars.values():
-        assert (begin.real, end.real, radius) == pytest.approx((2.5 + 1.5 + 0.5 + 9.375 / 2, 148.82 / 2, 9.375 / 2), abs=0.01)
+        assert (begin.real, end.real, radius) == pytest.approx(
+            (2.5 + 1.5 + 0.5 + 9.375 / 2, 148.82 / 2, 9.375 / 2), abs=0.01
+        )
     levels = starter.bench.bodies.layout.given
     assert len(levels) == len({*levels}) and set(starter.bench.bodies.layout.springs).isdisjoint(
         body.name for body in starter.model.bodies
@@ -173,7 +202,10 @@ def test_a_stiffness_that_is_found_leaves_least() -> None:
         data["unloader"]["stiffness_n_mm"] = share * stiffness
         assert validate(IndexingCam, data).indexing.residual > found.indexing.residual + 1e-3
     # 120 deg at 30 rpm are 2/3 s, at mid stroke 1.8917 times the mean speed; the spring goes from 64.8 / k long to 6
-    speed, farthest = 1.8917 * math.pi / (2 / 3), math.sqrt(30**2 + 120**2 + 2 * 30 * 120 * math.cos(math.radians(18))) - 84
+    speed, farthest = (
+        1.8917 * math.pi / (2 / 3),
+        math.sqrt(30**2 + 120**2 + 2 * 30 * 120 * math.cos(math.radians(18))) - 84,
+    )
     energy = 2 * 0.05 * speed**2 / 2 / (farthest**2 - 6**2) * 1e3
     assert stiffness == pytest.approx(energy, rel=0.03)
     assert found.resolved().indexing.residual == pytest.approx(found.indexing.residual)

@@ -30,9 +30,11 @@ from camgen.spec import validate
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 SETTINGS = {
-    "freewheel": {"lost_deg": 1.0}, "unloader": {"lead_deg": 10.0, "stiffness_n_mm": 0.45},
-    "load": {"inertia_kg_m2": 0.03, "friction_n_m": 0.45}, "limits": {"residual": 0.8},
-}  # fmt: skip
+    "freewheel": {"lost_deg": 1.0},
+    "unloader": {"lead_deg": 10.0, "stiffness_n_mm": 0.45},
+    "load": {"inertia_kg_m2": 0.03, "friction_n_m": 0.45},
+    "limits": {"residual": 0.8},
+}
 
 
 def design(make: str = "cams", **tables: Any) -> IndexingCam:
@@ -65,7 +67,9 @@ def test_the_link_turns_on_by_half_a_turn_and_stands(sense: int) -> None:
     run = spec.solve(np.radians(sense * times), 0)
     turned = np.degrees(np.abs(run["link"]))
     assert turned == pytest.approx([0, 89.5, 180, 180, 180, 180, 269.5, 360, 360])
-    assert np.all(np.diff(sense * -run["link"]) * sense >= -1e-12)  # the same way whichever way the cam turns
+    assert np.all(
+        np.diff(sense * -run["link"]) * sense >= -1e-12
+    )  # the same way whichever way the cam turns
     wheel = run["wheel"] - run["wheel"][0]
     assert np.degrees(np.abs(wheel[:5])) == pytest.approx([0, 90.5, 181, 90.5, 0], abs=1e-9)
 
@@ -90,9 +94,13 @@ def test_the_speed_of_what_turns_on_has_no_step_where_the_turn_ends(made: Indexi
     curves.want(made.stepping(theta), None)
     course, speed = curves.plots()
     exact = np.degrees(made.stepping(theta, 1))
-    assert np.abs(speed.series[0][2] - exact).max() < 0.1 * np.abs(exact).max()  # a mean rounds the corner of the lock
+    assert (
+        np.abs(speed.series[0][2] - exact).max() < 0.1 * np.abs(exact).max()
+    )  # a mean rounds the corner of the lock
     assert np.abs(speed.series[0][2][-100:-20]).max() == 0
-    assert course.y_label == "deg, −180 from end to end: clockwise" and speed.y_label.startswith("deg/rad, mean")
+    assert course.y_label == "deg, −180 from end to end: clockwise" and speed.y_label.startswith(
+        "deg/rad, mean"
+    )
 
 
 def test_torque_in_the_freewheel_by_hand(made: IndexingCam) -> None:
@@ -111,7 +119,9 @@ def test_torque_in_the_freewheel_by_hand(made: IndexingCam) -> None:
     back = solve(spec.model, np.radians(np.arange(190.0, 300.0, 10.0))).forces()
     assert np.abs(back.gears["gears"]).max() < 1e-9
     held = 0.45 * (6 + abs(30 * np.exp(1j * math.radians(10)) + 120) - 90)
-    held *= 30 * 120 * math.sin(math.radians(10)) / abs(30 * np.exp(1j * math.radians(10)) + 120) * 2e-3
+    held *= (
+        30 * 120 * math.sin(math.radians(10)) / abs(30 * np.exp(1j * math.radians(10)) + 120) * 2e-3
+    )
     assert np.abs(back.gears["freewheels"]) == pytest.approx(held, rel=1e-6)
 
 
@@ -122,15 +132,26 @@ def test_what_is_left_for_the_freewheels_is_judged() -> None:
     numbers = spec.study().numbers
     needed = numbers["brake_needed_n_m"]
     assert numbers["brake_needed_without_unloader_n_m"] > 3 * needed
-    assert all(ok for ok, _ in verdicts(design(load={"friction_n_m": 1.001 * needed}), "FORCE_CLOSURE"))
-    assert [ok for ok, _ in verdicts(design(load={"friction_n_m": 0.999 * needed}), "FORCE_CLOSURE")] == [False, True]
+    assert all(
+        ok for ok, _ in verdicts(design(load={"friction_n_m": 1.001 * needed}), "FORCE_CLOSURE")
+    )
+    assert [
+        ok for ok, _ in verdicts(design(load={"friction_n_m": 0.999 * needed}), "FORCE_CLOSURE")
+    ] == [False, True]
     (_, hold) = verdicts(spec, "FORCE_CLOSURE")[1]
     for share, fine in ((0.999, True), (1.001, False)):
-        assert verdicts(design(load={"dwell_torque_n_m": share * hold}), "FORCE_CLOSURE")[1][0] == fine
-    assert verdicts(spec, "CLUTCH_TORQUE")[0][0] and not verdicts(design(load={"inertia_kg_m2": 0.06}), "CLUTCH_TORQUE")[0][0]
+        assert (
+            verdicts(design(load={"dwell_torque_n_m": share * hold}), "FORCE_CLOSURE")[1][0] == fine
+        )
+    assert (
+        verdicts(spec, "CLUTCH_TORQUE")[0][0]
+        and not verdicts(design(load={"inertia_kg_m2": 0.06}), "CLUTCH_TORQUE")[0][0]
+    )
     kappa = np.linspace(0, 0.2, 20_001)
     locks = np.interp(1 / 181, spec.law(kappa), kappa)  # one degree of 181
-    assert numbers["locking_speed_deg_s"] == pytest.approx(181 * float(spec.law(locks, 1)) / (2 / 3), rel=1e-3)
+    assert numbers["locking_speed_deg_s"] == pytest.approx(
+        181 * float(spec.law(locks, 1)) / (2 / 3), rel=1e-3
+    )
     assert numbers["dwell_share_ratio"] == pytest.approx(1 - 120 / 360, abs=0.03)
 
 
@@ -150,7 +171,10 @@ def test_advance_of_a_freewheel() -> None:
 
 
 def test_a_wheel_that_swings_too_far_or_too_little_is_found() -> None:
-    wanted, t = Advance(value=180, tolerance=0.05, lost=1, forwards=-1, time=1), np.linspace(0, math.tau, 1441)
+    wanted, t = (
+        Advance(value=180, tolerance=0.05, lost=1, forwards=-1, time=1),
+        np.linspace(0, math.tau, 1441),
+    )
 
     def found(far: float) -> bool:
         value = -far / 2 * (1 - np.cos(t))
@@ -170,10 +194,16 @@ def test_shaft_and_wheel_run_in_clutches(made: IndexingCam) -> None:
     assert parts["ground"].thickness == parts["gear-gears-drive-wheel"].thickness == 15.0
     rod, flat = parts["shaft-driven-link"].layers
     assert len(rod.region.outer.pieces) < len(flat.region.outer.pieces)
-    assert parts["shaft-driven-link"].made == "bought" and parts["collar-driven-link"].bore == parts["collar"].bore
+    assert (
+        parts["shaft-driven-link"].made == "bought"
+        and parts["collar-driven-link"].bore == parts["collar"].bore
+    )
     ways = {mount.part: mount for mount in made.mounts()}
     top = ways["shaft-driven-link"].z + flat.z0
-    assert top >= ways["gear-gears-drive-wheel"].z + 15 and ways["gear-unloader_gears-driven-link"].z >= top
+    assert (
+        top >= ways["gear-gears-drive-wheel"].z + 15
+        and ways["gear-unloader_gears-driven-link"].z >= top
+    )
     pin = next(f for f in made.features() if isinstance(f, PinEyes) and f.joint == "wheel's axle")
     assert len(pin.rings) == 2 and pin.pin is not None and pin.pin.part == "shaft-driven-link"
     assert len(parts["driven-link"].layers[0].region.holes) == 2  # shaft and mark
@@ -187,31 +217,63 @@ def test_shaft_and_wheel_run_in_clutches(made: IndexingCam) -> None:
     ("part", "turned", "raised", "pair"),
     [
         ("", 0.0, 0.0, None),
-        ("gear-gears-drive-wheel", math.pi / 22, 0.0, {"gear-gears-follower-1", "gear-gears-drive-wheel-1"}),
+        (
+            "gear-gears-drive-wheel",
+            math.pi / 22,
+            0.0,
+            {"gear-gears-follower-1", "gear-gears-drive-wheel-1"},
+        ),
     ],
 )
 def test_a_wheel_out_of_place_is_found(
-    tmp_path: Path, made: IndexingCam, part: str, turned: float, raised: float, pair: set[str] | None
+    tmp_path: Path,
+    made: IndexingCam,
+    part: str,
+    turned: float,
+    raised: float,
+    pair: set[str] | None,
 ) -> None:
     items, poses = [], made.poses(np.zeros(1))
-    kept = [each for each in made.parts() if each.name.startswith(("ground", "gear-gears", "shaft-driven", "bearing"))]
+    kept = [
+        each
+        for each in made.parts()
+        if each.name.startswith(("ground", "gear-gears", "shaft-driven", "bearing"))
+    ]
     for each in kept:
         for k, pose in enumerate(poses[each.name]):
-            angle, z = float(pose.angle[0]) + turned * (each.name == part), pose.z + raised * (each.name == part)
+            angle, z = (
+                float(pose.angle[0]) + turned * (each.name == part),
+                pose.z + raised * (each.name == part),
+            )
             where = placing(angle, complex(pose.place[0]), z, each.thickness, pose.flipped)
             items.append(Placed(each.name, f"{each.name}-{k + 1}", where))
     write_3mf(tmp_path / "x.3mf", {each.name: solid(each, 0.02) for each in kept}, items, "key")
     moved, names = made.moved(), {each.name for each in kept}
-    moved = replace(moved, mounts=[each for each in moved.mounts if each.part in names], stand_ins=[], tolerance=0.02)
-    failed = [set(f.where.partition(":")[0].split(" and ")) for f in sweep(tmp_path / "x.3mf", moved)[0] if not f.ok]
+    moved = replace(
+        moved,
+        mounts=[each for each in moved.mounts if each.part in names],
+        stand_ins=[],
+        tolerance=0.02,
+    )
+    failed = [
+        set(f.where.partition(":")[0].split(" and "))
+        for f in sweep(tmp_path / "x.3mf", moved)[0]
+        if not f.ok
+    ]
     assert (pair in failed) if pair else not failed
 
 
 def test_files_of_cams_alone(tmp_path: Path) -> None:
     """What the outlines give, as figures; a cam for another swing is found."""
     path = SPECS / "indexing-cam.toml"
-    keys = ["freewheel.lost_deg=1", "unloader.lead_deg=10", "unloader.stiffness_n_mm=0.45", "load.inertia_kg_m2=0.03",
-            "load.friction_n_m=0.45", "limits.residual=0.8"]  # fmt: skip
+    keys = [
+        "freewheel.lost_deg=1",
+        "unloader.lead_deg=10",
+        "unloader.stiffness_n_mm=0.45",
+        "load.inertia_kg_m2=0.03",
+        "load.friction_n_m=0.45",
+        "limits.residual=0.8",
+    ]
     report = build(path, tmp_path, frozenset({"dxf"}), keys)
     assert report.ok, [finding for finding in report.findings if not finding.ok]
     assert report.numbers["index_recovered_dxf_deg"] == pytest.approx(180, abs=0.01)
@@ -224,14 +286,30 @@ def test_files_of_cams_alone(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("tables", "said"),
     [
-        ({"unloader": {"torque": "law", "crank": None, "guide": None, "stretch": None, "lead_deg": None, "stiffness_n_mm": None}},
-         'unloader.torque.*"crank" or "none" with'),
-        ({"bodies": {"shaft_diameter": 7.0}}, "bodies.shaft_diameter: 7 - expected a bore of freewheels, 6, 8, 10 mm"),
+        (
+            {
+                "unloader": {
+                    "torque": "law",
+                    "crank": None,
+                    "guide": None,
+                    "stretch": None,
+                    "lead_deg": None,
+                    "stiffness_n_mm": None,
+                }
+            },
+            'unloader.torque.*"crank" or "none" with',
+        ),
+        (
+            {"bodies": {"shaft_diameter": 7.0}},
+            "bodies.shaft_diameter: 7 - expected a bore of freewheels, 6, 8, 10 mm",
+        ),
         ({"freewheel": {"lost_deg": 50.0}}, "freewheel.lost_deg"),
     ],
-)  # fmt: skip
+)
 def test_what_cannot_turn_on_is_told(tables: dict[str, Any], said: str) -> None:
-    given = {name: {k: v for k, v in table.items() if v is not None} for name, table in tables.items()}
+    given = {
+        name: {k: v for k, v in table.items() if v is not None} for name, table in tables.items()
+    }
     data = read(SPECS / "indexing-cam.toml")
     for more in (SETTINGS, given):
         for name, table in more.items():
@@ -260,8 +338,13 @@ def test_the_picture_goes_on_over_two_turns(made: IndexingCam) -> None:
     shown = animation(made, ())
     assert (len(shown.theta), shown.turns) == (240, 2)
     table = next(body for body in shown.bodies if body.name == "driven-link").poses[0]
-    assert np.degrees(table.angle)[[0, 60, 119, 180, 239]] == pytest.approx([0, -180, -180, -360, -360])
-    assert made.shown_turns == 2 and validate(IndexingCam, read(SPECS / "indexing-cam.toml")).shown_turns == 1
+    assert np.degrees(table.angle)[[0, 60, 119, 180, 239]] == pytest.approx(
+        [0, -180, -180, -360, -360]
+    )
+    assert (
+        made.shown_turns == 2
+        and validate(IndexingCam, read(SPECS / "indexing-cam.toml")).shown_turns == 1
+    )
 
 
 def test_as_a_module_it_is_so_far_ahead(made: IndexingCam) -> None:

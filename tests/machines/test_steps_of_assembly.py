@@ -28,6 +28,7 @@ from camgen.pipeline.jobs import read_mechanism
 
 PLAY = Fixing(0.1)
 
+
 @pytest.fixture(scope="module")
 def leg() -> Mechanism:
     return read_mechanism(Path(__file__).parents[2] / "specs" / "walking-leg.toml", [])
@@ -40,9 +41,14 @@ def where(mechanism: Mechanism) -> dict[str, str]:
 def test_each_link_is_said_to_go_over_those_that_it_is_jointed_to(leg: Mechanism) -> None:
     """Joints of the spec: A crank and both rods, B and D shoulder, E and F foot, C the ground's pin."""
     said = where(leg)
-    assert said["upper_rod"] == "A over crank, B over shoulder" and said["link"] == "D over shoulder, F over foot"
+    assert (
+        said["upper_rod"] == "A over crank, B over shoulder"
+        and said["link"] == "D over shoulder, F over foot"
+    )
     assert said["lower_rod"] == "A over upper_rod, E over hanger"
-    assert said["hanger"] == "C pressed and glued on pin-1, E over foot"  # its head is under the plate
+    assert (
+        said["hanger"] == "C pressed and glued on pin-1, E over foot"
+    )  # its head is under the plate
     fixed = "through {} of {}, pressed and glued into {}"  # of a pin the lowest link
     rows = [("B", "upper_rod", "shoulder"), ("D", "link", "shoulder"), ("F", "link", "foot")]
     assert said["pin-3"] == "; ".join(fixed.format(*row) for row in rows)
@@ -53,13 +59,24 @@ def test_each_link_is_said_to_go_over_those_that_it_is_jointed_to(leg: Mechanism
 def test_how_far_from_its_end_a_shaft_holds_each(leg: Mechanism) -> None:
     """By the undersides of the table: the shaft's at -15, collar's at -3.2, plate's at 0, crank's at 5.2 mm."""
     said, z = where(leg), {str(row[1]): float(str(row[5])) for row in leg.steps().rows}
-    for name, point in (("collar", "pressed and glued "), ("ground", "O "), ("crank", "O pressed and glued ")):
-        assert said[name].startswith(f"{point}on shaft, underside {z[name] - z['shaft']:.4g} mm from its lower end"), name
+    for name, point in (
+        ("collar", "pressed and glued "),
+        ("ground", "O "),
+        ("crank", "O pressed and glued "),
+    ):
+        assert said[name].startswith(
+            f"{point}on shaft, underside {z[name] - z['shaft']:.4g} mm from its lower end"
+        ), name
 
 
 def test_what_is_turned_over_goes_where_its_mirror_image_stands() -> None:
     """A plate with a hole at x = 5, turned over about Oy and moved by 20: over a pin at x = 15, and over none at x = 25."""
-    plate = Part("plate", "Plate", (Layer(Region(circle(0, 9), (circle(5, 1.1),)), 0, 2),), points=(("P", 5 + 0j),))
+    plate = Part(
+        "plate",
+        "Plate",
+        (Layer(Region(circle(0, 9), (circle(5, 1.1),)), 0, 2),),
+        points=(("P", 5 + 0j),),
+    )
     pin = Part("pin", "Pin", (Layer(Region(circle(0, 1)), 0, 30),))
     for x, expected in ((15.0, "P on pin, underside 10 mm from its lower end"), (25.0, "")):
         poses = {
@@ -72,28 +89,42 @@ def test_what_is_turned_over_goes_where_its_mirror_image_stands() -> None:
         assert rows[1][3] == expected
     wide = replace(plate, layers=(Layer(Region(circle(0, 9), (circle(5, 4),)), 0, 2),))
     poses["pin"] = [PartPose(np.array([15 + 0j]), np.zeros(1), False, 0.0)]
-    assert order((pin, wide), mounts, poses, (), PLAY).rows[1][3] == ""  # far too wide to be held by it
+    assert (
+        order((pin, wide), mounts, poses, (), PLAY).rows[1][3] == ""
+    )  # far too wide to be held by it
 
 
 # ---- of every machine ------------------------------------------------------------------------------------------------
 
 BAR = {  # a drag link: both cranks turn over each other's pivot, so one hangs from the second plate
-    "mechanism": "linkage", "name": "drag", "drive": {"link": "crank"},
+    "mechanism": "linkage",
+    "name": "drag",
+    "drive": {"link": "crank"},
     "points": {"O": [0, 0], "C": [10, 0], "A": [20, 0], "B": [20, 34]},
-    "links": {"ground": ["O", "C"], "crank": ["O", "A"], "coupler": ["A", "B"], "rocker": ["C", "B"]},
-    "output": [{"name": "out", "link": "rocker"}], "parts": {"plates": 2},
-}  # fmt: skip
+    "links": {
+        "ground": ["O", "C"],
+        "crank": ["O", "A"],
+        "coupler": ["A", "B"],
+        "rocker": ["C", "B"],
+    },
+    "output": [{"name": "out", "link": "rocker"}],
+    "parts": {"plates": 2},
+}
 FAR = {  # a drag link as large as its frame lets posts stand only beyond all that turns
-    **BAR, "points": {"O": [0, 0], "C": [15, 0], "A": [40, 0], "B": [30, 48]},
+    **BAR,
+    "points": {"O": [0, 0], "C": [15, 0], "A": [40, 0], "B": [30, 48]},
     "lengths": {"O-A": 40, "A-B": 45, "C-B": 50},
-}  # fmt: skip
+}
 WHITWORTH = {
-    "mechanism": "linkage", "name": "whitworth", "drive": {"link": "crank"},
+    "mechanism": "linkage",
+    "name": "whitworth",
+    "drive": {"link": "crank"},
     "points": {"O": [0, 0], "C": [15, 0], "A": [40, 0], "D": [-45, 0], "E": [65, 0]},
     "links": {"ground": ["O", "C"], "crank": ["O", "A"], "arm": ["C", "D", "E"]},
-    "slot": [{"pin": "A", "link": "arm", "along": ["C", "E"]}], "output": [{"name": "out", "link": "arm"}],
+    "slot": [{"pin": "A", "link": "arm", "along": ["C", "E"]}],
+    "output": [{"name": "out", "link": "arm"}],
     "parts": {"plates": 2},
-}  # fmt: skip
+}
 
 
 def started(name: str, **parts: Any) -> dict[str, Any]:
@@ -110,19 +141,32 @@ MORE = {
     "drag link, far posts": FAR,
     "drag link, dowels": {**BAR, "parts": {"plates": 2, "pin": "dowel"}},
     "whitworth": WHITWORTH,
-    "whitworth, interrupted shaft": {**WHITWORTH, "points": {**WHITWORTH["points"], "C": [60, 0], "E": [-40, 0], "D": [70, 0]},
-                                     "parts": {"plates": 2, "shaft": "interrupted"}},
+    "whitworth, interrupted shaft": {
+        **WHITWORTH,
+        "points": {**WHITWORTH["points"], "C": [60, 0], "E": [-40, 0], "D": [70, 0]},
+        "parts": {"plates": 2, "shaft": "interrupted"},
+    },
     "scotch yoke, two plates": started("scotch-yoke", plates=2),
-    "dowels": started("linkage", pin="dowel"), "shoulder screws": started("linkage", pin="shoulder"),
-    "ball bearings": started("linkage", pin="bearing"), "two plates": started("linkage", plates=2),
-    "interrupted": started("linkage", plates=2, shaft="interrupted"), "hand crank": started("linkage", hand_crank=40),
-    "steel": started("walking-leg", shaft_made="steel"), "motor": started("linkage", motor="nema-17", base_thickness=6),
+    "dowels": started("linkage", pin="dowel"),
+    "shoulder screws": started("linkage", pin="shoulder"),
+    "ball bearings": started("linkage", pin="bearing"),
+    "two plates": started("linkage", plates=2),
+    "interrupted": started("linkage", plates=2, shaft="interrupted"),
+    "hand crank": started("linkage", hand_crank=40),
+    "steel": started("walking-leg", shaft_made="steel"),
+    "motor": started("linkage", motor="nema-17", base_thickness=6),
     "two plates on a quick return": started("quick-return", plates=2),
     "laser": {**started("four-bar", make="laser"), "laser": {"thickness": 3}},
-    "cam on a bench": started("disc-cam", make="machine"), "groove on a bench": started("groove", make="machine"),
+    "cam on a bench": started("disc-cam", make="machine"),
+    "groove on a bench": started("groove", make="machine"),
     "indexing cams on a bench": started("indexing-cam", make="machine"),
-}  # fmt: skip
-SPECS = sorted(path for part in (".", "gallery") for path in (starters.folder() / part).glob("*.toml") if path.stem != "coupon")
+}
+SPECS = sorted(
+    path
+    for part in (".", "gallery")
+    for path in (starters.folder() / part).glob("*.toml")
+    if path.stem != "coupon"
+)
 MACHINES = [*(path.stem for path in SPECS), *MORE]
 
 
@@ -155,24 +199,40 @@ def round_edge(contour: Contour) -> tuple[complex, float] | None:
     for _ in range(20):  # a flat moves the mean: the circle through most corners
         on = np.abs(off - np.median(off)) < 0.02
         rows = np.column_stack([2 * ring[on].real, 2 * ring[on].imag, np.ones(on.sum())])
-        x, y, _ = np.linalg.lstsq(rows, np.abs(ring[on]) ** 2, rcond=None)[0] if on.sum() > 2 else (0, 0, 0)
+        x, y, _ = (
+            np.linalg.lstsq(rows, np.abs(ring[on]) ** 2, rcond=None)[0]
+            if on.sum() > 2
+            else (0, 0, 0)
+        )
         off = np.abs(ring - complex(x, y))
-    return (complex(x, y), 2 * float(np.median(off))) if np.mean(np.abs(off - np.median(off)) < 1e-3) > 0.75 else None
+    return (
+        (complex(x, y), 2 * float(np.median(off)))
+        if np.mean(np.abs(off - np.median(off)) < 1e-3) > 0.75
+        else None
+    )
 
 
 def edges(machine: Mechanism) -> tuple[list[Ring], list[Ring]]:
     """Holes and outlines of all copies of a machine at theta = 0."""
-    parts, poses, number = {part.name: part for part in machine.parts()}, machine.poses(np.zeros(1)), Counter[str]()
+    parts, poses, number = (
+        {part.name: part for part in machine.parts()},
+        machine.poses(np.zeros(1)),
+        Counter[str](),
+    )
     found: tuple[list[Ring], list[Ring]] = [], []
     for mount in machine.mounts():
         part, number[mount.part] = parts[mount.part], number[mount.part] + 1
         pose, copy = poses[part.name][number[part.name] - 1], f"{part.name}-{number[part.name]}"
         for layer in part.layers:
-            for kind, contours in zip(found, (layer.region.holes, [layer.region.outer]), strict=True):
+            for kind, contours in zip(
+                found, (layer.region.holes, [layer.region.outer]), strict=True
+            ):
                 for edge in filter(None, map(round_edge, contours)):
                     own = -edge[0].conjugate() if pose.flipped else edge[0]
                     at = complex(pose.place[0]) + cmath.exp(1j * float(pose.angle[0])) * own
-                    kind.append(Ring(copy, at, edge[1], *heights(pose, part.thickness, layer.z0, layer.z1)))
+                    kind.append(
+                        Ring(copy, at, edge[1], *heights(pose, part.thickness, layer.z0, layer.z1))
+                    )
     return found
 
 
@@ -211,9 +271,19 @@ def unfixed(machine: Mechanism) -> list[str]:
                 tight.add(frozenset((hole.copy, outline.copy)))
     found, there = list[str](), set[str]()
     for count, where, _, laid in steps(machine):
-        said = {part for clause in re.findall(r"press[a-z ]* (?:on|into) ([^,;]*)", where)
-                for part in re.findall(r"[\w-]+", clause) if part in made}  # fmt: skip
-        wanted = {part_of(other) for pair in tight for copy in pair & laid for other in pair - {copy} if other in there}
+        said = {
+            part
+            for clause in re.findall(r"press[a-z ]* (?:on|into) ([^,;]*)", where)
+            for part in re.findall(r"[\w-]+", clause)
+            if part in made
+        }
+        wanted = {
+            part_of(other)
+            for pair in tight
+            for copy in pair & laid
+            for other in pair - {copy}
+            if other in there
+        }
         found += [f"step {count}: {sorted(said)} for {sorted(wanted)}"] if said != wanted else []
         there |= laid
     return found
@@ -226,20 +296,45 @@ def empty(machine: Mechanism) -> list[Ring]:
     slide = max(machine.print.slide_clearance, machine.print.press_clearance) + 1e-3
     slender = [each for each in outlines if re.search(r"pin|shaft|dowel|axle", part_of(each.copy))]
     sizes = {round(each.diameter, 6) for each in slender}
-    meant = [hole for hole in holes if any(0 <= hole.diameter - size + 1e-6 <= slide for size in sizes)]
-    screws = [hole for hole in holes if any(abs(hole.diameter - screw.clearance) < 1e-3 for screw in SCREWS.values())]
-    meant = [hole for hole in meant if not any(each.copy == hole.copy and abs(each.at - hole.at) < 1e-3 for each in screws)]
+    meant = [
+        hole for hole in holes if any(0 <= hole.diameter - size + 1e-6 <= slide for size in sizes)
+    ]
+    screws = [
+        hole
+        for hole in holes
+        if any(abs(hole.diameter - screw.clearance) < 1e-3 for screw in SCREWS.values())
+    ]
+    meant = [
+        hole
+        for hole in meant
+        if not any(each.copy == hole.copy and abs(each.at - hole.at) < 1e-3 for each in screws)
+    ]
     poses, left = machine.poses(np.zeros(1)), list[tuple[str, complex]]()
     for feature in machine.features():
         pin = getattr(feature, "pin", None)
-        eyes = [feature.eye] if isinstance(feature, Mark) else [feature.a, feature.b] if pin and pin.part is None else []
-        left += [(eye.part, complex(pose.place[0] + cmath.exp(1j * float(pose.angle[0])) * eye.at))
-                 for eye in eyes for pose in poses[eye.part]]  # fmt: skip
-    meant = [hole for hole in meant if not any(part_of(hole.copy) == part and abs(hole.at - at) < 1e-3 for part, at in left)]
+        eyes = (
+            [feature.eye]
+            if isinstance(feature, Mark)
+            else [feature.a, feature.b]
+            if pin and pin.part is None
+            else []
+        )
+        left += [
+            (eye.part, complex(pose.place[0] + cmath.exp(1j * float(pose.angle[0])) * eye.at))
+            for eye in eyes
+            for pose in poses[eye.part]
+        ]
+    meant = [
+        hole
+        for hole in meant
+        if not any(part_of(hole.copy) == part and abs(hole.at - at) < 1e-3 for part, at in left)
+    ]
     return [hole for hole in meant if not any(each.goes_through(hole, 1.0) for each in outlines)]
 
 
-@pytest.mark.parametrize("name", [name for name in MACHINES if name != "uniform-swing"])  # it has steps in words of its own
+@pytest.mark.parametrize(
+    "name", [name for name in MACHINES if name != "uniform-swing"]
+)  # it has steps in words of its own
 def test_what_a_step_names_is_there_and_what_it_fixes_is_held(name: str) -> None:
     assert not misnamed(built(name))
     assert not unfixed(built(name))
@@ -255,11 +350,25 @@ def test_damaged_steps_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
     machine, table = load(BAR), load(BAR).steps()
     rows, copies = list(table.rows), list(table.copies)
     plate = next(k for k, row in enumerate(rows) if row[1] == "second-plate")
-    damaged = replace(table, rows=[rows[plate], *rows[:plate], *rows[plate + 1 :]],
-                      copies=[copies[plate], *copies[:plate], *copies[plate + 1 :]])  # fmt: skip
-    loose = [(*row[:3], str(row[3]).replace("through A of coupler", "pressed into A of coupler"), *row[4:]) for row in rows]
+    damaged = replace(
+        table,
+        rows=[rows[plate], *rows[:plate], *rows[plate + 1 :]],
+        copies=[copies[plate], *copies[:plate], *copies[plate + 1 :]],
+    )
+    loose = [
+        (
+            *row[:3],
+            str(row[3]).replace("through A of coupler", "pressed into A of coupler"),
+            *row[4:],
+        )
+        for row in rows
+    ]
     assert loose != rows
-    for wrong, check in ((damaged, misnamed), (damaged, unfixed), (replace(table, rows=loose), unfixed)):
+    for wrong, check in (
+        (damaged, misnamed),
+        (damaged, unfixed),
+        (replace(table, rows=loose), unfixed),
+    ):
         monkeypatch.setattr(type(machine), "steps", lambda _, wrong=wrong: wrong)
         assert check(machine)
 
@@ -269,13 +378,24 @@ def test_a_hole_without_its_pin_is_found(monkeypatch: pytest.MonkeyPatch) -> Non
     machine = load(BAR)
     assert "hole C" not in str(machine.parts()[0].notes)
     monkeypatch.setattr(Layout, "in_first", lambda *_: True)
-    assert {(hole.copy, round(hole.at.real, 6), round(hole.at.imag, 6)) for hole in empty(load(BAR))} == {("ground-1", 10, 0)}
+    assert {
+        (hole.copy, round(hole.at.real, 6), round(hole.at.imag, 6)) for hole in empty(load(BAR))
+    } == {("ground-1", 10, 0)}
 
 
 def test_a_pin_that_hangs_is_fixed_when_its_plate_comes() -> None:
-    rows = {str(row[1]): (k, str(row[2]), str(row[3])) for k, row in enumerate(load(BAR).steps().rows)}
-    (pin,) = (name for name, (_, _, where) in rows.items() if name.startswith("pin") and where.startswith("by itself"))
-    assert rows[pin][0] < rows["rocker"][0] < rows["second-plate"][0] and "C on " + pin in rows["rocker"][2]
+    rows = {
+        str(row[1]): (k, str(row[2]), str(row[3])) for k, row in enumerate(load(BAR).steps().rows)
+    }
+    (pin,) = (
+        name
+        for name, (_, _, where) in rows.items()
+        if name.startswith("pin") and where.startswith("by itself")
+    )
+    assert (
+        rows[pin][0] < rows["rocker"][0] < rows["second-plate"][0]
+        and "C on " + pin in rows["rocker"][2]
+    )
     assert f"C pressed and glued on {pin}" in rows["second-plate"][2]
     notes = " ".join(load(BAR).study().notes)
     assert "Its pin C stands head down, under what turns on it" in notes

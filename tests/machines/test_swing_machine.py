@@ -64,9 +64,17 @@ def failing(folder: Path, kind: str) -> set[tuple[str, str]]:
 def test_all_parts_of_the_table_are_made_in_their_counts(made: Path) -> None:
     counts = {part.name: part.count for part in machine().parts()}
     assert counts == {
-        "cam": 2, "frame": 2, "base": 1, "axle": 2, "axle-washer": 2, "cam-spacer": 1, "collet": 1, "clamp-ring": 1,
-        "cam-pin": 2, "frame-pin": 2,
-    }  # fmt: skip
+        "cam": 2,
+        "frame": 2,
+        "base": 1,
+        "axle": 2,
+        "axle-washer": 2,
+        "cam-spacer": 1,
+        "collet": 1,
+        "clamp-ring": 1,
+        "cam-pin": 2,
+        "frame-pin": 2,
+    }
     for name in counts:
         assert all((made / f"{NAME}-{name}.{kind}").exists() for kind in ("dxf", "stl", "3mf"))
     for file in ("assembly.3mf", "plate.3mf", "parts.csv"):
@@ -77,9 +85,18 @@ def test_all_parts_of_the_table_are_made_in_their_counts(made: Path) -> None:
 
 def test_the_spring_that_force_closure_asks_for_is_listed() -> None:
     """0.1 N m and 0.01 N m/rad at a lever of 24 mm: 4.167 N, and 17.36 N/m more; it is judged, so it has to be bought."""
-    settings = ("geometry.closure='force'", "spring.preload=0.1", "spring.rate=0.01", "geometry.reversal_blend_deg=30")
+    settings = (
+        "geometry.closure='force'",
+        "spring.preload=0.1",
+        "spring.rate=0.01",
+        "geometry.reversal_blend_deg=30",
+    )
     asked = machine(*settings)
-    (row,) = [row for row in making.parts_table(asked).rows if row[0] == "bought" and "return spring" in str(row[1])]
+    (row,) = [
+        row
+        for row in making.parts_table(asked).rows
+        if row[0] == "bought" and "return spring" in str(row[1])
+    ]
     assert "0.01736 N/mm, 4.167 N at" in str(row[2]) and "lever of 24 mm" in str(row[2])
     assert [name for name in asked.mounted_springs()] == [row[1]]
     assert not [row for row in making.parts_table(machine()).rows if "spring" in str(row[1])]
@@ -93,7 +110,10 @@ def test_parts_list(made: Path) -> None:
     assert float(cam["material, mm^3"]) == pytest.approx(volume, rel=5e-3)
     assert float(cam["mass in PLA, g"]) == pytest.approx(volume * 1.24e-3, rel=5e-3)
     bought = {row["part"]: row for row in rows if row["how"] == "bought"}
-    assert bought["screw of the motor"]["count"] == "4" and "ISO 7380-1" in bought["screw of the motor"]["what"]
+    assert (
+        bought["screw of the motor"]["count"] == "4"
+        and "ISO 7380-1" in bought["screw of the motor"]["what"]
+    )
     assert "NEMA 17" in bought["motor"]["what"]
     assert json.loads((made / "report.json").read_text())["numbers"]["mass_g"] == pytest.approx(
         sum(float(row["mass in PLA, g"]) for row in rows if row["how"] == "printed"), rel=5e-3
@@ -113,8 +133,12 @@ def test_stacking_heights() -> None:
     mounts = machine().mounts()
     heights = {(m.part, m.flipped): m.z for m in mounts}
     middle = 4 + 0.6 + 6
-    assert heights["frame", False] == pytest.approx(middle - 6) and heights["frame", True] == pytest.approx(middle)
-    assert heights["cam", False] == pytest.approx(middle - 6.2) and heights["cam", True] == pytest.approx(middle + 0.2)
+    assert heights["frame", False] == pytest.approx(middle - 6) and heights[
+        "frame", True
+    ] == pytest.approx(middle)
+    assert heights["cam", False] == pytest.approx(middle - 6.2) and heights[
+        "cam", True
+    ] == pytest.approx(middle + 0.2)
     assert heights["cam-spacer", False] == pytest.approx(middle - 0.2)
 
 
@@ -122,9 +146,12 @@ def test_tips_that_are_bought_lie_beside_the_frames() -> None:
     """Base 4, gap 0.6, cam 6, 0.2, two frames of 6, 0.2, cam 6; each tip reaches its cam from its frame, and no farther."""
     made = machine("frame.tip='MR63'")
     heights = {(m.part, m.flipped): m.z for m in made.mounts()}
-    assert [heights["cam", False], heights["frame", False], heights["frame", True], heights["cam", True]] == pytest.approx(
-        [4.6, 10.8, 16.8, 23.0]
-    )
+    assert [
+        heights["cam", False],
+        heights["frame", False],
+        heights["frame", True],
+        heights["cam", True],
+    ] == pytest.approx([4.6, 10.8, 16.8, 23.0])
     tips = {s.name: s.discs for s in made.stand_ins() if s.name.startswith("tip")}
     (pin, ring), (other, other_ring) = tips["tip-1"], tips["tip-2"]
     assert pin == (complex(-60, -30), 1.5, pytest.approx(4.8), pytest.approx(16.8))
@@ -134,13 +161,28 @@ def test_tips_that_are_bought_lie_beside_the_frames() -> None:
 
 
 def test_what_is_bought_for_a_tip_and_the_order_of_assembly() -> None:
-    things = {thing.name: thing for thing in machine("frame.tip='623'", "geometry.tip_radius=5", "parts.thickness=8").bought()}
-    assert (things["bearing of the tip"].size, things["bearing of the tip"].count) == ("623, 3 x 10 x 4", 2)
-    assert things["dowel pin of the tip"].size == "3 m6 x 16" and things["dowel pin of the tip"].standard == "ISO 2338"
+    things = {
+        thing.name: thing
+        for thing in machine(
+            "frame.tip='623'", "geometry.tip_radius=5", "parts.thickness=8"
+        ).bought()
+    }
+    assert (things["bearing of the tip"].size, things["bearing of the tip"].count) == (
+        "623, 3 x 10 x 4",
+        2,
+    )
+    assert (
+        things["dowel pin of the tip"].size == "3 m6 x 16"
+        and things["dowel pin of the tip"].standard == "ISO 2338"
+    )
     assert "bearing of the tip" not in {thing.name for thing in machine("frame.tip='pin'").bought()}
 
     def order(*settings: str) -> list[str]:
-        return [str(row[1]) for row in machine(*settings).steps().rows if "cam" in str(row[1]) or "frame" in str(row[1])]
+        return [
+            str(row[1])
+            for row in machine(*settings).steps().rows
+            if "cam" in str(row[1]) or "frame" in str(row[1])
+        ]
 
     assert order() == ["cam", "frame plate", "second frame plate", "spacer, second cam"]
     assert order("frame.tip='pin'", *FORCED) == ["frame plate", "cam"]
@@ -168,14 +210,20 @@ def test_the_twin_frame_is_the_mirror_image_in_the_line_of_centres() -> None:
 def test_each_kind_of_file_is_judged(made: Path) -> None:
     findings = json.loads((made / "report.json").read_text())["findings"]
     codes = Counter(f["code"] for f in findings)
-    assert codes["BED_FIT"] == 4 and codes["MOTION_ERROR"] == codes["TIP_MOTION"] == 3  # once for each kind of file
+    assert (
+        codes["BED_FIT"] == 4 and codes["MOTION_ERROR"] == codes["TIP_MOTION"] == 3
+    )  # once for each kind of file
 
 
 def test_no_figure_of_the_source_stands_beside_another_machine(made: Path) -> None:
     """The source gives no lengths, so its measured canvas is never this spec's, and its slips are not this spec's either."""
     report = json.loads((made / "report.json").read_text())
     text = json.dumps([report["tables"], report["notes"]])
-    assert "measured on the running machine" not in text and "x sin" not in text and "Sentyakov" in text
+    assert (
+        "measured on the running machine" not in text
+        and "x sin" not in text
+        and "Sentyakov" in text
+    )
 
 
 def test_canvas_is_that_of_constant_speed(made: Path) -> None:
@@ -190,7 +238,12 @@ def test_canvas_is_that_of_constant_speed(made: Path) -> None:
     "settings",
     [
         ("parts.pin_diameter=0", "parts.shaft='d-flat'", "base.motor='flange'", "base.screws=3"),
-        ("parts.shaft='keyway'", "geometry.tip_radius=0", "base.mount='none'", "print.bed=[125,70]"),
+        (
+            "parts.shaft='keyway'",
+            "geometry.tip_radius=0",
+            "base.mount='none'",
+            "print.bed=[125,70]",
+        ),
         ("base.motor='nema-11'", "geometry.swing_deg=20", "parts.thickness=5", "base.mount='M4'"),
         ("frame.tip='pin'", "print.slide_clearance=0.3", "collet.length=8"),
         ("frame.tip='623'", "geometry.tip_radius=5", "parts.thickness=8", *FORCED),
@@ -199,10 +252,14 @@ def test_canvas_is_that_of_constant_speed(made: Path) -> None:
 def test_other_machines_work_too(tmp_path: Path, settings: tuple[str, ...]) -> None:
     report = pipeline.build(SPEC, tmp_path, frozenset({"3mf"}), [*settings, *COARSE])
     # tips beside the frames make it higher than the usual shaft reaches
-    assert {f.code for f in report.findings if not f.ok} == ({"SHAFT_REACH"} if "frame.tip" in settings[0] else set())
+    assert {f.code for f in report.findings if not f.ok} == (
+        {"SHAFT_REACH"} if "frame.tip" in settings[0] else set()
+    )
     plates = sorted(path.name for path in (tmp_path / NAME).glob("*-plate*.3mf"))
     several = "print.bed=[125,70]" in settings
-    assert (len(plates) > 1) == several and plates[0] == f"{NAME}-plate{'-2' if several else ''}.3mf"
+    assert (len(plates) > 1) == several and plates[
+        0
+    ] == f"{NAME}-plate{'-2' if several else ''}.3mf"
 
 
 # ---- seen to fail ----------------------------------------------------------------------------------------------------
@@ -212,13 +269,17 @@ def assembled(path: Path, mechanism: Mechanism, **changes: Any) -> None:
     """Assembly file of a machine in which one copy is turned (rad) or shifted, or parts are those of another machine."""
     parts = {part.name: part for part in mechanism.parts()}
     tolerance = mechanism.accuracy.chord_tolerance
-    meshes: dict[str, Mesh] = {name: solid(part, tolerance) for name, part in (parts | changes.get("other", {})).items()}
+    meshes: dict[str, Mesh] = {
+        name: solid(part, tolerance) for name, part in (parts | changes.get("other", {})).items()
+    }
     items = []
     for part, poses in mechanism.poses(np.zeros(1)).items():
         for k, pose in enumerate(poses):
             turn, shift, lift = changes.get(f"{part}_{k + 1}".replace("-", "_"), (0.0, 0j, 0.0))
             at = complex(pose.place[0]) + shift
-            place = placing(float(pose.angle[0]) + turn, at, pose.z + lift, parts[part].thickness, pose.flipped)
+            place = placing(
+                float(pose.angle[0]) + turn, at, pose.z + lift, parts[part].thickness, pose.flipped
+            )
             items.append(Placed(part, f"{part}-{k + 1}", place))
     write_3mf(path, meshes, items, "key")
 
@@ -270,28 +331,42 @@ def test_a_frame_whose_tip_is_drawn_back(folder: Path) -> None:
 
 def test_a_roller_whose_hole_is_off(tmp_path: Path) -> None:
     """The roller is judged about the hole that is in the file."""
-    assert pipeline.build(SPEC, tmp_path, frozenset({"stl"}), ["frame.tip='pin'", "motor.shaft_length=40", *COARSE]).ok
-    edited(tmp_path / NAME, "frame", lambda z: np.where(abs(z - complex(-60, -30)) < 3.2, z - 0.05j, z))
+    assert pipeline.build(
+        SPEC, tmp_path, frozenset({"stl"}), ["frame.tip='pin'", "motor.shaft_length=40", *COARSE]
+    ).ok
+    edited(
+        tmp_path / NAME, "frame", lambda z: np.where(abs(z - complex(-60, -30)) < 3.2, z - 0.05j, z)
+    )
     assert ("TIP_MOTION", f"{NAME}-frame.stl") in failing(tmp_path / NAME, "stl")
 
 
 def test_a_plate_that_lost_its_copies(folder: Path) -> None:
     package = read_3mf(folder / f"{NAME}-plate.3mf")
-    items = [Placed(item.name, f"{item.name} {k}", item.transform) for k, item in enumerate(package.items)]
+    items = [
+        Placed(item.name, f"{item.name} {k}", item.transform)
+        for k, item in enumerate(package.items)
+    ]
     write_3mf(folder / f"{NAME}-plate.3mf", package.meshes, items[1:], "key")
     findings = judge_plates(Case(machine(*COARSE), folder), ["3mf"]).findings
     assert [(f.code, f.where) for f in findings if not f.ok] == [("BED_FIT", "1 plate")]
 
 
 def test_a_part_larger_than_the_bed(tmp_path: Path) -> None:
-    report = pipeline.build(SPEC, tmp_path, frozenset({"3mf"}), ["print.bed=[90,60]", *FORCED, *COARSE])
+    report = pipeline.build(
+        SPEC, tmp_path, frozenset({"3mf"}), ["print.bed=[90,60]", *FORCED, *COARSE]
+    )
     failed = {f.where for f in report.findings if not f.ok}
     assert "base" in failed and {f.code for f in report.findings if not f.ok} == {"BED_FIT"}
 
 
 # ---- print fits ------------------------------------------------------------------------------------------------------
 
-FITS = ("print.hole_compensation=0.1", "print.profile_compensation=0.06", "print.shrinkage=0.004", "print.elephant_foot=0.3")
+FITS = (
+    "print.hole_compensation=0.1",
+    "print.profile_compensation=0.06",
+    "print.shrinkage=0.004",
+    "print.elephant_foot=0.3",
+)
 
 
 def test_fits_change_what_is_printed_and_keep_the_motion(made: Path, tmp_path: Path) -> None:
@@ -304,14 +379,18 @@ def test_fits_change_what_is_printed_and_keep_the_motion(made: Path, tmp_path: P
     def bore(vertices: np.ndarray) -> float:
         return float(np.min(np.hypot(vertices[:, 0], vertices[:, 1])))
 
-    assert bore(sent) == pytest.approx((2.5 + 0.1) / 0.996, abs=0.011) and bore(drawn) == pytest.approx(2.5, abs=0.011)
+    assert bore(sent) == pytest.approx((2.5 + 0.1) / 0.996, abs=0.011) and bore(
+        drawn
+    ) == pytest.approx(2.5, abs=0.011)
     far = [float(np.max(np.hypot(v[:, 0], v[:, 1]))) for v in (sent, drawn)]
     assert far[0] == pytest.approx((far[1] - 0.06) / 0.996, abs=0.03)
 
 
 @pytest.mark.parametrize("setting", FITS)
 def test_files_with_fits_judged_without_them_fail(tmp_path: Path, setting: str) -> None:
-    assert pipeline.build(SPEC, tmp_path, frozenset({"stl"}), ["parts.make='cams'", setting, *COARSE]).ok
+    assert pipeline.build(
+        SPEC, tmp_path, frozenset({"stl"}), ["parts.make='cams'", setting, *COARSE]
+    ).ok
     folder = tmp_path / NAME
     key, value = setting.removeprefix("print.").split("=")
     spec = folder / "spec.toml"
@@ -332,7 +411,9 @@ def lift_off(*settings: str) -> list[bool]:
 def test_lift_off() -> None:
     force = ("geometry.closure='force'", "nozzle.inertia_kg_m2=0.001")
     assert lift_off(force[1]) == []  # a pair needs no spring
-    assert lift_off(force[0]) == lift_off(*force, "spring.preload=100") == [False]  # a sharp reversal, whatever the spring
+    assert (
+        lift_off(force[0]) == lift_off(*force, "spring.preload=100") == [False]
+    )  # a sharp reversal, whatever the spring
     assert lift_off(force[0], "geometry.reversal_blend_deg=20") == [False]  # no spring
     blend = (*force, "geometry.reversal_blend_deg=20")
     needed = machine(*blend).study().numbers["spring_preload_needed_n_m"]
@@ -352,15 +433,25 @@ def test_finding_and_figures_of_lift_off_say_the_same() -> None:
     (finding,) = [f for f in sharp.limits() if f.code == "LIFT_OFF"]
     study = sharp.study()
     assert (finding.measured, finding.where) == (-math.inf, "cam angle 180.0 deg")
-    assert all(study.numbers[f"spring_{key}"] == math.inf for key in (
-        "preload_needed_n_m", "rate_needed_n_m_per_rad", "force_needed_n", "rate_needed_n_mm"))  # fmt: skip
+    assert all(
+        study.numbers[f"spring_{key}"] == math.inf
+        for key in (
+            "preload_needed_n_m",
+            "rate_needed_n_m_per_rad",
+            "force_needed_n",
+            "rate_needed_n_mm",
+        )
+    )
     (note,) = [note for note in study.notes if "spring" in note]
     assert "no spring" in note and "no spring" in finding.message
 
     blended = machine(*force, "geometry.reversal_blend_deg=20")
     (finding,) = [f for f in blended.limits() if f.code == "LIFT_OFF"]
     needed = blended.study().numbers["spring_preload_needed_n_m"]
-    assert -math.inf < finding.measured < 0 and f"spring.preload above {needed:.4g} N m" in finding.message
+    assert (
+        -math.inf < finding.measured < 0
+        and f"spring.preload above {needed:.4g} N m" in finding.message
+    )
     assert "inf" not in finding.message
 
 
@@ -392,7 +483,10 @@ def test_torque_is_that_of_the_load() -> None:
         (["parts.pin_diameter=9"], "."),
         (["geometry.arm_offset=60"], "reach of the cam"),
         (["geometry.arm_offset=1e6"], "reach of the cam"),
-        (["frame.tip='MR85'", "geometry.tip_radius=4", "parts.thickness=4"], "dowel pin of the tip"),
+        (
+            ["frame.tip='MR85'", "geometry.tip_radius=4", "parts.thickness=4"],
+            "dowel pin of the tip",
+        ),
         (["frame.tip='MR63'", "parts.thickness=3", "parts.wall=9"], "."),
         (["nozzle.screw='M6'", "parts.thickness=3"], "."),
         (["geometry.pivot_distance=20", "geometry.arm_offset=10"], "."),
@@ -423,7 +517,10 @@ def test_no_such_machine(settings: list[str], said: str) -> None:
         (["frame.axle_flange=6"], "frame.axle_flange"),
         (["base.motor='flange'", "base.screw_circle=20"], "base.screw_circle"),
         (["base.motor='nema-42'"], "base.motor"),
-        (["parts.shaft='d-flat'", "parts.bore=5", "parts.flat_depth=0.8"], "parts.flat_depth"),  # NEMA 17: 0.5
+        (
+            ["parts.shaft='d-flat'", "parts.bore=5", "parts.flat_depth=0.8"],
+            "parts.flat_depth",
+        ),  # NEMA 17: 0.5
         (["base.screws=1"], "base.screws"),
         (["base.screw='M7'"], "base.screw"),
         (["base.window=1"], "base.window"),
@@ -436,7 +533,10 @@ def test_faults_of_the_new_keys(settings: list[str], path: str) -> None:
     assert path in {fault.path for fault in caught.value.faults}
 
 
-@pytest.mark.parametrize("setting", ["print.profile_compensation=2", "print.elephant_foot=1", "print.hole_compensation=2"])
+@pytest.mark.parametrize(
+    "setting",
+    ["print.profile_compensation=2", "print.elephant_foot=1", "print.hole_compensation=2"],
+)
 def test_fits_that_leave_no_material(tmp_path: Path, setting: str) -> None:
     with pytest.raises(DesignError) as caught:
         pipeline.build(SPEC, tmp_path, frozenset({"stl"}), [setting])
@@ -448,7 +548,9 @@ def test_pins_that_meet_the_bore_are_refused() -> None:
     """The pin's hole keeps the wall to the bore by its place; with the bore's play the spacer's wall is what is left."""
     part = machine().parts()[0]
     bore, pin = (hole for hole in part.region.holes[:2])
-    gap = abs(pin.centroid) - math.sqrt(abs(bore.area) / math.pi) - math.sqrt(abs(pin.area) / math.pi)
+    gap = (
+        abs(pin.centroid) - math.sqrt(abs(bore.area) / math.pi) - math.sqrt(abs(pin.area) / math.pi)
+    )
     assert gap == pytest.approx(3.0) and abs(bore.area) == pytest.approx(abs(circle(0j, 2.5).area))
 
 
@@ -458,7 +560,11 @@ MODERATE = [(50, 25, 30), (30, 15, 30), (40, 20, 30), (60, 20, 20), (30, 10, 10)
 @pytest.mark.parametrize(("pivot", "arm", "swing"), MODERATE)
 def test_machines_of_moderate_size_have_room(pivot: float, arm: float, swing: float) -> None:
     """Their cams are 4 to 9 mm deep at the nearest side of the shaft, or leave 3 mm beside the pivot."""
-    sizes = (f"geometry.pivot_distance={pivot}", f"geometry.arm_offset={arm}", f"geometry.swing_deg={swing}")
+    sizes = (
+        f"geometry.pivot_distance={pivot}",
+        f"geometry.arm_offset={arm}",
+        f"geometry.swing_deg={swing}",
+    )
     small = machine(*sizes)
     assert {part.name for part in small.parts()} == {part.name for part in machine().parts()}
     assert any(note.startswith("Made smaller than usual") for note in small.study().notes) == (
@@ -468,17 +574,29 @@ def test_machines_of_moderate_size_have_room(pivot: float, arm: float, swing: fl
 
 def test_pins_match_when_the_cam_is_turned_over_and_keep_their_walls() -> None:
     """A cam whose thinnest side lies beside the shaft carries its pins on the deep side."""
-    cam, *_, = machine("geometry.pivot_distance=30", "geometry.arm_offset=10", "geometry.swing_deg=10").parts()
+    cam, *_ = machine(
+        "geometry.pivot_distance=30", "geometry.arm_offset=10", "geometry.swing_deg=10"
+    ).parts()
     one, other = cam.centres[1:]
     assert other == -one.conjugate() and one.real > 0 and one.imag > 0
-    spacer = next(p for p in machine("geometry.pivot_distance=40", "geometry.arm_offset=20").parts() if p.name == "cam-spacer")
+    spacer = next(
+        p
+        for p in machine("geometry.pivot_distance=40", "geometry.arm_offset=20").parts()
+        if p.name == "cam-spacer"
+    )
     assert as_circle(spacer.region.outer) is None and len(spacer.region.holes) == 3
 
 
-@pytest.mark.parametrize(("pivot", "arm", "swing"), [(60, 20, 30), (60, 50, 20), (30, 60, 10), (100, 30, 30)])
+@pytest.mark.parametrize(
+    ("pivot", "arm", "swing"), [(60, 20, 30), (60, 50, 20), (30, 60, 10), (100, 30, 30)]
+)
 def test_a_refused_machine_says_what_has_room(pivot: float, arm: float, swing: float) -> None:
     """Each key that is named makes, with its value, a machine of it."""
-    sizes = (f"geometry.pivot_distance={pivot}", f"geometry.arm_offset={arm}", f"geometry.swing_deg={swing}")
+    sizes = (
+        f"geometry.pivot_distance={pivot}",
+        f"geometry.arm_offset={arm}",
+        f"geometry.swing_deg={swing}",
+    )
     with pytest.raises(DesignError) as caught:
         machine(*sizes).parts()
     remedies = re.findall(r"([a-z]+\.[a-z_]+) = ([\d.]+)", caught.value.remedy)
@@ -495,7 +613,11 @@ def test_a_thick_collet_moves_the_pins_outwards() -> None:
 def test_screws_that_do_not_reach_the_motor() -> None:
     """M3 x 20 ends 0.45 mm short of what a base 22.3 mm thick leaves under the screws' heads."""
     held = {f.code: f for f in machine("base.thickness=22.3").limits()}["SCREW_GRIP"]
-    assert not held.ok and held.measured == pytest.approx(-0.45) and held.limit == pytest.approx(0.8 * 3)
+    assert (
+        not held.ok
+        and held.measured == pytest.approx(-0.45)
+        and held.limit == pytest.approx(0.8 * 3)
+    )
     assert {f.code: f for f in machine().limits()}["SCREW_GRIP"].ok
 
 

@@ -51,14 +51,18 @@ BASE = Base(MOTOR_FACES["nema-17"], 60.0, 6.0, 12.0, 24.0, SWING, 6.0, 3.0, 0.2)
 
 
 @given(st.floats(0.01, 80), st.floats(15, 60), st.sampled_from(sorted(MOTOR_FACES)))
-def test_slot_leaves_the_axle_its_play_over_the_whole_swing(swing_deg: float, slide_at: float, motor: str) -> None:
+def test_slot_leaves_the_axle_its_play_over_the_whole_swing(
+    swing_deg: float, slide_at: float, motor: str
+) -> None:
     base = replace(BASE, swing=math.radians(swing_deg), slide_at=slide_at, motor=MOTOR_FACES[motor])
     ring = facet_contour(base.slot, 1e-5)
     places = 60 + slide_at * np.exp(1j * np.linspace(-base.swing / 2, base.swing / 2, 33))
     room = point_to_ring(places, ring) - 3
     assert np.allclose(room, 0.1, atol=2e-5)
     end = 60 + slide_at * np.exp(0.5j * base.swing + 1j * base.end_room / slide_at)
-    assert point_to_ring(np.array([end * np.exp(1e-3j)]), ring)[0] - 3 < 0.1 - 1e-3  # and no more than that
+    assert (
+        point_to_ring(np.array([end * np.exp(1e-3j)]), ring)[0] - 3 < 0.1 - 1e-3
+    )  # and no more than that
 
 
 def test_base_keeps_its_walls_and_takes_the_motor() -> None:
@@ -67,13 +71,21 @@ def test_base_keeps_its_walls_and_takes_the_motor() -> None:
     edge = shape(lower.outer)
     for region in (lower, upper):
         holes = [shape(hole) for hole in region.holes]
-        assert min(edge.exterior.distance(hole) for hole in holes) > 2.99  # the wall, less the facets
+        assert (
+            min(edge.exterior.distance(hole) for hole in holes) > 2.99
+        )  # the wall, less the facets
         assert min(a.distance(b) for k, a in enumerate(holes) for b in holes[:k]) > 0.8
     assert len(lower.holes) == 3 + 4 + 1  # boss, axle, slot; screws; window
-    assert sorted(abs(h.centroid) for h in lower.holes)[1:5] == pytest.approx([31 / math.sqrt(2)] * 4)
+    assert sorted(abs(h.centroid) for h in lower.holes)[1:5] == pytest.approx(
+        [31 / math.sqrt(2)] * 4
+    )
     assert upper.area < lower.area
     assert solid(part, 0.01).volume == pytest.approx(part.volume, rel=1e-3)
-    assert edge.is_valid and edge.symmetric_difference(shapely.affinity.scale(edge, 1, -1, origin=(0, 0))).area < 0.01
+    assert (
+        edge.is_valid
+        and edge.symmetric_difference(shapely.affinity.scale(edge, 1, -1, origin=(0, 0))).area
+        < 0.01
+    )
 
 
 @pytest.mark.parametrize(
@@ -83,7 +95,10 @@ def test_base_keeps_its_walls_and_takes_the_motor() -> None:
         ({"swing": math.radians(350)}, "arc slot"),
         ({"slide_at": 6.5}, "between axle and slot"),
         ({"pivot": 27.0}, "room for the axle's flange"),
-        ({"pivot": 14.0, "motor": flange(24.0, 15.0, 3, "M2"), "axle_flange": 6.0}, "wall of the base"),
+        (
+            {"pivot": 14.0, "motor": flange(24.0, 15.0, 3, "M2"), "axle_flange": 6.0},
+            "wall of the base",
+        ),
     ],
 )
 def test_base_refuses(changes: dict[str, float], said: str) -> None:
@@ -114,7 +129,9 @@ def test_frame_clears_the_cam_and_its_twin_fits_it(rims: Points) -> None:
     edge = facet_contour(part.region.outer, 1e-4)
     near = edge[(np.abs(edge - TIP) < 3.5) & (edge.imag > TIP.imag)]
     assert np.allclose(np.abs(near - TIP), 3, atol=2e-4)
-    centres = {(round(hole.centroid.real, 9), round(hole.centroid.imag, 9)) for hole in part.region.holes}
+    centres = {
+        (round(hole.centroid.real, 9), round(hole.centroid.imag, 9)) for hole in part.region.holes
+    }
     assert {(x, -y + 0.0) for x, y in centres} == {(x, y + 0.0) for x, y in centres}
     assert len(centres) == 6 and part.count == 2
 
@@ -146,11 +163,16 @@ def test_nuts_lie_between_both_frames_or_below_one() -> None:
     pair, single = frame(nut=nut).part(0.8), frame(nut=nut).part(0.8, 1)
     hexagon = 5.7**2 * math.sqrt(3) / 2
     assert [(x.z0, x.z1) for x in pair.layers] == [(0, pytest.approx(4.7)), (pytest.approx(4.7), 6)]
-    assert [(x.z0, x.z1) for x in single.layers] == [(0, pytest.approx(2.5)), (pytest.approx(2.5), 6)]
+    assert [(x.z0, x.z1) for x in single.layers] == [
+        (0, pytest.approx(2.5)),
+        (pytest.approx(2.5), 6),
+    ]
     for part, pocket in ((pair, 1), (single, 0)):
         areas = [[abs(hole.area) for hole in layer.region.holes] for layer in part.layers]
         assert sum(area == pytest.approx(hexagon) for area in areas[pocket]) == 2
-        assert part.cut == 1 - pocket and not any(area == pytest.approx(hexagon) for area in areas[part.cut])
+        assert part.cut == 1 - pocket and not any(
+            area == pytest.approx(hexagon) for area in areas[part.cut]
+        )
     with pytest.raises(DesignError, match="thickness of the frame"):
         frame(nut=nut, thickness=2.0).part(0.8)
     with pytest.raises(DesignError, match="wall of the frame"):

@@ -62,7 +62,9 @@ def numbers() -> dict[str, float]:
 
 def test_feed_diagram(numbers: dict[str, float]) -> None:
     longest, at_longest, shortest, at_shortest = CITED["feed"]
-    assert numbers["feed_max_mm"] == EXACT(longest, abs=1e-4) and numbers["feed_min_mm"] == EXACT(shortest, abs=1e-4)
+    assert numbers["feed_max_mm"] == EXACT(longest, abs=1e-4) and numbers["feed_min_mm"] == EXACT(
+        shortest, abs=1e-4
+    )
     assert numbers["feed_max_at_deg"] == EXACT(at_longest, abs=0.01)
     assert numbers["feed_min_at_deg"] == EXACT(at_shortest, abs=0.01)
     assert numbers["feed_range_mm"] == EXACT(CITED["feed_range"], abs=1e-4)
@@ -74,11 +76,17 @@ def test_double_point_loop_and_near_stop(numbers: dict[str, float]) -> None:
     assert numbers["eye_path_crossings"] == 1
     both = [numbers["near_stop_from_deg"], numbers["near_stop_to_deg"]]
     assert both == EXACT(CITED["double_point_deg"], abs=1e-8)
-    assert [numbers["near_stop_x_mm"], numbers["near_stop_y_mm"]] == EXACT(CITED["double_point"], abs=1e-9)
-    assert [numbers["loop_width_mm"], numbers["loop_height_mm"]] == EXACT(CITED["loop_size"], abs=6e-4)
+    assert [numbers["near_stop_x_mm"], numbers["near_stop_y_mm"]] == EXACT(
+        CITED["double_point"], abs=1e-9
+    )
+    assert [numbers["loop_width_mm"], numbers["loop_height_mm"]] == EXACT(
+        CITED["loop_size"], abs=6e-4
+    )
     assert numbers["dwell_within_0_25_mm_deg"] == EXACT(CITED["near_stop_deg"]["0.25"], abs=0.06)
     assert numbers["dwell_within_1_mm_deg"] == EXACT(CITED["near_stop_deg"]["1"], abs=0.06)
-    assert [numbers["cusp_eye_distance_mm"], numbers["cusp_at_deg"]] == EXACT(CITED["cusp"], abs=1e-4)
+    assert [numbers["cusp_eye_distance_mm"], numbers["cusp_at_deg"]] == EXACT(
+        CITED["cusp"], abs=1e-4
+    )
 
 
 @pytest.mark.parametrize(("eye", "crossings"), [(52.6, 1), (53.0, 0)])
@@ -107,7 +115,9 @@ def test_rates_of_the_printed_lengths() -> None:
     for link, name in (("w2", "coupler"), ("w3", "output")):
         keys = ("min", "min_at_deg", "max", "max_at_deg")
         values = [found[f"{name}_rate_{key}"] for key in keys]
-        assert values[::2] == EXACT(CITED[link][::2], abs=1e-9) and values[1::2] == EXACT(CITED[link][1::2], abs=1e-3)
+        assert values[::2] == EXACT(CITED[link][::2], abs=1e-9) and values[1::2] == EXACT(
+            CITED[link][1::2], abs=1e-3
+        )
 
 
 @pytest.mark.parametrize("frame", [1.0, 5.0, 9.0, 13.0, 17.0])
@@ -137,7 +147,9 @@ def test_interchange_swaps_the_rates() -> None:
     here, there = made().take_up, printed().take_up
     assert here.interchanged() == there
     np.testing.assert_allclose(
-        TakeUp(30, 19, 30, 9, 52, math.pi / 2, -1, here.guides).rates(THETA), there.rates(THETA)[::-1], atol=1e-12
+        TakeUp(30, 19, 30, 9, 52, math.pi / 2, -1, here.guides).rates(THETA),
+        there.rates(THETA)[::-1],
+        atol=1e-12,
     )
 
 
@@ -145,17 +157,31 @@ def test_wear_of_a_massless_coupler_by_hand() -> None:
     """One mass on B alone: the coupler, massless, bears one and the same force along A-B at both ends."""
     t, speed = made().take_up, 100.0
     theta = np.linspace(0, TURN, 3600, endpoint=False)
-    forces = t.forces(theta, {**t.links, "output": replace(t.links["output"], mass=0.01, centre=30 + 0j)}, speed)
+    forces = t.forces(
+        theta, {**t.links, "output": replace(t.links["output"], mass=0.01, centre=30 + 0j)}, speed
+    )
     run = t.run(theta, 2)
-    jets = {"A": run.point("crank", "A"), "B": run.point("coupler", "B"), "C": run.point("output", "C")}
+    jets = {
+        "A": run.point("crank", "A"),
+        "B": run.point("coupler", "B"),
+        "C": run.point("output", "C"),
+    }
     u = (jets["B"][0] - jets["C"][0]) * 1e-3
     # m (a . t) is what the coupler must push along the circle of B; t the tangent, F along A-B
     tangent, along = 1j * u / np.abs(u), (jets["A"][0] - jets["B"][0]) / 19
-    push = 0.01 * np.real(np.conj(tangent) * jets["B"][2]) * 1e-3 * speed**2 / np.real(np.conj(tangent) * along)
+    push = (
+        0.01
+        * np.real(np.conj(tangent) * jets["B"][2])
+        * 1e-3
+        * speed**2
+        / np.real(np.conj(tangent) * along)
+    )
     coupler, output = t.rates(theta)
     wear = t.wear(theta, forces, speed)
     assert wear["A"] == EXACT(float(np.mean(np.abs(push) * np.abs(1 - coupler))) * speed, rel=1e-9)
-    assert wear["B"] == EXACT(float(np.mean(np.abs(push) * np.abs(coupler - output))) * speed, rel=1e-9)
+    assert wear["B"] == EXACT(
+        float(np.mean(np.abs(push) * np.abs(coupler - output))) * speed, rel=1e-9
+    )
 
 
 def test_balancing_stills_the_ground_and_loads_the_hinges(numbers: dict[str, float]) -> None:
@@ -191,7 +217,13 @@ def test_study_names_errata_and_both_readings() -> None:
 def test_own_lengths_are_not_called_readings_of_the_source() -> None:
     """A rod of 20 in place of 19: nothing of it is printed anywhere, and what the source says of its lengths is not said."""
     study = made("geometry.coupler=20").study()
-    text = " ".join([*study.notes, *(table.title for table in study.tables), *(plot.title for plot in study.plots)])
+    text = " ".join(
+        [
+            *study.notes,
+            *(table.title for table in study.tables),
+            *(plot.title for plot in study.plots),
+        ]
+    )
     for word in ("(1)", "printed", "reading", "120 N", "the source's steel links"):
         assert word not in text
     shown = [str(cell) for table in study.tables for row in table.rows for cell in row]
@@ -213,7 +245,9 @@ def test_fold_and_past_it() -> None:
 
 def test_equal_coupler_and_output() -> None:
     found = made("geometry.coupler=25", "geometry.output_crank=25")
-    assert np.isfinite(found.motion(THETA)).all() and all(map(math.isfinite, found.study().numbers.values()))
+    assert np.isfinite(found.motion(THETA)).all() and all(
+        map(math.isfinite, found.study().numbers.values())
+    )
     assert [plot.series[0][0] for plot in found.study().plots[:2]] == ["AB = 25, BC = 25"] * 2
 
 
@@ -239,7 +273,9 @@ def test_eye_that_passes_a_guide() -> None:
 
 @given(st.floats(-3, 3), st.sampled_from([1, -1]), st.floats(40, 60), st.floats(0.5, 2.5))
 @settings(max_examples=25)
-def test_turned_and_mirrored_take_ups_feed_alike(tilt: float, branch: int, eye: float, angle: float) -> None:
+def test_turned_and_mirrored_take_ups_feed_alike(
+    tilt: float, branch: int, eye: float, angle: float
+) -> None:
     m, n = 40 + 15j, -80 + 160j
     base = TakeUp(30, 19, 30, 9, eye, angle, branch, (m, n))
     spin = complex(np.exp(1j * tilt))
@@ -248,7 +284,9 @@ def test_turned_and_mirrored_take_ups_feed_alike(tilt: float, branch: int, eye: 
     mirrored = TakeUp(30, 19, 30, 9, eye, angle, -branch, (m.conjugate(), n.conjugate()))
     np.testing.assert_allclose(mirrored.feed(-THETA), base.feed(THETA), atol=1e-10)
     still = [np.array([[guide], [0]]) * np.ones(len(THETA)) for guide in (m, n)]
-    length = thread_length(still[0], np.stack([base.path(THETA, order) for order in (0, 1)]), still[1])
+    length = thread_length(
+        still[0], np.stack([base.path(THETA, order) for order in (0, 1)]), still[1]
+    )
     np.testing.assert_allclose(length[0], base.feed(THETA), atol=1e-12)
     np.testing.assert_allclose(length[1], base.feed(THETA, 1), atol=1e-9)
 
@@ -264,7 +302,11 @@ def test_excess_over_a_consumption_table() -> None:
     found = made(table, "limits.excess=20")
     numbers = found.study().numbers
     grid = np.linspace(0, TURN, 100001)
-    excess = t.diagram.longest[0] - t.feed(grid) - np.interp(np.degrees(grid), angles, found.consumption.length_mm, period=360)
+    excess = (
+        t.diagram.longest[0]
+        - t.feed(grid)
+        - np.interp(np.degrees(grid), angles, found.consumption.length_mm, period=360)
+    )
     assert numbers["thread_excess_max_mm"] == EXACT(excess.max(), abs=1e-3)
     assert numbers["thread_excess_min_mm"] == EXACT(excess.min(), abs=1e-3)
     codes = {finding.code: finding for finding in found.limits()}
@@ -274,7 +316,9 @@ def test_excess_over_a_consumption_table() -> None:
 
 
 def test_a_consumption_that_is_met_passes() -> None:
-    found = made("consumption={angles_deg=[22, 267, 268], length_mm=[0, 0, 0]}", "limits.excess=82.2")
+    found = made(
+        "consumption={angles_deg=[22, 267, 268], length_mm=[0, 0, 0]}", "limits.excess=82.2"
+    )
     assert not failing(found)
 
 
@@ -286,7 +330,9 @@ def collisions(mechanism: ThreadTakeUp, theta: np.ndarray) -> set[tuple[str, str
     bodies = []
     for part in mechanism.parts():
         rings = [facet_contour(c, 0.001) for c in (part.region.outer, *part.region.holes)]
-        bodies += [(part.name, part.thickness, rings, pose) for pose in mechanism.poses(theta)[part.name]]
+        bodies += [
+            (part.name, part.thickness, rings, pose) for pose in mechanism.poses(theta)[part.name]
+        ]
     found = set()
     for k in range(len(theta)):
         shapes = []
@@ -296,7 +342,10 @@ def collisions(mechanism: ThreadTakeUp, theta: np.ndarray) -> set[tuple[str, str
             shapes.append((name, pose.z, pose.z + height, shapely.Polygon(loops[0], loops[1:])))
         for i, (one, low, high, shape) in enumerate(shapes):
             for other, bottom, top, second in shapes[i + 1 :]:
-                if min(high, top) - max(low, bottom) > 1e-9 and shape.intersection(second).area > 0.05:
+                if (
+                    min(high, top) - max(low, bottom) > 1e-9
+                    and shape.intersection(second).area > 0.05
+                ):
                     found.add((one, other))
     return found
 
@@ -305,7 +354,14 @@ def test_no_part_runs_into_another() -> None:
     theta = np.concatenate([np.radians([0, 49.25, 180, 219, 246]), THETA[:30]])
     assert collisions(made(), theta) == set()
     assert (
-        collisions(made("geometry.branch=-1", "geometry.frame_angle_deg=70", "geometry.guides=[[60, 45], [-80, 120]]"), theta)
+        collisions(
+            made(
+                "geometry.branch=-1",
+                "geometry.frame_angle_deg=70",
+                "geometry.guides=[[60, 45], [-80, 120]]",
+            ),
+            theta,
+        )
         == set()
     )
 
@@ -321,7 +377,9 @@ def test_parts_fit_their_pins_and_stack() -> None:
     parts = {part.name: part for part in found.parts()}
     assert [parts[name].count for name in ("dowel", "guide")] == [2, 2]
     poses = found.poses(np.zeros(1))
-    assert {name: len(copies) for name, copies in poses.items() if name in parts} == {n: p.count for n, p in parts.items()}
+    assert {name: len(copies) for name, copies in poses.items() if name in parts} == {
+        n: p.count for n, p in parts.items()
+    }
     top = {name: poses[name][0].z + parts[name].thickness for name in parts}
     level = 4.2
     heights = {
@@ -333,15 +391,27 @@ def test_parts_fit_their_pins_and_stack() -> None:
     }
     assert {name: top[name] for name in heights} == EXACT(heights)
     # heads of 1 mm, a play of 0.2 above what they hold
-    assert top["pin-a"] == top["pin-b"] == EXACT(top["bell-crank"] + 1.2) and top["shaft"] == EXACT(top["input-crank"])
+    assert top["pin-a"] == top["pin-b"] == EXACT(top["bell-crank"] + 1.2) and top["shaft"] == EXACT(
+        top["input-crank"]
+    )
     assert top["collar"] == EXACT(-0.2)
     assert top["finger"] == EXACT(top["guide"])
 
 
 def test_shipped_spec_builds_and_checks(built: Callable[..., Path], tmp_path: Path) -> None:
     folder = Path(shutil.copytree(built("thread-take-up"), tmp_path / "thread-take-up"))
-    codes = {finding["code"] for finding in json.loads((folder / "report.json").read_text(encoding="utf-8"))["findings"]}
-    assert {"PIN_GAP", "MOTION_ERROR", "STROKE_ERROR", "TRANSMISSION_ANGLE", "GAP", "MIN_WALL"} <= codes
+    codes = {
+        finding["code"]
+        for finding in json.loads((folder / "report.json").read_text(encoding="utf-8"))["findings"]
+    }
+    assert {
+        "PIN_GAP",
+        "MOTION_ERROR",
+        "STROKE_ERROR",
+        "TRANSMISSION_ANGLE",
+        "GAP",
+        "MIN_WALL",
+    } <= codes
     text = (folder / "spec.toml").read_text()
     assert "coupler = 19.0\n" in text
     (folder / "spec.toml").write_text(text.replace("coupler = 19.0\n", "coupler = 19.02\n"))
@@ -363,7 +433,11 @@ def test_holes_that_meet_are_refused(override: str, message: str) -> None:
         made(override).parts()
 
 
-@given(st.lists(st.tuples(st.complex_numbers(max_magnitude=50), st.floats(0.5, 20)), min_size=1, max_size=5))
+@given(
+    st.lists(
+        st.tuples(st.complex_numbers(max_magnitude=50), st.floats(0.5, 20)), min_size=1, max_size=5
+    )
+)
 @example([(0j, 1.0), (2 + 5e-324j, 1.0)])
 @settings(max_examples=80)
 def test_hull_reaches_as_far_as_its_discs(discs: list[tuple[complex, float]]) -> None:
@@ -371,7 +445,9 @@ def test_hull_reaches_as_far_as_its_discs(discs: list[tuple[complex, float]]) ->
     ring = facet_contour(band, 1e-4)
     normals = np.exp(1j * np.linspace(0, TURN, 90))
     far = np.max([np.real(np.conj(normals) * c) + r for c, r in discs], axis=0)
-    np.testing.assert_allclose(np.max(np.real(np.conj(normals)[:, None] * ring), axis=1), far, atol=2e-3)
+    np.testing.assert_allclose(
+        np.max(np.real(np.conj(normals)[:, None] * ring), axis=1), far, atol=2e-3
+    )
     shape = shapely.Polygon(np.column_stack([ring.real, ring.imag]))
     assert shape.is_valid and abs(shape.convex_hull.area - shape.area) < 1e-6 * shape.area
     places = np.array([0, 30 + 10j, -60j, 75, -20 + 20j])
@@ -381,7 +457,9 @@ def test_hull_reaches_as_far_as_its_discs(discs: list[tuple[complex, float]]) ->
     short = signed - clearance(discs, places)
     reach = np.max(np.abs(places[:, None] - [centre for centre, _ in discs]), axis=1)
     between = 1 - math.cos(math.pi / 240)  # of 240 normals the nearest is half of 1.5 deg off
-    assert np.all(short <= between * reach + 2e-3) and np.all(short >= -2e-3)  # the band is as near as above
+    assert np.all(short <= between * reach + 2e-3) and np.all(
+        short >= -2e-3
+    )  # the band is as near as above
 
 
 @pytest.mark.parametrize(
@@ -401,7 +479,9 @@ def test_hull_of_discs_on_one_tangent(discs: list[tuple[complex, float]]) -> Non
     ring = facet_contour(hull(discs), 1e-4)
     normals = np.exp(1j * np.linspace(0, TURN, 721))
     far = np.max([np.real(np.conj(normals) * c) + r for c, r in discs], axis=0)
-    np.testing.assert_allclose(np.max(np.real(np.conj(normals)[:, None] * ring), axis=1), far, atol=1e-3)
+    np.testing.assert_allclose(
+        np.max(np.real(np.conj(normals)[:, None] * ring), axis=1), far, atol=1e-3
+    )
     assert shapely.Polygon(np.column_stack([ring.real, ring.imag])).is_valid
 
 
@@ -458,7 +538,10 @@ def test_steep_transmission_fails() -> None:
 
 
 def test_crank_that_cannot_turn_is_refused_with_angles() -> None:
-    with pytest.raises(DesignError, match=r"gap at joint B is .* mm at crank angle .* deg \(closes or opens at .* deg\)"):
+    with pytest.raises(
+        DesignError,
+        match=r"gap at joint B is .* mm at crank angle .* deg \(closes or opens at .* deg\)",
+    ):
         made("geometry.frame=40").parts()
 
 
@@ -467,8 +550,12 @@ def test_pins_bend_by_their_reaction(numbers: dict[str, float]) -> None:
     found = {f.where: f for f in assess(made()).findings if f.code == "PIN_STRESS"}
     for pin, lever in (("A", 0.2 + 2), ("B", 4.2 + 0.2 + 2)):
         stress = numbers[f"reaction_{pin.lower()}_n"] * lever / (math.pi / 32 * 3.5**3)
-        assert found[f"pin {pin}"].measured == EXACT(stress, rel=1e-4) and found[f"pin {pin}"].ok  # at other angles
-    print_ = {f.where: f for f in assess(made('parts.pins="printed"')).findings if f.code == "PIN_STRESS"}
+        assert (
+            found[f"pin {pin}"].measured == EXACT(stress, rel=1e-4) and found[f"pin {pin}"].ok
+        )  # at other angles
+    print_ = {
+        f.where: f for f in assess(made('parts.pins="printed"')).findings if f.code == "PIN_STRESS"
+    }
     assert not print_["pin A"].ok and not print_["pin B"].ok and print_["pin C"].ok
     share = float(print_["pin B"].message.rpartition(" times the speed")[0].rpartition(": ")[2])
     slower = assess(made('parts.pins="printed"', f"motor.speed_rpm={0.999 * share * 5000}"))
@@ -494,7 +581,11 @@ def test_the_starters_consumption_holds(tmp_path: Path) -> None:
 
 def test_the_flat_of_the_shaft_is_in_shaft_crank_and_collar() -> None:
     parts = {part.name: part for part in made().parts()}
-    for contour in (parts["shaft"].region.outer, parts["input-crank"].region.holes[0], parts["collar"].region.holes[0]):
+    for contour in (
+        parts["shaft"].region.outer,
+        parts["input-crank"].region.holes[0],
+        parts["collar"].region.holes[0],
+    ):
         assert abs(contour.area) == EXACT(9 * math.pi - _segment(3, 0.5), rel=1e-12)
 
 
@@ -511,11 +602,19 @@ def test_lash_is_judged_by_the_designers_limit(play: float, limit: float, tmp_pa
     report = pipeline.build(SHIPPED, tmp_path, frozenset({"dxf"}), settings)
     (found,) = [f for f in report.findings if f.code == "LASH"]
     assert found.limit == limit and found.unit == "mm" and found.ok is (found.measured <= limit)
-    assert found.measured == EXACT(20.87 * play, abs=0.005) and found.message.endswith("the limit is limits.lash")
+    assert found.measured == EXACT(20.87 * play, abs=0.005) and found.message.endswith(
+        "the limit is limits.lash"
+    )
 
 
 def test_links_a_hundred_times_as_long_close_on_their_files(tmp_path: Path) -> None:
-    lengths = {"input_crank": 3e3, "coupler": 1.9e3, "output_crank": 3e3, "frame": 900, "eye_distance": 5.2e3}
+    lengths = {
+        "input_crank": 3e3,
+        "coupler": 1.9e3,
+        "output_crank": 3e3,
+        "frame": 900,
+        "eye_distance": 5.2e3,
+    }
     overrides = [f"geometry.{key}={value}" for key, value in lengths.items()]
     overrides += ["geometry.guides=[[4000, 1500], [-8000, 16000]]", "consumption="]
     report = pipeline.build(SHIPPED, tmp_path, frozenset({"dxf"}), overrides)
@@ -533,7 +632,9 @@ def test_a_stay_too_short_to_see_is_no_dwell() -> None:
 def test_a_printed_shaft_is_told() -> None:
     """1.97 N m on 5.5 mm: 16 T / (pi d^3) = 60 MPa, more than a print bears."""
     found = {f.code: f for f in made('parts.pins="printed"').limits()}["SHAFT_STRESS"]
-    assert not found.ok and found.measured == pytest.approx(16 * 1974.28 / (math.pi * 5.5**3), rel=1e-4)
+    assert not found.ok and found.measured == pytest.approx(
+        16 * 1974.28 / (math.pi * 5.5**3), rel=1e-4
+    )
 
 
 def test_thick_pins_are_not_taken_for_their_heads(tmp_path: Path) -> None:
@@ -566,10 +667,16 @@ def test_two_cranks_are_better_in_each_way_that_the_source_names() -> None:
     drawn = m.consumption.at(ANGLES)  # type: ignore[union-attr]
     numbers, table = against(m.take_up, m.masses.bodies(m.take_up), m.speed, drawn)  # type: ignore[union-attr]
     rows = {str(row[0]): row for row in table.rows}
-    for name in ("least excess, mm", "greatest reaction at C, N", "mean wear measure of A, B, C, N rad/s"):
+    for name in (
+        "least excess, mm",
+        "greatest reaction at C, N",
+        "mean wear measure of A, B, C, N rad/s",
+    ):
         assert float(str(rows[name][2])) > float(str(rows[name][1]))
     low, high = m.consumption.extremes(m.take_up)  # type: ignore[union-attr]
-    assert rows["least excess, mm"][1] <= high[0] - min(low[0], 0) + 0.1  # its own timing is one of those that are tried
+    assert (
+        rows["least excess, mm"][1] <= high[0] - min(low[0], 0) + 0.1
+    )  # its own timing is one of those that are tried
     assert numbers["rocker_excess_mm"] == rows["least excess, mm"][2]
 
 
@@ -581,4 +688,6 @@ def test_a_lever_of_the_same_section_weighs_by_its_length() -> None:
         name: (each.mass, each.centre, each.inertia) for name, each in bodies.items()
     }
     longer = alike(m.take_up, replace(m.take_up, output=2 * m.take_up.output), bodies)["output"]
-    assert (longer.mass, longer.inertia) == EXACT((2 * bodies["output"].mass, 8 * bodies["output"].inertia))
+    assert (longer.mass, longer.inertia) == EXACT(
+        (2 * bodies["output"].mass, 8 * bodies["output"].inertia)
+    )

@@ -29,7 +29,12 @@ def design(**keys: Any) -> UniformSwing:
     spec: dict[str, Any] = {
         "mechanism": "uniform-swing",
         "name": "cam",
-        "geometry": {"pivot_distance": 60.0, "arm_offset": 30.0, "swing_deg": 30.0, "tip_radius": 3.0},
+        "geometry": {
+            "pivot_distance": 60.0,
+            "arm_offset": 30.0,
+            "swing_deg": 30.0,
+            "tip_radius": 3.0,
+        },
     }
     for path, value in keys.items():
         table, key = path.split("__")
@@ -55,7 +60,13 @@ def walls(m: UniformSwing) -> tuple[float, list[float]]:
 @pytest.mark.parametrize("wall", [1.0, 3.0])
 @pytest.mark.parametrize("count", [0, 1, 5])
 def test_windows_keep_the_wall(shaft: str, wall: float, count: int) -> None:
-    m = design(parts__shaft=shaft, parts__wall=wall, parts__windows=count, parts__pin_diameter=2.0, parts__bore=6.0)
+    m = design(
+        parts__shaft=shaft,
+        parts__wall=wall,
+        parts__windows=count,
+        parts__pin_diameter=2.0,
+        parts__bore=6.0,
+    )
     region = m.parts()[0].region
     between, edges = walls(m)
     made = len(region.holes) - 3
@@ -80,7 +91,10 @@ def test_turned_over_it_fits_itself(shaft: str) -> None:
     fixed = shapely.union_all([polygon(h, 1e-5) for h in region.holes[:3]])
     turned = affinity.scale(fixed, -1, 1, origin=(0, 0))
     assert fixed.symmetric_difference(turned).area < 1.1e-5 * fixed.length
-    assert fixed.symmetric_difference(affinity.rotate(turned, 0.01, origin=(0, 0))).area > 2e-5 * fixed.length
+    assert (
+        fixed.symmetric_difference(affinity.rotate(turned, 0.01, origin=(0, 0))).area
+        > 2e-5 * fixed.length
+    )
     rim = polygon(region.outer)
     assert rim.symmetric_difference(affinity.scale(rim, -1, 1, origin=(0, 0))).area > 10
 
@@ -112,7 +126,9 @@ def test_copies_and_layers() -> None:
         for engraved in part.engraved:
             assert (engraved.z0, engraved.z1) == (pytest.approx(5.6), 6.0)
             mark = polygon(engraved.region.outer)
-            body = polygon(part.region.outer) - shapely.union_all([polygon(h) for h in part.region.holes])
+            body = polygon(part.region.outer) - shapely.union_all(
+                [polygon(h) for h in part.region.holes]
+            )
             assert body.contains(mark)
 
 
@@ -123,7 +139,9 @@ def test_second_tip_rides_on_the_turned_cam() -> None:
     theta = np.linspace(0, 2 * math.pi, 181) + 0.01
     for outline, mount in zip(m.features(), m.mounts(), strict=True):
         assert isinstance(outline, CamOutline) and isinstance(outline.tip, Eye)
-        centre = (m.model.pin("pivot").b.at + outline.tip.at * np.exp(1j * m.reachable(theta))) * np.exp(-1j * theta)
+        centre = (
+            m.model.pin("pivot").b.at + outline.tip.at * np.exp(1j * m.reachable(theta))
+        ) * np.exp(-1j * theta)
         z = -np.conj(centre) if mount.flipped else centre
         gap = shapely.distance(shapely.points(z.real, z.imag), rim) - outline.tip.diameter / 2
         assert np.max(np.abs(gap)) < 1.1e-5
@@ -168,7 +186,9 @@ def test_sharp_bore_limit() -> None:
     limit = caught.value.limit
     rim = polygon(design().parts()[0].region.outer, 1e-5)
     assert limit == pytest.approx(2 * rim.exterior.distance(shapely.Point(0, 0)), abs=0.021)
-    assert min(walls(design(parts__bore=limit - 0.2, parts__pin_diameter=0.0))[1]) == pytest.approx(0.1, abs=0.02)
+    assert min(walls(design(parts__bore=limit - 0.2, parts__pin_diameter=0.0))[1]) == pytest.approx(
+        0.1, abs=0.02
+    )
     with pytest.raises(DesignError, match="parts.bore"):
         design(parts__bore=limit + 0.05, parts__pin_diameter=0.0).parts()
 
@@ -192,7 +212,12 @@ def test_cross_key_faults(keys: dict[str, Any], path: str) -> None:
 
 def test_faults_come_all_at_once() -> None:
     assert not design().faults()
-    bad = design(parts__wall=0.1, parts__mark_depth=9.0, limits__min_wall=0.2, geometry__reversal_blend_deg=1e-6)
+    bad = design(
+        parts__wall=0.1,
+        parts__mark_depth=9.0,
+        limits__min_wall=0.2,
+        geometry__reversal_blend_deg=1e-6,
+    )
     assert len(bad.faults()) == 4
     # a key's depth does not matter on a plain shaft
     assert not design(parts__key_width=50.0, parts__flat_depth=50.0).faults()
@@ -223,10 +248,14 @@ def test_findings_and_study(blend_deg: float, rho: float) -> None:
 
 def test_a_cam_that_sweeps_over_the_followers_axle_is_told() -> None:
     """With H = L = 60 and 30 deg the tip stands farthest out where L and R enclose 45 + 15 deg: 75.56 mm, past the pivot."""
-    (room,) = (each for each in design(geometry__arm_offset=60.0).limits() if each.code == "INTERFERENCE")
+    (room,) = (
+        each for each in design(geometry__arm_offset=60.0).limits() if each.code == "INTERFERENCE"
+    )
     assert room.code == "INTERFERENCE" and not room.ok
     far = math.sqrt(60**2 + 7200 - 2 * 60 * math.sqrt(7200) * math.cos(math.radians(60)))
-    assert room.measured == pytest.approx(60 - (far - 3), abs=0.1)  # the tip's radius acts along a slightly slanted normal
+    assert room.measured == pytest.approx(
+        60 - (far - 3), abs=0.1
+    )  # the tip's radius acts along a slightly slanted normal
 
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "bench"))
@@ -248,10 +277,14 @@ from bench_hard_cases import USUAL, outcome  # noqa: E402
         ({"tolerance": 0.1}, "kept"),
     ],
 )
-def test_hard_cases_keep_their_tolerance_or_are_refused(tmp_path: Path, changes: dict[str, float], ends: str) -> None:
+def test_hard_cases_keep_their_tolerance_or_are_refused(
+    tmp_path: Path, changes: dict[str, float], ends: str
+) -> None:
     fine, said = outcome(USUAL | changes, tmp_path)
     assert fine and said.startswith(ends)
-    assert ("told: INTERFERENCE" in said) == (changes.get("H/L") == 3.0)  # the cam sweeps over the follower's axle
+    assert ("told: INTERFERENCE" in said) == (
+        changes.get("H/L") == 3.0
+    )  # the cam sweeps over the follower's axle
 
 
 def test_figures_of_the_source() -> None:
@@ -259,7 +292,10 @@ def test_figures_of_the_source() -> None:
     spec = Path(__file__).parents[2] / "specs" / "uniform-swing.toml"
     numbers = read_mechanism(spec, ["parts.make='cams'"]).study().numbers
     assert numbers["source_r_mm"] == pytest.approx(math.sqrt(60**2 + 30**2), rel=1e-14)
-    for k, alpha in ((1, math.acos(60 / math.sqrt(4500)) - math.pi / 12), (2, math.acos(60 / math.sqrt(4500)) + math.pi / 12)):
+    for k, alpha in (
+        (1, math.acos(60 / math.sqrt(4500)) - math.pi / 12),
+        (2, math.acos(60 / math.sqrt(4500)) + math.pi / 12),
+    ):
         r = math.sqrt(60**2 + 4500 - 2 * 60 * math.sqrt(4500) * math.cos(alpha))
         assert numbers[f"source_alpha_{k}_deg"] == pytest.approx(math.degrees(alpha), rel=1e-12)
         assert numbers[f"source_r_{k}_mm"] == pytest.approx(r, rel=1e-12)
@@ -272,22 +308,33 @@ def test_figures_of_the_source() -> None:
 
 def test_figures_2_to_5_have_the_points_of_equations_2_to_6() -> None:
     pivot, width, half = 60.0, 30.0, math.radians(15)
-    reach, alpha = math.hypot(pivot, width), math.acos(60 / math.hypot(60, 30)) + half * np.array([-1, 1])  # eqs. 2, 3
+    reach, alpha = (
+        math.hypot(pivot, width),
+        math.acos(60 / math.hypot(60, 30)) + half * np.array([-1, 1]),
+    )  # eqs. 2, 3
     r = np.sqrt(pivot**2 + reach**2 - 2 * pivot * reach * np.cos(alpha))  # eq. 4
     beta = np.arccos(reach / r * np.sin(alpha))  # eq. 5
     cam = design().cam
     drawn = pictures(Model(pivot, width, 2 * half, cam))
-    at = {plot.title.split(":")[0]: {name: complex(x, y) for name, x, y in plot.points} for plot in drawn}
+    at = {
+        plot.title.split(":")[0]: {name: complex(x, y) for name, x, y in plot.points}
+        for plot in drawn
+    }
     assert list(at) == [f"Source, figure {k}" for k in ("2, a", "2, b", "3", "4", "5")]
     first, second = (at[f"Source, figure {k}"] for k in (4, 5))
     start = -r[0] * complex(math.sin(beta[0]), math.cos(beta[0]))  # eq. 6
-    assert first["A0"] == pivot and first["C0"] == pytest.approx(start) == at["Source, figure 2, a"]["C"]
+    assert (
+        first["A0"] == pivot
+        and first["C0"] == pytest.approx(start) == at["Source, figure 2, a"]["C"]
+    )
     again = r[1] * complex(-math.sin(beta[1]), math.cos(beta[1]))
     assert second["A0"] == pytest.approx(-pivot) and second["C0"] == pytest.approx(again)
     for points in at.values():
         if {"A", "B", "C"} <= points.keys():
             a, b, c = points["A"] - points["B"], points["B"], points["C"] - points["B"]
-            assert (abs(a), abs(c)) == pytest.approx((width, pivot)) and (a / c).real == pytest.approx(0, abs=1e-12), b
+            assert (abs(a), abs(c)) == pytest.approx((width, pivot)) and (
+                a / c
+            ).real == pytest.approx(0, abs=1e-12), b
     assert abs(at["Source, figure 3"]["C2"]) == pytest.approx(r[1])
     # OA runs clockwise, and each C lies on the profile: that of the cam's engine, at the same angle
     for k, phi in enumerate(np.radians([0, 45, 90, 135, 180])):

@@ -11,7 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgen.machine.cams.profile import DiscCam, SwingingArm
-from camgen.machines.uniform_swing.web_thickness import BlendChoice, blend_choice, canvas, time_below
+from camgen.machines.uniform_swing.web_thickness import (
+    BlendChoice,
+    blend_choice,
+    canvas,
+    time_below,
+)
 from camgen.motion.laws import Floats
 from camgen.motion.program import uniform_swing
 
@@ -33,7 +38,13 @@ def brute(levels: Floats, theta: Floats, s: Floats) -> Floats:
     return np.array(shares)
 
 
-@given(st.lists(st.tuples(st.floats(0.01, 1), st.floats(-2, 2).map(lambda x: round(x, 3))), min_size=2, max_size=30))
+@given(
+    st.lists(
+        st.tuples(st.floats(0.01, 1), st.floats(-2, 2).map(lambda x: round(x, 3))),
+        min_size=2,
+        max_size=30,
+    )
+)
 def test_time_below_as_stretch_by_stretch(stretches: list[tuple[float, float]]) -> None:
     theta = np.cumsum([span for span, _ in stretches])
     s = np.array([place for _, place in stretches])
@@ -52,7 +63,9 @@ def test_stretches_that_rest_but_for_rounding_do_no_harm() -> None:
 
 def test_sine_lays_the_arcsine_law() -> None:
     levels = np.linspace(-0.99, 0.99, 41)
-    assert np.allclose(time_below(levels, THETA, np.sin(THETA)), 0.5 + np.arcsin(levels) / math.pi, atol=1e-6)
+    assert np.allclose(
+        time_below(levels, THETA, np.sin(THETA)), 0.5 + np.arcsin(levels) / math.pi, atol=1e-6
+    )
 
 
 def test_uniform_swing_lays_an_even_canvas() -> None:
@@ -72,7 +85,9 @@ def test_a_rest_shows_as_a_ridge() -> None:
     ridge = canvas(theta, np.array([-1.0, 0.0, 0.0, 1.0]), strips=11)
     assert int(np.argmax(ridge.thickness)) == 5 and ridge.share < 1
     assert ridge.thickness[-1] == pytest.approx(2 * ridge.thickness[0])
-    assert time_below(np.array([-1e-6, 0.0]), theta, np.array([-1.0, 0.0, 0.0, 1.0])) == pytest.approx([0.25, 0.5], abs=1e-5)
+    assert time_below(
+        np.array([-1e-6, 0.0]), theta, np.array([-1.0, 0.0, 0.0, 1.0])
+    ) == pytest.approx([0.25, 0.5], abs=1e-5)
 
 
 def test_right_angle_on_a_flat_collector_is_refused() -> None:
@@ -82,9 +97,13 @@ def test_right_angle_on_a_flat_collector_is_refused() -> None:
 
 def test_share_and_acceleration_of_a_blend_by_another_route() -> None:
     blends = np.radians([30.0, 60.0, 90.0])
-    made = BlendChoice(*np.transpose([blend_choice(SWING, ARM, blend, strips=4000) for blend in blends]))
+    made = BlendChoice(
+        *np.transpose([blend_choice(SWING, ARM, blend, strips=4000) for blend in blends])
+    )
     # thickness is 1 / speed; speed falls below 1 / 1.1 at u, from where the edge of the swing is too thick
-    u = mpmath.findroot(lambda x: 1 - 2 * (10 * x**3 - 15 * x**4 + 6 * x**5) - 1 / mpmath.mpf("1.1"), 0.2)
+    u = mpmath.findroot(
+        lambda x: 1 - 2 * (10 * x**3 - 15 * x**4 + 6 * x**5) - 1 / mpmath.mpf("1.1"), 0.2
+    )
     left = float(mpmath.quad(lambda x: 1 - 2 * (10 * x**3 - 15 * x**4 + 6 * x**5), [u, 0.5]))
     for blend, share, peak in zip(blends, made.share_round, made.acceleration, strict=True):
         program = uniform_swing(SWING, blend)

@@ -43,18 +43,26 @@ from camgen.motion.laws import (
     tabulated,
 )
 
-REFERENCE = tomllib.loads((Path(__file__).resolve().parents[1] / "reference" / "motion_laws.toml").read_text())
+REFERENCE = tomllib.loads(
+    (Path(__file__).resolve().parents[1] / "reference" / "motion_laws.toml").read_text()
+)
 PEAKS = REFERENCE["peaks"]
 MR_13 = REFERENCE["mr_13"]
 
 
 def sampled(n: int = 10) -> Law:
     u = np.linspace(0, 1, n)
-    return tabulated(list(zip(90 + 60 * u, 5 + 12 * POLYNOMIAL_345(u), strict=True)), "12 mm over 60 deg")
+    return tabulated(
+        list(zip(90 + 60 * u, 5 + 12 * POLYNOMIAL_345(u), strict=True)), "12 mm over 60 deg"
+    )
 
 
 # Two harmonics of the acceleration fixed, the third closes the law.
-THREE_TERMS = (3.0, -0.5, 6 * math.pi * (1 - 3 / (2 * math.pi) + 0.5 / (4 * math.pi) - 2 * 1.2 / math.pi**2))
+THREE_TERMS = (
+    3.0,
+    -0.5,
+    6 * math.pi * (1 - 3 / (2 * math.pi) + 0.5 / (4 * math.pi) - 2 * 1.2 / math.pi**2),
+)
 ALL = [
     *LAWS.values(),
     TURN,
@@ -90,7 +98,8 @@ def smooth_at_joints(law: Law) -> int:
     order = -1
     sides = [side + (0.0,) * 4 for side in law.ends]
     while order < 3 and all(
-        abs(float(law(u, order + 1)) - side[order + 1]) < 1e-7 for u, side in zip((0.0, 1.0), sides, strict=True)
+        abs(float(law(u, order + 1)) - side[order + 1]) < 1e-7
+        for u, side in zip((0.0, 1.0), sides, strict=True)
     ):
         order += 1
     return order
@@ -132,13 +141,17 @@ def test_claims(law: Law) -> None:
 @pytest.mark.parametrize("claim", ["c_v", "c_a", "c_j"])
 def test_wrong_claims_are_found(law: Law, factor: float, claim: str) -> None:
     declared = getattr(law, claim)
-    assert not peaks_hold(replace(law, **{claim: factor * declared if math.isfinite(declared) else 1.0}))
+    assert not peaks_hold(
+        replace(law, **{claim: factor * declared if math.isfinite(declared) else 1.0})
+    )
 
 
 @pytest.mark.parametrize("law", ALL, ids=lambda law: law.name)
 def test_wrong_smoothness_is_found(law: Law) -> None:
     if law.smoothness < 3:
-        with pytest.raises(ValueError, match=f"smooth to order {law.smoothness}, {law.smoothness + 1} is declared"):
+        with pytest.raises(
+            ValueError, match=f"smooth to order {law.smoothness}, {law.smoothness + 1} is declared"
+        ):
             replace(law, smoothness=law.smoothness + 1)
     less = replace(law, smoothness=law.smoothness - 1)  # the record cannot tell, the test can
     assert smooth_at_joints(less) != less.smoothness
@@ -168,7 +181,9 @@ def test_published_peaks(name: str) -> None:
 
 @pytest.mark.parametrize("name", PEAKS["closed"])
 def test_closed_forms(name: str) -> None:
-    for value, closed in zip((LAWS[name].c_v, LAWS[name].c_a, LAWS[name].c_j), PEAKS["closed"][name], strict=True):
+    for value, closed in zip(
+        (LAWS[name].c_v, LAWS[name].c_a, LAWS[name].c_j), PEAKS["closed"][name], strict=True
+    ):
         truth = eval(closed, {"pi": mpmath.pi, "sqrt": mpmath.sqrt})
         assert value == pytest.approx(float(truth), rel=1e-15)
 
@@ -217,7 +232,9 @@ FORMULAS: dict[str, Callable[[Any], Any]] = {
     "parabolic": lambda u: 2 * u**2 if u < 0.5 else 1 - 2 * (1 - u) ** 2,
     "cubic": lambda u: 3 * u**2 - 2 * u**3,
     "simple-harmonic": lambda u: (1 - mpmath.cos(mpmath.pi * u)) / 2,
-    "double-harmonic": lambda u: (1 - mpmath.cos(mpmath.pi * u)) / 2 - (1 - mpmath.cos(2 * mpmath.pi * u)) / 8,
+    "double-harmonic": lambda u: (
+        (1 - mpmath.cos(mpmath.pi * u)) / 2 - (1 - mpmath.cos(2 * mpmath.pi * u)) / 8
+    ),
     "cycloidal": lambda u: u - mpmath.sin(2 * mpmath.pi * u) / (2 * mpmath.pi),
     "modified-trapezoid": by_blocks(Q(1) / 4, Q(1) / 2, Q(1) / 4),
     "modified-sine": by_blocks(Q(1) / 4, Q(0), Q(3) / 4),
@@ -236,7 +253,9 @@ def test_displacement(name: str) -> None:
     mpmath.mp.dps = 20
     slack = 1e-7 if name == "mr-13" else 2e-14  # its six decimals leave a speed of 2.8e-8
     for u in (0.0312, 0.0625, 0.11, 0.25, 0.38, 0.5, 0.777, 0.95):
-        assert float(BY_NAME[name](u)) == pytest.approx(float(FORMULAS[name](mpmath.mpf(u))), abs=slack)
+        assert float(BY_NAME[name](u)) == pytest.approx(
+            float(FORMULAS[name](mpmath.mpf(u))), abs=slack
+        )
 
 
 @pytest.mark.parametrize("law", ALL, ids=lambda law: law.name)
@@ -250,12 +269,16 @@ def test_each_order_is_the_derivative_of_the_one_below(law: Law) -> None:
         for order in range(1, 4):
             rise = float(law(b, order - 1) - law(a, order - 1))
             scale = terms(law, order - 1) + float(np.max(np.abs(law(U[::100], order - 1))))
-            assert (b - a) / 2 * float(w @ law(inside, order)) == pytest.approx(rise, abs=1e-13 * scale)
+            assert (b - a) / 2 * float(w @ law(inside, order)) == pytest.approx(
+                rise, abs=1e-13 * scale
+            )
 
 
 def test_ends_and_peak() -> None:
     for law in LAWS.values():
-        assert float(law(0.0)) == pytest.approx(0, abs=1e-15) and float(law(1.0)) == pytest.approx(1, abs=1e-15)
+        assert float(law(0.0)) == pytest.approx(0, abs=1e-15) and float(law(1.0)) == pytest.approx(
+            1, abs=1e-15
+        )
         slack = 3e-14 * terms(law)
         assert np.all(np.diff(law(U)) >= -slack)
         if law.name != "double-harmonic":
@@ -298,12 +321,23 @@ def test_polynomials_from_conditions() -> None:
     assert coefficients_from([(0, 0, 0), (0, 1, 0), (1, 0, 1), (1, 1, 0)]) == (0, 0, 3, -2)
     assert coefficients_from([(0, 0, 0), (0.5, 0, 0.5), (1, 0, 1)]) == (0, 1, 0)
     law = polynomial_law(rest)
-    assert (law.c_v, law.c_a, law.c_j, law.smoothness) == (pytest.approx(1.875), pytest.approx(10 / 3**0.5), 60.0, 2)
+    assert (law.c_v, law.c_a, law.c_j, law.smoothness) == (
+        pytest.approx(1.875),
+        pytest.approx(10 / 3**0.5),
+        60.0,
+        2,
+    )
 
 
-@given(st.lists(st.tuples(st.integers(0, 8), st.integers(0, 2), st.floats(-5, 5)), min_size=1, max_size=8))
+@given(
+    st.lists(
+        st.tuples(st.integers(0, 8), st.integers(0, 2), st.floats(-5, 5)), min_size=1, max_size=8
+    )
+)
 @settings(max_examples=60)
-def test_a_polynomial_meets_its_conditions_exactly_or_is_refused(raw: list[tuple[int, int, float]]) -> None:
+def test_a_polynomial_meets_its_conditions_exactly_or_is_refused(
+    raw: list[tuple[int, int, float]],
+) -> None:
     conditions = [(k / 8, order, value) for k, order, value in raw]
     try:
         c = coefficients_from(conditions)
@@ -311,7 +345,11 @@ def test_a_polynomial_meets_its_conditions_exactly_or_is_refused(raw: list[tuple
         assert error.faults[0].path == "conditions"
         return
     for u, order, value in conditions:
-        assert sum(math.perm(k, order) * x * Fraction(u) ** (k - order) for k, x in enumerate(c) if k >= order) == Fraction(value)
+        assert sum(
+            math.perm(k, order) * x * Fraction(u) ** (k - order)
+            for k, x in enumerate(c)
+            if k >= order
+        ) == Fraction(value)
 
 
 @pytest.mark.parametrize(
@@ -334,7 +372,10 @@ def test_polynomials_that_are_none(conditions: Any, says: str) -> None:
 def test_smoothness_and_constants_are_measured() -> None:
     law = measured("p", polynomial(0, 0, 0, 0, 35, -84, 70, -20), "test")
     declared = LAWS["4-5-6-7"]
-    assert (law.smoothness, law.c_v, law.c_a, law.c_j) == (3, *map(pytest.approx, (declared.c_v, declared.c_a, declared.c_j)))
+    assert (law.smoothness, law.c_v, law.c_a, law.c_j) == (
+        3,
+        *map(pytest.approx, (declared.c_v, declared.c_a, declared.c_j)),
+    )
     assert smoothness(polynomial(0, 0.5), DWELLS, (1, 1, 1, 1)) == -1
 
 
@@ -346,7 +387,9 @@ def test_mr_13_closes_with_the_corrected_sign_only() -> None:
     corrected = end_speed(MR_13_SINES, MR_13_COSINES)
     assert abs(corrected) < 1e-7 and abs(corrected) == pytest.approx(MR_13["closes_to"], rel=0.02)
     printed = (*MR_13_SINES[:-1], -MR_13_SINES[-1])
-    assert abs(end_speed(printed, MR_13_COSINES)) == pytest.approx(MR_13["misprint_misses_by"], rel=0.02)
+    assert abs(end_speed(printed, MR_13_COSINES)) == pytest.approx(
+        MR_13["misprint_misses_by"], rel=0.02
+    )
     with pytest.raises(SpecError, match=r"speed -0.00163.* at both ends.* coefficients that close"):
         fourier(printed, MR_13_COSINES)
     with pytest.raises(ValueError, match="smooth to order 0"):
@@ -362,11 +405,15 @@ def test_mr_13_peaks_of_the_table_and_of_the_law() -> None:
 
     table = peaks(np.arange(61) / 60)
     # 1.891739 stands as 1.891 on the card: cut, not rounded
-    for value, printed, published in zip(table, MR_13["table_peaks"], MR_13["published_peaks"], strict=True):
+    for value, printed, published in zip(
+        table, MR_13["table_peaks"], MR_13["published_peaks"], strict=True
+    ):
         assert as_printed(value, printed) and 0 <= value - float(published) + 5e-4 < 1.5e-3
     for value, printed in zip(peaks(np.linspace(0, 0.5, 500_001)), MR_13["peaks"], strict=True):
         assert as_printed(value, printed)
-    assert not as_printed(table[1], MR_13["peaks"][1]) and not as_printed(table[2], MR_13["peaks"][2])
+    assert not as_printed(table[1], MR_13["peaks"][1]) and not as_printed(
+        table[2], MR_13["peaks"][2]
+    )
     k = np.linspace(0, 0.5, 500_001)
     b, c = law(k, 1), law(k, 2)
     for curve, printed in zip((b, c, b * c), MR_13["peaks_at"], strict=True):
@@ -382,8 +429,12 @@ def test_a_table_of_a_known_law_gives_the_law() -> None:
     errors = [float(np.max(np.abs(sampled(n)(U) - POLYNOMIAL_345(U)))) for n in (17, 33, 65)]
     assert errors[0] < 1e-4 and all(13 < a / b < 19 for a, b in pairwise(errors))
     law = sampled()
-    assert law.source == "12 mm over 60 deg" and law.smoothness == 1  # the spline's acceleration starts with a step
-    np.testing.assert_allclose(law(np.linspace(0, 1, 10)), POLYNOMIAL_345(np.linspace(0, 1, 10)), atol=1e-15)
+    assert (
+        law.source == "12 mm over 60 deg" and law.smoothness == 1
+    )  # the spline's acceleration starts with a step
+    np.testing.assert_allclose(
+        law(np.linspace(0, 1, 10)), POLYNOMIAL_345(np.linspace(0, 1, 10)), atol=1e-15
+    )
 
 
 def test_a_table_need_not_start_at_rest() -> None:

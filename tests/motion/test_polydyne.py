@@ -24,9 +24,15 @@ SMOOTHER = polynomial_law(ENDS)  # 5-6-7-8-9
 def program(law: str = "4-5-6-7") -> Program:
     """Rise of 10 in 90 deg, rest, return, rest."""
     made = LAWS[law] if law in LAWS else SMOOTHER
-    spans = (("rise", math.pi / 2, 0.0, 10.0), ("dwell", math.pi / 2, 10.0, 0.0), ("return", math.pi / 2, 10.0, -10.0),
-             ("dwell", math.pi / 2, 0.0, 0.0))  # fmt: skip
-    return Program(tuple(Segment(kind, span, start, scale, made) for kind, span, start, scale in spans))
+    spans = (
+        ("rise", math.pi / 2, 0.0, 10.0),
+        ("dwell", math.pi / 2, 10.0, 0.0),
+        ("return", math.pi / 2, 10.0, -10.0),
+        ("dwell", math.pi / 2, 0.0, 0.0),
+    )
+    return Program(
+        tuple(Segment(kind, span, start, scale, made) for kind, span, start, scale in spans)
+    )
 
 
 def integrated(cam: Program, frequency: float, speed: float) -> tuple[np.ndarray, np.ndarray]:
@@ -37,7 +43,9 @@ def integrated(cam: Program, frequency: float, speed: float) -> tuple[np.ndarray
         return state[1], (frequency / speed) ** 2 * (float(cam(np.array([theta]))[0]) - state[0])
 
     theta = np.linspace(0, 1.3 * math.pi, 100)
-    found = solve_ivp(rate, (0, 1.3 * math.pi), (0.0, 0.0), t_eval=theta, rtol=1e-7, atol=1e-8, max_step=0.1)
+    found = solve_ivp(
+        rate, (0, 1.3 * math.pi), (0.0, 0.0), t_eval=theta, rtol=1e-7, atol=1e-8, max_step=0.1
+    )
     return theta, found.y[0]
 
 
@@ -54,7 +62,10 @@ def test_the_mass_does_what_was_asked_at_its_speed_alone() -> None:
 
 def test_the_harmonics_of_the_follower_say_the_same() -> None:
     wanted, frequency, speed = program("smoother"), 80.0, 12.0
-    cam, theta = polydyne(wanted, Lag((speed / frequency) ** 2)), np.linspace(0, math.tau, 4096, endpoint=False)
+    cam, theta = (
+        polydyne(wanted, Lag((speed / frequency) ** 2)),
+        np.linspace(0, math.tau, 4096, endpoint=False),
+    )
     found = Elastic(1.0, frequency**2, 0.0).response(Excitation(cam(theta), cam(theta, 2)), speed)
     np.testing.assert_allclose(cam(theta) + found.behind, wanted(theta), atol=3e-5)
 
@@ -68,7 +79,9 @@ def test_speed_of_the_cam_is_continuous_and_with_five_conditions_its_acceleratio
 def test_a_clockwise_cam_is_corrected_alike() -> None:
     cam, theta = polydyne(program(), Lag(0.02, 0.01, 0.1)), np.linspace(0.1, 6.0, 50)
     for order in (0, 1, 2):
-        np.testing.assert_allclose(cam.backwards()(-theta, order), (-1) ** order * cam(theta, order), atol=1e-12)
+        np.testing.assert_allclose(
+            cam.backwards()(-theta, order), (-1) ** order * cam(theta, order), atol=1e-12
+        )
     np.testing.assert_allclose(cam.backwards().wanted(-theta), cam.wanted(theta), atol=1e-12)
 
 
@@ -82,19 +95,36 @@ def test_which_laws_are_smooth_enough(law: str) -> None:
 
 def test_polynomials_have_all_derivatives() -> None:
     made, u = Polynomial((1.0, 2.0, 3.0, 4.0)), np.array([0.0, 0.5, 2.0])
-    for order, values in enumerate(((1, 3.25, 49), (2, 8, 62), (6, 18, 54), (24, 24, 24), (0, 0, 0), (0, 0, 0))):
+    for order, values in enumerate(
+        ((1, 3.25, 49), (2, 8, 62), (6, 18, 54), (24, 24, 24), (0, 0, 0), (0, 0, 0))
+    ):
         np.testing.assert_allclose(made(u, order), values)
 
 
-SMOOTH = ("segment.0.law=4-5-6-7", "segment.2.law=4-5-6-7", "load.mass_kg=0.5", "load.stiffness=200", "motor.speed_rpm=600",
-          "spring.preload=200", "spring.rate=10", "load.damping_ratio=0")  # fmt: skip
+SMOOTH = (
+    "segment.0.law=4-5-6-7",
+    "segment.2.law=4-5-6-7",
+    "load.mass_kg=0.5",
+    "load.stiffness=200",
+    "motor.speed_rpm=600",
+    "spring.preload=200",
+    "spring.rate=10",
+    "load.damping_ratio=0",
+)
 
 
 def test_a_disc_cam_is_corrected_where_it_is_asked_for() -> None:
     spec = starters.folder() / "disc-cam.toml"
-    plain, made = (read_mechanism(spec, (*SMOOTH, f"load.polydyne={on}")) for on in ("false", "true"))
+    plain, made = (
+        read_mechanism(spec, (*SMOOTH, f"load.polydyne={on}")) for on in ("false", "true")
+    )
     found = assess(made).study.numbers
-    assert found["off_wanted_contact_mm"] < 2e-4 < 0.15 < assess(plain).study.numbers["vibration_contact_mm"]
+    assert (
+        found["off_wanted_contact_mm"]
+        < 2e-4
+        < 0.15
+        < assess(plain).study.numbers["vibration_contact_mm"]
+    )
     theta = np.array([0.5, 1.0])
     c = 0.5e-3 * (600 * math.tau / 60) ** 2 / 200
     corrected = (1 + 10 / 200) * plain.motion(theta) + c * plain.motion(theta, 2)
@@ -116,16 +146,28 @@ def settled(made: DiscCamDrive, turns: int) -> dict[str, np.ndarray]:
     def rate(time: float, state: np.ndarray) -> tuple[float, float]:
         theta = np.array([speed * time])
         s, fast = float(made.motion(theta)[0]), speed * float(made.motion(theta, 1)[0])
-        force = k * (s - state[0]) + d * (fast - state[1]) - load.damping * state[1] - spring.rate * state[0]
+        force = (
+            k * (s - state[0])
+            + d * (fast - state[1])
+            - load.damping * state[1]
+            - spring.rate * state[0]
+        )
         return state[1], force / m
 
     turn = math.tau / abs(speed)
     time = (turns + np.linspace(0, 1, 721)) * turn
-    found = solve_ivp(rate, (0, time[-1]), (0.0, 0.0), t_eval=time, rtol=1e-7, atol=1e-9, max_step=turn / 90)
+    found = solve_ivp(
+        rate, (0, time[-1]), (0.0, 0.0), t_eval=time, rtol=1e-7, atol=1e-9, max_step=turn / 90
+    )
     theta = speed * time
     s, fast = made.motion(theta), speed * made.motion(theta, 1)
     y, v = found.y
-    return {"theta": np.mod(theta, math.tau), "s": s, "y": y, "push": k * (s - y) + d * (fast - v) + spring.preload}
+    return {
+        "theta": np.mod(theta, math.tau),
+        "s": s,
+        "y": y,
+        "push": k * (s - y) + d * (fast - v) + spring.preload,
+    }
 
 
 @pytest.mark.parametrize("rate", [0.0, 8.0, 80.0])
@@ -133,7 +175,10 @@ def test_the_mass_does_what_was_asked_whatever_presses_and_brakes_it(rate: float
     """Without the spring's term it would be off by rate / stiffness of the lift: 0.48 of 12 mm at 8 N/mm, 4.8 at 80."""
     spec = starters.folder() / "disc-cam.toml"
     settings = (*SMOOTH, f"spring.rate={rate}", "load.damping=0.02", "load.polydyne=true")
-    made, plain = read_mechanism(spec, settings), read_mechanism(spec, (*settings, "load.polydyne=false"))
+    made, plain = (
+        read_mechanism(spec, settings),
+        read_mechanism(spec, (*settings, "load.polydyne=false")),
+    )
     assert isinstance(made, DiscCamDrive)
     found = settled(made, 12)
     np.testing.assert_allclose(found["y"], plain.motion(found["theta"]), atol=2e-4)
@@ -144,8 +189,15 @@ def test_the_mass_does_what_was_asked_whatever_presses_and_brakes_it(rate: float
 @pytest.mark.parametrize("on", ["false", "true"])
 def test_figures_of_vibration_are_those_of_an_integrator(on: str, rpm: int) -> None:
     """In the dwells alone, 100 to 160 and 280 to 360 deg in the sense of turning; the rise beside them swings more."""
-    settings = (*SMOOTH, "spring.rate=30", "load.damping=0.02", "load.damping_ratio=0.03", f"load.polydyne={on}",
-                f"motor.speed_rpm={rpm}", "segment.0.law=4-5-6-7")  # fmt: skip
+    settings = (
+        *SMOOTH,
+        "spring.rate=30",
+        "load.damping=0.02",
+        "load.damping_ratio=0.03",
+        f"load.polydyne={on}",
+        f"motor.speed_rpm={rpm}",
+        "segment.0.law=4-5-6-7",
+    )
     made = read_mechanism(starters.folder() / "disc-cam.toml", settings)
     assert isinstance(made, DiscCamDrive)
     found, numbers = settled(made, 12), assess(made).study.numbers
@@ -153,8 +205,12 @@ def test_figures_of_vibration_are_those_of_an_integrator(on: str, rpm: int) -> N
     degrees = np.degrees(found["theta"] if rpm > 0 else math.tau - found["theta"])
     resting = ((degrees >= 100) & (degrees <= 160)) | (degrees >= 280)
     assert numbers["vibration_contact_mm"] == pytest.approx(np.max(np.abs(vibration)), rel=2e-3)
-    assert numbers["vibration_in_dwells_contact_mm"] == pytest.approx(np.max(np.abs(vibration[resting])), rel=2e-2, abs=2e-4)
-    assert numbers["vibration_bent_by_spring_contact_mm"] == pytest.approx(30 / 230 * np.max(found["s"]), rel=1e-9)
+    assert numbers["vibration_in_dwells_contact_mm"] == pytest.approx(
+        np.max(np.abs(vibration[resting])), rel=2e-2, abs=2e-4
+    )
+    assert numbers["vibration_bent_by_spring_contact_mm"] == pytest.approx(
+        30 / 230 * np.max(found["s"]), rel=1e-9
+    )
     (pressed,) = [each for each in assess(made).findings if each.code == "LIFT_OFF"]
     assert pressed.measured == pytest.approx(np.min(found["push"]), rel=5e-3)
 
@@ -162,7 +218,13 @@ def test_figures_of_vibration_are_those_of_an_integrator(on: str, rpm: int) -> N
 def test_a_machine_is_corrected_for_the_spring_that_it_has() -> None:
     """On a bench the spring pulls in line with the slide, so its rate there is the spec's; and the figure is there as well."""
     spec = starters.folder() / "disc-cam.toml"
-    slow = (*SMOOTH[:4], "load.damping_ratio=0", "motor.speed_rpm=120", "parts.make='machine'", "load.polydyne=true")
+    slow = (
+        *SMOOTH[:4],
+        "load.damping_ratio=0",
+        "motor.speed_rpm=120",
+        "parts.make='machine'",
+        "load.polydyne=true",
+    )
     made = read_mechanism(spec, (*slow, "spring.preload=6", "spring.rate=0.4"))
     assert assess(made).study.numbers["off_wanted_contact_mm"] < 2e-3
     with pytest.raises(SpecError, match="spring.rate"):
@@ -172,4 +234,9 @@ def test_a_machine_is_corrected_for_the_spring_that_it_has() -> None:
 def test_what_it_lacks_is_told_at_once() -> None:
     with pytest.raises(SpecError) as caught:
         read_mechanism(starters.folder() / "disc-cam.toml", ("load.polydyne=true",))
-    assert {fault.path for fault in caught.value.faults} == {"load.stiffness", "load.mass_kg", "segment.0.law", "segment.2.law"}
+    assert {fault.path for fault in caught.value.faults} == {
+        "load.stiffness",
+        "load.mass_kg",
+        "segment.0.law",
+        "segment.2.law",
+    }

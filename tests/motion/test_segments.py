@@ -93,16 +93,36 @@ def matched_row(kind: str, span: float, to: float) -> str:
 
 def test_matched_segments_take_speed_and_acceleration_from_their_neighbours() -> None:
     uniform = 'kind = "rise"\nspan_deg = 60\nto = 8\nlaw = "uniform"'
-    made = program(spec(segments(matched_row("rise", 40, 2), uniform, matched_row("rise", 40, 10), DWELL,
-                                 matched_row("return", 65, 5), matched_row("return", 65, 0))).segment)  # fmt: skip
+    made = program(
+        spec(
+            segments(
+                matched_row("rise", 40, 2),
+                uniform,
+                matched_row("rise", 40, 10),
+                DWELL,
+                matched_row("return", 65, 5),
+                matched_row("return", 65, 0),
+            )
+        ).segment
+    )
     assert made.discontinuities() == []
     assert float(made(math.radians(40), 1)) == pytest.approx(6 / math.radians(60))
     # across the turn's end: the run of matched segments is one run
-    made = program(spec(segments(matched_row("rise", 40, 2), uniform, matched_row("rise", 40, 10), matched_row("return", 220, 0)))
-                   .segment)  # fmt: skip
+    made = program(
+        spec(
+            segments(
+                matched_row("rise", 40, 2),
+                uniform,
+                matched_row("rise", 40, 10),
+                matched_row("return", 220, 0),
+            )
+        ).segment
+    )
     assert made.discontinuities(3)[0].theta == pytest.approx(math.radians(40))
     assert made.discontinuities() == [] and abs(float(made(0.0, 1))) < 1e-12
-    whole = program(spec(segments(matched_row("rise", 150, 10), matched_row("return", 210, 0))).segment)
+    whole = program(
+        spec(segments(matched_row("rise", 150, 10), matched_row("return", 210, 0))).segment
+    )
     assert whole.discontinuities(3) == []
 
 
@@ -112,48 +132,192 @@ def test_matched_segments_take_speed_and_acceleration_from_their_neighbours() ->
 @pytest.mark.parametrize(
     "rows, path, says",
     [
-        ((RISE, BACK), "segment", "270 deg | span_deg of all segments that make 360 (90 deg too little)"),
-        ((RISE, DWELL, DWELL, BACK), "segment", "450 deg | span_deg of all segments that make 360 (90 deg too much)"),
-        ((RISE, DWELL, BACK.replace("to = 0", "lift = 8")), "segment.2", "ends at 2 | a last segment that ends at 0"),
-        ((RISE, DWELL, BACK.replace("to = 0", "to = 12")), "segment.2.to", "12 | less than 10, where it begins"),
-        ((RISE.replace("lift = 10", "to = 0"), DWELL, BACK), "segment.0.to", "0 | more than 0, where it begins"),
-        ((RISE, DWELL + "\nto = 9", BACK), "segment.1.to", "9 | 10, where the segment before ends, or leave it out"),
-        ((RISE, DWELL + "\nlift = 1", BACK), "segment.1.lift", "nothing here: a dwell stays where it is"),
-        ((RISE, DWELL + '\nlaw = "uniform"', BACK), "segment.1.law", "nothing here: a dwell stays where it is"),
+        (
+            (RISE, BACK),
+            "segment",
+            "270 deg | span_deg of all segments that make 360 (90 deg too little)",
+        ),
+        (
+            (RISE, DWELL, DWELL, BACK),
+            "segment",
+            "450 deg | span_deg of all segments that make 360 (90 deg too much)",
+        ),
+        (
+            (RISE, DWELL, BACK.replace("to = 0", "lift = 8")),
+            "segment.2",
+            "ends at 2 | a last segment that ends at 0",
+        ),
+        (
+            (RISE, DWELL, BACK.replace("to = 0", "to = 12")),
+            "segment.2.to",
+            "12 | less than 10, where it begins",
+        ),
+        (
+            (RISE.replace("lift = 10", "to = 0"), DWELL, BACK),
+            "segment.0.to",
+            "0 | more than 0, where it begins",
+        ),
+        (
+            (RISE, DWELL + "\nto = 9", BACK),
+            "segment.1.to",
+            "9 | 10, where the segment before ends, or leave it out",
+        ),
+        (
+            (RISE, DWELL + "\nlift = 1", BACK),
+            "segment.1.lift",
+            "nothing here: a dwell stays where it is",
+        ),
+        (
+            (RISE, DWELL + '\nlaw = "uniform"', BACK),
+            "segment.1.law",
+            "nothing here: a dwell stays where it is",
+        ),
         ((RISE + "\nto = 10", DWELL, BACK), "segment.0.lift", "10 | either lift or to"),
         ((RISE.replace("lift = 10\n", ""), DWELL, BACK), "segment.0.lift", "either lift or to"),
-        ((RISE.replace('law = "3-4-5"', ""), DWELL, BACK), "segment.0.law", "missing: one of uniform, "),
+        (
+            (RISE.replace('law = "3-4-5"', ""), DWELL, BACK),
+            "segment.0.law",
+            "missing: one of uniform, ",
+        ),
         ((RISE.replace("3-4-5", "cycloidl"), DWELL, BACK), "segment.0.law", "| cycloidal"),
-        ((RISE.replace('"3-4-5"', '{ name = "modified-sin", constant_velocity = 0.1 }'), DWELL, BACK),
-         "segment.0.law.name", "| modified-sine"),
-        ((RISE.replace('"3-4-5"', "3"), DWELL, BACK), "segment.0.law", "3 | text or a table with name, "),
-        ((RISE.replace('"3-4-5"', '{ nam = "x", name = "cubic" }'), DWELL, BACK), "segment.0.law.nam", "unknown key"),
-        ((RISE.replace('"3-4-5"', '{ name = "matched", sines = [1] }'), DWELL, BACK), "segment.0.law.sines", "no parameters"),
-        ((RISE.replace('"3-4-5"', '{ name = "table", points = [] }'), DWELL, BACK), "segment.0.law.points", "at least 4 points"),
-        ((RISE.replace('"3-4-5"', '{ name = "fourier", sines = ["a"] }'), DWELL, BACK), "segment.0.law.sines.0", "a number"),
-        ((RISE.replace('"3-4-5"', '{ name = "cubic", sines = [1] }'), DWELL, BACK), "segment.0.law.sines", "no parameters"),
-        ((RISE.replace('"3-4-5"', '"fourier"'), DWELL, BACK), "segment.0.law.sines", "needs sines or cosines"),
-        ((RISE.replace('"3-4-5"', '{ name = "fourier", sines = [6] }'), DWELL, BACK),
-         "segment.0.law.sines", "coefficients that close"),
-        ((RISE.replace('"3-4-5"', '{ name = "table" }'), DWELL, BACK), "segment.0.law.points", "needs points or file"),
-        ((RISE.replace('"3-4-5"', '{ name = "polynomial", conditions = [[0, 0, 0], [1, 0, 2]] }'), DWELL, BACK),
-         "segment.0.law.conditions", "runs from 0 to 2 | a law that runs from 0 to 1"),
-        ((RISE.replace('"3-4-5"', '{ name = "modified-sine", constant_velocity = 1 }'), DWELL, BACK),
-         "segment.0.law.constant_velocity", "1 | a share >= 0 and < 1"),
-        ((RISE.replace('"3-4-5"', '{ name = "table", points = [[0, 0], [1, 2], [2, 1], [3, 4]] }'), DWELL, BACK),
-         "segment.0.law.points.2", "1 | a table that rises all the way, after 2"),
-        ((RISE.replace('"3-4-5"', '{ name = "table", points = [[0, 4], [1, 2], [2, 3], [3, 0]] }'), DWELL, BACK),
-         "segment.0.law.points.2", "3 | a table that falls all the way, after 2"),
-        ((RISE.replace('"3-4-5"', '{ name = "table", points = [[0, 0], [1, 0], [1.1, 1], [2, 1]] }'), DWELL, BACK),
-         "segment.0.law", "runs backwards"),
-        ((RISE.replace('"3-4-5"', '{ name = "fourier", sines = [14, -15.43362938564083] }'), DWELL, BACK),
-         "segment.0.law", "a law that only goes one way in a rise"),
-        ((RISE.replace("lift = 10", "lift = -1"), DWELL, BACK), "segment.0.lift", "-1 | a number >"),
-        ((RISE.replace("span_deg = 90", "span_deg = 0"), DWELL, BACK), "segment.0.span_deg", "0 | a number >= 0.001 and <= 360"),
-        ((RISE.replace("span_deg = 90", "span_deg = nan"), DWELL, BACK), "segment.0.span_deg", "nan"),
-        ((RISE.replace("rise", "raise"), DWELL, BACK), "segment.0.kind", "'rise', 'dwell', 'return'"),
+        (
+            (
+                RISE.replace('"3-4-5"', '{ name = "modified-sin", constant_velocity = 0.1 }'),
+                DWELL,
+                BACK,
+            ),
+            "segment.0.law.name",
+            "| modified-sine",
+        ),
+        (
+            (RISE.replace('"3-4-5"', "3"), DWELL, BACK),
+            "segment.0.law",
+            "3 | text or a table with name, ",
+        ),
+        (
+            (RISE.replace('"3-4-5"', '{ nam = "x", name = "cubic" }'), DWELL, BACK),
+            "segment.0.law.nam",
+            "unknown key",
+        ),
+        (
+            (RISE.replace('"3-4-5"', '{ name = "matched", sines = [1] }'), DWELL, BACK),
+            "segment.0.law.sines",
+            "no parameters",
+        ),
+        (
+            (RISE.replace('"3-4-5"', '{ name = "table", points = [] }'), DWELL, BACK),
+            "segment.0.law.points",
+            "at least 4 points",
+        ),
+        (
+            (RISE.replace('"3-4-5"', '{ name = "fourier", sines = ["a"] }'), DWELL, BACK),
+            "segment.0.law.sines.0",
+            "a number",
+        ),
+        (
+            (RISE.replace('"3-4-5"', '{ name = "cubic", sines = [1] }'), DWELL, BACK),
+            "segment.0.law.sines",
+            "no parameters",
+        ),
+        (
+            (RISE.replace('"3-4-5"', '"fourier"'), DWELL, BACK),
+            "segment.0.law.sines",
+            "needs sines or cosines",
+        ),
+        (
+            (RISE.replace('"3-4-5"', '{ name = "fourier", sines = [6] }'), DWELL, BACK),
+            "segment.0.law.sines",
+            "coefficients that close",
+        ),
+        (
+            (RISE.replace('"3-4-5"', '{ name = "table" }'), DWELL, BACK),
+            "segment.0.law.points",
+            "needs points or file",
+        ),
+        (
+            (
+                RISE.replace(
+                    '"3-4-5"', '{ name = "polynomial", conditions = [[0, 0, 0], [1, 0, 2]] }'
+                ),
+                DWELL,
+                BACK,
+            ),
+            "segment.0.law.conditions",
+            "runs from 0 to 2 | a law that runs from 0 to 1",
+        ),
+        (
+            (
+                RISE.replace('"3-4-5"', '{ name = "modified-sine", constant_velocity = 1 }'),
+                DWELL,
+                BACK,
+            ),
+            "segment.0.law.constant_velocity",
+            "1 | a share >= 0 and < 1",
+        ),
+        (
+            (
+                RISE.replace(
+                    '"3-4-5"', '{ name = "table", points = [[0, 0], [1, 2], [2, 1], [3, 4]] }'
+                ),
+                DWELL,
+                BACK,
+            ),
+            "segment.0.law.points.2",
+            "1 | a table that rises all the way, after 2",
+        ),
+        (
+            (
+                RISE.replace(
+                    '"3-4-5"', '{ name = "table", points = [[0, 4], [1, 2], [2, 3], [3, 0]] }'
+                ),
+                DWELL,
+                BACK,
+            ),
+            "segment.0.law.points.2",
+            "3 | a table that falls all the way, after 2",
+        ),
+        (
+            (
+                RISE.replace(
+                    '"3-4-5"', '{ name = "table", points = [[0, 0], [1, 0], [1.1, 1], [2, 1]] }'
+                ),
+                DWELL,
+                BACK,
+            ),
+            "segment.0.law",
+            "runs backwards",
+        ),
+        (
+            (
+                RISE.replace('"3-4-5"', '{ name = "fourier", sines = [14, -15.43362938564083] }'),
+                DWELL,
+                BACK,
+            ),
+            "segment.0.law",
+            "a law that only goes one way in a rise",
+        ),
+        (
+            (RISE.replace("lift = 10", "lift = -1"), DWELL, BACK),
+            "segment.0.lift",
+            "-1 | a number >",
+        ),
+        (
+            (RISE.replace("span_deg = 90", "span_deg = 0"), DWELL, BACK),
+            "segment.0.span_deg",
+            "0 | a number >= 0.001 and <= 360",
+        ),
+        (
+            (RISE.replace("span_deg = 90", "span_deg = nan"), DWELL, BACK),
+            "segment.0.span_deg",
+            "nan",
+        ),
+        (
+            (RISE.replace("rise", "raise"), DWELL, BACK),
+            "segment.0.kind",
+            "'rise', 'dwell', 'return'",
+        ),
     ],
-)  # fmt: skip
+)
 def test_one_fault(rows: tuple[str, ...], path: str, says: str) -> None:
     found = faults(*rows)
     assert [p for p, _ in found] == [path], found
@@ -163,7 +327,12 @@ def test_one_fault(rows: tuple[str, ...], path: str, says: str) -> None:
 def test_all_faults_at_once() -> None:
     back = BACK.replace("to = 0", "lift = 3").replace("180", "200")
     found = faults(RISE.replace("3-4-5", "cycloidl"), DWELL + "\nlift = 2", back)
-    assert [path for path, _ in found] == ["segment.1.lift", "segment.0.law", "segment", "segment.2"]
+    assert [path for path, _ in found] == [
+        "segment.1.lift",
+        "segment.0.law",
+        "segment",
+        "segment.2",
+    ]
 
 
 def test_no_segments() -> None:
@@ -184,7 +353,10 @@ def test_spans_of_any_size_that_fill_the_turn_are_accepted(shares: list[float], 
     spans = [360 * share / sum(shares) for share in shares]
     count = len(spans) - len(spans) % 2
     kinds, named = ("rise", "return"), LawChoice(name=law)
-    tables = [SegmentTable(kind=kinds[k % 2], span_deg=spans[k], lift=0.1, law=named) for k in range(count)]  # type: ignore[arg-type]
+    tables = [
+        SegmentTable(kind=kinds[k % 2], span_deg=spans[k], lift=0.1, law=named)
+        for k in range(count)
+    ]  # type: ignore[arg-type]
     if count < len(spans):
         tables.append(SegmentTable(kind="dwell", span_deg=spans[-1]))
     made = program(tables)
@@ -198,11 +370,12 @@ U = np.linspace(0, 1, 41)
 
 
 @pytest.mark.parametrize(
-    "form",
-    ["{0},{1}\n", "{0} {1}\n", "{0}\t{1}\n", "{0}; {1}; note\n", " {0} , {1}\r\n", "comma"],
+    "form", ["{0},{1}\n", "{0} {1}\n", "{0}\t{1}\n", "{0}; {1}; note\n", " {0} , {1}\r\n", "comma"]
 )
 def test_a_table_from_a_file(form: str, tmp_path: Path) -> None:
-    rows = [(f"{100 + 60 * u:.12g}", f"{25 * s:.12g}") for u, s in zip(U, LAWS["3-4-5"](U), strict=True)]
+    rows = [
+        (f"{100 + 60 * u:.12g}", f"{25 * s:.12g}") for u, s in zip(U, LAWS["3-4-5"](U), strict=True)
+    ]
     if form == "comma":
         text = "".join(f"{x};{y}\n".replace(".", ",") for x, y in rows)
     else:
@@ -219,10 +392,14 @@ def test_a_table_from_a_file(form: str, tmp_path: Path) -> None:
     np.testing.assert_array_equal(program(again.segment)(u), program(one.segment)(u))
 
 
-def test_a_file_named_to_the_library_is_seen_from_where_it_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_named_to_the_library_is_seen_from_where_it_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "t.csv").write_text("0 0\n1 1\n2 3\n3 4\n")
     monkeypatch.chdir(tmp_path)
-    tables = tomllib.loads(segments(RISE.replace('"3-4-5"', '{ name = "table", file = "t.csv" }')))["segment"]
+    tables = tomllib.loads(segments(RISE.replace('"3-4-5"', '{ name = "table", file = "t.csv" }')))[
+        "segment"
+    ]
     law = SegmentTable.model_validate(tables[0]).law
     assert law is not None and law_of(law).c_v > 1
 
@@ -237,7 +414,9 @@ def test_a_file_named_to_the_library_is_seen_from_where_it_runs(tmp_path: Path, 
         (None, FileError, "cannot be read: No such file"),
     ],
 )
-def test_files_that_hold_no_table(content: bytes | None, error: type[Exception], says: str, tmp_path: Path) -> None:
+def test_files_that_hold_no_table(
+    content: bytes | None, error: type[Exception], says: str, tmp_path: Path
+) -> None:
     path = tmp_path / "t.csv"
     if content is not None:
         path.write_bytes(content)
@@ -258,7 +437,11 @@ def test_the_list_names_every_law(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         main(["list"])
     told = capsys.readouterr().out
-    rows = {line.split()[0]: line for line in told[told.index("Laws of motion") :].splitlines() if line.startswith("  ")}
+    rows = {
+        line.split()[0]: line
+        for line in told[told.index("Laws of motion") :].splitlines()
+        if line.startswith("  ")
+    }
     assert {*LAWS, *ABOUT} == set(rows) and set(FAMILIES) < set(ABOUT)
     assert all(f"{law.c_a:.4f}" in told for law in LAWS.values())
     assert all(key in told for keys in FAMILIES.values() for key in keys)

@@ -14,9 +14,18 @@ from scipy.optimize import linprog
 
 from camgen.errors import DesignError, SpecError
 from camgen.motion.laws import LAWS, MR_13_COSINES, MR_13_SINES, end_speed, harmonics
-from camgen.motion.spring_law import Characteristic, Synthesis, characteristic, judged, synthesise, trade_off
+from camgen.motion.spring_law import (
+    Characteristic,
+    Synthesis,
+    characteristic,
+    judged,
+    synthesise,
+    trade_off,
+)
 
-MR_13 = tomllib.loads((Path(__file__).resolve().parents[1] / "reference" / "motion_laws.toml").read_text())["mr_13"]
+MR_13 = tomllib.loads(
+    (Path(__file__).resolve().parents[1] / "reference" / "motion_laws.toml").read_text()
+)["mr_13"]
 WEIGHTS = (0.0, 0.1, 1.0, 3.0, 10.0, 30.0, 100.0, 1e3, 1e4)
 
 
@@ -45,7 +54,9 @@ def test_mr_13_leaves_nothing_for_the_characteristic_that_it_defines() -> None:
 def test_mr_13_is_close_to_optimal_where_the_rest_counts(weight: float, near: float) -> None:
     """The optimum nears MR-13's coefficients as 1/q, and its objective is hardly lower than MR-13's own."""
     best, own_law = synthesise(own(), weight), judged(own(), MR_13_SINES, MR_13_COSINES, weight)
-    assert np.max(np.abs(np.subtract(best.sines + best.cosines, MR_13_SINES + MR_13_COSINES))) < near
+    assert (
+        np.max(np.abs(np.subtract(best.sines + best.cosines, MR_13_SINES + MR_13_COSINES))) < near
+    )
     assert 0.996 * own_law.objective < best.objective < (1 + 1e-6) * own_law.objective
     assert best.factor == pytest.approx(MR_13["factor"], abs=near)
 
@@ -61,7 +72,9 @@ def test_trade_off_is_a_trade() -> None:
     """A larger weight never lowers the peak nor raises the rest; the curve is convex in C^2 and Y^2."""
     peaks, rests = ([getattr(s, name) ** 2 for s in family()[1:]] for name in ("peak", "rest"))
     assert all(a < b for a, b in pairwise(peaks)) and all(a > b for a, b in pairwise(rests))
-    slopes = [(p - q) / (s - r) for (p, q), (r, s) in zip(pairwise(peaks), pairwise(rests), strict=True)]
+    slopes = [
+        (p - q) / (s - r) for (p, q), (r, s) in zip(pairwise(peaks), pairwise(rests), strict=True)
+    ]
     assert all(a < b for a, b in pairwise([abs(x) for x in slopes]))
     assert [s.weight for s in family()] == list(WEIGHTS)
 
@@ -76,16 +89,31 @@ def test_nothing_near_by_is_better(index: int) -> None:
         for _ in range(4):
             x = np.array(best.sines + best.cosines) + size * rng.standard_normal(6)
             x /= closes @ x
-            assert judged(own(), tuple(x[:5]), tuple(x[5:]), best.weight).objective > best.objective * (1 - 3e-4)
+            assert judged(
+                own(), tuple(x[:5]), tuple(x[5:]), best.weight
+            ).objective > best.objective * (1 - 3e-4)
 
 
 def test_the_lowest_peak_by_linear_programming() -> None:
     """Weight 0 is a linear program: least t with |c| <= t; its optimum by another solver on a finer grid."""
     kappa = np.linspace(0, 0.5, 1001)
     w, z = harmonics(5, 1)
-    c = np.hstack((np.sin(np.multiply.outer(kappa, w)), np.cos(np.multiply.outer(kappa, z)), -np.ones((1001, 1))))
+    c = np.hstack(
+        (
+            np.sin(np.multiply.outer(kappa, w)),
+            np.cos(np.multiply.outer(kappa, z)),
+            -np.ones((1001, 1)),
+        )
+    )
     d = c * ([-1] * 6 + [1])
-    found = linprog([0] * 6 + [1], np.vstack((c, d)), np.zeros(2002), [[*(1 / w), *(2 / z**2), 0]], [1], bounds=(None, None))
+    found = linprog(
+        [0] * 6 + [1],
+        np.vstack((c, d)),
+        np.zeros(2002),
+        [[*(1 / w), *(2 / z**2), 0]],
+        [1],
+        bounds=(None, None),
+    )
     assert family()[0].peak == pytest.approx(found.fun, rel=3e-4)
 
 
@@ -102,7 +130,10 @@ def test_a_straight_characteristic_gives_simple_harmonic_motion(scale: float) ->
     table = characteristic([(a, scale * (1 - 2 * a)) for a in (0, 0.1, 0.35, 0.5)])
     for torque in (lambda a: scale * (1 - 2 * a), table):
         best = synthesise(torque, 1e6)
-        assert best.cosines[0] == pytest.approx(math.pi**2 / 2, abs=1e-3) and max(map(abs, best.sines)) < 1e-3
+        assert (
+            best.cosines[0] == pytest.approx(math.pi**2 / 2, abs=1e-3)
+            and max(map(abs, best.sines)) < 1e-3
+        )
         assert best.factor * scale == pytest.approx(math.pi**2 / 2, abs=2e-3) and best.rest < 2e-3
         u = np.linspace(0, 1, 99)
         np.testing.assert_allclose(best.law(u), LAWS["simple-harmonic"](u), atol=1e-3)
@@ -116,7 +147,9 @@ def test_a_straight_characteristic_gives_simple_harmonic_motion(scale: float) ->
         ([(0, 1), (0.3, 1), (0.2, 1), (0.5, 0)], ["points.2"]),
     ],
 )
-def test_tables_that_are_no_characteristic(points: list[tuple[float, float]], paths: list[str]) -> None:
+def test_tables_that_are_no_characteristic(
+    points: list[tuple[float, float]], paths: list[str]
+) -> None:
     with pytest.raises(SpecError) as error:
         characteristic(points)
     assert [fault.path for fault in error.value.faults] == paths

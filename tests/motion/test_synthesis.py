@@ -17,7 +17,11 @@ from camgen.pipeline import build as pipeline
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 SHIPPED = SPECS / "thread-take-up.toml"
-ELSEWHERE = ("geometry.eye_distance=46", "geometry.eye_angle_deg=82", "geometry.guides=[[48, 25], [-60, 130]]")
+ELSEWHERE = (
+    "geometry.eye_distance=46",
+    "geometry.eye_angle_deg=82",
+    "geometry.guides=[[48, 25], [-60, 130]]",
+)
 DESCRIBED = ("wanted.feed_range=82", "wanted.let_down_ratio=2.13", "wanted.dwell_deg=45")
 
 
@@ -27,7 +31,10 @@ def made(*overrides: str):
 
 def circle(values):
     """Figures of a point: distance from the origin and angle."""
-    return {"radius": math.hypot(*values), "angle": math.degrees(math.atan2(values[1], values[0]))}, []
+    return {
+        "radius": math.hypot(*values),
+        "angle": math.degrees(math.atan2(values[1], values[0])),
+    }, []
 
 
 SQUARE = [Variable(3.0, 0.5, 20.0, 1.0), Variable(3.0, 0.5, 20.0, 1.0)]
@@ -41,7 +48,9 @@ def test_a_known_answer() -> None:
 def test_of_all_that_fulfil_the_nearest_to_the_start() -> None:
     found = search(circle, SQUARE, [Wish("radius", 10, 0.01, "mm")])
     assert found == pytest.approx([math.sqrt(50)] * 2, abs=1e-3)
-    assert search(circle, SQUARE, [Wish("radius", 2, 0.01, "mm", at_least=True)]) == pytest.approx([3, 3])
+    assert search(circle, SQUARE, [Wish("radius", 2, 0.01, "mm", at_least=True)]) == pytest.approx(
+        [3, 3]
+    )
 
 
 def test_what_cannot_be_is_refused_with_the_nearest_reached() -> None:
@@ -76,14 +85,21 @@ def test_the_described_take_up_is_found_and_the_command_writes_the_same(tmp_path
     assert study["let_down_ratio"] == pytest.approx(2.13, rel=0.01)
     assert study["dwell_within_1_mm_deg"] >= 45 * 0.99
     assert all(finding.ok for finding in found.limits())
-    assert {"FEED_RANGE", "LET_DOWN_RATIO", "DWELL_DEG"} <= {finding.code for finding in found.limits()}
+    assert {"FEED_RANGE", "LET_DOWN_RATIO", "DWELL_DEG"} <= {
+        finding.code for finding in found.limits()
+    }
     assert found.geometry.coupler == 19
     file = tmp_path / "found.toml"
-    done = CliRunner().invoke(cli, ["design", str(SHIPPED), str(file), *(word for each in asked for word in ("--set", each))])
+    done = CliRunner().invoke(
+        cli,
+        ["design", str(SHIPPED), str(file), *(word for each in asked for word in ("--set", each))],
+    )
     assert done.exit_code == 0, done.output
     assert pipeline.read_mechanism(file) == found
     report = pipeline.build(file, tmp_path, frozenset({"dxf"}))
-    assert report.ok and report.numbers["feed_range_mm"] == pytest.approx(study["feed_range_mm"], rel=1e-12)
+    assert report.ok and report.numbers["feed_range_mm"] == pytest.approx(
+        study["feed_range_mm"], rel=1e-12
+    )
 
 
 def test_impossible_take_up_names_what_it_reached(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -95,9 +111,15 @@ def test_impossible_take_up_names_what_it_reached(monkeypatch: pytest.MonkeyPatc
 
 
 def test_a_wish_that_is_missed_fails_the_build() -> None:
-    wrong = {finding.code for finding in made("wanted.feed_range=70", "wanted.dwell_deg=60").limits() if not finding.ok}
+    wrong = {
+        finding.code
+        for finding in made("wanted.feed_range=70", "wanted.dwell_deg=60").limits()
+        if not finding.ok
+    }
     assert wrong == {"FEED_RANGE", "DWELL_DEG"}
-    assert all(finding.ok for finding in made("wanted.feed_range=82", "wanted.dwell_deg=48").limits())
+    assert all(
+        finding.ok for finding in made("wanted.feed_range=82", "wanted.dwell_deg=48").limits()
+    )
 
 
 def test_nothing_wanted_is_a_fault() -> None:

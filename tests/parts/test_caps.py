@@ -45,7 +45,9 @@ def test_least_height_of_machine_parts(root, spec):
     mechanism = read_mechanism(root / "specs" / f"{spec}.toml").resolved()
     for part in (part for part in mechanism.parts() if part.name != "collet"):
         mesh = solid(part, mechanism.accuracy.chord_tolerance)
-        assert heights(mesh)[level(mesh)].min() > LEAST * mechanism.accuracy.chord_tolerance, part.name
+        assert heights(mesh)[level(mesh)].min() > LEAST * mechanism.accuracy.chord_tolerance, (
+            part.name
+        )
 
 
 def test_the_same_arrays_again():
@@ -54,8 +56,13 @@ def test_the_same_arrays_again():
 
 def test_patches_and_islands():
     """A plate with a post on it and a pocket in it: each level face stays, with its holes."""
-    plate, post = Layer(Region(rectangle(-10 - 10j, 10 + 10j), (circle(5, 2),)), 0, 2), Layer(Region(circle(-5, 2)), 2, 4)
-    part = Part("p", "P", (plate, post), engraved=(Layer(Region(circle(0, 2), (circle(0, 1),)), 1.5, 2),))
+    plate, post = (
+        Layer(Region(rectangle(-10 - 10j, 10 + 10j), (circle(5, 2),)), 0, 2),
+        Layer(Region(circle(-5, 2)), 2, 4),
+    )
+    part = Part(
+        "p", "P", (plate, post), engraved=(Layer(Region(circle(0, 2), (circle(0, 1),)), 1.5, 2),)
+    )
     mesh = solid(part, TOLERANCE)
     looks = mesh.across[:, 2] / 2
     for z, area in ((2.0, 400 - np.pi * (4 + 4 + 4 - 1)), (1.5, 3 * np.pi), (4.0, 4 * np.pi)):

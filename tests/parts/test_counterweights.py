@@ -25,17 +25,23 @@ def moment(part: Part, heavy: float) -> complex:
 
 
 @pytest.mark.parametrize("wanted", [143.8 * cmath.exp(-0.8j), 3.0j, 0.0])
-@pytest.mark.parametrize("asked", [HUB, replace(HUB, half=math.radians(35)), replace(HUB, half=math.radians(130))])
+@pytest.mark.parametrize(
+    "asked", [HUB, replace(HUB, half=math.radians(35)), replace(HUB, half=math.radians(130))]
+)
 def test_the_body_has_the_moment_that_is_asked(asked: Sector, wanted: complex) -> None:
     part, pins, rim = counterweight(asked, circle(0j, 3.0), wanted, "printed", 0.8, "")
     assert not pins and moment(part, PLA) == pytest.approx(wanted, abs=2e-3 * abs(wanted) + 1e-9)
-    assert rim >= asked.hub + 1 or not wanted  # what stands out by less is not printed well: narrower instead
+    assert (
+        rim >= asked.hub + 1 or not wanted
+    )  # what stands out by less is not printed well: narrower instead
 
 
 def test_a_half_disc_has_its_centroid_where_the_tables_say() -> None:
     """4 R / (3 pi) from the middle of its straight side [Beer, Johnston: Vector Mechanics, centroids of common shapes]."""
     sector = replace(HUB, hub=0.0)
-    assert sector.moment(20.0) == pytest.approx(PLA * 4 * (math.pi * 20**2 / 2) * (4 * 20 / (3 * math.pi)))
+    assert sector.moment(20.0) == pytest.approx(
+        PLA * 4 * (math.pi * 20**2 / 2) * (4 * 20 / (3 * math.pi))
+    )
     assert sector.rim(sector.moment(20.0)) == pytest.approx(20.0)
 
 

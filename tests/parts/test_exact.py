@@ -38,12 +38,18 @@ def sound(body):
 def test_machine_parts(part):
     body = sound(exact(part, TOLERANCE))
     assert abs(body.volume - part.volume) < part.walls * TOLERANCE
-    assert body.heights.tolist() == sorted({z for layer in (*part.layers, *part.engraved) for z in (layer.z0, layer.z1)})
+    assert body.heights.tolist() == sorted(
+        {z for layer in (*part.layers, *part.engraved) for z in (layer.z0, layer.z1)}
+    )
 
 
 def test_a_box_and_a_tube():
     box = sound(exact(stack(Layer(Region(rectangle(0, 3 + 2j)), 1, 5)), TOLERANCE))
-    assert (len(box.corners), len(box.edges), len(box.faces)) == (8, 12, 6) and box.volume == pytest.approx(24, rel=1e-15)
+    assert (len(box.corners), len(box.edges), len(box.faces)) == (
+        8,
+        12,
+        6,
+    ) and box.volume == pytest.approx(24, rel=1e-15)
     tube = sound(exact(stack(Layer(Region(circle(1j, 5), (circle(1j, 2),)), 0, 3)), TOLERANCE))
     assert tube.volume == pytest.approx(3 * math.pi * 21, rel=1e-14) and euler(tube) == 0
     assert {round(edge.radius, 12) for edge in tube.edges if edge.radius} == {5.0, 2.0}
@@ -51,17 +57,25 @@ def test_a_box_and_a_tube():
 
 def test_a_wall_through_equal_layers_is_one_face():
     ring = Region(circle(0, 5), (circle(0, 2),))
-    one, two = exact(stack(Layer(ring, 0, 4)), TOLERANCE), exact(stack(Layer(ring, 0, 1), Layer(ring, 1, 4)), TOLERANCE)
+    one, two = (
+        exact(stack(Layer(ring, 0, 4)), TOLERANCE),
+        exact(stack(Layer(ring, 0, 1), Layer(ring, 1, 4)), TOLERANCE),
+    )
     assert len(one.faces) == len(two.faces) and two.volume == pytest.approx(one.volume, rel=1e-14)
 
 
 def test_a_boss_on_a_bar_touches_its_edge_along_an_arc():
     bar = hull([(0j, 5.0), (20 + 0j, 4.0)])
-    part = stack(Layer(Region(bar, (circle(0, 2),)), 0, 4), Layer(Region(circle(0, 5), (circle(0, 2),)), 4, 9))
+    part = stack(
+        Layer(Region(bar, (circle(0, 2),)), 0, 4),
+        Layer(Region(circle(0, 5), (circle(0, 2),)), 4, 9),
+    )
     body = sound(exact(part, TOLERANCE))
     assert body.volume == pytest.approx(part.volume, rel=1e-12)
     (shoulder,) = [shape for shape in body.outlines(1, 4.0)]
-    assert shoulder.area == pytest.approx(bar.area - math.pi * 25, rel=1e-12)  # the boss leaves it without a rim beyond its own
+    assert shoulder.area == pytest.approx(
+        bar.area - math.pi * 25, rel=1e-12
+    )  # the boss leaves it without a rim beyond its own
 
 
 @settings(max_examples=25)
@@ -69,7 +83,9 @@ def test_a_boss_on_a_bar_touches_its_edge_along_an_arc():
 def test_outlines_that_cross_anywhere(x, y, radius, turn):
     """Volumes add up, whether the outlines cross, one holds the other or they are apart, which is then refused."""
     square = Region(rectangle(-5 - 5j, 5 + 5j))
-    other = Region(polygon([complex(x, y) + radius * np.exp(1j * (turn + math.tau * k / 5)) for k in range(5)]))
+    other = Region(
+        polygon([complex(x, y) + radius * np.exp(1j * (turn + math.tau * k / 5)) for k in range(5)])
+    )
     disc = Region(circle(complex(y, x), radius))
     part = stack(Layer(square, 0, 2), Layer(other, 2, 3), Layer(disc, -1, 0))
     try:
@@ -90,7 +106,9 @@ def test_letters_are_cut_in():
     body = sound(exact(part, TOLERANCE))
     taken = 0.5 * (ring.region.area + slot.region.area)
     assert body.volume == pytest.approx(plate.volume - taken, rel=1e-12)
-    assert len(body.outlines(1, 4.0)) == 2 and len(body.outlines(1, 3.5)) == 2  # the letter's island; two floors
+    assert (
+        len(body.outlines(1, 4.0)) == 2 and len(body.outlines(1, 3.5)) == 2
+    )  # the letter's island; two floors
 
 
 def test_nearly_equal_outlines_are_one():
@@ -102,16 +120,25 @@ def test_nearly_equal_outlines_are_one():
 
 
 def test_what_is_refused():
-    crossed = Part("x", "X", (Layer(Region(rectangle(0, 1 + 1j)), 0, 1),), crossed=Region(circle(0, 1)))
+    crossed = Part(
+        "x", "X", (Layer(Region(rectangle(0, 1 + 1j)), 0, 1),), crossed=Region(circle(0, 1))
+    )
     with pytest.raises(DesignError, match="crosswise.*take its STL"):
         exact(crossed, TOLERANCE)
     apart = stack(Layer(Region(circle(0, 1)), 0, 1), Layer(Region(circle(5, 1)), 1, 2))
     with pytest.raises(DesignError, match="bodies and cavities of stack is 2"):
         exact(apart, TOLERANCE)
-    hollow = stack(*(Layer(Region(circle(0, 5), (circle(0, 2),) if k == 1 else ()), k, k + 1) for k in range(3)))
+    hollow = stack(
+        *(
+            Layer(Region(circle(0, 5), (circle(0, 2),) if k == 1 else ()), k, k + 1)
+            for k in range(3)
+        )
+    )
     with pytest.raises(DesignError, match="cavities"):
         exact(hollow, TOLERANCE)
-    edge_to_edge = stack(Layer(Region(rectangle(0, 1 + 1j)), 0, 1), Layer(Region(rectangle(1, 2 + 1j)), 1, 2))
+    edge_to_edge = stack(
+        Layer(Region(rectangle(0, 1 + 1j)), 0, 1), Layer(Region(rectangle(1, 2 + 1j)), 1, 2)
+    )
     with pytest.raises(DesignError, match="more than two faces"):
         exact(edge_to_edge, TOLERANCE)
 
@@ -119,7 +146,9 @@ def test_what_is_refused():
 def test_faults_are_counted():
     body = exact(stack(Layer(Region(circle(0, 5)), 0, 2)), TOLERANCE)
     assert Brep(body.corners, body.edges, body.faces[1:]).faults > 0
-    turned = Face(0, (tuple((edge, not forward) for edge, forward in reversed(body.faces[-1].loops[0])),))
+    turned = Face(
+        0, (tuple((edge, not forward) for edge, forward in reversed(body.faces[-1].loops[0])),)
+    )
     assert Brep(body.corners, body.edges, [*body.faces[:-1], turned]).faults > 0
     split = Contour((Arc(0j, 5, 0, math.pi), Line(-5 + 0j, 5 + 0j)))
     assert exact(stack(Layer(Region(split), 0, 2)), TOLERANCE).volume == pytest.approx(25 * math.pi)

@@ -53,23 +53,34 @@ def test_corners_by_steiner(d: float) -> None:
     """Strips along the sides; at a right angle a quarter disc where they part, a square counted twice where they overlap."""
     shape, area, length = polygon([complex(z) for z in L_SHAPE]), 18.0, 22.0
     assert (shape.area, shape.length) == pytest.approx((area, length), rel=1e-14)
-    assert offset(shape, d).area == pytest.approx(area + length * d + 5 * math.pi * d**2 / 4 - d**2, rel=1e-12)
-    assert offset(shape, -d).area == pytest.approx(area - length * d + 5 * d**2 - math.pi * d**2 / 4, rel=1e-12)
+    assert offset(shape, d).area == pytest.approx(
+        area + length * d + 5 * math.pi * d**2 / 4 - d**2, rel=1e-12
+    )
+    assert offset(shape, -d).area == pytest.approx(
+        area - length * d + 5 * d**2 - math.pi * d**2 / 4, rel=1e-12
+    )
 
 
-@given(st.lists(st.tuples(st.floats(0, 2 * math.pi), st.just(0)), min_size=5, max_size=12), st.floats(0.05, 3))
+@given(
+    st.lists(st.tuples(st.floats(0, 2 * math.pi), st.just(0)), min_size=5, max_size=12),
+    st.floats(0.05, 3),
+)
 @settings(max_examples=30)
 def test_convex_polygons_by_steiner(angles: list[tuple[float, int]], d: float) -> None:
     t = np.array(sorted({round(a, 1) % 6.2 for a, _ in angles} | {0.0, 2.0, 4.0}))
     shape = polygon((20 * np.exp(1j * t)).tolist())
-    assert offset(shape, d).area == pytest.approx(shape.area + shape.length * d + math.pi * d**2, rel=1e-9)
+    assert offset(shape, d).area == pytest.approx(
+        shape.area + shape.length * d + math.pi * d**2, rel=1e-9
+    )
 
 
 @pytest.mark.parametrize("d", [2.0, -0.9])
 def test_ellipse_by_steiner(d: float) -> None:
     a, b = 10.0, 5.0
     length = 4 * a * ellipe(1 - (b / a) ** 2)
-    assert offset(ellipse(a, b), d).area == pytest.approx(math.pi * a * b + length * d + math.pi * d * d, rel=1e-9)
+    assert offset(ellipse(a, b), d).area == pytest.approx(
+        math.pi * a * b + length * d + math.pi * d * d, rel=1e-9
+    )
 
 
 def test_swallowtails_are_cut_off() -> None:
@@ -93,22 +104,43 @@ def test_derivatives_of_a_parallel_curve() -> None:
 
     for t in (0.3, 2.0, 5.5):
         for order, tolerance in ((0, 1e-13), (1, 1e-11), (2, 1e-6)):
-            assert abs(complex(curve.at(t, order)) - complex(mp.diff(exact, t, order))) < tolerance * 20
+            assert (
+                abs(complex(curve.at(t, order)) - complex(mp.diff(exact, t, order)))
+                < tolerance * 20
+            )
         q1, q2 = complex(curve.at(t, 1)), complex(curve.at(t, 2))
-        bend = (mp.diff(exact, t, 1).conjugate() * mp.diff(exact, t, 2)).imag  # what curvature needs is exact
+        bend = (
+            mp.diff(exact, t, 1).conjugate() * mp.diff(exact, t, 2)
+        ).imag  # what curvature needs is exact
         assert (q1.conjugate() * q2).imag == pytest.approx(float(bend), rel=1e-10)
 
 
-@pytest.mark.parametrize("contour, distance, quantity, value, limit", [
-    (circle(0j, 1), -1.2, "compensation of the bore", 1.2, 1.0),
-    (polygon([0, 4, 4 + 1j, 1j]), -0.6, "compensation of the bore", 0.6, 0.5),
-    (polygon([0, 4, 4 + 1.5j, 6 + 1.5j, 6, 10, 10 + 4j, 6 + 4j, 6 + 2.5j, 4 + 2.5j, 4 + 4j, 4j]), -0.6, "pieces", 2, 1),
-])  # fmt: skip
-def test_what_leaves_nothing_is_refused(contour: Contour, distance: float, quantity: str, value: float, limit: float) -> None:
+@pytest.mark.parametrize(
+    "contour, distance, quantity, value, limit",
+    [
+        (circle(0j, 1), -1.2, "compensation of the bore", 1.2, 1.0),
+        (polygon([0, 4, 4 + 1j, 1j]), -0.6, "compensation of the bore", 0.6, 0.5),
+        (
+            polygon(
+                [0, 4, 4 + 1.5j, 6 + 1.5j, 6, 10, 10 + 4j, 6 + 4j, 6 + 2.5j, 4 + 2.5j, 4 + 4j, 4j]
+            ),
+            -0.6,
+            "pieces",
+            2,
+            1,
+        ),
+    ],
+)
+def test_what_leaves_nothing_is_refused(
+    contour: Contour, distance: float, quantity: str, value: float, limit: float
+) -> None:
     with pytest.raises(DesignError) as error:
         offset(contour, distance, "bore")
     assert error.value.quantity.startswith(quantity)
-    assert (error.value.value, error.value.limit) == (pytest.approx(value), pytest.approx(limit, rel=0.06))
+    assert (error.value.value, error.value.limit) == (
+        pytest.approx(value),
+        pytest.approx(limit, rel=0.06),
+    )
 
 
 def bush(thickness: float = 5.0) -> Part:
@@ -117,22 +149,35 @@ def bush(thickness: float = 5.0) -> Part:
 
 
 def test_compensated_part() -> None:
-    part = compensated(bush(), Compensation(hole=0.1, profile=0.15, shrinkage=0.02, foot=0.4, layer=0.2))
-    assert [(round(x.z0, 9), round(x.z1, 9)) for x in part.layers] == [(0, 0.2), (0.2, 0.4), (0.4, 5)]
-    assert part.cut == 2 and part.bore == pytest.approx(8.2 / 0.98) and part.centres == (pytest.approx(7 / 0.98),)
+    part = compensated(
+        bush(), Compensation(hole=0.1, profile=0.15, shrinkage=0.02, foot=0.4, layer=0.2)
+    )
+    assert [(round(x.z0, 9), round(x.z1, 9)) for x in part.layers] == [
+        (0, 0.2),
+        (0.2, 0.4),
+        (0.4, 5),
+    ]
+    assert (
+        part.cut == 2
+        and part.bore == pytest.approx(8.2 / 0.98)
+        and part.centres == (pytest.approx(7 / 0.98),)
+    )
     for layer, inset in zip(part.layers, (0.4, 0.2, 0.0), strict=True):
         area = (9.85 - inset) ** 2 - (4.1 + inset) ** 2 - (1.1 + inset) ** 2
         assert layer.region.area == pytest.approx(math.pi * area / 0.98**2)
     assert solid(part, 0.01).volume == pytest.approx(part.volume, rel=5e-3)
 
 
-@pytest.mark.parametrize("fit, quantity", [
-    (Compensation(hole=1.1), "wall"),
-    (Compensation(profile=11), "compensation of the outline of bush"),
-    (Compensation(foot=11), "elephant-foot"),
-    (Compensation(hole=-1), "compensation of the hole of bush"),
-    (Compensation(shrinkage=0.9), "shrinkage"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "fit, quantity",
+    [
+        (Compensation(hole=1.1), "wall"),
+        (Compensation(profile=11), "compensation of the outline of bush"),
+        (Compensation(foot=11), "elephant-foot"),
+        (Compensation(hole=-1), "compensation of the hole of bush"),
+        (Compensation(shrinkage=0.9), "shrinkage"),
+    ],
+)
 def test_fits_that_leave_no_material(fit: Compensation, quantity: str) -> None:
     with pytest.raises(DesignError, match=quantity):
         compensated(bush(), fit)
@@ -157,7 +202,15 @@ def test_undone_bush_is_the_bush() -> None:
 def test_arcs_are_undone_exactly_and_fillets_close() -> None:
     half = Ring(np.array([5 + 0j, -5 + 0j]), np.array([1.0, 1.0]))
     assert grown(half, 0.5).points.tolist() == pytest.approx([5.5, -5.5])
-    concave = Contour((Line(0j, 6 + 0j), Line(6 + 0j, 6 + 6j), Line(6 + 6j, 3 + 2j), Line(3 + 2j, 6j), Line(6j, 0j)))
+    concave = Contour(
+        (
+            Line(0j, 6 + 0j),
+            Line(6 + 0j, 6 + 6j),
+            Line(6 + 6j, 3 + 2j),
+            Line(3 + 2j, 6j),
+            Line(6j, 0j),
+        )
+    )
     for tolerance in (1e-2, 1e-4):
         z = facet_contour(offset(concave, -0.3), tolerance)  # the notch at 3 + 2j comes out round
         back = grown(Ring(z, np.zeros(len(z))), 0.3)
@@ -169,7 +222,9 @@ def test_arcs_are_undone_exactly_and_fillets_close() -> None:
 
 def test_motion_survives_the_fits(root: Path) -> None:
     """The tip on the printed cam follows the wanted motion; on the compensated file itself it is far off."""
-    spec = UniformSwing.model_validate(tomllib.loads((root / "specs" / "uniform-swing.toml").read_text(encoding="utf-8")))
+    spec = UniformSwing.model_validate(
+        tomllib.loads((root / "specs" / "uniform-swing.toml").read_text(encoding="utf-8"))
+    )
     part, tip = next(p for p in spec.parts() if p.name == "cam"), spec.cam.follower
     fit = Compensation(hole=0.1, profile=0.12, shrinkage=0.004)
     made = compensated(part, fit)
@@ -197,10 +252,15 @@ def test_a_facetted_arc_comes_back_to_its_corner(distance: float) -> None:
     half = radius * math.cos(lean)
     shaft = Contour((arc, Line(complex(half, flat), complex(-half, flat))))
     points = facet_contour(offset(shaft, -distance), 0.001)
-    limit = (0.02 if distance > 0 else 0.05) * abs(distance)  # moved outwards the corner opens into an arc, which closes again
+    limit = (0.02 if distance > 0 else 0.05) * abs(
+        distance
+    )  # moved outwards the corner opens into an arc, which closes again
     back = grown(Ring(points, np.zeros(len(points))), distance)
     exact = facet_contour(shaft, 0.001)
-    far = max(float(np.max(point_to_ring(back.points, exact))), float(np.max(point_to_ring(exact, back.points))))
+    far = max(
+        float(np.max(point_to_ring(back.points, exact))),
+        float(np.max(point_to_ring(exact, back.points))),
+    )
     assert far < limit
 
 
@@ -213,10 +273,15 @@ def test_a_bore_keeps_its_centre(kind: str, hole: float) -> None:
     top = [] if kind == "flat" else [4 - 1j, 4 + 1j]
     around = [corner.conjugate(), *top, corner]
     start = math.asin(half / radius)
-    contour = Contour((Arc(0j, radius, start, 2 * (math.pi - start)), *map(Line, around, around[1:])))
+    contour = Contour(
+        (Arc(0j, radius, start, 2 * (math.pi - start)), *map(Line, around, around[1:]))
+    )
     z = facet_contour(offset(contour, hole), 0.001)
     back = grown(Ring(z, np.zeros(len(z))), -hole)
-    for found in (bore_circle(back, 2 * radius), *hole_circles(Shape(back, (back,)))[: kind == "flat"]):
+    for found in (
+        bore_circle(back, 2 * radius),
+        *hole_circles(Shape(back, (back,)))[: kind == "flat"],
+    ):
         assert abs(found.centre) < 5e-5 and found.diameter == pytest.approx(2 * radius, abs=1e-4)
 
 

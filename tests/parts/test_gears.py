@@ -28,7 +28,10 @@ def test_flanks_stay_in_touch_at_the_ratio(ratio: float) -> None:
     from shapely.affinity import rotate, translate
 
     a, b = pair(60.0, ratio, 0.0, 0.5, None, "gear")
-    first, second = (shapely.Polygon([(z.real, z.imag) for z in facet_contour(w.outline(), 1e-4)]) for w in (a, b))
+    first, second = (
+        shapely.Polygon([(z.real, z.imag) for z in facet_contour(w.outline(), 1e-4)])
+        for w in (a, b)
+    )
     second = translate(rotate(second, 180 + 180 / b.teeth, origin=(0, 0)), 60, 0)
     for turn in np.linspace(0, 360 / a.teeth, 7):
         one = rotate(first, turn, origin=(0, 0))

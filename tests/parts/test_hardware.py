@@ -15,7 +15,16 @@ from hypothesis import strategies as st
 from camgen.errors import DesignError
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, circle, polygon
-from camgen.parts.catalogue import BEARINGS, MOTOR_FACES, SCREW_LENGTHS, SCREWS, Bought, dowel, fastener, flange
+from camgen.parts.catalogue import (
+    BEARINGS,
+    MOTOR_FACES,
+    SCREW_LENGTHS,
+    SCREWS,
+    Bought,
+    dowel,
+    fastener,
+    flange,
+)
 from camgen.parts.hardware import Collet, headed, plate, rounded, spacer
 from camgen.parts.part import hull, with_bar
 from camgen.parts.solids import solid
@@ -43,7 +52,7 @@ def test_rounded_corners_and_fillet_of_an_angle(r: float, f: float, a: float, b:
     discs = [
         (complex(x + dx * abs(q), y + dy * abs(q)), q)
         for (x, y), (dx, dy), q in zip(corners, lean, radii, strict=True)
-    ]  # fmt: skip
+    ]
     made = rounded(discs)
     assert made.area == pytest.approx(9 * a + 9 * (b - 9) - CORNER * (5 * r * r - f * f), rel=1e-12)
     assert made.length == pytest.approx(2 * a + 2 * b - (2 - math.pi / 2) * (5 * r + f), rel=1e-12)
@@ -51,7 +60,9 @@ def test_rounded_corners_and_fillet_of_an_angle(r: float, f: float, a: float, b:
 
 def test_rounded_with_sharp_corners_is_the_polygon() -> None:
     places = [0j, 5 + 0j, 5 + 2j, 1 + 3j]
-    assert rounded([(z, 0.0) for z in places]).area == pytest.approx(polygon(places).area, rel=1e-14)
+    assert rounded([(z, 0.0) for z in places]).area == pytest.approx(
+        polygon(places).area, rel=1e-14
+    )
     with pytest.raises(ValueError, match="no tangent"):
         rounded([(0j, 5.0), (1 + 0j, 1.0), (20 + 0j, 1.0)])
 
@@ -64,7 +75,9 @@ def test_plate_with_an_edge_that_crosses_itself() -> None:
 def test_plate_names_what_meets_what() -> None:
     rim = circle(0j, 20)
     holes = {"bore": circle(0j, 5), "pin": circle(10 + 0j, 2), "slot": circle(-14 + 0j, 4)}
-    assert plate("cam", rim, holes, 1.9).area == pytest.approx(math.pi * (400 - 25 - 4 - 16), rel=1e-12)
+    assert plate("cam", rim, holes, 1.9).area == pytest.approx(
+        math.pi * (400 - 25 - 4 - 16), rel=1e-12
+    )
     for changed, names in (
         ({"pin": circle(6 + 0j, 2)}, "between bore and pin"),
         ({"slot": circle(-18 + 0j, 4)}, "between edge and slot"),
@@ -82,7 +95,9 @@ def test_plate_names_what_meets_what() -> None:
 
 def test_collet_and_ring_belong_together() -> None:
     sleeve, ring = COLLET.sleeve(0.8), COLLET.ring()
-    radii = [np.max(np.abs(facet_contour(layer.region.outer, 1e-4))) for layer in sleeve.layers[1::4]]
+    radii = [
+        np.max(np.abs(facet_contour(layer.region.outer, 1e-4))) for layer in sleeve.layers[1::4]
+    ]
     bores = [math.sqrt(layer.region.holes[0].area / math.pi) for layer in ring.layers]
     assert np.allclose(-np.diff(radii), 0.05) and np.allclose(-np.diff(bores), 0.05)
     first = round(COLLET.travel / (COLLET.length / COLLET.steps))
@@ -137,7 +152,13 @@ def test_headed_pin_and_spacer() -> None:
 # ---- standards -------------------------------------------------------------------------------------------------------
 
 # Bolt circle, mm (in where marked): piclist.com/techref/io/stepper/nemasizes.htm, a column of its own there.
-BOLT_CIRCLES = {"nema-8": 22.6, "nema-11": 32.5, "nema-14": 36.8, "nema-17": 1.725 * 25.4, "nema-23": 2.625 * 25.4}
+BOLT_CIRCLES = {
+    "nema-8": 22.6,
+    "nema-11": 32.5,
+    "nema-14": 36.8,
+    "nema-17": 1.725 * 25.4,
+    "nema-23": 2.625 * 25.4,
+}
 
 
 def test_motor_faces_agree_with_their_bolt_circles() -> None:
@@ -145,7 +166,11 @@ def test_motor_faces_agree_with_their_bolt_circles() -> None:
     for name, face in MOTOR_FACES.items():
         assert 2 * abs(face.screws[0]) == pytest.approx(BOLT_CIRCLES[name], abs=0.05)
         assert abs(sum(face.screws)) < 1e-12
-        assert face.boss / 2 + face.screw.clearance / 2 < abs(face.screws[0]) < face.half * math.sqrt(2)
+        assert (
+            face.boss / 2 + face.screw.clearance / 2
+            < abs(face.screws[0])
+            < face.half * math.sqrt(2)
+        )
         assert face.shaft < face.boss
 
 
@@ -153,10 +178,15 @@ def test_screws_and_bearings_are_plausible() -> None:
     for thread, screw in SCREWS.items():
         nominal = float(thread[1:])
         assert 1.09 * nominal <= screw.clearance <= 1.21 * nominal
-        assert screw.clearance + 1 < screw.head <= 2 * nominal and 0.5 * nominal <= screw.height <= nominal
+        assert (
+            screw.clearance + 1 < screw.head <= 2 * nominal
+            and 0.5 * nominal <= screw.height <= nominal
+        )
     for name, bearing in BEARINGS.items():
         # the last figure of 6xx is the bore; MRxyz: outside xy (or x), bore z
-        series = bearing.bore == float(name[-1]) and (name[:2] != "MR" or bearing.outside == float(name[2:-1]))
+        series = bearing.bore == float(name[-1]) and (
+            name[:2] != "MR" or bearing.outside == float(name[2:-1])
+        )
         assert series and bearing.bore < bearing.outside and bearing.width < bearing.outside
 
 
@@ -165,10 +195,20 @@ def test_lengths_that_are_sold() -> None:
     assert SCREWS["M2"].length(0.5) == 0
     for through in np.linspace(1, 97, 200):  # one table of lengths, whoever asks
         assert fastener("screw", "M3", through, 1).size == f"M3 x {SCREWS['M3'].through(through):g}"
-    assert fastener("screw", "M3", 99, 2) == Bought("screw", "DIN 976-1", "M3 x 104", 2) and 99 + 2.4 > max(SCREW_LENGTHS)
-    assert dowel(6.0, 12.2) == 12 and dowel(6.0, 11.9) == 0 and dowel(3.0, 13.9) == 12 and dowel(3.3, 50) == 0
+    assert fastener("screw", "M3", 99, 2) == Bought(
+        "screw", "DIN 976-1", "M3 x 104", 2
+    ) and 99 + 2.4 > max(SCREW_LENGTHS)
+    assert (
+        dowel(6.0, 12.2) == 12
+        and dowel(6.0, 11.9) == 0
+        and dowel(3.0, 13.9) == 12
+        and dowel(3.3, 50) == 0
+    )
     for thread, screw in SCREWS.items():
-        assert 1.5 * screw.nominal < screw.flats <= 2 * screw.nominal and 0.75 * screw.nominal < screw.nut < screw.nominal, thread
+        assert (
+            1.5 * screw.nominal < screw.flats <= 2 * screw.nominal
+            and 0.75 * screw.nominal < screw.nut < screw.nominal
+        ), thread
 
 
 def test_plain_flange() -> None:

@@ -23,13 +23,16 @@ def four_bar() -> tuple[list[lr.Band], list[lr.Axis]]:
     x = (far**2 + 60**2 - 50**2) / (2 * far)
     b = a + d / far * (x + 1j * np.sqrt(60**2 - x**2))
     bands = [
-        lr.Band("crank", np.array([0 * STILL, a]), 5), lr.Band("coupler", np.array([a, b]), 5),
+        lr.Band("crank", np.array([0 * STILL, a]), 5),
+        lr.Band("coupler", np.array([a, b]), 5),
         lr.Band("rocker", np.array([70 * STILL, b]), 5),
-    ]  # fmt: skip
+    ]
     axes = [
-        lr.Axis("O", ("crank",), 0j * STILL, 4, True, 0), lr.Axis("A", ("crank", "coupler"), a, 4),
-        lr.Axis("B", ("coupler", "rocker"), b, 4), lr.Axis("C", ("rocker",), 70 + 0j * STILL, 4, True),
-    ]  # fmt: skip
+        lr.Axis("O", ("crank",), 0j * STILL, 4, True, 0),
+        lr.Axis("A", ("crank", "coupler"), a, 4),
+        lr.Axis("B", ("coupler", "rocker"), b, 4),
+        lr.Axis("C", ("rocker",), 70 + 0j * STILL, 4, True),
+    ]
     return bands, axes
 
 
@@ -40,14 +43,26 @@ def test_distance_is_that_of_polygons() -> None:
     for corners in ((1, 2), (2, 2), (2, 3), (3, 4), (1, 3)):
         shapes = []
         for k in corners:
-            points = chance.uniform(-1, 1, (k, 50)) + 1j * chance.uniform(-1, 1, (k, 50)) + chance.uniform(-1, 1, 50)
+            points = (
+                chance.uniform(-1, 1, (k, 50))
+                + 1j * chance.uniform(-1, 1, (k, 50))
+                + chance.uniform(-1, 1, 50)
+            )
             if k > 2:
-                points = np.array([points[:, j][np.argsort(np.angle(points[:, j] - points[:, j].mean()))] for j in range(50)]).T
+                points = np.array(
+                    [
+                        points[:, j][np.argsort(np.angle(points[:, j] - points[:, j].mean()))]
+                        for j in range(50)
+                    ]
+                ).T
                 points = points[:3]
             shapes.append(points)
         found = distance(*shapes)
         for j in range(50):
-            hulls = [shapely.MultiPoint([(z.real, z.imag) for z in shape[:, j]]).convex_hull for shape in shapes]
+            hulls = [
+                shapely.MultiPoint([(z.real, z.imag) for z in shape[:, j]]).convex_hull
+                for shape in shapes
+            ]
             assert found[j] == pytest.approx(hulls[0].distance(hulls[1]), abs=1e-12)
 
 
@@ -56,16 +71,26 @@ def test_four_bar_lies_on_two_levels() -> None:
 
 
 def test_levels_that_are_given_are_kept() -> None:
-    assert lv.levels(*four_bar(), THETA, 0.2, {"rocker": 4}) == {"crank": 1, "coupler": 2, "rocker": 4}
+    assert lv.levels(*four_bar(), THETA, 0.2, {"rocker": 4}) == {
+        "crank": 1,
+        "coupler": 2,
+        "rocker": 4,
+    }
 
 
 def test_what_must_lie_over_another_does() -> None:
     bands, axes = four_bar()
-    assert lv.levels(bands, axes, THETA, 0.2, over=[("rocker", "coupler")]) == {"crank": 1, "coupler": 2, "rocker": 3}
+    assert lv.levels(bands, axes, THETA, 0.2, over=[("rocker", "coupler")]) == {
+        "crank": 1,
+        "coupler": 2,
+        "rocker": 3,
+    }
 
 
 @pytest.mark.parametrize("given", [{}, {"rocker": 2}, {"crank": 2}, {"coupler": 3}])
-def test_the_integer_program_finds_what_all_orders_give(monkeypatch: pytest.MonkeyPatch, given: dict[str, int]) -> None:
+def test_the_integer_program_finds_what_all_orders_give(
+    monkeypatch: pytest.MonkeyPatch, given: dict[str, int]
+) -> None:
     every = lv.levels(*four_bar(), THETA, 0.2, given)
     monkeypatch.setattr(lv, "search", lambda *_: None)
     assert lv.levels(*four_bar(), THETA, 0.2, given) == every
@@ -76,18 +101,29 @@ def test_spans_of_what_meets_never_share_a_level() -> None:
     found = lv.levels(bands, axes, THETA, 0.2)
     for band in bands:
         for axis in axes:
-            if band.name not in axis.links and distance(band.corners, axis.place[None]).min() < band.radius + axis.radius:
+            if (
+                band.name not in axis.links
+                and distance(band.corners, axis.place[None]).min() < band.radius + axis.radius
+            ):
                 (low, high), (at, _) = lr.span(axis, found), lr.span(band, found)
                 assert at < low or at > high
 
 
 @pytest.mark.parametrize("over, level", [(0, 2), (1, 3), (2, 4)])
-def test_what_passes_a_cover_lies_over_it(monkeypatch: pytest.MonkeyPatch, over: int, level: int) -> None:
+def test_what_passes_a_cover_lies_over_it(
+    monkeypatch: pytest.MonkeyPatch, over: int, level: int
+) -> None:
     """A wall takes so many levels over its link on level 1; what crosses it lies on the next one, by both searches."""
-    bands = [lr.Band("runner", np.array([0 * STILL, 10 * STILL]), 2), lr.Band("other", np.array([5j * STILL, 30j * STILL]), 2)]
+    bands = [
+        lr.Band("runner", np.array([0 * STILL, 10 * STILL]), 2),
+        lr.Band("other", np.array([5j * STILL, 30j * STILL]), 2),
+    ]
     walls = [lr.Wall("cover", np.array([5j * STILL]), 3, "runner", "", over)]
     for _ in range(2):
-        assert lv.levels(bands, [], THETA, 0.2, {"runner": 1}, walls) == {"runner": 1, "other": level}
+        assert lv.levels(bands, [], THETA, 0.2, {"runner": 1}, walls) == {
+            "runner": 1,
+            "other": level,
+        }
         monkeypatch.setattr(lv, "search", lambda *_: None)
 
 
@@ -103,8 +139,11 @@ def test_a_pin_in_the_way_is_named() -> None:
 def crossed() -> tuple[list[lr.Band], list[lr.Axis]]:
     """Two links on one pin of the ground, and a third right across it."""
     pin = 0j * STILL
-    bands = [lr.Band("low", np.array([pin, pin + 30]), 5), lr.Band("high", np.array([pin, pin - 30]), 5),
-             lr.Band("across", np.array([pin + 20j, pin - 20j]), 5)]  # fmt: skip
+    bands = [
+        lr.Band("low", np.array([pin, pin + 30]), 5),
+        lr.Band("high", np.array([pin, pin - 30]), 5),
+        lr.Band("across", np.array([pin + 20j, pin - 20j]), 5),
+    ]
     return bands, [lr.Axis("C", ("low", "high"), pin, 4, True, far=True)]
 
 
@@ -126,15 +165,24 @@ def test_a_shaft_that_must_stand_on_the_lower_plate_is_in_the_way() -> None:
     with pytest.raises(DesignError, match="cannot pass.*across and C"):
         lv.levels(bands, [shaft], THETA, 0.2, {"low": 2, "high": 3, "across": 1})
     apart = lr.Axis("C", axis.links, axis.place, 4, True, 0, far=True, low=("low",), high=("high",))
-    assert lv.levels(bands, [apart], THETA, 0.2, over=[("high", "low")]) == {"low": 1, "across": 2, "high": 3}
+    assert lv.levels(bands, [apart], THETA, 0.2, over=[("high", "low")]) == {
+        "low": 1,
+        "across": 2,
+        "high": 3,
+    }
 
 
 def beside(far: bool = True) -> tuple[list[lr.Band], list[lr.Axis]]:
     """Two links, each on a pin of the ground, which stand 3 mm apart: no plate has room for the heads of both."""
     one, other = 0j * STILL, 3 + 0j * STILL
-    bands = [lr.Band("low", np.array([one, one - 30]), 5), lr.Band("high", np.array([other, other + 30]), 5)]
-    return bands, [lr.Axis("O", ("low",), one, 4, True, far=far, low=("low",) if far else ()),
-                   lr.Axis("C", ("high",), other, 4, True, far=far)]  # fmt: skip
+    bands = [
+        lr.Band("low", np.array([one, one - 30]), 5),
+        lr.Band("high", np.array([other, other + 30]), 5),
+    ]
+    return bands, [
+        lr.Axis("O", ("low",), one, 4, True, far=far, low=("low",) if far else ()),
+        lr.Axis("C", ("high",), other, 4, True, far=far),
+    ]
 
 
 def test_pins_side_by_side_are_held_by_a_plate_each() -> None:
@@ -154,14 +202,26 @@ def test_a_pin_beside_a_motors_own_shaft_hangs_from_the_upper_plate() -> None:
     assert found is not None and lv.cuts(bands, axes, (), 0.2, found) == {"C": 0}
 
 
-def running(far: bool, across: complex = 1j) -> tuple[list[lr.Band], list[lr.Axis], list[lr.Opening]]:
+def running(
+    far: bool, across: complex = 1j
+) -> tuple[list[lr.Band], list[lr.Axis], list[lr.Opening]]:
     """Two pins that run to and fro in slots through the origin, each there when the other is at its end."""
     one, other = 20 * np.cos(THETA) + 0j, 20 * np.sin(THETA) * across
-    bands = [lr.Band("a", np.array([one, one + 9]), 3), lr.Band("b", np.array([other, other + 9 * across]), 3)]
+    bands = [
+        lr.Band("a", np.array([one, one + 9]), 3),
+        lr.Band("b", np.array([other, other + 9 * across]), 3),
+    ]
     places = {"P": ("a", one), "Q": ("b", other)}
-    axes = [lr.Axis(f"pin {name}", (link,), at, 4, True, far=far, runs=True) for name, (link, at) in places.items()]
+    axes = [
+        lr.Axis(f"pin {name}", (link,), at, 4, True, far=far, runs=True)
+        for name, (link, at) in places.items()
+    ]
     ends = [np.array([-20 * way * STILL, 20 * way * STILL]) for way in (1, across)]
-    return bands, axes, [lr.Opening(f"slot {k}", ends[k], 3.0, axis.name) for k, axis in enumerate(axes)]
+    return (
+        bands,
+        axes,
+        [lr.Opening(f"slot {k}", ends[k], 3.0, axis.name) for k, axis in enumerate(axes)],
+    )
 
 
 def test_slots_that_cross_are_in_a_plate_each() -> None:
@@ -190,4 +250,6 @@ def test_a_pin_in_a_slot_ends_in_one_plate() -> None:
     bands, axes, openings = running(True)
     alone = bands[:1], axes[:1], openings[:1]
     found = lv.levels(alone[0], alone[1], THETA, 0.2, openings=alone[2])
-    assert found == {"a": 1} and lv.cuts(alone[0], alone[1], (), 0.2, found, alone[2]) == {"pin P": 1}
+    assert found == {"a": 1} and lv.cuts(alone[0], alone[1], (), 0.2, found, alone[2]) == {
+        "pin P": 1
+    }

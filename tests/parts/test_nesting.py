@@ -29,13 +29,21 @@ def test_gap_edge_and_density():
     assert None not in spots
     area = used = 0.0
     for number in range(1 + max(spot.sheet for spot in spots)):
-        here = [placed(ring, spot) for ring, spot in zip(rings, spots, strict=True) if spot.sheet == number]
-        apart = shapely.STRtree(here).query_nearest(here, exclusive=True, all_matches=False, return_distance=True)[1]
+        here = [
+            placed(ring, spot)
+            for ring, spot in zip(rings, spots, strict=True)
+            if spot.sheet == number
+        ]
+        apart = shapely.STRtree(here).query_nearest(
+            here, exclusive=True, all_matches=False, return_distance=True
+        )[1]
         boxes = shapely.bounds(here)
         assert apart.min() >= gap and boxes[:, :2].min() >= gap / 2
         assert boxes[:, 2].max() <= sheet[0] - gap / 2 and boxes[:, 3].max() <= sheet[1] - gap / 2
         area += sum(polygon.area for polygon in here)
-        used += sheet[1] * (boxes[:, 2].max() if number == max(spot.sheet for spot in spots) else sheet[0])
+        used += sheet[1] * (
+            boxes[:, 2].max() if number == max(spot.sheet for spot in spots) else sheet[0]
+        )
     boxes = sum((np.ptp(ring.real) + gap) * (np.ptp(ring.imag) + gap) for ring in rings)
     assert area < used < boxes  # better than boxes could lie without any loss
     assert spots == nest(rings, sheet, gap)

@@ -17,24 +17,46 @@ from camgen.pipeline.build import build
 from camgen.pipeline.jobs import read_mechanism
 
 SPECS = starters.folder()
-HUB = ("parts.hub_height=8", "parts.hub_diameter=21", "parts.set_screw=M3", "load.mass_kg=0.2", "spring.preload=20")
-MOTOR = ("parts.make='machine'", "bodies.motor=nema-17", "bodies.shaft_diameter=5.0", "bodies.shaft_flat=0.5",
-         "bodies.set_screw=M3")  # fmt: skip
+HUB = (
+    "parts.hub_height=8",
+    "parts.hub_diameter=21",
+    "parts.set_screw=M3",
+    "load.mass_kg=0.2",
+    "spring.preload=20",
+)
+MOTOR = (
+    "parts.make='machine'",
+    "bodies.motor=nema-17",
+    "bodies.shaft_diameter=5.0",
+    "bodies.shaft_flat=0.5",
+    "bodies.set_screw=M3",
+)
 
 
 @pytest.mark.parametrize(
-    "hub", [SetScrewHub("M3", 5.0, 0.5, 0.8, 2.0), SetScrewHub("M3", 8.0, 0.0, 0.8, 2.0), SetScrewHub("M3", 6.35, 1.8, 1.0, 2.0),
-            SetScrewHub("M2", 4.0, 0.0, 0.8, 2.0)]
-)  # fmt: skip
+    "hub",
+    [
+        SetScrewHub("M3", 5.0, 0.5, 0.8, 2.0),
+        SetScrewHub("M3", 8.0, 0.0, 0.8, 2.0),
+        SetScrewHub("M3", 6.35, 1.8, 1.0, 2.0),
+        SetScrewHub("M2", 4.0, 0.0, 0.8, 2.0),
+    ],
+)
 def test_the_hub_is_a_sound_solid_with_room_for_its_nut(hub: SetScrewHub) -> None:
     part, screw = hub.collar(), SCREWS[hub.thread]
     mesh = solid(part, 0.005)
     assert mesh.volume == pytest.approx(part.volume, rel=2e-3)
     plain, pocket, cut, top = part.layers
-    assert pocket.region.holes[1].area == pytest.approx((screw.flats + 0.2) * (screw.nut + 0.2))  # the nut and 0.1 mm around it
-    assert part.thickness - plain.z1 == pytest.approx(2 * screw.flats / math.sqrt(3) + 0.2)  # it stands on a corner
+    assert pocket.region.holes[1].area == pytest.approx(
+        (screw.flats + 0.2) * (screw.nut + 0.2)
+    )  # the nut and 0.1 mm around it
+    assert part.thickness - plain.z1 == pytest.approx(
+        2 * screw.flats / math.sqrt(3) + 0.2
+    )  # it stands on a corner
     assert cut.z1 - cut.z0 == pytest.approx(screw.clearance) and not cut.region.holes
-    assert (cut.z0 + cut.z1) / 2 == pytest.approx((plain.z1 + part.thickness) / 2)  # the screw meets the nut's middle
+    assert (cut.z0 + cut.z1) / 2 == pytest.approx(
+        (plain.z1 + part.thickness) / 2
+    )  # the screw meets the nut's middle
     assert cut.region.area < pocket.region.area == pytest.approx(top.region.area)
 
 
@@ -49,7 +71,13 @@ def test_a_hub_too_small_and_a_screw_too_thick_are_refused() -> None:
 
 def test_what_a_set_screw_holds_is_that_of_the_cited_table() -> None:
     """Cup points on steel, lb in and lb: the axial force over that of the screw at its torque is HOLDS, within a quarter."""
-    for diameter, torque, axial in ((0.112, 5.2, 50), (0.190, 36, 200), (0.25, 87, 400), (0.375, 290, 1000), (0.5, 620, 1500)):
+    for diameter, torque, axial in (
+        (0.112, 5.2, 50),
+        (0.190, 36, 200),
+        (0.25, 87, 400),
+        (0.375, 290, 1000),
+        (0.5, 620, 1500),
+    ):
         assert axial / (torque / (0.2 * diameter)) == pytest.approx(0.22, rel=0.25)
 
 
@@ -61,7 +89,9 @@ def test_slip_holds_and_fails_and_a_flat_is_not_judged() -> None:
     assert slips() == [False] and slips("load.mass_kg=0.01", "spring.preload=5") == [True]
     assert slips("parts.shaft=d-flat") == []
     numbers = assess(read_mechanism(SPECS / "disc-cam.toml", HUB)).study.numbers
-    face = math.sqrt(3) / 2 * 5.5**2 - 3.4**2  # of an M3 nut, mm^2; PLA bears 20 MPa across its layers
+    face = (
+        math.sqrt(3) / 2 * 5.5**2 - 3.4**2
+    )  # of an M3 nut, mm^2; PLA bears 20 MPa across its layers
     assert numbers["set_screw_holds_n_m"] == pytest.approx(0.2 * 20 * face * 4e-3)
 
 
@@ -77,9 +107,15 @@ def test_faults_of_a_set_screw() -> None:
 
 
 def test_a_collar_stands_in_parts_list_steps_reach_and_sweep() -> None:
-    made, without = (read_mechanism(SPECS / "disc-cam.toml", settings) for settings in (MOTOR, MOTOR[:-1]))
-    assert "shaft-collar" in {part.name for part in made.parts()} - {part.name for part in without.parts()}
-    assert {"set screw of the hub", "nut of the set screw"} <= {thing.name for thing in made.bought()}
+    made, without = (
+        read_mechanism(SPECS / "disc-cam.toml", settings) for settings in (MOTOR, MOTOR[:-1])
+    )
+    assert "shaft-collar" in {part.name for part in made.parts()} - {
+        part.name for part in without.parts()
+    }
+    assert {"set screw of the hub", "nut of the set screw"} <= {
+        thing.name for thing in made.bought()
+    }
     assert any("shaft-collar" in row for row in made.steps().rows)
     assert made.shaft_needed is not None and without.shaft_needed is not None
     assert made.shaft_needed > without.shaft_needed + 5
@@ -91,4 +127,6 @@ def test_a_collar_stands_in_parts_list_steps_reach_and_sweep() -> None:
 def test_a_hub_with_a_set_screw_is_proven_from_its_files(tmp_path: Path) -> None:
     made = read_mechanism(SPECS / "disc-cam.toml", (*HUB, "parts.shaft=d-flat"))
     report = build(made, tmp_path, frozenset({"stl"}))
-    assert report.ok and {"ROUND_TRIP", "VOLUME", "WATERTIGHT"} <= {each.code for each in report.findings}
+    assert report.ok and {"ROUND_TRIP", "VOLUME", "WATERTIGHT"} <= {
+        each.code for each in report.findings
+    }

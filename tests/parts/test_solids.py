@@ -21,7 +21,11 @@ TOLERANCE = 1e-3
 
 def oval(mean=28.0, wave=3.0, shift=6.0):
     def curve(t, order):
-        rho, d, dd = mean + wave * np.cos(2 * t), -2 * wave * np.sin(2 * t), -4 * wave * np.cos(2 * t)
+        rho, d, dd = (
+            mean + wave * np.cos(2 * t),
+            -2 * wave * np.sin(2 * t),
+            -4 * wave * np.cos(2 * t),
+        )
         u = np.exp(1j * t)
         return [rho * u + shift, (d + 1j * rho) * u, (dd + 2j * d - rho) * u][order]
 
@@ -30,14 +34,26 @@ def oval(mean=28.0, wave=3.0, shift=6.0):
 
 def cam():
     pin = 12 * cmath.exp(-1j)
-    holes = (keyed_bore(10, 3, 1.4), kidney(0, 18, 4, 0.4, 1.0), kidney(0, 18, 4, 2.6, 0.7), circle(pin, 1.5))
+    holes = (
+        keyed_bore(10, 3, 1.4),
+        kidney(0, 18, 4, 0.4, 1.0),
+        kidney(0, 18, 4, 2.6, 0.7),
+        circle(pin, 1.5),
+    )
     return Part("cam", "Cam", (Layer(Region(oval(), holes), 0, 6),), 2, (), (0j, pin))
 
 
 def hub():
     disc = Layer(Region(oval(), (circle(0, 4), kidney(0, 18, 4, 0.4, 1.0))), 0, 6)
     boss = Layer(Region(circle(0, 9), (circle(0, 4),)), 6, 12)
-    return Part("hub", "Hub", (disc, boss), 1, (Layer(Region(polygon([-18, -12, -15 + 5j])), 5.5, 6),), (0j,))
+    return Part(
+        "hub",
+        "Hub",
+        (disc, boss),
+        1,
+        (Layer(Region(polygon([-18, -12, -15 + 5j])), 5.5, 6),),
+        (0j,),
+    )
 
 
 def edge_balance(mesh: Mesh):
@@ -55,7 +71,9 @@ def test_closed_oriented_float32_clean(part):
     assert not np.any(np.signbit(mesh.vertices) & (mesh.vertices == 0))
     assert len(np.unique(mesh.vertices, axis=0)) == len(mesh.vertices)
     triangles = mesh.vertices[mesh.faces]
-    area = np.linalg.norm(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1)
+    area = np.linalg.norm(
+        np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1
+    )
     assert area.min() > 0
     # facets are off by at most the tolerance along all edges
     slack = sum(TOLERANCE * layer.region.length * (layer.z1 - layer.z0) for layer in part.layers)
@@ -102,14 +120,19 @@ def test_clockwise_input_is_the_same_solid():
     region = part.region
     other = Region(region.outer.reversed(), tuple(hole.reversed() for hole in region.holes))
     assert math.isclose(
-        solid(Part("cam", "", (Layer(other, 0, 6),)), TOLERANCE).volume, solid(part, TOLERANCE).volume, rel_tol=1e-9
+        solid(Part("cam", "", (Layer(other, 0, 6),)), TOLERANCE).volume,
+        solid(part, TOLERANCE).volume,
+        rel_tol=1e-9,
     )
 
 
 def test_same_part_same_arrays():
     for make in (cam, hub):
         one, two = solid(make(), TOLERANCE), solid(make(), TOLERANCE)
-        assert one.vertices.tobytes() == two.vertices.tobytes() and one.faces.tobytes() == two.faces.tobytes()
+        assert (
+            one.vertices.tobytes() == two.vertices.tobytes()
+            and one.faces.tobytes() == two.faces.tobytes()
+        )
 
 
 BOW_TIE = polygon([0, 10 + 10j, 10, 10j])
@@ -172,14 +195,18 @@ def covers(loops):
     doubled = np.imag(np.conj(b - a) * (c - a))
     polygons = [np.column_stack([loop.real, loop.imag]) for loop in loops]
     assert doubled.min() > 0
-    assert math.isclose(doubled.sum() / 2, shapely.Polygon(polygons[0], polygons[1:]).area, rel_tol=1e-9)
+    assert math.isclose(
+        doubled.sum() / 2, shapely.Polygon(polygons[0], polygons[1:]).area, rel_tol=1e-9
+    )
     assert set(faces.ravel()) == set(range(len(z)))
     return z
 
 
 def wavy(n, waves, depth):
     phi = np.arange(n) * (2 * np.pi / n)
-    return ((40 + depth * np.cos(waves * phi)) * np.exp(1j * phi)).astype(np.complex64).astype(complex)
+    return (
+        ((40 + depth * np.cos(waves * phi)) * np.exp(1j * phi)).astype(np.complex64).astype(complex)
+    )
 
 
 @pytest.mark.parametrize(("waves", "depth"), [(3, 5.0), (40, 3.0), (1, 12.0)])
@@ -203,7 +230,12 @@ def test_long_rings_with_corners():
 
 
 @settings(max_examples=25)
-@given(st.floats(10, 60), st.floats(0, 0.08), st.floats(-2, 2), st.sampled_from([1e-1, 1e-2, 1e-3, 1e-4]))
+@given(
+    st.floats(10, 60),
+    st.floats(0, 0.08),
+    st.floats(-2, 2),
+    st.sampled_from([1e-1, 1e-2, 1e-3, 1e-4]),
+)
 def test_volume_lies_within_the_facets(mean, wave, shift, tolerance):
     part = Part("p", "", (Layer(Region(oval(mean, wave * mean, shift), (circle(0, 3),)), 0, 5),))
     mesh = solid(part, tolerance)

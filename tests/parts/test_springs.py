@@ -35,7 +35,9 @@ def test_stress_of_shigleys_spring() -> None:
     wahl = (4 * index - 1) / (4 * index - 4) + 0.615 / index
     theirs = bergstraesser * 8 * force * mean / (math.pi * wire**3)
     assert bergstraesser == pytest.approx(1.124, abs=1e-3)
-    assert ours == pytest.approx(theirs, rel=1e-9) and ours != pytest.approx(theirs * wahl / bergstraesser, rel=2e-3)
+    assert ours == pytest.approx(theirs, rel=1e-9) and ours != pytest.approx(
+        theirs * wahl / bergstraesser, rel=2e-3
+    )
     said = guide.entries()["SPRING_STRESS"]
     assert "Bergstraesser" in said and "Wahl" not in said
     assert theirs / 6.894757 == pytest.approx(146, rel=0.01)
@@ -51,9 +53,14 @@ def test_surge_is_half_the_root_of_rate_over_mass() -> None:
 def test_a_spring_to_be_wound_does_what_is_asked() -> None:
     found = wound(0.5, 12.0, 20.0)
     assert found is not None and not found.made
-    assert found.spring.force(found.shortest) == pytest.approx(12) and found.spring.force(found.longest) == pytest.approx(22)
+    assert found.spring.force(found.shortest) == pytest.approx(12) and found.spring.force(
+        found.longest
+    ) == pytest.approx(22)
     assert found.spring.stress(found.longest) <= found.spring.strength
-    assert found.longest - found.shortest == pytest.approx(20) and found.spring.free >= found.spring.least_free() - 1e-9
+    assert (
+        found.longest - found.shortest == pytest.approx(20)
+        and found.spring.free >= found.spring.least_free() - 1e-9
+    )
     soft = wound(0.0, 9.0, 10.0)
     assert soft is not None and soft.spring.force(soft.longest) == pytest.approx(12)
     assert wound(1000.0, 1e5, 100.0) is None
@@ -62,6 +69,9 @@ def test_a_spring_to_be_wound_does_what_is_asked() -> None:
 def test_the_list_of_parts_says_how_long_its_legs_are() -> None:
     """12 coils of 1 mm wire lie closed over 13 mm; of 53 mm inside the eyes 20 are left at each end."""
     told = ExtensionSpring(1.0, 11.0, 12.0, 53.0, 0.85).bought(60.0, 70.0)
-    assert "free length 53 inside the eyes: closed coils of 13 and a leg of 20 at each end" in told.size
+    assert (
+        "free length 53 inside the eyes: closed coils of 13 and a leg of 20 at each end"
+        in told.size
+    )
     round_eyes = ExtensionSpring(1.0, 11.0, 12.0, 13.0 + 2 * 9.0, 0.85).bought(40.0, 50.0)
     assert "closed coils of 13, 0.85 N/mm" in round_eyes.size

@@ -25,12 +25,17 @@ UNTIMED = 9  # columns of its tables that hold no file sizes and no seconds
 @pytest.fixture(scope="module")
 def benches() -> dict[str, Bench]:
     specs = Path(__file__).resolve().parents[2] / "specs"
-    return {name: measure(specs / f"{name}.toml", COARSE if name == "uniform-swing" else COARSE[:2]) for name in STARTERS}
+    return {
+        name: measure(specs / f"{name}.toml", COARSE if name == "uniform-swing" else COARSE[:2])
+        for name in STARTERS
+    }
 
 
 def cells(text: str) -> list[list[str]]:
     """The rows of figures of the tables in a text in markdown."""
-    return [line.strip("| ").split(" | ") for line in text.splitlines() if re.match(r"\| [0-9]", line)]
+    return [
+        line.strip("| ").split(" | ") for line in text.splitlines() if re.match(r"\| [0-9]", line)
+    ]
 
 
 def figures(cell: str) -> list[float]:
@@ -64,7 +69,11 @@ def test_counts_and_errors_of_the_swing_cam(benches: dict[str, Bench]) -> None:
         for kind in ("dxf", "stl"):
             assert 0.9 * row.tolerance < row.outline[kind] <= row.tolerance * (1 + 1e-6) + 4e-6
             # an outline that is off by e turns an arm of 67 mm by e / (67.08 cos 58.3 deg) at the most
-            assert row.motion[kind] <= math.degrees(row.tolerance / (67.08 * math.cos(math.radians(58.31)))) * 1.05 + 1e-5
+            assert (
+                row.motion[kind]
+                <= math.degrees(row.tolerance / (67.08 * math.cos(math.radians(58.31)))) * 1.05
+                + 1e-5
+            )
         assert set(row.seconds) == set(benchmark.STAGES) and min(row.size.values()) > 0
         assert row.size["stl"] == 84 + 50 * ((row.size["stl"] - 84) // 50)
         assert not row.faults
@@ -78,13 +87,22 @@ def test_looper_is_exact_but_for_float32(benches: dict[str, Bench]) -> None:
         assert not row.ripple
 
 
-def made_up(stl: Sequence[float], dxf: Sequence[float], tolerances: Sequence[float] = benchmark.TOLERANCES) -> Bench:
+def made_up(
+    stl: Sequence[float], dxf: Sequence[float], tolerances: Sequence[float] = benchmark.TOLERANCES
+) -> Bench:
     """Rows with these motion errors and outlines just within the tolerance."""
     rows = [
-        Row(t, round(13 / math.sqrt(t)), 13 / math.sqrt(t), round(5 * t ** (-1 / 3)), 4 * t ** (-1 / 3),
-            {"dxf": t, "stl": max(t, 2e-6)}, {"dxf": d, "stl": s})
+        Row(
+            t,
+            round(13 / math.sqrt(t)),
+            13 / math.sqrt(t),
+            round(5 * t ** (-1 / 3)),
+            4 * t ** (-1 / 3),
+            {"dxf": t, "stl": max(t, 2e-6)},
+            {"dxf": d, "stl": s},
+        )
         for t, s, d in zip(tolerances, stl, dxf, strict=True)
-    ]  # fmt: skip
+    ]
     return Bench("made-up", "motion", "deg", ["cam"], rows)
 
 
@@ -94,14 +112,19 @@ def test_sentences_tell_where_float32_takes_over() -> None:
     said = " ".join(sentences(made_up(list(np.maximum(1.6 * t, 3.2e-6)), list(1.6 * t))))
     assert "Below 2e-6 mm the float32 of STL sets the motion error, 3e-6 deg" in said
     assert "motion error of the DXF follows the tolerance down to 1e-7 mm: 2e-7 deg" in said
-    assert "grow with the power 0.50 of 1 / tolerance (theory: up to 1/2), 1.00 times the least at 0.1 mm" in said
+    assert (
+        "grow with the power 0.50 of 1 / tolerance (theory: up to 1/2), 1.00 times the least at 0.1 mm"
+        in said
+    )
     assert "grow with the power 0.33 of 1 / tolerance (theory: up to 1/3), 1.28 times" in said
 
 
 def test_sentences_of_other_courses() -> None:
     """An STL that keeps up, an error that the tolerance has no part in, and one that is none."""
     t = np.array(benchmark.TOLERANCES)
-    assert "STL follows the tolerance down to 1e-7 mm" in " ".join(sentences(made_up(list(t), list(t))))
+    assert "STL follows the tolerance down to 1e-7 mm" in " ".join(
+        sentences(made_up(list(t), list(t)))
+    )
     flat = " ".join(sentences(made_up([4e-7] * 7, [1e-13] * 7)))
     assert "of the STL is 4e-7 deg, whatever the tolerance: the float32 of STL sets it" in flat
     assert "The DXF is exact at every tolerance" in flat
@@ -124,19 +147,32 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("quick")
-def test_command_prints_and_writes(root: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_command_prints_and_writes(
+    root: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert run("bench", root / "specs" / "disc-cam.toml", "-o", tmp_path) == 0
     printed = capsys.readouterr().out
-    assert "disc-cam, accuracy" in printed and "disc-cam, cost" in printed and "times the least" in printed
+    assert (
+        "disc-cam, accuracy" in printed
+        and "disc-cam, cost" in printed
+        and "times the least" in printed
+    )
     folder = tmp_path / benchmark_report.FOLDER
     assert {path.name for path in folder.iterdir()} == {
-        "bench.csv", "bench.md", "disc-cam-counts.svg", "disc-cam-errors.svg", "manifest.json"}  # fmt: skip
+        "bench.csv",
+        "bench.md",
+        "disc-cam-counts.svg",
+        "disc-cam-errors.svg",
+        "manifest.json",
+    }
     with open(folder / "bench.csv", encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     assert [float(row["tolerance_mm"]) for row in rows] == [1e-1, 1e-2]
     assert all(float(row["outline_mm_dxf"]) <= float(row["tolerance_mm"]) for row in rows)
     assert "tolerance, slope 1" in (folder / "disc-cam-errors.svg").read_text(encoding="utf-8")
-    assert run("bench", root / "specs" / "disc-cam.toml", "-o", tmp_path) == 0  # replaces its own result
+    assert (
+        run("bench", root / "specs" / "disc-cam.toml", "-o", tmp_path) == 0
+    )  # replaces its own result
 
 
 @pytest.mark.usefixtures("quick")
@@ -144,7 +180,9 @@ def test_exit_codes(root: Path, tmp_path: Path, capsys: pytest.CaptureFixture[st
     spec = (root / "specs" / "uniform-swing.toml").read_text(encoding="utf-8")
     wrong, impossible = tmp_path / "wrong.toml", tmp_path / "impossible.toml"
     wrong.write_text(spec.replace("pivot_distance", "pivot_distanse"), encoding="utf-8")
-    impossible.write_text(re.sub(r"(?m)^arm_offset = .*$", "arm_offset = 1.0", spec), encoding="utf-8")
+    impossible.write_text(
+        re.sub(r"(?m)^arm_offset = .*$", "arm_offset = 1.0", spec), encoding="utf-8"
+    )
     assert run("bench", wrong, "-o", tmp_path / "out") == 2
     assert run("bench", impossible, "-o", tmp_path / "out") == 3
     assert run("bench", tmp_path / "none.toml", "-o", tmp_path / "out") == 4
@@ -170,6 +208,12 @@ def test_a_damaged_file_is_told(
     monkeypatch.setattr(benchmark, "write_stl", damaged)
     assert run("bench", root / "specs" / "disc-cam.toml", "-o", tmp_path) == 1
     assert "at 0.1 mm: WATERTIGHT" in capsys.readouterr().out
-    with open(tmp_path / benchmark_report.FOLDER / "bench.csv", encoding="utf-8", newline="") as file:
+    with open(
+        tmp_path / benchmark_report.FOLDER / "bench.csv", encoding="utf-8", newline=""
+    ) as file:
         row = next(csv.DictReader(file))
-    assert row["motion_stl"] == row["outline_mm_stl"] == "" and row["motion_dxf"] and "WATERTIGHT" in row["faults"]
+    assert (
+        row["motion_stl"] == row["outline_mm_stl"] == ""
+        and row["motion_dxf"]
+        and "WATERTIGHT" in row["faults"]
+    )

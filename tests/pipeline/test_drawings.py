@@ -37,7 +37,10 @@ def fits(found: Facts) -> dict[complex, str]:
 
 def test_pins_of_a_linkage_are_pressed_in_one_link_and_turn_in_the_other() -> None:
     _, found = facts("linkage")
-    assert fits(found["ground"]) == {0: "slide on Ø6", 70: "press on Ø5"}  # the plate's screws are no fits
+    assert fits(found["ground"]) == {
+        0: "slide on Ø6",
+        70: "press on Ø5",
+    }  # the plate's screws are no fits
     assert fits(found["crank"]) == {0: "press on Ø6", 20: "press on Ø5"}
     assert fits(found["coupler"]) == {0: "slide on Ø5", 60: "slide on Ø5"}
     assert fits(found["rocker"]) == {0: "slide on Ø5", 50: "press on Ø5"}
@@ -47,30 +50,44 @@ def test_pins_of_a_linkage_are_pressed_in_one_link_and_turn_in_the_other() -> No
 def test_fits_follow_the_clearances_of_the_spec() -> None:
     _, found = facts("thread-take-up", "print.slide_clearance=0.3", "print.press_clearance=0.1")
     told = [(fit.words.split(" on Ø"), fit.diameter) for fit in found["output-crank"].fits]
-    assert [(word, round(hole - float(shaft), 6)) for (word, shaft), hole in told] == [("slide", 0.3), ("press", 0.1)]
+    assert [(word, round(hole - float(shaft), 6)) for (word, shaft), hole in told] == [
+        ("slide", 0.3),
+        ("press", 0.1),
+    ]
 
 
 def test_a_motor_s_shaft_and_collar_are_fits_too() -> None:
     _, found = facts("eccentric-drive")
     assert fits(found["disc"]) == {0: "press on Ø2"} and fits(found["body"])[0] == "press on Ø6"
-    assert fits(found["motor-bar"]) == {0: "slide on Ø6"} and fits(found["rod"]) == {0: "slide on Ø9", 48: "slide on Ø3"}
+    assert fits(found["motor-bar"]) == {0: "slide on Ø6"} and fits(found["rod"]) == {
+        0: "slide on Ø9",
+        48: "slide on Ø3",
+    }
 
 
 def test_material_mass_number_and_date(tmp_path: Path) -> None:
-    mechanism, found = facts("thread-take-up", "drawing.number=K-104", "drawing.date=2026-05-31", "material.infill=0.5")
+    mechanism, found = facts(
+        "thread-take-up", "drawing.number=K-104", "drawing.date=2026-05-31", "material.infill=0.5"
+    )
     parts = {part.name: part for part in mechanism.parts()}
     for k, (name, one) in enumerate(found.items(), 1):
         printed = parts[name].made == "printed"
         density = 1.24 * 0.5 if printed else 7.85  # g/cm^3: PLA at half its filling, steel
         assert one.material == ("PLA" if printed else "steel")
         assert one.mass_g == pytest.approx(parts[name].volume / 1000 * density)
-        assert (one.number, one.date, one.tolerance) == (f"K-104-{k:02d}", "2026-05-31", "ISO 2768-m")
+        assert (one.number, one.date, one.tolerance) == (
+            f"K-104-{k:02d}",
+            "2026-05-31",
+            "ISO 2768-m",
+        )
     path, _ = write_drawing(tmp_path, "x", parts["output-crank"], 1e-3, found["output-crank"])
     texts = [entity.dxf.text for entity in ezdxf.readfile(path).modelspace().query("TEXT")]
     assert {"%%c26.8 slide on %%c26.6", "%%c3.5 press on %%c3.5", "2026-05-31"} <= set(texts)
 
 
-@pytest.mark.parametrize("setting", ["tolerance=DIN 7168", "date=2026-13-01", 'number=" "', "profile_step_deg=1"])
+@pytest.mark.parametrize(
+    "setting", ["tolerance=DIN 7168", "date=2026-13-01", 'number=" "', "profile_step_deg=1"]
+)
 def test_what_a_drawing_cannot_say(setting: str) -> None:
     with pytest.raises(SpecError, match=f"drawing.{setting.partition('=')[0]}"):
         read_mechanism(SPECS / "disc-cam.toml", [f"drawing.{setting}"])
@@ -79,8 +96,10 @@ def test_what_a_drawing_cannot_say(setting: str) -> None:
 def test_slopes_of_a_crossed_body_are_told() -> None:
     wedge = polygon([0j, 4 - 1j, 4 + 1j])
     assert edge_rows(wedge, True) == [
-        ("0", "0", "corner, then at -14.04°"), ("4", "-1", "corner"), ("4", "1", "corner, then at 14.04°"),
-    ]  # fmt: skip
+        ("0", "0", "corner, then at -14.04°"),
+        ("4", "-1", "corner"),
+        ("4", "1", "corner, then at 14.04°"),
+    ]
 
 
 # ---- labels ----------------------------------------------------------------------------------------------------------
@@ -115,20 +134,49 @@ def collisions(space: Any) -> list[tuple[str, str]]:
         for (one, mine), (two, other) in itertools.combinations(texts, 2)
         if mine.intersection(other).area > 1e-9
     ]
-    drawn = [(entity, box) for entity, box in texts if entity.dxf.layer == "DIM"]  # sizes, and smaller the names of holes
-    listed, most = {entity.dxf.text for entity, _ in texts if entity.dxf.layer == "TEXT"}, max(e.dxf.height for e, _ in drawn)
-    labels = [(entity, box) for entity, box in drawn if entity.dxf.text in listed and entity.dxf.height < 0.8 * most]
-    edges = [outline_of(each) for each in space.query("LINE ARC CIRCLE LWPOLYLINE") if each.dxf.layer in ("CUT", "VIEW")]
-    heads = [shapely.Polygon([(p.x, p.y) for p in each.vertices()]) for each in space.query("SOLID")]
-    found += [(entity.dxf.text, "edge") for entity, box in labels for edge in edges if box.intersects(edge)]
-    return found + [(entity.dxf.text, "arrow") for entity, box in labels for head in heads if box.intersects(head)]
+    drawn = [
+        (entity, box) for entity, box in texts if entity.dxf.layer == "DIM"
+    ]  # sizes, and smaller the names of holes
+    listed, most = (
+        {entity.dxf.text for entity, _ in texts if entity.dxf.layer == "TEXT"},
+        max(e.dxf.height for e, _ in drawn),
+    )
+    labels = [
+        (entity, box)
+        for entity, box in drawn
+        if entity.dxf.text in listed and entity.dxf.height < 0.8 * most
+    ]
+    edges = [
+        outline_of(each)
+        for each in space.query("LINE ARC CIRCLE LWPOLYLINE")
+        if each.dxf.layer in ("CUT", "VIEW")
+    ]
+    heads = [
+        shapely.Polygon([(p.x, p.y) for p in each.vertices()]) for each in space.query("SOLID")
+    ]
+    found += [
+        (entity.dxf.text, "edge")
+        for entity, box in labels
+        for edge in edges
+        if box.intersects(edge)
+    ]
+    return found + [
+        (entity.dxf.text, "arrow")
+        for entity, box in labels
+        for head in heads
+        if box.intersects(head)
+    ]
 
 
 @pytest.mark.parametrize("spec", SHIPPED, ids=lambda path: path.stem)
-def test_no_label_of_a_shipped_drawing_lies_on_another_or_on_an_edge(spec: Path, tmp_path: Path) -> None:
+def test_no_label_of_a_shipped_drawing_lies_on_another_or_on_an_edge(
+    spec: Path, tmp_path: Path
+) -> None:
     machine = read_mechanism(spec, ()).resolved()
     for part in machine.parts():
-        files = write_drawing(tmp_path, machine.name, part, machine.accuracy.chord_tolerance, facts_of(machine, part))
+        files = write_drawing(
+            tmp_path, machine.name, part, machine.accuracy.chord_tolerance, facts_of(machine, part)
+        )
         assert collisions(ezdxf.readfile(files[0]).modelspace()) == [], part.name
 
 
@@ -137,8 +185,14 @@ def test_labels_that_do_collide_are_found(tmp_path: Path) -> None:
     part = next(part for part in machine.parts() if part.name == "cam")
     file = write_drawing(tmp_path, "d", part, 0.001, facts_of(machine, part))[0]
     space = ezdxf.readfile(file).modelspace()
-    one, two = (next(each for each in space.query("TEXT[layer=='DIM']") if each.dxf.text == name) for name in ("B1", "B2"))
+    one, two = (
+        next(each for each in space.query("TEXT[layer=='DIM']") if each.dxf.text == name)
+        for name in ("B1", "B2")
+    )
     two.dxf.align_point = one.dxf.align_point
     assert ("B1", "B2") in collisions(space) or ("B2", "B1") in collisions(space)
-    two.dxf.align_point = (7 - 1.5, -1.25)  # on the edge of a pin's hole, whose middle is 7 mm from the axis
+    two.dxf.align_point = (
+        7 - 1.5,
+        -1.25,
+    )  # on the edge of a pin's hole, whose middle is 7 mm from the axis
     assert ("B2", "edge") in collisions(space)

@@ -24,7 +24,15 @@ from camgen.files.formats import FORMATS
 from camgen.machines.mechanism import Mechanism
 from camgen.pipeline import build as pipeline
 from camgen.pipeline.build import build, check
-from camgen.pipeline.jobs import Case, Template, Workers, changed, cores, read_mechanism, read_tables
+from camgen.pipeline.jobs import (
+    Case,
+    Template,
+    Workers,
+    changed,
+    cores,
+    read_mechanism,
+    read_tables,
+)
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 CAMS = ["parts.make='cams'", "parts.bore=8"]
@@ -49,7 +57,9 @@ def test_several_cores_give_results_in_order_from_other_processes() -> None:
     with Workers(1) as workers:
         alone = list(workers.map(identify, range(8)))
     assert [number for number, _ in several] == [number for number, _ in alone] == list(range(8))
-    assert os.getpid() not in {pid for _, pid in several} and {pid for _, pid in alone} == {os.getpid()}
+    assert os.getpid() not in {pid for _, pid in several} and {pid for _, pid in alone} == {
+        os.getpid()
+    }
 
 
 @pytest.mark.parametrize("number", range(len(ERRORS)))
@@ -73,8 +83,13 @@ def test_a_case_is_reopened_from_its_folder(tmp_path: Path) -> None:
 def test_several_cores_say_the_same(tmp_path: Path, name: str, changes: list[str]) -> None:
     told: list[float] = []
     report = build(
-        SPECS / f"{name}.toml", tmp_path, frozenset(pipeline.KINDS), changes, lambda _, done=None: told.append(done), 2
-    )  # fmt: skip
+        SPECS / f"{name}.toml",
+        tmp_path,
+        frozenset(pipeline.KINDS),
+        changes,
+        lambda _, done=None: told.append(done),
+        2,
+    )
     checked = check(tmp_path / name, jobs=2)
     *same, anew = checked.findings
     assert report.ok and report.as_dict() == replace(checked, findings=same).as_dict()
@@ -85,7 +100,10 @@ def test_several_cores_say_the_same(tmp_path: Path, name: str, changes: list[str
 # Every kind of file: solids and exact ones, drawings, pages, sheets to cut, tables for machine tools.
 LARGE = "dial-table"  # of 29 parts, which are made alone; the rest of the gallery is made, read back and judged
 MADE = [
-    ("gallery/automaton", ("output.step=true", "output.cutter_radius=3", "output.profile_step_deg=5")),
+    (
+        "gallery/automaton",
+        ("output.step=true", "output.cutter_radius=3", "output.profile_step_deg=5"),
+    ),
     ("gallery/beak", ("files.step=true",)),
     ("gallery/elliptic-trammel", ("files.step=true",)),
     ("gallery/four-bar", ("files.step=true",)),
@@ -98,7 +116,9 @@ MADE = [
 
 
 def test_all_of_the_gallery_is_made() -> None:
-    assert {path.stem for path in (SPECS / "gallery").glob("*.toml")} <= {LARGE} | {Path(name).name for name, _ in MADE}
+    assert {path.stem for path in (SPECS / "gallery").glob("*.toml")} <= {LARGE} | {
+        Path(name).name for name, _ in MADE
+    }
 
 
 @pytest.mark.parametrize("jobs", [2, 4])
@@ -107,10 +127,27 @@ def test_same_bytes_with_several_cores(
     built: Callable[..., Path], tmp_path: Path, name: str, changes: tuple[str, ...], jobs: int
 ) -> None:
     """From processes that made nothing before, and from this one, which made much: what is kept of one part is not another's."""
-    command = [sys.executable, "-m", "camgen", "build", SPECS / f"{name}.toml", "-o", tmp_path, "--jobs", str(jobs)]
-    subprocess.run([*command, *(word for change in changes for word in ("--set", change))], check=True, capture_output=True)
+    command = [
+        sys.executable,
+        "-m",
+        "camgen",
+        "build",
+        SPECS / f"{name}.toml",
+        "-o",
+        tmp_path,
+        "--jobs",
+        str(jobs),
+    ]
+    subprocess.run(
+        [*command, *(word for change in changes for word in ("--set", change))],
+        check=True,
+        capture_output=True,
+    )
     alone = built(name, *changes)
-    one, other = ({path.name: path.read_bytes() for path in each.iterdir()} for each in (alone, tmp_path / alone.name))
+    one, other = (
+        {path.name: path.read_bytes() for path in each.iterdir()}
+        for each in (alone, tmp_path / alone.name)
+    )
     assert [file for file in sorted(one | other) if one.get(file) != other.get(file)] == []
 
 
@@ -152,19 +189,35 @@ def numbers(path: Path) -> bytes:
         with zipfile.ZipFile(path) as package:
             return b"".join(package.read(name) for name in package.namelist())
     if path.suffix == ".stl":
-        return repr(np.frombuffer(data[84:], np.uint8).reshape(-1, 50)[:, :48].copy().view("<f4").ravel().tolist()).encode()
+        return repr(
+            np.frombuffer(data[84:], np.uint8)
+            .reshape(-1, 50)[:, :48]
+            .copy()
+            .view("<f4")
+            .ravel()
+            .tolist()
+        ).encode()
     if path.suffix == ".glb":
         length = int.from_bytes(data[12:16], "little")
         text, packed = data[20 : 20 + length], data[28 + length :]
         scene = json.loads(text)
-        views = [scene["bufferViews"][each["bufferView"]] for each in scene["accessors"] if each["componentType"] == 5126]
-        floats = [np.frombuffer(packed, "<f4", view["byteLength"] // 4, view["byteOffset"]).tolist() for view in views]
+        views = [
+            scene["bufferViews"][each["bufferView"]]
+            for each in scene["accessors"]
+            if each["componentType"] == 5126
+        ]
+        floats = [
+            np.frombuffer(packed, "<f4", view["byteLength"] // 4, view["byteOffset"]).tolist()
+            for view in views
+        ]
         return text + repr(floats).encode()
     return data
 
 
 @pytest.mark.parametrize("name, changes", MADE)
-def test_no_file_has_minus_zero(built: Callable[..., Path], name: str, changes: tuple[str, ...]) -> None:
+def test_no_file_has_minus_zero(
+    built: Callable[..., Path], name: str, changes: tuple[str, ...]
+) -> None:
     """Its sign says by which way a 0 was reached, which nobody wants to know."""
     files = list(built(name, *changes).iterdir())
     assert [path.name for path in files if MINUS_ZERO.search(numbers(path))] == []
@@ -172,7 +225,9 @@ def test_no_file_has_minus_zero(built: Callable[..., Path], name: str, changes: 
 
 @pytest.mark.parametrize("text", [b"-0", b"[1,-0.0]", b"x=-0.000", b"-0e+00", b" -0. "])
 def test_minus_zero_is_noticed(text: bytes) -> None:
-    assert MINUS_ZERO.search(text) and not MINUS_ZERO.search(text.replace(b"-", b"-1").replace(b"-10e+", b"-10.5e+"))
+    assert MINUS_ZERO.search(text) and not MINUS_ZERO.search(
+        text.replace(b"-", b"-1").replace(b"-10e+", b"-10.5e+")
+    )
 
 
 def end(number: int) -> None:
@@ -199,7 +254,9 @@ with Workers(2) as workers:
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal here")
 def test_workers_end_where_their_parent_is_killed() -> None:
     """Each of them holds the pipe's end that they were born with: it closes when the last has ended."""
-    with subprocess.Popen([sys.executable, "-c", ORPHANS], stdout=subprocess.PIPE, text=True, start_new_session=True) as parent:
+    with subprocess.Popen(
+        [sys.executable, "-c", ORPHANS], stdout=subprocess.PIPE, text=True, start_new_session=True
+    ) as parent:
         try:
             assert parent.communicate(timeout=15)[0] == "begun\n"
         finally:
@@ -208,7 +265,9 @@ def test_workers_end_where_their_parent_is_killed() -> None:
     assert parent.returncode == -signal.SIGKILL
 
 
-@pytest.mark.parametrize("changes, kinds, worth", [([], {"stl"}, True), ([], {"dxf"}, False), (CAMS, {"stl"}, False)])
+@pytest.mark.parametrize(
+    "changes, kinds, worth", [([], {"stl"}, True), ([], {"dxf"}, False), (CAMS, {"stl"}, False)]
+)
 def test_more_cores_are_used_where_they_are_worth_it(
     monkeypatch: pytest.MonkeyPatch, changes: list[str], kinds: set[str], worth: bool
 ) -> None:
@@ -220,7 +279,13 @@ def test_more_cores_are_used_where_they_are_worth_it(
 
 def test_a_fault_in_a_part_leaves_nothing_behind(tmp_path: Path) -> None:
     with pytest.raises(CamgenError):
-        build(SPECS / "uniform-swing.toml", tmp_path, frozenset({"dxf"}), ["geometry.swing_deg=179"], jobs=2)
+        build(
+            SPECS / "uniform-swing.toml",
+            tmp_path,
+            frozenset({"dxf"}),
+            ["geometry.swing_deg=179"],
+            jobs=2,
+        )
     assert list(tmp_path.iterdir()) == []
 
 
@@ -238,7 +303,9 @@ STAGES = {
 
 
 @pytest.mark.parametrize("only", ["dxf", "stl", "3mf", "report"])
-def test_no_stage_runs_that_no_output_asks_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, only: str) -> None:
+def test_no_stage_runs_that_no_output_asks_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, only: str
+) -> None:
     ran: set[str] = set()
 
     def spied(target: str, function: Callable[..., object]) -> Callable[..., object]:
@@ -252,11 +319,20 @@ def test_no_stage_runs_that_no_output_asks_for(tmp_path: Path, monkeypatch: pyte
         module, _, name = target.rpartition(".")
         spy = spied(target, getattr(import_module(module), name))
         monkeypatch.setattr(target, spy)
-        for user in ("camgen.pipeline.making", "camgen.pipeline.judging", "camgen.pipeline.reading"):
+        for user in (
+            "camgen.pipeline.making",
+            "camgen.pipeline.judging",
+            "camgen.pipeline.reading",
+        ):
             if hasattr(import_module(user), name):
                 monkeypatch.setattr(f"{user}.{name}", spy)
     whole = only == "3mf"  # all of a small machine
-    build(SPECS / f"{'eccentric-drive' if whole else 'uniform-swing'}.toml", tmp_path, frozenset({only}), [] if whole else CAMS)
+    build(
+        SPECS / f"{'eccentric-drive' if whole else 'uniform-swing'}.toml",
+        tmp_path,
+        frozenset({only}),
+        [] if whole else CAMS,
+    )
     wanted = {target for target, kind in STAGES.items() if kind == only}
     if only == "3mf":
         wanted |= {"camgen.parts.solids.solid"}
@@ -265,11 +341,18 @@ def test_no_stage_runs_that_no_output_asks_for(tmp_path: Path, monkeypatch: pyte
     assert ran == wanted
 
 
-@pytest.mark.parametrize("name", ["disc-cam", "linkage", "uniform-swing", "chain-stitch-looper", "gallery/dial-table"])
+@pytest.mark.parametrize(
+    "name", ["disc-cam", "linkage", "uniform-swing", "chain-stitch-looper", "gallery/dial-table"]
+)
 def test_a_variant_of_a_template_is_the_spec_with_its_keys_set(name: str) -> None:
     """What a variant leaves alone is not checked again; it is the same record, with the same keys given."""
     asked = read_tables(SPECS / f"{name}.toml")
-    for settings in (["name=other"], ["parts.thickness=7", "print.nozzle=0.5"], ["drawing.number=A1"], ["parts.thickness=-1"]):
+    for settings in (
+        ["name=other"],
+        ["parts.thickness=7", "print.nozzle=0.5"],
+        ["drawing.number=A1"],
+        ["parts.thickness=-1"],
+    ):
         try:
             alone: object = changed(*asked, ["accuracy.chord_tolerance=0.002", *settings])
         except SpecError as error:

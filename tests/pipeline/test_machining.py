@@ -43,13 +43,19 @@ def test_a_profile_against_other_formulas(made):
     assert made.ok
     table = rows(made.folder / "disc-cam-cam-profile.csv")
     assert len(table) == 720
-    x, y, normal, kappa, pressure = (np.array([float(row[key]) for row in table]) for key in
-                                     ("x_mm", "y_mm", "normal_deg", "curvature_per_mm", "pressure_angle_deg"))  # fmt: skip
+    x, y, normal, kappa, pressure = (
+        np.array([float(row[key]) for row in table])
+        for key in ("x_mm", "y_mm", "normal_deg", "curvature_per_mm", "pressure_angle_deg")
+    )
     z, turn = x + 1j * y, np.radians(normal)
     way = np.roll(z, -1) - np.roll(z, 1)
     assert np.abs(np.cos(np.angle(way) - turn)).max() < 2e-3  # the normal stands on the way
-    bend = np.abs((np.roll(turn, -1) - np.roll(turn, 1) + math.pi) % math.tau - math.pi) / np.abs(way)
-    assert np.quantile(np.abs(bend - np.abs(kappa)) / np.abs(kappa).max(), 0.95) < 0.02  # jumps where segments meet aside
+    bend = np.abs((np.roll(turn, -1) - np.roll(turn, 1) + math.pi) % math.tau - math.pi) / np.abs(
+        way
+    )
+    assert (
+        np.quantile(np.abs(bend - np.abs(kappa)) / np.abs(kappa).max(), 0.95) < 0.02
+    )  # jumps where segments meet aside
     cam = read_mechanism(made.folder / "spec.toml").cams[0]
     theta = np.radians(np.arange(0, 360, 0.5))
     prime = abs(complex(cam.pitch(np.zeros(1))[0]))
@@ -61,9 +67,17 @@ def test_a_profile_against_other_formulas(made):
 
 def test_files_are_the_same_again_and_judged_again(made, tmp_path, root):
     again = build(root / "specs" / "disc-cam.toml", tmp_path, DXF, SETTINGS)
-    names = [path.name for path in made.folder.iterdir() if "-profile" in path.name or "-path" in path.name]
-    assert len(names) == 3 and all((made.folder / n).read_bytes() == (again.folder / n).read_bytes() for n in names)
-    assert judged(again.folder, "dxf").ok and {"CUTTER"} <= {finding.code for finding in again.findings}
+    names = [
+        path.name
+        for path in made.folder.iterdir()
+        if "-profile" in path.name or "-path" in path.name
+    ]
+    assert len(names) == 3 and all(
+        (made.folder / n).read_bytes() == (again.folder / n).read_bytes() for n in names
+    )
+    assert judged(again.folder, "dxf").ok and {"CUTTER"} <= {
+        finding.code for finding in again.findings
+    }
     table = again.folder / "disc-cam-cam-profile.csv"
     text = table.read_text()
     table.write_text(text.replace("25,90,0,25,", "25,90,0,25.01,", 1))
@@ -83,7 +97,9 @@ def test_files_are_the_same_again_and_judged_again(made, tmp_path, root):
 def test_the_path_is_lines_and_arcs_that_are_exact(made):
     """Every arc of the path is the cutter's radius wider than the cam's own: its centres are the cam's."""
     table = rows(made.folder / "disc-cam-cam-path.csv")
-    contour = max(ezdxf.readfile(made.folder / "disc-cam-cam.dxf").modelspace().query("LWPOLYLINE"), key=len)
+    contour = max(
+        ezdxf.readfile(made.folder / "disc-cam-cam.dxf").modelspace().query("LWPOLYLINE"), key=len
+    )
     points = np.array([complex(x, y) for x, y, *_ in contour.get_points()])
     starts = np.array([complex(float(row["x0_mm"]), float(row["y0_mm"])) for row in table])
     apart = np.abs(starts[:, None] - points[None]).min(axis=1)
@@ -105,7 +121,16 @@ def steps(points, bulge):
     for a, b, t in zip(points.tolist(), np.roll(points, -1).tolist(), bulge.tolist(), strict=True):
         if t:
             centre = (a + b) / 2 + 0.25j * (b - a) * (1 / t - t)
-            found.append(Step("arc ccw" if t > 0 else "arc cw", a, b, centre, abs(a - centre), 4 * math.atan(t)))
+            found.append(
+                Step(
+                    "arc ccw" if t > 0 else "arc cw",
+                    a,
+                    b,
+                    centre,
+                    abs(a - centre),
+                    4 * math.atan(t),
+                )
+            )
         else:
             found.append(Step("line", a, b, complex(math.nan, math.nan), math.nan, math.nan))
     return found
@@ -113,10 +138,16 @@ def steps(points, bulge):
 
 def hollow(radius):
     """A block whose top has a hollow of this radius."""
-    return Contour((
-        Line(-20 - 20j, 20 - 20j), Line(20 - 20j, 20 + 0j), Line(20 + 0j, complex(radius, 0)),
-        Arc(0j, radius, 0.0, -math.pi), Line(complex(-radius, 0), -20 + 0j), Line(-20 + 0j, -20 - 20j),
-    ))  # fmt: skip
+    return Contour(
+        (
+            Line(-20 - 20j, 20 - 20j),
+            Line(20 - 20j, 20 + 0j),
+            Line(20 + 0j, complex(radius, 0)),
+            Arc(0j, radius, 0.0, -math.pi),
+            Line(complex(-radius, 0), -20 + 0j),
+            Line(-20 + 0j, -20 - 20j),
+        )
+    )
 
 
 def test_a_cutter_too_large_for_a_fillet_is_told(tmp_path):
@@ -124,7 +155,9 @@ def test_a_cutter_too_large_for_a_fillet_is_told(tmp_path):
         outline = hollow(radius)
         table = drawn(tmp_path / "p.dxf", offset(outline, 3.0))
         findings = judge_path(tmp_path / "p.dxf", table, Ring(*bulges(outline)), 3.0, 0.002)
-        assert [finding.code for finding in findings if not finding.ok] == ([] if fits else ["CUTTER"])
+        assert [finding.code for finding in findings if not finding.ok] == (
+            [] if fits else ["CUTTER"]
+        )
     said = findings[-1].message.replace("-0.0", "0.0")
     assert findings[-1].measured > 1 and "at x 0.000, y -2.000 mm" in said  # the deepest place
 
@@ -136,7 +169,10 @@ def test_both_walls_of_a_groove(tmp_path):
     groove = ("geometry.closure='groove'", "parts.hub_height=0", *SETTINGS)
     report = build(ROOT / "specs" / "disc-cam.toml", tmp_path, DXF, groove)
     assert report.ok
-    place = [float(rows(report.folder / f"disc-cam-{part}-profile.csv")[0]["radius_mm"]) for part in ("inner", "outer")]
+    place = [
+        float(rows(report.folder / f"disc-cam-{part}-profile.csv")[0]["radius_mm"])
+        for part in ("inner", "outer")
+    ]
     assert place == pytest.approx([25, 35.2])
     ends = [rows(report.folder / f"disc-cam-{part}-path.csv")[0] for part in ("inner", "outer")]
     radii = [math.hypot(float(row["x0_mm"]), float(row["y0_mm"])) for row in ends]
@@ -150,25 +186,59 @@ def test_both_walls_of_a_groove(tmp_path):
 def test_a_path_that_is_not_the_one_in_its_table_is_told(tmp_path):
     outline = rectangle(-10 - 10j, 10 + 10j)
     table = drawn(tmp_path / "p.dxf", offset(outline, 3.0))
-    assert all(finding.ok for finding in judge_path(tmp_path / "p.dxf", table, Ring(*bulges(outline)), 3.0, 0.002))
-    assert [f.code for f in judge_path(tmp_path / "p.dxf", table[1:], Ring(*bulges(outline)), 3.0, 0.002) if not f.ok]
+    assert all(
+        finding.ok
+        for finding in judge_path(tmp_path / "p.dxf", table, Ring(*bulges(outline)), 3.0, 0.002)
+    )
+    assert [
+        f.code
+        for f in judge_path(tmp_path / "p.dxf", table[1:], Ring(*bulges(outline)), 3.0, 0.002)
+        if not f.ok
+    ]
     for off, ok in ((1.8e-4, True), (2.2e-4, False)):
-        aside = [replace(step, start=step.start + off, end=step.end + off, centre=step.centre + off) for step in table]
-        found = [f for f in judge_path(tmp_path / "p.dxf", aside, Ring(*bulges(outline)), 3.0, 0.002) if not f.ok]
+        aside = [
+            replace(step, start=step.start + off, end=step.end + off, centre=step.centre + off)
+            for step in table
+        ]
+        found = [
+            f
+            for f in judge_path(tmp_path / "p.dxf", aside, Ring(*bulges(outline)), 3.0, 0.002)
+            if not f.ok
+        ]
         assert [(f.code, f.where) for f in found] == ([] if ok else [("ROUND_TRIP", "p.csv")])
     odd = [replace(table[0], kind="arc cw"), *table[1:]]
-    (kind, _) = [f for f in judge_path(tmp_path / "p.dxf", odd, Ring(*bulges(outline)), 3.0, 0.002) if not f.ok]
-    assert (kind.where, kind.measured, kind.limit) == ("p.csv, piece", 1, 0) and "not row 1" in kind.message
+    (kind, _) = [
+        f
+        for f in judge_path(tmp_path / "p.dxf", odd, Ring(*bulges(outline)), 3.0, 0.002)
+        if not f.ok
+    ]
+    assert (kind.where, kind.measured, kind.limit) == (
+        "p.csv, piece",
+        1,
+        0,
+    ) and "not row 1" in kind.message
     gap = [replace(table[0], end=table[0].end + 1e-3), *table[1:]]
-    found = [f for f in judge_path(tmp_path / "p.dxf", gap, Ring(*bulges(outline)), 3.0, 0.002) if "x0_mm" in f.where]
+    found = [
+        f
+        for f in judge_path(tmp_path / "p.dxf", gap, Ring(*bulges(outline)), 3.0, 0.002)
+        if "x0_mm" in f.where
+    ]
     assert [f.ok for f in found] == [False] and found[0].measured == pytest.approx(1e-3, rel=1e-6)
     none = complex(math.nan, math.nan)  # a closed way round, but a shorter one
     cut = [Step("line", table[-1].start, table[0].end, none, math.nan, math.nan), *table[1:-1]]
-    assert [f.where for f in judge_path(tmp_path / "p.dxf", cut, Ring(*bulges(outline)), 3.0, 0.002) if not f.ok] == ["p.csv"]
+    assert [
+        f.where
+        for f in judge_path(tmp_path / "p.dxf", cut, Ring(*bulges(outline)), 3.0, 0.002)
+        if not f.ok
+    ] == ["p.csv"]
 
 
-def test_an_undercut_has_no_normal_and_a_cutter_without_a_path_is_refused(tmp_path, root, monkeypatch):
-    report = build(root / "specs" / "uniform-swing.toml", tmp_path, DXF, ("parts.make='cams'", *SETTINGS))
+def test_an_undercut_has_no_normal_and_a_cutter_without_a_path_is_refused(
+    tmp_path, root, monkeypatch
+):
+    report = build(
+        root / "specs" / "uniform-swing.toml", tmp_path, DXF, ("parts.make='cams'", *SETTINGS)
+    )
     table = rows(report.folder / "uniform-swing-cam-profile.csv")
     rides = [row for row in table if not row["normal_deg"]]
     assert report.ok and 0 < len(rides) < 10
@@ -176,19 +246,29 @@ def test_an_undercut_has_no_normal_and_a_cutter_without_a_path_is_refused(tmp_pa
 
     def closes(contour, distance, name):
         """What a hollow with a mouth narrower than the cutter does."""
-        neck = Contour((Arc(0j, 10, 0.2, math.tau - 0.4), Line(10 * np.exp(-0.2j), 8 * np.exp(-0.2j)),
-                        Arc(0j, 8, -0.2, 0.4 - math.tau), Line(8 * np.exp(0.2j), 10 * np.exp(0.2j))))  # fmt: skip
+        neck = Contour(
+            (
+                Arc(0j, 10, 0.2, math.tau - 0.4),
+                Line(10 * np.exp(-0.2j), 8 * np.exp(-0.2j)),
+                Arc(0j, 8, -0.2, 0.4 - math.tau),
+                Line(8 * np.exp(0.2j), 10 * np.exp(0.2j)),
+            )
+        )
         return offset(neck, distance, name)
 
     monkeypatch.setattr(machining, "offset", closes)
-    with pytest.raises(DesignError, match="output.cutter_radius = 3 mm finds no path: use a smaller one"):
+    with pytest.raises(
+        DesignError, match="output.cutter_radius = 3 mm finds no path: use a smaller one"
+    ):
         build(root / "specs" / "disc-cam.toml", tmp_path, DXF, SETTINGS)
     assert not (tmp_path / "disc-cam").exists()
 
 
 # ---- each column, damaged --------------------------------------------------------------------------------------------
 
-ARM = "geometry.follower={motion='oscillating', shape='roller', radius=8, pivot_distance=60, arm=55}"
+ARM = (
+    "geometry.follower={motion='oscillating', shape='roller', radius=8, pivot_distance=60, arm=55}"
+)
 ARM_FACE = "geometry.follower={motion='oscillating', shape='flat', pivot_distance=80}"
 FACE = "geometry.follower={motion='translating', shape='flat', face_width=60}"
 MACHINES = {
@@ -196,7 +276,13 @@ MACHINES = {
     "arm": ("disc-cam", ARM),
     "knife": ("disc-cam", "geometry.follower={motion='translating', shape='knife'}"),
     "face": ("disc-cam", FACE, "limits.least_radius=0"),
-    "face on an arm": ("disc-cam", ARM_FACE, "limits.least_radius=0", "geometry.base_radius=30", "segment.0.lift=5"),
+    "face on an arm": (
+        "disc-cam",
+        ARM_FACE,
+        "limits.least_radius=0",
+        "geometry.base_radius=30",
+        "segment.0.lift=5",
+    ),
     "groove": ("disc-cam", "geometry.closure='groove'", "parts.hub_height=0"),
     "pair": ("disc-cam", "geometry.closure='conjugate'", "geometry.tip_clearance=0.1"),
     "undercut": ("uniform-swing", "parts.make='cams'"),
@@ -220,7 +306,9 @@ def case(request, tmp_path_factory):
     from conftest import ROOT
 
     spec, *keys = MACHINES[request.param]
-    report = build(ROOT / "specs" / f"{spec}.toml", tmp_path_factory.mktemp("made"), DXF, (*keys, *SETTINGS))
+    report = build(
+        ROOT / "specs" / f"{spec}.toml", tmp_path_factory.mktemp("made"), DXF, (*keys, *SETTINGS)
+    )
     assert report.ok, [finding for finding in report.findings if not finding.ok]
     return Case(read_mechanism(report.folder / "spec.toml"), report.folder)
 
@@ -232,7 +320,11 @@ def failing(case, path, head, table):
     csv.writer(text, lineterminator="\n").writerows([head, *table])
     path.write_text(text.getvalue(), encoding="utf-8")
     try:
-        return {f.where.removeprefix(f"{path.name}, ").partition(", row")[0] for f in machining.judge_tables(case) if not f.ok}
+        return {
+            f.where.removeprefix(f"{path.name}, ").partition(", row")[0]
+            for f in machining.judge_tables(case)
+            if not f.ok
+        }
     finally:
         path.write_bytes(was)
 
@@ -269,15 +361,26 @@ def test_one_cell_that_is_off_is_told(case, data):
         assert failing(case, path, head, table)
 
 
-@pytest.mark.parametrize("change", [lambda t: t[1:], lambda t: [*t, t[0]], lambda t: t[::-1], lambda t: [t[1], t[0], *t[2:]]])
+@pytest.mark.parametrize(
+    "change",
+    [lambda t: t[1:], lambda t: [*t, t[0]], lambda t: t[::-1], lambda t: [t[1], t[0], *t[2:]]],
+)
 def test_rows_that_are_lost_doubled_or_in_another_order_are_told(case, change):
     for path in case.folder.glob("*-profile.csv"):
         head, table = cells(path)
         assert failing(case, path, head, change(table))
 
 
-PIECES = {"x0_mm": "x0_mm", "y0_mm": "x0_mm", "x1_mm": "x0_mm", "y1_mm": "x0_mm", "centre_x_mm": "centre_x_mm",
-          "centre_y_mm": "centre_x_mm", "radius_mm": "centre_x_mm", "sweep_deg": "centre_x_mm"}  # fmt: skip
+PIECES = {
+    "x0_mm": "x0_mm",
+    "y0_mm": "x0_mm",
+    "x1_mm": "x0_mm",
+    "y1_mm": "x0_mm",
+    "centre_x_mm": "centre_x_mm",
+    "centre_y_mm": "centre_x_mm",
+    "radius_mm": "centre_x_mm",
+    "sweep_deg": "centre_x_mm",
+}
 
 
 @settings(max_examples=10)
@@ -288,7 +391,11 @@ def test_one_cell_of_a_path_that_is_off_is_told(case, data):
     column, row = data.draw(st.sampled_from(head)), data.draw(st.sampled_from(table))
     k, was = head.index(column), row[head.index(column)]
     if column == "piece":
-        row[k] = data.draw(st.sampled_from([each for each in ("line", "arc ccw", "arc cw", "arc", "") if each != was]))
+        row[k] = data.draw(
+            st.sampled_from(
+                [each for each in ("line", "arc ccw", "arc cw", "arc", "") if each != was]
+            )
+        )
         assert "piece" in failing(case, path, head, table)
     elif was:
         row[k] = str(float(was) + data.draw(st.sampled_from([-1e-3, 1e-3, 1.0])))
@@ -320,18 +427,29 @@ def test_a_path_in_inches_or_with_a_second_line_is_told(made, tmp_path):
         drawing = ezdxf.readfile(path)
         change(drawing)
         drawing.saveas(path)
-        assert {(f.code, f.where) for f in machining.judge_tables(case) if not f.ok} == {("DXF_CLOSED", path.name)}
+        assert {(f.code, f.where) for f in machining.judge_tables(case) if not f.ok} == {
+            ("DXF_CLOSED", path.name)
+        }
         path.write_bytes(was)
     assert all(f.ok for f in machining.judge_tables(case))
 
 
-@pytest.mark.parametrize("more", [
-    ("output.curves='lines'",), ("accuracy.chord_tolerance=0.02",), ("accuracy.chord_tolerance=0.0001",),
-    ("output.profile_step_deg=7.5",), ("output.profile_step_deg=30",), ("output.profile_step_deg=0.1",),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "more",
+    [
+        ("output.curves='lines'",),
+        ("accuracy.chord_tolerance=0.02",),
+        ("accuracy.chord_tolerance=0.0001",),
+        ("output.profile_step_deg=7.5",),
+        ("output.profile_step_deg=30",),
+        ("output.profile_step_deg=0.1",),
+    ],
+)
 def test_sound_tables_hold_at_any_step_and_tolerance(root, tmp_path, more):
     """No limit is so tight that what camgen writes fails it."""
-    report = build(root / "specs" / "disc-cam.toml", tmp_path, DXF, (*SETTINGS, *more, "limits.speed_ripple=1"))
+    report = build(
+        root / "specs" / "disc-cam.toml", tmp_path, DXF, (*SETTINGS, *more, "limits.speed_ripple=1")
+    )
     told = [f for f in report.findings if "-profile.csv" in f.where or "-path.csv" in f.where]
     assert len(told) == 11 and all(f.ok for f in told), told
 

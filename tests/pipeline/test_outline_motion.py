@@ -66,7 +66,9 @@ def codes(report: dict[str, Any]) -> dict[str, bool]:
 def test_translating_roller_on_a_disc_is_a_slider_crank(tmp_path: Path, offset: float) -> None:
     ring = read_outline(disc(tmp_path / "disc.dxf")).ring
     assert ring is not None
-    found = recover(ring, read_follower(f"translating,radius=6,offset={offset},at=0,direction_deg=0"))
+    found = recover(
+        ring, read_follower(f"translating,radius=6,offset={offset},at=0,direction_deg=0")
+    )
     # with the way out along Ox the right is -Oy: roller centre (s, -offset) at a + r from the disc's centre
     x, y, offset = E * np.cos(found.theta), E * np.sin(found.theta), -offset
     assert found.s == pytest.approx(x + np.sqrt((A + R) ** 2 - (offset - y) ** 2), abs=1e-9)
@@ -91,13 +93,18 @@ def test_swinging_face_on_a_disc(tmp_path: Path, leaves: int, ahead: float) -> N
     ring = read_outline(disc(tmp_path / "disc.dxf")).ring
     assert ring is not None
     at = -leaves * 100
-    found = recover(ring, read_follower(f"oscillating,shape=flat,pivot=80/0,face_offset={ahead},at_deg={at}"))
+    found = recover(
+        ring, read_follower(f"oscillating,shape=flat,pivot=80/0,face_offset={ahead},at_deg={at}")
+    )
     spoke = E * np.exp(1j * found.theta) - 80
     wanted = np.angle(spoke) + leaves * np.arccos((ahead - A) / np.abs(spoke)) - np.radians(at)
     assert found.s == pytest.approx((wanted + math.pi) % math.tau - math.pi, abs=1e-9)
     foot = np.sqrt(np.abs(spoke) ** 2 - (ahead - A) ** 2)
     assert found.lever == pytest.approx(foot.min(), abs=1e-3)
-    free = recover(ring, read_follower(f"oscillating,shape=flat,pivot=80/0,face_offset={ahead},leaves={leaves}"))
+    free = recover(
+        ring,
+        read_follower(f"oscillating,shape=flat,pivot=80/0,face_offset={ahead},leaves={leaves}"),
+    )
     assert np.ptp(free.s) == pytest.approx(np.ptp(found.s), abs=1e-9)
 
 
@@ -115,7 +122,9 @@ def test_swinging_roller_on_a_disc_is_a_four_bar(tmp_path: Path, leaves: int) ->
     assert ring is not None
     found = recover(ring, read_follower(LEVER.replace("+1", str(leaves))))
     wanted = four_bar(found.theta, leaves)
-    assert found.s == pytest.approx(wanted - (wanted.min() if leaves > 0 else wanted.max()), abs=1e-9)
+    assert found.s == pytest.approx(
+        wanted - (wanted.min() if leaves > 0 else wanted.max()), abs=1e-9
+    )
 
 
 # ---- every way to draw it ----------------------------------------------------------------------------------------------
@@ -132,7 +141,12 @@ def by_half_polyline(space: Any) -> None:
 
 
 def by_mirrored(space: Any) -> None:
-    space.add_lwpolyline([(-E - A, 0, -1), (A - E, 0, -1)], format="xyb", close=True, dxfattribs={"extrusion": (0, 0, -1)})
+    space.add_lwpolyline(
+        [(-E - A, 0, -1), (A - E, 0, -1)],
+        format="xyb",
+        close=True,
+        dxfattribs={"extrusion": (0, 0, -1)},
+    )
 
 
 def by_old_polyline(space: Any) -> None:
@@ -160,7 +174,9 @@ def by_periodic_spline(space: Any) -> None:
     """
     n = 200
     radius = A * 3 / (2 + math.cos(math.tau / n))
-    points = [(E + radius * math.cos(t), radius * math.sin(t), 0) for t in np.arange(n) * math.tau / n]
+    points = [
+        (E + radius * math.cos(t), radius * math.sin(t), 0) for t in np.arange(n) * math.tau / n
+    ]
     space.add_spline(degree=3).set_closed(points)
 
 
@@ -188,12 +204,22 @@ def with_clutter(space: Any) -> None:
 @pytest.mark.parametrize(
     "draw, within",
     [
-        (by_arcs, 1e-9), (by_half_polyline, 1e-9), (by_mirrored, 1e-9), (by_old_polyline, 1e-9), (by_block, 1e-9),
-        (by_ellipse, 3e-6), (by_spline, 1e-5), (by_lines, 3e-6),
-        (by_periodic_spline, 5e-6), (by_space_polyline, 3e-6), (with_clutter, 1e-9),
+        (by_arcs, 1e-9),
+        (by_half_polyline, 1e-9),
+        (by_mirrored, 1e-9),
+        (by_old_polyline, 1e-9),
+        (by_block, 1e-9),
+        (by_ellipse, 3e-6),
+        (by_spline, 1e-5),
+        (by_lines, 3e-6),
+        (by_periodic_spline, 5e-6),
+        (by_space_polyline, 3e-6),
+        (with_clutter, 1e-9),
     ],
-)  # fmt: skip
-def test_however_it_is_drawn_the_motion_is_the_same(tmp_path: Path, draw: Draw, within: float) -> None:
+)
+def test_however_it_is_drawn_the_motion_is_the_same(
+    tmp_path: Path, draw: Draw, within: float
+) -> None:
     outline = read_outline(drawing(tmp_path / "disc.dxf", draw))
     assert outline.ring is not None and all(finding.ok for finding in outline.findings)
     found = recover(outline.ring, read_follower(LEVER))
@@ -203,7 +229,9 @@ def test_however_it_is_drawn_the_motion_is_the_same(tmp_path: Path, draw: Draw, 
 
 def package(path: Path, mesh: Any, unit: str) -> None:
     """A 3MF written by hand."""
-    vertices = "".join(f'<vertex x="{x:.9g}" y="{y:.9g}" z="{z:.9g}"/>' for x, y, z in mesh.vertices)
+    vertices = "".join(
+        f'<vertex x="{x:.9g}" y="{y:.9g}" z="{z:.9g}"/>' for x, y, z in mesh.vertices
+    )
     faces = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in mesh.faces)
     schema = "http://schemas.microsoft.com/3dmanufacturing"
     with zipfile.ZipFile(path, "w") as archive:
@@ -247,7 +275,9 @@ def test_a_mesh_of_another_tool(tmp_path: Path, kind: str) -> None:
         assert outline.ring is not None and all(finding.ok for finding in outline.findings)
         found = recover(outline.ring, read_follower(LEVER))
         wanted = four_bar(found.theta, 1)
-        assert found.s == pytest.approx(wanted - wanted.min(), abs=2e-6)  # sagitta 2.5e-5 mm on an arm of 55, twice
+        assert found.s == pytest.approx(
+            wanted - wanted.min(), abs=2e-6
+        )  # sagitta 2.5e-5 mm on an arm of 55, twice
         assert found.speed == pytest.approx(np.gradient(wanted, found.theta), abs=1e-3)
     with pytest.raises(FileError, match="no section at 7 mm"):
         read_outline(path, 7.0)
@@ -267,7 +297,9 @@ def test_the_shaft_is_where_the_user_says(tmp_path: Path) -> None:
 def test_a_layer_can_be_named(tmp_path: Path) -> None:
     def draw(space: Any) -> None:
         space.add_circle((E, 0), A, dxfattribs={"layer": "Cam"})
-        space.add_lwpolyline([(-90, -90), (90, -90), (90, 90), (-90, 90)], close=True, dxfattribs={"layer": "FRAME"})
+        space.add_lwpolyline(
+            [(-90, -90), (90, -90), (90, 90), (-90, 90)], close=True, dxfattribs={"layer": "FRAME"}
+        )
 
     path = drawing(tmp_path / "sheet.dxf", draw)
     ring = read_outline(path, layer="cam").ring
@@ -285,12 +317,19 @@ def test_low_pass_keeps_phase_and_weighs_as_it_says(n: int, phase: float, order:
     theta = np.arange(720) * (math.tau / 720)
     weight = 1 / (1 + (n / 36) ** 4)
     wanted = weight * n**order * np.cos(n * theta + phase + order * math.pi / 2)
-    assert low_passed(np.cos(n * theta + phase), order, 36) == pytest.approx(wanted, abs=1e-9 * n**2)
+    assert low_passed(np.cos(n * theta + phase), order, 36) == pytest.approx(
+        wanted, abs=1e-9 * n**2
+    )
 
 
 def test_facets_do_not_spoil_speed_and_acceleration(tmp_path: Path) -> None:
     z = E + A * np.exp(1j * np.linspace(0, math.tau, 361)[:-1])
-    ring = read_outline(drawing(tmp_path / "f.dxf", lambda s: s.add_lwpolyline([(p.real, p.imag) for p in z], close=True))).ring
+    ring = read_outline(
+        drawing(
+            tmp_path / "f.dxf",
+            lambda s: s.add_lwpolyline([(p.real, p.imag) for p in z], close=True),
+        )
+    ).ring
     assert ring is not None
     found = recover(ring, read_follower("translating,radius=6"))
     assert np.max(np.abs(np.diff(np.gradient(found.s, found.theta)))) > 0.02  # raw, it jumps
@@ -308,23 +347,35 @@ def test_lash_of_a_yoke(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> N
     first = "translating,shape=flat,direction_deg=0,at=10"
     for at, ok in ((30.5, True), (29.9, False)):
         second = f"translating,shape=flat,direction_deg=180,at={at}"
-        code, report, _ = run(capsys, path, "--follower", first, "--second-follower", second, "-o", tmp_path)
+        code, report, _ = run(
+            capsys, path, "--follower", first, "--second-follower", second, "-o", tmp_path
+        )
         assert code == (0 if ok else 1) and codes(report)["INTERFERENCE"] is ok
         for key in ("lash_min_mm", "lash_max_mm"):
             assert report["numbers"][key] == pytest.approx(at - 30, abs=1e-9)
 
 
-def test_our_own_conjugate_cam(tmp_path: Path, starter: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_our_own_conjugate_cam(
+    tmp_path: Path, starter: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     """The uniform-swing cam is turned over under the second tip; its figures are those of the build."""
-    report = pipeline.build(starter, tmp_path, frozenset({"dxf"}), ['parts.make="cams"', "geometry.swing_deg=24"])
+    report = pipeline.build(
+        starter, tmp_path, frozenset({"dxf"}), ['parts.make="cams"', "geometry.swing_deg=24"]
+    )
     arm, at = math.hypot(60, 30), math.degrees(math.atan2(30, 60)) - 180
     follower = f"oscillating,pivot=60/0,arm={arm!r},radius=3,at_deg={at!r}"
     second = follower.replace(repr(at), repr(-at)) + ",flipped=true"
     path = tmp_path / "uniform-swing" / "uniform-swing-cam.dxf"
-    code, found, _ = run(capsys, path, "--follower", follower, "--second-follower", second, "-o", tmp_path)
+    code, found, _ = run(
+        capsys, path, "--follower", follower, "--second-follower", second, "-o", tmp_path
+    )
     assert code == 0
-    assert found["numbers"]["swing_deg"] == pytest.approx(report.numbers["swing_recovered_dxf_deg"], abs=0.01)
-    assert found["numbers"]["lash_max_deg"] == pytest.approx(report.numbers["lash_dxf_deg"], abs=0.005)
+    assert found["numbers"]["swing_deg"] == pytest.approx(
+        report.numbers["swing_recovered_dxf_deg"], abs=0.01
+    )
+    assert found["numbers"]["lash_max_deg"] == pytest.approx(
+        report.numbers["lash_dxf_deg"], abs=0.005
+    )
     alone = read_outline(path).ring
     assert alone is not None
     s = recover(alone, read_follower(follower)).s
@@ -339,7 +390,9 @@ def grooved(space: Any) -> None:
         space.add_circle((centre, 0), radius)
 
 
-def test_both_walls_of_a_groove_and_its_lash(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_both_walls_of_a_groove_and_its_lash(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = drawing(tmp_path / "plate.dxf", grooved)
     inner = "translating,radius=6,direction_deg=0,at=0,contour=3"
     outer = inner.replace("contour=3", "contour=2,inside=true")
@@ -351,11 +404,22 @@ def test_both_walls_of_a_groove_and_its_lash(tmp_path: Path, capsys: pytest.Capt
         ring = read_outline(path, contour=follower.contour).ring
         assert ring is not None and recover(ring, follower).s == pytest.approx(wanted, abs=1e-9)
     for first, second in ((inner, outer), (outer, inner)):
-        code, report, _ = run(capsys, path, "--follower", first, "--second-follower", second, "-o", tmp_path)
+        code, report, _ = run(
+            capsys, path, "--follower", first, "--second-follower", second, "-o", tmp_path
+        )
         assert code == 0 and codes(report)["INTERFERENCE"]
         assert report["numbers"]["lash_min_mm"] == pytest.approx(np.min(high - low), abs=1e-9)
         assert report["numbers"]["lash_max_mm"] == pytest.approx(np.max(high - low), abs=1e-9)
-    code, report, _ = run(capsys, path, "--follower", inner, "--second-follower", outer.replace("6", "6.5"), "-o", tmp_path)
+    code, report, _ = run(
+        capsys,
+        path,
+        "--follower",
+        inner,
+        "--second-follower",
+        outer.replace("6", "6.5"),
+        "-o",
+        tmp_path,
+    )
     assert code == 1 and not codes(report)["INTERFERENCE"]
     with pytest.raises(FileError, match="holds 4 closed contour"):
         read_outline(path, contour=5)
@@ -364,17 +428,35 @@ def test_both_walls_of_a_groove_and_its_lash(tmp_path: Path, capsys: pytest.Capt
 def test_our_own_groove_on_an_arm(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Walls of a disc cam's two plates; lash as the build judged it."""
     spec = Path(__file__).resolve().parents[2] / "specs" / "disc-cam.toml"
-    follower = "geometry.follower={motion='oscillating',shape='roller',radius=5,pivot_distance=90,arm=70}"
-    settings = ['geometry.closure="groove"', "parts.hub_height=0", "limits.pressure_angle_deg=45", follower]
+    follower = (
+        "geometry.follower={motion='oscillating',shape='roller',radius=5,pivot_distance=90,arm=70}"
+    )
+    settings = [
+        'geometry.closure="groove"',
+        "parts.hub_height=0",
+        "limits.pressure_angle_deg=45",
+        follower,
+    ]
     built = pipeline.build(spec, tmp_path, frozenset({"dxf"}), settings)
     files = [tmp_path / "disc-cam" / f"disc-cam-{wall}.dxf" for wall in ("inner", "outer")]
     at = math.degrees(math.acos((90**2 + 70**2 - 30**2) / (2 * 90 * 70)))
     inner = f"oscillating,pivot=90/0,arm=70,radius=5,at_deg={180 + at!r}"
-    arguments = ("--second", files[1], "--second-follower", inner + ",contour=2,inside=true", "-o", tmp_path)
+    arguments = (
+        "--second",
+        files[1],
+        "--second-follower",
+        inner + ",contour=2,inside=true",
+        "-o",
+        tmp_path,
+    )
     code, report, _ = run(capsys, files[0], "--follower", inner, *arguments)
     assert code == 0
-    assert report["numbers"]["swing_deg"] == pytest.approx(built.numbers["swing_recovered_dxf_deg"], abs=1e-3)
-    assert report["numbers"]["lash_max_deg"] == pytest.approx(built.numbers["lash_dxf_deg"], abs=1e-3)
+    assert report["numbers"]["swing_deg"] == pytest.approx(
+        built.numbers["swing_recovered_dxf_deg"], abs=1e-3
+    )
+    assert report["numbers"]["lash_max_deg"] == pytest.approx(
+        built.numbers["lash_dxf_deg"], abs=1e-3
+    )
 
 
 # ---- what is written -----------------------------------------------------------------------------------------------------
@@ -384,14 +466,29 @@ def test_files_and_their_columns(tmp_path: Path, capsys: pytest.CaptureFixture[s
     path = disc(tmp_path / "My Disc.dxf")
     code, report, _ = run(capsys, path, "--follower", LEVER, "-o", tmp_path / "out")
     folder = tmp_path / "out" / "my-disc-motion"
-    assert code == 0 and {p.name for p in folder.iterdir()} == {"motion.csv", "report.html", "report.json", "manifest.json"}
+    assert code == 0 and {p.name for p in folder.iterdir()} == {
+        "motion.csv",
+        "report.html",
+        "report.json",
+        "manifest.json",
+    }
     assert json.loads((folder / "report.json").read_text("utf-8")) == report
     page = (folder / "report.html").read_text("utf-8")
     assert page.count("<svg") >= 5 and "low-passed at 36 harmonics" in page
     with open(folder / "motion.csv", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    assert list(rows[0]) == ["theta_deg", "swing_deg", "speed_deg_rad", "acceleration_deg_rad2", "pressure_angle_deg"]
-    assert len(rows) == 7201 and rows[-1]["theta_deg"] == "360" and rows[0]["swing_deg"] == rows[-1]["swing_deg"]
+    assert list(rows[0]) == [
+        "theta_deg",
+        "swing_deg",
+        "speed_deg_rad",
+        "acceleration_deg_rad2",
+        "pressure_angle_deg",
+    ]
+    assert (
+        len(rows) == 7201
+        and rows[-1]["theta_deg"] == "360"
+        and rows[0]["swing_deg"] == rows[-1]["swing_deg"]
+    )
     before = {p.name: p.read_bytes() for p in folder.iterdir()}
     run(capsys, path, "--follower", LEVER, "-o", tmp_path / "out")
     assert before == {p.name: p.read_bytes() for p in folder.iterdir()}
@@ -399,7 +496,9 @@ def test_files_and_their_columns(tmp_path: Path, capsys: pytest.CaptureFixture[s
 
 def test_a_follower_from_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     table = tmp_path / "follower.toml"
-    table.write_text('[follower]\nmotion = "oscillating"\npivot = [60, 0]\narm = 55\nradius = 6\nleaves = 1\n')
+    table.write_text(
+        '[follower]\nmotion = "oscillating"\npivot = [60, 0]\narm = 55\nradius = 6\nleaves = 1\n'
+    )
     assert read_follower(str(table)) == read_follower(LEVER)
     with pytest.raises(FileError):
         read_follower(str(tmp_path / "none.toml"))
@@ -408,7 +507,9 @@ def test_a_follower_from_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[st
 # ---- wrong files ---------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("units, scale, name", [(1, 1 / 25.4, "inches"), (6, 1e-3, "metres"), (5, 0.1, "centimetres")])
+@pytest.mark.parametrize(
+    "units, scale, name", [(1, 1 / 25.4, "inches"), (6, 1e-3, "metres"), (5, 0.1, "centimetres")]
+)
 def test_other_units_are_told_and_converted(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], units: int, scale: float, name: str
 ) -> None:
@@ -422,7 +523,24 @@ def test_other_units_are_told_and_converted(
 
 def test_a_drawing_without_units_is_taken_as_millimetres(tmp_path: Path) -> None:
     drawing(tmp_path / "r12.dxf", by_arcs, None, "R12")
-    rows = ["0", "SECTION", "2", "ENTITIES", "0", "CIRCLE", "8", "0", "10", "5.0", "20", "0.0", "30", "0.0", "40", "20.0"]
+    rows = [
+        "0",
+        "SECTION",
+        "2",
+        "ENTITIES",
+        "0",
+        "CIRCLE",
+        "8",
+        "0",
+        "10",
+        "5.0",
+        "20",
+        "0.0",
+        "30",
+        "0.0",
+        "40",
+        "20.0",
+    ]
     (tmp_path / "bare.dxf").write_text("\n".join([*rows, "0", "ENDSEC", "0", "EOF", ""]))
     for name in ("r12", "bare"):
         outline = read_outline(tmp_path / f"{name}.dxf")
@@ -441,10 +559,15 @@ def test_an_open_contour_is_told_with_its_gap(tmp_path: Path, gap: float, is_ope
     closed = next(f for f in outline.findings if f.code == "DXF_CLOSED")
     assert closed.ok is not is_open and (outline.ring is None) is is_open
     if is_open:
-        assert closed.measured == pytest.approx(gap, rel=0.01) and "(25.0000, 0.0000)" in closed.message
+        assert (
+            closed.measured == pytest.approx(gap, rel=0.01)
+            and "(25.0000, 0.0000)" in closed.message
+        )
 
 
-def test_an_open_contour_ends_in_exit_code_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_open_contour_ends_in_exit_code_1(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = drawing(tmp_path / "open.dxf", lambda space: space.add_arc((E, 0), A, 0, 350))
     code, report, _ = run(capsys, path, "--follower", LEVER, "-o", tmp_path)
     assert code == 1 and codes(report)["DXF_CLOSED"] is False and report["numbers"] == {}
@@ -461,9 +584,16 @@ def test_a_contour_that_branches_is_told(tmp_path: Path) -> None:
 
 def test_a_contour_that_crosses_itself_is_told(tmp_path: Path) -> None:
     outline = read_outline(
-        drawing(tmp_path / "bow.dxf", lambda s: s.add_lwpolyline([(-9, -9), (9, 9), (9, -9), (-9, 9)], close=True))
+        drawing(
+            tmp_path / "bow.dxf",
+            lambda s: s.add_lwpolyline([(-9, -9), (9, 9), (9, -9), (-9, 9)], close=True),
+        )
     )
-    assert outline.ring is None and not outline.findings[-1].ok and "[0 0]" in outline.findings[-1].message
+    assert (
+        outline.ring is None
+        and not outline.findings[-1].ok
+        and "[0 0]" in outline.findings[-1].message
+    )
 
 
 def test_a_torn_mesh_is_told(tmp_path: Path) -> None:
@@ -508,13 +638,20 @@ def test_outlines_that_are_huge_or_tiny(tmp_path: Path, radius: float, said: str
 
 
 def test_a_drawing_of_nothing_and_of_text(tmp_path: Path) -> None:
-    for draw in (lambda space: None, lambda space: space.add_text("cam"), lambda space: space.add_circle((3, 3), 0)):
+    for draw in (
+        lambda space: None,
+        lambda space: space.add_text("cam"),
+        lambda space: space.add_circle((3, 3), 0),
+    ):
         with pytest.raises(FileError, match="holds no outline"):
             read_outline(drawing(tmp_path / "d.dxf", draw))
     for draw, said in (
         (lambda space: space.add_blockref("none", (0, 0)), "block definition"),
         (lambda space: space.add_circle((math.nan, 0), 3), "not finite"),
-        (lambda space: space.add_lwpolyline([(1e300, 0), (0, 1e300), (3, 3)], close=True), "as good as infinite"),
+        (
+            lambda space: space.add_lwpolyline([(1e300, 0), (0, 1e300), (3, 3)], close=True),
+            "as good as infinite",
+        ),
     ):
         with pytest.raises(FileError, match=said):
             read_outline(drawing(tmp_path / "d.dxf", draw))
@@ -566,18 +703,28 @@ def spline_through_too_much(space: Any) -> None:
 
 
 def great_arcs(space: Any) -> None:
-    space.add_lwpolyline([(5e4 * (k % 2), k * 1e-3, 1) for k in range(2000)], format="xyb", close=True)
+    space.add_lwpolyline(
+        [(5e4 * (k % 2), k * 1e-3, 1) for k in range(2000)], format="xyb", close=True
+    )
 
 
 @pytest.mark.parametrize(
     "draw, said",
     [
-        (nine_nested_blocks, "about 1e9 entities"), (great_grid, "900000000 entities"), (block_in_itself, "holds itself"),
-        (thin_ellipses, "2000000 chords"), (endless_ellipse, "chords for ELLIPSE"), (endless_spline, "chords for SPLINE"),
-        (stiff_spline, "degree of 1000"), (spline_through_too_much, "20000 points to fit"), (great_arcs, "chords within"),
+        (nine_nested_blocks, "about 1e9 entities"),
+        (great_grid, "900000000 entities"),
+        (block_in_itself, "holds itself"),
+        (thin_ellipses, "2000000 chords"),
+        (endless_ellipse, "chords for ELLIPSE"),
+        (endless_spline, "chords for SPLINE"),
+        (stiff_spline, "degree of 1000"),
+        (spline_through_too_much, "20000 points to fit"),
+        (great_arcs, "chords within"),
     ],
-)  # fmt: skip
-def test_what_a_small_file_stands_for_is_counted_first(tmp_path: Path, draw: Draw, said: str) -> None:
+)
+def test_what_a_small_file_stands_for_is_counted_first(
+    tmp_path: Path, draw: Draw, said: str
+) -> None:
     path = drawing(tmp_path / "bomb.dxf", draw)
     tracemalloc.start()
     start = time.process_time()
@@ -605,10 +752,16 @@ def test_loose_lines_and_holes_by_the_thousand_are_read(tmp_path: Path) -> None:
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert outline.ring is None and peak < 3e8
-    assert outline.findings[-1].measured == pytest.approx(1)  # from (k + 0.4, 1) to (k + 1.4, 1), and along y = 0
+    assert outline.findings[-1].measured == pytest.approx(
+        1
+    )  # from (k + 0.4, 1) to (k + 1.4, 1), and along y = 0
     start = time.process_time()
     outline = read_outline(drawing(tmp_path / "holes.dxf", holes))
-    assert outline.ring is not None and all(f.ok for f in outline.findings) and time.process_time() - start < 30
+    assert (
+        outline.ring is not None
+        and all(f.ok for f in outline.findings)
+        and time.process_time() - start < 30
+    )
 
 
 def test_a_package_of_many_copies_is_counted_first(tmp_path: Path) -> None:
@@ -616,7 +769,9 @@ def test_a_package_of_many_copies_is_counted_first(tmp_path: Path) -> None:
     with zipfile.ZipFile(tmp_path / "disc.3mf") as archive:
         files = {name: archive.read(name).decode() for name in archive.namelist()}
     nested = "".join(
-        f'<object id="{k}"><components>' + f'<component objectid="{k - 1}"/>' * 10 + "</components></object>"
+        f'<object id="{k}"><components>'
+        + f'<component objectid="{k - 1}"/>' * 10
+        + "</components></object>"
         for k in range(2, 12)
     )
     text = files["3D/3dmodel.model"].replace("</resources>", nested + "</resources>")
@@ -641,20 +796,36 @@ def test_a_unit_that_there_is_not_is_refused(tmp_path: Path, unit: str) -> None:
 @pytest.mark.parametrize(
     "text, paths",
     [
-        ("oscilating,pivot=1/0,arm=1,radius=1", ["motion"]), ("oscillating", ["arm", "pivot", "radius"]),
-        ("oscillating,pivot=60/0,arm=55,radius=6", ["leaves"]), (LEVER + ",at_deg=150", ["leaves"]),
-        (LEVER + ",shape=flat", ["arm", "radius"]), ("oscillating,shape=flat", ["pivot"]),
-        ("oscillating,shape=flat,pivot=60/0,inside=true", ["inside"]), (LEVER + ",face_offset=3", ["face_offset"]),
-        (LEVER + ",contour=0", ["contour"]), (LEVER + ",inside=2", ["inside"]), (LEVER.replace("60/0", "0/0"), ["pivot"]),
+        ("oscilating,pivot=1/0,arm=1,radius=1", ["motion"]),
+        ("oscillating", ["arm", "pivot", "radius"]),
+        ("oscillating,pivot=60/0,arm=55,radius=6", ["leaves"]),
+        (LEVER + ",at_deg=150", ["leaves"]),
+        (LEVER + ",shape=flat", ["arm", "radius"]),
+        ("oscillating,shape=flat", ["pivot"]),
+        ("oscillating,shape=flat,pivot=60/0,inside=true", ["inside"]),
+        (LEVER + ",face_offset=3", ["face_offset"]),
+        (LEVER + ",contour=0", ["contour"]),
+        (LEVER + ",inside=2", ["inside"]),
+        (LEVER.replace("60/0", "0/0"), ["pivot"]),
         (LEVER + ",arm=3", ["--follower arm"]),
-        (LEVER.replace("55", "-55"), ["arm"]), (LEVER.replace("60/0", "60"), ["pivot"]), (LEVER + ",tip=3", ["tip"]),
-        (LEVER + ",offset=3", ["offset"]), (LEVER.replace("radius=6", "radius=nan"), ["radius"]), (LEVER + ",x", ["--follower"]),
-        ("translating", ["radius"]), ("translating,shape=flat,radius=3", ["radius"]), ("translating,radius=3,arm=4", ["arm"]),
-        ("translating,shape=knife,offset=inf", ["offset"]), ("translating,shape=flat,offset=2", ["offset"]),
-        ("oscillating,pivot=60/0,arm=55,shape=knife,at_deg=180", ["at_deg"]), (LEVER + ",centre=a/b", ["centre.0", "centre.1"]),
-        (LEVER + ",flipped=3", ["flipped"]), (LEVER.replace("+1", "2"), ["leaves"]), (LEVER + ",turned_deg=400", ["turned_deg"]),
+        (LEVER.replace("55", "-55"), ["arm"]),
+        (LEVER.replace("60/0", "60"), ["pivot"]),
+        (LEVER + ",tip=3", ["tip"]),
+        (LEVER + ",offset=3", ["offset"]),
+        (LEVER.replace("radius=6", "radius=nan"), ["radius"]),
+        (LEVER + ",x", ["--follower"]),
+        ("translating", ["radius"]),
+        ("translating,shape=flat,radius=3", ["radius"]),
+        ("translating,radius=3,arm=4", ["arm"]),
+        ("translating,shape=knife,offset=inf", ["offset"]),
+        ("translating,shape=flat,offset=2", ["offset"]),
+        ("oscillating,pivot=60/0,arm=55,shape=knife,at_deg=180", ["at_deg"]),
+        (LEVER + ",centre=a/b", ["centre.0", "centre.1"]),
+        (LEVER + ",flipped=3", ["flipped"]),
+        (LEVER.replace("+1", "2"), ["leaves"]),
+        (LEVER + ",turned_deg=400", ["turned_deg"]),
     ],
-)  # fmt: skip
+)
 def test_each_wrong_key_of_a_follower_is_named(text: str, paths: list[str]) -> None:
     with pytest.raises(SpecError) as wrong:
         read_follower(text)
@@ -664,33 +835,61 @@ def test_each_wrong_key_of_a_follower_is_named(text: str, paths: list[str]) -> N
 @pytest.mark.parametrize(
     "second, path",
     [
-        ("translating,radius=6,at=3", "motion"), (LEVER.replace("leaves=+1", "at_deg=155,pivo=1/1"), "pivo"),
-        ("oscillating,pivot=61/0,arm=55,radius=6,at_deg=155", "pivot"), (LEVER, "at_deg"),
+        ("translating,radius=6,at=3", "motion"),
+        (LEVER.replace("leaves=+1", "at_deg=155,pivo=1/1"), "pivo"),
+        ("oscillating,pivot=61/0,arm=55,radius=6,at_deg=155", "pivot"),
+        (LEVER, "at_deg"),
         ("oscillating,pivot=60/0,arm=55,radius=6,at_deg=-155", "leaves"),
         ("oscillating,pivot=60/0,arm=55,radius=6,at_deg=155,inside=true", "leaves"),
     ],
-)  # fmt: skip
-def test_a_pair_must_fit(tmp_path: Path, capsys: pytest.CaptureFixture[str], second: str, path: str) -> None:
+)
+def test_a_pair_must_fit(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], second: str, path: str
+) -> None:
     first = LEVER.replace("leaves=+1", "at_deg=-155")
-    code, report, _ = run(capsys, disc(tmp_path / "d.dxf"), "--follower", first, "--second-follower", second, "-o", tmp_path)
+    code, report, _ = run(
+        capsys,
+        disc(tmp_path / "d.dxf"),
+        "--follower",
+        first,
+        "--second-follower",
+        second,
+        "-o",
+        tmp_path,
+    )
     assert code == 2 and any(path in fault["path"] for fault in report["faults"])
     assert {p.name for p in tmp_path.iterdir()} == {"d.dxf"}
 
 
-def test_a_second_file_needs_a_second_follower(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_second_file_needs_a_second_follower(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = disc(tmp_path / "d.dxf")
     assert run(capsys, path, "--follower", LEVER, "--second", path, "-o", tmp_path)[0] == 2
 
 
-def test_followers_that_miss_the_outline(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_followers_that_miss_the_outline(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = disc(tmp_path / "d.dxf")
     code, _, err = run(capsys, path, "--follower", LEVER.replace("55", "10"), "-o", tmp_path)
     assert code == 3 and "check pivot, arm" in err
-    code, _, err = run(capsys, path, "--follower", "translating,radius=3,offset=100", "-o", tmp_path)
+    code, _, err = run(
+        capsys, path, "--follower", "translating,radius=3,offset=100", "-o", tmp_path
+    )
     assert code == 3 and "least distance from the shaft is 100 mm" in err
-    code, _, err = run(capsys, path, "--follower", "oscillating,pivot=10/0,arm=30,leaves=1,radius=1", "-o", tmp_path)
+    code, _, err = run(
+        capsys,
+        path,
+        "--follower",
+        "oscillating,pivot=10/0,arm=30,leaves=1,radius=1",
+        "-o",
+        tmp_path,
+    )
     assert code == 3 and "move the pivot out" in err
-    code, report, _ = run(capsys, path, "--follower", "translating,radius=1,offset=18", "-o", tmp_path)
+    code, report, _ = run(
+        capsys, path, "--follower", "translating,radius=1,offset=18", "-o", tmp_path
+    )
     assert code == 1 and codes(report)["CONTACT"] is False
     held = next(f["measured"] for f in report["findings"] if f["code"] == "CONTACT")
     # the disc reaches the line while E sin(theta) > 18 - (A + 1): all but a share arccos(3/5)/pi of the turn
@@ -698,12 +897,22 @@ def test_followers_that_miss_the_outline(tmp_path: Path, capsys: pytest.CaptureF
 
 
 def test_help_is_light_and_says_how(tmp_path: Path) -> None:
-    done = subprocess.run([sys.executable, "-m", "camgen", "motion", "--help"], capture_output=True, text=True)
-    assert done.returncode == 0 and "pivot=X/Y" in done.stdout and "translating,shape=flat" in done.stdout
+    done = subprocess.run(
+        [sys.executable, "-m", "camgen", "motion", "--help"], capture_output=True, text=True
+    )
+    assert (
+        done.returncode == 0
+        and "pivot=X/Y" in done.stdout
+        and "translating,shape=flat" in done.stdout
+    )
 
 
 def framed(space: Any) -> None:
-    space.add_lwpolyline([(-100, -100), (100, -100), (100, 100), (-100, 100)], close=True, dxfattribs={"layer": "FRAME"})
+    space.add_lwpolyline(
+        [(-100, -100), (100, -100), (100, 100), (-100, 100)],
+        close=True,
+        dxfattribs={"layer": "FRAME"},
+    )
     space.add_circle((0, 0), 30, dxfattribs={"layer": "CUT"})
     space.add_circle((0, 0), 4, dxfattribs={"layer": "CUT"})
 
@@ -730,20 +939,39 @@ def test_what_is_switched_off_does_not_count(tmp_path: Path) -> None:
 def test_what_was_asked_for_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The disc lifts a roller by twice its eccentricity; the terminal says so, and where the report is."""
     with pytest.raises(SystemExit):
-        main(["motion", str(disc(tmp_path / "disc.dxf")), "--follower", "translating,radius=6", "-o", str(tmp_path)])
+        main(
+            [
+                "motion",
+                str(disc(tmp_path / "disc.dxf")),
+                "--follower",
+                "translating,radius=6",
+                "-o",
+                str(tmp_path),
+            ]
+        )
     said = capsys.readouterr().out
-    assert f"the follower moves {2 * E:g} mm" in said and "disc-motion/report.html" in said.replace("\n", "")
+    assert f"the follower moves {2 * E:g} mm" in said and "disc-motion/report.html" in said.replace(
+        "\n", ""
+    )
 
 
-def test_noise_of_points_in_the_pressure_angle_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_noise_of_points_in_the_pressure_angle_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     """sin of the largest is eccentricity over the pitch circle's radius; points 10 um off tilt the normal by degrees."""
     turn = np.exp(1j * np.linspace(0, math.tau, 720, endpoint=False))
     exact = math.degrees(math.asin(8 / 36))
     for noise in (0.0, 0.01):
         z = 8 + (30 + noise * np.random.default_rng(4).standard_normal(720)) * turn
         path = tmp_path / "points.csv"
-        path.write_text("x,y\n" + "\n".join(f"{p.real:.6f},{p.imag:.6f}" for p in z), encoding="utf-8")
+        path.write_text(
+            "x,y\n" + "\n".join(f"{p.real:.6f},{p.imag:.6f}" for p in z), encoding="utf-8"
+        )
         _, report, _ = run(capsys, path, "--follower", "translating,radius=6", "-o", tmp_path)
         raw, smooth = (report["numbers"][f"pressure_angle_{key}deg"] for key in ("", "low_passed_"))
         assert smooth == pytest.approx(exact, abs=0.01 if noise == 0 else 0.2)
-        assert (raw - exact > 1) == bool(noise) == any("the outline is rough" in said for said in report["remarks"])
+        assert (
+            (raw - exact > 1)
+            == bool(noise)
+            == any("the outline is rough" in said for said in report["remarks"])
+        )

@@ -21,7 +21,10 @@ from camgen.pipeline import build as pipeline
 TOP = Path(__file__).resolve().parents[2]
 SPEC = TOP / "specs" / "uniform-swing.toml"
 ALL = frozenset(pipeline.KINDS)
-CAMS = ["parts.make='cams'", "parts.bore=8"]  # the cam alone; the whole machine is in test_swing_machine
+CAMS = [
+    "parts.make='cams'",
+    "parts.bore=8",
+]  # the cam alone; the whole machine is in test_swing_machine
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -36,10 +39,21 @@ def made(built: Callable[..., Path]) -> Path:
 def test_the_files_of_the_contract_are_there(made: Path) -> None:
     part = "uniform-swing-cam"
     assert set(contents(made)) == {
-        "spec.toml", "motion.csv", "report.json", "report.html", "manifest.json", "uniform-swing-assembly.3mf",
-        "uniform-swing-assembly.glb", "uniform-swing-plate.3mf", "uniform-swing-parts.csv",
-        f"{part}.dxf", f"{part}.stl", f"{part}.3mf", f"{part}-drawing.dxf", f"{part}-drawing.pdf",
-    }  # fmt: skip
+        "spec.toml",
+        "motion.csv",
+        "report.json",
+        "report.html",
+        "manifest.json",
+        "uniform-swing-assembly.3mf",
+        "uniform-swing-assembly.glb",
+        "uniform-swing-plate.3mf",
+        "uniform-swing-parts.csv",
+        f"{part}.dxf",
+        f"{part}.stl",
+        f"{part}.3mf",
+        f"{part}-drawing.dxf",
+        f"{part}-drawing.pdf",
+    }
 
 
 def test_report_json_is_the_report(made: Path) -> None:
@@ -50,12 +64,26 @@ def test_report_json_is_the_report(made: Path) -> None:
     codes = [finding["code"] for finding in report["findings"]]
     assert codes.count("MOTION_ERROR") == 3  # once for each kind of file
     assert set(codes) >= {
-        "SPEED_RIPPLE", "UNDERCUT", "PRESSURE_ANGLE", "MIN_WALL", "WATERTIGHT", "VOLUME", "DXF_CLOSED", "DXF_UNITS",
-        "ROUND_TRIP", "LASH", "INTERFERENCE",
-    }  # fmt: skip
+        "SPEED_RIPPLE",
+        "UNDERCUT",
+        "PRESSURE_ANGLE",
+        "MIN_WALL",
+        "WATERTIGHT",
+        "VOLUME",
+        "DXF_CLOSED",
+        "DXF_UNITS",
+        "ROUND_TRIP",
+        "LASH",
+        "INTERFERENCE",
+    }
     assert report["numbers"]["swing_deg"] == 30
     assert [part["count"] for part in report["parts"]] == [2]
-    stages = [row[0] for table in report["tables"] if table["title"].startswith("Error budget") for row in table["rows"]]
+    stages = [
+        row[0]
+        for table in report["tables"]
+        if table["title"].startswith("Error budget")
+        for row in table["rows"]
+    ]
     assert len(stages) >= 4
 
 
@@ -65,13 +93,21 @@ def test_the_loss_at_the_reversal_is_the_exact_undercut(made: Path) -> None:
     exact, *recovered = [f["measured"] for f in findings if f["code"] == "UNDERCUT"]
     assert exact == pytest.approx(0.0728319409614635, abs=1e-9)
     assert len(recovered) == 3
-    slope = 0.16 * 0.05  # deg of loss a deg of cam angle beside the reversal, and the widest step between judged angles
+    slope = (
+        0.16 * 0.05
+    )  # deg of loss a deg of cam angle beside the reversal, and the widest step between judged angles
     assert all(exact - slope - 1.8e-3 <= loss <= exact + 1.8e-3 for loss in recovered)
 
 
 def test_motion_csv_holds_wanted_and_recovered(made: Path) -> None:
     rows = np.genfromtxt(made / "motion.csv", delimiter=",", names=True)
-    assert rows.dtype.names == ("theta_deg", "swing_deg", "swing_deg_dxf", "swing_deg_stl", "swing_deg_3mf")
+    assert rows.dtype.names == (
+        "theta_deg",
+        "swing_deg",
+        "swing_deg_dxf",
+        "swing_deg_stl",
+        "swing_deg_3mf",
+    )
     assert rows["theta_deg"] == pytest.approx(np.arange(1441) / 4)
     half = rows["theta_deg"] <= 180
     wanted = np.where(half, -15 + rows["theta_deg"] / 6, 45 - rows["theta_deg"] / 6)
@@ -81,9 +117,19 @@ def test_motion_csv_holds_wanted_and_recovered(made: Path) -> None:
         assert np.abs(rows[f"swing_deg_{kind}"] - wanted)[away].max() < 1.73e-3
 
 
-def test_same_spec_same_bytes_in_another_process_and_from_the_resolved_spec(made: Path, tmp_path: Path) -> None:
+def test_same_spec_same_bytes_in_another_process_and_from_the_resolved_spec(
+    made: Path, tmp_path: Path
+) -> None:
     environment = {**os.environ, "PYTHONHASHSEED": "4711", "TZ": "Asia/Tokyo"}
-    command = [sys.executable, "-m", "camgen", "build", str(made / "spec.toml"), "-o", str(tmp_path)]
+    command = [
+        sys.executable,
+        "-m",
+        "camgen",
+        "build",
+        str(made / "spec.toml"),
+        "-o",
+        str(tmp_path),
+    ]
     subprocess.run(command, check=True, capture_output=True, env=environment, cwd=tmp_path)
     assert contents(tmp_path / "uniform-swing") == contents(made)
 
@@ -93,13 +139,21 @@ def test_check_says_what_the_build_said(made: Path) -> None:
     before = contents(made)
     findings = json.loads((made / "report.json").read_text())["findings"]
     checked: Any = pipeline.check(made).as_dict()["findings"]
-    assert checked[:-1] == findings and (checked[-1]["code"], checked[-1]["ok"]) == ("REBUILD", True)
+    assert checked[:-1] == findings and (checked[-1]["code"], checked[-1]["ok"]) == (
+        "REBUILD",
+        True,
+    )
     assert contents(made) == before
 
 
-@pytest.mark.parametrize("name", sorted({path.stem for path in SPEC.parent.glob("*.toml")} - {"coupon", "four-leg-walker"}))
+@pytest.mark.parametrize(
+    "name",
+    sorted({path.stem for path in SPEC.parent.glob("*.toml")} - {"coupon", "four-leg-walker"}),
+)
 def test_every_machine_has_steps_of_assembly_for_all_that_stands_in_it(name: str) -> None:
-    machine = pipeline.read_mechanism(TOP / "specs" / f"{name}.toml", CAMS[:1] if name == "uniform-swing" else ())
+    machine = pipeline.read_mechanism(
+        TOP / "specs" / f"{name}.toml", CAMS[:1] if name == "uniform-swing" else ()
+    )
     steps, poses = machine.steps(), machine.poses(np.zeros(1))
     assert [row[0] for row in steps.rows] == list(range(1, len(steps.rows) + 1))
     copies = Counter({part.name: len(poses[part.name]) for part in machine.parts()})
@@ -108,15 +162,25 @@ def test_every_machine_has_steps_of_assembly_for_all_that_stands_in_it(name: str
     assert len(steps.rows) - len(rows) == (machine.mechanism == "linkage")
     for _, part, _, _, count, z, lies in rows:
         told[part] += count
-        assert (z, lies == "turned over") in [(pytest.approx(pose.z), pose.flipped) for pose in poses[part]]
+        assert (z, lies == "turned over") in [
+            (pytest.approx(pose.z), pose.flipped) for pose in poses[part]
+        ]
     assert told == +copies
-    thick = {part.name: part.thickness for part in machine.parts()}  # what is turned over comes from above
-    heights = [round(z + thick[part] * (lies == "turned over"), 6) for _, part, _, _, _, z, lies in rows]
+    thick = {
+        part.name: part.thickness for part in machine.parts()
+    }  # what is turned over comes from above
+    heights = [
+        round(z + thick[part] * (lies == "turned over"), 6) for _, part, _, _, _, z, lies in rows
+    ]
     assert heights == sorted(heights)
     counts = Counter(mount.part for mount in machine.mounts())
     every = {f"{part}-{k + 1}": part for part, count in counts.items() for k in range(count)}
-    laid = Counter(copy for row in steps.copies for copy, part in every.items() if copy in row or part in row)
-    assert len(steps.copies) == len(steps.rows) and laid == Counter(list(every)), "each copy is laid once"
+    laid = Counter(
+        copy for row in steps.copies for copy, part in every.items() if copy in row or part in row
+    )
+    assert len(steps.copies) == len(steps.rows) and laid == Counter(list(every)), (
+        "each copy is laid once"
+    )
     assert {copy for row in steps.copies for copy in row} <= {*every, *every.values()}
 
 
@@ -143,7 +207,9 @@ def test_only_what_is_asked_for_is_written(tmp_path: Path, only: str) -> None:
     ],
 )
 def test_other_specs_move_as_asked_too(tmp_path: Path, settings: list[str]) -> None:
-    report = pipeline.build(SPEC, tmp_path, frozenset({"dxf", "stl"}), [*CAMS, *settings, "limits.speed_ripple=0.1"])
+    report = pipeline.build(
+        SPEC, tmp_path, frozenset({"dxf", "stl"}), [*CAMS, *settings, "limits.speed_ripple=0.1"]
+    )
     assert [f for f in report.findings if not f.ok] == []
 
 
@@ -151,10 +217,17 @@ def test_other_specs_move_as_asked_too(tmp_path: Path, settings: list[str]) -> N
 def test_any_size(tmp_path: Path, scale: float) -> None:
     """The same machine in other units: all lengths scaled, tolerance too."""
     lengths = {
-        "geometry.pivot_distance": 60, "geometry.arm_offset": 30, "geometry.tip_radius": 3, "parts.thickness": 6,
-        "parts.bore": 8, "parts.pin_diameter": 3, "parts.wall": 3, "parts.mark_depth": 0.4, "limits.min_wall": 0.8,
+        "geometry.pivot_distance": 60,
+        "geometry.arm_offset": 30,
+        "geometry.tip_radius": 3,
+        "parts.thickness": 6,
+        "parts.bore": 8,
+        "parts.pin_diameter": 3,
+        "parts.wall": 3,
+        "parts.mark_depth": 0.4,
+        "limits.min_wall": 0.8,
         "accuracy.chord_tolerance": 0.001,
-    }  # fmt: skip
+    }
     settings = [f"{key}={value * scale:.12g}" for key, value in lengths.items()] + [
         "print.nozzle=0.004",
         "print.bed=[1e5, 1e5]",

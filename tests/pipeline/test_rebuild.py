@@ -27,7 +27,13 @@ from camgen.report.report import Report
 ROOT = Path(__file__).resolve().parents[2]
 ALL = frozenset(rebuild.ANY_KIND)
 # A cam alone, of sheet, with all tables: every kind of file but those of a linkage's chain.
-CAM = ("parts.hub_height=0", "laser.thickness=6", "parts.thickness=6", "output.profile_step_deg=5", "output.cutter_radius=3")
+CAM = (
+    "parts.hub_height=0",
+    "laser.thickness=6",
+    "parts.thickness=6",
+    "output.profile_step_deg=5",
+    "output.cutter_radius=3",
+)
 Damage = Callable[[bytes], bytes]
 
 
@@ -50,7 +56,10 @@ def mended(folder: Path, **about: object) -> None:
     path = folder / "manifest.json"
     manifest = json.loads(path.read_text(encoding="utf-8"))
     data = {each.name: each.read_bytes() for each in sorted(folder.iterdir()) if each != path}
-    files = {name: {"bytes": len(each), "sha256": hashlib.sha256(each).hexdigest()} for name, each in data.items()}
+    files = {
+        name: {"bytes": len(each), "sha256": hashlib.sha256(each).hexdigest()}
+        for name, each in data.items()
+    }
     path.write_text(json.dumps({**manifest, **about, "files": files}), encoding="utf-8")
 
 
@@ -76,7 +85,9 @@ def test_a_sound_folder_is_as_it_is_made_anew(folder: Path) -> None:
 @pytest.mark.parametrize("kinds", ["dxf", "report", "stl,3mf,report", "step"])
 def test_a_smaller_build_is_as_it_is_made_anew(kinds: str, tmp_path: Path) -> None:
     settings = ("geometry.closure='conjugate'", "output.profile_step_deg=5")
-    pipeline.build(ROOT / "specs" / "disc-cam.toml", tmp_path, frozenset(kinds.split(",")), settings)
+    pipeline.build(
+        ROOT / "specs" / "disc-cam.toml", tmp_path, frozenset(kinds.split(",")), settings
+    )
     assert failing(tmp_path / "disc-cam") == set()
 
 
@@ -84,7 +95,9 @@ def test_a_smaller_build_is_as_it_is_made_anew(kinds: str, tmp_path: Path) -> No
 
 
 def names(folder: Path) -> Iterator[str]:
-    yield from sorted(path.name for path in folder.iterdir() if path.name not in ("spec.toml", "manifest.json"))
+    yield from sorted(
+        path.name for path in folder.iterdir() if path.name not in ("spec.toml", "manifest.json")
+    )
 
 
 def test_every_file_that_is_lost_is_told(sound: Path, folder: Path) -> None:
@@ -189,7 +202,11 @@ def larger(drawing: Any) -> None:
 
 
 def dimension(drawing: Any) -> None:
-    text = next(each for each in drawing.modelspace().query("TEXT[layer=='DIM']") if each.dxf.text[0].isdigit())
+    text = next(
+        each
+        for each in drawing.modelspace().query("TEXT[layer=='DIM']")
+        if each.dxf.text[0].isdigit()
+    )
     text.dxf.text = "1" + text.dxf.text
 
 
@@ -206,7 +223,9 @@ def packed(folder: Path) -> Damage:
             parts = {name: package.read(name) for name in package.namelist()}
         with zipfile.ZipFile(path, "w") as package:
             for name, text in parts.items():
-                package.writestr(name, re.sub(rb'<vertex x="[^"]*"', b'<vertex x="1.234"', text, count=1))
+                package.writestr(
+                    name, re.sub(rb'<vertex x="[^"]*"', b'<vertex x="1.234"', text, count=1)
+                )
         data = path.read_bytes()
         path.unlink()
         return data
@@ -216,11 +235,16 @@ def packed(folder: Path) -> Damage:
 
 # name -> what is done to it, and which finding is to say so
 KINDS: dict[str, tuple[str, str]] = {
-    "motion": ("motion.csv", "REBUILD"), "report": ("report.json", "REBUILD"), "page": ("report.html", "REBUILD"),
-    "list": ("disc-cam-parts.csv", "PARTS_LIST"), "pdf": ("disc-cam-cam-drawing.pdf", "REBUILD"),
-    "profile": ("disc-cam-cam-profile.csv", "ROUND_TRIP"), "path": ("disc-cam-cam-path.csv", "ROUND_TRIP"),
-    "sheets": ("disc-cam-sheets.csv", ""), "sheet": ("disc-cam-sheet-1.svg", "ROUND_TRIP"),
-}  # fmt: skip
+    "motion": ("motion.csv", "REBUILD"),
+    "report": ("report.json", "REBUILD"),
+    "page": ("report.html", "REBUILD"),
+    "list": ("disc-cam-parts.csv", "PARTS_LIST"),
+    "pdf": ("disc-cam-cam-drawing.pdf", "REBUILD"),
+    "profile": ("disc-cam-cam-profile.csv", "ROUND_TRIP"),
+    "path": ("disc-cam-cam-path.csv", "ROUND_TRIP"),
+    "sheets": ("disc-cam-sheets.csv", ""),
+    "sheet": ("disc-cam-sheet-1.svg", "ROUND_TRIP"),
+}
 
 
 @pytest.mark.parametrize("name", KINDS)
@@ -233,27 +257,34 @@ def test_one_digit_of_a_text_is_told(folder: Path, name: str) -> None:
     assert found and (code in found or "FileError" in found or not code)
 
 
-@pytest.mark.parametrize("file, damage, code", [
-    ("motion.csv", replaced("theta_deg", "theta"), "REBUILD"),
-    ("report.html", replaced("findings hold", "findings h0ld"), "REBUILD"),
-    ("report.json", replaced('"ok": true', '"ok": false'), "REBUILD"),
-    ("report.json", lambda data: b"[" * 100_000, "REBUILD"),
-    ("disc-cam-parts.csv", replaced(",1,", ",2,"), "PARTS_LIST"),
-    ("disc-cam-parts.csv", lambda data: data + b"bought,dowel,,1\n", "PARTS_LIST"),
-    ("disc-cam-assembly.glb", node(1, rotation=[0, 0, 1, 0]), "FileError"),
-    ("disc-cam-assembly.glb", node(1, scale=[1, 1, 1]), "FileError"),
-    ("disc-cam-assembly.glb", node(0, scale=[0.002] * 3), "FileError"),
-    ("disc-cam-assembly.glb", node(2, matrix=[1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 1]), "ROUND_TRIP"),
-    ("disc-cam-assembly.glb", in_glb(lambda whole, _: whole.pop("animations")), "ROUND_TRIP"),
-    ("disc-cam-assembly.glb", in_glb(sample), "ROUND_TRIP"),
-    ("disc-cam-assembly.glb", in_glb(vertex), "REBUILD"),
-    ("disc-cam-assembly.glb", lambda data: data[:1000], "FileError"),
-    ("disc-cam-assembly.glb", lambda data: b"glTF" + b"\xff" * 40, "FileError"),
-    ("disc-cam-cam.stl", stl, "WATERTIGHT"),
-    ("disc-cam-sheet-1.svg", replaced("<circle ", '<circle display="none" '), "ROUND_TRIP"),
-    ("disc-cam-cam.step", replaced("CARTESIAN_POINT('',(", "CARTESIAN_POINT('',(1"), ""),
-    ("disc-cam-assembly.step", replaced("CARTESIAN_POINT('',(", "CARTESIAN_POINT('',(1"), ""),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "file, damage, code",
+    [
+        ("motion.csv", replaced("theta_deg", "theta"), "REBUILD"),
+        ("report.html", replaced("findings hold", "findings h0ld"), "REBUILD"),
+        ("report.json", replaced('"ok": true', '"ok": false'), "REBUILD"),
+        ("report.json", lambda data: b"[" * 100_000, "REBUILD"),
+        ("disc-cam-parts.csv", replaced(",1,", ",2,"), "PARTS_LIST"),
+        ("disc-cam-parts.csv", lambda data: data + b"bought,dowel,,1\n", "PARTS_LIST"),
+        ("disc-cam-assembly.glb", node(1, rotation=[0, 0, 1, 0]), "FileError"),
+        ("disc-cam-assembly.glb", node(1, scale=[1, 1, 1]), "FileError"),
+        ("disc-cam-assembly.glb", node(0, scale=[0.002] * 3), "FileError"),
+        (
+            "disc-cam-assembly.glb",
+            node(2, matrix=[1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 1]),
+            "ROUND_TRIP",
+        ),
+        ("disc-cam-assembly.glb", in_glb(lambda whole, _: whole.pop("animations")), "ROUND_TRIP"),
+        ("disc-cam-assembly.glb", in_glb(sample), "ROUND_TRIP"),
+        ("disc-cam-assembly.glb", in_glb(vertex), "REBUILD"),
+        ("disc-cam-assembly.glb", lambda data: data[:1000], "FileError"),
+        ("disc-cam-assembly.glb", lambda data: b"glTF" + b"\xff" * 40, "FileError"),
+        ("disc-cam-cam.stl", stl, "WATERTIGHT"),
+        ("disc-cam-sheet-1.svg", replaced("<circle ", '<circle display="none" '), "ROUND_TRIP"),
+        ("disc-cam-cam.step", replaced("CARTESIAN_POINT('',(", "CARTESIAN_POINT('',(1"), ""),
+        ("disc-cam-assembly.step", replaced("CARTESIAN_POINT('',(", "CARTESIAN_POINT('',(1"), ""),
+    ],
+)
 def test_a_damage_is_told(folder: Path, file: str, damage: Damage, code: str) -> None:
     path = folder / file
     was = path.read_bytes()
@@ -264,12 +295,19 @@ def test_a_damage_is_told(folder: Path, file: str, damage: Damage, code: str) ->
     assert code in found if code else found
 
 
-@pytest.mark.parametrize("file, edit, codes", [
-    ("disc-cam-cam-drawing.dxf", larger, {"ROUND_TRIP", "REBUILD"}), ("disc-cam-cam-drawing.dxf", dimension, {"REBUILD"}),
-    ("disc-cam-cam-path.dxf", larger, {"ROUND_TRIP", "CUTTER", "REBUILD"}),
-    ("disc-cam-cam.dxf", circle, {"ROUND_TRIP"}), ("disc-cam-sheet-1.dxf", circle, {"ROUND_TRIP"}),
-])  # fmt: skip
-def test_a_drawing_that_is_damaged_is_told(folder: Path, file: str, edit: Callable[[Any], object], codes: set[str]) -> None:
+@pytest.mark.parametrize(
+    "file, edit, codes",
+    [
+        ("disc-cam-cam-drawing.dxf", larger, {"ROUND_TRIP", "REBUILD"}),
+        ("disc-cam-cam-drawing.dxf", dimension, {"REBUILD"}),
+        ("disc-cam-cam-path.dxf", larger, {"ROUND_TRIP", "CUTTER", "REBUILD"}),
+        ("disc-cam-cam.dxf", circle, {"ROUND_TRIP"}),
+        ("disc-cam-sheet-1.dxf", circle, {"ROUND_TRIP"}),
+    ],
+)
+def test_a_drawing_that_is_damaged_is_told(
+    folder: Path, file: str, edit: Callable[[Any], object], codes: set[str]
+) -> None:
     path = folder / file
     path.write_bytes(dxf(edit, folder)(path.read_bytes()))
     mended(folder)
@@ -284,8 +322,12 @@ def test_a_package_that_is_damaged_is_told(folder: Path, file: str) -> None:
     assert failing(folder)
 
 
-def test_a_plate_that_is_damaged_or_lost_and_the_chain_of_a_linkage_are_told(tmp_path: Path) -> None:
-    report = pipeline.build(ROOT / "specs" / "gallery" / "four-bar.toml", tmp_path, frozenset({"3mf"}))
+def test_a_plate_that_is_damaged_or_lost_and_the_chain_of_a_linkage_are_told(
+    tmp_path: Path,
+) -> None:
+    report = pipeline.build(
+        ROOT / "specs" / "gallery" / "four-bar.toml", tmp_path, frozenset({"3mf"})
+    )
     folder = Path(str(report.folder))
     for name, damage in (
         ("four-bar-plate.3mf", packed(folder)),
@@ -307,7 +349,12 @@ def test_a_plate_that_is_damaged_or_lost_and_the_chain_of_a_linkage_are_told(tmp
 # ---- by others, and by this one's own digits -------------------------------------------------------------------------
 
 
-OTHERS = [{"camgen": "0.0"}, {"packages": {"numpy": "1.0"}}, {"packages": 5}, {"system": "Linux x86_64 X86_V2"}]
+OTHERS = [
+    {"camgen": "0.0"},
+    {"packages": {"numpy": "1.0"}},
+    {"packages": 5},
+    {"system": "Linux x86_64 X86_V2"},
+]
 
 
 def test_a_folder_of_another_version_holds_where_every_byte_is_the_same(folder: Path) -> None:
@@ -317,13 +364,20 @@ def test_a_folder_of_another_version_holds_where_every_byte_is_the_same(folder: 
 
 
 @pytest.mark.parametrize("about", OTHERS, ids=str)
-def test_of_a_folder_of_other_versions_what_is_left_is_named(folder: Path, about: dict[str, object]) -> None:
+def test_of_a_folder_of_other_versions_what_is_left_is_named(
+    folder: Path, about: dict[str, object]
+) -> None:
     path = folder / "motion.csv"
     path.write_bytes(digit(path.read_bytes()))
     mended(folder, **about)
     report = pipeline.check(folder)
     (named,) = left(report)
-    assert report.ok and named.code == "REBUILD" and "motion.csv" in named.why and "REBUILD" in report.verdict
+    assert (
+        report.ok
+        and named.code == "REBUILD"
+        and "motion.csv" in named.why
+        and "REBUILD" in report.verdict
+    )
 
 
 def test_what_a_shop_reads_is_read_back_whoever_built_it(folder: Path) -> None:
@@ -366,10 +420,14 @@ def test_last_digits_are_another_processor_s(folder: Path) -> None:
 
 
 @given(st.floats(-1e3, 1e3), st.floats(1e-8, 1.0), st.sampled_from(["x{}", "<td>{}</td>", "{},7"]))
-def test_numbers_that_are_the_same_are_so_by_a_billionth(value: float, off: float, text: str) -> None:
+def test_numbers_that_are_the_same_are_so_by_a_billionth(
+    value: float, off: float, text: str
+) -> None:
     there, anew = text.format(repr(value + off * (1 + abs(value)))), text.format(repr(value))
     assert not rebuild._same(there, anew) and rebuild._same(anew, anew)
-    assert rebuild._same(text.format(repr(value + 1e-11)), anew) or "e" in repr(value + 1e-11) + repr(value)
+    assert rebuild._same(text.format(repr(value + 1e-11)), anew) or "e" in repr(
+        value + 1e-11
+    ) + repr(value)
     assert not rebuild._same(anew + " ", anew) and not rebuild._same("y" + anew, anew)
 
 
@@ -383,6 +441,8 @@ def test_a_part_that_was_changed_and_holds_makes_the_report_another_one_s(folder
     report: Report = pipeline.check(folder)
     assert report.ok, [finding for finding in report.findings if not finding.ok]
     assert any("judged as they are now: disc-cam-cam.dxf" in remark for remark in report.remarks)
-    assert any("as they were: motion.csv, report.html, report.json" in remark for remark in report.remarks)
+    assert any(
+        "as they were: motion.csv, report.html, report.json" in remark for remark in report.remarks
+    )
     mended(folder)
     assert failing(folder) == {"REBUILD"}

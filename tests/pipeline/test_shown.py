@@ -20,13 +20,17 @@ SPECS = Path(__file__).resolve().parents[2] / "specs"
 UP = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]]) / 1000  # (x, y, z) mm to (x, z, -y) m
 
 
-@pytest.mark.parametrize("name", ["coupon", "uniform-swing"])  # the others with their heights, in test_pipeline
+@pytest.mark.parametrize(
+    "name", ["coupon", "uniform-swing"]
+)  # the others with their heights, in test_pipeline
 def test_the_steps_of_assembly_lay_on_every_copy_once(name: str) -> None:
     machine = pipeline.read_mechanism(SPECS / f"{name}.toml").resolved()
     table, counts = machine.steps(), Counter(mount.part for mount in machine.mounts())
     every = {f"{part}-{k + 1}": part for part, count in counts.items() for k in range(count)}
     assert len(table.copies) == len(table.rows)
-    laid = Counter(copy for row in table.copies for copy, part in every.items() if copy in row or part in row)
+    laid = Counter(
+        copy for row in table.copies for copy, part in every.items() if copy in row or part in row
+    )
     assert laid == Counter(list(every)), "each once"
     assert {copy for row in table.copies for copy in row} <= {*every, *every.values()}
 
@@ -45,18 +49,26 @@ def test_the_glb_is_the_assembly_and_moves_as_it_does(name: str) -> None:
     for part in machine.parts():
         if part.name in shown.geometry:
             mesh = shown.geometry[part.name]
-            assert mesh.is_watertight and abs(mesh.volume * 1.0 - part.volume) <= 0.02 * part.walls + 1e-6 * part.volume
+            assert (
+                mesh.is_watertight
+                and abs(mesh.volume * 1.0 - part.volume) <= 0.02 * part.walls + 1e-6 * part.volume
+            )
     # a quarter of a turn, read from the file's own animation
     size = struct.unpack_from("<I", seen.glb, 12)[0]
     file = json.loads(seen.glb[20 : 20 + size])
     poses = machine.courses(np.array([np.pi / 2]))
     moved = 0
     for channel in file["animations"][0]["channels"]:
-        node, sampler = file["nodes"][channel["target"]["node"]], file["animations"][0]["samplers"][channel["sampler"]]
+        node, sampler = (
+            file["nodes"][channel["target"]["node"]],
+            file["animations"][0]["samplers"][channel["sampler"]],
+        )
         accessor = file["accessors"][sampler["output"]]
         wide = {"VEC3": 3, "VEC4": 4}[accessor["type"]]
         start = 28 + size + file["bufferViews"][accessor["bufferView"]]["byteOffset"]
-        values = np.frombuffer(seen.glb, "<f4", accessor["count"] * wide, start).reshape(-1, wide)[(accessor["count"] - 1) // 4]
+        values = np.frombuffer(seen.glb, "<f4", accessor["count"] * wide, start).reshape(-1, wide)[
+            (accessor["count"] - 1) // 4
+        ]
         pose = poses[node["name"]]
         if wide == 4:
             turn = 2 * np.arctan2(values[2], values[3])

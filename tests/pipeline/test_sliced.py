@@ -43,11 +43,16 @@ def test_parts_are_found_wherever_they_lie(folder):
     sizes = next(table for table in report.tables if table.title.startswith("Holes"))
     assert len([row for row in sizes.rows if row[1] == "hole"]) > 7
     for part, _, _, _, meant, first, small, large in sizes.rows:
-        assert small == pytest.approx(meant, abs=4e-3) and large == pytest.approx(meant, abs=4e-3), part
+        assert small == pytest.approx(meant, abs=4e-3) and large == pytest.approx(
+            meant, abs=4e-3
+        ), part
         assert first == pytest.approx(meant, abs=4e-3)
     assert any("perimeter_generator = arachne" in text and "1.1" in text for text in report.remarks)
     assert any("ground 4.8 for 5" in text for text in report.remarks)  # six layers of 0.8 mm
-    assert any("none of these plates" in each.why and "1 of collar" in each.why for each in report.not_judged)
+    assert any(
+        "none of these plates" in each.why and "1 of collar" in each.why
+        for each in report.not_judged
+    )
     assert any("shaft: not on the plate" in each.why for each in report.not_judged)
 
 
@@ -57,12 +62,17 @@ def test_a_part_that_lies_turned_over(folder):
     (body,) = bodies(read_gcode(path))
     solid = read_stl(folder / "bars-coupler.stl")
     assert copy_of(body, [Known("coupler", solid, np.eye(3))]) is None
-    copy = copy_of(body, [Known("coupler", solid, np.eye(3)), Known("coupler", solid, np.diag([-1.0, 1.0, -1.0]))])
+    copy = copy_of(
+        body,
+        [Known("coupler", solid, np.eye(3)), Known("coupler", solid, np.diag([-1.0, 1.0, -1.0]))],
+    )
     assert copy.known.over and copy.height(copy.layers[0]) == pytest.approx(4 - LAYER / 2)
     (shape,) = shapes_of(copy, copy.layers[1])
     (wanted,) = pieces_of(slice_mesh(solid, 2.0))
     centres = sorted((hole.centroid for hole in shape.holes), key=lambda z: z.real)
-    assert centres == pytest.approx(sorted((hole.centroid for hole in wanted.holes), key=lambda z: z.real), abs=2e-3)
+    assert centres == pytest.approx(
+        sorted((hole.centroid for hole in wanted.holes), key=lambda z: z.real), abs=2e-3
+    )
 
 
 @pytest.mark.parametrize("start", [5, 95, 185, 300])
@@ -77,7 +87,9 @@ def test_a_bar_whose_holes_differ_lies_one_way(folder, start):
 
 def drilled(flat, at, diameter):
     """A flat part whose hole near a place is another one."""
-    return flat.union(shapely.Point(50, 0).buffer(2.7)).difference(shapely.Point(at, 0).buffer(diameter / 2, quad_segs=64))
+    return flat.union(shapely.Point(50, 0).buffer(2.7)).difference(
+        shapely.Point(at, 0).buffer(diameter / 2, quad_segs=64)
+    )
 
 
 def test_each_is_seen_to_fail(folder):
@@ -96,7 +108,10 @@ def test_each_is_seen_to_fail(folder):
 
 def test_holes_that_are_lost_and_outlines_that_grow(folder):
     """On a plate of parts that do not move nothing but the contours is judged, and that is said."""
-    changes = (lambda name, k, flat: shapely.Polygon(flat.exterior) if k == 2 else flat, lambda name, k, flat: flat.buffer(0.3))
+    changes = (
+        lambda name, k, flat: shapely.Polygon(flat.exterior) if k == 2 else flat,
+        lambda name, k, flat: flat.buffer(0.3),
+    )
     for change in changes:
         report = check_gcode(folder, [laid(folder, ["collar"], change)])
         assert failing(report) == {"ROUND_TRIP"}
@@ -112,7 +127,11 @@ def test_layers_that_are_missing(folder, height):
 
     def wrong(kept):
         path.write_text("\n".join([f"{first}{height}", *kept]))
-        return [(finding.where, finding.measured) for finding in check_gcode(folder, [path]).findings if not finding.ok]
+        return [
+            (finding.where, finding.measured)
+            for finding in check_gcode(folder, [path]).findings
+            if not finding.ok
+        ]
 
     assert len(layers) == 5 and not wrong(layers)
     ((where, gap),) = wrong(layers[:2] + layers[3:])
@@ -130,7 +149,9 @@ def test_the_first_layer_is_told_by_itself(folder):
     assert not failing(report)
     assert report.tables[0].rows[0][4:6] == pytest.approx((0.2, 0.2), abs=5e-3)
     spec = (folder / "spec.toml").read_text(encoding="utf-8")
-    (folder / "spec.toml").write_text(spec.replace("elephant_foot = 0.0", "elephant_foot = 0.2"), encoding="utf-8")
+    (folder / "spec.toml").write_text(
+        spec.replace("elephant_foot = 0.0", "elephant_foot = 0.2"), encoding="utf-8"
+    )
     try:
         assert failing(check_gcode(folder, [squeezed])) == {"FIRST_LAYER"}
         assert not failing(check_gcode(folder, [laid(folder, ["collar"])]))
@@ -141,7 +162,12 @@ def test_the_first_layer_is_told_by_itself(folder):
 def test_what_is_sent_otherwise_than_it_prints(tmp_path):
     """Holes sent larger, outlines smaller, all against shrinkage, a chamfer at the foot: it prints as designed."""
     spec = tomllib.loads(SPEC.read_text(encoding="utf-8")) | {"name": "bars"}
-    more = {"hole_compensation": 0.1, "profile_compensation": 0.06, "shrinkage": 0.003, "elephant_foot": 0.2}
+    more = {
+        "hole_compensation": 0.1,
+        "profile_compensation": 0.06,
+        "shrinkage": 0.003,
+        "elephant_foot": 0.2,
+    }
     camgen.build(spec | {"print": spec["print"] | more}, tmp_path, only="stl")
     report = check_gcode(tmp_path / "bars", [laid(tmp_path / "bars", MOVING)])
     assert not failing(report) and report.numbers["motion_error_pen_gcode_mm"] < 2e-3
@@ -154,8 +180,12 @@ def test_on_a_raft_beside_a_part_of_other_layers(folder):
     square = "G1 X-50 Y0\nG1 Z{}\n;TYPE:External perimeter\nG1 X-41 Y0 E1\nG1 X-41 Y9 E1\nG1 X-50 Y9 E1\nG1 X-50 Y0 E1"
     path.write_text("\n".join([text, *(square.format(0.4 * k) for k in range(1, 16))]))
     report = check_gcode(folder, [path])
-    assert report.tables[0].rows[0][0] == "collar" and report.tables[0].rows[0][2] == pytest.approx(4.0)
-    assert [finding.measured for finding in report.findings if not finding.ok] == [1]  # the body that is no part
+    assert report.tables[0].rows[0][0] == "collar" and report.tables[0].rows[0][2] == pytest.approx(
+        4.0
+    )
+    assert [finding.measured for finding in report.findings if not finding.ok] == [
+        1
+    ]  # the body that is no part
 
 
 def test_what_lies_there_besides(folder):
@@ -164,14 +194,23 @@ def test_what_lies_there_besides(folder):
     cube.write_text("\n".join(["M83", f";WIDTH:{WIDTH}", *(square.format(z) for z in (2, 4))]))
     report = check_gcode(folder, [laid(folder, ["collar"]), cube])
     (finding,) = (finding for finding in report.findings if not finding.ok)
-    assert finding.code == "ROUND_TRIP" and finding.measured == 1 and "like no part" in finding.message
+    assert (
+        finding.code == "ROUND_TRIP" and finding.measured == 1 and "like no part" in finding.message
+    )
 
 
 def test_a_part_on_a_side_is_not_said_to_be_missing():
     """What it counts as in the motion is told with its true reason: more plates would not help."""
     told = {(each.code, each.needs): each.why for each in left_out(["shaft"], {"shaft", "crank"})}
-    assert set(told) == {("ROUND_TRIP", "its STL"), ("MOTION_ERROR", "them upright"), ("MOTION_ERROR", "all plates")}
-    assert told["MOTION_ERROR", "all plates"] == "crank: not on the plate and counts as its file has it"
+    assert set(told) == {
+        ("ROUND_TRIP", "its STL"),
+        ("MOTION_ERROR", "them upright"),
+        ("MOTION_ERROR", "all plates"),
+    }
+    assert (
+        told["MOTION_ERROR", "all plates"]
+        == "crank: not on the plate and counts as its file has it"
+    )
     assert told["MOTION_ERROR", "them upright"].startswith("shaft: on a side")
     assert [each.code for each in left_out(["shaft"], ())] == ["ROUND_TRIP"]
 
@@ -185,8 +224,14 @@ def test_a_plate_is_given_once(folder):
         with pytest.raises(FileError, match="again, byte by byte"):
             check_gcode(folder, twice)
     again.write_text(again.read_text() + "\n; sliced an hour later")
-    (finding,) = (finding for finding in check_gcode(folder, [plate, again]).findings if not finding.ok)
-    assert finding.unit == "copies" and finding.measured == 1 and "sliced twice: 1 of collar" in finding.message
+    (finding,) = (
+        finding for finding in check_gcode(folder, [plate, again]).findings if not finding.ok
+    )
+    assert (
+        finding.unit == "copies"
+        and finding.measured == 1
+        and "sliced twice: 1 of collar" in finding.message
+    )
 
 
 PARTS = Counter({"cam": 1, "pin": 4, "link": 3})
@@ -197,10 +242,25 @@ PLATES = {"plate": Counter({"cam": 1, "pin": 2}), "plate-2": Counter({"pin": 2, 
     ("laid", "wrong", "said", "unknown"),
     [
         ({"cam": 1, "pin": 4, "link": 3}, 0, "8 copies", None),
-        ({"cam": 1, "pin": 3, "link": 3}, 1, "too few for the list of parts: 1 of pin", None),  # one is not printed
+        (
+            {"cam": 1, "pin": 3, "link": 3},
+            1,
+            "too few for the list of parts: 1 of pin",
+            None,
+        ),  # one is not printed
         ({"cam": 1, "pin": 5, "link": 3}, 1, "sliced twice: 1 of pin", None),
-        ({"cam": 1, "pin": 5, "link": 2}, 2, "list of parts: 1 of link; too many, as if sliced twice: 1 of pin", None),
-        ({"pin": 4, "link": 3}, 1, "list of parts: 1 of cam", None),  # forgotten on its own plate, of which two thirds are there
+        (
+            {"cam": 1, "pin": 5, "link": 2},
+            2,
+            "list of parts: 1 of link; too many, as if sliced twice: 1 of pin",
+            None,
+        ),
+        (
+            {"pin": 4, "link": 3},
+            1,
+            "list of parts: 1 of cam",
+            None,
+        ),  # forgotten on its own plate, of which two thirds are there
         ({"cam": 1, "pin": 2}, 0, "", "plate-2"),  # one plate alone
         ({"pin": 2, "link": 3}, 0, "", "plate"),
         ({"pin": 1, "link": 3}, 1, "too few for the list of parts: 1 of pin", "plate"),
@@ -215,7 +275,10 @@ def test_copies_against_the_list_of_parts(laid, wrong, said, unknown):
 
 def test_walls_over_each_other_that_are_far_too_many(folder, monkeypatch):
     monkeypatch.setattr("camgen.judge.sliced._MOST_MET", 3)
-    with pytest.raises(FileError, match="plate.gcode: has walls that lie over each other more than 3 times: slice fewer parts"):
+    with pytest.raises(
+        FileError,
+        match="plate.gcode: has walls that lie over each other more than 3 times: slice fewer parts",
+    ):
         check_gcode(folder, [laid(folder, ["rocker"])])
 
 

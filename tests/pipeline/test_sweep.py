@@ -38,7 +38,9 @@ VARY = ["geometry.base_radius=9:33:7", "segment.0.law=cycloidal,modified-sine"]
 
 
 def task(*vary: str, **further: object) -> Task:
-    return prepared(SPEC, variants(vary or VARY), (), ("pressure_angle_deg", "stroke_mm"), (), Path())
+    return prepared(
+        SPEC, variants(vary or VARY), (), ("pressure_angle_deg", "stroke_mm"), (), Path()
+    )
 
 
 def rows(table: Path) -> list[dict[str, str]]:
@@ -60,20 +62,27 @@ def test_a_grid_has_every_combination_once_the_last_key_fastest(sizes: list[int]
 def test_a_latin_hypercube_has_one_variant_in_each_share(count: int, seed: int) -> None:
     found = variants(["a=0:1", "b=-3:5:2"], latin=count, seed=seed)
     for column, (low, high) in enumerate(((0, 1), (-3, 5))):
-        places = sorted(int((float(found.values(k)[column]) - low) / (high - low) * count) for k in range(count))
+        places = sorted(
+            int((float(found.values(k)[column]) - low) / (high - low) * count) for k in range(count)
+        )
         assert places == list(range(count))
 
 
 def test_values_side_by_side_and_lists_with_brackets() -> None:
     found = variants(["a=1,2,3", 'b=[1, 2],{x = 1, y = "p,q"},z'], zipped=True)
     assert [found.settings(k) for k in range(found.count)] == [
-        ["a=1", "b=[1, 2]"], ["a=2", 'b={x = 1, y = "p,q"}'], ["a=3", "b=z"]]  # fmt: skip
+        ["a=1", "b=[1, 2]"],
+        ["a=2", 'b={x = 1, y = "p,q"}'],
+        ["a=3", "b=z"],
+    ]
 
 
 def test_a_key_may_be_quoted() -> None:
     found = variants(['lengths."C-B"=40:46:3', "'a.b=c'=1,2"])
     assert [each.key for each in found.axes] == ["lengths.C-B", '"a.b=c"']
-    assert override({}, found.settings(0)[0]) == {"lengths": {"C-B": 40.0}} and override({}, found.settings(0)[1]) == {"a.b=c": 1}
+    assert override({}, found.settings(0)[0]) == {"lengths": {"C-B": 40.0}} and override(
+        {}, found.settings(0)[1]
+    ) == {"a.b=c": 1}
 
 
 def test_ends_of_a_range_are_what_was_typed() -> None:
@@ -84,16 +93,28 @@ def test_ends_of_a_range_are_what_was_typed() -> None:
 @pytest.mark.parametrize(
     "vary, further, said",
     [
-        (["a"], {}, "KEY=A:B:N"), (["a="], {}, "KEY=A:B:N"), (["=1,2"], {}, "KEY=A:B:N"), (["a=5:2:3"], {}, "A less than B"),
-        (["a=2:2:3"], {}, "A less than B"), (["a=1:2:1"], {}, "at least 2"), (["a=1:2"], {}, "without a number of values"),
-        (["a=1,,2"], {}, "between every two commas"), (["a=1,1"], {}, "each value once"), ([], {}, "at least one"),
-        (["a=1,2", "a=3,4"], {}, "given twice"), (["a.b=1,2", 'a."b"=3,4'], {}, "given twice"),
+        (["a"], {}, "KEY=A:B:N"),
+        (["a="], {}, "KEY=A:B:N"),
+        (["=1,2"], {}, "KEY=A:B:N"),
+        (["a=5:2:3"], {}, "A less than B"),
+        (["a=2:2:3"], {}, "A less than B"),
+        (["a=1:2:1"], {}, "at least 2"),
+        (["a=1:2"], {}, "without a number of values"),
+        (["a=1,,2"], {}, "between every two commas"),
+        (["a=1,1"], {}, "each value once"),
+        ([], {}, "at least one"),
+        (["a=1,2", "a=3,4"], {}, "given twice"),
+        (["a.b=1,2", 'a."b"=3,4'], {}, "given twice"),
         (["a=1,2", "b=1,2,3"], {"zipped": True}, "the same number of values"),
-        (["a=1:2"], {"zipped": True, "latin": 5}, "one of the three"), (["a=1:1e999:3"], {}, "finite"),
-        (["a=nan:3:3"], {}, "finite"), (["a=1:b:3"], {}, "finite numbers"),
-        (["a=:"], {}, "finite numbers"), (["a=1::3"], {}, "finite numbers"), (["a=1:2:3.5"], {}, "whole"),
+        (["a=1:2"], {"zipped": True, "latin": 5}, "one of the three"),
+        (["a=1:1e999:3"], {}, "finite"),
+        (["a=nan:3:3"], {}, "finite"),
+        (["a=1:b:3"], {}, "finite numbers"),
+        (["a=:"], {}, "finite numbers"),
+        (["a=1::3"], {}, "finite numbers"),
+        (["a=1:2:3.5"], {}, "whole"),
     ],
-)  # fmt: skip
+)
 def test_what_is_no_sweep_is_told(vary: list[str], further: dict[str, object], said: str) -> None:
     with pytest.raises(SpecError, match=said):
         variants(vary, **further)  # type: ignore[arg-type]
@@ -108,9 +129,15 @@ def test_each_row_is_what_the_variant_says_by_itself(tmp_path: Path) -> None:
     assert len(found) == swept.count == 14 and sum(swept.verdicts.values()) == 14
     assert {row["verdict"] for row in found} == {"limits hold", "fails"}
     for row in found:
-        own = read_mechanism(SPEC, [f"{key}={row[key]}" for key in ("geometry.base_radius", "segment.0.law")])
-        assert float(row["pressure_angle_deg"]) == pytest.approx(own.study().numbers["pressure_angle_deg"], rel=1e-11)
-        assert row["fails"].split() == list(dict.fromkeys(f.code for f in own.forecast() if not f.ok))
+        own = read_mechanism(
+            SPEC, [f"{key}={row[key]}" for key in ("geometry.base_radius", "segment.0.law")]
+        )
+        assert float(row["pressure_angle_deg"]) == pytest.approx(
+            own.study().numbers["pressure_angle_deg"], rel=1e-11
+        )
+        assert row["fails"].split() == list(
+            dict.fromkeys(f.code for f in own.forecast() if not f.ok)
+        )
     assert [row["variant"] for row in found] == [str(k) for k in range(14)]
     assert not (tmp_path / "t.csv.journal").exists()
 
@@ -127,12 +154,23 @@ def test_what_cannot_be_made_is_a_row_with_its_reason(tmp_path: Path) -> None:
     assert "swing" in rows(tmp_path / "u.csv")[1]["reason"]
 
 
-@pytest.mark.parametrize("key, values, verdicts", [
-    ("parts.hub_diameter=50", "18,23,28", ["refused", "refused", "limits hold"]),
-    ("parts.bore=38,parts.hub_height=0", "18,19.5,19.9,25", ["refused", "fails", "limits hold", "limits hold"]),
-])  # fmt: skip
-def test_bore_and_hub_that_leave_no_wall_are_told_without_files(key: str, values: str, verdicts: list[str]) -> None:
-    asked = prepared(SPEC, variants([f"geometry.base_radius={values}"]), key.split(","), (), (), Path())
+@pytest.mark.parametrize(
+    "key, values, verdicts",
+    [
+        ("parts.hub_diameter=50", "18,23,28", ["refused", "refused", "limits hold"]),
+        (
+            "parts.bore=38,parts.hub_height=0",
+            "18,19.5,19.9,25",
+            ["refused", "fails", "limits hold", "limits hold"],
+        ),
+    ],
+)
+def test_bore_and_hub_that_leave_no_wall_are_told_without_files(
+    key: str, values: str, verdicts: list[str]
+) -> None:
+    asked = prepared(
+        SPEC, variants([f"geometry.base_radius={values}"]), key.split(","), (), (), Path()
+    )
     found = sweeps.judged(asked, range(len(verdicts)))
     assert [row["verdict"] for row in found] == verdicts
     assert all(row["fails"] == "MIN_WALL" for row in found if row["verdict"] == "fails")
@@ -140,17 +178,26 @@ def test_bore_and_hub_that_leave_no_wall_are_told_without_files(key: str, values
 
 def test_built_variants_are_those_of_build(tmp_path: Path) -> None:
     small = ("parts.thickness=4",)
-    asked = prepared(SPEC, variants(["geometry.base_radius=20,24"]), small, (), ("dxf",), tmp_path / "files")
+    asked = prepared(
+        SPEC, variants(["geometry.base_radius=20,24"]), small, (), ("dxf",), tmp_path / "files"
+    )
     sweep(asked, tmp_path / "t.csv")
     for k, row in enumerate(rows(tmp_path / "t.csv")):
         size = f"geometry.base_radius={row['geometry.base_radius']}"
         alone = build(SPEC, tmp_path / "alone", frozenset({"dxf"}), [*small, size])
-        assert float(row["motion_error_dxf_mm"]) == pytest.approx(alone.numbers["motion_error_dxf_mm"], rel=1e-11)
-        drawn = [folder / "disc-cam" / "disc-cam-cam.dxf" for folder in (tmp_path / "files" / f"{k:08d}", tmp_path / "alone")]
+        assert float(row["motion_error_dxf_mm"]) == pytest.approx(
+            alone.numbers["motion_error_dxf_mm"], rel=1e-11
+        )
+        drawn = [
+            folder / "disc-cam" / "disc-cam-cam.dxf"
+            for folder in (tmp_path / "files" / f"{k:08d}", tmp_path / "alone")
+        ]
         assert drawn[0].read_bytes() == drawn[1].read_bytes()
 
 
-def test_reasons_beyond_those_told_are_counted_and_the_page_begins_with_the_wish(tmp_path: Path) -> None:
+def test_reasons_beyond_those_told_are_counted_and_the_page_begins_with_the_wish(
+    tmp_path: Path,
+) -> None:
     text = (SPEC.parent / "linkage.toml").read_text(encoding="utf-8")
     text = text.replace("# stroke = { value = 47.7", "stroke = { value = 47.7")
     (spec := tmp_path / "a.toml").write_text(text, encoding="utf-8")
@@ -168,13 +215,22 @@ def test_page_and_parquet_hold_the_same(tmp_path: Path) -> None:
     sweep(task(), tmp_path / "t.csv")
     sweep(task(), tmp_path / "t.parquet")
     table = arrow.read_table(tmp_path / "t.parquet").to_pylist()
-    assert [row["pressure_angle_deg"] for row in table] == [float(row["pressure_angle_deg"]) for row in rows(tmp_path / "t.csv")]
+    assert [row["pressure_angle_deg"] for row in table] == [
+        float(row["pressure_angle_deg"]) for row in rows(tmp_path / "t.csv")
+    ]
     page = (tmp_path / "t.html").read_text(encoding="utf-8")
     data = json.loads(page.partition('id="data">')[2].partition("</script>")[0])
-    assert len(data["rows"]) == 14 and data["keys"] == ["geometry.base_radius", "segment.0.law"] and "14 variants" in page
+    assert (
+        len(data["rows"]) == 14
+        and data["keys"] == ["geometry.base_radius", "segment.0.law"]
+        and "14 variants" in page
+    )
     spec = tomllib.loads(SPEC.read_text(encoding="utf-8"))
     assert {key: unit_at(spec, key) for key in (*data["keys"], "segment.0.span_deg")} == {
-        "geometry.base_radius": "mm", "segment.0.law": "", "segment.0.span_deg": "deg"}  # fmt: skip
+        "geometry.base_radius": "mm",
+        "segment.0.law": "",
+        "segment.0.span_deg": "deg",
+    }
 
 
 # ---- the same, whoever works -----------------------------------------------------------------------------------------
@@ -207,13 +263,17 @@ def test_a_killed_worker_costs_nothing(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.setattr(sweeps, "_judge_chunk", die_once)
     asked = prepared(SPEC, variants(VARY), (), ("stroke_mm",), (), tmp_path)
     assert sweep(asked, tmp_path / "t.csv", Processes(2), 2).count == 14
-    assert (tmp_path / "dead").exists() and [int(row["variant"]) for row in rows(tmp_path / "t.csv")] == list(range(14))
+    assert (tmp_path / "dead").exists() and [
+        int(row["variant"]) for row in rows(tmp_path / "t.csv")
+    ] == list(range(14))
     monkeypatch.setattr(sweeps, "_judge_chunk", die_always)
     with pytest.raises(FileError, match="a worker died 3 times at variants"):
         sweep(asked, tmp_path / "u.csv", Processes(2), 2)
 
 
-def test_a_cluster_writes_the_same_and_bears_a_killed_worker(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_cluster_writes_the_same_and_bears_a_killed_worker(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     import distributed
 
     monkeypatch.setattr(sweeps, "_CROWDS", ())
@@ -312,7 +372,14 @@ def test_command_writes_the_table_and_says_what_it_came_to(tmp_path: Path) -> No
 
 
 def test_command_fails_where_no_variant_holds(tmp_path: Path) -> None:
-    asked = ["--vary", "geometry.base_radius=9,-5", "--keep", "stroke_mm", "-o", str(tmp_path / "t.csv")]
+    asked = [
+        "--vary",
+        "geometry.base_radius=9,-5",
+        "--keep",
+        "stroke_mm",
+        "-o",
+        str(tmp_path / "t.csv"),
+    ]
     ran = CliRunner().invoke(cli, ["sweep", str(SPEC), *asked])
     assert ran.exit_code == 1 and (tmp_path / "t.csv").exists(), ran.output
     assert "1 fail, 1 wrong, no valid spec." in ran.output  # by the words of the table
@@ -325,17 +392,29 @@ def test_command_fails_where_no_variant_holds(tmp_path: Path) -> None:
     [
         (["--vary", "geometry.base_raduis=1:2:3"], 2, "did you mean 'base_radius'"),
         (["--vary", "segment.9.lift=1,2"], 2, "there is no 9"),
-        (["--vary", "geometry.base_radius=20,30", "--keep", "strok_mm"], 2, "did you mean 'stroke_mm'"),
-        (["--vary", "geometry.base_radius=1:9:1000000", "--vary", "parts.bore=1:9:1000000"], 2, "1,000,000,000,000 variants"),
+        (
+            ["--vary", "geometry.base_radius=20,30", "--keep", "strok_mm"],
+            2,
+            "did you mean 'stroke_mm'",
+        ),
+        (
+            ["--vary", "geometry.base_radius=1:9:1000000", "--vary", "parts.bore=1:9:1000000"],
+            2,
+            "1,000,000,000,000 variants",
+        ),
         (["--vary", "geometry.base_radius=20,30", "-o", "t.txt"], 2, ".csv or .parquet"),
         (["--vary", "geometry.base_radius=20,30", "--grid", "--zip"], 2, "one of the three"),
         (["--vary", "geometry.base_radius=20,30", "--workers", "here"], 2, "tcp://HOST:PORT"),
     ],
 )
 def test_bad_input_writes_nothing(
-    arguments: list[str], code: int, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    arguments: list[str],
+    code: int,
+    said: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
-) -> None:  # fmt: skip
+) -> None:
     monkeypatch.chdir(tmp_path)
     with pytest.raises(SystemExit) as done:
         main(["sweep", str(SPEC), *arguments])
@@ -357,26 +436,38 @@ def begun(table: Path, work: Task, number: int) -> Path:
 
 LINES = ["5", "[]", "null", '{"variant":"x"}', '{"variant":5000}', "[" * 100_000]
 LINES.append('{"variant": 0, "verdict": [], "fails": "", "reason": ""}')
-LINES += [f'{{"variant": {number}, "verdict": "holds", "fails": "", "reason": ""}}' for number in ("true", "1.0", "-1", "0e999")]
+LINES += [
+    f'{{"variant": {number}, "verdict": "holds", "fails": "", "reason": ""}}'
+    for number in ("true", "1.0", "-1", "0e999")
+]
 
 
 @pytest.mark.parametrize("line", LINES, ids=range(len(LINES)))
 @pytest.mark.parametrize("signed", [False, True])
-def test_a_line_that_is_no_row_of_this_sweep_is_told_and_passed_over(line: str, signed: bool, tmp_path: Path) -> None:
+def test_a_line_that_is_no_row_of_this_sweep_is_told_and_passed_over(
+    line: str, signed: bool, tmp_path: Path
+) -> None:
     """Bare, and behind the digest that it would have as a row."""
     two = task("geometry.base_radius=9,20")
     sweep(two, tmp_path / "whole.csv")
     path = begun(tmp_path / "t.csv", two, 1)
-    digest = hashlib.sha256(f"{two.digest} {line}".encode()).hexdigest()[:16] + " " if signed else ""
+    digest = (
+        hashlib.sha256(f"{two.digest} {line}".encode()).hexdigest()[:16] + " " if signed else ""
+    )
     head, row = path.read_text(encoding="utf-8").splitlines()
     path.write_text(f"{head}\n{digest}{line}\n{row}\n", encoding="utf-8")
     swept = sweep(two, tmp_path / "t.csv")
     assert (swept.before, swept.strange) == (1, 1)
-    assert "1 line of the journal not as this sweep wrote" in "".join(swept.lines(tmp_path / "t.csv"))
+    assert "1 line of the journal not as this sweep wrote" in "".join(
+        swept.lines(tmp_path / "t.csv")
+    )
     assert (tmp_path / "t.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
 
 
-@pytest.mark.parametrize("was, now", [('"limits hold"', '"fails"'), ('"variant": 1', '"variant": 0'), ("stroke_mm", "strike_mm")])
+@pytest.mark.parametrize(
+    "was, now",
+    [('"limits hold"', '"fails"'), ('"variant": 1', '"variant": 0'), ("stroke_mm", "strike_mm")],
+)
 def test_a_row_that_was_edited_is_judged_again(was: str, now: str, tmp_path: Path) -> None:
     two = task("geometry.base_radius=9,20")
     sweep(two, tmp_path / "whole.csv")
@@ -393,8 +484,13 @@ def test_a_row_of_another_sweep_is_judged_again(tmp_path: Path) -> None:
     """The same variant of the same spec but for one key, its lines under this sweep's head."""
     two = task("geometry.base_radius=9,20")
     other = prepared(SPEC, two.variants, ("geometry.offset=2",), two.keep, (), Path())
-    head, path = begun(tmp_path / "t.csv", two, 1).read_bytes().splitlines()[0], begun(tmp_path / "u.csv", other, 1)
-    (tmp_path / "t.csv.journal").write_bytes(head + b"\n" + path.read_bytes().splitlines()[1] + b"\n")
+    head, path = (
+        begun(tmp_path / "t.csv", two, 1).read_bytes().splitlines()[0],
+        begun(tmp_path / "u.csv", other, 1),
+    )
+    (tmp_path / "t.csv.journal").write_bytes(
+        head + b"\n" + path.read_bytes().splitlines()[1] + b"\n"
+    )
     assert sweep(two, tmp_path / "t.csv").strange == 1
 
 
@@ -413,21 +509,43 @@ def test_a_journal_that_is_changed_on_the_way_is_told(tmp_path: Path) -> None:
 
 def test_the_page_runs_nothing_but_its_own_script() -> None:
     """The policy of the report, and nowhere text that becomes elements."""
-    pages = [files("camgen.report").joinpath(name).read_text(encoding="utf-8") for name in ("page.html", "sweep.html")]
-    policies = [re.findall(r"<meta http-equiv=.Content-Security-Policy.[^>]*>", page) for page in pages]
-    assert policies[0] == policies[1] and len(policies[0]) == 1 and "default-src 'none'" in policies[0][0]
+    pages = [
+        files("camgen.report").joinpath(name).read_text(encoding="utf-8")
+        for name in ("page.html", "sweep.html")
+    ]
+    policies = [
+        re.findall(r"<meta http-equiv=.Content-Security-Policy.[^>]*>", page) for page in pages
+    ]
+    assert (
+        policies[0] == policies[1]
+        and len(policies[0]) == 1
+        and "default-src 'none'" in policies[0][0]
+    )
     assert not re.search(r"innerHTML|outerHTML|insertAdjacent|document\.write|eval\(", pages[1])
 
 
 def test_two_runs_do_not_write_one_table(tmp_path: Path) -> None:
     """Locks hold between processes."""
     code = "import sys; from camgen.cli import main; main(sys.argv[1:])"
-    arguments = ["sweep", str(SPEC), "--vary", "geometry.base_radius=12:32:40000", "-o", str(tmp_path / "t.csv")]
-    first = subprocess.Popen([sys.executable, "-c", code, *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    arguments = [
+        "sweep",
+        str(SPEC),
+        "--vary",
+        "geometry.base_radius=12:32:40000",
+        "-o",
+        str(tmp_path / "t.csv"),
+    ]
+    first = subprocess.Popen(
+        [sys.executable, "-c", code, *arguments],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
     try:
         while not (tmp_path / "t.csv.journal").exists() and first.poll() is None:
             time.sleep(0.05)
-        second = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True)
+        second = subprocess.run(
+            [sys.executable, "-c", code, *arguments], capture_output=True, text=True
+        )
     finally:
         first.kill()
         first.wait()
@@ -437,25 +555,40 @@ def test_two_runs_do_not_write_one_table(tmp_path: Path) -> None:
 def test_a_law_s_file_that_was_changed_is_another_sweep(tmp_path: Path) -> None:
     spec = tmp_path / "law.toml"
     table = 'law = { name = "table", file = "law.csv", rest = true }'
-    spec.write_text(SPEC.read_text(encoding="utf-8").replace('law = "modified-sine"', table), encoding="utf-8")
+    spec.write_text(
+        SPEC.read_text(encoding="utf-8").replace('law = "modified-sine"', table), encoding="utf-8"
+    )
     digests = []
     for middle in (0.5, 0.45):
-        (tmp_path / "law.csv").write_text(f"0,0\n0.25,0.15\n0.5,{middle}\n0.75,0.85\n1,1\n", encoding="utf-8")
+        (tmp_path / "law.csv").write_text(
+            f"0,0\n0.25,0.15\n0.5,{middle}\n0.75,0.85\n1,1\n", encoding="utf-8"
+        )
         digests.append(prepared(spec, variants(VARY[:1]), (), (), (), Path()).digest)
     assert digests[0] != digests[1]
 
 
-GROOVE, PAIR, KEYED = "geometry.closure='groove'", "geometry.closure='conjugate'", "parts.shaft='keyway'"
+GROOVE, PAIR, KEYED = (
+    "geometry.closure='groove'",
+    "geometry.closure='conjugate'",
+    "parts.shaft='keyway'",
+)
 ARM = "geometry.follower.motion='oscillating'"
 WIDE = ("parts.hub_height=0", "limits.lash=3", "limits.pressure_angle_deg=60")
 
 
-@pytest.mark.parametrize("settings, vary, fails", [
-    ([PAIR, ARM, "geometry.follower.pivot_distance=60", "geometry.follower.arm=55"], "geometry.tip_clearance=0.2,0.05", "LASH"),
-    ([GROOVE, *WIDE], "parts.rim=4,5", "MIN_WALL"),
-    ([GROOVE, *WIDE], "geometry.base_radius=9,12", ""),
-    ([KEYED, "parts.bore=30", *WIDE], "geometry.base_radius=16.5,17", "MIN_WALL"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "settings, vary, fails",
+    [
+        (
+            [PAIR, ARM, "geometry.follower.pivot_distance=60", "geometry.follower.arm=55"],
+            "geometry.tip_clearance=0.2,0.05",
+            "LASH",
+        ),
+        ([GROOVE, *WIDE], "parts.rim=4,5", "MIN_WALL"),
+        ([GROOVE, *WIDE], "geometry.base_radius=9,12", ""),
+        ([KEYED, "parts.bore=30", *WIDE], "geometry.base_radius=16.5,17", "MIN_WALL"),
+    ],
+)
 def test_what_a_sweep_says_of_play_and_walls_is_what_the_files_say(
     settings: list[str], vary: str, fails: str, tmp_path: Path
 ) -> None:
@@ -477,4 +610,9 @@ def test_free_play_of_pins_is_that_of_the_files(tmp_path: Path) -> None:
     (told,) = (finding for finding in drive.forecast() if finding.code == "LASH")
     report = build(drive, tmp_path, frozenset({"dxf"}))
     (made,) = (finding for finding in report.findings if finding.code == "LASH")
-    assert not told.ok and not made.ok and told.measured == pytest.approx(made.measured, rel=1e-3) and told.limit == made.limit
+    assert (
+        not told.ok
+        and not made.ok
+        and told.measured == pytest.approx(made.measured, rel=1e-3)
+        and told.limit == made.limit
+    )

@@ -26,10 +26,18 @@ def spread(name: str, *settings: str) -> Spread:
     return spread_of(read_mechanism(SPECS / f"{name}.toml", settings).resolved())
 
 
-@pytest.mark.parametrize("name, settings", [
-    ("uniform-swing", BLENDED), ("disc-cam", ()), ("linkage", ()), ("eccentric-drive", ()), ("thread-take-up", ()),
-    ("quick-return", ()), ("indexing-cam", ()),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "name, settings",
+    [
+        ("uniform-swing", BLENDED),
+        ("disc-cam", ()),
+        ("linkage", ()),
+        ("eccentric-drive", ()),
+        ("thread-take-up", ()),
+        ("quick-return", ()),
+        ("indexing-cam", ()),
+    ],
+)
 def test_every_mode_is_what_rolling_and_closing_give(name: str, settings: tuple[str, ...]) -> None:
     """By the judge's route: outlines displaced and rolled, joints shifted and closed by Newton; errors of 2 um."""
     found = spread(name, *settings)
@@ -61,12 +69,24 @@ def test_a_slider_crank_by_its_formula() -> None:
 @pytest.mark.parametrize("rod", ["", "links.rod=['P', 'D']"])
 def test_a_point_goes_with_its_own_hole(rod: str) -> None:
     """The pen's hole, or the hole of a pin that is the point, off by 1 mm on its link: as the link is turned, so by 1 mm."""
-    hung = ("points.D=[110, 85]", "points.G=[130, 20]", rod, "links.out=['G', 'D']", "links.ground=['O', 'C', 'G']")
+    hung = (
+        "points.D=[110, 85]",
+        "points.G=[130, 20]",
+        rod,
+        "links.out=['G', 'D']",
+        "links.ground=['O', 'C', 'G']",
+    )
     found = spread("linkage", *(hung if rod else ()))
-    x, y = (found.found["pen"].modes[k] for k, mode in enumerate(found.modes) if mode.where == "P, coupler")
+    x, y = (
+        found.found["pen"].modes[k]
+        for k, mode in enumerate(found.modes)
+        if mode.where == "P, coupler"
+    )
     assert np.allclose(np.abs(x), 1, rtol=1e-12) and np.allclose(y, 1j * x, rtol=1e-9)
     row = next(row for row in found.budget().rows if row[0] == "P, coupler")
-    assert row[3] == pytest.approx(3 * math.sqrt(2) * found.sizes.place, rel=1e-9)  # along both axes
+    assert row[3] == pytest.approx(
+        3 * math.sqrt(2) * found.sizes.place, rel=1e-9
+    )  # along both axes
 
 
 @pytest.mark.parametrize("waves", [range(2, 5), range(2, 13), range(7, 8)])
@@ -76,7 +96,9 @@ def test_all_waves_together_have_their_size(waves: range) -> None:
     angle = np.linspace(0, math.tau, 361)[:-1]
     shapes = waviness(40 * np.exp(1j * angle), np.exp(1j * angle), waves)
     alike = np.mean([np.cos(k * (angle[:, None] - angle)) for k in waves], axis=0)
-    assert np.allclose(shapes[3:].T @ shapes[3:], alike, atol=1e-12) and np.allclose(np.diag(alike), 1)
+    assert np.allclose(shapes[3:].T @ shapes[3:], alike, atol=1e-12) and np.allclose(
+        np.diag(alike), 1
+    )
     assert np.allclose(shapes[1] + 1j * shapes[2], np.exp(1j * angle)) and np.all(shapes[0] == 1)
 
 
@@ -107,10 +129,18 @@ def test_the_pair_s_play_when_rolled() -> None:
     """Both cams of a pair rolled: the air between both tips is what the modes of both sides say; air at the tips adds to it."""
     found = spread("uniform-swing", *BLENDED)
     gap, air = found.found["swing"].held["contact"]
-    one, two = ([k for k, mode in enumerate(found.modes) if (mode.where, mode.kind) == (f"contact, {side}", "offset")][0]
-                for side in (1, 2))  # fmt: skip
+    one, two = (
+        [
+            k
+            for k, mode in enumerate(found.modes)
+            if (mode.where, mode.kind) == (f"contact, {side}", "offset")
+        ][0]
+        for side in (1, 2)
+    )
     assert np.all(gap[one] < 0) and np.all(gap[two] < 0)  # what stands out takes air away
-    assert np.allclose(gap[one] + gap[two], -air, rtol=1e-9)  # both by 1 mm: as much as both tips 1 mm smaller gives
+    assert np.allclose(
+        gap[one] + gap[two], -air, rtol=1e-9
+    )  # both by 1 mm: as much as both tips 1 mm smaller gives
     copies = copies_of(found, 4000, 1)
     loose, least, needed = copies.held["swing", "contact"]
     assert np.all(loose >= least) and np.all((needed > 0) == (least < 0))
@@ -119,7 +149,10 @@ def test_the_pair_s_play_when_rolled() -> None:
 
 def test_air_at_the_tips_frees_the_pair() -> None:
     report = tolerance(SPECS / "uniform-swing.toml", BLENDED, 20_000, 1, 0)
-    assert report.numbers["yield_percent"] < 10 and 0.1 < report.numbers["tip_clearance_99_percent_contact_mm"] < 0.3
+    assert (
+        report.numbers["yield_percent"] < 10
+        and 0.1 < report.numbers["tip_clearance_99_percent_contact_mm"] < 0.3
+    )
     fine = tolerance(SPECS / "uniform-swing.toml", (*BLENDED, "print.size_error=0.0"), 2_000, 1, 0)
     assert fine.numbers["swing_error_99_percent_deg"] == 0 and fine.numbers["yield_percent"] == 100
 
@@ -135,19 +168,29 @@ def test_pins_that_do_not_go_in() -> None:
 def test_sizes_of_a_printer() -> None:
     usual = sizes_of(read_mechanism(SPECS / "disc-cam.toml").resolved())
     assert usual.hole == pytest.approx(0.2 / 3) and usual.offset == pytest.approx(0.1 / 3)
-    own = read_mechanism(SPECS / "disc-cam.toml", ["print.size_error=0.06", "print.place_error=0.01", "print.form_error=0"])
+    own = read_mechanism(
+        SPECS / "disc-cam.toml",
+        ["print.size_error=0.06", "print.place_error=0.01", "print.form_error=0"],
+    )
     assert sizes_of(own.resolved()) == Sizes(0.03, 0.0, 0.01, 0.06)
 
 
 def test_orders_of_the_waves_are_a_key_and_said() -> None:
     """Waves of 2 to 12 a turn: the median is 0.133 where that of 2 to 4 is 0.124, as worked out elsewhere."""
-    few, many = (tolerance(SPECS / "disc-cam.toml", settings, 20_000, 1, 0) for settings in ((), ("print.form_orders=[2, 12]",)))
+    few, many = (
+        tolerance(SPECS / "disc-cam.toml", settings, 20_000, 1, 0)
+        for settings in ((), ("print.form_orders=[2, 12]",))
+    )
     medians = [report.numbers["lift_error_50_percent_mm"] for report in (few, many)]
     assert medians[1] / medians[0] == pytest.approx(0.133 / 0.124, rel=0.02)
-    assert any("2 to 4 waves a turn" in note for note in few.notes) and any("2 to 12 waves" in note for note in many.notes)
+    assert any("2 to 4 waves a turn" in note for note in few.notes) and any(
+        "2 to 12 waves" in note for note in many.notes
+    )
     without = tolerance(SPECS / "disc-cam.toml", ("print.form_error=0.0",), 100, 1, 0)
     assert not any("waves a turn" in note for note in without.notes)
-    fine = spread_of(read_mechanism(SPECS / "disc-cam.toml", ["print.form_orders=[30, 30]"]).resolved())
+    fine = spread_of(
+        read_mechanism(SPECS / "disc-cam.toml", ["print.form_orders=[30, 30]"]).resolved()
+    )
     assert len(fine.theta) > 12 * 30 and sum(mode.kind == "form" for mode in fine.modes) == 2
 
 
@@ -161,8 +204,16 @@ def test_the_share_of_copies_stands_above_each_quantile() -> None:
     assert "95 % of copies" in table.columns
 
 
-@pytest.mark.parametrize(("orders", "said"), [("[5, 3]", "the least first"), ("[1, 3]", "form_orders.0"), ("[2]", "form_orders"),
-                                              ("[2, 31]", "form_orders.1"), ("[2.5, 3]", "form_orders.0")])  # fmt: skip
+@pytest.mark.parametrize(
+    ("orders", "said"),
+    [
+        ("[5, 3]", "the least first"),
+        ("[1, 3]", "form_orders.0"),
+        ("[2]", "form_orders"),
+        ("[2, 31]", "form_orders.1"),
+        ("[2.5, 3]", "form_orders.0"),
+    ],
+)
 def test_orders_that_are_none(orders: str, said: str) -> None:
     with pytest.raises(SpecError, match=re.escape(said)):
         read_mechanism(SPECS / "disc-cam.toml", [f"print.form_orders={orders}"])
@@ -192,12 +243,20 @@ def test_the_command_prints_and_draws(tmp_path: Path, capsys: pytest.CaptureFixt
     with pytest.raises(SystemExit) as done:
         main([*arguments, "--html", str(page)])
     told = capsys.readouterr().out
-    assert done.value.code == 0 and "Error budget of the print" in told and "Worst copies of lift, mm" in told
+    assert (
+        done.value.code == 0
+        and "Error budget of the print" in told
+        and "Worst copies of lift, mm" in told
+    )
     assert page.read_text("utf-8").count("<figure") == 2
     with pytest.raises(SystemExit):
         main([*arguments, "--json"])
     data = json.loads(capsys.readouterr().out)
-    assert data["numbers"]["lift_error_99_percent_mm"] > data["numbers"]["lift_error_50_percent_mm"] > 0
+    assert (
+        data["numbers"]["lift_error_99_percent_mm"]
+        > data["numbers"]["lift_error_50_percent_mm"]
+        > 0
+    )
 
 
 def test_a_groove_holds_what_it_moves() -> None:

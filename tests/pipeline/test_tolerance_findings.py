@@ -36,13 +36,18 @@ def test_transmission_angle_of_a_copy_is_that_of_its_lengths() -> None:
     k = next(k for k, mode in enumerate(found.modes) if mode.where == "A, crank")
     made = np.zeros((1, len(found.modes)))
     made[0, k] = 2.0
-    pins = {joint.name: {side.body: side.at for side in (joint.a, joint.b)} for joint in found.mechanism.model.joints
-            if isinstance(joint, Pin)}  # fmt: skip
+    pins = {
+        joint.name: {side.body: side.at for side in (joint.a, joint.b)}
+        for joint in found.mechanism.model.joints
+        if isinstance(joint, Pin)
+    }
     pins["A"]["crank"] += 2.0 * found.modes[k].along
     links = (("O", "C", "ground"), ("O", "A", "crank"), ("A", "B", "coupler"), ("B", "C", "rocker"))
     frame, crank, coupler, rocker = (abs(pins[a][body] - pins[b][body]) for a, b, body in links)
-    corners = [math.degrees(math.acos((coupler**2 + rocker**2 - d**2) / (2 * coupler * rocker)))
-               for d in (frame - crank, frame + crank)]  # fmt: skip
+    corners = [
+        math.degrees(math.acos((coupler**2 + rocker**2 - d**2) / (2 * coupler * rocker)))
+        for d in (frame - crank, frame + crank)
+    ]
     angle = only(judged(found, made), "TRANSMISSION_ANGLE")
     assert angle.values[0] == pytest.approx(min(min(mu, 180 - mu) for mu in corners), abs=1e-4)
     assert abs(angle.values[0] - angle.designed) > 1 and angle.holds[0]
@@ -53,7 +58,9 @@ def test_an_outline_that_stands_out_presses_its_spring() -> None:
     found = spread("disc-cam", *SPRUNG)
     for off, left, holds in ((0.05, 0.15, True), (-0.2, -0.1, False)):
         lift_off = only(judged(found, errors(found, offset=off)), "LIFT_OFF")
-        assert lift_off.designed == pytest.approx(0.1, abs=1e-3) and lift_off.values[0] == pytest.approx(left, abs=2e-3)
+        assert lift_off.designed == pytest.approx(0.1, abs=1e-3) and lift_off.values[
+            0
+        ] == pytest.approx(left, abs=2e-3)
         assert bool(lift_off.holds[0]) is holds
     (own,) = [each for each in found.mechanism.limits() if each.code == "LIFT_OFF"]
     assert own.measured == pytest.approx(lift_off.designed, abs=1e-6)
@@ -62,8 +69,14 @@ def test_an_outline_that_stands_out_presses_its_spring() -> None:
 def test_a_copy_that_nothing_presses_is_not_held() -> None:
     """By hand: without preload the spring pulls with 0 N through the low dwell, with 0.1 N of it by so much."""
     for preload, holds in ((0.0, False), (0.1, True)):
-        found = spread("disc-cam", "load.mass_kg=0.3", f"spring={{rate=1,preload={preload}}}").mechanism
-        (pressed,) = [each for each in _of_model(found, found.model, found.limits()) if each.code == "LIFT_OFF"]
+        found = spread(
+            "disc-cam", "load.mass_kg=0.3", f"spring={{rate=1,preload={preload}}}"
+        ).mechanism
+        (pressed,) = [
+            each
+            for each in _of_model(found, found.model, found.limits())
+            if each.code == "LIFT_OFF"
+        ]
         assert pressed.measured == pytest.approx(preload, abs=1e-3) and pressed.ok is holds
 
 
@@ -84,7 +97,9 @@ def test_pressure_angle_of_a_copy_is_that_of_its_curve(off: float) -> None:
     theta = np.linspace(0, 2 * np.pi, 7201)
     radius, slope = 30 + found.mechanism.motion(theta), found.mechanism.motion(theta, 1)
     pitch = radius * np.exp(1j * np.arctan(slope / radius))
-    exact, moved = (math.degrees(np.max(np.arcsin(pitch.imag / abs(pitch + each)))) for each in (0.0, off))
+    exact, moved = (
+        math.degrees(np.max(np.arcsin(pitch.imag / abs(pitch + each)))) for each in (0.0, off)
+    )
     angle = only(judged(found, errors(found, offset=off)), "PRESSURE_ANGLE")
     assert angle.designed == pytest.approx(exact, abs=2e-3)
     assert angle.values[0] - angle.designed == pytest.approx(moved - exact, abs=0.02)
@@ -112,6 +127,10 @@ def test_how_sure_a_yield_is(good: int, count: int) -> None:
 
 def test_yields_are_in_the_report() -> None:
     report = tolerance(SPECS / "disc-cam.toml", SPRUNG, 200, 1, 0, judged=4)
-    (table,) = [each for each in report.tables if each.title.startswith("Findings of the first 4 copies")]
-    assert {"SPEED_RIPPLE", "LIFT_OFF", "HERTZ", "PRESSURE_ANGLE"} <= {str(row[0]) for row in table.rows}
+    (table,) = [
+        each for each in report.tables if each.title.startswith("Findings of the first 4 copies")
+    ]
+    assert {"SPEED_RIPPLE", "LIFT_OFF", "HERTZ", "PRESSURE_ANGLE"} <= {
+        str(row[0]) for row in table.rows
+    }
     assert report.numbers["lift_off_yield_percent"] in (0, 25, 50, 75, 100)

@@ -54,6 +54,8 @@ def test_the_small_loop_of_a_take_up_lives_by_its_play() -> None:
 
 def test_the_report_tells_both() -> None:
     told = tolerance(SPECS / "linkage.toml", WISH, samples=50, worst=0)
-    assert "targets_yield_percent" in told.numbers and any(table.title.startswith("Yield of what") for table in told.tables)
+    assert "targets_yield_percent" in told.numbers and any(
+        table.title.startswith("Yield of what") for table in told.tables
+    )
     plain = tolerance(SPECS / "linkage.toml", samples=9, worst=0)
     assert not any(table.title.startswith("Yield of what") for table in plain.tables)

@@ -32,13 +32,22 @@ def test_needles_and_spreaders_touch_at_the_angle_that_is_told(found: dict[str, 
     faces = {}
     for name in ("upper-spreader", "needle-2"):
         rings = slice_mesh(solid(parts[name], 0.01), -rest[name][0].z)
-        faces[name] = shapely.union_all([shapely.Polygon(np.column_stack([r.points.real, r.points.imag])) for r in rings])
+        faces[name] = shapely.union_all(
+            [shapely.Polygon(np.column_stack([r.points.real, r.points.imag])) for r in rings]
+        )
 
     def nearest(later: float) -> float:
-        a, b = machine.poses(theta - later)["upper-spreader"][0].place, machine.poses(theta)["needle-2"][0].place
+        a, b = (
+            machine.poses(theta - later)["upper-spreader"][0].place,
+            machine.poses(theta)["needle-2"][0].place,
+        )
         close = np.argsort(np.abs(b - a))[::3]
-        return min(shapely.affinity.translate(faces["needle-2"], z.real, z.imag).distance(faces["upper-spreader"])
-                   for z in (b - a)[close])  # fmt: skip
+        return min(
+            shapely.affinity.translate(faces["needle-2"], z.real, z.imag).distance(
+                faces["upper-spreader"]
+            )
+            for z in (b - a)[close]
+        )
 
     assert nearest(0.0) == pytest.approx(each.least, abs=0.02)
     assert nearest(each.exact[1]) < 0.03 < nearest(0.7 * each.exact[1])
@@ -48,11 +57,19 @@ def test_needles_and_spreaders_touch_at_the_angle_that_is_told(found: dict[str, 
 def test_play_takes_of_the_timing_and_spreaders_keep_together(found: dict[str, Timing]) -> None:
     assert set(found) == {"N1/P1", "N2/P1", "N2/P2", "N1/P2"}  # P1 and P2 move by one law
     for each in found.values():
-        assert 0 < each.play and all(0 < loose < exact for loose, exact in zip(each.loose, each.exact, strict=True))
+        assert 0 < each.play and all(
+            0 < loose < exact for loose, exact in zip(each.loose, each.exact, strict=True)
+        )
 
 
-def test_tolerance_of_a_looper_tells_its_timing(found: dict[str, Timing], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("camgen.pipeline.tolerance_report.timings", lambda mechanism: list(found.values()))
+def test_tolerance_of_a_looper_tells_its_timing(
+    found: dict[str, Timing], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        "camgen.pipeline.tolerance_report.timings", lambda mechanism: list(found.values())
+    )
     told = tolerance(LOOPER)
-    assert told.numbers["timing_tolerance_deg"] == pytest.approx(math.degrees(min(found["N2/P2"].loose)))
+    assert told.numbers["timing_tolerance_deg"] == pytest.approx(
+        math.degrees(min(found["N2/P2"].loose))
+    )
     assert told.tables[0].title.startswith("Timing") and len(told.tables[0].rows) == 4

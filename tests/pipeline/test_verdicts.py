@@ -20,9 +20,18 @@ from camgen.report.terminal import print_report
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 ALL = frozenset(KINDS)
 # The stitch whose needles slide along the spreaders.
-BARE = ("geometry.plate_to_spreader=7", "geometry.velocity_ratio=0.9142857", "geometry.blade_length=34", "geometry.p6_setback=0",
-        "limits.clearance=0")  # fmt: skip
-UNTOLD = {"DRIVE_TORQUE", "SHAFT_REACH", "LIFT_OFF"}  # by specs that say nothing of their motor, or of what presses a follower
+BARE = (
+    "geometry.plate_to_spreader=7",
+    "geometry.velocity_ratio=0.9142857",
+    "geometry.blade_length=34",
+    "geometry.p6_setback=0",
+    "limits.clearance=0",
+)
+UNTOLD = {
+    "DRIVE_TORQUE",
+    "SHAFT_REACH",
+    "LIFT_OFF",
+}  # by specs that say nothing of their motor, or of what presses a follower
 Make = Callable[..., Report]
 
 
@@ -38,15 +47,24 @@ def make(tmp_path: Path) -> Make:
 
 def test_wall_is_shown_with_the_limit_that_was_written(make: Make) -> None:
     # 6.6 mm is the least disc: 6.6 / 2 - 1.5 - 2 / 2 = 0.8 mm of wall
-    report = make("eccentric-drive", "dxf,stl", "geometry.eccentric_diameter=6.6", "accuracy.chord_tolerance=0.01")
+    report = make(
+        "eccentric-drive",
+        "dxf,stl",
+        "geometry.eccentric_diameter=6.6",
+        "accuracy.chord_tolerance=0.01",
+    )
     walls = [finding for finding in report.findings if finding.code == "MIN_WALL"]
     assert {finding.limit for finding in walls} == {0.8} and all(finding.ok for finding in walls)
     thinnest = min(walls, key=lambda finding: finding.measured)
-    assert 0.78 <= thinnest.measured < 0.8 and "0.02 mm" in thinnest.message  # two contours, each 0.01 mm off at most
+    assert (
+        0.78 <= thinnest.measured < 0.8 and "0.02 mm" in thinnest.message
+    )  # two contours, each 0.01 mm off at most
 
 
 def test_units_are_counted_faults(make: Make, tmp_path: Path) -> None:
-    assert {(f.measured, f.limit) for f in make("disc-cam", "dxf").findings if f.code == "DXF_UNITS"} == {(0, 0)}
+    assert {
+        (f.measured, f.limit) for f in make("disc-cam", "dxf").findings if f.code == "DXF_UNITS"
+    } == {(0, 0)}
     drawing = tmp_path / "disc-cam" / "disc-cam-cam.dxf"
     drawing.write_text(drawing.read_text().replace("$INSUNITS\n 70\n4", "$INSUNITS\n 70\n1"))
     (told,) = (f for f in check(tmp_path / "disc-cam").findings if f.code == "DXF_UNITS")
@@ -60,9 +78,13 @@ def test_drawings_of_the_looper_clear_as_its_solids_do(make: Make) -> None:
     # by another route: the STL's sections are cut from triangles, a drawing is an outline
     clearly = ("geometry.p6_setback=1.5", "limits.clearance=0.3", "parts.running_gap=0.2")
     report = make("chain-stitch-looper", "dxf,stl", *BARE, *clearly)
-    numbers = {name: value for name, value in report.numbers.items() if name.startswith("clearance_")}
+    numbers = {
+        name: value for name, value in report.numbers.items() if name.startswith("clearance_")
+    }
     for pair in ("n1_p1", "n2_p1", "n2_p2", "n1_p2", "p1_p2"):
-        assert numbers[f"clearance_{pair}_dxf_mm"] == pytest.approx(numbers[f"clearance_{pair}_stl_mm"], abs=2e-3)
+        assert numbers[f"clearance_{pair}_dxf_mm"] == pytest.approx(
+            numbers[f"clearance_{pair}_stl_mm"], abs=2e-3
+        )
     clear = [finding for finding in report.findings if finding.code == "CLEARANCE"]
     assert len(clear) == 10 and [f.ok for f in clear[:5]] == [f.ok for f in clear[5:]]
     assert {f.limit for f in clear} <= {0.0, 0.1, 0.2, 0.3}
@@ -71,7 +93,13 @@ def test_drawings_of_the_looper_clear_as_its_solids_do(make: Make) -> None:
 def test_drawings_alone_show_that_a_needle_strikes(make: Make) -> None:
     report = make("chain-stitch-looper", "dxf", "timing.lag_deg=6", *BARE)
     assert not report.ok and {f.code for f in report.findings if not f.ok} == {"CLEARANCE"}
-    assert {each.code for each in report.not_judged} == {"WATERTIGHT", "VOLUME", "BED_FIT", "INTERFERENCE", "DRIVE_TORQUE"}
+    assert {each.code for each in report.not_judged} == {
+        "WATERTIGHT",
+        "VOLUME",
+        "BED_FIT",
+        "INTERFERENCE",
+        "DRIVE_TORQUE",
+    }
 
 
 @pytest.mark.parametrize(
@@ -80,16 +108,45 @@ def test_drawings_alone_show_that_a_needle_strikes(make: Make) -> None:
         ("disc-cam", "dxf", (), {"WATERTIGHT", "VOLUME", "BED_FIT", "INTERFERENCE"}),
         ("disc-cam", "stl", (), {"DXF_CLOSED", "DXF_UNITS", "INTERFERENCE"}),
         ("disc-cam", "dxf,3mf", (), set()),
-        ("disc-cam", "report", ("geometry.closure='groove'", "parts.hub_height=0"), {
-            "DXF_CLOSED", "DXF_UNITS", "WATERTIGHT", "VOLUME", "ROUND_TRIP", "MIN_WALL", "MOTION_ERROR", "SPEED_RIPPLE", "LASH",
-            "INTERFERENCE", "BED_FIT",
-        }),
-        ("eccentric-drive", "report", (), {
-            "DXF_CLOSED", "DXF_UNITS", "WATERTIGHT", "VOLUME", "ROUND_TRIP", "MIN_WALL", "MOTION_ERROR", "STROKE_ERROR", "LASH",
-            "PIN_GAP", "BED_FIT", "INTERFERENCE",
-        }),
+        (
+            "disc-cam",
+            "report",
+            ("geometry.closure='groove'", "parts.hub_height=0"),
+            {
+                "DXF_CLOSED",
+                "DXF_UNITS",
+                "WATERTIGHT",
+                "VOLUME",
+                "ROUND_TRIP",
+                "MIN_WALL",
+                "MOTION_ERROR",
+                "SPEED_RIPPLE",
+                "LASH",
+                "INTERFERENCE",
+                "BED_FIT",
+            },
+        ),
+        (
+            "eccentric-drive",
+            "report",
+            (),
+            {
+                "DXF_CLOSED",
+                "DXF_UNITS",
+                "WATERTIGHT",
+                "VOLUME",
+                "ROUND_TRIP",
+                "MIN_WALL",
+                "MOTION_ERROR",
+                "STROKE_ERROR",
+                "LASH",
+                "PIN_GAP",
+                "BED_FIT",
+                "INTERFERENCE",
+            },
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_kinds_of_files_leave_unjudged_is_named(
     make: Make, tmp_path: Path, name: str, kinds: str, settings: tuple[str, ...], left_out: set[str]
 ) -> None:
@@ -98,15 +155,33 @@ def test_what_kinds_of_files_leave_unjudged_is_named(
     assert report.ok and {each.code for each in files} == left_out
     assert all("is in the folder" in each.why for each in files)
     files = [each for each in check(tmp_path / name).not_judged if each.code not in UNTOLD]
-    assert {each.code for each in files} == left_out and all("is in the folder" in each.why for each in files)
+    assert {each.code for each in files} == left_out and all(
+        "is in the folder" in each.why for each in files
+    )
 
 
-@pytest.mark.parametrize("name, settings", [("disc-cam", ("geometry.closure='conjugate'",)), ("disc-cam", (
-    "geometry.follower={motion='translating', shape='flat', face_width=60}", "limits.least_radius=0")),
-    ("indexing-cam", ()), ("thread-take-up", ())])  # fmt: skip
-def test_every_code_that_is_announced_is_given(make: Make, name: str, settings: tuple[str, ...]) -> None:
+@pytest.mark.parametrize(
+    "name, settings",
+    [
+        ("disc-cam", ("geometry.closure='conjugate'",)),
+        (
+            "disc-cam",
+            (
+                "geometry.follower={motion='translating', shape='flat', face_width=60}",
+                "limits.least_radius=0",
+            ),
+        ),
+        ("indexing-cam", ()),
+        ("thread-take-up", ()),
+    ],
+)
+def test_every_code_that_is_announced_is_given(
+    make: Make, name: str, settings: tuple[str, ...]
+) -> None:
     """A stage that announced a code which no file gives would name it among those left out, once something else fails."""
-    report = make(name, "dxf,stl,3mf", "print.bed=[1, 1]", "accuracy.chord_tolerance=0.01", *settings)
+    report = make(
+        name, "dxf,stl,3mf", "print.bed=[1, 1]", "accuracy.chord_tolerance=0.01", *settings
+    )
     assert not report.ok and {each.code for each in report.not_judged} <= UNTOLD
 
 
@@ -124,11 +199,17 @@ def test_what_a_broken_file_leaves_unjudged_is_named(make: Make, tmp_path: Path)
 def test_a_file_that_was_changed_is_told_as_judged_or_not(make: Make, tmp_path: Path) -> None:
     """The drawing of a chain is an SVG like a sheet for the laser, but unlike that it is not judged."""
     assert not make("linkage", "dxf").remarks
-    drawing, chain = (tmp_path / "linkage" / f"linkage-{name}" for name in ("crank.dxf", "chain.svg"))
+    drawing, chain = (
+        tmp_path / "linkage" / f"linkage-{name}" for name in ("crank.dxf", "chain.svg")
+    )
     drawing.write_text("999\nlooked at by somebody\n" + drawing.read_text("utf-8"), "utf-8")
     chain.write_text("nothing", "utf-8")
     report = check(tmp_path / "linkage")
-    assert [text for text in report.remarks if "changed since the build" in text and "linkage-crank.dxf" in text]
+    assert [
+        text
+        for text in report.remarks
+        if "changed since the build" in text and "linkage-crank.dxf" in text
+    ]
     (told,) = (finding for finding in report.findings if not finding.ok)
     assert told.code == "MANIFEST" and "linkage-chain.svg" in told.message
 
@@ -151,9 +232,13 @@ def test_what_was_not_judged_is_said_by_name_in_table_verdict_and_page(
     assert place.startswith(f"files are in {tmp_path / 'uniform-swing'}: ")
     assert str(tmp_path) in see and see.endswith("to see it move")
     assert told.count("BED_FIT") == 2  # once in the table, once in the verdict
-    assert last == f"uniform-swing: all {len(report.findings)} findings hold; not judged: INTERFERENCE (needs 3MF); " + (
-        "BED_FIT (needs STL or 3MF); WATERTIGHT, VOLUME (need STL or 3MF or STEP); "
-        "DRIVE_TORQUE (needs motor.torque_n_m or motor.model)"
+    assert (
+        last
+        == f"uniform-swing: all {len(report.findings)} findings hold; not judged: INTERFERENCE (needs 3MF); "
+        + (
+            "BED_FIT (needs STL or 3MF); WATERTIGHT, VOLUME (need STL or 3MF or STEP); "
+            "DRIVE_TORQUE (needs motor.torque_n_m or motor.model)"
+        )
     )
     data = json.loads((tmp_path / "uniform-swing" / "report.json").read_text("utf-8"))
     assert data["ok"] and {"code", "why"} == set(data["not_judged"][0])
@@ -166,7 +251,11 @@ def test_what_was_not_judged_is_said_by_name_in_table_verdict_and_page(
 @pytest.mark.parametrize(
     "kinds, setting, told",
     [
-        ("dxf,stl", "print.profile_compensation=0.1", "print.profile_compensation = 0.1 acts on STL and 3MF alone"),
+        (
+            "dxf,stl",
+            "print.profile_compensation=0.1",
+            "print.profile_compensation = 0.1 acts on STL and 3MF alone",
+        ),
         ("dxf", "print.elephant_foot=0.2", "print.elephant_foot = 0.2"),
         ("stl", "print.profile_compensation=0.1", ""),
         ("stl", "output.curves='lines'", "acts on DXF alone"),
@@ -190,15 +279,32 @@ def test_key_that_cannot_act_on_a_file_is_told(
     "name, settings, found",
     [
         ("disc-cam", (), {"geometry.base_radius", "limits.pressure_angle_deg", "material.density"}),
-        ("disc-cam", ("geometry.follower={motion='oscillating', shape='roller', radius=5, pivot_distance=70, arm=60}",), {
-            "geometry.base_radius", "limits.pressure_angle_deg", "material.density"}),
-        ("indexing-cam", ("motor.speed_rpm=45", "unloader={torque='law'}"), {
-            "geometry.return_deg", "unloader.balance", "unloader.design_rpm", "limits.pressure_angle_deg", "material.density"}),
-        ("thread-take-up", (), {
-            "masses.coupler_centre", "masses.output_crank_centre", "material.density"}),
+        (
+            "disc-cam",
+            (
+                "geometry.follower={motion='oscillating', shape='roller', radius=5, pivot_distance=70, arm=60}",
+            ),
+            {"geometry.base_radius", "limits.pressure_angle_deg", "material.density"},
+        ),
+        (
+            "indexing-cam",
+            ("motor.speed_rpm=45", "unloader={torque='law'}"),
+            {
+                "geometry.return_deg",
+                "unloader.balance",
+                "unloader.design_rpm",
+                "limits.pressure_angle_deg",
+                "material.density",
+            },
+        ),
+        (
+            "thread-take-up",
+            (),
+            {"masses.coupler_centre", "masses.output_crank_centre", "material.density"},
+        ),
         ("chain-stitch-looper", (), {"timing.needle_stroke", "material.density"}),
     ],
-)  # fmt: skip
+)
 def test_resolved_spec_holds_what_was_found_and_is_the_same_machine(
     tmp_path: Path, name: str, settings: tuple[str, ...], found: set[str]
 ) -> None:
@@ -210,7 +316,11 @@ def test_resolved_spec_holds_what_was_found_and_is_the_same_machine(
     first = {path.name: path.read_bytes() for path in (tmp_path / name).iterdir()}
     written = tomllib.loads(first["spec.toml"].decode())
     given = read_mechanism(spec, settings)
-    assert {key for key, value in given.found().items() if at(written, key) == pytest.approx(value, abs=0)} == found
+    assert {
+        key
+        for key, value in given.found().items()
+        if at(written, key) == pytest.approx(value, abs=0)
+    } == found
     assert read_mechanism(tmp_path / name / "spec.toml") == given.resolved()
     if name == "disc-cam":
         (tmp_path / "again.toml").write_bytes(first["spec.toml"])

@@ -18,7 +18,9 @@ OVER = Side(turn=np.diag([-1.0, 1.0, -1.0]))
 
 def found(layer, sides, **more):
     spec = tomllib.loads((SPECS / "linkage.toml").read_text(encoding="utf-8"))
-    table, said = between(camgen.load({**spec, "print": {**spec["print"], "layer": layer, **more}}).resolved(), sides)
+    table, said = between(
+        camgen.load({**spec, "print": {**spec["print"], "layer": layer, **more}}).resolved(), sides
+    )
     return {(part, height): (near, off) for part, height, near, off in table.rows}, said
 
 
@@ -27,30 +29,43 @@ def test_plates_of_4_mm_in_layers_of_03():
     rows, said = found(0.3, {})
     assert rows["rocker", 4.0] == pytest.approx((4.1, -0.1))
     assert said[0].startswith("print.layer = 0.3: faces lie between layers") and "more" in said[0]
-    assert ("rocker", 4.0) not in found(0.2, {})[0] and ("rocker", 4.0) in found(0.2, {}, first_layer=0.35)[0]
+    assert ("rocker", 4.0) not in found(0.2, {})[0] and ("rocker", 4.0) in found(
+        0.2, {}, first_layer=0.35
+    )[0]
 
 
 def test_a_pin_on_its_head_and_on_its_end():
     """Head 1.5 mm high, 8.4 + 1.5 mm long in all: lying on its head it steps at 1.5, on its end at 8.4."""
     on_its_head, on_its_end = found(0.2, {})[0], found(0.2, {"pin-2": OVER})[0]
     (whole,) = {height for part, height in on_its_head if part == "pin-2"} - {1.5}
-    assert on_its_head["pin-2", 1.5] == pytest.approx((1.4, 0.1)) or on_its_head["pin-2", 1.5] == pytest.approx((1.6, -0.1))
-    assert {height for part, height in on_its_end if part == "pin-2"} == {whole}  # 8.4 is on a layer, the end is not
+    assert on_its_head["pin-2", 1.5] == pytest.approx((1.4, 0.1)) or on_its_head[
+        "pin-2", 1.5
+    ] == pytest.approx((1.6, -0.1))
+    assert {height for part, height in on_its_end if part == "pin-2"} == {
+        whole
+    }  # 8.4 is on a layer, the end is not
     lying = Side(height=5.1, turn=np.array([[0.0, 0, 1], [0, 1, 0], [-1, 0, 0]]))
     assert {height for part, height in found(0.2, {"pin-2": lying})[0] if part == "pin-2"} == {5.1}
 
 
 def test_no_layer_tells_nothing_and_layers_count_in_the_time():
     assert found(None, {}) == ({}, ())
-    (part,) = [part for part in camgen.load(SPECS / "linkage.toml").parts() if part.name == "rocker"]
+    (part,) = [
+        part for part in camgen.load(SPECS / "linkage.toml").parts() if part.name == "rocker"
+    ]
     coarse, fine = (parts_list([part], layer=layer)[0].print_min for layer in (0.2, 0.1))
     flow = part.volume / (0.4 * 0.2 * 60)
-    assert fine - coarse == pytest.approx((flow + 20 * 6.0) / 60)  # half the flow, and twenty layers more
+    assert fine - coarse == pytest.approx(
+        (flow + 20 * 6.0) / 60
+    )  # half the flow, and twenty layers more
 
 
 def test_spreaders_lie_on_their_large_face():
     """49 mm^2 would lie on the bed as drawn; on a side it is the whole flank, and next to nothing hangs over."""
-    parts = {part.name: part for part in camgen.load(SPECS / "chain-stitch-looper.toml").resolved().parts()}
+    parts = {
+        part.name: part
+        for part in camgen.load(SPECS / "chain-stitch-looper.toml").resolved().parts()
+    }
     for name in ("lower-spreader", "upper-spreader"):
         side = lying_side(solid(parts[name], 0.005))
         assert side.contact > 173 and side.overhang < 20 and side.name.startswith("on its side")

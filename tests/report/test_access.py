@@ -23,9 +23,15 @@ class Access(HTMLParser):
         self.mains = self.titles = 0
         self.named: set[str] = set()  # ids that a label is for
         self.nameless: list[tuple[str, str | None]] = []  # what has no name of its own, and its id
-        self.open: list[tuple[str, dict[str, str | None], list[str], str]] = []  # tag, attributes, text, where
+        self.open: list[
+            tuple[str, dict[str, str | None], list[str], str]
+        ] = []  # tag, attributes, text, where
         self.feed(text)
-        self.faults += [f"{where}: no name" for where, own in self.nameless if own is None or own not in self.named]
+        self.faults += [
+            f"{where}: no name"
+            for where, own in self.nameless
+            if own is None or own not in self.named
+        ]
         self.faults += [f"{self.mains} main landmarks"] if self.mains != 1 else []
         self.faults += [f"{self.titles} first headings"] if self.titles != 1 else []
 
@@ -37,7 +43,9 @@ class Access(HTMLParser):
             self.named.add(str(own["for"]))
         if tag == "html" and not own.get("lang"):
             self.faults.append(f"{where}: no language")
-        if own.get("class") == "scroll" and not (own.get("tabindex") == "0" and own.get("role") and own.get("aria-label")):
+        if own.get("class") == "scroll" and not (
+            own.get("tabindex") == "0" and own.get("role") and own.get("aria-label")
+        ):
             self.faults.append(f"{where}: it scrolls and has no name or cannot be reached by keys")
         if tag in VOID:
             self.check(tag, own, "", where)
@@ -56,8 +64,16 @@ class Access(HTMLParser):
                 return
 
     def check(self, tag: str, own: dict[str, str | None], text: str, where: str) -> None:
-        named = own.get("aria-label") or own.get("aria-labelledby") or (text and tag in ("button", "summary"))
-        named = named or any(name == "label" for name, *_ in self.open) or own.get("aria-hidden") == "true"
+        named = (
+            own.get("aria-label")
+            or own.get("aria-labelledby")
+            or (text and tag in ("button", "summary"))
+        )
+        named = (
+            named
+            or any(name == "label" for name, *_ in self.open)
+            or own.get("aria-hidden") == "true"
+        )
         if tag in ACTS and not named:
             self.nameless.append((where, own.get("id")))
         if tag == "th" and not text:
@@ -74,7 +90,9 @@ def page(name: str) -> str:
     return files("camgen").joinpath(name).read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("name", ["report", "report/sweep.html", "live/explore.html", "live/watch.html"])
+@pytest.mark.parametrize(
+    "name", ["report", "report/sweep.html", "live/explore.html", "live/watch.html"]
+)
 def test_page_can_be_used_by_keyboard_and_by_ear(name: str) -> None:
     assert Access(page(name)).faults == []
 
@@ -82,14 +100,18 @@ def test_page_can_be_used_by_keyboard_and_by_ear(name: str) -> None:
 @pytest.mark.parametrize(
     ("was", "without", "fault"),
     [
-        ("<main>", "<div>", "0 main landmarks"), ('<html lang="en">', "<html>", "no language"),
+        ("<main>", "<div>", "0 main landmarks"),
+        ('<html lang="en">', "<html>", "no language"),
         ('class="scroll" tabindex="0"', 'class="scroll"', "cannot be reached by keys"),
         ('<th scope="col">', '<th scope="col"></th><th scope="col">', "an empty head"),
         ('<th scope="row">', "<th>", "of neither column nor row"),
-        ("<h1>", "<h2>", "0 first headings"), ("</main>", "<button><svg></svg></button></main>", "no name"),
+        ("<h1>", "<h2>", "0 first headings"),
+        ("</main>", "<button><svg></svg></button></main>", "no name"),
         ("</main>", '<input id="x"></main>', "no name"),
     ],
-)  # fmt: skip
+)
 def test_what_is_lacking_is_seen(was: str, without: str, fault: str) -> None:
     whole = page("report")
-    assert was in whole and any(fault in each for each in Access(whole.replace(was, without)).faults)
+    assert was in whole and any(
+        fault in each for each in Access(whole.replace(was, without)).faults
+    )

@@ -26,7 +26,9 @@ def drawn(text: str) -> list[np.ndarray]:
     assert scale
     left, right, x0, x1, low, top, y0, y1 = map(float, scale[1].split())
     found = []
-    for path in re.findall(r'class="(?:curve|band)"[^>]* d="M([-\d. LM]*)Z?"', text[text.index("data-axes") :]):
+    for path in re.findall(
+        r'class="(?:curve|band)"[^>]* d="M([-\d. LM]*)Z?"', text[text.index("data-axes") :]
+    ):
         at = np.array([[float(n) for n in pair.split()] for pair in re.split("[LM]", path)])
         x = x0 + (at[:, 0] - left) / (right - left) * (x1 - x0)
         found.append(x + 1j * (y0 + (low - at[:, 1]) / (low - top) * (y1 - y0)))
@@ -34,7 +36,15 @@ def drawn(text: str) -> list[np.ndarray]:
 
 
 def test_a_turn_has_its_ticks_a_cursor_and_a_name_for_all() -> None:
-    text = figure(Plot("Swing <wanted>", "cam angle, deg", "$deg$", [("a & <b>", THETA, np.sin(THETA))], [("reversal", 60.0)]))
+    text = figure(
+        Plot(
+            "Swing <wanted>",
+            "cam angle, deg",
+            "$deg$",
+            [("a & <b>", THETA, np.sin(THETA))],
+            [("reversal", 60.0)],
+        )
+    )
     root = ElementTree.fromstring(text)
     texts = ["".join(each.itertext()) for each in root.iter("text")]
     assert [t for t in texts if t.isdigit()][:9] == [str(tick) for tick in range(0, 361, 45)]
@@ -44,19 +54,32 @@ def test_a_turn_has_its_ticks_a_cursor_and_a_name_for_all() -> None:
     assert "cursor" not in figure(Plot("t", "place, mm", "mm", [("a", THETA / 9, THETA)]))
 
 
-@pytest.mark.parametrize("wave", [np.sin(np.radians(THETA)), np.where(THETA < 180, THETA, 360 - THETA), np.exp(THETA / 90)])
+@pytest.mark.parametrize(
+    "wave",
+    [np.sin(np.radians(THETA)), np.where(THETA < 180, THETA, 360 - THETA), np.exp(THETA / 90)],
+)
 def test_a_drawn_curve_is_the_curve(wave: np.ndarray) -> None:
     (line,) = drawn(figure(Plot("t", "x", "y", [("a", THETA, wave)])))
     assert len(line) < 500
-    np.testing.assert_allclose(np.interp(THETA, line.real, line.imag), wave, atol=2e-3 * np.ptp(wave))
+    np.testing.assert_allclose(
+        np.interp(THETA, line.real, line.imag), wave, atol=2e-3 * np.ptp(wave)
+    )
 
 
 def test_curves_that_coincide_are_drawn_once_under_all_names() -> None:
     wave = np.sin(np.radians(THETA))
-    series = [("wanted", THETA, wave), ("from DXF", THETA, wave + 1e-4), ("from STL", THETA, wave + 0.1)]
+    series = [
+        ("wanted", THETA, wave),
+        ("from DXF", THETA, wave + 1e-4),
+        ("from STL", THETA, wave + 0.1),
+    ]
     text = figure(Plot("t", "x", "y", series))
     assert len(drawn(text)) == 2 and "wanted = DXF" in text and "from STL" in text
-    pair = [("x from DXF", THETA, wave * 0), ("y from DXF", THETA, wave * 0), ("x from STL", THETA, wave)]
+    pair = [
+        ("x from DXF", THETA, wave * 0),
+        ("y from DXF", THETA, wave * 0),
+        ("x from STL", THETA, wave),
+    ]
     assert "x DXF = y DXF" in figure(Plot("t", "x", "y", pair))
     gaps = [("a", THETA, wave), ("b", THETA, np.where(THETA > 90, wave, np.nan))]
     assert len(re.findall("<li", figure(Plot("t", "x", "y", gaps)))) == 2
@@ -65,7 +88,9 @@ def test_curves_that_coincide_are_drawn_once_under_all_names() -> None:
 @given(st.integers(0, 2**32 - 1), st.floats(0.01, 1.0))
 @settings(max_examples=30, deadline=None)
 def test_what_oscillates_is_a_band_that_holds_it_and_is_no_wider(seed: int, size: float) -> None:
-    noise = size * np.random.default_rng(seed).uniform(-1, 1, len(THETA)) + np.sin(np.radians(THETA))
+    noise = size * np.random.default_rng(seed).uniform(-1, 1, len(THETA)) + np.sin(
+        np.radians(THETA)
+    )
     text = figure(Plot("t", "x", "y", [("a", THETA, noise)]))
     upper = re.search(r'class="band" data-upper="(\d+)"', text)
     if upper is None:  # too fine to be seen against the rest
@@ -81,9 +106,18 @@ def test_what_oscillates_is_a_band_that_holds_it_and_is_no_wider(seed: int, size
 
 def test_a_path_is_drawn_at_one_scale_and_its_points_as_dots() -> None:
     turn = np.exp(1j * np.radians(THETA)) * 10
-    plot = Plot("Path", "x, mm", "y, mm", [("path", turn.real, turn.imag), ("every", turn.real[::60], turn.imag[::60])], (), True)
+    plot = Plot(
+        "Path",
+        "x, mm",
+        "y, mm",
+        [("path", turn.real, turn.imag), ("every", turn.real[::60], turn.imag[::60])],
+        (),
+        True,
+    )
     text = figure(plot)
-    left, right, x0, x1, low, top, y0, y1 = map(float, re.findall(r'data-axes="([^"]*)"', text)[0].split())
+    left, right, x0, x1, low, top, y0, y1 = map(
+        float, re.findall(r'data-axes="([^"]*)"', text)[0].split()
+    )
     assert (right - left) / (x1 - x0) == pytest.approx((low - top) / (y1 - y0), rel=1e-6)
     assert "<circle" not in text
     dotted = figure(Plot("Path", "x, mm", "y, mm", plot.series, (), True, ("every",)))
@@ -99,10 +133,14 @@ def test_plots_of_nothing_known_and_of_nothing() -> None:
 
 def test_a_plot_alone_names_its_curves_and_may_be_logarithmic() -> None:
     x = np.geomspace(1e-3, 1e2, 50)
-    root = ElementTree.fromstring(plot_svg(Plot("t", "n", "error", [("a", x, x**2), ("b", x, 1 / x)]), log=True))
+    root = ElementTree.fromstring(
+        plot_svg(Plot("t", "n", "error", [("a", x, x**2), ("b", x, 1 / x)]), log=True)
+    )
     texts = ["".join(text.itertext()) for text in root.iter(f"{SVG}text")]
     assert {"a", "b", "0.001", "1", "100"} <= set(texts)
-    (first, _) = drawn(plot_svg(Plot("t", "n", "error", [("a", x, x**2), ("b", x, 1 / x)]), log=True))
+    (first, _) = drawn(
+        plot_svg(Plot("t", "n", "error", [("a", x, x**2), ("b", x, 1 / x)]), log=True)
+    )
     np.testing.assert_allclose(first.imag, 2 * first.real, atol=0.05)
 
 
@@ -112,7 +150,9 @@ def test_ticks_are_round_and_within(low: float, size: float) -> None:
     found = ticks(low, low + size)
     if size < 1e-9 * abs(low):
         return
-    assert 1 <= len(found) <= 7 and all(low - 1e-6 * size <= t <= low + size * (1 + 1e-6) for t in found)
+    assert 1 <= len(found) <= 7 and all(
+        low - 1e-6 * size <= t <= low + size * (1 + 1e-6) for t in found
+    )
     if len(found) > 1:
         step = found[1] - found[0]
         rounding = 1e-5  # of the step: either tick is rounded to 1e-16 of its size, which is up to 1e10 steps
@@ -122,7 +162,9 @@ def test_ticks_are_round_and_within(low: float, size: float) -> None:
 
 
 @given(st.lists(st.floats(-100, 100), min_size=2, max_size=60), st.floats(0.01, 5))
-def test_no_point_is_farther_than_the_tolerance_from_the_simplified_line(heights: list[float], tolerance: float) -> None:
+def test_no_point_is_farther_than_the_tolerance_from_the_simplified_line(
+    heights: list[float], tolerance: float
+) -> None:
     z = np.arange(len(heights)) + 1j * np.array(heights)
     few = simplified(z, tolerance)
     assert few[0] == z[0] and few[-1] == z[-1]
@@ -130,7 +172,9 @@ def test_no_point_is_farther_than_the_tolerance_from_the_simplified_line(heights
     for a, b in zip(kept[:-1], kept[1:], strict=True):
         chord = z[b] - z[a]
         if b - a > 1:
-            assert np.all(np.abs((np.conj(chord) * (z[a:b] - z[a])).imag) <= tolerance * abs(chord) * 1.001)
+            assert np.all(
+                np.abs((np.conj(chord) * (z[a:b] - z[a])).imag) <= tolerance * abs(chord) * 1.001
+            )
 
 
 def test_parts_have_colours_of_their_own_neighbours_ones_far_apart() -> None:
@@ -144,36 +188,77 @@ def test_parts_have_colours_of_their_own_neighbours_ones_far_apart() -> None:
 
 def test_figures_have_words_units_and_the_kinds_of_files_side_by_side() -> None:
     numbers = {
-        "motion_error_pen_dxf_mm": 1e-14, "motion_error_pen_stl_mm": 2e-3, "peak_torque_n_m": 0.1, "strokes_per_s": 2.0,
-        "spring_rate_needed_n_mm": 3.0, "spring_rate_needed_n_m_per_rad": 4.0, "feed_max_at_deg": 22.0,
-    }  # fmt: skip
+        "motion_error_pen_dxf_mm": 1e-14,
+        "motion_error_pen_stl_mm": 2e-3,
+        "peak_torque_n_m": 0.1,
+        "strokes_per_s": 2.0,
+        "spring_rate_needed_n_mm": 3.0,
+        "spring_rate_needed_n_m_per_rad": 4.0,
+        "feed_max_at_deg": 22.0,
+    }
     found = {f.name: f for f in figures(numbers)}
     error = found["Motion error: pen"]
-    assert error.unit == "mm" and error.values == {"dxf": 1e-14, "stl": 2e-3} and error.group == "From the files"
+    assert (
+        error.unit == "mm"
+        and error.values == {"dxf": 1e-14, "stl": 2e-3}
+        and error.group == "From the files"
+    )
     assert found["Peak torque"].unit == "N m" and found["Strokes"].unit == "1/s"
-    assert found["Spring rate needed"].unit in ("N/mm", "N m/rad") and found["Feed, where greatest"].unit == "deg"
+    assert (
+        found["Spring rate needed"].unit in ("N/mm", "N m/rad")
+        and found["Feed, where greatest"].unit == "deg"
+    )
     assert name("let_down_ratio") == "Payout ratio"
-    assert name("reaction_c_of_shoulder") == "Reaction C of shoulder" and name("source_r_1") == "r₁ of the source"
-    assert name("dwell_within_0_25") == "Dwell within 0.25" and name("foot_x_stroke") == "Foot x stroke"
+    assert (
+        name("reaction_c_of_shoulder") == "Reaction C of shoulder"
+        and name("source_r_1") == "r₁ of the source"
+    )
+    assert (
+        name("dwell_within_0_25") == "Dwell within 0.25"
+        and name("foot_x_stroke") == "Foot x stroke"
+    )
 
 
 @pytest.mark.parametrize(
     "value, text",
-    [(0.0, "0"), (1.9e-14, "0"), (36.118473, "36.12"), (1917993.1, "1 918 000"), (0.00151756, "0.001518"), (-12.5, "−12.5"),
-     (math.nan, "–"), (-math.inf, "−∞"), (4.003e-5, "4·10⁻⁵"), (99.75, "99.75"), (5550.147, "5550")],
-)  # fmt: skip
+    [
+        (0.0, "0"),
+        (1.9e-14, "0"),
+        (36.118473, "36.12"),
+        (1917993.1, "1 918 000"),
+        (0.00151756, "0.001518"),
+        (-12.5, "−12.5"),
+        (math.nan, "–"),
+        (-math.inf, "−∞"),
+        (4.003e-5, "4·10⁻⁵"),
+        (99.75, "99.75"),
+        (5550.147, "5550"),
+    ],
+)
 def test_values_are_rounded_to_what_is_known(value: float, text: str) -> None:
     assert rounded(value) == text
 
 
 def test_named_points_stand_where_they_are_and_within_the_frame() -> None:
-    shape = Plot("t", "x, mm", "y, mm", [("way", np.array([0.0, 10.0]), np.array([0.0, 0.0]))], equal=True,
-                 points=[("A", 0.0, 0.0), ("far <C>", 10.0, 30.0)])  # fmt: skip
+    shape = Plot(
+        "t",
+        "x, mm",
+        "y, mm",
+        [("way", np.array([0.0, 10.0]), np.array([0.0, 0.0]))],
+        equal=True,
+        points=[("A", 0.0, 0.0), ("far <C>", 10.0, 30.0)],
+    )
     root = ElementTree.fromstring(plot_svg(shape))
     rounds = [each for each in root.iter(f"{SVG}circle") if each.get("class") == "named"]
     (ax, ay), (cx, cy) = ((float(each.get("cx", "")), float(each.get("cy", ""))) for each in rounds)
-    line = next(each for each in root.iter(f"{SVG}path") if each.get("class") == "curve" and "M" in (each.get("d") or ""))
-    assert line.get("d", "").startswith(f"M{ax:g} {ay:g}L{cx:g} {ay:g}") and ay - cy == pytest.approx(3 * (cx - ax), abs=0.1)
+    line = next(
+        each
+        for each in root.iter(f"{SVG}path")
+        if each.get("class") == "curve" and "M" in (each.get("d") or "")
+    )
+    assert line.get("d", "").startswith(
+        f"M{ax:g} {ay:g}L{cx:g} {ay:g}"
+    ) and ay - cy == pytest.approx(3 * (cx - ax), abs=0.1)
     texts = {each.text: each for each in root.iter(f"{SVG}text")}
     assert texts["A"].get("class") == "start" and 46 <= cx <= 322 and 22 <= cy <= 164
     assert "far <C>" in texts

@@ -24,7 +24,10 @@ from camgen.report.page import margins, once, to_html
 from camgen.report.report import Report
 from camgen.study import Plate, Plot, Scene, Step, Table
 
-CORNERS, FACES = [[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+CORNERS, FACES = (
+    [[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]],
+    [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]],
+)
 TETRAHEDRON = Mesh(np.array(CORNERS, float), np.array(FACES))
 
 
@@ -32,12 +35,18 @@ def solid() -> Report:
     """The report of test_report with the machine as a solid: two copies of one part, a plate, two steps."""
     theta = np.linspace(0, 2 * np.pi, 360, endpoint=False)
     lifted = np.column_stack([np.eye(3), [0, 0, 9.0]])
-    moving = Moving("cam", theta, np.zeros(360, complex), [("cam-1", 0, np.eye(3, 4)), ("cam-2", 0, lifted)])
+    moving = Moving(
+        "cam", theta, np.zeros(360, complex), [("cam-1", 0, np.eye(3, 4)), ("cam-2", 0, lifted)]
+    )
     scene = Scene(
-        glb("demo", [Shape("cam", TETRAHEDRON, "#0b62a8")], [moving]), ["cam-1", "cam-2"],
-        [Plate("demo-plate.3mf", [("cam", lifted)])], [Step("first", ["cam-1"]), Step(EVIL, ["cam-2"]), Step("nut", [])],
-    )  # fmt: skip
-    return replace(made_up(), scene=scene, files=["spec.toml", "demo-assembly.glb", "demo-cam-drawing.pdf"])
+        glb("demo", [Shape("cam", TETRAHEDRON, "#0b62a8")], [moving]),
+        ["cam-1", "cam-2"],
+        [Plate("demo-plate.3mf", [("cam", lifted)])],
+        [Step("first", ["cam-1"]), Step(EVIL, ["cam-2"]), Step("nut", [])],
+    )
+    return replace(
+        made_up(), scene=scene, files=["spec.toml", "demo-assembly.glb", "demo-cam-drawing.pdf"]
+    )
 
 
 @pytest.fixture(scope="module")
@@ -55,8 +64,11 @@ def test_the_machine_is_in_the_page_and_the_library_that_shows_it(page: str) -> 
     scene = solid().scene
     assert scene is not None and gzip.decompress(base64.b64decode(script(page, "glb"))) == scene.glb
     library = gzip.decompress(base64.b64decode(script(page, "three")))
-    assert library.startswith(b"var THREE=") and b"</script" not in library and b"http" not in library.replace(
-        b"http://www.w3.org/1999/xhtml", b"")  # fmt: skip
+    assert (
+        library.startswith(b"var THREE=")
+        and b"</script" not in library
+        and b"http" not in library.replace(b"http://www.w3.org/1999/xhtml", b"")
+    )
     lying = json.loads(script(page, "lying"))
     assert lying == {"plates": [[[0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 9]]], "steps": [[0], [1], []]}
 
@@ -71,7 +83,9 @@ def test_the_bundle_is_what_its_entry_file_makes_and_bears_its_licence() -> None
     assert "MIT License" in folder.joinpath("three.LICENSE").read_text(encoding="utf-8")
     entry = folder.joinpath("three.entry.js").read_text(encoding="utf-8")
     exported = set(re.findall(r"\b[A-Z]\w+", entry.partition("export")[2]))
-    used = set(re.findall(r"THREE\.(\w+)", folder.joinpath("viewer.js").read_text(encoding="utf-8")))
+    used = set(
+        re.findall(r"THREE\.(\w+)", folder.joinpath("viewer.js").read_text(encoding="utf-8"))
+    )
     assert used <= exported and exported - used <= {"WebGLRenderer"}
 
 
@@ -79,7 +93,11 @@ def test_what_the_scripts_ask_for_is_there(page: str) -> None:
     ids = {attributes["id"] for _, attributes in Page(page).elements if "id" in attributes}
     for name in ("page.js", "viewer.js"):
         text = files("camgen.report").joinpath(name).read_text(encoding="utf-8")
-        assert set(re.findall(r'byId\("([\w-]+)"\)', text)) | set(re.findall(r'(?<!\w)text\("(\w+)"\)', text)) <= ids
+        assert (
+            set(re.findall(r'byId\("([\w-]+)"\)', text))
+            | set(re.findall(r'(?<!\w)text\("(\w+)"\)', text))
+            <= ids
+        )
 
 
 def test_a_report_without_solids_is_as_small_as_ever() -> None:
@@ -91,18 +109,35 @@ def test_a_report_without_solids_is_as_small_as_ever() -> None:
 
 def test_parts_plates_and_steps_have_their_files_and_their_views(page: str) -> None:
     parsed = Page(page)
-    views = [attributes["data-view"] for tag, attributes in parsed.elements if tag == "canvas" and "data-view" in attributes]
+    views = [
+        attributes["data-view"]
+        for tag, attributes in parsed.elements
+        if tag == "canvas" and "data-view" in attributes
+    ]
     assert views == ["part-0", "plate-0", "step-0", "step-1"], "for a bought nut nothing is drawn"
     links = [attributes["href"] for tag, attributes in parsed.elements if tag == "a"]
-    assert {"demo-cam.dxf", "demo-cam-drawing.pdf", "demo-plate.3mf", "demo-assembly.glb"} <= set(links)
+    assert {"demo-cam.dxf", "demo-cam-drawing.pdf", "demo-plate.3mf", "demo-assembly.glb"} <= set(
+        links
+    )
     assert links.count("demo-cam-drawing.pdf") == 1 and EVIL not in page
 
 
 def test_what_fails_is_said_first_and_what_to_change() -> None:
-    report = replace(made_up(), not_judged=[NotJudged("BED_FIT", "no STL was made", "STL")], warnings=["mind the gap"])
+    report = replace(
+        made_up(),
+        not_judged=[NotJudged("BED_FIT", "no STL was made", "STL")],
+        warnings=["mind the gap"],
+    )
     text = Page(to_html(report)).text()
     first = text[: text.index("Curves")]
-    for said in ("mind the gap", "2 of 3 findings fail", "MIN_WALL", "LASH", "NOT JUDGED", "no STL was made"):
+    for said in (
+        "mind the gap",
+        "2 of 3 findings fail",
+        "MIN_WALL",
+        "LASH",
+        "NOT JUDGED",
+        "no STL was made",
+    ):
         assert said in first
     assert "MOTION_ERROR" not in first and "follows" not in first
 
@@ -115,65 +150,125 @@ def test_what_is_only_not_judged_is_amber_and_a_page_of_no_checks_is_no_success(
     holds, fails = at_most("A", 1, 2, "", "", ""), at_most("B", 3, 2, "", "", "")
     left = [NotJudged("BED_FIT", "no STL was made", "STL")]
     assert verdict(Report("a", "b", [holds], not_judged=left)) == ["verdict open", "open"]
-    assert verdict(Report("a", "b", [fails, holds], not_judged=left))[:3] == ["verdict bad", "bad", "open"]
-    assert verdict(Report("a", "b", [])) == ["verdict "] and verdict(Report("a", "b", [holds])) == ["verdict ok"]
+    assert verdict(Report("a", "b", [fails, holds], not_judged=left))[:3] == [
+        "verdict bad",
+        "bad",
+        "open",
+    ]
+    assert verdict(Report("a", "b", [])) == ["verdict "] and verdict(Report("a", "b", [holds])) == [
+        "verdict ok"
+    ]
 
 
 def test_step_is_a_kind_of_file_and_estimates_have_three_digits() -> None:
-    found = [at_most("ERR", 0.3, 1.0, "mm", where, "") for where in ("demo-cam.step, at 3 deg", "first step")]
+    found = [
+        at_most("ERR", 0.3, 1.0, "mm", where, "")
+        for where in ("demo-cam.step, at 3 deg", "first step")
+    ]
     rows = [("cam", 12.3456, 98.7654, 1234.56)]
     table = Table("Parts", ("part", "mass, g", "time, min", "mm^3"), rows)
     report = Report("a", "b", found, {"lash_step_mm": 0.125}, tables=[table])
     parsed = Page(to_html(report))
-    assert [attributes["data-of"] for tag, attributes in parsed.elements if tag == "td" and attributes.get("data-of")] == [
-        "designed", "STEP", "limit"]  # fmt: skip
+    assert [
+        attributes["data-of"]
+        for tag, attributes in parsed.elements
+        if tag == "td" and attributes.get("data-of")
+    ] == ["designed", "STEP", "limit"]
     heads = [text for tag, text in parsed.texts if tag == "th"]
     assert heads.count("STEP") == 2 and "STL" not in heads and "Lash step" not in parsed.text()
-    assert all(text in parsed.text() for text in ("12.3", "98.8", "1234.56")) and "12.34" not in parsed.text()
+    assert (
+        all(text in parsed.text() for text in ("12.3", "98.8", "1234.56"))
+        and "12.34" not in parsed.text()
+    )
 
 
 def test_one_fault_in_all_files_is_one_row() -> None:
-    stroke = [at_most("STROKE", size, 0.1, "mm", kind, f"off by {size}") for kind, size in (("design", 0.5), ("dxf", 0.6))]
-    told = told_once([*stroke, at_most("STROKE", 0.7, 0.2, "mm", "stl", "off by 0.7"), at_least("WALL", 1, 2, "", "a", "thin")])
-    assert [(finding.measured, where) for finding, where in told] == [(0.6, "design; dxf"), (0.7, "stl"), (1, "a")]
+    stroke = [
+        at_most("STROKE", size, 0.1, "mm", kind, f"off by {size}")
+        for kind, size in (("design", 0.5), ("dxf", 0.6))
+    ]
+    told = told_once(
+        [
+            *stroke,
+            at_most("STROKE", 0.7, 0.2, "mm", "stl", "off by 0.7"),
+            at_least("WALL", 1, 2, "", "a", "thin"),
+        ]
+    )
+    assert [(finding.measured, where) for finding, where in told] == [
+        (0.6, "design; dxf"),
+        (0.7, "stl"),
+        (1, "a"),
+    ]
 
 
 def test_margins_have_one_row_a_code_and_a_column_a_kind() -> None:
     found = [
         at_most("ERR", size, 1.0, "mm", f"demo-{part}.{kind}, at 3 deg", part)
-        for kind, least in (("dxf", 0.1), ("stl", 0.2)) for part, size in (("cam", least), ("arm", least + 0.5))
-    ]  # fmt: skip
-    parsed = Page(margins([*found, at_least("WALL", 0.5, 0.8, "mm", "design", "thin"), at_most("X", math.nan, 1, "", "", "?")]))
+        for kind, least in (("dxf", 0.1), ("stl", 0.2))
+        for part, size in (("cam", least), ("arm", least + 0.5))
+    ]
+    parsed = Page(
+        margins(
+            [
+                *found,
+                at_least("WALL", 0.5, 0.8, "mm", "design", "thin"),
+                at_most("X", math.nan, 1, "", "", "?"),
+            ]
+        )
+    )
     rows = [attributes.get("class") for tag, attributes in parsed.elements if tag == "tr"]
     assert rows == [None, "bad", "bad", "ok"]
     text = parsed.text().replace("\xa0", " ")
     assert "Design, assembly" in text and "DXF" in text and "STL" in text and "3MF" not in text
-    assert "0.6tightest of 2" in text.replace(" tight", "tight") and "0.7" in text and "0.1" not in text
+    assert (
+        "0.6tightest of 2" in text.replace(" tight", "tight")
+        and "0.7" in text
+        and "0.1" not in text
+    )
     assert text.index("WALL") < text.index("ERR") and "≥ 0.8" in text and "≤ 1" in text
-    pressed = margins([Finding("LIFT_OFF", False, 0.0, 0.0, "N", "cam", "", floor=True, strict=True)])
+    pressed = margins(
+        [Finding("LIFT_OFF", False, 0.0, 0.0, "N", "cam", "", floor=True, strict=True)]
+    )
     assert "> 0 N" in Page(pressed).text().replace("\xa0", " ")
 
 
 def test_routine_margins_are_folded_and_counted() -> None:
-    near, far = at_most("NEAR", 0.9, 1, "mm", "a.dxf", ""), [at_most(f"FAR_{k}", 0.1, 1, "mm", "a.dxf", "") for k in range(3)]
+    near, far = (
+        at_most("NEAR", 0.9, 1, "mm", "a.dxf", ""),
+        [at_most(f"FAR_{k}", 0.1, 1, "mm", "a.dxf", "") for k in range(3)],
+    )
     text = margins([*far, near, near])
-    assert text.index("NEAR") < text.index("<details>") < text.index("FAR_0") and "3 more findings of 3 kinds hold" in text
+    assert (
+        text.index("NEAR") < text.index("<details>") < text.index("FAR_0")
+        and "3 more findings of 3 kinds hold" in text
+    )
 
 
 def test_no_curve_is_shown_twice() -> None:
     x = np.linspace(0, 360, 1441)
     lift = Plot("Lift", "cam angle, deg", "mm", [("wanted", x, np.sin(np.radians(x)))])
-    again = Plot("Displacement", "cam angle, deg", "mm", [("wanted", x[::2], np.sin(np.radians(x[::2])))], [("rise", 0.0)])
+    again = Plot(
+        "Displacement",
+        "cam angle, deg",
+        "mm",
+        [("wanted", x[::2], np.sin(np.radians(x[::2])))],
+        [("rise", 0.0)],
+    )
     faster = replace(again, title="Velocity", y_label="mm/s")
     other = replace(again, title="Other", series=[("wanted", x, np.cos(np.radians(x)))])
     noise = replace(other, title="Noise", series=[("error", x, 1e-33 * np.sin(x))])
     kept = once([noise, lift, again, faster, other])
-    assert [plot.title for plot in kept] == ["Lift", "Velocity", "Other"] and kept[0].marks == [("rise", 0.0)]
+    assert [plot.title for plot in kept] == ["Lift", "Velocity", "Other"] and kept[0].marks == [
+        ("rise", 0.0)
+    ]
 
 
 def test_what_does_not_move_has_no_controls() -> None:
     """A coupon's bodies rest: neither a button to play nor an angle; what moves has both."""
-    still, away = PartPose(np.zeros(1, complex), np.zeros(1)), PartPose(np.array([0j, 1 + 0j]), np.zeros(2))
+    still, away = (
+        PartPose(np.zeros(1, complex), np.zeros(1)),
+        PartPose(np.array([0j, 1 + 0j]), np.zeros(2)),
+    )
     ring = [(np.array([0, 1, 1j]), np.zeros(3))]
     pages = [player(Animation(np.zeros(2), [Body("a", [pose], ring)])) for pose in (still, away)]
     assert ['<div class="controls" hidden>' in page for page in pages] == [True, False]

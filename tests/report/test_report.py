@@ -40,8 +40,17 @@ def made_up(name: str = "demo", count: int = 120) -> Report:
     reach = np.abs(70 - centre)
     swing = np.angle(centre - 70) - np.arccos((62**2 + reach**2 - 35**2) / (2 * 62 * reach))
     bodies = [
-        Body("cam", [PartPose(np.array(0j), theta), PartPose(np.array(0j), theta, flipped=True, z=6.0)], [circle_ring(12, 30)]),
-        Body(EVIL, [PartPose(np.full(count, 70 + 0j), swing)], strokes=[np.array([0, 62 + 0j])], circles=[(62 + 0j, 5.0)]),
+        Body(
+            "cam",
+            [PartPose(np.array(0j), theta), PartPose(np.array(0j), theta, flipped=True, z=6.0)],
+            [circle_ring(12, 30)],
+        ),
+        Body(
+            EVIL,
+            [PartPose(np.full(count, 70 + 0j), swing)],
+            strokes=[np.array([0, 62 + 0j])],
+            circles=[(62 + 0j, 5.0)],
+        ),
     ]
     deg = np.degrees(theta)
     return Report(
@@ -53,19 +62,44 @@ def made_up(name: str = "demo", count: int = 120) -> Report:
             at_most("LASH", math.nan, 0.01, "deg", "pair", "cannot be told"),
         ],
         numbers={"peak_speed_mm_s": 0.1 + 0.2, "ratio": math.inf, "worst_deg": np.float64("nan")},
-        parts=[{"name": "cam", "count": np.int64(2), "material_mm3": 12345.5, "files": ["demo-cam.dxf", 'a "b".stl']}],
+        parts=[
+            {
+                "name": "cam",
+                "count": np.int64(2),
+                "material_mm3": 12345.5,
+                "files": ["demo-cam.dxf", 'a "b".stl'],
+            }
+        ],
         plots=[
-            Plot("Swing <wanted>", "cam angle, deg", "swing, $deg$", [("wanted & <asked>", deg, np.degrees(swing)),
-                 ("recovered", deg, np.degrees(swing))], [("reversal", 60.0)]),
-            Plot("Canvas", "place, mm", "thickness, mm", [("thickness", np.linspace(-9, 9, 50), np.arange(50.0))]),
-            Plot("Canvas", "place, mm", "thickness, mm", [("thickness", np.linspace(-9, 9, 50), np.ones(50))]),
+            Plot(
+                "Swing <wanted>",
+                "cam angle, deg",
+                "swing, $deg$",
+                [
+                    ("wanted & <asked>", deg, np.degrees(swing)),
+                    ("recovered", deg, np.degrees(swing)),
+                ],
+                [("reversal", 60.0)],
+            ),
+            Plot(
+                "Canvas",
+                "place, mm",
+                "thickness, mm",
+                [("thickness", np.linspace(-9, 9, 50), np.arange(50.0))],
+            ),
+            Plot(
+                "Canvas",
+                "place, mm",
+                "thickness, mm",
+                [("thickness", np.linspace(-9, 9, 50), np.ones(50))],
+            ),
         ],
         tables=[Table(EVIL, ["event", EVIL], [[EVIL, 12.5]])],
         notes=[EVIL],
         animation=Animation(theta, bodies, np.degrees(swing), "swing", "deg"),
         budget=Table("Error budget", ["stage", "mm"], [["facets", 1e-3]]),
         files=["spec.toml"],
-    )  # fmt: skip
+    )
 
 
 @pytest.fixture(scope="module")
@@ -114,16 +148,30 @@ def test_json_is_strict_and_has_the_contract_s_shape(tmp_path: Path) -> None:
         raise AssertionError(f"{word} is no JSON")
 
     data = json.loads(text, parse_constant=refuse)
-    assert list(data)[:8] == ["camgen", "name", "mechanism", "ok", "findings", "not_judged", "numbers", "parts"]
+    assert list(data)[:8] == [
+        "camgen",
+        "name",
+        "mechanism",
+        "ok",
+        "findings",
+        "not_judged",
+        "numbers",
+        "parts",
+    ]
     assert data["ok"] is False
     keys = ["code", "ok", "measured", "limit", "unit", "where", "message"]
     assert [list(finding) for finding in data["findings"]] == [keys] * 3
     assert data["findings"][2]["measured"] is None and data["findings"][2]["ok"] is False
     assert data["numbers"] == {"peak_speed_mm_s": 0.3, "ratio": None, "worst_deg": None}
-    assert "0.30000000000000004" not in text, "12 digits: the last ones differ from processor to processor"
+    assert "0.30000000000000004" not in text, (
+        "12 digits: the last ones differ from processor to processor"
+    )
     assert data["parts"][0] == {
-        "name": "cam", "count": 2, "material_mm3": 12345.5, "files": ["demo-cam.dxf", 'a "b".stl']
-    }  # fmt: skip
+        "name": "cam",
+        "count": 2,
+        "material_mm3": 12345.5,
+        "files": ["demo-cam.dxf", 'a "b".stl'],
+    }
 
 
 def test_json_refuses_what_it_cannot_hold() -> None:
@@ -167,7 +215,10 @@ def test_page_needs_no_network(page: str) -> None:
             if key in ("href", "xlink:href"):
                 assert re.fullmatch(r"#[\w-]+|[\w%.-]+", value or "")
         assert not (tag == "script" and "src" in attributes)
-    assert set(re.findall(r"https?://[^\"' ]*", page)) <= {"http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"}
+    assert set(re.findall(r"https?://[^\"' ]*", page)) <= {
+        "http://www.w3.org/2000/svg",
+        "http://www.w3.org/1999/xlink",
+    }
     assert "@import" not in page and "url(http" not in page
 
 
@@ -184,7 +235,9 @@ def test_page_escapes_all_text(page: str) -> None:
     parsed = Page(page)
     assert sum(tag == "script" for tag, _ in parsed.elements) == 2
     assert EVIL not in page and parsed.text().count(EVIL) >= 7
-    hostile = to_html(Report(EVIL, EVIL, [], numbers={EVIL: 1.0}, files=["javascript:alert(1)", '"><b>']))
+    hostile = to_html(
+        Report(EVIL, EVIL, [], numbers={EVIL: 1.0}, files=["javascript:alert(1)", '"><b>'])
+    )
     assert EVIL not in hostile
     links = [attributes["href"] for tag, attributes in Page(hostile).elements if tag == "a"]
     assert links == ["javascript%3Aalert%281%29", "%22%3E%3Cb%3E"]
@@ -198,8 +251,12 @@ def test_page_is_accessible(page: str) -> None:
         if tag == "th":
             assert attributes.get("scope") in ("row", "col")
         if tag == "svg" and attributes.get("aria-hidden") != "true":
-            assert attributes["role"] == "img" and set((attributes["aria-labelledby"] or "").split()) <= set(ids)
-        for reference in re.findall(r"url\(#([^)]+)\)", " ".join(v or "" for v in attributes.values())):
+            assert attributes["role"] == "img" and set(
+                (attributes["aria-labelledby"] or "").split()
+            ) <= set(ids)
+        for reference in re.findall(
+            r"url\(#([^)]+)\)", " ".join(v or "" for v in attributes.values())
+        ):
             assert reference in ids
         if (attributes.get("href") or attributes.get("xlink:href") or "").startswith("#"):
             assert (attributes.get("href") or attributes["xlink:href"] or "")[1:] in ids
@@ -213,16 +270,22 @@ def test_page_frames_follow_the_poses(page: str) -> None:
     frames = json.loads(script[1])
     arm = report.animation.bodies[1].poses[0]
     assert frames["frames"] == 120 and frames["flipped"] == [False, True, False]
-    np.testing.assert_allclose([row[0] for row in frames["poses"][2]], np.degrees(arm.angle), atol=6e-4)
+    np.testing.assert_allclose(
+        [row[0] for row in frames["poses"][2]], np.degrees(arm.angle), atol=6e-4
+    )
     # The tip touches the round cam in every frame, and so do the frames that the page shows.
     theta = 2 * np.pi * np.arange(120) / 120
-    tip = np.array([complex(x, y) + 62 * cmath.exp(1j * math.radians(deg)) for deg, x, y in frames["poses"][2]])
+    tip = np.array(
+        [complex(x, y) + 62 * cmath.exp(1j * math.radians(deg)) for deg, x, y in frames["poses"][2]]
+    )
     np.testing.assert_allclose(np.abs(tip - 12 * np.exp(1j * theta)), 35, atol=2e-3)
 
 
 def test_pose_without_an_answer_hides_the_body() -> None:
     theta = np.array([0.0, 2.0, 4.0])
-    body = Body("arm", [PartPose(np.zeros(3, complex), np.array([math.nan, 1.0, 2.0]))], [circle_ring(0, 5)])
+    body = Body(
+        "arm", [PartPose(np.zeros(3, complex), np.array([math.nan, 1.0, 2.0]))], [circle_ring(0, 5)]
+    )
     text = to_html(Report("a", "b", [], animation=Animation(theta, [body])))
     assert 'display="none"' in text and '"poses":[[null,[57.296' in text and "nan" not in text
 
@@ -272,7 +335,9 @@ def test_path_has_the_area_of_its_ring(bulges: list[float], size: float) -> None
     with np.errstate(all="ignore"):
         centre = (points + ends) / 2 + 1j * (ends - points) / (2 * np.tan(sweep / 2))
         fine = centre + (points - centre) * np.exp(1j * sweep * share)
-    fine = np.where(np.abs(np.array(bulges)) < 1e-4, points + (ends - points) * share, fine).T.ravel()
+    fine = np.where(
+        np.abs(np.array(bulges)) < 1e-4, points + (ends - points) * share, fine
+    ).T.ravel()
     wanted = np.sum((np.conj(fine) * np.roll(fine, -1)).imag) / 2
     # Rounding to 0.1 um moves a near semicircle, whose radius hardly tells its height, by up to sqrt(2 radius 1e-4).
     chord = np.abs(ends - points)
@@ -307,11 +372,20 @@ def test_same_report_same_bytes() -> None:
     )
     runs = [
         subprocess.run(
-            [sys.executable, "-c", code], capture_output=True, check=True, cwd=Path(__file__).resolve().parents[2],
-            env={"PYTHONHASHSEED": seed, "PYTHONPATH": ".", "PATH": "", "HOME": str(Path.home()), "PYTHONUTF8": "1"},
+            [sys.executable, "-c", code],
+            capture_output=True,
+            check=True,
+            cwd=Path(__file__).resolve().parents[2],
+            env={
+                "PYTHONHASHSEED": seed,
+                "PYTHONPATH": ".",
+                "PATH": "",
+                "HOME": str(Path.home()),
+                "PYTHONUTF8": "1",
+            },
         ).stdout
         for seed in ("1", "2")
-    ]  # fmt: skip
+    ]
     assert runs[0] == runs[1] and len(runs[0]) > 10_000
 
 
@@ -321,6 +395,8 @@ def test_what_changes_its_shape_is_drawn_anew_in_each_frame() -> None:
     picture = Animation(np.zeros(3), [thread])
     stills = [still_svg(picture, "x", k) for k in range(3)]
     assert ["M0 0L10 5" in still for still in stills] == [False, True, False]
-    assert frames(picture)["courses"] == {"0": [[0.0, 0.0, 10.0, 0.0], [0.0, 0.0, 10.0, 5.0], [0.0, 0.0, 10.0, 20.0]]}
+    assert frames(picture)["courses"] == {
+        "0": [[0.0, 0.0, 10.0, 0.0], [0.0, 0.0, 10.0, 5.0], [0.0, 0.0, 10.0, 20.0]]
+    }
     box = [float(value) for value in stills[0].partition('viewBox="')[2].partition('"')[0].split()]
     assert box[1] < -20 < 0 < box[1] + box[3]  # the whole turn has room

@@ -15,7 +15,14 @@ from camgen.report.report import Report
 from camgen.report.terminal import number, print_report
 
 FINDINGS = (
-    at_most("MOTION_ERROR", 1.234e-5, 1.8e-3, "deg", "long-name-of-a-machine-cam.dxf, cam angle 123.456 deg", "as wanted"),
+    at_most(
+        "MOTION_ERROR",
+        1.234e-5,
+        1.8e-3,
+        "deg",
+        "long-name-of-a-machine-cam.dxf, cam angle 123.456 deg",
+        "as wanted",
+    ),
     at_least("TRANSMISSION_ANGLE", 88.21, 45, "deg", "crank angle 90 deg", "wide"),
     at_least("MIN_WALL", -12.345, 0.8, "mm", "long-name-of-a-machine-cam.stl", "thin"),
 )
@@ -27,13 +34,29 @@ def shown(findings: tuple[Finding, ...], capsys: pytest.CaptureFixture[str]) -> 
 
 
 def test_rounding_is_shown_as_0_but_where_it_fails(capsys: pytest.CaptureFixture[str]) -> None:
-    found = at_most("PIN_GAP", 2.665e-15, 0.1, "mm", "", ""), at_most("LASH", 1e-12, 0, "mm", "", "")
+    found = (
+        at_most("PIN_GAP", 2.665e-15, 0.1, "mm", "", ""),
+        at_most("LASH", 1e-12, 0, "mm", "", ""),
+    )
     text = shown(found, capsys)
-    assert "2.665" not in text and re.search(r"PIN_GAP +0 +<= +0.1 ", text) and re.search(r"LASH +1e-12 +<= +0 ", text)
+    assert (
+        "2.665" not in text
+        and re.search(r"PIN_GAP +0 +<= +0.1 ", text)
+        and re.search(r"LASH +1e-12 +<= +0 ", text)
+    )
 
 
-def test_a_limit_that_is_itself_too_little_is_told_as_such(capsys: pytest.CaptureFixture[str]) -> None:
-    text = shown((Finding("LIFT_OFF", False, 0.0, 0.0, "N", "", "nothing presses", floor=True, strict=True),), capsys)
+def test_a_limit_that_is_itself_too_little_is_told_as_such(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    text = shown(
+        (
+            Finding(
+                "LIFT_OFF", False, 0.0, 0.0, "N", "", "nothing presses", floor=True, strict=True
+            ),
+        ),
+        capsys,
+    )
     assert re.search(r"LIFT_OFF +0 +> +0 ", text) and "0 N; more than 0 N is asked" in text
 
 
@@ -47,7 +70,12 @@ def test_table_keeps_verdict_code_measured_and_limit(
     rows = [line for line in text.splitlines() if line.endswith(("ok  ", "FAIL"))]
     assert rows[0].startswith("MIN_WALL")  # what fails comes first
     for finding, row in zip((FINDINGS[2], *FINDINGS[:2]), rows, strict=True):
-        told = {finding.code, number(finding.measured), number(finding.limit), "ok" if finding.ok else "FAIL"}
+        told = {
+            finding.code,
+            number(finding.measured),
+            number(finding.limit),
+            "ok" if finding.ok else "FAIL",
+        }
         told |= {finding.sign}
         assert told <= set(row.split()), row
         assert len(row) <= max(width, 50)
@@ -56,10 +84,15 @@ def test_table_keeps_verdict_code_measured_and_limit(
 
 
 @pytest.mark.parametrize(
-    ("plates", "said"), [((), ""), ((2,), ", and plate-2"), ((2, 3, 4, 5, 6, 7, 8, 9, 10), ", and plate-2 to -10")]
+    ("plates", "said"),
+    [((), ""), ((2,), ", and plate-2"), ((2, 3, 4, 5, 6, 7, 8, 9, 10), ", and plate-2 to -10")],
 )
 def test_every_plate_is_named(
-    plates: tuple[int, ...], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    plates: tuple[int, ...],
+    said: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     """Of the machine with the longest name in 80 columns; a part that is a plate is none of them."""
     monkeypatch.chdir(tmp_path)
@@ -82,23 +115,35 @@ def test_nothing_of_a_report_steers_the_terminal(capsys: pytest.CaptureFixture[s
     assert not set(STEERS) - set("[31m5") & set(text) and text.count(ESCAPED) == 9
 
 
-@pytest.mark.parametrize("arguments", [("build", "x.toml"), ("build", "x.toml", "--json"), ("build", STEERS), (STEERS,)])
+@pytest.mark.parametrize(
+    "arguments", [("build", "x.toml"), ("build", "x.toml", "--json"), ("build", STEERS), (STEERS,)]
+)
 def test_nothing_of_a_spec_or_a_name_steers_the_terminal(
-    run: object, arguments: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch  # noqa: F811
+    run: object,
+    arguments: tuple[str, ...],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,  # noqa: F811
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("x.toml").write_text(r'mechanism = "disc-cam"' + '\n"a' + "\\u001b[31m\\u009b5m\\u202e" + r'\nb" = "\u001b"', "utf-8")
+    Path("x.toml").write_text(
+        r'mechanism = "disc-cam"' + '\n"a' + "\\u001b[31m\\u009b5m\\u202e" + r'\nb" = "\u001b"',
+        "utf-8",
+    )
     code, out, err = run(*arguments)  # type: ignore[operator]
     assert code in (2, 4) and r"\x1b[31m" in err
     assert not set(STEERS) - set("[31m5") & set(out + err)
     if "--json" in arguments:
         assert any(fault["path"].endswith(STEERS + "\nb") for fault in json.loads(out)["faults"])
     elif "x.toml" in arguments:
-        assert len([line for line in err.splitlines() if ESCAPED in line]) == 1  # a fault is one line
+        assert (
+            len([line for line in err.splitlines() if ESCAPED in line]) == 1
+        )  # a fault is one line
 
 
 def test_too_long_a_list_is_told_its_limit(run: object, root: Path, tmp_path: Path) -> None:  # noqa: F811
     text = (root / "specs" / "disc-cam.toml").read_text("utf-8").partition("[[segment]]")[0]
-    (tmp_path / "a.toml").write_text(text + '[[segment]]\nkind = "dwell"\nspan_deg = 3.6\n' * 101, "utf-8")
+    (tmp_path / "a.toml").write_text(
+        text + '[[segment]]\nkind = "dwell"\nspan_deg = 3.6\n' * 101, "utf-8"
+    )
     code, _, err = run("build", tmp_path / "a.toml")  # type: ignore[operator]
     assert code == 2 and "segment: a list of 101" in err and "at most 100" in err

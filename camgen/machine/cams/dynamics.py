@@ -36,9 +36,13 @@ def residual(acceleration: Callable[[Floats], Floats], span: float, frequency: f
     at t, (n,), its unit per s^2. In the unit of s."""
     edges = np.linspace(0.0, span, _STEPS + 1)
     middle, half = (edges[1:] + edges[:-1]) / 2, span / _STEPS / 2
-    points = np.concatenate([middle - half * math.sqrt(0.6), middle, middle + half * math.sqrt(0.6)])  # Gauss, three points
+    points = np.concatenate(
+        [middle - half * math.sqrt(0.6), middle, middle + half * math.sqrt(0.6)]
+    )  # Gauss, three points
     weights = half / 9 * np.repeat([5.0, 8.0, 5.0], _STEPS)
-    return float(abs(np.sum(weights * acceleration(points) * np.exp(1j * frequency * points))) / frequency)
+    return float(
+        abs(np.sum(weights * acceleration(points) * np.exp(1j * frequency * points))) / frequency
+    )
 
 
 @dataclass(frozen=True)
@@ -85,7 +89,9 @@ class Elastic:
         damping = 2 * max(self.damping_ratio, _LEAST) * math.sqrt(k * m)
         count = len(cam.acceleration)
         drive = speed**2 * np.fft.rfft(cam.acceleration)  # of s'' to time
-        w = speed * np.arange(len(drive))  # below 0 where the cam turns clockwise: time then runs against theta
+        w = speed * np.arange(
+            len(drive)
+        )  # below 0 where the cam turns clockwise: time then runs against theta
         slow = np.where(w != 0, w, 1.0)  # the mean of s'' is 0
         answer = -drive * (k * m + 1j * (damping * spring - drag * k) / slow)
         answer /= (k + spring) * (k + spring - m * w**2 + 1j * w * (damping + drag))
@@ -93,12 +99,16 @@ class Elastic:
         vibration = np.fft.irfft(answer, count)
         velocity = np.fft.irfft(self.share * drive / (1j * slow) + 1j * w * answer, count)
         acceleration = np.fft.irfft(self.share * drive - w**2 * answer, count)
-        return Response(vibration, vibration - (1 - self.share) * cam.displacement, velocity, acceleration)
+        return Response(
+            vibration, vibration - (1 - self.share) * cam.displacement, velocity, acceleration
+        )
 
     def push(self, cam: Excitation, speed: float) -> Floats:
         """By how much more the mass presses on the cam than one that is rigid and still, (n,), in the sense of s."""
         found = self.response(cam, speed)
-        return np.asarray(self.mass * found.acceleration + self.drag * found.velocity + self.spring * found.behind)
+        return np.asarray(
+            self.mass * found.acceleration + self.drag * found.velocity + self.spring * found.behind
+        )
 
     def loses_contact(self, cam: Excitation, speed: float, pressed: Floats, leaves: int) -> float:
         """Least speed, rad/s, at which the mass is pulled off what presses it on, (n,) N or N m; inf up to 20 times the given
@@ -110,7 +120,11 @@ class Elastic:
                 low, high = before, fast
                 while abs(high - low) > 1e-4 * abs(high):
                     middle = (low + high) / 2
-                    low, high = (low, middle) if self._lost(cam, middle, pressed, leaves) else (middle, high)
+                    low, high = (
+                        (low, middle)
+                        if self._lost(cam, middle, pressed, leaves)
+                        else (middle, high)
+                    )
                 return abs(high)
             before = fast
         return math.inf

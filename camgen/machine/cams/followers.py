@@ -118,7 +118,9 @@ class RoundTip(Follower):
             return np.asarray(d1 * room)
         d3 = more[1]
         dot = np.real(np.conj(d1) * d2)
-        room_slope = rho * (np.imag(np.conj(d1) * d3) / cube - 3 * cross * dot / (cube * speed * speed))
+        room_slope = rho * (
+            np.imag(np.conj(d1) * d3) / cube - 3 * cross * dot / (cube * speed * speed)
+        )
         return np.asarray(d2 * room + d1 * room_slope)
 
     def grown(self, by: float) -> Self:
@@ -219,9 +221,14 @@ class SlidingTip(RoundTip):
         """Trace point in the cam's frame and its derivatives to theta up to an order 0..3, each (n,) complex."""
         theta = np.asarray(theta, float)
         turn = np.exp(-1j * theta)
-        place = [self.trace(motion(theta, 0)), *(self.along * motion(theta, k) for k in range(1, order + 1))]
+        place = [
+            self.trace(motion(theta, 0)),
+            *(self.along * motion(theta, k) for k in range(1, order + 1)),
+        ]
         found = [place[0]]
-        while len(found) <= order:  # each pass is a derivative of place * exp(-i theta), and of what follows from it
+        while (
+            len(found) <= order
+        ):  # each pass is a derivative of place * exp(-i theta), and of what follows from it
             place = [further - 1j * here for here, further in pairwise(place)]
             found.append(place[0])
         return [np.asarray(each * turn) for each in found]
@@ -252,7 +259,9 @@ class FlatFace(Follower):
     def at_rest(self, s: Any) -> tuple[Points, Points]:
         """A point of the face from which places on it count, and its unit normal, in the ground, (n,) complex."""
 
-    def _slopes(self, theta: Any, motion: Motion, order: int) -> tuple[Points, list[Floats], Floats]:
+    def _slopes(
+        self, theta: Any, motion: Motion, order: int
+    ) -> tuple[Points, list[Floats], Floats]:
         """Normal; h, dh/dphi = g and the derivatives of g to theta up to `order`; h in front; derivatives of phi."""
         normal, h, phi = self.line(theta, motion, order + 1)
         q = phi[1]
@@ -363,7 +372,10 @@ class SwingingFace(FlatFace):
         s = [motion(theta, k) for k in range(order + 1)]
         turn = self.facing * np.exp(1j * s[0])
         lever = np.conj(turn) * self.pivot
-        p, p1 = lever.real, lever.imag  # h - ahead and its derivative to s; the second is -p, the third -p1
+        p, p1 = (
+            lever.real,
+            lever.imag,
+        )  # h - ahead and its derivative to s; the second is -p, the third -p1
         h = [p + self.ahead]
         phi = [np.angle(self.facing) + s[0] - theta]
         if order > 0:

@@ -33,7 +33,9 @@ class CamLimits:
 
     pressure_angle: float | None = None  # deg; None: the usual one of its follower
     undercut: float = 0.0  # loss of s, mm or rad
-    least_radius: float = 0.0  # mm, of the convex profile; below 0 an undercut one is accepted, down to that radius
+    least_radius: float = (
+        0.0  # mm, of the convex profile; below 0 an undercut one is accepted, down to that radius
+    )
     ripple: float = 0.01  # of the speed, as a share of the greatest
     continuous: int = 2  # highest derivative of s that must not jump; -1: no check
 
@@ -77,7 +79,10 @@ def undercut_numbers(cams: Sequence[DiscCam[Any]]) -> dict[str, float]:
     cuts = [cut for cam in cams for cut in cam.undercuts]
     depth = max((cut.depth for cut in cuts), default=0.0)
     unit, scale = unit_of(cams[0])
-    return {f"undercut_{unit}": scale * max((cut.shortfall for cut in cuts), default=0.0), "undercut_mm": depth}
+    return {
+        f"undercut_{unit}": scale * max((cut.shortfall for cut in cuts), default=0.0),
+        "undercut_mm": depth,
+    }
 
 
 def cam_findings(
@@ -107,14 +112,22 @@ def _profile(exact: ExactCam, limits: CamLimits, chord_tolerance: float | None) 
     shortfall = scale * max((cut.shortfall for cut in cam.undercuts), default=0.0)
     depth = max((cut.depth for cut in cam.undercuts), default=0.0)
     spans = "; ".join(
-        f"cam angle {math.degrees(cut.begin):.3f} to {math.degrees(cut.end):.3f} deg" for cut in cam.undercuts
+        f"cam angle {math.degrees(cut.begin):.3f} to {math.degrees(cut.end):.3f} deg"
+        for cut in cam.undercuts
     )
     short = (
         f"the follower falls short there by {shortfall:.4g} {unit} ({depth:.4g} mm on the contact's path), as the spec "
         f"implies; {advice.wider} lowers it"
     )
     findings = [
-        at_most("PRESSURE_ANGLE", cam.steepest, limits.steepest(cam), "deg", where, f"{advice.flatter} lowers it"),
+        at_most(
+            "PRESSURE_ANGLE",
+            cam.steepest,
+            limits.steepest(cam),
+            "deg",
+            where,
+            f"{advice.flatter} lowers it",
+        ),
         at_most(
             "UNDERCUT",
             shortfall,
@@ -137,7 +150,11 @@ def _profile(exact: ExactCam, limits: CamLimits, chord_tolerance: float | None) 
         axle = abs(cam.follower.pivot)
         reach = float(np.max(np.abs(facet_contour(cam.outline, chord_tolerance))))
         said = f"the cam reaches {reach:.2f} mm from its shaft, the axle stands at {axle:g} mm"
-        findings.append(at_least("INTERFERENCE", axle - reach, 0.0, "mm", f"{where} and the follower's axle", said))
+        findings.append(
+            at_least(
+                "INTERFERENCE", axle - reach, 0.0, "mm", f"{where} and the follower's axle", said
+            )
+        )
     return findings
 
 
@@ -147,7 +164,9 @@ def _face_width(cams: Sequence[ExactCam], width: float) -> Finding:
     for each in cams:
         low, high = each.cam.face_contact
         needed = max(needed, high - low if swings(each.cam) else 2 * max(-low, high))
-    return at_most("FACE_WIDTH", needed, width, "mm", cams[0].where, "width over which the face is touched")
+    return at_most(
+        "FACE_WIDTH", needed, width, "mm", cams[0].where, "width over which the face is touched"
+    )
 
 
 def _jumps(exact: ExactCam, highest: int, where: str) -> Finding:

@@ -114,8 +114,14 @@ def cam_machine(
     slide: str | None = None
     match follower:
         case SlidingTip(rest, along) | SlidingFace(rest, along):
-            body, of, slide = Body("follower", {"tip": rest}, load.inertia, rest), Along("guide"), "guide"
-            held = Slide("guide", Place(GROUND, rest), body.at("tip"), math.atan2(along.imag, along.real))
+            body, of, slide = (
+                Body("follower", {"tip": rest}, load.inertia, rest),
+                Along("guide"),
+                "guide",
+            )
+            held = Slide(
+                "guide", Place(GROUND, rest), body.at("tip"), math.atan2(along.imag, along.real)
+            )
             pose, unit = Pose(along * start, 0.0), "mm"
         case SwingingArm() | SwingingFace():
             body, of = Body("follower", {"pivot": 0j}, inertia=load.inertia), Angle("follower")
@@ -126,10 +132,23 @@ def cam_machine(
     lowest = follower.leaves * float(np.min(follower.leaves * program(_turn(cams[0]))))
     borne = load.preload + load.resistance
     force = load.rate * lowest - follower.leaves * borne
-    loads = (Resistance("load", of, force, load.rate, load.damping),) if load.damping or load.rate or borne else ()
+    loads = (
+        (Resistance("load", of, force, load.rate, load.damping),)
+        if load.damping or load.rate or borne
+        else ()
+    )
     touch = tuple(touches) or tuple(CamTouch(each) for each in cams)
-    contact = Cam("contact", "cam", "follower", program, slide, closure=closure, leaves=follower.leaves, touches=touch,
-                  friction=friction)  # fmt: skip
+    contact = Cam(
+        "contact",
+        "cam",
+        "follower",
+        program,
+        slide,
+        closure=closure,
+        leaves=follower.leaves,
+        touches=touch,
+        friction=friction,
+    )
     return Machine(
         (Body(GROUND), Body("cam"), body),
         (Pin("shaft", Place("cam"), Place(GROUND)), held, contact),
@@ -180,7 +199,12 @@ def cam_outline(
         case SlidingTip():
             tip = Eye(None, follower.start, 2 * follower.tip_radius)
         case _:
-            tip = Flat(None, follower.start, cmath.phase(-follower.leaves * follower.along), width or math.inf)
+            tip = Flat(
+                None,
+                follower.start,
+                cmath.phase(-follower.leaves * follower.along),
+                width or math.inf,
+            )
     outer = free is not None
     return CamOutline(
         "contact",
@@ -264,12 +288,17 @@ def lift_off(theta: Floats, push: Floats, unit: str, where: str, kept: str, reme
     elif least <= rounding:
         idle = np.flatnonzero(push <= rounding)
         stretches = np.split(idle, np.flatnonzero(np.diff(idle) > 1) + 1)
-        k, last = max(((each[0], each[-1]) for each in stretches), key=lambda ends: theta[ends[1]] - theta[ends[0]])
+        k, last = max(
+            ((each[0], each[-1]) for each in stretches),
+            key=lambda ends: theta[ends[1]] - theta[ends[0]],
+        )
         begin, end = np.degrees(theta[[k, last]])
         there = f"from {begin:.1f} to {end:.1f} deg" if end > begin else "there"
         message = f"nothing presses the follower on the cam {there}; {remedy}"
     place = f"{where} {math.degrees(float(theta[k])):.1f} deg"
-    return Finding("LIFT_OFF", least > rounding, least, 0.0, unit, place, message, floor=True, strict=True)
+    return Finding(
+        "LIFT_OFF", least > rounding, least, 0.0, unit, place, message, floor=True, strict=True
+    )
 
 
 def loaded(machine: Machine, cam: DiscCam[Any], load: FollowerLoad, theta: Floats) -> Loaded:
@@ -279,8 +308,13 @@ def loaded(machine: Machine, cam: DiscCam[Any], load: FollowerLoad, theta: Float
     lift = leaves * cam.program(theta)
     riding = np.array([cam.riding(angle) for angle in theta])
     force, torque = found.pressing["contact"], found.drives["motor"]
-    force, torque = (np.where(riding, math.nan, values) for values in (force, np.where(np.isinf(force), math.inf, torque)))
+    force, torque = (
+        np.where(riding, math.nan, values)
+        for values in (force, np.where(np.isinf(force), math.inf, torque))
+    )
     unit = 1.0 if isinstance(cam.follower, SwingingArm | SwingingFace) else 1e-3
     jumps = [abs(jump.size) for jump in cam.program.discontinuities(1) if jump.order == 1]
     kick = unit * load.inertia * abs(machine.speed) * max(jumps, default=0.0)
-    return Loaded(theta, lift - np.min(lift), leaves * found.contacts["contact"], force, torque, kick, found)
+    return Loaded(
+        theta, lift - np.min(lift), leaves * found.contacts["contact"], force, torque, kick, found
+    )

@@ -28,7 +28,9 @@ _BLOCK = 256  # cams whose arrays stay in the processor's cache
 _PANELS = 8  # of a stretch, each with as many nodes as these
 _GAUSS = gauss_legendre(16)
 _BESIDE = 1e-9  # of a segment, from the end of a stretch to its first node
-_SHARE = 1e-2  # of a figure's range, by which a lower peak may be the highest when looked at closely
+_SHARE = (
+    1e-2  # of a figure's range, by which a lower peak may be the highest when looked at closely
+)
 _ZOOM, _TIMES = 9, 9  # places between two neighbours, and how often: to 4^-9 of a node's distance
 _GROUND = 0.0  # theta at which a cam's frame is the ground's: nothing here depends on how far the cam has turned
 _PLAIN = 0.02  # least sine between the profile and its radius, and least share of the cam that the follower keeps from the axis
@@ -68,7 +70,12 @@ def seen(cams: Sequence[DiscCam[Any]]) -> list[Seen | None]:
 def _kind(cam: DiscCam[Any]) -> Hashable:
     follower = cam.cutter
     knife = isinstance(follower, RoundTip) and not follower.tip_radius
-    return type(follower), follower.leaves, knife, tuple((id(s.law), not s.scale) for s in cam.program.segments)
+    return (
+        type(follower),
+        follower.leaves,
+        knife,
+        tuple((id(s.law), not s.scale) for s in cam.program.segments),
+    )
 
 
 @dataclass(frozen=True)
@@ -105,21 +112,30 @@ class _Kin:
         columns = {}
         for each in fields(self.cams[0].cutter):
             values = np.array([getattr(cam.cutter, each.name) for cam in self.cams])
-            columns[each.name] = values[0].item() if np.all(values == values[0]) else values[:, None]
+            columns[each.name] = (
+                values[0].item() if np.all(values == values[0]) else values[:, None]
+            )
         return columns
 
     def _follower(self, rows: Any) -> Any:
-        picked = {name: value[rows] if isinstance(value, np.ndarray) else value for name, value in self._columns.items()}
+        picked = {
+            name: value[rows] if isinstance(value, np.ndarray) else value
+            for name, value in self._columns.items()
+        }
         return replace(self.cams[0].cutter, **picked)
 
     def _course(self, k: int, u: Floats, rows: Any) -> Motion:
         """Motion of some cams at shares u of their segment k: (n,) for all of them, or (rows, n); at whatever theta is asked."""
-        span, scale, start = (each[rows, k, None] for each in (self._spans, self._scales, self._starts))
+        span, scale, start = (
+            each[rows, k, None] for each in (self._spans, self._scales, self._starts)
+        )
         law, known = self.cams[0].program.segments[k].law, dict[int, Floats]()
 
         def motion(theta: Any, order: int) -> Floats:
             if order not in known:
-                known[order] = scale / span**order * law(u.ravel(), order).reshape(u.shape) + (0 if order else start)
+                known[order] = scale / span**order * law(u.ravel(), order).reshape(u.shape) + (
+                    0 if order else start
+                )
             return known[order]
 
         return motion
@@ -135,11 +151,22 @@ class _Kin:
             law = segment.law
             corners = [0.0, *(() if law.smooth else law.breaks), 1.0]
             for a, b in pairwise(corners):
-                edges = distinct(np.linspace(a, b, _PANELS + 1), [x for x in law.breaks if a < x < b])
+                edges = distinct(
+                    np.linspace(a, b, _PANELS + 1), [x for x in law.breaks if a < x < b]
+                )
                 half = np.diff(edges)[:, None] / 2
-                inner, weigh = (edges[:-1, None] + half * (1 + nodes)).ravel(), (half * weights).ravel()
+                inner, weigh = (
+                    (edges[:-1, None] + half * (1 + nodes)).ravel(),
+                    (half * weights).ravel(),
+                )
                 ends = a + _BESIDE, b - _BESIDE
-                found.append(_Stretch(k, np.concatenate([ends[:1], inner, ends[1:]]), np.concatenate([[0.0], weigh, [0.0]])))
+                found.append(
+                    _Stretch(
+                        k,
+                        np.concatenate([ends[:1], inner, ends[1:]]),
+                        np.concatenate([[0.0], weigh, [0.0]]),
+                    )
+                )
         return found
 
     def seen(self) -> list[Seen | None]:
@@ -161,33 +188,54 @@ class _Kin:
             clear = np.minimum(clear, np.min(follower.clear(_GROUND, course), axis=1))
         steepest = np.degrees(self._peak(steepness, courses))
         least = -self._peak(sharpness, courses)
-        ends = (-self._peak(_nearer, courses), self._peak(touched, courses)) if flat else (np.zeros(count), np.zeros(count))
+        ends = (
+            (-self._peak(_nearer, courses), self._peak(touched, courses))
+            if flat
+            else (np.zeros(count), np.zeros(count))
+        )
         rounded = flat or bool(np.any(follower.tip_radius))
         plain = (sine > _PLAIN) & (clear > _PLAIN * farthest) & ((least > 0) | (not rounded))
         lifts = np.array([cam.program.extremes for cam in self.cams]).T[..., None]
-        nearest = np.min([follower.clear(_GROUND, partial(still, lift)) for lift in lifts], axis=0)[:, 0]
+        nearest = np.min([follower.clear(_GROUND, partial(still, lift)) for lift in lifts], axis=0)[
+            :, 0
+        ]
         rows = np.stack([steepest, least, length, area, farthest, nearest, *ends]).T
         plain &= ~np.isnan(rows).any(axis=1)
-        return [Seen(*row) if fine else None for fine, row in zip(plain, rows.tolist(), strict=True)]
+        return [
+            Seen(*row) if fine else None for fine, row in zip(plain, rows.tolist(), strict=True)
+        ]
 
     def _peak(self, figure: Figure, courses: Sequence[Motion]) -> Floats:
         """Greatest value of a figure over the turn, (cams,)."""
         follower = self._follower(slice(None))
-        values = [np.broadcast_to(figure(follower, _GROUND, course), (len(self.cams), each.nodes.size))
-                  for each, course in zip(self._stretches, courses, strict=True)]  # fmt: skip
+        values = [
+            np.broadcast_to(figure(follower, _GROUND, course), (len(self.cams), each.nodes.size))
+            for each, course in zip(self._stretches, courses, strict=True)
+        ]
         best = np.max([np.max(each, axis=1) for each in values], axis=0)
-        least = np.min([np.min(np.where(np.isfinite(each), each, best[:, None]), axis=1) for each in values], axis=0)
+        least = np.min(
+            [np.min(np.where(np.isfinite(each), each, best[:, None]), axis=1) for each in values],
+            axis=0,
+        )
         with np.errstate(invalid="ignore"):
             near = best - _SHARE * (best - least)
         for stretch, value in zip(self._stretches, values, strict=True):
             if stretch.nodes.size == 1:
                 continue
             beside = np.pad(value, ((0, 0), (1, 1)), constant_values=-np.inf)
-            top = (value >= beside[:, :-2]) & (value >= beside[:, 2:]) & (value >= near[:, None]) & np.isfinite(value)
+            top = (
+                (value >= beside[:, :-2])
+                & (value >= beside[:, 2:])
+                & (value >= near[:, None])
+                & np.isfinite(value)
+            )
             rows, at = np.nonzero(top)
             if rows.size:
                 last = stretch.nodes.size - 1
-                low, high = stretch.nodes[np.maximum(at - 1, 0)], stretch.nodes[np.minimum(at + 1, last)]
+                low, high = (
+                    stretch.nodes[np.maximum(at - 1, 0)],
+                    stretch.nodes[np.minimum(at + 1, last)],
+                )
                 np.maximum.at(best, rows, self._zoomed(figure, stretch.segment, rows, low, high))
         return np.asarray(best)
 

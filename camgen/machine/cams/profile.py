@@ -62,14 +62,20 @@ def steepness(follower: Follower, theta: Any, motion: Motion) -> Floats:
     """Pressure angle on the untrimmed profile, rad, 0 or more."""
     turn = np.exp(1j * np.asarray(theta, float))
     normal = follower.normal(theta, motion) * turn
-    return follower.pressure_angle(motion(theta, 0), follower.envelope(theta, motion, 0) * turn, normal)
+    return follower.pressure_angle(
+        motion(theta, 0), follower.envelope(theta, motion, 0) * turn, normal
+    )
 
 
 def sharpness(follower: Follower, theta: Any, motion: Motion) -> Floats:
     """The radius of curvature of the untrimmed profile, mm, below 0, where it is to be convex; elsewhere -inf."""
     radius = follower.radius(theta, motion)
     # a round tip may run in hollows, where its pitch curve's own radius is below 0; a face may not
-    return np.where(radius + follower.tip_radius > 0, -radius, -np.inf) if isinstance(follower, RoundTip) else -radius
+    return (
+        np.where(radius + follower.tip_radius > 0, -radius, -np.inf)
+        if isinstance(follower, RoundTip)
+        else -radius
+    )
 
 
 def touched(follower: FlatFace, theta: Any, motion: Motion) -> Floats:
@@ -167,7 +173,9 @@ class DiscCam(Generic[F]):
         It jumps where the speed does and at an undercut's ends: they are looked at from either side.
         """
         corners = [float(b) for b in self.program.corners]
-        ends = [low + (end - low) % math.tau for cut in self.undercuts for end in (cut.begin, cut.end)]
+        ends = [
+            low + (end - low) % math.tau for cut in self.undercuts for end in (cut.begin, cut.end)
+        ]
         marks = sorted({low, high, *(mark for mark in (*corners, *ends) if low < mark < high)})
         peaks = [
             greatest(self.pressure_angle, a + _ASIDE, b - _ASIDE, self.program.knots(a, b))[1]
@@ -198,14 +206,23 @@ class DiscCam(Generic[F]):
         place, bend = self.greatest(lambda theta: -self.curvature(theta))
         if bend * away >= 1:
             raise DesignError(
-                "radius of the pitch curve's hollow", 1 / bend, away, "mm",
-                f"cam angle {math.degrees(place):.3f} deg", "the groove's outer wall is undercut there: use a smaller tip",
-            )  # fmt: skip
+                "radius of the pitch curve's hollow",
+                1 / bend,
+                away,
+                "mm",
+                f"cam angle {math.degrees(place):.3f} deg",
+                "the groove's outer wall is undercut there: use a smaller tip",
+            )
         pieces = [whole.reversed() for whole, _ in reversed(other._stretches())]
         kept, cuts = trim(pieces)
         if cuts:
             raise DesignError(
-                "crossings of the groove's outer wall", len(cuts), 0, "", "", "use a smaller tip or a larger base_radius",
+                "crossings of the groove's outer wall",
+                len(cuts),
+                0,
+                "",
+                "",
+                "use a smaller tip or a larger base_radius",
                 "the groove's outer wall crosses itself",
             )
         return Contour(tuple(kept)).counter_clockwise()
@@ -238,7 +255,9 @@ class DiscCam(Generic[F]):
             rides = self.cutter.resting_on(point)
             if order:
                 across = np.conj(self.cutter.normal_on(rides, point))
-                slope = np.real(across * 1j * point) / np.real(across * self.cutter.velocity(rides, point))
+                slope = np.real(across * 1j * point) / np.real(
+                    across * self.cutter.velocity(rides, point)
+                )
                 rides = slope if order == 1 else np.full(slope.shape, math.nan)
             s[inside] = rides
         return s
@@ -274,7 +293,9 @@ class DiscCam(Generic[F]):
     def _made(self) -> tuple[Contour, tuple[Undercut, ...]]:
         self._check_axis()
         raw: list[Piece] = []
-        places: list[tuple[float, float]] = []  # cam angle of each raw piece's beginning, and its growth with the parameter
+        places: list[
+            tuple[float, float]
+        ] = []  # cam angle of each raw piece's beginning, and its growth with the parameter
         stretches = self._stretches()
         for k, (whole, motion) in enumerate(stretches):
             begin = float(self.program.corners[k])
@@ -302,25 +323,37 @@ class DiscCam(Generic[F]):
             begin, rate = places[mark[0]]
             return begin + rate * (mark[1] - raw[mark[0]].t0)
 
-        return outline, tuple(self._undercut(angle(cut.start), angle(cut.end), cut.at) for cut in cuts)
+        return outline, tuple(
+            self._undercut(angle(cut.start), angle(cut.end), cut.at) for cut in cuts
+        )
 
     def _check_axis(self) -> None:
         """DesignError where the follower reaches the shaft's axis, so that no cam is left there."""
         ends = [float(j) for j in self.program.joints]
-        place, near = greatest(lambda theta: -self.cutter.clear(theta, self.program), ends[0], ends[-1], ends)
+        place, near = greatest(
+            lambda theta: -self.cutter.clear(theta, self.program), ends[0], ends[-1], ends
+        )
         if near < 0:
             return
         where = f"cam angle {math.degrees(place):.3f} deg"
         if isinstance(self.cutter, FlatFace):
             raise DesignError(
-                "distance of the face from the axis", -near, 0.0, "mm", where,
+                "distance of the face from the axis",
+                -near,
+                0.0,
+                "mm",
+                where,
                 "the face reaches the shaft's axis there: use a larger base_radius",
-            )  # fmt: skip
+            )
         rho = self.tip.tip_radius
         raise DesignError(
-            "tip_radius", rho, rho - near, "mm", where,
+            "tip_radius",
+            rho,
+            rho - near,
+            "mm",
+            where,
             "the tip reaches the shaft's axis there: use a smaller tip_radius or a smaller swing",
-        )  # fmt: skip
+        )
 
     def _stretches(self) -> list[tuple[Piece, Motion]]:
         """Untrimmed profile between neighbouring corners, with the motion there; a dwell's is an arc about the axis."""
@@ -346,7 +379,11 @@ class DiscCam(Generic[F]):
             return self.cutter.room(theta, motion)
 
         marks = [whole.t0, *_roots(room, whole), whole.t1]
-        return [replace(whole, t0=p, t1=q) for p, q in pairwise(marks) if room(np.asarray((p + q) / 2)) > 0]
+        return [
+            replace(whole, t0=p, t1=q)
+            for p, q in pairwise(marks)
+            if room(np.asarray((p + q) / 2)) > 0
+        ]
 
     def _resting(self, before: Piece, after: Piece, theta: float) -> Piece | None:
         """Where the speed jumps so that the follower's own surface is the profile: an arc of the tip, a line of the face."""
@@ -371,7 +408,9 @@ class DiscCam(Generic[F]):
             return np.asarray(self.cutter.leaves * (self.program(theta) - rides))
 
         corners = np.concatenate((self.program.joints, self.program.joints + 2 * math.pi))
-        worst, shortfall = greatest(missing, begin, stop, corners[(begin <= corners) & (corners <= stop)])
+        worst, shortfall = greatest(
+            missing, begin, stop, corners[(begin <= corners) & (corners <= stop)]
+        )
         there = at * np.exp(1j * worst)
         travel = np.abs(self.cutter.velocity(self.cutter.resting_on(there), there))
         return Undercut(begin, stop, at, shortfall, worst, shortfall * float(travel))

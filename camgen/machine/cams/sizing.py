@@ -54,7 +54,9 @@ def survey(cam: DiscCam[Follower]) -> Survey:
             count = max(8, math.ceil((b - a) * segment.span / _STEP)) if segment.scale else 2
             at = segment.span * np.linspace(a + _INSIDE, b - _INSIDE, count)
             grids.append(begin + at)
-            rows.append([segment.at(at, k) if segment.scale or not k else np.zeros(count) for k in range(3)])
+            rows.append(
+                [segment.at(at, k) if segment.scale or not k else np.zeros(count) for k in range(3)]
+            )
     theta = np.concatenate(grids)
     orders = [np.concatenate(parts) for parts in zip(*rows, strict=True)]
 
@@ -69,7 +71,13 @@ def survey(cam: DiscCam[Follower]) -> Survey:
     radius = follower.radius(theta, motion)
     # the curvature of a pitch curve, not the radius, is smooth where a hollow begins
     smooth = radius if tip is None else 1 / (radius + tip)
-    bend = -_peak(-smooth, grids) if tip is None else 1 / peak - tip if (peak := _peak(smooth, grids)) > 0 else math.inf
+    bend = (
+        -_peak(-smooth, grids)
+        if tip is None
+        else 1 / peak - tip
+        if (peak := _peak(smooth, grids)) > 0
+        else math.inf
+    )
     clear = float(np.min(follower.clear(theta, motion)))
     return Survey(_peak(steep, grids), bend, clear, theta, profile)
 
@@ -101,11 +109,18 @@ def spare(cam: DiscCam[Follower], pressure: float, least_radius: float) -> float
     return min(pressure - steep, (cam.least_radius - least_radius) / (abs(least_radius) or 1.0))
 
 
-def smallest(make: Callable[[float], DiscCam[Follower]], pressure: float, least_radius: float, low: float, high: float) -> float:
+def smallest(
+    make: Callable[[float], DiscCam[Follower]],
+    pressure: float,
+    least_radius: float,
+    low: float,
+    high: float,
+) -> float:
     """The smallest size between low and high that keeps to both limits, exact to rounding; DesignError where none does.
 
     Sizes are tried growing until one keeps to the limits, then the last step is narrowed.
     """
+
     def at(size: float) -> float:
         return spare(make(size), pressure, least_radius)
 
@@ -115,9 +130,13 @@ def smallest(make: Callable[[float], DiscCam[Follower]], pressure: float, least_
         if size >= high:
             best = math.degrees(make(high).greatest(make(high).steepness)[1])
             raise DesignError(
-                "pressure angle", best, math.degrees(pressure), "deg", f"the largest cam, {high:.6g} mm",
+                "pressure angle",
+                best,
+                math.degrees(pressure),
+                "deg",
+                f"the largest cam, {high:.6g} mm",
                 "no base_radius keeps to limits.pressure_angle_deg and limits.least_radius: allow more, or change the follower",
-            )  # fmt: skip
+            )
         before, short = size, value
         size = min(size * _GROWTH, high)
         value = at(size)

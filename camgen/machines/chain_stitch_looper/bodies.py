@@ -61,7 +61,9 @@ class Bodies:
 
     # ---- outlines ----------------------------------------------------------------------------------------------------
 
-    def side_outline(self, radius: float = 0.0, behind: float = 0.0, foot: float | None = None) -> Contour:
+    def side_outline(
+        self, radius: float = 0.0, behind: float = 0.0, foot: float | None = None
+    ) -> Contour:
         """Outline in (u, y), counter-clockwise: V0 nose, V1 seat, V2 to V5; V1, V2 and V5 rounded.
 
         behind: shank beyond the blade's end; foot: depth of the underside, l_H unless said. DesignError where arcs do not fit.
@@ -70,14 +72,31 @@ class Bodies:
         low = g.protrusion if foot is None else foot
         lean = low / math.tan(self.tau) * (1 if self.making.lean == "nose" else -1)
         end, b = self.blade + behind, g.height
-        points = [0j, complex(d.l3, 0), complex(d.l3 - lean, -low), complex(end, -low), complex(end, b), complex(d.nose, b)]
-        return _rounded(points, [0, radius, radius, 0, 0, radius], ("V0", "V1", "V2", "V3", "V4", "V5"))
+        points = [
+            0j,
+            complex(d.l3, 0),
+            complex(d.l3 - lean, -low),
+            complex(end, -low),
+            complex(end, b),
+            complex(d.nose, b),
+        ]
+        return _rounded(
+            points, [0, radius, radius, 0, 0, radius], ("V0", "V1", "V2", "V3", "V4", "V5")
+        )
 
     def section_outline(self, behind: float = 0.0, foot: float | None = None) -> Contour:
         """Outline in (u, y) of what stands in the needles' plane: B, C and the body behind them; sharp."""
         d, end, b = self.design, self.blade + behind, self.design.given.height
         low = self.design.given.protrusion if foot is None else foot
-        return polygon([complex(d.l1, 0), complex(d.l1, -low), complex(end, -low), complex(end, b), complex(d.nose, b)])
+        return polygon(
+            [
+                complex(d.l1, 0),
+                complex(d.l1, -low),
+                complex(end, -low),
+                complex(end, b),
+                complex(d.nose, b),
+            ]
+        )
 
     def top_outline(self, radius: float = 0.0) -> Contour:
         """Outline in (u, w), counter-clockwise: T0 nose, then T5 to T1; T1 rounded."""
@@ -89,18 +108,31 @@ class Bodies:
     def plan(self) -> tuple[complex, complex, complex, complex, complex]:
         """T1 to T5."""
         d, p, end = self.design, self.making, self.blade
-        gap, widening = self.design.given.needle / 2 + p.side_gap, math.tan(math.radians(p.shed_deg))
+        gap, widening = (
+            self.design.given.needle / 2 + p.side_gap,
+            math.tan(math.radians(p.shed_deg)),
+        )
         return (
-            complex(d.l3, gap + p.nose_width), complex(end, gap + p.nose_width + (end - d.l3) * widening),
-            complex(end, gap - d.opening - (end - d.nose) * widening), complex(d.nose, gap - d.opening), complex(d.nose, gap),
-        )  # fmt: skip
+            complex(d.l3, gap + p.nose_width),
+            complex(end, gap + p.nose_width + (end - d.l3) * widening),
+            complex(end, gap - d.opening - (end - d.nose) * widening),
+            complex(d.nose, gap - d.opening),
+            complex(d.nose, gap),
+        )
 
     @property
     def _sizes(self) -> tuple[str, ...]:
         """What to measure, for the drawings."""
         d, g, p, tau = self.design, self.design.given, self.making, math.degrees(self.tau)
-        tip = math.degrees(math.atan2(g.height, d.nose)), math.degrees(math.atan2(p.nose_width, d.l3))
-        edges = f"R{p.edge_radius:g} across the stroke, from nothing at the tip, run out before V1" if p.edge_radius else "sharp"
+        tip = (
+            math.degrees(math.atan2(g.height, d.nose)),
+            math.degrees(math.atan2(p.nose_width, d.l3)),
+        )
+        edges = (
+            f"R{p.edge_radius:g} across the stroke, from nothing at the tip, run out before V1"
+            if p.edge_radius
+            else "sharp"
+        )
         return (
             f"from the nose's tip V0: seat V1 at l3 = {d.l3:.4f}, front B at l1 = {d.l1:.4f}, crest C at A = {d.nose:.4f}",
             f"l2 = {d.l2:.4f}, height b = {g.height:.4f}, protrusion l_H = {g.protrusion:g} less running gap {p.running_gap:g}",
@@ -116,7 +148,12 @@ class Bodies:
 
         Across the stroke all are arcs of edge_radius; the nose's grow from nothing at the tip and run out before the seat.
         """
-        d, p, radius, b = self.design, self.making, self.making.edge_radius, self.design.given.height
+        d, p, radius, b = (
+            self.design,
+            self.making,
+            self.making.edge_radius,
+            self.design.given.height,
+        )
         _, _, t3, t4, t5 = self.plan
         if radius == 0:
             return ()
@@ -127,11 +164,17 @@ class Bodies:
         if radius > room:
             seat = f"the nose, {p.nose_width:g} mm wide and {steep * d.l3:.4g} mm high at the thread's seat"
             raise DesignError(
-                "edge_radius", radius, room, "mm", seat,
+                "edge_radius",
+                radius,
+                room,
+                "mm",
+                seat,
                 "its four rounded edges need room beside each other: use a smaller one or a greater nose_width",
-            )  # fmt: skip
+            )
         end = d.l3 - back * radius
-        radii = [(whole * r, r) for r in (_THIN, radius)] + [(end - _RUN_OUT * r, r) for r in (radius, _THIN)]
+        radii = [(whole * r, r) for r in (_THIN, radius)] + [
+            (end - _RUN_OUT * r, r) for r in (radius, _THIN)
+        ]
 
         def along(top: int, outer: int) -> Edge:
             """The edge where the nose's underside or top meets its inner or outer flank."""
@@ -143,10 +186,15 @@ class Bodies:
         run = min(_RUN_OUT * radius, d.l2 / 2, (t3 - t4).real / 2)
         short = run * _THIN / radius
         places = [
-            (d.l1 + short, short / d.l2, _THIN), (d.l1 + run, run / d.l2, radius),
-            (d.nose, 1.0, radius), (d.nose + run - short, 1.0, _THIN),
-        ]  # fmt: skip
-        front = [(u, b * share, t4.imag - floor + sink * max(u - d.nose, 0.0), r) for u, share, r in places]
+            (d.l1 + short, short / d.l2, _THIN),
+            (d.l1 + run, run / d.l2, radius),
+            (d.nose, 1.0, radius),
+            (d.nose + run - short, 1.0, _THIN),
+        ]
+        front = [
+            (u, b * share, t4.imag - floor + sink * max(u - d.nose, 0.0), r)
+            for u, share, r in places
+        ]
         return (*nose, Edge(tuple(front), 1, -1))
 
     # ---- parts -------------------------------------------------------------------------------------------------------
@@ -155,13 +203,19 @@ class Bodies:
     def parts(self) -> tuple[Part, ...]:
         """Both spreaders, needles and plate as dummies, gauges of the outlines and of the section."""
         radius, upper = self.making.edge_radius, self.upper
-        mirrored = [Layer(layer.region.moved(-1, mirror=True), layer.z0, layer.z1) for layer in upper.layers]
+        mirrored = [
+            Layer(layer.region.moved(-1, mirror=True), layer.z0, layer.z1) for layer in upper.layers
+        ]
         assert upper.crossed is not None
         lower = replace(
-            upper, name="lower-spreader", title="Lower spreader (P1), mirror image", layers=tuple(mirrored),
-            centres=tuple(-z.conjugate() for z in upper.centres), crossed=upper.crossed.moved(-1, mirror=True),
+            upper,
+            name="lower-spreader",
+            title="Lower spreader (P1), mirror image",
+            layers=tuple(mirrored),
+            centres=tuple(-z.conjugate() for z in upper.centres),
+            crossed=upper.crossed.moved(-1, mirror=True),
             edges=tuple(edge.mirrored for edge in upper.edges),
-        )  # fmt: skip
+        )
         gauge = "Gauge, no part of the machine: "
         outlines = [
             ("side-outline", "side outline", self.side_outline(radius)),
@@ -170,7 +224,8 @@ class Bodies:
         ]
         notes = (*self._sizes, "to check a spreader by; not to be built in")
         gauges = [
-            Part(name, gauge + title, (Layer(Region(outline), 0.0, _GAUGE),), notes=notes) for name, title, outline in outlines
+            Part(name, gauge + title, (Layer(Region(outline), 0.0, _GAUGE),), notes=notes)
+            for name, title, outline in outlines
         ]
         return (lower, upper, *self._needles, self.plate, *gauges)
 
@@ -181,7 +236,12 @@ class Bodies:
         t1, t2, t3, t4, t5 = self.plan
         if not d.nose < self.blade:
             raise DesignError(
-                "blade_length", self.blade, d.nose, "mm", "the nose alone", "use a longer blade or a smaller velocity_ratio"
+                "blade_length",
+                self.blade,
+                d.nose,
+                "mm",
+                "the nose alone",
+                "use a longer blade or a smaller velocity_ratio",
             )
         foot, floor, end = g.protrusion - p.running_gap, t3.imag, self.blade + p.shank_length
         hole_at = complex(self.blade + p.shank_length / 2, (self.design.given.height - foot) / 2)
@@ -189,9 +249,13 @@ class Bodies:
         wall = (min(height, p.shank_length) - p.clamp_hole) / 2
         if not wall > 0:
             raise DesignError(
-                "clamp_hole", p.clamp_hole, min(height, p.shank_length), "mm", "the shank's height and length",
+                "clamp_hole",
+                p.clamp_hole,
+                min(height, p.shank_length),
+                "mm",
+                "the shank's height and length",
                 "use a smaller hole: the shank may be no higher than the blade, for the other spreader passes it",
-            )  # fmt: skip
+            )
         hole = circle(hole_at, p.clamp_hole / 2)
         body = Region(self.section_outline(p.shank_length, foot), (hole,))
         flank = Region(self.side_outline(p.edge_radius, p.shank_length, foot), (hole,))
@@ -203,21 +267,35 @@ class Bodies:
         points += [complex(t2.real, ceiling)] if ceiling > t2.imag else []
         points += [t2, t1, side]
         radii = [p.edge_radius if z == t1 else 0.0 for z in points]
-        plan = _rounded(points, radii, ["T1" if z == t1 else "shank" for z in points]).moved(shift=-1j * floor)
+        plan = _rounded(points, radii, ["T1" if z == t1 else "shank" for z in points]).moved(
+            shift=-1j * floor
+        )
         middle = t5.imag - floor
         return Part(
-            "upper-spreader", "Upper spreader (P2)",
-            (Layer(body, 0.0, middle), Layer(flank, middle, ceiling - floor)), 1, (), (hole_at,),
+            "upper-spreader",
+            "Upper spreader (P2)",
+            (Layer(body, 0.0, middle), Layer(flank, middle, ceiling - floor)),
+            1,
+            (),
+            (hole_at,),
             (f"needles' plane at z = {-floor:.4f}", *self._sizes),
-            None, self.min_wall, 1, Region(plan), self._edges(floor),
-        )  # fmt: skip
+            None,
+            self.min_wall,
+            1,
+            Region(plan),
+            self._edges(floor),
+        )
 
     @cached_property
     def clock(self) -> Clock:
         """Needles and the section that they can strike, over the turn at any lag."""
-        section = self.section_outline(self.making.shank_length, self.design.given.protrusion - self.making.running_gap)
+        section = self.section_outline(
+            self.making.shank_length, self.design.given.protrusion - self.making.running_gap
+        )
         outlines = (section, *(needle.region.outer for needle in self._needles))
-        body, one, two = (np.array([start_point(piece) for piece in outline.pieces]) for outline in outlines)
+        body, one, two = (
+            np.array([start_point(piece) for piece in outline.pieces]) for outline in outlines
+        )
         return Clock(self.design, body, (one, two))
 
     @cached_property
@@ -228,12 +306,18 @@ class Bodies:
 
         def needle(k: int) -> Part:
             h = g.point[k]
-            outline = polygon([0j, complex(r, h), complex(r, top), complex(-r, top), complex(-r, h)])
+            outline = polygon(
+                [0j, complex(r, h), complex(r, top), complex(-r, top), complex(-r, h)]
+            )
             crossed = Region(circle(complex(0, r), r))
-            notes = ("stands in for the bought needle; cone and wedge have the same section in this plane",)
+            notes = (
+                "stands in for the bought needle; cone and wedge have the same section in this plane",
+            )
             layers = (Layer(Region(outline), 0.0, 2 * r),)
             title = f"Dummy of needle {k + 1}, not to be made"
-            return Part(f"needle-{k + 1}", title, layers, notes=notes, crossed=crossed, made="dummy")
+            return Part(
+                f"needle-{k + 1}", title, layers, notes=notes, crossed=crossed, made="dummy"
+            )
 
         return needle(0), needle(1)
 
@@ -244,13 +328,19 @@ class Bodies:
         z, half = g.spacing, max(self.upper.thickness, 6.0)
         r = g.needle / 2 + min(0.4, (z - g.needle) / 4)
         left, right, t = -_BEYOND, z + _BEYOND, p.plate_thickness
-        outline, top = rectangle(complex(left, -t), complex(right)), rectangle(complex(left), complex(right, 2 * half))
+        outline, top = (
+            rectangle(complex(left, -t), complex(right)),
+            rectangle(complex(left), complex(right, 2 * half)),
+        )
         holes = tuple(circle(complex(x, half), r) for x in (0.0, z))
         return Part(
-            "needle-plate", "Dummy of the needle plate, not to be made", (Layer(Region(outline), 0.0, 2 * half),),
+            "needle-plate",
+            "Dummy of the needle plate, not to be made",
+            (Layer(Region(outline), 0.0, 2 * half),),
             notes=("stands in for the machine's own plate",),
-            crossed=Region(top, holes), made="dummy",
-        )  # fmt: skip
+            crossed=Region(top, holes),
+            made="dummy",
+        )
 
 
 def seat_back(tau: float, lean: str) -> float:
@@ -263,8 +353,14 @@ def room_on_nose(s: Stitch, p: Parts, back: float) -> list[Condition]:
     seat, ends, far = s.setback - s.needle, p.edge_radius * (_RUN_OUT + back), max(s.reach)
     wide, steep = p.edge_radius / (_ROUND * p.nose_width), p.edge_radius / (_ROUND * s.height)
     return [
-        linear("room for edge_radius beside nose_width", seat * (1 - wide) - ends, far * (1 - wide)),
-        linear("room for edge_radius on the nose's height", seat - steep * s.setback - ends, far - steep * (far + s.height)),
+        linear(
+            "room for edge_radius beside nose_width", seat * (1 - wide) - ends, far * (1 - wide)
+        ),
+        linear(
+            "room for edge_radius on the nose's height",
+            seat - steep * s.setback - ends,
+            far - steep * (far + s.height),
+        ),
     ]
 
 
@@ -274,8 +370,14 @@ def _rounded(points: Sequence[complex], radii: Sequence[float], names: Sequence[
         return rounded(points, radii)
     except ValueError as error:
         corner, share = error.args
-        side = f"the side from {names[corner]} to {names[(corner + 1) % len(points)]} of the outline"
+        side = (
+            f"the side from {names[corner]} to {names[(corner + 1) % len(points)]} of the outline"
+        )
         raise DesignError(
-            "edge_radius", max(radii), max(radii) * share, "mm", side,
+            "edge_radius",
+            max(radii),
+            max(radii) * share,
+            "mm",
+            side,
             "arcs need room beside each other: use a smaller one, a longer blade, or more protrusion beyond the running_gap",
-        ) from None  # fmt: skip
+        ) from None

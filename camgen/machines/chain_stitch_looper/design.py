@@ -50,10 +50,16 @@ def clearances(g: Stitch) -> list[float]:
 def kept(g: Stitch, room: Room) -> dict[str, tuple[float, float]]:
     """What else counts: (value, limit) by key, no value above its limit; what has a least value is counted negative."""
     depths = (g.height + g.plate, g.height + g.pitch + g.plate)
-    angles = [math.atan2(g.spacing + (g.height + c) * g.ratio, y) for c, y in zip((0.0, g.between), depths, strict=True)]
+    angles = [
+        math.atan2(g.spacing + (g.height + c) * g.ratio, y)
+        for c, y in zip((0.0, g.between), depths, strict=True)
+    ]
     needed = max(g.in_fabric(g.plate)) / g.free_share
     return {
-        "wanted.spreader_stroke": (g.ratio * (needed if g.stroke is None else g.stroke), room.stroke),
+        "wanted.spreader_stroke": (
+            g.ratio * (needed if g.stroke is None else g.stroke),
+            room.stroke,
+        ),
         "wanted.nose_length": ((max(g.reach) + g.height) * g.ratio + g.setback, room.nose),
         "limits.loop_angle_deg": (math.degrees(abs(angles[0] - angles[1])), room.loop_angle),
         "timing.needle_stroke": (needed, needed if g.stroke is None else g.stroke),
@@ -65,7 +71,11 @@ def kept(g: Stitch, room: Room) -> dict[str, tuple[float, float]]:
 
 def _spares(g: Stitch, room: Room) -> Floats:
     """How much is left of each limit, mm and deg; without one of needle_stroke where that is free."""
-    found = [limit - value for name, (value, limit) in kept(g, room).items() if g.stroke is not None or "needle" not in name]
+    found = [
+        limit - value
+        for name, (value, limit) in kept(g, room).items()
+        if g.stroke is not None or "needle" not in name
+    ]
     return np.array(found)
 
 
@@ -78,15 +88,25 @@ def best_clearance(start: Stitch, bounds: Mapping[str, Pair], room: Room) -> Sti
     from scipy.optimize import minimize
     from scipy.stats.qmc import LatinHypercube
 
-    a, s, p, e = (bounds[name] for name in ("nose_over_eye", "loop_rise", "protrusion", "plate_to_spreader"))
-    widest = room.stroke / max(start.in_fabric(e[0]))  # strokes are longer than the way in the fabric
+    a, s, p, e = (
+        bounds[name] for name in ("nose_over_eye", "loop_rise", "protrusion", "plate_to_spreader")
+    )
+    widest = room.stroke / max(
+        start.in_fabric(e[0])
+    )  # strokes are longer than the way in the fabric
     places = [a, a, s, s, p, e, (0.0, room.nose), (0.0, max(widest, 2 * start.spacing / e[0]))]
     low, high = np.array(places).T
 
     def stitch(x: Floats) -> Stitch:
         v = [float(value) for value in x[:8]]
         return replace(
-            start, over_eye=(v[0], v[1]), rise=(v[2], v[3]), protrusion=v[4], plate=v[5], setback=v[6], ratio=max(v[7], 1e-6)
+            start,
+            over_eye=(v[0], v[1]),
+            rise=(v[2], v[3]),
+            protrusion=v[4],
+            plate=v[5],
+            setback=v[6],
+            ratio=max(v[7], 1e-6),
         )
 
     def constraints(x: Floats) -> Floats:
@@ -98,29 +118,48 @@ def best_clearance(start: Stitch, bounds: Mapping[str, Pair], room: Room) -> Sti
         here = constraints(x)
         return np.array([(constraints(x + step) - here) / _STEP for step in _STEP * np.eye(10)]).T
 
-    first = np.array([*start.over_eye, *start.rise, start.protrusion, start.plate, start.setback, start.ratio])
-    spread = low + (high - low) * LatinHypercube(8, rng=np.random.default_rng(_SEED)).random(_STARTS)
+    first = np.array(
+        [*start.over_eye, *start.rise, start.protrusion, start.plate, start.setback, start.ratio]
+    )
+    spread = low + (high - low) * LatinHypercube(8, rng=np.random.default_rng(_SEED)).random(
+        _STARTS
+    )
     found: list[tuple[float, float, Stitch]] = []
     for x in [np.clip(first, low, high), *spread]:
         lack = max(0.0, -float(np.min(_spares(stitch(x), room))))
         # the lack weighs more than any clearance: limits come first
         done = minimize(
-            lambda y: 100 * y[9] - y[8], [*x, min(clearances(stitch(x))), lack], jac=lambda y: np.array([0.0] * 8 + [-1, 100]),
-            method="SLSQP", bounds=[*zip(low, high, strict=True), (None, None), (0, None)],
-            constraints=[{"type": "ineq", "fun": constraints, "jac": slopes}], options={"maxiter": 200, "ftol": 1e-9},
-        )  # fmt: skip
+            lambda y: 100 * y[9] - y[8],
+            [*x, min(clearances(stitch(x))), lack],
+            jac=lambda y: np.array([0.0] * 8 + [-1, 100]),
+            method="SLSQP",
+            bounds=[*zip(low, high, strict=True), (None, None), (0, None)],
+            constraints=[{"type": "ineq", "fun": constraints, "jac": slopes}],
+            options={"maxiter": 200, "ftol": 1e-9},
+        )
         if not np.all(np.isfinite(done.x)):
             continue
         g = stitch(np.clip(np.round(done.x[:8], _DIGITS), low, high))
         found.append((max(0.0, -float(np.min(_spares(g, room)))), min(clearances(g)), g))
     lack, least, best = min(found, key=lambda each: (each[0], -each[1]))
     if lack > 0:
-        name, (value, limit) = max(kept(best, room).items(), key=lambda each: each[1][0] - each[1][1])
-        unit, where = "deg" if name.endswith("deg") else "mm", "the design within [wanted] that comes nearest"
-        raise DesignError(name, abs(value), abs(limit), unit, where, "widen the ranges in [wanted], or this limit")
+        name, (value, limit) = max(
+            kept(best, room).items(), key=lambda each: each[1][0] - each[1][1]
+        )
+        unit, where = (
+            "deg" if name.endswith("deg") else "mm",
+            "the design within [wanted] that comes nearest",
+        )
+        raise DesignError(
+            name, abs(value), abs(limit), unit, where, "widen the ranges in [wanted], or this limit"
+        )
     if not least > room.clearance:
         raise DesignError(
-            "smallest clearance", least, room.clearance, "mm", "the best design within [wanted]",
+            "smallest clearance",
+            least,
+            room.clearance,
+            "mm",
+            "the best design within [wanted]",
             "widen [wanted], above all spreader_stroke and nose_length, take longer points, or lower limits.clearance",
-        )  # fmt: skip
+        )
     return best

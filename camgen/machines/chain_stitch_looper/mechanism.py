@@ -24,11 +24,41 @@ from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.outlines import Floats
 from camgen.machine.features import Apart, Mount
-from camgen.machine.model import GROUND, Along, Body, Cam, Drive, Machine, Output, Pin, Place, Pose, Slide
-from camgen.machines.chain_stitch_looper.bodies import LEAST_RADIUS, Bodies, Parts, room_on_nose, seat_back
+from camgen.machine.model import (
+    GROUND,
+    Along,
+    Body,
+    Cam,
+    Drive,
+    Machine,
+    Output,
+    Pin,
+    Place,
+    Pose,
+    Slide,
+)
+from camgen.machines.chain_stitch_looper.bodies import (
+    LEAST_RADIUS,
+    Bodies,
+    Parts,
+    room_on_nose,
+    seat_back,
+)
 from camgen.machines.chain_stitch_looper.ratio import Condition, ratio_conditions, ratio_range
-from camgen.machines.chain_stitch_looper.stitch import HARMONIC, Design, Stitch, crank_driven, to_and_fro
-from camgen.machines.chain_stitch_looper.study import SOURCE_DISTORTION, distorted, driven_table, study, timing_study
+from camgen.machines.chain_stitch_looper.stitch import (
+    HARMONIC,
+    Design,
+    Stitch,
+    crank_driven,
+    to_and_fro,
+)
+from camgen.machines.chain_stitch_looper.study import (
+    SOURCE_DISTORTION,
+    distorted,
+    driven_table,
+    study,
+    timing_study,
+)
 from camgen.machines.chain_stitch_looper.tables import Geometry, Limits, Motor, Timing, Wanted
 from camgen.machines.chain_stitch_looper.threads import lengths, moments, seam, sketches
 from camgen.machines.mechanism import Mechanism
@@ -64,28 +94,67 @@ class ChainStitchLooper(Mechanism):
         found = [
             fault
             for name, choice, tables in self._moves()
-            for fault in (program_faults(tables, f"timing.{name}_segment") if tables else _law_faults(choice, f"timing.{name}"))
+            for fault in (
+                program_faults(tables, f"timing.{name}_segment")
+                if tables
+                else _law_faults(choice, f"timing.{name}")
+            )
         ]
-        plain = all(choice == "simple-harmonic" and not tables for _, choice, tables in self._moves())
+        plain = all(
+            choice == "simple-harmonic" and not tables for _, choice, tables in self._moves()
+        )
         if any(self.timing.distortion) and not plain:
             given = f"{list(self.timing.distortion)}"
-            found.append(Fault("timing.distortion", given, "[0, 0] with other laws than simple-harmonic"))
+            found.append(
+                Fault("timing.distortion", given, "[0, 0] with other laws than simple-harmonic")
+            )
         if not found:
             for name, _, tables in self._moves():
-                top = max((float(s.start) for s in program(tables).segments), default=1.0) if tables else 1.0
+                top = (
+                    max((float(s.start) for s in program(tables).segments), default=1.0)
+                    if tables
+                    else 1.0
+                )
                 if abs(top - 1) > 1e-9:
-                    found.append(Fault(f"timing.{name}_segment", f"rises to {top:g}", "a program from 0 up to 1"))
+                    found.append(
+                        Fault(
+                            f"timing.{name}_segment",
+                            f"rises to {top:g}",
+                            "a program from 0 up to 1",
+                        )
+                    )
         checks = [
-            (p.plate_thickness < g.plate_to_spreader, "parts.plate_thickness", p.plate_thickness,
-             f"less than plate_to_spreader, {g.plate_to_spreader:g} mm"),
-            (p.running_gap < g.protrusion, "parts.running_gap", p.running_gap, f"less than the protrusion, {g.protrusion:g} mm"),
-            (p.edge_radius == 0 or p.edge_radius >= LEAST_RADIUS, "parts.edge_radius", p.edge_radius,
-             f"0, or at least {LEAST_RADIUS:g} mm: less is neither drawn nor made"),
-            (self.allowed.min_wall >= self.print.nozzle, "limits.min_wall", self.allowed.min_wall,
-             f"at least the nozzle, {self.print.nozzle:g} mm"),
-            (g.mode == "corrected" or not (t.needle_segment or t.spreader_segment or t.lag_deg),
-             "geometry.mode", 0.0, "\"corrected\" with segments or lag_deg: the source knows none of them"),
-        ]  # fmt: skip
+            (
+                p.plate_thickness < g.plate_to_spreader,
+                "parts.plate_thickness",
+                p.plate_thickness,
+                f"less than plate_to_spreader, {g.plate_to_spreader:g} mm",
+            ),
+            (
+                p.running_gap < g.protrusion,
+                "parts.running_gap",
+                p.running_gap,
+                f"less than the protrusion, {g.protrusion:g} mm",
+            ),
+            (
+                p.edge_radius == 0 or p.edge_radius >= LEAST_RADIUS,
+                "parts.edge_radius",
+                p.edge_radius,
+                f"0, or at least {LEAST_RADIUS:g} mm: less is neither drawn nor made",
+            ),
+            (
+                self.allowed.min_wall >= self.print.nozzle,
+                "limits.min_wall",
+                self.allowed.min_wall,
+                f"at least the nozzle, {self.print.nozzle:g} mm",
+            ),
+            (
+                g.mode == "corrected" or not (t.needle_segment or t.spreader_segment or t.lag_deg),
+                "geometry.mode",
+                0.0,
+                '"corrected" with segments or lag_deg: the source knows none of them',
+            ),
+        ]
         for key in ("hole_compensation", "profile_compensation", "shrinkage", "elephant_foot"):
             value = getattr(self.print, key)
             said = "0: spreaders and needles are crossed outlines, which have no print fits; set them in the slicer"
@@ -93,13 +162,27 @@ class ChainStitchLooper(Mechanism):
         if self.wanted is not None:
             for key in ("nose_over_eye", "loop_rise", "protrusion", "plate_to_spreader"):
                 low, high = getattr(self.wanted, key)
-                checks.append((low <= high, f"wanted.{key}", low, f"the least value first, then the greatest; {high:g} is less"))
-        found += [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
+                checks.append(
+                    (
+                        low <= high,
+                        f"wanted.{key}",
+                        low,
+                        f"the least value first, then the greatest; {high:g} is less",
+                    )
+                )
+        found += [
+            Fault(path, f"{value:g}", expected)
+            for fine, path, value, expected in checks
+            if not fine
+        ]
         return found
 
     def _moves(self) -> list[tuple[str, str | LawChoice, tuple[SegmentTable, ...]]]:
         t = self.timing
-        return [("needle", t.needle, t.needle_segment), ("spreader", t.spreader, t.spreader_segment)]
+        return [
+            ("needle", t.needle, t.needle_segment),
+            ("spreader", t.spreader, t.spreader_segment),
+        ]
 
     # ---- figures -----------------------------------------------------------------------------------------------------
 
@@ -112,10 +195,23 @@ class ChainStitchLooper(Mechanism):
             needle, spreader = map(crank_driven, t.distortion)
         setback = g.p6_setback if g.mode == "corrected" else 0.0  # the source has none
         return Stitch(
-            g.needle_spacing, g.point_lengths, g.nose_over_eye, g.loop_rise, g.needle_diameter, g.plate_to_spreader,
-            g.protrusion, math.radians(g.feed_deg), g.material_thickness, g.velocity_ratio, self.making.side_gap,
-            setback, t.needle_stroke, needle, spreader, math.radians(t.lag_deg),
-        )  # fmt: skip
+            g.needle_spacing,
+            g.point_lengths,
+            g.nose_over_eye,
+            g.loop_rise,
+            g.needle_diameter,
+            g.plate_to_spreader,
+            g.protrusion,
+            math.radians(g.feed_deg),
+            g.material_thickness,
+            g.velocity_ratio,
+            self.making.side_gap,
+            setback,
+            t.needle_stroke,
+            needle,
+            spreader,
+            math.radians(t.lag_deg),
+        )
 
     @cached_property
     def design(self) -> Design:
@@ -141,18 +237,27 @@ class ChainStitchLooper(Mechanism):
             "lower-spreader": (complex(-d.before[0], -g.levels[0]), 1 + 0j, d.moved),
             "upper-spreader": (complex(g.spacing + d.before[1], -g.levels[1]), -1 + 0j, d.moved),
         }
-        start = {name: Pose(place + way * float(law(still)[0]), 0.0) for name, (place, way, law) in moves.items()}
+        start = {
+            name: Pose(place + way * float(law(still)[0]), 0.0)
+            for name, (place, way, law) in moves.items()
+        }
         guides = [
             Slide(f"guide of {name}", Place(GROUND, place), Place(name), cmath.phase(way))
             for name, (place, way, _) in moves.items()
         ]
-        cams = [Cam(f"cam of {name}", "shaft", name, law, f"guide of {name}") for name, (_, _, law) in moves.items()]
+        cams = [
+            Cam(f"cam of {name}", "shaft", name, law, f"guide of {name}")
+            for name, (_, _, law) in moves.items()
+        ]
         return Machine(
             (Body(GROUND), Body("shaft"), *(Body(name) for name in moves)),
             (Pin("bearing", Place("shaft"), Place(GROUND)), *guides, *cams),
             (Drive("motor", "shaft"),),
             {"shaft": Pose(0j, 0.0), **start},
-            outputs=(Output("spreader", Along("guide of lower-spreader")), Output("needle", Along("guide of needle-1"))),
+            outputs=(
+                Output("spreader", Along("guide of lower-spreader")),
+                Output("needle", Along("guide of needle-1")),
+            ),
             speed=abs(self.speed),
         )
 
@@ -166,7 +271,13 @@ class ChainStitchLooper(Mechanism):
     def bodies(self) -> Bodies:
         """Spreaders, dummies and gauges."""
         g = self.geometry
-        return Bodies(self.design, self.making, math.radians(g.protrusion_deg), g.blade_length, self.allowed.min_wall)
+        return Bodies(
+            self.design,
+            self.making,
+            math.radians(g.protrusion_deg),
+            g.blade_length,
+            self.allowed.min_wall,
+        )
 
     @property
     def _back(self) -> float:
@@ -183,7 +294,11 @@ class ChainStitchLooper(Mechanism):
         floor, needle = self.bodies.plan[2].imag, -self.stitch.needle / 2
         spreaders = [Mount(name, name, z=floor) for name in ("lower-spreader", "upper-spreader")]
         needles = [Mount(name, name, z=needle) for name in ("needle-1", "needle-2")]
-        return (*spreaders, *needles, Mount("needle-plate", GROUND, z=-self.bodies.plate.thickness / 2))
+        return (
+            *spreaders,
+            *needles,
+            Mount("needle-plate", GROUND, z=-self.bodies.plate.thickness / 2),
+        )
 
     @property
     def running_gap(self) -> float:
@@ -195,10 +310,21 @@ class ChainStitchLooper(Mechanism):
         gap, t1, t5 = self.allowed.clearance, *self.bodies.plan[::4]
         beside = (t1.imag + t5.imag) / 2
         spreaders = {"P1": "lower-spreader", "P2": "upper-spreader"}
-        drawn = {"lower-spreader": ("needle-section", True), "upper-spreader": ("needle-section", False)}
+        drawn = {
+            "lower-spreader": ("needle-section", True),
+            "upper-spreader": ("needle-section", False),
+        }
         pairs = ("N1/P1", "N2/P1", "N2/P2", "N1/P2")
-        found = [Apart(name, spreaders[name[3:]], f"needle-{name[1]}", (0.0,), gap, drawn) for name in pairs]
-        return (*found, Apart("P1/P2", "lower-spreader", "upper-spreader", (0.0, beside), self.making.running_gap))
+        found = [
+            Apart(name, spreaders[name[3:]], f"needle-{name[1]}", (0.0,), gap, drawn)
+            for name in pairs
+        ]
+        return (
+            *found,
+            Apart(
+                "P1/P2", "lower-spreader", "upper-spreader", (0.0, beside), self.making.running_gap
+            ),
+        )
 
     # ---- checks and study --------------------------------------------------------------------------------------------
 
@@ -208,32 +334,73 @@ class ChainStitchLooper(Mechanism):
         one, two = (math.degrees(angle) for angle in d.pierce_angles)
         found = [
             *(self._range(key) for key in ALLOWED),
-            at_least("MIN_WALL", p.nose_width, self.allowed.min_wall, "mm", "parts.nose_width",
-                     "width of the nose at the thread's seat, from where it runs to a point"),
-            at_least("SIDE_GAP", p.side_gap, 2 * self.accuracy.chord_tolerance, "mm", "parts.side_gap",
-                     "beside the needles' plane each nose passes the needles' flanks at this gap; the outlines of both may be "
-                     "off by the limit"),
+            at_least(
+                "MIN_WALL",
+                p.nose_width,
+                self.allowed.min_wall,
+                "mm",
+                "parts.nose_width",
+                "width of the nose at the thread's seat, from where it runs to a point",
+            ),
+            at_least(
+                "SIDE_GAP",
+                p.side_gap,
+                2 * self.accuracy.chord_tolerance,
+                "mm",
+                "parts.side_gap",
+                "beside the needles' plane each nose passes the needles' flanks at this gap; the outlines of both may be "
+                "off by the limit",
+            ),
             *(self._loop(k, margin) for k, margin in enumerate(d.margins)),
-            at_most("LOOP_ANGLE", abs(one - two), self.allowed.loop_angle_deg, "deg", "both loops at the pierce",
-                    f"{one:.4f} and {two:.4f} deg; equal where plate_to_spreader is needle_spacing / velocity_ratio and "
-                    "protrusion half the difference of the point_lengths"),
-            *(at_least("FEED", math.degrees(angle), g.feed_deg, "deg", f"needle {k}",
-                       "shaft angle over which the needle is out of the fabric; the feed takes the limit. A longer "
-                       "needle_stroke or a smaller plate_to_spreader gives more")
-              for k, angle in enumerate(d.out_of_fabric, 1)),
-            at_least("BLADE_LENGTH", g.blade_length, d.spreader_stroke - min(d.before), "mm", "spreaders",
-                     "the blade reaches under its own needle until the end of the stroke"),
-        ]  # fmt: skip
+            at_most(
+                "LOOP_ANGLE",
+                abs(one - two),
+                self.allowed.loop_angle_deg,
+                "deg",
+                "both loops at the pierce",
+                f"{one:.4f} and {two:.4f} deg; equal where plate_to_spreader is needle_spacing / velocity_ratio and "
+                "protrusion half the difference of the point_lengths",
+            ),
+            *(
+                at_least(
+                    "FEED",
+                    math.degrees(angle),
+                    g.feed_deg,
+                    "deg",
+                    f"needle {k}",
+                    "shaft angle over which the needle is out of the fabric; the feed takes the limit. A longer "
+                    "needle_stroke or a smaller plate_to_spreader gives more",
+                )
+                for k, angle in enumerate(d.out_of_fabric, 1)
+            ),
+            at_least(
+                "BLADE_LENGTH",
+                g.blade_length,
+                d.spreader_stroke - min(d.before),
+                "mm",
+                "spreaders",
+                "the blade reaches under its own needle until the end of the stroke",
+            ),
+        ]
         return [*found, self._ratio()] if g.mode == "corrected" and self._in_step else found
 
     def _loop(self, k: int, margin: float) -> Finding:
         said = (
             f"the tip of needle {2 - k} never comes down to nose level {k + 1}: use less protrusion, or raise its loop_rise"
-            if math.isnan(margin) else
-            "nose past the other needle's axis when its tip comes down to nose level: a loop that slides along the nose is "
+            if math.isnan(margin)
+            else "nose past the other needle's axis when its tip comes down to nose level: a loop that slides along the nose is "
             f"{'pierced' if margin > SAME_POINT else 'missed'}; the seat is {-self.design.held[k]:.3f} mm short of that axis"
-        )  # fmt: skip
-        return Finding("LOOP", margin > SAME_POINT, margin, 0.0, "mm", f"spreader {k + 1} and needle {2 - k}", said, True)
+        )
+        return Finding(
+            "LOOP",
+            margin > SAME_POINT,
+            margin,
+            0.0,
+            "mm",
+            f"spreader {k + 1} and needle {2 - k}",
+            said,
+            True,
+        )
 
     def _ratio(self) -> Finding:
         ratio, works = self.geometry.velocity_ratio, self.ratio_range
@@ -262,7 +429,9 @@ class ChainStitchLooper(Mechanism):
     def _conditions(self) -> list[Condition]:
         """All that the velocity ratio must keep for every finding to hold; laws in step."""
         g, limits, s = self.geometry, self.allowed, self.stitch
-        found = ratio_conditions(s.design(), g.blade_length, limits.clearance, math.radians(limits.loop_angle_deg))
+        found = ratio_conditions(
+            s.design(), g.blade_length, limits.clearance, math.radians(limits.loop_angle_deg)
+        )
         return [*found, *room_on_nose(s, self.making, self._back)]
 
     @property
@@ -278,26 +447,48 @@ class ChainStitchLooper(Mechanism):
             "top_outline_area_mm2": self.bodies.top_outline().area,
             "needle_section_area_mm2": self.bodies.section_outline().area,
         }
-        found = study(self.stitch, self.design, self.geometry.stitch_length, conditions, areas, abs(self.motor.speed_rpm))
+        found = study(
+            self.stitch,
+            self.design,
+            self.geometry.stitch_length,
+            conditions,
+            areas,
+            abs(self.motor.speed_rpm),
+        )
         timing = timing_study(self.bodies.clock)
-        driven = [distorted(each.timing.distortion, each.design, each.bodies.clock) for each in self._driven()]
+        driven = [
+            distorted(each.timing.distortion, each.design, each.bodies.clock)
+            for each in self._driven()
+        ]
         published = self.geometry.mode == "published" and self.geometry.p6_setback
         left_out = ["Left out: p6_setback, for the published design has none."] if published else []
         loops, table = lengths(self.design)
         return replace(
-            found, numbers={**found.numbers, **timing.numbers, **loops}, sketches=sketches(self.design),
+            found,
+            numbers={**found.numbers, **timing.numbers, **loops},
+            sketches=sketches(self.design),
             tables=[*timing.tables, *driven_table(driven), *found.tables, table],
-            plots=[*found.plots, *moments(self.design), seam(self.design, self.geometry.stitch_length)],
+            plots=[
+                *found.plots,
+                *moments(self.design),
+                seam(self.design, self.geometry.stitch_length),
+            ],
             notes=[*found.notes, *timing.notes, *left_out],
-        )  # fmt: skip
+        )
 
     def _driven(self) -> Sequence[ChainStitchLooper]:
         """This machine, and the same driven by cranks and rods as the source has them; none with other laws or lag."""
-        if self._moves() != [("needle", "simple-harmonic", ()), ("spreader", "simple-harmonic", ())]:
+        if self._moves() != [
+            ("needle", "simple-harmonic", ()),
+            ("spreader", "simple-harmonic", ()),
+        ]:
             return ()
         data, own = self.model_dump(by_alias=True, exclude_none=True), self.timing.distortion
         pairs, turn = dict.fromkeys([(0.0, 0.0), SOURCE_DISTORTION, own]), data["timing"]
-        return [self if p == own else validate(type(self), data | {"timing": turn | {"distortion": p}}) for p in pairs]
+        return [
+            self if p == own else validate(type(self), data | {"timing": turn | {"distortion": p}})
+            for p in pairs
+        ]
 
     # ---- synthesis ---------------------------------------------------------------------------------------------------
 
@@ -309,34 +500,65 @@ class ChainStitchLooper(Mechanism):
         from camgen.machines.chain_stitch_looper.design import Room, best_clearance
 
         if not self._in_step:
-            raise SpecError([Fault("timing", "", "simple-harmonic laws without lag: only for these there is a search")])
+            raise SpecError(
+                [
+                    Fault(
+                        "timing",
+                        "",
+                        "simple-harmonic laws without lag: only for these there is a search",
+                    )
+                ]
+            )
         w, p = self.wanted or Wanted(), self.making
-        bounds = {name: getattr(w, name) for name in ("nose_over_eye", "loop_rise", "protrusion", "plate_to_spreader")}
+        bounds = {
+            name: getattr(w, name)
+            for name in ("nose_over_eye", "loop_rise", "protrusion", "plate_to_spreader")
+        }
         low, high = bounds["protrusion"]
         # the arcs at V1 and V2 need room on the protrusion's front
-        needed = 2 * p.edge_radius * self._back * math.sin(math.radians(self.geometry.protrusion_deg)) + p.running_gap
+        needed = (
+            2 * p.edge_radius * self._back * math.sin(math.radians(self.geometry.protrusion_deg))
+            + p.running_gap
+        )
         if not needed <= high:
             raise DesignError(
-                "wanted.protrusion", high, needed, "mm", "its greatest value",
+                "wanted.protrusion",
+                high,
+                needed,
+                "mm",
+                "its greatest value",
                 "edge_radius and running_gap need more: allow more, or make them smaller",
-            )  # fmt: skip
+            )
         bounds["protrusion"] = (max(low, math.ceil(1e4 * needed) / 1e4), high)
         pitch = p.clamp_hole + 2 * self.allowed.min_wall + p.running_gap
-        room = Room(w.spreader_stroke, w.nose_length, pitch, self.allowed.clearance, self.allowed.loop_angle_deg)
+        room = Room(
+            w.spreader_stroke,
+            w.nose_length,
+            pitch,
+            self.allowed.clearance,
+            self.allowed.loop_angle_deg,
+        )
         found = best_clearance(self.stitch, bounds, room)
         made = found.design()
         data = self.model_dump(by_alias=True, exclude_none=True)
         data["geometry"] |= {
-            "nose_over_eye": found.over_eye, "loop_rise": found.rise, "protrusion": found.protrusion, "mode": "corrected",
-            "plate_to_spreader": found.plate, "velocity_ratio": found.ratio, "p6_setback": found.setback,
+            "nose_over_eye": found.over_eye,
+            "loop_rise": found.rise,
+            "protrusion": found.protrusion,
+            "mode": "corrected",
+            "plate_to_spreader": found.plate,
+            "velocity_ratio": found.ratio,
+            "p6_setback": found.setback,
             "blade_length": math.ceil(max(made.spreader_stroke - min(made.before), made.nose + 2)),
-        }  # fmt: skip
+        }
         result = validate(type(self), data, "design")
         result.parts()
         return result.proven()
 
 
-def _between(code: str, value: float, low: float, high: float, unit: str, where: str, remark: str) -> Finding:
+def _between(
+    code: str, value: float, low: float, high: float, unit: str, where: str, remark: str
+) -> Finding:
     """Against the nearer of two limits."""
     check, limit = (at_least, low) if value - low < high - value else (at_most, high)
     return check(code, value, limit, unit, where, remark)
@@ -347,7 +569,10 @@ def _law_faults(choice: str | LawChoice, path: str) -> list[Fault]:
         law_of(choice)
     except SpecError as error:
         named = isinstance(choice, LawChoice)
-        return [Fault(f"{path}.{f.path}" if named and f.path else path, f.value, f.expected, f.nearest) for f in error.faults]
+        return [
+            Fault(f"{path}.{f.path}" if named and f.path else path, f.value, f.expected, f.nearest)
+            for f in error.faults
+        ]
     return []
 
 

@@ -22,7 +22,9 @@ class Condition:
     roots: tuple[float, ...]
 
 
-def ratio_conditions(design: Design, blade: float, clearance: float = 0.0, loop_angle: float = math.pi) -> list[Condition]:
+def ratio_conditions(
+    design: Design, blade: float, clearance: float = 0.0, loop_angle: float = math.pi
+) -> list[Condition]:
     """What the velocity ratio must keep, for laws in step and a loop that may slide along the nose; all in closed form.
 
     blade: length of the spreaders' blade, mm; clearance: of needles and P6, mm; loop_angle: greatest difference of the
@@ -34,24 +36,37 @@ def ratio_conditions(design: Design, blade: float, clearance: float = 0.0, loop_
         linear("nose 1 past needle 2 when that comes down to it", -g.spacing, in1 - s1),
         linear("nose 2 past needle 1 when that comes down to it", -g.spacing, in2 - s2),
         linear("a thread's seat behind the nose, l3 > 0", g.setback - g.needle, far),
-        linear("blade as long as the stroke beyond the capture", blade, min(g.rise) - design.needle_stroke),
+        linear(
+            "blade as long as the stroke beyond the capture",
+            blade,
+            min(g.rise) - design.needle_stroke,
+        ),
         linear("blade longer than the nose", blade - g.setback, -far - g.height),
     ]
     for pair, lines in fronts(g).items():
         for name, (c0, c1) in zip(("tip", "shoulder"), lines, strict=True):
             found.append(_apart(f"{pair}: the needle's {name} before P6", c0, c1, clearance))
     # gamma'1 - gamma'2 is the angle between (x1, y1) and (x2, y2), x = z + (b + L_C/r) r
-    (y1, y2), (b1, b2) = (g.height + g.plate, g.height + g.pitch + g.plate), (g.height, g.height + g.between)
+    (y1, y2), (b1, b2) = (
+        (g.height + g.plate, g.height + g.pitch + g.plate),
+        (g.height, g.height + g.between),
+    )
 
     def alike(r: float) -> float:
-        return loop_angle - abs(math.atan2(g.spacing + b1 * r, y1) - math.atan2(g.spacing + b2 * r, y2))
+        return loop_angle - abs(
+            math.atan2(g.spacing + b1 * r, y1) - math.atan2(g.spacing + b2 * r, y2)
+        )
 
     slope, z = math.tan(min(loop_angle, math.pi / 2 - VANISHING)), g.spacing
     ends = [
-        root for sign in (1, -1)
-        for root in _roots(sign * slope * b1 * b2, sign * slope * z * (b1 + b2) - (b1 * y2 - b2 * y1),
-                           sign * slope * (z * z + y1 * y2) - z * (y2 - y1))
-    ]  # fmt: skip
+        root
+        for sign in (1, -1)
+        for root in _roots(
+            sign * slope * b1 * b2,
+            sign * slope * z * (b1 + b2) - (b1 * y2 - b2 * y1),
+            sign * slope * (z * z + y1 * y2) - z * (y2 - y1),
+        )
+    ]
     return [*found, Condition("both loops lean alike within loop_angle_deg", alike, tuple(ends))]
 
 
@@ -59,12 +74,17 @@ def fronts(g: Stitch) -> dict[str, tuple[Pair, Pair]]:
     """How far a needle's tip and its shoulder stay before P6 along the stroke, laws in step: c0 + c1 r each; by "N1/P2"."""
     far, (own1, own2), (in1, in2), (s1, s2) = max(g.reach), g.reach, g.entry, g.rise
     ways = {
-        "N1/P1": (own1, 0.0, 0), "N2/P1": (in1 - s1, g.spacing, 1),
-        "N2/P2": (own2, 0.0, 1), "N1/P2": (in2 - s2, g.spacing, 0),
-    }  # fmt: skip
+        "N1/P1": (own1, 0.0, 0),
+        "N2/P1": (in1 - s1, g.spacing, 1),
+        "N2/P2": (own2, 0.0, 1),
+        "N1/P2": (in2 - s2, g.spacing, 0),
+    }
     # the point widens by d/2 over its height h while the needle retreats by r h
     return {
-        pair: ((g.setback + lead, far - way), (g.setback + lead - g.needle / 2, far - way + g.point[k]))
+        pair: (
+            (g.setback + lead, far - way),
+            (g.setback + lead - g.needle / 2, far - way + g.point[k]),
+        )
         for pair, (way, lead, k) in ways.items()
     }
 
@@ -76,7 +96,11 @@ def linear(name: str, c0: float, c1: float) -> Condition:
 
 def _apart(name: str, c0: float, c1: float, least: float) -> Condition:
     """A way c0 + c1 r along the stroke that leaves at least so much across P6, whose slope is 1 : r."""
-    roots = _roots(c1 * c1 - least * least, 2 * c0 * c1, c0 * c0 - least * least) if least else linear(name, c0, c1).roots
+    roots = (
+        _roots(c1 * c1 - least * least, 2 * c0 * c1, c0 * c0 - least * least)
+        if least
+        else linear(name, c0, c1).roots
+    )
     return Condition(name, lambda r: c0 + c1 * r - least * math.hypot(1.0, r), roots)
 
 
@@ -89,7 +113,9 @@ def _roots(a: float, b: float, c: float) -> tuple[float, ...]:
     return (q / a, c / q) if q else (0.0,)
 
 
-def ratio_range(conditions: Sequence[Condition], ratio: float) -> tuple[tuple[float, str], tuple[float, str]] | None:
+def ratio_range(
+    conditions: Sequence[Condition], ratio: float
+) -> tuple[tuple[float, str], tuple[float, str]] | None:
     """Least and greatest r round `ratio` that keep all conditions, or nearest to it, each with what stops it there.
 
     inf where nothing stops it; None where no r keeps all conditions.
@@ -99,7 +125,10 @@ def ratio_range(conditions: Sequence[Condition], ratio: float) -> tuple[tuple[fl
     kept: list[list[tuple[float, str]]] = []
     for low, high in pairwise(ends):
         middle = (low[0] + high[0]) / 2 if math.isfinite(high[0]) else 2 * low[0] + 1
-        if high[0] - low[0] <= VANISHING * middle or min(c.spare(middle) for c in conditions) < -HAIR:
+        if (
+            high[0] - low[0] <= VANISHING * middle
+            or min(c.spare(middle) for c in conditions) < -HAIR
+        ):
             continue
         if kept and low[0] - kept[-1][1][0] <= VANISHING * middle:  # touched, not crossed
             kept[-1][1] = high

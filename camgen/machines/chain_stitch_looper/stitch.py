@@ -28,7 +28,9 @@ from camgen.numerics import Floats, roots
 Pair = tuple[float, float]
 
 HOLDS = (0.4, 0.8)  # rad, up to which a loop stays where it is on a cylinder, by thread and surface
-_USUAL_E = 4.0  # mm, the middle of the usual 3 to 5, which the source puts into S_m in place of its own e
+_USUAL_E = (
+    4.0  # mm, the middle of the usual 3 to 5, which the source puts into S_m in place of its own e
+)
 _STEPS = 7200  # of the turn, between which a position is bracketed
 _PARTS, _ROUNDS = 256, 6  # into which a bracket is cut, and how often: to the last bit
 HAIR = 1e-12  # share of the stroke
@@ -37,7 +39,12 @@ VANISHING = 1e-9  # share of the stroke that is none
 
 def to_and_fro(law: Law, back: Law | None = None) -> Program:
     """Rise by 1 over the first half turn and return over the second, by the same law or another."""
-    return Program((Segment("rise", math.pi, 0.0, 1.0, law), Segment("return", math.pi, 1.0, -1.0, back or law)))
+    return Program(
+        (
+            Segment("rise", math.pi, 0.0, 1.0, law),
+            Segment("return", math.pi, 1.0, -1.0, back or law),
+        )
+    )
 
 
 def crank_driven(distortion: float) -> Program:
@@ -121,7 +128,10 @@ class Stitch:
     def in_fabric(self, plate: float) -> Pair:
         """S_m, way of each needle from its lowest point out of the fabric, for e = plate."""
         (up1, up2), (s1, s2) = self.reach, self.rise
-        return up1 + s1 + 2 * self.pitch + plate + self.thickness, up2 + s2 + self.height + plate + self.thickness
+        return (
+            up1 + s1 + 2 * self.pitch + plate + self.thickness,
+            up2 + s2 + self.height + plate + self.thickness,
+        )
 
     def needle_stroke(self, in_fabric: Pair) -> float:
         """S_X at which the needle that is longer in the fabric is out of it while the feed moves."""
@@ -134,16 +144,23 @@ class Stitch:
             return math.cos(self.feed / 4) ** 2  # half of 1 - cos phi_m, without cancellation
 
         def longer(share: float) -> float:
-            way = _angle(self.needle_program, share, True) - _angle(self.needle_program, share, False)
+            way = _angle(self.needle_program, share, True) - _angle(
+                self.needle_program, share, False
+            )
             return float(np.nan_to_num(way)) - self.feed
 
         if longer(1 - HAIR) >= 0:  # a dwell at the top, as long as the feed
             return 1 - HAIR
         if longer(VANISHING) < 0:
             _refuse(
-                "feed_deg", math.degrees(self.feed), 0.0, math.degrees(longer(VANISHING) + self.feed), "deg",
-                "shaft angle over which the needles are off their lowest point", "let them dwell there for less",
-            )  # fmt: skip
+                "feed_deg",
+                math.degrees(self.feed),
+                0.0,
+                math.degrees(longer(VANISHING) + self.feed),
+                "deg",
+                "shaft angle over which the needles are off their lowest point",
+                "let them dwell there for less",
+            )
         ends = np.array([VANISHING]), np.array([1 - HAIR])
         return float(roots(lambda share, _: (np.array([longer(share[0])]), np.zeros(1)), *ends)[0])
 
@@ -151,17 +168,28 @@ class Stitch:
         """All figures, corrected or as printed; DesignError where no such mechanism exists."""
         if not self.height > 0:
             raise DesignError(
-                "b", self.height, 0.0, "mm", "height of a spreader, (a2 - a1) + (h2 - h1)/2",
+                "b",
+                self.height,
+                0.0,
+                "mm",
+                "height of a spreader, (a2 - a1) + (h2 - h1)/2",
                 "it must be positive: give needle 2 the longer point (point_lengths) or the higher nose (nose_over_eye)",
-            )  # fmt: skip
+            )
         if not self.spacing > self.needle:
             raise DesignError(
-                "needle_spacing", self.spacing, self.needle, "mm", "the needles' diameter", "the needles would meet"
+                "needle_spacing",
+                self.spacing,
+                self.needle,
+                "mm",
+                "the needles' diameter",
+                "the needles would meet",
             )
         return _published(self) if published else _corrected(self)
 
 
-SOURCE = Stitch(6.4, (4.0, 6.0), (1.5, 4.0), (2.0, 4.5), 0.9, 8.0, 1.0, math.radians(120), 3.5, 0.8)  # its worked example
+SOURCE = Stitch(
+    6.4, (4.0, 6.0), (1.5, 4.0), (2.0, 4.5), 0.9, 8.0, 1.0, math.radians(120), 3.5, 0.8
+)  # its worked example
 
 
 @dataclass(frozen=True)
@@ -207,7 +235,9 @@ class Design:
 
     def moved(self, phi: Floats, order: int = 0) -> Floats:
         """L, how far the spreaders have moved, mm, or its derivative to phi; (n,)."""
-        return self.spreader_stroke * self.given.spreader_program(np.asarray(phi, float) - self.given.lag, order)
+        return self.spreader_stroke * self.given.spreader_program(
+            np.asarray(phi, float) - self.given.lag, order
+        )
 
     @cached_property
     def before(self) -> Pair:
@@ -253,7 +283,9 @@ class Design:
         """gamma', of the loops' legs to the vertical at the pierce, rad; they should be equal."""
         g = self.given
         depths = (g.height + g.plate, g.height + g.pitch + g.plate)
-        one, two = (math.atan2(g.spacing + self.l2 + c, y) for c, y in zip(self.behind, depths, strict=True))
+        one, two = (
+            math.atan2(g.spacing + self.l2 + c, y) for c, y in zip(self.behind, depths, strict=True)
+        )
         return one, two
 
     @property
@@ -274,7 +306,9 @@ class Design:
     def out_of_fabric(self) -> Pair:
         """Shaft angle over which each needle is out of the fabric, rad; a hair is spared, for near the top a rounding tells."""
         heights = [s - HAIR * self.needle_stroke for s in self.in_fabric]
-        one, two = (float(np.nan_to_num(self.angle(s, falling=True) - self.angle(s))) for s in heights)
+        one, two = (
+            float(np.nan_to_num(self.angle(s, falling=True) - self.angle(s))) for s in heights
+        )
         return one, two
 
     # ---- what a ratio must keep --------------------------------------------------------------------------------------
@@ -283,7 +317,12 @@ class Design:
         """Needle's tip before P6, along the stroke at nose level, mm, when both move in step; by "N1/P2"."""
         g, r = self.given, self.spreader_stroke / self.needle_stroke
         (own1, own2), (in1, in2), (s1, s2) = g.reach, g.entry, g.rise
-        ways = {"N1/P1": own1 * r, "N2/P1": (in1 - s1) * r - g.spacing, "N2/P2": own2 * r, "N1/P2": (in2 - s2) * r - g.spacing}
+        ways = {
+            "N1/P1": own1 * r,
+            "N2/P1": (in1 - s1) * r - g.spacing,
+            "N2/P2": own2 * r,
+            "N1/P2": (in2 - s2) * r - g.spacing,
+        }
         return {pair: self.l1 - way for pair, way in ways.items()}
 
 
@@ -293,8 +332,11 @@ def _angle(program: Program, share: float, falling: bool) -> float:
         return math.nan
     phi = np.linspace(0, math.tau, _STEPS + 1)[:-1]
     s = program(phi)
-    here = (s >= share) & (np.roll(s, -1) <= share) & (s > np.roll(s, -1)) if falling else (
-        (s <= share) & (np.roll(s, -1) >= share) & (s < np.roll(s, -1)))  # fmt: skip
+    here = (
+        (s >= share) & (np.roll(s, -1) <= share) & (s > np.roll(s, -1))
+        if falling
+        else ((s <= share) & (np.roll(s, -1) >= share) & (s < np.roll(s, -1)))
+    )
     found = np.flatnonzero(here)
     if not len(found):
         return math.nan
@@ -308,7 +350,9 @@ def _angle(program: Program, share: float, falling: bool) -> float:
     return (low + high) / 2
 
 
-def _refuse(quantity: str, value: float, low: float, high: float, unit: str, where: str, remedy: str) -> None:
+def _refuse(
+    quantity: str, value: float, low: float, high: float, unit: str, where: str, remedy: str
+) -> None:
     """DesignError unless low < value < high."""
     if not low < value < high:
         raise DesignError(quantity, value, low if not value > low else high, unit, where, remedy)
@@ -316,15 +360,28 @@ def _refuse(quantity: str, value: float, low: float, high: float, unit: str, whe
 
 def _seat(l1: float, needle: float) -> None:
     _refuse(
-        "l3", l1 - needle, 0.0, math.inf, "mm", "thread's seat behind the nose's tip, l1 - d",
+        "l3",
+        l1 - needle,
+        0.0,
+        math.inf,
+        "mm",
+        "thread's seat behind the nose's tip, l1 - d",
         "it must be positive: use a larger velocity_ratio or a thinner needle",
-    )  # fmt: skip
+    )
 
 
 def _within(stroke: float, pierces: Pair, captures: Pair) -> None:
     """DesignError unless the needles rise so far."""
     for name, s in zip(("S_B1", "S_B2", "S01", "S02"), (*pierces, *captures), strict=True):
-        _refuse(name, s, 0.0, stroke, "mm", "the needles, whose stroke S_X is the limit", "use a longer needle_stroke")
+        _refuse(
+            name,
+            s,
+            0.0,
+            stroke,
+            "mm",
+            "the needles, whose stroke S_X is the limit",
+            "use a longer needle_stroke",
+        )
 
 
 def _corrected(g: Stitch) -> Design:
@@ -334,14 +391,36 @@ def _corrected(g: Stitch) -> Design:
     stroke = g.needle_stroke(in_fabric)
     rises = (g.reach[0] + g.rise[0] + 2 * g.pitch, g.reach[1] + g.rise[1] + g.height)
     _within(stroke, rises, g.rise)
-    capture = _angle(g.needle_program, g.rise[0] / stroke, False), _angle(g.needle_program, g.rise[1] / stroke, False)
-    pierce = _angle(g.needle_program, rises[0] / stroke, True), _angle(g.needle_program, rises[1] / stroke, True)
+    capture = (
+        _angle(g.needle_program, g.rise[0] / stroke, False),
+        _angle(g.needle_program, g.rise[1] / stroke, False),
+    )
+    pierce = (
+        _angle(g.needle_program, rises[0] / stroke, True),
+        _angle(g.needle_program, rises[1] / stroke, True),
+    )
     behind = (0.0, g.between * r)
     opening = (g.needle + g.side_gap) * (g.spacing + max(behind)) / g.spacing
     share = g.spreader_program(np.array([*capture, *pierce]) - g.lag)
-    needed = _strokes(g.spacing + l1 + l2, behind, (float(share[3] - share[0]), float(share[2] - share[1])))
+    needed = _strokes(
+        g.spacing + l1 + l2, behind, (float(share[3] - share[0]), float(share[2] - share[1]))
+    )
     return Design(
-        g, False, r, l1, l2, opening, in_fabric, stroke, r * stroke, rises, capture, pierce, behind, needed, (l1, l2, l1 + l2)
+        g,
+        False,
+        r,
+        l1,
+        l2,
+        opening,
+        in_fabric,
+        stroke,
+        r * stroke,
+        rises,
+        capture,
+        pierce,
+        behind,
+        needed,
+        (l1, l2, l1 + l2),
     )
 
 
@@ -349,9 +428,14 @@ def _strokes(way: float, behind: Pair, shares: Pair) -> Pair:
     """Strokes L_X1 and L_X2 from what of them is left between a capture and the pierce by the other needle."""
     for k, share in enumerate(shares):
         _refuse(
-            f"f2(phi4{2 - k}) - f2(phi3{k + 1})", share, VANISHING, math.inf, "", f"stroke L_X{k + 1} of spreader {k + 1}",
+            f"f2(phi4{2 - k}) - f2(phi3{k + 1})",
+            share,
+            VANISHING,
+            math.inf,
+            "",
+            f"stroke L_X{k + 1} of spreader {k + 1}",
             "the pierce must find the spreader farther out than the capture did: change loop_rise or nose_over_eye",
-        )  # fmt: skip
+        )
     return (behind[1] + way) / shares[0], (behind[0] + way) / shares[1]
 
 
@@ -375,20 +459,39 @@ def _published(g: Stitch) -> Design:
     behind = (0.0, g.between * g.ratio)
 
     def cosine(angle: float) -> float:
-        return round(math.cos(math.radians(round(math.degrees(angle), 1))), 3)  # as far as it is printed
+        return round(
+            math.cos(math.radians(round(math.degrees(angle), 1))), 3
+        )  # as far as it is printed
 
     slipped = 0.1 * cosine(pierce[0])  # 0.003 for 0.03
     shares = cosine(capture[0]) - cosine(pierce[1]), cosine(capture[1]) - slipped
-    needed = _strokes(g.spacing + l1 + l2, behind, shares)  # erratum 4: f2 is 1 - cos, so half of it is the share
+    needed = _strokes(
+        g.spacing + l1 + l2, behind, shares
+    )  # erratum 4: f2 is 1 - cos, so half of it is the share
     moved = round(max(needed), 1)
-    turned = math.floor(100 * stroke / moved) / 100  # erratum 5: dS/dL in place of dL/dS, cut off after two places
+    turned = (
+        math.floor(100 * stroke / moved) / 100
+    )  # erratum 5: dS/dL in place of dL/dS, cut off after two places
     new1, new2 = round(max(g.reach) * turned, 1), round(g.height * turned, 1)
     _seat(new1, g.needle)
     opening = g.needle * (g.spacing + max(behind)) / g.spacing
     return Design(
-        g, True, turned, new1, new2, opening, in_fabric, stroke, moved, rises, capture, pierce, behind, needed,
+        g,
+        True,
+        turned,
+        new1,
+        new2,
+        opening,
+        in_fabric,
+        stroke,
+        moved,
+        rises,
+        capture,
+        pierce,
+        behind,
+        needed,
         (l1, l2, l1 + l2),
-    )  # fmt: skip
+    )
 
 
 def thread_per_stitch(thickness: float, length: float, width: float) -> dict[str, float]:

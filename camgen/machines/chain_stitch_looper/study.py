@@ -13,7 +13,11 @@ from camgen.machines.chain_stitch_looper.stitch import HOLDS, Design, Stitch, th
 from camgen.machines.chain_stitch_looper.timing import FARTHEST, Clock
 from camgen.study import ROWS, Plot, Study, Table
 
-_EXAMPLE = (2.5, 3.0, 4.0)  # thickness, length and width of the stitch whose thread the source compares
+_EXAMPLE = (
+    2.5,
+    3.0,
+    4.0,
+)  # thickness, length and width of the stitch whose thread the source compares
 _PRINTED_FOUR = 66.0  # mm, its four-thread stitch
 _SOURCE = (
     "Source: Horobets, Manoilenko, New method of forming a flat chain stitch. Nose and shank, gaps, radii and the shed angle "
@@ -27,7 +31,12 @@ _PLANE = (
 
 
 def study(
-    given: Stitch, made: Design, length: float, conditions: Sequence[Condition], areas: Mapping[str, float], rpm: float
+    given: Stitch,
+    made: Design,
+    length: float,
+    conditions: Sequence[Condition],
+    areas: Mapping[str, float],
+    rpm: float,
 ) -> Study:
     """Numbers, plots and tables. made: what the parts follow; length: of a stitch; conditions: of the velocity ratio."""
     tables = [_events(made)]
@@ -44,7 +53,10 @@ def study(
     return Study(numbers, _synchrogram(made), tables, (), notes, _columns(made))
 
 
-SOURCE_DISTORTION = (0.1, 0.2)  # crank over rod of the source's needles and spreaders, which it then leaves out
+SOURCE_DISTORTION = (
+    0.1,
+    0.2,
+)  # crank over rod of the source's needles and spreaders, which it then leaves out
 
 
 def distorted(distortion: tuple[float, float], d: Design, clock: Clock) -> tuple[object, ...]:
@@ -57,10 +69,27 @@ def distorted(distortion: tuple[float, float], d: Design, clock: Clock) -> tuple
 def driven_table(rows: Sequence[tuple[object, ...]]) -> list[Table]:
     """What the rods' lengths do; empty without rows."""
     columns = (
-        "needles' crank / rod", "spreaders'", "needle stroke, mm", "capture 1, deg", "capture 2, deg", "pierce 1, deg",
-        "pierce 2, deg", "least clearance, mm", "strikes when off by, deg",
-    )  # fmt: skip
-    return [Table("Driven by cranks and rods: harmonic, as the source has them, and as here", columns, rows)] if rows else []
+        "needles' crank / rod",
+        "spreaders'",
+        "needle stroke, mm",
+        "capture 1, deg",
+        "capture 2, deg",
+        "pierce 1, deg",
+        "pierce 2, deg",
+        "least clearance, mm",
+        "strikes when off by, deg",
+    )
+    return (
+        [
+            Table(
+                "Driven by cranks and rods: harmonic, as the source has them, and as here",
+                columns,
+                rows,
+            )
+        ]
+        if rows
+        else []
+    )
 
 
 def timing_study(clock: Clock) -> Study:
@@ -70,18 +99,29 @@ def timing_study(clock: Clock) -> Study:
     beyond = f"over {math.degrees(FARTHEST):g}"
     for anew, name, said in (
         (False, "timing", "finished machine, spreaders late (lag) or early (lead)"),
-        (True, "designed", "timing.lag_deg more or less, noses set to their needles at capture once more"),
+        (
+            True,
+            "designed",
+            "timing.lag_deg more or less, noses set to their needles at capture once more",
+        ),
     ):
         t = clock.timing(anew)
-        ends = {"strike": (t.strike_lag, t.strike_lead), "missed_loop": (t.missed_lag, t.missed_lead)}
+        ends = {
+            "strike": (t.strike_lag, t.strike_lead),
+            "missed_loop": (t.missed_lag, t.missed_lead),
+        }
         for what, pair in ends.items():
             lag, lead = _deg(pair)
             meant = "a needle strikes" if what == "strike" else "a needle misses its loop"
-            rows.append((said, meant, *(f"{x:.3f}" if math.isfinite(x) else beyond for x in (lag, lead))))
+            rows.append(
+                (said, meant, *(f"{x:.3f}" if math.isfinite(x) else beyond for x in (lag, lead)))
+            )
             numbers |= {f"{name}_lag_to_{what}_deg": lag, f"{name}_lead_to_{what}_deg": lead}
         if not anew:
             numbers["timing_tolerance_deg"] = math.degrees(t.least)
-    table = Table("Timing: what the spreaders may be off", ("of", "until", "lag, deg", "lead, deg"), rows)
+    table = Table(
+        "Timing: what the spreaders may be off", ("of", "until", "lag, deg", "lead, deg"), rows
+    )
     late, early = (
         f"{least:.2f}" if math.isfinite(least := numbers[f"timing_{way}_to_strike_deg"]) else beyond
         for way in ("lag", "lead")
@@ -90,7 +130,11 @@ def timing_study(clock: Clock) -> Study:
         f"Timing: a needle strikes a spreader that runs late by {late} deg of the shaft or early by {early} deg; with "
         f"the loops, which a needle must not miss, either way {numbers['timing_tolerance_deg']:.2f} deg are left."
     )
-    return Study({key: value for key, value in numbers.items() if math.isfinite(value)}, tables=[table], notes=[note])
+    return Study(
+        {key: value for key, value in numbers.items() if math.isfinite(value)},
+        tables=[table],
+        notes=[note],
+    )
 
 
 def _columns(d: Design) -> dict[str, Floats]:
@@ -98,43 +142,75 @@ def _columns(d: Design) -> dict[str, Floats]:
     phi = np.linspace(0, math.tau, ROWS)
     tips, noses = d.tips(phi), d.noses(phi)
     return {
-        "theta_deg": np.degrees(phi), "needle_mm": d.risen(phi), "spreader_mm": d.moved(phi),
-        "tip_1_mm": tips[0], "tip_2_mm": tips[1], "nose_1_mm": noses[0], "nose_2_mm": noses[1],
-    }  # fmt: skip
+        "theta_deg": np.degrees(phi),
+        "needle_mm": d.risen(phi),
+        "spreader_mm": d.moved(phi),
+        "tip_1_mm": tips[0],
+        "tip_2_mm": tips[1],
+        "nose_1_mm": noses[0],
+        "nose_2_mm": noses[1],
+    }
 
 
 def _positions(d: Design) -> Table:
     """The synchrogram as a table; motion.csv has it every quarter degree."""
     columns = {name: column[:: ROWS // 24] for name, column in _columns(d).items()}
     heads = (
-        "shaft angle, deg", "needles S, mm", "spreaders L, mm", "tip 1 above the plate's top, mm", "tip 2, mm",
-        "nose 1 beyond its needle, mm", "nose 2, mm",
-    )  # fmt: skip
-    return Table("Synchrogram", heads, [tuple(float(value) for value in row) for row in zip(*columns.values(), strict=True)])
+        "shaft angle, deg",
+        "needles S, mm",
+        "spreaders L, mm",
+        "tip 1 above the plate's top, mm",
+        "tip 2, mm",
+        "nose 1 beyond its needle, mm",
+        "nose 2, mm",
+    )
+    return Table(
+        "Synchrogram",
+        heads,
+        [tuple(float(value) for value in row) for row in zip(*columns.values(), strict=True)],
+    )
 
 
 def _deg(angles: Sequence[float]) -> list[float]:
     return [math.degrees(angle) for angle in angles]
 
 
-def _numbers(given: Stitch, d: Design, length: float, conditions: Sequence[Condition], rpm: float) -> dict[str, float]:
+def _numbers(
+    given: Stitch, d: Design, length: float, conditions: Sequence[Condition], rpm: float
+) -> dict[str, float]:
     phi, per_second = np.linspace(0, math.tau, ROWS), rpm * math.tau / 60
     numbers = {
-        "spreader_height_mm": given.height, "nose_pitch_mm": given.pitch, "nose_to_front_mm": d.l1, "front_length_mm": d.l2,
-        "loop_seat_mm": d.l3, "nose_length_mm": d.nose, "front_slope_deg": math.degrees(d.slope), "opening_mm": d.opening,
+        "spreader_height_mm": given.height,
+        "nose_pitch_mm": given.pitch,
+        "nose_to_front_mm": d.l1,
+        "front_length_mm": d.l2,
+        "loop_seat_mm": d.l3,
+        "nose_length_mm": d.nose,
+        "front_slope_deg": math.degrees(d.slope),
+        "opening_mm": d.opening,
         "needle_stroke_mm": d.needle_stroke,
-        "spreader_stroke_mm": d.spreader_stroke, "between_pierces_mm": given.between,
+        "spreader_stroke_mm": d.spreader_stroke,
+        "between_pierces_mm": given.between,
         "needle_peak_speed_mm_s": float(np.max(np.abs(d.risen(phi, 1)))) * per_second,
         "spreader_peak_speed_mm_s": float(np.max(np.abs(d.moved(phi, 1)))) * per_second,
-    }  # fmt: skip
+    }
     pairs = {
-        "in_fabric_{}_mm": d.in_fabric, "pierce_rise_{}_mm": d.rises, "loop_margin_{}_mm": d.margins,
-        "needed_stroke_{}_mm": d.needed, "capture_{}_deg": _deg(d.capture), "pierce_{}_deg": _deg(d.pierce),
+        "in_fabric_{}_mm": d.in_fabric,
+        "pierce_rise_{}_mm": d.rises,
+        "loop_margin_{}_mm": d.margins,
+        "needed_stroke_{}_mm": d.needed,
+        "capture_{}_deg": _deg(d.capture),
+        "pierce_{}_deg": _deg(d.pierce),
         "shedding_{}_deg": _deg(d.shed),
-        "loop_angle_pierce_{}_deg": _deg(d.pierce_angles), "loop_angle_shedding_{}_deg": _deg(d.shed_angles),
+        "loop_angle_pierce_{}_deg": _deg(d.pierce_angles),
+        "loop_angle_shedding_{}_deg": _deg(d.shed_angles),
         "out_of_fabric_{}_deg": _deg(d.out_of_fabric),
-    }  # fmt: skip
-    numbers |= {name.format(k + 1): float(value) for name, pair in pairs.items() for k, value in enumerate(pair)}
+    }
+    numbers |= {
+        name.format(k + 1): float(value)
+        for name, pair in pairs.items()
+        for k, value in enumerate(pair)
+    }
     thread = thread_per_stitch(given.thickness, length, given.spacing)
     numbers |= {f"thread_{name.replace('-', '_')}_mm": value for name, value in thread.items()}
     if conditions:
@@ -147,23 +223,44 @@ def _numbers(given: Stitch, d: Design, length: float, conditions: Sequence[Condi
 def _synchrogram(d: Design) -> list[Plot]:
     phi = np.linspace(0, math.tau, ROWS)
     degrees, label, g = np.degrees(phi), "shaft angle, deg", d.given
-    marks = [(event, angle) for event, angle, *_ in _rows(d) if isinstance(angle, float) and not math.isnan(angle)]
+    marks = [
+        (event, angle)
+        for event, angle, *_ in _rows(d)
+        if isinstance(angle, float) and not math.isnan(angle)
+    ]
     tips, noses = d.tips(phi), d.noses(phi)
     return [
         Plot(
-            "Synchrogram", label, "mm", [("needles S", degrees, d.risen(phi)), ("spreaders L", degrees, d.moved(phi))], marks
+            "Synchrogram",
+            label,
+            "mm",
+            [("needles S", degrees, d.risen(phi)), ("spreaders L", degrees, d.moved(phi))],
+            marks,
         ),
         Plot(
-            "Tips and nose levels", label, "mm above the plate's top",
-            [("tip of needle 1", degrees, tips[0]), ("tip of needle 2", degrees, tips[1]),
-             *((f"nose level {k + 1}", degrees, np.full(phi.shape, -y)) for k, y in enumerate(g.levels))],
+            "Tips and nose levels",
+            label,
+            "mm above the plate's top",
+            [
+                ("tip of needle 1", degrees, tips[0]),
+                ("tip of needle 2", degrees, tips[1]),
+                *(
+                    (f"nose level {k + 1}", degrees, np.full(phi.shape, -y))
+                    for k, y in enumerate(g.levels)
+                ),
+            ],
         ),
         Plot(
-            "Noses past their own needle", label, "mm",
-            [("nose 1", degrees, noses[0]), ("nose 2", degrees, noses[1]),
-             ("other needle", degrees, np.full(phi.shape, g.spacing))],
+            "Noses past their own needle",
+            label,
+            "mm",
+            [
+                ("nose 1", degrees, noses[0]),
+                ("nose 2", degrees, noses[1]),
+                ("other needle", degrees, np.full(phi.shape, g.spacing)),
+            ],
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _rows(d: Design) -> list[tuple[str, float, float, float]]:
@@ -176,7 +273,12 @@ def _rows(d: Design) -> list[tuple[str, float, float, float]]:
     angles = np.array([angle for _, angle in events])
     s, moved = d.risen(np.nan_to_num(angles)), d.moved(np.nan_to_num(angles))
     rows = [
-        (name, math.degrees(angle), float(s[k]) if angle == angle else math.nan, float(moved[k]) if angle == angle else math.nan)
+        (
+            name,
+            math.degrees(angle),
+            float(s[k]) if angle == angle else math.nan,
+            float(moved[k]) if angle == angle else math.nan,
+        )
         for k, (name, angle) in enumerate(events)
     ]
     return sorted(rows, key=lambda row: (math.isnan(row[1]), row[1]))
@@ -184,41 +286,67 @@ def _rows(d: Design) -> list[tuple[str, float, float, float]]:
 
 def _events(d: Design) -> Table:
     what = {
-        "capture": "nose {0} takes the loop of needle {0}", "pierce": "needle {0} comes down into the loop of needle {1}",
+        "capture": "nose {0} takes the loop of needle {0}",
+        "pierce": "needle {0} comes down into the loop of needle {1}",
         "shedding": "nose {0} leaves the line of needle {1} on its way back",
-    }  # fmt: skip
+    }
     rows = []
     for name, *figures in _rows(d):
         kind, _, number = name.partition(" ")
-        said = what[kind].format(number, {"1": 2, "2": 1}[number]) if kind in what else "the fabric moves in between"
+        said = (
+            what[kind].format(number, {"1": 2, "2": 1}[number])
+            if kind in what
+            else "the fabric moves in between"
+        )
         rows.append((name, *figures, said))
-    return Table("Events of a turn", ("event", "shaft angle, deg", "needles S, mm", "spreaders L, mm", "what happens"), rows)
+    return Table(
+        "Events of a turn",
+        ("event", "shaft angle, deg", "needles S, mm", "spreaders L, mm", "what happens"),
+        rows,
+    )
 
 
 def _figures(d: Design) -> list[tuple[str, float]]:
     """Every figure of a design by its name, the source's symbol in it."""
     g = d.given
     one = [
-        ("b, mm", g.height), ("H, mm", g.pitch), ("l1 for the strokes, mm", d.first[0]),
-        ("l2 for the strokes, mm", d.first[1]), ("A for the strokes, mm", d.first[2]),
-        ("needle stroke S_X, mm", d.needle_stroke), ("spreader stroke L_X, mm", d.spreader_stroke),
+        ("b, mm", g.height),
+        ("H, mm", g.pitch),
+        ("l1 for the strokes, mm", d.first[0]),
+        ("l2 for the strokes, mm", d.first[1]),
+        ("A for the strokes, mm", d.first[2]),
+        ("needle stroke S_X, mm", d.needle_stroke),
+        ("spreader stroke L_X, mm", d.spreader_stroke),
         ("L_X / S_X", d.spreader_stroke / d.needle_stroke),
-        ("ratio for l1 and l2", d.ratio), ("l1, mm", d.l1), ("l2, mm", d.l2), ("l3, mm", d.l3), ("A, mm", d.nose),
-        ("alpha, deg", math.degrees(d.slope)), ("opening f, mm", d.opening), ("DS, mm", g.between),
-    ]  # fmt: skip
+        ("ratio for l1 and l2", d.ratio),
+        ("l1, mm", d.l1),
+        ("l2, mm", d.l2),
+        ("l3, mm", d.l3),
+        ("A, mm", d.nose),
+        ("alpha, deg", math.degrees(d.slope)),
+        ("opening f, mm", d.opening),
+        ("DS, mm", g.between),
+    ]
     two = [
-        ("S_m{}, mm", d.in_fabric), ("S_B{}, mm", d.rises), ("capture phi3{}, deg", _deg(d.capture)),
-        ("pierce phi4{}, deg", _deg(d.pierce)), ("L_C{}, mm", d.behind),
+        ("S_m{}, mm", d.in_fabric),
+        ("S_B{}, mm", d.rises),
+        ("capture phi3{}, deg", _deg(d.capture)),
+        ("pierce phi4{}, deg", _deg(d.pierce)),
+        ("L_C{}, mm", d.behind),
         ("L_X{} needed for a loop held at the root, mm", d.needed),
-        ("loop angle at the pierce {}, deg", _deg(d.pierce_angles)), ("loop angle at shedding {}, deg", _deg(d.shed_angles)),
+        ("loop angle at the pierce {}, deg", _deg(d.pierce_angles)),
+        ("loop angle at shedding {}, deg", _deg(d.shed_angles)),
         ("needle {} out of the fabric, deg", _deg(d.out_of_fabric)),
-    ]  # fmt: skip
+    ]
     return one + [(name.format(k + 1), value) for name, pair in two for k, value in enumerate(pair)]
 
 
 def _beside(printed: Design, right: Design) -> Table:
     """Every figure as the source finds it, and corrected."""
-    rows = [(name, value, fine) for (name, value), (_, fine) in zip(_figures(printed), _figures(right), strict=True)]
+    rows = [
+        (name, value, fine)
+        for (name, value), (_, fine) in zip(_figures(printed), _figures(right), strict=True)
+    ]
     return Table("Published and corrected", ("quantity", "published", "corrected"), rows)
 
 
@@ -235,26 +363,68 @@ def _errata(g: Stitch, d: Design) -> Table:
     slide = [g.spacing / way if way > 0 else math.inf for way in (in1 - s1, in2 - s2)]
     s_x, true = d.needle_stroke, g.in_fabric(g.plate)
     way = g.spacing + d.first[2]
-    strokes = s_x * (d.behind[1] + way) / (d.rises[1] - s1), s_x * (d.behind[0] + way) / (d.rises[0] - s2)
+    strokes = (
+        s_x * (d.behind[1] + way) / (d.rises[1] - s1),
+        s_x * (d.behind[0] + way) / (d.rises[0] - s2),
+    )
     r = d.spreader_stroke / s_x
     new = max(g.reach) * r, g.height * r
     rows: list[tuple[object, ...]] = [
-        (1, "S_m1, S_m2, S_X, mm", shown(*d.in_fabric, s_x), shown(*true, g.needle_stroke(true)),
-         "made with e = 4 instead of the adopted plate_to_spreader"),
-        (2, "pierce angles, deg", shown(*_deg(d.pierce)), shown(*_deg([3 * math.pi - angle for angle in d.pierce])),
-         "wrong branch, 180 deg + arccos instead of 360 deg - arccos; right here at the published S_X and S_B, in the table "
-         "above at the corrected ones"),
-        (3, "S_B2, mm", shown(d.rises[1]), shown(g.reach[1] + s2 + g.height), "too high by H + l_H"),
-        (4, "L_X1, L_X2, mm", shown(*d.needed), shown(*strokes),
-         "lacks a factor 2, and 0.003 stands for 0.03; in step no cosine is needed"),
-        (5, "ratio, l1, l2, A, mm", shown(d.ratio, d.l1, d.l2, d.nose), shown(r, *new, sum(new)), "dS/dL taken for dL/dS"),
-        (6, "thread saved, %", shown(wrong6), shown(right6),
-         "divides by the new stitch's thread instead of the four-thread one's"),
-        (7, "least ratio for both loops", "any", shown(max(slide)),
-         "both conditions cannot hold for a loop held at the nose's root; for one that slides along the nose the ratio must be "
-         f"above {shown(*slide)}"),
-    ]  # fmt: skip
-    return Table("Errata of the source", ("no.", "quantity", "published", "corrected", "what is wrong"), rows)
+        (
+            1,
+            "S_m1, S_m2, S_X, mm",
+            shown(*d.in_fabric, s_x),
+            shown(*true, g.needle_stroke(true)),
+            "made with e = 4 instead of the adopted plate_to_spreader",
+        ),
+        (
+            2,
+            "pierce angles, deg",
+            shown(*_deg(d.pierce)),
+            shown(*_deg([3 * math.pi - angle for angle in d.pierce])),
+            "wrong branch, 180 deg + arccos instead of 360 deg - arccos; right here at the published S_X and S_B, in the table "
+            "above at the corrected ones",
+        ),
+        (
+            3,
+            "S_B2, mm",
+            shown(d.rises[1]),
+            shown(g.reach[1] + s2 + g.height),
+            "too high by H + l_H",
+        ),
+        (
+            4,
+            "L_X1, L_X2, mm",
+            shown(*d.needed),
+            shown(*strokes),
+            "lacks a factor 2, and 0.003 stands for 0.03; in step no cosine is needed",
+        ),
+        (
+            5,
+            "ratio, l1, l2, A, mm",
+            shown(d.ratio, d.l1, d.l2, d.nose),
+            shown(r, *new, sum(new)),
+            "dS/dL taken for dL/dS",
+        ),
+        (
+            6,
+            "thread saved, %",
+            shown(wrong6),
+            shown(right6),
+            "divides by the new stitch's thread instead of the four-thread one's",
+        ),
+        (
+            7,
+            "least ratio for both loops",
+            "any",
+            shown(max(slide)),
+            "both conditions cannot hold for a loop held at the nose's root; for one that slides along the nose the ratio must be "
+            f"above {shown(*slide)}",
+        ),
+    ]
+    return Table(
+        "Errata of the source", ("no.", "quantity", "published", "corrected", "what is wrong"), rows
+    )
 
 
 def _loops(d: Design) -> Table:
@@ -264,13 +434,23 @@ def _loops(d: Design) -> Table:
         return "stays" if angle <= HOLDS[0] else "may slide" if angle <= HOLDS[1] else "slides"
 
     rows = [
-        (k + 1, d.margins[k], d.held[k], *_deg([d.pierce_angles[k], d.shed_angles[k]]), holds(d.shed_angles[k])) for k in (0, 1)
+        (
+            k + 1,
+            d.margins[k],
+            d.held[k],
+            *_deg([d.pierce_angles[k], d.shed_angles[k]]),
+            holds(d.shed_angles[k]),
+        )
+        for k in (0, 1)
     ]
     columns = (
-        "loop", "nose past the other needle, mm (> 0: a sliding loop is pierced)",
+        "loop",
+        "nose past the other needle, mm (> 0: a sliding loop is pierced)",
         "seat past it, mm (> 0: one held at the root is)",
-        "angle at the pierce, deg", "angle at shedding, deg", f"at shedding on the nose ({low:.0f} to {high:.0f} deg hold)",
-    )  # fmt: skip
+        "angle at the pierce, deg",
+        "angle at shedding, deg",
+        f"at shedding on the nose ({low:.0f} to {high:.0f} deg hold)",
+    )
     return Table("Loops", columns, rows)
 
 
@@ -278,14 +458,24 @@ def _tips(d: Design) -> Table:
     """Where tips are to P6 along the stroke, at nose level and at the height of C; below 0 inside the spreader."""
     r = d.spreader_stroke / d.needle_stroke
     rows = [(pair, gap, gap + d.l2 - r * d.given.height) for pair, gap in d.offsets().items()]
-    return Table("Needle's tip before P6, along the stroke", ("pair", "at nose level, mm", "at the height of C, mm"), rows)
+    return Table(
+        "Needle's tip before P6, along the stroke",
+        ("pair", "at nose level, mm", "at the height of C, mm"),
+        rows,
+    )
 
 
 def _thread(g: Stitch, length: float) -> Table:
     rows = [
-        (f"{m:g}, {t:g}, {z:g}", *thread_per_stitch(m, t, z).values()) for m, t, z in ((g.thickness, length, g.spacing), _EXAMPLE)
+        (f"{m:g}, {t:g}, {z:g}", *thread_per_stitch(m, t, z).values())
+        for m, t, z in ((g.thickness, length, g.spacing), _EXAMPLE)
     ]
-    columns = ("thickness, length, width, mm", "new stitch, mm", "type 406, mm", "four-thread, mm (66 printed for the last row)")
+    columns = (
+        "thickness, length, width, mm",
+        "new stitch, mm",
+        "type 406, mm",
+        "four-thread, mm (66 printed for the last row)",
+    )
     return Table("Thread of a stitch", columns, rows)
 
 
@@ -294,4 +484,6 @@ def _ratios(conditions: Sequence[Condition], ratio: float) -> Table:
     for each in conditions:
         roots = " and ".join(f"{root:.9g}" for root in sorted(each.roots) if root > 0)
         rows.append((each.name, "yes" if each.spare(ratio) >= -1e-12 else "no", roots or "-"))
-    return Table("Velocity ratio, laws in step", ("so that", f"kept at {ratio:.9g}", "changes at"), rows)
+    return Table(
+        "Velocity ratio, laws in step", ("so that", f"kept at {ratio:.9g}", "changes at"), rows
+    )

@@ -45,8 +45,14 @@ def entered(d: Design) -> tuple[float, float]:
 def taken(d: Design, k: int, phi: Floats) -> Floats:
     """How far the nose of spreader k (0, 1) has taken its loop towards the other needle, (n,) mm; phi: 0 to 2 pi."""
     nose, way = d.noses(phi)[k], d.noses(_ROUND)[k]
-    far, most, missed = float(_ROUND[int(np.argmax(way))]), float(way.max()), not d.margins[k] >= d.l1
-    seat = d.l1 if not missed else min(d.l1, max(0.0, most - d.given.spacing - d.given.needle))  # where it takes the loop along
+    far, most, missed = (
+        float(_ROUND[int(np.argmax(way))]),
+        float(way.max()),
+        not d.margins[k] >= d.l1,
+    )
+    seat = (
+        d.l1 if not missed else min(d.l1, max(0.0, most - d.given.spacing - d.given.needle))
+    )  # where it takes the loop along
     held = np.maximum(nose - seat, 0.0)
     return np.asarray(np.where((phi > far) & missed, np.clip(nose, 0.0, most - seat), held))
 
@@ -79,29 +85,57 @@ def course(d: Design, k: int, theta: Floats) -> Points:
     out, deep = loop(d, k, phi)
     dip = x + 1j * np.minimum(eye, 0.0)
     rows = (
-        np.full(phi.shape, x + 1j * top), x + 1j * np.maximum(eye, g.thickness), hole,
-        np.where(rising, hole, dip), hole, np.where(rising, dip, hole),
-        x + side * out - 1j * deep, hole, np.full(phi.shape, x + side * g.spacing + 0j),
-    )  # fmt: skip
+        np.full(phi.shape, x + 1j * top),
+        x + 1j * np.maximum(eye, g.thickness),
+        hole,
+        np.where(rising, hole, dip),
+        hole,
+        np.where(rising, dip, hole),
+        x + side * out - 1j * deep,
+        hole,
+        np.full(phi.shape, x + side * g.spacing + 0j),
+    )
     return np.stack(rows, axis=-1)
 
 
 def sketches(d: Design) -> tuple[Sketch, Sketch]:
     """Both threads for the moving picture."""
-    return Sketch("thread 1", course=partial(course, d, 0)), Sketch("thread 2", course=partial(course, d, 1))
+    return Sketch("thread 1", course=partial(course, d, 0)), Sketch(
+        "thread 2", course=partial(course, d, 1)
+    )
 
 
 def lengths(d: Design) -> tuple[Mapping[str, float], Table]:
     """Of both loops at capture, at the pierce and at shedding: two legs each, mm."""
     rows, numbers = [], {}
     for k, name in enumerate(("1", "2")):
-        for what, phi in (("capture", d.capture[k]), ("pierce", entered(d)[k]), ("shedding", d.shed[k])):
+        for what, phi in (
+            ("capture", d.capture[k]),
+            ("pierce", entered(d)[k]),
+            ("shedding", d.shed[k]),
+        ):
             if math.isnan(phi):
                 continue
             out, deep = (float(each[0]) for each in loop(d, k, np.array([phi])))
             numbers[f"loop_length_{what}_{name}_mm"] = length = 2 * math.hypot(out, deep)
-            rows.append((f"loop {name}, {what}", math.degrees(phi), out, deep, length, math.degrees(math.atan2(out, deep))))
-    columns = ("loop", "shaft angle, deg", "towards the other needle, mm", "deep, mm", "both legs, mm", "to the vertical, deg")
+            rows.append(
+                (
+                    f"loop {name}, {what}",
+                    math.degrees(phi),
+                    out,
+                    deep,
+                    length,
+                    math.degrees(math.atan2(out, deep)),
+                )
+            )
+    columns = (
+        "loop",
+        "shaft angle, deg",
+        "towards the other needle, mm",
+        "deep, mm",
+        "both legs, mm",
+        "to the vertical, deg",
+    )
     return numbers, Table("Loops in the moving picture", columns, rows)
 
 
@@ -117,11 +151,19 @@ def seam(d: Design, stitch: float) -> Plot:
         return legs
 
     thin = 0.03 * stitch  # by which the two legs of a loop are drawn apart
-    series = [(name, np.real(z), np.imag(z)) for name, z in (
-        ("loops of thread 1", np.array(under(one, two, thin))), ("loops of thread 2", np.array(under(two, one, thin))),
-        ("on top, both", np.concatenate([one + 1j * rows, [gap], two + 1j * rows])),
-    )]  # fmt: skip
-    points = [(f"{name}{k}", x, float(y)) for name, x in (("N1.", one), ("N2.", two)) for k, y in enumerate(rows, 1)]
+    series = [
+        (name, np.real(z), np.imag(z))
+        for name, z in (
+            ("loops of thread 1", np.array(under(one, two, thin))),
+            ("loops of thread 2", np.array(under(two, one, thin))),
+            ("on top, both", np.concatenate([one + 1j * rows, [gap], two + 1j * rows])),
+        )
+    ]
+    points = [
+        (f"{name}{k}", x, float(y))
+        for name, x in (("N1.", one), ("N2.", two))
+        for k, y in enumerate(rows, 1)
+    ]
     title = "Source, figure 1, e: the seam from below, thread on top 2t and under the fabric 4q a stitch"
     return Plot(title, "across, mm", "along the feed, mm", series, equal=True, points=points)
 
@@ -132,16 +174,29 @@ def moments(d: Design) -> Sequence[Plot]:
     for which, what, phi in (("a", "capture", d.capture[0]), ("b", "pierce", entered(d)[0])):
         if math.isnan(phi):
             continue
-        at, (tip1, tip2), (nose1, nose2) = np.array([phi]), *((float(a[0]), float(b[0])) for a, b in
-                                                             (d.tips(np.array([phi])), d.noses(np.array([phi]))))  # fmt: skip
+        at, (tip1, tip2), (nose1, nose2) = (
+            np.array([phi]),
+            *(
+                (float(a[0]), float(b[0]))
+                for a, b in (d.tips(np.array([phi])), d.noses(np.array([phi])))
+            ),
+        )
         g, threads = d.given, [course(d, k, at)[0] for k in (0, 1)]
         series = [(f"thread {k}", z.real, z.imag) for k, z in enumerate(threads, 1)]
         low, high = g.levels
-        noses = np.array([nose1 - d.nose, nose1], complex) - 1j * low, np.array([0, d.nose]) + g.spacing - nose2 - 1j * high
+        noses = (
+            np.array([nose1 - d.nose, nose1], complex) - 1j * low,
+            np.array([0, d.nose]) + g.spacing - nose2 - 1j * high,
+        )
         series += [(f"spreader {k}", z.real, z.imag) for k, z in enumerate(noses, 1)]
         points = [
-            ("N1", 0.0, tip1), ("N2", g.spacing, tip2), ("P1", nose1, -low), ("P2", g.spacing - nose2, -high),
-        ]  # fmt: skip
+            ("N1", 0.0, tip1),
+            ("N2", g.spacing, tip2),
+            ("P1", nose1, -low),
+            ("P2", g.spacing - nose2, -high),
+        ]
         title = f"Source, figure 4, {which}: {what} of loop 1, {math.degrees(phi):.1f} deg"
-        found.append(Plot(title, "across, mm", "over the plate, mm", series, equal=True, points=points))
+        found.append(
+            Plot(title, "across, mm", "over the plate, mm", series, equal=True, points=points)
+        )
     return found

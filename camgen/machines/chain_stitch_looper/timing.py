@@ -23,7 +23,10 @@ from camgen.machines.chain_stitch_looper.stitch import Design
 from camgen.tolerances import BOUND_SPARE
 
 _ANGLES = 240  # of the turn, to begin with
-_PARTS, _ROUNDS = 6, 4  # into which a step where the least gap may be is cut, and how often: 4e-4 mm are left
+_PARTS, _ROUNDS = (
+    6,
+    4,
+)  # into which a step where the least gap may be is cut, and how often: 4e-4 mm are left
 FARTHEST = math.radians(30)  # lag that is looked at: no machine is so far off
 _STEP = 1e-5  # rad, of the lag, where bodies are as good as in touch
 
@@ -53,7 +56,9 @@ class Clock:
     design: Design
     section: Points
     needles: tuple[Points, Points]
-    _timings: dict[bool, Timing] = field(default_factory=dict, init=False, repr=False, compare=False)
+    _timings: dict[bool, Timing] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     def noses(self, phi: Floats, lag: float, anew: bool) -> tuple[Floats, Floats]:
         """Way of each spreader's nose beyond its own needle, mm, (n,) each; lag: rad, besides the design's own."""
@@ -67,10 +72,18 @@ class Clock:
         """For each needle at p the gap is the largest of Re(conj(normal) p) - limit: normals and limits, (k,)."""
         found = []
         for needle in self.needles:
-            edges = np.concatenate([np.roll(self.section, -1) - self.section, needle - np.roll(needle, -1)])
+            edges = np.concatenate(
+                [np.roll(self.section, -1) - self.section, needle - np.roll(needle, -1)]
+            )
             normals = -1j * edges / np.abs(edges)
             across = np.conj(normals)[:, None]
-            found.append((normals, np.max((across * self.section).real, axis=1) - np.min((across * needle).real, axis=1)))
+            found.append(
+                (
+                    normals,
+                    np.max((across * self.section).real, axis=1)
+                    - np.min((across * needle).real, axis=1),
+                )
+            )
         return found[0], found[1]
 
     def _gaps(self, phi: Floats, lag: float, anew: bool) -> Floats:
@@ -101,7 +114,9 @@ class Clock:
     def _speeds(self) -> tuple[float, float]:
         """Greatest speeds of needles and spreaders, mm/rad."""
         phi = np.linspace(0, math.tau, 48 * _ANGLES + 1)
-        needles, spreaders = (float(np.max(np.abs(f(phi, 1)))) for f in (self.design.risen, self.design.moved))
+        needles, spreaders = (
+            float(np.max(np.abs(f(phi, 1)))) for f in (self.design.risen, self.design.moved)
+        )
         return needles * (1 + BOUND_SPARE), spreaders * (1 + BOUND_SPARE)
 
     @property
@@ -114,7 +129,10 @@ class Clock:
         nan where a tip never comes down to a nose.
         """
         one, two = self.noses(np.nan_to_num(self._entries), lag, anew)
-        past: Floats = np.where(np.isnan(self._entries), math.nan, [one[0], two[1]]) - self.design.given.spacing
+        past: Floats = (
+            np.where(np.isnan(self._entries), math.nan, [one[0], two[1]])
+            - self.design.given.spacing
+        )
         return float(np.min(past))
 
     @cached_property
@@ -126,7 +144,9 @@ class Clock:
         """Lag and lead to the first strike and to the first loop that is missed."""
         if anew not in self._timings:
             speed = self._speeds[1] * (2 if anew else 1)
-            strike, missed = ([_first(f, sign, speed, anew) for sign in (1, -1)] for f in (self.gap, self.margin))
+            strike, missed = (
+                [_first(f, sign, speed, anew) for sign in (1, -1)] for f in (self.gap, self.margin)
+            )
             self._timings[anew] = Timing(*strike, *missed)
         return self._timings[anew]
 
@@ -141,4 +161,3 @@ def _first(spare: Callable[[float, bool], float], sign: int, speed: float, anew:
         kept = lag
         lag += max(left / speed, _STEP)
     return math.inf
-

@@ -113,7 +113,9 @@ class Value:
         wide = f"{self.wide:.1g}" if self.unit == "1" else f"{self.wide:.3f}"
         known = "" if self.value == self.measured else f"would be {self.measured:.3f} "
         unit = "share" if self.unit == "1" else self.unit
-        return f"{self.key} = {told}".ljust(36) + f"# {unit}, {known}+- {wide} (95 %): {self.source}"
+        return (
+            f"{self.key} = {told}".ljust(36) + f"# {unit}, {known}+- {wide} (95 %): {self.source}"
+        )
 
 
 @dataclass(frozen=True)
@@ -125,9 +127,13 @@ class Calibrated:
 
 
 def calibrated(
-    features: Sequence[Feature], sizes: Mapping[str, Sequence[float]], printed: Printed, caliper: float,
-    ladder: tuple[Feature, Feature | None, Feature | None, float] | None = None, disc: tuple[str, str] = ("", ""),
-) -> Calibrated:  # fmt: skip
+    features: Sequence[Feature],
+    sizes: Mapping[str, Sequence[float]],
+    printed: Printed,
+    caliper: float,
+    ladder: tuple[Feature, Feature | None, Feature | None, float] | None = None,
+    disc: tuple[str, str] = ("", ""),
+) -> Calibrated:
     """What [print] has to be.
 
     sizes: measured, mm, by feature; caliper: standard deviation of one reading; ladder: the pin, the tightest hole in which it
@@ -144,21 +150,45 @@ def calibrated(
     theta[free] = fit.values
     found: list[Value] = []
 
-    named = {1: ("hole_compensation", "mm", "from the walls of holes"), 2: ("profile_compensation", "mm", "from outlines"),
-             0: ("shrinkage", "1", "from long sizes")}  # fmt: skip
+    named = {
+        1: ("hole_compensation", "mm", "from the walls of holes"),
+        2: ("profile_compensation", "mm", "from outlines"),
+        0: ("shrinkage", "1", "from long sizes"),
+    }
     for k, (key, unit, said) in named.items():
         if k in free:
             value = 1 - theta[0] if k == 0 else theta[k]
-            found.append(Value(key, float(value), fit.wide(np.eye(len(free))[free.index(k)]), unit, said))
+            found.append(
+                Value(key, float(value), fit.wide(np.eye(len(free))[free.index(k)]), unit, said)
+            )
     if all(name in sizes for name in disc):
         foot, middle = (float(np.mean(sizes[name])) for name in disc)
         value, wide = printed.foot + (foot - middle) / 2, coverage(0) * caliper / math.sqrt(2)
-        found.append(Value("elephant_foot", value, wide, "mm", "the disc at its foot and above", "no chamfer is needed"))
+        found.append(
+            Value(
+                "elephant_foot",
+                value,
+                wide,
+                "mm",
+                "the disc at its foot and above",
+                "no chamfer is needed",
+            )
+        )
     if ladder is not None and set(known) == {1, 2}:
         pin, runs, holds, step = ladder
         fits = (
-            ("slide_clearance", runs, "the tightest hole in which the pin turns", "pins turn more loosely than felt"),
-            ("press_clearance", holds, "the widest hole in which the pin holds", "glue what has to hold"),
+            (
+                "slide_clearance",
+                runs,
+                "the tightest hole in which the pin turns",
+                "pins turn more loosely than felt",
+            ),
+            (
+                "press_clearance",
+                holds,
+                "the widest hole in which the pin holds",
+                "glue what has to hold",
+            ),
         )
         for key, hole, said, below_0 in fits:
             if hole is not None:
@@ -167,16 +197,30 @@ def calibrated(
                 found.append(Value(key, float(row @ theta), wide, "mm", said, below_0))
     if fit.freedom >= _SCATTER_FROM:
         wide = fit.scatter * coverage(fit.freedom) / math.sqrt(2 * fit.freedom)
-        found.append(Value("size_error", fit.scatter, wide, "mm", "scatter of the sizes, the caliper's in it"))
-    rows = zip((each.name for each in seen), means.tolist(), (means - fit.left).tolist(), fit.left.tolist(), strict=True)
+        found.append(
+            Value(
+                "size_error", fit.scatter, wide, "mm", "scatter of the sizes, the caliper's in it"
+            )
+        )
+    rows = zip(
+        (each.name for each in seen),
+        means.tolist(),
+        (means - fit.left).tolist(),
+        fit.left.tolist(),
+        strict=True,
+    )
     return Calibrated(found, list(rows))
 
 
-def _fitted(table: Floats, means: Floats, known: list[int], printed: Printed, caliper: float) -> tuple[Fit, list[int]]:
+def _fitted(
+    table: Floats, means: Floats, known: list[int], printed: Printed, caliper: float
+) -> tuple[Fit, list[int]]:
     """The fit, and which of k, h, p it gives: k only where the sizes tell it well enough, else it stays as printed."""
     free = [0, *known]
     if len(means) >= len(free) and np.linalg.matrix_rank(table[:, free]) == len(free):
         fit = least_squares(table[:, free], means, caliper)
         if fit.wide(np.eye(len(free))[0]) <= _SHRINKAGE_KNOWN:
             return fit, free
-    return least_squares(table[:, known], means - table[:, 0] * (1 - printed.shrinkage), caliper), known
+    return least_squares(
+        table[:, known], means - table[:, 0] * (1 - printed.shrinkage), caliper
+    ), known

@@ -34,7 +34,9 @@ _OFF = 1.0  # mm, by which no printer is off: another size was measured
 _SLOT = 6.0  # mm, half the length of a gap
 _APART = 10.0  # mm, between plate, disc and pin as they are shown
 Sizes = Annotated[tuple[Length, ...], Field(min_length=1, max_length=12)]
-Steps = Annotated[tuple[Annotated[float, Field(ge=-1, le=2)], ...], Field(min_length=2, max_length=12)]
+Steps = Annotated[
+    tuple[Annotated[float, Field(ge=-1, le=2)], ...], Field(min_length=2, max_length=12)
+]
 
 
 class Geometry(Record):
@@ -65,12 +67,16 @@ class Measured(Record):
     caliper: Annotated[float, Field(gt=0, le=1)] = 0.02
     runs: float | None = None
     holds: float | None = None
-    sizes: dict[str, Length | Annotated[tuple[Length, ...], Field(min_length=1, max_length=100)]] = {}
+    sizes: dict[
+        str, Length | Annotated[tuple[Length, ...], Field(min_length=1, max_length=100)]
+    ] = {}
 
     @model_validator(mode="before")
     @classmethod
     def _sizes_below(cls, data: Any) -> Any:
-        stray = [key for key in data if " " in key or key == "disc"] if isinstance(data, dict) else []
+        stray = (
+            [key for key in data if " " in key or key == "disc"] if isinstance(data, dict) else []
+        )
         if stray:
             raise ValueError(f"below the line [measured.sizes]: {', '.join(stray)}")
         return data
@@ -98,18 +104,40 @@ class Coupon(Mechanism):
         for key in ("holes", "gaps", "pins", "clearances"):
             values = getattr(g, key)
             if any(not float(f"{a:g}") < float(f"{b:g}") for a, b in pairwise(values)):
-                found.append(Fault(f"geometry.{key}", str(list(values)), "sizes from small to large, each once"))
+                found.append(
+                    Fault(
+                        f"geometry.{key}", str(list(values)), "sizes from small to large, each once"
+                    )
+                )
         if g.fit_pin + g.clearances[0] < self.print.nozzle:
             said = f"more than {self.print.nozzle - g.fit_pin:g}: a hole is left"
             found.append(Fault("geometry.clearances.0", f"{g.clearances[0]:g}", said))
         if self.making.wall < self.print.nozzle:
-            found.append(Fault("parts.wall", f"{self.making.wall:g}", f"at least the nozzle, {self.print.nozzle:g} mm"))
+            found.append(
+                Fault(
+                    "parts.wall",
+                    f"{self.making.wall:g}",
+                    f"at least the nozzle, {self.print.nozzle:g} mm",
+                )
+            )
         for key in ("runs", "holds"):
             value = getattr(m, key)
             if value is not None and value not in g.clearances:
-                found.append(Fault(f"measured.{key}", f"{value:g}", f"one of geometry.clearances: {list(g.clearances)}"))
+                found.append(
+                    Fault(
+                        f"measured.{key}",
+                        f"{value:g}",
+                        f"one of geometry.clearances: {list(g.clearances)}",
+                    )
+                )
         if m.runs is not None and m.holds is not None and m.holds >= m.runs:
-            found.append(Fault("measured.holds", f"{m.holds:g}", f"less than measured.runs, {m.runs:g}: the pin is tight there"))
+            found.append(
+                Fault(
+                    "measured.holds",
+                    f"{m.holds:g}",
+                    f"less than measured.runs, {m.runs:g}: the pin is tight there",
+                )
+            )
         nominal = {each.name: each.nominal for each in self.sizes}
         for name, size in m.sizes.items():
             if name not in nominal:
@@ -131,21 +159,36 @@ class Coupon(Mechanism):
         found += [Feature(f"gap {w:g}", w, -2, 0) for w in g.gaps]
         found += [Feature(f"pin {d:g}", d, 0, 2) for d in g.pins]
         found += [Feature(f"fit {c:g}", g.fit_pin + c, -2, 0) for c in g.clearances]
-        found += [Feature("fit pin", g.fit_pin, 0, 2), Feature("disc", g.disc, 0, 2), Feature("disc bore", g.datum_hole, -2, 0)]
+        found += [
+            Feature("fit pin", g.fit_pin, 0, 2),
+            Feature("disc", g.disc, 0, 2),
+            Feature("disc bore", g.datum_hole, -2, 0),
+        ]
         for axis, way in (("x", g.length), ("y", g.width)):
-            found += [Feature(f"over {axis}", way + g.datum_hole, -2, 0), Feature(f"between {axis}", way - g.datum_hole, 2, 0)]
+            found += [
+                Feature(f"over {axis}", way + g.datum_hole, -2, 0),
+                Feature(f"between {axis}", way - g.datum_hole, 2, 0),
+            ]
         return [*found, Feature("disc foot", g.disc, 0, 2)]
 
     @cached_property
     def calibrated(self) -> Calibrated:
         """What follows from [measured]."""
         p, m, named = self.print, self.measured, {each.name: each for each in self.sizes}
-        given = {name: size if isinstance(size, tuple) else (size,) for name, size in m.sizes.items()}
+        given = {
+            name: size if isinstance(size, tuple) else (size,) for name, size in m.sizes.items()
+        }
         fits = [None if c is None else named[f"fit {c:g}"] for c in (m.runs, m.holds)]
         step = min(b - a for a, b in pairwise(self.geometry.clearances))
         printed = Printed(p.hole_compensation, p.profile_compensation, p.shrinkage, p.elephant_foot)
-        return calibrated([each for each in self.sizes if each.name != "disc foot"], given, printed, m.caliper,
-                          (named["fit pin"], fits[0], fits[1], step), ("disc foot", "disc"))  # fmt: skip
+        return calibrated(
+            [each for each in self.sizes if each.name != "disc foot"],
+            given,
+            printed,
+            m.caliper,
+            (named["fit pin"], fits[0], fits[1], step),
+            ("disc foot", "disc"),
+        )
 
     # ---- answers ----------------------------------------------------------------------------------------------------
 
@@ -161,37 +204,62 @@ class Coupon(Mechanism):
         """CALIBRATION of each value in mm, CALIBRATION_FIT of the size that is farthest off the fit."""
         self.parts()
         found = [
-            at_most("CALIBRATION", value.wide, self.allowed.uncertainty, "mm", f"print.{value.key}",
-                    f"{value.value:.4g} mm, known to so much (95 %): measure more sizes, or each one several times")
-            for value in self.calibrated.values if value.key in ("hole_compensation", "profile_compensation")
-        ]  # fmt: skip
+            at_most(
+                "CALIBRATION",
+                value.wide,
+                self.allowed.uncertainty,
+                "mm",
+                f"print.{value.key}",
+                f"{value.value:.4g} mm, known to so much (95 %): measure more sizes, or each one several times",
+            )
+            for value in self.calibrated.values
+            if value.key in ("hole_compensation", "profile_compensation")
+        ]
         if self.calibrated.rows:
             name, measured, meant, left = max(self.calibrated.rows, key=lambda row: abs(row[3]))
             said = f"measured {measured:.4g} mm, {meant:.4g} by the values found; measure it again, or print it for itself"
-            found.append(at_most("CALIBRATION_FIT", abs(left), self.allowed.departure, "mm", name, said))
+            found.append(
+                at_most("CALIBRATION_FIT", abs(left), self.allowed.departure, "mm", name, said)
+            )
         return found
 
     def study(self) -> Study:
         """The values and how well they fit, or what to measure."""
         done = self.calibrated
-        numbers = {f"print_{each.key}_{'share' if each.unit == '1' else each.unit}": each.value for each in done.values}
+        numbers = {
+            f"print_{each.key}_{'share' if each.unit == '1' else each.unit}": each.value
+            for each in done.values
+        }
         if not done.rows:
             return Study(notes=self.remarks())
-        values = [(each.key, each.value, each.measured, each.wide, each.unit, each.source) for each in done.values]
+        values = [
+            (each.key, each.value, each.measured, each.wide, each.unit, each.source)
+            for each in done.values
+        ]
         nominal = {each.name: each.nominal for each in self.sizes}
         rows = [(name, nominal[name], *row) for name, *row in done.rows]
         series = ("sizes", np.array([row[1] for row in rows]), np.array([row[-1] for row in rows]))
         plot = Plot("What is left of each size", "nominal, mm", "mm", [series], dots=("sizes",))
         tables = [
-            Table("Values for [print]", ("key", "value", "measured", "+- (95 %)", "unit", "from"), values),
-            Table("Sizes", ("feature", "nominal, mm", "measured, mm", "by these values, mm", "left, mm"), rows),
+            Table(
+                "Values for [print]",
+                ("key", "value", "measured", "+- (95 %)", "unit", "from"),
+                values,
+            ),
+            Table(
+                "Sizes",
+                ("feature", "nominal, mm", "measured, mm", "by these values, mm", "left, mm"),
+                rows,
+            ),
         ]
         return Study(numbers, [plot], tables)
 
     def remarks(self) -> Sequence[str]:
         """What to paste, line by line, or what to do first."""
         if not self.calibrated.values:
-            return ("nothing is measured yet: print it, measure it, type the sizes into [measured.sizes] and build again",)
+            return (
+                "nothing is measured yet: print it, measure it, type the sizes into [measured.sizes] and build again",
+            )
         return ("for [print] of your specs:", *(each.line for each in self.calibrated.values))
 
     def texts(self) -> Mapping[str, str]:
@@ -210,32 +278,74 @@ class Coupon(Mechanism):
         g, p, least = self.geometry, self.making, self.allowed.min_wall
         datum = g.datum_hole / 2
         holes: dict[str, tuple[complex, Contour]] = {
-            name: (z, circle(z, datum)) for name, z in (("A", 0j), ("B", complex(g.length)), ("C", 1j * g.width))
+            name: (z, circle(z, datum))
+            for name, z in (("A", 0j), ("B", complex(g.length)), ("C", 1j * g.width))
         }
         y = self._heights()
         for name, x, w in self._row("gap", g.gaps, datum, g.length - datum):
-            holes[name] = complex(x, y[0]), rectangle(complex(x - w / 2, y[0] - _SLOT), complex(x + w / 2, y[0] + _SLOT))
+            holes[name] = (
+                complex(x, y[0]),
+                rectangle(complex(x - w / 2, y[0] - _SLOT), complex(x + w / 2, y[0] + _SLOT)),
+            )
         for name, x, d in self._row("hole", g.holes, -datum, g.length + datum):
             holes[name] = complex(x, y[1]), circle(complex(x, y[1]), d / 2)
         for name, x, d in self._row("fit", g.clearances, -datum, g.length + datum, g.fit_pin):
             holes[name] = complex(x, y[2]), circle(complex(x, y[2]), d / 2)
-        pins = [(name, complex(x, y[3]), d) for name, x, d in self._row("pin", g.pins, datum, g.length + datum)]
-        left, right, low, high = -datum, g.length + datum, -max(datum, _SLOT), g.width + max(datum, max(g.pins) / 2)
-        corners = (complex(left, low), complex(right, low), complex(right, high), complex(left, high))
+        pins = [
+            (name, complex(x, y[3]), d)
+            for name, x, d in self._row("pin", g.pins, datum, g.length + datum)
+        ]
+        left, right, low, high = (
+            -datum,
+            g.length + datum,
+            -max(datum, _SLOT),
+            g.width + max(datum, max(g.pins) / 2),
+        )
+        corners = (
+            complex(left, low),
+            complex(right, low),
+            complex(right, high),
+            complex(left, high),
+        )
         outer = rounded([(z, p.wall) for z in corners])
-        region = plate("coupon", outer, {name: contour for name, (_, contour) in holes.items()}, least)
-        stand = (Layer(Region(circle(z, d / 2)), p.thickness, p.thickness + p.pin_height) for _, z, d in pins)
+        region = plate(
+            "coupon", outer, {name: contour for name, (_, contour) in holes.items()}, least
+        )
+        stand = (
+            Layer(Region(circle(z, d / 2)), p.thickness, p.thickness + p.pin_height)
+            for _, z, d in pins
+        )
         named = tuple((name, z) for name, (z, _) in holes.items())
-        over = [f"{axis}: {way + 2 * datum:g} over the far walls of A and {to}, {way - 2 * datum:g} between the near ones"
-                for axis, way, to in (("x", g.length, "B"), ("y", g.width, "C"))]  # fmt: skip
+        over = [
+            f"{axis}: {way + 2 * datum:g} over the far walls of A and {to}, {way - 2 * datum:g} between the near ones"
+            for axis, way, to in (("x", g.length, "B"), ("y", g.width, "C"))
+        ]
         body = Part(
-            "gauge", "Plate with holes and pins", (Layer(region, 0.0, p.thickness), *stand),
-            centres=tuple(z for _, z in named), min_wall=least,
-            points=(*named, *((name, z) for name, z, _ in pins)), notes=tuple(over),
-        )  # fmt: skip
-        pin = headed("pin", "Loose pin", g.fit_pin, p.thickness + p.pin_height, g.fit_pin + 2 * p.wall, p.wall)
+            "gauge",
+            "Plate with holes and pins",
+            (Layer(region, 0.0, p.thickness), *stand),
+            centres=tuple(z for _, z in named),
+            min_wall=least,
+            points=(*named, *((name, z) for name, z, _ in pins)),
+            notes=tuple(over),
+        )
+        pin = headed(
+            "pin",
+            "Loose pin",
+            g.fit_pin,
+            p.thickness + p.pin_height,
+            g.fit_pin + 2 * p.wall,
+            p.wall,
+        )
         round_ = plate("disc", circle(0j, g.disc / 2), {"bore": circle(0j, datum)}, least)
-        disc = Part("disc", "Disc", (Layer(round_, 0.0, p.thickness),), centres=(0j,), bore=g.datum_hole, min_wall=least)
+        disc = Part(
+            "disc",
+            "Disc",
+            (Layer(round_, 0.0, p.thickness),),
+            centres=(0j,),
+            bore=g.datum_hole,
+            min_wall=least,
+        )
         return body, pin, disc
 
     def _row(
@@ -246,8 +356,14 @@ class Coupon(Mechanism):
         air = (high - low - sum(widths)) / (len(widths) + 1)
         if min(widths) <= 0 or air < self.making.wall:
             needed = self.geometry.length + (len(widths) + 1) * (self.making.wall - air)
-            raise DesignError("geometry.length", self.geometry.length, needed, "mm", f"the row of {kind} {values[-1]:g}",
-                              "make it longer, or leave sizes out")  # fmt: skip
+            raise DesignError(
+                "geometry.length",
+                self.geometry.length,
+                needed,
+                "mm",
+                f"the row of {kind} {values[-1]:g}",
+                "make it longer, or leave sizes out",
+            )
         x = low
         for value, width in zip(values, widths, strict=True):
             yield f"{kind} {value:g}", x + air + width / 2, width
@@ -257,7 +373,12 @@ class Coupon(Mechanism):
         """Ordinates of the rows, mm, from gaps to pins, evenly spaced; DesignError where they do not fit."""
         g = self.geometry
         fits = g.fit_pin + g.clearances[-1]
-        halves = max(_SLOT, g.datum_hole / 2), max(g.holes) / 2, fits / 2, max(g.datum_hole, *g.pins) / 2
+        halves = (
+            max(_SLOT, g.datum_hole / 2),
+            max(g.holes) / 2,
+            fits / 2,
+            max(g.datum_hole, *g.pins) / 2,
+        )
         air = (g.width - halves[0] - 2 * halves[1] - 2 * halves[2] - halves[3]) / 3
         if air < self.making.wall:
             needed = g.width + 3 * (self.making.wall - air)
@@ -282,4 +403,9 @@ class Coupon(Mechanism):
             "disc": "disc in the middle of its height, disc foot at its lowest layer, disc bore",
         }
         rows = [(k, part.name, how[part.name]) for k, part in enumerate(self._made, 1)]
-        return Table("What to measure, cold", ("step", "part", "how"), rows, [[f"{part.name}-1"] for part in self._made])
+        return Table(
+            "What to measure, cold",
+            ("step", "part", "how"),
+            rows,
+            [[f"{part.name}-1"] for part in self._made],
+        )

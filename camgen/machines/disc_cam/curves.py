@@ -17,7 +17,12 @@ _BANDS = (0.0, 10.0, 20.0, 30.0, 45.0, 90.0)  # deg, of the pressure angle along
 
 
 def plots(
-    program: Program, cams: Sequence[DiscCam[Follower]], who: Sequence[str], of: tuple[str, float], speed: float, base: float
+    program: Program,
+    cams: Sequence[DiscCam[Follower]],
+    who: Sequence[str],
+    of: tuple[str, float],
+    speed: float,
+    base: float,
 ) -> tuple[Plot, ...]:
     """The wanted motion with three derivatives to time, pressure angle and curvature, and the profile coloured by the former.
 
@@ -28,28 +33,54 @@ def plots(
     degrees, label = np.degrees(theta), "cam angle, deg"
     names = ("Displacement", "Velocity", "Acceleration", "Jerk")
     units = (unit, f"{unit}/s", f"{unit}/s^2", f"{unit}/s^3")
-    marks = [(s.kind, math.degrees(at)) for s, at in zip(program.segments, program.joints, strict=False)]
+    marks = [
+        (s.kind, math.degrees(at)) for s, at in zip(program.segments, program.joints, strict=False)
+    ]
     svaj = [
         Plot(name, label, text, [("wanted", degrees, scale * speed**k * program(theta, k))], marks)
         for k, (name, text) in enumerate(zip(names, units, strict=True))
     ]
     steep = [np.degrees(cam.pressure_angle(theta)) for cam in cams]
-    pressure = Plot("Pressure angle", label, "deg", [(name, degrees, y) for name, y in zip(who, steep, strict=True)])
+    pressure = Plot(
+        "Pressure angle",
+        label,
+        "deg",
+        [(name, degrees, y) for name, y in zip(who, steep, strict=True)],
+    )
     radius = np.clip(cams[0].radius(theta), -10 * base, 10 * base)
-    curvature = Plot("Radius of curvature", label, "mm", [("profile, cut off at 10 base radii", degrees, radius)])
-    z = np.where(cams[0].reachable(theta) == program(theta), cams[0].profile(theta), np.nan)  # less what is cut off
+    curvature = Plot(
+        "Radius of curvature", label, "mm", [("profile, cut off at 10 base radii", degrees, radius)]
+    )
+    z = np.where(
+        cams[0].reachable(theta) == program(theta), cams[0].profile(theta), np.nan
+    )  # less what is cut off
     coloured = [
         (f"{a:g} to {b:g} deg", z.real, np.where((steep[0] >= a) & (steep[0] <= b), z.imag, np.nan))
         for a, b in pairwise(_BANDS)
         if np.any((steep[0] >= a) & (steep[0] <= b))
     ]
-    return (*svaj, pressure, curvature, Plot("Profile, by pressure angle", "x, mm", "y, mm", coloured, equal=True))
+    return (
+        *svaj,
+        pressure,
+        curvature,
+        Plot("Profile, by pressure angle", "x, mm", "y, mm", coloured, equal=True),
+    )
 
 
 def segments_table(program: Program, of: tuple[str, float]) -> Table:
     """Segments with their ends in the output's unit, and their laws."""
     unit, scale = of
-    columns = ("segment", "from, deg", "to, deg", f"from, {unit}", f"to, {unit}", "law", "C_v", "C_a", "C_j")
+    columns = (
+        "segment",
+        "from, deg",
+        "to, deg",
+        f"from, {unit}",
+        f"to, {unit}",
+        "law",
+        "C_v",
+        "C_a",
+        "C_j",
+    )
     rows: list[list[object]] = []
     for s, begin in zip(program.segments, program.joints, strict=False):
         law = [s.law.name, s.law.c_v, s.law.c_a, s.law.c_j] if s.scale else ["", "", "", ""]

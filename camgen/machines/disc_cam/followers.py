@@ -25,12 +25,18 @@ def standing_on(base: float, geometry: Geometry, top: float) -> Sequence[Followe
     if f.motion == "translating":
         if f.shape == "flat":
             start = f.offset + _UP * base
-            return [SlidingFace(start, _UP), SlidingFace(start - _UP * (2 * base + top), _UP, -1)][: 1 + both]
+            return [SlidingFace(start, _UP), SlidingFace(start - _UP * (2 * base + top), _UP, -1)][
+                : 1 + both
+            ]
         if abs(f.offset) >= prime:
             raise DesignError(
-                "geometry.follower.offset", f.offset, prime, "mm", "the base circle",
+                "geometry.follower.offset",
+                f.offset,
+                prime,
+                "mm",
+                "the base circle",
                 "the slide passes beside the pitch circle: use a smaller offset or a larger base_radius",
-            )  # fmt: skip
+            )
         high = math.sqrt(prime**2 - f.offset**2)
         start = f.offset + _UP * high
         second = SlidingTip(start - _UP * (2 * high + top), _UP, radius, -1)
@@ -40,19 +46,32 @@ def standing_on(base: float, geometry: Geometry, top: float) -> Sequence[Followe
         share = (base - f.face_offset) / far
         if not abs(share) < 1:
             raise DesignError(
-                "geometry.base_radius", base, far + f.face_offset, "mm", "the base circle",
+                "geometry.base_radius",
+                base,
+                far + f.face_offset,
+                "mm",
+                "the base circle",
                 "the face cannot touch it from that pivot: use a smaller base_radius or a larger pivot_distance",
-            )  # fmt: skip
+            )
         facing = cmath.rect(1, -math.acos(share))
         turned = facing.conjugate() * cmath.exp(-1j * top)
-        return [SwingingFace(complex(far), way, f.face_offset) for way in (facing, turned)[: 1 + both]]
+        return [
+            SwingingFace(complex(far), way, f.face_offset) for way in (facing, turned)[: 1 + both]
+        ]
     arm = f.arm or 0.0
     bearing = (far**2 + arm**2 - prime**2) / (2 * far * arm)
     if not abs(bearing) < 1:
         raise DesignError(
-            "geometry.base_radius", base, max(abs(far - arm), min(far + arm, prime)) - radius, "mm", "the base circle",
+            "geometry.base_radius",
+            base,
+            max(abs(far - arm), min(far + arm, prime)) - radius,
+            "mm",
+            "the base circle",
             "pivot_distance, arm and the pitch circle make no triangle: change one of them",
-        )  # fmt: skip
+        )
     spoke = -cmath.rect(arm, math.acos(bearing))
     second_arm = spoke.conjugate() * cmath.exp(-1j * top)
-    return [SwingingArm(complex(far), spoke, radius, 1), SwingingArm(complex(far), second_arm, radius, -1)][: 1 + both]
+    return [
+        SwingingArm(complex(far), spoke, radius, 1),
+        SwingingArm(complex(far), second_arm, radius, -1),
+    ][: 1 + both]

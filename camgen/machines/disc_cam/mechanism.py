@@ -25,7 +25,14 @@ from camgen.findings import Finding, NotJudged
 from camgen.geometry.outlines import Floats
 from camgen.machine.cams.followers import Follower, SlidingFace, SlidingTip, SwingingFace
 from camgen.machine.cams.limits import Advice, CamLimits, ExactCam, cam_findings, undercut_numbers
-from camgen.machine.cams.machine import CamTouch, FollowerLoad, Loaded, cam_machine, cam_outline, loaded
+from camgen.machine.cams.machine import (
+    CamTouch,
+    FollowerLoad,
+    Loaded,
+    cam_machine,
+    cam_outline,
+    loaded,
+)
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.cams.sizing import smallest
 from camgen.machine.features import Asked, CamOutline, Mount
@@ -71,25 +78,59 @@ class DiscCamDrive(StandingCams):
             ("radius", roller, True, "the radius of a roller"),
             ("offset", slides, False, "the offset of a translating follower"),
             ("pivot_distance", not slides, True, "where an oscillating follower has its pivot"),
-            ("arm", not slides and not flat, True, "the arm of an oscillating roller or knife edge"),
-            ("face_offset", flat and not slides, False, "where the face of an oscillating follower lies"),
+            (
+                "arm",
+                not slides and not flat,
+                True,
+                "the arm of an oscillating roller or knife edge",
+            ),
+            (
+                "face_offset",
+                flat and not slides,
+                False,
+                "where the face of an oscillating follower lies",
+            ),
             ("face_width", flat, False, "the width of a flat face"),
         ):
             value = getattr(f, key)
             if belongs and needed and value is None:
                 found.append(Fault(f"geometry.follower.{key}", "", f"missing: {what}"))
             elif not belongs and value:
-                found.append(Fault(f"geometry.follower.{key}", f"{value:g}", f"nothing here: {what}"))
+                found.append(
+                    Fault(f"geometry.follower.{key}", f"{value:g}", f"nothing here: {what}")
+                )
         checks = [
-            (g.closure != "groove" or roller, "geometry.closure", g.closure, "force or conjugate: only rollers run in grooves"),
-            (self.standing or not p.hub_height or p.hub_diameter >= round_hub, "parts.hub_diameter", p.hub_diameter,
-             f"at least {round_hub:g} mm: the bore and limits.min_wall round it"),
-            (self.standing or not p.hub_height or g.closure != "groove", "parts.hub_height", p.hub_height,
-             "0: a groove's plates have no hub"),
-            (p.pin_diameter < p.rim, "parts.pin_diameter", p.pin_diameter, f"less than the rim, {p.rim:g} mm"),
-            (self.allowed.min_wall >= self.print.nozzle, "limits.min_wall", self.allowed.min_wall,
-             f"at least the nozzle, {self.print.nozzle:g} mm"),
-        ]  # fmt: skip
+            (
+                g.closure != "groove" or roller,
+                "geometry.closure",
+                g.closure,
+                "force or conjugate: only rollers run in grooves",
+            ),
+            (
+                self.standing or not p.hub_height or p.hub_diameter >= round_hub,
+                "parts.hub_diameter",
+                p.hub_diameter,
+                f"at least {round_hub:g} mm: the bore and limits.min_wall round it",
+            ),
+            (
+                self.standing or not p.hub_height or g.closure != "groove",
+                "parts.hub_height",
+                p.hub_height,
+                "0: a groove's plates have no hub",
+            ),
+            (
+                p.pin_diameter < p.rim,
+                "parts.pin_diameter",
+                p.pin_diameter,
+                f"less than the rim, {p.rim:g} mm",
+            ),
+            (
+                self.allowed.min_wall >= self.print.nozzle,
+                "limits.min_wall",
+                self.allowed.min_wall,
+                f"at least the nozzle, {self.print.nozzle:g} mm",
+            ),
+        ]
         for fine, path, value, expected in checks:
             shown = value if isinstance(value, str) else f"{value:g}"
             found += [] if fine else [Fault(path, shown, expected)]
@@ -99,19 +140,33 @@ class DiscCamDrive(StandingCams):
         except SpecError as error:
             found += error.faults
         found += self.size_faults("follower", slides=slides, grooves=g.closure == "groove")
-        found += air_faults("geometry.tip_clearance", g.tip_clearance, g.closure, None if flat else f.radius or 0.0)
+        found += air_faults(
+            "geometry.tip_clearance", g.tip_clearance, g.closure, None if flat else f.radius or 0.0
+        )
         found += load_faults(self.load, self.spring, slides, g.closure == "force", self.standing)
         if not found and self.load is not None and self.load.polydyne:
-            found += polydyne_faults(self.load, self.spring, self._given, self.standing and g.closure == "force")
+            found += polydyne_faults(
+                self.load, self.spring, self._given, self.standing and g.closure == "force"
+            )
         if all(table.kind == "dwell" for table in self.segment):
-            found.append(Fault("segment", f"{len(self.segment)} of them, all dwells", "at least one rise and one return"))
+            found.append(
+                Fault(
+                    "segment",
+                    f"{len(self.segment)} of them, all dwells",
+                    "at least one rise and one return",
+                )
+            )
         return found
 
     # ---- motion -----------------------------------------------------------------------------------------------------
 
     @property
     def _unit(self) -> tuple[str, float]:
-        return ("mm", 1.0) if self.geometry.follower.motion == "translating" else ("deg", math.degrees(1))
+        return (
+            ("mm", 1.0)
+            if self.geometry.follower.motion == "translating"
+            else ("deg", math.degrees(1))
+        )
 
     @cached_property
     def _given(self) -> Program:
@@ -123,7 +178,9 @@ class DiscCamDrive(StandingCams):
         """The follower's motion over the turn, mm or rad; on a clockwise cam the segments lie the other way round."""
         made = self._given
         if self.load is not None and self.load.polydyne:
-            made = polydyne(made, self.load.lag(self.speed, self.spring.rate if self.spring else 0.0))
+            made = polydyne(
+                made, self.load.lag(self.speed, self.spring.rate if self.spring else 0.0)
+            )
         return made if self.sense > 0 else made.backwards()
 
     @cached_property
@@ -151,7 +208,11 @@ class DiscCamDrive(StandingCams):
 
         def make(size: float) -> DiscCam[Follower]:
             """size: distance of the trace point, or of the face, from the axis at s = 0; in line with it where it slides."""
-            base = math.hypot(size, f.offset) - radius if f.motion == "translating" and f.shape != "flat" else size - radius
+            base = (
+                math.hypot(size, f.offset) - radius
+                if f.motion == "translating" and f.shape != "flat"
+                else size - radius
+            )
             return self._cam(standing_on(base, self.geometry, self._highest[1])[0])
 
         stroke = self._highest[1] - self._highest[0]
@@ -164,16 +225,32 @@ class DiscCamDrive(StandingCams):
                 else (max(1.001 * abs(far - arm), radius + 1e-3 * far), 0.999 * (far + arm))
             )
         held = self._room + radius
-        within = math.sqrt(max(0.0, held**2 - f.offset**2)) if f.motion == "translating" and f.shape != "flat" else held
+        within = (
+            math.sqrt(max(0.0, held**2 - f.offset**2))
+            if f.motion == "translating" and f.shape != "flat"
+            else held
+        )
         low = min(max(low, within), high)
-        size = smallest(make, math.radians(self.cam_limits.steepest(make(high))), self.allowed.least_radius, low, high)
-        return math.hypot(size, f.offset) - radius if f.motion == "translating" and f.shape != "flat" else size - radius
+        size = smallest(
+            make,
+            math.radians(self.cam_limits.steepest(make(high))),
+            self.allowed.least_radius,
+            low,
+            high,
+        )
+        return (
+            math.hypot(size, f.offset) - radius
+            if f.motion == "translating" and f.shape != "flat"
+            else size - radius
+        )
 
     @property
     def _room(self) -> float:
         """Radius of the circle that holds the cam's shaft, its hub and a groove's pins, with walls, mm."""
         p, sizes, wall = self.making, self.sizes, 2 * self.allowed.min_wall
-        shaft = (sizes.shaft_diameter + self.print.press_clearance) / 2 if self.standing else p.reach
+        shaft = (
+            (sizes.shaft_diameter + self.print.press_clearance) / 2 if self.standing else p.reach
+        )
         pin = sizes.pin_diameter if self.standing else p.pin_diameter
         pins = wall / 2 + 1.5 * pin if self.geometry.closure == "groove" else 0.0
         hub = 0.0 if self.standing or not p.hub_height else p.hub_diameter
@@ -182,12 +259,19 @@ class DiscCamDrive(StandingCams):
     def found(self) -> Mapping[str, object]:
         """The base radius, and what all cams fill in."""
         steepest = self.cam_limits.steepest(self.cam)
-        return {**super().found(), "geometry.base_radius": self.base_radius, "limits.pressure_angle_deg": steepest}
+        return {
+            **super().found(),
+            "geometry.base_radius": self.base_radius,
+            "limits.pressure_angle_deg": steepest,
+        }
 
     @cached_property
     def cams(self) -> list[DiscCam[Follower]]:
         """The cam; with conjugate closure also the second one."""
-        return [self._cam(follower) for follower in standing_on(self.base_radius, self.geometry, self._highest[1])]
+        return [
+            self._cam(follower)
+            for follower in standing_on(self.base_radius, self.geometry, self._highest[1])
+        ]
 
     def _cam(self, follower: Follower) -> DiscCam[Follower]:
         return DiscCam(self.program, follower, self.geometry.tip_clearance)
@@ -212,17 +296,33 @@ class DiscCamDrive(StandingCams):
 
         g, f, load = self.geometry, self.geometry.follower, self._load or FollowerLoad()
         tip = Ridden(
-            f.shape, f.radius, g.closure, tip_clearance=g.tip_clearance, face_width=f.face_width, limits=self.cam_limits
+            f.shape,
+            f.radius,
+            g.closure,
+            tip_clearance=g.tip_clearance,
+            face_width=f.face_width,
+            limits=self.cam_limits,
         )
         return Bench(
-            self._drawn(replace(load, rate=0.0, preload=0.0)), self.cam, tip,
-            self.sizes, self.print, self.allowed.min_wall, self.density, load, ["follower"] if load.inertia else [],
+            self._drawn(replace(load, rate=0.0, preload=0.0)),
+            self.cam,
+            tip,
+            self.sizes,
+            self.print,
+            self.allowed.min_wall,
+            self.density,
+            load,
+            ["follower"] if load.inertia else [],
             gravity=gravity(self.load),
-        )  # fmt: skip
+        )
 
     def _drawn(self, load: FollowerLoad | None) -> Machine:
         closed: Literal["form", "force"] = "force" if self.geometry.closure == "force" else "form"
-        groove = (CamTouch(self.cam), CamTouch(self.cam, outer=True)) if self.geometry.closure == "groove" else ()
+        groove = (
+            (CamTouch(self.cam), CamTouch(self.cam, outer=True))
+            if self.geometry.closure == "groove"
+            else ()
+        )
         return cam_machine(self.cams, self.speed, load, closed, groove)
 
     @cached_property
@@ -252,7 +352,9 @@ class DiscCamDrive(StandingCams):
         outlines, clearance = [cam.outline for cam in self.cams], self.print.slide_clearance
         wall = self.cam.groove(clearance) if self.geometry.closure == "groove" else None
         roller = 2 * (self.geometry.follower.radius or 0.0)
-        made = disc_parts(self.making, outlines, wall, (roller + clearance, roller), self.allowed.min_wall)
+        made = disc_parts(
+            self.making, outlines, wall, (roller + clearance, roller), self.allowed.min_wall
+        )
         return tuple(replace(part, notes=(turning_note(self.sense), *part.notes)) for part in made)
 
     def _outlines(self) -> Sequence[CamOutline]:
@@ -265,12 +367,18 @@ class DiscCamDrive(StandingCams):
 
     def _outline(self, part: str, cam: DiscCam[Follower], free: float | None = None) -> CamOutline:
         bore = self.making.bore if free is None else None
-        return cam_outline(cam, part, self.cam_limits, bore, self.geometry.follower.face_width, free)
+        return cam_outline(
+            cam, part, self.cam_limits, bore, self.geometry.follower.face_width, free
+        )
 
     def _beside(self) -> Sequence[Mount]:
         """All plates on the cam's body, one above the other."""
         p = self.making
-        heights = {"inner": p.back, "outer": p.back, "cam-2": p.thickness + p.hub_height + self.print.slide_clearance}
+        heights = {
+            "inner": p.back,
+            "outer": p.back,
+            "cam-2": p.thickness + p.hub_height + self.print.slide_clearance,
+        }
         return [Mount(part.name, "cam", z=heights.get(part.name, 0.0)) for part in self.parts()]
 
     def asked(self) -> Sequence[Asked]:
@@ -299,16 +407,27 @@ class DiscCamDrive(StandingCams):
     def limits(self) -> Sequence[Finding]:
         """Pressure angle, undercut, curvature, face width and jumps of the motion against the spec's limits."""
         f = self.geometry.follower
-        further = "an offset towards the rise" if f.motion == "translating" else "another arm or pivot_distance"
+        further = (
+            "an offset towards the rise"
+            if f.motion == "translating"
+            else "another arm or pivot_distance"
+        )
         advice = Advice(
             f"a larger base_radius, a longer span or {further}",
             "a larger base_radius" + (" or a smaller radius" if f.shape == "roller" else ""),
         )
-        cams = [ExactCam(f"exact profile{name}", cam, advice) for cam, name in zip(self.cams, self._names, strict=True)]
+        cams = [
+            ExactCam(f"exact profile{name}", cam, advice)
+            for cam, name in zip(self.cams, self._names, strict=True)
+        ]
         facets = None if self._clears_axle or self.standing else self.accuracy.chord_tolerance
-        findings = cam_findings(cams, self.cam_limits, face_width=f.face_width, chord_tolerance=facets)
+        findings = cam_findings(
+            cams, self.cam_limits, face_width=f.face_width, chord_tolerance=facets
+        )
         if self._loaded and self.geometry.closure == "force":
-            findings.append(lift_off(self._loaded, self._load or FollowerLoad(), f.motion == "translating"))
+            findings.append(
+                lift_off(self._loaded, self._load or FollowerLoad(), f.motion == "translating")
+            )
         return findings
 
     def unpressed(self) -> Sequence[NotJudged]:
@@ -322,8 +441,16 @@ class DiscCamDrive(StandingCams):
         """The same; of cams alone what their holes leave of them, and the free play of a follower between two contacts."""
         if self.standing:
             return super().forecast()
-        air = self.print.slide_clearance if self.geometry.closure == "groove" else self.geometry.tip_clearance
-        return [*self.limits(), *walls(self), *between(self.cams, air, self.allowed.lash / self._unit[1])]
+        air = (
+            self.print.slide_clearance
+            if self.geometry.closure == "groove"
+            else self.geometry.tip_clearance
+        )
+        return [
+            *self.limits(),
+            *walls(self),
+            *between(self.cams, air, self.allowed.lash / self._unit[1]),
+        ]
 
     @property
     def _names(self) -> list[str]:
@@ -339,10 +466,14 @@ class DiscCamDrive(StandingCams):
         who = [name.strip() or "exact profile" for name in self._names]
         curves = plots(self.program, self.cams, who, self._unit, self.speed, self.base_radius)
         return Study(
-            self.figures(), (*curves, *forces.plots), (segments_table(self.program, self._unit),),
-            () if self.standing else (self._sketch(), Sketch("ground", (), ((0j, self.making.bore / 4),))),
+            self.figures(),
+            (*curves, *forces.plots),
+            (segments_table(self.program, self._unit),),
+            ()
+            if self.standing
+            else (self._sketch(), Sketch("ground", (), ((0j, self.making.bore / 4),))),
             (*self._notes(), *forces.notes),
-        )  # fmt: skip
+        )
 
     def figures(self) -> Mapping[str, float]:
         """Sizes of the cam, peaks of its motion, and of its forces."""
@@ -362,7 +493,9 @@ class DiscCamDrive(StandingCams):
             **undercut_numbers(self.cams),
         }
         if f.shape == "flat":
-            numbers["face_width_needed_mm"] = max(high - low for low, high in (each.face_contact for each in self.cams))
+            numbers["face_width_needed_mm"] = max(
+                high - low for low, high in (each.face_contact for each in self.cams)
+            )
         else:
             numbers["pitch_curvature_radius_min_mm"] = cam.least_radius + cam.tip.tip_radius
         return numbers | dict(self._forces.numbers)
@@ -371,13 +504,22 @@ class DiscCamDrive(StandingCams):
     def _forces(self) -> Study:
         if not self._loaded:
             return Study()
-        pushed, slides = self.geometry.closure == "force", self.geometry.follower.motion == "translating"
-        return force_study(self._loaded, self._load or FollowerLoad(), slides, pushed, bool(gravity(self.load)))
+        pushed, slides = (
+            self.geometry.closure == "force",
+            self.geometry.follower.motion == "translating",
+        )
+        return force_study(
+            self._loaded, self._load or FollowerLoad(), slides, pushed, bool(gravity(self.load))
+        )
 
     def _notes(self) -> list[str]:
-        notes = ["A translating follower's output is in mm, an oscillating one's in degrees; theta is counter-clockwise."]
+        notes = [
+            "A translating follower's output is in mm, an oscillating one's in degrees; theta is counter-clockwise."
+        ]
         if math.isinf(self.program.peak(2)):
-            notes.append("The velocity jumps, so the acceleration has no finite peak; its curve leaves the jumps out.")
+            notes.append(
+                "The velocity jumps, so the acceleration has no finite peak; its curve leaves the jumps out."
+            )
         notes += self.bench.notes if self.standing else []
         if self.allowed.continuous < 0:
             notes.append("Whether the motion jumps is not judged: limits.continuous = -1.")
@@ -395,7 +537,9 @@ class DiscCamDrive(StandingCams):
                     strokes.append(np.array([0, arm]))
                     circles.append((arm, radius))
                 case SlidingFace(start, along, leaves):
-                    half = (self.geometry.follower.face_width or 2 * max(map(abs, cam.face_contact))) / 2
+                    half = (
+                        self.geometry.follower.face_width or 2 * max(map(abs, cam.face_contact))
+                    ) / 2
                     strokes += [
                         np.array([start - half, start + half]),
                         np.array([start, start + leaves * along * self.base_radius]),

@@ -27,19 +27,40 @@ def prepare(many: Sequence[DiscCamDrive]) -> None:
     found = iter(seen([cam for _, cams in alone for cam in cams]))
     for each, cams in alone:
         mine = [next(found) for _ in cams]
-        known = [one for cam, one in zip(cams, mine, strict=True) if one is not None and _decides(each, cam, one)]
+        known = [
+            one
+            for cam, one in zip(cams, mine, strict=True)
+            if one is not None and _decides(each, cam, one)
+        ]
         if len(known) < len(cams):
             continue
         for cam, one in zip(cams, known, strict=True):
-            vars(cam).update(undercuts=(), least_radius=one.least_radius, length=one.length, area=one.area, nearest=one.nearest,
-                             steepest=one.steepest, face_contact=(one.face_from, one.face_to))  # fmt: skip
+            vars(cam).update(
+                undercuts=(),
+                least_radius=one.least_radius,
+                length=one.length,
+                area=one.area,
+                nearest=one.nearest,
+                steepest=one.steepest,
+                face_contact=(one.face_from, one.face_to),
+            )
         vars(each).update(_clears_axle=True)
 
 
 def _decides(drive: DiscCamDrive, cam: DiscCam[Any], one: Seen) -> bool:
     """Whether no rounding can turn a verdict on what is seen of a cam, and it clears its follower's axle in any case."""
     f, limits = drive.geometry.follower, drive.allowed
-    width = one.face_to - one.face_from if f.motion == "oscillating" else 2 * max(one.face_to, -one.face_from)
-    near = [one.steepest - drive.cam_limits.steepest(cam), one.least_radius - limits.least_radius, width - (f.face_width or 0.0)]
+    width = (
+        one.face_to - one.face_from
+        if f.motion == "oscillating"
+        else 2 * max(one.face_to, -one.face_from)
+    )
+    near = [
+        one.steepest - drive.cam_limits.steepest(cam),
+        one.least_radius - limits.least_radius,
+        width - (f.face_width or 0.0),
+    ]
     room = math.inf if f.motion == "translating" else (f.pivot_distance or 0.0) - one.farthest
-    return room > drive.accuracy.chord_tolerance and not any(abs(each) < _TIE for each in near[: 2 + bool(f.face_width)])
+    return room > drive.accuracy.chord_tolerance and not any(
+        abs(each) < _TIE for each in near[: 2 + bool(f.face_width)]
+    )

@@ -24,7 +24,9 @@ def walls(drive: DiscCamDrive) -> list[Finding]:
     grooved = drive.geometry.closure == "groove"
     names = ["inner"] if grooved else ["cam"] if len(drive.cams) == 1 else ["cam-1", "cam-2"]
     widest = pins_beside(made, need) + made.pin_diameter / 2 if grooved else made.reach
-    facets = 2 * max(WALL_FACETS, drive.accuracy.chord_tolerance)  # what the files may take of a wall, as there
+    facets = 2 * max(
+        WALL_FACETS, drive.accuracy.chord_tolerance
+    )  # what the files may take of a wall, as there
     for cam, name in zip(drive.cams, names, strict=True):
         refuse_wide(name, cam.nearest, made.reach, made.hub_diameter if made.hub_height else 0.0)
         where, wall = f"holes and nearest side of {name}", cam.nearest - widest
@@ -38,9 +40,13 @@ def _laid(drive: DiscCamDrive, facets: float) -> list[Finding]:
     """The same of the plates as they are made, facet by facet."""
     found = []
     for part in drive.parts():
-        outer, *holes = (facet_contour(each, facets / 2) for each in (part.region.outer, *part.region.holes))
+        outer, *holes = (
+            facet_contour(each, facets / 2) for each in (part.region.outer, *part.region.holes)
+        )
         where, wall = f"between the contours of {part.name}", thinnest_wall(outer, holes)
-        found.append(at_least("MIN_WALL", wall, drive.allowed.min_wall, "mm", where, _REMEDY, facets))
+        found.append(
+            at_least("MIN_WALL", wall, drive.allowed.min_wall, "mm", where, _REMEDY, facets)
+        )
     return found
 
 
@@ -50,4 +56,14 @@ def _rim(drive: DiscCamDrive, facets: float) -> list[Finding]:
         return []
     made, need = drive.making, drive.allowed.min_wall
     said = "a wider parts.rim or a smaller parts.pin_diameter widens it"
-    return [at_least("MIN_WALL", (made.rim - made.pin_diameter) / 2, need, "mm", "pins and edge of outer", said, facets)]
+    return [
+        at_least(
+            "MIN_WALL",
+            (made.rim - made.pin_diameter) / 2,
+            need,
+            "mm",
+            "pins and edge of outer",
+            said,
+            facets,
+        )
+    ]

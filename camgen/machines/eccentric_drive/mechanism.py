@@ -58,29 +58,76 @@ class EccentricDrive(Mechanism):
         p, motor, slide = self.making, self.motor, self.print.slide_clearance
         nozzle = f"at least the nozzle, {self.print.nozzle:g} mm"
         thin = [("limits.min_wall", self.allowed.min_wall)]
-        thin += [(f"parts.{key}", getattr(p, key)) for key in ("strap_wall", "flange", "rod_thickness", "body_thickness")]
+        thin += [
+            (f"parts.{key}", getattr(p, key))
+            for key in ("strap_wall", "flange", "rod_thickness", "body_thickness")
+        ]
         checks = [(value >= self.print.nozzle, path, value, nozzle) for path, value in thin]
         room, floor = p.slider_thickness + slide, p.slider_thickness - self.print.nozzle
         screw, shaft = SCREWS[p.screw].clearance, self.geometry.shaft_diameter
         checks += [
-            (p.flange < room, "parts.flange", p.flange, f"less than {room:g} mm, so that it clears the body"),
             (
-                p.wire_diameter <= floor, "parts.wire_diameter", p.wire_diameter,
+                p.flange < room,
+                "parts.flange",
+                p.flange,
+                f"less than {room:g} mm, so that it clears the body",
+            ),
+            (
+                p.wire_diameter <= floor,
+                "parts.wire_diameter",
+                p.wire_diameter,
                 f"at most {floor:g} mm, so that a floor as thick as the nozzle stays in the slider",
             ),
-            (p.pin_diameter < p.slider_width, "parts.pin_diameter", p.pin_diameter, "less than slider_width"),
-            (p.wire_diameter < p.slider_width, "parts.wire_diameter", p.wire_diameter, "less than slider_width"),
-            (screw < p.rail_width, "parts.rail_width", p.rail_width, f"more than the screw's hole, {screw:g} mm"),
-            (screw < p.cover_length, "parts.cover_length", p.cover_length, f"more than the screw's hole, {screw:g} mm"),
-            (motor.boss_diameter > shaft, "motor.boss_diameter", motor.boss_diameter, f"more than its shaft, {shaft:g} mm"),
-            (motor.diameter > motor.boss_diameter, "motor.diameter", motor.diameter, "more than boss_diameter"),
-        ]  # fmt: skip
+            (
+                p.pin_diameter < p.slider_width,
+                "parts.pin_diameter",
+                p.pin_diameter,
+                "less than slider_width",
+            ),
+            (
+                p.wire_diameter < p.slider_width,
+                "parts.wire_diameter",
+                p.wire_diameter,
+                "less than slider_width",
+            ),
+            (
+                screw < p.rail_width,
+                "parts.rail_width",
+                p.rail_width,
+                f"more than the screw's hole, {screw:g} mm",
+            ),
+            (
+                screw < p.cover_length,
+                "parts.cover_length",
+                p.cover_length,
+                f"more than the screw's hole, {screw:g} mm",
+            ),
+            (
+                motor.boss_diameter > shaft,
+                "motor.boss_diameter",
+                motor.boss_diameter,
+                f"more than its shaft, {shaft:g} mm",
+            ),
+            (
+                motor.diameter > motor.boss_diameter,
+                "motor.diameter",
+                motor.diameter,
+                "more than boss_diameter",
+            ),
+        ]
         checks += tube_checks(p, slide, floor, 2 * self.rim)
         found = [*(self.counterweight.faults() if self.counterweight else ())]
         for name in ("stroke", "strokes_per_s"):
             low, high = getattr(self.allowed, name) or (0.0, 1.0)
             checks.append((low < high, f"limits.{name}", low, "the least first, then the greatest"))
-        return [*found, *(Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine)]
+        return [
+            *found,
+            *(
+                Fault(path, f"{value:g}", expected)
+                for fine, path, value, expected in checks
+                if not fine
+            ),
+        ]
 
     # ---- motion -----------------------------------------------------------------------------------------------------
 
@@ -98,23 +145,37 @@ class EccentricDrive(Mechanism):
             refuse_gap("P", needed - g.rod, worst, [*turns, *(180 - turn for turn in turns)])
         if g.rod - needed <= SAME_POINT:
             raise DesignError(
-                "geometry.rod", g.rod, needed, "mm", f"crank angle {worst:g} deg",
+                "geometry.rod",
+                g.rod,
+                needed,
+                "mm",
+                f"crank angle {worst:g} deg",
                 "these lengths make a change point: the rod stands square to the guide, the slider can stall; use a longer rod",
-            )  # fmt: skip
+            )
         disc, rod, slider = (self.masses or Masses.none()).bodies(g.eccentricity, g.rod)
-        start, end = complex(g.eccentricity), g.eccentricity + math.sqrt((g.rod - g.offset) * (g.rod + g.offset)) + across
+        start, end = (
+            complex(g.eccentricity),
+            g.eccentricity + math.sqrt((g.rod - g.offset) * (g.rod + g.offset)) + across,
+        )
         outermost = model.Place(ground, self.outermost + across)
         play, press = self.print.slide_clearance, self.print.press_clearance
         return model.Machine(
             (model.Body(ground), disc, rod, slider),
-            (model.Pin("O", disc.at("O"), model.Place(ground), 2 * press), model.Pin("E", rod.at("E"), disc.at("E"), play),
-             model.Pin("P", slider.at("P"), rod.at("P"), play + press),
-             model.Slide("guide", outermost, slider.at("P"), math.pi, 0.0, play)),
+            (
+                model.Pin("O", disc.at("O"), model.Place(ground), 2 * press),
+                model.Pin("E", rod.at("E"), disc.at("E"), play),
+                model.Pin("P", slider.at("P"), rod.at("P"), play + press),
+                model.Slide("guide", outermost, slider.at("P"), math.pi, 0.0, play),
+            ),
             (model.Drive("motor", "disc"),),
-            {"disc": model.Pose(0j, 0.0), "rod": model.Pose(start, cmath.phase(end - start)), "slider": model.Pose(end, 0.0)},
+            {
+                "disc": model.Pose(0j, 0.0),
+                "rod": model.Pose(start, cmath.phase(end - start)),
+                "slider": model.Pose(end, 0.0),
+            },
             outputs=(model.Output("travel", model.Along("guide")),),
             speed=self.speed,
-        )  # fmt: skip
+        )
 
     @cached_property
     def outermost(self) -> float:
@@ -131,7 +192,9 @@ class EccentricDrive(Mechanism):
                 at_zero = g.eccentricity + math.sqrt((g.rod - g.offset) * (g.rod + g.offset))
                 begun = self.outermost - at_zero
             return begun + slider_travel(theta, g.eccentricity, g.rod, g.offset)
-        return np.asarray(self.solve(theta, order).derivatives("travel")[order], float).reshape(np.shape(theta))
+        return np.asarray(self.solve(theta, order).derivatives("travel")[order], float).reshape(
+            np.shape(theta)
+        )
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 
@@ -145,7 +208,9 @@ class EccentricDrive(Mechanism):
         """Least x of the slider and greatest of the rod's end, mm."""
         g, p = self.geometry, self.making
         x_in = math.sqrt((g.rod - g.eccentricity) ** 2 - g.offset**2)
-        return x_in - p.slider_width / 2, self.outermost + max(self._eye_radius, p.pin_diameter / 2 + 1)
+        return x_in - p.slider_width / 2, self.outermost + max(
+            self._eye_radius, p.pin_diameter / 2 + 1
+        )
 
     @cached_property
     def _eye_radius(self) -> float:
@@ -154,7 +219,9 @@ class EccentricDrive(Mechanism):
 
     @cached_property
     def _strap_radius(self) -> float:
-        return (self.geometry.eccentric_diameter + self.print.slide_clearance) / 2 + self.making.strap_wall
+        return (
+            self.geometry.eccentric_diameter + self.print.slide_clearance
+        ) / 2 + self.making.strap_wall
 
     @cached_property
     def _slider_front(self) -> float:
@@ -173,11 +240,21 @@ class EccentricDrive(Mechanism):
         if self.counterweight is None:
             return None
         hub = self.bore / 2 + max(self.making.strap_wall, self.allowed.min_wall)
-        note = Held("press and glue on the motor's shaft above the keeper washer, across from the disc's thick side as drawn")
+        note = Held(
+            "press and glue on the motor's shaft above the keeper washer, across from the disc's thick side as drawn"
+        )
         return ShaftWeight(
-            self, self.counterweight, "disc", self.own_parts, self.own_mounts, hub, circle(0j, self.bore / 2),
-            self.making.rod_thickness, self.allowed.min_wall, note,
-        )  # fmt: skip
+            self,
+            self.counterweight,
+            "disc",
+            self.own_parts,
+            self.own_mounts,
+            hub,
+            circle(0j, self.bore / 2),
+            self.making.rod_thickness,
+            self.allowed.min_wall,
+            note,
+        )
 
     @property
     def balance(self) -> Balance | None:
@@ -199,25 +276,50 @@ class EccentricDrive(Mechanism):
         rim = Region(circle(complex(g.eccentricity), g.eccentric_diameter / 2), (bore,))
         disc_height = p.rod_thickness + slide
         disc = Part(
-            "disc", "Eccentric disc", (Layer(keeper, 0.0, p.flange), Layer(rim, p.flange, p.flange + disc_height)),
-            centres=(0j, complex(g.eccentricity)), min_wall=wall, cut=1,
-            notes=(Held("press on the motor's shaft, flange below"), "cut from sheet, the flange is a second washer"),
-        )  # fmt: skip
+            "disc",
+            "Eccentric disc",
+            (Layer(keeper, 0.0, p.flange), Layer(rim, p.flange, p.flange + disc_height)),
+            centres=(0j, complex(g.eccentricity)),
+            min_wall=wall,
+            cut=1,
+            notes=(
+                Held("press on the motor's shaft, flange below"),
+                "cut from sheet, the flange is a second washer",
+            ),
+        )
         washer = Part(
-            "washer", "Keeper washer", (Layer(keeper, 0.0, p.flange),), centres=(0j,),
-            notes=(Held("press on the shaft above the disc, in line with its flange"),), min_wall=wall,
-        )  # fmt: skip
+            "washer",
+            "Keeper washer",
+            (Layer(keeper, 0.0, p.flange),),
+            centres=(0j,),
+            notes=(Held("press on the shaft above the disc, in line with its flange"),),
+            min_wall=wall,
+        )
         outline = hull([(0j, self._strap_radius), (complex(g.rod), self._eye_radius)])
-        eyes = (circle(0j, (g.eccentric_diameter + slide) / 2), circle(complex(g.rod), (p.pin_diameter + slide) / 2))
+        eyes = (
+            circle(0j, (g.eccentric_diameter + slide) / 2),
+            circle(complex(g.rod), (p.pin_diameter + slide) / 2),
+        )
         rod = Part(
-            "rod", "Connecting rod with strap", (Layer(Region(outline, eyes), 0.0, p.rod_thickness),),
-            centres=(0j, complex(g.rod)), min_wall=wall,
-        )  # fmt: skip
+            "rod",
+            "Connecting rod with strap",
+            (Layer(Region(outline, eyes), 0.0, p.rod_thickness),),
+            centres=(0j, complex(g.rod)),
+            min_wall=wall,
+        )
         tube = () if self.tube is None else (self.tube.part(),)
         return (
-            body_plate(self), self._slider(pin_hole), disc, rod, washer, self._cover(), self._clamp(), self._pin(),
-            self._motor_bar(), *tube,
-        )  # fmt: skip
+            body_plate(self),
+            self._slider(pin_hole),
+            disc,
+            rod,
+            washer,
+            self._cover(),
+            self._clamp(),
+            self._pin(),
+            self._motor_bar(),
+            *tube,
+        )
 
     def _check_sizes(self) -> None:
         """Raise DesignError where the disc has no wall, the strap meets the guide, or rod and slider cannot be made."""
@@ -226,22 +328,34 @@ class EccentricDrive(Mechanism):
         if thin < need - SAME_POINT:
             works = 2 * (need + g.eccentricity + self.bore / 2)
             raise DesignError(
-                "MIN_WALL of the eccentric disc", thin, need, "mm", "the thin side of its bore",
+                "MIN_WALL of the eccentric disc",
+                thin,
+                need,
+                "mm",
+                "the thin side of its bore",
                 f"D/2 - e - d/2 must reach it: geometry.eccentric_diameter of {works:g} mm or more works",
-            )  # fmt: skip
+            )
         self.model  # noqa: B018  refuses what does not close, before roots of negative numbers are taken
         seat = self._inner[0] - (self.motor.boss_diameter + self.print.press_clearance) / 2
         if seat < need:
             raise DesignError(
-                "wall between the motor's seat and the guide", seat, need, "mm", "body",
+                "wall between the motor's seat and the guide",
+                seat,
+                need,
+                "mm",
+                "body",
                 "use a longer rod or a motor with a smaller boss_diameter",
-            )  # fmt: skip
+            )
         room = self._inner[0] - self._strap_radius - g.eccentricity
         if room < self.print.slide_clearance:
             raise DesignError(
-                "geometry.rod", g.rod, g.rod - room + self.print.slide_clearance, "mm", "the slider's innermost place",
+                "geometry.rod",
+                g.rod,
+                g.rod - room + self.print.slide_clearance,
+                "mm",
+                "the slider's innermost place",
                 "the flange would meet the slider: use a longer rod or a smaller disc",
-            )  # fmt: skip
+            )
 
     @cached_property
     def screw(self) -> Screw:
@@ -251,14 +365,18 @@ class EccentricDrive(Mechanism):
     @cached_property
     def rim(self) -> float:
         """Radius of the material round a screw's hole, mm."""
-        return self.screw.clearance / 2 + max(self.making.strap_wall, self.allowed.min_wall + FACETS)
+        return self.screw.clearance / 2 + max(
+            self.making.strap_wall, self.allowed.min_wall + FACETS
+        )
 
     @cached_property
     def head(self) -> tuple[float, float, complex]:
         """Of the slider's head, always outside the guide: its begin and length along x, and its upper screw, mm."""
         p, screw = self.making, self.screw
         aside = p.wire_diameter / 2 + self.allowed.min_wall + FACETS + screw.clearance / 2
-        length = 2 * max(screw.head / 2 + 1, self.rim + 0.2)  # 0.2: the clamp is so much shorter at both ends
+        length = 2 * max(
+            screw.head / 2 + 1, self.rim + 0.2
+        )  # 0.2: the clamp is so much shorter at both ends
         return self._slider_front + 1, length, complex(self._slider_front + 1 + length / 2, aside)
 
     @cached_property
@@ -283,59 +401,109 @@ class EccentricDrive(Mechanism):
         over = [z.conjugate() for z in reversed(under[2:])]
 
         def slot(end: float) -> list[complex]:
-            return [complex(end, -groove), complex(hook, -groove), complex(hook, groove), complex(end, groove)]
+            return [
+                complex(end, -groove),
+                complex(hook, -groove),
+                complex(hook, groove),
+                complex(end, groove),
+            ]
 
         shank = polygon([*rear, complex(neck, -half), *slot(neck), complex(neck, half)])
         holes = {"pin": circle(0j, pin_hole / 2)}
-        screws = {f"clamp screw {k}": circle(z, self.screw.clearance / 2) for k, z in enumerate((screw.conjugate(), screw), 1)}
+        screws = {
+            f"clamp screw {k}": circle(z, self.screw.clearance / 2)
+            for k, z in enumerate((screw.conjugate(), screw), 1)
+        }
         wall, floor = self.allowed.min_wall, p.slider_thickness - p.wire_diameter
         proud = p.slider_thickness - p.wire_diameter / 4
         layers = (
             Layer(plate("slider", polygon([*under, *over]), holes | screws, wall), 0.0, floor),
-            Layer(plate("slider", polygon([*under, *slot(front), *over]), holes | screws, wall), floor, proud),
+            Layer(
+                plate("slider", polygon([*under, *slot(front), *over]), holes | screws, wall),
+                floor,
+                proud,
+            ),
             Layer(plate("slider", shank, holes, wall), proud, p.slider_thickness),
         )
         return Part(
-            "slider", "Needle holder", layers, centres=(0j, screw.conjugate(), screw), min_wall=wall,
-            notes=("the needle's wire lies in the groove", "clamp, screws and nuts hold it at the head"),
-        )  # fmt: skip
+            "slider",
+            "Needle holder",
+            layers,
+            centres=(0j, screw.conjugate(), screw),
+            min_wall=wall,
+            notes=(
+                "the needle's wire lies in the groove",
+                "clamp, screws and nuts hold it at the head",
+            ),
+        )
 
     def _clamp(self) -> Part:
         """Plate over the wire at the slider's head; its origin is its middle."""
         _, length, screw = self.head
         half = complex(length / 2 - 0.2, max(self.making.slider_width / 2, screw.imag + self.rim))
         note = Held("screws and nuts hold it on the needle's wire")
-        return self._bored("clamp", "Wire clamp", rectangle(-half, half), screw.imag, self.making.rod_thickness, 0.0, (note,))
+        return self._bored(
+            "clamp",
+            "Wire clamp",
+            rectangle(-half, half),
+            screw.imag,
+            self.making.rod_thickness,
+            0.0,
+            (note,),
+        )
 
     def _cover(self) -> Part:
         middle = self.rail[2]
         half = complex(self.making.cover_length / 2, middle + self.making.rail_width / 2)
-        return self._bored("cover", "Guide cover", rectangle(-half, half), middle, self.making.rod_thickness)
+        return self._bored(
+            "cover", "Guide cover", rectangle(-half, half), middle, self.making.rod_thickness
+        )
 
     def _motor_bar(self) -> Part:
         """Bar behind the motor, drawn to the body by two long screws; its hole takes a boss at the motor's rear."""
-        boss, screw = (self.motor.boss_diameter + self.print.slide_clearance) / 2, 1j * self.motor_screw
+        boss, screw = (
+            (self.motor.boss_diameter + self.print.slide_clearance) / 2,
+            1j * self.motor_screw,
+        )
         wall = max(self.making.strap_wall, self.allowed.min_wall + FACETS)
         outer = hull([(-screw, self.rim), (0j, boss + wall), (screw, self.rim)])
         note = "behind the motor; two long screws draw both to the body"
-        return self._bored("motor-bar", "Motor bar", outer, screw.imag, self.making.body_thickness, boss, (note,))
+        return self._bored(
+            "motor-bar", "Motor bar", outer, screw.imag, self.making.body_thickness, boss, (note,)
+        )
 
     def _bored(
-        self, name: str, title: str, outer: Contour, screw: float, height: float, boss: float = 0.0, notes: tuple[str, ...] = ()
+        self,
+        name: str,
+        title: str,
+        outer: Contour,
+        screw: float,
+        height: float,
+        boss: float = 0.0,
+        notes: tuple[str, ...] = (),
     ) -> Part:
         """A plate with two screws at x = 0, y = +-screw, and in their middle a hole for a boss of this radius."""
         places = (-1j * screw, 1j * screw)
         holes = {"boss": circle(0j, boss)} if boss else {}
-        holes |= {f"screw {k}": circle(z, self.screw.clearance / 2) for k, z in enumerate(places, 1)}
-        layer, centres = Layer(plate(name, outer, holes, self.allowed.min_wall), 0.0, height), (0j, *places) if boss else places
-        return Part(name, title, (layer,), centres=centres, notes=notes, min_wall=self.allowed.min_wall)
+        holes |= {
+            f"screw {k}": circle(z, self.screw.clearance / 2) for k, z in enumerate(places, 1)
+        }
+        layer, centres = (
+            Layer(plate(name, outer, holes, self.allowed.min_wall), 0.0, height),
+            (0j, *places) if boss else places,
+        )
+        return Part(
+            name, title, (layer,), centres=centres, notes=notes, min_wall=self.allowed.min_wall
+        )
 
     def _pin(self) -> Part:
         """Pin with a head, put in from above."""
         p, note = self.making, "press into the slider through the rod"
         made = TURNED if p.pins == "steel" else "printed"
         shank = p.slider_thickness + 3 * self.print.slide_clearance + p.rod_thickness
-        return headed("pin", "Slider pin", p.pin_diameter, shank, p.pin_diameter + 2, 1.0, 1, (note,), made)
+        return headed(
+            "pin", "Slider pin", p.pin_diameter, shank, p.pin_diameter + 2, 1.0, 1, (note,), made
+        )
 
     @cached_property
     def rail(self) -> tuple[float, float, float]:
@@ -349,13 +517,21 @@ class EccentricDrive(Mechanism):
     def motor_screw(self) -> float:
         """Distance of the motor's two long screws from its shaft, beside its can and beside what turns, mm."""
         beside = self.motor.diameter / 2 + self.screw.clearance / 2
-        return max(beside, self.geometry.eccentricity + self._strap_radius + self.screw.head / 2) + 1
+        return (
+            max(beside, self.geometry.eccentricity + self._strap_radius + self.screw.head / 2) + 1
+        )
 
     @cached_property
     def shaft_length(self) -> float:
         """How far the motor's shaft must reach over its face: to the upper side of the keeper washer, or counterweight, mm."""
         p, weight = self.making, self.counterweight
-        washer = p.body_thickness + p.slider_thickness + 3 * self.print.slide_clearance + p.rod_thickness + p.flange
+        washer = (
+            p.body_thickness
+            + p.slider_thickness
+            + 3 * self.print.slide_clearance
+            + p.rod_thickness
+            + p.flange
+        )
         return washer + (weight.thickness or p.rod_thickness if weight else 0.0)
 
     def bought(self) -> Sequence[Bought]:
@@ -371,7 +547,10 @@ class EccentricDrive(Mechanism):
     def mounts(self) -> Sequence[Mount]:
         """Disc and washer turn, the rod follows, slider, pin and clamp shift; the others stand still."""
         weight = self.weight
-        return (*self.own_mounts, *(weight.mounts(self.shaft_length - weight.part.thickness) if weight else ()))
+        return (
+            *self.own_mounts,
+            *(weight.mounts(self.shaft_length - weight.part.thickness) if weight else ()),
+        )
 
     @property
     def own_mounts(self) -> Sequence[Mount]:
@@ -401,11 +580,34 @@ class EccentricDrive(Mechanism):
         worst = math.degrees(math.acos(reach))
         where = "crank angle 270 deg" if g.offset > 0 else "crank angle 90 deg"
         message = "90 deg less the rod's greatest tilt; a longer rod enlarges it"
-        found = [at_least("TRANSMISSION_ANGLE", worst, self.allowed.transmission_angle_deg, "deg", where, message)]
+        found = [
+            at_least(
+                "TRANSMISSION_ANGLE",
+                worst,
+                self.allowed.transmission_angle_deg,
+                "deg",
+                where,
+                message,
+            )
+        ]
         stroke = round(self.outermost - self._inner[0] - self.making.slider_width / 2, 9)
         bands = (
-            ("STROKE", stroke, self.allowed.stroke, "mm", "slider", "twice geometry.eccentricity, in line"),
-            ("STROKE_RATE", abs(self.motor.speed_rpm) / 60, self.allowed.strokes_per_s, "1/s", "motor", "motor.speed_rpm / 60"),
+            (
+                "STROKE",
+                stroke,
+                self.allowed.stroke,
+                "mm",
+                "slider",
+                "twice geometry.eccentricity, in line",
+            ),
+            (
+                "STROKE_RATE",
+                abs(self.motor.speed_rpm) / 60,
+                self.allowed.strokes_per_s,
+                "1/s",
+                "motor",
+                "motor.speed_rpm / 60",
+            ),
         )
         for code, value, band, unit, where, message in bands:
             if band is not None:
@@ -426,7 +628,17 @@ class EccentricDrive(Mechanism):
             "motor_shaft_length_mm": self.shaft_length,
             "disc_wall_mm": g.eccentric_diameter / 2 - g.eccentricity - self.bore / 2,
         }
-        found = study(self.model, self.motion, (g.eccentricity, g.rod, g.offset), self.motor.speed_rpm, self.masses is not None)
+        found = study(
+            self.model,
+            self.motion,
+            (g.eccentricity, g.rod, g.offset),
+            self.motor.speed_rpm,
+            self.masses is not None,
+        )
         tube = self.tube
         sketches = (*found.sketches, *((tube.sketch(),) if tube else ()))
-        return replace(found, numbers={**numbers, **(tube.numbers if tube else {}), **found.numbers}, sketches=sketches)
+        return replace(
+            found,
+            numbers={**numbers, **(tube.numbers if tube else {}), **found.numbers},
+            sketches=sketches,
+        )

@@ -21,10 +21,19 @@ _PAPER = (1.5, 48.0, 0.0)
 PAPER_SPEED = 22.6  # rad/s: 13000/60 taken for rpm
 # Published: angle deg, v3 mm/s, phi2 deg, phi2' rad/s.
 PUBLISHED = (
-    (30, 16.49, 0.9, 0.61), (60, 28.9, 1.55, 0.35), (90, 33.9, 1.79, 0.0), (120, 28.9, 1.55, -0.35), (150, 16.49, 0.9, -0.61),
-    (180, 0.0, 0.0, -0.7), (210, -16.49, -0.9, -0.61), (240, -28.9, -1.55, -0.35), (270, -33.9, -1.79, 0.0),
-    (300, -28.9, -1.55, 0.35), (330, -16.49, -0.9, 0.61), (360, 0.0, 0.0, 0.7),
-)  # fmt: skip
+    (30, 16.49, 0.9, 0.61),
+    (60, 28.9, 1.55, 0.35),
+    (90, 33.9, 1.79, 0.0),
+    (120, 28.9, 1.55, -0.35),
+    (150, 16.49, 0.9, -0.61),
+    (180, 0.0, 0.0, -0.7),
+    (210, -16.49, -0.9, -0.61),
+    (240, -28.9, -1.55, -0.35),
+    (270, -33.9, -1.79, 0.0),
+    (300, -28.9, -1.55, 0.35),
+    (330, -16.49, -0.9, 0.61),
+    (360, 0.0, 0.0, 0.7),
+)
 _ERRATA = (
     "Erratum 1: the published v3 at 30 and 330 deg is 5.28 % low, at 60 and 300 deg 3.08 % low: the table mirrors 150 and "
     "120 deg.",
@@ -56,7 +65,13 @@ class Masses(Record):
         """Disc, which counts as balanced, rod and slider; lengths mm."""
         return (
             Body("disc", {"O": 0j, "E": complex(eccentricity)}),
-            Body("rod", {"E": 0j, "P": complex(rod)}, self.rod_g * 1e-3, complex(self.rod_centre), self.rod_inertia_g_mm2 * 1e-9),
+            Body(
+                "rod",
+                {"E": 0j, "P": complex(rod)},
+                self.rod_g * 1e-3,
+                complex(self.rod_centre),
+                self.rod_inertia_g_mm2 * 1e-9,
+            ),
             Body("slider", {"P": 0j}, self.slider_g * 1e-3),
         )
 
@@ -87,9 +102,13 @@ def study(
         for order, title, unit in ((1, "Slider speed", "m/s"), (2, "Slider acceleration", "m/s²"))
     ]
     units = (1.0, speed, speed**2 * 1e-3)
-    rows = np.column_stack([degrees[::120], *(_clean(motion(theta[::120], k) * unit) for k, unit in enumerate(units))])
+    rows = np.column_stack(
+        [degrees[::120], *(_clean(motion(theta[::120], k) * unit) for k, unit in enumerate(units))]
+    )
     columns = ("crank angle, deg", "travel, mm", "speed, mm/s", "acceleration, m/s²")
-    tables = [Table("Travel from the outermost place, at the motor's speed", columns, rows.tolist())]
+    tables = [
+        Table("Travel from the outermost place, at the motor's speed", columns, rows.tolist())
+    ]
     notes: tuple[str, ...] = ()
     if lengths == _PAPER:
         plots.append(_other_sizes(machine))
@@ -99,10 +118,18 @@ def study(
         notes = (source, *_ERRATA)
     if loaded:
         forces = solve(machine, theta).forces()
-        peaks = {f"peak_force_{name.lower()}_n": float(np.max(np.abs(force))) for name, force in forces.reactions.items()}
+        peaks = {
+            f"peak_force_{name.lower()}_n": float(np.max(np.abs(force)))
+            for name, force in forces.reactions.items()
+        }
         numbers |= {**peaks, "peak_torque_n_m": float(np.max(np.abs(forces.drives["motor"])))}
         plots += [
-            Plot("Joint forces", label, "N", [(name, degrees, np.abs(f)) for name, f in forces.reactions.items()]),
+            Plot(
+                "Joint forces",
+                label,
+                "N",
+                [(name, degrees, np.abs(f)) for name, f in forces.reactions.items()],
+            ),
             Plot("Driving torque", label, "N m", [("torque", degrees, forces.drives["motor"])]),
         ]
     return Study(numbers, plots, tables, (), notes)
@@ -125,8 +152,13 @@ def _other_sizes(machine: Machine) -> Plot:
     theta = np.linspace(0, math.tau, 721)
     speed = solve(machine, theta, 1).derivatives("travel")[1] * PAPER_SPEED
     # crank and rod by one factor: the same shape, so the same curve by that factor
-    series = [(f"crank {_PAPER[0] * k:g}, rod {_PAPER[1] * k:g}", np.degrees(theta), speed * k) for k in (4 / 3, 1.0, 2 / 3)]
-    return Plot(f"Slider speed of figure 6, at {PAPER_SPEED:g} rad/s", "crank angle, deg", "mm/s", series)
+    series = [
+        (f"crank {_PAPER[0] * k:g}, rod {_PAPER[1] * k:g}", np.degrees(theta), speed * k)
+        for k in (4 / 3, 1.0, 2 / 3)
+    ]
+    return Plot(
+        f"Slider speed of figure 6, at {PAPER_SPEED:g} rad/s", "crank angle, deg", "mm/s", series
+    )
 
 
 def _published(machine: Machine, motion: Motion) -> Table:
@@ -134,18 +166,28 @@ def _published(machine: Machine, motion: Motion) -> Table:
     theta = np.radians([row[0] for row in PUBLISHED])
     rod = solve(machine, theta, 1).angle("rod")
     tilt, rate = np.degrees(rod[0]), rod[1] * PAPER_SPEED
-    exact = zip(*(_clean(values) for values in (motion(theta, 1) * PAPER_SPEED, tilt, rate)), strict=True)
+    exact = zip(
+        *(_clean(values) for values in (motion(theta, 1) * PAPER_SPEED, tilt, rate)), strict=True
+    )
     rows = [
         [angle, v, x, round((v / x - 1) * 100, 9) + 0.0 if x else 0.0, phi, y, dphi, z]
         for (angle, v, phi, dphi), (x, y, z) in zip(PUBLISHED, exact, strict=True)
     ]
     columns = (
-        "crank angle, deg", "published v3, mm/s", "exact v3, mm/s", "v3 off by, %", "published phi2, deg",
-        "exact phi2, deg", "published phi2', rad/s", "exact phi2', rad/s",
-    )  # fmt: skip
+        "crank angle, deg",
+        "published v3, mm/s",
+        "exact v3, mm/s",
+        "v3 off by, %",
+        "published phi2, deg",
+        "exact phi2, deg",
+        "published phi2', rad/s",
+        "exact phi2', rad/s",
+    )
     return Table(f"Published table and exact values at {PAPER_SPEED:g} rad/s", columns, rows)
 
 
 def _clean(values: Floats) -> list[float]:
     """Values of a table, rounding noise beside its greatest made zero."""
-    return [float(v) for v in np.where(np.abs(values) < 1e-13 * np.max(np.abs(values)), 0.0, values)]
+    return [
+        float(v) for v in np.where(np.abs(values) < 1e-13 * np.max(np.abs(values)), 0.0, values)
+    ]

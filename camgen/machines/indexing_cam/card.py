@@ -15,13 +15,20 @@ from camgen.machines.indexing_cam.unloader import CrankSpring
 from camgen.motion.laws import Floats, Law
 from camgen.study import Plot, Table
 
-GAMMA, LAMBDA, X0, Y = math.pi / 10, 4.0, 0.2, 4.640648  # printed with MR-13; 0.3141592 is pi / 10 cut off
+GAMMA, LAMBDA, X0, Y = (
+    math.pi / 10,
+    4.0,
+    0.2,
+    4.640648,
+)  # printed with MR-13; 0.3141592 is pi / 10 cut off
 ROWS = 31  # z = 0 to 30
 
 
 def effort(a: Floats) -> Floats:
     """P = Y G at a share a of the stroke, (n,), in the units of c."""
-    unit = CrankSpring(1e3, 1.0, LAMBDA, X0, GAMMA, 2 * (math.pi - GAMMA))  # N/mm, mm: its torque in N m is G
+    unit = CrankSpring(
+        1e3, 1.0, LAMBDA, X0, GAMMA, 2 * (math.pi - GAMMA)
+    )  # N/mm, mm: its torque in N m is G
     return np.asarray(Y * unit(np.asarray(a, float)))
 
 
@@ -29,7 +36,10 @@ def card(law: Law) -> tuple[Table, list[Plot], dict[str, float]]:
     """Table of the law's 31 rows, of MR-13 with P in it, the plot of both curves, and the printed parameters as figures."""
     z = np.arange(ROWS)
     kappa = z / (2 * (ROWS - 1))
-    columns, values = ["z", "a", "b", "c", "b c"], [np.round(law(kappa, order), 12) for order in range(3)]
+    columns, values = (
+        ["z", "a", "b", "c", "b c"],
+        [np.round(law(kappa, order), 12) for order in range(3)],
+    )
     values.append(values[1] * values[2])
     if law.name != "mr-13":
         return _table(columns, z, values), [], {}
@@ -41,11 +51,19 @@ def card(law: Law) -> tuple[Table, list[Plot], dict[str, float]]:
     c, p = law(fine, 2), effort(law(fine))
     curves = [("c, the law", fine, c), ("P = Y G, the unloader", fine, p)]
     numbers = {
-        "card_gamma_deg": math.degrees(GAMMA), "card_lambda_ratio": LAMBDA, "card_x0_ratio": X0, "card_y_ratio": Y,
-        "card_effort_start_ratio": float(p[0]), "card_effort_peak_ratio": peak,
+        "card_gamma_deg": math.degrees(GAMMA),
+        "card_lambda_ratio": LAMBDA,
+        "card_x0_ratio": X0,
+        "card_y_ratio": Y,
+        "card_effort_start_ratio": float(p[0]),
+        "card_effort_peak_ratio": peak,
         "card_difference_max_ratio": float(np.max(np.abs(apart))),
-    }  # fmt: skip
-    return _table(columns, z, values), [Plot("Card of the law MR-13", "kappa = t / T", "c, P", curves)], numbers
+    }
+    return (
+        _table(columns, z, values),
+        [Plot("Card of the law MR-13", "kappa = t / T", "c, P", curves)],
+        numbers,
+    )
 
 
 def _table(columns: list[str], z: np.ndarray, values: list[Floats]) -> Table:

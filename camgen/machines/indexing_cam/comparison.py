@@ -30,13 +30,25 @@ if TYPE_CHECKING:
     from camgen.machines.indexing_cam.mechanism import IndexingCam
 
 _SHARES = (0.0, 0.2, 0.3, 0.4)
-_SHORTEST, _LONGEST, _STEPS, _SIZES = 10.0, 179.0, 16, 24  # deg of a turn that are tried; halvings; sizes of a cam to begin with
+_SHORTEST, _LONGEST, _STEPS, _SIZES = (
+    10.0,
+    179.0,
+    16,
+    24,
+)  # deg of a turn that are tried; halvings; sizes of a cam to begin with
 _NONE = "none"
 COLUMNS = (
-    "offset / crank", "greatest to mean speed of the cam", "turn, deg of the cam", "pressure angle, deg", "least base radius, mm",
-    "least turn / dwell", "peak acceleration of the link, deg/s²", "peak torque on the cam shaft without unloader, N m",
+    "offset / crank",
+    "greatest to mean speed of the cam",
+    "turn, deg of the cam",
+    "pressure angle, deg",
+    "least base radius, mm",
+    "least turn / dwell",
+    "peak acceleration of the link, deg/s²",
+    "peak torque on the cam shaft without unloader, N m",
     "with unloader, N m",
-)  # fmt: skip
+)
+
 
 @dataclass(frozen=True)
 class Comparison:
@@ -75,16 +87,28 @@ class Comparison:
         rate = run.angle("cam")[1]
         swing = run.derivatives("swing")
         turning = np.abs(swing[1]) > 1e-9
-        torques = [float(np.max(np.abs(effort * swing[1] / rate)[turning])) for effort in self.efforts]
+        torques = [
+            float(np.max(np.abs(effort * swing[1] / rate)[turning])) for effort in self.efforts
+        ]
         turn = self.rise if chain is None else math.degrees(chain.turn)
         return [
-            share, float(rate.max()), turn, math.degrees(survey(cam).pressure), self._least_base(chain),
-            self._least_ratio(share), math.degrees(float(np.abs(swing[2]).max())) * self.ratio * self.speed**2, *torques,
-        ]  # fmt: skip
+            share,
+            float(rate.max()),
+            turn,
+            math.degrees(survey(cam).pressure),
+            self._least_base(chain),
+            self._least_ratio(share),
+            math.degrees(float(np.abs(swing[2]).max())) * self.ratio * self.speed**2,
+            *torques,
+        ]
 
     def _fits(self, cam: DiscCam[Follower]) -> bool:
         seen = survey(cam)
-        return seen.pressure <= math.radians(self.pressure) and seen.least_radius >= 0 and seen.clear > 0
+        return (
+            seen.pressure <= math.radians(self.pressure)
+            and seen.least_radius >= 0
+            and seen.clear > 0
+        )
 
     def _least_base(self, chain: TwoCranks | None) -> float | str:
         """By the halving of sizes: the first that fits, counted from below."""
@@ -120,17 +144,33 @@ def compared(spec: IndexingCam) -> Sequence[Table]:
     if driver_faults(Driver(crank=1.0, offset=0.1), (g.rise_deg, g.dwell_deg, spec.return_deg)):
         return []
     theta, own = np.linspace(0, math.tau, 1441), spec.two_cranks
-    torques, (low, high) = spec.indexing.at(theta), (abs(f.pivot_distance - f.arm), f.pivot_distance + f.arm)
+    torques, (low, high) = (
+        spec.indexing.at(theta),
+        (abs(f.pivot_distance - f.arm), f.pivot_distance + f.arm),
+    )
 
     def program(chain: TwoCranks | None, rise: float) -> Program:
-        return spec.turns(spec.law, rise, 180 - rise, rise) if chain is None else spec.paced(chain, False)
+        return (
+            spec.turns(spec.law, rise, 180 - rise, rise)
+            if chain is None
+            else spec.paced(chain, False)
+        )
 
     def chain(share: float, rise: float) -> TwoCranks | None:
         return spec.chain(1.0, share, rise) if share else None
 
     found = Comparison(
-        program, spec.arm, chain, g.rise_deg, g.base_radius, f.roller_radius, spec.allowed.cam_limits.steepest(spec.cams["cam"]),
-        (max(1.001 * low, 1.05 * f.roller_radius), 0.999 * high), g.gear_ratio, spec.speed, theta,
+        program,
+        spec.arm,
+        chain,
+        g.rise_deg,
+        g.base_radius,
+        f.roller_radius,
+        spec.allowed.cam_limits.steepest(spec.cams["cam"]),
+        (max(1.001 * low, 1.05 * f.roller_radius), 0.999 * high),
+        g.gear_ratio,
+        spec.speed,
+        theta,
         (torques.follower_bare, torques.follower),
-    )  # fmt: skip
+    )
     return [found.table(None if own is None else own.share)]

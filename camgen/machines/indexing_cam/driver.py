@@ -64,7 +64,11 @@ class TwoCranks:
         w = 1 / np.sqrt(1 - x[0] ** 2)
         first = x[1] * w
         second = x[2] * w + x[0] * x[1] ** 2 * w**3
-        third = x[3] * w + (3 * x[0] * x[1] * x[2] + x[1] ** 3) * w**3 + 3 * x[0] ** 2 * x[1] ** 3 * w**5
+        third = (
+            x[3] * w
+            + (3 * x[0] * x[1] * x[2] + x[1] ** 3) * w**3
+            + 3 * x[0] ** 2 * x[1] ** 3 * w**5
+        )
         return [psi - np.arcsin(x[0]), 1 - first, -second, -third]
 
     def psi(self, tau: float) -> float:
@@ -74,7 +78,10 @@ class TwoCranks:
     def cam(self, theta: Floats) -> Floats:
         """Cam angle at theta, which grows evenly with the time and once while the cam turns once, (n,) rad."""
         spin = np.exp(1j * (2 * np.asarray(theta, float) - self.sense * self.half))
-        return np.asarray(theta + (np.angle((spin - self.share) / spin) + self.sense * (self.turn - self.half)) / 2)
+        return np.asarray(
+            theta
+            + (np.angle((spin - self.share) / spin) + self.sense * (self.turn - self.half)) / 2
+        )
 
     @property
     def turn(self) -> float:
@@ -96,7 +103,9 @@ class TwoCranks:
                 return np.asarray(law(kappa, 1) * k1)
             if order == 2:
                 return np.asarray(law(kappa, 2) * k1**2 + law(kappa, 1) * k2)
-            return np.asarray(law(kappa, 3) * k1**3 + 3 * law(kappa, 2) * k1 * k2 + law(kappa, 1) * k3)
+            return np.asarray(
+                law(kappa, 3) * k1**3 + 3 * law(kappa, 2) * k1 * k2 + law(kappa, 1) * k3
+            )
 
         breaks = tuple((self.psi(self.half * (2 * b - 1)) / far + 1) / 2 for b in law.breaks)
         name = f"{law.name}, on a cam that turns unevenly"
@@ -111,28 +120,36 @@ class TwoCranks:
         pin, start = self.at - self.offset, self.crank * cmath.exp(1j * tau)
         bodies = (Body(CRANK, {"motor": 0j, "pin": complex(self.crank)}), Body(ARM, {"arm": 0j}))
         joints = (
-            Pin("crank's shaft", Place(CRANK), Place(GROUND, pin)), Pin("arm's axle", Place(ARM), Place(GROUND, self.at)),
+            Pin("crank's shaft", Place(CRANK), Place(GROUND, pin)),
+            Pin("arm's axle", Place(ARM), Place(GROUND, self.at)),
             Slot("turning block", Place(ARM), Place(CRANK, complex(self.crank))),
             Gear("2 to 1", ARM, "cam", way / 2, -way * psi / 2),
-        )  # fmt: skip
+        )
         assert abs(cmath.phase((pin + start - self.at) / cmath.exp(1j * psi))) < 1e-9
         return replace(
             machine,
-            bodies=(*machine.bodies, *bodies), joints=(*joints, *machine.joints),
+            bodies=(*machine.bodies, *bodies),
+            joints=(*joints, *machine.joints),
             drives=(Drive("motor", CRANK, Turning(2.0 * way, tau)),),
             start={**machine.start, CRANK: Start(pin, tau), ARM: Start(self.at, psi)},
-        )  # fmt: skip
+        )
 
     @property
     def numbers(self) -> dict[str, float]:
         """For the report."""
-        return {"driver_offset_to_crank": self.share, "driver_fastest_to_mean_speed": 1 / (1 - self.share),
-                "driver_slowest_to_mean_speed": 1 / (1 + self.share), "cam_turn_deg": math.degrees(self.turn)}  # fmt: skip
+        return {
+            "driver_offset_to_crank": self.share,
+            "driver_fastest_to_mean_speed": 1 / (1 - self.share),
+            "driver_slowest_to_mean_speed": 1 / (1 + self.share),
+            "cam_turn_deg": math.degrees(self.turn),
+        }
 
     def sketches(self) -> tuple[Sketch, Sketch]:
         """Crank and arm, which are not made."""
         hub = self.crank / 4
-        crank = Sketch(CRANK, [np.array([0j, self.crank])], [(0j, hub), (complex(self.crank), hub / 2)], CRANK)
+        crank = Sketch(
+            CRANK, [np.array([0j, self.crank])], [(0j, hub), (complex(self.crank), hub / 2)], CRANK
+        )
         return crank, Sketch(ARM, [np.array([0j, self.crank + self.offset])], [(0j, hub / 2)], ARM)
 
 
@@ -146,5 +163,7 @@ def driver_faults(driver: Driver, spans: Sequence[float]) -> list[Fault]:
         right = f"180 less rise_deg, {180 - rise:g}, with [driver]: its chain turns twice while the cam turns once"
         found.append(Fault("geometry.dwell_deg", f"{dwell:g}", right))
     if abs(rise - back) > 1e-9:
-        found.append(Fault("geometry.return_deg", f"{back:g}", f"rise_deg, {rise:g}, with [driver]"))
+        found.append(
+            Fault("geometry.return_deg", f"{back:g}", f"rise_deg, {rise:g}, with [driver]")
+        )
     return found

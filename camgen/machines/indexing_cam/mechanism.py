@@ -36,7 +36,14 @@ from camgen.machines.free_play import between
 from camgen.machines.indexing_cam import tables as t
 from camgen.machines.indexing_cam.comparison import compared
 from camgen.machines.indexing_cam.driver import CHAIN, MADE, NOT_MADE, TwoCranks, driver_faults
-from camgen.machines.indexing_cam.model import LINK, cam_drive, drawn, made_unloader, stepping, stood
+from camgen.machines.indexing_cam.model import (
+    LINK,
+    cam_drive,
+    drawn,
+    made_unloader,
+    stepping,
+    stood,
+)
 from camgen.machines.indexing_cam.standing_driver import room
 from camgen.machines.indexing_cam.stepping import Stepping
 from camgen.machines.indexing_cam.study import IndexingStudy
@@ -88,32 +95,70 @@ class IndexingCam(StandingCams):
         g, p, u, nozzle = self.geometry, self.making, self.unloader, self.print.nozzle
         spans = math.fsum((g.rise_deg, g.dwell_deg, self.return_deg))
         checks = [
-            (spans <= 360, "geometry.dwell_deg", g.dwell_deg,
-             f"rise_deg, dwell_deg and return_deg of at most 360 together, they make {spans:g}"),
+            (
+                spans <= 360,
+                "geometry.dwell_deg",
+                g.dwell_deg,
+                f"rise_deg, dwell_deg and return_deg of at most 360 together, they make {spans:g}",
+            ),
             (p.wall >= nozzle, "parts.wall", p.wall, f"at least the nozzle, {nozzle:g} mm"),
-            (self.allowed.min_wall >= nozzle, "limits.min_wall", self.allowed.min_wall, f"at least the nozzle, {nozzle:g} mm"),
-            (g.follower.roller_radius < g.follower.arm, "geometry.follower.roller_radius", g.follower.roller_radius,
-             f"less than the arm, {g.follower.arm:g} mm: the roller would cover the arm's own axle"),
-            (g.closure == "force" or not self.load.closing_n_m, "load.closing_n_m", self.load.closing_n_m,
-             'nothing here: closure "conjugate" needs no spring'),
-        ]  # fmt: skip
-        found = [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
+            (
+                self.allowed.min_wall >= nozzle,
+                "limits.min_wall",
+                self.allowed.min_wall,
+                f"at least the nozzle, {nozzle:g} mm",
+            ),
+            (
+                g.follower.roller_radius < g.follower.arm,
+                "geometry.follower.roller_radius",
+                g.follower.roller_radius,
+                f"less than the arm, {g.follower.arm:g} mm: the roller would cover the arm's own axle",
+            ),
+            (
+                g.closure == "force" or not self.load.closing_n_m,
+                "load.closing_n_m",
+                self.load.closing_n_m,
+                'nothing here: closure "conjugate" needs no spring',
+            ),
+        ]
+        found = [
+            Fault(path, f"{value:g}", expected)
+            for fine, path, value, expected in checks
+            if not fine
+        ]
         found += u.faults(self.freewheel is not None)
         if self.load.gravity_deg is not None:
             why = "nothing here: torque, closure and what is left are worked out for a machine that lies flat"
             found.append(Fault("load.gravity_deg", f"{self.load.gravity_deg:g}", why))
         if self.freewheel is not None and self.sizes.shaft_diameter not in CLUTCHES:
             sold = ", ".join(f"{bore:g}" for bore in CLUTCHES)
-            found.append(Fault("bodies.shaft_diameter", f"{self.sizes.shaft_diameter:g}", f"a bore of freewheels, {sold} mm"))
+            found.append(
+                Fault(
+                    "bodies.shaft_diameter",
+                    f"{self.sizes.shaft_diameter:g}",
+                    f"a bore of freewheels, {sold} mm",
+                )
+            )
         if self.synthesis is not None and u.torque == "none":
             found.append(Fault("synthesis", "", 'an unloader: its torque is "none"'))
         if self.driver is not None:
             found += driver_faults(self.driver, (g.rise_deg, g.dwell_deg, self.return_deg))
-            between, wall = room(self.sizes, self.print, self.driver.crank, self.driver.offset), self.sizes.wall
+            between, wall = (
+                room(self.sizes, self.print, self.driver.crank, self.driver.offset),
+                self.sizes.wall,
+            )
             if self.standing and between < wall:
                 right = f"at most {self.driver.offset - wall + between:.4g}: slot and shaft of the arm need a wall of {wall:g} mm"
-                found.append(Fault("driver.offset", f"{self.driver.offset:g}", right + "; or a longer driver.crank"))
-        found += air_faults("geometry.tip_clearance", g.tip_clearance, g.closure, g.follower.roller_radius)
+                found.append(
+                    Fault(
+                        "driver.offset",
+                        f"{self.driver.offset:g}",
+                        right + "; or a longer driver.crank",
+                    )
+                )
+        found += air_faults(
+            "geometry.tip_clearance", g.tip_clearance, g.closure, g.follower.roller_radius
+        )
         return [*found, *p.misfits(), *self.size_faults("follower", LINK), *g.law_faults()]
 
     def designed(self) -> Self:
@@ -122,13 +167,24 @@ class IndexingCam(StandingCams):
         """
         wanted, spring = self.synthesis, self.unloading
         if wanted is None or spring is None:
-            raise SpecError([Fault("synthesis", "", "missing: weights of the law to be looked for, [q]")])
+            raise SpecError(
+                [Fault("synthesis", "", "missing: weights of the law to be looked for, [q]")]
+            )
         found = trade_off(spring, wanted.weights, wanted.sines, wanted.cosines)[-1]
         data = self.model_dump(by_alias=True, exclude_none=True)
-        data["geometry"]["law"] = {"name": "fourier", "sines": list(found.sines), "cosines": list(found.cosines)}
+        data["geometry"]["law"] = {
+            "name": "fourier",
+            "sines": list(found.sines),
+            "cosines": list(found.cosines),
+        }
         if self.unloader.torque == "law":
-            a = 0.5 * np.linspace(0, 1, _SPRING_POINTS) ** 2  # the torque starts as the root of the position
-            data["unloader"] = {"torque": "table", "points": np.column_stack([a, spring(a)]).tolist()}
+            a = (
+                0.5 * np.linspace(0, 1, _SPRING_POINTS) ** 2
+            )  # the torque starts as the root of the position
+            data["unloader"] = {
+                "torque": "table",
+                "points": np.column_stack([a, spring(a)]).tolist(),
+            }
         return validate(type(self), data)
 
     # ---- motion -----------------------------------------------------------------------------------------------------
@@ -136,7 +192,9 @@ class IndexingCam(StandingCams):
     @property
     def return_deg(self) -> float:
         """Cam angle of the turn back."""
-        return self.geometry.rise_deg if self.geometry.return_deg is None else self.geometry.return_deg
+        return (
+            self.geometry.rise_deg if self.geometry.return_deg is None else self.geometry.return_deg
+        )
 
     @cached_property
     def law(self) -> Law:
@@ -168,11 +226,17 @@ class IndexingCam(StandingCams):
     def turns(self, law: Law, *degrees: float) -> Program:
         """There and back by a law: rise, dwell and return of so many degrees."""
         spans, swing = [*degrees, 360 - math.fsum(degrees)], self.swing
-        shape = [("rise", 0.0, swing), ("dwell", swing, 0.0), ("return", swing, -swing), ("dwell", 0.0, 0.0)]
+        shape = [
+            ("rise", 0.0, swing),
+            ("dwell", swing, 0.0),
+            ("return", swing, -swing),
+            ("dwell", 0.0, 0.0),
+        ]
         segments = [
             Segment(kind, math.radians(span), start, scale, law)
-            for span, (kind, start, scale) in zip(spans, shape, strict=True) if span > 1e-9
-        ]  # fmt: skip
+            for span, (kind, start, scale) in zip(spans, shape, strict=True)
+            if span > 1e-9
+        ]
         made = Program(tuple(segments))
         return made if self.sense > 0 else made.backwards()
 
@@ -192,7 +256,11 @@ class IndexingCam(StandingCams):
     def found(self) -> Mapping[str, object]:
         """The span of the return and the spring by the law, and what every mechanism fills in."""
         steepest = self.allowed.cam_limits.steepest(self.cams["cam"])
-        found = {**super().found(), "geometry.return_deg": self.return_deg, "limits.pressure_angle_deg": steepest}
+        found = {
+            **super().found(),
+            "geometry.return_deg": self.return_deg,
+            "limits.pressure_angle_deg": steepest,
+        }
         if self.unloader.torque == "law":
             found |= {"unloader.balance": self._balance, "unloader.design_rpm": self._design_rpm}
         elif isinstance(self.unloading, CrankSpring):
@@ -205,7 +273,11 @@ class IndexingCam(StandingCams):
 
     @property
     def _design_rpm(self) -> float:
-        return abs(self.motor.speed_rpm) if self.unloader.design_rpm is None else self.unloader.design_rpm
+        return (
+            abs(self.motor.speed_rpm)
+            if self.unloader.design_rpm is None
+            else self.unloader.design_rpm
+        )
 
     @cached_property
     def cams(self) -> Mapping[str, DiscCam]:
@@ -216,7 +288,10 @@ class IndexingCam(StandingCams):
             return {"cam": DiscCam(self.cam_program, first)}
         back = first.arm.conjugate() * cmath.exp(-1j * self.swing)
         second = SwingingArm(first.pivot, back, f.roller_radius, leaves=-1)
-        return {"cam": DiscCam(self.cam_program, first, air), "return-cam": DiscCam(self.cam_program, second, air)}
+        return {
+            "cam": DiscCam(self.cam_program, first, air),
+            "return-cam": DiscCam(self.cam_program, second, air),
+        }
 
     def arm(self, base: float) -> SwingingArm:
         """The follower on a base circle; DesignError where it cannot stand or swing there."""
@@ -224,10 +299,19 @@ class IndexingCam(StandingCams):
         inner, _ = self._opening(base + f.roller_radius, "geometry.base_radius", "the inner dwell")
         if inner + self.swing >= math.pi:
             raise DesignError(
-                "the follower's swing", math.degrees(self.swing), math.degrees(math.pi - inner), "deg", "the outer dwell",
+                "the follower's swing",
+                math.degrees(self.swing),
+                math.degrees(math.pi - inner),
+                "deg",
+                "the outer dwell",
                 "the arm would pass the line of shaft and axle: use a larger gear_ratio or a smaller index_deg",
-            )  # fmt: skip
-        return SwingingArm(complex(f.pivot_distance), f.arm * cmath.exp(1j * (math.pi + inner)), f.roller_radius, leaves=1)
+            )
+        return SwingingArm(
+            complex(f.pivot_distance),
+            f.arm * cmath.exp(1j * (math.pi + inner)),
+            f.roller_radius,
+            leaves=1,
+        )
 
     def _opening(self, radius: float, quantity: str, where: str) -> tuple[float, float]:
         """Angle OAC and the distance OC for a roller centre so far from the shaft."""
@@ -236,9 +320,13 @@ class IndexingCam(StandingCams):
         if not low < radius < high:
             limit = low if radius <= low else high
             raise DesignError(
-                f"{quantity} and roller_radius together", radius, limit, "mm", where,
+                f"{quantity} and roller_radius together",
+                radius,
+                limit,
+                "mm",
+                where,
                 "arm and pivot_distance make no triangle with it: change one of them",
-            )  # fmt: skip
+            )
         cosine = (f.pivot_distance**2 + f.arm**2 - radius**2) / (2 * f.pivot_distance * f.arm)
         return math.acos(cosine), radius
 
@@ -254,7 +342,11 @@ class IndexingCam(StandingCams):
     def sizes(self) -> Sizes:
         """Of the machine's bodies; a plate is as thick as the freewheel in it."""
         given, freewheel = super().sizes, CLUTCHES.get(super().sizes.shaft_diameter)
-        if self.freewheel is None or freewheel is None or "base_thickness" in given.model_fields_set:
+        if (
+            self.freewheel is None
+            or freewheel is None
+            or "base_thickness" in given.model_fields_set
+        ):
             return given
         return given.model_copy(update={"base_thickness": freewheel[0].width})
 
@@ -288,7 +380,9 @@ class IndexingCam(StandingCams):
 
     def reachable(self, theta: Floats) -> Floats:
         """Angle s that the exact cam gives: the wanted one less any undercut, (n,) rad."""
-        return self.cams["cam"].reachable(theta if self.two_cranks is None else self.two_cranks.cam(theta))
+        return self.cams["cam"].reachable(
+            theta if self.two_cranks is None else self.two_cranks.cam(theta)
+        )
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 
@@ -298,12 +392,19 @@ class IndexingCam(StandingCams):
 
     def _part(self, name: str, cam: DiscCam) -> Part:
         p = self.making
-        holes = holes_in(p, name, cam.outline, lambda rim, reach: windows(rim, reach, p.windows, p.wall))
+        holes = holes_in(
+            p, name, cam.outline, lambda rim, reach: windows(rim, reach, p.windows, p.wall)
+        )
         title = "Return cam" if name == "return-cam" else "Indexing cam"
         return Part(
-            name, title, (Layer(Region(cam.outline, holes), 0.0, p.thickness),),
-            centres=(0j,), notes=(turning_note(self.sense), *p.notes()), bore=p.bore, min_wall=self.allowed.min_wall,
-        )  # fmt: skip
+            name,
+            title,
+            (Layer(Region(cam.outline, holes), 0.0, p.thickness),),
+            centres=(0j,),
+            notes=(turning_note(self.sense), *p.notes()),
+            bore=p.bore,
+            min_wall=self.allowed.min_wall,
+        )
 
     # ---- assembly ---------------------------------------------------------------------------------------------------
 
@@ -325,11 +426,21 @@ class IndexingCam(StandingCams):
 
     def asked(self) -> Sequence[Asked]:
         """The play of the follower that is borne; the link of cams alone follows by gears that are not made."""
-        swing, link = math.radians(self.allowed.lash_deg), math.radians(self.allowed.lash_deg) * self.geometry.gear_ratio
-        found = [Asked("swing", lash=swing), Asked("link", lash=link) if self.standing else Asked("link", judged=False)]
+        swing, link = (
+            math.radians(self.allowed.lash_deg),
+            math.radians(self.allowed.lash_deg) * self.geometry.gear_ratio,
+        )
+        found = [
+            Asked("swing", lash=swing),
+            Asked("link", lash=link) if self.standing else Asked("link", judged=False),
+        ]
         if self.stepping is not None:
             wanted = self.stepping.wanted(self.allowed.advance_deg)
-            found.append(Asked("wheel", lash=link, targets=(wanted,)) if self.standing else Asked("wheel", judged=False))
+            found.append(
+                Asked("wheel", lash=link, targets=(wanted,))
+                if self.standing
+                else Asked("wheel", judged=False)
+            )
         return found
 
     # ---- checks and study -------------------------------------------------------------------------------------------
@@ -339,12 +450,29 @@ class IndexingCam(StandingCams):
         """What is asked of the drive."""
         load = self.load
         spring, omega = self.unloading, self.speed
-        given = Load(load.inertia_kg_m2, load.follower_inertia_kg_m2, load.friction_n_m, self.geometry.gear_ratio)
+        given = Load(
+            load.inertia_kg_m2,
+            load.follower_inertia_kg_m2,
+            load.friction_n_m,
+            self.geometry.gear_ratio,
+        )
         return IndexingStudy(
-            self.program, self.law, self.swing, omega, given, spring, load.dwell_torque_n_m,
-            None if self.geometry.closure != "force" else self.bench.closing if self.standing else load.closing_n_m, self._ideal,
-            *(("cam angle", "cam shaft") if self.driver is None else _EVEN), self.stepping,
-        )  # fmt: skip
+            self.program,
+            self.law,
+            self.swing,
+            omega,
+            given,
+            spring,
+            load.dwell_torque_n_m,
+            None
+            if self.geometry.closure != "force"
+            else self.bench.closing
+            if self.standing
+            else load.closing_n_m,
+            self._ideal,
+            *(("cam angle", "cam shaft") if self.driver is None else _EVEN),
+            self.stepping,
+        )
 
     @cached_property
     def unloading(self) -> SpringTorque | None:
@@ -356,9 +484,21 @@ class IndexingCam(StandingCams):
             assert u.points is not None
             return antisymmetric(characteristic(u.points))
         if u.torque == "crank":
-            assert u.crank is not None and u.guide is not None and u.stretch is not None and u.lead_deg is not None
-            spring = CrankSpring(u.stiffness_n_mm or 1.0, u.crank, u.guide, u.stretch, math.radians(u.lead_deg), stroke,
-                                 self.freewheel is not None)  # fmt: skip
+            assert (
+                u.crank is not None
+                and u.guide is not None
+                and u.stretch is not None
+                and u.lead_deg is not None
+            )
+            spring = CrankSpring(
+                u.stiffness_n_mm or 1.0,
+                u.crank,
+                u.guide,
+                u.stretch,
+                math.radians(u.lead_deg),
+                stroke,
+                self.freewheel is not None,
+            )
             return fitting(spring, self.law, self._unit) if u.stiffness_n_mm is None else spring
         return self._ideal
 
@@ -383,29 +523,48 @@ class IndexingCam(StandingCams):
         cams = [ExactCam(f"exact {name}", cam, advice) for name, cam in self.cams.items()]
         facets = None if self.standing else self.accuracy.chord_tolerance
         findings = cam_findings(cams, self.allowed.cam_limits, chord_tolerance=facets)
-        return [*findings, *self.indexing.findings(self.allowed.acceleration_jump, self.allowed.residual)]
+        return [
+            *findings,
+            *self.indexing.findings(self.allowed.acceleration_jump, self.allowed.residual),
+        ]
 
     def forecast(self) -> Sequence[Finding]:
         """The same, and of a pair of cams alone the free play of the follower between them."""
         if self.standing:
             return super().forecast()
-        return [*self.limits(), *between([*self.cams.values()], self.geometry.tip_clearance, math.radians(self.allowed.lash_deg))]
+        return [
+            *self.limits(),
+            *between(
+                [*self.cams.values()],
+                self.geometry.tip_clearance,
+                math.radians(self.allowed.lash_deg),
+            ),
+        ]
 
     def study(self) -> Study:
         """Torques with and without the unloader, the law's curves, and what was taken from the source."""
         numbers = {
             "index_deg": self.geometry.index_deg,
             "swing_deg": math.degrees(self.swing),
-            **{f"{name.replace('-', '_')}_pressure_angle_deg": cam.steepest for name, cam in self.cams.items()},
-            **{f"{name.replace('-', '_')}_least_radius_mm": cam.least_radius
-               for name, cam in self.cams.items() if math.isfinite(cam.least_radius)},
-        }  # fmt: skip
+            **{
+                f"{name.replace('-', '_')}_pressure_angle_deg": cam.steepest
+                for name, cam in self.cams.items()
+            },
+            **{
+                f"{name.replace('-', '_')}_least_radius_mm": cam.least_radius
+                for name, cam in self.cams.items()
+                if math.isfinite(cam.least_radius)
+            },
+        }
         numbers |= undercut_numbers([*self.cams.values()])
         if isinstance(self.unloading, CrankSpring):
             low, high = self.unloading.stretches
-            numbers |= {"spring_stretch_least_mm": low, "spring_stretch_greatest_mm": high,
-                        "spring_force_least_n": self.unloading.stiffness * low,
-                        "spring_force_greatest_n": self.unloading.stiffness * high}  # fmt: skip
+            numbers |= {
+                "spring_stretch_least_mm": low,
+                "spring_stretch_greatest_mm": high,
+                "spring_force_least_n": self.unloading.stiffness * low,
+                "spring_force_greatest_n": self.unloading.stiffness * high,
+            }
         wanted = self.synthesis
         asked = (wanted.weights, wanted.sines, wanted.cosines) if wanted else None
         found = self.indexing.study(self.cams, asked)
@@ -413,15 +572,34 @@ class IndexingCam(StandingCams):
         forces = solve(self.model, theta).forces()
         pressing = forces.pressing["contact"]
         numbers |= dict(found.numbers)
-        numbers |= {"peak_contact_force_n": peak(pressing, np.isfinite(pressing)),
-                    "reaction_shaft_without_friction_n": peak(forces.reactions["shaft"], np.isfinite(pressing))}  # fmt: skip
-        drawn = Plot("Contact force", f"{self.indexing.angle}, deg", "N", [("rollers on cams", np.degrees(theta), pressing)])
+        numbers |= {
+            "peak_contact_force_n": peak(pressing, np.isfinite(pressing)),
+            "reaction_shaft_without_friction_n": peak(
+                forces.reactions["shaft"], np.isfinite(pressing)
+            ),
+        }
+        drawn = Plot(
+            "Contact force",
+            f"{self.indexing.angle}, deg",
+            "N",
+            [("rollers on cams", np.degrees(theta), pressing)],
+        )
         sketches = () if self.standing else self._sketches()
-        notes = [*found.notes, *([_NOT_MADE] if self.standing and self.unloading and self.made_unloader is None else [])]
+        notes = [
+            *found.notes,
+            *(
+                [_NOT_MADE]
+                if self.standing and self.unloading and self.made_unloader is None
+                else []
+            ),
+        ]
         if self.two_cranks is not None:
             numbers |= self.two_cranks.numbers
             notes.append(CHAIN + (MADE if self.standing else NOT_MADE))
-        plots, tables = Later(lambda: [*found.plots, drawn]), Later(lambda: [*found.tables, *compared(self)])
+        plots, tables = (
+            Later(lambda: [*found.plots, drawn]),
+            Later(lambda: [*found.tables, *compared(self)]),
+        )
         return Study(numbers, plots, tables, sketches, notes)
 
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
@@ -430,7 +608,9 @@ class IndexingCam(StandingCams):
         if step is None:
             turn = {kind: ratio * float(np.ptp(s)) for kind, s in motion.items()}
         else:
-            turn = {kind: advance(ratio * s[:: self.sense], step.lost) for kind, s in motion.items()}
+            turn = {
+                kind: advance(ratio * s[:: self.sense], step.lost) for kind, s in motion.items()
+            }
         found = {f"index_recovered_{kind}_deg": math.degrees(value) for kind, value in turn.items()}
         return Study(found, (), [] if step is None else [step.table(turn)])
 
@@ -442,4 +622,9 @@ class IndexingCam(StandingCams):
         table = Sketch("driven-link", arrow, [(0j, size)], "driven-link")
         bore, pivot = self.making.bore / 4, complex(self.geometry.follower.pivot_distance)
         chain = () if self.two_cranks is None else self.two_cranks.sketches()
-        return *chain, Sketch("follower", strokes, rollers, "follower"), table, Sketch("ground", (), [(0j, bore), (pivot, bore)])
+        return (
+            *chain,
+            Sketch("follower", strokes, rollers, "follower"),
+            table,
+            Sketch("ground", (), [(0j, bore), (pivot, bore)]),
+        )

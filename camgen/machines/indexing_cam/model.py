@@ -33,9 +33,15 @@ def stepping(spec: IndexingCam) -> Stepping | None:
         return None
     g, start = spec.geometry, spec.cam_drive.start["follower"].angle
     return Stepping(
-        spec.program, math.radians(g.rise_deg), g.gear_ratio, math.radians(g.index_deg), math.radians(spec.freewheel.lost_deg),
-        spec.sense, -g.gear_ratio * start, CLUTCHES[spec.sizes.shaft_diameter][1],
-    )  # fmt: skip
+        spec.program,
+        math.radians(g.rise_deg),
+        g.gear_ratio,
+        math.radians(g.index_deg),
+        math.radians(spec.freewheel.lost_deg),
+        spec.sense,
+        -g.gear_ratio * start,
+        CLUTCHES[spec.sizes.shaft_diameter][1],
+    )
 
 
 def cam_drive(spec: IndexingCam, closing: float) -> Machine:
@@ -52,7 +58,15 @@ def made_unloader(spec: IndexingCam) -> StandingUnloader | None:
         return None
     f, ratio = spec.geometry.follower, spec.geometry.gear_ratio
     wheel = (spec.link_centre.real - f.pivot_distance) * ratio / (1 + ratio)
-    return StandingUnloader(spec.unloading, spec.link_centre, f.arm / 2, wheel, [*spec.cams.values()], spec.swing, spec.sizes)
+    return StandingUnloader(
+        spec.unloading,
+        spec.link_centre,
+        f.arm / 2,
+        wheel,
+        [*spec.cams.values()],
+        spec.swing,
+        spec.sizes,
+    )
 
 
 def drawn(spec: IndexingCam, closing: float, unloaded: bool = True) -> Machine:
@@ -65,8 +79,14 @@ def drawn(spec: IndexingCam, closing: float, unloaded: bool = True) -> Machine:
     turns = ratio * drive.start["follower"].angle
     way = ratio * spec.swing if step is None else -step.index
     spring = None if spec.unloading is None or not unloaded else OnLink(spec.unloading, way)
-    borne = Resistance("unloader and friction", Angle(LINK), friction=spec.load.friction_n_m, law=spring)
-    bodies, joints, outputs = [link], [Pin("link's axle", Place(LINK), Place(GROUND, spec.link_centre))], []
+    borne = Resistance(
+        "unloader and friction", Angle(LINK), friction=spec.load.friction_n_m, law=spring
+    )
+    bodies, joints, outputs = (
+        [link],
+        [Pin("link's axle", Place(LINK), Place(GROUND, spec.link_centre))],
+        [],
+    )
     if step is not None:
         bodies.append(Body(WHEEL))
         joints.append(Pin("wheel's axle", Place(WHEEL), Place(GROUND, spec.link_centre)))
@@ -74,12 +94,20 @@ def drawn(spec: IndexingCam, closing: float, unloaded: bool = True) -> Machine:
     return replace(
         drive,
         bodies=(*drive.bodies, *bodies),
-        joints=(*drive.joints, *joints, Gear("gears", "follower", geared, ratio), *([] if step is None else [step.clutch(LINK)])),
-        start={**drive.start, **{body.name: Start(spec.link_centre, turns) for body in bodies},
-               **({} if step is None else {LINK: Start(spec.link_centre, 0.0)})},
+        joints=(
+            *drive.joints,
+            *joints,
+            Gear("gears", "follower", geared, ratio),
+            *([] if step is None else [step.clutch(LINK)]),
+        ),
+        start={
+            **drive.start,
+            **{body.name: Start(spec.link_centre, turns) for body in bodies},
+            **({} if step is None else {LINK: Start(spec.link_centre, 0.0)}),
+        },
         loads=(*drive.loads, borne),
         outputs=(*drive.outputs, Output("link", Angle(LINK), "rad"), *outputs),
-    )  # fmt: skip
+    )
 
 
 def stood(spec: IndexingCam) -> Bench:
@@ -93,24 +121,51 @@ def stood(spec: IndexingCam) -> Bench:
         points[WHEEL], freewheels = {"axle": 0j}, {WHEEL: (LINK, clutch)}
         shapes[WHEEL] = {"thickness": clutch.width}
     sizes = Sizes.model_validate({**shapes, **spec.sizes.model_dump(exclude_none=True)})
-    gear = GearTable.model_validate({"a": "follower", "b": "link", "ratio": -spec.geometry.gear_ratio})
+    gear = GearTable.model_validate(
+        {"a": "follower", "b": "link", "ratio": -spec.geometry.gear_ratio}
+    )
     gears = {"gears": gear}
     machine, strung, driven, beneath = drawn(spec, 0.0), {}, "cam", None
     if spec.two_cranks is not None:
         driven, points[GROUND]["arm"], points[ARM] = ARM, spec.two_cranks.at, {"arm": 0j}
         gears["2 to 1"] = GearTable.model_validate({"a": ARM, "b": "cam", "ratio": -0.5})
-        shafts = [0j, complex(f.pivot_distance), spec.link_centre, *([] if made is None else [made.axle])]
-        beneath = StandingDriver(machine, sizes, spec.print, spec.allowed.min_wall, spec.density, shafts)
+        shafts = [
+            0j,
+            complex(f.pivot_distance),
+            spec.link_centre,
+            *([] if made is None else [made.axle]),
+        ]
+        beneath = StandingDriver(
+            machine, sizes, spec.print, spec.allowed.min_wall, spec.density, shafts
+        )
     if made is not None:
         machine, gears["unloader gears"] = made.added(drawn(spec, 0.0, False), LINK), made.gear
         points[GROUND] |= {"crank": made.axle, "anchor": made.post}
         points[CRANK] = {"crank": 0j, "hook": made.hook(machine.start_of(CRANK).angle)}
         strung = {"unloader_spring": made.strung()}
     g = spec.geometry
-    tip = Ridden("roller", f.roller_radius, g.closure, tip_clearance=g.tip_clearance, limits=spec.allowed.cam_limits)
+    tip = Ridden(
+        "roller",
+        f.roller_radius,
+        g.closure,
+        tip_clearance=g.tip_clearance,
+        limits=spec.allowed.cam_limits,
+    )
     return Bench(
-        machine, spec.cams["cam"], tip, sizes, spec.print,
-        spec.allowed.min_wall, spec.density, FollowerLoad(preload=load.closing_n_m),
-        [LINK, *(["follower"] if load.follower_inertia_kg_m2 else [])], gears, points, strung, freewheels=freewheels,
-        driven=driven, beneath=beneath, marks={} if spec.freewheel is None else {LINK: complex(_MARK * f.arm / 2)},
-    )  # fmt: skip
+        machine,
+        spec.cams["cam"],
+        tip,
+        sizes,
+        spec.print,
+        spec.allowed.min_wall,
+        spec.density,
+        FollowerLoad(preload=load.closing_n_m),
+        [LINK, *(["follower"] if load.follower_inertia_kg_m2 else [])],
+        gears,
+        points,
+        strung,
+        freewheels=freewheels,
+        driven=driven,
+        beneath=beneath,
+        marks={} if spec.freewheel is None else {LINK: complex(_MARK * f.arm / 2)},
+    )

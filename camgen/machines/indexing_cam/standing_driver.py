@@ -57,8 +57,17 @@ class StandingDriver:
 
     def above(self, machine: Machine) -> Machine:
         """The machine without crank and turning block: what stands on the plate, driven by the arm."""
-        kept = tuple(joint for joint in machine.joints if joint.name not in ("crank's shaft", "turning block"))
-        return replace(machine, bodies=tuple(b for b in machine.bodies if b.name != CRANK), joints=kept, drives=())
+        kept = tuple(
+            joint
+            for joint in machine.joints
+            if joint.name not in ("crank's shaft", "turning block")
+        )
+        return replace(
+            machine,
+            bodies=tuple(b for b in machine.bodies if b.name != CRANK),
+            joints=kept,
+            drives=(),
+        )
 
     @staticmethod
     def upper(sizes: Parts) -> Parts:
@@ -69,9 +78,16 @@ class StandingDriver:
     def joined(self, machine: Machine) -> Machine:
         """That machine, with masses and fits, and these bodies as they are made."""
         own = self.bodies.weighed(self.density, ())
-        bodies = [together(body, own.body(ARM)) if body.name == ARM else body for body in machine.bodies]
+        bodies = [
+            together(body, own.body(ARM)) if body.name == ARM else body for body in machine.bodies
+        ]
         bodies.append(own.body(CRANK))
-        return replace(machine, bodies=tuple(bodies), joints=(*own.joints, *machine.joints), drives=self.whole.drives)
+        return replace(
+            machine,
+            bodies=tuple(bodies),
+            joints=(*own.joints, *machine.joints),
+            drives=self.whole.drives,
+        )
 
     # ---- bodies -----------------------------------------------------------------------------------------------------
 
@@ -92,21 +108,44 @@ class StandingDriver:
         crank, arm = Body(CRANK, {"motor": 0j, "pin": block.runner.at}), Body(ARM, {_ARM: 0j})
         bodies = (Body(GROUND, {"motor": self._pivots[0]}), crank, arm)
         joints = tuple(j for j in self.whole.joints if j.name in ("crank's shaft", "turning block"))
-        machine = Machine(bodies, joints, (), {name: self.whole.start_of(name) for name in (CRANK, ARM)}, speed=self.whole.speed)
+        machine = Machine(
+            bodies,
+            joints,
+            (),
+            {name: self.whole.start_of(name) for name in (CRANK, ARM)},
+            speed=self.whole.speed,
+        )
         pins = {point: kind for point, kind in self.sizes.pins.items() if point in _POINTS}
         layout = Layout(
-            machine, CRANK, self.sizes.model_copy(update={"pins": pins, "plates": 1}), self.fits, self.min_wall, {}, {},
-            carried={_ARM: ARM}, feet=tuple((place, SCREWS[_THREAD].clearance) for place in self.feet), hangs=True,
-        )  # fmt: skip
+            machine,
+            CRANK,
+            self.sizes.model_copy(update={"pins": pins, "plates": 1}),
+            self.fits,
+            self.min_wall,
+            {},
+            {},
+            carried={_ARM: ARM},
+            feet=tuple((place, SCREWS[_THREAD].clearance) for place in self.feet),
+            hangs=True,
+        )
         found = laid(layout, self._run)
-        top = max(level + layout.beyond(point)[0] for point in ("pin",) for level, *_ in found.on(point))
-        high, room = found.floor(top) + self.sizes.head - found.top(found.level[ARM]), self.sizes.shaft_length
+        top = max(
+            level + layout.beyond(point)[0] for point in ("pin",) for level, *_ in found.on(point)
+        )
+        high, room = (
+            found.floor(top) + self.sizes.head - found.top(found.level[ARM]),
+            self.sizes.shaft_length,
+        )
         least = self.sizes.thickness + high + 2 * self.fits.slide_clearance + found.thickness(ARM)
         if room < least:
             raise DesignError(
-                "bodies.shaft_length", room, least, "mm", "the arm's shaft under the plate",
+                "bodies.shaft_length",
+                room,
+                least,
+                "mm",
+                "the arm's shaft under the plate",
                 "make it longer: collar, the head of the crank's pin and the arm lie one under the other",
-            )  # fmt: skip
+            )
         return Bodies(found)
 
     @property
@@ -129,9 +168,13 @@ class StandingDriver:
         needed = self._post / 2 + s.shaft_diameter / 2 + s.head + s.wall + _AIR
         if room < needed:
             raise DesignError(
-                "room for the posts of the driver", room, needed, "mm from a shaft", "[driver]",
+                "room for the posts of the driver",
+                room,
+                needed,
+                "mm from a shaft",
+                "[driver]",
                 "use a smaller or larger driver.crank, or a longer geometry.follower.pivot_distance",
-            )  # fmt: skip
+            )
         return found
 
     @property
@@ -143,11 +186,25 @@ class StandingDriver:
 
     @cached_property
     def _made(self) -> tuple[list[Part], list[Mount]]:
-        parts = [replace(part, name=self.name(part.name), title=self._title(part)) for part in self.bodies.parts]
-        mounts = [replace(mount, part=self.name(mount.part), z=round(mount.z + self._low, 9)) for mount in self.bodies.mounts]
+        parts = [
+            replace(part, name=self.name(part.name), title=self._title(part))
+            for part in self.bodies.parts
+        ]
+        mounts = [
+            replace(mount, part=self.name(mount.part), z=round(mount.z + self._low, 9))
+            for mount in self.bodies.mounts
+        ]
         low = self._low + self.sizes.base_thickness
         said = (f"{_THREAD} through it from below, into the ground plate",)
-        post = spacer("post", "Post of the driver", SCREWS[_THREAD].clearance, self._post, -low, self.min_wall, _POSTS)
+        post = spacer(
+            "post",
+            "Post of the driver",
+            SCREWS[_THREAD].clearance,
+            self._post,
+            -low,
+            self.min_wall,
+            _POSTS,
+        )
         posts = [Mount("post", GROUND, place, z=round(low, 9)) for place in self.feet]
         return [*parts, replace(post, notes=said)], [*mounts, *posts]
 
@@ -182,16 +239,29 @@ class StandingDriver:
     def stand_ins(self) -> list[StandIn]:
         """The motor under the bracket."""
         return [
-            replace(thing, discs=tuple((at, radius, z0 + self._low, z1 + self._low) for at, radius, z0, z1 in thing.discs))
+            replace(
+                thing,
+                discs=tuple(
+                    (at, radius, z0 + self._low, z1 + self._low)
+                    for at, radius, z0, z1 in thing.discs
+                ),
+            )
             for thing in self.bodies.stand_ins()
         ]
 
     def bought(self) -> list[Bought]:
         """Drive of the crank, screws of the posts."""
-        drive = self.bodies.bought(turning_text(self.whole.drives[0].law(np.zeros(1), 1)[0] * self.whole.speed * 60 / math.tau))
+        drive = self.bodies.bought(
+            turning_text(
+                self.whole.drives[0].law(np.zeros(1), 1)[0] * self.whole.speed * 60 / math.tau
+            )
+        )
         screw, grip = SCREWS[_THREAD], -self._low
         size = f"{_THREAD} x {screw.length(grip, self.sizes.base_thickness):g}"
-        return [*(each for each in drive if "plate" not in each.name), Bought("screw of a post", screw.standard, size, _POSTS)]
+        return [
+            *(each for each in drive if "plate" not in each.name),
+            Bought("screw of a post", screw.standard, size, _POSTS),
+        ]
 
 
 def room(sizes: Parts, fits: Print, crank: float, offset: float) -> float:

@@ -63,15 +63,28 @@ class StandingUnloader:
         ratio = self.spring.turn / abs(self.spring.stroke)
         share = Fraction(ratio).limit_denominator(_TEETH)
         if abs(share - ratio) > 1e-9 * ratio or max(share.numerator, share.denominator) > _TEETH:
-            near = min((Fraction(n, d) for d in range(1, 13) for n in range(1, 40)), key=lambda each: abs(float(each) - ratio))
+            near = min(
+                (Fraction(n, d) for d in range(1, 13) for n in range(1, 40)),
+                key=lambda each: abs(float(each) - ratio),
+            )
             lead = math.degrees(math.pi - float(near) * abs(self.spring.stroke) / 2)
-            keys, key = "2 (180 - unloader.lead_deg) / geometry.index_deg", f"unloader.lead_deg = {lead:.9g}"
+            keys, key = (
+                "2 (180 - unloader.lead_deg) / geometry.index_deg",
+                f"unloader.lead_deg = {lead:.9g}",
+            )
             if self.spring.on:
-                keys, key = "360 / geometry.index_deg", f"geometry.index_deg = {360 / float(near):.9g}"
+                keys, key = (
+                    "360 / geometry.index_deg",
+                    f"geometry.index_deg = {360 / float(near):.9g}",
+                )
             raise DesignError(
-                "turns of the unloader's crank to one of the driven link", ratio, float(near), "", keys,
+                "turns of the unloader's crank to one of the driven link",
+                ratio,
+                float(near),
+                "",
+                keys,
                 f"take a ratio of whole teeth: {key} gives {near}",
-            )  # fmt: skip
+            )
         return -ratio
 
     @property
@@ -87,10 +100,16 @@ class StandingUnloader:
     def _busy(self) -> list[Disc]:
         """What else moves, as discs on the ground: the cams, the follower with its rollers."""
         wide = self.sizes.wall + self.sizes.pin_diameter
-        found = [(0j, max(float(np.abs(cam.profile(_ROUND)).max()) for cam in self.cams)), (self._pivot, wide)]
+        found = [
+            (0j, max(float(np.abs(cam.profile(_ROUND)).max()) for cam in self.cams)),
+            (self._pivot, wide),
+        ]
         for follower in (cam.follower for cam in self.cams):
             for arm in follower.arm * np.exp(1j * np.linspace(0, self.swing, 9)):
-                found += [(self._pivot + arm, max(follower.tip_radius, wide)), (self._pivot + arm / 2, wide)]
+                found += [
+                    (self._pivot + arm, max(follower.tip_radius, wide)),
+                    (self._pivot + arm / 2, wide),
+                ]
         return found
 
     @cached_property
@@ -100,18 +119,28 @@ class StandingUnloader:
         reach, found = self.spring.crank + pin, list[tuple[complex, complex]]()
         far = self.table + reach + _BESIDE
         share = abs(self.ratio) / (1 + abs(self.ratio))
-        wheels = [(self.link, max(self.table, share * far + _TOOTH)), (self._pivot, self.wheel + _TOOTH)]
+        wheels = [
+            (self.link, max(self.table, share * far + _TOOTH)),
+            (self._pivot, self.wheel + _TOOTH),
+        ]
         places, radii = (np.array([disc[k] for disc in self._busy]) for k in (0, 1))
         for way in _DIRECTIONS:
             axle = complex(self.link + far * way)
-            if np.any(np.abs(axle - places) < radii + reach + _BESIDE) or abs(axle - self._pivot) < wheels[1][1] + pin + _BESIDE:
+            if (
+                np.any(np.abs(axle - places) < radii + reach + _BESIDE)
+                or abs(axle - self._pivot) < wheels[1][1] + pin + _BESIDE
+            ):
                 continue
             posts = axle + self.spring.guide * _DIRECTIONS
             free = np.all(np.abs(posts[:, None] - places) > radii + pin + _BESIDE, axis=1)
             for middle, radius in wheels:
                 free &= np.abs(posts - middle) > radius + pin + _BESIDE
             found += [(axle, complex(post)) for post in posts[free]]
-        found.sort(key=lambda pair: tuple(np.round([_around([0j, self.link, *pair]), pair[0].imag, pair[1].real], 6)))
+        found.sort(
+            key=lambda pair: tuple(
+                np.round([_around([0j, self.link, *pair]), pair[0].imag, pair[1].real], 6)
+            )
+        )
         over = None  # the first whose spring must lie over something
         for pair in found:
             blocked = self._blocked(*pair, places, radii, pin)
@@ -120,15 +149,24 @@ class StandingUnloader:
             over = over or (pair if blocked == 1 else None)
         if over is None:
             raise DesignError(
-                "places of the unloader's crank and post", 0, 1, "", "[unloader]",
+                "places of the unloader's crank and post",
+                0,
+                1,
+                "",
+                "[unloader]",
                 "use a smaller unloader.crank or a longer unloader.guide, or make the cams alone: parts.make = 'cams'",
-            )  # fmt: skip
+            )
         return over
 
-    def _blocked(self, axle: complex, post: complex, places: np.ndarray, radii: np.ndarray, pin: float) -> int:
+    def _blocked(
+        self, axle: complex, post: complex, places: np.ndarray, radii: np.ndarray, pin: float
+    ) -> int:
         """0 where the spring passes beside everything, 1 where it must lie over or under something, 2 where over a shaft."""
         pins = axle + self._pin(axle, post) * np.exp(1j * self._turned(_POSITIONS))
-        if np.min(_to_lines(np.array([0j, self._pivot, self.link]), pins, post)) < 2 * pin + _BESIDE:
+        if (
+            np.min(_to_lines(np.array([0j, self._pivot, self.link]), pins, post))
+            < 2 * pin + _BESIDE
+        ):
             return 2
         return int(np.any(_to_lines(places, pins, post) < radii + pin))
 
@@ -158,10 +196,13 @@ class StandingUnloader:
         return replace(
             machine,
             bodies=(*machine.bodies, Body(CRANK)),
-            joints=(*machine.joints, Pin("unloader's axle", Place(CRANK), Place(GROUND, self.axle)),
-                    Gear("unloader gears", link, CRANK, self.ratio)),
+            joints=(
+                *machine.joints,
+                Pin("unloader's axle", Place(CRANK), Place(GROUND, self.axle)),
+                Gear("unloader gears", link, CRANK, self.ratio),
+            ),
             start={**machine.start, CRANK: Start(self.axle, start)},
-        )  # fmt: skip
+        )
 
     def hook(self, start: float) -> complex:
         """The pin in the crank's axes, mm; start: the angle of these at the begin of the stroke, rad."""
@@ -175,11 +216,16 @@ class StandingUnloader:
         wire = extension_spring(s.stiffness, free, longest, EYE * pin, self.sizes.hook)
         if wire is None:
             raise DesignError(
-                "springs of round wire for the unloader", 0, 1, "",
+                "springs of round wire for the unloader",
+                0,
+                1,
+                "",
                 f"{s.stiffness:.4g} N/mm, free length {free:.4g} mm, length from {shortest:.4g} to {longest:.4g} mm",
                 "use another unloader.stiffness_n_mm, a longer unloader.guide or shorter unloader.crank, or parts.make = 'cams'",
-            )  # fmt: skip
-        return Strung("Unloader's spring", (CRANK, "hook"), (GROUND, "anchor"), wire, (shortest, longest))
+            )
+        return Strung(
+            "Unloader's spring", (CRANK, "hook"), (GROUND, "anchor"), wire, (shortest, longest)
+        )
 
 
 def _around(points: Sequence[complex]) -> float:

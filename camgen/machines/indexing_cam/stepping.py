@@ -28,7 +28,9 @@ from camgen.numerics import halved
 from camgen.study import Plot, Table
 
 WHEEL = "drive-wheel"
-FORWARDS: Literal[-1] = -1  # sense of the wheel's angle as the follower swings out: it is geared to it
+FORWARDS: Literal[
+    -1
+] = -1  # sense of the wheel's angle as the follower swings out: it is geared to it
 NOTE = (
     "The driven link turns on: its shaft runs in two freewheels. One is in the wheel that the follower rocks, and takes the "
     "shaft along forwards alone; the other is in the plate, and holds it while the wheel goes back. So each turn of the cam "
@@ -74,7 +76,9 @@ class Stepping:
         turns, taken, engaged = self.taken(theta)
         if order == 0:
             return np.asarray(FORWARDS * (self.index * turns + taken))
-        return np.asarray(np.where(engaged, FORWARDS * self.ratio * self.program(theta, order), 0.0))
+        return np.asarray(
+            np.where(engaged, FORWARDS * self.ratio * self.program(theta, order), 0.0)
+        )
 
     def apart(self, theta: Floats) -> Floats:
         """Angle of the link less that of its wheel while they turn together, nan while it is held, (n,) rad."""
@@ -88,19 +92,40 @@ class Stepping:
     @cached_property
     def locks(self) -> float:
         """theta from the begin of a rise to where the freewheel locks, rad."""
-        return halved(lambda at: self.ratio * float(self.program(np.array([self.sense * at]))[0]) >= self.lost, 0.0, self.rise)
+        return halved(
+            lambda at: (
+                self.ratio * float(self.program(np.array([self.sense * at]))[0]) >= self.lost
+            ),
+            0.0,
+            self.rise,
+        )
 
     def wanted(self, tolerance: float) -> Advance:
         """The turn of the link in each turn of the cam, judged on its wheel; tolerance: deg."""
         index, lost = math.degrees(self.index), math.degrees(self.lost)
-        return Advance(value=index, tolerance=tolerance, lost=lost, forwards=FORWARDS, time=-1 if self.sense < 0 else 1)
+        return Advance(
+            value=index,
+            tolerance=tolerance,
+            lost=lost,
+            forwards=FORWARDS,
+            time=-1 if self.sense < 0 else 1,
+        )
 
     # ---- torques ----------------------------------------------------------------------------------------------------
 
-    def torques(self, theta: Floats, omega: float, load: Load, spring: SpringTorque | None) -> Torques:
+    def torques(
+        self, theta: Floats, omega: float, load: Load, spring: SpringTorque | None
+    ) -> Torques:
         """Of the link while it is turned, and of the follower; omega: of theta, rad/s."""
         _, taken, engaged = self.taken(theta)
-        return torques((taken, self.program(theta, 1), self.program(theta, 2)), self.index, omega, load, spring, engaged)
+        return torques(
+            (taken, self.program(theta, 1), self.program(theta, 2)),
+            self.index,
+            omega,
+            load,
+            spring,
+            engaged,
+        )
 
     def pushes(self, theta: Floats, found: Torques, load: Load, pull: Floats) -> Floats:
         """Torque in the freewheel of the wheel, (n,) N m, nan while it runs free; pull: of the spring on the link, N m."""
@@ -121,23 +146,37 @@ class Stepping:
         more = load.friction - least
         return [
             at_least(
-                "FORCE_CLOSURE", least, 0.0, "N m", where,
+                "FORCE_CLOSURE",
+                least,
+                0.0,
+                "N m",
+                where,
                 "torque by which the wheel pushes the link; below 0 the link runs ahead and turns too far: a friction of "
                 f"{more:.4g} N m at the link (load.friction_n_m) keeps it on its wheel, or less speed, or another unloader",
             ),
             at_least(
-                "FORCE_CLOSURE", held + load.friction, process, "N m", "freewheel of the plate, in the dwell",
+                "FORCE_CLOSURE",
+                held + load.friction,
+                process,
+                "N m",
+                "freewheel of the plate, in the dwell",
                 "torque that keeps the link from turning on by itself, by unloader and friction; the limit is the process's",
             ),
             at_most(
-                "CLUTCH_TORQUE", most, self.limit, "N m", "freewheels of the driven link",
+                "CLUTCH_TORQUE",
+                most,
+                self.limit,
+                "N m",
+                "freewheels of the driven link",
                 "the greatest torque that they bear; use a thicker bodies.shaft_diameter, less speed or less inertia",
             ),
-        ]  # fmt: skip
+        ]
 
     # ---- report -----------------------------------------------------------------------------------------------------
 
-    def numbers(self, omega: float, pushing: Floats, load: Load, bare: Floats) -> Mapping[str, float]:
+    def numbers(
+        self, omega: float, pushing: Floats, load: Load, bare: Floats
+    ) -> Mapping[str, float]:
         """Advance, dwell, locking; pushing: as above, bare: the same without unloader, N m."""
         slope = float(self.program(np.array([self.sense * self.locks]), 1)[0])
         speed = self.ratio * abs(slope * omega)
@@ -163,15 +202,32 @@ class Stepping:
         curves = [("driven link", np.degrees(x), link), ("its wheel", np.degrees(x), wheel)]
         held = np.nan_to_num(pushing)
         return [
-            Plot(f"Driven link: steps over {turns} turns of the cam shaft", f"{angle} as time goes on, deg", "deg", curves),
-            Plot("Torque in the freewheel of the wheel", f"{angle}, deg", "N m", [("push", np.degrees(theta), held)]),
+            Plot(
+                f"Driven link: steps over {turns} turns of the cam shaft",
+                f"{angle} as time goes on, deg",
+                "deg",
+                curves,
+            ),
+            Plot(
+                "Torque in the freewheel of the wheel",
+                f"{angle}, deg",
+                "N m",
+                [("push", np.degrees(theta), held)],
+            ),
         ]
 
     def table(self, advances: Mapping[str, float]) -> Table:
         """Of each kind of file the turn of the link in a turn of the cam, and how far it is off after ten; rad."""
         rows = [
-            [kind, math.degrees(value), math.degrees(value - self.index), 10 * math.degrees(value - self.index)]
+            [
+                kind,
+                math.degrees(value),
+                math.degrees(value - self.index),
+                10 * math.degrees(value - self.index),
+            ]
             for kind, value in advances.items()
         ]
         columns = ("file", "advance a turn, deg", "off, deg", "off after ten turns, deg")
-        return Table("Turn of the driven link behind its freewheel, as the files give it", columns, rows)
+        return Table(
+            "Turn of the driven link behind its freewheel, as the files give it", columns, rows
+        )

@@ -76,7 +76,9 @@ class IndexingStudy:
         joints = self.program.joints
         beside = np.concatenate([joints - 1e-9, joints + 1e-9])
         even = (np.arange(_FINE) + 0.5) * (math.tau / _FINE)
-        even = even[np.min(np.abs(even[:, None] - joints), axis=1) > 1e-9]  # at a joint itself there is no one torque
+        even = even[
+            np.min(np.abs(even[:, None] - joints), axis=1) > 1e-9
+        ]  # at a joint itself there is no one torque
         theta = np.sort(np.mod(np.concatenate([even, beside]), math.tau))
         turning = np.zeros(len(theta), bool)
         for segment, begin in zip(self.program.segments, joints, strict=False):
@@ -104,25 +106,37 @@ class IndexingStudy:
     @property
     def _spans(self) -> tuple[float, float]:
         """Cam angle in which the link turns forwards, and back, rad."""
-        rise, back = (next(s.span for s in self.program.segments if s.kind == kind) for kind in ("rise", "return"))
+        rise, back = (
+            next(s.span for s in self.program.segments if s.kind == kind)
+            for kind in ("rise", "return")
+        )
         return rise, back
 
     # ---- findings -----------------------------------------------------------------------------------------------------
 
     def findings(self, jump_limit: float, residual_limit: float) -> Sequence[Finding]:
         """Joints, residual torque, force closure in the dwells (and over the turn on a single cam)."""
-        found = [*self._joints(jump_limit), *([] if self.step and self.closing is None else [self._closure()])]
+        found = [
+            *self._joints(jump_limit),
+            *([] if self.step and self.closing is None else [self._closure()]),
+        ]
         if self.step is not None:
             back = 0.0 if self.spring is None else -float(self.spring(np.zeros(1))[0])
-            found += self.step.findings(self.fine, self._pushing()[0], self.load, back, self.dwell_torque, self.angle)
+            found += self.step.findings(
+                self.fine, self._pushing()[0], self.load, back, self.dwell_torque, self.angle
+            )
         if self.spring is not None:
             found.append(
                 at_most(
-                    "RESIDUAL_TORQUE", self.residual, residual_limit, "share", "follower, while the link turns",
+                    "RESIDUAL_TORQUE",
+                    self.residual,
+                    residual_limit,
+                    "share",
+                    "follower, while the link turns",
                     f"peak torque that is left to the cam, of that without the unloader, by {self._kind}; "
                     "friction and another speed than the spring's raise it",
                 )
-            )  # fmt: skip
+            )
         return found
 
     def _joints(self, limit: float) -> list[Finding]:
@@ -133,12 +147,28 @@ class IndexingStudy:
             scale = unit / min(self._spans) ** (order - 1)
             sized = [(abs(jump.size) / scale, jump.theta) for jump in jumps if jump.order == order]
             worst, theta = max(sized, default=(0.0, 0.0))
-            said = "none" if not sized else f"{len(sized)} joints, " + (
-                "by the law's design: the unloader already pulls in the dwell" if self.spring and order == 2 else
-                "an impact at each" if order == 1 else "a knock at each: choose a law that starts with acceleration 0"
-            )  # fmt: skip
-            found.append(at_most("JOINT_JUMP", worst, most, "1", f"{name}, {self.angle} {math.degrees(theta):.3f} deg",
-                                 f"jump in units of the stroke and the turn's period: {said}"))  # fmt: skip
+            said = (
+                "none"
+                if not sized
+                else f"{len(sized)} joints, "
+                + (
+                    "by the law's design: the unloader already pulls in the dwell"
+                    if self.spring and order == 2
+                    else "an impact at each"
+                    if order == 1
+                    else "a knock at each: choose a law that starts with acceleration 0"
+                )
+            )
+            found.append(
+                at_most(
+                    "JOINT_JUMP",
+                    worst,
+                    most,
+                    "1",
+                    f"{name}, {self.angle} {math.degrees(theta):.3f} deg",
+                    f"jump in units of the stroke and the turn's period: {said}",
+                )
+            )
         return found
 
     def _closure(self) -> Finding:
@@ -147,36 +177,55 @@ class IndexingStudy:
         held = self.load.ratio * self.dwell_torque
         if self.closing is None:
             pressed = float(np.min(np.abs(found.follower[~turning]))) if not turning.all() else 0.0
-            place = "by the unloader" if self.spring else "no unloader presses: the pair holds with its lash"
+            place = (
+                "by the unloader"
+                if self.spring
+                else "no unloader presses: the pair holds with its lash"
+            )
             return at_least(
-                "FORCE_CLOSURE", pressed, held, "N m", "dwells, at the follower's axle",
+                "FORCE_CLOSURE",
+                pressed,
+                held,
+                "N m",
+                "dwells, at the follower's axle",
                 f"torque that presses the rollers on the pair of cams, {place}; the limit is the process's torque",
-            )  # fmt: skip
+            )
         seat = found.follower + self.closing - np.where(turning, 0.0, held)
         worst = int(np.argmin(seat))
         return at_least(
-            "FORCE_CLOSURE", float(seat[worst]), 0.0, "N m",
+            "FORCE_CLOSURE",
+            float(seat[worst]),
+            0.0,
+            "N m",
             f"follower's axle, {self.angle} {math.degrees(theta[worst]):.3f} deg",
             f"torque between roller and cam with a closing torque of {self.closing:g} N m; "
             f"more than {max(0.0, self.closing - float(seat[worst])):.4g} N m would keep it from leaving the cam",
             tolerance=-ROUNDING * float(np.max(np.abs(seat))),
-        )  # fmt: skip
+        )
 
     def _pushing(self) -> tuple[Floats, Floats]:
         """Torque in the freewheel that turns the link, with the unloader and without it, (n,) N m, nan while it runs free."""
         assert self.step is not None
         theta, _, found = self._fine
-        return self.step.pushes(theta, found, self.load, found.spring), self.step.pushes(theta, found, self.load, 0 * theta)
+        return self.step.pushes(theta, found, self.load, found.spring), self.step.pushes(
+            theta, found, self.load, 0 * theta
+        )
 
     # ---- study --------------------------------------------------------------------------------------------------------
 
-    def study(self, cams: Mapping[str, DiscCam], asked: tuple[Sequence[float], int, int] | None) -> Study:
+    def study(
+        self, cams: Mapping[str, DiscCam], asked: tuple[Sequence[float], int, int] | None
+    ) -> Study:
         """Numbers, plots, tables and notes; asked: weights, sines and cosines of laws to look for."""
         table, curves, figures = card(self.law)
 
         def tables() -> list[Table]:
             sprung = [self._unloaders(), self._speeds()] if self.spring else []
-            asked_for = [] if asked is None or self.spring is None else [self._synthesis(self.spring, *asked)]
+            asked_for = (
+                []
+                if asked is None or self.spring is None
+                else [self._synthesis(self.spring, *asked)]
+            )
             return [self._peaks(), table, *sprung, *asked_for]
 
         notes = [_ARRANGEMENT if self.step is None else STEPS]
@@ -193,7 +242,11 @@ class IndexingStudy:
             numbers |= self.step.numbers(self.omega, pushing, self.load, bare)
 
         def plots() -> list[Plot]:
-            stepping = [] if self.step is None else self.step.plots(self.angle, self.fine, self._pushing()[0])
+            stepping = (
+                []
+                if self.step is None
+                else self.step.plots(self.angle, self.fine, self._pushing()[0])
+            )
             return [*stepping, *self._plots(cams), *curves]
 
         return Study(numbers, Later(plots), Later(tables), (), notes)
@@ -202,11 +255,16 @@ class IndexingStudy:
         _, turning, found = self._fine
         rise, back = self._spans
         stroke, still = self.load.ratio * self.swing, ~turning
-        fastest, hardest = (self.load.ratio * abs(self.omega) ** order * self.program.peak(order) for order in (1, 2))
+        fastest, hardest = (
+            self.load.ratio * abs(self.omega) ** order * self.program.peak(order)
+            for order in (1, 2)
+        )
         numbers = {
             "turn_period_s": rise / abs(self.omega),
             "return_period_s": back / abs(self.omega),
-            "turn_to_dwell_ratio": (rise + back) / (math.tau - rise - back) if still.any() else math.inf,
+            "turn_to_dwell_ratio": (rise + back) / (math.tau - rise - back)
+            if still.any()
+            else math.inf,
             "link_peak_speed_deg_s": math.degrees(fastest),
             "link_peak_acceleration_deg_s2": math.degrees(hardest),
             "kinetic_energy_j": self.load.inertia * fastest**2 / 2,
@@ -231,27 +289,56 @@ class IndexingStudy:
         theta = np.linspace(0, math.tau, ROWS)
         x, label = np.degrees(theta), f"{self.angle}, deg"
         found, ratio = self.at(theta), self.load.ratio
-        link = [np.degrees(ratio * self.program(theta, order) * self.omega**order) for order in range(4)]
-        units, turned = ("deg", "deg/s", "deg/s²", "deg/s³"), "Driven link" if self.step is None else "Wheel of the freewheel"
-        names = [f"{turned}: {name}" for name in ("angle", "speed", "acceleration", "jerk, jumps left out")]
-        plots = [Plot(name, label, unit, [("wanted", x, y)]) for name, unit, y in zip(names, units, link, strict=True)]
+        link = [
+            np.degrees(ratio * self.program(theta, order) * self.omega**order) for order in range(4)
+        ]
+        units, turned = (
+            ("deg", "deg/s", "deg/s²", "deg/s³"),
+            "Driven link" if self.step is None else "Wheel of the freewheel",
+        )
+        names = [
+            f"{turned}: {name}"
+            for name in ("angle", "speed", "acceleration", "jerk, jumps left out")
+        ]
+        plots = [
+            Plot(name, label, unit, [("wanted", x, y)])
+            for name, unit, y in zip(names, units, link, strict=True)
+        ]
 
         def pair(bare: Floats, helped: Floats) -> list[tuple[str, Floats, Floats]]:
-            return [("without unloader", x, bare), *([("with unloader", x, helped)] if self.spring else [])]
+            return [
+                ("without unloader", x, bare),
+                *([("with unloader", x, helped)] if self.spring else []),
+            ]
 
         plots += [
-            Plot("Torque at the follower's axle, positive outwards", label, "N m", pair(found.follower_bare, found.follower)),
+            Plot(
+                "Torque at the follower's axle, positive outwards",
+                label,
+                "N m",
+                pair(found.follower_bare, found.follower),
+            ),
             Plot(f"Torque on the {self.shaft}", label, "N m", pair(found.shaft_bare, found.shaft)),
         ]
         if self.spring is not None:
             kappa = np.linspace(0, 1, 601)
             position, rise = self.law(kappa), self._spans[0]
             if self.step is not None:
-                position = np.clip((position * ratio * self.swing - self.step.lost) / self.step.index, 0, 1)
-            inertia = self.load.inertia * ratio * self.swing * (self.omega / rise) ** 2 * self.law(kappa, 2)
+                position = np.clip(
+                    (position * ratio * self.swing - self.step.lost) / self.step.index, 0, 1
+                )
+            inertia = (
+                self.load.inertia
+                * ratio
+                * self.swing
+                * (self.omega / rise) ** 2
+                * self.law(kappa, 2)
+            )
             name = "ideal spring" if self.spring is self.ideal else "spring"
             curves = [("inertia", position, inertia), (name, position, self.spring(position))]
-            plots.append(Plot("Torque on the driven link, forwards", "share of the stroke", "N m", curves))
+            plots.append(
+                Plot("Torque on the driven link, forwards", "share of the stroke", "N m", curves)
+            )
         pressure = [(name, x, np.degrees(cam.pressure_angle(theta))) for name, cam in cams.items()]
         return [*plots, Plot("Pressure angle", "cam angle, deg", "deg", pressure)]
 
@@ -261,22 +348,34 @@ class IndexingStudy:
         law, breaks = self.law, self.law.breaks
         rows = []
         curves: Sequence[tuple[str, Callable[[Floats], Floats]]] = (
-            ("speed |b|", lambda u: law(u, 1)), ("acceleration |c|", lambda u: law(u, 2)),
+            ("speed |b|", lambda u: law(u, 1)),
+            ("acceleration |c|", lambda u: law(u, 2)),
             ("power |b c|", lambda u: law(u, 1) * law(u, 2)),
-        )  # fmt: skip
+        )
         for name, f in curves:
             rows.append([name, float(np.max(np.abs(f(points)))), largest(f, breaks)])
-        return Table(f"Peaks of the law {law.name}", ("invariant", f"{len(points)}-point table", "continuum"), rows)
+        return Table(
+            f"Peaks of the law {law.name}",
+            ("invariant", f"{len(points)}-point table", "continuum"),
+            rows,
+        )
 
     def _unloaders(self) -> Table:
         """The spring beside none, and beside the ideal one."""
         theta, turning, found = self._fine
         bare = peak(found.follower_bare, turning)
         ideal = peak(self.at(theta, spring=self.ideal).follower, turning)
-        rows = [["none", bare, 100.0], ["ideal: what the law asks, cannot be built", ideal, 100 * ideal / bare]]
+        rows = [
+            ["none", bare, 100.0],
+            ["ideal: what the law asks, cannot be built", ideal, 100 * ideal / bare],
+        ]
         if self.spring is not self.ideal:
             rows.append(["this spring", peak(found.follower, turning), 100 * self.residual])
-        return Table("Peak torque at the follower, by the unloader's spring", ("spring", "N m", "left, %"), rows)
+        return Table(
+            "Peak torque at the follower, by the unloader's spring",
+            ("spring", "N m", "left, %"),
+            rows,
+        )
 
     def _speeds(self) -> Table:
         """The same spring at other speeds: inertia goes with their square, the spring does not."""
@@ -287,11 +386,18 @@ class IndexingStudy:
             bare, left = peak(found.follower_bare, turning), peak(found.follower, turning)
             rows.append([percent, bare, left, 100 * left / bare])
         columns = ("speed, %", "without, N m", "with, N m", "left, %")
-        return Table("Peak torque at the follower with the same spring at other speeds", columns, rows)
+        return Table(
+            "Peak torque at the follower with the same spring at other speeds", columns, rows
+        )
 
-    def _synthesis(self, spring: SpringTorque, weights: Sequence[float], sines: int, cosines: int) -> Table:
+    def _synthesis(
+        self, spring: SpringTorque, weights: Sequence[float], sines: int, cosines: int
+    ) -> Table:
         rows = [
-            [s.weight, s.peak, s.rest, s.objective, *s.sines, *s.cosines] for s in trade_off(spring, weights, sines, cosines)
+            [s.weight, s.peak, s.rest, s.objective, *s.sines, *s.cosines]
+            for s in trade_off(spring, weights, sines, cosines)
         ]
         names = [f"A{k + 2}" for k in range(sines)] + [f"B{k + 1}" for k in range(cosines)]
-        return Table("Laws for this spring: Q = C² + q Y²", ("q", "peak C", "rest Y", "Q", *names), rows)
+        return Table(
+            "Laws for this spring: Q = C² + q Y²", ("q", "peak C", "rest Y", "Q", *names), rows
+        )

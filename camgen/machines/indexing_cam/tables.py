@@ -46,11 +46,16 @@ class Geometry(Record):
         """What is wrong with the law, which runs between dwells there and back."""
         choice = self.law
         if choice.name == MATCHED:
-            return [Fault("geometry.law", f"'{MATCHED}'", "a law of its own: it runs between dwells")]
+            return [
+                Fault("geometry.law", f"'{MATCHED}'", "a law of its own: it runs between dwells")
+            ]
         try:
             law = law_of(choice)
         except SpecError as error:
-            return [Fault(f"geometry.law.{f.path}".rstrip("."), f.value, f.expected, f.nearest) for f in error.faults]
+            return [
+                Fault(f"geometry.law.{f.path}".rstrip("."), f.value, f.expected, f.nearest)
+                for f in error.faults
+            ]
         turning = turning_rows(choice)
         if turning:
             return [Fault(f"geometry.law.{f.path}", f.value, f.expected) for f in turning]
@@ -109,7 +114,9 @@ class UnloaderTable(Record):
     torque: Literal["law", "crank", "table", "none"] = "law"
     balance: Annotated[float, Field(gt=0, le=2)] | None = None
     design_rpm: Positive | None = None
-    points: Annotated[tuple[tuple[float, float], ...], Field(min_length=3, max_length=2000)] | None = None
+    points: (
+        Annotated[tuple[tuple[float, float], ...], Field(min_length=3, max_length=2000)] | None
+    ) = None
     stiffness_n_mm: Positive | None = None
     crank: Length | None = None
     guide: Length | None = None
@@ -121,12 +128,26 @@ class UnloaderTable(Record):
         needed, further = UNLOADER_KEYS[self.torque]
         takes = ", ".join((*needed, *further)) or "nothing more"
         missing = f"missing: torque '{self.torque}' needs it"
-        found = [Fault(f"unloader.{key}", "", missing) for key in needed if getattr(self, key) is None]
+        found = [
+            Fault(f"unloader.{key}", "", missing) for key in needed if getattr(self, key) is None
+        ]
         for key in type(self).model_fields:
-            if key != "torque" and getattr(self, key) is not None and key not in (*needed, *further):
-                found.append(Fault(f"unloader.{key}", "", f"nothing here: torque '{self.torque}' takes {takes}"))
+            if (
+                key != "torque"
+                and getattr(self, key) is not None
+                and key not in (*needed, *further)
+            ):
+                found.append(
+                    Fault(
+                        f"unloader.{key}", "", f"nothing here: torque '{self.torque}' takes {takes}"
+                    )
+                )
         if self.crank is not None and self.guide is not None and self.guide <= self.crank:
-            found.append(Fault("unloader.guide", f"{self.guide:g}", f"more than the crank, {self.crank:g} mm"))
+            found.append(
+                Fault(
+                    "unloader.guide", f"{self.guide:g}", f"more than the crank, {self.crank:g} mm"
+                )
+            )
         if self.torque == "table" and self.points is not None:
             try:
                 characteristic(self.points)
@@ -141,7 +162,9 @@ class UnloaderTable(Record):
 class SynthesisTable(Record):
     """Laws sought for the unloader's spring: one for each weight q of Q = C^2 + q Y^2."""
 
-    weights: Annotated[tuple[Annotated[float, Field(ge=0, le=1e9)], ...], Field(min_length=1, max_length=20)]
+    weights: Annotated[
+        tuple[Annotated[float, Field(ge=0, le=1e9)], ...], Field(min_length=1, max_length=20)
+    ]
     sines: Annotated[int, Field(ge=1, le=8)] = 5
     cosines: Annotated[int, Field(ge=0, le=3)] = 1
 

@@ -30,7 +30,9 @@ def antisymmetric(run_up: SpringTorque) -> SpringTorque:
 
     def torque(a: Floats) -> Floats:
         a = np.clip(np.asarray(a, float), 0.0, 1.0)
-        return np.asarray(np.where(a <= 0.5, run_up(np.minimum(a, 0.5)), -run_up(np.minimum(1 - a, 0.5))))
+        return np.asarray(
+            np.where(a <= 0.5, run_up(np.minimum(a, 0.5)), -run_up(np.minimum(1 - a, 0.5)))
+        )
 
     return torque
 
@@ -40,7 +42,9 @@ def law_torque(law: Law, unit: float) -> SpringTorque:
 
     Taken from the law's first half; where the law is symmetric its second half follows.
     """
-    kappa = 0.5 * np.linspace(0, 1, _INVERSE) ** 2  # the displacement grows as kappa^2: dense where it is small
+    kappa = (
+        0.5 * np.linspace(0, 1, _INVERSE) ** 2
+    )  # the displacement grows as kappa^2: dense where it is small
     position, pull = law(kappa), unit * law(kappa, 2)
     root = np.sqrt(np.maximum(position, 0.0))
 
@@ -104,8 +108,12 @@ def fitting(spring: CrankSpring, law: Law, unit: float) -> CrankSpring:
     kappa = np.linspace(0, 1.0 if spring.on else 0.5, _FITTED)
     pull, asked = replace(spring, stiffness=1.0)(law(kappa)), unit * law(kappa, 2)
     size = float(np.abs(asked).max() / np.abs(pull).max())  # convex in the stiffness: one least
-    found = minimize_scalar(lambda share: float(np.abs(asked - share * size * pull).max()), bounds=(0.0, 4.0), method="bounded",
-                            options={"xatol": 1e-9})  # fmt: skip
+    found = minimize_scalar(
+        lambda share: float(np.abs(asked - share * size * pull).max()),
+        bounds=(0.0, 4.0),
+        method="bounded",
+        options={"xatol": 1e-9},
+    )
     return replace(spring, stiffness=float(found.x) * size)
 
 
@@ -145,7 +153,12 @@ class Torques:
 
 
 def torques(
-    s: Sequence[Floats], swing: float, omega: float, load: Load, spring: SpringTorque | None, engaged: Any = True
+    s: Sequence[Floats],
+    swing: float,
+    omega: float,
+    load: Load,
+    spring: SpringTorque | None,
+    engaged: Any = True,
 ) -> Torques:
     """Torques for the follower's angle and its derivatives to theta of order 0, 1, 2, each (n,); omega: cam shaft, rad/s.
 

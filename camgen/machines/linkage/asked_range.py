@@ -14,11 +14,23 @@ def refuse_range(machine: Machine, drive: Drive, least: float, most: float) -> N
     """Raise DesignError where the range asked for, rad, is more than the chain has."""
     can, key = reach(machine), "drive.segment" if drive.segments else "drive.range_deg"
     low, high = math.degrees(can.low), math.degrees(can.high)
-    asked, said = (math.degrees(least), math.degrees(most)), f"it closes from {low:.6g} to {high:.6g} deg"
-    for value, limit, beyond, joints in ((asked[0], low, asked[0] < low, can.ends[0]), (asked[1], high, asked[1] > high,
-                                         can.ends[1])):  # fmt: skip
+    asked, said = (
+        (math.degrees(least), math.degrees(most)),
+        f"it closes from {low:.6g} to {high:.6g} deg",
+    )
+    for value, limit, beyond, joints in (
+        (asked[0], low, asked[0] < low, can.ends[0]),
+        (asked[1], high, asked[1] > high, can.ends[1]),
+    ):
         if not can.full and beyond:
             where = listed("joint", joints)
-            raise DesignError(key, value, limit, "deg", where, "ask for a range within it",
-                              f"{key} goes from {asked[0]:.6g} to {asked[1]:.6g} deg, more than the chain has: {said}, and "
-                              f"opens at {where}")  # fmt: skip
+            raise DesignError(
+                key,
+                value,
+                limit,
+                "deg",
+                where,
+                "ask for a range within it",
+                f"{key} goes from {asked[0]:.6g} to {asked[1]:.6g} deg, more than the chain has: {said}, and "
+                f"opens at {where}",
+            )

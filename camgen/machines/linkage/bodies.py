@@ -1,17 +1,17 @@
 """A linkage as parts: links round their hubs, a ground plate, cams, pins, spacers and the shafts.
 
-    link     a band round its hubs, a plate where it has three and more; it lies on its level
-    slot     straight, as long as its pin's way; its link lies over the one with the pin
-    slide    a bar between rails of the plate or of the link that guides it; a cover on the rails holds it down
-    plate    the ground, under level 1: hubs round its pivots, holes for two screws from behind
-    pin      pressed into its lowest link or the plate, its head over the highest; the others turn on it; where that saves
-             a level the plate's pins have their heads under it and are pressed into their highest link; other kinds: pins.py
-    spacer   round a pin, where levels between its links are empty
-    shaft    of a link that drives or carries wheels: its flat turns all of them; it turns in the plate, held by a collar;
-             what drives may be the shaft of a motor that is screwed under the plate
-    gear     two wheels on shafts
-    cam      over its follower, whose roller turns on a pin that is pressed into it; a groove's cam is three plates
-    pen      a hole at a point that is an output and no pin
+link     a band round its hubs, a plate where it has three and more; it lies on its level
+slot     straight, as long as its pin's way; its link lies over the one with the pin
+slide    a bar between rails of the plate or of the link that guides it; a cover on the rails holds it down
+plate    the ground, under level 1: hubs round its pivots, holes for two screws from behind
+pin      pressed into its lowest link or the plate, its head over the highest; the others turn on it; where that saves
+         a level the plate's pins have their heads under it and are pressed into their highest link; other kinds: pins.py
+spacer   round a pin, where levels between its links are empty
+shaft    of a link that drives or carries wheels: its flat turns all of them; it turns in the plate, held by a collar;
+         what drives may be the shaft of a motor that is screwed under the plate
+gear     two wheels on shafts
+cam      over its follower, whose roller turns on a pin that is pressed into it; a groove's cam is three plates
+pen      a hole at a point that is an output and no pin
 """
 
 from __future__ import annotations
@@ -46,17 +46,28 @@ from camgen.parts.part import Layer, Part, d_bore
 from camgen.parts.set_screws import SetScrewHub
 
 _ABOUT = {
-    "pin": "Pin {}", "crank-pin": "Crank pin {}", "spacer": "Spacer {}", "cap": "Cap {} of a pin", "nut": "Nut {} of a pin",
+    "pin": "Pin {}",
+    "crank-pin": "Crank pin {}",
+    "spacer": "Spacer {}",
+    "cap": "Cap {} of a pin",
+    "nut": "Nut {} of a pin",
     "cover": "Cover {} of a guide",
-}  # fmt: skip
+}
 
 
 class Bodies:
     """What is made of a machine that is laid out."""
 
-    def __init__(self, layout: Layout, weight: tuple[Part, Sequence[tuple[Part, complex]]] | None = None) -> None:
+    def __init__(
+        self, layout: Layout, weight: tuple[Part, Sequence[tuple[Part, complex]]] | None = None
+    ) -> None:
         self.weight = weight  # on the driven link's shaft, with its pins and their places
-        self.layout, self.sizes, self.fits, self.min_wall = layout, layout.sizes, layout.fits, layout.min_wall
+        self.layout, self.sizes, self.fits, self.min_wall = (
+            layout,
+            layout.sizes,
+            layout.fits,
+            layout.min_wall,
+        )
 
     @cached_property
     def _made(self) -> tuple[list[Part], list[Mount]]:
@@ -65,12 +76,20 @@ class Bodies:
         base = ground_plate(layout, part_name(GROUND), self.collar_radius, self._pressed(GROUND))
         parts = [base, *(self._link(name) for name in moving)]
         mounts = [Mount(part_name(GROUND), GROUND)]
-        mounts += [Mount(part_name(name), layout.carrier(name), z=layout.floor(layout.level[name])) for name in moving]
+        mounts += [
+            Mount(part_name(name), layout.carrier(name), z=layout.floor(layout.level[name]))
+            for name in moving
+        ]
         names: dict[Part, str] = {}
-        for part, mount in [*(each for tip in layout.tips for each in cam_parts(layout, tip)),
-                            *(gear_part(layout, wheel) for wheel in layout.toothed),
-                            *(each for point in layout.pivots for each in self._stack(point)), *covers(layout),
-                            *hand_crank(layout), *second(layout), *self._counterweight()]:  # fmt: skip
+        for part, mount in [
+            *(each for tip in layout.tips for each in cam_parts(layout, tip)),
+            *(gear_part(layout, wheel) for wheel in layout.toothed),
+            *(each for point in layout.pivots for each in self._stack(point)),
+            *covers(layout),
+            *hand_crank(layout),
+            *second(layout),
+            *self._counterweight(),
+        ]:
             like = replace(part, name=part.name, title=part.title)  # what is alike is one part
             if like not in names:
                 count = sum(name.rpartition("-")[0] == part.name for name in names.values()) + 1
@@ -78,7 +97,11 @@ class Bodies:
             mounts.append(replace(mount, part=names[like]))
         copies = Counter(mount.part for mount in mounts)
         for like, name in names.items():
-            title = _ABOUT[like.name].format(name.rpartition("-")[2]) if like.name in _ABOUT else like.title
+            title = (
+                _ABOUT[like.name].format(name.rpartition("-")[2])
+                if like.name in _ABOUT
+                else like.title
+            )
             parts.append(replace(like, name=name, title=title, count=copies[name]))
         return parts, mounts
 
@@ -114,22 +137,42 @@ class Bodies:
             reach = self.shaft_reach
             frame = f"{face.name.upper().replace('-', ' ')} frame, {turning}, {shaft}, at least {reach:.4g} long from its face"
             length = face.screw_length(p.base_thickness - p.pocket)
-            motors = [Bought("drive", face.standard, frame, 1),
-                      Bought("screw of the motor", face.screw.standard, f"{face.screw.thread} x {length:g}", 4)]  # fmt: skip
+            motors = [
+                Bought("drive", face.standard, frame, 1),
+                Bought(
+                    "screw of the motor",
+                    face.screw.standard,
+                    f"{face.screw.thread} x {length:g}",
+                    4,
+                ),
+            ]
             motors += [nut("nut of the motor", face.screw.thread, 4)] if face.plain else []
         covers = sum(mount.part.startswith("cover-") for mount in self.mounts)
         screws = self.layout.cover.bought(covers) if self.layout.cover else []
         screws += [] if self.collar is None else self.collar.bought(self.collar.least_radius)
-        return [*motors, Bought("screw of the plate, from behind", "", screw, 2), *screws, *plates.bought(self.layout)]
+        return [
+            *motors,
+            Bought("screw of the plate, from behind", "", screw, 2),
+            *screws,
+            *plates.bought(self.layout),
+        ]
 
     @property
     def stands(self) -> str:
         """On what the plate stands, which is not made, and what turns the shaft."""
         deep = -min(mount.z for mount in self.mounts)
-        open_ = f" It is open under the shaft, {deep:.4g} mm deep at least." if deep > 0 and self.sizes.face is None else ""
+        open_ = (
+            f" It is open under the shaft, {deep:.4g} mm deep at least."
+            if deep > 0 and self.sizes.face is None
+            else ""
+        )
         turns = f"what is coupled to the shaft's lower end turns it, by its flat {self.sizes.shaft_flat:g} deep"
         turns = "the hand crank turns it from below" if self.sizes.hand_crank else turns
-        turns = turns if self.sizes.face is None else "the motor under the plate turns it: leave it room there"
+        turns = (
+            turns
+            if self.sizes.face is None
+            else "the motor under the plate turns it: leave it room there"
+        )
         held = "a board or frame of yours: two screws from behind, in the plate's outermost holes, hold it."
         return f"{held}{open_} {turns[0].upper()}{turns[1:]}"
 
@@ -144,7 +187,11 @@ class Bodies:
     # ---- links and plate --------------------------------------------------------------------------------------------
 
     def _link(self, link: str) -> Part:
-        layout, points, thick = self.layout, self.layout.points_of(link), self.layout.thickness(link)
+        layout, points, thick = (
+            self.layout,
+            self.layout.points_of(link),
+            self.layout.thickness(link),
+        )
         holes: dict[str, Contour] = {}
         for point, z in points.items():
             holes[f"hole {point}"] = circle(z, layout.hole(point, link) / 2)
@@ -156,18 +203,38 @@ class Bodies:
         if link in layout.marks:
             holes["mark"] = circle(layout.marks[link], self.sizes.pen_diameter / 2)
         layers, notes = seated(layout, link, holes)
-        notes = [f"level {layout.level[link]} of the machine, from the plate", *self._pressed(link), *notes]
+        notes = [
+            f"level {layout.level[link]} of the machine, from the plate",
+            *self._pressed(link),
+            *notes,
+        ]
         return Part(
-            part_name(link), f"Link {link}",
-            (*layers, *rails(layout, link, thick)), centres=tuple(points.values()),
-            notes=tuple(notes), bore=bore, min_wall=self.min_wall, cut=len(layers) - 1, points=tuple(points.items()),
-        )  # fmt: skip
+            part_name(link),
+            f"Link {link}",
+            (*layers, *rails(layout, link, thick)),
+            centres=tuple(points.values()),
+            notes=tuple(notes),
+            bore=bore,
+            min_wall=self.min_wall,
+            cut=len(layers) - 1,
+            points=tuple(points.items()),
+        )
 
     def _pressed(self, link: str) -> list[str]:
         layout = self.layout
-        fixed = [point for point in layout.points_of(link) if point in layout.pivots and layout.pressed_in(point) == link]
+        fixed = [
+            point
+            for point in layout.points_of(link)
+            if point in layout.pivots and layout.pressed_in(point) == link
+        ]
         fixed = [point for point in fixed if link != GROUND or layout.in_first(point)]
-        return [f"{listed('hole', fixed)} for {'a pin' if len(fixed) == 1 else 'pins'} pressed in tight"] if fixed else []
+        return (
+            [
+                f"{listed('hole', fixed)} for {'a pin' if len(fixed) == 1 else 'pins'} pressed in tight"
+            ]
+            if fixed
+            else []
+        )
 
     # ---- pins and shafts --------------------------------------------------------------------------------------------
 
@@ -190,13 +257,21 @@ class Bodies:
         if self.weight is None:
             return
         link, (part, pins) = self.layout.driven, self.weight
-        at, z = self.layout.at(link, self.layout.shaft_of(link)), self.layout.floor(self.layout.level[part.name])
+        at, z = (
+            self.layout.at(link, self.layout.shaft_of(link)),
+            self.layout.floor(self.layout.level[part.name]),
+        )
         yield part, Mount(part.name, link, at, z=z)
         yield from ((pin, Mount(pin.name, link, at + place, z=z)) for pin, place in pins)
 
     def _stack(self, point: str) -> Iterator[Placed]:
         """Pin or shaft of a point, and what is threaded on it."""
-        s, layout, play, body = self.sizes, self.layout, self.fits.slide_clearance, self.layout.pressed_in(point)
+        s, layout, play, body = (
+            self.sizes,
+            self.layout,
+            self.fits.slide_clearance,
+            self.layout.pressed_in(point),
+        )
         if point in layout.carried:
             return
         at, bought = layout.at(body, point), layout.on_motor(point, GROUND)  # the motor's own shaft
@@ -209,37 +284,73 @@ class Bodies:
                 yield self._shaft(body, stub, at)
                 name, bore = "collar", self._profile(self.fits.press_clearance)
                 if layout.clutch(point):
-                    name, bore = f"collar-{body}", circle(0j, (s.shaft_diameter + self.fits.press_clearance) / 2)
+                    name, bore = (
+                        f"collar-{body}",
+                        circle(0j, (s.shaft_diameter + self.fits.press_clearance) / 2),
+                    )
                 lowest = Part(
-                    name, "Collar of a shaft", (Layer(Region(circle(0j, self.collar_radius), (bore,)), 0.0, s.thickness),),
-                    centres=(0j,), min_wall=self.min_wall, notes=("pressed and glued on the shaft under the plate",),
-                )  # fmt: skip
+                    name,
+                    "Collar of a shaft",
+                    (Layer(Region(circle(0j, self.collar_radius), (bore,)), 0.0, s.thickness),),
+                    centres=(0j,),
+                    min_wall=self.min_wall,
+                    notes=("pressed and glued on the shaft under the plate",),
+                )
                 yield lowest, Mount(name, layout.carrier(body), at, z=-play - s.thickness)
             elif self.collar is not None:
-                yield self.collar.collar(), Mount("shaft-collar", layout.carrier(body), at, z=stub.held[-1][1])
+                yield (
+                    self.collar.collar(),
+                    Mount("shaft-collar", layout.carrier(body), at, z=stub.held[-1][1]),
+                )
         yield from bearings(layout, point)
-        for (_, under), (high, _) in (pair for stub in stubs(layout, point) for pair in pairwise(stub.held)):
+        for (_, under), (high, _) in (
+            pair for stub in stubs(layout, point) for pair in pairwise(stub.held)
+        ):
             height, step = high - under - 2 * play, s.thickness + play
             rings = int((height + play) / step + 1e-9) if s.of_sheet else 1  # of sheet one a level
             if height >= min(s.head, s.thickness / 4):  # what is thinner is play
                 hole, wide = layout.turning(point) + play, layout.spacer_diameter(point)
-                ring_part = spacer("spacer", "Spacer", hole, wide, s.thickness if s.of_sheet else height, self.min_wall)
+                ring_part = spacer(
+                    "spacer",
+                    "Spacer",
+                    hole,
+                    wide,
+                    s.thickness if s.of_sheet else height,
+                    self.min_wall,
+                )
                 mount = Mount("spacer", layout.carrier(body), at, z=under + play)
                 yield from ((ring_part, replace(mount, z=mount.z + k * step)) for k in range(rings))
 
     def _shaft(self, link: str, stub: Stub, at: complex) -> Placed:
         """A link's shaft, or the piece in its last web; the one that drives is longer below the plate."""
-        driven, below = link == self.layout.driven, self.sizes.thickness + 2 * self.fits.slide_clearance
+        driven, below = (
+            link == self.layout.driven,
+            self.sizes.thickness + 2 * self.fits.slide_clearance,
+        )
         below = self.sizes.shaft_length if driven else -stub.held[0][0] if stub.hangs else below
         name = "shaft" if driven else f"shaft-{link}"
-        sleeved = link in (self.layout.driven, self.layout.upper_web) and any(stand.sleeve for stand in self.layout.stands)
+        sleeved = link in (self.layout.driven, self.layout.upper_web) and any(
+            stand.sleeve for stand in self.layout.stands
+        )
         top = self.layout.line[1] if stub.far and sleeved else stub.held[-1][1]
         reach = [stand.merged.shaft for stand in self.layout.stands if stand.merged is not None]
-        top += max(reach, default=0.0) if stub.far and link in (self.layout.driven, self.layout.upper_web) else 0.0
+        top += (
+            max(reach, default=0.0)
+            if stub.far and link in (self.layout.driven, self.layout.upper_web)
+            else 0.0
+        )
         layer = Layer(Region(self._profile(0.0)), 0.0, below + top)
         title = "Shaft" if driven else f"Shaft of link {link}"
-        said = f"glued into link {link}" + (", turns in the second plate" if stub.hangs else " and the collar")
-        s, size = self.sizes, (f"{self.sizes.shaft_diameter:g}", f"x {below + top:g}, a flat {self.sizes.shaft_flat:g} deep")
+        said = f"glued into link {link}" + (
+            ", turns in the second plate" if stub.hangs else " and the collar"
+        )
+        s, size = (
+            self.sizes,
+            (
+                f"{self.sizes.shaft_diameter:g}",
+                f"x {below + top:g}, a flat {self.sizes.shaft_flat:g} deep",
+            ),
+        )
         sized = [f"rod {size[0]} h9 {size[1]} all along"] if s.shaft_made == "steel" else []
         part = Part(name, title, (layer,), centres=(0j,), notes=(*sized, said), made=s.shafts_made)
         loose = [wheel for wheel, (on, _) in self.layout.freewheels.items() if on == link]
@@ -247,7 +358,9 @@ class Bodies:
             end = below + max(self.layout.top(self.layout.level[wheel]) for wheel in loose)
             rod = Layer(Region(circle(0j, self.sizes.shaft_diameter / 2)), 0.0, end)
             hard = f"hardened steel rod {size[0]} h6 {size[1]} ground on its upper end"
-            part = replace(part, layers=(rod, replace(layer, z0=end)), notes=(hard, said), made="bought", cut=1)
+            part = replace(
+                part, layers=(rod, replace(layer, z0=end)), notes=(hard, said), made="bought", cut=1
+            )
         return part, Mount(name, self.layout.carrier(link), at, z=-below)
 
     # ---- joints -----------------------------------------------------------------------------------------------------
@@ -261,12 +374,20 @@ class Bodies:
         joints: list[m.Joint] = []
         for joint in self.layout.machine.joints:
             if isinstance(joint, m.Slide):
-                joint = replace(self.layout.guides[joint.runner.body].joint, clearance=self.fits.slide_clearance)
+                joint = replace(
+                    self.layout.guides[joint.runner.body].joint, clearance=self.fits.slide_clearance
+                )
             elif isinstance(joint, m.Pin | m.Slot):
                 point, a, b = point_of(self.layout, joint)
-                joint = replace(joint, clearance=self.layout.fit(point, a) + self.layout.fit(point, b))
+                joint = replace(
+                    joint, clearance=self.layout.fit(point, a) + self.layout.fit(point, b)
+                )
             elif isinstance(joint, m.Cam):
-                joint = touched(joint, self.layout.tips, self.layout.at(joint.cam, self.layout.shaft_of(joint.cam)))
+                joint = touched(
+                    joint,
+                    self.layout.tips,
+                    self.layout.at(joint.cam, self.layout.shaft_of(joint.cam)),
+                )
             joints.append(joint)
         return replace(self.layout.machine, joints=tuple(joints))
 
@@ -274,5 +395,7 @@ class Bodies:
         """The fitted machine with the masses of its solids, but for links whose mass is given; density: kg/m^3."""
         machine, made = self.fitted(), {part.name: part for part in self.parts}
         kept = (GROUND, *given)
-        bodies = (b if b.name in kept else solid(b, made, self.mounts, density) for b in machine.bodies)
+        bodies = (
+            b if b.name in kept else solid(b, made, self.mounts, density) for b in machine.bodies
+        )
         return replace(machine, bodies=tuple(bodies))

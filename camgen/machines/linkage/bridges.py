@@ -65,11 +65,15 @@ def read_chain(path: Path) -> Chain:
     try:
         text = read_bytes(path, _SIZE).decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise SpecError([Fault(path.name, "", "text: PMKS lines or pylinkage's JSON")], str(path)) from None
+        raise SpecError(
+            [Fault(path.name, "", "text: PMKS lines or pylinkage's JSON")], str(path)
+        ) from None
     faults: list[Fault] = []
     chain = _pylinkage(text, faults) if text.lstrip().startswith("{") else _pmks(text, faults)
     if not faults and not chain.driven:
-        faults.append(Fault("joints", "", "a link that is pinned to the ground: none can be driven"))
+        faults.append(
+            Fault("joints", "", "a link that is pinned to the ground: none can be driven")
+        )
     if faults:
         raise SpecError(faults, str(path))
     return chain
@@ -83,17 +87,29 @@ def _pmks(text: str, faults: list[Fault]) -> Chain:
         found = list(_JOINT.finditer(rest))
         left = re.sub(r"[\s,;\]]|M\[", "", _JOINT.sub("", rest))
         if left:
-            faults.append(Fault(f"line {number}", left[:40], "joints such as J[R, P[0, 0], L[ground, crank]]"))
+            faults.append(
+                Fault(f"line {number}", left[:40], "joints such as J[R, P[0, 0], L[ground, crank]]")
+            )
         for joint in found:
             fields = dict(_FIELD.findall(joint[2]))
             try:
                 x, y = (float(value) for value in fields["P"].split(","))
                 angle = math.radians(float(fields.get("A", "0")))
                 on = [links(name.strip()) for name in fields["L"].split(",") if name.strip()]
-                if joint[1] not in ("R", "P", "RP") or not math.isfinite(x + y + angle) or len(on) < 1 + (joint[1] != "R"):
+                if (
+                    joint[1] not in ("R", "P", "RP")
+                    or not math.isfinite(x + y + angle)
+                    or len(on) < 1 + (joint[1] != "R")
+                ):
                     raise ValueError
             except (KeyError, ValueError):
-                faults.append(Fault(f"line {number}", joint[0][:60], "R, P or RP with P[x, y], L[links], and A[deg] of a slide"))
+                faults.append(
+                    Fault(
+                        f"line {number}",
+                        joint[0][:60],
+                        "R, P or RP with P[x, y], L[links], and A[deg] of a slide",
+                    )
+                )
                 continue
             rows.append((joint[1], complex(x, y), angle, on))
     for kind, at, _, on in rows:
@@ -104,7 +120,12 @@ def _pmks(text: str, faults: list[Fault]) -> Chain:
             if m.GROUND in on and len(on) > 1 and not chain.driven:
                 chain.driven = next(link for link in on if link != m.GROUND)
     for kind, at, angle, (base, *riders) in ((k, z, a, on) for k, z, a, on in rows if k != "R"):
-        shared = (p for rider in riders for p in chain.links.get(rider, ()) if abs(chain.points[p] - at) <= _SAME)
+        shared = (
+            p
+            for rider in riders
+            for p in chain.links.get(rider, ())
+            if abs(chain.points[p] - at) <= _SAME
+        )
         point = next(shared, "") or chain.point(next(names), at, [])
         for rider in riders:
             if point not in chain.links.setdefault(rider, []):
@@ -115,8 +136,16 @@ def _pmks(text: str, faults: list[Fault]) -> Chain:
         else:
             chain.slides.append((riders[0], base, along))
     if not rows and not faults:
-        faults.append(Fault("joints", "", "PMKS lines such as J[R, P[0, 0], L[ground, crank]], or pylinkage's JSON"))
-    chain.remarks.append(f"PMKS lines do not say what drives: the first link on the ground is taken, {chain.driven}.")
+        faults.append(
+            Fault(
+                "joints",
+                "",
+                "PMKS lines such as J[R, P[0, 0], L[ground, crank]], or pylinkage's JSON",
+            )
+        )
+    chain.remarks.append(
+        f"PMKS lines do not say what drives: the first link on the ground is taken, {chain.driven}."
+    )
     return chain
 
 
@@ -132,12 +161,22 @@ def _pylinkage(text: str, faults: list[Fault]) -> Chain:
         if lost or not all(map(cmath.isfinite, at.values())):
             raise ValueError
     except (ValueError, KeyError, TypeError, RecursionError):
-        faults.append(Fault("JSON", "", "what pylinkage's mechanism_to_dict writes: joints with positions, links with joints"))
+        faults.append(
+            Fault(
+                "JSON",
+                "",
+                "what pylinkage's mechanism_to_dict writes: joints with positions, links with joints",
+            )
+        )
         return chain
     ground = {str(each["id"]) for each in carried if each.get("type") == "ground"}
     for row in rows:
         joint = row["id"]
-        on = [m.GROUND if link in ground else links(link) for link, joints in ends.items() if joint in joints]
+        on = [
+            m.GROUND if link in ground else links(link)
+            for link, joints in ends.items()
+            if joint in joints
+        ]
         if kinds[joint] == "tracker":
             held = {row.get("ref_joint1_id"), row.get("ref_joint2_id")}
             on = on or [links(link) for link, joints in ends.items() if held <= set(joints)][:1]
@@ -147,15 +186,23 @@ def _pylinkage(text: str, faults: list[Fault]) -> Chain:
         if kinds[joint] == "tracker" or (len(on) == 1 and kinds[joint] == "revolute"):
             chain.traced.append(name)
         if kinds[joint] == "prismatic":
-            axis, through = complex(*row.get("axis", (1, 0))), complex(*row.get("line_point", (0, 0)))
+            axis, through = (
+                complex(*row.get("axis", (1, 0))),
+                complex(*row.get("line_point", (0, 0))),
+            )
             foot = through + axis * ((at[joint] - through) / axis).real
-            chain.slots.append((name, m.GROUND, chain.line(f"S{name}", foot, cmath.phase(axis), m.GROUND)))
+            chain.slots.append(
+                (name, m.GROUND, chain.line(f"S{name}", foot, cmath.phase(axis), m.GROUND))
+            )
     for each in carried:
         if each.get("type") in ("driver", "arc_driver") and not chain.driven:
             chain.driven = links(str(each["id"]))
             if each["type"] == "arc_driver":
                 first = float(each.get("initial_angle") or each.get("arc_start", 0.0))
-                low, high = sorted(math.degrees(float(each.get(key, 0.0)) - first) for key in ("arc_start", "arc_end"))
+                low, high = sorted(
+                    math.degrees(float(each.get(key, 0.0)) - first)
+                    for key in ("arc_start", "arc_end")
+                )
                 chain.range_deg = low, high
     return chain
 
@@ -164,25 +211,75 @@ def spec_text(chain: Chain, name: str, source: str) -> str:
     """A spec of the chain with its remarks; drawn distances count, as no length is given."""
     driven = chain.driven
     fixed = set(chain.links[m.GROUND])
-    swung = [link for link, points in chain.links.items() if link not in (m.GROUND, driven) and set(points) & fixed]
-    rows = [f"# Read from {source}: places as they were there, in mm. Drawn distances count; give exact ones in [lengths]."]
+    swung = [
+        link
+        for link, points in chain.links.items()
+        if link not in (m.GROUND, driven) and set(points) & fixed
+    ]
+    rows = [
+        f"# Read from {source}: places as they were there, in mm. Drawn distances count; give exact ones in [lengths]."
+    ]
     rows += [f"# {remark}" for remark in chain.remarks]
-    rows += ["", 'mechanism = "linkage"', f'name = "{name}"', "", "[points]                            # mm, at theta = 0"]
-    rows += [f"{point} = [{_number(z.real)}, {_number(z.imag)}]" for point, z in chain.points.items()]
-    rows += ["", "[links]                             # bodies by their points; two that share a point are pinned there"]
+    rows += [
+        "",
+        'mechanism = "linkage"',
+        f'name = "{name}"',
+        "",
+        "[points]                            # mm, at theta = 0",
+    ]
+    rows += [
+        f"{point} = [{_number(z.real)}, {_number(z.imag)}]" for point, z in chain.points.items()
+    ]
+    rows += [
+        "",
+        "[links]                             # bodies by their points; two that share a point are pinned there",
+    ]
     rows += [f"{link} = {json.dumps(points)}" for link, points in chain.links.items() if points]
-    rows += ["", '# [lengths]                         # mm, exact, between two points of one link']
-    pairs = [(a, b) for points in chain.links.values() for k, a in enumerate(points) for b in points[k + 1 :]]
+    rows += ["", "# [lengths]                         # mm, exact, between two points of one link"]
+    pairs = [
+        (a, b)
+        for points in chain.links.values()
+        for k, a in enumerate(points)
+        for b in points[k + 1 :]
+    ]
     rows += [f'# "{a}-{b}" = {abs(chain.points[a] - chain.points[b]):.6g}' for a, b in pairs[:40]]
-    rows += ["", "[drive]", f'link = "{driven}"', "speed_rpm = 60                      # below 0: clockwise"]
-    rows += [f"range_deg = [{_number(chain.range_deg[0])}, {_number(chain.range_deg[1])}]"] if chain.range_deg else []
+    rows += [
+        "",
+        "[drive]",
+        f'link = "{driven}"',
+        "speed_rpm = 60                      # below 0: clockwise",
+    ]
+    rows += (
+        [f"range_deg = [{_number(chain.range_deg[0])}, {_number(chain.range_deg[1])}]"]
+        if chain.range_deg
+        else []
+    )
     for link, on, along in chain.slides:
-        rows += ["", "[[slide]]", f'link = "{link}"', f'on = "{on}"', f"along = {json.dumps(along)}"]
+        rows += [
+            "",
+            "[[slide]]",
+            f'link = "{link}"',
+            f'on = "{on}"',
+            f"along = {json.dumps(along)}",
+        ]
     for pin, link, along in chain.slots:
-        rows += ["", "[[slot]]", f'pin = "{pin}"', f'link = "{link}"', f"along = {json.dumps(along)}"]
-    wanted = [(point, "point") for point in chain.traced] or [(link, "link") for link in swung[:1] or [driven]]
+        rows += [
+            "",
+            "[[slot]]",
+            f'pin = "{pin}"',
+            f'link = "{link}"',
+            f"along = {json.dumps(along)}",
+        ]
+    wanted = [(point, "point") for point in chain.traced] or [
+        (link, "link") for link in swung[:1] or [driven]
+    ]
     for one, key in wanted:
-        rows += ["", "[[output]]                          # what is judged and shown", f'name = "{one}"', f'{key} = "{one}"']
+        rows += [
+            "",
+            "[[output]]                          # what is judged and shown",
+            f'name = "{one}"',
+            f'{key} = "{one}"',
+        ]
     return "\n".join(rows) + "\n"
 
 
@@ -192,9 +289,21 @@ def pmks(machine: m.Machine) -> str:
     driven = {drive.body for drive in machine.drives}
     pins = [joint for joint in machine.joints if isinstance(joint, m.Pin)]
     groups: list[tuple[complex, list[str]]] = []
-    for pin in sorted(pins, key=lambda pin: not ({pin.a.body, pin.b.body} & driven and m.GROUND in (pin.a.body, pin.b.body))):
+    for pin in sorted(
+        pins,
+        key=lambda pin: (
+            not ({pin.a.body, pin.b.body} & driven and m.GROUND in (pin.a.body, pin.b.body))
+        ),
+    ):
         z, both = at(pin.a), (pin.a.body, pin.b.body)
-        here = next((bodies for each, bodies in groups if abs(each - z) <= 1e-6 and set(bodies) & set(both)), None)
+        here = next(
+            (
+                bodies
+                for each, bodies in groups
+                if abs(each - z) <= 1e-6 and set(bodies) & set(both)
+            ),
+            None,
+        )
         if here is None:
             here = []
             groups.append((z, here))
@@ -203,14 +312,22 @@ def pmks(machine: m.Machine) -> str:
     for joint in machine.joints:
         if isinstance(joint, m.Slot):
             links = joint.guide.body, joint.runner.body
-            rows.append(_line("RP", at(joint.runner), links, _turned(machine, joint.guide) + joint.angle))
+            rows.append(
+                _line("RP", at(joint.runner), links, _turned(machine, joint.guide) + joint.angle)
+            )
         elif isinstance(joint, m.Slide):
             links = joint.guide.body, joint.runner.body
-            rows.append(_line("P", at(joint.runner), links, _turned(machine, joint.guide) + joint.angle))
+            rows.append(
+                _line("P", at(joint.runner), links, _turned(machine, joint.guide) + joint.angle)
+            )
         elif not isinstance(joint, m.Pin):
             rows.append(f"# not said in PMKS: {type(joint).__name__.lower()} {joint.name}")
     traced = [output.of.of for output in machine.outputs if isinstance(output.of, m.Path)]
-    rows += [_line("R", at(place), [place.body]) for place in traced if all(abs(at(place) - z) > 1e-6 for z, _ in groups)]
+    rows += [
+        _line("R", at(place), [place.body])
+        for place in traced
+        if all(abs(at(place) - z) > 1e-6 for z, _ in groups)
+    ]
     return "\n".join(rows) + "\n"
 
 
@@ -230,7 +347,9 @@ def svg(machine: m.Machine) -> str:
     shapes = {body.name: [at(body.at(point)) for point in body.points] for body in machine.bodies}
     places = {point: at(body.at(point)) for body in machine.bodies for point in body.points}
     every = list(places.values()) or [0j]
-    low, high = (complex(end(z.real for z in every), end(z.imag for z in every)) for end in (min, max))
+    low, high = (
+        complex(end(z.real for z in every), end(z.imag for z in every)) for end in (min, max)
+    )
     size = max(abs(high - low), 1.0)
     edge = 0.12 * size
     corner, wide = low - edge * (1 + 1j), high - low + 2 * edge * (1 + 1j)
@@ -243,14 +362,22 @@ def svg(machine: m.Machine) -> str:
         colour = "#39424e" if name == m.GROUND else _COLOURS[k % len(_COLOURS)]
         path = " ".join(f"{z.real:.6g},{z.imag:.6g}" for z in corners)
         dashed = f' stroke-dasharray="{size / 60:.4g}"' if name == m.GROUND else ""
-        stroke = f'stroke="{colour}" stroke-width="{size / 150:.4g}" stroke-linejoin="round"{dashed}'
+        stroke = (
+            f'stroke="{colour}" stroke-width="{size / 150:.4g}" stroke-linejoin="round"{dashed}'
+        )
         rows.append(f'<polygon points="{path}" fill="{colour}" fill-opacity="0.12" {stroke}/>')
         middle = sum(corners) / len(corners)
-        rows.append(f'<text x="{middle.real:.6g}" y="{middle.imag:.6g}" fill="{colour}">{escape(name)}</text>')
+        rows.append(
+            f'<text x="{middle.real:.6g}" y="{middle.imag:.6g}" fill="{colour}">{escape(name)}</text>'
+        )
     for point, z in places.items():
-        rows.append(f'<circle cx="{z.real:.6g}" cy="{z.imag:.6g}" r="{size / 90:.4g}" fill="#fff" stroke="#1d2530" '
-                    f'stroke-width="{size / 300:.4g}"/>')  # fmt: skip
-        rows.append(f'<text x="{z.real + size / 60:.6g}" y="{z.imag - size / 60:.6g}">{escape(point)}</text>')
+        rows.append(
+            f'<circle cx="{z.real:.6g}" cy="{z.imag:.6g}" r="{size / 90:.4g}" fill="#fff" stroke="#1d2530" '
+            f'stroke-width="{size / 300:.4g}"/>'
+        )
+        rows.append(
+            f'<text x="{z.real + size / 60:.6g}" y="{z.imag - size / 60:.6g}">{escape(point)}</text>'
+        )
     return "\n".join([*rows, "</svg>"]) + "\n"
 
 
@@ -286,7 +413,11 @@ def _fresh(name: str, taken: Iterable[str] | Mapping[str, Any]) -> str:
     """The name with what no spec allows left out, and numbered where it is taken."""
     plain = re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_")[:30] or "P"
     plain = plain if plain[0].isalpha() else f"P{plain}"
-    return plain if plain not in taken else next(f"{plain}_{k}" for k in count(2) if f"{plain}_{k}" not in taken)
+    return (
+        plain
+        if plain not in taken
+        else next(f"{plain}_{k}" for k in count(2) if f"{plain}_{k}" not in taken)
+    )
 
 
 def _letters() -> Iterator[str]:

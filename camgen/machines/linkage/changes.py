@@ -23,12 +23,18 @@ class Change:
 
     def of(self, layout: Layout) -> Layout:
         """The layout so changed."""
-        sizes = type(layout.sizes).model_validate(_set(layout.sizes.model_dump(exclude_none=True), self.sizes))
+        sizes = type(layout.sizes).model_validate(
+            _set(layout.sizes.model_dump(exclude_none=True), self.sizes)
+        )
         return replace(layout, sizes=sizes, given={} if self.free else layout.given)
 
     def also(self, other: Change) -> Change:
         """Both."""
-        return Change(f"{self.words} and {other.words}", _set(self.sizes, other.sizes), self.free or other.free)
+        return Change(
+            f"{self.words} and {other.words}",
+            _set(self.sizes, other.sizes),
+            self.free or other.free,
+        )
 
     def tables(self, spec: Mapping[str, Any]) -> dict[str, Any]:
         """The tables of a spec so changed."""
@@ -42,11 +48,23 @@ class Unmade(DesignError):
 
     def __init__(self, error: DesignError, kind: str, change: Change) -> None:
         remedy = f"{error.remedy}, or set {change.words}"
-        super().__init__(error.quantity, error.value, error.limit, error.unit, error.where, remedy, error.sentence)
+        super().__init__(
+            error.quantity,
+            error.value,
+            error.limit,
+            error.unit,
+            error.where,
+            remedy,
+            error.sentence,
+        )
         self.kind, self.change, self.guess = kind, change, error.remedy
 
 
 def _set(table: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
     """The table with these keys, those of tables in it one by one."""
-    tables = {key: _set(table.get(key, {}), value) for key, value in changes.items() if isinstance(value, Mapping)}
+    tables = {
+        key: _set(table.get(key, {}), value)
+        for key, value in changes.items()
+        if isinstance(value, Mapping)
+    }
     return {**table, **changes, **tables}

@@ -1,8 +1,8 @@
 """What keeps a runner in its guide: over each pair of rails a cover that is screwed on them, under the runner a saddle.
 
-    cover    one level over the runner, or more where the heads of its screws need it; the heads are sunk into it
-    screw    two in each rail, from above into core holes as deep as the rail stands over the saddle
-    saddle   fills what lies between rails under a runner on a level that is not the lowest
+cover    one level over the runner, or more where the heads of its screws need it; the heads are sunk into it
+screw    two in each rail, from above into core holes as deep as the rail stands over the saddle
+saddle   fills what lies between rails under a runner on a level that is not the lowest
 """
 
 from __future__ import annotations
@@ -62,14 +62,26 @@ class Cover:
         own = [(z - middle) / along for z in places]
         outer = hull([(z, self.radius) for z in own])
         low, high = (
-            plate("cover", outer, {f"screw {k}": circle(z, wide / 2) for k, z in enumerate(own, 1)}, min_wall)
+            plate(
+                "cover",
+                outer,
+                {f"screw {k}": circle(z, wide / 2) for k, z in enumerate(own, 1)},
+                min_wall,
+            )
             for wide in (self.screw.clearance, self.screw.head + HEAD_ROOM)
         )
         return Part(
-            "cover", "Cover of a guide", (Layer(low, 0.0, self.grip), Layer(high, self.grip, self.thickness)),
-            centres=tuple(own), min_wall=min_wall,
-            notes=(Held(f"held on its rails by {len(own)} screws {self.screw.thread} x {self.length:g}, heads sunk"),),
-        )  # fmt: skip
+            "cover",
+            "Cover of a guide",
+            (Layer(low, 0.0, self.grip), Layer(high, self.grip, self.thickness)),
+            centres=tuple(own),
+            min_wall=min_wall,
+            notes=(
+                Held(
+                    f"held on its rails by {len(own)} screws {self.screw.thread} x {self.length:g}, heads sunk"
+                ),
+            ),
+        )
 
     def bought(self, covers: int) -> list[Bought]:
         """The screws of so many covers."""
@@ -93,9 +105,13 @@ def cover(sizes: Parts, fits: Print, min_wall: float) -> Cover | None:
             return Cover(screw, length, radius, levels, thickness, grip)
     needed = CORE_HOLES[_THREADS[-1]] + 2 * min_wall
     error = DesignError(
-        "parts.rail_width", sizes.rail_width, needed, "mm", "screws of the covers",
+        "parts.rail_width",
+        sizes.rail_width,
+        needed,
+        "mm",
+        "screws of the covers",
         "make the rails wider and as high as half a screw's diameter",
-    )  # fmt: skip
+    )
     raise Unmade(error, "rails without covers", Change("parts.cover = false", {"cover": False}))
 
 

@@ -51,16 +51,26 @@ def slimmer(layout: Layout, link: str) -> tuple[str, str]:
 
 def slimmer_pin(layout: Layout, point: str) -> tuple[str, str]:
     """What makes a pin or shaft slimmer, and what moves it, by the keys."""
-    move = f"points.{point} elsewhere" if layout.pivots[point][0] == GROUND else f"other lengths to points.{point}"
+    move = (
+        f"points.{point} elsewhere"
+        if layout.pivots[point][0] == GROUND
+        else f"other lengths to points.{point}"
+    )
     if layout.kind(point) == "shoulder":
         return f'another kind of parts.pins.{point} than "shoulder"', move
-    return f"a smaller parts.{'shaft' if point in layout.shafts else 'pin'}_diameter or parts.head", move
+    return (
+        f"a smaller parts.{'shaft' if point in layout.shafts else 'pin'}_diameter or parts.head",
+        move,
+    )
 
 
 def with_cures(
-    layout: Layout, refused: DesignError, makes: Callable[[Change], bool], why_not: Callable[[Change], DesignError | None],
+    layout: Layout,
+    refused: DesignError,
+    makes: Callable[[Change], bool],
+    why_not: Callable[[Change], DesignError | None],
     attempts: Iterable[str],
-) -> DesignError:  # fmt: skip
+) -> DesignError:
     """The error with what mends it, as `makes` finds; its own remedy as a guess after that, or what was tried in vain.
 
     why_not: why a change does not mend it; attempts: what was tried before.
@@ -69,14 +79,25 @@ def with_cures(
     mends = _first(kinds, makes)
     for change in (change for kind in kinds if kind.frame and not mends for change in kind.changes):
         again, other = why_not(change), change.of(layout)
-        more = () if again is None else _kinds(other, again) if change.free else _of_room(other, again)
-        mends += _first([replace(kind, changes=[change.also(each) for each in kind.changes]) for kind in more], makes)
+        more = (
+            () if again is None else _kinds(other, again) if change.free else _of_room(other, again)
+        )
+        mends += _first(
+            [replace(kind, changes=[change.also(each) for each in kind.changes]) for kind in more],
+            makes,
+        )
     if not isinstance(refused, Unlaid | Unmade):  # what it asks for is no guess
-        return refused.mended(f"mended by {', or by '.join(mends)}; else {refused.remedy}") if mends else refused
+        return (
+            refused.mended(f"mended by {', or by '.join(mends)}; else {refused.remedy}")
+            if mends
+            else refused
+        )
     remedy = refused.guess if isinstance(refused, Unmade) else refused.remedy
     guess = f"a guess: {remedy}" if remedy else ""
     if mends:
-        return refused.mended(f"mended by {', or by '.join(mends)}{f'; else {guess}' if guess else ''}")
+        return refused.mended(
+            f"mended by {', or by '.join(mends)}{f'; else {guess}' if guess else ''}"
+        )
     vain = f"tried in vain: {', '.join([*attempts, *dict.fromkeys(kind.name for kind in kinds)])}"
     return refused.mended("; ".join(filter(None, (guess, vain))))
 
@@ -89,21 +110,33 @@ def _first(kinds: Iterable[Kind], makes: Callable[[Change], bool]) -> list[str]:
 
 def bent(layout: Layout, refused: Crowded) -> Iterator[Layout]:
     """Layouts in which one of the two that cannot pass is bent, from slight to wide; of links whose bow the spec leaves open."""
-    ways = (_bent(link, refused.needed - refused.distance) for link in _bendable(layout, refused)
-            if layout.sizes.shape(link).bow is None)  # fmt: skip
+    ways = (
+        _bent(link, refused.needed - refused.distance)
+        for link in _bendable(layout, refused)
+        if layout.sizes.shape(link).bow is None
+    )
     for bows in zip_longest(*ways):
         yield from (each.of(layout) for each in bows if each is not None)
 
 
 def _links(refused: Crowded) -> list[str]:
     """Links of the two that cannot pass."""
-    return [thing.level for thing in (refused.a, refused.b) if isinstance(thing, Band) and thing.name == f"link {thing.level}"]
+    return [
+        thing.level
+        for thing in (refused.a, refused.b)
+        if isinstance(thing, Band) and thing.name == f"link {thing.level}"
+    ]
 
 
 def _bendable(layout: Layout, refused: Crowded) -> list[str]:
     """Of these those with two hubs that are straight."""
-    return [link for link in _links(refused)
-            if len(layout.hubs(link)) == 2 and not layout.sizes.shape(link).bow and link not in layout.guides]  # fmt: skip
+    return [
+        link
+        for link in _links(refused)
+        if len(layout.hubs(link)) == 2
+        and not layout.sizes.shape(link).bow
+        and link not in layout.guides
+    ]
 
 
 def _kinds(layout: Layout, refused: DesignError) -> Iterator[Kind]:
@@ -121,17 +154,31 @@ def _kinds(layout: Layout, refused: DesignError) -> Iterator[Kind]:
     if s.plates == 1:
         two = [Change("parts.plates = 2", {"plates": 2})]
         if s.shaft == "through":
-            two.append(Change('parts.plates = 2 and parts.shaft = "interrupted"', {"plates": 2, "shaft": "interrupted"}))
+            two.append(
+                Change(
+                    'parts.plates = 2 and parts.shaft = "interrupted"',
+                    {"plates": 2, "shaft": "interrupted"},
+                )
+            )
         yield Kind("two plates", two, True)
     else:
         yield Kind("one plate", [Change("parts.plates = 1", {"plates": 1})], True)
     if s.shaft == "interrupted":
         through = [Change('parts.shaft = "through"', {"shaft": "through"})]
         if s.plates == 1:
-            through.append(Change('parts.shaft = "through" and parts.plates = 2', {"shaft": "through", "plates": 2}))
+            through.append(
+                Change(
+                    'parts.shaft = "through" and parts.plates = 2',
+                    {"shaft": "through", "plates": 2},
+                )
+            )
         yield Kind("a shaft that goes through", through, True)
     elif s.plates > 1:
-        yield Kind("an interrupted shaft", [Change('parts.shaft = "interrupted"', {"shaft": "interrupted"})], True)
+        yield Kind(
+            "an interrupted shaft",
+            [Change('parts.shaft = "interrupted"', {"shaft": "interrupted"})],
+            True,
+        )
 
 
 def _of_room(layout: Layout, refused: DesignError) -> Iterator[Kind]:
@@ -142,22 +189,42 @@ def _of_room(layout: Layout, refused: DesignError) -> Iterator[Kind]:
     for link in _bendable(layout, refused):
         if s.shape(link).bow is not None:
             yield Kind("bows", list(_bent(link, short)))
-    for link in (link for link in _links(refused) if short <= s.wall - layout.min_wall and s.shape(link).hub_diameter is None):
+    for link in (
+        link
+        for link in _links(refused)
+        if short <= s.wall - layout.min_wall and s.shape(link).hub_diameter is None
+    ):
         wide = round(2 * (min(radius for _, radius in layout.hubs(link)) - short) - 0.05, 1)
-        yield Kind("slimmer parts", [Change(f"parts.{link}.hub_diameter = {wide:g}", {link: {"hub_diameter": wide}})])
+        yield Kind(
+            "slimmer parts",
+            [Change(f"parts.{link}.hub_diameter = {wide:g}", {link: {"hub_diameter": wide}})],
+        )
     least = layout.min_wall + layout.fits.slide_clearance / 2 + 0.05  # of a head: a spacer's wall
-    share = s.head - short / max(1, sum(isinstance(thing, Axis) for thing in (refused.a, refused.b)))
+    share = s.head - short / max(
+        1, sum(isinstance(thing, Axis) for thing in (refused.a, refused.b))
+    )
     head = math.floor(10 * share) / 10
     if head >= least:
         yield Kind("slimmer parts", [Change(f"parts.head = {head:g}", {"head": head})])
-    sizes = ({key: round(factor * getattr(s, key), 2) for key in ("pin_diameter", "wall", "head")} for factor in _SMALLER)
+    sizes = (
+        {key: round(factor * getattr(s, key), 2) for key in ("pin_diameter", "wall", "head")}
+        for factor in _SMALLER
+    )
     if s.pin == "printed":
-        smaller = [Change(" and ".join(f"parts.{key} = {size:g}" for key, size in each.items()), each)
-                   for each in sizes if each["wall"] >= layout.min_wall and each["head"] >= least]  # fmt: skip
+        smaller = [
+            Change(" and ".join(f"parts.{key} = {size:g}" for key, size in each.items()), each)
+            for each in sizes
+            if each["wall"] >= layout.min_wall and each["head"] >= least
+        ]
         yield from [Kind("smaller parts", smaller)] if smaller else []
 
 
 def _bent(link: str, short: float) -> Iterator[Change]:
     """A link with bows, to either side, from slight to wide."""
-    for bow in (float(f"{side * factor * short:.2g}") for factor in _BOWS for side in (1, -1) if factor * short < _WIDEST):
+    for bow in (
+        float(f"{side * factor * short:.2g}")
+        for factor in _BOWS
+        for side in (1, -1)
+        if factor * short < _WIDEST
+    ):
         yield Change(f"parts.{link}.bow = {bow:g}", {link: {"bow": bow}})

@@ -36,10 +36,20 @@ def cam_parts(layout: Layout, tip: Tip) -> Iterator[Placed]:
     link = tip.joint.cam
     at, turned = layout.at(link, layout.shaft_of(link)), float(np.angle(tip.turn))
     floor = layout.floor(layout.level[tip.level])
-    said = (f"drawn at theta = 0, level {layout.level[tip.level]}", f"pressed and glued on the shaft of {link}")
+    said = (
+        f"drawn at theta = 0, level {layout.level[tip.level]}",
+        f"pressed and glued on the shaft of {link}",
+    )
     for part, under, place in _discs(layout, tip):
-        part = replace(part, name=part.name.replace("cam", f"cam-{tip.name}", 1), title=f"{part.title}: {tip.joint.name}")
-        yield replace(part, notes=said), Mount(part.name, link, at + place * tip.turn, turned, z=floor - under)
+        part = replace(
+            part,
+            name=part.name.replace("cam", f"cam-{tip.name}", 1),
+            title=f"{part.title}: {tip.joint.name}",
+        )
+        yield (
+            replace(part, notes=said),
+            Mount(part.name, link, at + place * tip.turn, turned, z=floor - under),
+        )
     if not tip.rolls:
         return
     hole, ring = layout.turning(tip.point) + layout.fits.slide_clearance, f"roller-{tip.name}"
@@ -53,22 +63,36 @@ def _discs(layout: Layout, tip: Tip) -> Iterator[tuple[Part, float, complex]]:
     s, play, press = layout.sizes, layout.fits.slide_clearance, layout.fits.press_clearance
     thick = layout.wheel_thickness(tip.joint.cam)
     made = _Disc(
-        turn=float(-np.angle(tip.turn)), thickness=thick, bore=s.shaft_diameter + press, shaft="d-flat",
-        flat_depth=s.shaft_flat, pin_diameter=s.pin_diameter, rim=groove_rim(s), back=s.thickness + play,
-    )  # fmt: skip
+        turn=float(-np.angle(tip.turn)),
+        thickness=thick,
+        bore=s.shaft_diameter + press,
+        shaft="d-flat",
+        flat_depth=s.shaft_flat,
+        pin_diameter=s.pin_diameter,
+        rim=groove_rim(s),
+        back=s.thickness + play,
+    )
     edge, wall = outline(tip), groove_wall(tip, play)
     name = f"cam {tip.joint.name}"
     try:
-        parts = disc_parts(made, [edge], wall, (2 * tip.radius + play, 2 * tip.radius), layout.min_wall)
+        parts = disc_parts(
+            made, [edge], wall, (2 * tip.radius + play, 2 * tip.radius), layout.min_wall
+        )
     except DesignError as error:
-        raise named(error, name, "draw the follower further from the shaft; of a disc cam: a larger base_radius") from None
+        raise named(
+            error,
+            name,
+            "draw the follower further from the shaft; of a disc cam: a larger base_radius",
+        ) from None
     if wall is None:
         yield parts[0], 0.0, 0j
         return
     for part in parts:
         yield replace(part, name=f"cam-{part.name}"), made.back if part.name == "back" else 0.0, 0j
         how = TURNED if s.pin == "dowel" else "printed"
-        pin = rod("cam-pin", "Pin of a groove cam's plates", s.pin_diameter, made.back + thick, made=how)
+        pin = rod(
+            "cam-pin", "Pin of a groove cam's plates", s.pin_diameter, made.back + thick, made=how
+        )
         yield from ((pin, made.back, place) for place in part.centres[1:] if part.name != "back")
 
 
@@ -83,16 +107,27 @@ def gear_part(layout: Layout, wheel: Toothed) -> Placed:
     if wheel.link in layout.freewheels:
         on, clutch = layout.freewheels[wheel.link]
         wide = clutch.outside + press
-        bore, held = circle(0j, wide / 2), f"turns on the shaft of {on}, a one-way clutch {clutch.name} pressed in"
+        bore, held = (
+            circle(0j, wide / 2),
+            f"turns on the shaft of {on}, a one-way clutch {clutch.name} pressed in",
+        )
     region = plate(f"wheel of {wheel.link}", edge, {"bore": bore}, layout.min_wall)
     notes = (
-        f"drawn at theta = 0, level {layout.level[wheel.level]}", held,
+        f"drawn at theta = 0, level {layout.level[wheel.level]}",
+        held,
         f"{spur.teeth} teeth, module {spur.module:.6g}, pressure angle 20 deg",
-    )  # fmt: skip
+    )
     layer = Layer(region, 0.0, layout.wheel_thickness(wheel.link))
     part = Part(
-        wheel.part, f"Wheel of {wheel.link}", (layer,), centres=(0j,), notes=notes,
-        bore=wide, min_wall=layout.min_wall,
-    )  # fmt: skip
+        wheel.part,
+        f"Wheel of {wheel.link}",
+        (layer,),
+        centres=(0j,),
+        notes=notes,
+        bore=wide,
+        min_wall=layout.min_wall,
+    )
     at = layout.at(wheel.link, layout.shaft_of(wheel.link))
-    return part, Mount(wheel.part, wheel.link, at, -start, z=layout.floor(layout.level[wheel.level]))
+    return part, Mount(
+        wheel.part, wheel.link, at, -start, z=layout.floor(layout.level[wheel.level])
+    )

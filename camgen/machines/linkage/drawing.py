@@ -1,8 +1,8 @@
 """From the tables of a spec to the model: links with exact lengths, joints where they share points, closed as drawn.
 
-    drawn position   theta = 0; the driven link's angle, a cam follower's place and a cam's angle there are as drawn
-    pin              a point that two links share; of more links each is pinned to the first, the ground before all
-    cam              its program begins at theta = 0, where the follower stands on the base circle
+drawn position   theta = 0; the driven link's angle, a cam follower's place and a cam's angle there are as drawn
+pin              a point that two links share; of more links each is pinned to the first, the ground before all
+cam              its program begins at theta = 0, where the follower stands on the base circle
 """
 
 from __future__ import annotations
@@ -104,13 +104,22 @@ class Drawing:
 
     def joints(self) -> Iterable[tuple[str, str]]:
         """Path and name of each joint that has a table."""
-        for kind, names in (("slide", map(self.slide_name, self.slides)), ("slot", map(self.slot_name, self.slots)),
-                            ("gear", map(self.gear_name, self.gears)), ("cam", map(self.cam_name, self.cams))):  # fmt: skip
+        for kind, names in (
+            ("slide", map(self.slide_name, self.slides)),
+            ("slot", map(self.slot_name, self.slots)),
+            ("gear", map(self.gear_name, self.gears)),
+            ("cam", map(self.cam_name, self.cams)),
+        ):
             yield from ((f"{kind}.{k}", name) for k, name in enumerate(names))
 
     def names_of_joints(self) -> list[str]:
         """Of pins, of all joints that have a table, and of their levels."""
-        return [*self.points, *(name for _, name in self.joints()), *self.levels_of_joints(), "drive"]
+        return [
+            *self.points,
+            *(name for _, name in self.joints()),
+            *self.levels_of_joints(),
+            "drive",
+        ]
 
     def levels_of_joints(self) -> list[str]:
         """Names in [layers] of what has a level of its own beside the links: cams, the second one of a pair, gears."""
@@ -142,7 +151,9 @@ class Drawing:
 
     def pivot(self, link: str) -> str | None:
         """The point at which a link is pinned to the ground."""
-        return next((point for point in self.links[link] if point in self.links.get(GROUND, ())), None)
+        return next(
+            (point for point in self.links[link] if point in self.links.get(GROUND, ())), None
+        )
 
     def slide_of(self, link: str) -> t.Slide | None:
         """The slide of a link that slides."""
@@ -150,23 +161,39 @@ class Drawing:
 
     def carrier(self, slot: t.Slot) -> str | None:
         """The link whose pin runs in the slot."""
-        return next((name for name, points in self.links.items() if name != slot.link and slot.pin in points), None)
+        return next(
+            (
+                name
+                for name, points in self.links.items()
+                if name != slot.link and slot.pin in points
+            ),
+            None,
+        )
 
     def program_of(self, cam: t.Cam, path: str = "cam") -> Program:
         """The cam's program, s in mm or rad, 0 at its beginning; SpecError with every fault."""
         swings = self.slide_of(cam.follower) is None
         rows = tuple(
-            SegmentTable(kind=row.kind, span_deg=row.span_deg, law=row.law, lift=row.lift_deg if swings else row.lift,
-                         to=row.to_deg if swings else row.to)
+            SegmentTable(
+                kind=row.kind,
+                span_deg=row.span_deg,
+                law=row.law,
+                lift=row.lift_deg if swings else row.lift,
+                to=row.to_deg if swings else row.to,
+            )
             for row in cam.segment
-        )  # fmt: skip
+        )
         unit, suffix = (math.radians(1), "_deg") if swings else (1.0, "")
         return program(rows, unit, f"{path}.segment", suffix=suffix)
 
     def kicked(self) -> list[str]:
         """Names of cams whose follower's speed jumps."""
         programs = {self.cam_name(cam): self.program_of(cam) for cam in self.cams}
-        return [name for name, made in programs.items() if any(jump.order == 1 for jump in made.discontinuities(1))]
+        return [
+            name
+            for name, made in programs.items()
+            if any(jump.order == 1 for jump in made.discontinuities(1))
+        ]
 
     # ---- the model ------------------------------------------------------------------------------------------------
 
@@ -179,7 +206,9 @@ class Drawing:
         drive = m.Drive("drive", self.drive.link, m.Turning(1.0, start[self.drive.link].angle))
         outputs = tuple(self._output(each, bodies) for each in self.outputs)
         speed = self.drive.speed_rpm * math.tau / 60
-        machine = m.Machine(tuple(bodies.values()), tuple(joints), (drive,), start, (), outputs, speed)
+        machine = m.Machine(
+            tuple(bodies.values()), tuple(joints), (drive,), start, (), outputs, speed
+        )
         machine = freedom.drawn(machine)
         freedom.refuse_unsound(machine)
         return machine
@@ -229,8 +258,15 @@ class Drawing:
             place = (self.at(runner) - base.place) * cmath.exp(-1j * base.angle)
             away = (place - through) * cmath.exp(-1j * angle)
             aside = through + 1j * away.imag * cmath.exp(1j * angle)
-            found.append(m.Slide(self.slide_name(slide), m.Place(slide.on, aside), bodies[slide.link].at(runner), angle,
-                                 start[slide.link].angle - base.angle))  # fmt: skip
+            found.append(
+                m.Slide(
+                    self.slide_name(slide),
+                    m.Place(slide.on, aside),
+                    bodies[slide.link].at(runner),
+                    angle,
+                    start[slide.link].angle - base.angle,
+                )
+            )
         return found
 
     def _slots(self, bodies: Mapping[str, m.Body]) -> list[m.Joint]:
@@ -239,12 +275,24 @@ class Drawing:
             through, angle = self._line(bodies[slot.link], slot.along)
             carrier = self.carrier(slot)
             assert carrier is not None, "drawing_faults has looked"
-            found.append(m.Slot(self.slot_name(slot), m.Place(slot.link, through), bodies[carrier].at(slot.pin), angle))
+            found.append(
+                m.Slot(
+                    self.slot_name(slot),
+                    m.Place(slot.link, through),
+                    bodies[carrier].at(slot.pin),
+                    angle,
+                )
+            )
         return found
 
     def _gear(self, gear: t.Gear, start: Mapping[str, m.Pose]) -> m.Gear:
-        carriers = [name for name, points in self.links.items() if name not in (gear.a, gear.b)
-                    and set(points) & set(self.links[gear.a]) and set(points) & set(self.links[gear.b])]  # fmt: skip
+        carriers = [
+            name
+            for name, points in self.links.items()
+            if name not in (gear.a, gear.b)
+            and set(points) & set(self.links[gear.a])
+            and set(points) & set(self.links[gear.b])
+        ]
         carrier = GROUND if GROUND in carriers or not carriers else carriers[0]
         base = 0.0 if carrier == GROUND else start[carrier].angle
         phase = (start[gear.b].angle - base) - gear.ratio * (start[gear.a].angle - base)
@@ -268,11 +316,22 @@ class Drawing:
         outward = (spoke.conjugate() * way).real
         if abs(outward) <= 1e-6 * abs(spoke) * abs(way):
             remedy = f"the follower moves across the line from {pivot} to {cam.at}: draw {cam.at} elsewhere"
-            raise DesignError("pressure angle as drawn", 90, 90, "deg", f"cam {self.cam_name(cam)}", remedy)
+            raise DesignError(
+                "pressure angle as drawn", 90, 90, "deg", f"cam {self.cam_name(cam)}", remedy
+            )
         sign = 1 if outward > 0 else -1
         form = "force" if cam.closure == "force" else "form"
-        return m.Cam(self.cam_name(cam), cam.cam, cam.follower, Scaled(self.program_of(cam), sign),
-                     None if slide is None else self.slide_name(slide), start[cam.cam].angle, rest, form, sign)  # type: ignore[arg-type]  # fmt: skip
+        return m.Cam(
+            self.cam_name(cam),
+            cam.cam,
+            cam.follower,
+            Scaled(self.program_of(cam), sign),
+            None if slide is None else self.slide_name(slide),
+            start[cam.cam].angle,
+            rest,
+            form,
+            sign,
+        )  # type: ignore[arg-type]
 
     def _output(self, output: t.Wanted, bodies: Mapping[str, m.Body]) -> m.Output:
         if output.point is not None:

@@ -20,13 +20,25 @@ def drawing_faults(drawing: Drawing) -> list[Fault]:
     """Names that are not there, points on no link, lengths between points of no link, links that nothing holds."""
     if not drawing.points:
         return [Fault("points", "an empty table", "the points of the drawing, such as O = [0, 0]")]
-    found = [*_link_faults(drawing), *_length_faults(drawing), *_joint_faults(drawing), *_output_faults(drawing)]
+    found = [
+        *_link_faults(drawing),
+        *_length_faults(drawing),
+        *_joint_faults(drawing),
+        *_output_faults(drawing),
+    ]
     return found or _shape_faults(drawing)
 
 
 def _link_faults(drawing: Drawing) -> Iterable[Fault]:
     if GROUND not in drawing.links:
-        near = next((name for name in drawing.links if name.lower() in ("ground", "frame", "base", "fixed")), None)
+        near = next(
+            (
+                name
+                for name in drawing.links
+                if name.lower() in ("ground", "frame", "base", "fixed")
+            ),
+            None,
+        )
         yield Fault("links.ground", "", "missing: the link that stands still, by its points", near)
     if len(drawing.links) > MOST_LINKS:
         right = f"at most {MOST_LINKS}, more would take many minutes: part the machine, and join it by [[include]]"
@@ -48,10 +60,21 @@ def _link_faults(drawing: Drawing) -> Iterable[Fault]:
             yield Fault(f"points.{point}", "", "is on no link: name it in [links], or take it away")
     held = {each.link for each in drawing.slides}
     for name, points in drawing.links.items():
-        shared = any(point in others for point in points for other, others in drawing.links.items() if other != name)
-        pinned = any(slot.pin in points for slot in drawing.slots) or any(slot.link == name for slot in drawing.slots)
+        shared = any(
+            point in others
+            for point in points
+            for other, others in drawing.links.items()
+            if other != name
+        )
+        pinned = any(slot.pin in points for slot in drawing.slots) or any(
+            slot.link == name for slot in drawing.slots
+        )
         if name != GROUND and not shared and not pinned and name not in held:
-            yield Fault(f"links.{name}", "", "nothing holds it: let it share a point with another link, or slide")
+            yield Fault(
+                f"links.{name}",
+                "",
+                "nothing holds it: let it share a point with another link, or slide",
+            )
 
 
 def _length_faults(drawing: Drawing) -> Iterable[Fault]:
@@ -69,7 +92,11 @@ def _length_faults(drawing: Drawing) -> Iterable[Fault]:
         if names[0] == names[1]:
             yield Fault(f"lengths.{key}", "", "two different points")
         elif not any(set(names) <= set(points) for points in drawing.links.values()):
-            yield Fault(f"lengths.{key}", "", f"two points of one link: no link carries both {names[0]} and {names[1]}")
+            yield Fault(
+                f"lengths.{key}",
+                "",
+                f"two points of one link: no link carries both {names[0]} and {names[1]}",
+            )
         elif frozenset(names) in seen:
             yield Fault(f"lengths.{key}", "", f"given twice: also as {seen[frozenset(names)]}")
         seen[frozenset(names)] = key
@@ -83,7 +110,11 @@ def _joint_faults(drawing: Drawing) -> Iterable[Fault]:
         if name not in links:
             faults.append(unknown(path, name, links))
         elif name == GROUND and not ground:
-            still = "; no wheel is made that stands still while another runs round it" if path.startswith("gear") else ""
+            still = (
+                "; no wheel is made that stands still while another runs round it"
+                if path.startswith("gear")
+                else ""
+            )
             faults.append(Fault(path, repr(name), f"a link that moves{still}"))
         else:
             return True
@@ -92,17 +123,44 @@ def _joint_faults(drawing: Drawing) -> Iterable[Fault]:
     def on(path: str, name: str, points: Sequence[str]) -> None:
         for k, point in enumerate(points):
             if point not in links[name]:
-                faults.append(Fault(f"{path}.{k}", repr(point), f"a point of link {name}: {', '.join(links[name])}"))
+                faults.append(
+                    Fault(
+                        f"{path}.{k}",
+                        repr(point),
+                        f"a point of link {name}: {', '.join(links[name])}",
+                    )
+                )
         if len(points) == 2 and points[0] == points[1]:
             faults.append(Fault(path, repr(points[0]), "two different points"))
-        elif all(point in drawing.points for point in points) and drawing.at(points[0]) == drawing.at(points[-1]) and points[1:]:
-            faults.append(Fault(path, f"{points[0]}, {points[1]}", "two points that lie apart: its length is 0"))
+        elif (
+            all(point in drawing.points for point in points)
+            and drawing.at(points[0]) == drawing.at(points[-1])
+            and points[1:]
+        ):
+            faults.append(
+                Fault(
+                    path, f"{points[0]}, {points[1]}", "two points that lie apart: its length is 0"
+                )
+            )
 
     faults: list[Fault] = []
     if link("drive.link", drawing.drive.link, False) and drawing.pivot(drawing.drive.link) is None:
-        faults.append(Fault("drive.link", repr(drawing.drive.link), "a link that shares a point with the ground"))
-    if drawing.drive.range_deg is not None and not drawing.drive.range_deg[0] < drawing.drive.range_deg[1]:
-        faults.append(Fault("drive.range_deg", str(list(drawing.drive.range_deg)), "the least before the greatest"))
+        faults.append(
+            Fault(
+                "drive.link", repr(drawing.drive.link), "a link that shares a point with the ground"
+            )
+        )
+    if (
+        drawing.drive.range_deg is not None
+        and not drawing.drive.range_deg[0] < drawing.drive.range_deg[1]
+    ):
+        faults.append(
+            Fault(
+                "drive.range_deg",
+                str(list(drawing.drive.range_deg)),
+                "the least before the greatest",
+            )
+        )
     faults += drawing.drive.faults()
     for k, slide in enumerate(drawing.slides):
         both = [link(f"slide.{k}.link", slide.link, False), link(f"slide.{k}.on", slide.on)]
@@ -116,25 +174,42 @@ def _joint_faults(drawing: Drawing) -> Iterable[Fault]:
             if slot.pin not in drawing.points:
                 faults.append(unknown(f"slot.{k}.pin", slot.pin, drawing.points))
             elif drawing.carrier(slot) is None:
-                faults.append(Fault(f"slot.{k}.pin", repr(slot.pin), f"a point of a link other than {slot.link}"))
+                faults.append(
+                    Fault(
+                        f"slot.{k}.pin", repr(slot.pin), f"a point of a link other than {slot.link}"
+                    )
+                )
             elif slot.pin in links[slot.link]:
-                faults.append(Fault(f"slot.{k}.pin", repr(slot.pin), f"no point of {slot.link} itself, which would pin it"))
+                faults.append(
+                    Fault(
+                        f"slot.{k}.pin",
+                        repr(slot.pin),
+                        f"no point of {slot.link} itself, which would pin it",
+                    )
+                )
     for k, gear in enumerate(drawing.gears):
         if link(f"gear.{k}.a", gear.a, False) & link(f"gear.{k}.b", gear.b, False):
             if gear.a == gear.b:
                 faults.append(Fault(f"gear.{k}.b", repr(gear.b), "another link"))
-            faults += [Fault(f"gear.{k}.{end}", repr(name), f"a link that turns: {name} slides and cannot")
-                       for end, name in (("a", gear.a), ("b", gear.b)) if drawing.slide_of(name)]  # fmt: skip
+            faults += [
+                Fault(f"gear.{k}.{end}", repr(name), f"a link that turns: {name} slides and cannot")
+                for end, name in (("a", gear.a), ("b", gear.b))
+                if drawing.slide_of(name)
+            ]
         if gear.ratio == 0:
             faults.append(Fault(f"gear.{k}.ratio", "0", "a ratio other than 0"))
     for k, cam in enumerate(drawing.cams):
         faults += _cam_faults(drawing, f"cam.{k}", cam, link)
     for name in drawing.levels_of_joints():
         if name in links:
-            faults.append(Fault(f"links.{name}", "", "another name: a cam or gear has it, and its level"))
+            faults.append(
+                Fault(f"links.{name}", "", "another name: a cam or gear has it, and its level")
+            )
     for path, name in drawing.joints():
         if name in named:
-            faults.append(Fault(f"{path}.name", repr(name), f"a name of its own: {named[name]} has it"))
+            faults.append(
+                Fault(f"{path}.name", repr(name), f"a name of its own: {named[name]} has it")
+            )
         named[name] = path
     return faults
 
@@ -142,28 +217,67 @@ def _joint_faults(drawing: Drawing) -> Iterable[Fault]:
 def _cam_faults(drawing: Drawing, path: str, cam: t.Cam, link: Any) -> list[Fault]:
     faults = []
     if link(f"{path}.cam", cam.cam, False) and drawing.pivot(cam.cam) is None:
-        faults.append(Fault(f"{path}.cam", repr(cam.cam), "a link that shares a point with the ground: it turns there"))
+        faults.append(
+            Fault(
+                f"{path}.cam",
+                repr(cam.cam),
+                "a link that shares a point with the ground: it turns there",
+            )
+        )
     if not link(f"{path}.follower", cam.follower, False):
         return faults
     if cam.follower == cam.cam:
-        return [*faults, Fault(f"{path}.follower", repr(cam.follower), "another link: a cam does not move itself")]
+        return [
+            *faults,
+            Fault(
+                f"{path}.follower", repr(cam.follower), "another link: a cam does not move itself"
+            ),
+        ]
     slide = drawing.slide_of(cam.follower)
     if drawing.pivot(cam.follower) is None and (slide is None or slide.on != GROUND):
-        faults.append(Fault(f"{path}.follower", repr(cam.follower), "a link that is pinned to the ground or slides on it"))
+        faults.append(
+            Fault(
+                f"{path}.follower",
+                repr(cam.follower),
+                "a link that is pinned to the ground or slides on it",
+            )
+        )
     if cam.at not in drawing.links[cam.follower]:
-        faults.append(Fault(f"{path}.at", repr(cam.at), f"a point of {cam.follower}: {', '.join(drawing.links[cam.follower])}"))
+        faults.append(
+            Fault(
+                f"{path}.at",
+                repr(cam.at),
+                f"a point of {cam.follower}: {', '.join(drawing.links[cam.follower])}",
+            )
+        )
     if (cam.shape == "roller") != (cam.radius is not None):
-        fits = "the roller's radius" if cam.shape == "roller" else f"nothing here: a {cam.shape} has none"
+        fits = (
+            "the roller's radius"
+            if cam.shape == "roller"
+            else f"nothing here: a {cam.shape} has none"
+        )
         faults.append(Fault(f"{path}.radius", "", fits))
     if cam.face_width is not None and cam.shape != "flat":
-        faults.append(Fault(f"{path}.face_width", f"{cam.face_width:g}", f"nothing here: a {cam.shape} has no face"))
+        faults.append(
+            Fault(
+                f"{path}.face_width",
+                f"{cam.face_width:g}",
+                f"nothing here: a {cam.shape} has no face",
+            )
+        )
     faults += air_faults(f"{path}.tip_clearance", cam.tip_clearance, cam.closure, cam.radius)
-    wrong, right = (("lift_deg", "to_deg"), ("lift", "to")) if slide else (("lift", "to"), ("lift_deg", "to_deg"))
+    wrong, right = (
+        (("lift_deg", "to_deg"), ("lift", "to"))
+        if slide
+        else (("lift", "to"), ("lift_deg", "to_deg"))
+    )
     way = "slides" if slide else "swings"
     for k, segment in enumerate(cam.segment):
         for one, other in zip(wrong, right, strict=True):
             if getattr(segment, one) is not None:
-                faults.append(Fault(f"{path}.segment.{k}.{one}", "", f"{other}: {cam.follower} {way}"))
+                faults.append(
+                    Fault(f"{path}.segment.{k}.{one}", "", f"{other}: {cam.follower} {way}")
+                )
     if not faults:
         try:
             drawing.program_of(cam, path)
@@ -187,14 +301,30 @@ def _output_faults(drawing: Drawing) -> Iterable[Fault]:
         yield from _target_faults(drawing, f"output.{k}", output)
     for name in drawing.masses:
         if name not in drawing.links or name == GROUND:
-            yield unknown(f"masses.{name}", name, [link for link in drawing.links if link != GROUND])
+            yield unknown(
+                f"masses.{name}", name, [link for link in drawing.links if link != GROUND]
+            )
 
 
 def _target_faults(drawing: Drawing, path: str, output: t.Wanted) -> Iterable[Fault]:
-    of_a_link = [key for key in ("points", "path", "straightness") if output.link is not None and getattr(output, key)]
-    of_a_point = [key for key in ("dwell", "time_ratio", "function") if output.point is not None and getattr(output, key)]
-    yield from (Fault(f"{path}.{key}", "", "nothing here: it is asked of a point's path, not of a link") for key in of_a_link)
-    yield from (Fault(f"{path}.{key}", "", "nothing here: it is asked of a link, not of a path") for key in of_a_point)
+    of_a_link = [
+        key
+        for key in ("points", "path", "straightness")
+        if output.link is not None and getattr(output, key)
+    ]
+    of_a_point = [
+        key
+        for key in ("dwell", "time_ratio", "function")
+        if output.point is not None and getattr(output, key)
+    ]
+    yield from (
+        Fault(f"{path}.{key}", "", "nothing here: it is asked of a point's path, not of a link")
+        for key in of_a_link
+    )
+    yield from (
+        Fault(f"{path}.{key}", "", "nothing here: it is asked of a link, not of a path")
+        for key in of_a_point
+    )
     if output.points is not None:
         yield from output.points.faults(f"{path}.points")
     if output.straightness is not None:
@@ -202,14 +332,24 @@ def _target_faults(drawing: Drawing, path: str, output: t.Wanted) -> Iterable[Fa
     if drawing.drive.range_deg is None:
         return
     if output.time_ratio is not None:
-        yield Fault(f"{path}.time_ratio", "", "nothing here: it is asked of a drive that turns all round, without range_deg")
+        yield Fault(
+            f"{path}.time_ratio",
+            "",
+            "nothing here: it is asked of a drive that turns all round, without range_deg",
+        )
     low, high = drawing.drive.range_deg
-    asked = {"points.theta_deg": output.points and output.points.theta_deg,
-             "function.at": output.function and [pair[0] for pair in output.function.at],
-             "straightness.range_deg": output.straightness and output.straightness.range_deg}  # fmt: skip
+    asked = {
+        "points.theta_deg": output.points and output.points.theta_deg,
+        "function.at": output.function and [pair[0] for pair in output.function.at],
+        "straightness.range_deg": output.straightness and output.straightness.range_deg,
+    }
     for key, angles in asked.items():
         if angles and not low <= min(angles) <= max(angles) <= high:
-            yield Fault(f"{path}.{key}", str(list(angles)), f"angles within drive.range_deg, {low:g} to {high:g}")
+            yield Fault(
+                f"{path}.{key}",
+                str(list(angles)),
+                f"angles within drive.range_deg, {low:g} to {high:g}",
+            )
 
 
 def _shape_faults(drawing: Drawing) -> list[Fault]:
@@ -225,10 +365,14 @@ def _shape_faults(drawing: Drawing) -> list[Fault]:
             faults.append(Fault(f"links.{name}", f"{a} and {b} are drawn at one place", right))
             continue
         missed = shape(drawn, lengths)[1]
-        if missed > 1e3 * CLOSED * max(lengths.values(), default=1.0) and (told := too_long(points, drawn, lengths)):
+        if missed > 1e3 * CLOSED * max(lengths.values(), default=1.0) and (
+            told := too_long(points, drawn, lengths)
+        ):
             faults.append(Fault(f"links.{name}", *told))
         elif missed > 1e3 * CLOSED * max(lengths.values(), default=1.0):
-            said = ", ".join(f"{points[a]}-{points[b]} = {length:g}" for (a, b), length in lengths.items())
+            said = ", ".join(
+                f"{points[a]}-{points[b]} = {length:g}" for (a, b), length in lengths.items()
+            )
             right = f"lengths that can meet: they miss by {missed:.3g} mm (a side of a triangle is at most the sum of "
             right += "the others; where no length is given the drawn distance counts)"
             faults.append(Fault(f"links.{name}", said, right))

@@ -31,14 +31,36 @@ if TYPE_CHECKING:
     from camgen.machines.linkage.mechanism import Linkage
     from camgen.machines.linkage.signals import Signal
 
-_SPRINGS = ("spring", "rate, N/mm", "free, mm", "shortest, mm", "longest, mm", "least, N", "greatest, N")
+_SPRINGS = (
+    "spring",
+    "rate, N/mm",
+    "free, mm",
+    "shortest, mm",
+    "longest, mm",
+    "least, N",
+    "greatest, N",
+)
 _EXTREMES = ("output", "unit", "extreme", "at theta, deg", "what it is")
-_PATHS = ("path", "length, mm", "least radius, mm", "at, deg", "inflections at, deg", "cusps at, deg", "crosses itself at, deg")
+_PATHS = (
+    "path",
+    "length, mm",
+    "least radius, mm",
+    "at, deg",
+    "inflections at, deg",
+    "cusps at, deg",
+    "crosses itself at, deg",
+)
 _MOST_SERIES = 8  # curves of one plot
-_OF_A_KIND, _OF_THREE = 3.0, 1.3e-4  # s, to make and judge a kind of file, and by the cube of links; measured up to 58
+_OF_A_KIND, _OF_THREE = (
+    3.0,
+    1.3e-4,
+)  # s, to make and judge a kind of file, and by the cube of links; measured up to 58
 _LONG = 20.0  # s, that are told beforehand
 _RETURNS = 1e-6  # of its stroke, by which an output that goes to and fro may miss its beginning after a turn
-_SLOW, _STILL = 0.05, 1e-6  # of a point's greatest speed: where a stop is looked for, and what is one
+_SLOW, _STILL = (
+    0.05,
+    1e-6,
+)  # of a point's greatest speed: where a stop is looked for, and what is one
 
 
 def study(linkage: Linkage) -> Study:
@@ -50,20 +72,36 @@ def study(linkage: Linkage) -> Study:
     for signal in linkage.signals:
         value, first, second = signal.scale * signal.rows(run)
         low, high = _extremes(linkage, signal, theta, value)
-        speed, hard = float(np.abs(first).max() * abs(linkage.speed)), float(np.abs(second).max() * linkage.speed**2)
+        speed, hard = (
+            float(np.abs(first).max() * abs(linkage.speed)),
+            float(np.abs(second).max() * linkage.speed**2),
+        )
         unit = signal.unit
         numbers |= {
-            f"{signal.name}_least_{unit}": low, f"{signal.name}_greatest_{unit}": high,
+            f"{signal.name}_least_{unit}": low,
+            f"{signal.name}_greatest_{unit}": high,
             f"{signal.name}_stroke_{unit}": high - low,
-            f"{signal.name}_peak_speed_{unit}_s": speed, f"{signal.name}_peak_acceleration_{unit}_s2": hard,
-        }  # fmt: skip
+            f"{signal.name}_peak_speed_{unit}_s": speed,
+            f"{signal.name}_peak_acceleration_{unit}_s2": hard,
+        }
         rows.append((signal.name, unit, low, high, high - low, speed, hard))
     paths_of = _path_table(linkage, theta, run)
     for name, length, radius, *_ in paths_of:
-        numbers |= {f"{name}_length_mm": float(str(length)), f"{name}_least_radius_mm": float(str(radius))}
+        numbers |= {
+            f"{name}_length_mm": float(str(length)),
+            f"{name}_least_radius_mm": float(str(radius)),
+        }
     places, ratios = _extreme_places(linkage)
     numbers |= ratios
-    heads = ("output", "unit", "least", "greatest", "stroke", "peak speed, /s", "peak acceleration, /s^2")
+    heads = (
+        "output",
+        "unit",
+        "least",
+        "greatest",
+        "stroke",
+        "peak speed, /s",
+        "peak acceleration, /s^2",
+    )
     tables = [Table("Outputs", heads, rows)]
     tables += [Table("Extreme positions", _EXTREMES, places)] if places else []
     tables += [Table("Paths", _PATHS, paths_of)] if paths_of else []
@@ -72,25 +110,47 @@ def study(linkage: Linkage) -> Study:
     if lengths is not None:
         bar = four_bar(*lengths.values())
         numbers["grashof_margin_mm"] = bar.margin
-        notes.append(f"A four-bar, by Grashof a {bar.kind}: the middle two lengths exceed the shortest and the longest by "
-                     f"{bar.margin:.6g} mm.")  # fmt: skip
-    for cam in (joint for joint in linkage.chain.joints if isinstance(joint, m.Cam) and joint.closure == "force"):
+        notes.append(
+            f"A four-bar, by Grashof a {bar.kind}: the middle two lengths exceed the shortest and the longest by "
+            f"{bar.margin:.6g} mm."
+        )
+    for cam in (
+        joint
+        for joint in linkage.chain.joints
+        if isinstance(joint, m.Cam) and joint.closure == "force"
+    ):
         figure = f"hold_{cam.name.replace(' ', '_')}"
-        made = "is the least that it needs beyond the springs of the spec" if linkage.springs else "is the least that it needs"
+        made = (
+            "is the least that it needs beyond the springs of the spec"
+            if linkage.springs
+            else "is the least that it needs"
+        )
         none = "" if linkage.springs else "no spring is made for it; "
         notes.append(f"{cam.name} is held by force: {none}{figure} {made}.")
     if linkage.springs:
-        notes.append("Springs are bought. Each has a level of its own, free over the whole motion along the line between its "
-                     "pins; they are not in the sweep.")  # fmt: skip
+        notes.append(
+            "Springs are bought. Each has a level of its own, free over the whole motion along the line between its "
+            "pins; they are not in the sweep."
+        )
     if linkage.lacking() is None:
-        notes += [*open_rails(linkage.bodies.layout), *_longer_slots(linkage), *_bows(linkage), *steps(linkage.bodies.layout)]
+        notes += [
+            *open_rails(linkage.bodies.layout),
+            *_longer_slots(linkage),
+            *_bows(linkage),
+            *steps(linkage.bodies.layout),
+        ]
     if linkage.drive.range_deg is not None:
-        notes.append("The drive goes to and fro over its range; speeds are those of an even turn of it.")
+        notes.append(
+            "The drive goes to and fro over its range; speeds are those of an even turn of it."
+        )
     forces = _forces(linkage, theta)
     return Study(
-        {**numbers, **forces.numbers}, Later(lambda: [*_plots(linkage, theta, run), *forces.plots]), [*tables, *forces.tables],
-        Later(lambda: paths(linkage)), notes,
-    )  # fmt: skip
+        {**numbers, **forces.numbers},
+        Later(lambda: [*_plots(linkage, theta, run), *forces.plots]),
+        [*tables, *forces.tables],
+        Later(lambda: paths(linkage)),
+        notes,
+    )
 
 
 def _plots(linkage: Linkage, theta: Floats, run: Run) -> list[Plot]:
@@ -103,20 +163,29 @@ def _plots(linkage: Linkage, theta: Floats, run: Run) -> list[Plot]:
             series = [("path", path.real, path.imag), ("every 15 deg", marks.real, marks.imag)]
             series += _wanted_places(linkage, output.name)
             dots = ("every 15 deg", "wanted")
-            plots.append(Plot(_path_of(output.name, "P"), "x, mm", "y, mm", series, equal=True, dots=dots))
+            plots.append(
+                Plot(_path_of(output.name, "P"), "x, mm", "y, mm", series, equal=True, dots=dots)
+            )
     plots += _centrodes(linkage, run)
     bends = transmission(linkage.chain, theta)
     if bends:
         series = [(", ".join(joints), np.degrees(theta), angle) for joints, angle in bends.items()]
-        plots.append(Plot("Transmission angle", f"{linkage.angle_name}, deg", "deg", series[:_MOST_SERIES]))
+        plots.append(
+            Plot("Transmission angle", f"{linkage.angle_name}, deg", "deg", series[:_MOST_SERIES])
+        )
     return plots
 
 
 def _bows(linkage: Linkage) -> list[str]:
     """What to say of links that are bent."""
-    bows = {link: shape.bow for link, shape in linkage.bodies.layout.sizes.shapes.items() if shape.bow}
-    return [f"Link {link} is bent by {abs(bow):g} mm, to the {'left' if bow > 0 else 'right'} from its first point, to pass "
-            f"what is in its way (parts.{link}.bow)." for link, bow in bows.items()]  # fmt: skip
+    bows = {
+        link: shape.bow for link, shape in linkage.bodies.layout.sizes.shapes.items() if shape.bow
+    }
+    return [
+        f"Link {link} is bent by {abs(bow):g} mm, to the {'left' if bow > 0 else 'right'} from its first point, to pass "
+        f"what is in its way (parts.{link}.bow)."
+        for link, bow in bows.items()
+    ]
 
 
 def _path_of(name: str, first: str = "p") -> str:
@@ -132,12 +201,19 @@ def _wanted_places(linkage: Linkage, name: str) -> list[tuple[str, Floats, Float
     if wanted.points is not None:
         places, met = np.array(wanted.points.places), wanted.points.met(course)
         passed = course.at(np.array([theta for theta, _ in met])) if met else places
-        found += [("wanted", places), (f"within {wanted.points.tolerance:g} mm", _one_line(_within(wanted.points))),
-                  ("missed by", _one_line(np.column_stack([places, passed])))]  # fmt: skip
+        found += [
+            ("wanted", places),
+            (f"within {wanted.points.tolerance:g} mm", _one_line(_within(wanted.points))),
+            ("missed by", _one_line(np.column_stack([places, passed]))),
+        ]
     if wanted.path is not None:
         apart = wanted.path.apart(course)
-        found.append(("wanted path" if wanted.path.joined else "wanted", np.array(wanted.path.places)))
-        found.append((f"within {wanted.path.tolerance:g} mm of it", _one_line(_within(wanted.path))))
+        found.append(
+            ("wanted path" if wanted.path.joined else "wanted", np.array(wanted.path.places))
+        )
+        found.append(
+            (f"within {wanted.path.tolerance:g} mm of it", _one_line(_within(wanted.path)))
+        )
         found.append(("farthest apart", np.array([apart.place, apart.foot])))
     return [(label, z.real, z.imag) for label, z in found]
 
@@ -150,7 +226,10 @@ def _within(wanted: Through | Trace) -> list[Points]:
     joined = isinstance(wanted, Trace) and wanted.joined
     goal = shapely.linestrings(z.real, z.imag) if joined else shapely.points(z.real, z.imag)
     near = shapely.union_all(shapely.buffer(goal, wanted.tolerance, quad_segs=6))
-    return [shapely.get_coordinates(ring) @ np.array([1, 1j]) for ring in shapely.get_parts(shapely.boundary(near))]
+    return [
+        shapely.get_coordinates(ring) @ np.array([1, 1j])
+        for ring in shapely.get_parts(shapely.boundary(near))
+    ]
 
 
 def _one_line(pieces: Iterable[Points]) -> Points:
@@ -174,7 +253,11 @@ def _longer_slots(linkage: Linkage) -> list[str]:
 def beforehand(links: int, kinds: int) -> str:
     """How long so many links take with so many kinds of files; nothing where that is short."""
     seconds = kinds * (_OF_A_KIND + _OF_THREE * links**3)
-    return f"{links} links: to make and judge it takes about {seconds:.0f} s" if seconds > _LONG else ""
+    return (
+        f"{links} links: to make and judge it takes about {seconds:.0f} s"
+        if seconds > _LONG
+        else ""
+    )
 
 
 def courses(linkage: Linkage) -> list[Course]:
@@ -183,7 +266,11 @@ def courses(linkage: Linkage) -> list[Course]:
     run = linkage.run(theta, 1)
     found = []
     for wanted in linkage.wanted:
-        unit, scale = ("deg", math.degrees(1)) if isinstance(linkage.chain.output(wanted.name).of, m.Angle) else ("mm", 1.0)
+        unit, scale = (
+            ("deg", math.degrees(1))
+            if isinstance(linkage.chain.output(wanted.name).of, m.Angle)
+            else ("mm", 1.0)
+        )
         value, slope = scale * run.derivatives(wanted.name)
         found.append(Course(theta, value, slope, unit, linkage.drive.range_deg is None))
     return found
@@ -211,12 +298,15 @@ def transmission_angles(linkage: Linkage) -> list[Finding]:
     """How near each loop comes to a fold, on the model as designed."""
     return [
         at_least(
-            "TRANSMISSION_ANGLE", math.degrees(math.asin(min(1.0, abs(fold.determinant)))),
-            linkage.allowed.transmission_angle_deg, "deg", f"{listed('joint', fold.joints)}, {math.degrees(fold.theta):.2f} deg",
+            "TRANSMISSION_ANGLE",
+            math.degrees(math.asin(min(1.0, abs(fold.determinant)))),
+            linkage.allowed.transmission_angle_deg,
+            "deg",
+            f"{listed('joint', fold.joints)}, {math.degrees(fold.theta):.2f} deg",
             "least over the motion; at 0 the chain folds and may go on either way",
         )
         for fold in folds(linkage.chain, *linkage.range)
-    ]  # fmt: skip
+    ]
 
 
 def _forces(linkage: Linkage, theta: Floats) -> Study:
@@ -227,23 +317,53 @@ def _forces(linkage: Linkage, theta: Floats) -> Study:
     found = solve(replace(machine, loads=(*machine.loads, *gravity(linkage.load))), theta).forces()
     torque = next(iter(found.drives.values()))
     loads = {**found.reactions, **found.normals}
-    numbers = {"peak_torque_n_m": float(np.abs(torque).max()), "peak_kinetic_energy_j": float(found.energy.max())}
-    numbers |= {f"reaction_{name.lower().replace(' ', '_')}_n": float(np.abs(load).max()) for name, load in loads.items()}
-    for cam in (joint for joint in linkage.chain.joints if isinstance(joint, m.Cam) and joint.closure == "force"):
-        unit = "n_m" if cam.slide is None else "n"  # what a spring must give at least, along the follower's motion
-        numbers[f"hold_{cam.name.replace(' ', '_')}_{unit}"] = max(0.0, -float((cam.leaves * found.contacts[cam.name]).min()))
-    rows = [(name, float(np.abs(load).max()), math.degrees(theta[int(np.abs(load).argmax())])) for name, load in loads.items()]
-    tables = [Table("Loads of the joints, without friction", ("joint", "greatest, N", "at, deg"), rows)]
+    numbers = {
+        "peak_torque_n_m": float(np.abs(torque).max()),
+        "peak_kinetic_energy_j": float(found.energy.max()),
+    }
+    numbers |= {
+        f"reaction_{name.lower().replace(' ', '_')}_n": float(np.abs(load).max())
+        for name, load in loads.items()
+    }
+    for cam in (
+        joint
+        for joint in linkage.chain.joints
+        if isinstance(joint, m.Cam) and joint.closure == "force"
+    ):
+        unit = (
+            "n_m" if cam.slide is None else "n"
+        )  # what a spring must give at least, along the follower's motion
+        numbers[f"hold_{cam.name.replace(' ', '_')}_{unit}"] = max(
+            0.0, -float((cam.leaves * found.contacts[cam.name]).min())
+        )
+    rows = [
+        (name, float(np.abs(load).max()), math.degrees(theta[int(np.abs(load).argmax())]))
+        for name, load in loads.items()
+    ]
+    tables = [
+        Table("Loads of the joints, without friction", ("joint", "greatest, N", "at, deg"), rows)
+    ]
     for each in linkage.sprung:
-        numbers |= dict(zip((f"{each.figure}_least_n", f"{each.figure}_greatest_n"), each.forces(), strict=True))
+        numbers |= dict(
+            zip((f"{each.figure}_least_n", f"{each.figure}_greatest_n"), each.forces(), strict=True)
+        )
     if linkage.sprung:
-        of_springs = [(each.name, each.pull.rate, each.pull.free, each.shortest, each.longest, *each.forces())
-                      for each in linkage.sprung]  # fmt: skip
+        of_springs = [
+            (each.name, each.pull.rate, each.pull.free, each.shortest, each.longest, *each.forces())
+            for each in linkage.sprung
+        ]
         tables.append(Table("Springs, between their points", _SPRINGS, of_springs))
 
     def plots() -> list[Plot]:
         label = f"{linkage.angle_name}, deg"
-        return [Plot("Torque of the drive, without friction", label, "N m", [("torque", np.degrees(theta), torque)])]
+        return [
+            Plot(
+                "Torque of the drive, without friction",
+                label,
+                "N m",
+                [("torque", np.degrees(theta), torque)],
+            )
+        ]
 
     return Study(numbers, Later(plots), tables)
 
@@ -257,26 +377,56 @@ def timing(linkage: Linkage) -> tuple[Study, ...]:
     series: list[tuple[str, Floats, Floats]] = []
     for output in run.machine.outputs:
         values = np.asarray(run[output.name])
-        both = (("_x", values.real), ("_y", values.imag)) if np.iscomplexobj(values) else (("", np.real(values)),)
+        both = (
+            (("_x", values.real), ("_y", values.imag))
+            if np.iscomplexobj(values)
+            else (("", np.real(values)),)
+        )
         for name, value in both:
             least, span = float(value.min()), float(np.ptp(value))
-            series.append((output.name + name, np.degrees(theta), (value - least) / span if span else value - least))
+            series.append(
+                (
+                    output.name + name,
+                    np.degrees(theta),
+                    (value - least) / span if span else value - least,
+                )
+            )
     label = f"{linkage.drive.link}, deg"
-    return (Study(plots=[Plot("Timing of the whole machine", label, "share of its stroke", series)]),)
+    return (
+        Study(plots=[Plot("Timing of the whole machine", label, "share of its stroke", series)]),
+    )
 
 
 def _centrodes(linkage: Linkage, run: Run) -> list[Plot]:
     """Of each link that draws a path and is pinned nowhere on the ground: where its instant centre runs."""
-    held = {body for joint in linkage.chain.joints if isinstance(joint, m.Pin) for body in (joint.a.body, joint.b.body)
-            if m.GROUND in (joint.a.body, joint.b.body)}  # fmt: skip
-    drawing = dict.fromkeys(each.of.of.body for each in linkage.chain.outputs if isinstance(each.of, m.Path))
+    held = {
+        body
+        for joint in linkage.chain.joints
+        if isinstance(joint, m.Pin)
+        for body in (joint.a.body, joint.b.body)
+        if m.GROUND in (joint.a.body, joint.b.body)
+    }
+    drawing = dict.fromkeys(
+        each.of.of.body for each in linkage.chain.outputs if isinstance(each.of, m.Path)
+    )
     found = []
     for body in (body for body in drawing if body not in held):
         levers = [abs(z) for z in linkage.chain.body(body).points.values()]
         fixed, moving = centrodes(run, body, max(levers, default=0.0))
-        series = [(name, each.real, each.imag) for name, each in (("on the ground", fixed), (f"on {body}, in its axes", moving))]
+        series = [
+            (name, each.real, each.imag)
+            for name, each in (("on the ground", fixed), (f"on {body}, in its axes", moving))
+        ]
         if np.count_nonzero(np.isfinite(fixed)) > 1:
-            found.append(Plot(f"Centrodes of {body}: one rolls on the other", "x, mm", "y, mm", series, equal=True))
+            found.append(
+                Plot(
+                    f"Centrodes of {body}: one rolls on the other",
+                    "x, mm",
+                    "y, mm",
+                    series,
+                    equal=True,
+                )
+            )
     return found
 
 
@@ -284,13 +434,26 @@ def paths(linkage: Linkage) -> tuple[Sketch, ...]:
     """Paths of points, on the ground, and the places that they shall pass, with the room that they have."""
     run = linkage.run(np.linspace(*linkage.range, ROWS // 2), 0)
     outputs = [output for output in linkage.chain.outputs if isinstance(output.of, m.Path)]
-    found = [Sketch(_path_of(each.name), (np.asarray(run[each.name], complex),)) for each in outputs]
-    asked = [(each.name, goal) for each in linkage.wanted for goal in (each.points, each.path) if goal is not None]
+    found = [
+        Sketch(_path_of(each.name), (np.asarray(run[each.name], complex),)) for each in outputs
+    ]
+    asked = [
+        (each.name, goal)
+        for each in linkage.wanted
+        for goal in (each.points, each.path)
+        if goal is not None
+    ]
     for name, goal in asked:
         dot = float(np.ptp(np.array(goal.places).real) + np.ptp(np.array(goal.places).imag)) / 250
         line = isinstance(goal, Trace) and goal.joined
         strokes = [*_within(goal), *([np.array(goal.places)] if line else [])]
-        found.append(Sketch(f"{name}: wanted", strokes, [] if line else [(z, max(dot, SAME_POINT)) for z in goal.places]))
+        found.append(
+            Sketch(
+                f"{name}: wanted",
+                strokes,
+                [] if line else [(z, max(dot, SAME_POINT)) for z in goal.places],
+            )
+        )
     return tuple(found)
 
 
@@ -299,13 +462,23 @@ def _extreme_places(linkage: Linkage) -> tuple[list[tuple[object, ...]], dict[st
     rows: list[tuple[object, ...]] = []
     ratios = {}
     for wanted, course in zip(linkage.wanted, courses(linkage), strict=True):
-        if np.iscomplexobj(course.value) or abs(course.value[-1] - course.value[0]) > _RETURNS * np.ptp(course.value):
+        if np.iscomplexobj(course.value) or abs(
+            course.value[-1] - course.value[0]
+        ) > _RETURNS * np.ptp(course.value):
             continue
         dead = "turns back: a dead point for a force at the output"
         for sign in (-1, 1):
             theta, value = course.extreme(sign)
             inside = course.whole or course.theta[0] < theta < course.theta[-1]
-            rows.append((wanted.name, course.unit, value, math.degrees(theta), dead if inside else "end of the range"))
+            rows.append(
+                (
+                    wanted.name,
+                    course.unit,
+                    value,
+                    math.degrees(theta),
+                    dead if inside else "end of the range",
+                )
+            )
         if course.whole:
             ratios[f"{wanted.name}_time_ratio"] = time_ratio(course)[0]
     return rows, ratios
@@ -326,16 +499,26 @@ def _path_table(linkage: Linkage, theta: Floats, run: Run) -> list[tuple[object,
             radius = np.where(speed > 0, speed**3 / np.abs(bend), np.inf)
         sharp = int(np.argmin(radius))
         stops = _stops(linkage, output.name, theta, speed, whole)
-        turns = np.flatnonzero((np.signbit(bend[1:]) != np.signbit(bend[:-1])) & (speed[1:] > _STILL * speed.max()))
-        straight = [math.degrees(theta[k]) for k in turns if all(abs(theta[k] - stop) > 0.02 for stop in stops)]
+        turns = np.flatnonzero(
+            (np.signbit(bend[1:]) != np.signbit(bend[:-1])) & (speed[1:] > _STILL * speed.max())
+        )
+        straight = [
+            math.degrees(theta[k])
+            for k in turns
+            if all(abs(theta[k] - stop) > 0.02 for stop in stops)
+        ]
         crossed = []
         if whole and not stops and not linkage.drive.segments:
-            pairs, _ = double_points(lambda t, order, name=output.name: _jet(linkage, name, t)[order], 720)  # type: ignore[misc]
+            pairs, _ = double_points(
+                lambda t, order, name=output.name: _jet(linkage, name, t)[order], 720
+            )  # type: ignore[misc]
             crossed = [" and ".join(f"{math.degrees(t) % 360:.1f}" for t in pair) for pair in pairs]
         least = 0.0 if stops else float(radius[sharp])
         at = math.degrees(stops[0] if stops else theta[sharp])
         told = [", ".join(f"{math.degrees(t):.2f}" for t in stops), "; ".join(crossed)]
-        rows.append((output.name, length, least, at, ", ".join(f"{t:.1f}" for t in straight), *told))
+        rows.append(
+            (output.name, length, least, at, ", ".join(f"{t:.1f}" for t in straight), *told)
+        )
     return rows
 
 
@@ -345,18 +528,24 @@ def _jet(linkage: Linkage, name: str, theta: Floats) -> Any:
 
 def _stops(linkage: Linkage, name: str, theta: Floats, speed: Floats, whole: bool) -> list[float]:
     """Angles at which a path's point stands still for a moment, rad: the least speeds, by Newton's method from the samples."""
-    near = np.flatnonzero((speed <= np.roll(speed, 1)) & (speed <= np.roll(speed, -1)) & (speed < _SLOW * speed.max()))
+    near = np.flatnonzero(
+        (speed <= np.roll(speed, 1)) & (speed <= np.roll(speed, -1)) & (speed < _SLOW * speed.max())
+    )
     t = theta[near if whole else near[(near > 0) & (near < len(theta) - 1)]]
     if linkage.drive.segments or not t.size:  # a program's rests are none
         return []
     for _ in range(20):
         _, first, second = _jet(linkage, name, t)
-        t = t - np.clip((np.conj(second) * first).real / np.maximum(np.abs(second) ** 2, 1e-300), -0.01, 0.01)
+        t = t - np.clip(
+            (np.conj(second) * first).real / np.maximum(np.abs(second) ** 2, 1e-300), -0.01, 0.01
+        )
     still = np.abs(_jet(linkage, name, t)[1]) < _STILL * speed.max()
     return sorted({round(float(x % math.tau if whole else x), 9) for x in t[still]})
 
 
-def _extremes(linkage: Linkage, signal: Signal, theta: Floats, value: Floats) -> tuple[float, float]:
+def _extremes(
+    linkage: Linkage, signal: Signal, theta: Floats, value: Floats
+) -> tuple[float, float]:
     """Least and greatest of a signal, in its unit: the sample's, refined between its neighbours."""
     ends = [int(np.argmin(value)), int(np.argmax(value))]
     near = [np.linspace(theta[max(k - 1, 0)], theta[min(k + 1, len(theta) - 1)], 257) for k in ends]

@@ -24,7 +24,12 @@ from camgen.parts.part import hull, with_bar
 from camgen.tolerances import SAME_POINT
 
 STEMS = ("along", "ahead", "behind", "both")
-COVERED = ("ahead", "behind", "both", "along")  # in which order, where a cover is to hold them: along it none can
+COVERED = (
+    "ahead",
+    "behind",
+    "both",
+    "along",
+)  # in which order, where a cover is to hold them: along it none can
 _GRIP = 4.0  # half widths of the bar: how long rails are that it does not stay between
 _AIR = 1.0  # mm, between the ends of such rails and what moves before them
 
@@ -55,7 +60,9 @@ class Guide:
     @property
     def bands(self) -> list[Discs]:
         """Discs round which the runner's bands are drawn."""
-        return [[(z, self.half) for z in ends] for ends in self.stems] + ([self.wing] if self.wing else [])
+        return [[(z, self.half) for z in ends] for ends in self.stems] + (
+            [self.wing] if self.wing else []
+        )
 
     @property
     def outline(self) -> Contour:
@@ -72,22 +79,38 @@ class Guide:
         joint, (a, b) = self.joint, self.stems[0]
         middle = sum(z for ends in self.rails[:2] for z in ends) / 4
         own = Faces(runner, (a + b) / 2, joint.angle - joint.turn, 2 * self.half)
-        return SlideFaces(joint.name, Faces(rails, middle, joint.angle, 2 * self.half + clearance, False), own)
+        return SlideFaces(
+            joint.name, Faces(rails, middle, joint.angle, 2 * self.half + clearance, False), own
+        )
 
 
 def guide(
-    joint: m.Slide, stroke: tuple[float, float], hubs: Sequence[tuple[complex, float]], slotted: bool, least: float,
-    clearance: float, sizes: Parts, stem: str, clear: tuple[float, float], cover: Cover | None = None,
-) -> Guide:  # fmt: skip
+    joint: m.Slide,
+    stroke: tuple[float, float],
+    hubs: Sequence[tuple[complex, float]],
+    slotted: bool,
+    least: float,
+    clearance: float,
+    sizes: Parts,
+    stem: str,
+    clear: tuple[float, float],
+    cover: Cover | None = None,
+) -> Guide:
     """The bodies of a slide whose runner has these hubs, place in its axes and radius.
 
     stroke: least and greatest place along it, mm; least: half width that a bar has at least; stem: one of STEMS;
     clear: between which places of the guide's line no rails may stand, mm.
     """
-    own, along, (low, high) = cmath.exp(1j * (joint.angle - joint.turn)), cmath.exp(1j * joint.angle), stroke
+    own, along, (low, high) = (
+        cmath.exp(1j * (joint.angle - joint.turn)),
+        cmath.exp(1j * joint.angle),
+        stroke,
+    )
     discs = [((z - joint.runner.at) / own, radius) for z, radius in hubs] or [(0j, least)]
     across = [z.imag for z, _ in discs]
-    wing = slotted or max(across) - min(across) > SAME_POINT or any(radius == 0 for _, radius in hubs)
+    wing = (
+        slotted or max(across) - min(across) > SAME_POINT or any(radius == 0 for _, radius in hubs)
+    )
     aside = (min(across) + max(across)) / 2
     half = max([least, *(radius for _, radius in discs)])
     begin, end = min(z.real for z, _ in discs), max(z.real for z, _ in discs)
@@ -102,23 +125,40 @@ def guide(
         stems, spans = [(begin - half, end + half)], [(low + begin - half, high + end + half)]
     if stem in ("ahead", "both"):
         start = max(high + end + rim, clear[1] + _AIR) + sizes.rail_width / 2
-        stems.append((begin if stem == "ahead" and not wing else (begin + end) / 2, start + grip - low))
+        stems.append(
+            (begin if stem == "ahead" and not wing else (begin + end) / 2, start + grip - low)
+        )
         spans.append((start, start + grip))
     if stem in ("behind", "both"):
         start = min(low + begin - rim, clear[0] - _AIR) - sizes.rail_width / 2
-        stems.append((end if stem == "behind" and not wing else (begin + end) / 2, start - grip - high))
+        stems.append(
+            (end if stem == "behind" and not wing else (begin + end) / 2, start - grip - high)
+        )
         spans.append((start - grip, start))
     if not wing and stem == "both":
         stems = [(stems[1][1], stems[0][1])]
     off = half + (clearance + sizes.rail_width) / 2
     middle = 1j * aside
     held = m.Slide(
-        joint.name, m.Place(joint.guide.body, joint.guide.at + middle * along),
-        m.Place(joint.runner.body, joint.runner.at + middle * own), joint.angle, joint.turn, joint.clearance,
-    )  # fmt: skip
+        joint.name,
+        m.Place(joint.guide.body, joint.guide.at + middle * along),
+        m.Place(joint.runner.body, joint.runner.at + middle * own),
+        joint.angle,
+        joint.turn,
+        joint.clearance,
+    )
     return Guide(
-        held, half, [(held.runner.at + a * own, held.runner.at + b * own) for a, b in stems],
-        [(held.guide.at + (a + side * 1j * off) * along, held.guide.at + (b + side * 1j * off) * along)
-         for a, b in spans for side in (-1, 1)],
-        list(hubs) if wing else [], cover is not None and stem != "along",
-    )  # fmt: skip
+        held,
+        half,
+        [(held.runner.at + a * own, held.runner.at + b * own) for a, b in stems],
+        [
+            (
+                held.guide.at + (a + side * 1j * off) * along,
+                held.guide.at + (b + side * 1j * off) * along,
+            )
+            for a, b in spans
+            for side in (-1, 1)
+        ],
+        list(hubs) if wing else [],
+        cover is not None and stem != "along",
+    )

@@ -1,9 +1,9 @@
 """What meets what in a linkage of parts: pivots, shafts and what rides on them, wheels, springs, pens.
 
-    pivot    a point with a pin: the links that it joins, the ground first, one with a slot last
-    channel  a slot of the ground; its pin ends in the plate that has it, and is fixed in the link next to that
-    shaft    in place of a pin where a link that turns on the ground drives or carries wheels: it is fixed in that link
-    rider    what sits on a pin or shaft beside the links: rollers, wheels
+pivot    a point with a pin: the links that it joins, the ground first, one with a slot last
+channel  a slot of the ground; its pin ends in the plate that has it, and is fixed in the link next to that
+shaft    in place of a pin where a link that turns on the ground drives or carries wheels: it is fixed in that link
+rider    what sits on a pin or shaft beside the links: rollers, wheels
 """
 
 from __future__ import annotations
@@ -133,7 +133,9 @@ class Joined:
             return {}
         links = {body.name: tuple(body.points) for body in self.machine.bodies}
         shaft = next(point for point in links[self.driven] if point in links[GROUND])
-        return webs(self.driven, shaft, throws(links, self.driven, list(self.slots)), self.sizes.plates > 1)
+        return webs(
+            self.driven, shaft, throws(links, self.driven, list(self.slots)), self.sizes.plates > 1
+        )
 
     @cached_property
     def bodies(self) -> dict[str, m.Body]:
@@ -151,7 +153,11 @@ class Joined:
 
     def web_at(self, body: str, point: str) -> str:
         """The lowest web with a point, of the driven link where it has webs; any other link is itself."""
-        return next((web for web, held in self.webs.items() if point in held), body) if body == self.driven else body
+        return (
+            next((web for web, held in self.webs.items() if point in held), body)
+            if body == self.driven
+            else body
+        )
 
     @property
     def upper_web(self) -> str:
@@ -160,12 +166,18 @@ class Joined:
 
     def thrown(self, point: str) -> list[str]:
         """Webs that the pin or shaft of a point joins, from below."""
-        return [link for link in self.pivots.get(point, ()) if link in self.webs and link != self.slotted_link(point)]
+        return [
+            link
+            for link in self.pivots.get(point, ())
+            if link in self.webs and link != self.slotted_link(point)
+        ]
 
     @cached_property
     def slides(self) -> dict[str, m.Slide]:
         """The slide of each link that slides."""
-        return {joint.runner.body: joint for joint in self.machine.joints if isinstance(joint, m.Slide)}
+        return {
+            joint.runner.body: joint for joint in self.machine.joints if isinstance(joint, m.Slide)
+        }
 
     @cached_property
     def slots(self) -> dict[str, m.Slot]:
@@ -175,7 +187,9 @@ class Joined:
             points = self.machine.body(joint.runner.body).points
             found[next(name for name, z in points.items() if z == joint.runner.at)] = joint
         if len(found) < sum(isinstance(joint, m.Slot) for joint in self.machine.joints):
-            raise DesignError("slots of one pin", 2, 1, "", "[[slot]]", "give each slot a pin of its own")
+            raise DesignError(
+                "slots of one pin", 2, 1, "", "[[slot]]", "give each slot a pin of its own"
+            )
         return found
 
     def slotted_link(self, point: str) -> str:
@@ -200,18 +214,30 @@ class Joined:
     @cached_property
     def wheels(self) -> list[Wheel]:
         """Cam discs, gears' wheels, counterweights."""
-        return [*(tip.wheel for tip in self.tips), *(each.wheel for each in self.toothed), *self.weights]
+        return [
+            *(tip.wheel for tip in self.tips),
+            *(each.wheel for each in self.toothed),
+            *self.weights,
+        ]
 
     @cached_property
     def pivots(self) -> dict[str, tuple[str, ...]]:
         """Links at each point with a pin, the ground first and one with a slot last, by the point's name."""
         bodies, slots = self.bodies.values(), self.slots
         ridden = {tip.point for tip in self.tips if tip.rolls} | self.hooked | set(self.carried)
-        carriers = {name: [b.name for b in bodies if name in b.points] for body in bodies for name in body.points}
+        carriers = {
+            name: [b.name for b in bodies if name in b.points]
+            for body in bodies
+            for name in body.points
+        }
         return {
-            name: (*sorted(links, key=lambda link: link != GROUND), *([slots[name].guide.body] if name in slots else ()))
-            for name, links in carriers.items() if len(links) > 1 or name in slots or name in ridden
-        }  # fmt: skip
+            name: (
+                *sorted(links, key=lambda link: link != GROUND),
+                *([slots[name].guide.body] if name in slots else ()),
+            )
+            for name, links in carriers.items()
+            if len(links) > 1 or name in slots or name in ridden
+        }
 
     @cached_property
     def hooked(self) -> set[str]:
@@ -229,9 +255,17 @@ class Joined:
     @cached_property
     def shafts(self) -> dict[str, str]:
         """The link that is fixed on the shaft at a point: the driven one's first."""
-        carriers = dict.fromkeys([self.driven, *(wheel.link for wheel in self.wheels if wheel.link not in self.freewheels)])
+        carriers = dict.fromkeys(
+            [
+                self.driven,
+                *(wheel.link for wheel in self.wheels if wheel.link not in self.freewheels),
+            ]
+        )
         found = {
-            next(name for name, links in self.pivots.items() if links[0] == GROUND and link in links): link for link in carriers
+            next(
+                name for name, links in self.pivots.items() if links[0] == GROUND and link in links
+            ): link
+            for link in carriers
         }
         return {**found, **self.carried}
 
@@ -255,14 +289,20 @@ class Joined:
 
     def clutch(self, point: str) -> Bearing | None:
         """The one-way clutches in which a shaft turns."""
-        return next((each for on, each in self.freewheels.values() if self.shafts.get(point) == on), None)
+        return next(
+            (each for on, each in self.freewheels.values() if self.shafts.get(point) == on), None
+        )
 
     @cached_property
     def pens(self) -> dict[str, str]:
         """The link of each point that is an output and no pin."""
         found = {}
         for output in self.machine.outputs:
-            if isinstance(output.of, m.Path) and self.sizes.pen_diameter and output.of.of.body != GROUND:
+            if (
+                isinstance(output.of, m.Path)
+                and self.sizes.pen_diameter
+                and output.of.of.body != GROUND
+            ):
                 body = self.machine.body(output.of.of.body)
                 name = next(name for name, z in body.points.items() if z == output.of.of.at)
                 if name not in self.pivots:
@@ -271,4 +311,6 @@ class Joined:
 
     def on_motor(self, point: str, link: str) -> bool:
         """Whether a hole is the plate's for the motor's boss."""
-        return self.sizes.face is not None and link == GROUND and self.shafts.get(point) == self.driven
+        return (
+            self.sizes.face is not None and link == GROUND and self.shafts.get(point) == self.driven
+        )

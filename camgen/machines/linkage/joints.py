@@ -35,7 +35,11 @@ from camgen.machines.linkage.wheels import Tip, pivot
 
 def part_name(link: str) -> str:
     """Name of a link's part: such that its files are not taken for those of the whole machine, or of its shaft."""
-    taken = link.lower().startswith(("plate", "assembly", "parts")) or link.lower() in ("shaft", "collar", "shaft-collar")
+    taken = link.lower().startswith(("plate", "assembly", "parts")) or link.lower() in (
+        "shaft",
+        "collar",
+        "shaft-collar",
+    )
     return f"link-{link}" if taken else link
 
 
@@ -46,7 +50,9 @@ def point_of(layout: Layout, joint: m.Joint) -> tuple[str, str, str]:
         return point, layout.web_at(joint.runner.body, point), joint.guide.body
     assert isinstance(joint, m.Pin)
     at = layout.machine.body(joint.a.body).points
-    joined = {point: {layout.carrier(link) for link in links} for point, links in layout.pivots.items()}
+    joined = {
+        point: {layout.carrier(link) for link in links} for point, links in layout.pivots.items()
+    }
     point = next(n for n, z in at.items() if z == joint.a.at and joint.b.body in joined.get(n, ()))
     return point, layout.web_at(joint.a.body, point), layout.web_at(joint.b.body, point)
 
@@ -77,10 +83,17 @@ def features_of(layout: Layout, mounts: Sequence[Mount]) -> Sequence[Feature]:
         elif isinstance(joint, m.Pin | m.Slot):
             point, a, b = point_of(layout, joint)
             fixed = layout.pressed_in(point)
-            if layout.on_motor(point, GROUND):  # its boss in the plate, its shaft in the link: the mean counts twice
+            if layout.on_motor(
+                point, GROUND
+            ):  # its boss in the plate, its shaft in the link: the mean counts twice
                 pin = Eye(None, 0j, (layout.sizes.face.boss + layout.turning(point)) / 2, True)  # type: ignore[union-attr]
             else:
-                pin = Eye(_pin_of(layout, mounts, point, fixed, b if a == fixed else a), 0j, layout.turning(point), True)
+                pin = Eye(
+                    _pin_of(layout, mounts, point, fixed, b if a == fixed else a),
+                    0j,
+                    layout.turning(point),
+                    True,
+                )
             if isinstance(joint, m.Slot):
                 middle = sum(layout.slots_of(b)[point]) / 2
                 part = SECOND if b == GROUND and layout.in_second(point) else part_name(b)
@@ -88,8 +101,14 @@ def features_of(layout: Layout, mounts: Sequence[Mount]) -> Sequence[Feature]:
                 found.append(SlotFaces(joint.name, walls, _eye(layout, point, a), pin))
             else:
                 held = (layout.bearing_in(point, link) for link in (a, b))
-                rings = tuple(Ring(bearing_name(each), each.bore, each.outside) for each in held if each)
-                found.append(PinEyes(joint.name, _eye(layout, point, a, b), _eye(layout, point, b, a), pin, rings))
+                rings = tuple(
+                    Ring(bearing_name(each), each.bore, each.outside) for each in held if each
+                )
+                found.append(
+                    PinEyes(
+                        joint.name, _eye(layout, point, a, b), _eye(layout, point, b, a), pin, rings
+                    )
+                )
     for one, other in zip(layout.toothed[0::2], layout.toothed[1::2], strict=True):
         turns = pivot_of(layout, one.link), pivot_of(layout, other.link)
         found.append(GearTeeth(one.joint.name, one.teeth, other.teeth, turns))
@@ -104,7 +123,9 @@ def _pin_of(layout: Layout, mounts: Sequence[Mount], point: str, link: str, besi
     here = (each for each in mounts if (each.body, each.at) == (body, at))
     named = [each for each in here if each.part.startswith(("pin-", "crank-pin-", "shaft"))]
     floor = layout.floor(layout.level[beside])
-    return max((each for each in named if each.z <= floor), key=lambda each: each.z, default=named[0]).part
+    return max(
+        (each for each in named if each.z <= floor), key=lambda each: each.z, default=named[0]
+    ).part
 
 
 def _keyed(layout: Layout) -> Iterator[Keyed]:
@@ -115,24 +136,53 @@ def _keyed(layout: Layout) -> Iterator[Keyed]:
 
 def _steady(layout: Layout, mounts: Sequence[Mount]) -> Iterator[Steady]:
     """Pins and shafts that the second plate holds too."""
-    for point in (point for point in layout.points_of(GROUND) if layout.second is not None and layout.in_second(point)):
-        far, hangs = Eye(SECOND, layout.at(GROUND, point), layout.far_hole(point)), layout.cut(point) is not None
+    for point in (
+        point
+        for point in layout.points_of(GROUND)
+        if layout.second is not None and layout.in_second(point)
+    ):
+        far, hangs = (
+            Eye(SECOND, layout.at(GROUND, point), layout.far_hole(point)),
+            layout.cut(point) is not None,
+        )
         if hangs and point not in layout.shafts:
             continue  # it is the joints' own
-        joint = next((each.name for each in layout.machine.joints if isinstance(each, m.Pin)
-                      and point_of(layout, each)[0] == point and GROUND in (each.a.body, each.b.body)), None)  # fmt: skip
+        joint = next(
+            (
+                each.name
+                for each in layout.machine.joints
+                if isinstance(each, m.Pin)
+                and point_of(layout, each)[0] == point
+                and GROUND in (each.a.body, each.b.body)
+            ),
+            None,
+        )
         if joint is None:
             continue  # a spring's eye sits there
         web = layout.upper_web
-        part = f"shaft-{web}" if hangs else _pin_of(layout, mounts, point, layout.pressed_in(point), GROUND)
+        part = (
+            f"shaft-{web}"
+            if hangs
+            else _pin_of(layout, mounts, point, layout.pressed_in(point), GROUND)
+        )
         ends = (_eye(layout, point, layout.driven), _eye(layout, point, web)) if hangs else None
-        yield Steady(joint, _eye(layout, point, GROUND), far, Eye(part, 0j, layout.turning(point), True), ends)
+        yield Steady(
+            joint,
+            _eye(layout, point, GROUND),
+            far,
+            Eye(part, 0j, layout.turning(point), True),
+            ends,
+        )
 
 
 def pivot_of(layout: Layout, link: str) -> str:
     """Name of the pin on which a link turns on the ground."""
     joints = layout.machine.joints
-    return next(each.name for each in joints if isinstance(each, m.Pin) and {each.a.body, each.b.body} == {GROUND, link})
+    return next(
+        each.name
+        for each in joints
+        if isinstance(each, m.Pin) and {each.a.body, each.b.body} == {GROUND, link}
+    )
 
 
 def _tip(layout: Layout, tip: Tip) -> Eye | Flat:
@@ -145,19 +195,29 @@ def _tip(layout: Layout, tip: Tip) -> Eye | Flat:
         return Eye(part_name(link), at, 0.0)
     (low, high), away = tip.face(), tip.away(float(layout.machine.start_of(link).angle))
     origin = at if tip.joint.slide is not None else pivot(layout.machine, link)[0]
-    return Flat(part_name(link), origin + (low + high) / 2 * 1j * away, cmath.phase(-away), high - low)
+    return Flat(
+        part_name(link), origin + (low + high) / 2 * 1j * away, cmath.phase(-away), high - low
+    )
 
 
 def _outlines(layout: Layout, tip: Tip) -> Iterator[CamOutline]:
     """What a roller runs on, first what drives; the hole of its pin is what holds it."""
     joint, name = tip.joint, f"cam-{tip.name}"
     driving = CamOutline(
-        joint.name, f"{name}-inner" if tip.grooved else name, pivot_of(layout, joint.cam),
+        joint.name,
+        f"{name}-inner" if tip.grooved else name,
+        pivot_of(layout, joint.cam),
         pivot_of(layout, joint.follower) if joint.slide is None else None,
-        _tip(layout, tip), tip.radius if tip.rolls else None, tip.leaves, free=tip.cam.air,
-        roller=f"roller-{tip.name}" if tip.rolls else None, meant=cam_meant(tip.cam, tip.ridden.limits),
-    )  # fmt: skip
+        _tip(layout, tip),
+        tip.radius if tip.rolls else None,
+        tip.leaves,
+        free=tip.cam.air,
+        roller=f"roller-{tip.name}" if tip.rolls else None,
+        meant=cam_meant(tip.cam, tip.ridden.limits),
+    )
     yield driving
     if tip.grooved:
         wall = cam_meant(tip.cam, tip.ridden.limits, outer=True)
-        yield replace(driving, part=f"{name}-outer", inside=True, free=layout.fits.slide_clearance, meant=wall)
+        yield replace(
+            driving, part=f"{name}-outer", inside=True, free=layout.fits.slide_clearance, meant=wall
+        )

@@ -1,7 +1,7 @@
 """What is where in a linkage of parts: holes and hubs, pins and shafts, slots, what slides between which rails, levels.
 
-    level    a link's or a wheel's: as high as the thickest on it and one play, so that flat faces run on each other; what is
-             thinner stands on its floor, and spacers on that; 0 is the plate
+level    a link's or a wheel's: as high as the thickest on it and one play, so that flat faces run on each other; what is
+         thinner stands on its floor, and spacers on that; 0 is the plate
 """
 
 from __future__ import annotations
@@ -41,7 +41,11 @@ class Layout(Joined):
 
     def turning(self, point: str) -> float:
         """Diameter of what turns at a point, mm."""
-        thin = self.sizes.shoulder.diameter if self.kind(point) == "shoulder" else self.sizes.pin_diameter
+        thin = (
+            self.sizes.shoulder.diameter
+            if self.kind(point) == "shoulder"
+            else self.sizes.pin_diameter
+        )
         return self.sizes.shaft_diameter if point in self.shafts else thin
 
     def kind(self, point: str) -> str:
@@ -52,15 +56,27 @@ class Layout(Joined):
         if self.thrown(point):
             return "keyed"
         found = self.sizes.pins.get(point, self.sizes.pin)
-        return "printed" if found == "bearing" and (point in self.slots or point in self.riders) else found
+        return (
+            "printed"
+            if found == "bearing" and (point in self.slots or point in self.riders)
+            else found
+        )
 
     def bearing(self, point: str) -> Bearing | None:
         """The narrowest ball bearing on the pin of a point, or the clutch of a shaft."""
-        return (self.clutch(point) or narrowest(self.turning(point))) if self.kind(point) == "bearing" else None
+        return (
+            (self.clutch(point) or narrowest(self.turning(point)))
+            if self.kind(point) == "bearing"
+            else None
+        )
 
     def bearing_in(self, point: str, link: str) -> Bearing | None:
         """The ball bearing in a link's hole at a point."""
-        return None if self.kind(point) != "bearing" or link == self.pressed_in(point) else self.bearing(point)
+        return (
+            None
+            if self.kind(point) != "bearing" or link == self.pressed_in(point)
+            else self.bearing(point)
+        )
 
     def spacer_diameter(self, point: str) -> float:
         """Of what keeps links apart on a pin or shaft, mm: it lies beside the seat of a bearing."""
@@ -70,7 +86,10 @@ class Layout(Joined):
     def head_radius(self, point: str) -> float:
         """Greatest radius of what is on a pin or shaft to hold links or keep them apart, mm."""
         found = self.spacer_diameter(point) / 2
-        screw, held = self.sizes.shoulder if self.kind(point) == "shoulder" else None, collar(self, point)
+        screw, held = (
+            self.sizes.shoulder if self.kind(point) == "shoulder" else None,
+            collar(self, point),
+        )
         found = found if held is None else max(found, held.least_radius)
         return found if screw is None else max(found, screw.head / 2, screw.flats / math.sqrt(3))
 
@@ -84,13 +103,25 @@ class Layout(Joined):
         """Points whose pin has its head under the plate."""
         if self.sizes.face is not None:
             return set()
-        grounded = {point for point, links in self.pivots.items() if links[0] == GROUND and point not in self.shafts}
+        grounded = {
+            point
+            for point, links in self.pivots.items()
+            if links[0] == GROUND and point not in self.shafts
+        }
         grounded = {point for point in grounded - self.hooked if point not in self.slots}
-        return {point for point in grounded if self.kind(point) in ("printed", "dowel")} if self.sunk else set()
+        return (
+            {point for point in grounded if self.kind(point) in ("printed", "dowel")}
+            if self.sunk
+            else set()
+        )
 
     def below(self, spring: Stretched) -> int:
         """How many levels a spring takes under its own."""
-        needed = self._under_eye(spring) + (spring.diameter + spring.wire) / 2 + self.fits.slide_clearance
+        needed = (
+            self._under_eye(spring)
+            + (spring.diameter + spring.wire) / 2
+            + self.fits.slide_clearance
+        )
         return max(0, math.ceil(needed / (self._least + self.fits.slide_clearance) - 1e-9) - 1)
 
     def _under_eye(self, spring: Stretched) -> float:
@@ -115,7 +146,9 @@ class Layout(Joined):
         if self.kind(point) == "shoulder":
             screw, least = self.sizes.shoulder, self._least
             step = least + self.fits.slide_clearance
-            return math.ceil((screw.height + least / 2) / step), math.ceil(screw.thread_length / step)
+            return math.ceil((screw.height + least / 2) / step), math.ceil(
+                screw.thread_length / step
+            )
         taken = 1 + (point in self.tall)
         return (0, taken) if point in self.hung else (taken, 0)
 
@@ -138,7 +171,11 @@ class Layout(Joined):
     def in_second(self, point: str) -> bool:
         """Whether the second plate holds what stands on the ground at a point, or a stub of it."""
         at = self.cut(point)
-        return self.second is not None and self.between_plates(point) and (at is None or at < self.on(point)[-1][0])
+        return (
+            self.second is not None
+            and self.between_plates(point)
+            and (at is None or at < self.on(point)[-1][0])
+        )
 
     def in_first(self, point: str) -> bool:
         """Whether the plate under level 1 holds what stands on the ground at a point, or a stub of it."""
@@ -146,14 +183,20 @@ class Layout(Joined):
 
     def far_hole(self, point: str) -> float:
         """Diameter of the second plate's hole at a point, mm: shafts turn in it, pins are pressed in."""
-        return self.turning(point) + (self.fits.slide_clearance if point in self.shafts else self.fits.press_clearance)
+        return self.turning(point) + (
+            self.fits.slide_clearance if point in self.shafts else self.fits.press_clearance
+        )
 
     def profile(self, point: str, link: str) -> Contour | None:
         """A link's hole at a point where it has a flat: that of what turns it, or of a web's crank pin; None of a round one."""
         s, fit = self.sizes, self.fits.press_clearance
         if self.shafts.get(point) == link or (link in self.webs and point in self.shafts):
             return d_bore(s.shaft_diameter + fit, s.shaft_flat)
-        return d_bore(s.pin_diameter + fit, self.key_depth) if link in self.thrown(point) and point not in self.shafts else None
+        return (
+            d_bore(s.pin_diameter + fit, self.key_depth)
+            if link in self.thrown(point) and point not in self.shafts
+            else None
+        )
 
     @property
     def key_depth(self) -> float:
@@ -174,7 +217,9 @@ class Layout(Joined):
         """The link in which the pin or the shaft of a point is fixed."""
         if point in self.shafts:
             return self.shafts[point]
-        links = self.pivots[point]  # never the last where that has a slot, for it lies over the others
+        links = self.pivots[
+            point
+        ]  # never the last where that has a slot, for it lies over the others
         if point in self.channels:
             next_to_plate = max if self.in_second(point) else min
             return next_to_plate(links[:-1], key=lambda link: self.level[link])
@@ -203,7 +248,11 @@ class Layout(Joined):
         """Diametral fit of a link's hole at a point, mm."""
         if link == self.slotted_link(point):
             return self.fits.slide_clearance
-        held = link in self.thrown(point) or self.on_motor(point, link) or self.kind(point) == "bearing"
+        held = (
+            link in self.thrown(point)
+            or self.on_motor(point, link)
+            or self.kind(point) == "bearing"
+        )
         fixed = held or link == self.pressed_in(point)
         return self.fits.press_clearance if fixed else self.fits.slide_clearance
 
@@ -211,7 +260,11 @@ class Layout(Joined):
         """Radius of a link's hub, mm, whichever fit its hole gets."""
         wide = max(self.fits.press_clearance, self.fits.slide_clearance)
         bearing = None if point in self.pens else self.bearing(point)
-        turning = bearing.outside if bearing is not None and link not in self._fixing(point) else self.turning(point)
+        turning = (
+            bearing.outside
+            if bearing is not None and link not in self._fixing(point)
+            else self.turning(point)
+        )
         hole = self.sizes.pen_diameter if point in self.pens else turning + wide
         if self.on_motor(point, link):
             hole = self.hole(point, link)
@@ -220,7 +273,11 @@ class Layout(Joined):
     def points_of(self, link: str) -> dict[str, complex]:
         """The points of a link that have a round hole, in its axes."""
         points = self.bodies[link].points.items()
-        return {name: complex(z) for name, z in points if name in self.pivots or self.pens.get(name) == link}
+        return {
+            name: complex(z)
+            for name, z in points
+            if name in self.pivots or self.pens.get(name) == link
+        }
 
     def slots_of(self, link: str) -> dict[str, tuple[complex, complex]]:
         """Both ends of a pin's way in each slot of a link, room included, in the link's axes."""
@@ -228,7 +285,10 @@ class Layout(Joined):
         for point, joint in self.slots.items():
             if joint.guide.body == link:
                 way, (low, high) = cmath.exp(1j * joint.angle), self.strokes[joint.name]
-                found[point] = (joint.guide.at + (low - _ROOM) * way, joint.guide.at + (high + _ROOM) * way)
+                found[point] = (
+                    joint.guide.at + (low - _ROOM) * way,
+                    joint.guide.at + (high + _ROOM) * way,
+                )
         return found
 
     def slot_width(self, point: str) -> float:
@@ -244,7 +304,9 @@ class Layout(Joined):
     def round_hubs(self, link: str) -> list[tuple[complex, float]]:
         """Hubs of a link, those at the ends of its slots too: place in its axes and radius."""
         hubs = [(z, self.hub(point, link)) for point, z in self.points_of(link).items()]
-        hubs += [(z, self.hub(point, link)) for point, ends in self.slots_of(link).items() for z in ends]
+        hubs += [
+            (z, self.hub(point, link)) for point, ends in self.slots_of(link).items() for z in ends
+        ]
         for tip in self.noses(link):
             if tip.shape == "knife" or tip.joint.slide is not None:
                 nose = tip.nose(float(self.machine.start_of(link).angle), self._nose)
@@ -265,7 +327,11 @@ class Layout(Joined):
 
     def channels_in(self, second: bool) -> dict[str, tuple[complex, complex]]:
         """Both ends of a pin's way in each slot of the second plate, or of the plate under level 1, by the pin's point."""
-        return {point: ends for point, ends in self.slots_of(GROUND).items() if self.in_second(point) == second}
+        return {
+            point: ends
+            for point, ends in self.slots_of(GROUND).items()
+            if self.in_second(point) == second
+        }
 
     @property
     def _nose(self) -> float:
@@ -283,16 +349,26 @@ class Layout(Joined):
         start = float(self.machine.start_of(tip.joint.follower).angle)
         if tip.shape == "knife":
             away, reach = tip.away(start), NOSE * self._nose
-            return self.at(tip.joint.follower, tip.point) + reach * away, -away, 0.5 * self._nose, reach, True
+            return (
+                self.at(tip.joint.follower, tip.point) + reach * away,
+                -away,
+                0.5 * self._nose,
+                reach,
+                True,
+            )
         link, (low, high) = tip.joint.follower, tip.face()
         hinge = pivot(self.machine, link)[0]
         hub = self.hub(next(name for name, z in self.points_of(link).items() if z == hinge), link)
         near, far = sorted((abs(low), abs(high)))
         if low * high < 0 or near < hub or len(self.points_of(link)) > 1:
             raise DesignError(
-                "place on the face where it is touched", near, hub, "mm from the hinge", f"cam {tip.joint.name}",
+                "place on the face where it is touched",
+                near,
+                hub,
+                "mm from the hinge",
+                f"cam {tip.joint.name}",
                 "draw the hinge further off, and no other pins on this link: its hub must stay clear of the cam",
-            )  # fmt: skip
+            )
         facing, half = tip.away(start), 0.4 * hub
         return hinge + half * facing, math.copysign(1, low + high) * 1j * facing, half, far, False
 
@@ -302,7 +378,9 @@ class Layout(Joined):
         wall = self.sizes.wall if link == GROUND else 0.0
         for each in self.guides.values():
             if each.joint.guide.body == link:
-                found += [(z, self.sizes.rail_width / 2 + wall) for ends in each.rails for z in ends]
+                found += [
+                    (z, self.sizes.rail_width / 2 + wall) for ends in each.rails for z in ends
+                ]
         return found
 
     def arm_band(self, link: str) -> ArmBand | None:
@@ -311,11 +389,19 @@ class Layout(Joined):
         if not shape.bow and shape.width is None:
             return None
         key = f"parts.{link}.{'bow' if shape.bow else 'width'}"
-        if len(hubs) != 2 or link in self.guides or self.noses(link) or link == GROUND or self.slots_of(link):
+        if (
+            len(hubs) != 2
+            or link in self.guides
+            or self.noses(link)
+            or link == GROUND
+            or self.slots_of(link)
+        ):
             remedy = "leave it out: it is for a link with two round holes and nothing else"
             raise DesignError(key, shape.bow or shape.width or 0.0, 0, "mm", f"link {link}", remedy)
         (a, first), (b, second) = hubs
-        return ArmBand(link, a, b, (first, second), shape.width or 2 * min(first, second), shape.bow or 0.0)
+        return ArmBand(
+            link, a, b, (first, second), shape.width or 2 * min(first, second), shape.bow or 0.0
+        )
 
     def outline(self, link: str) -> Contour:
         """A link's edge."""
@@ -336,11 +422,19 @@ class Layout(Joined):
         head = self.sizes.pin_diameter / 2 + self.sizes.head + self.fits.slide_clearance
         return {
             link: guide(
-                joint, self.strokes[joint.name], self.round_hubs(link), bool(self.slots_of(link)), head,
-                self.fits.slide_clearance, self.sizes, self.stems.get(link, "along"), self._clear(link), self.cover,
+                joint,
+                self.strokes[joint.name],
+                self.round_hubs(link),
+                bool(self.slots_of(link)),
+                head,
+                self.fits.slide_clearance,
+                self.sizes,
+                self.stems.get(link, "along"),
+                self._clear(link),
+                self.cover,
             )
             for link, joint in self.slides.items()
-        }  # fmt: skip
+        }
 
     @cached_property
     def cover(self) -> Cover | None:
@@ -356,7 +450,11 @@ class Layout(Joined):
                 away = self.at(GROUND, self.shaft_of(tip.joint.cam)) - joint.guide.at
                 middle = (away / cmath.exp(1j * joint.angle)).real
                 found.append((middle - tip.wheel.radius, middle + tip.wheel.radius))
-        return (min(low for low, _ in found), max(high for _, high in found)) if found else (math.inf, -math.inf)
+        return (
+            (min(low for low, _ in found), max(high for _, high in found))
+            if found
+            else (math.inf, -math.inf)
+        )
 
     # ---- levels -----------------------------------------------------------------------------------------------------
 
@@ -364,7 +462,11 @@ class Layout(Joined):
     def level(self) -> dict[str, int]:
         """Level of each link, 0 the ground's plate, and of what touches on shafts."""
         if all(name in self.given for name in self.lying):
-            return {GROUND: 0, **self.given, **{link: self.given[level] for link, level in self.alone.items()}}
+            return {
+                GROUND: 0,
+                **self.given,
+                **{link: self.given[level] for link, level in self.alone.items()},
+            }
         raise ValueError("levels are found before bodies are made")
 
     @property
@@ -373,21 +475,37 @@ class Layout(Joined):
         links = [link for link in self.moving if link not in self.alone]
         found = list(dict.fromkeys([*links, *(wheel.level for wheel in self.wheels)]))
         if not self.springs.keys().isdisjoint(found):
-            raise ValueError(f"a spring has the name of a link or wheel: {', '.join(self.springs.keys() & set(found))}")
+            raise ValueError(
+                f"a spring has the name of a link or wheel: {', '.join(self.springs.keys() & set(found))}"
+            )
         return [*found, *self.springs]
 
     def on(self, point: str) -> list[tuple[int, float, float]]:
         """What sits on a pin or shaft, from below: level, underside and top, mm; links, rollers, wheels, a groove's back plate,
         eyes of springs."""
-        links = [(link, self.thickness(link)) for link in self.pivots[point] if link not in self.alone]
+        links = [
+            (link, self.thickness(link)) for link in self.pivots[point] if link not in self.alone
+        ]
         wheels = [wheel for wheel in self.wheels if self.shaft_of(wheel.link) == point]
-        wheels += [tip.wheel for tip in self.tips if tip.rolls and tip.point == point]  # its roller is as thick
+        wheels += [
+            tip.wheel for tip in self.tips if tip.rolls and tip.point == point
+        ]  # its roller is as thick
         links += [(wheel.level, wheel.high or self.wheel_thickness(wheel.link)) for wheel in wheels]
         floors = [(self.level[name], self.floor(self.level[name]), thick) for name, thick in links]
         found = {(level, low, low + thick) for level, low, thick in floors}
-        grooves = [tip.level for tip in self.tips if tip.grooved and self.shaft_of(tip.joint.cam) == point]
-        found |= {(level, self.floor(level), self.top(level)) for name in grooves for level in self._beneath(name)}
-        found |= {(self.level[name], *self.eye(name)) for name in self.riders.get(point, ()) if name in self.springs}
+        grooves = [
+            tip.level for tip in self.tips if tip.grooved and self.shaft_of(tip.joint.cam) == point
+        ]
+        found |= {
+            (level, self.floor(level), self.top(level))
+            for name in grooves
+            for level in self._beneath(name)
+        }
+        found |= {
+            (self.level[name], *self.eye(name))
+            for name in self.riders.get(point, ())
+            if name in self.springs
+        }
         return sorted(found)
 
     def _beneath(self, name: str) -> list[int]:
@@ -397,7 +515,11 @@ class Layout(Joined):
 
     def thickness(self, link: str) -> float:
         """Of a link, or of the wheel that it is alone, mm; of the ground's plate."""
-        return self.sizes.base_thickness if link == GROUND else self.sizes.shape(link).thickness or self.sizes.thickness
+        return (
+            self.sizes.base_thickness
+            if link == GROUND
+            else self.sizes.shape(link).thickness or self.sizes.thickness
+        )
 
     def wheel_thickness(self, link: str) -> float:
         """Of the wheels on a link's shaft and of the rollers on them, mm."""
@@ -408,11 +530,21 @@ class Layout(Joined):
         """Of the levels, the plate first, mm: of the thickest on each, and enough for a pin's head."""
         links = [link for link in self.moving if link not in self.alone]
         thick = [(self.level[link], self.thickness(link)) for link in links]
-        thick += [(self.level[each.level], each.high or self.wheel_thickness(each.link)) for each in self.wheels]
+        thick += [
+            (self.level[each.level], each.high or self.wheel_thickness(each.link))
+            for each in self.wheels
+        ]
         names = [*(tip.level for tip in self.tips if tip.grooved), *self.springs]
-        levels = [*(self.level[name] for name in self.springs), *(level for name in names for level in self._beneath(name))]
+        levels = [
+            *(self.level[name] for name in self.springs),
+            *(level for name in names for level in self._beneath(name)),
+        ]
         covered = {self.level[link] for link, each in self.guides.items() if each.covered}
-        levels += [level + k for level in covered for k in range((self.cover.levels if self.cover else 0) + 1)]
+        levels += [
+            level + k
+            for level in covered
+            for k in range((self.cover.levels if self.cover else 0) + 1)
+        ]
         thick += [(level, self.sizes.thickness) for level in levels]
         found = [self.sizes.base_thickness]
         for level in range(1, max(self.level.values()) + 1):
@@ -421,7 +553,9 @@ class Layout(Joined):
 
     def floor(self, level: int) -> float:
         """Height of a level's floor over the plate's underside, mm."""
-        return round(sum(self._heights[:level]) + level * self.fits.slide_clearance, 9)  # so that like pins are one part
+        return round(
+            sum(self._heights[:level]) + level * self.fits.slide_clearance, 9
+        )  # so that like pins are one part
 
     def top(self, level: int) -> float:
         """Height of the upper side of the thickest on a level, mm."""

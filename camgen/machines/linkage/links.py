@@ -44,7 +44,9 @@ def shape(drawn: Points, lengths: Mapping[tuple[int, int], float]) -> tuple[Poin
             step = step - way @ (np.linalg.pinv(slope[free] @ way, rcond=1e-9) @ rest)
         if met and np.abs(step).max() <= 1e-9 * size:
             break
-        z = z + (step[0::2] + 1j * step[1::2]) * min(1.0, 0.5 * size / max(float(np.abs(step).max()), 1e-300))
+        z = z + (step[0::2] + 1j * step[1::2]) * min(
+            1.0, 0.5 * size / max(float(np.abs(step).max()), 1e-300)
+        )
     if not fixed:
         missed = 0.0
     if len(drawn) > 1 and best[1] != best[0]:
@@ -65,16 +67,24 @@ def _distances(z: Points, pairs: Sequence[tuple[int, int]]) -> tuple[Floats, Flo
     return off, slope
 
 
-def too_long(points: Sequence[str], drawn: Points, lengths: Mapping[tuple[int, int], float]) -> tuple[str, str] | None:
+def too_long(
+    points: Sequence[str], drawn: Points, lengths: Mapping[tuple[int, int], float]
+) -> tuple[str, str] | None:
     """The worst of three points whose longest side is longer than the others together, in words; None where all can be."""
     worst, told = 0.0, None
     for three in combinations(range(len(points)), 3):
-        sides = {pair: lengths.get(pair, abs(drawn[pair[1]] - drawn[pair[0]])) for pair in combinations(three, 2)}
+        sides = {
+            pair: lengths.get(pair, abs(drawn[pair[1]] - drawn[pair[0]]))
+            for pair in combinations(three, 2)
+        }
         long = max(sides, key=lambda pair: sides[pair])
         over = 2 * sides[long] - sum(sides.values())
         if over > worst:
             names = {pair: "-".join(points[k] for k in pair) for pair in sides}
-            shown = {pair: f"{names[pair]} ({'' if pair in lengths else 'drawn '}{side:.6g})" for pair, side in sides.items()}
+            shown = {
+                pair: f"{names[pair]} ({'' if pair in lengths else 'drawn '}{side:.6g})"
+                for pair, side in sides.items()
+            }
             short = " and ".join(shown[pair] for pair in sides if pair != long)
             right = f"less than {short} together: it is {over:.4g} mm too long; change a length or redraw a point"
             worst, told = over, (f"{names[long]} = {sides[long]:.6g}", right)

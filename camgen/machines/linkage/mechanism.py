@@ -30,7 +30,15 @@ from camgen.machine.joining import Module, joined
 from camgen.machine.reach import refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
 from camgen.machines import included as inc
-from camgen.machines.linkage import bridges, figures, sheets, spring_sketches, spring_steps, webs, wheels
+from camgen.machines.linkage import (
+    bridges,
+    figures,
+    sheets,
+    spring_sketches,
+    spring_steps,
+    webs,
+    wheels,
+)
 from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.asked_range import refuse_range
@@ -61,7 +69,9 @@ from camgen.parts.springs import Mounted
 from camgen.spec import Output, unknown, validate
 from camgen.study import Sketch, Study, Table, together
 
-_SAMPLES = np.linspace(0, math.tau, 1440, endpoint=False)  # of a period, at which links are looked at for their levels
+_SAMPLES = np.linspace(
+    0, math.tau, 1440, endpoint=False
+)  # of a period, at which links are looked at for their levels
 
 
 class Linkage(Mechanism):
@@ -71,7 +81,9 @@ class Linkage(Mechanism):
 
     points: t.Points
     links: t.Links
-    lengths: t.Lengths = Field({}, description='mm, exact distances of two points of one link, "A-B"')
+    lengths: t.Lengths = Field(
+        {}, description='mm, exact distances of two points of one link, "A-B"'
+    )
     drive: t.OneDrive
     slides: Annotated[tuple[t.Slide, ...], Field(alias="slide")] = ()
     slots: Annotated[tuple[t.Slot, ...], Field(alias="slot")] = ()
@@ -79,13 +91,17 @@ class Linkage(Mechanism):
     cams: Annotated[tuple[t.Cam, ...], Field(alias="cam")] = ()
     springs: Annotated[tuple[t.Spring, ...], Field(alias="spring", max_length=20)] = ()
     wanted: Annotated[tuple[t.Wanted, ...], Field(alias="output", min_length=1, max_length=50)]
-    output: Annotated[Output, Field(alias="files", description="how files are written; no unit")] = Output.model_construct()
+    output: Annotated[
+        Output, Field(alias="files", description="how files are written; no unit")
+    ] = Output.model_construct()
     includes: Annotated[tuple[t.Include, ...], Field(alias="include", max_length=20)] = ()
     motor: Drives | None = None
     counterweight: Counterweight | None = None
     masses: dict[Name, t.Masses] = {}
     making: Annotated[Parts, Field(alias="parts")] = Parts.model_validate({})
-    layers: t.Layers = Field({}, description="level of a link, cam or gear, 1 is the lowest; what is left out is found")
+    layers: t.Layers = Field(
+        {}, description="level of a link, cam or gear, 1 is the lowest; what is left out is found"
+    )
     allowed: Annotated[t.Limits, Field(alias="limits")] = t.Limits.model_validate({})
 
     @model_validator(mode="before")
@@ -97,23 +113,48 @@ class Linkage(Mechanism):
         """What is wrong between keys that are right one by one."""
         moving = [link for link in self.links if link != m.GROUND]
         found = drawing_faults(self._drawing)
-        turning = [self.drive.link, *(cam.cam for cam in self.cams), *(name for gear in self.gears for name in (gear.a, gear.b))]
-        found += coils.faults(self.springs, self.links, turning, [*self.links, *self._drawing.names_of_joints()])
+        turning = [
+            self.drive.link,
+            *(cam.cam for cam in self.cams),
+            *(name for gear in self.gears for name in (gear.a, gear.b)),
+        ]
+        found += coils.faults(
+            self.springs, self.links, turning, [*self.links, *self._drawing.names_of_joints()]
+        )
         webbed = webs.further(self.links, self.drive.link, self._slotted, self.making)
         lying = [*moving, *webbed, *self._drawing.levels_of_joints(), *coils.names(self.springs)]
         if self.counterweight is not None:
             found += weight_faults(self.counterweight, self.drive, self.masses, lying)
             lying.append(NAME)
-        found += [unknown(f"layers.{name}", name, lying) for name in self.layers if name not in lying]
+        found += [
+            unknown(f"layers.{name}", name, lying) for name in self.layers if name not in lying
+        ]
         found += self.making.faults(self.links, self.print.nozzle, self.allowed.min_wall)
-        found += sheets.faults(self.making, self.laser, "parts", len(self.slides), sum(c.closure == "groove" for c in self.cams))
-        if self.making.shaft == "interrupted" and self.drive.link in self.links and m.GROUND in self.links:
+        found += sheets.faults(
+            self.making,
+            self.laser,
+            "parts",
+            len(self.slides),
+            sum(c.closure == "groove" for c in self.cams),
+        )
+        if (
+            self.making.shaft == "interrupted"
+            and self.drive.link in self.links
+            and m.GROUND in self.links
+        ):
             found += webs.faults(self.links, self.points, self.drive.link, self._slotted)
-        found += [unknown(f"parts.pins.{name}", name, self.points) for name in self.making.pins if name not in self.points]
+        found += [
+            unknown(f"parts.pins.{name}", name, self.points)
+            for name in self.making.pins
+            if name not in self.points
+        ]
         if self.includes and self.drive.segments:
             right = "nothing here beside [[include]]: what is included turns evenly with the shaft"
             found.append(Fault("drive.segment", f"{len(self.drive.segments)} segments", right))
-        return [*found, *inc.faults(self.includes, self.model_dump(by_alias=True), self.drive.speed_rpm)]
+        return [
+            *found,
+            *inc.faults(self.includes, self.model_dump(by_alias=True), self.drive.speed_rpm),
+        ]
 
     @property
     def _slotted(self) -> list[str]:
@@ -127,9 +168,17 @@ class Linkage(Mechanism):
     @cached_property
     def _drawing(self) -> Drawing:
         return Drawing(
-            self.points, self.links, self.lengths, self.drive, self.slides, self.slots, self.gears, self.cams, self.wanted,
+            self.points,
+            self.links,
+            self.lengths,
+            self.drive,
+            self.slides,
+            self.slots,
+            self.gears,
+            self.cams,
+            self.wanted,
             self.masses,
-        )  # fmt: skip
+        )
 
     def machine(self) -> m.Machine:
         """The model with its parts' masses and the play of their fits, and what is included; DesignError where no such parts
@@ -144,8 +193,20 @@ class Linkage(Mechanism):
         host, bare = self._whole_spec(), self._bare
         top = max(high for _, high in inc.heights(bare.parts, bare.mounts))
         play = self.print.slide_clearance
-        found = inc.stacked(self.includes, host, self.drive.speed_rpm, self.chain, top, play, inc.upper_end(bare.layout))
-        inc.distinct(found, bare.parts, lambda: joined(self.chain, {each.module: each.machine() for each in found}))
+        found = inc.stacked(
+            self.includes,
+            host,
+            self.drive.speed_rpm,
+            self.chain,
+            top,
+            play,
+            inc.upper_end(bare.layout),
+        )
+        inc.distinct(
+            found,
+            bare.parts,
+            lambda: joined(self.chain, {each.module: each.machine() for each in found}),
+        )
         return found
 
     @cached_property
@@ -173,7 +234,10 @@ class Linkage(Mechanism):
         play = self.print.slide_clearance + self.print.press_clearance
         chain = self._drawing.machine()
         kinds = m.Pin | m.Slot | m.Slide
-        joints = tuple(replace(joint, clearance=play) if isinstance(joint, kinds) else joint for joint in chain.joints)
+        joints = tuple(
+            replace(joint, clearance=play) if isinstance(joint, kinds) else joint
+            for joint in chain.joints
+        )
         chain = replace(chain, joints=joints)
         program = self.drive.program()
         if program is None:
@@ -212,7 +276,13 @@ class Linkage(Mechanism):
         """Pins of its springs and rollers alone, of what is its own."""
         if self.lacking() is not None:
             return ()
-        return tuple(posts(self.bodies, {each.name: each.forces()[1] for each in self.sprung}, self.material.name))
+        return tuple(
+            posts(
+                self.bodies,
+                {each.name: each.forces()[1] for each in self.sprung},
+                self.material.name,
+            )
+        )
 
     def mounted_springs(self) -> Mapping[str, Mounted]:
         """Its own, and those of what is included."""
@@ -231,7 +301,10 @@ class Linkage(Mechanism):
 
     def _owner(self, joint: str) -> Mechanism | None:
         """The included machine whose joint it is."""
-        return next((each.mechanism for each in self.modules if joint.startswith(f"{each.module.prefix}_")), None)
+        return next(
+            (each.mechanism for each in self.modules if joint.startswith(f"{each.module.prefix}_")),
+            None,
+        )
 
     @property
     def angle_name(self) -> str:
@@ -271,7 +344,9 @@ class Linkage(Mechanism):
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """The first signal over a period, rad or mm; its derivatives are to theta."""
-        found: Floats = self.signals[0].rows(self.run(self.course(np.asarray(theta, float)), order))[order]
+        found: Floats = self.signals[0].rows(
+            self.run(self.course(np.asarray(theta, float)), order)
+        )[order]
         return found
 
     # ---- bodies -----------------------------------------------------------------------------------------------------
@@ -280,7 +355,11 @@ class Linkage(Mechanism):
     def bodies(self) -> Bodies:
         """What is made of it, and what holds machines that stand on it."""
         stands = tuple(each.stand for each in self.modules if each.mounted)
-        return Bodies(replace(self._bare.layout, stands=stands), self._bare.weight) if stands else self._bare
+        return (
+            Bodies(replace(self._bare.layout, stands=stands), self._bare.weight)
+            if stands
+            else self._bare
+        )
 
     def fixings(self) -> Sequence[tuple[complex, float]]:
         """Of the ground plate, for screws from behind."""
@@ -301,7 +380,9 @@ class Linkage(Mechanism):
         try:
             assert self._laid[0].parts
         except DesignError as refused:
-            raise with_cures(refused, self._layout, self.run(self.course(_SAMPLES), 0), self._parts_with) from None
+            raise with_cures(
+                refused, self._layout, self.run(self.course(_SAMPLES), 0), self._parts_with
+            ) from None
         return self._laid
 
     def _parts_with(self, change: Change) -> Sequence[Part]:
@@ -324,22 +405,38 @@ class Linkage(Mechanism):
         if self.counterweight is None or self.lacking() is not None:
             return None
         link, made, whole = self.drive.link, self.bodies, self._balanced[1]
-        at, asked = made.layout.at(link, made.layout.shaft_of(link)), whole - self.counterweight.other
-        return balance_of(link, pivot_of(made.layout, link), at, asked, made.parts, made.mounts, self.density)
+        at, asked = (
+            made.layout.at(link, made.layout.shaft_of(link)),
+            whole - self.counterweight.other,
+        )
+        return balance_of(
+            link, pivot_of(made.layout, link), at, asked, made.parts, made.mounts, self.density
+        )
 
     def balances(self) -> Sequence[Balance]:
         """Its own crank's, and those of what is included."""
-        return (*super().balances(), *(balance for each in self.modules for balance in each.balances()))
+        return (
+            *super().balances(),
+            *(balance for each in self.modules for balance in each.balances()),
+        )
 
     @property
     def _layout(self) -> Layout:
         cams = wheels.ridden(self._drawing, self.allowed)
         gears = {Drawing.gear_name(gear): gear for gear in self.gears}
         return Layout(
-            self.chain, self.drive.link, self.making, self.print, self.allowed.min_wall, self.layers, {}, cams, gears,
+            self.chain,
+            self.drive.link,
+            self.making,
+            self.print,
+            self.allowed.min_wall,
+            self.layers,
+            {},
+            cams,
+            gears,
             springs={each.name: each.stretched for each in self.sprung},
             kept=inc.kept(self.includes, self._whole_spec, self.drive.speed_rpm),
-        )  # fmt: skip
+        )
 
     def lacking(self) -> DesignError | None:
         """What to say of joints of which no bodies are made yet."""
@@ -347,7 +444,9 @@ class Linkage(Mechanism):
 
     def found(self) -> Mapping[str, object]:
         """Levels, bows, the included specs and where they stand, and what every mechanism fills in."""
-        levels: dict[str, object] = {f"layers.{link}": level for link, level in self.bodies.layout.given.items()}
+        levels: dict[str, object] = {
+            f"layers.{link}": level for link, level in self.bodies.layout.given.items()
+        }
         weight = {} if self.counterweight is None else found_moment(self._balanced[1])
         tables, sizes = [each.tables() for each in self.modules], self.bodies.layout.sizes
         if sizes != self.making:  # a link is bent
@@ -358,7 +457,15 @@ class Linkage(Mechanism):
         """The same with its levels, on the same chain."""
         found = super().resolved()
         # cached: nothing that they depend on was filled in
-        same = vars(self).keys() & {"chain", "bodies", "_bare", "_balanced", "_laid", "modules", "sprung"}
+        same = vars(self).keys() & {
+            "chain",
+            "bodies",
+            "_bare",
+            "_balanced",
+            "_laid",
+            "modules",
+            "sprung",
+        }
         found.__dict__.update({name: vars(self)[name] for name in same})
         return found
 
@@ -377,7 +484,10 @@ class Linkage(Mechanism):
 
     def stand_ins(self) -> Sequence[StandIn]:
         """What is in the way and not made: a motor, and what included machines have."""
-        return [*self.bodies.stand_ins(), *(thing for each in self.modules for thing in each.stand_ins())]
+        return [
+            *self.bodies.stand_ins(),
+            *(thing for each in self.modules for thing in each.stand_ins()),
+        ]
 
     def strands(self) -> Sequence[Strand]:
         """Threads of included machines."""
@@ -407,12 +517,23 @@ class Linkage(Mechanism):
 
     def limits(self) -> Sequence[Finding]:
         """Targets by the model as designed, and how near each loop comes to a fold."""
-        found = [*figures.targets(self), *figures.transmission_angles(self), *wheels.limits(self._layout.tips)]
-        return [*found, *self._pressed.findings, *(finding for each in self.modules for finding in each.limits())]
+        found = [
+            *figures.targets(self),
+            *figures.transmission_angles(self),
+            *wheels.limits(self._layout.tips),
+        ]
+        return [
+            *found,
+            *self._pressed.findings,
+            *(finding for each in self.modules for finding in each.limits()),
+        ]
 
     def unpressed(self) -> Sequence[NotJudged]:
         """Its own, and those of what is included."""
-        return (*self._pressed.left, *(left for each in self.modules for left in each.mechanism.unpressed()))
+        return (
+            *self._pressed.left,
+            *(left for each in self.modules for left in each.mechanism.unpressed()),
+        )
 
     @cached_property
     def _pressed(self) -> Borne:
@@ -420,17 +541,32 @@ class Linkage(Mechanism):
         cams = by_force(self.chain)
         if not cams or self.lacking() is not None:
             return Borne()
-        return pressed(pulled(self), cams, self._drawing.kicked(), np.linspace(*self.range, len(_SAMPLES) + 1), self.angle_name)
+        return pressed(
+            pulled(self),
+            cams,
+            self._drawing.kicked(),
+            np.linspace(*self.range, len(_SAMPLES) + 1),
+            self.angle_name,
+        )
 
     def sprung_steps(self, table: Table, module: Module | None = None) -> Table:
         """With its own springs and those of what is included."""
         table = spring_steps.finished(table, self.bodies, self.mounts(), {}, module)
-        return reduce(lambda steps, each: each.mechanism.sprung_steps(steps, each.module), self.modules, table)
+        return reduce(
+            lambda steps, each: each.mechanism.sprung_steps(steps, each.module), self.modules, table
+        )
 
     def spring_sketches(self) -> Sequence[Sketch]:
         """Its own, and those of what is included."""
-        own = spring_sketches.sketches(self.bodies.layout, self.courses) if self.springs and self.lacking() is None else ()
-        return (*own, *(each.sketch(s) for each in self.modules for s in each.mechanism.spring_sketches()))
+        own = (
+            spring_sketches.sketches(self.bodies.layout, self.courses)
+            if self.springs and self.lacking() is None
+            else ()
+        )
+        return (
+            *own,
+            *(each.sketch(s) for each in self.modules for s in each.mechanism.spring_sketches()),
+        )
 
     def beforehand(self, kinds: int) -> str:
         """How long many links take, which are closed together on what each kind of file shows."""
@@ -442,4 +578,6 @@ class Linkage(Mechanism):
 
     def study(self) -> Study:
         """Outputs, curves and paths, the class of a four-bar; those of what is included; all outputs over one turn."""
-        return together([figures.study(self), *(each.study() for each in self.modules), *figures.timing(self)])
+        return together(
+            [figures.study(self), *(each.study() for each in self.modules), *figures.timing(self)]
+        )

@@ -1,12 +1,12 @@
 """What goes through the links at a point, and holds them on each other.
 
-    printed    a pin with a head, pressed into one link
-    dowel      of steel, with a printed cap on what stands out
-    shoulder   a shoulder screw, its shoulder through all links, a nut on its thread under them, a spacer under its head
-    bearing    a printed pin; each link that turns on it has a ball bearing pressed into it from above, down on a lip; the pin's
-               head bears on the highest one's inner ring, which so holds its link down by the lip under the outer ring
-    keyed      a crank pin, which joins the webs of an interrupted shaft
-    crank      an arm at the lower end of the shaft that drives, with a knob that turns on a pin, to turn it by hand
+printed    a pin with a head, pressed into one link
+dowel      of steel, with a printed cap on what stands out
+shoulder   a shoulder screw, its shoulder through all links, a nut on its thread under them, a spacer under its head
+bearing    a printed pin; each link that turns on it has a ball bearing pressed into it from above, down on a lip; the pin's
+           head bears on the highest one's inner ring, which so holds its link down by the lip under the outer ring
+keyed      a crank pin, which joins the webs of an interrupted shaft
+crank      an arm at the lower end of the shaft that drives, with a knob that turns on a pin, to turn it by hand
 """
 
 from __future__ import annotations
@@ -41,23 +41,38 @@ def refuse(layout: Layout) -> None:
         links = layout.pivots.get(point, ())
         hangs = point in {tip.point for tip in layout.tips if tip.hung}
         said = {
-            "no link turns there": len(links) < 2, "it is in a slot": kind == "bearing" and point in layout.slots,
-            "a roller or a spring sits on it": kind == "bearing" and point in layout.riders and point not in layout.shafts,
-            "it is the motor's shaft": layout.on_motor(point, GROUND), "a roller hangs on it": kind == "shoulder" and hangs,
+            "no link turns there": len(links) < 2,
+            "it is in a slot": kind == "bearing" and point in layout.slots,
+            "a roller or a spring sits on it": kind == "bearing"
+            and point in layout.riders
+            and point not in layout.shafts,
+            "it is the motor's shaft": layout.on_motor(point, GROUND),
+            "a roller hangs on it": kind == "shoulder" and hangs,
             "it joins webs of the shaft": layout.kind(point) == "keyed",
-            'it is a shaft (of steel: parts.shaft_made = "steel")': kind in ("shoulder", "dowel") and point in layout.shafts,
-        }  # fmt: skip
+            'it is a shaft (of steel: parts.shaft_made = "steel")': kind in ("shoulder", "dowel")
+            and point in layout.shafts,
+        }
         for why in (why for why, wrong in said.items() if wrong):
-            raise DesignError(f"{kind} pins", 1, 0, "", f"parts.pins.{point}: {why}", "leave it out")
+            raise DesignError(
+                f"{kind} pins", 1, 0, "", f"parts.pins.{point}: {why}", "leave it out"
+            )
     for point in (point for point in layout.pivots if layout.kind(point) == "bearing"):
         bearing, shaft = layout.bearing(point), point in layout.shafts
         if bearing is None:
-            sold = ", ".join(f"{bore:g}" for bore in sorted({each.bore for each in BEARINGS.values()}))
+            sold = ", ".join(
+                f"{bore:g}" for bore in sorted({each.bore for each in BEARINGS.values()})
+            )
             key = "parts.shaft_diameter" if shaft else "parts.pin_diameter"
             remedy, wanted = f"use a bore of the bearings there are: {sold}", layout.turning(point)
             error = DesignError(key, wanted, 0, "mm", f"pin {point}", remedy)
-            near = min((each.bore for each in BEARINGS.values()), key=lambda bore: abs(bore - wanted))
-            raise Unmade(error, "the nearest bore", Change(f"{key} = {near:g}", {key.partition(".")[2]: near}))
+            near = min(
+                (each.bore for each in BEARINGS.values()), key=lambda bore: abs(bore - wanted)
+            )
+            raise Unmade(
+                error,
+                "the nearest bore",
+                Change(f"{key} = {near:g}", {key.partition(".")[2]: near}),
+            )
         for link in (link for link in layout.pivots[point] if (link == GROUND) == shaft):
             least, key = bearing.width, "parts.base_thickness"
             remedy = f"make it at least the width of a bearing {bearing.name}"
@@ -65,7 +80,9 @@ def refuse(layout: Layout) -> None:
                 least, key = least_thickness(layout, bearing), f"parts.{link}.thickness"
                 remedy += f", a lip of {lip(layout):g} mm that holds it, and the play over it"
             if layout.thickness(link) < least:
-                error = DesignError(key, layout.thickness(link), least, "mm", f"pin {point}", remedy)
+                error = DesignError(
+                    key, layout.thickness(link), least, "mm", f"pin {point}", remedy
+                )
                 size = {"base_thickness": least} if shaft else {link: {"thickness": least}}
                 raise Unmade(error, "a thicker one", Change(f"{key} = {least:g}", size))
 
@@ -73,7 +90,11 @@ def refuse(layout: Layout) -> None:
 def pin(layout: Layout, point: str, stub: Stub) -> Iterator[Placed]:
     """The pin of a point, or a stub of it, and what holds it, on the link in which it is fixed."""
     s, play, link = layout.sizes, layout.fits.slide_clearance, layout.pressed_in(point)
-    body, at, hung = layout.carrier(link), layout.at(link, point), point in layout.hung or stub.hangs
+    body, at, hung = (
+        layout.carrier(link),
+        layout.at(link, point),
+        point in layout.hung or stub.hangs,
+    )
     bottom = stub.held[0][0]
     grip = stub.held[-1][1] + play - bottom
     if stub.through:
@@ -87,18 +108,25 @@ def pin(layout: Layout, point: str, stub: Stub) -> Iterator[Placed]:
             else:
                 between = stub.held[-1][0] - stub.held[0][1]
             head = s.pin_diameter / 2 + s.head, s.head
-            made = keyed_pin(s.pin_diameter, (ends[0], ends[1]), between, layout.key_depth, head, s.shafts_made)
+            made = keyed_pin(
+                s.pin_diameter, (ends[0], ends[1]), between, layout.key_depth, head, s.shafts_made
+            )
             yield made, Mount(made.name, body, at, z=bottom)
         case "dowel":
             steel, cap = _dowel(layout, grip, point)
             yield steel, Mount("pin", body, at, z=bottom - (play + steel.thickness - grip) * hung)
-            yield cap, Mount("cap", body, at, z=bottom - play - cap.thickness if hung else bottom + grip)
+            yield (
+                cap,
+                Mount("cap", body, at, z=bottom - play - cap.thickness if hung else bottom + grip),
+            )
         case "shoulder":
             yield from _shoulder(layout, grip, point, body, bottom)
         case _:
             wide, notes = s.pin_diameter + 2 * s.head, ["pressed and glued in"]
             bearing = layout.bearing(point)
-            if bearing is not None:  # its head reaches down to the inner ring, which lies a play below the link's upper side
+            if (
+                bearing is not None
+            ):  # its head reaches down to the inner ring, which lies a play below the link's upper side
                 grip, wide = grip - play, bearing.shoulder
                 notes.append(f"its head bears on the inner ring of the {bearing.name} alone")
             made = headed("pin", "Pin", s.pin_diameter, grip, wide, s.head, notes=tuple(notes))
@@ -108,22 +136,39 @@ def pin(layout: Layout, point: str, stub: Stub) -> Iterator[Placed]:
 def _between(layout: Layout, point: str, stub: Stub) -> Placed:
     """A pin without a head from plate to plate; a dowel where one is sold that ends in the upper one."""
     s, whole = layout.sizes, stub.held[-1][1]
-    mount, notes = Mount("pin", GROUND, layout.at(GROUND, point)), ("pressed and glued into both plates",)
+    mount, notes = (
+        Mount("pin", GROUND, layout.at(GROUND, point)),
+        ("pressed and glued into both plates",),
+    )
     if layout.kind(point) != "dowel":
         return rod("pin", "Pin", s.pin_diameter, whole, notes=notes), mount
     length = dowel(s.pin_diameter, whole)
     if length < whole - s.base_thickness / 2:
-        raise _as_printed(point, DesignError(
-            "length of the dowel", length, whole - s.base_thickness / 2, "mm", f"pin {point}",
-            "change parts.thickness or parts.base_thickness", _unsold(s.pin_diameter, whole - s.base_thickness / 2, whole, point),
-        ))  # fmt: skip
-    notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued into both plates",)
+        raise _as_printed(
+            point,
+            DesignError(
+                "length of the dowel",
+                length,
+                whole - s.base_thickness / 2,
+                "mm",
+                f"pin {point}",
+                "change parts.thickness or parts.base_thickness",
+                _unsold(s.pin_diameter, whole - s.base_thickness / 2, whole, point),
+            ),
+        )
+    notes = (
+        f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued into both plates",
+    )
     return replace(rod("pin", "Pin", s.pin_diameter, length, notes=notes), made="bought"), mount
 
 
 def _as_printed(point: str, error: DesignError, kind: str = "printed") -> Unmade:
     """An error of a pin that is bought, which a pin of another kind may mend."""
-    return Unmade(error, f"a pin that is {kind}", Change(f'parts.pins.{point} = "{kind}"', {"pins": {point: kind}}))
+    return Unmade(
+        error,
+        f"a pin that is {kind}",
+        Change(f'parts.pins.{point} = "{kind}"', {"pins": {point: kind}}),
+    )
 
 
 def _unsold(diameter: float, least: float, most: float, point: str) -> str:
@@ -144,14 +189,23 @@ def _dowel(layout: Layout, grip: float, point: str) -> tuple[Part, Part]:
         remedy = f"change {s.thick_key} or parts.pin_diameter"
         remedy += ": thin dowels are sold shorter" if s.of_sheet else ""
         said = _unsold(s.pin_diameter, least, most, point)
-        error = DesignError("length of the dowel", length, least, "mm", f"pin {point}", remedy, said)
+        error = DesignError(
+            "length of the dowel", length, least, "mm", f"pin {point}", remedy, said
+        )
         raise error if s.of_sheet else _as_printed(point, error)
     out = round(length - grip - s.thickness, 2)
     over = f", stands {out:g} mm out of its cap" if out > 0 else ""
     notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued in{over}",)
     steel = replace(rod("pin", "Pin", s.pin_diameter, length, notes=notes), made="bought")
     hole, wide = s.pin_diameter + layout.fits.press_clearance, s.pin_diameter + 2 * s.head
-    return steel, spacer("cap", "Cap of a pin", hole, wide, s.thickness if s.of_sheet else length - grip, layout.min_wall)
+    return steel, spacer(
+        "cap",
+        "Cap of a pin",
+        hole,
+        wide,
+        s.thickness if s.of_sheet else length - grip,
+        layout.min_wall,
+    )
 
 
 def _dowel_length(layout: Layout, grip: float) -> tuple[float, float, float]:
@@ -159,10 +213,18 @@ def _dowel_length(layout: Layout, grip: float) -> tuple[float, float, float]:
     long, one of sheet is filled by three quarters, or by the next longer one, which stands out by less than another sheet."""
     s = layout.sizes
     if not s.of_sheet:
-        return dowel(s.pin_diameter, grip + s.thickness), grip + max(layout.min_wall, s.head / 2), grip + s.thickness
+        return (
+            dowel(s.pin_diameter, grip + s.thickness),
+            grip + max(layout.min_wall, s.head / 2),
+            grip + s.thickness,
+        )
     least = grip + _HELD * s.thickness
     length = dowel(s.pin_diameter, grip + s.thickness)
-    return length if length >= least else next_dowel(s.pin_diameter, least), least, grip + 2 * s.thickness
+    return (
+        length if length >= least else next_dowel(s.pin_diameter, least),
+        least,
+        grip + 2 * s.thickness,
+    )
 
 
 def tall(layout: Layout) -> frozenset[str]:
@@ -181,33 +243,67 @@ def tall(layout: Layout) -> frozenset[str]:
     return frozenset(found)
 
 
-def _shoulder(layout: Layout, grip: float, point: str, body: str, bottom: float) -> Iterator[Placed]:
+def _shoulder(
+    layout: Layout, grip: float, point: str, body: str, bottom: float
+) -> Iterator[Placed]:
     """A shoulder screw through so much, mm, head up, its nut, and a spacer; DesignError where no such length is sold."""
     screw, s, at = layout.sizes.shoulder, layout.sizes, layout.at(body, point)
     length, room = screw.length(grip), layout.head_room(point) - screw.height
     if not grip <= length <= grip + room:
         kind = "dowel" if s.of_sheet else "printed"
-        raise _as_printed(point, DesignError(
-            "length of the shoulder screw", length or screw.longest, grip + room * bool(length), "mm", f"pin {point}",
-            f"change {s.thick_key}",
-        ), kind)  # fmt: skip
-    discs = (screw.head, screw.height), (screw.diameter, length), (screw.nominal, screw.thread_length)
+        raise _as_printed(
+            point,
+            DesignError(
+                "length of the shoulder screw",
+                length or screw.longest,
+                grip + room * bool(length),
+                "mm",
+                f"pin {point}",
+                f"change {s.thick_key}",
+            ),
+            kind,
+        )
+    discs = (
+        (screw.head, screw.height),
+        (screw.diameter, length),
+        (screw.nominal, screw.thread_length),
+    )
     layers, z = [], 0.0
     for wide, high in discs:
         layers.append(Layer(Region(circle(0j, wide / 2)), z, z + high))
         z += high
-    notes = (f"shoulder screw ISO 7379, {screw.diameter:g} x {length:g}, {screw.thread}", "glued in")
+    notes = (
+        f"shoulder screw ISO 7379, {screw.diameter:g} x {length:g}, {screw.thread}",
+        "glued in",
+    )
     steel = Part("pin", "Pin", tuple(layers), centres=(0j,), notes=notes, cut=1, made="bought")
     yield steel, Mount("pin", body, at, 0.0, True, bottom - screw.thread_length)
     corners = [cmath.rect(screw.flats / math.sqrt(3), math.tau * k / 6) for k in range(6)]
     nut = Region(polygon(corners), (circle(0j, screw.nominal / 2),))
     tight = (f"nut ISO 4032 {screw.thread}, tight on the shoulder",)
-    made = Part("nut", "Nut of a pin", (Layer(nut, 0.0, screw.nut),), centres=(0j,), notes=tight, made="bought")
+    made = Part(
+        "nut",
+        "Nut of a pin",
+        (Layer(nut, 0.0, screw.nut),),
+        centres=(0j,),
+        notes=tight,
+        made="bought",
+    )
     yield made, Mount("nut", body, at, z=bottom - screw.nut)
     if length - grip >= s.head / 2:  # what is thinner is play
         wide = screw.diameter + 2 * s.head
-        fill = spacer("spacer", "Spacer", screw.diameter + layout.fits.slide_clearance, wide, length - grip, layout.min_wall)
-        yield replace(fill, made="bought", notes=("washers",)) if s.of_sheet else fill, Mount("spacer", body, at, z=bottom + grip)
+        fill = spacer(
+            "spacer",
+            "Spacer",
+            screw.diameter + layout.fits.slide_clearance,
+            wide,
+            length - grip,
+            layout.min_wall,
+        )
+        yield (
+            replace(fill, made="bought", notes=("washers",)) if s.of_sheet else fill,
+            Mount("spacer", body, at, z=bottom + grip),
+        )
 
 
 def bearings(layout: Layout, point: str) -> Iterator[Placed]:
@@ -216,7 +312,10 @@ def bearings(layout: Layout, point: str) -> Iterator[Placed]:
         bearing = layout.bearing_in(point, link)
         if bearing is not None:
             z = layout.floor(layout.level[link]) + seat_floor(layout, point, link)
-            yield _bearing(layout, bearing), Mount(bearing_name(bearing), link, layout.at(link, point), z=z)
+            yield (
+                _bearing(layout, bearing),
+                Mount(bearing_name(bearing), link, layout.at(link, point), z=z),
+            )
 
 
 def bearing_name(bearing: Bearing) -> str:
@@ -225,38 +324,81 @@ def bearing_name(bearing: Bearing) -> str:
 
 
 def _bearing(layout: Layout, bearing: Bearing) -> Part:
-    title, notes = "Ball bearing", [f"ball bearing {bearing.name}, {bearing.size}, pressed into its link"]
+    title, notes = (
+        "Ball bearing",
+        [f"ball bearing {bearing.name}, {bearing.size}, pressed into its link"],
+    )
     if bearing in [clutch for _, clutch in layout.freewheels.values()]:
         said = Held("seen from above, the ring can only turn counter-clockwise on its shaft")
-        title, notes = "One-way clutch", [f"one-way clutch {bearing.name}, {bearing.size}", "pressed in", said]
-    ring = spacer(bearing_name(bearing), title, bearing.bore, bearing.outside, bearing.width, layout.min_wall)
+        title, notes = (
+            "One-way clutch",
+            [f"one-way clutch {bearing.name}, {bearing.size}", "pressed in", said],
+        )
+    ring = spacer(
+        bearing_name(bearing), title, bearing.bore, bearing.outside, bearing.width, layout.min_wall
+    )
     return replace(ring, notes=tuple(notes), made="bought")
 
 
 def hand_crank(layout: Layout) -> Iterator[Placed]:
     """Arm, knob and its pin under the plate, on the link that the shaft drives; nothing where none is asked for. Of sheet is the
     arm alone, the pin is a dowel."""
-    s, play, press, link = layout.sizes, layout.fits.slide_clearance, layout.fits.press_clearance, layout.driven
+    s, play, press, link = (
+        layout.sizes,
+        layout.fits.slide_clearance,
+        layout.fits.press_clearance,
+        layout.driven,
+    )
     if not s.hand_crank:
         return
     at, knob, z = layout.at(link, layout.shaft_of(link)), complex(s.hand_crank), -s.shaft_length
     bore = d_bore(s.shaft_diameter + press, s.shaft_flat)
     hubs = [(0j, s.shaft_diameter / 2 + s.head + s.wall), (knob, s.pin_diameter / 2 + s.wall)]
-    region = plate("hand crank", hull(hubs), {"shaft": bore, "knob": circle(knob, (s.pin_diameter + press) / 2)}, layout.min_wall)
+    region = plate(
+        "hand crank",
+        hull(hubs),
+        {"shaft": bore, "knob": circle(knob, (s.pin_diameter + press) / 2)},
+        layout.min_wall,
+    )
     arm = Part(
-        "hand-crank", "Hand crank", (Layer(region, 0.0, s.thickness),), centres=(0j, knob), min_wall=layout.min_wall,
+        "hand-crank",
+        "Hand crank",
+        (Layer(region, 0.0, s.thickness),),
+        centres=(0j, knob),
+        min_wall=layout.min_wall,
         notes=("pressed and glued on the lower end of the shaft",),
-    )  # fmt: skip
+    )
     yield arm, Mount(arm.name, link, at, z=z)
     long = KNOB * s.pin_diameter
     if s.of_sheet:
-        long = dowel(s.pin_diameter, long + s.thickness) or next_dowel(s.pin_diameter, long + s.thickness)
-        said = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {long:g}, pressed and glued in, flush with the crank's upper face",)
-        steel = replace(rod("knob-pin", "Pin of the knob", s.pin_diameter, long, notes=said), made="bought")
+        long = dowel(s.pin_diameter, long + s.thickness) or next_dowel(
+            s.pin_diameter, long + s.thickness
+        )
+        said = (
+            f"dowel ISO 2338, {s.pin_diameter:g} m6 x {long:g}, pressed and glued in, flush with the crank's upper face",
+        )
+        steel = replace(
+            rod("knob-pin", "Pin of the knob", s.pin_diameter, long, notes=said), made="bought"
+        )
         yield steel, Mount("knob-pin", link, at + knob, z=z + s.thickness - long)
         return
-    turns = spacer("knob", "Knob", s.pin_diameter + play, 2 * s.pin_diameter + 2 * s.head, long, layout.min_wall)
+    turns = spacer(
+        "knob",
+        "Knob",
+        s.pin_diameter + play,
+        2 * s.pin_diameter + 2 * s.head,
+        long,
+        layout.min_wall,
+    )
     yield turns, Mount("knob", link, at + knob, z=z - play - long)
     wide = s.pin_diameter + 2 * s.head
-    pin = headed("knob-pin", "Pin of the knob", s.pin_diameter, long + 2 * play + s.thickness, wide, s.head, notes=("glued in",))
+    pin = headed(
+        "knob-pin",
+        "Pin of the knob",
+        s.pin_diameter,
+        long + 2 * play + s.thickness,
+        wide,
+        s.head,
+        notes=("glued in",),
+    )
     yield pin, Mount("knob-pin", link, at + knob, z=z - 2 * play - long - s.head)

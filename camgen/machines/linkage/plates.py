@@ -1,8 +1,8 @@
 """The ground as parts: the plate under level 1, and where asked for a second one over all levels, on posts.
 
-    plate      hubs round its pivots, holes for two screws from behind, rails
-    post       at a place that nothing sweeps; a screw from either side, heads sunk into the plates, cuts its thread in it
-    second     hubs round what it holds: far ends of pins and shafts, pins that hang from it
+plate      hubs round its pivots, holes for two screws from behind, rails
+post       at a place that nothing sweeps; a screw from either side, heads sunk into the plates, cuts its thread in it
+second     hubs round what it holds: far ends of pins and shafts, pins that hang from it
 """
 
 from __future__ import annotations
@@ -28,7 +28,10 @@ from camgen.parts.level_rules import Axis, Thing, ways
 from camgen.parts.part import Held, Layer, Part, d_bore, hull
 
 SECOND = "second-plate"
-_STEP, _BEYOND = 4.0, 40.0  # mm, between places that are tried for a post, and how far beyond the ground's points at first
+_STEP, _BEYOND = (
+    4.0,
+    40.0,
+)  # mm, between places that are tried for a post, and how far beyond the ground's points at first
 _MOST_STEPS = 250  # from the middle outwards; of a machine that is larger they are longer
 _AT_ONCE = 256  # places that are tried together
 _EVERY = 8  # samples of the motion: posts need no finer ones
@@ -41,9 +44,12 @@ def post_radius(sizes: Parts) -> float:
 
 
 def columns(
-    things: Sequence[Thing], corners: Sequence[complex], radius: float, gap: float,
+    things: Sequence[Thing],
+    corners: Sequence[complex],
+    radius: float,
+    gap: float,
     kept: Sequence[tuple[complex, float]] = (),
-) -> tuple[complex, ...]:  # fmt: skip
+) -> tuple[complex, ...]:
     """Places of four posts that all things pass by at `gap`, mm, on whichever level they lie: next to the corners of the box
     round the ground's points, one in each quarter of it; kept: discs that their hubs do not meet.
 
@@ -51,7 +57,13 @@ def columns(
     """
     low = complex(min(z.real for z in corners), min(z.imag for z in corners))
     high = complex(max(z.real for z in corners), max(z.imag for z in corners))
-    courses = [((thing.place[None] if isinstance(thing, Axis) else thing.corners)[:, ::_EVERY], thing.radius) for thing in things]
+    courses = [
+        (
+            (thing.place[None] if isinstance(thing, Axis) else thing.corners)[:, ::_EVERY],
+            thing.radius,
+        )
+        for thing in things
+    ]
     needed = [(course, wide + radius + gap + ways(course)) for course, wide in courses]
 
     def free(places: Points) -> np.ndarray:
@@ -68,10 +80,16 @@ def columns(
     for beyond in (_BEYOND * 2**k for k in count()):
         found: list[complex] = []
         for corner, quarter in _quarters(low, high, beyond):
-            apart = np.all([np.abs(quarter - other) > 2 * _LEAST * radius for other in found] or [np.isfinite(quarter)], axis=0)
+            apart = np.all(
+                [np.abs(quarter - other) > 2 * _LEAST * radius for other in found]
+                or [np.isfinite(quarter)],
+                axis=0,
+            )
             near = quarter[apart][np.argsort(np.abs(quarter[apart] - corner), kind="stable")]
             tries = (near[k : k + _AT_ONCE] for k in range(0, len(near), _AT_ONCE))
-            place = next((complex(some[clear][0]) for some in tries if (clear := free(some)).any()), None)
+            place = next(
+                (complex(some[clear][0]) for some in tries if (clear := free(some)).any()), None
+            )
             if place is None:
                 break
             found.append(place)
@@ -95,14 +113,23 @@ def _quarters(low: complex, high: complex, beyond: float) -> Iterator[tuple[comp
 def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str]) -> Part:
     """The plate under level 1; collar: radius of those of shafts, mm."""
     s = layout.sizes
-    points = {name: z for name, z in layout.points_of(GROUND).items() if name in layout.pivots and layout.in_first(name)}
-    holes = {f"hole {point}": circle(z, layout.hole(point, GROUND) / 2) for point, z in points.items()}
+    points = {
+        name: z
+        for name, z in layout.points_of(GROUND).items()
+        if name in layout.pivots and layout.in_first(name)
+    }
+    holes = {
+        f"hole {point}": circle(z, layout.hole(point, GROUND) / 2) for point, z in points.items()
+    }
     hubs = [(z, layout.hub(point, GROUND)) for point, z in points.items()]
     hubs += [disc for disc in layout.hubs(GROUND) if disc not in layout.round_hubs(GROUND)]
     channels = layout.channels_in(False)
     holes |= layout.slot_holes(GROUND, channels.keys())
     hubs += [(z, layout.hub(point, GROUND)) for point, ends in channels.items() for z in ends]
-    radius, under = s.mount_diameter / 2, collar + s.mount_diameter  # a screw's head beside the collar
+    radius, under = (
+        s.mount_diameter / 2,
+        collar + s.mount_diameter,
+    )  # a screw's head beside the collar
     face, motor = s.face, points[layout.shaft_of(layout.driven)]
     beside = [*hubs, *((points[shaft], under) for shaft in layout.shafts if shaft in points)]
     pockets = {}
@@ -110,8 +137,13 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
         beside.append((motor, math.sqrt(2) * face.half + s.mount_diameter))
         wide = (face.screw.head + HEAD_ROOM) / 2
         hubs += [(motor + z, wide + s.wall) for z in face.screws]
-        holes |= {f"motor screw {k}": circle(motor + z, face.screw.clearance / 2) for k, z in enumerate(face.screws, 1)}
-        pockets = {f"motor screw {k}": circle(motor + z, wide) for k, z in enumerate(face.screws, 1)}
+        holes |= {
+            f"motor screw {k}": circle(motor + z, face.screw.clearance / 2)
+            for k, z in enumerate(face.screws, 1)
+        }
+        pockets = {
+            f"motor screw {k}": circle(motor + z, wide) for k, z in enumerate(face.screws, 1)
+        }
     if s.hand_crank:  # screws lie beside its way
         beside.append((motor, s.hand_crank + s.pin_diameter + s.head + s.mount_diameter))
     beside += [(z, wide / 2 + s.mount_diameter) for z, wide in layout.feet]
@@ -128,16 +160,28 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
     outer = hull([*hubs, *((z, radius + s.wall) for z in screws)])
     floor, whole = s.base_thickness, plate("ground plate", outer, holes, layout.min_wall)
     heads = 0.0 if not sunk else _depth(s)
-    layers = [Layer(plate("ground plate", outer, holes | sunk, layout.min_wall), 0.0, heads)] if sunk else []
+    layers = (
+        [Layer(plate("ground plate", outer, holes | sunk, layout.min_wall), 0.0, heads)]
+        if sunk
+        else []
+    )
     layers.append(Layer(whole, heads, floor))
     if pockets:
-        low, region = floor - s.pocket, plate("ground plate", outer, holes | pockets, layout.min_wall)
+        low, region = (
+            floor - s.pocket,
+            plate("ground plate", outer, holes | pockets, layout.min_wall),
+        )
         layers = [*layers[:-1], Layer(whole, heads, low), Layer(region, low, floor)]
     return Part(
-        name, "Ground plate", (*layers, *rails(layout, GROUND, floor)),
-        centres=(*points.values(), *screws, *(z for z, _ in layout.feet)), min_wall=layout.min_wall, cut=int(bool(sunk)),
-        notes=(*(["the outermost holes are for screws from behind"] if screws else []), *notes), points=tuple(points.items()),
-    )  # fmt: skip
+        name,
+        "Ground plate",
+        (*layers, *rails(layout, GROUND, floor)),
+        centres=(*points.values(), *screws, *(z for z, _ in layout.feet)),
+        min_wall=layout.min_wall,
+        cut=int(bool(sunk)),
+        notes=(*(["the outermost holes are for screws from behind"] if screws else []), *notes),
+        points=tuple(points.items()),
+    )
 
 
 def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
@@ -148,11 +192,16 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
     points = {point: z for point, z in layout.points_of(GROUND).items() if layout.in_second(point)}
     holes = {f"hole {point}": circle(z, layout.far_hole(point) / 2) for point, z in points.items()}
     posts, through, sunk = _posts(layout)
-    hubs: list[tuple[complex, float]] = [*posts, *((z, layout.far_hole(point) / 2 + s.wall) for point, z in points.items())]
+    hubs: list[tuple[complex, float]] = [
+        *posts,
+        *((z, layout.far_hole(point) / 2 + s.wall) for point, z in points.items()),
+    ]
     channels = layout.channels_in(True)
     holes |= layout.slot_holes(GROUND, channels.keys())
     hubs += [(z, layout.hub(point, GROUND)) for point, ends in channels.items() for z in ends]
-    more, under, below = _screwed(layout, [z for each in layout.stands if each.merged is None for z in each.places], "stand")
+    more, under, below = _screwed(
+        layout, [z for each in layout.stands if each.merged is None for z in each.places], "stand"
+    )
     for stand in (stand for stand in layout.stands if stand.merged is not None):
         assert stand.merged is not None
         more += stand.merged.discs
@@ -163,26 +212,48 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
     if not below:
         heights = [(0.0, floor - depth, {}), (floor - depth, floor, sunk)]
     try:
-        layers = tuple(Layer(plate("second plate", outer, holes | heads, layout.min_wall), *ends) for *ends, heads in heights)
+        layers = tuple(
+            Layer(plate("second plate", outer, holes | heads, layout.min_wall), *ends)
+            for *ends, heads in heights
+        )
     except DesignError as error:
         raise _moved(error, layout) from None
-    raised = (layer for stand in layout.stands if stand.merged is not None for layer in stand.merged.above)
+    raised = (
+        layer for stand in layout.stands if stand.merged is not None for layer in stand.merged.above
+    )
     layers += tuple(Layer(layer.region, floor + layer.z0, floor + layer.z1) for layer in raised)
-    hanging = [point for point in points if point not in layout.shafts and layout.cut(point) is not None]
+    hanging = [
+        point for point in points if point not in layout.shafts and layout.cut(point) is not None
+    ]
     notes = [f"pins pressed in tight, heads down: {', '.join(hanging)}"] if hanging else []
     part = Part(
-        SECOND, "Second plate", layers, cut=len(heights) - 2, centres=tuple(points.values()), min_wall=layout.min_wall,
-        notes=(Held(f"screwed on {len(posts)} posts, over all"), *notes), points=tuple(points.items()),
-    )  # fmt: skip
+        SECOND,
+        "Second plate",
+        layers,
+        cut=len(heights) - 2,
+        centres=tuple(points.values()),
+        min_wall=layout.min_wall,
+        notes=(Held(f"screwed on {len(posts)} posts, over all"), *notes),
+        points=tuple(points.items()),
+    )
     yield part, Mount(SECOND, GROUND, z=ceiling)
-    post = spacer("post", "Post", s.mount_diameter, 2 * post_radius(s), ceiling - floor, layout.min_wall)
+    post = spacer(
+        "post", "Post", s.mount_diameter, 2 * post_radius(s), ceiling - floor, layout.min_wall
+    )
     yield from ((post, Mount("post", GROUND, z, z=floor)) for z in layout.second.columns)
     for stand in layout.stands:
         if stand.merged is not None:
             continue
         name, foot = f"post-{stand.name}", ceiling + floor
         wide = s.mount_diameter + 2 * s.wall  # no head: it stands beside what hangs under the frame
-        post = spacer(name, f"Post of {stand.name}", s.mount_diameter, wide, stand.high - foot, layout.min_wall)
+        post = spacer(
+            name,
+            f"Post of {stand.name}",
+            s.mount_diameter,
+            wide,
+            stand.high - foot,
+            layout.min_wall,
+        )
         yield from ((post, Mount(name, GROUND, z, z=foot)) for z in stand.places)
         if stand.sleeve is not None:
             yield _sleeve(layout, stand.name, stand.sleeve)
@@ -202,15 +273,23 @@ def _sleeve(layout: Layout, name: str, sleeve: Sleeve) -> tuple[Part, Mount]:
     """What joins the shaft that drives to another machine's over it."""
     s, press, (low, middle) = layout.sizes, layout.fits.press_clearance, layout.line
     rim = circle(0j, max(s.shaft_diameter, sleeve.diameter) / 2 + s.head + s.wall)
-    bores = d_bore(s.shaft_diameter + press, s.shaft_flat), d_bore(sleeve.diameter + press, sleeve.flat)
-    own, other = (plate("sleeve", rim, {"bore": bore.moved(turn)}, layout.min_wall)
-                  for bore, turn in zip(bores, (1, cmath.exp(1j * sleeve.turn)), strict=True))  # fmt: skip
+    bores = (
+        d_bore(s.shaft_diameter + press, s.shaft_flat),
+        d_bore(sleeve.diameter + press, sleeve.flat),
+    )
+    own, other = (
+        plate("sleeve", rim, {"bore": bore.moved(turn)}, layout.min_wall)
+        for bore, turn in zip(bores, (1, cmath.exp(1j * sleeve.turn)), strict=True)
+    )
     long = middle - low
     part = Part(
-        f"sleeve-{name}", f"Sleeve between the shafts of this machine and {name}",
-        (Layer(own, 0.0, long), Layer(other, long, long + sleeve.up)), centres=(0j,), min_wall=layout.min_wall,
+        f"sleeve-{name}",
+        f"Sleeve between the shafts of this machine and {name}",
+        (Layer(own, 0.0, long), Layer(other, long, long + sleeve.up)),
+        centres=(0j,),
+        min_wall=layout.min_wall,
         notes=("pressed and glued on both shafts; its flats keep their phase",),
-    )  # fmt: skip
+    )
     at = layout.at(layout.driven, layout.shaft_of(layout.driven))
     return part, Mount(part.name, layout.driven, at, z=low)
 
@@ -224,7 +303,9 @@ def bought(layout: Layout) -> list[Bought]:
     size = f"{held.thread} x {length:g}, into core holes of {layout.sizes.mount_diameter:g}"
     stands = sum(len(stand.places) for stand in layout.stands if stand.merged is None)
     screws = Bought("screw of a post", held.standard, size, 2 * len(layout.second.columns) + stands)
-    stud = Bought("stud of a post, half of it in the frame on it", "ISO 4026", f"{held.thread} x 8", stands)
+    stud = Bought(
+        "stud of a post, half of it in the frame on it", "ISO 4026", f"{held.thread} x 8", stands
+    )
     return [screws, stud] if stands else [screws]
 
 
@@ -232,22 +313,37 @@ def steps(layout: Layout) -> list[str]:
     """In which order what the second plate and an interrupted shaft ask for goes together."""
     found = []
     for (low, held), (high, _) in pairwise(layout.webs.items()):
-        between = sorted((link for link in layout.pivots[held[1]] if link not in layout.webs), key=layout.level.__getitem__)
-        found.append(f"pin {held[1]} into {low}, {', '.join(between)} on it, {high} on its upper flat")
+        between = sorted(
+            (link for link in layout.pivots[held[1]] if link not in layout.webs),
+            key=layout.level.__getitem__,
+        )
+        found.append(
+            f"pin {held[1]} into {low}, {', '.join(between)} on it, {high} on its upper flat"
+        )
     if layout.webs:
         upper = [f"the short shaft into {layout.upper_web}"] if layout.second is not None else []
-        found = [f"The shaft is interrupted; from below, press and glue {'; '.join([*found, *upper])}."]
+        found = [
+            f"The shaft is interrupted; from below, press and glue {'; '.join([*found, *upper])}."
+        ]
     if layout.second is not None:
         points = [point for point in layout.points_of(GROUND) if layout.in_second(point)]
-        hanging = [point for point in points if layout.cut(point) is not None and point not in layout.shafts]
+        hanging = [
+            point
+            for point in points
+            if layout.cut(point) is not None and point not in layout.shafts
+        ]
         told = []
         if hanging:
             one = len(hanging) == 1
-            told.append(f"Its {listed('pin', hanging)} {'stands' if one else 'stand'} head down, under what turns on "
-                        f"{'it: hold its head' if one else 'them: hold their heads'} from below while the plate is pressed "
-                        f"and glued on {'it' if one else 'them'}.")  # fmt: skip
-        places = [*([f"{', '.join(points)} find their holes"] if points else []),
-                  *(f"pin {point} its slot" for point in layout.channels_in(True))]  # fmt: skip
+            told.append(
+                f"Its {listed('pin', hanging)} {'stands' if one else 'stand'} head down, under what turns on "
+                f"{'it: hold its head' if one else 'them: hold their heads'} from below while the plate is pressed "
+                f"and glued on {'it' if one else 'them'}."
+            )
+        places = [
+            *([f"{', '.join(points)} find their holes"] if points else []),
+            *(f"pin {point} its slot" for point in layout.channels_in(True)),
+        ]
         so = f", so that {' and '.join(places)}," if places else ""
         told.append(f"Lay it on the posts{so} and draw the screws tight crosswise.")
         found.append(" ".join(["The second plate goes on last.", *told]))
@@ -270,7 +366,9 @@ def _depth(sizes: Parts) -> float:
     return held.height + SUNK
 
 
-def _posts(layout: Layout) -> tuple[list[tuple[complex, float]], dict[str, Contour], dict[str, Contour]]:
+def _posts(
+    layout: Layout,
+) -> tuple[list[tuple[complex, float]], dict[str, Contour], dict[str, Contour]]:
     """Hubs of the posts, their screws' holes in a plate, and the pockets for the heads."""
     return _screwed(layout, () if layout.second is None else layout.second.columns, "post")
 

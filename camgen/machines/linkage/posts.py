@@ -33,8 +33,13 @@ def posts(bodies: Bodies, pulls: Mapping[str, float], printed: str) -> Iterator[
         low = layout.floor(layout.level[body])
         faces = low, low + layout.thickness(body)
         material = "steel" if layout.kind(point) in _STEEL else printed
-        pins = (each.part for each in bodies.mounts if each.body == layout.carrier(body) and "pin" in each.part
-                and abs(each.at - layout.at(body, point)) < _SAME)  # fmt: skip
+        pins = (
+            each.part
+            for each in bodies.mounts
+            if each.body == layout.carrier(body)
+            and "pin" in each.part
+            and abs(each.at - layout.at(body, point)) < _SAME
+        )
         part = next(pins, "")
         for what, pull, at in bent:
             lever = max(0.0, at - faces[1], faces[0] - at)

@@ -1,7 +1,7 @@
 """Seats of ball bearings in links that move: pressed in from above, down on a lip under the outer ring.
 
-    lip     a smaller hole under the seat, clear of the inner ring
-    seat    deeper than its bearing by a play: what lies on the link, beside the seat, touches neither ring
+lip     a smaller hole under the seat, clear of the inner ring
+seat    deeper than its bearing by a play: what lies on the link, beside the seat, touches neither ring
 """
 
 from __future__ import annotations
@@ -34,7 +34,9 @@ def seat_floor(layout: Layout, point: str, link: str) -> float:
     return round(layout.thickness(link) - layout.fits.slide_clearance - bearing.width, 9)
 
 
-def seated(layout: Layout, link: str, holes: Mapping[str, Contour]) -> tuple[list[Layer], list[str]]:
+def seated(
+    layout: Layout, link: str, holes: Mapping[str, Contour]
+) -> tuple[list[Layer], list[str]]:
     """A link's body with its holes, their seats and the lips under them, the seats' layer last; what its drawing says of them.
 
     All bearings of a link that moves are alike, for its pins are.
@@ -45,9 +47,14 @@ def seated(layout: Layout, link: str, holes: Mapping[str, Contour]) -> tuple[lis
     seats = {point: bearing for point, bearing in found.items() if bearing is not None}
     if not seats:
         return [Layer(region, 0.0, thick)], []
-    lips = {f"hole {point}": circle(points[point], bearing.lip / 2) for point, bearing in seats.items()}
+    lips = {
+        f"hole {point}": circle(points[point], bearing.lip / 2) for point, bearing in seats.items()
+    }
     floor = seat_floor(layout, next(iter(seats)), link)
     under = plate(f"link {link}", outline, {**holes, **lips}, layout.min_wall)
     names = ", ".join(f"{bearing.name} at {point}" for point, bearing in seats.items())
-    notes = [f"pressed in from above, down on the lip: {names}", f"seats {thick - floor:.4g} deep, lips under them {floor:.4g}"]
+    notes = [
+        f"pressed in from above, down on the lip: {names}",
+        f"seats {thick - floor:.4g} deep, lips under them {floor:.4g}",
+    ]
     return [Layer(under, 0.0, floor), Layer(region, floor, thick)], notes

@@ -39,7 +39,10 @@ def signals_of(machine: Machine) -> tuple[Signal, ...]:
     found = []
     for output in machine.outputs:
         if isinstance(output.of, Path):
-            found += [Signal(f"{output.name}_x", "mm", output.name), Signal(f"{output.name}_y", "mm", output.name, 1j)]
+            found += [
+                Signal(f"{output.name}_x", "mm", output.name),
+                Signal(f"{output.name}_y", "mm", output.name, 1j),
+            ]
         else:
             unit = "deg" if isinstance(output.of, Angle) else "mm"
             found.append(Signal(output.name, unit, output.name))

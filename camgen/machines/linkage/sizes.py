@@ -39,12 +39,24 @@ Name = Annotated[
 class Shape(Record):
     """The body of one link, where it differs from the others."""
 
-    hub_diameter: Length | None = Field(None, description="mm, of the hubs and, unless width says otherwise, of the bands")
-    width: Length | None = Field(None, description="mm, of the band of a link with two holes; its hubs stand out")
-    bow: Annotated[float, Field(ge=-1e6, le=1e6), AfterValidator(lambda bow: bow if abs(bow) >= 1e-3 else 0.0)] | None = Field(
-        None, description="mm, how far the band of a link with two holes is bent half way, > 0 to the left from its first point; "
-        "0: not; left out: where it finds no level as it is, and bent it does"
-    )  # fmt: skip
+    hub_diameter: Length | None = Field(
+        None, description="mm, of the hubs and, unless width says otherwise, of the bands"
+    )
+    width: Length | None = Field(
+        None, description="mm, of the band of a link with two holes; its hubs stand out"
+    )
+    bow: (
+        Annotated[
+            float,
+            Field(ge=-1e6, le=1e6),
+            AfterValidator(lambda bow: bow if abs(bow) >= 1e-3 else 0.0),
+        ]
+        | None
+    ) = Field(
+        None,
+        description="mm, how far the band of a link with two holes is bent half way, > 0 to the left from its first point; "
+        "0: not; left out: where it finds no level as it is, and bent it does",
+    )
     thickness: Length | None = Field(None, description="mm; that of all links unless given")
 
 
@@ -57,38 +69,54 @@ class Parts(Record):
     model_config = ConfigDict(extra="allow")
     __pydantic_extra__: dict[str, Shape] = Field(init=False)
 
-    make: Literal["printed", "laser"] = Field("printed", description="laser: of layers of the sheet of [laser], pins of steel")
+    make: Literal["printed", "laser"] = Field(
+        "printed", description="laser: of layers of the sheet of [laser], pins of steel"
+    )
     thickness: Length = Field(4.0, description="mm, of a link")
     pin: PinKind = Field(
-        "printed", description="with a head; dowel: of steel, with a cap; shoulder: a screw and a nut; bearing: printed, in them"
+        "printed",
+        description="with a head; dowel: of steel, with a cap; shoulder: a screw and a nut; bearing: printed, in them",
     )
     pins: dict[Name, PinKind] = Field({}, description="the same of one point")
     pin_diameter: Length = Field(5.0, description="mm, of pins")
     wall: Length = Field(2.0, description="mm, round each hole")
-    head: Length = Field(1.5, description="mm, how high a pin's head is, and how far it stands out all round")
+    head: Length = Field(
+        1.5, description="mm, how high a pin's head is, and how far it stands out all round"
+    )
     base_thickness: Length = Field(5.0, description="mm, of the ground's plate")
     shaft_diameter: Length = Field(6.0, description="mm, of the shaft that drives")
     shaft_flat: Length = Field(0.8, description="mm, depth of the flat that turns the driven link")
     shaft: Literal["through", "interrupted"] = Field(
-        "through", description="interrupted: webs on levels of their own, joined by the crank pins; rods sweep over the axis"
+        "through",
+        description="interrupted: webs on levels of their own, joined by the crank pins; rods sweep over the axis",
     )
-    plates: Literal[1, 2] = Field(1, description="2: a second one on posts over all links holds the far ends of pins and shafts")
+    plates: Literal[1, 2] = Field(
+        1,
+        description="2: a second one on posts over all links holds the far ends of pins and shafts",
+    )
     shaft_made: Literal["printed", "steel"] = Field(
-        "printed", description="steel: turned, with the flat, as are crank pins that join the webs of an interrupted shaft"
+        "printed",
+        description="steel: turned, with the flat, as are crank pins that join the webs of an interrupted shaft",
     )
     shaft_length: Length = Field(15.0, description="mm, of the shaft below the plate")
     motor: Literal["none", "nema-8", "nema-11", "nema-14", "nema-17", "nema-23"] = Field(
         "none", description="screwed under the plate, its own shaft drives"
     )
     set_screw: Literal["none", "M2", "M2.5", "M3", "M4", "M5"] = Field(
-        "none", description="of a collar at the upper end of a motor's shaft, so that nothing walks off it"
+        "none",
+        description="of a collar at the upper end of a motor's shaft, so that nothing walks off it",
     )
     hand_crank: Annotated[float, Field(ge=0, le=1e6)] = Field(
-        0.0, description="mm, from the shaft to the knob of a crank at its lower end, to turn it by hand; 0: none"
+        0.0,
+        description="mm, from the shaft to the knob of a crank at its lower end, to turn it by hand; 0: none",
     )
-    rail_width: Length = Field(5.0, description="mm, of the rails on both sides of a link that slides on the plate")
+    rail_width: Length = Field(
+        5.0, description="mm, of the rails on both sides of a link that slides on the plate"
+    )
     cover: bool = Field(True, description="whether a cover on its rails holds down what slides")
-    mount_diameter: Length = Field(2.5, description="mm, of the plate's holes for screws from behind: core hole of M3")
+    mount_diameter: Length = Field(
+        2.5, description="mm, of the plate's holes for screws from behind: core hole of M3"
+    )
     pen_diameter: Annotated[float, Field(ge=0, le=1e6)] = Field(
         3.0, description="mm, of the hole at a point that is an output and no pin; 0: none"
     )
@@ -100,7 +128,11 @@ class Parts(Record):
         face = MOTOR_FACES.get(str(data.get("motor"))) if isinstance(data, Mapping) else None
         if face is None:
             return data
-        return {"shaft_diameter": face.shaft, **({"shaft_flat": face.flat} if face.flat else {}), **data}
+        return {
+            "shaft_diameter": face.shaft,
+            **({"shaft_flat": face.flat} if face.flat else {}),
+            **data,
+        }
 
     @property
     def shapes(self) -> dict[str, Shape]:
@@ -136,13 +168,21 @@ class Parts(Record):
         """Least length of a spring's hooks, inside, mm: its coils begin beside what holds their eyes on the pins."""
         wide = self.pin_diameter / 2 + self.head
         if "shoulder" in (self.pin, *self.pins.values()):
-            wide = max(wide, self.shoulder.diameter / 2 + self.head, self.shoulder.head / 2, self.shoulder.flats / math.sqrt(3))
+            wide = max(
+                wide,
+                self.shoulder.diameter / 2 + self.head,
+                self.shoulder.head / 2,
+                self.shoulder.flats / math.sqrt(3),
+            )
         return self.pin_diameter / 2 + wide + HOOK_ROOM
 
     @property
     def post_screw(self) -> Screw | None:
         """Of the posts of a second plate, whose core hole is that of the plate's other screws; None where no thread has it."""
-        return next((SCREWS[thread] for thread, hole in CORE_HOLES.items() if hole == self.mount_diameter), None)
+        return next(
+            (SCREWS[thread] for thread, hole in CORE_HOLES.items() if hole == self.mount_diameter),
+            None,
+        )
 
     @property
     def least_crank(self) -> float:
@@ -158,7 +198,9 @@ class Parts(Record):
         """What holds on a motor's shaft; None where no set screw is asked for."""
         if self.set_screw == "none":
             return None
-        return SetScrewHub(self.set_screw, self.shaft_diameter + press, self.shaft_flat, min_wall, self.wall)
+        return SetScrewHub(
+            self.set_screw, self.shaft_diameter + press, self.shaft_flat, min_wall, self.wall
+        )
 
     @property
     def pocket(self) -> float:
@@ -179,7 +221,9 @@ class Parts(Record):
                 found.append(Fault(f"parts.{link}.thickness", f"{thickness:g}", least))
             width = self.shape(link).width
             if width is not None and width < max(nozzle, min_wall):
-                thinnest = least if min_wall < nozzle else f"at least limits.min_wall, {min_wall:g} mm"
+                thinnest = (
+                    least if min_wall < nozzle else f"at least limits.min_wall, {min_wall:g} mm"
+                )
                 found.append(Fault(f"parts.{link}.width", f"{width:g}", thinnest))
         kinds = {self.pin, *self.pins.values()}
         if "dowel" in kinds and self.pin_diameter not in DOWELS:
@@ -193,7 +237,9 @@ class Parts(Record):
             found.append(Fault("parts.set_screw", repr(self.set_screw), said))
         if self.face is not None:
             if self.shaft_diameter != self.face.shaft:
-                right = f'{self.face.shaft:g} mm, the shaft of motor = "{self.motor}"; left out, it is'
+                right = (
+                    f'{self.face.shaft:g} mm, the shaft of motor = "{self.motor}"; left out, it is'
+                )
                 found.append(Fault("parts.shaft_diameter", f"{self.shaft_diameter:g}", right))
             elif self.face.flat and self.shaft_flat != self.face.flat:
                 over = f"{self.face.shaft - self.face.flat:g} over its flat"
@@ -204,7 +250,9 @@ class Parts(Record):
                 found.append(Fault("parts.base_thickness", f"{self.base_thickness:g}", right))
             grip, screw = self.base_thickness - self.pocket, self.face.screw
             if self.face.screw_length(grip) < grip + screw.nominal / 2:
-                right = f"a thickness through which a screw {screw.thread} that is sold holds the motor"
+                right = (
+                    f"a thickness through which a screw {screw.thread} that is sold holds the motor"
+                )
                 found.append(Fault("parts.base_thickness", f"{self.base_thickness:g}", right))
         held, floor = self.post_screw if self.plates > 1 else None, SUNK + 2 * nozzle
         if self.plates > 1 and held is None:
@@ -228,7 +276,11 @@ class Parts(Record):
         elif self.shaft_length < self.thickness + 2:
             right = f"at least {self.thickness + 2:g} mm: the collar under the plate, and its play"
             found.append(Fault("parts.shaft_length", f"{self.shaft_length:g}", right))
-        thin = [key for key in ("thickness", "wall", "head", "base_thickness", "rail_width") if getattr(self, key) < nozzle]
+        thin = [
+            key
+            for key in ("thickness", "wall", "head", "base_thickness", "rail_width")
+            if getattr(self, key) < nozzle
+        ]
         found += [Fault(f"parts.{key}", f"{getattr(self, key):g}", least) for key in thin]
         if not 0.05 * self.shaft_diameter <= self.shaft_flat < 0.5 * self.shaft_diameter:
             right = "between a twentieth and half of shaft_diameter, so that it turns the link"

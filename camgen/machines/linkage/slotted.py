@@ -25,10 +25,14 @@ class Slotted:
     def joined(self, other: Slotted, wall: float) -> Slotted | None:
         """Both as one slot; None where they lie on two lines, differ in width, or a wall of so much, mm, is left between."""
         same = abs(self.half - other.half) < SAME_POINT
-        if not same or not in_line(np.array([self.low, self.high]), np.array([other.low, other.high])):
+        if not same or not in_line(
+            np.array([self.low, self.high]), np.array([other.low, other.high])
+        ):
             return None
         way = (self.high - self.low) / abs(self.high - self.low)
-        row = sorted((self.low, self.high, other.low, other.high), key=lambda z: (z * way.conjugate()).real)
+        row = sorted(
+            (self.low, self.high, other.low, other.high), key=lambda z: (z * way.conjugate()).real
+        )
         between = abs(row[-1] - row[0]) - abs(self.high - self.low) - abs(other.high - other.low)
         if between >= 2 * self.half + wall:
             return None

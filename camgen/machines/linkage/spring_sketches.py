@@ -23,7 +23,9 @@ def sketches(layout: Layout, courses: Courses) -> tuple[Sketch, ...]:
     """Of each spring of a layout."""
     found = []
     for name, spring in layout.springs.items():
-        one, other = ((layout.carrier(link), layout.at(link, point)) for link, point in (spring.a, spring.b))
+        one, other = (
+            (layout.carrier(link), layout.at(link, point)) for link, point in (spring.a, spring.b)
+        )
         course = partial(_zigzag, courses, one, other, spring.diameter / 2)
         found.append(Sketch(name, course=course, z=sum(layout.eye(name)) / 2))
     return tuple(found)
@@ -32,7 +34,10 @@ def sketches(layout: Layout, courses: Courses) -> tuple[Sketch, ...]:
 def _zigzag(courses: Courses, one: End, other: End, radius: float, theta: Floats) -> Points:
     """The line at theta, (n,) rad: (n, k) complex mm on the ground."""
     poses = courses(theta)
-    a, b = (np.broadcast_to(poses[body].place + np.exp(1j * poses[body].angle) * at, theta.shape) for body, at in (one, other))
+    a, b = (
+        np.broadcast_to(poses[body].place + np.exp(1j * poses[body].angle) * at, theta.shape)
+        for body, at in (one, other)
+    )
     along = np.concatenate([[0.0], np.linspace(_ENDS, 1 - _ENDS, 2 * _TURNS), [1.0]])
     side = np.array([0.0, 0.0, *np.tile([1.0, -1.0], _TURNS - 1), 0.0, 0.0])
     way = (b - a)[:, None]

@@ -15,7 +15,11 @@ from camgen.tolerances import SAME_POINT
 
 
 def finished(
-    table: Table, bodies: Bodies, mounts: Sequence[Mount], titles: Mapping[str, str], module: Module | None = None
+    table: Table,
+    bodies: Bodies,
+    mounts: Sequence[Mount],
+    titles: Mapping[str, str],
+    module: Module | None = None,
 ) -> Table:
     """Steps of assembly with those of the springs, each before the first head or cap over its eyes, and with what carries and
     turns the whole.
@@ -33,9 +37,19 @@ def finished(
             said = f"eyes over the holes at {where}: the pins go in through them, for their heads are wider"
         named = set(over if module is None else map(module.part, over))
         first = next((k for k, (_, laid) in enumerate(rows) if named & set(laid)), len(rows))
-        title = titles.get(name, "Extension spring" if name == "spring" else f"Extension spring {name}")
+        title = titles.get(
+            name, "Extension spring" if name == "spring" else f"Extension spring {name}"
+        )
         title, up = (title, 0.0) if module is None else (f"{title} of {module.prefix}", module.z)
-        step = (0, "extension spring", f"{title}, {said}", "", 1, layout.eye(name)[0] + up, "as bought")
+        step = (
+            0,
+            "extension spring",
+            f"{title}, {said}",
+            "",
+            1,
+            layout.eye(name)[0] + up,
+            "as bought",
+        )
         rows.insert(first, (step, ()))
     if module is None:
         rows.append(((0, "board", f"Stands on {bodies.stands}", "", 1, 0.0, "as yours"), ()))
@@ -48,7 +62,12 @@ def _heads(layout: Layout, mounts: Sequence[Mount], point: str) -> list[str]:
     link, number, found = layout.pressed_in(point), Counter[str](), []
     for mount in mounts:
         number[mount.part] += 1
-        there = mount.body == layout.carrier(link) and abs(mount.at - layout.at(link, point)) < SAME_POINT
-        if there and (mount.part.startswith("cap-") or mount.part.startswith("pin-") and mount.flipped):
+        there = (
+            mount.body == layout.carrier(link)
+            and abs(mount.at - layout.at(link, point)) < SAME_POINT
+        )
+        if there and (
+            mount.part.startswith("cap-") or mount.part.startswith("pin-") and mount.flipped
+        ):
             found.append(f"{mount.part}-{number[mount.part]}")
     return found

@@ -46,7 +46,9 @@ class Sprung:
 
     def forces(self) -> tuple[float, float]:
         """Its least and greatest pull, N."""
-        least, most = (self.pull.rate * (length - self.pull.free) for length in (self.shortest, self.longest))
+        least, most = (
+            self.pull.rate * (length - self.pull.free) for length in (self.shortest, self.longest)
+        )
         return least, most
 
     def mounted(self, pin: float, on_cam: bool) -> Mounted:
@@ -59,48 +61,96 @@ class Sprung:
 
 
 def mounted(
-    sprung: Sequence[Sprung], cams: Sequence[m.Cam], pin: float, included: Mapping[str, Mapping[str, Mounted]]
+    sprung: Sequence[Sprung],
+    cams: Sequence[m.Cam],
+    pin: float,
+    included: Mapping[str, Mapping[str, Mounted]],
 ) -> dict[str, Mounted]:
     """Where they work, by their names in findings.
 
     cams: that only a force keeps closed; pin: diameter, mm; included: the same of other machines, by their names.
     """
     followers = {cam.follower for cam in cams}
-    found = {each.figure.replace("_", " "): each.mounted(pin, any(end[0] in followers for end in each.ends)) for each in sprung}
-    return found | {f"{name} of {of}": spring for of, springs in included.items() for name, spring in springs.items()}
+    found = {
+        each.figure.replace("_", " "): each.mounted(
+            pin, any(end[0] in followers for end in each.ends)
+        )
+        for each in sprung
+    }
+    return found | {
+        f"{name} of {of}": spring
+        for of, springs in included.items()
+        for name, spring in springs.items()
+    }
 
 
 def names(springs: Sequence[t.Spring]) -> list[str]:
     """Of each spring its own name, or one by its number."""
-    return [each.name or ("spring" if len(springs) == 1 else f"spring_{k}") for k, each in enumerate(springs, 1)]
+    return [
+        each.name or ("spring" if len(springs) == 1 else f"spring_{k}")
+        for k, each in enumerate(springs, 1)
+    ]
 
 
 def faults(
-    springs: Sequence[t.Spring], links: Mapping[str, Sequence[str]], turning: Collection[str], taken: Collection[str]
+    springs: Sequence[t.Spring],
+    links: Mapping[str, Sequence[str]],
+    turning: Collection[str],
+    taken: Collection[str],
 ) -> list[Fault]:
     """What is wrong with them. turning: links on shafts; taken: names of links, joints and levels."""
     found, called = [], names(springs)
     points = {point for held in links.values() for point in held}
-    shafts = {point for link in turning for point in links.get(link, ()) if point in links.get(m.GROUND, ())}
+    shafts = {
+        point
+        for link in turning
+        for point in links.get(link, ())
+        if point in links.get(m.GROUND, ())
+    }
     for k, each in enumerate(springs):
         path = f"spring.{k}"
         if called[k] in (*taken, *called[:k]):
-            found.append(Fault(f"{path}.name", repr(called[k]), "a name of its own, which no link, joint or other spring has"))
+            found.append(
+                Fault(
+                    f"{path}.name",
+                    repr(called[k]),
+                    "a name of its own, which no link, joint or other spring has",
+                )
+            )
         if (each.free is None) == (each.preload is None):
             found.append(Fault(path, "", "either free or preload"))
-        wrong = [unknown(f"{path}.between.{n}", point, points) for n, point in enumerate(each.between) if point not in points]
-        wrong += [Fault(f"{path}.between.{n}", repr(point), "a point that is no shaft: its eye would sit on what turns there")
-                  for n, point in enumerate(each.between) if point in shafts]  # fmt: skip
+        wrong = [
+            unknown(f"{path}.between.{n}", point, points)
+            for n, point in enumerate(each.between)
+            if point not in points
+        ]
+        wrong += [
+            Fault(
+                f"{path}.between.{n}",
+                repr(point),
+                "a point that is no shaft: its eye would sit on what turns there",
+            )
+            for n, point in enumerate(each.between)
+            if point in shafts
+        ]
         both = next((name for name, held in links.items() if set(each.between) <= set(held)), None)
         if not wrong and both is not None:
-            wrong.append(Fault(f"{path}.between", ", ".join(each.between), f"points of two links: {both} carries both"))
+            wrong.append(
+                Fault(
+                    f"{path}.between",
+                    ", ".join(each.between),
+                    f"points of two links: {both} carries both",
+                )
+            )
         found += wrong
     return found
 
 
 def sprung(springs: Sequence[t.Spring], run: Run, sizes: Parts) -> list[Sprung]:
     """The springs in their machine; run: samples over the whole motion. DesignError where none can be made."""
-    return [_sprung(each, name, run, sizes) for each, name in zip(springs, names(springs), strict=True)]
+    return [
+        _sprung(each, name, run, sizes) for each, name in zip(springs, names(springs), strict=True)
+    ]
 
 
 def _sprung(spec: t.Spring, name: str, run: Run, sizes: Parts) -> Sprung:
@@ -112,17 +162,31 @@ def _sprung(spec: t.Spring, name: str, run: Run, sizes: Parts) -> Sprung:
     free = shortest - (spec.preload or 0.0) / spec.rate if spec.free is None else spec.free
     where = f"spring {name}, {math.degrees(float(run.theta[int(np.argmin(length))])):.2f} deg"
     if not free > 0:
-        raise DesignError("free length", free, 0, "mm", where, "ask for a smaller preload or a greater rate")
+        raise DesignError(
+            "free length", free, 0, "mm", where, "ask for a smaller preload or a greater rate"
+        )
     if shortest < free - 1e-9:
         said = f"{where}: its points come as near as {shortest:.6g} mm, its free length is {free:.6g} mm, and it only pulls"
-        raise DesignError("length", shortest, free, "mm", where, "ask for a shorter one, or for a preload", said)
+        raise DesignError(
+            "length", shortest, free, "mm", where, "ask for a shorter one, or for a preload", said
+        )
     found = extension_spring(spec.rate, free + pin, longest + pin, EYE * pin, sizes.hook)
     if found is None:
         said = f"no spring of round wire has {spec.rate:.4g} N/mm, {free:.4g} mm free between pins of {pin:g} mm and bears "
         remedy = "ask for another rate or free length, draw its points further apart, or take thinner pins"
-        raise DesignError("length", longest, free, "mm", f"spring {name}", remedy, f"spring {name}: {said}{longest:.4g} mm")
+        raise DesignError(
+            "length",
+            longest,
+            free,
+            "mm",
+            f"spring {name}",
+            remedy,
+            f"spring {name}: {said}{longest:.4g} mm",
+        )
     a, b = (m.Place(body, complex(run.machine.body(body).points[point])) for body, point in ends)
-    return Sprung(name, (ends[0], ends[1]), m.Spring(name, a, b, spec.rate, free), found, shortest, longest)
+    return Sprung(
+        name, (ends[0], ends[1]), m.Spring(name, a, b, spec.rate, free), found, shortest, longest
+    )
 
 
 def _carrier(machine: m.Machine, point: str) -> str:

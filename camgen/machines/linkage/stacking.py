@@ -54,7 +54,11 @@ def laid(layout: Layout, run: Run) -> Layout:
 
 def _with_stems(layout: Layout, run: Run) -> list[Layout]:
     """The layout with the strokes of its slots and slides, by all choices of their stems."""
-    ways = {joint.name: run.length(joint.name)[0] for joint in run.machine.joints if isinstance(joint, m.Slot | m.Slide)}
+    ways = {
+        joint.name: run.length(joint.name)[0]
+        for joint in run.machine.joints
+        if isinstance(joint, m.Slot | m.Slide)
+    }
     strokes = {name: (float(way.min()), float(way.max())) for name, way in ways.items()}
     return [
         replace(layout, strokes=strokes, stems=dict(zip(layout.slides, stems, strict=True)))
@@ -64,7 +68,10 @@ def _with_stems(layout: Layout, run: Run) -> list[Layout]:
 
 def attempts(layout: Layout) -> list[str]:
     """What `laid` has tried where it refuses, in words."""
-    found = ["all orders of the levels", *(["heads over and under the plate"] if layout.sizes.plates < 2 else [])]
+    found = [
+        "all orders of the levels",
+        *(["heads over and under the plate"] if layout.sizes.plates < 2 else []),
+    ]
     return [*found, *([f"rails {', '.join(STEMS)}"] if layout.slides else []), "bows"]
 
 
@@ -128,9 +135,20 @@ def covered(layout: Layout, run: Run) -> Layout:
     if layout.sizes.plates < 2:
         return layout
     t, gap = things(layout, run), layout.fits.slide_clearance
-    ends = {name.partition(" ")[2]: at for name, at in cuts(t.bands, t.axes, t.walls, gap, layout.level, t.openings).items()}
-    places = columns(t.every, list(layout.points_of(GROUND).values()), post_radius(layout.sizes), gap, layout.kept)
-    return replace(layout, second=Second(ends, places, max(span(thing, layout.level)[1] for thing in t.every)))
+    ends = {
+        name.partition(" ")[2]: at
+        for name, at in cuts(t.bands, t.axes, t.walls, gap, layout.level, t.openings).items()
+    }
+    places = columns(
+        t.every,
+        list(layout.points_of(GROUND).values()),
+        post_radius(layout.sizes),
+        gap,
+        layout.kept,
+    )
+    return replace(
+        layout, second=Second(ends, places, max(span(thing, layout.level)[1] for thing in t.every))
+    )
 
 
 def found_levels(layout: Layout, run: Run, explain: bool) -> dict[str, int] | None:
@@ -139,7 +157,9 @@ def found_levels(layout: Layout, run: Run, explain: bool) -> dict[str, int] | No
     Where there are none, or they are hard to find: None, or to `explain` a longer search and DesignError.
     """
     t, gap = things(layout, run), layout.fits.slide_clearance
-    return levels(t.bands, t.axes, run.theta, gap, layout.given, t.walls, t.over, explain, explain, t.openings)
+    return levels(
+        t.bands, t.axes, run.theta, gap, layout.given, t.walls, t.over, explain, explain, t.openings
+    )
 
 
 def things(layout: Layout, run: Run) -> Things:
@@ -153,7 +173,9 @@ def things(layout: Layout, run: Run) -> Things:
         pose = run.pose(layout.carrier(link))
         return np.asarray(pose.place + np.exp(1j * pose.angle) * np.array(places)[:, None])
 
-    def band(name: str, link: str, discs: Sequence[tuple[complex, float]], on: str, slim: str, move: str) -> Band:
+    def band(
+        name: str, link: str, discs: Sequence[tuple[complex, float]], on: str, slim: str, move: str
+    ) -> Band:
         corners = hull_corners([z for z, _ in discs])
         places = ways(link, [discs[k][0] for k in corners])
         return Band(name, places, max(radius for _, radius in discs), on, slim=slim, move=move)
@@ -163,55 +185,132 @@ def things(layout: Layout, run: Run) -> Things:
         discs = layout.guides[link].bands if link in layout.guides else [layout.hubs(link)]
         if arm is not None:
             reach = arm.width / 2 + arm.sagitta
-            discs = [*([hub] for hub in layout.hubs(link)), *([(a, reach), (b, reach)] for a, b in pairwise(arm.middle()))]
+            discs = [
+                *([hub] for hub in layout.hubs(link)),
+                *([(a, reach), (b, reach)] for a, b in pairwise(arm.middle())),
+            ]
         bands += [band(f"link {link}", link, each, link, *slimmer(layout, link)) for each in discs]
-        for start, way, half, length, _ in (bar for tip in layout.noses(link) if (bar := layout.arm(tip)) is not None):
+        for start, way, half, length, _ in (
+            bar for tip in layout.noses(link) if (bar := layout.arm(tip)) is not None
+        ):
             ends = [(start, half), (start + length * way, half)]
-            bands.append(band(f"face of link {link}", link, ends, link, "", f"other points of link {link}"))
+            bands.append(
+                band(f"face of link {link}", link, ends, link, "", f"other points of link {link}")
+            )
     for tip in layout.tips:
         cam, follower = tip.wheel, tip.joint.follower
         at = layout.at(GROUND, layout.shaft_of(cam.link))
-        smaller = f"a smaller {cam.about} (points.{tip.point} nearer to its shaft, or a smaller lift)"
-        disc = band(cam.about, GROUND, [(at, cam.radius)], tip.level, smaller, f"points.{layout.shaft_of(cam.link)} elsewhere")
-        rolls, smaller = [(layout.at(follower, tip.point), tip.radius)], f"a smaller radius of the roller of {cam.about}"
-        roller = band(f"roller of {cam.about}", follower, rolls, tip.level, smaller, f"points.{tip.point} elsewhere")
+        smaller = (
+            f"a smaller {cam.about} (points.{tip.point} nearer to its shaft, or a smaller lift)"
+        )
+        disc = band(
+            cam.about,
+            GROUND,
+            [(at, cam.radius)],
+            tip.level,
+            smaller,
+            f"points.{layout.shaft_of(cam.link)} elsewhere",
+        )
+        rolls, smaller = (
+            [(layout.at(follower, tip.point), tip.radius)],
+            f"a smaller radius of the roller of {cam.about}",
+        )
+        roller = band(
+            f"roller of {cam.about}",
+            follower,
+            rolls,
+            tip.level,
+            smaller,
+            f"points.{tip.point} elsewhere",
+        )
         # under a groove's roller there is the back plate, under one that hangs the head of its pin
-        bands += [replace(disc, below=int(tip.grooved)), *([replace(roller, below=int(tip.hung))] if tip.rolls else [])]
-        over += [] if not tip.rolls else [(follower, tip.level) if tip.hung or tip.grooved else (tip.level, follower)]
+        bands += [
+            replace(disc, below=int(tip.grooved)),
+            *([replace(roller, below=int(tip.hung))] if tip.rolls else []),
+        ]
+        over += (
+            []
+            if not tip.rolls
+            else [(follower, tip.level) if tip.hung or tip.grooved else (tip.level, follower)]
+        )
     for wheel in (*(each.wheel for each in layout.toothed), *layout.weights):
         at = layout.at(GROUND, layout.shaft_of(wheel.link))
-        how = 'counterweight.made = "steel", or a greater thickness' if wheel in layout.weights else "shafts nearer to each other"
+        how = (
+            'counterweight.made = "steel", or a greater thickness'
+            if wheel in layout.weights
+            else "shafts nearer to each other"
+        )
         smaller = f"a smaller {wheel.about} ({how})"
         elsewhere = f"points.{layout.shaft_of(wheel.link)} elsewhere"
-        bands.append(band(wheel.about, GROUND, [(at, wheel.radius)], wheel.level, smaller, elsewhere))
+        bands.append(
+            band(wheel.about, GROUND, [(at, wheel.radius)], wheel.level, smaller, elsewhere)
+        )
     for name, spring in layout.springs.items():
         ends = [ways(body, [layout.at(body, point)])[0] for body, point in (spring.a, spring.b)]
-        bands.append(Band(name, np.array(ends), spring.diameter / 2, below=layout.below(spring), slim="a thinner spring"))
-        beside = [(*layout.pivots[point], *layout.riders[point]) for _, point in (spring.a, spring.b)]
-        over += [(name, other) for others in beside for other in others if other not in (GROUND, name)]
+        bands.append(
+            Band(
+                name,
+                np.array(ends),
+                spring.diameter / 2,
+                below=layout.below(spring),
+                slim="a thinner spring",
+            )
+        )
+        beside = [
+            (*layout.pivots[point], *layout.riders[point]) for _, point in (spring.a, spring.b)
+        ]
+        over += [
+            (name, other) for others in beside for other in others if other not in (GROUND, name)
+        ]
     for point, links in layout.pivots.items():
         moving, shaft = tuple(link for link in links if link != GROUND), layout.shafts.get(point)
         moving = tuple(dict.fromkeys(layout.alone.get(link, link) for link in moving))
         upper = layout.alone.get(shaft or "", shaft) or (moving or (GROUND,))[-1]
-        hanging = tuple(link for link in moving if link in layout.webs and link != shaft) if shaft is not None else ()
+        hanging = (
+            tuple(link for link in moving if link in layout.webs and link != shaft)
+            if shaft is not None
+            else ()
+        )
         thrown = layout.thrown(point)
         if shaft is not None or (layout.slotted_link(point) not in ("", GROUND) and not thrown):
             over += [(upper, link) for link in moving if link not in (upper, *hanging)]
         held = (*moving, *layout.riders.get(point, ()))
-        loose = [layout.alone[link] for link in layout.freewheels if link in links]  # the shaft is round below and there alone
-        over += [(name, level) for level in loose for name in held if name != level and (name, level) not in over]
+        loose = [
+            layout.alone[link] for link in layout.freewheels if link in links
+        ]  # the shaft is round below and there alone
+        over += [
+            (name, level)
+            for level in loose
+            for name in held
+            if name != level and (name, level) not in over
+        ]
         if shaft is not None and layout.webs.get(shaft):
             over += [(shaft, rider) for rider in layout.riders.get(point, ())]
         elif thrown:  # what turns on a throw, or runs on it, lies between its webs
             low, *high = thrown
             between = [link for link in held if link not in layout.webs]
-            over += [(link, low) for link in between] + [(web, link) for web in high for link in between]
+            over += [(link, low) for link in between] + [
+                (web, link) for web in high for link in between
+            ]
         place = ways(links[0], [layout.at(links[0], point)])[0]
         wide, name = layout.head_radius(point), f"{'pin' if shaft is None else 'shaft'} {point}"
         low_ends = () if shaft is None else tuple(link for link in held if link not in hanging)
         runs = layout.slotted_link(point) == GROUND
-        axes.append(Axis(name, held, place, wide, links[0] == GROUND or runs, *layout.beyond(point), *slimmer_pin(layout, point),
-                         layout.between_plates(point), low_ends, hanging, runs))  # fmt: skip
+        axes.append(
+            Axis(
+                name,
+                held,
+                place,
+                wide,
+                links[0] == GROUND or runs,
+                *layout.beyond(point),
+                *slimmer_pin(layout, point),
+                layout.between_plates(point),
+                low_ends,
+                hanging,
+                runs,
+            )
+        )
     walls = []
     for link, each in layout.guides.items():
         on = each.joint.guide.body
@@ -219,12 +318,22 @@ def things(layout: Layout, run: Run) -> Things:
         if each.covered and layout.cover is not None:
             for pair in each.pairs:
                 screws = layout.cover.places(pair, layout.sizes.rail_width)
-                corners, radius = ways(on, [screws[k] for k in hull_corners(screws)]), layout.cover.radius
+                corners, radius = (
+                    ways(on, [screws[k] for k in hull_corners(screws)]),
+                    layout.cover.radius,
+                )
                 cures = "parts.cover = false", move
-                walls.append(Wall(f"cover of {link}", corners, radius, link, base, layout.cover.levels, *cures))
+                walls.append(
+                    Wall(
+                        f"cover of {link}", corners, radius, link, base, layout.cover.levels, *cures
+                    )
+                )
         else:
             half, slim = layout.sizes.rail_width / 2, "a smaller parts.rail_width"
-            walls += [Wall(f"rail of {link}", ways(on, ends), half, link, base, 0, slim, move) for ends in each.rails]
+            walls += [
+                Wall(f"rail of {link}", ways(on, ends), half, link, base, 0, slim, move)
+                for ends in each.rails
+            ]
         over += [(link, on)] if on != GROUND else []
     over += [(upper, lower) for lower, upper in pairwise(layout.webs)]
     return Things(bands, axes, walls, over, _openings(layout, run.theta.size))
@@ -234,13 +343,24 @@ def _openings(layout: Layout, count: int) -> list[Opening]:
     """Slots and other wide holes of the ground, at so many samples."""
     found = []
     for point, ends in layout.slots_of(GROUND).items():
-        corners, half = np.repeat(np.array(ends)[:, None], count, axis=1), layout.slot_width(point) / 2 + layout.min_wall / 2
+        corners, half = (
+            np.repeat(np.array(ends)[:, None], count, axis=1),
+            layout.slot_width(point) / 2 + layout.min_wall / 2,
+        )
         move = f"another line of the slot of points.{point}"
         found.append(Opening(f"slot of pin {point}", corners, half, f"pin {point}", move=move))
     motor = layout.shaft_of(layout.driven)
     for z, radius in motor_holes(layout):
         centre, half = np.full((1, count), z), radius + layout.min_wall / 2
-        found.append(Opening("hole for the motor", centre, half, f"shaft {motor}", move=f"points.{motor} elsewhere"))
+        found.append(
+            Opening(
+                "hole for the motor",
+                centre,
+                half,
+                f"shaft {motor}",
+                move=f"points.{motor} elsewhere",
+            )
+        )
     return found
 
 
@@ -253,12 +373,21 @@ def lacking(layout: Layout) -> DesignError | None:
     slid = next((tip for tip in layout.tips if tip.hung and tip.joint.slide is not None), None)
     if slid is not None:
         return DesignError(
-            "bars that cross the shaft", 1, 0, "", f"cam {slid.joint.name}",
+            "bars that cross the shaft",
+            1,
+            0,
+            "",
+            f"cam {slid.joint.name}",
             'make the closure of a follower that slides "force" or "groove": between two rollers its bar meets the shaft',
-        )  # fmt: skip
+        )
     held = next((tip for tip in layout.tips if not tip.rolls and tip.closure != "force"), None)
     if held is not None:
         return DesignError(
-            f"closure of a {held.shape}", 1, 0, "", f"cam {held.joint.name}", 'give it a roller, or the closure "force"'
+            f"closure of a {held.shape}",
+            1,
+            0,
+            "",
+            f"cam {held.joint.name}",
+            'give it a roller, or the closure "force"',
         )
     return None

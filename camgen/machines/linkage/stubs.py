@@ -55,4 +55,8 @@ def in_upper(layout: Layout, point: str, link: str) -> bool:
     if layout.second is None or not layout.between_plates(point) or point in layout.shafts:
         return False
     at, floor = layout.cut(point), layout.floor(layout.level[link])
-    return layout.level[link] > at if at is not None else 2 * floor > layout.ceiling + layout.sizes.base_thickness
+    return (
+        layout.level[link] > at
+        if at is not None
+        else 2 * floor > layout.ceiling + layout.sizes.base_thickness
+    )

@@ -13,7 +13,16 @@ from pydantic import BeforeValidator, Field
 
 from camgen.errors import Fault, SpecError
 from camgen.machine.cams.limits import CamLimits
-from camgen.machine.targets import Dwell, Function, Straight, Stroke, Target, Through, TimeRatio, Trace
+from camgen.machine.targets import (
+    Dwell,
+    Function,
+    Straight,
+    Stroke,
+    Target,
+    Through,
+    TimeRatio,
+    Trace,
+)
 from camgen.machines.linkage.sizes import Name
 from camgen.machines.loads.tables import CamBears
 from camgen.machines.pairs import Air
@@ -30,10 +39,16 @@ Degrees = Annotated[float, Field(ge=-36000, le=36000)]
 class DriveSegment(Record):
     """One segment of a drive's program, such as a stepper runs; a rise turns the driven link counter-clockwise."""
 
-    kind: Literal["rise", "dwell", "return"] = Field(description="a return turns the driven link clockwise")
+    kind: Literal["rise", "dwell", "return"] = Field(
+        description="a return turns the driven link clockwise"
+    )
     span_deg: Annotated[float, Field(ge=1e-3, le=360)] = Field(description="deg of the period")
-    lift_deg: Annotated[float, Field(ge=1e-3, le=3600)] | None = Field(None, description="deg, how far the driven link turns")
-    to_deg: Annotated[float, Field(ge=-3600, le=3600)] | None = Field(None, description="deg, or where it ends")
+    lift_deg: Annotated[float, Field(ge=1e-3, le=3600)] | None = Field(
+        None, description="deg, how far the driven link turns"
+    )
+    to_deg: Annotated[float, Field(ge=-3600, le=3600)] | None = Field(
+        None, description="deg, or where it ends"
+    )
     law: NamedLaw | None = Field(None, description="see camgen list; not of a dwell")
 
 
@@ -41,19 +56,30 @@ class Drive(Record):
     """What turns: a link that is pinned to the ground, all the way round or to and fro, evenly or by a program."""
 
     link: Name = Field(description="the driven link; it must be pinned to the ground")
-    speed_rpm: Annotated[Rpm, turning(0.001)] = Field(60.0, description="rpm, not 0; below 0: clockwise")
+    speed_rpm: Annotated[Rpm, turning(0.001)] = Field(
+        60.0, description="rpm, not 0; below 0: clockwise"
+    )
     range_deg: tuple[Degrees, Degrees] | None = Field(
-        None, description="deg from the drawn position, least and greatest: to and fro instead of turns"
+        None,
+        description="deg from the drawn position, least and greatest: to and fro instead of turns",
     )
     segments: Annotated[
         tuple[DriveSegment, ...],
-        Field(alias="segment", max_length=100, description="a program in place of an even turn; speed_rpm counts its periods"),
+        Field(
+            alias="segment",
+            max_length=100,
+            description="a program in place of an even turn; speed_rpm counts its periods",
+        ),
     ] = ()
 
     def program(self) -> Program | None:
         """Of the driven link from its drawn angle, rad over a period of 2 pi; None where it turns evenly; SpecError."""
-        rows = tuple(SegmentTable(kind=row.kind, span_deg=row.span_deg, law=row.law, lift=row.lift_deg, to=row.to_deg)
-                     for row in self.segments)  # fmt: skip
+        rows = tuple(
+            SegmentTable(
+                kind=row.kind, span_deg=row.span_deg, law=row.law, lift=row.lift_deg, to=row.to_deg
+            )
+            for row in self.segments
+        )
         return program(rows, math.radians(1), "drive.segment", 360.0, "_deg") if rows else None
 
     def faults(self) -> list[Fault]:
@@ -61,9 +87,21 @@ class Drive(Record):
         if not self.segments:
             return []
         if self.range_deg is not None:
-            return [Fault("drive.range_deg", str(list(self.range_deg)), "nothing here: the segments say how far it goes")]
+            return [
+                Fault(
+                    "drive.range_deg",
+                    str(list(self.range_deg)),
+                    "nothing here: the segments say how far it goes",
+                )
+            ]
         if self.speed_rpm < 0:
-            return [Fault("drive.speed_rpm", f"{self.speed_rpm:g}", "above 0, periods of the program: a return turns clockwise")]
+            return [
+                Fault(
+                    "drive.speed_rpm",
+                    f"{self.speed_rpm:g}",
+                    "above 0, periods of the program: a return turns clockwise",
+                )
+            ]
         try:
             self.program()
         except SpecError as error:
@@ -74,7 +112,9 @@ class Drive(Record):
 def _one_drive(value: object) -> object:
     """A list of drives is told for what it is."""
     if isinstance(value, list | tuple):
-        raise ValueError("one drive, [drive]: chains of more degrees of freedom are not made; let gears or cams couple the links")
+        raise ValueError(
+            "one drive, [drive]: chains of more degrees of freedom are not made; let gears or cams couple the links"
+        )
     return value
 
 
@@ -104,20 +144,32 @@ class Gear(Record):
 
     a: Name = Field(description="link")
     b: Name = Field(description="link")
-    ratio: Annotated[float, Field(ge=-1000, le=1000)] = Field(description="below 0: b turns the other way")
-    teeth: Annotated[int, Field(ge=5, le=400)] | None = Field(None, description="of the wheel of a; found unless given")
+    ratio: Annotated[float, Field(ge=-1000, le=1000)] = Field(
+        description="below 0: b turns the other way"
+    )
+    teeth: Annotated[int, Field(ge=5, le=400)] | None = Field(
+        None, description="of the wheel of a; found unless given"
+    )
     name: Name | None = Field(None, description="of the joint; both links unless given")
 
 
 class CamSegment(Record):
     """One segment of a cam's program; lift_deg and to_deg for a follower that swings, lift and to for one that slides."""
 
-    kind: Literal["rise", "dwell", "return"] = Field(description="a rise moves the follower away from the cam's centre")
+    kind: Literal["rise", "dwell", "return"] = Field(
+        description="a rise moves the follower away from the cam's centre"
+    )
     span_deg: Annotated[float, Field(ge=1e-3, le=360)] = Field(description="deg of the cam's turn")
     lift: Length | None = Field(None, description="mm, how far a follower slides")
-    to: Annotated[float, Field(ge=-1e6, le=1e6)] | None = Field(None, description="mm, or where it ends")
-    lift_deg: Annotated[float, Field(ge=1e-3, le=180)] | None = Field(None, description="deg, how far a follower swings")
-    to_deg: Annotated[float, Field(ge=-180, le=180)] | None = Field(None, description="deg, or where it ends")
+    to: Annotated[float, Field(ge=-1e6, le=1e6)] | None = Field(
+        None, description="mm, or where it ends"
+    )
+    lift_deg: Annotated[float, Field(ge=1e-3, le=180)] | None = Field(
+        None, description="deg, how far a follower swings"
+    )
+    to_deg: Annotated[float, Field(ge=-180, le=180)] | None = Field(
+        None, description="deg, or where it ends"
+    )
     law: NamedLaw | None = Field(None, description="see camgen list; not of a dwell")
 
 
@@ -126,26 +178,42 @@ class Cam(Record):
 
     cam: Name = Field(description="a link that turns on the ground")
     follower: Name = Field(description="a link that swings or slides on the ground")
-    shape: Literal["roller", "knife", "flat"] = Field("roller", description="what of the follower touches the cam")
-    at: Name = Field(description="point of the follower: the roller's centre, the edge, or a point of the face")
+    shape: Literal["roller", "knife", "flat"] = Field(
+        "roller", description="what of the follower touches the cam"
+    )
+    at: Name = Field(
+        description="point of the follower: the roller's centre, the edge, or a point of the face"
+    )
     radius: Length | None = Field(None, description="mm, of the roller")
-    closure: Literal["force", "groove", "conjugate"] = Field("force", description="what holds the follower on the cam")
-    face_width: Length | None = Field(None, description="mm, of a flat face; as wide as it is touched unless given")
+    closure: Literal["force", "groove", "conjugate"] = Field(
+        "force", description="what holds the follower on the cam"
+    )
+    face_width: Length | None = Field(
+        None, description="mm, of a flat face; as wide as it is touched unless given"
+    )
     tip_clearance: Air = Field(0.0, description="mm, air at each tip of a pair; below 0: preload")
     name: Name | None = Field(None, description="of the joint; both links unless given")
-    segment: Annotated[tuple[CamSegment, ...], Field(min_length=1, max_length=100)] = Field(description="the program")
+    segment: Annotated[tuple[CamSegment, ...], Field(min_length=1, max_length=100)] = Field(
+        description="the program"
+    )
 
 
 class Spring(Record):
     """An extension spring between the pins of two points, of two links; it loads the machine."""
 
     between: Two = Field(description="two points, of two links")
-    rate: Annotated[float, Field(ge=1e-4, le=1e4)] = Field(description="N/mm, of its pull by its length")
-    free: Length | None = Field(None, description="mm, between both points where it does not pull yet")
+    rate: Annotated[float, Field(ge=1e-4, le=1e4)] = Field(
+        description="N/mm, of its pull by its length"
+    )
+    free: Length | None = Field(
+        None, description="mm, between both points where it does not pull yet"
+    )
     preload: Annotated[float, Field(ge=0, le=1e6)] | None = Field(
         None, description="N, in place of free: its pull where it is shortest"
     )
-    name: Name | None = Field(None, description="of its level and its figures; spring, or with its number, unless given")
+    name: Name | None = Field(
+        None, description="of its level and its figures; spring, or with its number, unless given"
+    )
 
 
 class Wanted(Record):
@@ -165,7 +233,15 @@ class Wanted(Record):
     @property
     def targets(self) -> tuple[Target, ...]:
         """What is wanted of it by value."""
-        every = (self.stroke, self.points, self.path, self.straightness, self.dwell, self.time_ratio, self.function)
+        every = (
+            self.stroke,
+            self.points,
+            self.path,
+            self.straightness,
+            self.dwell,
+            self.time_ratio,
+            self.function,
+        )
         return tuple(target for target in every if target is not None)
 
 
@@ -175,17 +251,21 @@ class Include(Record):
     spec: Annotated[str, Field(max_length=300)] | dict[str, Any] = Field(
         description="path of the other spec, seen from this one's folder; or its tables"
     )
-    name: Name | None = Field(None, description="put before its names; unless given that of its spec")
+    name: Name | None = Field(
+        None, description="put before its names; unless given that of its spec"
+    )
     at: Place = Field((0.0, 0.0), description="mm, where its origin is on the ground")
     phase_deg: Degrees = Field(0.0, description="deg, how far its shaft is ahead of this one's")
     z: Annotated[float, Field(ge=-1e4, le=1e4)] | None = Field(
         None, description="mm, how far it is raised; unless given it stands above all before it"
     )
     mounted: bool = Field(
-        False, description="whether its frame stands on this machine's second plate; shafts in one line are joined by a sleeve"
+        False,
+        description="whether its frame stands on this machine's second plate; shafts in one line are joined by a sleeve",
     )
     ride: dict[str, Name] = Field(
-        {}, description="bodies of it that links of this machine carry, in place of its own guides and cams: body = link"
+        {},
+        description="bodies of it that links of this machine carry, in place of its own guides and cams: body = link",
     )
     ride_tolerance: Annotated[float, Field(ge=0, le=1e6)] = Field(
         0.01, description="mm, how far such a body may be from where its own machine has it"
@@ -197,8 +277,12 @@ class Masses(Record):
     """Mass of a link; what is left out comes from its solid."""
 
     mass_g: Annotated[float, Field(ge=0, le=1e6)] = Field(description="g")
-    centre: Place | None = Field(None, description="mm in the link's axes: origin its first point, x towards its second")
-    inertia_kg_m2: Annotated[float, Field(ge=0, le=1e6)] = Field(0.0, description="kg m^2, about the centre of mass")
+    centre: Place | None = Field(
+        None, description="mm in the link's axes: origin its first point, x towards its second"
+    )
+    inertia_kg_m2: Annotated[float, Field(ge=0, le=1e6)] = Field(
+        0.0, description="kg m^2, about the centre of mass"
+    )
 
 
 def pair(key: str) -> tuple[str, str] | None:
@@ -210,15 +294,23 @@ def pair(key: str) -> tuple[str, str] | None:
 class Limits(CamBears):
     """What the designer accepts; a finding fails beyond it."""
 
-    transmission_angle_deg: Annotated[float, Field(ge=0, lt=90)] = Field(20.0, description="deg, least of each loop")
-    undercut: Annotated[float, Field(ge=0, le=1e6)] = Field(0.0, description="mm, motion that a follower that slides may lose")
-    undercut_deg: Annotated[float, Field(ge=0, le=180)] = Field(0.0, description="deg, the same of one that swings")
+    transmission_angle_deg: Annotated[float, Field(ge=0, lt=90)] = Field(
+        20.0, description="deg, least of each loop"
+    )
+    undercut: Annotated[float, Field(ge=0, le=1e6)] = Field(
+        0.0, description="mm, motion that a follower that slides may lose"
+    )
+    undercut_deg: Annotated[float, Field(ge=0, le=180)] = Field(
+        0.0, description="deg, the same of one that swings"
+    )
     lash: Annotated[float, Field(ge=0, le=1e6)] | None = Field(
         None,
         description="mm, free play of an output by all joints' play; a quarter of its stroke, or of a path's smaller side, "
         "unless given",
     )
-    lash_deg: Annotated[float, Field(ge=0, le=360)] | None = Field(None, description="deg, the same of an angle")
+    lash_deg: Annotated[float, Field(ge=0, le=360)] | None = Field(
+        None, description="deg, the same of an angle"
+    )
     min_wall: Length = Field(0.8, description="mm")
 
     def of_follower(self, slides: bool) -> CamLimits:

@@ -14,7 +14,9 @@ from camgen.parts.level_rules import Crowded
 from camgen.parts.part import Part
 
 
-def with_cures(refused: DesignError, layout: Layout, run: Run, parts: Callable[[Change], Sequence[Part]]) -> DesignError:
+def with_cures(
+    refused: DesignError, layout: Layout, run: Run, parts: Callable[[Change], Sequence[Part]]
+) -> DesignError:
     """The error with what mends it, as far as that is found.
 
     run: samples over the whole motion; parts: those of the spec with a change, DesignError or SpecError where it has none.
@@ -30,4 +32,6 @@ def with_cures(refused: DesignError, layout: Layout, run: Run, parts: Callable[[
     def why_not(change: Change) -> DesignError | None:
         return refusal(change.of(first), run)
 
-    return cures.with_cures(first, refused, makes, why_not, attempts(first) if isinstance(refused, Crowded) else ())
+    return cures.with_cures(
+        first, refused, makes, why_not, attempts(first) if isinstance(refused, Crowded) else ()
+    )

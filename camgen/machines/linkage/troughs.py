@@ -29,8 +29,10 @@ def rails(layout: Layout, link: str, floor: float) -> list[Layer]:
     heights = sorted({round(z, 9) for layer in found for z in (layer.z0, layer.z1)})
     return [
         Layer(layer.region, low, high)
-        for low, high in pairwise(heights) for layer in found if layer.z0 < (low + high) / 2 < layer.z1
-    ]  # fmt: skip
+        for low, high in pairwise(heights)
+        for layer in found
+        if layer.z0 < (low + high) / 2 < layer.z1
+    ]
 
 
 def covers(layout: Layout) -> Iterator[tuple[Part, Mount]]:
@@ -41,8 +43,15 @@ def covers(layout: Layout) -> Iterator[tuple[Part, Mount]]:
         for pair in guide.pairs:
             places, joint = layout.cover.places(pair, layout.sizes.rail_width), guide.joint
             part = layout.cover.part(places, cmath.exp(1j * joint.angle), layout.min_wall)
-            yield part, Mount(
-                "cover", joint.guide.body, sum(places) / len(places), joint.angle, z=layout.floor(layout.level[runner] + 1)
+            yield (
+                part,
+                Mount(
+                    "cover",
+                    joint.guide.body,
+                    sum(places) / len(places),
+                    joint.angle,
+                    z=layout.floor(layout.level[runner] + 1),
+                ),
             )
 
 
@@ -50,5 +59,6 @@ def open_rails(layout: Layout) -> list[str]:
     """What to say of links whose rails are open above."""
     return [
         f"{link} slides between rails that are open above: what lies on its pins alone holds it down."
-        for link, guide in layout.guides.items() if not guide.covered
-    ]  # fmt: skip
+        for link, guide in layout.guides.items()
+        if not guide.covered
+    ]

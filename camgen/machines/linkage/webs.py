@@ -1,9 +1,9 @@
 """An interrupted shaft: webs on levels of their own, joined by the crank pins, so that rods sweep over the axis between them.
 
-    throw    a point of the driven link on which other links turn; throws follow each other in the order of the link's points
-    web      the first from the shaft to the first throw, then each from throw to throw; with a second plate the last one leads
-             back to the axis, where a shaft of its own turns in that plate
-    pin      round where rods turn on it, with a flat at both ends: pressed into the webs, it keeps them at their angles
+throw    a point of the driven link on which other links turn; throws follow each other in the order of the link's points
+web      the first from the shaft to the first throw, then each from throw to throw; with a second plate the last one leads
+         back to the axis, where a shaft of its own turns in that plate
+pin      round where rods turn on it, with a flat at both ends: pressed into the webs, it keeps them at their angles
 """
 
 from __future__ import annotations
@@ -26,7 +26,9 @@ def web_name(link: str, k: int) -> str:
 
 def throws(links: Mapping[str, Sequence[str]], link: str, pins: Sequence[str] = ()) -> list[str]:
     """Points of a link on which others turn, in its order; pins: those that run in a slot."""
-    others = {point for name, points in links.items() if name != link for point in points} | set(pins)
+    others = {point for name, points in links.items() if name != link for point in points} | set(
+        pins
+    )
     return [point for point in links[link] if point in others and point not in links[m.GROUND]]
 
 
@@ -36,14 +38,18 @@ def webs(link: str, shaft: str, thrown: Sequence[str], back: bool) -> dict[str, 
     return {web_name(link, k): both for k, both in enumerate(pairwise(chain))}
 
 
-def further(links: Mapping[str, Sequence[str]], link: str, pins: Sequence[str], sizes: Parts) -> list[str]:
+def further(
+    links: Mapping[str, Sequence[str]], link: str, pins: Sequence[str], sizes: Parts
+) -> list[str]:
     """Names of the webs after the first, of a shaft that is interrupted; nothing of one that goes through."""
     if sizes.shaft == "through" or link not in links or m.GROUND not in links:
         return []
     return [web_name(link, k) for k in range(1, len(throws(links, link, pins)) + sizes.plates - 1)]
 
 
-def parted(bodies: Sequence[m.Body], link: str, found: Mapping[str, tuple[str, ...]]) -> list[m.Body]:
+def parted(
+    bodies: Sequence[m.Body], link: str, found: Mapping[str, tuple[str, ...]]
+) -> list[m.Body]:
     """The bodies with the webs in place of the link; points that no web joins are on the first."""
     parts: list[m.Body] = []
     for body in bodies:
@@ -52,37 +58,71 @@ def parted(bodies: Sequence[m.Body], link: str, found: Mapping[str, tuple[str, .
             continue
         joined = {point for points in found.values() for point in points}
         for k, (name, points) in enumerate(found.items()):
-            held = [point for point in body.points if point in points or (k == 0 and point not in joined)]
-            parts.append(replace(body, name=name, points={point: body.points[point] for point in held}))
+            held = [
+                point
+                for point in body.points
+                if point in points or (k == 0 and point not in joined)
+            ]
+            parts.append(
+                replace(body, name=name, points={point: body.points[point] for point in held})
+            )
     return parts
 
 
 def faults(
-    links: Mapping[str, Sequence[str]], points: Mapping[str, tuple[float, float]], link: str, pins: Sequence[str]
+    links: Mapping[str, Sequence[str]],
+    points: Mapping[str, tuple[float, float]],
+    link: str,
+    pins: Sequence[str],
 ) -> list[Fault]:
     """Why a link's shaft cannot be interrupted."""
     thrown, key = throws(links, link, pins), "parts.shaft"
     if not thrown:
-        return [Fault(key, "interrupted", f'"through": no other link turns on a point of {link}, which drives')]
+        return [
+            Fault(
+                key,
+                "interrupted",
+                f'"through": no other link turns on a point of {link}, which drives',
+            )
+        ]
     taken = [name for k in range(1, len(thrown) + 1) if (name := web_name(link, k)) in links]
-    found = [Fault(f"links.{name}", "", f"another name: a web of the interrupted shaft of {link} has it") for name in taken]
+    found = [
+        Fault(f"links.{name}", "", f"another name: a web of the interrupted shaft of {link} has it")
+        for name in taken
+    ]
     for a, b in pairwise(thrown):
         if a in points and b in points and points[a] == points[b]:
-            found.append(Fault(key, "interrupted", f"throws that follow each other apart: {a} and {b} lie at one place"))
+            found.append(
+                Fault(
+                    key,
+                    "interrupted",
+                    f"throws that follow each other apart: {a} and {b} lie at one place",
+                )
+            )
     return found
 
 
 def keyed_pin(
-    diameter: float, ends: tuple[float, float], between: float, flat: float, head: tuple[float, float], made: str = "printed"
+    diameter: float,
+    ends: tuple[float, float],
+    between: float,
+    flat: float,
+    head: tuple[float, float],
+    made: str = "printed",
 ) -> Part:
     """A crank pin from its lower end up, mm: a flat as long as its web, round between them, a flat; or, where the upper end is
     0, a head (radius, height) over what turns on it."""
     keyed: Contour = d_bore(diameter, flat)
     low, high = ends
-    layers = [Layer(Region(keyed), 0.0, low), Layer(Region(circle(0j, diameter / 2)), low, low + between)]
+    layers = [
+        Layer(Region(keyed), 0.0, low),
+        Layer(Region(circle(0j, diameter / 2)), low, low + between),
+    ]
     if high:
         layers.append(Layer(Region(keyed), low + between, low + between + high))
     else:
         layers.append(Layer(Region(circle(0j, head[0])), low + between, low + between + head[1]))
     said = "its flats turn the webs: pressed and glued in"
-    return Part("crank-pin", "Crank pin", tuple(layers), centres=(0j,), notes=(said,), cut=1, made=made)
+    return Part(
+        "crank-pin", "Crank pin", tuple(layers), centres=(0j,), notes=(said,), cut=1, made=made
+    )

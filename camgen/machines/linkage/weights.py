@@ -25,7 +25,9 @@ _PASSES, _SAME = 6, 1e-9  # of layouts; mm, change of the radius that is none
 _ROOM = 0.5  # mm, about it where levels are looked for: what hangs on a level may change it by less
 
 
-def weight_faults(spec: Counterweight, drive: Drive, masses: Collection[str], lying: Collection[str]) -> list[Fault]:
+def weight_faults(
+    spec: Counterweight, drive: Drive, masses: Collection[str], lying: Collection[str]
+) -> list[Fault]:
     """What does not go with the other tables; masses: links whose mass is given; lying: names of all else that has a level."""
     found = spec.faults()
     if drive.link in masses:
@@ -40,7 +42,11 @@ def weight_faults(spec: Counterweight, drive: Drive, masses: Collection[str], ly
 
 
 def counterbalanced(
-    spec: Counterweight, layout: Layout, run: Run, density: float, weighed: Callable[[Bodies], Machine]
+    spec: Counterweight,
+    layout: Layout,
+    run: Run,
+    density: float,
+    weighed: Callable[[Bodies], Machine],
 ) -> tuple[Bodies, complex]:
     """The bodies with the counterweight, and the moment of all that turns with the driven link, complex g mm in its axes.
 
@@ -49,13 +55,24 @@ def counterbalanced(
     link = layout.driven
     bodies, radius = Bodies(laid(layout, run)), 0.0
     for _ in range(_PASSES):
-        whole = spec.given if spec.given is not None else spec.whole(weighed(bodies), link, pivot_of(bodies.layout, link))
+        whole = (
+            spec.given
+            if spec.given is not None
+            else spec.whole(weighed(bodies), link, pivot_of(bodies.layout, link))
+        )
         at = bodies.layout.at(link, bodies.layout.shaft_of(link))
         own = first_moment(link, at, bodies.parts, bodies.mounts, density)
         made = spec.fitted(
-            whole - spec.other, own, bodies.collar_radius, bodies.bore, layout.sizes.thickness, density, layout.fits,
-            layout.min_wall, f"pressed and glued on the shaft of {link}",
-        )  # fmt: skip
+            whole - spec.other,
+            own,
+            bodies.collar_radius,
+            bodies.bore,
+            layout.sizes.thickness,
+            density,
+            layout.fits,
+            layout.min_wall,
+            f"pressed and glued on the shaft of {link}",
+        )
         if bodies.layout.weights and abs(made[2] - radius) <= _SAME:
             break
         radius, kept = made[2], bodies.layout.given if bodies.layout.weights else layout.given

@@ -1,8 +1,8 @@
 """What sits on the shafts of a linkage: cam discs with their rollers, gear wheels.
 
-    wheel    a disc that is fixed on its link's shaft, at the pivot on the ground; wheels that touch lie on one level
-    roller   turns on a pin of the follower, on the level of its cam
-    second   of a conjugate pair: another cam and a roller at a further point of the follower, which pushes it back
+wheel    a disc that is fixed on its link's shaft, at the pivot on the ground; wheels that touch lie on one level
+roller   turns on a pin of the follower, on the level of its cam
+second   of a conjugate pair: another cam and a roller at a further point of the follower, which pushes it back
 """
 
 from __future__ import annotations
@@ -21,7 +21,14 @@ from camgen.errors import DesignError
 from camgen.findings import Finding
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
-from camgen.machine.cams.followers import FlatFace, Follower, SlidingFace, SlidingTip, SwingingArm, SwingingFace
+from camgen.machine.cams.followers import (
+    FlatFace,
+    Follower,
+    SlidingFace,
+    SlidingTip,
+    SwingingArm,
+    SwingingFace,
+)
 from camgen.machine.cams.limits import Advice, CamLimits, ExactCam, cam_findings
 from camgen.machine.cams.machine import CamTouch
 from camgen.machine.cams.profile import DiscCam
@@ -34,7 +41,11 @@ from camgen.parts.gears import Spur, pair
 
 _ROUND = np.linspace(0, math.tau, 721)
 NOSE = 3.0  # radii of a knife's disc, from there to its edge
-_WORDS = {"tip_radius": "radius", "a smaller swing": "a smaller lift", "a larger base_radius": "a follower drawn further away"}
+_WORDS = {
+    "tip_radius": "radius",
+    "a smaller swing": "a smaller lift",
+    "a larger base_radius": "a follower drawn further away",
+}
 _BESIDE = 0.5  # mm, of a face beside where it is touched
 
 
@@ -56,7 +67,9 @@ def ridden(drawing: Drawing, limits: Limits) -> dict[str, Ridden]:
     found = {}
     for cam in drawing.cams:
         accepted = limits.of_follower(drawing.slide_of(cam.follower) is not None)
-        touching = Ridden(cam.shape, cam.radius, cam.closure, cam.at, cam.tip_clearance, cam.face_width, accepted)
+        touching = Ridden(
+            cam.shape, cam.radius, cam.closure, cam.at, cam.tip_clearance, cam.face_width, accepted
+        )
         found[drawing.cam_name(cam)] = touching
     return found
 
@@ -180,7 +193,10 @@ class Tip:
     @cached_property
     def wheel(self) -> Wheel:
         """Its disc, or what a groove's plates cover."""
-        reach = float(np.abs(self.cam.profile(_ROUND)).max()) + (2 * self.radius + self.rim) * self.grooved
+        reach = (
+            float(np.abs(self.cam.profile(_ROUND)).max())
+            + (2 * self.radius + self.rim) * self.grooved
+        )
         return Wheel(self.level, self.joint.cam, reach, f"cam {self.joint.name}")
 
 
@@ -189,7 +205,14 @@ def pivot(machine: m.Machine, link: str) -> tuple[complex, complex]:
     for joint in machine.joints:
         if isinstance(joint, m.Pin) and {joint.a.body, joint.b.body} == {m.GROUND, link}:
             return (joint.a.at, joint.b.at) if joint.a.body == link else (joint.b.at, joint.a.at)
-    raise DesignError("pivots on the ground", 0, 1, "", f"link {link}", "what carries a cam or gear turns on the ground")
+    raise DesignError(
+        "pivots on the ground",
+        0,
+        1,
+        "",
+        f"link {link}",
+        "what carries a cam or gear turns on the ground",
+    )
 
 
 def with_seconds(machine: m.Machine, cams: Mapping[str, Ridden]) -> m.Machine:
@@ -219,7 +242,9 @@ def _second(machine: m.Machine, joint: m.Cam, spec: Ridden) -> complex:
         slide = machine.slide(joint.slide)
         assert isinstance(slide, m.Slide) and isinstance(first, SlidingTip)
         way = law.sign * first.along
-        return complex(body.points[spec.at]) - (2 * (first.start / way).real + top) * way * cmath.exp(-1j * slide.turn)
+        return complex(body.points[spec.at]) - (
+            2 * (first.start / way).real + top
+        ) * way * cmath.exp(-1j * slide.turn)
     assert isinstance(first, SwingingArm)
     mirrored = (first.arm / first.pivot).conjugate() * first.pivot * cmath.exp(-1j * law.sign * top)
     return pivot(machine, joint.follower)[0] + mirrored * cmath.exp(-1j * joint.rest)
@@ -227,11 +252,16 @@ def _second(machine: m.Machine, joint: m.Cam, spec: Ridden) -> complex:
 
 def _signed(law: Scaled) -> Program:
     """The follower's own displacement."""
-    segments = [replace(each, start=law.sign * each.start, scale=law.sign * each.scale) for each in law.program.segments]
+    segments = [
+        replace(each, start=law.sign * each.start, scale=law.sign * each.scale)
+        for each in law.program.segments
+    ]
     return replace(law.program, segments=tuple(segments))
 
 
-def _follower(machine: m.Machine, joint: m.Cam, spec: Ridden, point: str, leaves: Literal[1, -1]) -> Follower:
+def _follower(
+    machine: m.Machine, joint: m.Cam, spec: Ridden, point: str, leaves: Literal[1, -1]
+) -> Follower:
     """What touches the cam, about the cam's axis, as drawn."""
     at = complex(machine.body(joint.follower).points[point])
     centre, radius = pivot(machine, joint.cam)[1], spec.radius or 0.0
@@ -239,32 +269,58 @@ def _follower(machine: m.Machine, joint: m.Cam, spec: Ridden, point: str, leaves
         slide = machine.slide(joint.slide)
         assert isinstance(slide, m.Slide)
         way = cmath.exp(1j * slide.angle)
-        start = slide.guide.at + way * joint.rest + cmath.exp(1j * slide.turn) * (at - slide.runner.at) - centre
-        return SlidingFace(start, way, leaves) if spec.shape == "flat" else SlidingTip(start, way, radius, leaves)
+        start = (
+            slide.guide.at
+            + way * joint.rest
+            + cmath.exp(1j * slide.turn) * (at - slide.runner.at)
+            - centre
+        )
+        return (
+            SlidingFace(start, way, leaves)
+            if spec.shape == "flat"
+            else SlidingTip(start, way, radius, leaves)
+        )
     held, hinge = pivot(machine, joint.follower)
     arm, far = cmath.exp(1j * joint.rest) * (at - held), hinge - centre
     if spec.shape == "flat":
         facing = 1j * arm / abs(arm)
-        return SwingingFace(far, facing * math.copysign(1, (facing.conjugate() * (far + arm)).real), 0.0)
+        return SwingingFace(
+            far, facing * math.copysign(1, (facing.conjugate() * (far + arm)).real), 0.0
+        )
     return SwingingArm(far, arm, radius, leaves)
 
 
-def tips(machine: m.Machine, cams: Mapping[str, Ridden], sizes: Parts, clearance: float) -> list[Tip]:
+def tips(
+    machine: m.Machine, cams: Mapping[str, Ridden], sizes: Parts, clearance: float
+) -> list[Tip]:
     """What runs on each cam; of a conjugate pair both. clearance: of a groove, mm."""
     found = []
     for name, spec in cams.items():
         joint = machine.joint(name)
         assert isinstance(joint, m.Cam) and isinstance(joint.law, Scaled)
-        both: Sequence[tuple[str, str, Literal[1, -1]]] = [(level_of(name), spec.at, 1 if joint.law.sign > 0 else -1)]
+        both: Sequence[tuple[str, str, Literal[1, -1]]] = [
+            (level_of(name), spec.at, 1 if joint.law.sign > 0 else -1)
+        ]
         if spec.closure == "conjugate" and spec.shape == "roller":
-            both = [*both, (level_of(name) + SECOND, spec.at + SECOND, -1 if joint.law.sign > 0 else 1)]
+            both = [
+                *both,
+                (level_of(name) + SECOND, spec.at + SECOND, -1 if joint.law.sign > 0 else 1),
+            ]
         for key, point, leaves in both:
             follower = _follower(machine, joint, spec, point, leaves)
             if isinstance(follower, FlatFace) and follower.leaves != leaves:
                 raise DesignError(
-                    "side of the face", follower.leaves, leaves, "", f"cam {name}", "draw `at` on the cam's side of the hinge"
+                    "side of the face",
+                    follower.leaves,
+                    leaves,
+                    "",
+                    f"cam {name}",
+                    "draw `at` on the cam's side of the hinge",
                 )
-            cam, rim = DiscCam(_signed(joint.law), follower, spec.tip_clearance), groove_rim(sizes) + clearance
+            cam, rim = (
+                DiscCam(_signed(joint.law), follower, spec.tip_clearance),
+                groove_rim(sizes) + clearance,
+            )
             level = key if spec.shape == "roller" else joint.follower
             found.append(Tip(level, joint, cam, point, leaves, key, spec, rim))
     return found
@@ -280,7 +336,9 @@ def touched(joint: m.Cam, tips: Sequence[Tip], at: complex) -> m.Cam:
     return replace(joint, touches=tuple(touches), leaves=mine[0].leaves)
 
 
-def toothed(machine: m.Machine, gears: Mapping[str, Gear], backlash: float, least: float) -> list[Toothed]:
+def toothed(
+    machine: m.Machine, gears: Mapping[str, Gear], backlash: float, least: float
+) -> list[Toothed]:
     """Both wheels of each gear, a's tooth in b's gap on the line of their axes; least: module that can be made, mm."""
     found = []
     for name, spec in gears.items():
@@ -294,7 +352,9 @@ def toothed(machine: m.Machine, gears: Mapping[str, Gear], backlash: float, leas
         first, second = pair(abs(b - a), joint.ratio, backlash, least, spec.teeth, where)
         line = cmath.phase(b - a)
         found.append(Toothed(level_of(name), joint, joint.a, first, line))
-        found.append(Toothed(level_of(name), joint, joint.b, second, line + math.pi + math.pi / second.teeth))
+        found.append(
+            Toothed(level_of(name), joint, joint.b, second, line + math.pi + math.pi / second.teeth)
+        )
     return found
 
 
@@ -304,7 +364,12 @@ def limits(tips: Iterable[Tip]) -> list[Finding]:
     for name, joined in groupby(tips, lambda tip: tip.joint.name):
         of_joint = [*joined]
         ridden = of_joint[0].ridden
-        found += cam_findings([exact(tip) for tip in of_joint], ridden.limits, f"program of cam {name}", ridden.face_width)
+        found += cam_findings(
+            [exact(tip) for tip in of_joint],
+            ridden.limits,
+            f"program of cam {name}",
+            ridden.face_width,
+        )
     return found
 
 
@@ -315,7 +380,11 @@ def exact(tip: Tip) -> ExactCam:
     further = "a follower drawn further from the shaft"
     flatter = f"largest at cam angle {math.degrees(worst):.2f} deg; {further}, or a longer span,"
     second = ", second of the pair" if tip.name.endswith(SECOND) else ""
-    return ExactCam(f"cam {tip.joint.name}{second}", tip.cam, Advice(flatter, f"{further}, or a smaller radius,"))
+    return ExactCam(
+        f"cam {tip.joint.name}{second}",
+        tip.cam,
+        Advice(flatter, f"{further}, or a smaller radius,"),
+    )
 
 
 def outline(tip: Tip) -> Contour:
@@ -346,4 +415,11 @@ def named(error: DesignError, thing: str, remedy: str) -> DesignError:
     where = thing + (f", {error.where}" if error.where else "")
     for word, own in _WORDS.items():
         remedy = remedy.replace(word, own)
-    return DesignError(_WORDS.get(error.quantity, error.quantity), error.value, error.limit, error.unit, where, remedy)
+    return DesignError(
+        _WORDS.get(error.quantity, error.quantity),
+        error.value,
+        error.limit,
+        error.unit,
+        where,
+        remedy,
+    )

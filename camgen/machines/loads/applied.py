@@ -1,8 +1,8 @@
 """[[load.on]]: what a person says acts on the machine besides its own weight and springs, over theta.
 
-    on an output   value along it as it grows, by virtual work: N on a way, N m on an angle; thread tension on a length of thread
-    on a body      a force on a point of it, in the ground's axes or turning with it; or a torque, where no point is given
-    its value      constant, or from a table over theta; "along" it acts the way that it moves, below 0 it resists
+on an output   value along it as it grows, by virtual work: N on a way, N m on an angle; thread tension on a length of thread
+on a body      a force on a point of it, in the ground's axes or turning with it; or a torque, where no point is given
+its value      constant, or from a table over theta; "along" it acts the way that it moves, below 0 it resists
 """
 
 from __future__ import annotations
@@ -35,19 +35,38 @@ class Applied(Record):
     """A load on an output, on a point of a body, or a torque on a body."""
 
     name: _Word | None = Field(None, description="of the load; load and its number unless given")
-    output: _Word | None = Field(None, description="the output that it is on: a way, an angle or a path")
-    body: _Word | None = Field(None, description="or the body that it is on; without a point a torque on it")
-    point: _Word | tuple[_Size, _Size] | None = Field(None, description="mm, of the body: a named point, or x, y in its frame")
-    value: _Size | None = Field(None, description="N or N m, constant; above 0 as the output grows", json_schema_extra=_FORCE)
-    points: Annotated[tuple[tuple[_Turn, _Size], ...], Field(min_length=2, max_length=100_000)] | None = Field(
-        None, description="or rows of theta, deg, and value; linear between, 0 outside", json_schema_extra=_FORCE
+    output: _Word | None = Field(
+        None, description="the output that it is on: a way, an angle or a path"
+    )
+    body: _Word | None = Field(
+        None, description="or the body that it is on; without a point a torque on it"
+    )
+    point: _Word | tuple[_Size, _Size] | None = Field(
+        None, description="mm, of the body: a named point, or x, y in its frame"
+    )
+    value: _Size | None = Field(
+        None,
+        description="N or N m, constant; above 0 as the output grows",
+        json_schema_extra=_FORCE,
+    )
+    points: (
+        Annotated[tuple[tuple[_Turn, _Size], ...], Field(min_length=2, max_length=100_000)] | None
+    ) = Field(
+        None,
+        description="or rows of theta, deg, and value; linear between, 0 outside",
+        json_schema_extra=_FORCE,
     )
     file: _Word | None = Field(None, description="or the same rows in a text file beside the spec")
-    unit: Literal["N", "N m"] | None = Field(None, description="of its values; a file's heading says it")
+    unit: Literal["N", "N m"] | None = Field(
+        None, description="of its values; a file's heading says it"
+    )
     source: _Word | None = Field(None, description="where they are from")
-    direction_deg: _Turn | None = Field(None, description="direction of a force on a point or path, from the x axis")
+    direction_deg: _Turn | None = Field(
+        None, description="direction of a force on a point or path, from the x axis"
+    )
     acts: Literal["fixed", "with the body", "along"] = Field(
-        "fixed", description="in the ground's axes; turning with its body; or as it moves: below 0 it resists"
+        "fixed",
+        description="in the ground's axes; turning with its body; or as it moves: below 0 it resists",
     )
 
     @model_validator(mode="after")
@@ -63,15 +82,26 @@ class Applied(Record):
             degrees = [row[0] for row in self.points]
             back = next((k for k, (a, b) in enumerate(pairwise(degrees), 1) if not a < b), None)
             if back is not None:
-                wrong.append(f"points by growing angles: row {back} has {degrees[back]:g} deg after {degrees[back - 1]:g}")
+                wrong.append(
+                    f"points by growing angles: row {back} has {degrees[back]:g} deg after {degrees[back - 1]:g}"
+                )
             elif degrees[-1] - degrees[0] > 360 + 1e-9:
                 wrong.append(f"points within one turn: they span {degrees[-1] - degrees[0]:g} deg")
-        if self.direction_deg is not None and (self.acts == "along" or (self.body is not None and self.point is None)):
+        if self.direction_deg is not None and (
+            self.acts == "along" or (self.body is not None and self.point is None)
+        ):
             wrong.append("no direction_deg: its motion, or the torque, says the way")
-        if self.body is not None and self.point is not None and self.acts != "along" and self.direction_deg is None:
+        if (
+            self.body is not None
+            and self.point is not None
+            and self.acts != "along"
+            and self.direction_deg is None
+        ):
             wrong.append('direction_deg: the direction of the force; or acts = "along"')
         if self.acts == "with the body" and self.point is None:
-            wrong.append('acts = "with the body" with a point: a direction that turns with its body')
+            wrong.append(
+                'acts = "with the body" with a point: a direction that turns with its body'
+            )
         if wrong:
             raise ValueError("; ".join(wrong))
         return self
@@ -91,20 +121,34 @@ class Table:
         first, last = self.theta[0], self.theta[-1]
         at = np.asarray(theta, float)
         within = first + np.mod(at - first, math.tau)
-        within = np.where((at > first) & (within == first) & (last >= first + math.tau - 1e-12), last, within)  # a turn's end
+        within = np.where(
+            (at > first) & (within == first) & (last >= first + math.tau - 1e-12), last, within
+        )  # a turn's end
         return np.asarray(np.interp(within, self.theta, self.values, right=0.0))
-
 
     def jumps(self, name: str) -> list[str]:
         """A sentence where it jumps from one turn to the next, or from 0 and to 0 outside its rows."""
         first, last = self.values[0], self.values[-1]
         begin, end = (math.degrees(each) for each in (self.theta[0], self.theta[-1]))
         if end - begin > 360 - 1e-6:
-            return [f"Load {name} jumps at {begin % 360:g} deg: its table ends with {last:g} and begins with {first:g}."
-                    ] if first != last else []  # fmt: skip
-        where = [f"at {at % 360:g} deg {how}" for at, value, how in (
-            (begin, first, f"from 0 to {first:g}"), (end, last, f"from {last:g} to 0")) if value]  # fmt: skip
-        return [f"Load {name} jumps {' and '.join(where)}: outside its rows it is 0."] if where else []
+            return (
+                [
+                    f"Load {name} jumps at {begin % 360:g} deg: its table ends with {last:g} and begins with {first:g}."
+                ]
+                if first != last
+                else []
+            )
+        where = [
+            f"at {at % 360:g} deg {how}"
+            for at, value, how in (
+                (begin, first, f"from 0 to {first:g}"),
+                (end, last, f"from {last:g} to 0"),
+            )
+            if value
+        ]
+        return (
+            [f"Load {name} jumps {' and '.join(where)}: outside its rows it is 0."] if where else []
+        )
 
 
 def applied(mechanism: Mechanism, machine: Machine) -> tuple[Effort, ...]:
@@ -121,19 +165,43 @@ def applied(mechanism: Mechanism, machine: Machine) -> tuple[Effort, ...]:
         taken.add(name)
         of = _measure(each, machine, path, faults)
         if each.file is not None:
-            faults.append(Fault(f"{path}.file", repr(each.file), "read beside a spec file; tables of Python have points"))
+            faults.append(
+                Fault(
+                    f"{path}.file",
+                    repr(each.file),
+                    "read beside a spec file; tables of Python have points",
+                )
+            )
         if of is None or len(faults) > count:
             continue
         right = "N m" if isinstance(of, Angle) else "N"
         if each.unit not in (None, right):
-            faults.append(Fault(f"{path}.unit", repr(each.unit), f"{right} on {'an angle' if right == 'N m' else 'a way'}"))
+            faults.append(
+                Fault(
+                    f"{path}.unit",
+                    repr(each.unit),
+                    f"{right} on {'an angle' if right == 'N m' else 'a way'}",
+                )
+            )
         rows = each.points or ((0.0, each.value or 0.0),)
         law = Table(tuple(math.radians(deg) for deg, _ in rows), tuple(value for _, value in rows))
         if isinstance(of, Path) and each.acts != "along" and each.direction_deg is None:
-            faults.append(Fault(f"{path}.direction_deg", "", 'missing: the direction of the force; or acts = "along"'))
+            faults.append(
+                Fault(
+                    f"{path}.direction_deg",
+                    "",
+                    'missing: the direction of the force; or acts = "along"',
+                )
+            )
             continue
         if not isinstance(of, Path) and each.direction_deg is not None:
-            faults.append(Fault(f"{path}.direction_deg", f"{each.direction_deg:g}", "nothing here: the output has its own way"))
+            faults.append(
+                Fault(
+                    f"{path}.direction_deg",
+                    f"{each.direction_deg:g}",
+                    "nothing here: the output has its own way",
+                )
+            )
             continue
         way = cmath.rect(1.0, math.radians(each.direction_deg or 0.0))
         found.append(Effort(name, of, law, way, each.acts == "with the body", each.acts == "along"))

@@ -50,30 +50,51 @@ def assess(mechanism: Mechanism) -> Assessment:
         (held if isinstance(told, Finding) else left).append(told)  # type: ignore[arg-type]
     if not (math.isfinite(machine.speed) and machine.speed):
         why = "nothing says how fast the machine turns"
-        lost = [NotJudged(code, why, "motor.speed_rpm") for code in ("DRIVE_TORQUE", "PV", "PIN_STRESS")]
+        lost = [
+            NotJudged(code, why, "motor.speed_rpm") for code in ("DRIVE_TORQUE", "PV", "PIN_STRESS")
+        ]
         return Assessment(held, Study(tables=[_masses(found)]), (*left, *lost))
     theta = np.linspace(*mechanism.range, _MANY if len(machine.bodies) <= _BODIES else _FEW)
     bears, journals = mechanism.bears, mechanism.journals()
     run = solve(rough(machine, journals, mechanism.load), theta)
     forces = run.forces()
-    smooth = solve(machine, theta).forces().reactions  # friction may spare a pin, and may be less than its table says
-    worse = {name: np.where(np.abs(smooth[name]) > np.abs(load), smooth[name], load) for name, load in forces.reactions.items()}
+    smooth = (
+        solve(machine, theta).forces().reactions
+    )  # friction may spare a pin, and may be less than its table says
+    worse = {
+        name: np.where(np.abs(smooth[name]) > np.abs(load), smooth[name], load)
+        for name, load in forces.reactions.items()
+    }
     borne_by_pins = replace(forces, reactions=worse)
     outlines = mechanism.outlines()
     parts = {part.name: part for part in mechanism.parts()}
-    plain = bearing.plain_bearings(run, borne_by_pins, journals, bears, mechanism.load, mechanism.stronger)
-    touched = bearing.contacts(run, forces, outlines, parts, mechanism.material.name, mechanism.roller_bearing, bears)
-    turned, more = drive.driven(run, forces, motor, lambda: freed(machine, journals, mechanism.load, theta))
+    plain = bearing.plain_bearings(
+        run, borne_by_pins, journals, bears, mechanism.load, mechanism.stronger
+    )
+    touched = bearing.contacts(
+        run, forces, outlines, parts, mechanism.material.name, mechanism.roller_bearing, bears
+    )
+    turned, more = drive.driven(
+        run, forces, motor, lambda: freed(machine, journals, mechanism.load, theta)
+    )
     shaken = np.abs(forces.shaking)
     numbers = {"shaking_force_n": float(np.nanmax(shaken, initial=0.0))}
-    numbers |= {f"reaction_{re.sub('[^a-z0-9]+', '_', name.lower())}_n": float(np.nanmax(np.abs(load), initial=0.0))
-                for name, load in forces.reactions.items()}  # fmt: skip
+    numbers |= {
+        f"reaction_{re.sub('[^a-z0-9]+', '_', name.lower())}_n": float(
+            np.nanmax(np.abs(load), initial=0.0)
+        )
+        for name, load in forces.reactions.items()
+    }
     numbers |= follower.balance(run, forces)
     swung = follower.elastic(run, mechanism.load)
     if mechanism.arm_stiffness:
         numbers["follower_arm_stiffness_n_m_per_rad"] = mechanism.arm_stiffness
-    grip = drive.gripped(mechanism.hub, turned.numbers.get("drive_torque_n_m", 0.0), mechanism.material.name)
-    posts = bearing.bent_posts(borne_by_pins, mechanism.posts(), bears, mechanism.stronger, not machine.loads)
+    grip = drive.gripped(
+        mechanism.hub, turned.numbers.get("drive_torque_n_m", 0.0), mechanism.material.name
+    )
+    posts = bearing.bent_posts(
+        borne_by_pins, mechanism.posts(), bears, mechanism.stronger, not machine.loads
+    )
     paired = pairs.told(forces, machine, outlines, mechanism.arm_stiffness)
     left += paired.left
     if mechanism.spring_asked is not None and mechanism.return_spring is None:
@@ -81,14 +102,30 @@ def assess(mechanism: Mechanism) -> Assessment:
 
         rate, least, _ = mechanism.spring_asked
         why = f"no wire up to {WIRES[-1]:g} mm can be wound to pull {least:.4g} N and {rate:.4g} N/mm more without yielding"
-        left.append(NotJudged("SPRING_STRESS", why, "another spring.preload or spring.rate, or a spring of another kind"))
-    for borne in (plain, posts, touched, turned, grip, swung, follower.sprung(mechanism.mounted_springs(), machine.speed)):
+        left.append(
+            NotJudged(
+                "SPRING_STRESS",
+                why,
+                "another spring.preload or spring.rate, or a spring of another kind",
+            )
+        )
+    for borne in (
+        plain,
+        posts,
+        touched,
+        turned,
+        grip,
+        swung,
+        follower.sprung(mechanism.mounted_springs(), machine.speed),
+    ):
         held += borne.findings
         left += borne.left
         numbers |= borne.numbers
     asked = any(bears(joint.name).bearing_life_h is not None for joint in machine.joints)
     if asked and "BEARING_LIFE" not in {each.code for each in held} | {each.code for each in left}:
-        left.append(NotJudged("BEARING_LIFE", "no ball bearing of the machine is loaded", "a ball bearing"))
+        left.append(
+            NotJudged("BEARING_LIFE", "no ball bearing of the machine is loaded", "a ball bearing")
+        )
     kept = {name: value for name, value in numbers.items() if math.isfinite(value)}
     plots = [*turned.plots, *touched.plots, *swung.plots]
     tables = [_masses(found), *plain.tables, *swung.tables]
@@ -103,8 +140,17 @@ def assess(mechanism: Mechanism) -> Assessment:
 def _masses(found: Weighed) -> Table:
     """Mass, centre and inertia of each body, and where they come from."""
     rows = [
-        (body.name, 1e3 * body.mass, ", ".join(f"{round(x, 6) + 0.0:.4g}" for x in (body.centre.real, body.centre.imag)),
-         body.inertia, found.sources[body.name])
+        (
+            body.name,
+            1e3 * body.mass,
+            ", ".join(f"{round(x, 6) + 0.0:.4g}" for x in (body.centre.real, body.centre.imag)),
+            body.inertia,
+            found.sources[body.name],
+        )
         for body in found.machine.moving
-    ]  # fmt: skip
-    return Table("Masses", ("body", "mass, g", "centre in its frame, mm", "inertia about it, kg m^2", "from"), rows)
+    ]
+    return Table(
+        "Masses",
+        ("body", "mass, g", "centre in its frame, mm", "inertia about it, kg m^2", "from"),
+        rows,
+    )

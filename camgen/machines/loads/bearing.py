@@ -48,9 +48,13 @@ class Borne:
 
 
 def plain_bearings(
-    run: Run, forces: Forces, journals: Mapping[str, Journal], bears: Callable[[str], Bears], load: Weight | None = None,
+    run: Run,
+    forces: Forces,
+    journals: Mapping[str, Journal],
+    bears: Callable[[str], Bears],
+    load: Weight | None = None,
     stronger: Stronger = unsaid,
-) -> Borne:  # fmt: skip
+) -> Borne:
     """PV of the worst plain one, PIN_STRESS of every pin whose bearing is known, BEARING_LIFE of ball bearings, and a table.
 
     bears: what the spec says of a joint; load: of its friction; stronger: what makes a joint's pin bear more.
@@ -63,34 +67,71 @@ def plain_bearings(
         assert isinstance(joint, Pin)
         force = _finite(np.abs(forces.reactions[name]))
         turning = speed * (_rate(run, joint.a.body) - _rate(run, joint.b.body))
-        slides = strength.sliding(force, turning, journal.diameter, journal.length, circle(1.0, coefficient(journal, load)))
+        slides = strength.sliding(
+            force,
+            turning,
+            journal.diameter,
+            journal.length,
+            circle(1.0, coefficient(journal, load)),
+        )
         bent = float(np.max(strength.pin_bending(force, journal.lever, journal.diameter)))
         sheared = float(np.max(strength.pin_shear(force, journal.diameter)))
-        each = bent_by(name, journal, bent, sheared, float(np.max(force)), bears(name), not run.machine.loads)
+        each = bent_by(
+            name, journal, bent, sheared, float(np.max(force)), bears(name), not run.machine.loads
+        )
         borne.bent += each
         borne.findings += [pin.finding(stronger) for pin in each]
         if journal.ball is not None:
             _life(borne, name, journal.ball, force, turning, bears(name))
             continue
         found.append((slides.pv, journal, slides))
-        rows.append((name, journal.diameter, journal.length, float(np.max(force)), float(np.max(slides.pressure)),
-                     float(np.max(slides.speed)), slides.pv, slides.pv / usual, slides.power, bent, sheared))  # fmt: skip
-    borne.numbers |= {"friction_heat_w": mean_torque(run.theta, _finite(forces.rubs))} if journals else {}
+        rows.append(
+            (
+                name,
+                journal.diameter,
+                journal.length,
+                float(np.max(force)),
+                float(np.max(slides.pressure)),
+                float(np.max(slides.speed)),
+                slides.pv,
+                slides.pv / usual,
+                slides.power,
+                bent,
+                sheared,
+            )
+        )
+    borne.numbers |= (
+        {"friction_heat_w": mean_torque(run.theta, _finite(forces.rubs))} if journals else {}
+    )
     if not found:
         return borne
-    pv, worst, slides = max(found, key=lambda each: each[0] / (bears(each[1].joint).pv_mpa_m_s or usual))
+    pv, worst, slides = max(
+        found, key=lambda each: each[0] / (bears(each[1].joint).pv_mpa_m_s or usual)
+    )
     given = bears(worst.joint).pv_mpa_m_s
     said = f"{slides.power:.3g} W of heat at a friction of {coefficient(worst, load):g}"
     said += (
-        f"; limits.pv_mpa_m_s; a plastic made for bearings bears {usual:g} dry" if given else
-        f"; no limit is published for prints of {worst.hole}: this one is of a plastic made for bearings, dry on steel (iglidur "
+        f"; limits.pv_mpa_m_s; a plastic made for bearings bears {usual:g} dry"
+        if given
+        else f"; no limit is published for prints of {worst.hole}: this one is of a plastic made for bearings, dry on steel (iglidur "
         "P210). Less speed or mass and a longer pin lower it; oil bears five times as much, a bush of metal more: say so by "
         "limits.pv_mpa_m_s"
-    )  # fmt: skip
+    )
     where = f"pin {worst.joint}, {worst.diameter:g} x {worst.length:.4g} mm"
     borne.findings.append(at_most("PV", pv, given or usual, "MPa m/s", where, said))
-    heads = ("pin", "diameter, mm", "length, mm", "force, N", "pressure, MPa", "sliding, m/s", "p v, MPa m/s",
-             f"over {usual:g}", "heat, W", "bent, MPa", "sheared, MPa")  # fmt: skip
+    heads = (
+        "pin",
+        "diameter, mm",
+        "length, mm",
+        "force, N",
+        "pressure, MPa",
+        "sliding, m/s",
+        "p v, MPa m/s",
+        f"over {usual:g}",
+        "heat, W",
+        "bent, MPa",
+        "sheared, MPa",
+    )
     rows.sort(key=lambda row: -float(str(row[6])))
     borne.tables.append(Table("Plain bearings and pins, the hardest worked first", heads, rows))
     borne.numbers["pv_max_mpa_m_s"] = max(each[0] for each in found)
@@ -98,7 +139,11 @@ def plain_bearings(
 
 
 def bent_posts(
-    forces: Forces, posts: Sequence[Post], bears: Callable[[str], Bears], stronger: Stronger = unsaid, fast: bool = False
+    forces: Forces,
+    posts: Sequence[Post],
+    bears: Callable[[str], Bears],
+    stronger: Stronger = unsaid,
+    fast: bool = False,
 ) -> Borne:
     """PIN_STRESS of pins that a spring or a cam's roller bends, by what bends each most; fast: inertia alone loads them."""
     worst: dict[str, Bent] = {}
@@ -110,17 +155,26 @@ def bent_posts(
         bent = float(strength.pin_bending(force, post.lever, post.diameter))
         sheared = float(strength.pin_shear(force, post.diameter))
         name = f"{post.name}, under {post.by}"
-        journal = Journal(post.by, post.diameter, 0.0, post.lever, post.material, "", part=post.part)
-        for each in bent_by(name, journal, bent, sheared, force, bears(post.by), fast and not post.pull):
+        journal = Journal(
+            post.by, post.diameter, 0.0, post.lever, post.material, "", part=post.part
+        )
+        for each in bent_by(
+            name, journal, bent, sheared, force, bears(post.by), fast and not post.pull
+        ):
             if post.name not in worst or each.stress > worst[post.name].stress:
                 worst[post.name] = each
     return Borne([each.finding(stronger) for each in worst.values()], bent=list(worst.values()))
 
 
 def contacts(
-    run: Run, forces: Forces, outlines: Mapping[str, CamOutline], parts: Mapping[str, Part], printed: str, roller: Bearing | None,
+    run: Run,
+    forces: Forces,
+    outlines: Mapping[str, CamOutline],
+    parts: Mapping[str, Part],
+    printed: str,
+    roller: Bearing | None,
     known: Callable[[str], Bears],
-) -> Borne:  # fmt: skip
+) -> Borne:
     """HERTZ of every cam that says how it is touched, and BEARING_LIFE of a roller; outlines: by joint, the first of each.
 
     A tip that is no bearing is of the cam's own plastic.
@@ -136,7 +190,9 @@ def contacts(
         if not np.any(force > STILL):
             if np.any(force < -STILL):
                 why = f"nothing presses the follower on its cam at {joint.name}: it leaves it"
-                borne.left.append(NotJudged("HERTZ", why, "a spring or weight that keeps the follower on its cam"))
+                borne.left.append(
+                    NotJudged("HERTZ", why, "a spring or weight that keeps the follower on its cam")
+                )
             continue
         if getattr(joint.touches[0].cam.follower, "tip_radius", math.inf) == 0:  # type: ignore[attr-defined]
             why = f"a knife edge touches at {joint.name}: it has no width, and no formula gives its pressure"
@@ -147,43 +203,68 @@ def contacts(
         effort = forces.contacts[joint.name] * joint.leaves
         pressure = np.zeros(len(theta))
         for k, touch in enumerate(joint.touches[:2]):
-            mine = (effort >= 0) == (k == 0) if len(joint.touches) > 1 else np.ones(len(theta), bool)
+            mine = (
+                (effort >= 0) == (k == 0) if len(joint.touches) > 1 else np.ones(len(theta), bool)
+            )
             radius = touch.radius(angle)  # type: ignore[attr-defined]
             across = getattr(touch.cam.follower, "tip_radius", math.inf)  # type: ignore[attr-defined]
             with np.errstate(all="ignore"):
-                curvature = np.where((radius > 0) | (radius < -across), 1 / radius + 1 / across, np.nan)
-            pressed, _ = strength.line_contact(np.where(mine, force, 0.0), length, curvature, own.elastic, tip.elastic)
+                curvature = np.where(
+                    (radius > 0) | (radius < -across), 1 / radius + 1 / across, np.nan
+                )
+            pressed, _ = strength.line_contact(
+                np.where(mine, force, 0.0), length, curvature, own.elastic, tip.elastic
+            )
             pressure = np.fmax(pressure, pressed)
         worst = int(np.nanargmax(pressure))
         limit = bears.hertz_mpa or strength.YIELDS * materials.STRONGEST
         said = f"by {force[worst]:.4g} N on a line of {length:.4g} mm, {tip.name} on {own.name}; "
         said += (
-            "limits.hertz_mpa" if bears.hertz_mpa else
-            f"no limit is published for prints of {own.name}: beyond this the strongest printed plastic flows (PC, "
+            "limits.hertz_mpa"
+            if bears.hertz_mpa
+            else f"no limit is published for prints of {own.name}: beyond this the strongest printed plastic flows (PC, "
             f"{materials.STRONGEST:g} MPa in its plane, 1.79 times that in a line contact)"
-        )  # fmt: skip
+        )
         said += "; the ends of the line press harder still: round them"
-        where = f"{joint.name}, {outline.part}, cam angle {math.degrees(float(theta[worst])):.1f} deg"
+        where = (
+            f"{joint.name}, {outline.part}, cam angle {math.degrees(float(theta[worst])):.1f} deg"
+        )
         borne.findings.append(at_most("HERTZ", float(pressure[worst]), limit, "MPa", where, said))
         borne.numbers[f"hertz_pressure_{joint.name.replace(' ', '_')}_mpa"] = float(pressure[worst])
-        borne.plots.append(Plot(f"Hertz pressure, {joint.name}", "cam angle, deg", "MPa",
-                                [("line contact", np.degrees(theta), pressure)]))  # fmt: skip
+        borne.plots.append(
+            Plot(
+                f"Hertz pressure, {joint.name}",
+                "cam angle, deg",
+                "MPa",
+                [("line contact", np.degrees(theta), pressure)],
+            )
+        )
         if roller is not None:  # it turns as far as the cam's profile is long
             place, _ = joint.touches[0](angle)
             turns = float(np.sum(np.abs(np.diff(place)))) / (math.pi * roller.outside)
-            rolling = np.full(len(force), turns * math.tau * run.machine.speed / float(np.ptp(theta)))
+            rolling = np.full(
+                len(force), turns * math.tau * run.machine.speed / float(np.ptp(theta))
+            )
             _life(borne, joint.name, roller, force, rolling, bears, "roller of ")
     return borne
 
 
 def _life(
-    borne: Borne, name: str, ball: Bearing, force: Floats, turning: Any, bears: Bears, what: str = "ball bearing of "
+    borne: Borne,
+    name: str,
+    ball: Bearing,
+    force: Floats,
+    turning: Any,
+    bears: Bears,
+    what: str = "ball bearing of ",
 ) -> None:
     """BEARING_LIFE of a ball bearing at a joint; one that goes to and fro wears by the way that it goes. turning: rad/s."""
     if not ball.rating:
         if bears.bearing_life_h is not None:
             why = f"{name}: no load rating of the ball bearing {ball.name} is known"
-            borne.left.append(NotJudged("BEARING_LIFE", why, f"a bearing with a rating: {', '.join(_RATED)}"))
+            borne.left.append(
+                NotJudged("BEARING_LIFE", why, f"a bearing with a rating: {', '.join(_RATED)}")
+            )
         return
     turns = np.abs(turning) + np.zeros(len(force))
     load = strength.cubic_mean(np.maximum(force, 0.0), turns)
@@ -192,7 +273,11 @@ def _life(
     borne.numbers[f"bearing_life_{re.sub('[^a-z0-9]+', '_', name.lower())}_h"] = min(hours, 1e9)
     if bears.bearing_life_h is not None:
         said = f"{ball.name}, C = {ball.rating:g} kN, under a mean of {load:.4g} N; nine of ten reach it"
-        borne.findings.append(at_least("BEARING_LIFE", min(hours, 1e9), bears.bearing_life_h, "h", f"{what}{name}", said))
+        borne.findings.append(
+            at_least(
+                "BEARING_LIFE", min(hours, 1e9), bears.bearing_life_h, "h", f"{what}{name}", said
+            )
+        )
 
 
 def _rate(run: Run, body: str) -> Any:

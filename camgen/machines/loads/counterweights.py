@@ -63,7 +63,9 @@ class Counterweight(Record):
     def faults(self) -> list[Fault]:
         """What does not go together."""
         if (self.moment_g_mm is None) != (self.at_deg is None):
-            return [Fault("counterweight", "", "moment_g_mm and at_deg together: how much and where")]
+            return [
+                Fault("counterweight", "", "moment_g_mm and at_deg together: how much and where")
+            ]
         return []
 
     @property
@@ -81,24 +83,40 @@ class Counterweight(Record):
         """
         if self.given is not None:
             return self.given
-        light = [replace(body, mass=0.0, inertia=0.0) if body.name == link else body for body in machine.bodies]
+        light = [
+            replace(body, mass=0.0, inertia=0.0) if body.name == link else body
+            for body in machine.bodies
+        ]
         run = solve(replace(machine, bodies=tuple(light)), _TURN)
         angle, rate, _ = run.angle(link)
         uneven = float(np.ptp(rate))
         if not (rate[0] and uneven <= _EVEN * abs(rate[0])):
             raise DesignError(
-                "unevenness of the balanced crank", uneven, 0, "per turn of the drive", f"link {link}",
+                "unevenness of the balanced crank",
+                uneven,
+                0,
+                "per turn of the drive",
+                f"link {link}",
                 "give counterweight.moment_g_mm and at_deg, or balance a crank that turns evenly: only on such a one does "
                 "a weight pull with one constant force",
-            )  # fmt: skip
+            )
         if not (math.isfinite(machine.speed) and machine.speed):
             raise DesignError(
-                "speed", machine.speed, 0, "rad/s", NAME, "give the motor's speed, or counterweight.moment_g_mm and at_deg"
+                "speed",
+                machine.speed,
+                0,
+                "rad/s",
+                NAME,
+                "give the motor's speed, or counterweight.moment_g_mm and at_deg",
             )
         forces = run.forces()
         joint = machine.joint(pin)
         assert isinstance(joint, Pin), f"{pin} is no pin"
-        pull = -forces.shaking if self.against == "frame" else forces.reactions[pin] * (1 if joint.a.body == link else -1)
+        pull = (
+            -forces.shaking
+            if self.against == "frame"
+            else forces.reactions[pin] * (1 if joint.a.body == link else -1)
+        )
         return _G * crank_weight(pull, angle, machine.speed * float(rate[0]))[0]
 
     @property
@@ -111,8 +129,16 @@ class Counterweight(Record):
         return (1e3 * STEEL if self.made == "steel" else density) * 1e-6
 
     def fitted(
-        self, asked: complex, own: complex, hub: float, bore: Contour, thickness: float, density: float, fits: Print,
-        min_wall: float, note: str,
+        self,
+        asked: complex,
+        own: complex,
+        hub: float,
+        bore: Contour,
+        thickness: float,
+        density: float,
+        fits: Print,
+        min_wall: float,
+        note: str,
     ) -> tuple[Part, list[tuple[Part, complex]], float]:
         """The counterweight, its pins with their places, and its radius, mm, in the crank's axes, the shaft at the origin.
 
@@ -121,10 +147,21 @@ class Counterweight(Record):
         """
         heavy, high = self.heavy(density), self.thickness or thickness
         disc = Part(NAME, "", (Layer(Region(circle(0j, hub), (bore,)), 0.0, high),))
-        sector = Sector(hub, high, math.radians(self.half_angle_deg), heavy, self.pins, self.pin_diameter, fits.press_clearance,
-                        STEEL * 1e-3, max(min_wall, fits.nozzle) + 2 * FACETS)  # fmt: skip
+        sector = Sector(
+            hub,
+            high,
+            math.radians(self.half_angle_deg),
+            heavy,
+            self.pins,
+            self.pin_diameter,
+            fits.press_clearance,
+            STEEL * 1e-3,
+            max(min_wall, fits.nozzle) + 2 * FACETS,
+        )
         made = "printed" if self.made == "printed" else "cut of steel"
-        return counterweight(sector, bore, asked - own - heavy * disc.volume * centre_of(disc), made, min_wall, note)
+        return counterweight(
+            sector, bore, asked - own - heavy * disc.volume * centre_of(disc), made, min_wall, note
+        )
 
 
 class ShaftWeight:
@@ -135,14 +172,31 @@ class ShaftWeight:
     """
 
     def __init__(
-        self, mechanism: Mechanism, spec: Counterweight, body: str, parts: Sequence[Part], mounts: Sequence[Mount], hub: float,
-        bore: Contour, thickness: float, min_wall: float, note: str,
-    ) -> None:  # fmt: skip
+        self,
+        mechanism: Mechanism,
+        spec: Counterweight,
+        body: str,
+        parts: Sequence[Part],
+        mounts: Sequence[Mount],
+        hub: float,
+        bore: Contour,
+        thickness: float,
+        min_wall: float,
+        note: str,
+    ) -> None:
         self.mechanism, self.spec, self.body = mechanism, spec, body
         self.moment = spec.whole(weighed(mechanism, parts, mounts).machine, body, "O")
         own = first_moment(body, 0j, parts, mounts, mechanism.density)
         self.part, self.pins, self.radius = spec.fitted(
-            self.moment - spec.other, own, hub, bore, thickness, mechanism.density, mechanism.print, min_wall, note
+            self.moment - spec.other,
+            own,
+            hub,
+            bore,
+            thickness,
+            mechanism.density,
+            mechanism.print,
+            min_wall,
+            note,
         )
 
     @property
@@ -152,16 +206,29 @@ class ShaftWeight:
 
     def mounts(self, z: float) -> Sequence[Mount]:
         """Its underside at a height."""
-        return (Mount(self.part.name, self.body, z=z), *(Mount(pin.name, self.body, at, z=z) for pin, at in self.pins))
+        return (
+            Mount(self.part.name, self.body, z=z),
+            *(Mount(pin.name, self.body, at, z=z) for pin, at in self.pins),
+        )
 
     @property
     def balance(self) -> Balance:
         """What the written solids are held to."""
         made = self.mechanism
-        return balance_of(self.body, "O", 0j, self.moment - self.spec.other, made.parts(), made.mounts(), made.density)
+        return balance_of(
+            self.body,
+            "O",
+            0j,
+            self.moment - self.spec.other,
+            made.parts(),
+            made.mounts(),
+            made.density,
+        )
 
 
-def first_moment(body: str, about: complex, parts: Sequence[Part], mounts: Sequence[Mount], density: float) -> complex:
+def first_moment(
+    body: str, about: complex, parts: Sequence[Part], mounts: Sequence[Mount], density: float
+) -> complex:
     """Of all that is mounted on a body, about a place of it, complex g mm; density: of what is printed, kg/m^3."""
     made = solid(Body(body), {part.name: part for part in parts}, mounts, density)
     return _G * made.mass * (made.centre - about)
@@ -169,18 +236,38 @@ def first_moment(body: str, about: complex, parts: Sequence[Part], mounts: Seque
 
 def found_moment(whole: complex) -> dict[str, object]:
     """The moment that was found, by its keys."""
-    return {"counterweight.moment_g_mm": abs(whole), "counterweight.at_deg": math.degrees(cmath.phase(whole))}
+    return {
+        "counterweight.moment_g_mm": abs(whole),
+        "counterweight.at_deg": math.degrees(cmath.phase(whole)),
+    }
 
 
 def balance_of(
-    body: str, joint: str, about: complex, moment: complex, parts: Sequence[Part], mounts: Sequence[Mount], density: float
+    body: str,
+    joint: str,
+    about: complex,
+    moment: complex,
+    parts: Sequence[Part],
+    mounts: Sequence[Mount],
+    density: float,
 ) -> Balance:
     """What the written solids of a crank are held to; density: of what is printed, kg/m^3."""
-    weights = {part.name: 1e-6 * (density if part.made == "printed" else 1e3 * STEEL) for part in parts}
+    weights = {
+        part.name: 1e-6 * (density if part.made == "printed" else 1e3 * STEEL) for part in parts
+    }
     on = {mount.part for mount in mounts if mount.body == body}
-    own = first_moment(body, about, [part for part in parts if part.name.startswith(NAME)], mounts, density)
+    own = first_moment(
+        body, about, [part for part in parts if part.name.startswith(NAME)], mounts, density
+    )
     tolerance = _SHARE * max(abs(moment), abs(own))
-    return Balance(body, joint, about, moment, {name: heavy for name, heavy in weights.items() if name in on}, tolerance)
+    return Balance(
+        body,
+        joint,
+        about,
+        moment,
+        {name: heavy for name, heavy in weights.items() if name in on},
+        tolerance,
+    )
 
 
 def study(mechanism: Mechanism, machine: Machine) -> Study:
@@ -192,8 +279,13 @@ def study(mechanism: Mechanism, machine: Machine) -> Study:
     other = spec.other / _G / _ARM
 
     def laden(body: Body) -> Machine:
-        loaded = with_weight(body, abs(other), balance.about + (_ARM * other / abs(other) if other else 0))
-        return replace(machine, bodies=tuple(loaded if each.name == balance.body else each for each in machine.bodies))
+        loaded = with_weight(
+            body, abs(other), balance.about + (_ARM * other / abs(other) if other else 0)
+        )
+        return replace(
+            machine,
+            bodies=tuple(loaded if each.name == balance.body else each for each in machine.bodies),
+        )
 
     theta = np.linspace(*mechanism.range, len(_TURN))
     full = machine.body(balance.body)
@@ -207,19 +299,35 @@ def study(mechanism: Mechanism, machine: Machine) -> Study:
     drive = machine.drives[0].name
     peaks["torque of the drive"] = [float(np.nanmax(np.abs(each.drives[drive]))) for each in forces]
     weight = bodies[1].mass - bodies[0].mass
-    moment = _G * (bodies[1].mass * (bodies[1].centre - balance.about) - bodies[0].mass * (bodies[0].centre - balance.about))
+    moment = _G * (
+        bodies[1].mass * (bodies[1].centre - balance.about)
+        - bodies[0].mass * (bodies[0].centre - balance.about)
+    )
     numbers = {
-        "counterweight_g": _G * weight, "counterweight_g_mm": abs(moment),
+        "counterweight_g": _G * weight,
+        "counterweight_g_mm": abs(moment),
         "counterweight_at_deg": math.degrees(cmath.phase(moment)),
-        "crank_moment_asked_g_mm": abs(balance.moment), "crank_moment_asked_at_deg": math.degrees(cmath.phase(balance.moment)),
-    }  # fmt: skip
+        "crank_moment_asked_g_mm": abs(balance.moment),
+        "crank_moment_asked_at_deg": math.degrees(cmath.phase(balance.moment)),
+    }
     for name, key in (("shaking force", "shaking"), (f"reaction at {balance.joint}", "bearing")):
-        numbers |= {f"counterweight_{key}_before_n": peaks[name][0], f"counterweight_{key}_after_n": peaks[name][1]}
+        numbers |= {
+            f"counterweight_{key}_before_n": peaks[name][0],
+            f"counterweight_{key}_after_n": peaks[name][1],
+        }
     degrees, label = np.degrees(theta), f"{mechanism.angle_name}, deg"
     plots = [
-        Plot(f"Counterweight: {name}", label, "N", [("without", degrees, values[0]), ("with", degrees, values[1])])
+        Plot(
+            f"Counterweight: {name}",
+            label,
+            "N",
+            [("without", degrees, values[0]), ("with", degrees, values[1])],
+        )
         for name, values in curves.items()
     ]
-    rows = [(f"{name}, {'N m' if name.startswith('torque') else 'N'}", *values) for name, values in peaks.items()]
+    rows = [
+        (f"{name}, {'N m' if name.startswith('torque') else 'N'}", *values)
+        for name, values in peaks.items()
+    ]
     title = f"Counterweight against the load of the {spec.against}: greatest of a turn, by the masses of the table of masses"
     return Study(numbers, plots, [Table(title, ("", "without", "with"), rows)])

@@ -31,11 +31,18 @@ def motor_of(drives: Drives | None) -> Motor | None:
     if drives is None:
         return None
     if drives.model is not None:
-        return Motor(STEPPERS[drives.model].holding, said=f"{drives.model} holds so much and gives less as it turns")
+        return Motor(
+            STEPPERS[drives.model].holding,
+            said=f"{drives.model} holds so much and gives less as it turns",
+        )
     if drives.torque_n_m is not None:
         return Motor(drives.torque_n_m, said="motor.torque_n_m")
     if drives.stall_torque_n_m is not None and drives.no_load_rpm is not None:
-        return Motor(drives.stall_torque_n_m, drives.no_load_rpm * math.tau / 60, "from motor.stall_torque_n_m to no_load_rpm")
+        return Motor(
+            drives.stall_torque_n_m,
+            drives.no_load_rpm * math.tau / 60,
+            "from motor.stall_torque_n_m to no_load_rpm",
+        )
     return None
 
 
@@ -53,7 +60,9 @@ def reach(drives: Drives | None, frame: str, needed: float) -> Finding | NotJudg
     return at_least("SHAFT_REACH", length, needed, "mm", "motor", message, 1e-9)
 
 
-def driven(run: Run, forces: Forces, drives: Drives | None, freed: Callable[[], str] = str) -> tuple[Borne, list[NotJudged]]:
+def driven(
+    run: Run, forces: Forces, drives: Drives | None, freed: Callable[[], str] = str
+) -> tuple[Borne, list[NotJudged]]:
     """SELF_LOCKING, torque, power and evenness of the machine's drives, which are one shaft: seen from the first of them.
 
     freed: of a machine that locks says by which friction, and which it would bear.
@@ -65,25 +74,44 @@ def driven(run: Run, forces: Forces, drives: Drives | None, freed: Callable[[], 
         torque, asked = np.zeros_like(torque), np.zeros_like(asked)
     rate = np.abs(drive.law(theta, 1)) * abs(speed)
     if np.any(forces.locks):
-        locked, turn = float(np.mean(forces.locks)) * math.degrees(float(np.ptp(theta))), math.degrees(float(np.ptp(theta)))
-        said = f"{freed()}. Friction grows with what it holds back: no torque turns it on there, or one that " \
-            "loads them tenfold; use a lower load.friction, a ball bearing, a steeper transmission angle"  # fmt: skip
+        locked, turn = (
+            float(np.mean(forces.locks)) * math.degrees(float(np.ptp(theta))),
+            math.degrees(float(np.ptp(theta))),
+        )
+        said = (
+            f"{freed()}. Friction grows with what it holds back: no torque turns it on there, or one that "
+            "loads them tenfold; use a lower load.friction, a ball bearing, a steeper transmission angle"
+        )
         at = math.degrees(float(theta[int(np.argmax(forces.locks))]))
-        borne.findings.append(at_most("SELF_LOCKING", min(locked, turn), 0.0, "deg", f"drive, from {at:.1f} deg", said))
+        borne.findings.append(
+            at_most(
+                "SELF_LOCKING", min(locked, turn), 0.0, "deg", f"drive, from {at:.1f} deg", said
+            )
+        )
     worst = int(np.argmax(np.abs(asked)))
     energy = flywheel.energy_swing(theta, asked * np.sign(speed))
     inertia = _turning(run, drive.body) + (0.0 if drives is None else drives.flywheel_kg_m2)
     swing = min(1.0, flywheel.fluctuation_of(energy, inertia, speed)) if energy else 0.0
     borne.numbers |= {
-        "drive_torque_n_m": float(np.max(np.abs(asked))), "drive_torque_mean_n_m": flywheel.mean_torque(theta, asked),
-        "drive_power_w": flywheel.mean_torque(theta, asked * drive.law(theta, 1) * speed), "energy_swing_j": energy,
+        "drive_torque_n_m": float(np.max(np.abs(asked))),
+        "drive_torque_mean_n_m": flywheel.mean_torque(theta, asked),
+        "drive_power_w": flywheel.mean_torque(theta, asked * drive.law(theta, 1) * speed),
+        "energy_swing_j": energy,
         "turning_inertia_kg_m2": inertia,
-        **{f"flywheel_for_{100 * share:g}_percent_kg_m2": max(0.0, flywheel.inertia_for(energy, share, speed) - inertia)
-           for share in _SHOWN},
-    }  # fmt: skip
+        **{
+            f"flywheel_for_{100 * share:g}_percent_kg_m2": max(
+                0.0, flywheel.inertia_for(energy, share, speed) - inertia
+            )
+            for share in _SHOWN
+        },
+    }
     if isinstance(drive.law, Turning) and abs(float(np.ptp(theta)) - math.tau) < 1e-9 and energy:
         size, place, left = flywheel.spring_on_shaft(drive.law(theta, 0), asked)
-        told = {"balance_spring_n_m": size, "balance_spring_at_deg": math.degrees(place), "drive_torque_balanced_n_m": left}
+        told = {
+            "balance_spring_n_m": size,
+            "balance_spring_at_deg": math.degrees(place),
+            "drive_torque_balanced_n_m": left,
+        }
         peak = float(np.max(np.abs(asked)))
         borne.numbers |= told if left < peak and size > _ROUNDING * peak else {}
     curves: list[tuple[str, Floats, Floats]] = [("with friction", np.degrees(theta), asked)]
@@ -95,7 +123,9 @@ def driven(run: Run, forces: Forces, drives: Drives | None, freed: Callable[[], 
     if drives is not None and drives.fluctuation is not None:
         more = max(0.0, flywheel.inertia_for(energy, drives.fluctuation, speed) - inertia)
         said = f"by {energy:.4g} J on {inertia:.4g} kg m^2 that turn; a flywheel of {more:.4g} kg m^2 more keeps to it"
-        borne.findings.append(at_most("SPEED_FLUCTUATION", swing, drives.fluctuation, "share", "drive", said))
+        borne.findings.append(
+            at_most("SPEED_FLUCTUATION", swing, drives.fluctuation, "share", "drive", said)
+        )
     motor, peak = motor_of(drives), float(np.abs(asked[worst]))
     if motor is None and peak < _NOTHING:
         why = "nothing is known of what the drive moves: there is no part, mass or load"
@@ -107,15 +137,24 @@ def driven(run: Run, forces: Forces, drives: Drives | None, freed: Callable[[], 
     fast = float(rate[worst])
     said = f"needed at {fast * 60 / math.tau:.6g} rpm with the friction of all joints; {motor.said}"
     where = f"drive, {math.degrees(float(theta[worst])):.1f} deg"
-    borne.findings.append(at_most("DRIVE_TORQUE", peak, max(0.0, motor.torque(fast)), "N m", where, said))
+    borne.findings.append(
+        at_most("DRIVE_TORQUE", peak, max(0.0, motor.torque(fast)), "N m", where, said)
+    )
     return borne, []
 
 
 def _could(run: Run, forces: Forces) -> float:
     """Peak forces in all pins at the longest lever to one, N m: what they would ask of the drive if none met another."""
     pins = [joint for joint in run.machine.joints if isinstance(joint, Pin)]
-    lever = max((abs(place.at) for pin in pins for place in (pin.a, pin.b) if place.body != GROUND), default=0.0)
-    return lever * MM * sum(float(np.nanmax(np.abs(force), initial=0.0)) for force in forces.reactions.values())
+    lever = max(
+        (abs(place.at) for pin in pins for place in (pin.a, pin.b) if place.body != GROUND),
+        default=0.0,
+    )
+    return (
+        lever
+        * MM
+        * sum(float(np.nanmax(np.abs(force), initial=0.0)) for force in forces.reactions.values())
+    )
 
 
 def gripped(hub: SetScrewHub | None, torque: float, plastic: str) -> Borne:
@@ -128,12 +167,19 @@ def gripped(hub: SetScrewHub | None, torque: float, plastic: str) -> Borne:
     force = hub.force(bears)
     seat = TURNED * force * hub.screw.nominal * MM
     holds = HOLDS * force * hub.bore / 2 * MM
-    borne.numbers |= {"set_screw_tightened_n_m": seat, "set_screw_holds_along_shaft_n": HOLDS * force}
+    borne.numbers |= {
+        "set_screw_tightened_n_m": seat,
+        "set_screw_holds_along_shaft_n": HOLDS * force,
+    }
     if not hub.flat:
         borne.numbers["set_screw_holds_n_m"] = holds
-        said = f"{hub.thread} tightened with {seat:.3g} N m, {force:.4g} N, as hard as its nut's wall of {plastic} bears " \
-            f"({bears:g} MPa); a shaft with a flat, or a thicker screw, holds more"  # fmt: skip
-        borne.findings.append(at_most("HUB_SLIP", torque, holds, "N m", f"set screw, shaft of {hub.bore:g} mm", said))
+        said = (
+            f"{hub.thread} tightened with {seat:.3g} N m, {force:.4g} N, as hard as its nut's wall of {plastic} bears "
+            f"({bears:g} MPa); a shaft with a flat, or a thicker screw, holds more"
+        )
+        borne.findings.append(
+            at_most("HUB_SLIP", torque, holds, "N m", f"set screw, shaft of {hub.bore:g} mm", said)
+        )
     return borne
 
 

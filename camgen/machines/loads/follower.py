@@ -29,7 +29,9 @@ if TYPE_CHECKING:
     from camgen.machine.cams.dynamics import Elastic
     from camgen.parts.springs import Mounted
 
-_SURGE = 15.0  # times the cam's turns, that a spring's own frequency is to be; 15 to 20 is usual advice
+_SURGE = (
+    15.0  # times the cam's turns, that a spring's own frequency is to be; 15 to 20 is usual advice
+)
 _AT_JOINT = 1e-9  # rad, to either side of a dwell's ends
 _SLOW = 1e-6  # of the speed, at which inertia does nothing
 _STEP = 1e-3  # of the stroke, by which a follower is displaced to see what holds it
@@ -64,11 +66,15 @@ def elastic(run: Run, load: Weight | None) -> Borne:
     borne.numbers |= {
         f"follower_frequency_{key}_hz": model.frequency / math.tau,
         f"vibration_{key}_{unit}": scale * float(np.max(np.abs(found.vibration))),
-        f"acceleration_factor_{key}": float(np.max(np.abs(found.acceleration))) / peak if peak else 1.0,
+        f"acceleration_factor_{key}": float(np.max(np.abs(found.acceleration))) / peak
+        if peak
+        else 1.0,
     }
     if program is not None:
         resting = np.abs(found.vibration[dwelling(program, angle)])
-        borne.numbers[f"vibration_in_dwells_{key}_{unit}"] = scale * float(np.max(resting, initial=0.0))
+        borne.numbers[f"vibration_in_dwells_{key}_{unit}"] = scale * float(
+            np.max(resting, initial=0.0)
+        )
     if rate:
         bent = (1 - model.share) * float(np.max(np.abs(excited.displacement)))
         borne.numbers[f"vibration_bent_by_spring_{key}_{unit}"] = scale * abs(bent)
@@ -77,19 +83,35 @@ def elastic(run: Run, load: Weight | None) -> Borne:
         off = excited.displacement + found.behind - wanted
         borne.numbers[f"off_wanted_{key}_{unit}"] = scale * float(np.max(np.abs(off)))
     degrees = np.degrees(theta)
-    borne.plots.append(Plot(f"Vibration of the follower, {cam.name}", "cam angle, deg", unit,
-                            [("vibration", degrees, scale * found.vibration),
-                             ("y - s", degrees, scale * found.behind)]))  # fmt: skip
+    borne.plots.append(
+        Plot(
+            f"Vibration of the follower, {cam.name}",
+            "cam angle, deg",
+            unit,
+            [
+                ("vibration", degrees, scale * found.vibration),
+                ("y - s", degrees, scale * found.behind),
+            ],
+        )
+    )
     by_cam = scale * excited.acceleration * speed**2
-    borne.plots.append(Plot(f"Acceleration of the follower, {cam.name}", "cam angle, deg", f"{unit}/s^2",
-                            [("elastic", degrees, scale * found.acceleration), ("by the cam", degrees, by_cam)]))  # fmt: skip
+    borne.plots.append(
+        Plot(
+            f"Acceleration of the follower, {cam.name}",
+            "cam angle, deg",
+            f"{unit}/s^2",
+            [("elastic", degrees, scale * found.acceleration), ("by the cam", degrees, by_cam)],
+        )
+    )
     if cam.closure == "force":
         still = solve(_slow(run), theta).forces().contacts[cam.name] * cam.leaves
         push = still + cam.leaves * model.push(excited, speed)
         fast = model.loses_contact(excited, speed, still, cam.leaves) * 60 / math.tau
         said = f"with an elastic follower of {model.frequency / math.tau:.4g} Hz"
         said += f"; contact is lost from {fast:.6g} rpm" if math.isfinite(fast) else ""
-        borne.findings.append(lift_off(theta, push, "N" if cam.slide else "N m", f"{cam.name}, cam angle", said, said))
+        borne.findings.append(
+            lift_off(theta, push, "N" if cam.slide else "N m", f"{cam.name}, cam angle", said, said)
+        )
         if math.isfinite(fast):
             borne.numbers[f"lift_off_speed_{key}_rpm"] = fast
     borne.tables += _laws(program, model, abs(speed))
@@ -138,14 +160,18 @@ def held_by(run: Run, cam: Cam) -> tuple[float, float]:
         return solve(replace(machine, joints=joints), theta).forces().contacts[cam.name]
 
     def slope(order: int, by: float, machine: Machine) -> float:
-        return float(np.nanmean(exerted(order, by, machine) - exerted(order, -by, machine))) / (2 * by)
+        return float(np.nanmean(exerted(order, by, machine) - exerted(order, -by, machine))) / (
+            2 * by
+        )
 
     if not size:
         return 0.0, 0.0
     found = slope(0, size, replace(machine, speed=_SLOW * speed)), slope(1, size, machine) / speed
     scale = float(np.nanmax(np.abs(run.forces().contacts[cam.name])))
     least = _ROUNDING * scale / size, _ROUNDING * scale / (size * abs(speed))
-    rate, drag = (value if abs(value) > each else 0.0 for value, each in zip(found, least, strict=True))
+    rate, drag = (
+        value if abs(value) > each else 0.0 for value, each in zip(found, least, strict=True)
+    )
     return rate, drag
 
 
@@ -181,7 +207,13 @@ def _laws(program: Program | None, model: Elastic, speed: float) -> list[Table]:
     time, rows = rise.span / speed, list[tuple[object, ...]]()
     for name, law in LAWS.items():
         left = residual(lambda t, law=law: law(t / time, 2) / time**2, time, model.frequency)  # type: ignore[misc]
-        rows.append((name, 100 * model.share * left, "this one" if name == getattr(rise.law, "name", "") else ""))
+        rows.append(
+            (
+                name,
+                100 * model.share * left,
+                "this one" if name == getattr(rise.law, "name", "") else "",
+            )
+        )
     rows.sort(key=lambda row: float(str(row[1])))
     title = f"Laws compared after the first rise, undamped, {model.frequency * time / math.tau:.3g} periods long"
     return [Table(title, ("law", "vibration left, % of the lift", ""), rows)]
@@ -202,7 +234,11 @@ def sprung(springs: Mapping[str, Mounted], speed: float) -> Borne:
                 "it; a thicker wire on fewer coils is faster"
             )
             borne.findings.append(at_least("SURGE", surge, _SURGE * turns, "Hz", where, said))
-        key = "spring" if where.startswith("return spring") else re.sub("[^a-z0-9]+", "_", where.lower())
+        key = (
+            "spring"
+            if where.startswith("return spring")
+            else re.sub("[^a-z0-9]+", "_", where.lower())
+        )
         numbers = {
             f"{key}_rate_n_mm": spring.rate,
             f"{key}_stress_mpa": stress,
@@ -210,7 +246,9 @@ def sprung(springs: Mapping[str, Mounted], speed: float) -> Borne:
             f"{key}_force_least_n": spring.force(mounted.shortest),
             f"{key}_force_greatest_n": spring.force(mounted.longest),
         }
-        borne.numbers |= {name: value for name, value in numbers.items() if name not in borne.numbers}
+        borne.numbers |= {
+            name: value for name, value in numbers.items() if name not in borne.numbers
+        }
     return borne
 
 
@@ -218,7 +256,12 @@ def balance(run: Run, forces: Forces) -> Mapping[str, float]:
     """One counterweight on the driven body that least shakes the ground: mass times radius, where, and the force left."""
     drive = run.machine.drives[0]
     shaken = forces.shaking
-    if not isinstance(drive.law, Turning) or drive.slide or not np.all(np.isfinite(shaken)) or not np.any(np.abs(shaken) > 0):
+    if (
+        not isinstance(drive.law, Turning)
+        or drive.slide
+        or not np.all(np.isfinite(shaken))
+        or not np.any(np.abs(shaken) > 0)
+    ):
         return {}
     if abs(float(np.ptp(run.theta)) - math.tau) > 1e-9:
         return {}
@@ -226,6 +269,7 @@ def balance(run: Run, forces: Forces) -> Mapping[str, float]:
     moment, left = crank_weight(shaken, turned, run.machine.speed * drive.law.rate)
     best = float(np.max(np.abs(shaken)))
     return {
-        "balance_weight_g_mm": 1e3 * abs(moment), "balance_weight_at_deg": math.degrees(float(np.angle(-moment))),
+        "balance_weight_g_mm": 1e3 * abs(moment),
+        "balance_weight_at_deg": math.degrees(float(np.angle(-moment))),
         "shaking_force_balanced_n": min(left, best),
-    }  # fmt: skip
+    }

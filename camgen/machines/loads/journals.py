@@ -1,8 +1,8 @@
 """Of each pin of a machine what bears it: where its holes and pins lie in the parts, how long they are, how they are held.
 
-    turning   the hole in which the pin turns: the wider of the two, or both
-    held      the hole in which it is pressed
-    lever     from the face where it is held to the middle of what turns on it, mm: the arm that bends it
+turning   the hole in which the pin turns: the wider of the two, or both
+held      the hole in which it is pressed
+lever     from the face where it is held to the middle of what turns on it, mm: the arm that bends it
 """
 
 from __future__ import annotations
@@ -55,7 +55,9 @@ class Post:
 def _round(contour: Contour, eye: Eye) -> bool:
     """Whether the contour is the eye's circle, or one with a flat."""
     return any(
-        isinstance(piece, Arc) and abs(piece.centre - eye.at) < _SAME and abs(2 * piece.radius - eye.diameter) < _SAME
+        isinstance(piece, Arc)
+        and abs(piece.centre - eye.at) < _SAME
+        and abs(2 * piece.radius - eye.diameter) < _SAME
         for piece in contour.pieces
     )
 
@@ -63,12 +65,18 @@ def _round(contour: Contour, eye: Eye) -> bool:
 def _span(part: Part, eye: Eye, mount: Mount) -> tuple[float, float] | None:
     """From where to where the eye reaches in the assembly, mm; None where the part has no such circle."""
     layers = [
-        layer for layer in part.layers
-        if any(_round(contour, eye) for contour in ((layer.region.outer,) if eye.shaft else layer.region.holes))
-    ]  # fmt: skip
+        layer
+        for layer in part.layers
+        if any(
+            _round(contour, eye)
+            for contour in ((layer.region.outer,) if eye.shaft else layer.region.holes)
+        )
+    ]
     if not layers:
         return None
-    return heights(mount, part.thickness, min(layer.z0 for layer in layers), max(layer.z1 for layer in layers))
+    return heights(
+        mount, part.thickness, min(layer.z0 for layer in layers), max(layer.z1 for layer in layers)
+    )
 
 
 class _Places:
@@ -88,11 +96,19 @@ class _Places:
 
     def material(self, eye: Eye) -> str:
         """Of the eye's part."""
-        return self.printed if eye.part is not None and self.parts[eye.part].made == "printed" else "steel"
+        return (
+            self.printed
+            if eye.part is not None and self.parts[eye.part].made == "printed"
+            else "steel"
+        )
 
 
 def journals(
-    machine: Machine, features: Sequence[Feature], parts: Sequence[Part], mounts: Sequence[Mount], printed: str
+    machine: Machine,
+    features: Sequence[Feature],
+    parts: Sequence[Part],
+    mounts: Sequence[Mount],
+    printed: str,
 ) -> Mapping[str, Journal]:
     """The bearings of a machine's pins by their joints, as far as its parts show them; printed: the name of their plastic.
 
@@ -131,11 +147,15 @@ def _journal(feature: PinEyes, places: _Places, sides: Sequence[Place]) -> Journ
         if disc is not None:
             low, high = max(low, disc[0]), min(high, disc[1])
     else:
-        faces = [face for eye in held if (span := places.span(eye, sides)) is not None for face in span]
+        faces = [
+            face for eye in held if (span := places.span(eye, sides)) is not None for face in span
+        ]
         lever = min((abs((low + high) / 2 - face) for face in faces), default=0.0)
     if high - low <= _SAME:
         return None
     sizes = [(each.bore, each.outside) for each in feature.rings]
     ball = next((each for each in BEARINGS.values() if (each.bore, each.outside) in sizes), None)
     materials = places.material(shaft), places.material(turning[0])
-    return Journal(feature.joint, shaft.diameter, high - low, lever, *materials, ball, shaft.part or "")
+    return Journal(
+        feature.joint, shaft.diameter, high - low, lever, *materials, ball, shaft.part or ""
+    )

@@ -17,8 +17,10 @@ from camgen.parts import materials
 STILL = 1e-9  # N, below which nothing presses
 _STEEL = 350  # MPa
 _STEEL_BY = {  # keys that make them of steel, and their value there
-    "pin": {"pin": "dowel", "pins": "steel"}, "shaft": {"shaft_made": "steel"}, "crank-pin": {"shaft_made": "steel"},
-}  # fmt: skip
+    "pin": {"pin": "dowel", "pins": "steel"},
+    "shaft": {"shaft_made": "steel"},
+    "crank-pin": {"shaft_made": "steel"},
+}
 
 Stronger = Callable[[Journal], str]  # what makes a pin bear more
 
@@ -41,7 +43,10 @@ class Bent:
     @property
     def overstated(self) -> bool:
         """Whether it holds by the spec's word alone, for it is printed and its plastic does not bear this."""
-        own = self.journal.shaft != materials.STEEL.name and self.stress > materials.of(self.journal.shaft).bears
+        own = (
+            self.journal.shaft != materials.STEEL.name
+            and self.stress > materials.of(self.journal.shaft).bears
+        )
         return own and self.given is not None and self.stress <= self.given
 
     def finding(self, stronger: Stronger) -> Finding:
@@ -52,7 +57,11 @@ class Bent:
         remark = f"by {self.force:.4g} N, {self.how}; {by}"
         remark += "" if self.stress <= limit else f"; {stronger(self.journal)}"
         holds = math.sqrt(limit / self.stress) if self.stress else math.inf
-        remark += f", by inertia alone: {holds:.3g} times the speed holds" if self.fast and math.isfinite(holds) else ""
+        remark += (
+            f", by inertia alone: {holds:.3g} times the speed holds"
+            if self.fast and math.isfinite(holds)
+            else ""
+        )
         return at_most("PIN_STRESS", self.stress, limit, "MPa", f"pin {self.name}", remark)
 
 
@@ -60,8 +69,14 @@ def bent_by(
     name: str, journal: Journal, bent: float, sheared: float, force: float, bears: Bears, fast: bool
 ) -> list[Bent]:
     """A pin by what it bears least of: bending, or shear as bending as bad, MPa; none that nothing presses."""
-    worse, how = max((bent, f"bent on an arm of {journal.lever:.4g} mm"), (sheared / strength.SHEAR, "sheared"))
-    return [Bent(name, journal, force, worse, how, bears.pin_stress_mpa, fast)] if force > STILL else []
+    worse, how = max(
+        (bent, f"bent on an arm of {journal.lever:.4g} mm"), (sheared / strength.SHEAR, "sheared")
+    )
+    return (
+        [Bent(name, journal, force, worse, how, bears.pin_stress_mpa, fast)]
+        if force > STILL
+        else []
+    )
 
 
 def overstated(pins: Sequence[Bent]) -> tuple[str, ...]:
@@ -95,6 +110,12 @@ def stronger(table: str, sizes: BaseModel | None, pin: Journal) -> str:
     wide = f" ({table}.{diameter})" if diameter in fields else ""
     if pin.shaft == materials.STEEL.name:
         return f"make it thicker{wide} or shorter"
-    key, value = next(((key, value) for key, value in _STEEL_BY.get(kind, {}).items() if key in fields), ("", ""))
-    say = f'or of steel ({table}.{key} = "{value}")' if key else f"or of steel and say so (limits.pin_stress_mpa = {_STEEL})"
+    key, value = next(
+        ((key, value) for key, value in _STEEL_BY.get(kind, {}).items() if key in fields), ("", "")
+    )
+    say = (
+        f'or of steel ({table}.{key} = "{value}")'
+        if key
+        else f"or of steel and say so (limits.pin_stress_mpa = {_STEEL})"
+    )
     return f"make it thicker{wide} or shorter, {say}"

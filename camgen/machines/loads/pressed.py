@@ -17,15 +17,21 @@ from camgen.numerics import Floats
 
 _SLOW = 1e-6  # of the speed, at which inertia does nothing
 
-_NEEDS = "[[spring]], or [load] with gravity_deg or [[load.on]]: what presses the follower on its cam"
+_NEEDS = (
+    "[[spring]], or [load] with gravity_deg or [[load.on]]: what presses the follower on its cam"
+)
 
 
 def by_force(machine: Machine) -> list[Cam]:
     """The cams that only a force keeps closed."""
-    return [joint for joint in machine.joints if isinstance(joint, Cam) and joint.closure == "force"]
+    return [
+        joint for joint in machine.joints if isinstance(joint, Cam) and joint.closure == "force"
+    ]
 
 
-def pressed(machine: Machine, cams: Sequence[Cam], kicked: Collection[str], theta: Floats, angle: str) -> Borne:
+def pressed(
+    machine: Machine, cams: Sequence[Cam], kicked: Collection[str], theta: Floats, angle: str
+) -> Borne:
     """LIFT_OFF of some of its cams, or what was left out where no spring, weight or load acts on the follower.
 
     machine: with its masses and loads, without friction in its pins; kicked: joints whose follower's speed jumps; theta: (n,)
@@ -34,7 +40,10 @@ def pressed(machine: Machine, cams: Sequence[Cam], kicked: Collection[str], thet
     borne = Borne()
     if not cams:
         return borne
-    runs, still = (solve(each, theta).forces() for each in (machine, replace(machine, speed=_SLOW * machine.speed)))
+    runs, still = (
+        solve(each, theta).forces()
+        for each in (machine, replace(machine, speed=_SLOW * machine.speed))
+    )
     for cam in cams:
         effort = cam.leaves * runs.contacts[cam.name]
         force = runs.pressing.get(cam.name, effort)
@@ -44,9 +53,15 @@ def pressed(machine: Machine, cams: Sequence[Cam], kicked: Collection[str], thet
             continue
         unit = "N" if cam.slide else "N m"
         least = max(0.0, -float(np.nanmin(effort)))
-        remedy = "its speed jumps, which no spring bears: use a law that ends smoothly" if cam.name in kicked else (
-            f"a little over {least:.4g} {unit} more on {cam.follower} keep it, towards the cam at all angles: a spring "
-            "([[spring]], or its preload), a weight or a load ([load]) that pulls that way; less mass or speed lowers it"
-        )  # fmt: skip
-        borne.findings.append(keeps_contact(theta, force, cam.name in kicked, f"{cam.name}, {angle}", remedy))
+        remedy = (
+            "its speed jumps, which no spring bears: use a law that ends smoothly"
+            if cam.name in kicked
+            else (
+                f"a little over {least:.4g} {unit} more on {cam.follower} keep it, towards the cam at all angles: a spring "
+                "([[spring]], or its preload), a weight or a load ([load]) that pulls that way; less mass or speed lowers it"
+            )
+        )
+        borne.findings.append(
+            keeps_contact(theta, force, cam.name in kicked, f"{cam.name}, {angle}", remedy)
+        )
     return borne

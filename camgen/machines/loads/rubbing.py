@@ -25,7 +25,11 @@ def coefficient(journal: Journal, load: Weight | None) -> float:
         return materials.FRICTION_BALL
     if load is not None and load.friction is not None:
         return load.friction
-    return materials.FRICTION_STEEL if "steel" in (journal.shaft, journal.hole) else materials.FRICTION_PRINTED
+    return (
+        materials.FRICTION_STEEL
+        if "steel" in (journal.shaft, journal.hole)
+        else materials.FRICTION_PRINTED
+    )
 
 
 def guide(load: Weight | None) -> float:
@@ -51,7 +55,9 @@ def rough(machine: Machine, journals: Mapping[str, Journal], load: Weight | None
     return replace(machine, joints=tuple(joints))
 
 
-def freed(machine: Machine, journals: Mapping[str, Journal], load: Weight | None, theta: Floats) -> str:
+def freed(
+    machine: Machine, journals: Mapping[str, Journal], load: Weight | None, theta: Floats
+) -> str:
     """Of a machine that friction locks somewhere at theta, (n,) rad: with which coefficients, and which it would bear."""
     slides = any(isinstance(joint, Slide | Slot) for joint in machine.joints)
     plain = [coefficient(journal, load) for journal in journals.values() if not journal.ball]
@@ -59,9 +65,24 @@ def freed(machine: Machine, journals: Mapping[str, Journal], load: Weight | None
     low, high = 0.0, used[-1]
     while high - low > _STEP:
         mu = (low + high) / 2
-        locks = solve(rough(machine, journals, (load or Weight()).model_copy(update={"friction": mu})), theta).forces().locks
+        locks = (
+            solve(
+                rough(machine, journals, (load or Weight()).model_copy(update={"friction": mu})),
+                theta,
+            )
+            .forces()
+            .locks
+        )
         low, high = (low, mu) if np.any(locks) else (mu, high)
-    by = "load.friction" if load is not None and load.friction is not None else "usual for its materials"
+    by = (
+        "load.friction"
+        if load is not None and load.friction is not None
+        else "usual for its materials"
+    )
     least = math.floor(low * 100) / 100
     said = f"locks at a friction of {' to '.join(f'{mu:g}' for mu in dict.fromkeys((used[0], used[-1])))} ({by}); "
-    return said + (f"it turns with up to {least:g} in all joints" if least else "even 0.01 in all joints locks it")
+    return said + (
+        f"it turns with up to {least:g} in all joints"
+        if least
+        else "even 0.01 in all joints locks it"
+    )

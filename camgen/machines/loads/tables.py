@@ -32,11 +32,19 @@ class Drives(Record):
 
     @model_validator(mode="after")
     def _one(self) -> Self:
-        given = [key for key in ("torque_n_m", "model", "stall_torque_n_m") if getattr(self, key) is not None]
+        given = [
+            key
+            for key in ("torque_n_m", "model", "stall_torque_n_m")
+            if getattr(self, key) is not None
+        ]
         if len(given) > 1:
-            raise ValueError(f"one of {' and '.join(given)}: each says by itself what the motor gives")
+            raise ValueError(
+                f"one of {' and '.join(given)}: each says by itself what the motor gives"
+            )
         if (self.stall_torque_n_m is None) != (self.no_load_rpm is None):
-            raise ValueError("stall_torque_n_m and no_load_rpm together: between them lies the motor's line")
+            raise ValueError(
+                "stall_torque_n_m and no_load_rpm together: between them lies the motor's line"
+            )
         return self
 
 
@@ -74,7 +82,9 @@ class CamBears(Bears):
 
     def of_cams(self, undercut: float) -> CamLimits:
         """What is accepted of a joint; undercut: loss of s, mm or rad."""
-        return CamLimits(self.pressure_angle_deg, undercut, self.least_radius, self.speed_ripple, self.continuous)
+        return CamLimits(
+            self.pressure_angle_deg, undercut, self.least_radius, self.speed_ripple, self.continuous
+        )
 
 
 class SwingingCamBears(CamBears):

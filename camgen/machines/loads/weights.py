@@ -45,7 +45,9 @@ def solid(body: Body, parts: Mapping[str, Part], mounts: Sequence[Mount], densit
     return together(replace(body, mass=0.0, inertia=0.0), *own)
 
 
-def weighed(mechanism: Mechanism, made: Sequence[Part] | None = None, mounted: Sequence[Mount] | None = None) -> Weighed:
+def weighed(
+    mechanism: Mechanism, made: Sequence[Part] | None = None, mounted: Sequence[Mount] | None = None
+) -> Weighed:
     """The model with the masses of its solids where the spec gives none, and with gravity where the spec has it.
 
     made, mounted: the solids and where they stand, while not all of them are known.
@@ -61,16 +63,22 @@ def weighed(mechanism: Mechanism, made: Sequence[Part] | None = None, mounted: S
         own = solid(body, parts, mounts, mechanism.density) if body.name != GROUND else body
         if body.name == GROUND or not own.mass:
             bodies.append(body)
-            sources[body.name] = "given" if body.mass or body.inertia else "none: nothing is made of it"
+            sources[body.name] = (
+                "given" if body.mass or body.inertia else "none: nothing is made of it"
+            )
         elif body.mass:
             bodies.append(body)
-            sources[body.name] = "solids" if abs(body.mass - own.mass) <= _SAME * own.mass else "given"
+            sources[body.name] = (
+                "solids" if abs(body.mass - own.mass) <= _SAME * own.mass else "given"
+            )
         elif not body.inertia:
             bodies.append(own)
             sources[body.name] = "solids"
         else:
             rest = body.inertia - own.mass * abs(own.centre * MM) ** 2
-            fits = rest >= 0 or bool(gravity(mechanism.load))  # a weight counts, even where a little inertia does not
+            fits = rest >= 0 or bool(
+                gravity(mechanism.load)
+            )  # a weight counts, even where a little inertia does not
             bodies.append(replace(own, inertia=max(rest, 0.0)) if fits else body)
             sources[body.name] = "inertia given, mass of the solids" if fits else "inertia given"
     sources.pop(GROUND, None)

@@ -21,7 +21,15 @@ import numpy as np
 
 from camgen.machine.forces import Forces
 from camgen.machine.jets import thread_length
-from camgen.machine.landmarks import TURN, Curve, extremes, moving_centrode, near_stops, smallest_loop, zeros
+from camgen.machine.landmarks import (
+    TURN,
+    Curve,
+    extremes,
+    moving_centrode,
+    near_stops,
+    smallest_loop,
+    zeros,
+)
 from camgen.machine.model import (
     GROUND,
     Body,
@@ -145,7 +153,12 @@ class TakeUp:
         """The same with masses; speed of the crank, rad/s. Each pin's reaction is the force on the later link."""
         ground = Body(GROUND, {"O": 0j, "C": self.pivot, "M": self.guides[0], "N": self.guides[1]})
         crank, coupler, output = (links[name] for name in ("crank", "coupler", "output"))
-        pins = (("O", crank, ground), ("A", coupler, crank), ("B", output, coupler), ("C", output, ground))
+        pins = (
+            ("O", crank, ground),
+            ("A", coupler, crank),
+            ("B", output, coupler),
+            ("C", output, ground),
+        )
         a, c = complex(self.crank), self.pivot
         way = c - a
         far = abs(way)  # where it does not close at theta = 0, A-B lies on the line of A and C
@@ -156,9 +169,16 @@ class TakeUp:
             (ground, crank, coupler, output),
             tuple(Pin(name, on.at(name), by.at(name)) for name, on, by in pins),
             (Drive("motor", "crank"),),
-            {"crank": Pose(0j, 0.0), "coupler": Pose(a, cmath.phase(b - a)), "output": Pose(c, cmath.phase(b - c))},
+            {
+                "crank": Pose(0j, 0.0),
+                "coupler": Pose(a, cmath.phase(b - a)),
+                "output": Pose(c, cmath.phase(b - c)),
+            },
             outputs=(
-                Output("feed", Function((ground.at("M"), coupler.at("D"), ground.at("N")), thread_length)),
+                Output(
+                    "feed",
+                    Function((ground.at("M"), coupler.at("D"), ground.at("N")), thread_length),
+                ),
                 Output("eye", Path(Place("coupler", self.eye))),
             ),
             speed=speed,
@@ -170,12 +190,16 @@ class TakeUp:
 
     def path(self, theta: Floats, order: int = 0) -> Points:
         """The eye's place, or its derivative to theta, shaped like theta, complex mm."""
-        return np.asarray(self.run(theta, order).derivatives("eye")[order], complex).reshape(np.shape(theta))
+        return np.asarray(self.run(theta, order).derivatives("eye")[order], complex).reshape(
+            np.shape(theta)
+        )
 
     def thread(self, theta: Floats) -> Points:
         """The thread from guide to eye to guide, (n, 3) complex mm; theta: (n,) rad."""
         eye = self.path(theta)
-        return np.stack([np.full(eye.shape, self.guides[0]), eye, np.full(eye.shape, self.guides[1])], axis=-1)
+        return np.stack(
+            [np.full(eye.shape, self.guides[0]), eye, np.full(eye.shape, self.guides[1])], axis=-1
+        )
 
     # ---- feed --------------------------------------------------------------------------------------------------------
 
@@ -184,7 +208,9 @@ class TakeUp:
 
         Derivatives are nan where the eye meets a guide: the feed has a kink there.
         """
-        return np.asarray(self.run(theta, order).derivatives("feed")[order], float).reshape(np.shape(theta))
+        return np.asarray(self.run(theta, order).derivatives("feed")[order], float).reshape(
+            np.shape(theta)
+        )
 
     @cached_property
     def diagram(self) -> FeedDiagram:
@@ -207,7 +233,9 @@ class TakeUp:
             return NearStop(complex(path(np.array([slow]), 0)[0]), slow, slow, 0.0, 0.0, 0)
         enters, leaves, place, count = found
         loop = path(np.linspace(enters, leaves, 2001), 0)
-        return NearStop(place, enters, leaves, float(np.ptp(loop.real)), float(np.ptp(loop.imag)), count)
+        return NearStop(
+            place, enters, leaves, float(np.ptp(loop.real)), float(np.ptp(loop.imag)), count
+        )
 
     def slowest(self) -> float:
         """Angle at which the eye moves slowest, rad."""
@@ -238,7 +266,9 @@ class TakeUp:
             whole = path(np.linspace(0, TURN, 720, endpoint=False), 0)
             return TURN if float(np.max(np.abs(whole - stop.centre))) <= radius else 0.0
         half = (stop.leaves - stop.enters) / 2
-        held = spans[(spans[:, 0] <= math.pi + half + 1e-9) & (spans[:, 1] >= math.pi - half - 1e-9)]
+        held = spans[
+            (spans[:, 0] <= math.pi + half + 1e-9) & (spans[:, 1] >= math.pi - half - 1e-9)
+        ]
         return float(held[:, 1].max() - held[:, 0].min()) if len(held) else 0.0
 
     def cusps(self) -> list[tuple[float, float]]:
@@ -272,7 +302,9 @@ class TakeUp:
             if order == 0:
                 return self.rates(theta, 1)[output]
             step = 1e-5  # rad: as good a slope as Newton's method needs
-            ahead, behind = np.split(self.rates(np.append(theta + step, theta - step), 1)[output], 2)
+            ahead, behind = np.split(
+                self.rates(np.append(theta + step, theta - step), 1)[output], 2
+            )
             return (ahead - behind) / (2 * step)
 
         at = np.append(zeros(slope), 0.0)
@@ -295,5 +327,7 @@ class TakeUp:
         """
         coupler, output = self.rates(theta)
         relative = {"A": 1 - coupler, "B": coupler - output, "C": output}
-        return {name: abs(speed) * float(np.nanmean(np.abs(forces.reactions[name]) * np.abs(w))) for name, w in relative.items()}
-
+        return {
+            name: abs(speed) * float(np.nanmean(np.abs(forces.reactions[name]) * np.abs(w)))
+            for name, w in relative.items()
+        }

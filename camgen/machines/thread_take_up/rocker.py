@@ -39,34 +39,55 @@ def alike(t: TakeUp, other: TakeUp, bodies: Mapping[str, Body]) -> dict[str, Bod
 
     def scaled(name: str, share: float) -> Body:
         mine, yours = bodies[name], other.links[name]
-        return replace(yours, mass=mine.mass * share, centre=mine.centre * share, inertia=mine.inertia * share**3)
+        return replace(
+            yours,
+            mass=mine.mass * share,
+            centre=mine.centre * share,
+            inertia=mine.inertia * share**3,
+        )
 
     coupler = (other.coupler + other.eye_distance) / (t.coupler + t.eye_distance)
     output = scaled("output", other.output / t.output)
     return {"crank": other.links["crank"], "coupler": scaled("coupler", coupler), "output": output}
 
 
-def against(t: TakeUp, bodies: Mapping[str, Body], speed: float, consumption: Floats | None) -> tuple[dict[str, float], Table]:
+def against(
+    t: TakeUp, bodies: Mapping[str, Body], speed: float, consumption: Floats | None
+) -> tuple[dict[str, float], Table]:
     """Figures and a table of the two; speed: of the crank, rad/s; consumption: at 720 even angles, mm, None where not known."""
     pair = (t, bodies), (ROCKER, alike(t, ROCKER, bodies))
     figures: list[dict[str, float]] = []
     for each, masses in pair:
         forces = each.forces(ANGLES, masses, speed)
         wear = each.wear(ANGLES, forces, speed)
-        figures.append({
-            "feed, mm": each.diagram.range,
-            "let down to pulled up": max(each.diagram.ratio, 1 / each.diagram.ratio),
-            "least excess, mm": math.nan if consumption is None else least_excess(each, consumption),
-            "greatest reaction at C, N": float(np.nanmax(np.abs(forces.reactions["C"]))),
-            "mean wear measure of A, B, C, N rad/s": sum(wear.values()) / 3,
-        })  # fmt: skip
+        figures.append(
+            {
+                "feed, mm": each.diagram.range,
+                "let down to pulled up": max(each.diagram.ratio, 1 / each.diagram.ratio),
+                "least excess, mm": math.nan
+                if consumption is None
+                else least_excess(each, consumption),
+                "greatest reaction at C, N": float(np.nanmax(np.abs(forces.reactions["C"]))),
+                "mean wear measure of A, B, C, N rad/s": sum(wear.values()) / 3,
+            }
+        )
     two, one = figures
-    said = {"least excess, mm": "7 and 37", "greatest reaction at C, N": "120 and 190",
-            "mean wear measure of A, B, C, N rad/s": "more than twice"}  # fmt: skip
+    said = {
+        "least excess, mm": "7 and 37",
+        "greatest reaction at C, N": "120 and 190",
+        "mean wear measure of A, B, C, N rad/s": "more than twice",
+    }
     rows = [(name, two[name], one[name], one[name] / two[name], said.get(name, "")) for name in two]
-    numbers = {f"rocker_{key}": one[name] for key, name in (
-        ("excess_mm", "least excess, mm"), ("reaction_c_n", "greatest reaction at C, N"),
-        ("wear_n_rad_s", "mean wear measure of A, B, C, N rad/s"),
-    ) if not math.isnan(one[name])}  # fmt: skip
+    numbers = {
+        f"rocker_{key}": one[name]
+        for key, name in (
+            ("excess_mm", "least excess, mm"),
+            ("reaction_c_n", "greatest reaction at C, N"),
+            ("wear_n_rad_s", "mean wear measure of A, B, C, N rad/s"),
+        )
+        if not math.isnan(one[name])
+    }
     columns = ("", "two cranks", "crank-rocker", "ratio", "the source's")
-    return numbers, Table("Two cranks against a crank-rocker of the same feed, found by a search", columns, rows)
+    return numbers, Table(
+        "Two cranks against a crank-rocker of the same feed, found by a search", columns, rows
+    )

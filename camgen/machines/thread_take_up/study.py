@@ -27,7 +27,9 @@ from camgen.study import Later, Plot, Study, Table
 # The lengths of the source: OA, OC, and AB with BC as it prints them.
 _PUBLISHED, _PRINTED = (30.0, 9.0), (30.0, 19.0)
 _EYE = (52.0, math.radians(90))  # its BD, and the angle with BA
-_FORCES = np.linspace(0, TURN, 7200, endpoint=False)  # angles at which forces are taken; peaks are flat to 1e-4 N between two
+_FORCES = np.linspace(
+    0, TURN, 7200, endpoint=False
+)  # angles at which forces are taken; peaks are flat to 1e-4 N between two
 _DRAWN = np.linspace(0, TURN, 721)
 _DEGREES = np.degrees(_DRAWN)
 _STOPS = (0.25, 1.0)  # mm, circles round the near stop
@@ -65,7 +67,10 @@ class Masses(Record):
     output_crank_g: Annotated[float, Field(gt=0, le=1e6)]
     coupler_kg_m2: Annotated[float, Field(gt=0, le=1e3)]
     output_crank_kg_m2: Annotated[float, Field(gt=0, le=1e3)]
-    coupler_centre: tuple[Annotated[float, Field(ge=-1e6, le=1e6)], Annotated[float, Field(ge=-1e6, le=1e6)]] | None = None
+    coupler_centre: (
+        tuple[Annotated[float, Field(ge=-1e6, le=1e6)], Annotated[float, Field(ge=-1e6, le=1e6)]]
+        | None
+    ) = None
     output_crank_centre: Annotated[float, Field(ge=-1e6, le=1e6)] | None = None
     coupler_weight_radius: Length = 20.0
     output_crank_weight_radius: Length = 15.0
@@ -79,9 +84,17 @@ class Masses(Record):
             output = self.output_crank_centre
         return {
             "crank": t.links["crank"],
-            "coupler": replace(t.links["coupler"], mass=self.coupler_g / 1e3, centre=coupler, inertia=self.coupler_kg_m2),
+            "coupler": replace(
+                t.links["coupler"],
+                mass=self.coupler_g / 1e3,
+                centre=coupler,
+                inertia=self.coupler_kg_m2,
+            ),
             "output": replace(
-                t.links["output"], mass=self.output_crank_g / 1e3, centre=complex(output), inertia=self.output_crank_kg_m2
+                t.links["output"],
+                mass=self.output_crank_g / 1e3,
+                centre=complex(output),
+                inertia=self.output_crank_kg_m2,
             ),
         }
 
@@ -89,13 +102,18 @@ class Masses(Record):
         """Both centres of mass, by their keys in a spec."""
         bodies = self.bodies(t)
         coupler, output = bodies["coupler"].centre, bodies["output"].centre
-        return {"masses.coupler_centre": (coupler.real, coupler.imag), "masses.output_crank_centre": output.real}
+        return {
+            "masses.coupler_centre": (coupler.real, coupler.imag),
+            "masses.output_crank_centre": output.real,
+        }
 
     def balanced(self, t: TakeUp) -> dict[str, Body]:
         """The bodies with counterweights: the coupler's centre at B, then the output crank's, with the coupler's mass, at C."""
         bodies = self.bodies(t)
         coupler = balanced(bodies["coupler"], t.coupler, self.coupler_weight_radius)
-        output = balanced(bodies["output"], 0, self.output_crank_weight_radius, coupler.mass, t.output)
+        output = balanced(
+            bodies["output"], 0, self.output_crank_weight_radius, coupler.mass, t.output
+        )
         return bodies | {"coupler": coupler, "output": output}
 
 
@@ -109,15 +127,23 @@ class Consumption(Record):
         """What is wrong between the two lists."""
         found = []
         if any(b <= a for a, b in zip(self.angles_deg, self.angles_deg[1:], strict=False)):
-            found.append(Fault("consumption.angles_deg", "", "angles that grow from one to the next"))
+            found.append(
+                Fault("consumption.angles_deg", "", "angles that grow from one to the next")
+            )
         if len(self.angles_deg) != len(self.length_mm):
             count = f"{len(self.length_mm)} lengths"
-            found.append(Fault("consumption.length_mm", count, f"as many as angles_deg, {len(self.angles_deg)}"))
+            found.append(
+                Fault(
+                    "consumption.length_mm", count, f"as many as angles_deg, {len(self.angles_deg)}"
+                )
+            )
         return found
 
     def at(self, theta: Floats) -> Floats:
         """Length at theta, (n,) mm."""
-        return np.asarray(np.interp(np.degrees(theta), self.angles_deg, self.length_mm, period=360.0))
+        return np.asarray(
+            np.interp(np.degrees(theta), self.angles_deg, self.length_mm, period=360.0)
+        )
 
     def extremes(self, t: TakeUp) -> tuple[tuple[float, float], tuple[float, float]]:
         """Least and greatest of supply less consumption, mm, each with its angle, rad: tried every 0.05 deg and at the knots."""
@@ -131,8 +157,22 @@ class Consumption(Record):
         (least, at_), (most, at) = self.extremes(t)
         places = [f"crank angle {math.degrees(angle):.2f} deg" for angle in (at, at_)]
         return [
-            at_most("THREAD_EXCESS", most, limit, "mm", places[0], "supply less consumption at its greatest"),
-            at_least("THREAD_SHORT", round(least, 9) + 0.0, 0, "mm", places[1], "supply less consumption at its least"),
+            at_most(
+                "THREAD_EXCESS",
+                most,
+                limit,
+                "mm",
+                places[0],
+                "supply less consumption at its greatest",
+            ),
+            at_least(
+                "THREAD_SHORT",
+                round(least, 9) + 0.0,
+                0,
+                "mm",
+                places[1],
+                "supply less consumption at its least",
+            ),
         ]
 
 
@@ -155,7 +195,9 @@ def _readings(t: TakeUp) -> tuple[TakeUp, ...]:
     return (t, t.interchanged()) if _of_source(t) else (t,)
 
 
-def study(t: TakeUp, rpm: float | None, masses: Masses | None, consumption: Consumption | None) -> Study:
+def study(
+    t: TakeUp, rpm: float | None, masses: Masses | None, consumption: Consumption | None
+) -> Study:
     """Figures, curves and tables; forces only with masses, and then with a speed."""
     figures = [motion_numbers(each) for each in _readings(t)]
     notes = [*_NOTES, *(_ERRATA if _of_source(t) else ())]
@@ -174,15 +216,19 @@ def study(t: TakeUp, rpm: float | None, masses: Masses | None, consumption: Cons
         if _of_source(t):
             drawn = None if consumption is None else consumption.at(ANGLES)
             for each in _readings(t)[::-1]:  # of the spec's own the figures count
-                found, table = against(each, masses.bodies(each), rpm * TURN / 60, drawn if each == t else None)
+                found, table = against(
+                    each, masses.bodies(each), rpm * TURN / 60, drawn if each == t else None
+                )
                 beside.append(replace(table, title=f"{table.title}; {reading(each)}"))
             numbers |= found
     if consumption is not None:
         low, high = consumption.extremes(t)
         numbers |= {
-            "thread_excess_max_mm": high[0], "thread_excess_max_at_deg": math.degrees(high[1]),
-            "thread_excess_min_mm": low[0], "thread_excess_min_at_deg": math.degrees(low[1]),
-        }  # fmt: skip
+            "thread_excess_max_mm": high[0],
+            "thread_excess_max_at_deg": math.degrees(high[1]),
+            "thread_excess_min_mm": low[0],
+            "thread_excess_min_at_deg": math.degrees(low[1]),
+        }
 
     def plots() -> list[Plot]:
         found = [*_motion_plots(t), _by_frame(t)]
@@ -208,7 +254,11 @@ def _both(t: TakeUp, figures: Sequence[Mapping[str, float]]) -> Table:
 
 def _thread_plot(t: TakeUp, consumption: Consumption) -> Plot:
     supply, drawn = t.supply(_DRAWN), consumption.at(_DRAWN)
-    curves = [("supply", _DEGREES, supply), ("consumption", _DEGREES, drawn), ("excess", _DEGREES, supply - drawn)]
+    curves = [
+        ("supply", _DEGREES, supply),
+        ("consumption", _DEGREES, drawn),
+        ("excess", _DEGREES, supply - drawn),
+    ]
     return Plot("Supply and consumption of thread", _ALPHA, "mm", curves)
 
 
@@ -217,7 +267,9 @@ def motion_numbers(t: TakeUp) -> dict[str, float]:
     lengths = (t.frame, t.crank, t.coupler, t.output)
     feed, stop = t.diagram, t.near_stop
     least, most = transmission_extremes(*lengths)
-    cusp = min(t.cusps(), key=lambda each: abs(each[0] - t.eye_distance), default=(math.nan, math.nan))
+    cusp = min(
+        t.cusps(), key=lambda each: abs(each[0] - t.eye_distance), default=(math.nan, math.nan)
+    )
     loop = stop.crossings > 0
 
     def placed(name: str, value: float, angle: float, unit: str = "") -> dict[str, float]:
@@ -239,7 +291,10 @@ def motion_numbers(t: TakeUp) -> dict[str, float]:
         "near_stop_to_deg": math.degrees(stop.leaves),
         "loop_width_mm": stop.width if loop else math.nan,
         "loop_height_mm": stop.height if loop else math.nan,
-        **{f"dwell_within_{radius:g}_mm_deg".replace(".", "_"): math.degrees(t.lingers(radius)) for radius in _STOPS},
+        **{
+            f"dwell_within_{radius:g}_mm_deg".replace(".", "_"): math.degrees(t.lingers(radius))
+            for radius in _STOPS
+        },
         "cusp_eye_distance_mm": cusp[0],
         "cusp_at_deg": math.degrees(cusp[1]),
     }
@@ -287,7 +342,12 @@ def _influence(t: TakeUp) -> Table:
 
     def figures(each: TakeUp) -> list[float]:
         try:
-            return [_unevenness(each), each.diagram.range, each.diagram.ratio, math.degrees(each.lingers(1.0))]
+            return [
+                _unevenness(each),
+                each.diagram.range,
+                each.diagram.ratio,
+                math.degrees(each.lingers(1.0)),
+            ]
         except DesignError:
             return [math.nan] * 4
 
@@ -296,8 +356,19 @@ def _influence(t: TakeUp) -> Table:
     for key, name in _LENGTHS.items():
         length = getattr(t, key) + _LONGER
         found = figures(replace(t, **{key: length}))
-        rows.append([f"{name} = {length:g}", *(value - before for value, before in zip(found, here, strict=True))])
-    columns = ("length, mm", "spread of BC's rate", "feed range, mm", "let-down ratio", "within 1 mm of the stop, deg")
+        rows.append(
+            [
+                f"{name} = {length:g}",
+                *(value - before for value, before in zip(found, here, strict=True)),
+            ]
+        )
+    columns = (
+        "length, mm",
+        "spread of BC's rate",
+        "feed range, mm",
+        "let-down ratio",
+        "within 1 mm of the stop, deg",
+    )
     return Table(f"Influence of each length: what {_LONGER:g} mm more changes", columns, rows)
 
 
@@ -307,7 +378,13 @@ def _by_frame(t: TakeUp) -> Plot:
     frame = np.linspace(0.05, 0.95, 19) * most
     spread = np.array([_unevenness(replace(t, frame=float(length))) for length in frame])
     label = "rate of BC, greatest less least, per crank"
-    return Plot("Unevenness against the frame's length", "OC, mm", label, [("spread", frame, spread)], [("this spec", t.frame)])
+    return Plot(
+        "Unevenness against the frame's length",
+        "OC, mm",
+        label,
+        [("spread", frame, spread)],
+        [("this spec", t.frame)],
+    )
 
 
 def _peak(values: Floats | Points) -> float:
@@ -327,21 +404,51 @@ def _motion_plots(t: TakeUp) -> list[Plot]:
     coupler, output = t.rates(_DRAWN)
     marks = [("greatest", math.degrees(feed.longest[1])), ("least", math.degrees(feed.shortest[1]))]
     return [
-        Plot("Eye path", "x, mm", "y, mm", [(name, path.real, path.imag) for name, path in paths], equal=True),
-        Plot("Feed", _ALPHA, "mm", [(reading(each), _DEGREES, each.feed(_DRAWN)) for each in _readings(t)], marks),
-        Plot("Transmission angle", _ALPHA, "deg", [("between coupler and output crank", _DEGREES, np.degrees(np.abs(arms)))]),
-        Plot("Rates of turning", _ALPHA, "per crank", [("coupler", _DEGREES, coupler), ("output crank", _DEGREES, output)]),
+        Plot(
+            "Eye path",
+            "x, mm",
+            "y, mm",
+            [(name, path.real, path.imag) for name, path in paths],
+            equal=True,
+        ),
+        Plot(
+            "Feed",
+            _ALPHA,
+            "mm",
+            [(reading(each), _DEGREES, each.feed(_DRAWN)) for each in _readings(t)],
+            marks,
+        ),
+        Plot(
+            "Transmission angle",
+            _ALPHA,
+            "deg",
+            [("between coupler and output crank", _DEGREES, np.degrees(np.abs(arms)))],
+        ),
+        Plot(
+            "Rates of turning",
+            _ALPHA,
+            "per crank",
+            [("coupler", _DEGREES, coupler), ("output crank", _DEGREES, output)],
+        ),
     ]
 
 
 def _force_plot(t: TakeUp, masses: Masses, speed: float) -> Plot:
     forces = t.forces(_DRAWN, masses.bodies(t), speed)
-    return Plot("Reactions", _ALPHA, "N", [(f"joint {name}", _DEGREES, np.abs(forces.reactions[name])) for name in "ABC"])
+    return Plot(
+        "Reactions",
+        _ALPHA,
+        "N",
+        [(f"joint {name}", _DEGREES, np.abs(forces.reactions[name])) for name in "ABC"],
+    )
 
 
 def _turns(t: TakeUp) -> Table:
     """Where the feed turns back, in the order of the turn."""
-    rows = [[math.degrees(a), float(length)] for a, length in zip(t.diagram.turns, t.diagram.lengths, strict=True)]
+    rows = [
+        [math.degrees(a), float(length)]
+        for a, length in zip(t.diagram.turns, t.diagram.lengths, strict=True)
+    ]
     return Table("Extremes of the feed", (_ALPHA, "feed, mm"), rows)
 
 
@@ -351,7 +458,9 @@ def _centres(t: TakeUp, masses: Masses, speed: float) -> Table:
     for each in _readings(t):
         for label, given in (("given", True), ("centroid of A, B, D; a third of BC", False)):
             bodies = masses.bodies(each, given)
-            rows.append([reading(each), label, *_peaks(each.forces(_FORCES, bodies, speed)).values()])
+            rows.append(
+                [reading(each), label, *_peaks(each.forces(_FORCES, bodies, speed)).values()]
+            )
     return Table("Peak reactions, N", ("lengths", "centres of mass", "A", "B", "C"), rows)
 
 
@@ -376,9 +485,16 @@ def balance_numbers(t: TakeUp, masses: Masses, speed: float) -> dict[str, float]
 
 def _balancing(t: TakeUp, masses: Masses, speed: float) -> Table:
     """What balancing does to forces and torque, before and after."""
-    before, after = (force_numbers(t, bodies, speed) for bodies in (masses.bodies(t), masses.balanced(t)))
+    before, after = (
+        force_numbers(t, bodies, speed) for bodies in (masses.bodies(t), masses.balanced(t))
+    )
     found = balance_numbers(t, masses, speed)
     rows: list[Sequence[object]] = [[name, value, after[name]] for name, value in before.items()]
     rows.append(["shaking_force_n", found["shaking_force_n"], found["balanced_shaking_force_n"]])
-    rows += [[name, 0.0, found[name]] for name in ("counterweight_coupler_g", "counterweight_output_crank_g")]
-    return Table("Balancing of coupler and output crank as in the source", ("", "before", "after"), rows)
+    rows += [
+        [name, 0.0, found[name]]
+        for name in ("counterweight_coupler_g", "counterweight_output_crank_g")
+    ]
+    return Table(
+        "Balancing of coupler and output crank as in the source", ("", "before", "after"), rows
+    )

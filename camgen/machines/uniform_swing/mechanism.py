@@ -27,7 +27,13 @@ from camgen.findings import Finding, NotJudged
 from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats, Points, Region, circle
-from camgen.machine.cams.limits import ARM_PRESSURE, Advice, ExactCam, cam_findings, undercut_numbers
+from camgen.machine.cams.limits import (
+    ARM_PRESSURE,
+    Advice,
+    ExactCam,
+    cam_findings,
+    undercut_numbers,
+)
 from camgen.machine.cams.machine import CamTouch, FollowerLoad, Loaded, cam_machine, cam_outline
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.features import Asked, Eye, Feature, Mount, OwnTip, StandIn
@@ -38,7 +44,14 @@ from camgen.machines.mechanism import Mechanism
 from camgen.machines.pairs import air_faults
 from camgen.machines.uniform_swing.pictures import Model, pictures
 from camgen.machines.uniform_swing.room import Room, machine_checks, place_pins
-from camgen.machines.uniform_swing.study import NO_SPRING, blend_study, canvas_study, force_study, forces, source_figures
+from camgen.machines.uniform_swing.study import (
+    NO_SPRING,
+    blend_study,
+    canvas_study,
+    force_study,
+    forces,
+    source_figures,
+)
 from camgen.machines.uniform_swing.tables import (
     BaseTable,
     ColletTable,
@@ -62,7 +75,10 @@ if TYPE_CHECKING:
     from camgen.machines.loads.journals import Journal
     from camgen.machines.uniform_swing.printed import SwingMachine
 
-_ARROW, _ARROW_SHARE = 2.5, 0.3125  # circumscribed radius of the direction mark, mm, and its most as a share of the bore
+_ARROW, _ARROW_SHARE = (
+    2.5,
+    0.3125,
+)  # circumscribed radius of the direction mark, mm, and its most as a share of the bore
 
 
 class UniformSwing(Mechanism):
@@ -82,17 +98,39 @@ class UniformSwing(Mechanism):
         """What is wrong between keys that are right one by one."""
         p, nozzle, blend = self.making, self.print.nozzle, self.geometry.reversal_blend_deg
         checks = [
-            (blend in (0, 180) or 0.01 <= blend <= 179.99, "geometry.reversal_blend_deg", blend,
-             "0 (sharp), 0.01 to 179.99, or 180"),  # a stretch of less would be rounding
+            (
+                blend in (0, 180) or 0.01 <= blend <= 179.99,
+                "geometry.reversal_blend_deg",
+                blend,
+                "0 (sharp), 0.01 to 179.99, or 180",
+            ),  # a stretch of less would be rounding
             (p.wall >= nozzle, "parts.wall", p.wall, f"at least the nozzle, {nozzle:g} mm"),
-            (self.allowed.min_wall >= nozzle, "limits.min_wall", self.allowed.min_wall, f"at least the nozzle, {nozzle:g} mm"),
-            (p.mark_depth < p.thickness, "parts.mark_depth", p.mark_depth, f"less than the thickness, {p.thickness:g} mm"),
+            (
+                self.allowed.min_wall >= nozzle,
+                "limits.min_wall",
+                self.allowed.min_wall,
+                f"at least the nozzle, {nozzle:g} mm",
+            ),
+            (
+                p.mark_depth < p.thickness,
+                "parts.mark_depth",
+                p.mark_depth,
+                f"less than the thickness, {p.thickness:g} mm",
+            ),
         ]
         if p.make == "machine":
             checks += machine_checks(self)
         deg = None if self.load is None else self.load.gravity_deg
-        weight = None if deg is None else unweighed(deg, bool(self.nozzle.inertia_kg_m2), p.make == "machine")
-        found = [Fault(path, f"{value:g}", expected) for fine, path, value, expected in checks if not fine]
+        weight = (
+            None
+            if deg is None
+            else unweighed(deg, bool(self.nozzle.inertia_kg_m2), p.make == "machine")
+        )
+        found = [
+            Fault(path, f"{value:g}", expected)
+            for fine, path, value, expected in checks
+            if not fine
+        ]
         g = self.geometry
         found += air_faults("geometry.tip_clearance", g.tip_clearance, g.closure, g.tip_radius)
         return [*found, *p.misfits(), *([] if weight is None else [weight])]
@@ -105,22 +143,40 @@ class UniformSwing(Mechanism):
         room = 2 * math.atan2(g.arm_offset, g.pivot_distance)
         if math.radians(g.swing_deg) >= room:
             raise DesignError(
-                "geometry.swing_deg", g.swing_deg, math.degrees(room), "deg", "the inner end of the swing",
+                "geometry.swing_deg",
+                g.swing_deg,
+                math.degrees(room),
+                "deg",
+                "the inner end of the swing",
                 "the tip reaches the line of the two shafts there: use a smaller one, or a geometry.arm_offset above "
                 f"{g.pivot_distance * math.tan(math.radians(g.swing_deg / 2)):.4g} mm",
-            )  # fmt: skip
+            )
         program = uniform_swing(math.radians(g.swing_deg), math.radians(g.reversal_blend_deg))
-        return DiscCam(program, SwingingArm(complex(g.pivot_distance), arm, g.tip_radius, leaves=1), g.tip_clearance)
+        return DiscCam(
+            program,
+            SwingingArm(complex(g.pivot_distance), arm, g.tip_radius, leaves=1),
+            g.tip_clearance,
+        )
 
     def found(self) -> Mapping[str, object]:
         """The pressure angle that is accepted, and what every mechanism fills in."""
-        return {**super().found(), "limits.pressure_angle_deg": self.allowed.cam_limits.steepest(self.cam)}
+        return {
+            **super().found(),
+            "limits.pressure_angle_deg": self.allowed.cam_limits.steepest(self.cam),
+        }
 
     def machine(self) -> Machine:
         """Cam and follower; output "swing", rad."""
         pair = self.geometry.closure == "conjugate"
         touches = (CamTouch(self.cam), CamTouch(self.cam, mirrored=True))[: 1 + pair]
-        return cam_machine([self.cam], self.speed, self._load, "form" if pair else "force", touches, self.nozzle.friction)
+        return cam_machine(
+            [self.cam],
+            self.speed,
+            self._load,
+            "form" if pair else "force",
+            touches,
+            self.nozzle.friction,
+        )
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """Wanted angle s of the follower (rad) or its derivative to theta, (n,)."""
@@ -182,24 +238,40 @@ class UniformSwing(Mechanism):
             keep_clear += [(z, p.pin_diameter / 2) for z in (place, -place.conjugate())]
             holes += [circle(*pin) for pin in keep_clear]
         mark = self._mark(rim, reach, keep_clear) if p.mark_depth else None
-        engraved = (Layer(Region(arrowhead(*mark)), p.thickness - p.mark_depth, p.thickness),) if mark else ()
+        engraved = (
+            (Layer(Region(arrowhead(*mark)), p.thickness - p.mark_depth, p.thickness),)
+            if mark
+            else ()
+        )
         pins = tuple(centre for centre, _ in keep_clear)
         if mark:
             keep_clear.append(mark[:2])
         holes += windows(rim, reach, p.windows, p.wall, keep_clear)
         # a hole smaller than the tolerance must not lose its corners
-        wall = thinnest_wall(rim, [facet_contour(h, min(LAYOUT, 0.01 * math.sqrt(abs(h.area)))) for h in holes])
+        wall = thinnest_wall(
+            rim, [facet_contour(h, min(LAYOUT, 0.01 * math.sqrt(abs(h.area)))) for h in holes]
+        )
         if not wall > 0:
             raise DesignError(
-                "wall", wall, self.allowed.min_wall, "mm", "between the cam's holes and its edge",
+                "wall",
+                wall,
+                self.allowed.min_wall,
+                "mm",
+                "between the cam's holes and its edge",
                 "holes meet or leave the cam: use a smaller bore, key, pin_diameter or wall",
-            )  # fmt: skip
+            )
         copies = 2 if self.geometry.closure == "conjugate" else 1
         return Part(
-            "cam", "Uniform-swing cam", (Layer(Region(outline, tuple(holes)), 0.0, p.thickness),), copies,
-            engraved, (0j, *pins),
-            self._part_notes(bool(mark)), p.bore, self.allowed.min_wall,
-        )  # fmt: skip
+            "cam",
+            "Uniform-swing cam",
+            (Layer(Region(outline, tuple(holes)), 0.0, p.thickness),),
+            copies,
+            engraved,
+            (0j, *pins),
+            self._part_notes(bool(mark)),
+            p.bore,
+            self.allowed.min_wall,
+        )
 
     @cached_property
     def pins(self) -> tuple[complex, float]:
@@ -207,20 +279,28 @@ class UniformSwing(Mechanism):
         p = self.making
         if p.make == "machine" and p.pin_diameter:
             return self.room.pins(self._rim, p.pin_diameter, p.wall)
-        return place_pins(self._rim, self.making.reach, p.pin_diameter, p.wall, self.allowed.min_wall, 0.0, None)
+        return place_pins(
+            self._rim, self.making.reach, p.pin_diameter, p.wall, self.allowed.min_wall, 0.0, None
+        )
 
     @cached_property
     def room(self) -> Room:
         """Room that the geometry leaves to the whole machine."""
         return Room(self)
 
-    def _mark(self, rim: Points, reach: float, holes: Sequence[tuple[complex, float]]) -> tuple[complex, float, complex] | None:
+    def _mark(
+        self, rim: Points, reach: float, holes: Sequence[tuple[complex, float]]
+    ) -> tuple[complex, float, complex] | None:
         """Place, size and direction of the engraved arrow beside the bore, below it if there is room; None without any."""
         free, size = self.making.wall / 2, min(_ARROW, _ARROW_SHARE * self.making.bore)
         for turn in (-90, 90, -45, -135, 45, 135, 0, 180):
             spoke = cmath.rect(1, math.radians(turn))
             at = spoke * (reach + free + size)
-            room = float(point_to_ring(np.array([at]), rim)[0]) if inside(np.array([at]), rim)[0] else 0.0
+            room = (
+                float(point_to_ring(np.array([at]), rim)[0])
+                if inside(np.array([at]), rim)[0]
+                else 0.0
+            )
             if min([room, *(abs(at - centre) - radius for centre, radius in holes)]) > size + free:
                 return at, size, self.sense * 1j * spoke
         return None
@@ -251,7 +331,9 @@ class UniformSwing(Mechanism):
         if p.make == "machine":
             seat = self._machine.tip_hole
             tip = Eye("frame", follower.arm, seat or 2 * follower.tip_radius, shaft=not seat)
-            bore = Eye("frame", 0j, next(part.bore or 0.0 for part in self.parts() if part.name == "frame"))
+            bore = Eye(
+                "frame", 0j, next(part.bore or 0.0 for part in self.parts() if part.name == "frame")
+            )
             own = OwnTip("frame", tip, bore, follower.tip_radius if seat else None)
         first = cam_outline(self.cam, "cam", self.allowed.cam_limits, p.bore, own=own)
         if self.geometry.closure == "force":
@@ -264,7 +346,9 @@ class UniformSwing(Mechanism):
         if self.making.make == "machine":
             return self._machine.mounts
         above = self.making.thickness + self.print.slide_clearance
-        return (Mount("cam", "cam"), Mount("cam", "cam", flipped=True, z=above))[: self.cam_part.count]
+        return (Mount("cam", "cam"), Mount("cam", "cam", flipped=True, z=above))[
+            : self.cam_part.count
+        ]
 
     def asked(self) -> Sequence[Asked]:
         """The play of the follower that is borne."""
@@ -287,7 +371,9 @@ class UniformSwing(Mechanism):
             "a geometry.reversal_blend_deg joins them",
         )
         cams = [ExactCam("exact profile", self.cam, advice)]
-        findings = cam_findings(cams, self.allowed.cam_limits, chord_tolerance=self.accuracy.chord_tolerance)
+        findings = cam_findings(
+            cams, self.allowed.cam_limits, chord_tolerance=self.accuracy.chord_tolerance
+        )
         if self.making.make == "machine":
             from camgen.machines.uniform_swing.shopping import screw_grip
 
@@ -302,7 +388,11 @@ class UniformSwing(Mechanism):
         """LIFT_OFF of force closure where nothing says what swings."""
         if self._forces or self.geometry.closure != "force":
             return ()
-        return (NotJudged("LIFT_OFF", "nothing says what the spring has to move", "nozzle.inertia_kg_m2"),)
+        return (
+            NotJudged(
+                "LIFT_OFF", "nothing says what the spring has to move", "nozzle.inertia_kg_m2"
+            ),
+        )
 
     @property
     def shaft_needed(self) -> float | None:
@@ -325,7 +415,11 @@ class UniformSwing(Mechanism):
         spring, lever = self.spring, self.spring.lever
         if self.geometry.closure != "force" or not spring.preload:
             return None
-        return 1e3 * spring.rate / lever**2, 1e3 * spring.preload / lever, lever * math.radians(self.geometry.swing_deg)
+        return (
+            1e3 * spring.rate / lever**2,
+            1e3 * spring.preload / lever,
+            lever * math.radians(self.geometry.swing_deg),
+        )
 
     def journals(self) -> Mapping[str, Journal]:
         """The frames' axle in the base."""
@@ -335,9 +429,16 @@ class UniformSwing(Mechanism):
     def _load(self) -> FollowerLoad:
         """Nozzle and frames about the pivot, and the spring of force closure."""
         frames = [part for part in self.parts() if part.name == "frame"]
-        inertia = self.nozzle.inertia_kg_m2 + sum(part.count * inertia_of(part, self.density) for part in frames)
+        inertia = self.nozzle.inertia_kg_m2 + sum(
+            part.count * inertia_of(part, self.density) for part in frames
+        )
         pushed = self.geometry.closure == "force"
-        return FollowerLoad(inertia, 0.0, self.spring.rate if pushed else 0.0, self.spring.preload if pushed else 0.0)
+        return FollowerLoad(
+            inertia,
+            0.0,
+            self.spring.rate if pushed else 0.0,
+            self.spring.preload if pushed else 0.0,
+        )
 
     @cached_property
     def _forces(self) -> Loaded | None:
@@ -352,7 +453,9 @@ class UniformSwing(Mechanism):
         if self.making.make == "cams":
             return laid
         choice = blend_study(self.cam, math.radians(self.geometry.reversal_blend_deg))
-        return replace(laid, plots=[*laid.plots, *choice.plots], tables=[*laid.tables, *choice.tables])
+        return replace(
+            laid, plots=[*laid.plots, *choice.plots], tables=[*laid.tables, *choice.tables]
+        )
 
     def study(self) -> Study:
         """Figures, speed and pressure-angle curves, and the remedies for what the design suffers from."""
@@ -381,7 +484,9 @@ class UniformSwing(Mechanism):
             numbers["shaft_length_mm"] = self._machine.shaft_length
             # the frame shifts on its axle by half the clearance, which turns it until the tip is on the cam again
             across = abs(cam.follower.arm) * math.cos(math.radians(self.cam.steepest))
-            numbers["swing_by_play_of_axle_deg"] = math.degrees(self.print.slide_clearance / 2 / across)
+            numbers["swing_by_play_of_axle_deg"] = math.degrees(
+                self.print.slide_clearance / 2 / across
+            )
         degrees = np.degrees(theta)
         steep = np.degrees(cam.pressure_angle(theta))
         lever = self.spring.lever if g.closure == "force" else None
@@ -390,14 +495,23 @@ class UniformSwing(Mechanism):
             "Undercut of the exact profile",
             ("from, deg", "to, deg", "largest shortfall, deg", "at, deg", "at the tip, mm"),
             [
-                [math.degrees(u.begin), math.degrees(u.end), math.degrees(u.shortfall), math.degrees(u.worst), u.depth]
+                [
+                    math.degrees(u.begin),
+                    math.degrees(u.end),
+                    math.degrees(u.shortfall),
+                    math.degrees(u.worst),
+                    u.depth,
+                ]
                 for u in cam.undercuts
             ],
         )
         return Study(
             numbers | dict(loaded.numbers),
             plots=(
-                *loaded.plots, Plot("Pressure angle", "cam angle, deg", "deg", [("exact profile", degrees, steep)]),
+                *loaded.plots,
+                Plot(
+                    "Pressure angle", "cam angle, deg", "deg", [("exact profile", degrees, steep)]
+                ),
                 *pictures(Model(g.pivot_distance, g.arm_offset, math.radians(g.swing_deg), cam)),
             ),
             tables=(undercut,) if cam.undercuts else (),
@@ -421,7 +535,10 @@ class UniformSwing(Mechanism):
         if self.geometry.closure == "conjugate":
             strokes.append(np.conj(strokes[0]))
             circles += [(z.conjugate(), r) for z, r in circles]
-        pivots = [(0j, self.making.bore / 4), (complex(self.geometry.pivot_distance), self.making.bore / 4)]
+        pivots = [
+            (0j, self.making.bore / 4),
+            (complex(self.geometry.pivot_distance), self.making.bore / 4),
+        ]
         return Sketch("follower", strokes, circles, "follower"), Sketch("ground", (), pivots)
 
     def _notes(self) -> tuple[str, ...]:

@@ -52,7 +52,10 @@ class Model:
 
     def tip(self, alpha: Floats | float) -> Points:
         """C on the ground."""
-        return np.asarray(self.pivot - math.hypot(self.pivot, self.width) * np.exp(1j * np.asarray(alpha)), complex)
+        return np.asarray(
+            self.pivot - math.hypot(self.pivot, self.width) * np.exp(1j * np.asarray(alpha)),
+            complex,
+        )
 
     def corner(self, alpha: Floats | float) -> Points:
         """B on the ground: in mid position straight under A."""
@@ -72,7 +75,13 @@ class Model:
 
 def pictures(model: Model) -> list[Plot]:
     """The figures, in the source's order."""
-    return [_model(model, 0.0, "a"), _model(model, math.pi, "b"), _vectors(model), _rolled(model, False), _rolled(model, True)]
+    return [
+        _model(model, 0.0, "a"),
+        _model(model, math.pi, "b"),
+        _vectors(model),
+        _rolled(model, False),
+        _rolled(model, True),
+    ]
 
 
 def _line(name: str, places: Sequence[complex] | Points) -> tuple[str, Floats, Floats]:
@@ -80,7 +89,9 @@ def _line(name: str, places: Sequence[complex] | Points) -> tuple[str, Floats, F
     return name, z.real, z.imag
 
 
-def _plot(title: str, series: Sequence[tuple[str, Floats, Floats]], points: Sequence[Named]) -> Plot:
+def _plot(
+    title: str, series: Sequence[tuple[str, Floats, Floats]], points: Sequence[Named]
+) -> Plot:
     named = [(name, complex(z).real, complex(z).imag) for name, z in points]
     return Plot(title, _X, _Y, series, equal=True, points=named)
 
@@ -102,7 +113,11 @@ def _vectors(model: Model) -> Plot:
     tips = [complex(model.tip(alpha)) for alpha in ends]
     pivot, radius = complex(model.pivot), 0.35 * model.pivot
     arcs: list[Points] = []
-    named: list[Named] = [("O", 0), ("A", pivot), *((f"C{k}", tip) for k, tip in enumerate(tips, 1))]
+    named: list[Named] = [
+        ("O", 0),
+        ("A", pivot),
+        *((f"C{k}", tip) for k, tip in enumerate(tips, 1)),
+    ]
     for k, (alpha, tip) in enumerate(zip(ends, tips, strict=True), 1):
         size = (1 - 0.25 * (k - 1)) * radius
         arc = pivot - size * np.exp(1j * np.linspace(0, alpha, 61))
@@ -111,9 +126,12 @@ def _vectors(model: Model) -> Plot:
         arcs += [np.append(each, complex(math.nan, math.nan)) for each in (arc, near)]
         named += [(f"α{k}", complex(arc[40])), (f"β{k}", complex(near[30]))]
     series = [
-        _line("OA = L", [0, pivot]), _line("AC = R", [tips[0], pivot, tips[1]]), _line("OC, r₁ and r₂", [tips[0], 0, tips[1]]),
-        _line("way of C", model.tip(np.linspace(*ends, 121))), _line("angles", np.concatenate(arcs)),
-    ]  # fmt: skip
+        _line("OA = L", [0, pivot]),
+        _line("AC = R", [tips[0], pivot, tips[1]]),
+        _line("OC, r₁ and r₂", [tips[0], 0, tips[1]]),
+        _line("way of C", model.tip(np.linspace(*ends, 121))),
+        _line("angles", np.concatenate(arcs)),
+    ]
     return _plot("Source, figure 3: vectors at both ends of the swing", series, named)
 
 
@@ -123,12 +141,23 @@ def _rolled(model: Model, back: bool) -> Plot:
     phi = begin + np.linspace(0, math.pi, _STEPS + 1)
     alpha, turn = model.alpha(phi), np.exp(-1j * phi)
     a, b, c = model.pivot * turn, model.corner(alpha) * turn, model.tip(alpha) * turn
-    follower = np.concatenate([[x, y, z, complex(math.nan, math.nan)] for x, y, z in zip(a, b, c, strict=True)])
+    follower = np.concatenate(
+        [[x, y, z, complex(math.nan, math.nan)] for x, y, z in zip(a, b, c, strict=True)]
+    )
     series = [
-        _line("profile", model.way()), _line("of this half turn", model.way(begin, begin + math.pi)),
-        _line("ABC", follower), _line("way of A", model.pivot * np.exp(-1j * (begin + _ROUND / 2))),
-    ]  # fmt: skip
+        _line("profile", model.way()),
+        _line("of this half turn", model.way(begin, begin + math.pi)),
+        _line("ABC", follower),
+        _line("way of A", model.pivot * np.exp(-1j * (begin + _ROUND / 2))),
+    ]
     marks = range(_STEPS + 1)
-    named = [("O", 0j), *((f"A{k}", a[k]) for k in marks), ("B0", b[0]), *((f"C{k}", c[k]) for k in marks)]
+    named = [
+        ("O", 0j),
+        *((f"A{k}", a[k]) for k in marks),
+        ("B0", b[0]),
+        *((f"C{k}", c[k]) for k in marks),
+    ]
     number, half = (5, "second") if back else (4, "first")
-    return _plot(f"Source, figure {number}: ABC rolled round the held cam, {half} half turn", series, named)
+    return _plot(
+        f"Source, figure {number}: ABC rolled round the held cam, {half} half turn", series, named
+    )

@@ -67,7 +67,9 @@ class Base:
     def slot(self) -> Contour:
         """The arc slot in which the second axle travels."""
         half = self.swing / 2 + self.end_room / self.slide_at
-        return kidney(complex(self.pivot), self.slide_at, (self.axle + self.slide) / 2, -half, 2 * half)
+        return kidney(
+            complex(self.pivot), self.slide_at, (self.axle + self.slide) / 2, -half, 2 * half
+        )
 
     @property
     def pocket_depth(self) -> float:
@@ -80,47 +82,71 @@ class Base:
         floor = self.thickness - self.pocket_depth
         if floor < min_wall:
             raise DesignError(
-                "thickness of the base", self.thickness, self.pocket_depth + min_wall, "mm",
-                "under the heads of the screws", "use a thicker base or smaller screws",
-            )  # fmt: skip
+                "thickness of the base",
+                self.thickness,
+                self.pocket_depth + min_wall,
+                "mm",
+                "under the heads of the screws",
+                "use a thicker base or smaller screws",
+            )
         room = self.pivot - self.axle_flange / 2 - motor.half
         if room < 0:
             raise DesignError(
-                "room for the axle's flange", room, 0, "mm", "under the base, beside the motor",
+                "room for the axle's flange",
+                room,
+                0,
+                "mm",
+                "under the base, beside the motor",
                 f"use a smaller base.motor or frame.axle_flange, or geometry.pivot_distance = {self.pivot - room:g} or more",
-            )  # fmt: skip
+            )
         radius, slot = (self.axle + self.slide) / 2, self.slot
         half = self.swing / 2 + self.end_room / self.slide_at
         if half >= math.pi - (2 * radius + wall) / self.slide_at:
             raise DesignError(
-                "arc slot", math.degrees(2 * half), 360, "deg", "base", "its ends meet: use a smaller swing or a larger slide_at"
+                "arc slot",
+                math.degrees(2 * half),
+                360,
+                "deg",
+                "base",
+                "its ends meet: use a smaller swing or a larger slide_at",
             )
         sunk = {
-            f"screw {k}": (z, screw.clearance / 2, (screw.head + HEAD_ROOM) / 2) for k, (z, screw) in enumerate(self.sunk, 1)
+            f"screw {k}": (z, screw.clearance / 2, (screw.head + HEAD_ROOM) / 2)
+            for k, (z, screw) in enumerate(self.sunk, 1)
         }
         # discs along the slot, so close that the chords between them take no more than 0.1 mm of its wall
-        count = max(1, math.ceil(half / math.acos(max(-1.0, 1 - 0.1 / (self.slide_at + radius + wall)))))
+        count = max(
+            1, math.ceil(half / math.acos(max(-1.0, 1 - 0.1 / (self.slide_at + radius + wall))))
+        )
         along = self.pivot + self.slide_at * np.exp(1j * np.linspace(-half, half, 2 * count + 1))
         discs = [(complex(z), radius + wall + 0.1) for z in along]
         discs += [(z, head + wall) for z, _, head in sunk.values()]
         discs += [(0j, (motor.boss + self.slide) / 2 + wall), (complex(self.pivot), radius + wall)]
         outer = hull(discs)
-        fixed = {"boss": circle(0j, (motor.boss + self.slide) / 2), "axle": circle(complex(self.pivot), radius), "slot": slot}
+        fixed = {
+            "boss": circle(0j, (motor.boss + self.slide) / 2),
+            "axle": circle(complex(self.pivot), radius),
+            "slot": slot,
+        }
         screws = {name: circle(z, through) for name, (z, through, _) in sunk.items()}
         pockets = {name: circle(z, head) for name, (z, _, head) in sunk.items()}
-        opening = self._window(facet_contour(outer, FACETS), (motor.screw.head + HEAD_ROOM) / 2, radius)
+        opening = self._window(
+            facet_contour(outer, FACETS), (motor.screw.head + HEAD_ROOM) / 2, radius
+        )
         if opening:
             fixed["window"] = opening
         return Part(
-            "base", "Base plate",
+            "base",
+            "Base plate",
             (
                 Layer(plate("base", outer, fixed | screws, min_wall), 0.0, floor),
                 Layer(plate("base", outer, fixed | pockets, min_wall), floor, self.thickness),
             ),
             centres=(0j, complex(self.pivot), *(z for z, _ in self.sunk)),
             notes=(f"pockets {self.pocket_depth:g} deep for the screws' heads, this side up",),
-            bore=motor.boss + self.slide, min_wall=min_wall,
-        )  # fmt: skip
+            bore=motor.boss + self.slide,
+            min_wall=min_wall,
+        )
 
     def _window(self, rim: Points, head: float, axle: float) -> Contour | None:
         """A rounded opening between motor and pivot, two walls from the edge and one from everything else; None: no room."""
@@ -131,11 +157,23 @@ class Base:
             return None
         upper = rim[rim.imag > 0]
         upper = upper[np.argsort(upper.real)]
-        heights = np.interp([begin - corner, begin, begin + corner, end - corner, end, end + corner], upper.real, upper.imag)
-        left, right = (float(np.min(heights[part])) - 2 * self.wall - corner for part in (slice(3), slice(3, 6)))
+        heights = np.interp(
+            [begin - corner, begin, begin + corner, end - corner, end, end + corner],
+            upper.real,
+            upper.imag,
+        )
+        left, right = (
+            float(np.min(heights[part])) - 2 * self.wall - corner
+            for part in (slice(3), slice(3, 6))
+        )
         if min(left, right) <= 0:
             return None
-        places = (complex(begin, left), complex(begin, -left), complex(end, -right), complex(end, right))
+        places = (
+            complex(begin, left),
+            complex(begin, -left),
+            complex(end, -right),
+            complex(end, right),
+        )
         return rounded([(z, corner) for z in places])
 
 
@@ -188,21 +226,35 @@ class Frame:
         post = -hub  # left edge
         if post < self.inside.real:
             raise DesignError(
-                "room for the axle's hub", -self.inside.real, hub, "mm", "frame, beside the pivot",
+                "room for the axle's hub",
+                -self.inside.real,
+                hub,
+                "mm",
+                "frame, beside the pivot",
                 "the cam comes too near the pivot: use a smaller frame.axle or frame.wall, or a smaller geometry.arm_offset",
-            )  # fmt: skip
+            )
         half, fillet = self.arm / 2, min(self.arm / 2, (post - self.tip.real - root) / 4)
         if fillet <= 0:
             raise DesignError(
-                "room between tip and post", post - self.tip.real, root, "mm", "frame", "use a larger pivot_distance or a "
-                "smaller tip, axle or wall",
-            )  # fmt: skip
+                "room between tip and post",
+                post - self.tip.real,
+                root,
+                "mm",
+                "frame",
+                "use a larger pivot_distance or a smaller tip, axle or wall",
+            )
         notch = min(fillet, (self.tip.imag - shelf) / 2)
         tail = complex(self.slide_at, self.spacing / 2)
         return rounded(
             [
                 (self.tip, self.tip_radius),
-                (complex(self.tip.real + max(half - self.tip_radius, 0.0) * self.straight, shelf - half), half),
+                (
+                    complex(
+                        self.tip.real + max(half - self.tip_radius, 0.0) * self.straight,
+                        shelf - half,
+                    ),
+                    half,
+                ),
                 (complex(post + half, shelf - half), half),
                 (tail.conjugate(), corner),
                 (tail, corner),
@@ -214,37 +266,82 @@ class Frame:
 
     def part(self, min_wall: float, count: int = 2) -> Part:
         """The plate; its origin is the pivot. Turned over about its x axis it fits the other one hole by hole."""
-        holes = {"axle": circle(0j, self.axle / 2), "sliding axle": circle(complex(self.slide_at), self.axle / 2)}
+        holes = {
+            "axle": circle(0j, self.axle / 2),
+            "sliding axle": circle(complex(self.slide_at), self.axle / 2),
+        }
         tail = complex(self.slide_at, self.spacing / 2)
-        holes |= {f"nozzle screw {k + 1}": circle(z, self.screw / 2) for k, z in enumerate((tail, tail.conjugate()))}
+        holes |= {
+            f"nozzle screw {k + 1}": circle(z, self.screw / 2)
+            for k, z in enumerate((tail, tail.conjugate()))
+        }
         holes |= {f"pin {k + 1}": circle(z, self.pin / 2) for k, z in enumerate(self.pins)}
         if self.seat:
             holes["seat"] = circle(self.tip, self.seat / 2)
         try:
             outer = self.outline
         except ValueError as error:
-            raise DesignError("arm of the frame", self.arm, 0, "mm", str(error), "use a wider arm or a smaller wall") from None
+            raise DesignError(
+                "arm of the frame",
+                self.arm,
+                0,
+                "mm",
+                str(error),
+                "use a wider arm or a smaller wall",
+            ) from None
         layers, cut = [Layer(plate("frame", outer, holes, min_wall), 0.0, self.thickness)], 0
         flats, height = self.nut
         if flats:
             depth = height / count + _HEAD_DEPTH / 2
             if self.thickness - depth < min_wall:
                 raise DesignError(
-                    "thickness of the frame", self.thickness, depth + min_wall, "mm", "at the pockets of the nozzle's nuts",
+                    "thickness of the frame",
+                    self.thickness,
+                    depth + min_wall,
+                    "mm",
+                    "at the pockets of the nozzle's nuts",
                     "use a thicker frame (parts.thickness) or a smaller nozzle.screw",
-                )  # fmt: skip
-            pockets = {f"nozzle screw {k + 1}": _hexagon(z, flats) for k, z in enumerate((tail, tail.conjugate()))}
+                )
+            pockets = {
+                f"nozzle screw {k + 1}": _hexagon(z, flats)
+                for k, z in enumerate((tail, tail.conjugate()))
+            }
             pocketed = plate("frame", outer, holes | pockets, min_wall)
             split = self.thickness - depth if count == 2 else depth
-            lower, upper = (layers[0].region, pocketed) if count == 2 else (pocketed, layers[0].region)
-            layers, cut = [Layer(lower, 0.0, split), Layer(upper, split, self.thickness)], 0 if count == 2 else 1
-        centres = (0j, complex(self.slide_at), tail, tail.conjugate(), *self.pins, *((self.tip,) if self.seat else ()))
-        both = ("two alike: turn one over about the line of both axles (y to -y)",) if count == 2 else ()
+            lower, upper = (
+                (layers[0].region, pocketed) if count == 2 else (pocketed, layers[0].region)
+            )
+            layers, cut = (
+                [Layer(lower, 0.0, split), Layer(upper, split, self.thickness)],
+                0 if count == 2 else 1,
+            )
+        centres = (
+            0j,
+            complex(self.slide_at),
+            tail,
+            tail.conjugate(),
+            *self.pins,
+            *((self.tip,) if self.seat else ()),
+        )
+        both = (
+            ("two alike: turn one over about the line of both axles (y to -y)",)
+            if count == 2
+            else ()
+        )
         if flats:
             both = (*both, f"pockets {flats:g} across flats for the nozzle's nuts, {depth:g} deep")
         return Part(
-            "frame", "Frame plate", tuple(layers), count, (), centres, both, self.axle, min_wall, cut
-        )  # fmt: skip
+            "frame",
+            "Frame plate",
+            tuple(layers),
+            count,
+            (),
+            centres,
+            both,
+            self.axle,
+            min_wall,
+            cut,
+        )
 
 
 def _hexagon(centre: complex, flats: float) -> Contour:

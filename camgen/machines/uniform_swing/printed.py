@@ -41,10 +41,31 @@ class SwingMachine:
 
     def __init__(self, spec: UniformSwing) -> None:
         p = spec.making
-        self.spec, self.cam, self.cam_part, self.room, self.pin_wall = spec, spec.cam, spec.cam_part, spec.room, spec.pins[1]
-        self.base, self.frame, self.collet, self.nozzle = spec.base, spec.frame, spec.collet, spec.nozzle
-        self.bore, self.pin, self.wall, self.plain, self.pair = p.bore, p.pin_diameter, p.wall, self.room.plain, self.room.pair
-        self.slide, self.press, self.min_wall = spec.print.slide_clearance, spec.print.press_clearance, spec.allowed.min_wall
+        self.spec, self.cam, self.cam_part, self.room, self.pin_wall = (
+            spec,
+            spec.cam,
+            spec.cam_part,
+            spec.room,
+            spec.pins[1],
+        )
+        self.base, self.frame, self.collet, self.nozzle = (
+            spec.base,
+            spec.frame,
+            spec.collet,
+            spec.nozzle,
+        )
+        self.bore, self.pin, self.wall, self.plain, self.pair = (
+            p.bore,
+            p.pin_diameter,
+            p.wall,
+            self.room.plain,
+            self.room.pair,
+        )
+        self.slide, self.press, self.min_wall = (
+            spec.print.slide_clearance,
+            spec.print.press_clearance,
+            spec.allowed.min_wall,
+        )
 
     # ---- sizes ------------------------------------------------------------------------------------------------------
 
@@ -106,7 +127,11 @@ class SwingMachine:
     def shaft_note(self) -> str:
         """What the motor's shaft has to be, and what it usually is."""
         usual = self.base.face.shaft
-        known = f" On a {self.base.face.name.upper().replace('-', ' ')} frame {usual:g} mm is usual" if usual else ""
+        known = (
+            f" On a {self.base.face.name.upper().replace('-', ' ')} frame {usual:g} mm is usual"
+            if usual
+            else ""
+        )
         length = " and 24 mm long" if self.base.motor == "nema-17" else ""
         return f"The motor's shaft is to be {self.shaft_size}.{known}{length}{'.' if known else ''}"
 
@@ -116,7 +141,9 @@ class SwingMachine:
         if not self.plain:
             p = self.spec.making
             flat = f", with a flat {p.flat_depth:g} deep," if p.shaft == "d-flat" else ""
-            return f"{self.bore:g} mm thick{flat} and to reach {self.shaft_length:g} mm over its face"
+            return (
+                f"{self.bore:g} mm thick{flat} and to reach {self.shaft_length:g} mm over its face"
+            )
         return f"{self.bore:g} mm thick and to reach {self.shaft_needed:g} to {self.shaft_length:g} mm over its face"
 
     @cached_property
@@ -124,7 +151,9 @@ class SwingMachine:
         """Edge of the cam at many cam angles, seen from the frame."""
         theta = np.linspace(0, math.tau, _PLACES)[:, None]
         rim = facet_contour(self.cam.outline, LAYOUT * min(1.0, abs(self.cam.follower.arm) / 60))
-        seen = (rim * np.exp(1j * theta) - self.cam.follower.pivot) * np.exp(-1j * self.cam.reachable(theta))
+        seen = (rim * np.exp(1j * theta) - self.cam.follower.pivot) * np.exp(
+            -1j * self.cam.reachable(theta)
+        )
         return np.asarray(seen.ravel())
 
     @cached_property
@@ -132,9 +161,19 @@ class SwingMachine:
         """The base as a shape."""
         b, f = self.base, self.frame
         return Base(
-            b.face, self.cam.follower.pivot.real, self.axle, f.axle_flange, f.slide_at, self.room.swing, b.thickness, b.wall,
-            self.slide, b.slot_room, b.window, SCREWS.get(b.mount),
-        )  # fmt: skip
+            b.face,
+            self.cam.follower.pivot.real,
+            self.axle,
+            f.axle_flange,
+            f.slide_at,
+            self.room.swing,
+            b.thickness,
+            b.wall,
+            self.slide,
+            b.slot_room,
+            b.window,
+            SCREWS.get(b.mount),
+        )
 
     @cached_property
     def _frame(self) -> Frame:
@@ -152,10 +191,22 @@ class SwingMachine:
         f, follower = self.frame, self.cam.follower
         screw = SCREWS[self.nozzle.screw]
         return Frame(
-            follower.arm, self._boss if self.seat else follower.tip_radius, self._inside, f.arm, self.axle + self.press,
-            f.slide_at, screw.clearance, self.nozzle.spacing, self.pin, self.thickness, f.wall, self.tip_hole,
-            (screw.flats + self.slide, screw.nut), self._hub, straight,
-        )  # fmt: skip
+            follower.arm,
+            self._boss if self.seat else follower.tip_radius,
+            self._inside,
+            f.arm,
+            self.axle + self.press,
+            f.slide_at,
+            screw.clearance,
+            self.nozzle.spacing,
+            self.pin,
+            self.thickness,
+            f.wall,
+            self.tip_hole,
+            (screw.flats + self.slide, screw.nut),
+            self._hub,
+            straight,
+        )
 
     @property
     def tip_hole(self) -> float:
@@ -182,10 +233,13 @@ class SwingMachine:
         least = min(self.frame.axle, LEAST_AXLE)
         if room < least:
             raise DesignError(
-                "room for the axle's hub", -self._inside.real, (least + fit) / 2 + self.min_wall + LAYOUT, "mm",
+                "room for the axle's hub",
+                -self._inside.real,
+                (least + fit) / 2 + self.min_wall + LAYOUT,
+                "mm",
                 f"the frame beside the pivot, for an axle of {least:g} mm with limits.min_wall",
                 f"the cam comes too near the pivot: {self.room.remedy()}",
-            )  # fmt: skip
+            )
         return min(self.frame.axle, room)
 
     @property
@@ -197,7 +251,10 @@ class SwingMachine:
     def _sleeve_wall(self) -> float:
         """Wall of the collet: as wanted, or what the pins leave."""
         c, free = self.collet, min((abs(z) - self.pin / 2 for z in self.pins), default=math.inf)
-        return min(c.wall, c.wall + free - Collet(self.bore, self.slide, c.wall, c.length, c.flange, 0.0).radius)
+        return min(
+            c.wall,
+            c.wall + free - Collet(self.bore, self.slide, c.wall, c.length, c.flange, 0.0).radius,
+        )
 
     @cached_property
     def _rim(self) -> Points:
@@ -208,25 +265,42 @@ class SwingMachine:
         """What is smaller than wanted, for people; nothing where all has room."""
         sizes = [
             ("frame.axle", self.frame.axle, self.axle),
-            ("frame.wall round the pivot", self.frame.wall, self._hub - (self.axle + self.press) / 2),
+            (
+                "frame.wall round the pivot",
+                self.frame.wall,
+                self._hub - (self.axle + self.press) / 2,
+            ),
             ("parts.wall round the cams' pins", self.wall, self.pin_wall),
         ]
         sizes += [("collet.wall", self.collet.wall, self._sleeve_wall)] if self.plain else []
-        less = [f"{name} {made:.3g} instead of {wanted:g}" for name, wanted, made in sizes if made < wanted - LAYOUT]
-        return (f"Made smaller than usual, for there is no room, mm: {'; '.join(less)}.",) if less else ()
+        less = [
+            f"{name} {made:.3g} instead of {wanted:g}"
+            for name, wanted, made in sizes
+            if made < wanted - LAYOUT
+        ]
+        return (
+            (f"Made smaller than usual, for there is no room, mm: {'; '.join(less)}.",)
+            if less
+            else ()
+        )
 
     @cached_property
     def tip_pin(self) -> float:
         """Length of the dowel pin at the tip; DesignError where none is sold, or its bearing does not fit beside the plate."""
         longest = 2 * self.thickness + self.slide
         length, bearing = dowel(self.seat, longest), self.frame.bearing
-        needed = self.thickness + self.slide + max(self.thickness / 2, bearing.width if bearing else 0.0)
+        needed = (
+            self.thickness + self.slide + max(self.thickness / 2, bearing.width if bearing else 0.0)
+        )
         if length < needed:
             raise DesignError(
-                "dowel pin of the tip", length, needed, "mm",
+                "dowel pin of the tip",
+                length,
+                needed,
+                "mm",
                 f"{DOWEL_STANDARD}, diameter {self.seat:g} mm, at most {longest:g} mm",
                 "use another parts.thickness or another frame.tip",
-            )  # fmt: skip
+            )
         return length
 
     @cached_property
@@ -236,7 +310,9 @@ class SwingMachine:
         pins = tuple((z, self.pin) for z in self.pins)
         reach = max((abs(z) + self.pin / 2 + self.wall for z in self.pins), default=0.0)
         flange_diameter = max(plain.ring_diameter, 2 * reach)
-        return Collet(self.bore, self.slide, wall, c.length, c.flange, flange_diameter, pins, c.slits, c.slit)
+        return Collet(
+            self.bore, self.slide, wall, c.length, c.flange, flange_diameter, pins, c.slits, c.slit
+        )
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 
@@ -254,34 +330,72 @@ class SwingMachine:
         deep = self._overlap(self._frame)
         if deep > 0:
             raise DesignError(
-                "overlap of frame and cam", deep, 0.0, "mm", "frame, over the turn",
+                "overlap of frame and cam",
+                deep,
+                0.0,
+                "mm",
+                "frame, over the turn",
                 "the cam is too steep beside the tip: use a smaller geometry.swing_deg or geometry.tip_radius, or a larger "
                 "geometry.arm_offset",
-            )  # fmt: skip
+            )
         made = [
             self.cam_part,
             plate,
             self.base_plate.part(self.min_wall),
             headed(
-                "axle", "Axle with flange", self.axle, self.last + self.slide, f.axle_flange, f.flange_thickness, 2,
+                "axle",
+                "Axle with flange",
+                self.axle,
+                self.last + self.slide,
+                f.axle_flange,
+                f.flange_thickness,
+                2,
                 ("pressed and glued into the frames",),
             ),
             spacer(
-                "axle-washer", "Washer of an axle", self.axle + self.slide, min(f.axle_flange, -2 * self._inside.real),
-                self.foot - self.base.thickness, self.min_wall, 2,
+                "axle-washer",
+                "Washer of an axle",
+                self.axle + self.slide,
+                min(f.axle_flange, -2 * self._inside.real),
+                self.foot - self.base.thickness,
+                self.min_wall,
+                2,
             ),
-        ]  # fmt: skip
+        ]
         if self.pair:
             made.append(self._spacer())
         if self.plain:
             made += [self._collet.sleeve(self.min_wall), self._collet.ring()]
-        glued, pins_made = ("pressed and glued",), TURNED if self.spec.making.pins == "steel" else "printed"
+        glued, pins_made = (
+            ("pressed and glued",),
+            TURNED if self.spec.making.pins == "steel" else "printed",
+        )
         if self.pins and self.cam_pin_length > self.thickness:
             diameter = self.pin - self.press
-            made.append(rod("cam-pin", "Pin of the cams", diameter, self.cam_pin_length, len(self.pins), glued, pins_made))
+            made.append(
+                rod(
+                    "cam-pin",
+                    "Pin of the cams",
+                    diameter,
+                    self.cam_pin_length,
+                    len(self.pins),
+                    glued,
+                    pins_made,
+                )
+            )
         if self.pair and self.pin:
             length = 2 * self.thickness
-            made.append(rod("frame-pin", "Pin of the frames", self.pin - self.press, length, 2, glued, pins_made))
+            made.append(
+                rod(
+                    "frame-pin",
+                    "Pin of the frames",
+                    self.pin - self.press,
+                    length,
+                    2,
+                    glued,
+                    pins_made,
+                )
+            )
         return tuple(made)
 
     @property
@@ -296,13 +410,22 @@ class SwingMachine:
         reach = max([hole, *(abs(z) + self.pin / 2 for z in self.pins)])
         radius = min(reach + self.wall, float(np.min(np.abs(self._rim))) - keep)
         outer = None
-        if radius - reach < self.min_wall:  # no round one has room, but one as wide as its holes need
+        if (
+            radius - reach < self.min_wall
+        ):  # no round one has room, but one as wide as its holes need
             wall = min(self.wall, washer_wall(self._rim, hole, self.pins, self.pin, keep))
             outer = hull([(0j, hole + wall), *((z, self.pin / 2 + wall) for z in self.pins)])
         return spacer(
-            "cam-spacer", "Spacer between the cams", 2 * hole, 2 * radius, self.top - self.low - 2 * self.thickness,
-            self.min_wall, 1, [(z, self.pin) for z in self.pins], outer,
-        )  # fmt: skip
+            "cam-spacer",
+            "Spacer between the cams",
+            2 * hole,
+            2 * radius,
+            self.top - self.low - 2 * self.thickness,
+            self.min_wall,
+            1,
+            [(z, self.pin) for z in self.pins],
+            outer,
+        )
 
     # ---- mounting ---------------------------------------------------------------------------------------------------
 
@@ -311,18 +434,26 @@ class SwingMachine:
         """Every copy on cam, follower or ground."""
         f, t, low = self.frame, self.thickness, self.low
         beyond = complex(f.slide_at)
-        mounts = [Mount("base", GROUND), Mount("cam", "cam", z=low), Mount("frame", "follower", z=self.foot)]
+        mounts = [
+            Mount("base", GROUND),
+            Mount("cam", "cam", z=low),
+            Mount("frame", "follower", z=self.foot),
+        ]
         if self.pair:
             mounts.append(Mount("cam", "cam", z=self.top - t, flipped=True))
             mounts.append(Mount("frame", "follower", z=self.foot + t, flipped=True, turned=math.pi))
             mounts.append(Mount("cam-spacer", "cam", z=low + t))
             mounts += [Mount("frame-pin", "follower", at=z, z=self.foot) for z in self._frame.pins]
         for at in (0j, beyond):
-            mounts.append(Mount("axle", "follower", at=at, z=-f.flange_thickness - self.slide))  # so much end float
+            mounts.append(
+                Mount("axle", "follower", at=at, z=-f.flange_thickness - self.slide)
+            )  # so much end float
             mounts.append(Mount("axle-washer", "follower", at=at, z=self.base.thickness))
         if self.plain:
             mounts.append(Mount("collet", "cam", z=self.top))
-            mounts.append(Mount("clamp-ring", "cam", z=self.top + self.collet.flange + self._collet.travel))
+            mounts.append(
+                Mount("clamp-ring", "cam", z=self.top + self.collet.flange + self._collet.travel)
+            )
         if self.cam_pin_length > t:
             mounts += [Mount("cam-pin", "cam", at=z, z=low) for z in self.pins]
         made = {part.name for part in self._made}
@@ -338,7 +469,10 @@ class SwingMachine:
         face, screw = self.base.face, SCREWS[self.nozzle.screw]
         floor = self.base.thickness - self.base_plate.pocket_depth
         heads = [(z, sunk.head / 2, floor, floor + sunk.height) for z, sunk in self.base_plate.sunk]
-        last, middle = self.last, self.foot + self.thickness if self.pair else self.foot + screw.nut / 2
+        last, middle = (
+            self.last,
+            self.foot + self.thickness if self.pair else self.foot + screw.nut / 2,
+        )
         tail = complex(self.frame.slide_at, self.nozzle.spacing / 2)
         nozzle = [
             disc
@@ -360,14 +494,24 @@ class SwingMachine:
         flat = p.flat_depth if p.shaft == "d-flat" else 0.0
         round_part = (-0.5j * flat, (self.bore - flat) / 2)  # the largest disc beside a flat
         bought.append(StandIn("shaft", "cam", ((*round_part, boss, self.shaft_length),)))
-        return (*bought, *(StandIn(f"tip-{k + 1}", "follower", discs, rolls=True) for k, discs in enumerate(self._tips())))
+        return (
+            *bought,
+            *(
+                StandIn(f"tip-{k + 1}", "follower", discs, rolls=True)
+                for k, discs in enumerate(self._tips())
+            ),
+        )
 
     def _tips(self) -> list[tuple[tuple[complex, float, float, float], ...]]:
         """Pin, and bearing, of each tip that is not the plate itself, as discs on the follower."""
         if not self.seat:
             return []
         arm, t, length = self.cam.follower.arm, self.thickness, self.tip_pin
-        low, high = (self.foot + t - length, self.foot + t) if self.pair else (self.foot, self.foot + length)
+        low, high = (
+            (self.foot + t - length, self.foot + t)
+            if self.pair
+            else (self.foot, self.foot + length)
+        )
         spans, cams = [(arm, low, high, self.low)], (self.low, self.top - t)
         if self.pair:
             spans.append((arm.conjugate(), self.foot + t, self.foot + t + length, cams[1]))
@@ -376,7 +520,8 @@ class SwingMachine:
             discs = [(z, self.seat / 2, below, above)]
             if self.frame.bearing:
                 half = self.frame.bearing.width / 2
-                discs.append((z, self.frame.bearing.outside / 2, cam + t / 2 - half, cam + t / 2 + half))
+                discs.append(
+                    (z, self.frame.bearing.outside / 2, cam + t / 2 - half, cam + t / 2 + half)
+                )
             found.append(tuple(discs))
         return found
-

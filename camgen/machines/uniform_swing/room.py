@@ -1,9 +1,9 @@
 """Room on the cam of a swing machine: where its pins lie, what a washer between two cams leaves, and what makes more room.
 
-    near, far   least and greatest distance of the cam's edge from its shaft, mm
-    pins        two, each the mirror image of the other in Oy: a cam turned over about Oy lies on the same ones
-    washer      the band drawn tight round the shaft's hole and the pins'; it keeps inside both cams
-    hub         the frame's plate round the follower's axle, which the cam passes
+near, far   least and greatest distance of the cam's edge from its shaft, mm
+pins        two, each the mirror image of the other in Oy: a cam turned over about Oy lies on the same ones
+washer      the band drawn tight round the shaft's hole and the pins'; it keeps inside both cams
+hub         the frame's plate round the follower's axle, which the cam passes
 """
 
 from __future__ import annotations
@@ -25,13 +25,25 @@ from camgen.parts.part import hull
 if TYPE_CHECKING:
     from camgen.machines.uniform_swing.mechanism import UniformSwing
 
-LEAST_AXLE = 3.0  # mm, diameter down to which an axle of less room is made: a thinner one breaks in print
-_LEAST_SIZES = {"parts.bore": 4.0, "geometry.tip_radius": 2.0}  # mm, that are still proposed: NEMA 8's shaft; less wears
-_TURNS = np.radians([0, *(side * turn for turn in range(10, 90, 10) for side in (1, -1))])  # of the pins off Ox
-_OUTWARDS, _INWARDS = 40, 10  # distances from the shaft that are tried, beyond the one that keeps the wall, and within it
+LEAST_AXLE = (
+    3.0  # mm, diameter down to which an axle of less room is made: a thinner one breaks in print
+)
+_LEAST_SIZES = {
+    "parts.bore": 4.0,
+    "geometry.tip_radius": 2.0,
+}  # mm, that are still proposed: NEMA 8's shaft; less wears
+_TURNS = np.radians(
+    [0, *(side * turn for turn in range(10, 90, 10) for side in (1, -1))]
+)  # of the pins off Ox
+_OUTWARDS, _INWARDS = (
+    40,
+    10,
+)  # distances from the shaft that are tried, beyond the one that keeps the wall, and within it
 
 
-def washer_wall(rim: Points, hole: float, pins: Sequence[complex], pin: float, keep: float) -> float:
+def washer_wall(
+    rim: Points, hole: float, pins: Sequence[complex], pin: float, keep: float
+) -> float:
     """Widest wall of a washer round its holes that stays `keep` inside the rim, mm; below 0 where the holes themselves do not.
 
     rim: (n,) complex; hole: radius of the shaft's hole; pin: diameter of the pins'. Pins are each other's mirror images in Oy,
@@ -42,7 +54,13 @@ def washer_wall(rim: Points, hole: float, pins: Sequence[complex], pin: float, k
 
 
 def place_pins(
-    rim: Points, reach: float, pin: float, wall: float, least: float, sleeve: float, washer: tuple[float, float] | None
+    rim: Points,
+    reach: float,
+    pin: float,
+    wall: float,
+    least: float,
+    sleeve: float,
+    washer: tuple[float, float] | None,
 ) -> tuple[complex, float]:
     """Place of one pin (x > 0) and the wall that both keep: the first with the whole wall, or the one with the widest.
 
@@ -60,7 +78,9 @@ def place_pins(
 
     walls = np.minimum(depth(places), depth(-np.conj(places))) - pin / 2
     beside = np.abs(places) - pin / 2 - reach + 1e-9
-    walls = np.minimum.reduce([walls, beside, 2 * places.real - 2 * pin])  # one pin's diameter and a wall between the two
+    walls = np.minimum.reduce(
+        [walls, beside, 2 * places.real - 2 * pin]
+    )  # one pin's diameter and a wall between the two
     walls = np.minimum(walls, wall)
     best = int(np.argmax(walls))
     if washer is None or walls[best] < least:
@@ -69,7 +89,9 @@ def place_pins(
     for k in np.flatnonzero(walls >= least):
         z = complex(places[k])
         if walls[k] > found[1]:
-            kept = min(float(walls[k]), washer_wall(rim, washer[0], (z, -z.conjugate()), pin, washer[1]))
+            kept = min(
+                float(walls[k]), washer_wall(rim, washer[0], (z, -z.conjugate()), pin, washer[1])
+            )
             found = max(found, (z, kept), key=lambda each: each[1])
         if found[1] >= wall:
             break
@@ -86,7 +108,10 @@ def near_far(pivot: Any, offset: Any, swing: Any, tip: float) -> tuple[Floats, F
     """
     arm, lean = np.hypot(pivot, offset), np.arctan2(offset, pivot)
     inner, outer = (
-        np.sqrt(np.maximum(pivot**2 + arm**2 - 2 * pivot * arm * np.cos(lean + side * swing / 2), 0.0)) for side in (-1, 1)
+        np.sqrt(
+            np.maximum(pivot**2 + arm**2 - 2 * pivot * arm * np.cos(lean + side * swing / 2), 0.0)
+        )
+        for side in (-1, 1)
     )
     return np.where(lean > swing / 2, inner, 0.0) - tip, outer - tip
 
@@ -99,9 +124,23 @@ class Room:
 
     def __init__(self, spec: UniformSwing) -> None:
         g, p = spec.geometry, spec.making
-        self.pivot, self.offset, self.swing, self.tip = g.pivot_distance, g.arm_offset, math.radians(g.swing_deg), g.tip_radius
-        self.bore, self.reach, self.plain, self.pair = p.bore, p.reach, p.shaft == "plain", g.closure == "conjugate"
-        self.slide, self.press, self.min_wall = spec.print.slide_clearance, spec.print.press_clearance, spec.allowed.min_wall
+        self.pivot, self.offset, self.swing, self.tip = (
+            g.pivot_distance,
+            g.arm_offset,
+            math.radians(g.swing_deg),
+            g.tip_radius,
+        )
+        self.bore, self.reach, self.plain, self.pair = (
+            p.bore,
+            p.reach,
+            p.shaft == "plain",
+            g.closure == "conjugate",
+        )
+        self.slide, self.press, self.min_wall = (
+            spec.print.slide_clearance,
+            spec.print.press_clearance,
+            spec.allowed.min_wall,
+        )
         self.motor, self.frame, self.collet = spec.base.face.half, spec.frame, spec.collet
 
     @property
@@ -121,21 +160,36 @@ class Room:
 
     def check(self) -> None:
         """Raise DesignError where the cam comes too near to its shaft, or to the pivot."""
-        near, far = (float(each) for each in near_far(self.pivot, self.offset, self.swing, self.tip))
+        near, far = (
+            float(each) for each in near_far(self.pivot, self.offset, self.swing, self.tip)
+        )
         if far >= self.pivot:
             raise DesignError(
-                "reach of the cam", far, self.pivot, "mm", "the follower's pivot, which it would sweep over", self.remedy()
+                "reach of the cam",
+                far,
+                self.pivot,
+                "mm",
+                "the follower's pivot, which it would sweep over",
+                self.remedy(),
             )
         short = self.least_near - near
         if short > 0:
             smaller = {"parts.bore": self.bore - 2 * short}
             if self.frame.tip == "plate":
                 smaller["geometry.tip_radius"] = self.tip - short
-            said = [f"{key} = {math.floor(10 * size) / 10:g}" for key, size in smaller.items() if size >= _LEAST_SIZES[key]]
+            said = [
+                f"{key} = {math.floor(10 * size) / 10:g}"
+                for key, size in smaller.items()
+                if size >= _LEAST_SIZES[key]
+            ]
             raise DesignError(
-                "distance of the cam's edge from its shaft", near, self.least_near, "mm",
-                f"its nearest side, for parts.bore = {self.bore:g} with walls", ", or ".join([self.remedy(), *said]),
-            )  # fmt: skip
+                "distance of the cam's edge from its shaft",
+                near,
+                self.least_near,
+                "mm",
+                f"its nearest side, for parts.bore = {self.bore:g} with walls",
+                ", or ".join([self.remedy(), *said]),
+            )
 
     def pins(self, rim: Points, pin: float, wall: float) -> tuple[complex, float]:
         """Place of one pin hole of the diameter `pin`, the other being its mirror image in Oy, and the wall that they keep, mm.
@@ -144,13 +198,19 @@ class Room:
         """
         least = self.min_wall + 2 * LAYOUT
         sleeves = self._sleeve(self.collet.wall), self._sleeve(min(self.collet.wall, least))
-        tries = [place_pins(rim, self.reach, pin, wall, least, sleeve, self.washer) for sleeve in sleeves]
+        tries = [
+            place_pins(rim, self.reach, pin, wall, least, sleeve, self.washer) for sleeve in sleeves
+        ]
         place, kept = next((found for found in tries if found[1] >= least), tries[-1])
         if not kept >= least:
             raise DesignError(
-                "wall of the cam's pins", kept, least, "mm", f"the best place for parts.pin_diameter = {pin:g}",
+                "wall of the cam's pins",
+                kept,
+                least,
+                "mm",
+                f"the best place for parts.pin_diameter = {pin:g}",
                 f"use a smaller one, or more cam: {self.remedy(2 * (least - kept))}",
-            )  # fmt: skip
+            )
         return place, kept
 
     def _sleeve(self, wall: float) -> float:
@@ -174,7 +234,11 @@ class Room:
         def fits(pivot: Any, offset: Any, swing: Any) -> Any:
             near, far = near_far(pivot, offset, swing, self.tip)
             # the frame swings by half the swing to either side
-            return (near >= self.least_near + more) & (pivot * np.cos(swing / 2) - far >= hub) & (pivot >= motor)
+            return (
+                (near >= self.least_near + more)
+                & (pivot * np.cos(swing / 2) - far >= hub)
+                & (pivot >= motor)
+            )
 
         step = 10.0 ** (math.floor(math.log10(self.pivot)) - 1) / 2
         lengths, degrees = step * np.arange(1, 400), np.arange(0.5, 180.0, 0.5)
@@ -182,12 +246,21 @@ class Room:
         for key, values, fine, now in (
             ("arm_offset", lengths, fits(self.pivot, lengths, self.swing), self.offset),
             ("pivot_distance", lengths, fits(lengths, self.offset, self.swing), self.pivot),
-            ("swing_deg", degrees, fits(self.pivot, self.offset, np.radians(degrees)), math.degrees(self.swing)),
+            (
+                "swing_deg",
+                degrees,
+                fits(self.pivot, self.offset, np.radians(degrees)),
+                math.degrees(self.swing),
+            ),
         ):
             if fine.any():
                 nearest = values[fine][np.argmin(np.abs(values[fine] - now))]
                 said.append(f"geometry.{key} = {nearest:g}")
-        return f"there is room with {', or '.join(said)}" if said else "use other lengths, or a smaller geometry.swing_deg"
+        return (
+            f"there is room with {', or '.join(said)}"
+            if said
+            else "use other lengths, or a smaller geometry.swing_deg"
+        )
 
 
 # ---- what a spec may not say ----------------------------------------------------------------------------------------
@@ -195,29 +268,92 @@ class Room:
 
 def machine_checks(spec: UniformSwing) -> Sequence[tuple[bool, str, float, str]]:
     """Checks between keys of the machine: (holds, path, value, what would be right)."""
-    base, frame, tip_radius, pin = spec.base, spec.frame, spec.geometry.tip_radius, spec.making.pin_diameter
-    slide, press, min_wall, slit = spec.print.slide_clearance, spec.print.press_clearance, spec.allowed.min_wall, spec.collet.slit
-    joined = spec.making.shaft == "plain" and spec.geometry.closure == "conjugate"  # pins must join its cams
+    base, frame, tip_radius, pin = (
+        spec.base,
+        spec.frame,
+        spec.geometry.tip_radius,
+        spec.making.pin_diameter,
+    )
+    slide, press, min_wall, slit = (
+        spec.print.slide_clearance,
+        spec.print.press_clearance,
+        spec.allowed.min_wall,
+        spec.collet.slit,
+    )
+    joined = (
+        spec.making.shaft == "plain" and spec.geometry.closure == "conjugate"
+    )  # pins must join its cams
     cut, motor = spec.making, base.face
-    same = cut.shaft != "d-flat" or cut.bore != motor.shaft or not motor.flat or cut.flat_depth == motor.flat
-    rollers = [d / 2 for d in DOWELS] if frame.tip == "pin" else [b.outside / 2 for b in (frame.bearing,) if b]
+    same = (
+        cut.shaft != "d-flat"
+        or cut.bore != motor.shaft
+        or not motor.flat
+        or cut.flat_depth == motor.flat
+    )
+    rollers = (
+        [d / 2 for d in DOWELS]
+        if frame.tip == "pin"
+        else [b.outside / 2 for b in (frame.bearing,) if b]
+    )
     thin = {
-        "parts.pin_diameter": pin or min_wall, "frame.arm": frame.arm, "frame.axle": frame.axle,
-        "frame.flange_thickness": frame.flange_thickness, "collet.flange": spec.collet.flange,
-    }  # fmt: skip
+        "parts.pin_diameter": pin or min_wall,
+        "frame.arm": frame.arm,
+        "frame.axle": frame.axle,
+        "frame.flange_thickness": frame.flange_thickness,
+        "collet.flange": spec.collet.flange,
+    }
     return (
-        *((size >= min_wall, path, size, f"at least limits.min_wall, {min_wall:g} mm") for path, size in thin.items()),
-        (same, "parts.flat_depth", cut.flat_depth,
-         f"{motor.flat:g}, the flat of the shaft of base.motor = \"{base.motor}\", {motor.shaft - motor.flat:g} over its flat"),
-        (pin > 0 or not joined, "parts.pin_diameter", pin, "more than 0: pins join the two cams on a plain shaft"),
-        (slit >= spec.print.nozzle, "collet.slit", slit, f"at least the nozzle, {spec.print.nozzle:g} mm, or it closes in print"),
-        (frame.tip == "plate" or tip_radius in rollers, "geometry.tip_radius", tip_radius,
-         f"that of frame.tip = \"{frame.tip}\": {', '.join(f'{radius:g}' for radius in rollers)} mm"),
-        (slide > 0, "print.slide_clearance", slide, "more than 0: the cams and frames of a machine turn past each other"),
+        *(
+            (size >= min_wall, path, size, f"at least limits.min_wall, {min_wall:g} mm")
+            for path, size in thin.items()
+        ),
+        (
+            same,
+            "parts.flat_depth",
+            cut.flat_depth,
+            f'{motor.flat:g}, the flat of the shaft of base.motor = "{base.motor}", {motor.shaft - motor.flat:g} over its flat',
+        ),
+        (
+            pin > 0 or not joined,
+            "parts.pin_diameter",
+            pin,
+            "more than 0: pins join the two cams on a plain shaft",
+        ),
+        (
+            slit >= spec.print.nozzle,
+            "collet.slit",
+            slit,
+            f"at least the nozzle, {spec.print.nozzle:g} mm, or it closes in print",
+        ),
+        (
+            frame.tip == "plate" or tip_radius in rollers,
+            "geometry.tip_radius",
+            tip_radius,
+            f'that of frame.tip = "{frame.tip}": {", ".join(f"{radius:g}" for radius in rollers)} mm',
+        ),
+        (
+            slide > 0,
+            "print.slide_clearance",
+            slide,
+            "more than 0: the cams and frames of a machine turn past each other",
+        ),
         (base.gap > slide, "base.gap", base.gap, f"more than print.slide_clearance, {slide:g} mm"),
-        (press < pin or not pin, "print.press_clearance", press, f"less than parts.pin_diameter, {pin:g} mm"),
-        (frame.axle_flange > frame.axle + slide, "frame.axle_flange", frame.axle_flange,
-         f"more than the axle and its clearance, {frame.axle + slide:g} mm"),
-        (base.motor != "flange" or base.screw_circle > base.boss, "base.screw_circle", base.screw_circle,
-         f"more than base.boss, {base.boss:g} mm"),
-    )  # fmt: skip
+        (
+            press < pin or not pin,
+            "print.press_clearance",
+            press,
+            f"less than parts.pin_diameter, {pin:g} mm",
+        ),
+        (
+            frame.axle_flange > frame.axle + slide,
+            "frame.axle_flange",
+            frame.axle_flange,
+            f"more than the axle and its clearance, {frame.axle + slide:g} mm",
+        ),
+        (
+            base.motor != "flange" or base.screw_circle > base.boss,
+            "base.screw_circle",
+            base.screw_circle,
+            f"more than base.boss, {base.boss:g} mm",
+        ),
+    )

@@ -27,7 +27,9 @@ def bought(machine: SwingMachine) -> tuple[Bought, ...]:
     name = f"{face.name.upper().replace('-', ' ')} frame" if nema else "with a plain flange"
     grip = plate.thickness - plate.pocket_depth
     length = face.screw_length(grip)
-    into = f"{face.screw.thread} x {length:g}, " + ("with a nut" if face.plain else f"{length - grip:.3g} mm of it in the motor")
+    into = f"{face.screw.thread} x {length:g}, " + (
+        "with a nut" if face.plain else f"{length - grip:.3g} mm of it in the motor"
+    )
     found = [
         Bought("motor", face.standard, f"{name}, shaft {machine.shaft_size}", 1),
         Bought("screw of the motor", face.screw.standard, into, len(face.screws)),
@@ -41,11 +43,23 @@ def bought(machine: SwingMachine) -> tuple[Bought, ...]:
     least = machine.thickness + screw.nut / 2 if machine.pair else most
     longer = f"{least:g} to {most:g}" if least < most else f"{most:g}"
     found += [
-        Bought("screw of the nozzle", screw.standard, f"{screw.thread}, {longer} mm longer than the nozzle's foot", 2),
+        Bought(
+            "screw of the nozzle",
+            screw.standard,
+            f"{screw.thread}, {longer} mm longer than the nozzle's foot",
+            2,
+        ),
         nut("nut of the nozzle", screw.thread, 2),
     ]
     if machine.seat:
-        found.append(Bought("dowel pin of the tip", DOWEL_STANDARD, f"{machine.seat:g} m6 x {machine.tip_pin:g}", copies))
+        found.append(
+            Bought(
+                "dowel pin of the tip",
+                DOWEL_STANDARD,
+                f"{machine.seat:g} m6 x {machine.tip_pin:g}",
+                copies,
+            )
+        )
     if tip:
         size = f"{tip.name}, {tip.bore:g} x {tip.outside:g} x {tip.width:g}"
         found.append(Bought("bearing of the tip", tip.standard, size, copies))
@@ -71,27 +85,58 @@ def steps(machine: SwingMachine) -> Table:
     nuts = "nozzle's nuts in their pockets" + ("" if m.pair else " below")
     flush = f"pressed on until the axles end flush, which leaves them {m.slide:g} mm of end float"
     layers = [
-        (m.low, "cam", f"on the shaft, arrow up, {m.low - m.base.thickness:.3g} mm over the base{'; its pins' if pins else ''}"),
+        (
+            m.low,
+            "cam",
+            f"on the shaft, arrow up, {m.low - m.base.thickness:.3g} mm over the base{'; its pins' if pins else ''}",
+        ),
         (m.foot, "frame plate", f"as drawn, pressed and glued on both axles{tip}; {nuts}"),
     ]
     if m.pair:
         pinned = "; its pins" if m.pin else ""
         layers += [
-            (m.foot + m.thickness, "second frame plate", f"turned over about the line of the axles{pinned}; {flush}"),
-            (m.top - m.thickness, "spacer, second cam", "on the first cam and its pins, turned over about Oy, arrow down"),
+            (
+                m.foot + m.thickness,
+                "second frame plate",
+                f"turned over about the line of the axles{pinned}; {flush}",
+            ),
+            (
+                m.top - m.thickness,
+                "spacer, second cam",
+                "on the first cam and its pins, turned over about Oy, arrow down",
+            ),
         ]
     else:
         layers.append((m.foot + 1e-3, "axles", flush))
     rows = [
         ("base, motor", "motor below, its screws' heads in the pockets"),
-        ("axles, washers", "from below, held by a tape, one through the hole, one through the arc slot; a washer on each"),
+        (
+            "axles, washers",
+            "from below, held by a tape, one through the hole, one through the arc slot; a washer on each",
+        ),
         *((what, how) for _, what, how in sorted(layers, key=lambda layer: layer[0])),
     ]
     if m.base_plate.mounts:
         below = m.frame.flange_thickness + m.slide
-        rows.insert(2, ("base", f"on its stand, {below:g} mm free below for the axles, before the frames cover the screws"))
+        rows.insert(
+            2,
+            (
+                "base",
+                f"on its stand, {below:g} mm free below for the axles, before the frames cover the screws",
+            ),
+        )
     if m.plain:
-        rows.append(("collet, clamp ring", "collet glued on the upper cam; ring over it, wide end first, pushed home"))
+        rows.append(
+            (
+                "collet, clamp ring",
+                "collet glued on the upper cam; ring over it, wide end first, pushed home",
+            )
+        )
     rows.append(("nozzle", "on the frames, its screws from above into the nuts"))
     numbered = [(k, *row) for k, row in enumerate(rows, 1)]
-    return Table("Assembly, step by step", ("step", "what", "how"), numbered, [_LAID.get(what, ()) for what, _ in rows])
+    return Table(
+        "Assembly, step by step",
+        ("step", "what", "how"),
+        numbered,
+        [_LAID.get(what, ()) for what, _ in rows],
+    )

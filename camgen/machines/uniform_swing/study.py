@@ -17,7 +17,21 @@ from camgen.machines.cam_loads import force_plots
 from camgen.machines.uniform_swing.web_thickness import BAND, STRIPS, blend_choice, canvas
 from camgen.study import ROWS, Plot, Study, Table
 
-_BLENDS = (0.0, 1.0, 2.0, 3.5, 5.0, 7.5, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0)  # deg, at which the choice is shown
+_BLENDS = (
+    0.0,
+    1.0,
+    2.0,
+    3.5,
+    5.0,
+    7.5,
+    10.0,
+    15.0,
+    20.0,
+    30.0,
+    45.0,
+    60.0,
+    90.0,
+)  # deg, at which the choice is shown
 _MIDDLE = 0.9  # share of the width over which the spread is stated: at the very edge it depends on how wide a strip is
 _JET = 100  # strips in which thickness is drawn and its spread stated: a jet is no finer
 NO_SPRING = "A sharp reversal needs an infinite force, so no spring keeps the follower on the cam: use a reversal_blend_deg."
@@ -42,9 +56,18 @@ def canvas_study(theta: Floats, motion: Mapping[str, Floats]) -> Study:
     ends = np.array([-1.0, 1.0])
     kept = series[-2:]  # the kinds differ by less than a line's width
     bounds = [(f"{sign} {BAND:.0%}", ends, np.full(2, 1 + float(f"{sign}{BAND}"))) for sign in "+-"]
-    plot = Plot("Canvas over the width", "place, share of half the width", "thickness / median", [*kept, *bounds])
+    plot = Plot(
+        "Canvas over the width",
+        "place, share of half the width",
+        "thickness / median",
+        [*kept, *bounds],
+    )
     columns = ("canvas", f"width within {BAND:.0%}, %", f"spread of the middle {_MIDDLE:.0%}, %")
-    return Study(numbers, [plot], [Table("Thickness of the canvas, from the recovered motion", columns, rows)])
+    return Study(
+        numbers,
+        [plot],
+        [Table("Thickness of the canvas, from the recovered motion", columns, rows)],
+    )
 
 
 def blend_study(cam: DiscCam, blend: float) -> Study:
@@ -63,13 +86,30 @@ def blend_study(cam: DiscCam, blend: float) -> Study:
     finite = np.where(np.isfinite(acceleration), acceleration, math.nan)
     label, here = "reversal blend, deg", [("this spec", math.degrees(blend))]
     shares = [("round collector", x, 100 * share_round), ("flat collector", x, 100 * share_flat)]
-    columns = ("blend, deg", "undercut, deg", "peak acceleration, 1/rad", "round, % of width", "flat, % of width")
-    rows = [tuple(map(float, row)) for row in zip(x, undercut, acceleration, 100 * share_round, 100 * share_flat, strict=True)]
+    columns = (
+        "blend, deg",
+        "undercut, deg",
+        "peak acceleration, 1/rad",
+        "round, % of width",
+        "flat, % of width",
+    )
+    rows = [
+        tuple(map(float, row))
+        for row in zip(x, undercut, acceleration, 100 * share_round, 100 * share_flat, strict=True)
+    ]
     return Study(
         plots=[
             Plot("Undercut against the blend", label, "deg", [("undercut", x, undercut)], here),
-            Plot("Peak acceleration against the blend", label, "1/rad", [("d2s/dtheta2", x, finite)], here),
-            Plot(f"Canvas within {BAND:.0%} against the blend", label, "% of the width", shares, here),
+            Plot(
+                "Peak acceleration against the blend",
+                label,
+                "1/rad",
+                [("d2s/dtheta2", x, finite)],
+                here,
+            ),
+            Plot(
+                f"Canvas within {BAND:.0%} against the blend", label, "% of the width", shares, here
+            ),
         ],
         tables=[Table("Choice of the reversal blend", columns, rows)],
     )
@@ -97,17 +137,24 @@ def force_study(found: Loaded, load: FollowerLoad, lever: float | None) -> Study
     if lever is not None:
         preload, rate = found.spring_needed(load)
         numbers |= {
-            "spring_preload_needed_n_m": preload, "spring_rate_needed_n_m_per_rad": rate,
-            "spring_force_needed_n": preload / lever * 1e3, "spring_rate_needed_n_mm": rate / lever**2 * 1e3,
-        }  # fmt: skip
-        ways = [f"pulls with {preload / lever * 1e3:.3g} N where the tip is nearest to the shaft (spring.preload)"]
+            "spring_preload_needed_n_m": preload,
+            "spring_rate_needed_n_m_per_rad": rate,
+            "spring_force_needed_n": preload / lever * 1e3,
+            "spring_rate_needed_n_mm": rate / lever**2 * 1e3,
+        }
+        ways = [
+            f"pulls with {preload / lever * 1e3:.3g} N where the tip is nearest to the shaft (spring.preload)"
+        ]
         if math.isfinite(rate):
             ways.append(f"has a rate of {rate / lever**2 * 1e3:.3g} N/mm (spring.rate)")
         notes.append(
-            NO_SPRING if math.isinf(preload) else
-            f"What keeps contact: a straight spring on a lever of {lever:g} mm that {' or, the other as given, '.join(ways)}."
-        )  # fmt: skip
-    return Study(numbers, force_plots(found, "tip on cam") if np.any(found.effort) else (), notes=notes)
+            NO_SPRING
+            if math.isinf(preload)
+            else f"What keeps contact: a straight spring on a lever of {lever:g} mm that {' or, the other as given, '.join(ways)}."
+        )
+    return Study(
+        numbers, force_plots(found, "tip on cam") if np.any(found.effort) else (), notes=notes
+    )
 
 
 def source_figures(pivot: float, offset: float, swing: float) -> dict[str, float]:

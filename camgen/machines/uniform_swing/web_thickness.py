@@ -20,7 +20,9 @@ from camgen.motion.laws import TURN, Floats
 from camgen.motion.program import uniform_swing
 
 STRIPS = 400  # of the width, so that the least share that can be told is a quarter of a percent
-BAND = 0.1  # thickness may differ by this share [Sentyakov et al., Vestnik TGTU 2018, 24(4), p. 698]
+BAND = (
+    0.1  # thickness may differ by this share [Sentyakov et al., Vestnik TGTU 2018, 24(4), p. 698]
+)
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,9 @@ def time_below(levels: Floats, theta: Floats, s: Floats) -> Floats:
     """
     low, high = np.minimum(s[:-1], s[1:]), np.maximum(s[:-1], s[1:])
     spans = np.diff(theta)
-    moving = high - low > 1e-9 * (np.max(high) - np.min(low))  # less counts as rest: its slope would drown the others
+    moving = high - low > 1e-9 * (
+        np.max(high) - np.min(low)
+    )  # less counts as rest: its slope would drown the others
     # The share is piecewise linear in the level: its slope grows by span / rise at `low` and falls again at `high`.
     slopes = spans[moving] / (high - low)[moving]
     places = np.concatenate((low[moving], high[moving]))
@@ -58,7 +62,9 @@ def time_below(levels: Floats, theta: Floats, s: Floats) -> Floats:
     rests = np.sort(low[~moving])
     weight = np.concatenate(([0.0], np.cumsum(spans[~moving][np.argsort(low[~moving])])))
     total = np.interp(levels, places, grown) if len(places) else np.zeros(len(levels))
-    return np.asarray((total + weight[np.searchsorted(rests, levels, side="right")]) / (theta[-1] - theta[0]))
+    return np.asarray(
+        (total + weight[np.searchsorted(rests, levels, side="right")]) / (theta[-1] - theta[0])
+    )
 
 
 def canvas(theta: Floats, s: Floats, flat: bool = False, strips: int = STRIPS) -> Canvas:
@@ -69,10 +75,16 @@ def canvas(theta: Floats, s: Floats, flat: bool = False, strips: int = STRIPS) -
     low, high = float(np.min(s)), float(np.max(s))
     if flat and max(-low, high) >= math.pi / 2:
         raise ValueError("the jet does not reach a flat collector at a right angle and beyond")
-    edges = np.arctan(np.linspace(math.tan(low), math.tan(high), strips + 1)) if flat else np.linspace(low, high, strips + 1)
+    edges = (
+        np.arctan(np.linspace(math.tan(low), math.tan(high), strips + 1))
+        if flat
+        else np.linspace(low, high, strips + 1)
+    )
     edges[0], edges[-1] = -np.inf, np.inf
     time = np.diff(time_below(edges, theta, s))
-    middle = np.mean(np.sort(time)[[(strips - 1) // 2, strips // 2]])  # the median; numpy's would load masked arrays for it
+    middle = np.mean(
+        np.sort(time)[[(strips - 1) // 2, strips // 2]]
+    )  # the median; numpy's would load masked arrays for it
     return Canvas((2 * np.arange(strips) + 1) / strips - 1, time / middle)
 
 
@@ -101,4 +113,6 @@ def blend_choice(swing: float, arm: SwingingArm, blend: float, strips: int = STR
     s = cam.program(theta) if whole else cam.reachable(theta)
     speed = abs(float(cam.program(np.array([math.pi / 2]), 1)[0]))
     peak = TURN.c_a * speed / blend if blend else math.inf
-    return BlendChoice(lost, peak, *(canvas(theta, s, flat, strips).share for flat in (False, True)))
+    return BlendChoice(
+        lost, peak, *(canvas(theta, s, flat, strips).share for flat in (False, True))
+    )

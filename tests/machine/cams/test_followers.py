@@ -11,7 +11,13 @@ from numpy.polynomial.chebyshev import Chebyshev
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Arc, Line, Smooth
-from camgen.machine.cams.followers import Follower, SlidingFace, SlidingTip, SwingingArm, SwingingFace
+from camgen.machine.cams.followers import (
+    Follower,
+    SlidingFace,
+    SlidingTip,
+    SwingingArm,
+    SwingingFace,
+)
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.cams.sizing import smallest, survey
 from camgen.motion.laws import LAWS, UNIFORM
@@ -24,15 +30,21 @@ TURN = np.linspace(0.01, 6.27, 1201)
 def double_dwell(law: str, lift: float = 1.0) -> Program:
     """Norton's running example: dwell, rise, dwell, fall, 90 deg each."""
     made = LAWS[law]
-    return Program((
-        Segment("dwell", QUARTER, 0.0, 0.0, UNIFORM), Segment("rise", QUARTER, 0.0, lift, made),
-        Segment("dwell", QUARTER, lift, 0.0, UNIFORM), Segment("return", QUARTER, lift, -lift, made),
-    ))  # fmt: skip
+    return Program(
+        (
+            Segment("dwell", QUARTER, 0.0, 0.0, UNIFORM),
+            Segment("rise", QUARTER, 0.0, lift, made),
+            Segment("dwell", QUARTER, lift, 0.0, UNIFORM),
+            Segment("return", QUARTER, lift, -lift, made),
+        )
+    )
 
 
 def there_and_back(law: str, lift: float) -> Program:
     made = LAWS[law]
-    return Program((Segment("rise", math.pi, 0.0, lift, made), Segment("return", math.pi, lift, -lift, made)))
+    return Program(
+        (Segment("rise", math.pi, 0.0, lift, made), Segment("return", math.pi, lift, -lift, made))
+    )
 
 
 FOLLOWERS: list[Follower] = [
@@ -63,11 +75,15 @@ def test_envelope_derivatives_and_curvature(follower: Follower, middle: float) -
     at = np.asarray(middle)
     assert abs(complex(cam.profile(at, 1)) - d1) < 1e-9
     assert abs(complex(cam.profile(at, 2)) - d2) < 1e-7
-    assert float(cam.radius(at)) == pytest.approx(-(abs(d1) ** 3) / (d1.conjugate() * d2).imag, rel=1e-8)
+    assert float(cam.radius(at)) == pytest.approx(
+        -(abs(d1) ** 3) / (d1.conjugate() * d2).imag, rel=1e-8
+    )
 
 
 @pytest.mark.parametrize(
-    "follower", [f for f in FOLLOWERS if getattr(f, "tip_radius", 1)], ids=lambda f: f"{type(f).__name__}{f.leaves:+d}"
+    "follower",
+    [f for f in FOLLOWERS if getattr(f, "tip_radius", 1)],
+    ids=lambda f: f"{type(f).__name__}{f.leaves:+d}",
 )
 def test_the_follower_touches_its_envelope_and_leaves_it(follower: Follower) -> None:
     """The outline, turned, is touched where the follower is: no point of it lies deeper, one lies on it."""
@@ -79,26 +95,36 @@ def test_the_follower_touches_its_envelope_and_leaves_it(follower: Follower) -> 
         furthest = np.nanmax(follower.leaves * s)
         assert furthest == pytest.approx(follower.leaves * float(cam.program(theta)), abs=2e-5)
         own = complex(cam.profile(np.asarray(theta))) * np.exp(1j * theta)
-        assert float(follower.resting_on(own)) == pytest.approx(float(cam.program(theta)), abs=1e-12)
+        assert float(follower.resting_on(own)) == pytest.approx(
+            float(cam.program(theta)), abs=1e-12
+        )
 
 
 def test_cycloidal_cam_with_a_radial_roller() -> None:
     """Norton: roller 0.5 in, 30 deg: prime radius 1.75094, base 1.25094, least pitch radius of curvature 1.39411 in."""
     program = double_dwell("cycloidal")
-    prime = smallest(lambda d: DiscCam(program, SlidingTip(1j * d, 1j, 0.5)), math.radians(30), 0.0, 0.6, 100.0)
+    prime = smallest(
+        lambda d: DiscCam(program, SlidingTip(1j * d, 1j, 0.5)), math.radians(30), 0.0, 0.6, 100.0
+    )
     cam = DiscCam(program, SlidingTip(1j * prime, 1j, 0.5))
-    assert prime == pytest.approx(1.75094, abs=5e-6) and prime - 0.5 == pytest.approx(1.25094, abs=5e-6)
+    assert prime == pytest.approx(1.75094, abs=5e-6) and prime - 0.5 == pytest.approx(
+        1.25094, abs=5e-6
+    )
     assert cam.least_radius + 0.5 == pytest.approx(1.39411, abs=5e-6)
     assert math.degrees(cam.greatest(cam.pressure_angle)[1]) == pytest.approx(30, abs=1e-9)
     # the same from the closed form in line: tan = s' / (prime + s)
     theta = np.linspace(QUARTER, 2 * QUARTER, 200_001)
-    assert prime == pytest.approx(float(np.max(program(theta, 1) / math.tan(math.radians(30)) - program(theta))), abs=1e-9)
+    assert prime == pytest.approx(
+        float(np.max(program(theta, 1) / math.tan(math.radians(30)) - program(theta))), abs=1e-9
+    )
 
 
 def test_cycloidal_cam_with_a_flat_face() -> None:
     """Norton: least radius of curvature 0.25 in: base 1.89263 in, face width 2.54648 in (8 / pi)."""
     program = double_dwell("cycloidal")
-    base = smallest(lambda d: DiscCam(program, SlidingFace(1j * d, 1j)), math.radians(30), 0.25, 0.6, 100.0)
+    base = smallest(
+        lambda d: DiscCam(program, SlidingFace(1j * d, 1j)), math.radians(30), 0.25, 0.6, 100.0
+    )
     cam = DiscCam(program, SlidingFace(1j * base, 1j))
     assert base == pytest.approx(1.89263, abs=5e-6)
     assert cam.least_radius == pytest.approx(0.25, abs=1e-9)
@@ -134,18 +160,26 @@ def test_flat_face_undercut_rides_on_the_corner() -> None:
     theta = np.linspace(0, 2 * math.pi, 301) + 0.0123
     support = np.max(np.imag(polygon[None] * np.exp(1j * theta[:, None])), axis=1) - 14
     np.testing.assert_allclose(cam.reachable(theta), support, atol=2e-5)
-    assert np.max(program(theta) - cam.reachable(theta)) == pytest.approx(max(c.shortfall for c in cam.undercuts), rel=1e-2)
+    assert np.max(program(theta) - cam.reachable(theta)) == pytest.approx(
+        max(c.shortfall for c in cam.undercuts), rel=1e-2
+    )
     for cut in cam.undercuts:
         ends = np.array([cut.begin, cut.end])
-        np.testing.assert_allclose(cam.follower.resting_on(cut.corner_cam * np.exp(1j * ends)), program(ends), atol=1e-9)
+        np.testing.assert_allclose(
+            cam.follower.resting_on(cut.corner_cam * np.exp(1j * ends)), program(ends), atol=1e-9
+        )
 
 
 def test_a_sharp_start_gives_a_flat_on_the_cam_and_an_arc_under_a_roller() -> None:
     """Uniform rise and return: where the speed jumps up the follower's own surface is the profile."""
     program = there_and_back("uniform", 6.0)
-    flat, rolled = (DiscCam(program, f).outline for f in (SlidingFace(25j, 1j), SlidingTip(25j, 1j, 3.0)))
+    flat, rolled = (
+        DiscCam(program, f).outline for f in (SlidingFace(25j, 1j), SlidingTip(25j, 1j, 3.0))
+    )
     (line,) = [p for p in flat.pieces if isinstance(p, Line)]
-    assert abs(line.b - line.a) == pytest.approx(2 * 6 / math.pi, abs=1e-9)  # place on the face = s'
+    assert abs(line.b - line.a) == pytest.approx(
+        2 * 6 / math.pi, abs=1e-9
+    )  # place on the face = s'
     (arc,) = [p for p in rolled.pieces if isinstance(p, Arc)]
     assert arc.radius == 3 and arc.centre == pytest.approx(25j, abs=1e-12)
 
@@ -175,7 +209,10 @@ def test_groove_walls_are_two_radii_apart() -> None:
     near = np.min(np.abs(outer[:, None] - inner[None]), axis=1)
     np.testing.assert_allclose(near, 10.0, atol=2e-4)
     # Steiner: the area between parallel curves is their distance times the length half way
-    middle = sum(np.sum(np.abs(np.diff(cam.pitch(np.linspace(a, b, 4001))))) for a, b in pairwise(cam.program.breaks))
+    middle = sum(
+        np.sum(np.abs(np.diff(cam.pitch(np.linspace(a, b, 4001)))))
+        for a, b in pairwise(cam.program.breaks)
+    )
     assert wall.area - cam.outline.area == pytest.approx(10.0 * middle, rel=1e-6)
 
 
@@ -194,7 +231,9 @@ def test_a_follower_that_reaches_the_axis_is_told(follower: Follower) -> None:
 def test_no_size_keeps_to_the_limits() -> None:
     program = double_dwell("cycloidal", 10.0)
     with pytest.raises(DesignError, match="no base_radius"):
-        smallest(lambda d: DiscCam(program, SlidingTip(1j * d, 1j, 5.0)), math.radians(5), 0.0, 6.0, 20.0)
+        smallest(
+            lambda d: DiscCam(program, SlidingTip(1j * d, 1j, 5.0)), math.radians(5), 0.0, 6.0, 20.0
+        )
 
 
 def test_a_flat_face_has_no_pitch_curve() -> None:
@@ -203,11 +242,15 @@ def test_a_flat_face_has_no_pitch_curve() -> None:
 
 
 @pytest.mark.parametrize("law", ["cycloidal", "modified-sine", "simple-harmonic", "parabolic"])
-@pytest.mark.parametrize("follower", [SlidingTip(2 + 30j, 1j, 5.0), SlidingFace(40j, 1j), SlidingTip(20j, 1j, 4.0)])
+@pytest.mark.parametrize(
+    "follower", [SlidingTip(2 + 30j, 1j, 5.0), SlidingFace(40j, 1j), SlidingTip(20j, 1j, 4.0)]
+)
 def test_a_survey_agrees_with_the_exact_extremes(law: str, follower: Follower) -> None:
     cam = DiscCam(double_dwell(law, 9.0), follower)
     found = survey(cam)
     assert math.degrees(abs(found.pressure - cam.greatest(cam.steepness)[1])) < 5e-3
     assert found.least_radius == pytest.approx(cam.least_radius, abs=0.02)
     np.testing.assert_allclose(found.profile, cam.profile(found.theta), atol=1e-9)
-    assert found.clear == pytest.approx(-cam.greatest(lambda t: -follower.clear(t, cam.program))[1], abs=1e-6)
+    assert found.clear == pytest.approx(
+        -cam.greatest(lambda t: -follower.clear(t, cam.program))[1], abs=1e-6
+    )

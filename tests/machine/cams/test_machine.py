@@ -25,10 +25,14 @@ from camgen.parts.inertia import inertia_of
 from camgen.parts.part import Layer, Part
 from camgen.spec import validate
 
-NORTON = tomllib.loads((Path(__file__).resolve().parents[2] / "reference" / "disc-cam.toml").read_text())["spring"]
+NORTON = tomllib.loads(
+    (Path(__file__).resolve().parents[2] / "reference" / "disc-cam.toml").read_text()
+)["spring"]
 THETA = np.linspace(0, 2 * math.pi, 7201)
 BLEND = math.radians(20)
-CAM = DiscCam(uniform_swing(math.radians(30), BLEND), SwingingArm(60 + 0j, complex(-60, -30), 3.0, 1))
+CAM = DiscCam(
+    uniform_swing(math.radians(30), BLEND), SwingingArm(60 + 0j, complex(-60, -30), 3.0, 1)
+)
 W = 2 * math.pi * 0.5
 SPRING = FollowerLoad(0.0, 0.0, 0.1, 0.5)
 
@@ -36,24 +40,48 @@ SPRING = FollowerLoad(0.0, 0.0, 0.1, 0.5)
 def published(shape: dict[str, Any], **tables: dict[str, Any]) -> DiscCamDrive:
     rise, dwell, fall, rest = NORTON["spans_deg"]
     lift, law = NORTON["lift_mm"], "3-4-5"
-    return validate(DiscCamDrive, {
-        "mechanism": "disc-cam", "name": "norton",
-        "geometry": {"base_radius": 60.0, "follower": {"motion": "translating", **shape}},
-        "segment": [{"kind": "rise", "span_deg": rise, "lift": lift, "law": law}, {"kind": "dwell", "span_deg": dwell},
-                    {"kind": "return", "span_deg": fall, "to": 0, "law": law}, {"kind": "dwell", "span_deg": rest}],
-        "motor": {"speed_rpm": NORTON["speed_rad_s"] * 60 / math.tau},
-        "load": {"mass_kg": NORTON["mass_kg"], "damping": NORTON["damping_n_s_m"] * 1e-3},
-        "spring": {"rate": NORTON["rate_n_m"] * 1e-3, "preload": NORTON["preload_n"]}, **tables,
-    })  # fmt: skip
+    return validate(
+        DiscCamDrive,
+        {
+            "mechanism": "disc-cam",
+            "name": "norton",
+            "geometry": {"base_radius": 60.0, "follower": {"motion": "translating", **shape}},
+            "segment": [
+                {"kind": "rise", "span_deg": rise, "lift": lift, "law": law},
+                {"kind": "dwell", "span_deg": dwell},
+                {"kind": "return", "span_deg": fall, "to": 0, "law": law},
+                {"kind": "dwell", "span_deg": rest},
+            ],
+            "motor": {"speed_rpm": NORTON["speed_rad_s"] * 60 / math.tau},
+            "load": {"mass_kg": NORTON["mass_kg"], "damping": NORTON["damping_n_s_m"] * 1e-3},
+            "spring": {"rate": NORTON["rate_n_m"] * 1e-3, "preload": NORTON["preload_n"]},
+            **tables,
+        },
+    )
 
 
 def lifted() -> Program:
     """Rise 0 to 10 mm in 90 deg, dwell 45, fall in 180, dwell."""
-    spans, scales, starts = (math.radians(a) for a in (90, 45, 180, 45)), (10.0, 0.0, -10.0, 0.0), (0.0, 10.0, 10.0, 0.0)
-    return Program(tuple(Segment("", a, b, c, POLYNOMIAL_345) for a, b, c in zip(spans, starts, scales, strict=True)))
+    spans, scales, starts = (
+        (math.radians(a) for a in (90, 45, 180, 45)),
+        (10.0, 0.0, -10.0, 0.0),
+        (0.0, 10.0, 10.0, 0.0),
+    )
+    return Program(
+        tuple(
+            Segment("", a, b, c, POLYNOMIAL_345)
+            for a, b, c in zip(spans, starts, scales, strict=True)
+        )
+    )
 
 
-def swing(load: FollowerLoad, friction: float = 0.0, speed: float = W, pair: bool = False, theta: np.ndarray = THETA) -> Forces:
+def swing(
+    load: FollowerLoad,
+    friction: float = 0.0,
+    speed: float = W,
+    pair: bool = False,
+    theta: np.ndarray = THETA,
+) -> Forces:
     touches = (CamTouch(CAM), CamTouch(CAM, mirrored=True))[: 1 + pair]
     return solve(cam_machine([CAM], speed, load, "form", touches, friction), theta).forces()
 
@@ -63,7 +91,9 @@ def test_published_spring_case() -> None:
     theta = np.linspace(0, 2 * math.pi, 36001)
     forces = solve(made.model, theta).forces()
     force = forces.contacts["contact"]
-    np.testing.assert_allclose(forces.pressing["contact"], force, atol=1e-9)  # a flat face presses along its stem
+    np.testing.assert_allclose(
+        forces.pressing["contact"], force, atol=1e-9
+    )  # a flat face presses along its stem
     rise, fall = theta < math.radians(90), (theta > math.radians(135)) & (theta < math.radians(315))
     assert np.min(force[rise]) == pytest.approx(NORTON["least_rise_n"], abs=0.005)
     assert np.min(force[fall]) == pytest.approx(NORTON["least_fall_n"], abs=0.005)
@@ -75,12 +105,19 @@ def test_published_spring_case() -> None:
     numbers = made.study().numbers
     assert numbers["spring_preload_needed_n"] == pytest.approx(16.47, abs=0.005)
     assert numbers["peak_power_w"] == pytest.approx(NORTON["peak_power_w"], abs=0.005)
-    assert numbers["peak_torque_n_m"] == pytest.approx(NORTON["peak_power_w"] / NORTON["speed_rad_s"], abs=5e-4)
+    assert numbers["peak_torque_n_m"] == pytest.approx(
+        NORTON["peak_power_w"] / NORTON["speed_rad_s"], abs=5e-4
+    )
     assert numbers["peak_contact_force_n"] == pytest.approx(NORTON["greatest_n"], abs=0.005)
     # [load] alone gives reactions with friction, under `reaction_shaft_n`: names tell them apart
-    assert numbers["reaction_shaft_without_friction_n"] == pytest.approx(NORTON["greatest_n"], abs=0.005)
+    assert numbers["reaction_shaft_without_friction_n"] == pytest.approx(
+        NORTON["greatest_n"], abs=0.005
+    )
     assert not any(key.startswith("peak_reaction") for key in numbers)
-    held = published({"shape": "flat"}, spring={"rate": 0.1, "preload": numbers["spring_preload_needed_n"] + 1e-6})
+    held = published(
+        {"shape": "flat"},
+        spring={"rate": 0.1, "preload": numbers["spring_preload_needed_n"] + 1e-6},
+    )
     assert all(f.ok for f in held.limits() if f.code == "LIFT_OFF")
 
 
@@ -89,16 +126,29 @@ def test_a_roller_presses_at_its_pressure_angle() -> None:
     theta = np.linspace(0.01, 6.2, 501)
     forces = solve(made.model, theta).forces()
     steep = made.cam.steepness(theta)
-    np.testing.assert_allclose(forces.pressing["contact"] * np.cos(steep), forces.contacts["contact"], atol=1e-9)
-    np.testing.assert_allclose(np.abs(forces.normals["guide"]), np.abs(forces.pressing["contact"]) * np.sin(steep), atol=1e-9)
+    np.testing.assert_allclose(
+        forces.pressing["contact"] * np.cos(steep), forces.contacts["contact"], atol=1e-9
+    )
+    np.testing.assert_allclose(
+        np.abs(forces.normals["guide"]),
+        np.abs(forces.pressing["contact"]) * np.sin(steep),
+        atol=1e-9,
+    )
     # the shaft bears the whole contact force, turned back on the cam
-    np.testing.assert_allclose(np.abs(forces.reactions["shaft"]), np.abs(forces.pressing["contact"]), atol=1e-9)
+    np.testing.assert_allclose(
+        np.abs(forces.reactions["shaft"]), np.abs(forces.pressing["contact"]), atol=1e-9
+    )
 
 
-@pytest.mark.parametrize("follower", [
-    SlidingTip(6 + 40j, 1j, 5.0), SlidingFace(3 + 40j, 1j), SwingingArm(60 + 0j, complex(-58, -35), 6.0, 1),
-    SwingingFace(60 + 0j, complex(np.exp(-0.9j)), 2.0),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "follower",
+    [
+        SlidingTip(6 + 40j, 1j, 5.0),
+        SlidingFace(3 + 40j, 1j),
+        SwingingArm(60 + 0j, complex(-58, -35), 6.0, 1),
+        SwingingFace(60 + 0j, complex(np.exp(-0.9j)), 2.0),
+    ],
+)
 def test_torque_is_the_virtual_work_of_any_follower(follower: Any) -> None:
     swings = isinstance(follower, SwingingArm | SwingingFace)
     program = uniform_swing(0.3, 1.0) if swings else lifted()
@@ -108,18 +158,29 @@ def test_torque_is_the_virtual_work_of_any_follower(follower: Any) -> None:
     found = loaded(machine, cam, load, THETA)
     lift = [follower.leaves * program(THETA, order) for order in range(3)]
     unit = 1.0 if swings else 1e-3
-    effort = load.inertia * unit * lift[2] * W**2 + load.damping * lift[1] * W + load.rate * (lift[0] - lift[0].min()) + 0.7
+    effort = (
+        load.inertia * unit * lift[2] * W**2
+        + load.damping * lift[1] * W
+        + load.rate * (lift[0] - lift[0].min())
+        + 0.7
+    )
     np.testing.assert_allclose(found.effort, effort, atol=1e-9 * np.abs(effort).max())
     np.testing.assert_allclose(found.torque, effort * lift[1] * unit, atol=1e-9)
-    arm = np.abs(follower.velocity(program(THETA), cam.profile(THETA) * np.exp(1j * THETA))) * (1e-3 if swings else 1.0)
-    np.testing.assert_allclose(found.force, effort / (arm * np.cos(cam.steepness(THETA))), rtol=1e-9)
+    arm = np.abs(follower.velocity(program(THETA), cam.profile(THETA) * np.exp(1j * THETA))) * (
+        1e-3 if swings else 1.0
+    )
+    np.testing.assert_allclose(
+        found.force, effort / (arm * np.cos(cam.steepness(THETA))), rtol=1e-9
+    )
 
 
 def test_friction_turns_into_heat_where_profile_and_tip_slide() -> None:
     # The contact wanders along the profile and round the tip; the difference of both is what slides.
     mu = 0.2
     forces, free = swing(SPRING, mu), swing(SPRING)
-    normal = 1j * CAM.tangent(THETA) * np.exp(1j * (THETA - CAM.program(THETA)))  # seen from the follower
+    normal = (
+        1j * CAM.tangent(THETA) * np.exp(1j * (THETA - CAM.program(THETA)))
+    )  # seen from the follower
     round_tip = np.gradient(np.unwrap(np.angle(normal)), THETA) * CAM.follower.tip_radius
     along = CAM.profile(THETA, 1) / CAM.tangent(THETA)
     slides = np.abs(along.real - round_tip) * 1e-3
@@ -138,13 +199,21 @@ def test_friction_can_jam() -> None:
 
 
 def test_conjugate_pair_shares_the_effort() -> None:
-    theta = np.concatenate([np.linspace(BLEND, math.pi - BLEND, 999), np.linspace(math.pi + BLEND, 2 * math.pi - BLEND, 999)])
+    theta = np.concatenate(
+        [
+            np.linspace(BLEND, math.pi - BLEND, 999),
+            np.linspace(math.pi + BLEND, 2 * math.pi - BLEND, 999),
+        ]
+    )
     for sign in (1.0, -1.0):
         load = FollowerLoad(preload=sign)
         forces = swing(load, pair=True, theta=theta)
         assert np.all(forces.pressing["contact"] > 0)
         assert np.allclose(forces.drives["motor"], sign * CAM.program(theta, 1), atol=1e-12)
-        assert np.all(swing(load, 0.1, pair=True, theta=theta).drives["motor"] > forces.drives["motor"])
+        assert np.all(
+            swing(load, 0.1, pair=True, theta=theta).drives["motor"] > forces.drives["motor"]
+        )
+
     # the second tip's own path gives its normal, by differences
     def path(angle: np.ndarray) -> np.ndarray:
         return np.exp(-1j * angle) * (60 + complex(-60, 30) * np.exp(1j * CAM.program(angle)))
@@ -152,15 +221,23 @@ def test_conjugate_pair_shares_the_effort() -> None:
     tangent = (path(theta + 1e-5) - path(theta - 1e-5)) * np.exp(1j * theta)
     swings = 1j * complex(-60, 30) * np.exp(1j * CAM.program(theta))
     lever = np.abs(np.real(np.conj(1j * tangent / np.abs(tangent)) * swings)) * 1e-3
-    assert np.allclose(swing(FollowerLoad(preload=-1.0), pair=True, theta=theta).pressing["contact"], 1 / lever, rtol=1e-6)
+    assert np.allclose(
+        swing(FollowerLoad(preload=-1.0), pair=True, theta=theta).pressing["contact"],
+        1 / lever,
+        rtol=1e-6,
+    )
 
 
 def test_either_wall_of_a_groove_bears() -> None:
     cam = DiscCam(lifted(), SlidingTip(6 + 40j, 1j, 5.0))
     for sign in (1.0, -1.0):
         touches = (CamTouch(cam), CamTouch(cam, outer=True))
-        forces = solve(cam_machine([cam], W, FollowerLoad(preload=sign), touches=touches), THETA).forces()
-        np.testing.assert_allclose(forces.pressing["contact"] * np.cos(cam.steepness(THETA)), 1.0, rtol=1e-9)
+        forces = solve(
+            cam_machine([cam], W, FollowerLoad(preload=sign), touches=touches), THETA
+        ).forces()
+        np.testing.assert_allclose(
+            forces.pressing["contact"] * np.cos(cam.steepness(THETA)), 1.0, rtol=1e-9
+        )
     one, other = CamTouch(cam)(THETA)[0], CamTouch(cam, outer=True)(THETA)[0]
     np.testing.assert_allclose((one + other) / 2, cam.pitch(THETA), atol=1e-12)
 
@@ -194,7 +271,10 @@ def test_a_follower_that_nothing_presses_through_a_dwell_is_not_held() -> None:
     assert finding.measured == pytest.approx(0.0, abs=1e-12) and not finding.ok
     assert "nothing presses" in finding.message and "spring.preload above 0 N" in finding.message
     begin = 360 - NORTON["spans_deg"][3]  # of the low dwell
-    assert f"from {begin:.1f} to 360.0 deg" in finding.message and finding.where == f"cam angle {begin:.1f} deg"
+    assert (
+        f"from {begin:.1f} to 360.0 deg" in finding.message
+        and finding.where == f"cam angle {begin:.1f} deg"
+    )
     assert "spring.rate" not in finding.message  # no rate presses where the spring is not stretched
     held = published({"shape": "flat"}, **slow, spring={"rate": 1.0, "preload": 0.5})
     (finding,) = [f for f in held.limits() if f.code == "LIFT_OFF"]
@@ -204,15 +284,26 @@ def test_a_follower_that_nothing_presses_through_a_dwell_is_not_held() -> None:
 def test_kicks_are_there_only_where_the_speed_jumps() -> None:
     load = FollowerLoad(2e-3)
     sharp = DiscCam(uniform_swing(math.radians(30)), CAM.follower)
-    assert loaded(cam_machine([sharp], -W, load), sharp, load, THETA).kick == pytest.approx(4e-3 * W * math.radians(30) / math.pi)
+    assert loaded(cam_machine([sharp], -W, load), sharp, load, THETA).kick == pytest.approx(
+        4e-3 * W * math.radians(30) / math.pi
+    )
     found = loaded(cam_machine([CAM], W, load), CAM, load, THETA)
-    assert found.kick == 0 and not found.keeps_contact("").ok and found.keeps_contact("press on").message.endswith("press on")
+    assert (
+        found.kick == 0
+        and not found.keeps_contact("").ok
+        and found.keeps_contact("press on").message.endswith("press on")
+    )
 
 
-@pytest.mark.parametrize(("tables", "path"), [
-    ({"load": {"inertia_kg_m2": 1.0}}, "load.inertia_kg_m2"), ({"load": None}, "load"),
-    ({"load": {"mass_kg": -1.0}}, "load.mass_kg"), ({"spring": {"rat": 1.0}}, "spring.rat"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("tables", "path"),
+    [
+        ({"load": {"inertia_kg_m2": 1.0}}, "load.inertia_kg_m2"),
+        ({"load": None}, "load"),
+        ({"load": {"mass_kg": -1.0}}, "load.mass_kg"),
+        ({"spring": {"rat": 1.0}}, "spring.rat"),
+    ],
+)
 def test_loads_that_cannot_be(tables: dict[str, Any], path: str) -> None:
     from camgen.errors import SpecError
 

@@ -15,7 +15,9 @@ from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.motion.laws import UNIFORM
 from camgen.motion.program import Program, Segment, uniform_swing
 
-FACTS = tomllib.loads((Path(__file__).resolve().parents[2] / "reference" / "uniform_swing.toml").read_text())
+FACTS = tomllib.loads(
+    (Path(__file__).resolve().parents[2] / "reference" / "uniform_swing.toml").read_text()
+)
 L, H = FACTS["machine"]["pivot_distance"], FACTS["machine"]["arm_offset"]
 DELTA, RHO = math.radians(FACTS["machine"]["swing_deg"]) / 2, FACTS["machine"]["tip_radius"]
 R, K = math.hypot(L, H), math.pi / (2 * DELTA)
@@ -24,9 +26,15 @@ RISE, RETURN = TURN[TURN < math.pi - 1e-9], TURN[TURN > math.pi + 1e-9]
 
 
 def cam(
-    rho: float = RHO, blend: float = 0.0, length: float = L, offset: float = H, swing: float = 2 * DELTA
+    rho: float = RHO,
+    blend: float = 0.0,
+    length: float = L,
+    offset: float = H,
+    swing: float = 2 * DELTA,
 ) -> DiscCam:
-    return DiscCam(uniform_swing(swing, blend), SwingingArm(complex(length), -complex(length, offset), rho, 1))
+    return DiscCam(
+        uniform_swing(swing, blend), SwingingArm(complex(length), -complex(length, offset), rho, 1)
+    )
 
 
 def exact_pitch(theta: mpmath.mpf) -> mpmath.mpc:
@@ -36,7 +44,9 @@ def exact_pitch(theta: mpmath.mpf) -> mpmath.mpc:
     share = theta / mpmath.pi
     alpha = mpmath.atan2(offset, lever) + delta * (2 * share - 1 if share <= 1 else 3 - 2 * share)
     arm = mpmath.sqrt(lever**2 + offset**2)
-    return mpmath.mpc(lever - arm * mpmath.cos(alpha), -arm * mpmath.sin(alpha)) * mpmath.exp(1j * -theta)
+    return mpmath.mpc(lever - arm * mpmath.cos(alpha), -arm * mpmath.sin(alpha)) * mpmath.exp(
+        1j * -theta
+    )
 
 
 def exact_profile(theta: mpmath.mpf) -> mpmath.mpc:
@@ -61,8 +71,12 @@ def test_blended_derivatives_are_those_of_the_curve() -> None:
     made = cam(blend=0.8)
     x = np.cos(np.pi * (np.arange(24) + 0.5) / 24)
     for middle in (0.1, 3.0, 3.4, 1.5):
-        fit = np.polynomial.chebyshev.Chebyshev.fit(middle + 0.05 * x, made.pitch(middle + 0.05 * x).real, 23)
-        imag = np.polynomial.chebyshev.Chebyshev.fit(middle + 0.05 * x, made.pitch(middle + 0.05 * x).imag, 23)
+        fit = np.polynomial.chebyshev.Chebyshev.fit(
+            middle + 0.05 * x, made.pitch(middle + 0.05 * x).real, 23
+        )
+        imag = np.polynomial.chebyshev.Chebyshev.fit(
+            middle + 0.05 * x, made.pitch(middle + 0.05 * x).imag, 23
+        )
         for order, tolerance in ((1, 1e-9), (2, 1e-6), (3, 1e-3)):
             truth = fit.deriv(order)(middle) + 1j * imag.deriv(order)(middle)
             assert abs(complex(made.pitch(middle, order)) - truth) < tolerance
@@ -81,13 +95,20 @@ def by_steps(sign: float) -> np.ndarray:
         r = math.sqrt(L**2 + R**2 - 2 * L * R * math.cos(alpha))
         beta = math.acos(R / r * math.sin(alpha)) * math.copysign(1, R * math.cos(alpha) - L)
         xa, ya = (L, 0.0) if first else (-L, 0.0)
-        xc, yc = (-r * math.sin(beta), -r * math.cos(beta)) if first else (r * math.sin(beta), r * math.cos(beta))
+        xc, yc = (
+            (-r * math.sin(beta), -r * math.cos(beta))
+            if first
+            else (r * math.sin(beta), r * math.cos(beta))
+        )
         path = [complex(xc, yc)]
         for _ in range(n):
             xc, yc = xc * math.cos(d) + yc * math.sin(d), yc * math.cos(d) + sign * xc * math.sin(d)
             xa, ya = xa * math.cos(d) + ya * math.sin(d), ya * math.cos(d) + sign * xa * math.sin(d)
             dx, dy = xc - xa, yc - ya
-            xc, yc = xa + dx * math.cos(a) + dy * math.sin(a), ya + dy * math.cos(a) + sign * dx * math.sin(a)
+            xc, yc = (
+                xa + dx * math.cos(a) + dy * math.sin(a),
+                ya + dy * math.cos(a) + sign * dx * math.sin(a),
+            )
             path.append(complex(xc, yc))
         halves.append(path)
     return np.array(halves)
@@ -135,7 +156,9 @@ def test_pressure_angles() -> None:
         step = 1e-6
         chord = knife.pitch(half + step) - knife.pitch(half - step)
         velocity = 1j * knife.follower.arm * np.exp(1j * (knife.program(half) - half))
-        square = np.degrees(np.arccos(np.abs(np.imag(chord * np.conj(velocity))) / np.abs(chord) / np.abs(velocity)))
+        square = np.degrees(
+            np.arccos(np.abs(np.imag(chord * np.conj(velocity))) / np.abs(chord) / np.abs(velocity))
+        )
         angle = np.degrees(knife.pressure_angle(half))
         np.testing.assert_allclose(angle, square, atol=2e-6)
         assert [np.min(angle), np.max(angle)] == pytest.approx(facts[key], abs=0.06)
@@ -149,7 +172,9 @@ def test_undercut_against_40_digits() -> None:
 
     def branch(theta: mpmath.mpf, half: int) -> mpmath.mpc:
         delta = mpmath.mpf(15) * pi / 180
-        alpha = mpmath.atan2(H, L) + delta * (2 * theta / pi - 1 if half == 1 else 3 - 2 * theta / pi)
+        alpha = mpmath.atan2(H, L) + delta * (
+            2 * theta / pi - 1 if half == 1 else 3 - 2 * theta / pi
+        )
         rate = (1 if half == 1 else -1) * 2 * delta / pi
         arm = mpmath.sqrt(L**2 + H**2) * mpmath.exp(1j * alpha)
         slope = (-1j * rate * arm - 1j * (L - arm)) * mpmath.exp(1j * -theta)
@@ -162,7 +187,9 @@ def test_undercut_against_40_digits() -> None:
     begin, end = mpmath.findroot(apart, (mpmath.mpf("3.1246"), mpmath.mpf("3.1551")))
     corner = branch(begin, 1)
     spoke = (corner * mpmath.exp(1j * pi) - L) / (-mpmath.mpc(L, H))
-    opening = mpmath.acos((1 + abs(spoke) ** 2 - (mpmath.mpf(RHO) ** 2 / (L**2 + H**2))) / (2 * abs(spoke)))
+    opening = mpmath.acos(
+        (1 + abs(spoke) ** 2 - (mpmath.mpf(RHO) ** 2 / (L**2 + H**2))) / (2 * abs(spoke))
+    )
     lost = 15 - mpmath.degrees(mpmath.arg(spoke) + opening)
 
     (cut,) = cam().undercuts
@@ -226,7 +253,9 @@ def test_knife_edge_is_the_pitch_curve() -> None:
 
 def test_resting_follower_makes_a_circle() -> None:
     """No motion: pitch circle |C|, cam circle |C| - rho, pressure angle that of the fixed arm."""
-    still = Program((Segment("dwell", math.pi, 0.0, 0.0, UNIFORM), Segment("dwell", math.pi, 0.0, 0.0, UNIFORM)))
+    still = Program(
+        (Segment("dwell", math.pi, 0.0, 0.0, UNIFORM), Segment("dwell", math.pi, 0.0, 0.0, UNIFORM))
+    )
     made = DiscCam(still, SwingingArm(60 + 0j, -60 - 30j, 3.0, 1))
     np.testing.assert_allclose(np.abs(made.pitch(TURN)), 30, rtol=1e-14)
     np.testing.assert_allclose(np.abs(made.profile(TURN)), 27, rtol=1e-14)
