@@ -510,8 +510,9 @@ def _path_table(linkage: Linkage, theta: Floats, run: Run) -> list[tuple[object,
         crossed = []
         if whole and not stops and not linkage.drive.segments:
             pairs, _ = double_points(
-                lambda t, order, name=output.name: _jet(linkage, name, t)[order], 720
-            )  # type: ignore[misc]
+                lambda t, order, name=output.name: _jet(linkage, name, t)[order],  # type: ignore[misc]
+                720,
+            )
             crossed = [" and ".join(f"{math.degrees(t) % 360:.1f}" for t in pair) for pair in pairs]
         least = 0.0 if stops else float(radius[sharp])
         at = math.degrees(stops[0] if stops else theta[sharp])
