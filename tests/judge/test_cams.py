@@ -136,8 +136,9 @@ def test_an_overlap_is_told_where_it_is_largest(free: float, said: str) -> None:
     assert math.cos(math.radians(degrees) - 0.3) == pytest.approx(-1, abs=1e-5)
 
 
+@pytest.mark.parametrize("phase", [0.0, 0.7])
 @pytest.mark.parametrize("bored", [True, False])
-def test_an_outline_is_seen_about_its_bore(bored: bool) -> None:
+def test_an_outline_is_seen_about_its_bore(bored: bool, phase: float) -> None:
     """A disc whose bore is off by what its outline is: about the bore it lies where it is meant, and moves the follower so. A
     tip that another part has counts as meant."""
     machine = Machine(
@@ -145,7 +146,7 @@ def test_an_outline_is_seen_about_its_bore(bored: bool) -> None:
         (
             Pin("O", Place(GROUND), Place("cam")),
             Slide("stem", Place(GROUND), Place("follower")),
-            Cam("lift", "cam", "follower", Harmonic(), slide="stem", rest=19.0, closure="force"),
+            Cam("lift", "cam", "follower", Harmonic(), "stem", phase, 19.0, closure="force"),
         ),
         (Drive("motor", "cam"),),
         {"cam": Pose(0j, 0.0), "follower": Pose(23 + 0j, 0.0)},
@@ -160,7 +161,7 @@ def test_an_outline_is_seen_about_its_bore(bored: bool) -> None:
         sections = [[Shape(disc(4 + off, 16.0), (disc(off, 2.5),))]]
         ring, law = rolled(machine, given_, mounts, sections)
         assert ring.centroid == pytest.approx(4 if bored else 4 + off, abs=1e-6)
-        centre = (4 if bored else 4 + off) * np.exp(1j * theta)
+        centre = (4 if bored else 4 + off) * np.exp(1j * (theta + phase))
         across = centre.imag if more else 0.0
         np.testing.assert_allclose(
             law(theta), centre.real + np.sqrt((16 + more) ** 2 - across**2) - 19, atol=1e-6

@@ -6,7 +6,9 @@ import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
+import ezdxf
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -19,7 +21,15 @@ from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Region, circle
 from camgen.geometry.outlines import polygon as contour
 from camgen.geometry.rings import Ring, Shape
-from camgen.judge.round_trip import Expected, Section, Undo, judge_cut, judge_solid, pieces_of
+from camgen.judge.round_trip import (
+    Expected,
+    Section,
+    Undo,
+    judge_cut,
+    judge_dimensioned,
+    judge_solid,
+    pieces_of,
+)
 from camgen.parts.part import Layer, Part
 from camgen.parts.solids import solid
 
@@ -146,6 +156,28 @@ def test_contours_too_many_or_of_another_piece_are_told() -> None:
     assert judged(expected(left, right), [right.outer, *right.holes, *left.holes, left.outer])[
         "ROUND_TRIP"
     ].ok
+
+
+@pytest.mark.parametrize("wider, units, ok", [(0.0, 4, True), (0.01, 4, False), (0.0, 1, False)])
+def test_contours_of_a_dimensioned_drawing(
+    tmp_path: Path, wider: float, units: int, ok: bool
+) -> None:
+    """As another library draws them; other lines say nothing."""
+    drawing = ezdxf.new(units=units)
+    space, cut = drawing.modelspace(), {"layer": "CUT"}
+    corners = [(z.real, z.imag) for z in PLATE.outer.points]
+    space.add_lwpolyline(corners, close=True, dxfattribs=cut)
+    for at, size in EYES:
+        space.add_circle((at.real, at.imag), size / 2 + wider, dxfattribs=cut)
+    space.add_line((-40, 0), (40, 0), dxfattribs={"layer": "DIM"})
+    path = tmp_path / "x-drawing.dxf"
+    drawing.saveas(path)
+    found = judge_dimensioned(path, expected(PLATE))
+    assert found.code == "ROUND_TRIP" and found.ok is ok
+    if units == 4:
+        assert found.measured == pytest.approx(wider, rel=0.01)  # the areas tell it too
+    else:
+        assert "$INSUNITS is 1" in found.message
 
 
 def test_pieces_are_what_lies_in_no_other_ring() -> None:
