@@ -146,6 +146,27 @@ def test_a_bore_is_as_far_off_at_all_heights() -> None:
     assert found["ROUND_TRIP"].measured == pytest.approx(0.1, abs=2e-3)
 
 
+@pytest.mark.parametrize("off", [0.0, 0.4])
+def test_a_bore_above_a_floor_is_where_it_is_meant(off: float) -> None:
+    """Below it there is none, by which it could be told how far it is off."""
+    rim, others = contour(list(PLATE.outer.points)), (circle(-15, 2), circle(15, 3))
+    layers = (
+        Layer(Region(rim, others), 0.0, 1.5),
+        Layer(Region(rim, (circle(off, 2.5), *others)), 1.5, 3.0),
+    )
+    part = Part("x", "", layers)
+    floor = Shape(PLATE.outer, PLATE.holes[:2])
+    meant = expected(
+        sections=(Section((1.0,), (floor,)), Section((2.0,), (PLATE,))),
+        bore=5.0,
+        levels=(0.0, 1.5, 3.0),
+        volume=part.volume,
+        facets=9.0,
+    )
+    found = {f.code: f for f in judge_solid(solid(part, TOLERANCE / 2), meant, "x", 0.0).findings}
+    assert found["ROUND_TRIP"].measured == pytest.approx(off, abs=2e-3)
+
+
 def test_contours_too_many_or_of_another_piece_are_told() -> None:
     finding = judged(expected(PLATE), moved(0j, 0j, 0j)[:-1])["ROUND_TRIP"]
     assert not finding.ok and finding.message == "3 contours instead of 4"
