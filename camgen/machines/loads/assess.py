@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from camgen.study import Study, Table, together
 if TYPE_CHECKING:
     from camgen.machines.mechanism import Mechanism
 
+Loads = TypeVar("Loads", bound=Any)
 _FEW, _MANY, _BODIES = 361, 1441, 9  # angles of a machine with more, or at most so many bodies
 
 
@@ -58,14 +59,14 @@ def assess(mechanism: Mechanism) -> Assessment:
     bears, journals = mechanism.bears, mechanism.journals()
     run = solve(rough(machine, journals, mechanism.load), theta)
     forces = run.forces()
-    smooth = (
-        solve(machine, theta).forces().reactions
-    )  # friction may spare a pin, and may be less than its table says
-    worse = {
-        name: np.where(np.abs(smooth[name]) > np.abs(load), smooth[name], load)
-        for name, load in forces.reactions.items()
-    }
-    borne_by_pins = replace(forces, reactions=worse)
+    smooth = solve(
+        machine, theta
+    ).forces()  # friction may spare a pin, and may be less than its table says
+    borne_by_pins = replace(
+        forces,
+        reactions=_worse(smooth.reactions, forces.reactions),
+        normals=_worse(smooth.normals, forces.normals),
+    )
     outlines = mechanism.outlines()
     parts = {part.name: part for part in mechanism.parts()}
     plain = bearing.plain_bearings(
@@ -135,6 +136,14 @@ def assess(mechanism: Mechanism) -> Assessment:
 
         study = together([study, counterweights.study(mechanism, machine)])
     return Assessment(held, study, (*left, *more), overstated([*plain.bent, *posts.bent]))
+
+
+def _worse(smooth: Mapping[str, Loads], rough: Mapping[str, Loads]) -> dict[str, Loads]:
+    """Of loads without and with friction, (n,) each by joint, the greater at each angle."""
+    return {
+        name: np.where(np.abs(smooth[name]) > np.abs(load), smooth[name], load)
+        for name, load in rough.items()
+    }
 
 
 def _masses(found: Weighed) -> Table:
