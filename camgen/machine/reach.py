@@ -91,33 +91,36 @@ def refuse_partial(machine: Machine, least: float = 0.0) -> None:
         360,
         "deg",
         f"{names}: it closes from {low:.6g} to {high:.6g} deg",
-        f"let it go to and fro, drive.range_deg = [{begin:.4g}, {end:.4g}]{short}, or change the lengths of its links"
+        f"let it go to and fro, drive.range_deg = [{begin:.10g}, {end:.10g}]{short}, or change the lengths of its links"
         + _grashof(four_bar_lengths(machine, driven), driven),
         f"the drive cannot turn fully: {closes}",
     )
 
 
 def _steep(machine: Machine, found: Reach, least: float) -> tuple[float, float, str]:
-    """The range about the drawn position, deg, a degree within what closes and with the least transmission angle, deg; of a
-    machine that has it not even as drawn the whole, and a word on that."""
-    spare = min(math.radians(1.0), (found.high - found.low) / 10)
-    low, high = found.low + spare, found.high - spare
-    theta = np.linspace(low, high, LOOKED + 1)
-    weak = theta[np.min(list(transmission(machine, theta).values()), axis=0, initial=90.0) < least]
-    if not weak.size:
-        return math.degrees(low), math.degrees(high), ""
-    begin, end = max(weak[weak <= 0], default=low), min(weak[weak >= 0], default=high)
-    begin, end = (
-        (math.ceil(10 * math.degrees(begin)) + 1) / 10,
-        (math.floor(10 * math.degrees(end)) - 1) / 10,
-    )
-    if begin < end and (begin <= 0 <= end):
-        return begin, end, f" (with a transmission angle of {least:g} deg)"
-    return (
-        math.degrees(low),
-        math.degrees(high),
-        f" (the transmission angle is below {least:g} deg as drawn)",
-    )
+    """The range about the drawn position, deg, a degree within what closes and with the least transmission angle, deg, as `folds`
+    judges it, rounded inwards; of a machine that has it not even as drawn the whole, and a word on that."""
+    spare = min(1.0, math.degrees(found.high - found.low) / 10)
+    per = round(
+        10 ** max(1, math.ceil(-math.log10(spare)))
+    )  # steps a degree, to which it is rounded
+    low, high = math.degrees(found.low) + spare, math.degrees(found.high) - spare
+    theta = np.radians(np.linspace(low, high, LOOKED + 1))
+    poor = np.min(list(transmission(machine, theta).values()), axis=0, initial=90.0) < least
+    weak = np.degrees(theta[poor]).tolist()
+    begin, end = math.ceil(per * low), math.floor(per * high)
+    whole = begin / per, end / per
+    if not weak:
+        return *whole, ""
+    while weak and begin < end and begin <= 0 <= end:
+        begin = max([begin, *(math.ceil(per * place) + 1 for place in weak if place <= 0)])
+        end = min([end, *(math.floor(per * place) - 1 for place in weak if place >= 0)])
+        judged = folds(machine, math.radians(begin / per), math.radians(end / per))
+        angles = ((each.theta, math.asin(min(1.0, abs(each.determinant)))) for each in judged)
+        weak = [math.degrees(place) for place, angle in angles if math.degrees(angle) < least]
+    if begin < end and begin <= 0 <= end:
+        return begin / per, end / per, f" (with a transmission angle of {least:g} deg)"
+    return *whole, f" (the transmission angle is below {least:g} deg as drawn)"
 
 
 def four_bar_lengths(machine: Machine, driven: str) -> dict[str, float] | None:
