@@ -10,6 +10,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import count, pairwise, product
 
 import numpy as np
@@ -240,6 +241,7 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
     post = spacer(
         "post", "Post", s.mount_diameter, 2 * post_radius(s), ceiling - floor, layout.min_wall
     )
+    post = replace(post, notes=(*post.notes, Held("each screwed on from below, through the plate")))
     yield from ((post, Mount("post", GROUND, z, z=floor)) for z in layout.second.columns)
     for stand in layout.stands:
         if stand.merged is not None:
