@@ -303,8 +303,10 @@ def _end(chain: Chain, sign: int) -> tuple[float, tuple[str, ...]]:
             good = bad - sign * math.tau / LOOKED
         low, high = np.array([min(good, bad)]), np.array([max(good, bad)])
         (edge,) = roots(
-            lambda t, _, f=closes: (np.where(f(t), sign, -sign), np.zeros(1)), low, high
-        ).tolist()  # type: ignore[misc]
+            lambda t, _, f=closes: (np.where(f(t), sign, -sign), np.zeros(1)),  # type: ignore[misc]
+            low,
+            high,
+        ).tolist()
         edge -= sign * INSIDE
         if abs(edge) < abs(nearest):
             nearest, by = edge, step.block.joints

@@ -97,8 +97,8 @@ def _most(joint: Cam, preload: float, stiffness: float) -> float:
         return 0.0
     theta = np.linspace(0, math.tau, 721)
     levers = [
-        abs(touch.cam.follower.arm) * np.cos(touch.cam.steepness(theta))
+        abs(touch.cam.follower.arm) * np.cos(touch.cam.steepness(theta))  # type: ignore[attr-defined]
         for touch in joint.touches[:2]
-    ]  # type: ignore[attr-defined]
+    ]
     moment = 1e3 * stiffness * sum(preload / lever for lever in levers) / 2
     return float(max(np.nanmax(moment / lever) for lever in levers))

@@ -147,9 +147,8 @@ class _Axes:
             )  # nearly the same all the way: a share of the whole is to be seen
         self.y = low, high
         if log:
-            self.x, self.y = (
-                tuple(math.log10(max(v, 1e-300)) for v in ends) for ends in (self.x, self.y)
-            )  # type: ignore[assignment]
+            self.x = _decades(self.x)
+            self.y = _decades(self.y)
         self.y = _spread(*self.y, 0.05)
         if plot.equal:  # the smaller range grows, so that a millimetre is as long both ways
             across, up = (
@@ -175,6 +174,12 @@ class _Axes:
         (x0, x1), (y0, y1) = self.x, self.y
         across = _LEFT + (x - x0) / (x1 - x0) * (_RIGHT - _LEFT)
         return np.asarray(across + 1j * (_LOW - (y - y0) / (y1 - y0) * (_LOW - _TOP)))
+
+
+def _decades(ends: tuple[float, float]) -> tuple[float, float]:
+    """Both ends of a range as powers of ten."""
+    low, high = ends
+    return math.log10(max(low, 1e-300)), math.log10(max(high, 1e-300))
 
 
 def _spread(low: float, high: float, share: float) -> tuple[float, float]:

@@ -210,7 +210,7 @@ def _of_room(layout: Layout, refused: DesignError) -> Iterator[Kind]:
     head = math.floor(10 * share) / 10
     if head >= least:
         yield Kind(_SLIM, [Change(f"parts.head = {head:g}", {"head": head})])
-    keys = [("pin_diameter", "wall", "head")]
+    keys: list[tuple[str, ...]] = [("pin_diameter", "wall", "head")]
     shaft = any(thing.name.startswith("shaft ") for thing in (refused.a, refused.b))
     if shaft and s.face is None:
         keys.append((*keys[0], "shaft_diameter"))

@@ -11,6 +11,7 @@ import cmath
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -320,7 +321,7 @@ class Drawing:
                 "pressure angle as drawn", 90, 90, "deg", f"cam {self.cam_name(cam)}", remedy
             )
         sign = 1 if outward > 0 else -1
-        form = "force" if cam.closure == "force" else "form"
+        form: Literal["form", "force"] = "force" if cam.closure == "force" else "form"
         return m.Cam(
             self.cam_name(cam),
             cam.cam,
@@ -331,7 +332,7 @@ class Drawing:
             rest,
             form,
             sign,
-        )  # type: ignore[arg-type]
+        )
 
     def _output(self, output: t.Wanted, bodies: Mapping[str, m.Body]) -> m.Output:
         if output.point is not None:
