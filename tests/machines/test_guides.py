@@ -37,7 +37,7 @@ def test_a_wing_with_stems_lies_within_its_bands(
     """A knife's disc has no radius; others lie on either side of it. Each stem is as wide as the bar to its end."""
     hubs = [(0j, 4.2), *hubs]
     joint = Slide("bar", Place(GROUND, 1 + 2j), Place("bar", 0j), angle, 0.0)
-    sizes = Parts()
+    sizes = Parts.model_validate({})
     made = guide(joint, (-5.0, 20.0), hubs, False, 4.2, 0.3, sizes, stem, (0.0, 0.0))
     if not made.wing:
         return

@@ -123,9 +123,9 @@ def guide(
     rim = max(half, *(radius for _, radius in discs)) + _AIR
     roots = {1: begin, -1: end}  # where the stems ahead and behind begin
     if wing:  # on the wing's middle; of one that lies slantwise where a stem's first side comes out
-        edge, middle = hull(discs), (begin + end) / 2
+        edge, midway = hull(discs), (begin + end) / 2
         roots = {
-            way: middle + way * min(0.0, root(edge, complex(middle, aside), way, half))
+            way: midway + way * min(0.0, root(edge, complex(midway, aside), way, half))
             for way in (1, -1)
         }
     stems, spans = [], []
