@@ -83,7 +83,11 @@ def refuse_partial(machine: Machine, least: float = 0.0) -> None:
         return
     low, high = math.degrees(found.low), math.degrees(found.high)
     names = listed("joint", list(dict.fromkeys(name for joints in found.ends for name in joints)))
-    driven, (begin, end, short) = machine.drives[0].body, _steep(machine, found, least)
+    driven, within = machine.drives[0].body, _without_folds(machine, found)
+    cure = "change the lengths of its links"
+    if within is not None:
+        begin, end, short = _steep(machine, within, least)
+        cure = f"let it go to and fro, drive.range_deg = [{begin:.4g}, {end:.4g}]{short}, or {cure}"
     closes = f"the chain closes from {low:.6g} to {high:.6g} deg of it and opens beyond at {names}"
     raise DesignError(
         "range of the drive",
@@ -91,17 +95,29 @@ def refuse_partial(machine: Machine, least: float = 0.0) -> None:
         360,
         "deg",
         f"{names}: it closes from {low:.6g} to {high:.6g} deg",
-        f"let it go to and fro, drive.range_deg = [{begin:.4g}, {end:.4g}]{short}, or change the lengths of its links"
-        + _grashof(four_bar_lengths(machine, driven), driven),
+        cure + _grashof(four_bar_lengths(machine, driven), driven),
         f"the drive cannot turn fully: {closes}",
     )
 
 
-def _steep(machine: Machine, found: Reach, least: float) -> tuple[float, float, str]:
-    """The range about the drawn position, deg, a degree within what closes and with the least transmission angle, deg; of a
-    machine that has it not even as drawn the whole, and a word on that."""
+def _without_folds(machine: Machine, found: Reach) -> tuple[float, float] | None:
+    """The range about the drawn position, rad, a degree within what closes and off every change point; None of a machine that
+    is drawn at one."""
     spare = min(math.radians(1.0), (found.high - found.low) / 10)
     low, high = found.low + spare, found.high - spare
+    while low < 0 < high:
+        places = [fold.theta for fold in folds(machine, low, high) if fold.change_point]
+        if not places:
+            return low, high
+        low = max([low, *(place + spare for place in places if place <= 0)])
+        high = min([high, *(place - spare for place in places if place > 0)])
+    return None
+
+
+def _steep(machine: Machine, within: tuple[float, float], least: float) -> tuple[float, float, str]:
+    """The part of a range about the drawn position, deg, with the least transmission angle, deg; of a machine that has it not
+    even as drawn the whole, and a word on that."""
+    low, high = within
     theta = np.linspace(low, high, LOOKED + 1)
     weak = theta[np.min(list(transmission(machine, theta).values()), axis=0, initial=90.0) < least]
     if not weak.size:
