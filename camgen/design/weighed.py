@@ -35,7 +35,7 @@ class Weighed:
 
         try:
             mechanism = validate(load(choose(self.data, MECHANISMS)), self.data)
-            mechanism.parts()
+            _ = mechanism.assembly
         except CamgenError as error:
             return error
         return mechanism
@@ -67,7 +67,9 @@ class Weighed:
         if isinstance(self._made, CamgenError):
             return math.nan
         output = self._made.model.outputs[0]
-        play = self._made.solve(np.linspace(*self._made.range, _ANGLES), 1).play(output.name)
+        play = self._made.solve(np.linspace(*self._made.assembly.cycle.range, _ANGLES), 1).play(
+            output.name
+        )
         return 2 * unit_of(output)[1] * float(np.max(play.total))
 
     @property

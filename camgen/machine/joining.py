@@ -188,15 +188,16 @@ class Module:
     def _renamed(self, key: str, value: Any) -> Any:
         """A value of a record, under its key."""
         if isinstance(value, Place):
-            return self._place(value)
+            return self.place(value)
         if isinstance(value, Function):
-            places = tuple(self._place(place) for place in value.of)
+            places = tuple(self.place(place) for place in value.of)
             return Function(places, _Shifted(value.value, self.at) if self.at else value.value)
         if isinstance(value, str) and key in _NAMES:
             return _NAMES[key](self, value)
         return self.renamed(value) if isinstance(value, _RECORDS) else value
 
-    def _place(self, place: Place) -> Place:
+    def place(self, place: Place) -> Place:
+        """A point of a body, in the whole."""
         ride = self.ride(place.body)
         if ride is not None:
             return Place(ride.link, ride.at + cmath.exp(1j * ride.turned) * place.at)
@@ -206,7 +207,7 @@ class Module:
 
     def mount(self, mount: Mount) -> Mount:
         """A part's place on its body."""
-        on, ride = self._place(Place(mount.body, mount.at)), self.ride(mount.body)
+        on, ride = self.place(Place(mount.body, mount.at)), self.ride(mount.body)
         turned = mount.turned + (ride.turned if ride else 0.0)
         return replace(
             mount,

@@ -27,21 +27,25 @@ from camgen.machine.cams.followers import (
 )
 from camgen.machine.cams.machine import FollowerLoad
 from camgen.machine.cams.profile import DiscCam
-from camgen.machine.features import Courses, Feature, Mount, StandIn
-from camgen.machine.model import GROUND, Cam, Gravity, Machine, Place, Pose, Spring
+from camgen.machine.features import Feature, Mount, StandIn
+from camgen.machine.model import GROUND, Cam, Gravity, Machine, Place, Spring
 from camgen.machine.run import Run, solve
 from camgen.machines.linkage.bodies import Bodies
+from camgen.machines.linkage.coils import coils_of
 from camgen.machines.linkage.drawing import Scaled
 from camgen.machines.linkage.joined import Stretched
 from camgen.machines.linkage.layout import Layout
-from camgen.machines.linkage.sizes import HOOK_ROOM, Parts
+from camgen.machines.linkage.posts import posts
+from camgen.machines.linkage.sizes import Parts
 from camgen.machines.linkage.stacking import lacking, laid
 from camgen.machines.linkage.tables import Gear
 from camgen.machines.linkage.troughs import open_rails
 from camgen.machines.linkage.wheels import Ridden
 from camgen.parts.catalogue import Bearing, Bought, turning_text
+from camgen.parts.coils import Coil
+from camgen.parts.journals import Post
 from camgen.parts.part import Part
-from camgen.parts.springs import EYE, ExtensionSpring, extension_spring, pulling
+from camgen.parts.springs import EYE, ExtensionSpring, Mounted, extension_spring, pulling
 from camgen.spec import Print
 
 if TYPE_CHECKING:
@@ -193,45 +197,30 @@ class Bench:
         """The motor."""
         return self.bodies.stand_ins() if self.beneath is None else self.beneath.stand_ins()
 
-    # ---- springs in the sweep ---------------------------------------------------------------------------------------
+    # ---- springs ----------------------------------------------------------------------------------------------------
 
-    def sweeping(self, courses: Courses) -> Courses:
-        """Courses of the bodies and of both ends of each spring, which lie along it."""
+    @property
+    def coils(self) -> list[Coil]:
+        """Its springs on their pins."""
+        titles = {
+            "spring": "Return spring",
+            **{name: each.title for name, each in self.strung.items()},
+        }
+        return coils_of(self.bodies.layout, self.mounts, titles, self.ways)
 
-        def found(theta: Any) -> dict[str, Pose]:
-            poses = dict(courses(theta))
-            for name, spring in self.bodies.layout.springs.items():
-                ends = []
-                for body, point in (spring.a, spring.b):
-                    ends.append(
-                        poses[body].place
-                        + np.exp(1j * poses[body].angle) * self.bodies.layout.at(body, point)
-                    )
-                for k, (here, there) in enumerate((ends, ends[::-1]), 1):
-                    poses[f"{name} {k}"] = Pose(here, np.unwrap(np.angle(there - here)))
-            return poses
+    @property
+    def springs(self) -> dict[str, Mounted]:
+        """The return spring, and what hangs on other bodies, by their names in findings."""
+        own = {} if self.spring is None else {"return spring": Mounted(self.spring, *self.way)}
+        return own | {
+            each.title: Mounted(each.wire, *each.way, on_cam=False) for each in self.strung.values()
+        }
 
-        return found
-
-    def coils(self) -> list[StandIn]:
-        """Each spring as two bars from beside their heads to its middle, where it is longest; the eyes are left out."""
-        layout, found = self.bodies.layout, []
-        for name, spring in layout.springs.items():
-            shortest, longest = (length - self.sizes.pin_diameter for length in self.ways[name])
-            radius, low = spring.diameter / 2, sum(layout.eye(name)) / 2 - spring.diameter / 2
-            start = (
-                max(layout.head_radius(point) for _, point in (spring.a, spring.b))
-                + HOOK_ROOM
-                + radius
-            )
-            end = min(longest / 2, shortest - start)
-            bar = (complex(start), complex(end), radius, low, low + spring.diameter)
-            found += [
-                StandIn(f"{name} {k}", f"{name} {k}", (), bars=(bar,), whole=name)
-                for k in (1, 2)
-                if end > start
-            ]
-        return found
+    def posts(self, plastic: str) -> list[Post]:
+        """The pins of its springs and its roller."""
+        pulls = {name: each.wire.force(each.way[1]) for name, each in self.strung.items()}
+        pulls |= {} if self.spring is None else {"spring": self.spring.force(self.way[1])}
+        return list(posts(self.bodies, pulls, plastic))
 
     @property
     def ways(self) -> dict[str, tuple[float, float]]:

@@ -30,15 +30,15 @@ def of_pins(mechanism: Mechanism) -> list[Finding]:
     """LASH of each output that the machine's joints with clearance let move; none where a cam between two contacts adds its own,
     which only the files tell."""
     joints = mechanism.model.joints
-    wishes = [each for each in mechanism.asked() if each.judged]
     if any(isinstance(each, Cam) and each.closure == "form" for each in joints) or not any(
         each.clearance for each in joints
     ):
         return []
-    run = mechanism.solve(np.linspace(*mechanism.range, _ANGLES), 1)
+    assembly = mechanism.assembly
+    run = mechanism.solve(np.linspace(*assembly.cycle.range, _ANGLES), 1)
     outputs: dict[str, Output] = {each.name: each for each in run.machine.outputs}
     found = []
-    for asked in wishes:
+    for asked in (each for each in assembly.asked if each.judged):
         play = 2 * float(np.nanmax(run.play(asked.output).total))
         unit, scale = unit_of(outputs[asked.output])
         if play > 0:

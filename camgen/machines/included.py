@@ -17,7 +17,7 @@ from camgen import spec as specs
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, at_most
 from camgen.geometry.outlines import Arc
-from camgen.machine.features import Apart, Asked, Balance, Feature, Mount, StandIn, Strand
+from camgen.machine.features import Mount
 from camgen.machine.joining import Module, Ride, ride
 from camgen.machine.model import GROUND, Machine, Pose
 from camgen.machine.run import solve
@@ -28,6 +28,7 @@ from camgen.machines.mechanism import Mechanism
 from camgen.machines.merged import Merging, merging
 from camgen.motion.tables import with_tables
 from camgen.numerics import Floats, Points
+from camgen.parts.assembly import Assembly, renamed
 from camgen.parts.catalogue import Bought
 from camgen.parts.part import Part
 from camgen.study import Later, Sketch, Study
@@ -69,119 +70,20 @@ class Included:
         where |= {"mounted": True} if self.mounted else {}
         return {"name": m.prefix, **where, **ride, **source, "spec": data}
 
-    # ---- the model --------------------------------------------------------------------------------------------------
+    # ---- as a module ------------------------------------------------------------------------------------------------
 
-    def machine(self) -> Machine:
-        """Its model, by its own names."""
-        return self.mechanism.model
-
-    def features(self) -> Sequence[Feature]:
-        """On what of its parts its joints are measured."""
-        lost = self.module.lost(self.mechanism.model)
-        held = (
-            each for each in self.mechanism.features() if getattr(each, "joint", None) not in lost
-        )
-        found = [self.module.renamed(each) for each in held]
+    @cached_property
+    def assembly(self) -> Assembly:
+        """What is made of it, as it stands in the whole."""
+        own = self.mechanism.assembly
         if self.merged is None:
-            return found
-        named = {part.name: self.module.part(part.name) for part in self.mechanism.parts()}
-        return [self.merged[0].feature(each, named) for each in found]
+            return replace(renamed(own, self.module), bought=self._bought())
+        merging = self.merged[0]
+        made = renamed(merging.left(own), self.module)
+        features = [merging.feature(each, self.module) for each in made.features]
+        return replace(made, features=features, bought=self._bought())
 
-    @cached_property
-    def mounts(self) -> Sequence[Mount]:
-        """Its parts on its bodies."""
-        mounts = self.mechanism.mounts()
-        return [
-            self.module.mount(mount)
-            for mount in (self.merged[0].mounts(mounts) if self.merged else mounts)
-        ]
-
-    def asked(self) -> Sequence[Asked]:
-        """What is asked of its outputs."""
-        lost = self.module.lost(self.mechanism.model)
-        return [
-            self.module.asked(asked) for asked in self.mechanism.asked() if asked.output not in lost
-        ]
-
-    # ---- bodies -----------------------------------------------------------------------------------------------------
-
-    @cached_property
-    def parts(self) -> Sequence[Part]:
-        """Its parts."""
-        parts = self.mechanism.parts()
-        left = self.merged[0].parts(parts, self.mechanism.mounts()) if self.merged else parts
-        return [replace(part, name=self.module.part(part.name)) for part in left]
-
-    def stand_ins(self) -> Sequence[StandIn]:
-        """What is not made and in the way."""
-        found = []
-        for thing in self.mechanism.stand_ins():
-            shift = self.module.at if thing.body == GROUND else 0j
-            discs = tuple(
-                (at + shift, r, low + self.module.z, high + self.module.z)
-                for at, r, low, high in thing.discs
-            )
-            z = self.module.z
-            bars = tuple(
-                (a + shift, b + shift, radius, low + z, high + z)
-                for a, b, radius, low, high in thing.bars
-            )
-            found.append(
-                replace(
-                    thing,
-                    name=self.module.part(thing.name),
-                    body=self.module.body(thing.body),
-                    discs=discs,
-                    bars=bars,
-                )
-            )
-        return found
-
-    def strands(self) -> Sequence[Strand]:
-        """Its threads."""
-        m = self.module
-        return [
-            replace(
-                each,
-                posts=tuple((m.part(name), k) for name, k in each.posts),
-                low=each.low + m.z,
-                high=each.high + m.z,
-            )
-            for each in self.mechanism.strands()
-        ]
-
-    def apart(self) -> Sequence[Apart]:
-        """Parts that pass by each other."""
-        m = self.module
-        return [
-            replace(
-                each,
-                name=each.name,
-                a=m.part(each.a),
-                b=m.part(each.b),
-                planes=tuple(z + m.z for z in each.planes),
-                drawn={
-                    m.part(name): (m.part(other), mirrored)
-                    for name, (other, mirrored) in each.drawn.items()
-                },
-            )
-            for each in self.mechanism.contacts()
-        ]
-
-    def balances(self) -> Sequence[Balance]:
-        """Its cranks with counterweights."""
-        m = self.module
-        return [
-            replace(
-                each,
-                body=m.body(each.body),
-                joint=m.name(each.joint),
-                density={m.part(name): heavy for name, heavy in each.density.items()},
-            )
-            for each in self.mechanism.balances()
-        ]
-
-    def bought(self) -> Sequence[Bought]:
+    def _bought(self) -> Sequence[Bought]:
         """What is bought for it; what turns the shaft is bought once."""
         name = self.module.prefix
         turned = Bought(
@@ -190,10 +92,9 @@ class Included:
             "turns its shaft with the machine's; not made",
             1,
         )
+        bought = self.mechanism.assembly.bought
         left = [
-            each
-            for each in self.mechanism.bought()
-            if not (self.mounted and each.name.endswith(_BEHIND))
+            each for each in bought if not (self.mounted and each.name.endswith(_BEHIND))
         ]  # posts hold it
         own = [
             replace(each, name=f"{each.name}, {name}") for each in left if each.name not in _DRIVES
@@ -203,7 +104,7 @@ class Included:
     @property
     def stand(self) -> Stand:
         """Its frame on the second plate."""
-        places = tuple(z + self.module.at for z, _ in self.mechanism.fixings())
+        places = tuple(z + self.module.at for z, _ in _fixings(self.mechanism))
         return Stand(
             self.module.part("")[:-1],
             places,
@@ -215,7 +116,7 @@ class Included:
     @property
     def _shafts(self) -> bool:
         """Whether it has a shaft of its own to be turned."""
-        return any(part.name == "shaft" for part in self.mechanism.parts())
+        return "shaft" in self.mechanism.assembly.by_name
 
     # ---- answers ----------------------------------------------------------------------------------------------------
 
@@ -331,7 +232,8 @@ def distinct(
         "a name of its own in front of each included machine's names: give the include another one"
     )
     count = Counter(
-        part.name.lower() for part in (*parts, *(part for each in found for part in each.parts))
+        part.name.lower()
+        for part in (*parts, *(part for each in found for part in each.assembly.parts))
     )
     twice = [name for name, number in count.items() if number > 1]
     if twice:
@@ -373,7 +275,7 @@ def stacked(
     for k, each in enumerate(includes):
         try:
             mechanism = _mechanism(each, host, rpm).resolved()
-            levels = heights(mechanism.parts(), mechanism.mounts())
+            levels = heights(mechanism.assembly.parts, mechanism.assembly.mounts)
         except DesignError as e:
             said = f"{_name(each)}{f' ({each.source})' if each.source else ''}: {str(e).removesuffix(f'; {e.remedy}')}"
             raise DesignError(
@@ -421,9 +323,15 @@ def stacked(
     return tuple(found)
 
 
+def _fixings(mechanism: Mechanism) -> Sequence[tuple[complex, float]]:
+    """Holes in its frame for screws from behind: place and diameter, mm."""
+    frame = mechanism.assembly.frame
+    return () if frame is None else frame.fixings
+
+
 def _refuse_unfixed(key: str, mechanism: Mechanism, core: float) -> None:
     """Raise SpecError where no screws of posts fit into a frame."""
-    wide = {diameter for _, diameter in mechanism.fixings()}
+    wide = {diameter for _, diameter in _fixings(mechanism)}
     if not wide:
         raise SpecError(
             [
@@ -447,9 +355,8 @@ Joined = tuple[float, Sleeve | None, tuple[Merging, Merged] | None]
 def _in_line(each: Include, mechanism: Mechanism, line: Line, gap: float) -> Joined | None:
     """How far a machine is raised whose shaft is in line with the host's, mm, and what joins them, where both are alike and its
     frame is flat below the plate and shaft that both have; None where they are not in line."""
-    shaft = next(
-        iter(mechanism.poses(np.array([math.radians(each.phase_deg)])).get("shaft", ())), None
-    )
+    made = mechanism.assembly
+    shaft = next(iter(made.poses(np.array([math.radians(each.phase_deg)])).get("shaft", ())), None)
     making = getattr(mechanism, "making", None)
     if shaft is None or making is None or line.axis is None:
         return None
@@ -458,17 +365,11 @@ def _in_line(each: Include, mechanism: Mechanism, line: Line, gap: float) -> Joi
     phase, sizes = math.radians(each.phase_deg), line.sizes
     if (making.shaft_diameter, making.shaft_flat) == (sizes.shaft_diameter, sizes.shaft_flat):
         found = merging(
-            mechanism,
-            complex(*each.at),
-            phase,
-            line.angle,
-            line.shaft,
-            sizes.base_thickness,
-            sizes.wall,
+            made, complex(*each.at), phase, line.angle, line.shaft, sizes.base_thickness, sizes.wall
         )
         if found is not None:
             return line.ceiling + sizes.base_thickness - found[2], None, found[:2]
-    room = min(mount.z for mount in mechanism.mounts() if mount.part != "shaft") - shaft.z - gap
+    room = min(mount.z for mount in made.mounts if mount.part != "shaft") - shaft.z - gap
     up = min(SLEEVE * making.shaft_diameter, room)
     if up < making.shaft_diameter / 2:
         raise DesignError(
@@ -501,10 +402,8 @@ def kept(
     found: list[tuple[complex, float]] = []
     for each in (each for each in includes if each.mounted):
         mechanism = _mechanism(each, host(), rpm)
-        frame = next(
-            (part for part in mechanism.parts() if part.name == mechanism.frame_part), None
-        )
-        holes = frame.layers[0].region.holes if frame else ()
+        made = mechanism.assembly
+        holes = () if made.frame is None else made.by_name[made.frame.part].layers[0].region.holes
         arcs = (piece for hole in holes for piece in hole.pieces if isinstance(piece, Arc))
         found += [(arc.centre + complex(*each.at), 2 * arc.radius) for arc in arcs]
     return tuple(found)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,9 +15,10 @@ import numpy as np
 
 from camgen.geometry.outlines import Arc, Contour, Line, Region
 from camgen.machine.features import Eye, Faces, Feature, Mount, mapped
+from camgen.machine.joining import Module
 from camgen.machines.linkage.joined import Merged
 from camgen.machines.linkage.plates import SECOND
-from camgen.machines.mechanism import Mechanism
+from camgen.parts.assembly import Assembly
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import SAME_POINT
 
@@ -35,12 +35,18 @@ class Merging:
     shaft: str
     shift: complex
 
-    def parts(self, parts: Sequence[Part], mounts: Sequence[Mount]) -> list[Part]:
-        """What is left of them, with turned bores."""
-        driven = next(mount.body for mount in mounts if mount.part == _SHAFT)
-        on = {mount.part: mount for mount in mounts if mount.body == driven}
-        left = (part for part in parts if part.name not in (self.frame, _SHAFT, _COLLAR))
-        return [self._turned(part, on[part.name]) if part.name in on else part for part in left]
+    def left(self, assembly: Assembly) -> Assembly:
+        """What is left of the machine, with turned bores."""
+        gone = (self.frame, _SHAFT, _COLLAR)
+        driven = next(mount.body for mount in assembly.mounts if mount.part == _SHAFT)
+        on = {mount.part: mount for mount in assembly.mounts if mount.body == driven}
+        parts = [part for part in assembly.parts if part.name not in gone]
+        bored = [self._turned(part, on[part.name]) if part.name in on else part for part in parts]
+        return replace(
+            assembly,
+            parts=bored,
+            mounts=[mount for mount in assembly.mounts if mount.part not in gone],
+        )
 
     def _turned(self, part: Part, mount: Mount) -> Part:
         """A part with its flat bore turned, where it has one: its holes about its own origin are those on the shaft."""
@@ -56,13 +62,9 @@ class Merging:
             part, layers=tuple(replace(layer, region=bored(layer.region)) for layer in part.layers)
         )
 
-    def mounts(self, mounts: Sequence[Mount]) -> list[Mount]:
-        """Of the parts that are left."""
-        return [mount for mount in mounts if mount.part not in (self.frame, _SHAFT, _COLLAR)]
-
-    def feature(self, feature: Feature, named: dict[str, str]) -> Feature:
-        """The same on the host's plate and shaft; named: what the left-out parts are called in the whole, by their own names."""
-        plate, shaft = named[self.frame], named[_SHAFT]
+    def feature(self, feature: Feature, module: Module) -> Feature:
+        """One of the whole, on the host's plate and shaft; module: the machine in the whole."""
+        plate, shaft = module.part(self.frame), module.part(_SHAFT)
 
         def moved(_: str, value: Any) -> Any:
             if isinstance(value, Eye | Faces) and value.part == plate:
@@ -84,7 +86,7 @@ def _keyed(hole: Contour) -> bool:
 
 
 def merging(
-    mechanism: Mechanism,
+    made: Assembly,
     shift: complex,
     phase: float,
     angle: float,
@@ -99,16 +101,17 @@ def merging(
     its plate, wall: round its holes, mm. Nothing may lie under the frame but shaft and collar, and it must be no thicker than
     the plate.
     """
-    parts, mounts = {part.name: part for part in mechanism.parts()}, mechanism.mounts()
-    frame = next((each for each in mounts if each.part == mechanism.frame_part), None)
-    if frame is None or mechanism.stand_ins() or frame != Mount(frame.part, frame.body):
+    if made.frame is None or made.stand_ins:
         return None
-    others = [mount for mount in mounts if mount.part not in (frame.part, _SHAFT, _COLLAR)]
-    plate, shaft = parts[frame.part], mechanism.poses(np.array([phase]))[_SHAFT][0]
+    frame = next(each for each in made.mounts if each.part == made.frame.part)
+    if frame != Mount(frame.part, frame.body):
+        return None
+    others = [mount for mount in made.mounts if mount.part not in (frame.part, _SHAFT, _COLLAR)]
+    plate, shaft = made.by_name[frame.part], made.poses(np.array([phase]))[_SHAFT][0]
     floor = plate.layers[plate.cut].z1
     if min(mount.z for mount in others) < 0 or floor > thickness or plate.cut:
         return None
-    axis, fixed = complex(shaft.place[0]), [z for z, _ in mechanism.fixings()]
+    axis, fixed = complex(shaft.place[0]), [z for z, _ in made.frame.fixings]
     outer = [
         (piece.centre, piece.radius)
         for piece in plate.layers[0].region.outer.pieces
@@ -125,7 +128,7 @@ def merging(
         for each in plate.layers[1:]
     )
     turn = angle - float(shaft.angle[0])
-    top = shaft.z + parts[_SHAFT].thickness - floor
+    top = shaft.z + made.by_name[_SHAFT].thickness - floor
     edges = [
         (z + shift, radius) for z, radius in outer if min(abs(z - other) for other in fixed) > 1e-3
     ]

@@ -11,24 +11,20 @@ from typing import TYPE_CHECKING, Any
 from pydantic import Field, model_validator
 
 from camgen.errors import Fault
-from camgen.machine.features import CamOutline, Feature, Mount, Moved, StandIn
-from camgen.machine.joining import Module
+from camgen.machine.features import Asked, CamOutline, Mount
 from camgen.machine.model import Machine
 from camgen.machines.linkage import sheets
 from camgen.machines.linkage.sizes import Parts
-from camgen.machines.linkage.spring_sketches import sketches
-from camgen.machines.linkage.spring_steps import finished
-from camgen.machines.loads.journals import Journal, Post
 from camgen.machines.loads.pins import stronger
 from camgen.machines.mechanism import Mechanism
 from camgen.parts import materials
-from camgen.parts.catalogue import Bought
+from camgen.parts.assembly import Assembly, FollowerFacts, MotorSeat
 from camgen.parts.disc_cams import Parts as DiscParts
+from camgen.parts.journals import Journal
 from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
-from camgen.parts.springs import Mounted
+from camgen.parts.springs import to_wind, wished
 from camgen.parts.stiffness import bending_stiffness
-from camgen.study import Sketch, Table
 
 if TYPE_CHECKING:
     from camgen.machines.bench import Bench
@@ -98,8 +94,22 @@ class StandingCams(Mechanism):
         """Where they are."""
 
     @abstractmethod
+    def _asked(self) -> Sequence[Asked]:
+        """What is asked of the outputs."""
+
+    @property
+    def _spring_wish(self) -> tuple[float, float, float] | None:
+        """Rate, N/mm, least pull, N, and travel, mm, of a spring that the spec asks for beside cams alone."""
+        return None
+
+    @abstractmethod
     def _stood(self) -> Bench:
         """What they stand on."""
+
+    @cached_property
+    def _plates(self) -> Sequence[Part]:
+        """The parts, made once."""
+        return self._cams()
 
     @cached_property
     def bench(self) -> Bench:
@@ -129,144 +139,74 @@ class StandingCams(Mechanism):
         return self.bench.machine if self.standing else self._alone()
 
     @cached_property
-    def _parts(self) -> Sequence[Part]:
-        return self.bench.parts if self.standing else self._cams()
-
-    def parts(self) -> Sequence[Part]:
+    def assembly(self) -> Assembly:
         """The cams, or the whole machine."""
-        return self._parts
+        return self._machine() if self.standing else self._bare()
 
-    @cached_property
-    def _features(self) -> Sequence[Feature]:
-        return self.bench.features() if self.standing else self._outlines()
-
-    def features(self) -> Sequence[Feature]:
-        """The outlines of the cams; of a machine all its joints."""
-        return self._features
-
-    def mounts(self) -> Sequence[Mount]:
-        """All parts on their bodies."""
-        return self.bench.mounts if self.standing else self._beside()
-
-    def stand_ins(self) -> Sequence[StandIn]:
-        """The follower's tips, where they are not made; a machine's motor."""
-        return self.bench.stand_ins() if self.standing else super().stand_ins()
-
-    def moved(self) -> Moved:
-        """What the sweep needs, springs too."""
-        moved = super().moved()
-        if not self.standing:
-            return moved
+    def _bare(self) -> Assembly:
+        """The cams alone."""
+        made = self._assembly(self._plates, self._beside(), self._outlines())
+        spring = wished(self._spring_wish)
+        hub = self._hub
         return replace(
-            moved,
-            courses=self.bench.sweeping(moved.courses),
-            stand_ins=[*moved.stand_ins, *self.bench.coils()],
+            made,
+            springs=spring,
+            bought=[*([] if hub is None else hub.bought(self._hub_radius)), *to_wind(spring)],
+            motor=MotorSeat(hub=hub),
+            follower=FollowerFacts(wish=self._spring_wish),
+            asked=self._asked(),
         )
 
-    def bought(self) -> Sequence[Bought]:
-        """Drive, screws and spring of a machine."""
-        if self.standing:
-            return self.bench.bought()
-        made, hub = getattr(self, "making", None), self.hub
-        held = (
-            hub.bought(made.hub_diameter / 2)
-            if hub is not None and isinstance(made, DiscParts)
-            else ()
+    def _machine(self) -> Assembly:
+        """What stands on a bench."""
+        bench, sizes = self.bench, self.sizes
+        made = self._assembly(bench.parts, bench.mounts, bench.features())
+        motor = MotorSeat(hub=bench.bodies.collar)
+        if sizes.face is not None:
+            motor = MotorSeat(sizes.motor, bench.bodies.shaft_reach, bench.bodies.collar)
+        return replace(
+            made,
+            stand_ins=bench.stand_ins(),
+            coils=bench.coils,
+            bought=bench.bought(),
+            springs=bench.springs,
+            posts=bench.posts(self.material.name),
+            motor=motor,
+            follower=FollowerFacts(self._arm_stiffness),
+            board=bench.bodies.stands,
+            asked=self._asked(),
         )
-        return (*held, *super().bought())
 
     @property
-    def arm_stiffness(self) -> float | None:
+    def _arm_stiffness(self) -> float | None:
         """Of the follower that swings; None of one that slides."""
-        points = self.bench.bodies.layout.points_of("follower") if self.standing else {}
+        points = self.bench.bodies.layout.points_of("follower")
         if not {"pivot", "tip"} <= points.keys():
             return None
-        arm, held, pushed = (
-            next(part for part in self.parts() if part.name == "follower"),
-            points["pivot"],
-            points["tip"],
-        )
+        arm = next(part for part in self.bench.parts if part.name == "follower")
+        held, pushed = points["pivot"], points["tip"]
         modulus = materials.of(self.material.name).elastic.modulus
         return bending_stiffness(arm, held, pushed, modulus) * abs(pushed - held) ** 2 * 1e-3
 
     @property
-    def hub(self) -> SetScrewHub | None:
-        """Of a machine the collar on its motor's shaft, of a cam alone its own."""
-        if self.standing:
-            return self.bench.bodies.collar
-        made, allowed = getattr(self, "making", None), getattr(self, "allowed", None)
+    def _hub(self) -> SetScrewHub | None:
+        """Of a cam alone its own."""
+        making, allowed = getattr(self, "making", None), getattr(self, "allowed", None)
         return (
-            made.hub(allowed.min_wall)
-            if isinstance(made, DiscParts) and allowed is not None
+            making.hub(allowed.min_wall)
+            if isinstance(making, DiscParts) and allowed is not None
             else None
         )
 
     @property
-    def shaft_needed(self) -> float | None:
-        """Of the motor under the plate."""
-        return (
-            self.bench.bodies.shaft_reach
-            if self.standing and self.sizes.face is not None
-            else super().shaft_needed
-        )
-
-    @property
-    def motor_frame(self) -> str:
-        """Its frame."""
-        return (
-            self.sizes.motor
-            if self.standing and self.sizes.face is not None
-            else super().motor_frame
-        )
-
-    @property
-    def return_spring(self) -> Mounted | None:
-        """That of the bench; of cams alone one to be wound."""
-        if not self.standing:
-            return super().return_spring
-        spring = self.bench.spring
-        return None if spring is None else Mounted(spring, *self.bench.way)
-
-    def mounted_springs(self) -> Mapping[str, Mounted]:
-        """That one, and what hangs on other bodies of the bench."""
-        if not self.standing:
-            return super().mounted_springs()
-        further = {
-            each.title: Mounted(each.wire, *each.way, on_cam=False)
-            for each in self.bench.strung.values()
-        }
-        return {**super().mounted_springs(), **further}
-
-    def posts(self) -> Sequence[Post]:
-        """Of a machine the pins of its springs and its roller."""
-        if not self.standing:
-            return ()
-        from camgen.machines.linkage.posts import posts
-
-        bench, pulls = (
-            self.bench,
-            {name: each.wire.force(each.way[1]) for name, each in self.bench.strung.items()},
-        )
-        pulls |= {} if bench.spring is None else {"spring": bench.spring.force(bench.way[1])}
-        return tuple(posts(bench.bodies, pulls, self.material.name))
+    def _hub_radius(self) -> float:
+        """Of a cam alone, mm."""
+        making = getattr(self, "making", None)
+        return making.hub_diameter / 2 if isinstance(making, DiscParts) else 0.0
 
     def stronger(self, pin: Journal) -> str:
         """By keys of [bodies] of a machine."""
         return stronger("bodies", self.sizes, pin) if self.standing else super().stronger(pin)
-
-    def sprung_steps(self, table: Table, module: Module | None = None) -> Table:
-        """With the bench's springs."""
-        if not self.standing:
-            return table
-        titles = {
-            "spring": "Return spring",
-            **{name: each.title for name, each in self.bench.strung.items()},
-        }
-        return finished(table, self.bench.bodies, self.mounts(), titles, module)
-
-    def spring_sketches(self) -> Sequence[Sketch]:
-        """Those of the bench."""
-        return sketches(self.bench.bodies.layout, self.courses) if self.standing else ()
 
     def found(self) -> Mapping[str, object]:
         """Sizes of a machine's bodies, and what every mechanism fills in."""

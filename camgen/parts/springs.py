@@ -10,8 +10,8 @@ legs     where its closed coils and hooks are shorter than its free length, stra
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 from camgen.parts.catalogue import STEEL, Bought
@@ -164,3 +164,17 @@ def wound(rate: float, low: float, travel: float) -> Mounted | None:
             if coils >= _LEAST_COILS and spring.stress(shortest + travel) <= spring.strength:
                 found.append(Mounted(spring, shortest, shortest + travel, False))
     return min(found, key=lambda each: each.shortest, default=None)
+
+
+def wished(wish: tuple[float, float, float] | None) -> dict[str, Mounted]:
+    """A return spring that is no part, by its name in findings; wish: rate, N/mm, least pull, N, travel, mm. None where none
+    is asked for, or none can be."""
+    spring = None if wish is None else wound(*wish)
+    return {} if spring is None else {"return spring, to be wound": spring}
+
+
+def to_wind(springs: Mapping[str, Mounted]) -> list[Bought]:
+    """Lines in the list of parts of those that are no part."""
+    return [
+        replace(spring.bought, name=name) for name, spring in springs.items() if not spring.made
+    ]

@@ -48,8 +48,10 @@ def compare(
     be found from the known outline, too.
     """
     mechanism = read_mechanism(spec)
-    cams = {feature.part for feature in mechanism.features() if isinstance(feature, CamOutline)}
-    parts = [part for part in mechanism.parts() if part.name in cams]
+    cams = {
+        feature.part for feature in mechanism.assembly.features if isinstance(feature, CamOutline)
+    }
+    parts = [part for part in mechanism.assembly.parts if part.name in cams]
     if not parts:
         raise SpecError(
             [Fault("--against", mechanism.mechanism, "the spec of a machine with a cam")], str(spec)

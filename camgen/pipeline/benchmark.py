@@ -91,8 +91,8 @@ def measure(
     """
     mechanism = read_mechanism(spec)
     parts, _ = _subjects(mechanism)
-    moves = bool(mechanism.features())
-    apart = bool(mechanism.contacts())
+    moves = bool(mechanism.assembly.features)
+    apart = bool(mechanism.assembly.passing)
     rows = []
     if not _paid:  # for imports: the first row of a process
         with TemporaryDirectory() as folder:
@@ -110,10 +110,13 @@ def measure(
 
 def _subjects(mechanism: Mechanism) -> tuple[dict[str, Part], dict[str, Contour]]:
     """The measured parts, and the outlines by part."""
-    contacts, parts = mechanism.contacts(), {part.name: part for part in mechanism.parts()}
+    contacts, parts = (
+        mechanism.assembly.passing,
+        {part.name: part for part in mechanism.assembly.parts},
+    )
     rolled = {cam.part for cam in _cams(mechanism)}
     passing = {name for contact in contacts for name in (contact.a, contact.b)}
-    touching = parts_of(mechanism.features()) | passing
+    touching = parts_of(mechanism.assembly.features) | passing
     even = {name for name, part in parts.items() if part.crossed is None and len(part.layers) == 1}
     flat = rolled | touching & even or even
     inside = {cam.part for cam in _cams(mechanism) if cam.inside}
@@ -128,7 +131,7 @@ def _subjects(mechanism: Mechanism) -> tuple[dict[str, Part], dict[str, Contour]
 
 
 def _cams(mechanism: Mechanism) -> list[CamOutline]:
-    return [feature for feature in mechanism.features() if isinstance(feature, CamOutline)]
+    return [feature for feature in mechanism.assembly.features if isinstance(feature, CamOutline)]
 
 
 def _row(spec: Path, tolerance: float, folder: Path) -> Row:
@@ -223,8 +226,8 @@ def _ring(sections: Sections, cam: CamOutline | None) -> Ring:
 
 def _together(case: Case, kind: str, read: Mapping[str, Read]) -> list[Finding]:
     """What only all files of a kind together tell: the motion, and the error of distances."""
-    mechanism, pairs = case.mechanism, case.mechanism.contacts()
-    if mechanism.features():
+    mechanism, pairs = case.mechanism, case.mechanism.assembly.passing
+    if mechanism.assembly.features:
         moved = judge_motion(mechanism, kind, read, judged_angles())
         return [] if moved is None else list(moved[0].findings)
     if any(
@@ -246,7 +249,7 @@ def _distance(case: Case, pair: Apart) -> float:
     """Least distance over the turn of two bodies that shift, from their exact sections, mm."""
     from camgen.judge.clearance import least_distance, meeting
 
-    poses = case.mechanism.poses
+    poses = case.mechanism.assembly.poses
 
     def way(theta: Floats) -> Points:
         return np.asarray(poses(theta)[pair.b][0].place - poses(theta)[pair.a][0].place)

@@ -112,13 +112,15 @@ class Curves:
 def as_designed(mechanism: Mechanism) -> list[Plot]:
     """Each output that is one number, and its speed, of exact parts: before there are files."""
     outputs = [output for output in mechanism.model.outputs if not isinstance(output.of, Path)]
-    theta = np.linspace(*mechanism.range, 1441)
+    theta = np.linspace(*mechanism.assembly.cycle.range, 1441)
     run = mechanism.solve(theta, 1)
     found = []
     for output in outputs:
         curve = Curves(output, theta, len(outputs) == 1)
         curve.want(*run.derivatives(output.name))
-        found += [replace(plot, x_label=f"{mechanism.angle_name}, deg") for plot in curve.plots()]
+        found += [
+            replace(plot, x_label=f"{mechanism.assembly.cycle.name}, deg") for plot in curve.plots()
+        ]
     return found
 
 

@@ -13,18 +13,19 @@ import numpy as np
 from camgen.files.dimensions import hole_of, number
 from camgen.files.title_block import Facts, Fit
 from camgen.machine.features import PinEyes
-from camgen.machines.assembly import standing
 from camgen.machines.mechanism import Mechanism
+from camgen.parts.assembly import cut_of_sheet
 from camgen.parts.catalogue import STEEL
 from camgen.parts.part import Part
+from camgen.parts.steps import standing
 from camgen.tolerances import SAME_POINT
 
 
 def facts_of(mechanism: Mechanism, part: Part) -> Facts:
     """What the drawing of one of its parts says."""
-    sheet, cut = mechanism.drawing, mechanism.cut_of_sheet(part)
+    sheet, cut = mechanism.drawing, cut_of_sheet(mechanism.assembly, part)
     printed, steel = part.made == "printed" and not cut, part.made.endswith(" of steel")
-    names = [each.name for each in mechanism.parts()]
+    names = [each.name for each in mechanism.assembly.parts]
     return Facts(
         mechanism=mechanism.mechanism,
         material="as the sheet"
@@ -52,10 +53,10 @@ def _fits(mechanism: Mechanism, part: Part) -> Iterator[Fit]:
         "press": mechanism.print.press_clearance,
         "slide": mechanism.print.slide_clearance,
     }
-    poses = mechanism.poses(np.zeros(1))
+    poses = mechanism.assembly.poses(np.zeros(1))
     shafts = [
         standing(other, pose, layer, outer.place, outer.radius)
-        for other in mechanism.parts()
+        for other in mechanism.assembly.parts
         if other.name != part.name
         for layer in other.layers
         if (outer := hole_of(layer.region.outer)).radius
@@ -89,7 +90,7 @@ def _said(mechanism: Mechanism, part: str, place: complex) -> Iterator[float]:
         for name in ("shaft_diameter", "boss_diameter")
     ]
     yield from (size for size in sizes if size and abs(place) < SAME_POINT)
-    for joint in mechanism.features():
+    for joint in mechanism.assembly.features:
         if isinstance(joint, PinEyes):
             mine = [
                 eye

@@ -166,7 +166,7 @@ class Case:
     @cached_property
     def parts(self) -> dict[str, Part]:
         """The mechanism's parts by name."""
-        return {part.name: part for part in self.mechanism.parts()}
+        return {part.name: part for part in self.mechanism.assembly.parts}
 
     def file(self, part: str, ending: str) -> Path:
         """Path of a part's file."""
@@ -190,7 +190,7 @@ def cores(jobs: int | None, mechanism: Mechanism, kinds: Collection[str]) -> int
         if not isinstance(jobs, int) or jobs < 0:
             raise SpecError([Fault("jobs", repr(jobs), "a whole number of cores, 0: all of them")])
         return jobs or all_cores()
-    several = len(mechanism.parts()) > _FEW and any(
+    several = len(mechanism.assembly.parts) > _FEW and any(
         kind in FORMATS and FORMATS[kind].solid for kind in kinds
     )
     return min(all_cores(), _MOST) if several else 1

@@ -22,6 +22,7 @@ from camgen.geometry.outlines import Floats
 from camgen.judge.copies import judge_copies, judge_exact_copies
 from camgen.judge.round_trip import judge_solid
 from camgen.machines.mechanism import Mechanism
+from camgen.parts.assembly import bodies_in_motion, order_of_assembly, printed_parts
 from camgen.parts.part import Part
 from camgen.pipeline.expectation import expected
 from camgen.pipeline.jobs import Case, Progress, Workers
@@ -156,11 +157,11 @@ def _part_record(case: Case, part: Part, kinds: Sequence[str]) -> dict[str, obje
 def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
     """The stages that this mechanism asks for, in the order of the report, then those that are done as parts are read."""
     stages = []
-    if mechanism.contacts():
+    if mechanism.assembly.passing:
         stages.append(
             Stage(("CLEARANCE",), "parts that pass by each other over the turn", ANY, pass_by)
         )
-    if sum(part.count for part in mechanism.parts()) + len(mechanism.stand_ins()) > 1:
+    if sum(part.count for part in mechanism.assembly.parts) + len(mechanism.assembly.stand_ins) > 1:
         stages.append(
             Stage(
                 ("INTERFERENCE",),
@@ -169,13 +170,13 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
                 sweep_assembly,
             )
         )
-    if mechanism.balances():
+    if mechanism.assembly.balances:
         stages.append(
             Stage(
                 ("BALANCE",), "the balanced crank, weighed in the assembly", ("3mf",), weigh_crank
             )
         )
-    if mechanism.strands():
+    if mechanism.assembly.strands:
         codes = ("THREAD_HELD", "THREAD_CLEAR")
         stages.append(
             Stage(codes, "threads between their posts in the assembly", ("3mf",), judge_threads)
@@ -213,7 +214,7 @@ def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
     from camgen.judge.clearance import judge_clearance
 
     mechanism = case.mechanism
-    pairs = mechanism.contacts()
+    pairs = mechanism.assembly.passing
     findings: list[Finding] = []
     numbers: dict[str, float] = {}
     columns: dict[str, Floats] = {}
@@ -224,7 +225,7 @@ def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
             case.folder,
             mechanism.name,
             pairs,
-            mechanism.poses,
+            mechanism.assembly.poses,
             mechanism.accuracy.chord_tolerance,
         )
         findings += cleared.findings
@@ -258,7 +259,7 @@ def judge_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
         }
         for name, mesh in originals.items():
             meant = expected(
-                case.parts[name], mechanism.accuracy.chord_tolerance, mechanism.features()
+                case.parts[name], mechanism.accuracy.chord_tolerance, mechanism.assembly.features
             )
             judged = judge_solid(mesh, meant, f"{path.name}, {name}", FORMATS["3mf"].rounding)
             findings += [finding for finding in judged.findings if not finding.ok]
@@ -287,7 +288,7 @@ def judge_laser(case: Case, kinds: Sequence[str]) -> Outcome:
         case.mechanism,
         {name: {"dxf": sections[name]} if name in sections else {} for name in case.parts},
     )
-    low, high = mechanism.range
+    low, high = mechanism.assembly.cycle.range
     theta = low + judged_angles() * ((high - low) / math.tau)
     moved = (
         judge_motion(mechanism, "dxf", read, theta, f"{mechanism.name}-sheets, *")
@@ -308,7 +309,9 @@ def sweep_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
     """INTERFERENCE of all parts and what else is in the way, moved through a turn."""
     from camgen.judge.assembly import COLUMNS, sweep
 
-    findings, nearest = sweep(case.file("assembly", "3mf"), case.mechanism.moved())
+    findings, nearest = sweep(
+        case.file("assembly", "3mf"), bodies_in_motion(case.mechanism.assembly)
+    )
     table = Table("Bodies that pass each other, the nearest first", COLUMNS, nearest)
     return Outcome(findings, tables=[table] if nearest else [])
 
@@ -317,9 +320,9 @@ def weigh_crank(case: Case, kinds: Sequence[str]) -> Outcome:
     """BALANCE of the crank that carries a counterweight."""
     from camgen.judge.balance import judge_balance
 
-    assembly, moved = case.file("assembly", "3mf"), case.mechanism.moved()
+    assembly, moved = case.file("assembly", "3mf"), bodies_in_motion(case.mechanism.assembly)
     return Outcome(
-        [judge_balance(assembly, moved, balance) for balance in case.mechanism.balances()]
+        [judge_balance(assembly, moved, balance) for balance in case.mechanism.assembly.balances]
     )
 
 
@@ -329,7 +332,9 @@ def judge_threads(case: Case, kinds: Sequence[str]) -> Outcome:
 
     return Outcome(
         judge_strands(
-            case.file("assembly", "3mf"), case.mechanism.moved(), case.mechanism.strands()
+            case.file("assembly", "3mf"),
+            bodies_in_motion(case.mechanism.assembly),
+            case.mechanism.assembly.strands,
         )
     )
 
@@ -342,7 +347,7 @@ def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:
 
     mechanism, plates, originals = case.mechanism, plates_of(case), written(case)
     bed, margin = mechanism.print.bed, mechanism.print.bed_margin
-    listed, sides = mechanism.printed(), lying_sides(mechanism, originals)
+    listed, sides = printed_parts(mechanism.assembly), lying_sides(mechanism, originals)
     laid = Counter(item.name for path in plates for item in read_3mf(path).items)
     lying = [
         (part, originals[part.name].vertices @ sides[part.name].turn.T)
@@ -370,7 +375,7 @@ def fit_bed(case: Case, kinds: Sequence[str]) -> Outcome:
     from camgen.files.plates import bed_fit, within
 
     findings, bed = [], case.mechanism.print
-    for part in case.mechanism.printed():
+    for part in printed_parts(case.mechanism.assembly):
         rims = [
             (facet_contour(layer.region.outer, _DRAWN), z)
             for layer in part.layers
@@ -395,7 +400,7 @@ def judge_seen(case: Case, kinds: Sequence[str]) -> Outcome:
 
     path = case.file("assembly", "glb")
     return Outcome(
-        [judge_scene(path, flights(case.mechanism), case.mechanism.shown_turns * SECONDS)]
+        [judge_scene(path, flights(case.mechanism), case.mechanism.assembly.cycle.turns * SECONDS)]
     )
 
 
@@ -413,10 +418,13 @@ def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
     numbers = {"mass_g": mass, "print_time_h": minutes / 60}
     if sides:
         numbers["supports_mm2"] = sum(
-            part.count * sides[part.name].overhang for part in mechanism.printed()
+            part.count * sides[part.name].overhang for part in printed_parts(mechanism.assembly)
         )
     layers, said = between(mechanism, sides)
-    listed, tables = judge_list(case.file("parts", "csv"), table), [table, mechanism.steps()]
+    listed, tables = (
+        judge_list(case.file("parts", "csv"), table),
+        [table, order_of_assembly(mechanism.assembly)],
+    )
     return Outcome(
         [listed], numbers, tables=[*tables, *([layers] if layers.rows else [])], warnings=said
     )
@@ -453,7 +461,7 @@ def _machine_files(case: Case) -> list[str]:
         *(case.file("assembly", ending) for ending in ("3mf", "glb", "step")),
         case.file("parts", "csv"),
     ]
-    more = [case.folder / f"{case.mechanism.name}-{name}" for name in case.mechanism.texts()]
+    more = [case.folder / f"{case.mechanism.name}-{name}" for name in case.mechanism.assembly.texts]
     drawings = [case.file(f"{name}-drawing", "pdf") for name in case.parts]
     others = (*plates_of(case), *cut_files(case), *more, *drawings)
     return [path.name for path in (*fixed, *others) if path.exists()]

@@ -20,6 +20,7 @@ from camgen.judge.measured import Sections
 from camgen.judge.round_trip import judge_drawing
 from camgen.judge.sheets import Beam, Laid, judge_sheet
 from camgen.machines.mechanism import Mechanism
+from camgen.parts.assembly import cut_of_sheet
 from camgen.parts.fits import Compensation, compensated
 from camgen.parts.nesting import Spot, nest
 from camgen.parts.part import Part
@@ -36,7 +37,7 @@ _COLUMNS = ("sheet", "part", "copy", "x_mm", "y_mm", "angle_deg")
 
 def sheet_parts(mechanism: Mechanism) -> list[Part]:
     """The parts that are cut of sheets."""
-    return [part for part in mechanism.parts() if mechanism.cut_of_sheet(part)]
+    return [part for part in mechanism.assembly.parts if cut_of_sheet(mechanism.assembly, part)]
 
 
 def _path(part: Part, laser: Laser) -> Part:
@@ -146,7 +147,7 @@ def judge_sheets(
     """Findings on all sheets; sections of every part, as cut of a sheet or else as drawn; tables; figures."""
     mechanism, laser = case.mechanism, case.mechanism.laser
     assert laser is not None, "sheets are asked for"
-    features, tolerance = mechanism.features(), mechanism.accuracy.chord_tolerance
+    features, tolerance = mechanism.assembly.features, mechanism.accuracy.chord_tolerance
     parts = {part.name: part for part in sheet_parts(mechanism)}
     findings: list[Finding] = []
     sections: dict[str, Sections] = {}
@@ -170,7 +171,7 @@ def judge_sheets(
             rows += _rows(number, laid, laser)
         findings += _copies(listed, parts, case)
         numbers = {"sheets": float(len(listed)), "sheet_density": _density(listed, parts, laser)}
-    for part in mechanism.parts():
+    for part in mechanism.assembly.parts:
         if part.name not in parts:
             rows.append(("none", part.name, part.count, "", why_not(part, laser.thickness)))
         if part.name not in sections and case.file(part.name, "dxf").exists():

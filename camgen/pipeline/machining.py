@@ -61,12 +61,14 @@ def cams_of(mechanism: Mechanism) -> dict[str, tuple[CamTouch, Mount, float]]:
     body, and how far it is off that follower, mm."""
     found: dict[str, tuple[CamTouch, Mount, float]] = {}
     told: dict[str, int] = {}
-    for feature in mechanism.features():
+    for feature in mechanism.assembly.features:
         if not isinstance(feature, CamOutline):
             continue
         joint, k = mechanism.model.joint(feature.joint), told.get(feature.joint, 0)
         told[feature.joint] = k + 1
-        mount = [mount for mount in mechanism.mounts() if mount.part == feature.part][feature.copy]
+        mount = [mount for mount in mechanism.assembly.mounts if mount.part == feature.part][
+            feature.copy
+        ]
         assert isinstance(joint, Cam), f"{feature.joint} is no cam"
         touch = joint.touches[k] if k < len(joint.touches) else None
         left_out = mount.flipped or feature.part in found
@@ -211,9 +213,11 @@ def judge_tables(case: Case) -> list[Finding]:
 def _rolled(mechanism: Mechanism, part: str, rings: Sequence[Ring]) -> Rolled:
     """What the follower rolls to on a part's outline as it is drawn; ValueError where it does not fit."""
     feature = next(
-        each for each in mechanism.features() if isinstance(each, CamOutline) and each.part == part
+        each
+        for each in mechanism.assembly.features
+        if isinstance(each, CamOutline) and each.part == part
     )
-    return rolled(mechanism.model, feature, mechanism.mounts(), [pieces_of(rings)])[1]
+    return rolled(mechanism.model, feature, mechanism.assembly.mounts, [pieces_of(rings)])[1]
 
 
 def _rows(path: Path, columns: Sequence[str]) -> list[list[str]]:

@@ -16,6 +16,7 @@ from camgen import spec as specs
 from camgen.errors import DesignError
 from camgen.files.formats import EXACT, FORMATS, Job, write_part
 from camgen.machines.mechanism import Mechanism
+from camgen.parts.assembly import cut_of_sheet, printed_parts
 from camgen.parts.catalogue import DENSITY, TURNED, Bought
 from camgen.parts.fits import Compensation, compensated
 from camgen.pipeline.jobs import Case, Progress, Workers
@@ -52,7 +53,7 @@ def make_parts(case: Case, only: frozenset[str], workers: Workers, progress: Pro
 def put_together(case: Case, only: frozenset[str], made: Made, progress: Progress) -> None:
     """Write what the parts make together: their list, tables, the assembly, and the plates."""
     mechanism, (meshes, sent) = case.mechanism, made
-    listed = mechanism.printed()
+    listed = printed_parts(mechanism.assembly)
     sides = lying_sides(mechanism, written(case) if "3mf" in only else {})
     write_parts_list(case.file("parts", "csv"), mechanism, sides)
     if "dxf" in only and mechanism.laser is not None:
@@ -108,7 +109,7 @@ def lying_sides(mechanism: Mechanism, meshes: Mapping[str, Mesh]) -> dict[str, S
     from camgen.files.plates import lying_side, side
 
     drawn = mechanism.print.elephant_foot > 0
-    printed = [part.name for part in mechanism.printed() if part.name in meshes]
+    printed = [part.name for part in printed_parts(mechanism.assembly) if part.name in meshes]
     down = np.array([0.0, 0.0, -1.0])
     return {
         name: side(meshes[name], down) if drawn else lying_side(meshes[name]) for name in printed
@@ -182,7 +183,7 @@ def assembled(mechanism: Mechanism) -> list[Placed]:
     """Every copy of every part where it is at theta = 0."""
     from camgen.files.threemf import Placed, placing
 
-    poses = mechanism.poses(np.zeros(1))
+    poses = mechanism.assembly.poses(np.zeros(1))
     return [
         Placed(
             part.name,
@@ -191,7 +192,7 @@ def assembled(mechanism: Mechanism) -> list[Placed]:
                 float(pose.angle[0]), complex(pose.place[0]), pose.z, part.thickness, pose.flipped
             ),
         )
-        for part in mechanism.parts()
+        for part in mechanism.assembly.parts
         for k, pose in enumerate(poses[part.name])
     ]
 
@@ -205,8 +206,8 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
 
     material = mechanism.material
     density = (material.density or DENSITY[material.name]) * material.infill
-    parts = mechanism.parts()
-    printed = mechanism.printed()
+    parts = mechanism.assembly.parts
+    printed = printed_parts(mechanism.assembly)
     rows: list[tuple[object, ...]] = [
         (
             "printed",
@@ -231,9 +232,9 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
             ": ".join([part.title, *part.notes[: int(sized)]]),
             "" if bought else part.count * part.volume,
         )
-        made = "cut of sheet" if mechanism.cut_of_sheet(part) else part.made
+        made = "cut of sheet" if cut_of_sheet(mechanism.assembly, part) else part.made
         rows.append((made, part.name, what, part.count, volume, *blank))
-    things = list(mechanism.bought())
+    things = list(mechanism.assembly.bought)
     if any("glued" in note for part in parts for note in part.notes) and "glue" not in {
         thing.name for thing in things
     }:

@@ -45,7 +45,7 @@ def judge_part(
     """Read one part's files; dimensioned: its drawing with dimensions too, which stands beside its DXF."""
     mechanism, part = case.mechanism, case.parts[name]
     features, tolerance, fit = (
-        mechanism.features(),
+        mechanism.assembly.features,
         mechanism.accuracy.chord_tolerance,
         compensation(mechanism),
     )
@@ -116,7 +116,7 @@ def judge_motion(
     lost = read.keys() - files.keys()
     features = [
         each
-        for each in mechanism.features()
+        for each in mechanism.assembly.features
         if not (isinstance(each, CamOutline) and each.part in lost)
     ]
     if not features or parts_of(features) & lost:
@@ -129,11 +129,11 @@ def judge_motion(
         files,
         mechanism.model,
         features,
-        mechanism.mounts(),
+        mechanism.assembly.mounts,
         theta,
         mechanism.accuracy.chord_tolerance + more,
         slack,
-        mechanism.asked(),
+        mechanism.assembly.asked,
     )
     return verdict, features
 
@@ -147,17 +147,19 @@ def moved_by(
     from camgen.judge.targets import judge_targets
     from camgen.pipeline.curves import Curves
 
-    features = mechanism.features()
+    features = mechanism.assembly.features
     if not features:
         return Outcome(), {}, Study()
-    (low, high), wishes = mechanism.range, {each.output: each for each in mechanism.asked()}
+    (low, high), wishes = (
+        mechanism.assembly.cycle.range,
+        {each.output: each for each in mechanism.assembly.asked},
+    )
     theta = np.linspace(low, high, math.ceil((ROWS - 1) * (high - low) / math.tau - 1e-9) + 1)
     judged = low + judged_angles() * ((high - low) / math.tau)
     outputs = judged_outputs(mechanism.model.outputs, wishes.values())
-    cams = any(isinstance(feature, CamOutline) for feature in features) and mechanism.range == (
-        0.0,
-        math.tau,
-    )
+    cams = any(
+        isinstance(feature, CamOutline) for feature in features
+    ) and mechanism.assembly.cycle.range == (0.0, math.tau)
     curves = [Curves(output, theta, len(outputs) == 1, cams) for output in outputs]
     for curve in curves:
         motion = wishes[curve.output.name].motion if curve.output.name in wishes else None
@@ -179,7 +181,7 @@ def moved_by(
             for curve in curves:
                 curve.add(kind, verdict.proof)
             findings += judge_targets(
-                mechanism.asked(), verdict.proof, theta, f"{mechanism.name}-*.{kind}"
+                mechanism.assembly.asked, verdict.proof, theta, f"{mechanism.name}-*.{kind}"
             )
     columns = {"theta_deg": np.degrees(theta)} if any(curve.columns for curve in curves) else {}
     for curve in curves:
@@ -195,7 +197,8 @@ def budget_of(
     """What each stage from law to file adds to the error of the outline that drives; `found`: the figures of today."""
     mechanism = case.mechanism
     drive = next(
-        (feature for feature in mechanism.features() if isinstance(feature, CamOutline)), None
+        (feature for feature in mechanism.assembly.features if isinstance(feature, CamOutline)),
+        None,
     )
     if drive is None or not read[drive.part]:
         return None
@@ -212,7 +215,7 @@ def budget_of(
         _facets(part, tolerance, fit),
         mechanism.model,
         drive,
-        mechanism.mounts(),
+        mechanism.assembly.mounts,
         tolerance,
         read[drive.part],
         numbers,

@@ -59,7 +59,7 @@ class Stage:
 
 def of_parts(mechanism: Mechanism) -> list[Stage]:
     """The steps that are done as parts are read: each file by itself, and the motion that the files give."""
-    holes = any(layer.region.holes for part in mechanism.parts() for layer in part.layers)
+    holes = any(layer.region.holes for part in mechanism.assembly.parts for layer in part.layers)
     stages = [
         Stage(("DXF_CLOSED", "DXF_UNITS"), "drawings", DRAWN),
         Stage(("WATERTIGHT", "VOLUME"), "solids", (*SOLID, *EXACT)),
@@ -69,7 +69,7 @@ def of_parts(mechanism: Mechanism) -> list[Stage]:
             READ,
         ),
     ]
-    features = mechanism.features()
+    features = mechanism.assembly.features
     cams = [feature for feature in features if isinstance(feature, CamOutline)]
     if cams:
         ripple = ("SPEED_RIPPLE",) if any(math.isfinite(cam.meant.ripple) for cam in cams) else ()
@@ -83,7 +83,7 @@ def of_parts(mechanism: Mechanism) -> list[Stage]:
     if any(isinstance(cam.tip, Flat) and math.isfinite(cam.tip.width) for cam in cams):
         stages.append(Stage(("FACE_WIDTH",), "where the face is touched", READ))
     if len(cams) < len(features):
-        asked = mechanism.asked()
+        asked = mechanism.assembly.asked
         more = dict.fromkeys(target.code for each in asked for target in each.targets)
         more |= {"STROKE_ERROR": None} if any(each.stroke for each in asked) else {}
         stages.append(
@@ -136,10 +136,10 @@ def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
         found.append(
             f"laser.kerf = {kerf:g} acts on the sheets alone: every part's own DXF is as drawn"
         )
-        if all(why_not(part, mechanism.laser.thickness) for part in mechanism.parts()):
+        if all(why_not(part, mechanism.laser.thickness) for part in mechanism.assembly.parts):
             flat = {
                 part.thickness: part.name
-                for part in mechanism.parts()
+                for part in mechanism.assembly.parts
                 if not why_not(part, part.thickness)
             }
             said = ", ".join(f"{name} is {thick:g}" for thick, name in sorted(flat.items()))
@@ -149,7 +149,7 @@ def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
             )
     elif mechanism.laser is not None:
         found.append("[laser] makes its sheets with the DXF, and no DXF is made")
-    if mechanism.output.engrave and not any(part.engraved for part in mechanism.parts()):
+    if mechanism.output.engrave and not any(part.engraved for part in mechanism.assembly.parts):
         found.append("output.engrave = true: no part has anything engraved")
     elif mechanism.output.engrave and not any(kind in kinds for kind in DRAWN):
         found.append(f"output.engrave = true acts on {drawn} alone, and no {drawn} is made")

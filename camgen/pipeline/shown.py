@@ -16,6 +16,8 @@ from camgen.machine.features import PartPose
 from camgen.machine.model import Path, Pose, unit_of
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats, Points
+from camgen.parts.assembly import order_of_assembly
+from camgen.parts.coils import spring_sketches
 from camgen.report.animation import Animation, Body
 from camgen.report.colours import part_colour
 from camgen.study import Plate, Scene, Sketch, Step
@@ -33,7 +35,7 @@ _FRAMES_3D = 360  # fewer leave 0.07 mm at a sharp reversal
 
 def _turn(mechanism: Mechanism, frames: int) -> Floats:
     """Angles of so many frames a turn, rad, as time goes on."""
-    turns = mechanism.shown_turns
+    turns = mechanism.assembly.cycle.turns
     if turns > 1:
         return np.asarray(
             mechanism.sense * np.linspace(0, turns * math.tau, turns * frames, endpoint=False)
@@ -45,27 +47,31 @@ def _turn(mechanism: Mechanism, frames: int) -> Floats:
 def animation(mechanism: Mechanism, sketches: Sequence[Sketch] | None = None) -> Animation:
     """One turn of the exact mechanism, as the report shows it moving; sketches: those of its study, where that is known."""
     theta = _turn(mechanism, _FRAMES)
-    poses, courses, bodies = mechanism.poses(theta), mechanism.courses(theta), []
-    for part in mechanism.parts():
+    assembly = mechanism.assembly
+    poses, courses, bodies = assembly.poses(theta), assembly.courses(theta), []
+    for part in assembly.parts:
         region = part.region
         rings = [bulges(fit_arcs(contour, _DRAWN)) for contour in (region.outer, *region.holes)]
         bodies.append(Body(part.name, poses[part.name], rings))
-    for s in (
-        *(mechanism.study().sketches if sketches is None else sketches),
-        *mechanism.spring_sketches(),
-    ):
+    drawn = mechanism.study().sketches if sketches is None else sketches
+    for s in (*drawn, *spring_sketches(assembly.coils, assembly.courses)):
         body = courses[s.body]
         course = None if s.course is None else s.course(theta)
         bodies.append(
             Body(s.name, [PartPose(body.place, body.angle)], (), s.strokes, s.circles, course, s.z)
         )
-    if not mechanism.features():
+    if not mechanism.assembly.features:
         return Animation(theta, bodies, mechanism.motion(theta), "output", "mm")
     output = mechanism.model.outputs[0]
     unit, scale = unit_of(output)
     name = f"{output.name} x" if isinstance(output.of, Path) else output.name
     return Animation(
-        theta, bodies, scale * mechanism.reachable(theta), name, unit, mechanism.shown_turns
+        theta,
+        bodies,
+        scale * mechanism.reachable(theta),
+        name,
+        unit,
+        mechanism.assembly.cycle.turns,
     )
 
 
@@ -74,7 +80,10 @@ def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
     from camgen.files.gltf import Moving, Shape, glb
     from camgen.files.threemf import placing
 
-    parts, courses = mechanism.parts(), mechanism.courses(_turn(mechanism, _FRAMES_3D))
+    parts, courses = (
+        mechanism.assembly.parts,
+        mechanism.assembly.courses(_turn(mechanism, _FRAMES_3D)),
+    )
     number = {part.name: k for k, part in enumerate(parts)}
     shapes = [
         Shape(part.name, _coarse(part, mechanism.accuracy.chord_tolerance), part_colour(k))
@@ -82,17 +91,17 @@ def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
     ]
     copies: Counter[str] = Counter()
     bodies: dict[str, list[tuple[str, int, Floats]]] = {}
-    for mount in mechanism.mounts():
+    for mount in mechanism.assembly.mounts:
         copies[mount.part] += 1
         k = number[mount.part]
         stands = placing(
             mount.turned, complex(mount.at), mount.z, parts[k].thickness, mount.flipped
         )
         bodies.setdefault(mount.body, []).append((f"{mount.part}-{copies[mount.part]}", k, stands))
-    frames = mechanism.shown_turns * _FRAMES_3D
+    frames = mechanism.assembly.cycle.turns * _FRAMES_3D
     moving = [Moving(name, *_over(courses[name], frames), held) for name, held in bodies.items()]
     order = [copy for held in bodies.values() for copy, _, _ in held]
-    table = mechanism.steps()
+    table = order_of_assembly(mechanism.assembly)
     steps = []
     for row, laid in zip(table.rows, table.copies or [()] * len(table.rows), strict=True):
         found = [copy for copy in order if copy in laid or copy.rpartition("-")[0] in laid]
@@ -103,7 +112,7 @@ def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
         )
         words += f"; {row[3]}" if table.columns[3:4] == ("where",) and row[3] else ""
         steps.append(Step(words, found))
-    made = glb(mechanism.name, shapes, moving, mechanism.shown_turns)
+    made = glb(mechanism.name, shapes, moving, mechanism.assembly.cycle.turns)
     return Scene(
         made,
         order,
@@ -118,8 +127,8 @@ def flights(mechanism: Mechanism) -> dict[str, Flight]:
     from camgen.judge.scene import Flight
 
     theta = _turn(mechanism, _FRAMES_3D)
-    poses, found = mechanism.poses(np.append(theta, theta[0])), {}
-    for part in mechanism.parts():
+    poses, found = mechanism.assembly.poses(np.append(theta, theta[0])), {}
+    for part in mechanism.assembly.parts:
         low, high = extent([layer.region.outer for layer in part.layers])
         reach = (
             max(abs(complex(x, y)) for x in (low.real, high.real) for y in (low.imag, high.imag))

@@ -28,6 +28,7 @@ from camgen.judge.measured import Sections, measure
 from camgen.judge.sliced import Copy, Known, bodies, copy_of, envelope, outwards, shapes_of
 from camgen.judge.sliced_copies import judge_sliced_copies
 from camgen.machine.features import CamOutline, Eye, eyes, parts_of
+from camgen.parts.assembly import printed_parts
 from camgen.parts.fits import Compensation
 from camgen.parts.part import Part
 from camgen.pipeline.expectation import facetted
@@ -127,7 +128,7 @@ def check_gcode(
             _add(laid.setdefault(name, _Laid()), copy, case.parts[name], fit, path.name)
     for one in laid.values():
         findings += one.findings
-    wanted = Counter({part.name: part.count for part in mechanism.printed()})
+    wanted = Counter({part.name: part.count for part in printed_parts(mechanism.assembly)})
     held = {name: Counter(item.name for item in items) for name, items in packages.items()} or {
         "all parts": wanted
     }
@@ -191,7 +192,7 @@ def _known(case: Case, packages: Iterable[Sequence[Item]]) -> list[Known]:
         for item in items:
             lying.setdefault(item.name, []).append(_tilt(item.transform[:, :3]))
     found = []
-    for part in case.mechanism.printed():
+    for part in printed_parts(case.mechanism.assembly):
         file = next(
             (path for kind in reversed(SOLID) if (path := case.file(part.name, kind)).exists()),
             None,
@@ -359,7 +360,7 @@ def _moved(
     from camgen.judge.cams import judged_angles
 
     mechanism = case.mechanism
-    features = mechanism.features()
+    features = mechanism.assembly.features
     wanted = parts_of(features)
     held = sorted(name for name in wanted if name in laid and laid[name].sections)
     if not held:
@@ -382,7 +383,7 @@ def _moved(
         name: {"gcode": laid[name].sections} if name in held else _as_filed(case, name, kind)
         for name in case.parts
     }
-    low, high = mechanism.range
+    low, high = mechanism.assembly.cycle.range
     theta = low + judged_angles() * ((high - low) / math.tau)
     verdict = judge_motion(mechanism, "gcode", read, theta, f"{where}, *", mechanism.print.xy_step)
     if verdict is None:
@@ -409,7 +410,7 @@ def _by_layer(
 ) -> dict[str, float]:
     """The greatest motion error of the machine with each layer of its cams alone: first, worst, mean and spread."""
     mechanism = case.mechanism
-    theta = np.linspace(*mechanism.range, _ANGLES)
+    theta = np.linspace(*mechanism.assembly.cycle.range, _ANGLES)
 
     def error(own: Mapping[str, Sections]) -> dict[str, float]:
         found = judge_motion(
@@ -451,7 +452,7 @@ def _eye_table(case: Case, laid: Mapping[str, _Laid]) -> Table:
     rows: list[tuple[object, ...]] = []
     held = {
         eye: None
-        for feature in case.mechanism.features()
+        for feature in case.mechanism.assembly.features
         for eye in eyes(feature)
         if eye.part in laid and eye.diameter
     }

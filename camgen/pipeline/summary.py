@@ -50,7 +50,7 @@ def draw_part(case: Case, name: str, folder: Path) -> None:
 
 def write_texts(case: Case, folder: Path) -> None:
     """Write the texts of a machine's kind, such as a linkage's chain."""
-    for name, text in case.mechanism.texts().items():
+    for name, text in case.mechanism.assembly.texts.items():
         (folder / f"{case.mechanism.name}-{name}").write_text(text, encoding="utf-8")
 
 

@@ -91,7 +91,9 @@ class Spread:
     @cached_property
     def air(self) -> Mapping[str, float]:
         """By cam that is touched on both sides, mm that each side is meant to stay off: a pair's own, half of a groove's."""
-        outlines = [each for each in self.mechanism.features() if isinstance(each, CamOutline)]
+        outlines = [
+            each for each in self.mechanism.assembly.features if isinstance(each, CamOutline)
+        ]
         return {each.joint: each.free / (2 if each.inside else 1) for each in outlines}
 
     def budget(self) -> Table:
@@ -146,8 +148,10 @@ class Spread:
 def spread_of(mechanism: Mechanism) -> Spread:
     """Modes of a mechanism's model, cams that say how they are touched among them."""
     machine, sizes = mechanism.model, sizes_of(mechanism)
-    outputs = judged_outputs(machine.outputs, mechanism.asked())
-    theta = np.linspace(*mechanism.range, max(_ANGLES, _PER_WAVE * sizes.orders[1] + 1))
+    outputs = judged_outputs(machine.outputs, mechanism.assembly.asked)
+    theta = np.linspace(
+        *mechanism.assembly.cycle.range, max(_ANGLES, _PER_WAVE * sizes.orders[1] + 1)
+    )
     holes = _holes(mechanism, outputs)
     if not machine.joints:
         return Spread(mechanism, theta, sizes, holes, (), outputs, {})
@@ -174,18 +178,18 @@ def _exact(mechanism: Mechanism) -> list[str]:
     """Cams whose tip is no print."""
     return (
         [joint.name for joint in mechanism.model.joints if isinstance(joint, Cam)]
-        if mechanism.roller_bearing
+        if mechanism.assembly.follower.roller
         else []
     )
 
 
 def _holes(mechanism: Mechanism, outputs: Sequence[Output]) -> dict[str, Place]:
     """Holes whose centres are places of outputs and make no joint."""
-    marks = [each.eye for each in mechanism.features() if isinstance(each, Mark)]
+    marks = [each.eye for each in mechanism.assembly.features if isinstance(each, Mark)]
     made = [
         (mount.body, mount.place(eye.at))
         for eye in marks
-        for mount in mechanism.mounts()
+        for mount in mechanism.assembly.mounts
         if mount.part == eye.part
     ]
     found: dict[str, Place] = {}
@@ -322,16 +326,16 @@ def laws_of(
     for mode, error in zip(spread.modes, errors, strict=True):
         given.setdefault(mode.where, {}).setdefault(mode.kind, []).append(float(error))
     laws = {}
-    parts = {part.name: part for part in mechanism.parts()}
-    first = mechanism.outlines()
+    parts = {part.name: part for part in mechanism.assembly.parts}
+    first = mechanism.assembly.outlines
     for joint in shifted.joints:
         own = given.get(f"{joint.name}, 1")
         if not isinstance(joint, Cam) or own is None:
             continue
         outline = first[joint.name]
-        mount = [m for m in mechanism.mounts() if (m.part, m.body) == (outline.part, joint.cam)][
-            outline.copy
-        ]
+        mount = [
+            m for m in mechanism.assembly.mounts if (m.part, m.body) == (outline.part, joint.cam)
+        ][outline.copy]
         points = facet_contour(
             parts[outline.part].region.outer.counter_clockwise(), mechanism.accuracy.chord_tolerance
         )
@@ -351,7 +355,7 @@ def laws_of(
             )
         laws[joint.name] = (
             outline,
-            rolled_on(shifted, outline, mechanism.mounts(), [[Shape(ring, ())]])[1],
+            rolled_on(shifted, outline, mechanism.assembly.mounts, [[Shape(ring, ())]])[1],
         )
     return laws
 

@@ -167,7 +167,7 @@ def _of_model(copy: Mechanism, machine: Machine, limits: Sequence[Finding]) -> I
     """Limits of the design that its model tells as well."""
     asked = {each.code: each for each in limits}
     if "TRANSMISSION_ANGLE" in asked:
-        sines = [fold.determinant for fold in folds(machine, *copy.range)]
+        sines = [fold.determinant for fold in folds(machine, *copy.assembly.cycle.range)]
         least = math.degrees(math.asin(min(1.0, *map(abs, sines)))) if sines else math.nan
         limit = asked["TRANSMISSION_ANGLE"]
         yield at_least("TRANSMISSION_ANGLE", least, limit.limit, "deg", "joints", "")
@@ -179,7 +179,7 @@ def _of_model(copy: Mechanism, machine: Machine, limits: Sequence[Finding]) -> I
             if any(each.code == "LIFT_OFF" and name in each.where for each in limits)
         ]
     if "LIFT_OFF" in asked and forced:
-        theta = np.linspace(*copy.range, 1441)
+        theta = np.linspace(*copy.assembly.cycle.range, 1441)
         pressing = solve(pulled(copy), theta).forces().pressing
         yield keeps_contact(
             theta, np.fmin.reduce([pressing[name] for name in forced]), False, "contact", ""

@@ -201,7 +201,7 @@ def _quantiles(spread: Spread, copies: Copies, numbers: dict[str, float]) -> Tab
 
 def _yields(spread: Spread, copies: Copies, numbers: dict[str, float]) -> list[Table]:
     """Share of copies that hold each finding which play and fits decide."""
-    limits = {each.output: each.lash for each in spread.mechanism.asked()}
+    limits = {each.output: each.lash for each in spread.mechanism.assembly.asked}
     good = np.ones(len(copies.tight), bool) & ~copies.tight
     rows: list[tuple[object, ...]] = []
     if any(joint.clearance > 0 for joint in spread.mechanism.model.joints):
@@ -406,7 +406,7 @@ def _plots(spread: Spread, copies: Copies, output: Output) -> list[Plot]:
     angle = np.degrees(spread.theta)
     drawn = Plot(
         f"Error of {output.name} by the print",
-        f"{spread.mechanism.angle_name}, deg",
+        f"{spread.mechanism.assembly.cycle.name}, deg",
         unit,
         [("3 standard deviations above", angle, band), ("3 below", angle, -band)],
     )

@@ -39,7 +39,7 @@ class Kept:
 
 def targets(spread: Spread, errors: Floats) -> list[Kept]:
     """All targets of the judged outputs; errors: of copies, (copies, modes) mm."""
-    wanted = {each.output: each.targets for each in spread.mechanism.asked()}
+    wanted = {each.output: each.targets for each in spread.mechanism.assembly.asked}
     outputs = [output for output in spread.outputs if wanted.get(output.name)]
     if not outputs:
         return []
@@ -78,7 +78,7 @@ class Loop:
 def loops(spread: Spread, errors: Floats, seed: int) -> list[Loop]:
     """The smallest loop of each path that crosses itself; errors: of copies, (copies, modes) mm."""
     machine, found = spread.mechanism.model, list[Loop]()
-    if spread.mechanism.range != (0.0, 2 * np.pi):
+    if spread.mechanism.assembly.cycle.range != (0.0, 2 * np.pi):
         return found
     for output in (each for each in machine.outputs if isinstance(each.of, Path)):
         loop = smallest_loop(partial(_path, spread, output.name), 1440)

@@ -44,14 +44,19 @@ class Timing:
 
 def timings(mechanism: Mechanism) -> list[Timing]:
     """Of all pairs that pass each other; nothing for bodies that keep together."""
-    poses, mounts = mechanism.poses(_TURN), {mount.part: mount for mount in mechanism.mounts()}
+    poses, mounts = (
+        mechanism.assembly.poses(_TURN),
+        {mount.part: mount for mount in mechanism.assembly.mounts},
+    )
     pairs = [
         pair
-        for pair in mechanism.contacts()
+        for pair in mechanism.assembly.passing
         if all(_shifts(poses[name][0]) for name in (pair.a, pair.b))
     ]
     named = {name for pair in pairs for name in (pair.a, pair.b)}
-    solids = {part.name: solid(part, _COARSE) for part in mechanism.parts() if part.name in named}
+    solids = {
+        part.name: solid(part, _COARSE) for part in mechanism.assembly.parts if part.name in named
+    }
     found = []
     for pair in pairs:
         areas = [
@@ -78,7 +83,7 @@ def _sections(
     mechanism: Mechanism, pair: Apart, solids: Mapping[str, Mesh], plane: float
 ) -> list[list[Points]]:
     """Outlines of both bodies at a height of the ground, of their solids."""
-    rest, found = mechanism.poses(np.zeros(1)), []
+    rest, found = mechanism.assembly.poses(np.zeros(1)), []
     for name in (pair.a, pair.b):
         rings = slice_mesh(solids[name], plane - rest[name][0].z)
         found.append([ring.points for ring in rings if ring.area > 0])

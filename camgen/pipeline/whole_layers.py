@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from camgen.machines.mechanism import Mechanism
+from camgen.parts.assembly import printed_parts
 from camgen.parts.part import Part
 from camgen.study import Table
 
@@ -32,7 +33,7 @@ def between(mechanism: Mechanism, sides: Mapping[str, Side]) -> tuple[Table, tup
     rows: list[tuple[str, float, float, float]] = []
     if layer is None:
         return Table("", COLUMNS, rows), ()
-    for part in mechanism.printed():
+    for part in printed_parts(mechanism.assembly):
         for height in _heights(part, sides.get(part.name)):
             near = (
                 0.0

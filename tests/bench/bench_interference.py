@@ -85,20 +85,20 @@ def take_up() -> tuple[float, list[Body]]:
     mechanism = pipeline.read_mechanism(
         Path(__file__).resolve().parents[2] / "specs" / "thread-take-up.toml"
     )
-    start, bodies = mechanism.poses(np.zeros(1)), []
-    for part in mechanism.parts():
+    start, bodies = mechanism.assembly.poses(np.zeros(1)), []
+    for part in mechanism.assembly.parts:
         mesh = solid(part, mechanism.accuracy.chord_tolerance)
         for k, pose in enumerate(start[part.name]):
 
             def course(
                 theta: np.ndarray, name: str = part.name, k: int = k
             ) -> tuple[np.ndarray, np.ndarray]:
-                found = mechanism.poses(theta)[name][k]
+                found = mechanism.assembly.poses(theta)[name][k]
                 return found.angle, found.place
 
             slabs = slabs_of(mesh)
             bodies.append(Body(f"{part.name}-{k + 1}", slabs, course, pose.z, pose.flipped))
-    return mechanism.running_gap, bodies
+    return mechanism.assembly.process.gap, bodies
 
 
 def main() -> None:

@@ -320,7 +320,7 @@ def judged_motion(case: Case, folder: Path) -> Outcome:
         theta = np.append(theta, [0.0, math.pi / 2, math.pi])
         values = [machine.motion(theta, order) for order in range(3)]
         if not all(np.isfinite(value).all() for value in values):
-            machine.parts()
+            _ = machine.assembly
     except CamgenError as reason:
         return refused(reason)
     truth = TRUTHS[case.mechanism](machine)

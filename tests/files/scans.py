@@ -30,7 +30,7 @@ def cam() -> tuple[tuple[Points, ...], Callable[[Floats], Floats]]:
     The law itself is up to 0.07 deg off at its sharp reversals, which no cam can follow.
     """
     mechanism = pipeline.read_mechanism(SPECS / "uniform-swing.toml", ["parts.make='cams'"])
-    part = mechanism.parts()[0]
+    part = mechanism.assembly.parts[0]
     edges = (part.region.outer, *part.region.holes)
     drawn = tuple(facet_contour(edge, 1e-4) for edge in edges)
     ring = Ring(drawn[0], np.zeros(len(drawn[0]))).counter_clockwise()

@@ -152,7 +152,9 @@ def test_holes_at_points_of_the_spec_have_their_names():
 
 def test_a_link_is_drawn_with_the_points_of_its_spec(root, tmp_path):
     """Its holes by their names; screws of the plate by numbers, as no point is called."""
-    parts = {part.name: part for part in read_mechanism(root / "specs" / "linkage.toml").parts()}
+    parts = {
+        part.name: part for part in read_mechanism(root / "specs" / "linkage.toml").assembly.parts
+    }
     labels = {
         name: texts_of(write_drawing(tmp_path, "d", parts[name], TOLERANCE, META)[0])
         for name in ("coupler", "ground")
@@ -273,7 +275,7 @@ def test_x_and_y_start_where_one_can_touch_and_holes_have_a_place(tmp_path):
 
 def test_what_is_measured_of_a_coupon_has_its_name_and_no_label_lies_on_an_edge(root, tmp_path):
     """Letters of a word stand clear of gaps that are narrower than it; pins that stand on the plate are told as holes are."""
-    part = read_mechanism(root / "specs" / "coupon.toml").parts()[0]
+    part = read_mechanism(root / "specs" / "coupon.toml").assembly.parts[0]
     space = ezdxf.readfile(write_drawing(tmp_path, "d", part, TOLERANCE, META)[0]).modelspace()
     texts = [e.dxf.text for e in space.query("TEXT")]
     assert (

@@ -96,7 +96,7 @@ def sheets(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
     folder = tmp_path_factory.mktemp(request.param)
     return [
         drawn(part, folder)
-        for part in pipeline.read_mechanism(SPECS / f"{request.param}.toml", []).parts()
+        for part in pipeline.read_mechanism(SPECS / f"{request.param}.toml", []).assembly.parts
     ]
 
 
@@ -226,7 +226,7 @@ def assert_section_is_that_of_the_body(
 
 def test_the_volume_of_a_crossed_body_follows_from_its_views(tmp_path: Path) -> None:
     """Outlines along z and from above that begin at the same x are those of one layer; rounded edges take under 0.5 %."""
-    for part in pipeline.read_mechanism(SPECS / "chain-stitch-looper.toml", []).parts():
+    for part in pipeline.read_mechanism(SPECS / "chain-stitch-looper.toml", []).assembly.parts:
         if part.crossed is None:
             continue
         plan, _, above = views(drawn(part, tmp_path, 5e-4))
@@ -271,7 +271,7 @@ def test_the_volume_of_a_crossed_body_follows_from_its_views(tmp_path: Path) -> 
 def test_what_lies_behind_material_is_dashed(tmp_path: Path) -> None:
     (upper,) = [
         p
-        for p in pipeline.read_mechanism(SPECS / "chain-stitch-looper.toml", []).parts()
+        for p in pipeline.read_mechanism(SPECS / "chain-stitch-looper.toml", []).assembly.parts
         if p.name == "upper-spreader"
     ]
     sheet = drawn(upper, tmp_path)

@@ -34,6 +34,7 @@ from camgen.machine.features import (
 from camgen.machine.features import Ring as FeatureRing
 from camgen.machine.model import Pose
 from camgen.machines.mechanism import Mechanism
+from camgen.parts.assembly import bodies_in_motion
 from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
 
@@ -58,14 +59,14 @@ def machine(name: str, *settings: str) -> Mechanism:
 @cache
 def solids(name: str, *settings: str) -> Mapping[str, Mesh]:
     found = machine(name, *settings)
-    return {part.name: solid(part, found.accuracy.chord_tolerance) for part in found.parts()}
+    return {part.name: solid(part, found.accuracy.chord_tolerance) for part in found.assembly.parts}
 
 
 def swept(path: Path, name: str, *settings: str, **shifts: complex) -> list[Finding]:
     """Findings of a machine's assembly in which copies are shifted, mm."""
     found, items = machine(name, *settings), []
-    start = found.poses(np.zeros(1))
-    for part in found.parts():
+    start = found.assembly.poses(np.zeros(1))
+    for part in found.assembly.parts:
         for k, pose in enumerate(start[part.name]):
             copy = f"{part.name}-{k + 1}"
             at = complex(pose.place[0]) + shifts.get(copy.replace("-", "_"), 0j)
@@ -77,7 +78,7 @@ def swept(path: Path, name: str, *settings: str, **shifts: complex) -> list[Find
                 )
             )
     write_3mf(path, dict(solids(name, *settings)), items, "key")
-    return sweep(path, found.moved())[0]
+    return sweep(path, bodies_in_motion(found.assembly))[0]
 
 
 @pytest.mark.parametrize(
@@ -139,7 +140,7 @@ def test_a_body_that_is_flat_is_named(tmp_path: Path) -> None:
         for name, mesh in package.meshes.items()
     }
     write_3mf(path, meshes, items, "key")
-    failed = [f for f in sweep(path, whole.moved())[0] if not f.ok]
+    failed = [f for f in sweep(path, bodies_in_motion(whole.assembly))[0] if not f.ok]
     assert [(f.code, f.message) for f in failed] == [
         ("INTERFERENCE", "cannot be judged: rod-1 has no volume")
     ]
@@ -148,7 +149,7 @@ def test_a_body_that_is_flat_is_named(tmp_path: Path) -> None:
 def test_fits_without_air_may_touch(tmp_path: Path) -> None:
     """With hardly any clearance in the spec, joints touch; a part 1 mm off is still found."""
     tight = "print.slide_clearance=0.02"
-    assert machine("eccentric-drive", tight).running_gap == 0
+    assert machine("eccentric-drive", tight).assembly.process.gap == 0
     assert all(f.ok for f in swept(tmp_path / "x.3mf", "eccentric-drive", tight))
     assert not all(f.ok for f in swept(tmp_path / "x.3mf", "eccentric-drive", tight, slider_1=1j))
 
@@ -156,11 +157,11 @@ def test_fits_without_air_may_touch(tmp_path: Path) -> None:
 @pytest.mark.parametrize("jump, said", [(0.0, ""), (1.0, "faster than its course")])
 def test_a_motion_that_jumps_is_told(tmp_path: Path, jump: float, said: str) -> None:
     """A body that is elsewhere wherever it is looked at between the angles of the grid."""
-    whole, step = machine("eccentric-drive").moved(), np.pi / 1800
+    whole, step = bodies_in_motion(machine("eccentric-drive").assembly), np.pi / 1800
 
     def jumpy(theta: Floats) -> Mapping[str, Pose]:
         off = 40 * jump * np.sin(5 * theta) * (np.abs(theta / step - np.round(theta / step)) > 1e-6)
-        found = dict(whole.courses(theta))
+        found = dict(whole.assembly.courses(theta))
         return found | {"slider": replace(found["slider"], place=found["slider"].place + off)}
 
     swept(tmp_path / "x.3mf", "eccentric-drive")

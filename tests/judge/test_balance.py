@@ -16,6 +16,7 @@ from camgen.geometry.mesh import Mesh
 from camgen.judge.balance import first_moment, judge_balance
 from camgen.judge.strands import judge_strands
 from camgen.machines.mechanism import Mechanism
+from camgen.parts.assembly import bodies_in_motion
 from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
 
@@ -32,7 +33,7 @@ def machine(name: str, *settings: str) -> Mechanism:
 @cache
 def solids(name: str, *settings: str) -> Mapping[str, Mesh]:
     found = machine(name, *settings)
-    return {part.name: solid(part, found.accuracy.chord_tolerance) for part in found.parts()}
+    return {part.name: solid(part, found.accuracy.chord_tolerance) for part in found.assembly.parts}
 
 
 def written(
@@ -44,8 +45,8 @@ def written(
 ) -> Mechanism:
     """Write an assembly in which some solids are others, or the counterweight is turned on its shaft, rad."""
     found, items = machine(name, *settings), []
-    start = found.poses(np.zeros(1))
-    for part in found.parts():
+    start = found.assembly.poses(np.zeros(1))
+    for part in found.assembly.parts:
         for k, pose in enumerate(start[part.name]):
             angle = float(pose.angle[0]) + turned * part.name.startswith("counterweight")
             at = placing(angle, complex(pose.place[0]), pose.z, part.thickness, pose.flipped)
@@ -55,8 +56,8 @@ def written(
 
 
 def weighed(path: Path, found: Mechanism) -> Finding:
-    assert found.balance is not None
-    return judge_balance(path, found.moved(), found.balance)
+    assert found.assembly.balances[0] is not None
+    return judge_balance(path, bodies_in_motion(found.assembly), found.assembly.balances[0])
 
 
 def test_a_tetrahedron_is_weighed_as_by_hand() -> None:
@@ -96,12 +97,16 @@ def test_a_balanced_crank_weighs_what_is_asked_and_a_damaged_one_does_not(
             ),
         ).ok
     machine_ = written(path, *which)
-    assert machine_.balance is not None
+    assert machine_.assembly.balances[0] is not None
     light = {
-        **machine_.balance.density,
-        "counterweight": 0.9 * machine_.balance.density["counterweight"],
+        **machine_.assembly.balances[0].density,
+        "counterweight": 0.9 * machine_.assembly.balances[0].density["counterweight"],
     }
-    assert not judge_balance(path, machine_.moved(), replace(machine_.balance, density=light)).ok
+    assert not judge_balance(
+        path,
+        bodies_in_motion(machine_.assembly),
+        replace(machine_.assembly.balances[0], density=light),
+    ).ok
 
 
 def test_what_the_crank_bears_is_the_smallest_circle(tmp_path: Path) -> None:
@@ -110,7 +115,9 @@ def test_what_the_crank_bears_is_the_smallest_circle(tmp_path: Path) -> None:
 
     found = machine("thread-take-up", "counterweight.made='steel'")
     numbers, own = assess(found).study.numbers, machine("thread-take-up").study().numbers
-    assert own["crank_counterweight_g_mm"] == pytest.approx(abs(found.balance.moment), rel=1e-4)  # type: ignore[union-attr]
+    assert own["crank_counterweight_g_mm"] == pytest.approx(
+        abs(found.assembly.balances[0].moment), rel=1e-4
+    )  # type: ignore[union-attr]
     assert numbers["counterweight_bearing_after_n"] == pytest.approx(
         own["reaction_o_with_crank_weight_n"], rel=2e-3
     )
@@ -128,7 +135,8 @@ def test_what_the_crank_bears_is_the_smallest_circle(tmp_path: Path) -> None:
 def threads(path: Path, found: Mechanism) -> dict[str, Finding]:
     """By code the worst."""
     findings = sorted(
-        judge_strands(path, found.moved(), found.strands()), key=lambda finding: -finding.measured
+        judge_strands(path, bodies_in_motion(found.assembly), found.assembly.strands),
+        key=lambda finding: -finding.measured,
     )
     return {finding.code: finding for finding in findings}
 
@@ -181,13 +189,13 @@ def test_the_crank_of_an_included_machine_is_weighed(tmp_path: Path) -> None:
         text = (SPECS / f"{name}.toml").read_text("utf-8")
         (tmp_path / f"{name}.toml").write_text(f"{text}\n{more}", encoding="utf-8")
     whole = pipeline.read_mechanism(tmp_path / "linkage.toml", ["accuracy.chord_tolerance=0.02"])
-    (balance,) = whole.balances()
+    (balance,) = whole.assembly.balances
     assert (balance.body, balance.joint) == ("thread_take_up_crank", "thread_take_up_O")
     on, parts = (
-        [mount for mount in whole.mounts() if mount.body == balance.body],
-        {part.name: part for part in whole.parts()},
+        [mount for mount in whole.assembly.mounts if mount.body == balance.body],
+        {part.name: part for part in whole.assembly.parts},
     )
-    pose = whole.poses(np.zeros(1))
+    pose = whole.assembly.poses(np.zeros(1))
     items = []
     for name in (mount.part for mount in on):
         (place,) = pose[name]
@@ -205,4 +213,6 @@ def test_the_crank_of_an_included_machine_is_weighed(tmp_path: Path) -> None:
         ([item for item in items if "counterweight" not in item.name], False),
     ):
         write_3mf(tmp_path / "a.3mf", {item.name: meshes[item.name] for item in left}, left, "a")
-        assert judge_balance(tmp_path / "a.3mf", whole.moved(), balance).ok is holds
+        assert (
+            judge_balance(tmp_path / "a.3mf", bodies_in_motion(whole.assembly), balance).ok is holds
+        )

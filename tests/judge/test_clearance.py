@@ -290,7 +290,7 @@ DESIGNS = {
 
 
 def written(m: ChainStitchLooper, folder: Path) -> None:
-    for part in m.parts()[:4]:
+    for part in m.assembly.parts[:4]:
         mesh = solid(part, m.accuracy.chord_tolerance)
         write_stl(folder / f"x-{part.name}.stl", mesh, part.name)
         write_3mf(
@@ -309,8 +309,10 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[ChainStitc
 
 
 def judged(m: ChainStitchLooper, folder: Path, kind: str = "stl", **changes: Any):  # type: ignore[no-untyped-def]
-    pairs = [replace(pair, **changes) if pair.name in PAIRS else pair for pair in m.contacts()]
-    return judge_clearance(kind, folder, "x", pairs, m.poses, m.accuracy.chord_tolerance)
+    pairs = [
+        replace(pair, **changes) if pair.name in PAIRS else pair for pair in m.assembly.passing
+    ]
+    return judge_clearance(kind, folder, "x", pairs, m.assembly.poses, m.accuracy.chord_tolerance)
 
 
 @pytest.mark.parametrize("kind", ["stl", "3mf"])
@@ -383,7 +385,7 @@ def test_other_laws_out_of_step_against_brute_force(tmp_path: Path) -> None:
     written(m, tmp_path)
     cleared = judged(m, tmp_path)
     theta = np.linspace(0, math.tau, 4001)
-    poses = m.poses(theta)
+    poses = m.assembly.poses(theta)
     section = np.array(
         [m.design.l1 - 1j * 0.9, 57 - 0.9j, 57 + 3.5j, m.design.nose + 3.5j, m.design.l1]
     )
@@ -472,9 +474,9 @@ def test_bodies_that_turn_are_refused(made: dict[str, tuple[ChainStitchLooper, P
     m, at = made["r08"]
 
     def turning(theta: np.ndarray) -> Any:
-        found = dict(m.poses(theta))
+        found = dict(m.assembly.poses(theta))
         found["needle-1"] = [replace(found["needle-1"][0], angle=theta)]
         return found
 
     with pytest.raises(ValueError, match="shift"):
-        judge_clearance("stl", at, "x", m.contacts(), turning, 0.001)
+        judge_clearance("stl", at, "x", m.assembly.passing, turning, 0.001)

@@ -69,7 +69,7 @@ def machine(name: str) -> Mechanism:
 
 
 def part_of(name: str, part: str) -> Part:
-    return next(one for one in machine(name).parts() if one.name == part)
+    return next(one for one in machine(name).assembly.parts if one.name == part)
 
 
 def corners(points: np.ndarray) -> np.ndarray:
@@ -106,7 +106,7 @@ def failing(name: str, part: str, kind: str, made: Part, folder: Path) -> set[st
     else:
         write_stl(path, solid(made, tolerance), "x")
     fit = compensation(mechanism) if kind != "dxf" else None
-    meant = expected(part_of(name, part), tolerance, mechanism.features(), fit)
+    meant = expected(part_of(name, part), tolerance, mechanism.assembly.features, fit)
     judged = (judge_drawing if kind == "dxf" else judge_mesh)(path, meant)
     return {finding.code for finding in judged.findings if not finding.ok}
 
@@ -224,7 +224,7 @@ def gouged(face: Face) -> Face:
     """1 mm deep in the middle of the frame's tip, which still touches the cam beside it."""
     tip = next(
         c.own.tip
-        for c in machine("swing").features()
+        for c in machine("swing").assembly.features
         if isinstance(c, CamOutline) and c.own is not None
     )
     return face.difference(disc(tip.at + 0.5j * tip.diameter, 1.0))
@@ -292,7 +292,7 @@ def test_a_top_face_at_another_height_is_told(by: float, tmp_path: Path) -> None
     vertices = mesh.vertices.copy()
     vertices[np.isclose(vertices[:, 2], vertices[:, 2].max()), 2] += by
     write_stl(tmp_path / "x.stl", Mesh(vertices, mesh.faces), "x")
-    judged = judge_mesh(tmp_path / "x.stl", expected(whole, tolerance, mechanism.features()))
+    judged = judge_mesh(tmp_path / "x.stl", expected(whole, tolerance, mechanism.assembly.features))
     assert {finding.code for finding in judged.findings if not finding.ok} == {"ROUND_TRIP"}
 
 
@@ -312,7 +312,7 @@ def test_a_notch_between_the_usual_heights_is_told(tmp_path: Path) -> None:
         write_stl(tmp_path / "x.stl", solid(made, tolerance), "x")
         judged = judge_mesh(
             tmp_path / "x.stl",
-            replace(expected(whole, tolerance, mechanism.features()), volume=made.volume),
+            replace(expected(whole, tolerance, mechanism.assembly.features), volume=made.volume),
         )
         told = {finding.code for finding in judged.findings if not finding.ok}
         assert told == ({"ROUND_TRIP"} if notched is not face else set())
@@ -344,7 +344,7 @@ def test_a_spike_between_the_judged_angles_is_told() -> None:
     """1 mm high and 0.03 deg wide, in the widest gap between the fixed angles, where a knife edge stands on it."""
     mechanism = machine("knife")
     tolerance = mechanism.accuracy.chord_tolerance
-    ring = facet_contour(mechanism.parts()[0].region.outer, tolerance)
+    ring = facet_contour(mechanism.assembly.parts[0].region.outer, tolerance)
     theta = judged_angles()
     gap = int(np.argmax(np.diff(theta)))
     assert math.degrees(theta[gap + 1] - theta[gap]) > 0.04
@@ -372,7 +372,7 @@ def test_a_spike_between_the_judged_angles_is_told() -> None:
         shape = Shape(Ring(points, np.zeros(len(points))).counter_clockwise(), ())
         features = [
             replace(each, bore=None)
-            for each in mechanism.features()
+            for each in mechanism.assembly.features
             if isinstance(each, CamOutline)
         ]
         findings = judge_machine(
@@ -381,7 +381,7 @@ def test_a_spike_between_the_judged_angles_is_told() -> None:
             {"cam": [[shape]]},
             mechanism.model,
             features,
-            mechanism.mounts(),
+            mechanism.assembly.mounts,
             theta,
             tolerance,
         ).findings

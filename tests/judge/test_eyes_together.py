@@ -80,7 +80,7 @@ def test_moved_together(
     off: float | None,
 ) -> None:
     folder = Path(shutil.copytree(built(spec), tmp_path / spec))
-    eyes = eyes_of(part, mechanism_of(folder).features())
+    eyes = eyes_of(part, mechanism_of(folder).assembly.features)
     damage(folder / f"{spec}-{part}.{kind}", part, eyes, change)
     found = [f for f in wrong(folder, kind) if f.where == f"{spec}-{part}.{kind}"]
     assert [f.code for f in found] == ["ROUND_TRIP"] and "moved or turned together" in found[
@@ -99,7 +99,7 @@ def test_moved_together_in_the_assembly_alone(
     assert pipeline.build(
         root / "specs" / "linkage.toml", tmp_path, frozenset({"3mf"}), settings
     ).ok
-    eyes = eyes_of("coupler", mechanism_of(folder).features())
+    eyes = eyes_of("coupler", mechanism_of(folder).assembly.features)
     damage(folder / "linkage-assembly.3mf", "coupler", eyes, lambda z: z + 0.6)
     found = [(f.code, f.where) for f in wrong(folder, "3mf")]
     where = "linkage-assembly.3mf, coupler" if settings else "linkage-assembly.3mf"
@@ -130,7 +130,7 @@ def test_the_bore_of_a_cam_is_the_motions(
 ) -> None:
     """How a bore stands to the outline that a follower runs on: an error of the motion, told once."""
     folder = Path(shutil.copytree(built("disc-cam"), tmp_path / "disc-cam"))
-    bore = next(part for part in mechanism_of(folder).parts() if part.name == "cam").bore
+    bore = next(part for part in mechanism_of(folder).assembly.parts if part.name == "cam").bore
     assert bore is not None
     damage(folder / f"disc-cam-cam.{kind}", "cam", ((0j, bore),), lambda z: z + 0.6)
     found = [(f.code, f.where) for f in wrong(folder, kind)]

@@ -17,6 +17,7 @@ from camgen.files.dxf import read_dxf
 from camgen.geometry.outlines import Region, circle, polygon, rectangle
 from camgen.geometry.rings import Ring
 from camgen.judge.sheets import Beam, Laid, judge_sheet, widened
+from camgen.parts.assembly import printed_parts
 from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Layer, Part, keyed_bore
 from camgen.parts.sheets import why_not
@@ -369,9 +370,11 @@ def test_which_parts_a_sheet_can_be(root):
         "bell-crank",
         "collar",
     }
-    assert {part.name for part in mechanism.printed()} == {
-        p.name for p in mechanism.parts() if p.made == "printed"
+    assert {part.name for part in printed_parts(mechanism.assembly)} == {
+        p.name for p in mechanism.assembly.parts if p.made == "printed"
     } - {part.name for part in sheet_parts(mechanism)}  # what is cut lies on no print plate
-    said = {part.name: why_not(part, mechanism.laser.thickness) for part in mechanism.parts()}
+    said = {
+        part.name: why_not(part, mechanism.laser.thickness) for part in mechanism.assembly.parts
+    }
     assert said["shaft"] == "turned of steel" and said["guide"].startswith("stepped")
     assert said["dowel"] == "8.2 mm thick, the sheet is 4"

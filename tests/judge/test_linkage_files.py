@@ -266,7 +266,7 @@ def test_a_roller_on_the_eccentric_moves_as_the_four_bar(
     mechanism = pipeline.read_mechanism(
         SPEC, [f"geometry.{key}={value}" for key, value in sizes.items()]
     )
-    (part,) = (part for part in mechanism.parts() if part.name == "disc")
+    (part,) = (part for part in mechanism.assembly.parts if part.name == "disc")
     write_stl(tmp_path / "disc.stl", solid(part, tolerance), "disc")
     shape = shape_of(slice_mesh(read_stl(tmp_path / "disc.stl"), 0.9 * part.thickness))
     ring = shape.moved(shift=-bore_circle(shape.holes[0], 2.0).centre).outer

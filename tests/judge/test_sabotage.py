@@ -143,7 +143,7 @@ def test_stl_of_the_wrong_thickness(folder: Path) -> None:
 def test_stl_of_another_volume(folder: Path) -> None:
     """A part that should weigh more than the file's, all its contours alike."""
     mechanism = pipeline.read_mechanism(folder / "spec.toml")
-    meant = expected(mechanism.parts()[0], 0.001, mechanism.features())
+    meant = expected(mechanism.assembly.parts[0], 0.001, mechanism.assembly.features)
     codes = []
     for share in (1.0, 1.01):
         judged = judge_mesh(folder / "cam-cam.stl", replace(meant, volume=share * meant.volume))
@@ -444,14 +444,14 @@ def judged(folder: Path, first: float = 3.0, second: float = 3.0, **twin: object
     mechanism: Mechanism = pipeline.read_mechanism(folder / "spec.toml")
     shape = shape_of(read_dxf(folder / "cam-cam.dxf").cut)
     features = []
-    for feature, radius in zip(mechanism.features(), (first, second), strict=True):
+    for feature, radius in zip(mechanism.assembly.features, (first, second), strict=True):
         assert (
             isinstance(feature, CamOutline)
             and isinstance(feature.tip, Eye)
             and feature.tip.diameter == 6
         )
         features.append(replace(feature, tip=replace(feature.tip, diameter=2 * radius)))
-    one, other = mechanism.mounts()
+    one, other = mechanism.assembly.mounts
     mounts = [one, replace(other, **twin)]  # type: ignore[arg-type]
     found = judge_machine(
         "dxf",
@@ -462,7 +462,7 @@ def judged(folder: Path, first: float = 3.0, second: float = 3.0, **twin: object
         mounts,
         judged_angles(),
         0.001,
-        asked=mechanism.asked(),
+        asked=mechanism.assembly.asked,
     )
     return {f.code for f in found.findings if not f.ok}
 

@@ -304,14 +304,16 @@ def between(
     of another radius, mm."""
     mechanism = mechanism_of(folder)
     files = {part: [[shape_of(read_dxf(folder / f"c-{part}.dxf").cut)]] for part in parts}
-    first, second = (feature for feature in mechanism.features() if isinstance(feature, CamOutline))
+    first, second = (
+        feature for feature in mechanism.assembly.features if isinstance(feature, CamOutline)
+    )
     assert (first.part, second.part) == parts and isinstance(second.tip, Eye)
     if radius is not None:
         tip = replace(second.tip, diameter=2 * radius)
         second = replace(second, tip=tip, free=second.free + second.tip.diameter / 2 - radius)
     mounts = [
         replace(mount, turned=turned) if mount.part == parts[1] else mount
-        for mount in mechanism.mounts()
+        for mount in mechanism.assembly.mounts
     ]
     found = judge_machine(
         "dxf",
@@ -322,7 +324,7 @@ def between(
         mounts,
         judged_angles(),
         0.001,
-        asked=mechanism.asked(),
+        asked=mechanism.assembly.asked,
     )
     return {finding.code for finding in found.findings if not finding.ok}
 

@@ -111,7 +111,7 @@ def _middle(folder: Path) -> float:
 
 def test_sharp_edges_instead_of_round_ones_are_found(folder: Path) -> None:
     sharp = pipeline.read_mechanism(SPEC, (*SETTINGS, "parts.edge_radius=0.05")).resolved()
-    part = next(part for part in sharp.parts() if part.name == "upper-spreader")
+    part = next(part for part in sharp.assembly.parts if part.name == "upper-spreader")
     write_stl(
         folder / "x-upper-spreader.stl", solid(part, sharp.accuracy.chord_tolerance), part.name
     )

@@ -118,13 +118,13 @@ def test_gears_that_cannot_be_and_a_follower_that_no_spring_holds_are_told() -> 
     data = read(SPECS / "indexing-cam.toml")
     data["parts"]["make"] = "machine"
     with pytest.raises(DesignError, match="whole teeth"):
-        validate(
+        _ = validate(
             IndexingCam, {**data, "geometry": {**data["geometry"], "gear_ratio": 2 * math.pi}}
-        ).parts()
+        ).assembly
     with pytest.raises(DesignError, match="another closure"):
-        validate(
+        _ = validate(
             IndexingCam, {**data, "geometry": {**data["geometry"], "closure": "force"}}
-        ).parts()
+        ).assembly
     light = {"inertia_kg_m2": 1e-4, "friction_n_m": 0.001}
     sprung = validate(
         IndexingCam,
@@ -135,7 +135,7 @@ def test_gears_that_cannot_be_and_a_follower_that_no_spring_holds_are_told() -> 
             "unloader": {"torque": "none"},
         },
     )
-    assert "extension spring" in [thing.name for thing in sprung.bought()]
+    assert "extension spring" in [thing.name for thing in sprung.assembly.bought]
     assert all(finding.ok for finding in sprung.limits() if finding.code == "FORCE_CLOSURE")
 
 
@@ -190,7 +190,7 @@ def test_a_shops_spring_goes_into_the_spec_by_the_formulas_of_the_list(
     shape = {"motion": "translating", "shape": "roller", "radius": 5.0, **follower}
     (told,) = (
         each.size
-        for each in drive(geometry={"follower": shape}).bought()
+        for each in drive(geometry={"follower": shape}).assembly.bought
         if each.name == "extension spring"
     )
     preload, rate = (
@@ -206,7 +206,7 @@ def test_a_shops_spring_goes_into_the_spec_by_the_formulas_of_the_list(
         pytest.approx(0.05, rel=1e-3),
         pytest.approx(48, abs=0.02),
     )
-    assert not any("of a shop" in each.size for each in mine.bought())
+    assert not any("of a shop" in each.size for each in mine.assembly.bought)
 
 
 def test_a_fast_heavy_follower_gets_a_spring_that_holds_it_and_a_weak_one_is_told() -> None:
@@ -256,7 +256,7 @@ def test_what_cannot_be_made_is_told(
     tables: dict[str, Any], error: type[Exception], said: str
 ) -> None:
     with pytest.raises(error, match=said):
-        drive(**tables).parts()
+        _ = drive(**tables).assembly
 
 
 # ---- damage ----------------------------------------------------------------------------------------------------------
@@ -356,7 +356,7 @@ def test_the_report_names_the_spring(sound: Path) -> None:
 def test_a_groove_of_no_base_radius_gets_room_for_its_pins() -> None:
     """Each hole of the cam as made lies inside it, with a wall of limits.min_wall or more."""
     made = drive(geometry={"closure": "groove", "base_radius": None})
-    cam = next(part for part in made.parts() if "inner" in part.name)
+    cam = next(part for part in made.assembly.parts if "inner" in part.name)
     outer, *holes = (
         facet_contour(contour, 1e-3)
         for contour in (cam.layers[0].region.outer, *cam.layers[0].region.holes)
@@ -388,5 +388,5 @@ def test_a_dowel_that_is_not_sold_is_told_by_keys_of_the_bench() -> None:
     with pytest.raises(
         DesignError, match=r"the longest dowel of 5 mm is 50 mm, [\d.]+ mm are needed at pin"
     ) as caught:
-        spec.parts()
+        _ = spec.assembly
     assert "parts." not in str(caught.value) and "bodies.thickness" in str(caught.value)

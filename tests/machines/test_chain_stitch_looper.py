@@ -122,18 +122,18 @@ def test_rounded_where_thread_runs_and_tangent_to_the_nose() -> None:
 def test_largest_edge_radius_is_told_and_fits(changes: dict[str, Any], limit: float | None) -> None:
     """At tau = 90 both arcs of the protrusion's front share what the running gap leaves of it; else the nose is too thin."""
     with pytest.raises(DesignError, match="edge_radius") as caught:
-        machine({**changes, "parts.edge_radius": 0.9}).parts()
+        _ = machine({**changes, "parts.edge_radius": 0.9}).assembly
     told = caught.value.limit
     assert limit is None or told == pytest.approx(limit, abs=1e-12)
     while True:  # the limit of the one place may still be too large for another
         try:
-            machine({**changes, "parts.edge_radius": math.floor(1e9 * told) / 1e9}).parts()
+            _ = machine({**changes, "parts.edge_radius": math.floor(1e9 * told) / 1e9}).assembly
             break
         except DesignError as error:
             assert error.limit < told
             told = error.limit
     with pytest.raises(DesignError, match="edge_radius"):
-        machine({**changes, "parts.edge_radius": told * (1 + 1e-6)}).parts()
+        _ = machine({**changes, "parts.edge_radius": told * (1 + 1e-6)}).assembly
 
 
 def across(mesh: Any, x: float) -> list[shapely.Polygon]:
@@ -151,7 +151,7 @@ def test_long_edges_of_the_nose_are_arcs_in_the_file(
     """Cut across the stroke, the nose is a rectangle grown from the tip whose corners are quarter discs, tangent to its sides."""
     m = machine({"parts.edge_radius": radius})
     d, p = m.design, m.making
-    (part,) = [part for part in m.parts() if part.name == name]
+    (part,) = [part for part in m.assembly.parts if part.name == name]
     write_stl(tmp_path / "x.stl", solid(part, 0.001), "x")
     mesh, sign = read_stl(tmp_path / "x.stl"), 1 if name.startswith("upper") else -1
     t1, _, t3, _, t5 = m.bodies.plan
@@ -173,7 +173,7 @@ def test_long_edges_of_the_nose_are_arcs_in_the_file(
 def test_far_edge_of_the_front_is_an_arc_in_the_file(tmp_path: Path) -> None:
     m = machine()
     d, b = m.design, m.stitch.height
-    write_stl(tmp_path / "x.stl", solid(m.parts()[1], 0.001), "x")
+    write_stl(tmp_path / "x.stl", solid(m.assembly.parts[1], 0.001), "x")
     mesh = read_stl(tmp_path / "x.stl")
     _, _, t3, t4, t5 = m.bodies.plan
     low = t4.imag - t3.imag
@@ -188,7 +188,7 @@ def test_far_edge_of_the_front_is_an_arc_in_the_file(tmp_path: Path) -> None:
 
 
 def test_sharp_edges_are_a_choice() -> None:
-    assert machine({"parts.edge_radius": 0}).parts()[0].edges == ()
+    assert machine({"parts.edge_radius": 0}).assembly.parts[0].edges == ()
 
 
 @pytest.mark.parametrize("lean", ["nose", "shank"])
@@ -198,7 +198,7 @@ def test_solids(lean: str, tau: int, mode: str, tmp_path: Path) -> None:
     m = machine(
         {**EXAMPLE, "parts.lean": lean, "geometry.protrusion_deg": tau, "geometry.mode": mode}
     )
-    lower, upper, *rest = m.parts()
+    lower, upper, *rest = m.assembly.parts
     assert [p.name for p in rest] == [
         "needle-1",
         "needle-2",
@@ -208,7 +208,7 @@ def test_solids(lean: str, tau: int, mode: str, tmp_path: Path) -> None:
         "needle-section",
     ]
     assert lower.volume == pytest.approx(upper.volume, rel=1e-12)
-    for part in m.parts():
+    for part in m.assembly.parts:
         path = tmp_path / f"{part.name}.stl"
         write_stl(path, solid(part, 0.001), part.name)
         faults = mesh_faults(read_stl(path))
@@ -231,7 +231,7 @@ def test_solids(lean: str, tau: int, mode: str, tmp_path: Path) -> None:
 def test_the_body_behind_the_nose_is_side_and_top_crossed(tmp_path: Path) -> None:
     """Between C and the blade's end the solid is exactly the two outlines' intersection, at every height w."""
     m = machine({**EXAMPLE, "parts.running_gap": 0.0, "parts.edge_radius": 0.0})
-    part = m.parts()[1]
+    part = m.assembly.parts[1]
     write_stl(tmp_path / "x.stl", solid(part, 0.001), "x")
     mesh, floor = read_stl(tmp_path / "x.stl"), m.bodies.plan[2].imag
     t1, t2, t3, t4, t5 = m.bodies.plan
@@ -251,21 +251,21 @@ def test_the_body_behind_the_nose_is_side_and_top_crossed(tmp_path: Path) -> Non
 
 def test_thin_shank_is_refused() -> None:
     with pytest.raises(DesignError, match="clamp_hole"):
-        machine({**EXAMPLE, "parts.clamp_hole": 4.5}).parts()
+        _ = machine({**EXAMPLE, "parts.clamp_hole": 4.5}).assembly
     with pytest.raises(DesignError, match="blade_length"):
-        machine({**EXAMPLE, "geometry.blade_length": 10.8}).parts()
+        _ = machine({**EXAMPLE, "geometry.blade_length": 10.8}).assembly
 
 
 def test_poses_put_noses_and_tips_in_place() -> None:
     m = machine(EXAMPLE)
-    capture = m.poses(np.array(m.design.capture))
+    capture = m.assembly.poses(np.array(m.design.capture))
     assert capture["lower-spreader"][0].place[0] == pytest.approx(
         -1j * (8 + 4.5 + 3.5)
     )  # nose 1 at needle 1
     assert capture["upper-spreader"][0].place[1] == pytest.approx(6.4 - 1j * (8 + 3.5))
     tip = capture["needle-1"][0].place[0]
     assert tip.imag + 4 + 1.5 == pytest.approx(-16)  # the nose is a1 above the top of the eye
-    assert set(m.poses(np.zeros(1))) == {part.name for part in m.parts()}
+    assert set(m.assembly.poses(np.zeros(1))) == {part.name for part in m.assembly.parts}
 
 
 # ---- findings --------------------------------------------------------------------------------------------------------
@@ -339,7 +339,7 @@ def test_the_range_of_the_ratio_is_where_all_findings_hold(
     def works(ratio: float) -> bool:
         m = machine({**changes, "geometry.velocity_ratio": ratio})
         try:
-            m.parts()
+            _ = m.assembly
         except DesignError:
             return False
         fails = [code for code in failing(m) if code != "VELOCITY_RATIO"]
@@ -411,7 +411,7 @@ def test_stroke_left_out_suits_the_feed_for_any_law(law: str, feed: float) -> No
 
 
 def as_made(m: ChainStitchLooper, folder: Path) -> ChainStitchLooper:
-    for part in m.parts()[:4]:
+    for part in m.assembly.parts[:4]:
         write_stl(folder / f"x-{part.name}.stl", solid(part, 0.001), part.name)
     return m
 
@@ -421,7 +421,7 @@ def least(m: ChainStitchLooper, folder: Path, poses: Any = None) -> float:
     return min(
         f.measured
         for f in judge_clearance(
-            "stl", folder, "x", m.contacts()[:4], poses or m.poses, 0.001
+            "stl", folder, "x", m.assembly.passing[:4], poses or m.assembly.poses, 0.001
         ).findings
     )
 
@@ -450,7 +450,7 @@ def test_timing_tolerance_is_where_the_files_strike(
 
         def late(theta: np.ndarray, by: float) -> Any:
             """The finished machine whose spreaders run late: only their way is shifted in time."""
-            found, more = dict(m.poses(theta)), d.moved(theta - by) - d.moved(theta)
+            found, more = dict(m.assembly.poses(theta)), d.moved(theta - by) - d.moved(theta)
             for name, towards in (("lower-spreader", 1), ("upper-spreader", -1)):
                 (pose,) = found[name]
                 found[name] = [dataclasses.replace(pose, place=pose.place + towards * more)]
@@ -567,9 +567,11 @@ def test_search_gives_a_spec_that_builds_and_clears(tmp_path: Path) -> None:
     again = spec.validate(ChainStitchLooper, tomllib.loads(spec.dump(found)))
     assert again == found and failing(again) == []
     assert again.designed() is not None and spec.dump(m.designed()) == spec.dump(found)
-    for part in again.parts()[:4]:
+    for part in again.assembly.parts[:4]:
         write_stl(tmp_path / f"x-{part.name}.stl", solid(part, 0.001), part.name)
-    cleared = judge_clearance("stl", tmp_path, "x", again.contacts(), again.poses, 0.001)
+    cleared = judge_clearance(
+        "stl", tmp_path, "x", again.assembly.passing, again.assembly.poses, 0.001
+    )
     assert min(f.measured for f in cleared.findings[:4]) == pytest.approx(
         min(clearances(again.stitch)), abs=2e-3
     )

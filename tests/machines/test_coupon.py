@@ -13,6 +13,7 @@ from camgen import starters
 from camgen.errors import DesignError, SpecError
 from camgen.machines.coupon.calibration import Feature, Printed, calibrated, least_squares
 from camgen.machines.coupon.mechanism import Coupon
+from camgen.parts.assembly import printed_parts
 from camgen.pipeline.build import build
 from camgen.pipeline.jobs import read_mechanism
 from camgen.spec import validate
@@ -200,10 +201,10 @@ def test_all_faults_at_once() -> None:
 @pytest.mark.parametrize("key, value", [("length", 60.0), ("width", 34.0), ("disc", 9.0)])
 def test_a_plate_too_small_is_refused(key: str, value: float) -> None:
     with pytest.raises(DesignError) as caught:
-        coupon(geometry={key: value}).parts()
+        _ = coupon(geometry={key: value}).assembly
     assert caught.value.remedy
     if key != "disc":  # the size that it names is enough
-        coupon(geometry={key: caught.value.limit + 1e-6}).parts()
+        _ = coupon(geometry={key: caught.value.limit + 1e-6}).assembly
 
 
 def test_sizes_above_their_table_are_told_where_they_belong() -> None:
@@ -255,5 +256,5 @@ PINNED = {
 def test_upright_pins_may_be_of_steel(name: str) -> None:
     setting, pins = PINNED[name]
     machine = read_mechanism(starters.folder() / f"{name}.toml", (setting,))
-    steel = {part.name for part in machine.parts() if part.made == "turned of steel"}
-    assert steel == pins and not pins & {part.name for part in machine.printed()}
+    steel = {part.name for part in machine.assembly.parts if part.made == "turned of steel"}
+    assert steel == pins and not pins & {part.name for part in printed_parts(machine.assembly)}

@@ -16,6 +16,7 @@ from camgen.judge.assembly import sweep
 from camgen.machines.disc_cam.mechanism import DiscCamDrive
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.machines.mechanism import Mechanism
+from camgen.parts.assembly import bodies_in_motion
 from camgen.parts.solids import solid
 from camgen.pipeline.build import build
 from camgen.reading import read
@@ -45,16 +46,20 @@ def shifted(
     path: Path, machine: Mechanism, part: str, by: complex = 0j, lower: float = 0.0
 ) -> set[str]:
     """Codes and pairs that fail in an assembly with one part out of its place, mm."""
-    items, poses = [], machine.poses(np.zeros(1))
-    for each in machine.parts():
+    items, poses = [], machine.assembly.poses(np.zeros(1))
+    for each in machine.assembly.parts:
         for k, pose in enumerate(poses[each.name]):
             at, z = complex(pose.place[0]), pose.z
             at, z = (at + by, z - lower) if each.name == part else (at, z)
             where = placing(float(pose.angle[0]), at, z, each.thickness, pose.flipped)
             items.append(Placed(each.name, f"{each.name}-{k + 1}", where))
-    write_3mf(path, {each.name: solid(each, 0.005) for each in machine.parts()}, items, "key")
+    write_3mf(
+        path, {each.name: solid(each, 0.005) for each in machine.assembly.parts}, items, "key"
+    )
     return {
-        f"{f.code} {f.where.partition(':')[0]}" for f in sweep(path, machine.moved())[0] if not f.ok
+        f"{f.code} {f.where.partition(':')[0]}"
+        for f in sweep(path, bodies_in_motion(machine.assembly))[0]
+        if not f.ok
     }
 
 
@@ -89,8 +94,8 @@ def test_a_follower_has_its_play_under_a_cover_in_the_file(tmp_path: Path) -> No
 def test_each_screw_meets_a_core_hole_and_no_rail_is_left_out() -> None:
     machine = drive()
     parts, mounts = (
-        {part.name: part for part in machine.parts()},
-        {mount.part: mount for mount in machine.mounts()},
+        {part.name: part for part in machine.assembly.parts},
+        {mount.part: mount for mount in machine.assembly.mounts},
     )
     lid, top = parts["cover-1"], parts["ground"].thickness
     screws = [mounts["cover-1"].place(hole.centroid) for hole in lid.layers[0].region.holes]
@@ -115,7 +120,7 @@ def test_a_runner_over_others_has_a_saddle(tmp_path: Path) -> None:
     tables = {**YOKE, "layers": {"yoke": 2}}
     machine = validate(Linkage, tables)
     assert machine.bodies.layout.given["yoke"] == 2
-    base = next(part for part in machine.parts() if part.name == "ground")
+    base = next(part for part in machine.assembly.parts if part.name == "ground")
     tops = sorted({round(layer.z1, 9) for layer in base.layers})
     assert tops == pytest.approx([5.0, 9.2, 13.6])
     saddles, rails = (
@@ -146,14 +151,14 @@ def test_a_cover_that_is_too_low_or_too_near_is_found_out(
 
 def test_rails_without_covers_are_told_and_rails_that_hold_no_screw_refused() -> None:
     bare = drive(cover=False)
-    assert not [part.name for part in bare.parts() if part.name.startswith("cover")]
+    assert not [part.name for part in bare.assembly.parts if part.name.startswith("cover")]
     assert any("open above" in note for note in bare.study().notes)
     assert not any("open above" in note for note in drive().study().notes)
     with pytest.raises(
         DesignError, match=r"bodies.rail_width.*1.5 mm.*limit 3.2.*bodies.cover = false"
     ):
-        drive(rail_width=1.5).parts()
-    assert [b.size for b in drive(rail_width=3.2).bought() if b.name == "screw of a cover"][
+        _ = drive(rail_width=1.5).assembly
+    assert [b.size for b in drive(rail_width=3.2).assembly.bought if b.name == "screw of a cover"][
         0
     ].startswith("M2 ")
-    assert drive(rail_width=1.5, cover=False).parts()
+    assert drive(rail_width=1.5, cover=False).assembly.parts

@@ -139,9 +139,9 @@ def norton(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Any]:
 
 def on(made: DiscCamDrive, shape: Shape) -> RollingContact:
     """The follower on an outline."""
-    outline = made.features()[0]
+    outline = made.assembly.features[0]
     assert isinstance(outline, CamOutline)
-    return rolled(made.model, outline, made.mounts(), [[shape]])[1].contact
+    return rolled(made.model, outline, made.assembly.mounts, [[shape]])[1].contact
 
 
 @pytest.mark.parametrize("offset", [0.0, 7.0])

@@ -19,6 +19,7 @@ from camgen.judge.assembly import sweep
 from camgen.machine.run import solve
 from camgen.machines.indexing_cam.driver import TwoCranks
 from camgen.machines.indexing_cam.mechanism import IndexingCam
+from camgen.parts.assembly import bodies_in_motion
 from camgen.parts.solids import solid
 from camgen.pipeline.build import build
 from camgen.reading import read
@@ -185,8 +186,8 @@ def test_the_made_chain_moves_the_link_as_the_drawn_one(made: IndexingCam) -> No
 def test_crank_and_arm_hang_under_the_plate(made: IndexingCam) -> None:
     """From above: plate, arm at the end of its shaft, 15 under it, crank, bracket; posts between, a screw through each."""
     parts, ways = (
-        {part.name: part for part in made.parts()},
-        {mount.part: mount for mount in made.mounts()},
+        {part.name: part for part in made.assembly.parts},
+        {mount.part: mount for mount in made.assembly.mounts},
     )
     low, high = ({name: ways[name].z + k * parts[name].thickness for name in ways} for k in (0, 1))
     assert (
@@ -197,12 +198,12 @@ def test_crank_and_arm_hang_under_the_plate(made: IndexingCam) -> None:
     assert high["post"] == pytest.approx(0) and low["post"] == pytest.approx(high["bracket"])
     assert high["bracket"] < low["driver-crank"]
     assert parts["post"].count == 4 and parts["driver-crank"].made == "printed"
-    bought = {each.name: each for each in made.bought()}
+    bought = {each.name: each for each in made.assembly.bought}
     assert bought["screw of a post"].count == 4 and "60" in bought["drive"].size
     assert {"crank's shaft", "turning block", "arm's axle", "2 to 1"} <= {
-        getattr(each, "joint", "") for each in made.features()
+        getattr(each, "joint", "") for each in made.assembly.features
     }
-    total = sum(mount.body == "arm" for mount in made.mounts())
+    total = sum(mount.body == "arm" for mount in made.assembly.mounts)
     assert total == 4 and made.model.body("arm").mass > 0  # wheel, shaft, collar, arm
     assert any("bracket below" in note for note in made.study().notes)
 
@@ -214,29 +215,31 @@ def test_a_motor_turns_the_crank_under_its_bracket() -> None:
         bodies={"motor": "nema-17", "shaft_diameter": 5.0},
     )
     assert (
-        len(next(part for part in spec.parts() if part.name == "bracket").layers) == 2
+        len(next(part for part in spec.assembly.parts if part.name == "bracket").layers) == 2
     )  # pockets of its screws
-    assert not any(part.name == "driver-shaft" for part in spec.parts()) and any(
-        part.name == "shaft" for part in spec.parts()
+    assert not any(part.name == "driver-shaft" for part in spec.assembly.parts) and any(
+        part.name == "shaft" for part in spec.assembly.parts
     )
-    (motor,) = spec.stand_ins()
+    (motor,) = spec.assembly.stand_ins
     assert motor.discs[0][3] == pytest.approx(
-        min(mount.z for mount in spec.mounts() if mount.part == "bracket")
+        min(mount.z for mount in spec.assembly.mounts if mount.part == "bracket")
     )
 
 
 def test_a_shaft_too_short_for_what_lies_under_the_plate_is_told() -> None:
     short = design(driver={"offset": 8.0}, parts={"make": "machine"}, bodies={"shaft_length": 9.0})
     with pytest.raises(DesignError, match="bodies.shaft_length.*make it longer"):
-        short.parts()
+        _ = short.assembly
 
 
 @pytest.mark.parametrize(("part", "raised"), [("", 0.0), ("driver-crank", 2.0)])
 def test_a_crank_that_meets_its_arm_is_found(
     tmp_path: Path, made: IndexingCam, part: str, raised: float
 ) -> None:
-    items, poses = [], made.poses(np.zeros(1))
-    kept = [each for each in made.parts() if each.name.startswith(("driver", "bracket", "post"))]
+    items, poses = [], made.assembly.poses(np.zeros(1))
+    kept = [
+        each for each in made.assembly.parts if each.name.startswith(("driver", "bracket", "post"))
+    ]
     for each in kept:
         for k, pose in enumerate(poses[each.name]):
             z = pose.z + raised * (each.name == part)
@@ -245,7 +248,7 @@ def test_a_crank_that_meets_its_arm_is_found(
             )
             items.append(Placed(each.name, f"{each.name}-{k + 1}", where))
     write_3mf(tmp_path / "x.3mf", {each.name: solid(each, 0.02) for each in kept}, items, "key")
-    moved, names = made.moved(), {each.name for each in kept}
+    moved, names = bodies_in_motion(made.assembly), {each.name for each in kept}
     moved = replace(
         moved,
         mounts=[each for each in moved.mounts if each.part in names],

@@ -160,8 +160,8 @@ MACHINES: list[dict[str, Any]] = [
 def test_nothing_overlaps_on_the_turn(keys: dict[str, Any]) -> None:
     """Every pair of bodies in the assembly, cut with each other as solids."""
     m = design(**keys)
-    meshes = {part.name: solid(part, 0.01) for part in m.parts()}
-    poses = m.poses
+    meshes = {part.name: solid(part, 0.01) for part in m.assembly.parts}
+    poses = m.assembly.poses
     for angle in np.radians([0, 75, 180, 270]):
         object.__setattr__(m, "poses", lambda theta, angle=angle: poses(np.asarray(theta) + angle))
         bodies = []
@@ -208,12 +208,12 @@ def test_forces_of_a_slider_alone_are_its_mass_times_acceleration() -> None:
 
 def test_the_papers_disc_has_no_wall() -> None:
     with pytest.raises(DesignError) as caught:
-        design(geometry__eccentric_diameter=5.0).parts()
+        _ = design(geometry__eccentric_diameter=5.0).assembly
     assert (caught.value.value, caught.value.limit) == (pytest.approx(0, abs=1e-12), 0.8)
     assert "MIN_WALL" in str(caught.value) and "eccentric_diameter of 6.6 mm or more works" in str(
         caught.value
     )
-    assert design(geometry__eccentric_diameter=6.6).parts()
+    assert design(geometry__eccentric_diameter=6.6).assembly.parts
 
 
 @settings(max_examples=30)
@@ -235,11 +235,11 @@ def test_the_diameter_that_is_said_to_work_works(
     }
     keys |= {"parts__strap_wall": 3.0}
     with pytest.raises(DesignError) as caught:
-        design(**keys, geometry__eccentric_diameter=0.5).parts()
+        _ = design(**keys, geometry__eccentric_diameter=0.5).assembly
     works = float(caught.value.remedy.split("eccentric_diameter of ")[1].split(" mm")[0])
     assert design(
         **keys, geometry__eccentric_diameter=works * (1 + 1e-5), geometry__rod=120.0
-    ).parts()
+    ).assembly.parts
 
 
 def test_no_wall_exits_with_3_and_writes_nothing(
@@ -273,7 +273,7 @@ def test_a_rod_that_does_not_reach_says_where_and_by_how_much(
     keys: dict[str, Any], gap: float, said: str
 ) -> None:
     with pytest.raises(DesignError) as caught:
-        design(**keys).parts()
+        _ = design(**keys).assembly
     assert caught.value.value == pytest.approx(gap, abs=1e-9)
     assert said in str(caught.value) and "crank angle" in str(caught.value)
     if keys == {"geometry__rod": 1.0}:  # |sin p| <= 1 / Lambda: asin(2/3) = 41.8103 deg
@@ -285,13 +285,13 @@ def test_a_rod_that_does_not_reach_says_where_and_by_how_much(
 )
 def test_a_change_point_is_told(keys: dict[str, Any]) -> None:
     with pytest.raises(DesignError, match="change point"):
-        design(**keys).parts()
+        _ = design(**keys).assembly
 
 
 def test_a_disc_that_meets_the_slider_is_refused_and_the_rod_that_is_said_works() -> None:
     with pytest.raises(DesignError, match="flange would meet the slider") as caught:
-        design(geometry__rod=10.0).parts()
-    assert design(geometry__rod=caught.value.limit + 1e-6).parts()
+        _ = design(geometry__rod=10.0).assembly
+    assert design(geometry__rod=caught.value.limit + 1e-6).assembly.parts
 
 
 def test_a_poor_transmission_angle_fails() -> None:
@@ -344,7 +344,7 @@ def test_keys_that_do_not_go_together(keys: dict[str, Any], path: str) -> None:
 
 def test_a_collar_that_would_swallow_the_guide_is_refused() -> None:
     with pytest.raises(DesignError, match="motor's seat and the guide"):
-        design(motor__boss_diameter=110.0, motor__diameter=120.0).parts()
+        _ = design(motor__boss_diameter=110.0, motor__diameter=120.0).assembly
     assert faults(motor__boss_diameter=1.5) == ["motor.boss_diameter"]
 
 
@@ -352,12 +352,12 @@ def test_the_motor_shaft_is_told_and_judged() -> None:
     """5 of the body, 4 of the slider, 3 of the rod, 1 of the washer, three plays of 0.2."""
     m = design(motor__shaft_length=13.5, limits__pv_mpa_m_s=2.0)
     assert m.study().numbers["motor_shaft_length_mm"] == pytest.approx(13.6, abs=1e-12)
-    assert m.shaft_needed == pytest.approx(13.6, abs=1e-12)
+    assert m.assembly.motor.reach == pytest.approx(13.6, abs=1e-12)
     assert {f.code for f in assess(m).findings if not f.ok} == {"SHAFT_REACH"}
     assert all(
         f.ok for f in assess(design(motor__shaft_length=13.7, limits__pv_mpa_m_s=2.0)).findings
     )
-    lines = {line.name: line for line in m.bought()}
+    lines = {line.name: line for line in m.assembly.bought}
     assert "shaft 2 x 13.6 over its face" in lines["motor"].size
     # 5 + 4.2 + 3 and a nut of 2; 2 * 5 + 25 and 2; 4 + 3 and 2
     sizes = [lines[f"screw of the {what}"].size for what in ("cover", "motor", "wire clamp")]
@@ -366,12 +366,12 @@ def test_the_motor_shaft_is_told_and_judged() -> None:
 
 def test_the_clamp_presses_on_the_wire_and_stays_outside_the_guide() -> None:
     m = design()
-    parts = {part.name: part for part in m.parts()}
+    parts = {part.name: part for part in m.assembly.parts}
     head, top = parts["slider"].layers[1], parts["slider"].thickness
     assert head.z1 == pytest.approx(top - 1.5 / 4) and head.z0 == pytest.approx(
         top - 1.5
     )  # the wire stands out by a quarter
-    poses = m.poses(np.array([math.pi]))
+    poses = m.assembly.poses(np.array([math.pi]))
     edge = poses["clamp"][0].place[0].real - 3.2
     body = max(z.real for z in parts["body"].region.outer.pieces[0].at(np.linspace(0, 1, 9)))
     assert edge > body and poses["clamp"][0].z == pytest.approx(poses["slider"][0].z + top)
@@ -439,7 +439,7 @@ def test_the_needle_is_guided_and_reaches_as_deep_as_it_should() -> None:
         (0.0, 3.0)
     )  # the paper: 2 to 3 mm out of the tube
     assert set(of_tube(m).values()) == {True} and len(of_tube(m)) == 3
-    tip = m.poses(np.array([0.0, math.pi]))["slider"][0].place.real + m.hook + m.tube.wire
+    tip = m.assembly.poses(np.array([0.0, math.pi]))["slider"][0].place.real + m.hook + m.tube.wire
     face = m.tube.mount().at.real + 6.0
     assert tip - face == pytest.approx([3.0, 0.0], abs=1e-9)  # innermost at 180 deg
     longer, shorter = (
@@ -454,12 +454,12 @@ def test_the_needle_is_guided_and_reaches_as_deep_as_it_should() -> None:
     )
     blunt = design(parts__tube_length=12.0, parts__wire_length=m.tube.wire - 9.5)
     assert of_tube(blunt) == {("NEEDLE_GUIDED", True): False}
-    assert of_tube(design()) == {} and design().stand_ins() == ()
+    assert of_tube(design()) == {} and design().assembly.stand_ins == ()
 
 
 def test_the_bore_of_the_tube_holds_the_wire_with_the_fit_of_what_slides() -> None:
     m = design(parts__tube_length=12.0, print__slide_clearance=0.3)
-    part = next(part for part in m.parts() if part.name == "needle-tube")
+    part = next(part for part in m.assembly.parts if part.name == "needle-tube")
     assert m.tube is not None
     beside = [layer for layer in part.layers if layer.z0 == part.layers[1].z0]
     edges = sorted(
@@ -470,7 +470,7 @@ def test_the_bore_of_the_tube_holds_the_wire_with_the_fit_of_what_slides() -> No
     )
     inner = [y for y in edges if abs(y) < 2]
     assert max(inner) - min(inner) == pytest.approx(1.8) == beside[0].z1 - beside[0].z0
-    assert {line.name: line for line in m.bought()}["nut"].count == 8
+    assert {line.name: line for line in m.assembly.bought}["nut"].count == 8
 
 
 @pytest.mark.parametrize(

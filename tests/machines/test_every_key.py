@@ -187,10 +187,10 @@ def test_extremes_end_well(variant: str) -> None:
                 )
                 findings, parts, numbers = (
                     made.limits(),
-                    made.parts(),
+                    made.assembly.parts,
                     made.study().numbers if studied else {},
                 )
-                made.contacts(), made.bought()
+                _ = made.assembly.passing, made.assembly.bought
             except SpecError as error:
                 assert all(fault.path and fault.expected for fault in error.faults), (path, value)
             except DesignError as error:

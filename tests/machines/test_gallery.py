@@ -39,12 +39,12 @@ def test_standing_indexing_cams_hold_on_shafts_of_steel(name: str) -> None:
     assert (
         all(finding.ok for finding in (*machine.limits(), *found.findings)) and not found.warnings
     )
-    assert {part.made for part in machine.parts() if part.name.startswith("shaft")} <= {
+    assert {part.made for part in machine.assembly.parts if part.name.startswith("shaft")} <= {
         "turned of steel",
         "bought",
     }
     bought = {row[1]: (row[0], row[2]) for row in parts_table(machine).rows}
-    (shaft,) = (part for part in machine.parts() if part.name == "shaft")
+    (shaft,) = (part for part in machine.assembly.parts if part.name == "shaft")
     assert bought["shaft"] == (
         "turned of steel",
         f"Shaft: rod 6 h9 x {shaft.thickness:g}, a flat 0.8 deep all along",

@@ -15,6 +15,7 @@ from camgen.machine.features import Mark
 from camgen.machine.joining import Module, joined
 from camgen.machine.run import solve
 from camgen.machines.included import opened
+from camgen.parts.assembly import bodies_in_motion
 from camgen.pipeline.build import build, check
 from camgen.pipeline.jobs import Case, Workers, read_mechanism, silent
 from camgen.pipeline.making import make_parts, put_together
@@ -70,9 +71,9 @@ def test_take_up_included_keeps_its_figures(root: Path, tables: dict[str, Any]) 
         assert numbers[f"thread_take_up_{name}"] == pytest.approx(value, rel=1e-12, nan_ok=True)
     mine = {(f.code, f.measured) for f in whole.limits() if f.where.startswith("thread_take_up")}
     assert mine == {(f.code, f.measured) for f in own.limits()}
-    parts = {part.name for part in whole.parts()}
-    assert {f"thread-take-up-{part.name}" for part in own.parts()} < parts
-    poses = whole.poses(np.zeros(1))
+    parts = {part.name for part in whole.assembly.parts}
+    assert {f"thread-take-up-{part.name}" for part in own.assembly.parts} < parts
+    poses = whole.assembly.poses(np.zeros(1))
     low = min(
         pose.z
         for name, copies in poses.items()
@@ -82,7 +83,7 @@ def test_take_up_included_keeps_its_figures(root: Path, tables: dict[str, Any]) 
     )
     high = max(
         pose.z + part.thickness
-        for part in whole.parts()
+        for part in whole.assembly.parts
         if not part.name.startswith("thread")
         for pose in poses[part.name]
     )
@@ -120,7 +121,9 @@ def test_machines_in_one_place_meet(root: Path, tables: dict[str, Any], tmp_path
         )
     failed = [
         finding
-        for finding in sweep(case.file("assembly", "3mf"), case.mechanism.moved())[0]
+        for finding in sweep(
+            case.file("assembly", "3mf"), bodies_in_motion(case.mechanism.assembly)
+        )[0]
         if not finding.ok
     ]
     assert {finding.code for finding in failed} == {"INTERFERENCE"}
@@ -133,9 +136,9 @@ def test_a_linkage_is_included_too(root: Path, tables: dict[str, Any]) -> None:
     again = read_mechanism(
         read_mechanism(data).resolved().model_dump(by_alias=True, exclude_none=True)
     )
-    names = {part.name for part in again.parts()}
+    names = {part.name for part in again.assembly.parts}
     assert {"quick-return-ram", "quick-return-arm", "coupler"} <= names
-    bought = [each.name for each in again.bought()]
+    bought = [each.name for each in again.assembly.bought]
     assert "coupling or toothed belt 1 : 1, quick_return" in bought and bought.count("drive") == 1
 
 
@@ -180,7 +183,7 @@ def test_a_fault_inside_names_the_file(root: Path, tables: dict[str, Any]) -> No
 def test_names_that_meet_those_of_the_host_are_told(root: Path, tables: dict[str, Any]) -> None:
     tables["output"][0]["name"] = "thread_take_up_feed"
     with pytest.raises(SpecError) as told:
-        read_mechanism(include(root, tables, {"spec": "thread-take-up.toml"})).parts()
+        _ = read_mechanism(include(root, tables, {"spec": "thread-take-up.toml"})).assembly
     assert [fault.path for fault in told.value.faults] == [
         "include.0.name"
     ] and "thread_take_up_feed" in str(told.value)
@@ -205,7 +208,7 @@ def test_two_of_one_name_and_faults_inside_are_told(root: Path, tables: dict[str
     with pytest.raises(
         DesignError, match=r"^thread_take_up \(thread-take-up\.toml\): gap at joint B is 71 mm"
     ):
-        read_mechanism(impossible).parts()
+        _ = read_mechanism(impossible).assembly
 
 
 # ---- bodies that ride ------------------------------------------------------------------------------------------------
@@ -225,7 +228,7 @@ def test_stitch_head_moves_as_the_stitch_asks(root: Path, head: Any) -> None:
     assert off["needle-1"] == pytest.approx(
         rod - math.sqrt(rod**2 - crank**2), rel=1e-6
     )  # at half stroke
-    poses = head.poses(THETA)
+    poses = head.assembly.poses(THETA)
     (spreader,) = poses["chain-stitch-looper-lower-spreader"]
     assert np.allclose(spreader.place - spreader.place[0], stitch.motion(THETA), rtol=0, atol=1e-9)
     (needle,) = poses["chain-stitch-looper-needle-2"]
@@ -267,9 +270,9 @@ def test_who_cannot_ride_is_told(
     root: Path, tables: dict[str, Any], ride: dict[str, str], said: str
 ) -> None:
     with pytest.raises(SpecError) as told:
-        read_mechanism(
+        _ = read_mechanism(
             include(root, tables, {"spec": "chain-stitch-looper.toml", "ride": ride})
-        ).parts()
+        ).assembly
     assert said in str(told.value.faults[0])
 
 
@@ -301,7 +304,10 @@ def flat(part: Any, layer: int) -> float:
 def test_a_mounted_machine_stands_on_posts_and_turns_by_a_sleeve(root: Path) -> None:
     """Its flats are where both shafts have theirs, 40 deg apart and as the cranks are drawn; posts reach its frame's holes."""
     machine = read_mechanism(include(root, STACKED, MOUNTED))
-    parts, poses = {part.name: part for part in machine.parts()}, machine.poses(np.zeros(1))
+    parts, poses = (
+        {part.name: part for part in machine.assembly.parts},
+        machine.assembly.poses(np.zeros(1)),
+    )
     sleeve = parts["sleeve-thread-take-up"]
     own = float(poses["sleeve-thread-take-up"][0].angle[0])
     for layer, shaft in enumerate(("shaft-crank_web2", "thread-take-up-shaft")):
@@ -318,10 +324,10 @@ def test_a_mounted_machine_stands_on_posts_and_turns_by_a_sleeve(root: Path) -> 
     )
     take_up = read_mechanism(root / "specs" / "thread-take-up.toml")
     holes = sorted((complex(pose.place[0]) for pose in poses["post-thread-take-up"]), key=abs)
-    frame = next(part for part in take_up.parts() if part.name == "frame").region
+    frame = next(part for part in take_up.assembly.parts if part.name == "frame").region
     drilled = [hole for hole in frame.holes if abs(hole.pieces[0].radius - 1.25) < 1e-9]
     assert holes == pytest.approx(sorted((hole.pieces[0].centre for hole in drilled), key=abs))
-    bought = [each.name for each in machine.bought()]
+    bought = [each.name for each in machine.assembly.bought]
     assert not [name for name in bought if "belt" in name or name.startswith("screw of the frame")]
 
 
@@ -329,14 +335,18 @@ def test_machines_with_shafts_alike_in_line_have_one_shaft_and_one_plate(root: P
     """The second plate has the frame's holes but the shaft's and those of its screws; the crank's bore is turned to the flat."""
     data = include(root, {**STACKED, "parts": {**STACKED["parts"], "shaft_flat": 0.5}}, MOUNTED)
     machine = read_mechanism(data)
-    parts, poses = {part.name: part for part in machine.parts()}, machine.poses(np.zeros(1))
+    parts, poses = (
+        {part.name: part for part in machine.assembly.parts},
+        machine.assembly.poses(np.zeros(1)),
+    )
     own = {
-        part.name: part for part in read_mechanism(root / "specs" / "thread-take-up.toml").parts()
+        part.name: part
+        for part in read_mechanism(root / "specs" / "thread-take-up.toml").assembly.parts
     }
     assert not {f"thread-take-up-{name}" for name in ("frame", "shaft", "collar")} & parts.keys()
     assert not [
         each.name
-        for each in machine.bought()
+        for each in machine.assembly.bought
         if "belt" in each.name or each.name.startswith("stud")
     ]
     crank, shaft = "thread-take-up-input-crank", "shaft-crank_web2"
@@ -359,7 +369,7 @@ def test_machines_with_shafts_alike_in_line_have_one_shaft_and_one_plate(root: P
         )
     upper = poses["second-plate"][0].z + plate.thickness
     assert poses["thread-take-up-pivot"][0].z == pytest.approx(upper)
-    marks = [each.eye for each in machine.features() if isinstance(each, Mark)]
+    marks = [each.eye for each in machine.assembly.features if isinstance(each, Mark)]
     assert [eye.part for eye in marks] == [
         "thread-take-up-bell-crank",
         "second-plate",
@@ -379,7 +389,7 @@ def test_what_cannot_be_mounted_is_told(
     root: Path, host: dict[str, Any], change: dict[str, Any], said: str
 ) -> None:
     with pytest.raises(SpecError) as told:
-        read_mechanism(include(root, {**STACKED, **host}, {**MOUNTED, **change})).parts()
+        _ = read_mechanism(include(root, {**STACKED, **host}, {**MOUNTED, **change})).assembly
     assert [fault.path for fault in told.value.faults] == [
         "include.0.mounted"
     ] and said in told.value.faults[0].expected
@@ -397,13 +407,13 @@ def test_a_height_at_which_no_frame_can_stand_is_told(
     root: Path, at: tuple[float, float], z: float, said: str
 ) -> None:
     with pytest.raises(SpecError) as told:
-        read_mechanism(include(root, STACKED, {**MOUNTED, "at": list(at), "z": z})).parts()
+        _ = read_mechanism(include(root, STACKED, {**MOUNTED, "at": list(at), "z": z})).assembly
     (fault,) = told.value.faults
     assert (fault.path, fault.value) == ("include.0.z", f"{z}") and said in fault.expected
     right = float(fault.expected.removeprefix("at least ").partition(",")[0])
-    read_mechanism(
+    _ = read_mechanism(
         include(root, STACKED, {**MOUNTED, "at": list(at), "z": right + 1e-3 * (at != (0, 0))})
-    ).parts()
+    ).assembly
 
 
 def test_a_linkage_on_another_ones_second_plate(root: Path) -> None:
@@ -414,7 +424,10 @@ def test_a_linkage_on_another_ones_second_plate(root: Path) -> None:
         {"spec": "linkage.toml", "name": "up", "mounted": True},
     )
     machine = read_mechanism(include(root, host, {**other, "at": [0, 90]}))
-    parts, poses = {part.name: part for part in machine.parts()}, machine.poses(np.zeros(1))
+    parts, poses = (
+        {part.name: part for part in machine.assembly.parts},
+        machine.assembly.poses(np.zeros(1)),
+    )
     radius = {
         name: abs(parts[name].region.outer.pieces[0].at(0.0)) for name in ("post-up", "up-collar")
     }
@@ -424,13 +437,13 @@ def test_a_linkage_on_another_ones_second_plate(root: Path) -> None:
     with pytest.raises(
         DesignError, match=r"mm between hole C and stand 1, a screw of the frame of up,.*include.at"
     ):
-        read_mechanism(include(root, host, other)).parts()
+        _ = read_mechanism(include(root, host, other)).assembly
 
 
 def test_beside_the_line_a_belt_turns_it_and_a_short_shaft_leaves_no_room(root: Path) -> None:
     beside = read_mechanism(include(root, STACKED, {**MOUNTED, "at": [20, 0]}))
-    assert any("belt" in each.name for each in beside.bought()) and "sleeve" not in "".join(
-        p.name for p in beside.parts()
+    assert any("belt" in each.name for each in beside.assembly.bought) and "sleeve" not in "".join(
+        p.name for p in beside.assembly.parts
     )
     data = include(root, STACKED, MOUNTED)
     data["include"][0]["spec"]["parts"] = {
@@ -438,4 +451,4 @@ def test_beside_the_line_a_belt_turns_it_and_a_short_shaft_leaves_no_room(root: 
         "shaft_length": 6,
     }
     with pytest.raises(DesignError, match="room for a sleeve"):
-        read_mechanism(data).parts()
+        _ = read_mechanism(data).assembly

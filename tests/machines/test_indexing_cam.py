@@ -311,7 +311,7 @@ def test_a_single_cam_needs_a_closing_torque(spring: str, needed: float) -> None
     short = verdicts(design(**keys, load__closing_n_m=0.999 * needed))["FORCE_CLOSURE"][0]
     assert not short.ok and short.measured == pytest.approx(-0.001 * needed, rel=0.01)
     assert verdicts(design(**keys, load__closing_n_m=1.001 * needed))["FORCE_CLOSURE"][0].ok
-    assert [part.name for part in design(**keys).parts()] == ["cam"]
+    assert [part.name for part in design(**keys).assembly.parts] == ["cam"]
 
 
 def test_pressure_angle_and_undercut_are_seen_to_fail() -> None:
@@ -484,7 +484,7 @@ def test_designs_that_do_not_exist(keys: dict[str, Any], quantity: str) -> None:
     with pytest.raises(DesignError, match=quantity):
         cam = design(**keys)
         cam.limits()
-        cam.parts()
+        _ = cam.assembly
 
 
 def test_the_starter_describes_every_key() -> None:

@@ -177,11 +177,11 @@ def test_masses_are_those_of_the_solids_and_torque_makes_the_energy(
 
     four_bar["masses"] = {"rocker": {"mass_g": 50, "centre": [25, 0], "inertia_kg_m2": 1e-5}}
     built = validate(Linkage, four_bar).resolved()
-    machine, made = built.machine(), {part.name: part for part in built.parts()}
+    machine, made = built.machine(), {part.name: part for part in built.assembly.parts}
     moving = (
         sum(
             made[mount.part].volume
-            for mount in built.mounts()
+            for mount in built.assembly.mounts
             if mount.body in ("crank", "coupler")
         )
         * 1.24e-6
@@ -372,7 +372,7 @@ def test_links_called_as_what_is_made_have_parts_of_their_own(four_bar: dict[str
         names.get(name, name): points for name, points in four_bar["links"].items()
     }
     four_bar["drive"]["link"], four_bar["output"][1]["link"] = "shaft", "plate"
-    parts = [part.name for part in validate(Linkage, four_bar).parts()]
+    parts = [part.name for part in validate(Linkage, four_bar).assembly.parts]
     assert len(set(parts)) == len(parts) and {
         "link-shaft",
         "link-collar",
@@ -386,7 +386,9 @@ def test_to_and_fro_within_its_range(four_bar: dict[str, Any]) -> None:
     long_crank(four_bar, range_deg=[-20, 10])
     machine = validate(Linkage, four_bar)
     assert np.isfinite(machine.motion(np.linspace(0, math.tau, 100))).all()
-    assert np.ptp(np.degrees(machine.course(np.linspace(0, math.tau, 361)))) == pytest.approx(30)
+    assert np.ptp(np.degrees(machine.cycle.theta(np.linspace(0, math.tau, 361)))) == pytest.approx(
+        30
+    )
 
 
 def test_a_triangle_that_cannot_close_says_by_how_much() -> None:

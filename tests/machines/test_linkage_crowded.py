@@ -130,7 +130,7 @@ def spec(tables: dict[str, Any], **more: Any) -> dict[str, Any]:
 
 def refusal(tables: dict[str, Any]) -> DesignError:
     with pytest.raises(DesignError, match="cannot pass on any level") as caught:
-        validate(Linkage, spec(tables)).parts()
+        _ = validate(Linkage, spec(tables)).assembly
     return caught.value
 
 
@@ -161,7 +161,10 @@ def test_a_link_that_may_is_bent_where_straight_ones_find_no_levels() -> None:
     assert found.layers["rocker"] == 1 and set(found.making.shapes) == {"rocker"}
     assert bow is not None and abs(bow) >= short.limit - short.value
     again = validate(Linkage, found.model_dump(by_alias=True, exclude_none=True))
-    assert again.parts() == machine.parts() and again.study().notes == machine.study().notes
+    assert (
+        again.assembly.parts == machine.assembly.parts
+        and again.study().notes == machine.study().notes
+    )
     assert any(
         note.startswith(f"Link rocker is bent by {abs(bow):g} mm, to the left")
         for note in machine.study().notes
@@ -190,11 +193,11 @@ def test_a_link_that_may_is_bent_where_straight_ones_find_no_levels() -> None:
 def test_no_cure_leads_in_circles(tables: dict[str, Any], told: str) -> None:
     """Each that is named makes all parts; the first is as expected of the machine."""
     with pytest.raises(DesignError) as caught:
-        validate(Linkage, spec(tables)).parts()
+        _ = validate(Linkage, spec(tables)).assembly
     cures = mends(caught.value)
     assert told in cures, caught.value.remedy
     for words in cures:
-        assert load(with_change(spec(tables), words)).parts(), words
+        assert load(with_change(spec(tables), words)).assembly.parts, words
 
 
 def test_what_was_not_tried_is_called_a_guess() -> None:

@@ -66,7 +66,7 @@ def test_a_roller_too_large_is_told_by_its_key() -> None:
         DesignError,
         match=r"^radius is 80 mm at cam disc on rocker.* use a smaller radius or a smaller lift$",
     ):
-        validate(Linkage, cam_machine(radius=80.0)).parts()
+        _ = validate(Linkage, cam_machine(radius=80.0)).assembly
 
 
 @pytest.mark.parametrize("at", ["T", "O"])
@@ -115,7 +115,7 @@ def test_gears_by_name_are_named_once(root: Path) -> None:
         "gear": [{"a": "crank", "b": "drum", "ratio": -2, "name": "gears"}],
     }
     with pytest.raises(DesignError, match="^module is .* mm at gears, limit"):
-        validate(Linkage, data).parts()
+        _ = validate(Linkage, data).assembly
 
 
 # ---- faults once, and where they are ---------------------------------------------------------------------------------

@@ -19,6 +19,7 @@ from camgen.judge import joints
 from camgen.judge.measured import measure
 from camgen.machine.features import Eye
 from camgen.machines.linkage.mechanism import Linkage
+from camgen.parts.assembly import order_of_assembly
 from camgen.parts.catalogue import Bearing
 from camgen.pipeline.build import build
 from camgen.pipeline.making import parts_table
@@ -47,8 +48,8 @@ def test_shoulder_screws_are_those_of_the_standard(
     machine = made(root, tmp_path, *sets)
     shoulder = min(size for size in SHOULDERS if size >= diameter)
     thread, head, high, long = SHOULDERS[shoulder]
-    screws = [part for part in machine.parts() if part.name.startswith("pin")]
-    nuts = [part for part in machine.parts() if part.name.startswith("nut")]
+    screws = [part for part in machine.assembly.parts if part.name.startswith("pin")]
+    nuts = [part for part in machine.assembly.parts if part.name.startswith("nut")]
     assert sum(part.count for part in screws) == sum(part.count for part in nuts) == 3
     for part in screws:
         wide = [2 * float(np.abs(layer.region.outer.pieces[0].at(0.0))) for layer in part.layers]
@@ -60,9 +61,9 @@ def test_shoulder_screws_are_those_of_the_standard(
 def test_bearings_turn_in_all_links_but_one_of_each_joint(root: Path, tmp_path: Path) -> None:
     """MR85 is 5 x 8 x 2.5: ISO 15."""
     machine = made(root, tmp_path, "parts.pin=bearing")
-    (ring,) = (part for part in machine.parts() if part.name.startswith("bearing"))
+    (ring,) = (part for part in machine.assembly.parts if part.name.startswith("bearing"))
     assert (ring.name, ring.count, ring.thickness, ring.bore) == ("bearing-mr85", 3, 2.5, 5)
-    rocker = next(part for part in machine.parts() if part.name == "rocker")
+    rocker = next(part for part in machine.assembly.parts if part.name == "rocker")
     holes = sorted(math.sqrt(4 * abs(hole.area) / math.pi) for hole in rocker.region.holes)
     assert holes[-1] == pytest.approx(8, abs=1e-9)
     assert [machine.machine().joint(name).clearance for name in "ABC"] == [
@@ -79,10 +80,12 @@ def test_bearings_turn_in_all_links_but_one_of_each_joint(root: Path, tmp_path: 
 def rise(machine: Linkage) -> dict[tuple[str, int], float]:
     """How far each link with a bearing can rise until its lip, the outer ring, the inner ring and the pin's head meet, mm; inf
     where the lip is no narrower than the outer ring, or the head no wider than the bore."""
-    parts = {part.name: part for part in machine.parts()}
-    links = {mount.body: mount for mount in machine.mounts() if mount.part == mount.body}
-    poses, found = machine.poses(np.zeros(1)), dict[tuple[str, int], float]()
-    for k, mount in enumerate(mount for mount in machine.mounts() if mount.part == "bearing-mr85"):
+    parts = {part.name: part for part in machine.assembly.parts}
+    links = {mount.body: mount for mount in machine.assembly.mounts if mount.part == mount.body}
+    poses, found = machine.assembly.poses(np.zeros(1)), dict[tuple[str, int], float]()
+    for k, mount in enumerate(
+        mount for mount in machine.assembly.mounts if mount.part == "bearing-mr85"
+    ):
         link, place = links[mount.body], poses["bearing-mr85"][k].place[0]
         pins = [
             (pose, parts[name]) for name in parts if name.startswith("pin-") for pose in poses[name]
@@ -110,7 +113,7 @@ def rise(machine: Linkage) -> dict[tuple[str, int], float]:
 def test_a_bearing_holds_its_link_down(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """MR85, 2.5 wide, in a link of 4: over it a play of 0.2, under it a lip of 1.3, of the bore (5 + 8) / 2."""
     machine = with_parts(root, pin="bearing")
-    rocker = next(part for part in machine.parts() if part.name == "rocker")
+    rocker = next(part for part in machine.assembly.parts if part.name == "rocker")
     assert [(layer.z0, layer.z1) for layer in rocker.layers] == [
         (0, 1.3),
         (1.3, 4),
@@ -129,11 +132,13 @@ def test_a_bearing_holds_its_link_down(root: Path, monkeypatch: pytest.MonkeyPat
 
 def test_a_bearing_is_pressed_in_before_its_link_goes_on(root: Path) -> None:
     machine = with_parts(root, pin="bearing")
-    steps = [(row[1], str(row[3])) for row in machine.steps().rows]
+    steps = [(row[1], str(row[3])) for row in order_of_assembly(machine.assembly).rows]
     names = [name for name, _ in steps]
     assert names.count("bearing-mr85") >= 1
-    poses = machine.poses(np.zeros(1))
-    for row in (row for row in machine.steps().rows if row[1] == "bearing-mr85"):
+    poses = machine.assembly.poses(np.zeros(1))
+    for row in (
+        row for row in order_of_assembly(machine.assembly).rows if row[1] == "bearing-mr85"
+    ):
         under = [(poses[name][0].z, name) for name in ("crank", "coupler", "rocker")]
         link = max(each for each in under if each[0] < float(row[5]))[1]
         assert names.index(link) >= int(row[0]), link
@@ -156,7 +161,7 @@ def test_a_head_little_wider_than_its_pin_is_not_taken_for_it() -> None:
 
 def test_a_bearing_for_the_shaft(root: Path, tmp_path: Path) -> None:
     machine = made(root, tmp_path, "parts.pins.O=bearing", "parts.base_thickness=6")
-    (mount,) = (mount for mount in machine.mounts() if mount.part == "bearing-626")
+    (mount,) = (mount for mount in machine.assembly.mounts if mount.part == "bearing-626")
     assert mount.body == "ground" and mount.at == 0
 
 
@@ -233,35 +238,36 @@ def test_pins_and_cranks_that_cannot_be(
     root: Path, parts: dict[str, Any], error: type[Exception], said: str
 ) -> None:
     with pytest.raises(error, match=said):
-        with_parts(root, **parts).parts()
+        _ = with_parts(root, **parts).assembly
 
 
 def test_a_hand_crank_turns_with_the_shaft(root: Path, tmp_path: Path) -> None:
     """Its knob goes round the shaft with the crank, in the list, in the assembly and in place of a bought drive."""
     machine = made(root, tmp_path, "parts.hand_crank=40")
     theta = np.linspace(0, math.tau, 17)
-    (knob,) = machine.poses(theta)["knob"]
+    (knob,) = machine.assembly.poses(theta)["knob"]
     assert np.max(np.abs(knob.place - 40 * np.exp(1j * theta))) < 1e-9
     listed = (tmp_path / "linkage" / "linkage-parts.csv").read_text(encoding="utf-8")
     assert (
         all(name in listed for name in ("hand-crank,", "knob,", "knob-pin,"))
         and "drive" not in listed
     )
-    steps = [row[1] for row in machine.steps().rows]
+    steps = [row[1] for row in order_of_assembly(machine.assembly).rows]
     assert {"hand-crank", "knob", "knob-pin"} <= {str(step) for step in steps}
     heights = {
         mount.part: (
             mount.z,
-            mount.z + next(part for part in machine.parts() if part.name == mount.part).thickness,
+            mount.z
+            + next(part for part in machine.assembly.parts if part.name == mount.part).thickness,
         )
-        for mount in machine.mounts()
+        for mount in machine.assembly.mounts
         if mount.part in ("hand-crank", "knob", "knob-pin", "shaft", "collar")
     }
     assert (
         heights["hand-crank"][0] == heights["shaft"][0]
         and heights["hand-crank"][1] < heights["collar"][0]
     )
-    plate = next(part for part in machine.parts() if part.name == "ground")
+    plate = next(part for part in machine.assembly.parts if part.name == "ground")
     screws = [z for z in plate.centres if z not in dict(plate.points).values()]
     assert (
         len(screws) == 2 and min(map(abs, screws)) > 40 + 5 + 1.5 + 2.5 / 2

@@ -92,10 +92,12 @@ def test_a_shaft_of_steel_has_crank_pins_of_steel() -> None:
     for made, asked in (("turned of steel", {"shaft_made": "steel"}), ("printed", {})):
         machine = linkage(parts={**parts, **asked}, limits={"pin_stress_mpa": 1e-6})
         shaft = {
-            part.made for part in machine.parts() if part.name.startswith(("shaft", "crank-pin"))
+            part.made
+            for part in machine.assembly.parts
+            if part.name.startswith(("shaft", "crank-pin"))
         }
         assert shaft == {made} and {
-            part.made for part in machine.parts() if part.name.startswith("pin")
+            part.made for part in machine.assembly.parts if part.name.startswith("pin")
         } == {"printed"}
         told = {
             f.where: f.message
@@ -114,13 +116,14 @@ def test_a_shaft_of_steel_has_crank_pins_of_steel() -> None:
 
 def test_shaft_ends_in_webs_that_pins_join(folder: Path) -> None:
     machine = validate(Linkage, read(folder / "spec.toml"))
-    layout, parts = machine.bodies.layout, {part.name: part for part in machine.parts()}
+    layout, parts = machine.bodies.layout, {part.name: part for part in machine.assembly.parts}
     assert layout.webs == {"crank": ("O", "A"), "crank_web2": ("A", "Q"), "crank_web3": ("Q", "O")}
     order = [layout.level[name] for name in ("crank", "rod", "crank_web2", "rod2", "crank_web3")]
     assert order == sorted(set(order))
     over = layout.ceiling + layout.sizes.base_thickness
     ends = {
-        mount.part: (mount.z, mount.z + parts[mount.part].thickness) for mount in machine.mounts()
+        mount.part: (mount.z, mount.z + parts[mount.part].thickness)
+        for mount in machine.assembly.mounts
     }
     assert ends["shaft"][1] == pytest.approx(layout.top(layout.level["crank"]))
     assert ends["shaft-crank_web3"] == pytest.approx(
@@ -131,7 +134,7 @@ def test_shaft_ends_in_webs_that_pins_join(folder: Path) -> None:
     )
     pins = [
         mount
-        for mount in machine.mounts()
+        for mount in machine.assembly.mounts
         if mount.body == "crank" and mount.part.startswith("crank-pin")
     ]
     assert [mount.at for mount in pins] == pytest.approx([15, -15])
@@ -252,10 +255,12 @@ def test_a_post_elsewhere_and_plates_that_are_swapped_are_found(
 def test_pins_and_the_shafts_upper_end_are_held_by_the_second_plate() -> None:
     machine = linkage()
     (joint,) = (
-        each for each in machine.features() if isinstance(each, Steady) and each.webs is not None
+        each
+        for each in machine.assembly.features
+        if isinstance(each, Steady) and each.webs is not None
     )
     assert joint.far.part == "second-plate" and joint.pin.part == "shaft-crank_web3"
-    assert {each.joint for each in machine.features() if isinstance(each, Steady)} == {
+    assert {each.joint for each in machine.assembly.features if isinstance(each, Steady)} == {
         "O",
         "C",
         "D",
@@ -296,11 +301,11 @@ def test_no_dowel_for_both_plates_is_told() -> None:
     with pytest.raises(
         DesignError, match="no dowel of 5 mm is sold between 32.2 and 34.2 mm long, .*parts.pins.C"
     ):
-        linkage(
+        _ = linkage(
             parts={**TWO["parts"], "pins": {"C": "dowel"}, "thickness": 5, "base_thickness": 4}
-        ).parts()
+        ).assembly
 
 
 def test_a_crank_pin_is_of_no_other_kind() -> None:
     with pytest.raises(DesignError, match="joins webs"):
-        linkage(parts={**TWO["parts"], "pins": {"A": "dowel"}}).parts()
+        _ = linkage(parts={**TWO["parts"], "pins": {"A": "dowel"}}).assembly

@@ -28,10 +28,12 @@ def green(spec: Path, folder: Path, *sets: str) -> Linkage:
 
 def stacks(machine: Linkage) -> list[list[tuple[float, float]]]:
     """Of each pin: bottom and top of all links and spacers on it, mm, by the mounts of the solids."""
-    parts, found = {part.name: part for part in machine.parts()}, []
+    parts, found = {part.name: part for part in machine.assembly.parts}, []
     chain, poses = machine.chain, machine.chain.start
     links = {
-        mount.part: mount for mount in machine.mounts() if mount.part in (*poses, "plate", "ground")
+        mount.part: mount
+        for mount in machine.assembly.mounts
+        if mount.part in (*poses, "plate", "ground")
     }
 
     def place(body: str, at: complex) -> complex:
@@ -42,7 +44,7 @@ def stacks(machine: Linkage) -> list[list[tuple[float, float]]]:
         mounts = [links[link] for link in on]
         mounts += [
             mount
-            for mount in machine.mounts()
+            for mount in machine.assembly.mounts
             if mount.part.startswith("spacer") and abs(place(mount.body, mount.at) - here) < 1e-6
         ]
         found.append(
@@ -65,7 +67,7 @@ def test_links_of_unequal_thickness_lie_on_each_other(
     root: Path, tmp_path: Path, spec: str, sets: list[str]
 ) -> None:
     machine = green(root / "specs" / f"{spec}.toml", tmp_path, *sets)
-    thickness = {part.name: part.thickness for part in machine.parts()}
+    thickness = {part.name: part.thickness for part in machine.assembly.parts}
     for each in sets:
         key, _, value = each.partition("=")
         assert thickness[key.split(".")[1]] == float(value)
@@ -94,7 +96,7 @@ def test_links_bent_and_slim_are_built(root: Path, tmp_path: Path, sets: list[st
     )
     plain = validate(Linkage, read(root / "specs" / "linkage.toml"))
     (own,), (straight,) = (
-        [part for part in each.parts() if part.name == "rocker"] for each in (machine, plain)
+        [part for part in each.assembly.parts if part.name == "rocker"] for each in (machine, plain)
     )
     asked = {key: float(value) for key, value in (each.split("=") for each in sets)}
     ends = [z for z in own.centres]
@@ -125,4 +127,4 @@ def test_shapes_that_cannot_be(
     root: Path, shapes: dict[str, Any], error: type[Exception], said: str
 ) -> None:
     with pytest.raises(error, match=said):
-        validate(Linkage, {**read(root / "specs" / "linkage.toml"), "parts": shapes}).parts()
+        _ = validate(Linkage, {**read(root / "specs" / "linkage.toml"), "parts": shapes}).assembly

@@ -8,6 +8,7 @@ import pytest
 
 import camgen
 from camgen.errors import DesignError, SpecError
+from camgen.parts.assembly import cut_of_sheet, printed_parts
 
 SPECS = Path(__file__).parents[2] / "specs"
 
@@ -61,17 +62,17 @@ def test_the_resolved_spec_says_what_the_sheet_decided(report):
 def test_all_of_a_walker_is_of_the_sheet(thickness):
     """Rings fill the empty levels, one a level, and dowels reach through all."""
     machine = camgen.load(laser("two-leg-walker", sheet=thickness)).resolved()
-    parts = {part.name: part for part in machine.parts()}
+    parts = {part.name: part for part in machine.assembly.parts}
     assert {part.made for part in parts.values()} == {
         "printed",
         "turned of steel",
         "bought",
-    } and not machine.printed()
+    } and not printed_parts(machine.assembly)
     assert {part.thickness for part in parts.values() if part.made == "printed"} == {thickness}
     step = thickness + machine.print.slide_clearance
-    levels = {
+    _ = levels = {
         round((mount.z - machine.print.slide_clearance) / step, 6)
-        for mount in machine.mounts()
+        for mount in machine.assembly
         if parts[mount.part].made == "printed"
     }
     assert levels - {-1.0} and all(
@@ -83,19 +84,25 @@ def test_all_of_a_walker_is_of_the_sheet(thickness):
 def test_thin_sheets_take_thin_dowels():
     """Of 2 mm: two sheets, two plays of 0.2 and a cap leave 5.2 to 6.4 mm; dowels of 6 mm are sold up to 2.5 thick (ISO 2338)."""
     machine = camgen.load(laser("linkage", sheet=2.0)).resolved()
-    (pin,) = [part for part in machine.parts() if part.name.startswith("pin")]
-    assert pin.thickness == 6 and machine.making.pin_diameter == 2.5 and not machine.printed()
+    (pin,) = [part for part in machine.assembly.parts if part.name.startswith("pin")]
+    assert (
+        pin.thickness == 6
+        and machine.making.pin_diameter == 2.5
+        and not printed_parts(machine.assembly)
+    )
 
 
 def test_a_hand_crank_of_sheet_is_turned_by_a_dowel():
     """Its arm is cut, 15 mm under the plate; a dowel of 4 mm, sold in 18 mm and not in 19, ends flush with its upper face."""
     machine = camgen.load(laser("linkage", hand_crank=30.0)).resolved()
     parts, stands = (
-        {each.name: each for each in machine.parts()},
-        {mount.part: mount for mount in machine.mounts()},
+        {each.name: each for each in machine.assembly.parts},
+        {mount.part: mount for mount in machine.assembly.mounts},
     )
     assert (
-        machine.cut_of_sheet(parts["hand-crank"]) and "knob" not in parts and not machine.printed()
+        cut_of_sheet(machine.assembly, parts["hand-crank"])
+        and "knob" not in parts
+        and not printed_parts(machine.assembly)
     )
     assert parts["knob-pin"].made == "bought" and parts["knob-pin"].thickness == 18
     assert stands["hand-crank"].z == -15 and stands["knob-pin"].z == pytest.approx(-15 + 3 - 18)
@@ -109,11 +116,11 @@ def test_a_cam_machine_of_sheet():
         "make": "machine",
     }
     machine = camgen.load(spec).resolved()
-    cut = [part for part in machine.parts() if machine.cut_of_sheet(part)]
+    cut = [part for part in machine.assembly.parts if cut_of_sheet(machine.assembly, part)]
     assert {"cam-contact", "cam-contact_2", "roller-contact", "gear-gears-follower"} <= {
         part.name for part in cut
     }
-    assert not machine.printed()
+    assert not printed_parts(machine.assembly)
 
 
 @pytest.mark.parametrize(
@@ -161,7 +168,7 @@ def test_without_a_sheet_or_dowels():
         DesignError,
         match="the shortest dowel of 8 mm is 14 mm, there is room for .*thin dowels are sold",
     ):
-        camgen.load(laser("linkage", pin_diameter=8.0)).parts()
+        _ = camgen.load(laser("linkage", pin_diameter=8.0)).assembly
 
 
 @pytest.mark.parametrize("key, value", [("plates", 2), ("shaft", "interrupted")])
@@ -175,13 +182,15 @@ def test_posts_and_webs_are_no_sheets(key: str, value: object) -> None:
 def test_a_cap_of_sheet_is_filled_by_its_pin(sheet: float) -> None:
     """By three quarters at least; where a longer dowel stands out of it, its note says how far, by the heights."""
     machine = camgen.load(laser("linkage", sheet=sheet)).resolved()
-    parts = {part.name: part for part in machine.parts()}
+    parts = {part.name: part for part in machine.assembly.parts}
     caps, outs = (
-        [mount for mount in machine.mounts() if mount.part.startswith("cap")],
+        [mount for mount in machine.assembly.mounts if mount.part.startswith("cap")],
         list[float](),
     )
     for cap in caps:
-        here = (each for each in machine.mounts() if (each.body, each.at) == (cap.body, cap.at))
+        here = (
+            each for each in machine.assembly.mounts if (each.body, each.at) == (cap.body, cap.at)
+        )
         pin = next(each for each in here if each.part.startswith("pin"))
         low, high, long = cap.z, cap.z + sheet, parts[pin.part].thickness
         assert min(high, pin.z + long) - max(low, pin.z) >= 0.75 * sheet - 1e-9

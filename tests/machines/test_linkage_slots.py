@@ -22,6 +22,7 @@ from camgen.errors import DesignError, SpecError
 from camgen.geometry.facets import facet_contour
 from camgen.machine.features import SlotFaces
 from camgen.machines.linkage.mechanism import Linkage
+from camgen.parts.assembly import order_of_assembly
 from camgen.pipeline.build import build
 from camgen.spec import validate
 
@@ -68,7 +69,9 @@ def linkage(tables: dict[str, Any], **parts: Any) -> Linkage:
 
 def slots_of(machine: Linkage, part: str) -> list[tuple[float, float, complex]]:
     """Length and width along x and y, and the middle, of the holes of a part that are not round."""
-    holes = next(each for each in machine.parts() if each.name == part).layers[-1].region.holes
+    holes = (
+        next(each for each in machine.assembly.parts if each.name == part).layers[-1].region.holes
+    )
     rings = [facet_contour(hole, 1e-6) for hole in holes]
     boxes = [
         (
@@ -95,14 +98,14 @@ def test_its_pin_ends_inside_the_plate_and_is_fixed_in_what_lies_next_to_it() ->
     """On one plate in the lowest link, so that nothing rubs under it; in the second plate in the highest."""
     for parts, plate, sign in (({}, "ground", 1), ({"plates": 2}, "second-plate", -1)):
         machine = linkage(SLIDER if not parts else CROSSED, **parts)
-        heights = {part.name: part.thickness for part in machine.parts()}
+        heights = {part.name: part.thickness for part in machine.assembly.parts}
         faces = next(
             each
-            for each in machine.features()
+            for each in machine.assembly.features
             if isinstance(each, SlotFaces) and each.walls.part == plate
         )
-        (pin,) = (mount for mount in machine.mounts() if mount.part == faces.pin.part)  # type: ignore[union-attr]
-        (board,) = (mount for mount in machine.mounts() if mount.part == plate)
+        (pin,) = (mount for mount in machine.assembly.mounts if mount.part == faces.pin.part)  # type: ignore[union-attr]
+        (board,) = (mount for mount in machine.assembly.mounts if mount.part == plate)
         low, high = pin.z, pin.z + heights[pin.part]
         outer = board.z if sign > 0 else board.z + heights[plate]
         inner = board.z + heights[plate] if sign > 0 else board.z
@@ -131,7 +134,7 @@ def test_slots_that_cross_lie_in_two_plates() -> None:
     with pytest.raises(
         DesignError, match="slot of pin P and slot of pin Q.*mended by parts.plates = 2"
     ):
-        linkage(CROSSED).parts()
+        _ = linkage(CROSSED).assembly
     machine = linkage(CROSSED, plates=2)
     assert len(slots_of(machine, "ground")) == len(slots_of(machine, "second-plate")) == 1
 
@@ -141,7 +144,7 @@ def test_a_slot_through_the_hole_of_a_motor_is_refused_or_in_the_other_plate() -
     near = {**SLIDER, "points": {**SLIDER["points"], "P": [45, 0], "U": [10, 0], "V": [50, 0]}}
     motor = {"motor": "nema-17", "base_thickness": 6}
     with pytest.raises(DesignError, match="slot of pin P and hole for the motor"):
-        linkage(near, **motor).parts()
+        _ = linkage(near, **motor).assembly
     far = linkage(near, **motor, plates=2)
     assert not slots_of(far, "ground") and slots_of(far, "second-plate")
 
@@ -327,14 +330,19 @@ def test_every_small_machine_of_slots_and_slides_has_parts_or_is_refused_in_word
     try:
         machine = load(tables)
         assert isinstance(machine, Linkage)
-        assert machine.parts() and machine.mounts() and machine.features() and machine.steps().rows
+        assert (
+            machine.assembly.parts
+            and machine.assembly.mounts
+            and machine.assembly.features
+            and order_of_assembly(machine.assembly).rows
+        )
         machine.forecast()
         machine.study()
     except SpecError as error:
         assert error.faults
     except DesignError as error:
         for words in mends(error):
-            assert load(with_change(tables, words)).parts(), words
+            assert load(with_change(tables, words)).assembly.parts, words
 
 
 @pytest.mark.parametrize("kind", ["slotted arm", "slotted coupler"])

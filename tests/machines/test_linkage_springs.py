@@ -69,9 +69,9 @@ def test_a_machine_with_a_spring_is_built_and_holds(
     machine = validate(Linkage, read(tmp_path / "linkage" / "spec.toml"))
     levels = machine.layers
     assert levels["spring"] > max(levels["coupler"], levels["rocker"])
-    ground = next(part for part in machine.parts() if part.name == "ground")
+    ground = next(part for part in machine.assembly.parts if part.name == "ground")
     assert POST in dict(ground.points).values()
-    (told,) = [each for each in machine.bought() if each.name == "extension spring, spring"]
+    (told,) = [each for each in machine.assembly.bought if each.name == "extension spring, spring"]
     assert told.standard == "EN 13906-2" and "0.3 N/mm, 2 N at" in told.size
     assert [table for table in report.tables if table.title == "Springs, between their points"]
 
@@ -145,7 +145,7 @@ def test_springs_that_cannot_be(
     spring = {**four_bar["spring"][0], **change}
     four_bar["spring"] = [{key: value for key, value in spring.items() if value is not None}]
     with pytest.raises(kind) as caught:
-        validate(Linkage, four_bar).parts()
+        _ = validate(Linkage, four_bar).assembly
     assert said in str(caught.value)
 
 

@@ -49,8 +49,8 @@ def test_against_the_frame_it_shakes_least() -> None:
 
 def test_what_else_is_on_the_shaft_is_balanced_with_it() -> None:
     plain, more = (
-        made("counterweight.pins=0").balance,
-        made("counterweight.other_g_mm=50", "counterweight.other_deg=90").balance,
+        made("counterweight.pins=0").assembly.balances[0],
+        made("counterweight.other_g_mm=50", "counterweight.other_deg=90").assembly.balances[0],
     )
     assert plain is not None and more is not None
     assert plain.moment - more.moment == pytest.approx(50 * cmath.exp(0.5j * math.pi), abs=0.5)
@@ -64,16 +64,16 @@ def test_a_resolved_spec_makes_the_same() -> None:
         and again.counterweight is not None
         and again.counterweight.given is not None
     )
-    assert {part.name: part.volume for part in again.parts()} == pytest.approx(
-        {p.name: p.volume for p in first.parts()}
+    assert {part.name: part.volume for part in again.assembly.parts} == pytest.approx(
+        {p.name: p.volume for p in first.assembly.parts}
     )
-    assert [(mount.part, mount.z) for mount in again.mounts()] == [
-        (mount.part, mount.z) for mount in first.mounts()
+    assert [(mount.part, mount.z) for mount in again.assembly.mounts] == [
+        (mount.part, mount.z) for mount in first.assembly.mounts
     ]
 
 
 def test_a_moment_of_none_is_one() -> None:
-    balance = made("counterweight.moment_g_mm=0", "counterweight.at_deg=0").balance
+    balance = made("counterweight.moment_g_mm=0", "counterweight.at_deg=0").assembly.balances[0]
     assert balance is not None and balance.moment == 0 and balance.tolerance > 0.1
 
 
@@ -95,4 +95,4 @@ def test_what_does_not_go_together_is_told(settings: list[str], said: str) -> No
 
 def test_pins_that_are_too_heavy_are_told() -> None:
     with pytest.raises(DesignError, match="counterweight.pin_diameter"):
-        made("counterweight.pins=3", "counterweight.pin_diameter=50").parts()
+        _ = made("counterweight.pins=3", "counterweight.pin_diameter=50").assembly

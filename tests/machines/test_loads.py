@@ -59,9 +59,9 @@ def test_masses_are_those_of_the_solids() -> None:
     """By another route: triangles of the solids, as they are printed, at 1.24 g/cm^3."""
     drive = made("eccentric-drive", "accuracy.chord_tolerance=0.001")
     bodies = {body.name: body for body in weighed(drive).machine.bodies}
-    by_part = {part.name: solid(part, 0.001) for part in drive.parts()}
+    by_part = {part.name: solid(part, 0.001) for part in drive.assembly.parts}
     for body in ("disc", "rod", "slider"):
-        on = [mount.part for mount in drive.mounts() if mount.body == body]
+        on = [mount.part for mount in drive.assembly.mounts if mount.body == body]
         total = sum(by_part[part].volume for part in on) * 1.24e-6
         assert bodies[body].mass == pytest.approx(total, rel=1e-3)
     assert bodies[GROUND].mass == 0
@@ -167,7 +167,7 @@ def test_power_is_what_friction_eats() -> None:
 
 
 def test_shaft_reach() -> None:
-    needed = made("uniform-swing").shaft_needed
+    needed = made("uniform-swing").assembly.motor.reach
     assert needed is not None
     (usual,) = found("SHAFT_REACH", "uniform-swing")
     assert usual.measured == 24 and usual.ok and usual.limit == pytest.approx(needed)
@@ -513,7 +513,7 @@ def test_ball_bearings_roll() -> None:
     """No plain bearings are left; friction is SKF's 0.0015 on half the bore."""
     drive = made("linkage", *BALLS)
     given = assess(drive)
-    balls = [journal for journal in drive.journals().values() if journal.ball]
+    balls = [journal for journal in drive.assembly.journals.values() if journal.ball]
     assert balls and {journal.ball.name for journal in balls if journal.ball} == {"MR85"}
     plain = {
         str(row[0])
@@ -526,11 +526,11 @@ def test_ball_bearings_roll() -> None:
         f.where for f in given.findings if f.code == "PIN_STRESS"
     }
     run = solve(
-        rough(weighed(drive).machine, drive.journals(), None), np.linspace(0, math.tau, 1441)
+        rough(weighed(drive).machine, drive.assembly.journals, None), np.linspace(0, math.tau, 1441)
     )
     forces, heat = run.forces(), 0.0
     speed = 300 * math.tau / 60
-    for journal in drive.journals().values():
+    for journal in drive.assembly.journals.values():
         joint = run.machine.joint(journal.joint)
         turns = [
             0.0 if side.body == GROUND else run.angle(side.body)[1] for side in (joint.a, joint.b)
@@ -560,7 +560,7 @@ def test_life_of_a_bearing_on_a_pin_by_hand() -> None:
     drive = made("linkage", *BALLS, "limits.bearing_life_h=1")
     journals = {
         name: replace(each, ball=BEARINGS["625"])
-        for name, each in drive.journals().items()
+        for name, each in drive.assembly.journals.items()
         if each.ball
     }
     run = solve(weighed(drive).machine, np.linspace(0, math.tau, 1441))
@@ -593,7 +593,7 @@ def test_the_post_of_a_return_spring_by_hand() -> None:
     drive = made("disc-cam", *PRESSED, "load.resistance=2", "load.gravity_deg=90")
     report = assess(drive)
     head = (
-        next(part.thickness for part in drive.parts() if part.name == "pin-1") - 1.5
+        next(part.thickness for part in drive.assembly.parts if part.name == "pin-1") - 1.5
     )  # of its head, the plate's side is 0
     force = report.study.numbers["spring_force_greatest_n"]
     (post,) = (each for each in report.findings if each.where == "pin post, under spring")

@@ -75,7 +75,7 @@ def test_the_model_moves_as_the_mechanism(
         np.testing.assert_allclose(
             run.derivatives(output)[order], wanted, atol=1e-9 * max(1.0, np.abs(wanted).max())
         )
-    poses = made.poses(THETA)
+    poses = made.assembly.poses(THETA)
     for part, body in bodies.items():
         pose, there = poses[part][0], run.pose(body)
         turned = there.angle - pose.angle

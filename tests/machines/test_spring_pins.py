@@ -10,6 +10,8 @@ import pytest
 
 import camgen
 from camgen.machines.mechanism import Mechanism
+from camgen.parts.assembly import order_of_assembly
+from camgen.parts.coils import spring_sketches
 from camgen.pipeline.shown import animation
 
 DISC = (
@@ -86,10 +88,10 @@ def including() -> Mechanism:
 def spans(machine: Mechanism, body: str, at: complex) -> dict[str, list[tuple[float, float]]]:
     """Heights of the rollers and spacers there, by the kind of part; "head": underside and top of a pin's head or its cap."""
     parts, found = (
-        {part.name: part for part in machine.parts()},
+        {part.name: part for part in machine.assembly.parts},
         dict[str, list[tuple[float, float]]](),
     )
-    for mount in machine.mounts():
+    for mount in machine.assembly.mounts:
         part, kind = parts[mount.part], mount.part.partition("-")[0]
         if (
             mount.body != body
@@ -116,8 +118,8 @@ def spans(machine: Mechanism, body: str, at: complex) -> dict[str, list[tuple[fl
 )
 def test_a_roller_under_a_spring_cannot_climb_off_its_cam(machine: Mechanism) -> None:
     """Up to the head spacers fill it, but for the wire of the eye and plays."""
-    (roller,) = (mount for mount in machine.mounts() if mount.part.startswith("roller"))
-    (cam,) = (mount for mount in machine.mounts() if mount.part.startswith("cam-"))
+    (roller,) = (mount for mount in machine.assembly.mounts if mount.part.startswith("roller"))
+    (cam,) = (mount for mount in machine.assembly.mounts if mount.part.startswith("cam-"))
     stack = spans(machine, roller.body, roller.at)
     ((low, top),), ((head, _),) = stack["roller"], stack["head"]
     assert low == pytest.approx(cam.z)
@@ -135,13 +137,13 @@ def test_a_roller_under_a_spring_cannot_climb_off_its_cam(machine: Mechanism) ->
 def test_a_spring_comes_before_the_heads_that_are_wider_than_its_eyes(machine: Mechanism) -> None:
     """Its eyes are 1.1 pins wide, the heads of a pin of 5 are 8: what of pins and caps ends above the eyes comes later."""
     table, parts, number = (
-        machine.steps(),
-        {part.name: part for part in machine.parts()},
+        order_of_assembly(machine.assembly),
+        {part.name: part for part in machine.assembly.parts},
         Counter[str](),
     )
     (step,) = (k for k, row in enumerate(table.rows) if row[1] == "extension spring")
     eye, over = float(str(table.rows[step][5])), set()
-    for mount in machine.mounts():
+    for mount in machine.assembly.mounts:
         number[mount.part] += 1
         kind = mount.part.removeprefix("own-") if machine.name == "host" else mount.part
         if kind == mount.part and machine.name == "host":
@@ -161,7 +163,10 @@ def test_a_spring_comes_before_the_heads_that_are_wider_than_its_eyes(machine: M
 def test_springs_are_drawn_between_their_pins() -> None:
     """From the pin in the ground to that of the follower, at their height; of an included machine where it stands."""
     theta, whole, own = np.linspace(0, 6, 7), including(), bench()
-    (drawn,), (there,) = own.spring_sketches(), whole.spring_sketches()
+    (drawn,), (there,) = (
+        spring_sketches(own.assembly.coils, own.assembly.courses),
+        spring_sketches(whole.assembly.coils, whole.assembly.courses),
+    )
     assert (
         drawn.course is not None
         and there.course is not None
@@ -169,23 +174,28 @@ def test_springs_are_drawn_between_their_pins() -> None:
         and there.z is not None
     )
     line = drawn.course(theta)
-    spring = own.return_spring
+    spring = own.assembly.springs["return spring"]
     assert spring is not None and np.ptp(line[:, 0]) == 0
     inside = np.abs(line[:, -1] - line[:, 0]) + own.sizes.pin_diameter  # type: ignore[attr-defined]
     assert spring.shortest - 1e-6 < inside.min() < inside.max() < spring.longest + 1e-6
     assert np.ptp(inside) > 0.5 * (spring.longest - spring.shortest)
     np.testing.assert_allclose(there.course(theta), line + 200, atol=1e-9)
-    tops = [mount.z for mount in whole.mounts() if mount.part.startswith("own-")]
-    assert there.z - drawn.z == pytest.approx(min(tops) - min(mount.z for mount in own.mounts()))
+    tops = [mount.z for mount in whole.assembly.mounts if mount.part.startswith("own-")]
+    assert there.z - drawn.z == pytest.approx(
+        min(tops) - min(mount.z for mount in own.assembly.mounts)
+    )
     assert "spring" in [body.name for body in animation(own).bodies]
 
 
 def test_coils_lie_clear_of_what_is_beneath() -> None:
     """Of the cam and the roller, where the eye has sunk onto its spacer: by as much as all that slides."""
     own = bench()
-    mounted, parts = own.return_spring, {part.name: part for part in own.parts()}
+    mounted, parts = (
+        own.assembly.springs["return spring"],
+        {part.name: part for part in own.assembly.parts},
+    )
     assert mounted is not None
-    tops = {mount.part: mount.z + parts[mount.part].thickness for mount in own.mounts()}
+    tops = {mount.part: mount.z + parts[mount.part].thickness for mount in own.assembly.mounts}
     eye = max(top for name, top in tops.items() if name.startswith("spacer"))
     beneath = max(top for name, top in tops.items() if name.startswith(("cam", "roller")))
     spring = mounted.spring

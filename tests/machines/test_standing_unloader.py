@@ -16,6 +16,7 @@ from camgen.geometry.mesh import Mesh
 from camgen.judge.assembly import sweep
 from camgen.machine.run import solve
 from camgen.machines.indexing_cam.mechanism import IndexingCam
+from camgen.parts.assembly import bodies_in_motion, order_of_assembly
 from camgen.parts.solids import solid
 from camgen.reading import read
 from camgen.spec import validate
@@ -39,7 +40,7 @@ def starter() -> IndexingCam:
 
 @pytest.fixture(scope="module")
 def meshes(starter: IndexingCam) -> dict[str, Mesh]:
-    return {each.name: solid(each, 0.02) for each in starter.parts()}
+    return {each.name: solid(each, 0.02) for each in starter.assembly.parts}
 
 
 def test_the_list_names_the_springs_wire_and_its_forces(starter: IndexingCam) -> None:
@@ -49,7 +50,7 @@ def test_the_list_names_the_springs_wire_and_its_forces(starter: IndexingCam) ->
     5 more apart inside. EN 13906-2: 81500 d^4 / (8 D^3 n) with d 1.25, D 9.375 - 1.25, n 46.4 is 1 N/mm.
     """
     farthest = math.sqrt(30**2 + 120**2 + 2 * 30 * 120 * math.cos(math.radians(18)))
-    bought = next(each for each in starter.bought() if each.name == "extension spring")
+    bought = next(each for each in starter.assembly.bought if each.name == "extension spring")
     assert (
         "wire 1.25, outside diameter 9.38, 46.4 coils, free length 89 inside the eyes: closed coils"
         in bought.size
@@ -62,7 +63,7 @@ def test_the_list_names_the_springs_wire_and_its_forces(starter: IndexingCam) ->
     assert "at each end, 1 N/mm" in bought.size
     assert f"6 N at 95 and {farthest - 84:.4g} N at {farthest + 5:.4g}" in bought.size
     assert 81500 * 1.25**4 / (8 * 8.125**3 * 46.37) == pytest.approx(1.0, rel=1e-3)
-    rows = starter.steps().rows
+    rows = order_of_assembly(starter.assembly).rows
     (step,) = (row for row in rows if row[1] == "extension spring")
     assert step[2].startswith(
         "Unloader's spring, eyes on the pins at points hook and anchor, before their caps"
@@ -95,7 +96,7 @@ def test_the_crank_turns_with_the_link_less_twice_the_lead(starter: IndexingCam)
 
 def test_lead_whose_ratio_no_teeth_have_is_told_with_one_that_works() -> None:
     with pytest.raises(DesignError, match=r"unloader.lead_deg = (\S+) gives") as caught:
-        machine(unloader={"lead_deg": 17.3}).parts()
+        _ = machine(unloader={"lead_deg": 17.3}).assembly
     lead = float(caught.value.remedy.partition("lead_deg = ")[2].split()[0])
     assert abs(lead - 17.3) < 2
     assert machine(unloader={"lead_deg": lead}).made_unloader is not None
@@ -113,7 +114,7 @@ def test_lead_whose_ratio_no_teeth_have_is_told_with_one_that_works() -> None:
 )
 def test_a_spring_that_cannot_be_wound_is_told(unloader: dict[str, Any], said: str) -> None:
     with pytest.raises(DesignError, match=said):
-        machine(unloader=unloader).parts()
+        _ = machine(unloader=unloader).assembly
 
 
 WHEEL, MATE = "gear-unloader_gears-unloader", "gear-unloader_gears-driven-link-1"
@@ -137,8 +138,8 @@ def test_parts_out_of_place_are_found_out(
     moved: dict[str, tuple[float, float]],
     pairs: list[set[str]],
 ) -> None:
-    items, poses = [], starter.poses(np.zeros(1))
-    for each in starter.parts():
+    items, poses = [], starter.assembly.poses(np.zeros(1))
+    for each in starter.assembly.parts:
         for k, pose in enumerate(poses[each.name]):
             turned, raised = moved.get(each.name, (0.0, 0.0))
             where = placing(
@@ -152,7 +153,7 @@ def test_parts_out_of_place_are_found_out(
     write_3mf(tmp_path / "x.3mf", meshes, items, "key")
     failed = [
         set(f.where.partition(":")[0].split(" and "))
-        for f in sweep(tmp_path / "x.3mf", starter.moved())[0]
+        for f in sweep(tmp_path / "x.3mf", bodies_in_motion(starter.assembly))[0]
         if not f.ok
     ]
     assert all(pair in failed for pair in pairs) and bool(failed) == bool(pairs)
@@ -162,8 +163,8 @@ def test_both_ends_of_a_spring_lie_along_it_and_cover_it(starter: IndexingCam) -
     """At each angle: from pin to post and back; the bars, from beside each pin's head, meet in the middle where it is longest."""
     theta = np.radians([0.0, 60.0, 120.0, 240.0])
     courses, bars = (
-        starter.moved().courses(theta),
-        {thing.name: thing.bars[0] for thing in starter.bench.coils()},
+        bodies_in_motion(starter.assembly).assembly.courses(theta),
+        {thing.name: thing.bars[0] for thing in bodies_in_motion(starter.assembly).stand_ins},
     )
     one, two = (courses[f"unloader_spring {k}"] for k in (1, 2))
     assert np.abs(two.place - one.place) == pytest.approx([148.82, 90.0, 148.82, 90.0], abs=0.01)
@@ -185,7 +186,9 @@ def test_an_ideal_spring_is_not_made_and_that_is_told(starter: IndexingCam) -> N
     data = read(SPECS / "indexing-cam.toml")
     data["parts"]["make"], data["unloader"] = "machine", {"torque": "law"}
     ideal = validate(IndexingCam, data)
-    assert ideal.made_unloader is None and not any("spring" in each.name for each in ideal.bought())
+    assert ideal.made_unloader is None and not any(
+        "spring" in each.name for each in ideal.assembly.bought
+    )
     assert any("not made" in note for note in ideal.study().notes)
     assert not any("not made" in note for note in starter.study().notes if "unloader is" in note)
 

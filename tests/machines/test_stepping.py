@@ -21,6 +21,7 @@ from camgen.machine.model import Clutch
 from camgen.machine.run import solve
 from camgen.machine.targets import Advance, Course, advance
 from camgen.machines.indexing_cam.mechanism import IndexingCam
+from camgen.parts.assembly import bodies_in_motion, order_of_assembly
 from camgen.parts.solids import solid
 from camgen.pipeline.build import build
 from camgen.pipeline.curves import Curves
@@ -188,7 +189,7 @@ def test_a_wheel_that_swings_too_far_or_too_little_is_found() -> None:
 
 def test_shaft_and_wheel_run_in_clutches(made: IndexingCam) -> None:
     """Two of one kind, in the plate and the wheel, as thick as they are; a round steel rod through both, its flat above them."""
-    parts = {part.name: part for part in made.parts()}
+    parts = {part.name: part for part in made.assembly.parts}
     clutch = parts["bearing-hfl0615"]
     assert (clutch.count, clutch.made, clutch.thickness) == (2, "bought", 15.0)
     assert parts["ground"].thickness == parts["gear-gears-drive-wheel"].thickness == 15.0
@@ -198,18 +199,22 @@ def test_shaft_and_wheel_run_in_clutches(made: IndexingCam) -> None:
         parts["shaft-driven-link"].made == "bought"
         and parts["collar-driven-link"].bore == parts["collar"].bore
     )
-    ways = {mount.part: mount for mount in made.mounts()}
+    ways = {mount.part: mount for mount in made.assembly.mounts}
     top = ways["shaft-driven-link"].z + flat.z0
     assert (
         top >= ways["gear-gears-drive-wheel"].z + 15
         and ways["gear-unloader_gears-driven-link"].z >= top
     )
-    pin = next(f for f in made.features() if isinstance(f, PinEyes) and f.joint == "wheel's axle")
+    pin = next(
+        f for f in made.assembly.features if isinstance(f, PinEyes) and f.joint == "wheel's axle"
+    )
     assert len(pin.rings) == 2 and pin.pin is not None and pin.pin.part == "shaft-driven-link"
     assert len(parts["driven-link"].layers[0].region.holes) == 2  # shaft and mark
-    gear = next(f for f in made.features() if isinstance(f, GearTeeth) and f.joint == "gears")
+    gear = next(
+        f for f in made.assembly.features if isinstance(f, GearTeeth) and f.joint == "gears"
+    )
     assert "wheel's axle" in gear.turns
-    rows = [row[1] for row in made.steps().rows]
+    rows = [row[1] for row in order_of_assembly(made.assembly).rows]
     assert rows.index("bearing-hfl0615") < rows.index("gear-gears-drive-wheel")
 
 
@@ -233,10 +238,10 @@ def test_a_wheel_out_of_place_is_found(
     raised: float,
     pair: set[str] | None,
 ) -> None:
-    items, poses = [], made.poses(np.zeros(1))
+    items, poses = [], made.assembly.poses(np.zeros(1))
     kept = [
         each
-        for each in made.parts()
+        for each in made.assembly.parts
         if each.name.startswith(("ground", "gear-gears", "shaft-driven", "bearing"))
     ]
     for each in kept:
@@ -248,7 +253,7 @@ def test_a_wheel_out_of_place_is_found(
             where = placing(angle, complex(pose.place[0]), z, each.thickness, pose.flipped)
             items.append(Placed(each.name, f"{each.name}-{k + 1}", where))
     write_3mf(tmp_path / "x.3mf", {each.name: solid(each, 0.02) for each in kept}, items, "key")
-    moved, names = made.moved(), {each.name for each in kept}
+    moved, names = bodies_in_motion(made.assembly), {each.name for each in kept}
     moved = replace(
         moved,
         mounts=[each for each in moved.mounts if each.part in names],
@@ -323,7 +328,7 @@ def test_what_cannot_turn_on_is_told(tables: dict[str, Any], said: str) -> None:
 
 def test_a_plate_thinner_than_its_clutch_is_told_with_the_benchs_key() -> None:
     with pytest.raises(DesignError, match="bodies.base_thickness is 8 mm.*limit 15 mm"):
-        design("machine", bodies={"base_thickness": 8.0}).parts()
+        _ = design("machine", bodies={"base_thickness": 8.0}).assembly
 
 
 def test_the_clutch_is_a_joint_of_two_bodies(made: IndexingCam) -> None:
@@ -342,8 +347,8 @@ def test_the_picture_goes_on_over_two_turns(made: IndexingCam) -> None:
         [0, -180, -180, -360, -360]
     )
     assert (
-        made.shown_turns == 2
-        and validate(IndexingCam, read(SPECS / "indexing-cam.toml")).shown_turns == 1
+        made.assembly.cycle.turns == 2
+        and validate(IndexingCam, read(SPECS / "indexing-cam.toml")).assembly.cycle.turns == 1
     )
 
 

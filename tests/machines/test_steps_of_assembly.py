@@ -19,11 +19,12 @@ from camgen import load, starters
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine.features import Mark, Mount, PartPose, heights
-from camgen.machines.assembly import Fixing, order
 from camgen.machines.linkage.layout import Layout
 from camgen.machines.mechanism import Mechanism
+from camgen.parts.assembly import order_of_assembly
 from camgen.parts.catalogue import SCREWS
 from camgen.parts.part import Layer, Part
+from camgen.parts.steps import Fixing, order
 from camgen.pipeline.jobs import read_mechanism
 
 PLAY = Fixing(0.1)
@@ -35,7 +36,7 @@ def leg() -> Mechanism:
 
 
 def where(mechanism: Mechanism) -> dict[str, str]:
-    return {str(row[1]): str(row[3]) for row in mechanism.steps().rows}
+    return {str(row[1]): str(row[3]) for row in order_of_assembly(mechanism.assembly).rows}
 
 
 def test_each_link_is_said_to_go_over_those_that_it_is_jointed_to(leg: Mechanism) -> None:
@@ -58,7 +59,10 @@ def test_each_link_is_said_to_go_over_those_that_it_is_jointed_to(leg: Mechanism
 
 def test_how_far_from_its_end_a_shaft_holds_each(leg: Mechanism) -> None:
     """By the undersides of the table: the shaft's at -15, collar's at -3.2, plate's at 0, crank's at 5.2 mm."""
-    said, z = where(leg), {str(row[1]): float(str(row[5])) for row in leg.steps().rows}
+    said, z = (
+        where(leg),
+        {str(row[1]): float(str(row[5])) for row in order_of_assembly(leg.assembly).rows},
+    )
     for name, point in (
         ("collar", "pressed and glued "),
         ("ground", "O "),
@@ -215,12 +219,12 @@ def round_edge(contour: Contour) -> tuple[complex, float] | None:
 def edges(machine: Mechanism) -> tuple[list[Ring], list[Ring]]:
     """Holes and outlines of all copies of a machine at theta = 0."""
     parts, poses, number = (
-        {part.name: part for part in machine.parts()},
-        machine.poses(np.zeros(1)),
+        {part.name: part for part in machine.assembly.parts},
+        machine.assembly.poses(np.zeros(1)),
         Counter[str](),
     )
     found: tuple[list[Ring], list[Ring]] = [], []
-    for mount in machine.mounts():
+    for mount in machine.assembly.mounts:
         part, number[mount.part] = parts[mount.part], number[mount.part] + 1
         pose, copy = poses[part.name][number[part.name] - 1], f"{part.name}-{number[part.name]}"
         for layer in part.layers:
@@ -242,14 +246,14 @@ def part_of(copy: str) -> str:
 
 def steps(machine: Mechanism) -> Iterator[tuple[int, str, str, set[str]]]:
     """Number, where it goes, what it is, and the copies that it lays on."""
-    table = machine.steps()
+    table = order_of_assembly(machine.assembly)
     for row, laid in zip(table.rows, table.copies, strict=True):
         yield int(str(row[0])), str(row[3]), str(row[2]), set(laid)
 
 
 def misnamed(machine: Mechanism) -> list[str]:
     """Steps that name a part which is not there by then."""
-    every, there, found = {part.name for part in machine.parts()}, set[str](), list[str]()
+    every, there, found = {part.name for part in machine.assembly.parts}, set[str](), list[str]()
     for count, where, _, laid in steps(machine):
         said = set(re.findall(r"[\w-]+", where)) & every
         found += [f"step {count}: {part}" for part in said if part not in there]
@@ -261,8 +265,8 @@ def unfixed(machine: Mechanism) -> list[str]:
     """What is tight and not said to be fixed when the later of both comes, and what is said to be and is not."""
     holes, outlines = edges(machine)
     press, slide = machine.print.press_clearance, machine.print.slide_clearance
-    made = {part.name: part.made for part in machine.parts()}
-    rings = {ring.part for each in machine.features() for ring in getattr(each, "rings", ())}
+    made = {part.name: part.made for part in machine.assembly.parts}
+    rings = {ring.part for each in machine.assembly.features for ring in getattr(each, "rings", ())}
     tight: set[frozenset[str]] = set()
     for hole in holes:
         for outline in (each for each in outlines if each.goes_through(hole, (press + slide) / 2)):
@@ -309,8 +313,8 @@ def empty(machine: Mechanism) -> list[Ring]:
         for hole in meant
         if not any(each.copy == hole.copy and abs(each.at - hole.at) < 1e-3 for each in screws)
     ]
-    poses, left = machine.poses(np.zeros(1)), list[tuple[str, complex]]()
-    for feature in machine.features():
+    poses, left = machine.assembly.poses(np.zeros(1)), list[tuple[str, complex]]()
+    for feature in machine.assembly.features:
         pin = getattr(feature, "pin", None)
         eyes = (
             [feature.eye]
@@ -347,7 +351,7 @@ def test_no_hole_for_a_pin_is_left_empty(name: str) -> None:
 
 def test_damaged_steps_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
     """The second plate's row first, the last two rows swapped, and a pin said to be pressed into what it only goes through."""
-    machine, table = load(BAR), load(BAR).steps()
+    machine, table = load(BAR), order_of_assembly(load(BAR).assembly)
     rows, copies = list(table.rows), list(table.copies)
     plate = next(k for k, row in enumerate(rows) if row[1] == "second-plate")
     damaged = replace(
@@ -369,14 +373,14 @@ def test_damaged_steps_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
         (damaged, unfixed),
         (replace(table, rows=loose), unfixed),
     ):
-        monkeypatch.setattr(type(machine), "steps", lambda _, wrong=wrong: wrong)
+        monkeypatch.setitem(vars(machine), "assembly", replace(machine.assembly, work=[wrong]))
         assert check(machine)
 
 
 def test_a_hole_without_its_pin_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     """The pin of C hangs from the second plate: a hole for it in the ground plate stays empty."""
     machine = load(BAR)
-    assert "hole C" not in str(machine.parts()[0].notes)
+    assert "hole C" not in str(machine.assembly.parts[0].notes)
     monkeypatch.setattr(Layout, "in_first", lambda *_: True)
     assert {
         (hole.copy, round(hole.at.real, 6), round(hole.at.imag, 6)) for hole in empty(load(BAR))
@@ -385,7 +389,8 @@ def test_a_hole_without_its_pin_is_found(monkeypatch: pytest.MonkeyPatch) -> Non
 
 def test_a_pin_that_hangs_is_fixed_when_its_plate_comes() -> None:
     rows = {
-        str(row[1]): (k, str(row[2]), str(row[3])) for k, row in enumerate(load(BAR).steps().rows)
+        str(row[1]): (k, str(row[2]), str(row[3]))
+        for k, row in enumerate(order_of_assembly(load(BAR).assembly).rows)
     }
     (pin,) = (
         name

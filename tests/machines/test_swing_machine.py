@@ -23,6 +23,7 @@ from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import circle
 from camgen.judge.assembly import sweep
 from camgen.machines.mechanism import Mechanism
+from camgen.parts.assembly import bodies_in_motion, order_of_assembly
 from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
 from camgen.pipeline import making
@@ -62,7 +63,7 @@ def failing(folder: Path, kind: str) -> set[tuple[str, str]]:
 
 
 def test_all_parts_of_the_table_are_made_in_their_counts(made: Path) -> None:
-    counts = {part.name: part.count for part in machine().parts()}
+    counts = {part.name: part.count for part in machine().assembly.parts}
     assert counts == {
         "cam": 2,
         "frame": 2,
@@ -98,7 +99,7 @@ def test_the_spring_that_force_closure_asks_for_is_listed() -> None:
         if row[0] == "bought" and "return spring" in str(row[1])
     ]
     assert "0.01736 N/mm, 4.167 N at" in str(row[2]) and "lever of 24 mm" in str(row[2])
-    assert [name for name in asked.mounted_springs()] == [row[1]]
+    assert [name for name in asked.assembly.springs] == [row[1]]
     assert not [row for row in making.parts_table(machine()).rows if "spring" in str(row[1])]
 
 
@@ -106,7 +107,7 @@ def test_parts_list(made: Path) -> None:
     with open(made / f"{NAME}-parts.csv", encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     cam = next(row for row in rows if row["part"] == "cam")
-    volume = 2 * machine().parts()[0].volume
+    volume = 2 * machine().assembly.parts[0].volume
     assert float(cam["material, mm^3"]) == pytest.approx(volume, rel=5e-3)
     assert float(cam["mass in PLA, g"]) == pytest.approx(volume * 1.24e-3, rel=5e-3)
     bought = {row["part"]: row for row in rows if row["how"] == "bought"}
@@ -130,7 +131,7 @@ def test_heavier_plastic() -> None:
 
 def test_stacking_heights() -> None:
     """Base 4, gap 0.6, two frames of 6; cams 0.2 mm beyond the frames' middle plane on either side."""
-    mounts = machine().mounts()
+    mounts = machine().assembly.mounts
     heights = {(m.part, m.flipped): m.z for m in mounts}
     middle = 4 + 0.6 + 6
     assert heights["frame", False] == pytest.approx(middle - 6) and heights[
@@ -145,14 +146,14 @@ def test_stacking_heights() -> None:
 def test_tips_that_are_bought_lie_beside_the_frames() -> None:
     """Base 4, gap 0.6, cam 6, 0.2, two frames of 6, 0.2, cam 6; each tip reaches its cam from its frame, and no farther."""
     made = machine("frame.tip='MR63'")
-    heights = {(m.part, m.flipped): m.z for m in made.mounts()}
+    heights = {(m.part, m.flipped): m.z for m in made.assembly.mounts}
     assert [
         heights["cam", False],
         heights["frame", False],
         heights["frame", True],
         heights["cam", True],
     ] == pytest.approx([4.6, 10.8, 16.8, 23.0])
-    tips = {s.name: s.discs for s in made.stand_ins() if s.name.startswith("tip")}
+    tips = {s.name: s.discs for s in made.assembly.stand_ins if s.name.startswith("tip")}
     (pin, ring), (other, other_ring) = tips["tip-1"], tips["tip-2"]
     assert pin == (complex(-60, -30), 1.5, pytest.approx(4.8), pytest.approx(16.8))
     assert ring == (complex(-60, -30), 3.0, pytest.approx(6.35), pytest.approx(8.85))
@@ -165,7 +166,7 @@ def test_what_is_bought_for_a_tip_and_the_order_of_assembly() -> None:
         thing.name: thing
         for thing in machine(
             "frame.tip='623'", "geometry.tip_radius=5", "parts.thickness=8"
-        ).bought()
+        ).assembly.bought
     }
     assert (things["bearing of the tip"].size, things["bearing of the tip"].count) == (
         "623, 3 x 10 x 4",
@@ -175,12 +176,14 @@ def test_what_is_bought_for_a_tip_and_the_order_of_assembly() -> None:
         things["dowel pin of the tip"].size == "3 m6 x 16"
         and things["dowel pin of the tip"].standard == "ISO 2338"
     )
-    assert "bearing of the tip" not in {thing.name for thing in machine("frame.tip='pin'").bought()}
+    assert "bearing of the tip" not in {
+        thing.name for thing in machine("frame.tip='pin'").assembly.bought
+    }
 
     def order(*settings: str) -> list[str]:
         return [
             str(row[1])
-            for row in machine(*settings).steps().rows
+            for row in order_of_assembly(machine(*settings).assembly).rows
             if "cam" in str(row[1]) or "frame" in str(row[1])
         ]
 
@@ -190,14 +193,14 @@ def test_what_is_bought_for_a_tip_and_the_order_of_assembly() -> None:
 
 def test_axles_have_end_float() -> None:
     """Flange, base, washer and frames take less than the axle has above its flange."""
-    parts = {part.name: part for part in machine("print.slide_clearance=0.3").parts()}
+    parts = {part.name: part for part in machine("print.slide_clearance=0.3").assembly.parts}
     axle, frame = parts["axle"], parts["frame"]
     taken = parts["base"].thickness + parts["axle-washer"].thickness + 2 * frame.thickness
     assert axle.thickness - 2.0 - taken == pytest.approx(0.3)
 
 
 def test_the_twin_frame_is_the_mirror_image_in_the_line_of_centres() -> None:
-    first, second = machine().poses(np.array([0.3, 2.0]))["frame"]
+    first, second = machine().assembly.poses(np.array([0.3, 2.0]))["frame"]
     z = complex(-60, -30)
     for k in range(2):
         here = first.place[k] + np.exp(1j * first.angle[k]) * z
@@ -267,13 +270,13 @@ def test_other_machines_work_too(tmp_path: Path, settings: tuple[str, ...]) -> N
 
 def assembled(path: Path, mechanism: Mechanism, **changes: Any) -> None:
     """Assembly file of a machine in which one copy is turned (rad) or shifted, or parts are those of another machine."""
-    parts = {part.name: part for part in mechanism.parts()}
+    parts = {part.name: part for part in mechanism.assembly.parts}
     tolerance = mechanism.accuracy.chord_tolerance
     meshes: dict[str, Mesh] = {
         name: solid(part, tolerance) for name, part in (parts | changes.get("other", {})).items()
     }
     items = []
-    for part, poses in mechanism.poses(np.zeros(1)).items():
+    for part, poses in mechanism.assembly.poses(np.zeros(1)).items():
         for k, pose in enumerate(poses):
             turn, shift, lift = changes.get(f"{part}_{k + 1}".replace("-", "_"), (0.0, 0j, 0.0))
             at = complex(pose.place[0]) + shift
@@ -285,7 +288,11 @@ def assembled(path: Path, mechanism: Mechanism, **changes: Any) -> None:
 
 
 def swept(path: Path, mechanism: Mechanism) -> list[str]:
-    return [f"{f.code} {f.where}" for f in sweep(path, mechanism.moved())[0] if not f.ok]
+    return [
+        f"{f.code} {f.where}"
+        for f in sweep(path, bodies_in_motion(mechanism.assembly))[0]
+        if not f.ok
+    ]
 
 
 def test_bodies_in_the_way_are_found(tmp_path: Path) -> None:
@@ -300,7 +307,7 @@ def test_bodies_in_the_way_are_found(tmp_path: Path) -> None:
 
 def test_an_axle_that_meets_the_end_of_its_slot(tmp_path: Path) -> None:
     whole, path = machine(*COARSE), tmp_path / "x.3mf"
-    short = {part.name: part for part in machine("geometry.swing_deg=25", *COARSE).parts()}
+    short = {part.name: part for part in machine("geometry.swing_deg=25", *COARSE).assembly.parts}
     assembled(path, whole, other={"base": short["base"]})
     failed = swept(path, whole)
     assert len(failed) == 1 and failed[0].startswith("INTERFERENCE base-1 and axle-2")
@@ -308,7 +315,7 @@ def test_an_axle_that_meets_the_end_of_its_slot(tmp_path: Path) -> None:
 
 def test_a_lost_copy(tmp_path: Path) -> None:
     whole, path = machine(), tmp_path / "x.3mf"
-    mesh = solid(whole.parts()[0], 0.01)
+    mesh = solid(whole.assembly.parts[0], 0.01)
     write_3mf(path, {"cam": mesh}, [Placed("cam", "cam-1")], "key")
     assert [said.split()[0] for said in swept(path, whole)] == ["ROUND_TRIP"]
 
@@ -494,7 +501,7 @@ def test_torque_is_that_of_the_load() -> None:
 )
 def test_no_such_machine(settings: list[str], said: str) -> None:
     with pytest.raises(DesignError, match=said) as caught:
-        machine(*settings).parts()
+        _ = machine(*settings).assembly
     assert caught.value.exit_code == 3 and not math.isnan(caught.value.value)
 
 
@@ -546,7 +553,7 @@ def test_fits_that_leave_no_material(tmp_path: Path, setting: str) -> None:
 
 def test_pins_that_meet_the_bore_are_refused() -> None:
     """The pin's hole keeps the wall to the bore by its place; with the bore's play the spacer's wall is what is left."""
-    part = machine().parts()[0]
+    part = machine().assembly.parts[0]
     bore, pin = (hole for hole in part.region.holes[:2])
     gap = (
         abs(pin.centroid) - math.sqrt(abs(bore.area) / math.pi) - math.sqrt(abs(pin.area) / math.pi)
@@ -566,7 +573,9 @@ def test_machines_of_moderate_size_have_room(pivot: float, arm: float, swing: fl
         f"geometry.swing_deg={swing}",
     )
     small = machine(*sizes)
-    assert {part.name for part in small.parts()} == {part.name for part in machine().parts()}
+    assert {part.name for part in small.assembly.parts} == {
+        part.name for part in machine().assembly.parts
+    }
     assert any(note.startswith("Made smaller than usual") for note in small.study().notes) == (
         (pivot, arm) in {(30, 15), (30, 10), (50, 40)}
     )
@@ -576,12 +585,12 @@ def test_pins_match_when_the_cam_is_turned_over_and_keep_their_walls() -> None:
     """A cam whose thinnest side lies beside the shaft carries its pins on the deep side."""
     cam, *_ = machine(
         "geometry.pivot_distance=30", "geometry.arm_offset=10", "geometry.swing_deg=10"
-    ).parts()
+    ).assembly.parts
     one, other = cam.centres[1:]
     assert other == -one.conjugate() and one.real > 0 and one.imag > 0
     spacer = next(
         p
-        for p in machine("geometry.pivot_distance=40", "geometry.arm_offset=20").parts()
+        for p in machine("geometry.pivot_distance=40", "geometry.arm_offset=20").assembly.parts
         if p.name == "cam-spacer"
     )
     assert as_circle(spacer.region.outer) is None and len(spacer.region.holes) == 3
@@ -598,15 +607,15 @@ def test_a_refused_machine_says_what_has_room(pivot: float, arm: float, swing: f
         f"geometry.swing_deg={swing}",
     )
     with pytest.raises(DesignError) as caught:
-        machine(*sizes).parts()
+        _ = machine(*sizes).assembly
     remedies = re.findall(r"([a-z]+\.[a-z_]+) = ([\d.]+)", caught.value.remedy)
     assert remedies
     for key, value in remedies:
-        assert machine(*sizes, f"{key}={value}").parts(), key
+        assert machine(*sizes, f"{key}={value}").assembly.parts, key
 
 
 def test_a_thick_collet_moves_the_pins_outwards() -> None:
-    cam = machine("collet.wall=4").parts()[0]
+    cam = machine("collet.wall=4").assembly.parts[0]
     assert abs(cam.centres[1]) - 1.5 > 2.6 + 4  # bore with its fit, and the wall
 
 
@@ -623,7 +632,7 @@ def test_screws_that_do_not_reach_the_motor() -> None:
 
 def test_a_nema_23_is_held_by_nuts() -> None:
     """Its face has plain holes in a flange of 4.8 mm."""
-    bought = {thing.name: thing.size for thing in machine("base.motor='nema-23'").bought()}
+    bought = {thing.name: thing.size for thing in machine("base.motor='nema-23'").assembly.bought}
     assert bought["nut of the motor"] == "M5" and "with a nut" in bought["screw of the motor"]
 
 

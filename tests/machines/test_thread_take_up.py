@@ -236,9 +236,9 @@ def test_own_lengths_are_not_called_readings_of_the_source() -> None:
 
 def test_fold_and_past_it() -> None:
     with pytest.raises(DesignError, match=r"gap at joint B is 0\.0001 mm at crank angle .*deg"):
-        printed("geometry.frame=19.0001").parts()
+        _ = printed("geometry.frame=19.0001").assembly
     with pytest.raises(DesignError, match="change-point"):
-        printed("geometry.frame=19").parts()
+        _ = printed("geometry.frame=19").assembly
     near = printed("geometry.frame=18.9")
     assert "FOLD_MARGIN" in failing(near) and near.take_up.diagram.range > 0
 
@@ -328,10 +328,11 @@ def test_a_consumption_that_is_met_passes() -> None:
 def collisions(mechanism: ThreadTakeUp, theta: np.ndarray) -> set[tuple[str, str]]:
     """Pairs of parts whose outlines overlap by more than facets do, at the same height, at any of the angles."""
     bodies = []
-    for part in mechanism.parts():
+    for part in mechanism.assembly.parts:
         rings = [facet_contour(c, 0.001) for c in (part.region.outer, *part.region.holes)]
         bodies += [
-            (part.name, part.thickness, rings, pose) for pose in mechanism.poses(theta)[part.name]
+            (part.name, part.thickness, rings, pose)
+            for pose in mechanism.assembly.poses(theta)[part.name]
         ]
     found = set()
     for k in range(len(theta)):
@@ -374,9 +375,9 @@ def test_a_guide_in_the_way_is_seen_by_both() -> None:
 
 def test_parts_fit_their_pins_and_stack() -> None:
     found = made()
-    parts = {part.name: part for part in found.parts()}
+    parts = {part.name: part for part in found.assembly.parts}
     assert [parts[name].count for name in ("dowel", "guide")] == [2, 2]
-    poses = found.poses(np.zeros(1))
+    poses = found.assembly.poses(np.zeros(1))
     assert {name: len(copies) for name, copies in poses.items() if name in parts} == {
         n: p.count for n, p in parts.items()
     }
@@ -430,7 +431,7 @@ def test_shipped_spec_builds_and_checks(built: Callable[..., Path], tmp_path: Pa
 )
 def test_holes_that_meet_are_refused(override: str, message: str) -> None:
     with pytest.raises(DesignError, match=message):
-        made(override).parts()
+        _ = made(override).assembly
 
 
 @given(
@@ -542,7 +543,7 @@ def test_crank_that_cannot_turn_is_refused_with_angles() -> None:
         DesignError,
         match=r"gap at joint B is .* mm at crank angle .* deg \(closes or opens at .* deg\)",
     ):
-        made("geometry.frame=40").parts()
+        _ = made("geometry.frame=40").assembly
 
 
 def test_pins_bend_by_their_reaction(numbers: dict[str, float]) -> None:
@@ -563,10 +564,13 @@ def test_pins_bend_by_their_reaction(numbers: dict[str, float]) -> None:
 
 
 def test_what_is_bought() -> None:
-    assert [line.name for line in made().bought()] == ["drive", "screw of the frame, from behind"]
-    turned = [part.name for part in made().parts() if part.made != "printed"]
+    assert [line.name for line in made().assembly.bought] == [
+        "drive",
+        "screw of the frame, from behind",
+    ]
+    turned = [part.name for part in made().assembly.parts if part.made != "printed"]
     assert turned == ["shaft", "pin-a", "pin-b"]
-    assert all(part.made == "printed" for part in made('parts.pins="printed"').parts())
+    assert all(part.made == "printed" for part in made('parts.pins="printed"').assembly.parts)
 
 
 def test_the_starters_consumption_holds(tmp_path: Path) -> None:
@@ -580,7 +584,7 @@ def test_the_starters_consumption_holds(tmp_path: Path) -> None:
 
 
 def test_the_flat_of_the_shaft_is_in_shaft_crank_and_collar() -> None:
-    parts = {part.name: part for part in made().parts()}
+    parts = {part.name: part for part in made().assembly.parts}
     for contour in (
         parts["shaft"].region.outer,
         parts["input-crank"].region.holes[0],

@@ -209,7 +209,7 @@ def test_arrow_torque_and_picture_turn_with_the_shaft() -> None:
     )
 
     def head(m: Any) -> complex:
-        (arrow,) = m.parts()[0].engraved
+        (arrow,) = m.assembly.parts[0].engraved
         corners = facet_contour(arrow.region.outer, 1e-3)
         seen = (corners - corners.mean()) / corners.mean()  # from its own place, outwards is real
         return complex(seen[np.argmin(np.abs(seen.real))])

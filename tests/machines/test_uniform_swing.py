@@ -49,7 +49,7 @@ def polygon(contour: Contour, tolerance: float = 1e-4) -> shapely.Polygon:
 
 def walls(m: UniformSwing) -> tuple[float, list[float]]:
     """Smallest wall between bore, pin holes, windows; and that of each hole to the rim, measured by shapely."""
-    region = m.parts()[0].region
+    region = m.assembly.parts[0].region
     rim, holes = polygon(region.outer), [polygon(h) for h in region.holes]
     assert rim.is_valid and all(h.is_valid and rim.contains(h) for h in holes)
     between = [a.distance(b) for k, a in enumerate(holes) for b in holes[k + 1 :]]
@@ -67,7 +67,7 @@ def test_windows_keep_the_wall(shaft: str, wall: float, count: int) -> None:
         parts__pin_diameter=2.0,
         parts__bore=6.0,
     )
-    region = m.parts()[0].region
+    region = m.assembly.parts[0].region
     between, edges = walls(m)
     made = len(region.holes) - 3
     assert 0 <= made <= count
@@ -79,7 +79,7 @@ def test_windows_keep_the_wall(shaft: str, wall: float, count: int) -> None:
 
 @pytest.mark.parametrize("shaft", SHAFTS)
 def test_area_is_that_of_its_polygons(shaft: str) -> None:
-    region = design(parts__shaft=shaft).parts()[0].region
+    region = design(parts__shaft=shaft).assembly.parts[0].region
     expected = polygon(region.outer).area - sum(polygon(h).area for h in region.holes)
     assert region.area == pytest.approx(expected, rel=1e-5)
 
@@ -87,7 +87,7 @@ def test_area_is_that_of_its_polygons(shaft: str) -> None:
 @pytest.mark.parametrize("shaft", SHAFTS)
 def test_turned_over_it_fits_itself(shaft: str) -> None:
     """Turned about Oy, bore and pin holes come to lie on themselves; the rim does not."""
-    region = design(parts__shaft=shaft).parts()[0].region
+    region = design(parts__shaft=shaft).assembly.parts[0].region
     fixed = shapely.union_all([polygon(h, 1e-5) for h in region.holes[:3]])
     turned = affinity.scale(fixed, -1, 1, origin=(0, 0))
     assert fixed.symmetric_difference(turned).area < 1.1e-5 * fixed.length
@@ -110,7 +110,7 @@ def test_turned_over_it_fits_itself(shaft: str) -> None:
     ],
 )
 def test_bores(shaft: str, area: float, top: float) -> None:
-    bore = design(parts__shaft=shaft).parts()[0].region.holes[0]
+    bore = design(parts__shaft=shaft).assembly.parts[0].region.holes[0]
     assert abs(bore.area) == pytest.approx(area, rel=1e-9)
     assert polygon(bore, 1e-6).bounds[3] == pytest.approx(top, abs=1e-6)
 
@@ -118,9 +118,9 @@ def test_bores(shaft: str, area: float, top: float) -> None:
 def test_copies_and_layers() -> None:
     for closure, copies in (("conjugate", 2), ("force", 1)):
         m = design(geometry__closure=closure)
-        (part,) = m.parts()
-        poses = m.poses(np.linspace(0, 6, 7))["cam"]
-        assert part.count == len(poses) == len(m.features()) == copies
+        (part,) = m.assembly.parts
+        poses = m.assembly.poses(np.linspace(0, 6, 7))["cam"]
+        assert part.count == len(poses) == len(m.assembly.features) == copies
         assert [p.flipped for p in poses] == [False, True][:copies]
         assert part.bore == 8.0 and part.layers[0].z1 == part.thickness == 6.0
         for engraved in part.engraved:
@@ -135,9 +135,9 @@ def test_copies_and_layers() -> None:
 def test_second_tip_rides_on_the_turned_cam() -> None:
     """Where features() puts the second tip it touches the turned rim, at every angle."""
     m = design(geometry__reversal_blend_deg=20.0)
-    rim = polygon(m.parts()[0].region.outer, 1e-5)
+    rim = polygon(m.assembly.parts[0].region.outer, 1e-5)
     theta = np.linspace(0, 2 * math.pi, 181) + 0.01
-    for outline, mount in zip(m.features(), m.mounts(), strict=True):
+    for outline, mount in zip(m.assembly.features, m.assembly.mounts, strict=True):
         assert isinstance(outline, CamOutline) and isinstance(outline.tip, Eye)
         centre = (
             m.model.pin("pivot").b.at + outline.tip.at * np.exp(1j * m.reachable(theta))
@@ -163,7 +163,7 @@ def test_second_tip_rides_on_the_turned_cam() -> None:
 )
 def test_no_such_mechanism(keys: dict[str, Any], quantity: str, limit: float) -> None:
     with pytest.raises(DesignError) as caught:
-        design(**keys).parts()
+        _ = design(**keys).assembly
     error = caught.value
     assert error.exit_code == 3
     assert error.quantity == quantity and error.limit == pytest.approx(limit, rel=1e-3)
@@ -176,21 +176,21 @@ def test_a_wall_that_has_no_room_gives_way() -> None:
     m = design(parts__wall=20.0)
     between, edges = walls(m)
     assert min(between, *edges) > 5
-    assert min(hole.centroid.imag for hole in m.parts()[0].region.holes[1:3]) > 5
+    assert min(hole.centroid.imag for hole in m.assembly.parts[0].region.holes[1:3]) > 5
 
 
 def test_sharp_bore_limit() -> None:
     """The bore's limit is the cam's nearest side: just under it the cam is only thin, just over it it is none."""
     with pytest.raises(DesignError) as caught:
-        design(parts__bore=100.0, parts__pin_diameter=0.0).parts()
+        _ = design(parts__bore=100.0, parts__pin_diameter=0.0).assembly
     limit = caught.value.limit
-    rim = polygon(design().parts()[0].region.outer, 1e-5)
+    rim = polygon(design().assembly.parts[0].region.outer, 1e-5)
     assert limit == pytest.approx(2 * rim.exterior.distance(shapely.Point(0, 0)), abs=0.021)
     assert min(walls(design(parts__bore=limit - 0.2, parts__pin_diameter=0.0))[1]) == pytest.approx(
         0.1, abs=0.02
     )
     with pytest.raises(DesignError, match="parts.bore"):
-        design(parts__bore=limit + 0.05, parts__pin_diameter=0.0).parts()
+        _ = design(parts__bore=limit + 0.05, parts__pin_diameter=0.0).assembly
 
 
 @pytest.mark.parametrize(

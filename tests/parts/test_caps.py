@@ -43,7 +43,7 @@ def test_least_height(part, monkeypatch):
 def test_least_height_of_machine_parts(root, spec):
     """The collet apart: two of its circles, nearly equal, are facetted 6e-7 mm apart."""
     mechanism = read_mechanism(root / "specs" / f"{spec}.toml").resolved()
-    for part in (part for part in mechanism.parts() if part.name != "collet"):
+    for part in (part for part in mechanism.assembly.parts if part.name != "collet"):
         mesh = solid(part, mechanism.accuracy.chord_tolerance)
         assert heights(mesh)[level(mesh)].min() > LEAST * mechanism.accuracy.chord_tolerance, (
             part.name

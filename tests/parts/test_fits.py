@@ -225,7 +225,7 @@ def test_motion_survives_the_fits(root: Path) -> None:
     spec = UniformSwing.model_validate(
         tomllib.loads((root / "specs" / "uniform-swing.toml").read_text(encoding="utf-8"))
     )
-    part, tip = next(p for p in spec.parts() if p.name == "cam"), spec.cam.follower
+    part, tip = next(p for p in spec.assembly.parts if p.name == "cam"), spec.cam.follower
     fit = Compensation(hole=0.1, profile=0.12, shrinkage=0.004)
     made = compensated(part, fit)
     tolerance = 1e-3

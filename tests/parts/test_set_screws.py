@@ -10,6 +10,7 @@ import pytest
 from camgen import starters
 from camgen.errors import DesignError, SpecError
 from camgen.machines.loads.assess import assess
+from camgen.parts.assembly import order_of_assembly
 from camgen.parts.catalogue import SCREWS
 from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.solids import solid
@@ -110,17 +111,17 @@ def test_a_collar_stands_in_parts_list_steps_reach_and_sweep() -> None:
     made, without = (
         read_mechanism(SPECS / "disc-cam.toml", settings) for settings in (MOTOR, MOTOR[:-1])
     )
-    assert "shaft-collar" in {part.name for part in made.parts()} - {
-        part.name for part in without.parts()
+    assert "shaft-collar" in {part.name for part in made.assembly.parts} - {
+        part.name for part in without.assembly.parts
     }
     assert {"set screw of the hub", "nut of the set screw"} <= {
-        thing.name for thing in made.bought()
+        thing.name for thing in made.assembly.bought
     }
-    assert any("shaft-collar" in row for row in made.steps().rows)
-    assert made.shaft_needed is not None and without.shaft_needed is not None
-    assert made.shaft_needed > without.shaft_needed + 5
-    (collar,) = (mount for mount in made.mounts() if mount.part == "shaft-collar")
-    over = [mount for mount in made.mounts() if mount.part == "follower"]
+    assert any("shaft-collar" in row for row in order_of_assembly(made.assembly).rows)
+    assert made.assembly.motor.reach is not None and without.assembly.motor.reach is not None
+    assert made.assembly.motor.reach > without.assembly.motor.reach + 5
+    (collar,) = (mount for mount in made.assembly.mounts if mount.part == "shaft-collar")
+    over = [mount for mount in made.assembly.mounts if mount.part == "follower"]
     assert collar.body == "cam" and over
 
 

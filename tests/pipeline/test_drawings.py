@@ -28,7 +28,7 @@ SPECS = Path(__file__).resolve().parents[2] / "specs"
 
 def facts(spec: str, *settings: str) -> tuple[Mechanism, dict[str, Facts]]:
     mechanism = read_mechanism(SPECS / f"{spec}.toml", settings)
-    return mechanism, {part.name: facts_of(mechanism, part) for part in mechanism.parts()}
+    return mechanism, {part.name: facts_of(mechanism, part) for part in mechanism.assembly.parts}
 
 
 def fits(found: Facts) -> dict[complex, str]:
@@ -69,7 +69,7 @@ def test_material_mass_number_and_date(tmp_path: Path) -> None:
     mechanism, found = facts(
         "thread-take-up", "drawing.number=K-104", "drawing.date=2026-05-31", "material.infill=0.5"
     )
-    parts = {part.name: part for part in mechanism.parts()}
+    parts = {part.name: part for part in mechanism.assembly.parts}
     for k, (name, one) in enumerate(found.items(), 1):
         printed = parts[name].made == "printed"
         density = 1.24 * 0.5 if printed else 7.85  # g/cm^3: PLA at half its filling, steel
@@ -173,7 +173,7 @@ def test_no_label_of_a_shipped_drawing_lies_on_another_or_on_an_edge(
     spec: Path, tmp_path: Path
 ) -> None:
     machine = read_mechanism(spec, ()).resolved()
-    for part in machine.parts():
+    for part in machine.assembly.parts:
         files = write_drawing(
             tmp_path, machine.name, part, machine.accuracy.chord_tolerance, facts_of(machine, part)
         )
@@ -182,7 +182,7 @@ def test_no_label_of_a_shipped_drawing_lies_on_another_or_on_an_edge(
 
 def test_labels_that_do_collide_are_found(tmp_path: Path) -> None:
     machine = read_mechanism(SPECS / "uniform-swing.toml", ())
-    part = next(part for part in machine.parts() if part.name == "cam")
+    part = next(part for part in machine.assembly.parts if part.name == "cam")
     file = write_drawing(tmp_path, "d", part, 0.001, facts_of(machine, part))[0]
     space = ezdxf.readfile(file).modelspace()
     one, two = (

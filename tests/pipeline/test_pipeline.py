@@ -16,6 +16,7 @@ import gallery
 import numpy as np
 import pytest
 
+from camgen.parts.assembly import order_of_assembly
 from camgen.pipeline import build as pipeline
 
 TOP = Path(__file__).resolve().parents[2]
@@ -154,9 +155,9 @@ def test_every_machine_has_steps_of_assembly_for_all_that_stands_in_it(name: str
     machine = pipeline.read_mechanism(
         TOP / "specs" / f"{name}.toml", CAMS[:1] if name == "uniform-swing" else ()
     )
-    steps, poses = machine.steps(), machine.poses(np.zeros(1))
+    steps, poses = order_of_assembly(machine.assembly), machine.assembly.poses(np.zeros(1))
     assert [row[0] for row in steps.rows] == list(range(1, len(steps.rows) + 1))
-    copies = Counter({part.name: len(poses[part.name]) for part in machine.parts()})
+    copies = Counter({part.name: len(poses[part.name]) for part in machine.assembly.parts})
     told: Counter[str] = Counter()
     rows = [row for row in steps.rows if row[1] != "board"]  # it is the builder's
     assert len(steps.rows) - len(rows) == (machine.mechanism == "linkage")
@@ -167,13 +168,13 @@ def test_every_machine_has_steps_of_assembly_for_all_that_stands_in_it(name: str
         ]
     assert told == +copies
     thick = {
-        part.name: part.thickness for part in machine.parts()
+        part.name: part.thickness for part in machine.assembly.parts
     }  # what is turned over comes from above
     heights = [
         round(z + thick[part] * (lies == "turned over"), 6) for _, part, _, _, _, z, lies in rows
     ]
     assert heights == sorted(heights)
-    counts = Counter(mount.part for mount in machine.mounts())
+    counts = Counter(mount.part for mount in machine.assembly.mounts)
     every = {f"{part}-{k + 1}": part for part, count in counts.items() for k in range(count)}
     laid = Counter(
         copy for row in steps.copies for copy, part in every.items() if copy in row or part in row

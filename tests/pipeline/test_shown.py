@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from camgen.parts.assembly import order_of_assembly
 from camgen.pipeline import build as pipeline
 from camgen.pipeline.making import assembled
 from camgen.pipeline.shown import scene
@@ -25,7 +26,10 @@ UP = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]]) / 1000  # (x, y, z) mm to (x, 
 )  # the others with their heights, in test_pipeline
 def test_the_steps_of_assembly_lay_on_every_copy_once(name: str) -> None:
     machine = pipeline.read_mechanism(SPECS / f"{name}.toml").resolved()
-    table, counts = machine.steps(), Counter(mount.part for mount in machine.mounts())
+    table, counts = (
+        order_of_assembly(machine.assembly),
+        Counter(mount.part for mount in machine.assembly.mounts),
+    )
     every = {f"{part}-{k + 1}": part for part, count in counts.items() for k in range(count)}
     assert len(table.copies) == len(table.rows)
     laid = Counter(
@@ -46,7 +50,7 @@ def test_the_glb_is_the_assembly_and_moves_as_it_does(name: str) -> None:
         wanted = np.column_stack([UP @ copy.transform[:, :3], UP @ copy.transform[:, 3]])
         np.testing.assert_allclose(matrix[:3], wanted, atol=1e-9)
         assert geometry == copy.object
-    for part in machine.parts():
+    for part in machine.assembly.parts:
         if part.name in shown.geometry:
             mesh = shown.geometry[part.name]
             assert (
@@ -56,7 +60,7 @@ def test_the_glb_is_the_assembly_and_moves_as_it_does(name: str) -> None:
     # a quarter of a turn, read from the file's own animation
     size = struct.unpack_from("<I", seen.glb, 12)[0]
     file = json.loads(seen.glb[20 : 20 + size])
-    poses = machine.courses(np.array([np.pi / 2]))
+    poses = machine.assembly.courses(np.array([np.pi / 2]))
     moved = 0
     for channel in file["animations"][0]["channels"]:
         node, sampler = (

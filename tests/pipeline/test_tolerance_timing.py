@@ -27,8 +27,8 @@ def found() -> dict[str, Timing]:
 def test_needles_and_spreaders_touch_at_the_angle_that_is_told(found: dict[str, Timing]) -> None:
     """Outlines moved and measured by shapely's own distance."""
     machine, each = read_mechanism(LOOPER, ()), found["N2/P2"]
-    parts = {part.name: part for part in machine.parts()}
-    rest, theta = machine.poses(np.zeros(1)), np.linspace(0, math.tau, 721)
+    parts = {part.name: part for part in machine.assembly.parts}
+    rest, theta = machine.assembly.poses(np.zeros(1)), np.linspace(0, math.tau, 721)
     faces = {}
     for name in ("upper-spreader", "needle-2"):
         rings = slice_mesh(solid(parts[name], 0.01), -rest[name][0].z)
@@ -38,8 +38,8 @@ def test_needles_and_spreaders_touch_at_the_angle_that_is_told(found: dict[str, 
 
     def nearest(later: float) -> float:
         a, b = (
-            machine.poses(theta - later)["upper-spreader"][0].place,
-            machine.poses(theta)["needle-2"][0].place,
+            machine.assembly.poses(theta - later)["upper-spreader"][0].place,
+            machine.assembly.poses(theta)["needle-2"][0].place,
         )
         close = np.argsort(np.abs(b - a))[::3]
         return min(

@@ -51,7 +51,7 @@ def test_a_pin_on_its_head_and_on_its_end():
 def test_no_layer_tells_nothing_and_layers_count_in_the_time():
     assert found(None, {}) == ({}, ())
     (part,) = [
-        part for part in camgen.load(SPECS / "linkage.toml").parts() if part.name == "rocker"
+        part for part in camgen.load(SPECS / "linkage.toml").assembly.parts if part.name == "rocker"
     ]
     coarse, fine = (parts_list([part], layer=layer)[0].print_min for layer in (0.2, 0.1))
     flow = part.volume / (0.4 * 0.2 * 60)
@@ -64,7 +64,7 @@ def test_spreaders_lie_on_their_large_face():
     """49 mm^2 would lie on the bed as drawn; on a side it is the whole flank, and next to nothing hangs over."""
     parts = {
         part.name: part
-        for part in camgen.load(SPECS / "chain-stitch-looper.toml").resolved().parts()
+        for part in camgen.load(SPECS / "chain-stitch-looper.toml").resolved().assembly.parts
     }
     for name in ("lower-spreader", "upper-spreader"):
         side = lying_side(solid(parts[name], 0.005))

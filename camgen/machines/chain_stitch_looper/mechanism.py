@@ -64,7 +64,7 @@ from camgen.machines.chain_stitch_looper.threads import lengths, moments, seam, 
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.program import Program
 from camgen.motion.segments import LawChoice, SegmentTable, law_of, program, program_faults
-from camgen.parts.part import Part
+from camgen.parts.assembly import Assembly
 from camgen.spec import validate
 from camgen.study import Study
 from camgen.tolerances import SAME_POINT
@@ -283,29 +283,21 @@ class ChainStitchLooper(Mechanism):
     def _back(self) -> float:
         return seat_back(math.radians(self.geometry.protrusion_deg), self.making.lean)
 
-    def parts(self) -> Sequence[Part]:
-        """Both spreaders; needles and plate as dummies for the assembly; gauges of the outlines and of the section."""
-        return self.bodies.parts
+    @cached_property
+    def assembly(self) -> Assembly:
+        """Both spreaders; needles and plate as dummies for the assembly; gauges of the outlines and of the section.
 
-    # ---- assembly ----------------------------------------------------------------------------------------------------
-
-    def mounts(self) -> Sequence[Mount]:
-        """Spreaders and needles on their guides, the plate still; gauges stand nowhere."""
+        Spreaders and needles stand on their guides, the plate still; gauges stand nowhere. What passes by may graze, or keeps
+        the gap of its contact.
+        """
         floor, needle = self.bodies.plan[2].imag, -self.stitch.needle / 2
         spreaders = [Mount(name, name, z=floor) for name in ("lower-spreader", "upper-spreader")]
         needles = [Mount(name, name, z=needle) for name in ("needle-1", "needle-2")]
-        return (
-            *spreaders,
-            *needles,
-            Mount("needle-plate", GROUND, z=-self.bodies.plate.thickness / 2),
-        )
+        plate = Mount("needle-plate", GROUND, z=-self.bodies.plate.thickness / 2)
+        made = self._assembly(self.bodies.parts, (*spreaders, *needles, plate))
+        return replace(made, passing=self._passing(), process=replace(made.process, gap=0.0))
 
-    @property
-    def running_gap(self) -> float:
-        """None: what passes by may graze, or keeps the gap of its contact."""
-        return 0.0
-
-    def contacts(self) -> Sequence[Apart]:
+    def _passing(self) -> Sequence[Apart]:
         """Needles against spreaders in the needles' plane, the spreaders against each other there and beside it."""
         gap, t1, t5 = self.allowed.clearance, *self.bodies.plan[::4]
         beside = (t1.imag + t5.imag) / 2
@@ -325,6 +317,8 @@ class ChainStitchLooper(Mechanism):
                 "P1/P2", "lower-spreader", "upper-spreader", (0.0, beside), self.making.running_gap
             ),
         )
+
+    # ---- assembly ----------------------------------------------------------------------------------------------------
 
     # ---- checks and study --------------------------------------------------------------------------------------------
 
@@ -552,7 +546,7 @@ class ChainStitchLooper(Mechanism):
             "blade_length": math.ceil(max(made.spreader_stroke - min(made.before), made.nose + 2)),
         }
         result = validate(type(self), data, "design")
-        result.parts()
+        _ = result.assembly  # refused where it cannot be made
         return result.proven()
 
 

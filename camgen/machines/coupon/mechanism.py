@@ -10,7 +10,8 @@ What was measured goes into [measured]; what follows of it, into [print] of ever
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Annotated, Any
@@ -25,6 +26,7 @@ from camgen.machine.features import Mount
 from camgen.machine.model import GROUND, Machine
 from camgen.machines.coupon.calibration import Calibrated, Feature, Printed, calibrated
 from camgen.machines.mechanism import Mechanism
+from camgen.parts.assembly import Assembly
 from camgen.parts.hardware import headed, plate, rounded
 from camgen.parts.part import Layer, Part
 from camgen.spec import Length, Record, unknown
@@ -202,7 +204,7 @@ class Coupon(Mechanism):
 
     def limits(self) -> Sequence[Finding]:
         """CALIBRATION of each value in mm, CALIBRATION_FIT of the size that is farthest off the fit."""
-        self.parts()
+        self._made  # noqa: B018  refuses what cannot be made
         found = [
             at_most(
                 "CALIBRATION",
@@ -262,16 +264,38 @@ class Coupon(Mechanism):
             )
         return ("for [print] of your specs:", *(each.line for each in self.calibrated.values))
 
-    def texts(self) -> Mapping[str, str]:
-        """The values, to be pasted."""
-        lines = [each.line for each in self.calibrated.values]
-        return {"print.toml": "\n".join(["[print]", *lines, ""])} if lines else {}
-
     # ---- parts ------------------------------------------------------------------------------------------------------
 
-    def parts(self) -> Sequence[Part]:
-        """Plate, loose pin and disc; the origin is hole A, the pin's and the disc's axis."""
-        return self._made
+    @cached_property
+    def assembly(self) -> Assembly:
+        """Plate, loose pin and disc, side by side on the bed; the origin is hole A, the pin's and the disc's axis."""
+        g = self.geometry
+        low = -max(g.datum_hole / 2, _SLOT) - self.making.wall - _APART - g.disc / 2
+        beside = complex(g.disc / 2 + _APART + g.fit_pin / 2 + self.making.wall, low)
+        mounts = (
+            Mount("gauge", GROUND),
+            Mount("disc", GROUND, 1j * low),
+            Mount("pin", GROUND, beside),
+        )
+        lines = [each.line for each in self.calibrated.values]
+        texts = {"print.toml": "\n".join(["[print]", *lines, ""])} if lines else {}
+        return replace(self._assembly(self._made, mounts), texts=texts, work=[self._measuring()])
+
+    def _measuring(self) -> Table:
+        """What to measure, and how."""
+        how = {
+            "gauge": "holes, gaps, fits: the caliper's inner jaws; pins: the outer ones; over x, over y: inner jaws on the far "
+            "walls of A and B, of A and C; between x, between y: outer jaws on the near ones",
+            "pin": "its shank: fit pin; runs: the tightest hole in which it turns, holds: the widest in which it holds",
+            "disc": "disc in the middle of its height, disc foot at its lowest layer, disc bore",
+        }
+        rows = [(k, part.name, how[part.name]) for k, part in enumerate(self._made, 1)]
+        return Table(
+            "What to measure, cold",
+            ("step", "part", "how"),
+            rows,
+            [[f"{part.name}-1"] for part in self._made],
+        )
 
     @cached_property
     def _made(self) -> Sequence[Part]:
@@ -386,26 +410,3 @@ class Coupon(Mechanism):
             raise DesignError("geometry.width", g.width, needed, "mm", "four rows", remedy)
         first = halves[0] + air + halves[1]
         return 0.0, first, first + halves[1] + air + halves[2], g.width
-
-    def mounts(self) -> Sequence[Mount]:
-        """Side by side on the bed."""
-        g = self.geometry
-        low = -max(g.datum_hole / 2, _SLOT) - self.making.wall - _APART - g.disc / 2
-        beside = complex(g.disc / 2 + _APART + g.fit_pin / 2 + self.making.wall, low)
-        return Mount("gauge", GROUND), Mount("disc", GROUND, 1j * low), Mount("pin", GROUND, beside)
-
-    def steps(self) -> Table:
-        """What to measure, and how."""
-        how = {
-            "gauge": "holes, gaps, fits: the caliper's inner jaws; pins: the outer ones; over x, over y: inner jaws on the far "
-            "walls of A and B, of A and C; between x, between y: outer jaws on the near ones",
-            "pin": "its shank: fit pin; runs: the tightest hole in which it turns, holds: the widest in which it holds",
-            "disc": "disc in the middle of its height, disc foot at its lowest layer, disc bore",
-        }
-        rows = [(k, part.name, how[part.name]) for k, part in enumerate(self._made, 1)]
-        return Table(
-            "What to measure, cold",
-            ("step", "part", "how"),
-            rows,
-            [[f"{part.name}-1"] for part in self._made],
-        )

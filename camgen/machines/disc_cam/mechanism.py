@@ -332,7 +332,7 @@ class DiscCamDrive(StandingCams):
         return loaded(pulled(self), self.cam, self._load or FollowerLoad(), theta)
 
     @property
-    def spring_asked(self) -> tuple[float, float, float] | None:
+    def _spring_wish(self) -> tuple[float, float, float] | None:
         """Of a cam alone beside a sliding stem, as [spring] says."""
         if self.standing or self.spring is None or not self.spring.preload or self._unit[0] != "mm":
             return None
@@ -352,7 +352,7 @@ class DiscCamDrive(StandingCams):
 
     def _outlines(self) -> Sequence[CamOutline]:
         """The outline of the cam; of both cams of a pair, and both walls of a groove."""
-        names = [part.name for part in self.parts()]
+        names = [part.name for part in self._plates]
         found = [self._outline(name, cam) for name, cam in zip(names, self.cams, strict=False)]
         if self.geometry.closure == "groove":
             found.append(self._outline("outer", self.cam, self.print.slide_clearance))
@@ -372,9 +372,9 @@ class DiscCamDrive(StandingCams):
             "outer": p.back,
             "cam-2": p.thickness + p.hub_height + self.print.slide_clearance,
         }
-        return [Mount(part.name, "cam", z=heights.get(part.name, 0.0)) for part in self.parts()]
+        return [Mount(part.name, "cam", z=heights.get(part.name, 0.0)) for part in self._plates]
 
-    def asked(self) -> Sequence[Asked]:
+    def _asked(self) -> Sequence[Asked]:
         """The play that is borne."""
         return (Asked(self.model.outputs[0].name, lash=self.allowed.lash / self._unit[1]),)
 
@@ -451,7 +451,9 @@ class DiscCamDrive(StandingCams):
             return [""]
         if not self.standing:
             return [" of cam-1", " of cam-2"]
-        return [f" of {each.part}" for each in self.features() if isinstance(each, CamOutline)]
+        return [
+            f" of {each.part}" for each in self.assembly.features if isinstance(each, CamOutline)
+        ]
 
     def study(self) -> Study:
         """Figures of the cam, motion and its derivatives, pressure angle, curvature and the profile coloured by the former."""

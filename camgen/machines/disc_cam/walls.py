@@ -39,7 +39,7 @@ def walls(drive: DiscCamDrive) -> list[Finding]:
 def _laid(drive: DiscCamDrive, facets: float) -> list[Finding]:
     """The same of the plates as they are made, facet by facet."""
     found = []
-    for part in drive.parts():
+    for part in drive.assembly.parts:
         outer, *holes = (
             facet_contour(each, facets / 2) for each in (part.region.outer, *part.region.holes)
         )

@@ -27,14 +27,15 @@ from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.outlines import Contour, Floats, Region, circle, polygon, rectangle
 from camgen.machine import model
 from camgen.machine.closed_form import refuse_gap, slider_travel
-from camgen.machine.features import Asked, Balance, Feature, Mount, StandIn
+from camgen.machine.features import Asked, Mount
 from camgen.machines.eccentric_drive.assembly import body_plate, bought, features_of, mounts_of
 from camgen.machines.eccentric_drive.study import Masses, study
 from camgen.machines.eccentric_drive.tables import Geometry, Limits, Motor, Parts
 from camgen.machines.eccentric_drive.tube import FACETS, NeedleTube, tube_checks
 from camgen.machines.loads.counterweights import Counterweight, ShaftWeight, found_moment
 from camgen.machines.mechanism import Mechanism
-from camgen.parts.catalogue import SCREWS, TURNED, Bought, Screw
+from camgen.parts.assembly import Assembly, MotorSeat
+from camgen.parts.catalogue import SCREWS, TURNED, Screw
 from camgen.parts.hardware import headed, plate
 from camgen.parts.part import Held, Layer, Part, hull
 from camgen.study import Study
@@ -229,10 +230,25 @@ class EccentricDrive(Mechanism):
         start, rod_end = self._inner
         return rod_end + 1 + self.making.cover_length - (start + self.making.slider_width / 2)
 
-    def parts(self) -> Sequence[Part]:
+    @cached_property
+    def assembly(self) -> Assembly:
         """Motor bar, body with rails, slider, disc with flange, rod with strap, keeper washer, cover, wire clamp and pin; tube
-        and counterweight where they are asked for."""
-        return (*self.own_parts, *(self.weight.parts if self.weight else ()))
+        and counterweight where they are asked for.
+
+        Disc and washer turn, the rod follows, slider, pin and clamp shift; the others stand still.
+        """
+        parts, mounts, weight = self.own_parts, self.own_mounts, self.weight
+        if weight is not None:
+            parts = (*parts, *weight.parts)
+            mounts = (*mounts, *weight.mounts(self.shaft_length - weight.part.thickness))
+        return replace(
+            self._assembly(parts, mounts, features_of(self)),
+            asked=(Asked("travel", self.motion, stroke=True, lash=self.allowed.lash),),
+            balances=() if weight is None else (weight.balance(parts, mounts),),
+            stand_ins=(self.tube.needle(),) if self.tube else (),
+            bought=bought(self),
+            motor=MotorSeat(reach=self.shaft_length),
+        )
 
     @cached_property
     def weight(self) -> ShaftWeight | None:
@@ -255,11 +271,6 @@ class EccentricDrive(Mechanism):
             self.allowed.min_wall,
             note,
         )
-
-    @property
-    def balance(self) -> Balance | None:
-        """That of the disc with its counterweight."""
-        return self.weight.balance if self.weight else None
 
     def found(self) -> Mapping[str, object]:
         """The moment of a counterweight, and what every mechanism fills in."""
@@ -534,36 +545,12 @@ class EccentricDrive(Mechanism):
         )
         return washer + (weight.thickness or p.rod_thickness if weight else 0.0)
 
-    def bought(self) -> Sequence[Bought]:
-        """Motor, screws, nuts and the needle's wire."""
-        return bought(self)
-
     # ---- assembly ---------------------------------------------------------------------------------------------------
-
-    def features(self) -> Sequence[Feature]:
-        """What its joints are measured on."""
-        return features_of(self)
-
-    def mounts(self) -> Sequence[Mount]:
-        """Disc and washer turn, the rod follows, slider, pin and clamp shift; the others stand still."""
-        weight = self.weight
-        return (
-            *self.own_mounts,
-            *(weight.mounts(self.shaft_length - weight.part.thickness) if weight else ()),
-        )
 
     @property
     def own_mounts(self) -> Sequence[Mount]:
         """The same without a counterweight."""
         return (*mounts_of(self), *((self.tube.mount(),) if self.tube else ()))
-
-    def stand_ins(self) -> Sequence[StandIn]:
-        """The needle's wire, where a tube guides it."""
-        return (self.tube.needle(),) if self.tube else ()
-
-    def asked(self) -> Sequence[Asked]:
-        """The travel, with its stroke."""
-        return (Asked("travel", self.motion, stroke=True, lash=self.allowed.lash),)
 
     # ---- checks and study -------------------------------------------------------------------------------------------
 
@@ -614,11 +601,6 @@ class EccentricDrive(Mechanism):
                 found.append(at_least(code, value, band[0], unit, where, message))
                 found.append(at_most(code, value, band[1], unit, where, message))
         return [*found, *(self.tube.findings() if self.tube else ())]
-
-    @property
-    def shaft_needed(self) -> float | None:
-        """To the upper side of the keeper washer."""
-        return self.shaft_length
 
     def study(self) -> Study:
         """Stroke, peak speed and its angle, harmonics, travel; the published table where the lengths are the paper's."""

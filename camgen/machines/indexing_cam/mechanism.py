@@ -16,6 +16,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Self
 
@@ -62,6 +63,7 @@ from camgen.motion.laws import Law
 from camgen.motion.program import Program, Segment
 from camgen.motion.segments import law_of
 from camgen.motion.spring_law import characteristic, trade_off
+from camgen.parts.assembly import Assembly
 from camgen.parts.catalogue import CLUTCHES
 from camgen.parts.disc_cams import holes_in, turning_note
 from camgen.parts.part import Layer, Part, windows
@@ -355,11 +357,14 @@ class IndexingCam(StandingCams):
         """How the link turns on; None where it goes to and fro."""
         return stepping(self)
 
-    @property
-    def shown_turns(self) -> int:
-        """Those that bring a link that turns on round once, eight at most."""
+    @cached_property
+    def assembly(self) -> Assembly:
+        """What is made, shown for as many turns as bring a link that turns on round once, eight at most."""
+        made = super().assembly
+        if self.freewheel is None:
+            return made
         whole = (n for n in range(1, 9) if (n * self.geometry.index_deg) % 360 < 1e-9)
-        return 1 if self.freewheel is None else next(whole, 1)
+        return replace(made, cycle=replace(made.cycle, turns=next(whole, 1)))
 
     @cached_property
     def cam_drive(self) -> Machine:
@@ -424,7 +429,7 @@ class IndexingCam(StandingCams):
         beside = self.making.thickness + self.print.slide_clearance
         return [Mount(name, "cam", z=0.0 if name == "cam" else beside) for name in self.cams]
 
-    def asked(self) -> Sequence[Asked]:
+    def _asked(self) -> Sequence[Asked]:
         """The play of the follower that is borne; the link of cams alone follows by gears that are not made."""
         swing, link = (
             math.radians(self.allowed.lash_deg),

@@ -65,7 +65,7 @@ _SLOW, _STILL = (
 
 def study(linkage: Linkage) -> Study:
     """Numbers, plots and tables of a linkage over its turn or range."""
-    theta = np.linspace(*linkage.range, ROWS)
+    theta = np.linspace(*linkage.cycle.range, ROWS)
     run = linkage.run(theta)
     numbers: dict[str, float] = {}
     rows = []
@@ -171,7 +171,12 @@ def _plots(linkage: Linkage, theta: Floats, run: Run) -> list[Plot]:
     if bends:
         series = [(", ".join(joints), np.degrees(theta), angle) for joints, angle in bends.items()]
         plots.append(
-            Plot("Transmission angle", f"{linkage.angle_name}, deg", "deg", series[:_MOST_SERIES])
+            Plot(
+                "Transmission angle",
+                f"{linkage.assembly.cycle.name}, deg",
+                "deg",
+                series[:_MOST_SERIES],
+            )
         )
     return plots
 
@@ -262,7 +267,7 @@ def beforehand(links: int, kinds: int) -> str:
 
 def courses(linkage: Linkage) -> list[Course]:
     """Of each output its course, on the model as designed."""
-    theta = np.linspace(*linkage.range, ROWS)
+    theta = np.linspace(*linkage.cycle.range, ROWS)
     run = linkage.run(theta, 1)
     found = []
     for wanted in linkage.wanted:
@@ -305,7 +310,7 @@ def transmission_angles(linkage: Linkage) -> list[Finding]:
             f"{listed('joint', fold.joints)}, {math.degrees(fold.theta):.2f} deg",
             "least over the motion; at 0 the chain folds and may go on either way",
         )
-        for fold in folds(linkage.chain, *linkage.range)
+        for fold in folds(linkage.chain, *linkage.cycle.range)
     ]
 
 
@@ -355,7 +360,7 @@ def _forces(linkage: Linkage, theta: Floats) -> Study:
         tables.append(Table("Springs, between their points", _SPRINGS, of_springs))
 
     def plots() -> list[Plot]:
-        label = f"{linkage.angle_name}, deg"
+        label = f"{linkage.assembly.cycle.name}, deg"
         return [
             Plot(
                 "Torque of the drive, without friction",
@@ -372,7 +377,7 @@ def timing(linkage: Linkage) -> tuple[Study, ...]:
     """All outputs over one turn of the shaft, each from its least to its greatest; nothing for a machine without includes."""
     if not linkage.includes:
         return ()
-    theta = np.linspace(*linkage.range, ROWS)
+    theta = np.linspace(*linkage.cycle.range, ROWS)
     run = linkage.solve(theta, 0)
     series: list[tuple[str, Floats, Floats]] = []
     for output in run.machine.outputs:
@@ -432,7 +437,7 @@ def _centrodes(linkage: Linkage, run: Run) -> list[Plot]:
 
 def paths(linkage: Linkage) -> tuple[Sketch, ...]:
     """Paths of points, on the ground, and the places that they shall pass, with the room that they have."""
-    run = linkage.run(np.linspace(*linkage.range, ROWS // 2), 0)
+    run = linkage.run(np.linspace(*linkage.cycle.range, ROWS // 2), 0)
     outputs = [output for output in linkage.chain.outputs if isinstance(output.of, m.Path)]
     found = [
         Sketch(_path_of(each.name), (np.asarray(run[each.name], complex),)) for each in outputs

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property, reduce
+from functools import cached_property
 from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
@@ -25,25 +25,18 @@ from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, NotJudged
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
-from camgen.machine.features import Apart, Asked, Balance, Feature, Mount, StandIn, Strand
-from camgen.machine.joining import Module, joined
+from camgen.machine.features import Balance, CamOutline
+from camgen.machine.joining import joined
 from camgen.machine.reach import refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
 from camgen.machines import included as inc
-from camgen.machines.linkage import (
-    bridges,
-    figures,
-    sheets,
-    spring_sketches,
-    spring_steps,
-    webs,
-    wheels,
-)
+from camgen.machines.linkage import bridges, figures, sheets, webs, wheels
 from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.asked_range import refuse_range
 from camgen.machines.linkage.bodies import Bodies
 from camgen.machines.linkage.changes import Change
+from camgen.machines.linkage.coils import coils_of
 from camgen.machines.linkage.drawing import Drawing, Programmed
 from camgen.machines.linkage.drawing_faults import drawing_faults
 from camgen.machines.linkage.joints import pivot_of
@@ -56,18 +49,18 @@ from camgen.machines.linkage.trials import with_cures
 from camgen.machines.linkage.weights import counterbalanced, weight_faults
 from camgen.machines.loads.bearing import Borne
 from camgen.machines.loads.counterweights import Counterweight, balance_of, found_moment
-from camgen.machines.loads.journals import Journal, Post
 from camgen.machines.loads.pressed import by_force, pressed
 from camgen.machines.loads.tables import Bears, Drives
 from camgen.machines.loads.weights import pulled
 from camgen.machines.mechanism import Mechanism
-from camgen.parts.catalogue import Bought, turning_text
+from camgen.parts import assembly as assemblies
+from camgen.parts.assembly import Assembly, Cycle, Frame, MotorSeat
+from camgen.parts.catalogue import turning_text
 from camgen.parts.counterweights import NAME
+from camgen.parts.journals import Journal, journals
 from camgen.parts.part import Part
-from camgen.parts.set_screws import SetScrewHub
-from camgen.parts.springs import Mounted
 from camgen.spec import Output, unknown, validate
-from camgen.study import Sketch, Study, Table, together
+from camgen.study import Study, together
 
 _SAMPLES = np.linspace(
     0, math.tau, 1440, endpoint=False
@@ -183,7 +176,7 @@ class Linkage(Mechanism):
     def machine(self) -> m.Machine:
         """The model with its parts' masses and the play of their fits, and what is included; DesignError where no such parts
         can be made."""
-        return joined(self._fitted, {each.module: each.machine() for each in self.modules})
+        return joined(self._fitted, {each.module: each.mechanism.model for each in self.modules})
 
     @cached_property
     def modules(self) -> Sequence[inc.Included]:
@@ -205,7 +198,7 @@ class Linkage(Mechanism):
         inc.distinct(
             found,
             bare.parts,
-            lambda: joined(self.chain, {each.module: each.machine() for each in found}),
+            lambda: joined(self.chain, {each.module: each.mechanism.model for each in found}),
         )
         return found
 
@@ -223,7 +216,7 @@ class Linkage(Mechanism):
         """Springs between links; DesignError where one of them cannot be made."""
         if not self.springs:
             return ()
-        return coils.sprung(self.springs, self.run(self.course(_SAMPLES), 0), self.making)
+        return coils.sprung(self.springs, self.run(self.cycle.theta(_SAMPLES), 0), self.making)
 
     @cached_property
     def chain(self) -> m.Machine:
@@ -241,7 +234,7 @@ class Linkage(Mechanism):
         chain = replace(chain, joints=joints)
         program = self.drive.program()
         if program is None:
-            law, reach = None, None if self.drive.range_deg is None else self.range
+            law, reach = None, None if self.drive.range_deg is None else self.cycle.range
         else:
             law = Programmed(program, chain.start[self.drive.link].angle)
             reach = law.reach
@@ -256,38 +249,6 @@ class Linkage(Mechanism):
     def speed(self) -> float:
         """Speed of the driven link, rad/s; of one that goes to and fro its greatest, a period being a turn."""
         return self.drive.speed_rpm * math.tau / 60
-
-    @property
-    def shaft_needed(self) -> float | None:
-        """Of the motor under the plate."""
-        return None if self.making.face is None else self.bodies.shaft_reach
-
-    @property
-    def hub(self) -> SetScrewHub | None:
-        """The collar on the motor's shaft."""
-        return None if self.making.face is None else self.bodies.collar
-
-    @property
-    def motor_frame(self) -> str:
-        """Its frame."""
-        return "" if self.making.face is None else self.making.motor
-
-    def posts(self) -> Sequence[Post]:
-        """Pins of its springs and rollers alone, of what is its own."""
-        if self.lacking() is not None:
-            return ()
-        return tuple(
-            posts(
-                self.bodies,
-                {each.name: each.forces()[1] for each in self.sprung},
-                self.material.name,
-            )
-        )
-
-    def mounted_springs(self) -> Mapping[str, Mounted]:
-        """Its own, and those of what is included."""
-        included = {each.module.prefix: each.mechanism.mounted_springs() for each in self.modules}
-        return coils.mounted(self.sprung, by_force(self.chain), self.making.pin_diameter, included)
 
     def bears(self, joint: str) -> Bears:
         """As this spec, or that of the included machine whose joint it is, says."""
@@ -306,24 +267,12 @@ class Linkage(Mechanism):
             None,
         )
 
-    @property
-    def angle_name(self) -> str:
-        """Of a drive that goes to and fro, or by a program, theta is no crank's angle."""
-        even = self.drive.range_deg is None and not self.drive.segments
-        return super().angle_name if even else "drive angle"
-
-    @property
-    def range(self) -> tuple[float, float]:
-        """Least and greatest theta, rad."""
+    @cached_property
+    def cycle(self) -> Cycle:
+        """How theta runs; what it is called depends on what is made."""
         low, high = self.drive.range_deg or (0.0, 360.0)
-        return math.radians(low), math.radians(high)
-
-    def course(self, phase: Floats) -> Floats:
-        """theta at a phase of the period, (n,) rad."""
-        if self.drive.range_deg is None:
-            return phase
-        low, high = self.range
-        return np.asarray(low + (high - low) * (1 - np.cos(phase)) / 2)
+        to_and_fro = self.drive.range_deg is not None
+        return Cycle(math.radians(low), math.radians(high), sense=self.sense, to_and_fro=to_and_fro)
 
     def solve(self, theta: ArrayLike, order: int = 2) -> Run:
         """The machine at theta, (n,) rad; its solids are made only for its forces."""
@@ -331,7 +280,7 @@ class Linkage(Mechanism):
 
     @cached_property
     def _whole(self) -> m.Machine:
-        return joined(self.chain, {each.module: each.machine() for each in self.modules})
+        return joined(self.chain, {each.module: each.mechanism.model for each in self.modules})
 
     def run(self, theta: ArrayLike, order: int = 2) -> Run:
         """The chain of this spec alone at theta, (n,) rad."""
@@ -345,7 +294,7 @@ class Linkage(Mechanism):
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """The first signal over a period, rad or mm; its derivatives are to theta."""
         found: Floats = self.signals[0].rows(
-            self.run(self.course(np.asarray(theta, float)), order)
+            self.run(self.cycle.theta(np.asarray(theta, float)), order)
         )[order]
         return found
 
@@ -361,9 +310,59 @@ class Linkage(Mechanism):
             else self._bare
         )
 
-    def fixings(self) -> Sequence[tuple[complex, float]]:
-        """Of the ground plate, for screws from behind."""
-        return [(z, self.making.mount_diameter) for z in self.bodies.parts[0].centres[-2:]]
+    @cached_property
+    def assembly(self) -> Assembly:
+        """Ground plate, links, pins, spacers, shaft and collar, and what is included; DesignError where there are joints of
+        which no bodies are made."""
+        whole = assemblies.joined(self._own, [each.assembly for each in self.modules], self.model)
+        even = self.drive.range_deg is None and not self.drive.segments
+        cams = any(isinstance(each, CamOutline) for each in whole.features)
+        name = ("cam angle" if cams else "crank angle") if even else "drive angle"
+        return replace(whole, cycle=replace(self.cycle, name=name))
+
+    @property
+    def _own(self) -> Assembly:
+        """What is made without what is included."""
+        bodies, sizes, plastic = self.bodies, self.making, self.material.name
+        features = bodies.features()
+        motor = (
+            MotorSeat()
+            if sizes.face is None
+            else MotorSeat(sizes.motor, bodies.shaft_reach, bodies.collar)
+        )
+        fixings = tuple((z, sizes.mount_diameter) for z in bodies.parts[0].centres[-2:])
+        sprung = [each.bought(sizes.pin_diameter) for each in self.sprung]
+        return Assembly(
+            self.model,
+            bodies.parts,
+            self._process,
+            self.cycle,
+            bodies.mounts,
+            features,
+            asked=figures.asked(self),
+            stand_ins=bodies.stand_ins(),
+            balances=() if self.counterweight is None else (self._balance(self.counterweight),),
+            coils=coils_of(bodies.layout, bodies.mounts),
+            bought=[*bodies.bought(turning_text(self.drive.speed_rpm)), *sprung],
+            springs=coils.mounted(self.sprung, by_force(self.chain), sizes.pin_diameter),
+            journals=journals(self.model, features, bodies.parts, bodies.mounts, plastic),
+            posts=tuple(
+                posts(bodies, {each.name: each.forces()[1] for each in self.sprung}, plastic)
+            ),
+            frame=Frame(bodies.parts[0].name, fixings),
+            motor=motor,
+            board=bodies.stands,
+            texts={"chain.svg": bridges.svg(self.chain), "chain.pmks": bridges.pmks(self.chain)},
+        )
+
+    def _balance(self, weight: Counterweight) -> Balance:
+        """What the solids of the driven link with its counterweight are held to."""
+        link, made, whole = self.drive.link, self.bodies, self._balanced[1]
+        origin = made.layout.at(link, made.layout.shaft_of(link))
+        pivot = pivot_of(made.layout, link)
+        return balance_of(
+            link, pivot, origin, whole - weight.other, made.parts, made.mounts, self.density
+        )
 
     @cached_property
     def _bare(self) -> Bodies:
@@ -381,7 +380,7 @@ class Linkage(Mechanism):
             assert self._laid[0].parts
         except DesignError as refused:
             raise with_cures(
-                refused, self._layout, self.run(self.course(_SAMPLES), 0), self._parts_with
+                refused, self._layout, self.run(self.cycle.theta(_SAMPLES), 0), self._parts_with
             ) from None
         return self._laid
 
@@ -390,35 +389,14 @@ class Linkage(Mechanism):
         other = validate(type(self), change.tables(self._whole_spec()))
         vars(other)["chain"] = self.chain
         vars(other)["_balanced"] = other._laid
-        return other.parts()
+        return other.assembly.parts
 
     @cached_property
     def _laid(self) -> tuple[Bodies, complex]:
-        run = self.run(self.course(_SAMPLES), 0)
+        run = self.run(self.cycle.theta(_SAMPLES), 0)
         if self.counterweight is None:
             return Bodies(laid(self._layout, run)), 0j
         return counterbalanced(self.counterweight, self._layout, run, self.density, self._weighed)
-
-    @property
-    def balance(self) -> Balance | None:
-        """That of the driven link with its counterweight."""
-        if self.counterweight is None or self.lacking() is not None:
-            return None
-        link, made, whole = self.drive.link, self.bodies, self._balanced[1]
-        at, asked = (
-            made.layout.at(link, made.layout.shaft_of(link)),
-            whole - self.counterweight.other,
-        )
-        return balance_of(
-            link, pivot_of(made.layout, link), at, asked, made.parts, made.mounts, self.density
-        )
-
-    def balances(self) -> Sequence[Balance]:
-        """Its own crank's, and those of what is included."""
-        return (
-            *super().balances(),
-            *(balance for each in self.modules for balance in each.balances()),
-        )
 
     @property
     def _layout(self) -> Layout:
@@ -469,52 +447,6 @@ class Linkage(Mechanism):
         found.__dict__.update({name: vars(self)[name] for name in same})
         return found
 
-    def parts(self) -> Sequence[Part]:
-        """Ground plate, links, pins, spacers, shaft and collar, and what is included; DesignError where there are joints of
-        which no bodies are made."""
-        return (*self.bodies.parts, *(part for each in self.modules for part in each.parts))
-
-    def features(self) -> Sequence[Feature]:
-        """Holes and pins of the joints."""
-        return (*self._features, *(feature for each in self.modules for feature in each.features()))
-
-    def contacts(self) -> Sequence[Apart]:
-        """Parts of an included machine that pass by each other."""
-        return [pair for each in self.modules for pair in each.apart()]
-
-    def stand_ins(self) -> Sequence[StandIn]:
-        """What is in the way and not made: a motor, and what included machines have."""
-        return [
-            *self.bodies.stand_ins(),
-            *(thing for each in self.modules for thing in each.stand_ins()),
-        ]
-
-    def strands(self) -> Sequence[Strand]:
-        """Threads of included machines."""
-        return [strand for each in self.modules for strand in each.strands()]
-
-    @cached_property
-    def _features(self) -> Sequence[Feature]:
-        return self.bodies.features()
-
-    def mounts(self) -> Sequence[Mount]:
-        """Every copy of every part on its body."""
-        return (*self.bodies.mounts, *(mount for each in self.modules for mount in each.mounts))
-
-    def asked(self) -> Sequence[Asked]:
-        """The play that is borne."""
-        return (*self._asked, *(asked for each in self.modules for asked in each.asked()))
-
-    @cached_property
-    def _asked(self) -> tuple[Asked, ...]:
-        return figures.asked(self)
-
-    def bought(self) -> Sequence[Bought]:
-        """Drive, screws, springs."""
-        sprung = [each.bought(self.making.pin_diameter) for each in self.sprung]
-        own = [*self.bodies.bought(turning_text(self.drive.speed_rpm)), *sprung]
-        return (*own, *(thing for each in self.modules for thing in each.bought()))
-
     def limits(self) -> Sequence[Finding]:
         """Targets by the model as designed, and how near each loop comes to a fold."""
         found = [
@@ -541,40 +473,12 @@ class Linkage(Mechanism):
         cams = by_force(self.chain)
         if not cams or self.lacking() is not None:
             return Borne()
-        return pressed(
-            pulled(self),
-            cams,
-            self._drawing.kicked(),
-            np.linspace(*self.range, len(_SAMPLES) + 1),
-            self.angle_name,
-        )
-
-    def sprung_steps(self, table: Table, module: Module | None = None) -> Table:
-        """With its own springs and those of what is included."""
-        table = spring_steps.finished(table, self.bodies, self.mounts(), {}, module)
-        return reduce(
-            lambda steps, each: each.mechanism.sprung_steps(steps, each.module), self.modules, table
-        )
-
-    def spring_sketches(self) -> Sequence[Sketch]:
-        """Its own, and those of what is included."""
-        own = (
-            spring_sketches.sketches(self.bodies.layout, self.courses)
-            if self.springs and self.lacking() is None
-            else ()
-        )
-        return (
-            *own,
-            *(each.sketch(s) for each in self.modules for s in each.mechanism.spring_sketches()),
-        )
+        theta = np.linspace(*self.cycle.range, len(_SAMPLES) + 1)
+        return pressed(pulled(self), cams, self._drawing.kicked(), theta, self.assembly.cycle.name)
 
     def beforehand(self, kinds: int) -> str:
         """How long many links take, which are closed together on what each kind of file shows."""
         return figures.beforehand(len(self.links), kinds)
-
-    def texts(self) -> Mapping[str, str]:
-        """The chain as drawn, as a picture and as PMKS lines."""
-        return {"chain.svg": bridges.svg(self.chain), "chain.pmks": bridges.pmks(self.chain)}
 
     def study(self) -> Study:
         """Outputs, curves and paths, the class of a four-bar; those of what is included; all outputs over one turn."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from camgen.machines.linkage.bodies import Bodies
-from camgen.machines.loads.journals import Post
+from camgen.parts.journals import Post
 
 _STEEL = ("dowel", "shoulder")
 _SAME = 1e-6  # mm

@@ -60,27 +60,14 @@ class Sprung:
         return replace(self.mounted(pin, False).bought, name=f"extension spring, {self.name}")
 
 
-def mounted(
-    sprung: Sequence[Sprung],
-    cams: Sequence[m.Cam],
-    pin: float,
-    included: Mapping[str, Mapping[str, Mounted]],
-) -> dict[str, Mounted]:
-    """Where they work, by their names in findings.
-
-    cams: that only a force keeps closed; pin: diameter, mm; included: the same of other machines, by their names.
-    """
+def mounted(sprung: Sequence[Sprung], cams: Sequence[m.Cam], pin: float) -> dict[str, Mounted]:
+    """Where they work, by their names in findings; cams: that only a force keeps closed; pin: diameter, mm."""
     followers = {cam.follower for cam in cams}
-    found = {
+    return {
         each.figure.replace("_", " "): each.mounted(
             pin, any(end[0] in followers for end in each.ends)
         )
         for each in sprung
-    }
-    return found | {
-        f"{name} of {of}": spring
-        for of, springs in included.items()
-        for name, spring in springs.items()
     }
 
 

@@ -40,13 +40,13 @@ def assess(mechanism: Mechanism) -> Assessment:
     """The machine at its speed, loaded by the masses of its solids, its springs, gravity where it is asked for."""
     if not mechanism.model.drives:
         return Assessment()
-    found = weighed(mechanism)
+    found, assembly = weighed(mechanism), mechanism.assembly
     machine, motor = found.machine, mechanism.drives
     held: list[Finding] = []
     left: list[NotJudged] = [*mechanism.unpressed()]
-    needed = mechanism.shaft_needed
-    if needed is not None:
-        told = drive.reach(motor, mechanism.motor_frame, needed)
+    seat, facts = assembly.motor, assembly.follower
+    if seat.reach is not None:
+        told = drive.reach(motor, seat.frame, seat.reach)
         (held if isinstance(told, Finding) else left).append(told)  # type: ignore[arg-type]
     if not (math.isfinite(machine.speed) and machine.speed):
         why = "nothing says how fast the machine turns"
@@ -54,8 +54,8 @@ def assess(mechanism: Mechanism) -> Assessment:
             NotJudged(code, why, "motor.speed_rpm") for code in ("DRIVE_TORQUE", "PV", "PIN_STRESS")
         ]
         return Assessment(held, Study(tables=[_masses(found)]), (*left, *lost))
-    theta = np.linspace(*mechanism.range, _MANY if len(machine.bodies) <= _BODIES else _FEW)
-    bears, journals = mechanism.bears, mechanism.journals()
+    theta = np.linspace(*assembly.cycle.range, _MANY if len(machine.bodies) <= _BODIES else _FEW)
+    bears, journals = mechanism.bears, assembly.journals
     run = solve(rough(machine, journals, mechanism.load), theta)
     forces = run.forces()
     smooth = (
@@ -66,13 +66,12 @@ def assess(mechanism: Mechanism) -> Assessment:
         for name, load in forces.reactions.items()
     }
     borne_by_pins = replace(forces, reactions=worse)
-    outlines = mechanism.outlines()
-    parts = {part.name: part for part in mechanism.parts()}
+    outlines = assembly.outlines
     plain = bearing.plain_bearings(
         run, borne_by_pins, journals, bears, mechanism.load, mechanism.stronger
     )
     touched = bearing.contacts(
-        run, forces, outlines, parts, mechanism.material.name, mechanism.roller_bearing, bears
+        run, forces, outlines, assembly.by_name, mechanism.material.name, facts.roller, bears
     )
     turned, more = drive.driven(
         run, forces, motor, lambda: freed(machine, journals, mechanism.load, theta)
@@ -87,20 +86,20 @@ def assess(mechanism: Mechanism) -> Assessment:
     }
     numbers |= follower.balance(run, forces)
     swung = follower.elastic(run, mechanism.load)
-    if mechanism.arm_stiffness:
-        numbers["follower_arm_stiffness_n_m_per_rad"] = mechanism.arm_stiffness
+    if facts.arm_stiffness:
+        numbers["follower_arm_stiffness_n_m_per_rad"] = facts.arm_stiffness
     grip = drive.gripped(
-        mechanism.hub, turned.numbers.get("drive_torque_n_m", 0.0), mechanism.material.name
+        seat.hub, turned.numbers.get("drive_torque_n_m", 0.0), mechanism.material.name
     )
     posts = bearing.bent_posts(
-        borne_by_pins, mechanism.posts(), bears, mechanism.stronger, not machine.loads
+        borne_by_pins, assembly.posts, bears, mechanism.stronger, not machine.loads
     )
-    paired = pairs.told(forces, machine, outlines, mechanism.arm_stiffness)
+    paired = pairs.told(forces, machine, outlines, facts.arm_stiffness)
     left += paired.left
-    if mechanism.spring_asked is not None and mechanism.return_spring is None:
+    if facts.wish is not None and not assembly.springs:
         from camgen.parts.springs import WIRES
 
-        rate, least, _ = mechanism.spring_asked
+        rate, least, _ = facts.wish
         why = f"no wire up to {WIRES[-1]:g} mm can be wound to pull {least:.4g} N and {rate:.4g} N/mm more without yielding"
         left.append(
             NotJudged(
@@ -116,7 +115,7 @@ def assess(mechanism: Mechanism) -> Assessment:
         turned,
         grip,
         swung,
-        follower.sprung(mechanism.mounted_springs(), machine.speed),
+        follower.sprung(assembly.springs, machine.speed),
     ):
         held += borne.findings
         left += borne.left
@@ -130,7 +129,7 @@ def assess(mechanism: Mechanism) -> Assessment:
     plots = [*turned.plots, *touched.plots, *swung.plots]
     tables = [_masses(found), *plain.tables, *swung.tables]
     study = Study(kept, plots, tables, notes=[*paired.notes, *jumps(machine)])
-    if mechanism.balance is not None:
+    if assembly.balances:
         from camgen.machines.loads import counterweights
 
         study = together([study, counterweights.study(mechanism, machine)])

@@ -22,13 +22,13 @@ from camgen.machine.forces import Forces
 from camgen.machine.friction import circle
 from camgen.machine.model import GROUND, Cam, Pin
 from camgen.machine.run import Run
-from camgen.machines.loads.journals import Journal, Post
 from camgen.machines.loads.pins import STILL, Bent, Stronger, bent_by, unsaid
 from camgen.machines.loads.rubbing import coefficient
 from camgen.machines.loads.tables import Bears, Weight
 from camgen.numerics import Floats
 from camgen.parts import materials
 from camgen.parts.catalogue import BEARINGS, Bearing
+from camgen.parts.journals import Journal, Post
 from camgen.parts.part import Part
 from camgen.study import Plot, Table
 

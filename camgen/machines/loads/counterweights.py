@@ -211,18 +211,10 @@ class ShaftWeight:
             *(Mount(pin.name, self.body, at, z=z) for pin, at in self.pins),
         )
 
-    @property
-    def balance(self) -> Balance:
-        """What the written solids are held to."""
-        made = self.mechanism
+    def balance(self, parts: Sequence[Part], mounts: Sequence[Mount]) -> Balance:
+        """What the written solids are held to; parts, mounts: of the whole machine."""
         return balance_of(
-            self.body,
-            "O",
-            0j,
-            self.moment - self.spec.other,
-            made.parts(),
-            made.mounts(),
-            made.density,
+            self.body, "O", 0j, self.moment - self.spec.other, parts, mounts, self.mechanism.density
         )
 
 
@@ -272,10 +264,11 @@ def balance_of(
 
 def study(mechanism: Mechanism, machine: Machine) -> Study:
     """Loads on the crank's bearing and on the frame, without the counterweight and with it; machine: with all its masses."""
-    balance, spec = mechanism.balance, getattr(mechanism, "counterweight", None)
-    if balance is None or spec is None:
+    made, spec = mechanism.assembly, getattr(mechanism, "counterweight", None)
+    if spec is None or not made.balances:
         return Study()
-    rest = {part.name: part for part in mechanism.parts() if not part.name.startswith(NAME)}
+    balance = made.balances[0]  # its own; those of included machines follow
+    rest = {part.name: part for part in made.parts if not part.name.startswith(NAME)}
     other = spec.other / _G / _ARM
 
     def laden(body: Body) -> Machine:
@@ -287,9 +280,9 @@ def study(mechanism: Mechanism, machine: Machine) -> Study:
             bodies=tuple(loaded if each.name == balance.body else each for each in machine.bodies),
         )
 
-    theta = np.linspace(*mechanism.range, len(_TURN))
+    theta = np.linspace(*made.cycle.range, len(_TURN))
     full = machine.body(balance.body)
-    bodies = solid(full, rest, mechanism.mounts(), mechanism.density), full
+    bodies = solid(full, rest, made.mounts, mechanism.density), full
     forces = [solve(laden(body), theta).forces() for body in bodies]
     curves = {
         f"reaction at {balance.joint}": [np.abs(each.reactions[balance.joint]) for each in forces],
@@ -315,7 +308,7 @@ def study(mechanism: Mechanism, machine: Machine) -> Study:
             f"counterweight_{key}_before_n": peaks[name][0],
             f"counterweight_{key}_after_n": peaks[name][1],
         }
-    degrees, label = np.degrees(theta), f"{mechanism.angle_name}, deg"
+    degrees, label = np.degrees(theta), f"{made.cycle.name}, deg"
     plots = [
         Plot(
             f"Counterweight: {name}",

@@ -10,9 +10,9 @@ from pydantic import BaseModel
 
 from camgen.findings import Finding, at_most
 from camgen.machine import strength
-from camgen.machines.loads.journals import Journal
 from camgen.machines.loads.tables import Bears
 from camgen.parts import materials
+from camgen.parts.journals import Journal
 
 STILL = 1e-9  # N, below which nothing presses
 _STEEL = 350  # MPa

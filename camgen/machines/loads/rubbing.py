@@ -11,10 +11,10 @@ import numpy as np
 from camgen.machine.friction import circle
 from camgen.machine.model import Cam, Joint, Machine, Pin, Slide, Slot
 from camgen.machine.run import solve
-from camgen.machines.loads.journals import Journal
 from camgen.machines.loads.tables import Weight
 from camgen.numerics import Floats
 from camgen.parts import materials
+from camgen.parts.journals import Journal
 
 _STEP = 0.005  # of a coefficient of friction, to which it is told
 

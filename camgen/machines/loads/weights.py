@@ -55,8 +55,9 @@ def weighed(
     A body whose inertia about its own origin is given, such as a follower's about its pivot, keeps that; only its mass and
     centre, which load its pivot, come from the solid.
     """
-    model, mounts = mechanism.model, mechanism.mounts() if mounted is None else mounted
-    parts = {part.name: part for part in (mechanism.parts() if made is None else made)}
+    model = mechanism.model
+    mounts = mechanism.assembly.mounts if mounted is None else mounted
+    parts = {part.name: part for part in (mechanism.assembly.parts if made is None else made)}
     bodies: list[Body] = []
     sources: dict[str, str] = {}
     for body in model.bodies:

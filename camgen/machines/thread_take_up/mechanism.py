@@ -19,7 +19,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated, ClassVar, Self
+from typing import Annotated, Self
 
 import numpy as np
 from pydantic import Field
@@ -27,7 +27,7 @@ from pydantic import Field
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, at_least, at_most
 from camgen.machine.closed_form import four_bar, refuse_gap, transmission_extremes
-from camgen.machine.features import Asked, Balance, Feature, Mount, Strand
+from camgen.machine.features import Asked
 from camgen.machine.model import Floats, Machine, Points
 from camgen.machines.loads.counterweights import Counterweight, found_moment
 from camgen.machines.mechanism import Mechanism
@@ -42,8 +42,9 @@ from camgen.machines.thread_take_up.study import (
 )
 from camgen.machines.thread_take_up.tables import Geometry, Limits, Motor, Parts, Wanted
 from camgen.motion.synthesis import Variable, Wish, search
+from camgen.parts.assembly import Assembly, Frame
 from camgen.parts.catalogue import Bought, screw_for, turning_text
-from camgen.parts.part import Part, clearance
+from camgen.parts.part import clearance
 from camgen.spec import validate
 from camgen.study import Sketch, Study
 from camgen.tolerances import SAME_POINT
@@ -55,8 +56,6 @@ _TURN = np.linspace(
 
 class ThreadTakeUp(Mechanism):
     """Spec and answers of a two-crank four-bar thread take-up; the output is the feed, mm."""
-
-    frame_part: ClassVar[str] = "frame"
 
     geometry: Geometry
     motor: Motor | None = None
@@ -204,25 +203,26 @@ class ThreadTakeUp(Mechanism):
         """What its parts are."""
         return Bodies(self)
 
-    def fixings(self) -> Sequence[tuple[complex, float]]:
-        """The frame's holes for screws from behind."""
-        t = self.take_up
-        return [(z, self.making.mount_diameter) for z in self.bodies.mount_holes(t.pivot, t.guides)]
+    @cached_property
+    def assembly(self) -> Assembly:
+        """Five flat parts, and the round ones: shaft with its collar or counterweight, pins, dowels, finger and guides.
 
-    def parts(self) -> Sequence[Part]:
-        """Five flat parts, and the round ones: shaft with its collar or counterweight, pins, dowels, finger and guides."""
-        return self.bodies.parts
+        Every part is on its layer: frame 0, output crank and pivot 1, input crank 2, bell crank 3, thread above.
+        """
+        t, bodies = self.take_up, self.bodies
+        fixings = tuple(
+            (z, self.making.mount_diameter) for z in bodies.mount_holes(t.pivot, t.guides)
+        )
+        return replace(
+            self._assembly(bodies.parts, bodies.mounts, features_of(self)),
+            asked=(Asked("feed", self.motion, stroke=True, lash=self.allowed.lash),),
+            balances=(bodies.weight.balance(bodies.parts, bodies.mounts),) if bodies.weight else (),
+            strands=(bodies.strand,),
+            bought=self._bought(),
+            frame=Frame("frame", fixings),
+        )
 
-    @property
-    def balance(self) -> Balance | None:
-        """That of the input crank with its counterweight."""
-        return self.bodies.weight.balance if self.bodies.weight else None
-
-    def strands(self) -> Sequence[Strand]:
-        """The thread over guides and finger."""
-        return (self.bodies.strand,)
-
-    def bought(self) -> Sequence[Bought]:
+    def _bought(self) -> Sequence[Bought]:
         """Motor, and screws for mounting."""
         p = self.making
         screw = f"{screw_for(p.mount_diameter)}, at most {p.thickness:g} into the frame"
@@ -241,18 +241,6 @@ class ThreadTakeUp(Mechanism):
         )
 
     # ---- assembly ----------------------------------------------------------------------------------------------------
-
-    def features(self) -> Sequence[Feature]:
-        """What its joints are measured on."""
-        return features_of(self)
-
-    def mounts(self) -> Sequence[Mount]:
-        """Every part on its layer: frame 0, output crank and pivot 1, input crank 2, bell crank 3, thread above."""
-        return self.bodies.mounts
-
-    def asked(self) -> Sequence[Asked]:
-        """The feed, with its stroke."""
-        return (Asked("feed", self.motion, stroke=True, lash=self.allowed.lash),)
 
     def limits(self) -> Sequence[Finding]:
         """Fold, transmission angle, gaps between what moves and what stands, excess thread, and the wishes."""

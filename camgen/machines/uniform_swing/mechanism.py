@@ -36,7 +36,7 @@ from camgen.machine.cams.limits import (
 )
 from camgen.machine.cams.machine import CamTouch, FollowerLoad, Loaded, cam_machine, cam_outline
 from camgen.machine.cams.profile import DiscCam, SwingingArm
-from camgen.machine.features import Asked, Eye, Feature, Mount, OwnTip, StandIn
+from camgen.machine.features import Asked, Eye, Feature, Mount, OwnTip
 from camgen.machine.model import Machine
 from camgen.machines.cam_loads import lift_off, unweighed
 from camgen.machines.loads.weights import pulled
@@ -65,14 +65,14 @@ from camgen.machines.uniform_swing.tables import (
 )
 from camgen.motion.program import uniform_swing
 from camgen.numerics import greatest
-from camgen.parts.catalogue import Bearing, Bought
+from camgen.parts.assembly import Assembly, FollowerFacts, MotorSeat
 from camgen.parts.disc_cams import LAYOUT
 from camgen.parts.inertia import inertia_of
 from camgen.parts.part import Layer, Part, arrowhead, windows
-from camgen.study import Plot, Sketch, Study, Table
+from camgen.parts.springs import to_wind, wished
+from camgen.study import Later, Plot, Sketch, Study, Table
 
 if TYPE_CHECKING:
-    from camgen.machines.loads.journals import Journal
     from camgen.machines.uniform_swing.printed import SwingMachine
 
 _ARROW, _ARROW_SHARE = (
@@ -188,12 +188,64 @@ class UniformSwing(Mechanism):
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 
-    def parts(self) -> Sequence[Part]:
-        """The cam; with conjugate closure two of it, one of them turned over about Oy.
+    @cached_property
+    def assembly(self) -> Assembly:
+        """The cam, with conjugate closure two of it, one of them turned over about Oy; or the whole machine.
 
         Pin holes lie on Ox at equal distances and keyway or flat on Oy, so the turned part fits the other one.
         """
-        return self._machine.parts() if self.making.make == "machine" else (self.cam_part,)
+        springs = wished(self._spring_wish)
+        lever = f"; pulls square to a lever of {self.spring.lever:g} mm about the pivot, no eye is made for it"
+        wound = [replace(each, size=each.size + lever) for each in to_wind(springs)]
+        asked = (Asked("swing", lash=math.radians(self.allowed.lash_deg)),)
+        if self.making.make != "machine":
+            above = self.making.thickness + self.print.slide_clearance
+            mounts = (Mount("cam", "cam"), Mount("cam", "cam", flipped=True, z=above))[
+                : self.cam_part.count
+            ]
+            made = self._assembly((self.cam_part,), mounts, self._features)
+            seat, facts = MotorSeat(self.base.motor), FollowerFacts(wish=self._spring_wish)
+            return replace(
+                made,
+                asked=asked,
+                bought=wound,
+                springs=springs,
+                journals={},
+                motor=seat,
+                follower=facts,
+            )
+        from camgen.machines.uniform_swing.shopping import bought, steps
+
+        machine = self._machine
+        return replace(
+            self._assembly(machine.parts(), machine.mounts, self._features),
+            asked=asked,
+            stand_ins=machine.stand_ins(),
+            bought=(*bought(machine), *wound),
+            springs=springs,
+            journals=machine.journals(self.material.name),
+            motor=MotorSeat(self.base.motor, machine.shaft_needed),
+            follower=FollowerFacts(roller=self.frame.bearing, wish=self._spring_wish),
+            work=Later(lambda: [steps(machine)]),
+        )
+
+    @property
+    def _spring_wish(self) -> tuple[float, float, float] | None:
+        """Of force closure: a straight one on the spec's lever, as [spring] asks: N/mm, least N, travel, mm."""
+        spring, lever = self.spring, self.spring.lever
+        if self.geometry.closure != "force" or not spring.preload:
+            return None
+        return (
+            1e3 * spring.rate / lever**2,
+            1e3 * spring.preload / lever,
+            lever * math.radians(self.geometry.swing_deg),
+        )
+
+    @property
+    def _frames(self) -> list[Part]:
+        """Those of a machine, which swing."""
+        made = self._machine.parts() if self.making.make == "machine" else ()
+        return [part for part in made if part.name == "frame"]
 
     @cached_property
     def _machine(self) -> SwingMachine:
@@ -202,20 +254,6 @@ class UniformSwing(Mechanism):
         self.cam  # noqa: B018  refuses a swing that is too large, before there is room for it
         self.room.check()
         return SwingMachine(self)
-
-    def stand_ins(self) -> Sequence[StandIn]:
-        """What is bought for the whole machine, if that is to be made; else the tips."""
-        return self._machine.stand_ins() if self.making.make == "machine" else super().stand_ins()
-
-    def bought(self) -> Sequence[Bought]:
-        """Motor, screws and other bought parts of the whole machine."""
-        lever = f"; pulls square to a lever of {self.spring.lever:g} mm about the pivot, no eye is made for it"
-        wound = [replace(each, size=each.size + lever) for each in super().bought()]
-        if self.making.make != "machine":
-            return wound
-        from camgen.machines.uniform_swing.shopping import bought
-
-        return (*bought(self._machine), *wound)
 
     @cached_property
     def _rim(self) -> Points:
@@ -320,10 +358,6 @@ class UniformSwing(Mechanism):
 
     # ---- assembly ---------------------------------------------------------------------------------------------------
 
-    def features(self) -> Sequence[Feature]:
-        """The cam's outline; with conjugate closure also that of the turned cam, for the second tip."""
-        return self._features
-
     @cached_property
     def _features(self) -> Sequence[Feature]:
         follower, p = self.cam.follower, self.making
@@ -331,28 +365,13 @@ class UniformSwing(Mechanism):
         if p.make == "machine":
             seat = self._machine.tip_hole
             tip = Eye("frame", follower.arm, seat or 2 * follower.tip_radius, shaft=not seat)
-            bore = Eye(
-                "frame", 0j, next(part.bore or 0.0 for part in self.parts() if part.name == "frame")
-            )
+            bore = Eye("frame", 0j, next(part.bore or 0.0 for part in self._frames))
             own = OwnTip("frame", tip, bore, follower.tip_radius if seat else None)
         first = cam_outline(self.cam, "cam", self.allowed.cam_limits, p.bore, own=own)
         if self.geometry.closure == "force":
             return (first,)
         tip = Eye(None, follower.arm.conjugate(), 2 * follower.tip_radius)
         return (first, replace(first, tip=tip, leaves=-1, copy=1, own=None))
-
-    def mounts(self) -> Sequence[Mount]:
-        """The cam and its turned twin above it, or all of the machine."""
-        if self.making.make == "machine":
-            return self._machine.mounts
-        above = self.making.thickness + self.print.slide_clearance
-        return (Mount("cam", "cam"), Mount("cam", "cam", flipped=True, z=above))[
-            : self.cam_part.count
-        ]
-
-    def asked(self) -> Sequence[Asked]:
-        """The play of the follower that is borne."""
-        return (Asked("swing", lash=math.radians(self.allowed.lash_deg)),)
 
     @cached_property
     def _pressure(self) -> tuple[float, float]:
@@ -394,43 +413,11 @@ class UniformSwing(Mechanism):
             ),
         )
 
-    @property
-    def shaft_needed(self) -> float | None:
-        """To the clamp ring on the collet, or the top of the cams."""
-        return self._machine.shaft_needed if self.making.make == "machine" else None
-
-    @property
-    def motor_frame(self) -> str:
-        """Of the motor under the base."""
-        return self.base.motor
-
-    @property
-    def roller_bearing(self) -> Bearing | None:
-        """The frame's tip, where it is one."""
-        return self.frame.bearing if self.making.make == "machine" else None
-
-    @property
-    def spring_asked(self) -> tuple[float, float, float] | None:
-        """Of force closure: a straight one on the spec's lever, as [spring] asks."""
-        spring, lever = self.spring, self.spring.lever
-        if self.geometry.closure != "force" or not spring.preload:
-            return None
-        return (
-            1e3 * spring.rate / lever**2,
-            1e3 * spring.preload / lever,
-            lever * math.radians(self.geometry.swing_deg),
-        )
-
-    def journals(self) -> Mapping[str, Journal]:
-        """The frames' axle in the base."""
-        return self._machine.journals(self.material.name) if self.making.make == "machine" else {}
-
     @cached_property
     def _load(self) -> FollowerLoad:
         """Nozzle and frames about the pivot, and the spring of force closure."""
-        frames = [part for part in self.parts() if part.name == "frame"]
         inertia = self.nozzle.inertia_kg_m2 + sum(
-            part.count * inertia_of(part, self.density) for part in frames
+            part.count * inertia_of(part, self.density) for part in self._frames
         )
         pushed = self.geometry.closure == "force"
         return FollowerLoad(
@@ -518,14 +505,6 @@ class UniformSwing(Mechanism):
             sketches=self._sketches() if self.making.make == "cams" else (),
             notes=(*self._notes(), *loaded.notes),
         )
-
-    def steps(self) -> Table:
-        """In which order the machine goes together, or the cams alone."""
-        if self.making.make != "machine":
-            return super().steps()
-        from camgen.machines.uniform_swing.shopping import steps
-
-        return steps(self._machine)
 
     def _sketches(self) -> tuple[Sketch, Sketch]:
         arm, rho = self.cam.follower.arm, self.cam.follower.tip_radius

@@ -21,12 +21,12 @@ from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Points
 from camgen.machine.features import Mount, StandIn
 from camgen.machine.model import GROUND
-from camgen.machines.loads.journals import Journal
 from camgen.machines.uniform_swing.plates import Base, Frame, overlap, swept_box
 from camgen.machines.uniform_swing.room import LEAST_AXLE, washer_wall
 from camgen.parts.catalogue import DOWEL_STANDARD, SCREWS, TURNED, dowel
 from camgen.parts.disc_cams import LAYOUT
 from camgen.parts.hardware import Collet, headed, spacer
+from camgen.parts.journals import Journal
 from camgen.parts.part import Part, hull, rod
 
 if TYPE_CHECKING:

@@ -1,0 +1,79 @@
+"""The springs of a layout as coils on its pins."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+
+from camgen.machine.features import Mount
+from camgen.machine.model import Place
+from camgen.machines.linkage.layout import Layout
+from camgen.machines.linkage.sizes import HOOK_ROOM
+from camgen.parts.coils import Coil
+from camgen.tolerances import SAME_POINT
+
+
+def coils_of(
+    layout: Layout,
+    mounts: Sequence[Mount],
+    titles: Mapping[str, str] = MappingProxyType({}),
+    ways: Mapping[str, tuple[float, float]] = MappingProxyType({}),
+) -> list[Coil]:
+    """From below; titles: of springs that have one; ways: shortest and longest, inside their eyes, mm, of those that the sweep
+    sees."""
+    found = []
+    for name, spring in sorted(layout.springs.items(), key=lambda each: layout.level[each[0]]):
+        usual = "Extension spring" if name == "spring" else f"Extension spring {name}"
+        (_, one), (_, other) = spring.a, spring.b
+        heads = [copy for point in (one, other) for copy in _heads(layout, mounts, point)]
+        ends = (_end(layout, *spring.a), _end(layout, *spring.b))
+        reach = _reach(layout, name, *ways[name]) if name in ways else None
+        title = titles.get(name, usual)
+        found.append(
+            Coil(
+                name,
+                title,
+                ends,
+                (one, other),
+                spring.diameter,
+                layout.eye(name),
+                tuple(heads),
+                reach,
+            )
+        )
+    return found
+
+
+def _end(layout: Layout, link: str, point: str) -> Place:
+    """A point of a link on the body that carries it."""
+    return Place(layout.carrier(link), layout.at(link, point))
+
+
+def _reach(layout: Layout, name: str, shortest: float, longest: float) -> tuple[float, float]:
+    """From beside the wider head over its eyes to its middle where it is longest, mm from either pin."""
+    spring, pin = layout.springs[name], layout.sizes.pin_diameter
+    start = (
+        max(layout.head_radius(point) for _, point in (spring.a, spring.b))
+        + HOOK_ROOM
+        + spring.diameter / 2
+    )
+    return start, min((longest - pin) / 2, shortest - pin - start)
+
+
+def _heads(layout: Layout, mounts: Sequence[Mount], point: str) -> list[str]:
+    """Copies of a pin with a head on top, or of caps, at a point."""
+    link = layout.pressed_in(point)
+    number = Counter[str]()
+    found = []
+    for mount in mounts:
+        number[mount.part] += 1
+        there = (
+            mount.body == layout.carrier(link)
+            and abs(mount.at - layout.at(link, point)) < SAME_POINT
+        )
+        if there and (
+            mount.part.startswith("cap-") or mount.part.startswith("pin-") and mount.flipped
+        ):
+            found.append(f"{mount.part}-{number[mount.part]}")
+    return found

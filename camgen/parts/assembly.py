@@ -1,0 +1,339 @@
+"""A machine as it is made, as data: its model, parts, where they stand, how its joints are measured, what is bought.
+
+A mechanism makes this record once. Whoever draws, weighs, prints, shows or judges the machine takes it from there; `joined`
+makes one machine of several, `renamed` puts a machine where it stands in another one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from camgen.geometry.outlines import Floats
+from camgen.machine.features import (
+    Apart,
+    Asked,
+    Balance,
+    CamOutline,
+    Eye,
+    Feature,
+    Mount,
+    Moved,
+    PartPose,
+    StandIn,
+    Strand,
+    heights,
+)
+from camgen.machine.joining import Module
+from camgen.machine.model import GROUND, Cam, Machine, Pose
+from camgen.machine.run import Lazy, solve
+from camgen.parts import coils
+from camgen.parts.catalogue import Bearing, Bought
+from camgen.parts.coils import Coil
+from camgen.parts.journals import Journal, Post, journals
+from camgen.parts.part import Part
+from camgen.parts.set_screws import SetScrewHub
+from camgen.parts.sheets import why_not
+from camgen.parts.springs import Mounted
+from camgen.parts.steps import Fixing, order
+from camgen.study import Table
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """How theta, the angle of the drive, runs over a period."""
+
+    least: float = 0.0  # rad
+    greatest: float = math.tau  # rad
+    turns: int = 1  # of the drive, after which all is where it was, as far as it is shown
+    sense: int = 1  # of theta: -1 where the input shaft turns clockwise
+    name: str = "crank angle"  # of theta, for people
+    to_and_fro: bool = False  # the drive goes from the least angle to the greatest and back
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Least and greatest theta, rad."""
+        return self.least, self.greatest
+
+    def theta(self, phase: Floats) -> Floats:
+        """theta at a phase of the period, (n,) rad: of a drive that goes to and fro a harmonic motion."""
+        if not self.to_and_fro:
+            return phase
+        return np.asarray(self.least + (self.greatest - self.least) * (1 - np.cos(phase)) / 2)
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The flat part that stands still under all others; places on the ground, mm."""
+
+    part: str
+    fixings: Sequence[tuple[complex, float]] = ()  # holes for screws from behind: place, diameter
+
+
+@dataclass(frozen=True)
+class MotorSeat:
+    """Where a bought motor drives the machine."""
+
+    frame: str = ""  # of the motor, such as "nema-17"; "" where none is part of the machine
+    reach: float | None = None  # mm, of its shaft over its face, that is needed
+    hub: SetScrewHub | None = None  # that a set screw holds on its shaft
+
+
+@dataclass(frozen=True)
+class FollowerFacts:
+    """What forces need to know of a cam's follower."""
+
+    arm_stiffness: float | None = None  # N m/rad, from its pivot to its tip, by its outline
+    roller: Bearing | None = None  # the ball bearing that is its tip
+    wish: tuple[float, float, float] | None = None  # spring that is no part: N/mm, least N, mm
+
+
+@dataclass(frozen=True)
+class Process:
+    """What the way of making says of a machine."""
+
+    tolerance: float  # mm, by which facets lie off an arc
+    gap: float  # mm, that bodies keep which move past each other
+    fixing: Fixing  # of parts on each other
+    plastic: str  # that is printed
+    sheet: float | None = None  # mm, thickness of what a laser cuts; None: it cuts nothing
+
+
+@dataclass(frozen=True, eq=False)
+class Assembly:
+    """A machine as it is made; lengths mm, angles rad."""
+
+    machine: Machine  # as wanted, with fits, springs and loads
+    parts: Sequence[Part]  # distinct ones, with counts
+    process: Process
+    cycle: Cycle = Cycle()
+    mounts: Sequence[Mount] = ()  # where every copy of every part stands on the machine's bodies
+    features: Sequence[Feature] = ()  # of parts, on which the joints are measured
+    passing: Sequence[Apart] = ()  # parts that pass by each other without a joint
+    asked: Sequence[Asked] = ()  # of the outputs
+    stand_ins: Sequence[StandIn] = ()  # what is not made but in the way
+    strands: Sequence[Strand] = ()  # threads from post to post
+    balances: Sequence[Balance] = ()  # what the solids of cranks with counterweights are held to
+    coils: Sequence[Coil] = ()  # extension springs
+    bought: Sequence[Bought] = ()  # by their standards
+    springs: Mapping[str, Mounted] = field(default_factory=dict)  # at work, by names in findings
+    journals: Mapping[str, Journal] = field(default_factory=dict)  # plain bearings, by joint
+    posts: Sequence[Post] = ()  # pins that only a spring or a roller bends
+    frame: Frame | None = None
+    motor: MotorSeat = MotorSeat()
+    follower: FollowerFacts = FollowerFacts()
+    board: str = ""  # what it stands on, as the last step says; "" where nothing is said
+    work: Sequence[Table] = ()  # the order of assembly, where it is not by height
+    texts: Mapping[str, str] = field(default_factory=dict)  # text files, by the ends of their names
+
+    @cached_property
+    def exact(self) -> Machine:
+        """The machine as exact parts move it: cams that the spec undercuts give what they can."""
+        laws = {name: cam.meant.given for name, cam in self.outlines.items() if cam.meant.given}
+        joints = [
+            replace(joint, law=laws[joint.name])
+            if isinstance(joint, Cam) and joint.name in laws
+            else joint
+            for joint in self.machine.joints
+        ]
+        return replace(self.machine, joints=tuple(joints)) if laws else self.machine
+
+    @cached_property
+    def outlines(self) -> dict[str, CamOutline]:
+        """The first outline of each cam, by the name of its joint."""
+        return {
+            each.joint: each for each in reversed(self.features) if isinstance(each, CamOutline)
+        }
+
+    @cached_property
+    def by_name(self) -> Mapping[str, Part]:
+        """Its parts by their names."""
+        return {part.name: part for part in self.parts}
+
+    def courses(self, theta: Floats) -> Mapping[str, Pose]:
+        """Pose of each body at theta, (n,) rad, as exact parts move it; worked out when asked for."""
+        run = solve(self.exact, self.cycle.theta(np.asarray(theta, float)), 0)
+        return Lazy((GROUND, *(body.name for body in run.machine.moving)), run.pose)
+
+    def poses(self, theta: Floats) -> Mapping[str, Sequence[PartPose]]:
+        """Poses of each part's copies, in the order of their mounts, by name; theta: (n,) rad."""
+        courses = self.courses(theta)
+        found: dict[str, list[PartPose]] = {part.name: [] for part in self.parts}
+        for mount in self.mounts:
+            body = courses[mount.body]
+            place = body.place + np.exp(1j * body.angle) * mount.at
+            found[mount.part].append(
+                PartPose(place, body.angle + mount.turned, mount.flipped, mount.z)
+            )
+        return found
+
+
+def tips(
+    features: Iterable[Feature], parts: Sequence[Part], mounts: Sequence[Mount], machine: Machine
+) -> list[StandIn]:
+    """Each cam's round tip that is not made, as high as the cam that it touches."""
+    found = []
+    for cam in features:
+        if not (isinstance(cam, CamOutline) and isinstance(cam.tip, Eye) and cam.tip.diameter):
+            continue
+        if cam.own or cam.inside:
+            continue
+        part = next(part for part in parts if part.name == cam.part)
+        joint = machine.joint(cam.joint)
+        assert isinstance(joint, Cam), f"{cam.joint} is no cam"
+        mount = [mount for mount in mounts if mount.part == cam.part][cam.copy]
+        layer = part.layers[part.cut]
+        high = heights(mount, part.thickness, layer.z0, layer.z1)
+        disc = (cam.tip.at, cam.tip.diameter / 2, *high)
+        found.append(
+            StandIn(f"tip on {cam.part}-{1 + cam.copy}", joint.follower, (disc,), rolls=True)
+        )
+    return found
+
+
+def printed_parts(assembly: Assembly) -> list[Part]:
+    """Parts that are laid out on plates: not what is bought, or turned, or cut of a sheet."""
+    return [
+        part
+        for part in assembly.parts
+        if part.made == "printed" and not cut_of_sheet(assembly, part)
+    ]
+
+
+def cut_of_sheet(assembly: Assembly, part: Part) -> bool:
+    """Whether a part is cut of the laser's sheet."""
+    sheet = assembly.process.sheet
+    return sheet is not None and not why_not(part, sheet)
+
+
+# ---- several machines on one shaft -----------------------------------------------------------------------------------
+
+
+def renamed(assembly: Assembly, module: Module) -> Assembly:
+    """A machine as it stands in another one: under other names, shifted, raised, ahead in phase.
+
+    What is asked of joints and outputs that it has no more, since links of the other machine carry its bodies, is left out.
+    Its journals follow from the whole, see `joined`.
+    """
+    lost = module.lost(assembly.machine)
+    held = (each for each in assembly.features if getattr(each, "joint", None) not in lost)
+    return Assembly(
+        module.machine(assembly.machine),
+        [replace(part, name=module.part(part.name)) for part in assembly.parts],
+        assembly.process,
+        mounts=[module.mount(mount) for mount in assembly.mounts],
+        features=[module.renamed(each) for each in held],
+        passing=[_passing(each, module) for each in assembly.passing],
+        asked=[module.asked(each) for each in assembly.asked if each.output not in lost],
+        stand_ins=[_stand_in(each, module) for each in assembly.stand_ins],
+        strands=[_strand(each, module) for each in assembly.strands],
+        balances=[_balance(each, module) for each in assembly.balances],
+        coils=[each.renamed(module) for each in assembly.coils],
+        bought=[replace(each, name=f"{each.name}, {module.prefix}") for each in assembly.bought],
+        springs={f"{name} of {module.prefix}": spring for name, spring in assembly.springs.items()},
+    )
+
+
+def _passing(pair: Apart, module: Module) -> Apart:
+    drawn = {
+        module.part(name): (module.part(other), mirrored)
+        for name, (other, mirrored) in pair.drawn.items()
+    }
+    planes = tuple(z + module.z for z in pair.planes)
+    return replace(pair, a=module.part(pair.a), b=module.part(pair.b), planes=planes, drawn=drawn)
+
+
+def _stand_in(thing: StandIn, module: Module) -> StandIn:
+    shift = module.at if thing.body == GROUND else 0j
+    z = module.z
+    discs = tuple((at + shift, radius, low + z, high + z) for at, radius, low, high in thing.discs)
+    bars = tuple(
+        (a + shift, b + shift, radius, low + z, high + z) for a, b, radius, low, high in thing.bars
+    )
+    return replace(
+        thing, name=module.part(thing.name), body=module.body(thing.body), discs=discs, bars=bars
+    )
+
+
+def _strand(strand: Strand, module: Module) -> Strand:
+    posts = tuple((module.part(name), k) for name, k in strand.posts)
+    return replace(strand, posts=posts, low=strand.low + module.z, high=strand.high + module.z)
+
+
+def _balance(balance: Balance, module: Module) -> Balance:
+    density = {module.part(name): heavy for name, heavy in balance.density.items()}
+    return replace(
+        balance, body=module.body(balance.body), joint=module.name(balance.joint), density=density
+    )
+
+
+def joined(host: Assembly, others: Sequence[Assembly], machine: Machine) -> Assembly:
+    """One machine of a host and others that are renamed; machine: the model of all.
+
+    The host's frame, motor and board are those of the whole.
+    """
+    if not others:
+        return host
+    all_ = (host, *others)
+    parts = [part for each in all_ for part in each.parts]
+    mounts = [mount for each in all_ for mount in each.mounts]
+    features = [feature for each in all_ for feature in each.features]
+    return replace(
+        host,
+        machine=machine,
+        parts=parts,
+        mounts=mounts,
+        features=features,
+        passing=[pair for each in all_ for pair in each.passing],
+        asked=[asked for each in all_ for asked in each.asked],
+        stand_ins=[thing for each in all_ for thing in each.stand_ins],
+        strands=[strand for each in all_ for strand in each.strands],
+        balances=[balance for each in all_ for balance in each.balances],
+        coils=[coil for each in all_ for coil in each.coils],
+        bought=[thing for each in all_ for thing in each.bought],
+        springs={name: spring for each in all_ for name, spring in each.springs.items()},
+        journals=journals(machine, features, parts, mounts, host.process.plastic),
+    )
+
+
+# ---- in the sweep ----------------------------------------------------------------------------------------------------
+
+
+def bodies_in_motion(assembly: Assembly) -> Moved:
+    """What the sweep of all bodies needs; springs too, as bars from either end."""
+    courses = coils.with_ends(assembly.courses, assembly.coils)
+    things = [*assembly.stand_ins, *(bar for coil in assembly.coils for bar in coil.stand_ins())]
+    pairs = (*assembly.passing, *assembly.features)
+    process = assembly.process
+    return Moved(
+        assembly.mounts, courses, pairs, things, process.gap, process.tolerance, assembly.cycle.name
+    )
+
+
+# ---- steps of assembly -----------------------------------------------------------------------------------------------
+
+
+def order_of_assembly(assembly: Assembly) -> Table:
+    """In which order it goes together, and where."""
+    if assembly.work:
+        return assembly.work[0]
+    poses = assembly.poses(np.zeros(1))
+    table = order(
+        assembly.parts, assembly.mounts, poses, assembly.features, assembly.process.fixing
+    )
+    if not assembly.board:
+        return table
+    rows = list(zip(table.rows, table.copies, strict=True))
+    for coil in assembly.coils:
+        row = (0, "extension spring", coil.stringing, "", 1, coil.eyes[0], "as bought")
+        first = next(
+            (k for k, (_, laid) in enumerate(rows) if set(coil.heads) & set(laid)), len(rows)
+        )
+        rows.insert(first, (row, ()))
+    rows.append(((0, "board", f"Stands on {assembly.board}", "", 1, 0.0, "as yours"), ()))
+    numbered = tuple((count, *row[1:]) for count, (row, _) in enumerate(rows, 1))
+    return replace(table, rows=numbered, copies=tuple(laid for _, laid in rows))
