@@ -83,7 +83,13 @@ def refuse_partial(machine: Machine, least: float = 0.0) -> None:
         return
     low, high = math.degrees(found.low), math.degrees(found.high)
     names = listed("joint", list(dict.fromkeys(name for joints in found.ends for name in joints)))
-    driven, (begin, end, short) = machine.drives[0].body, _steep(machine, found, least)
+    driven, within = machine.drives[0].body, _without_folds(machine, found)
+    cure = "change the lengths of its links"
+    if within is not None:
+        begin, end, short = _steep(machine, within, least)
+        cure = (
+            f"let it go to and fro, drive.range_deg = [{begin:.10g}, {end:.10g}]{short}, or {cure}"
+        )
     closes = f"the chain closes from {low:.6g} to {high:.6g} deg of it and opens beyond at {names}"
     raise DesignError(
         "range of the drive",
@@ -91,20 +97,32 @@ def refuse_partial(machine: Machine, least: float = 0.0) -> None:
         360,
         "deg",
         f"{names}: it closes from {low:.6g} to {high:.6g} deg",
-        f"let it go to and fro, drive.range_deg = [{begin:.10g}, {end:.10g}]{short}, or change the lengths of its links"
-        + _grashof(four_bar_lengths(machine, driven), driven),
+        cure + _grashof(four_bar_lengths(machine, driven), driven),
         f"the drive cannot turn fully: {closes}",
     )
 
 
-def _steep(machine: Machine, found: Reach, least: float) -> tuple[float, float, str]:
-    """The range about the drawn position, deg, a degree within what closes and with the least transmission angle, deg, as `folds`
-    judges it, rounded inwards; of a machine that has it not even as drawn the whole, and a word on that."""
-    spare = min(1.0, math.degrees(found.high - found.low) / 10)
-    per = round(
-        10 ** max(1, math.ceil(-math.log10(spare)))
-    )  # steps a degree, to which it is rounded
-    low, high = math.degrees(found.low) + spare, math.degrees(found.high) - spare
+def _without_folds(machine: Machine, found: Reach) -> tuple[float, float] | None:
+    """The range about the drawn position, rad, a degree within what closes and off every change point; None of a machine that
+    is drawn at one."""
+    spare = min(math.radians(1.0), (found.high - found.low) / 10)
+    low, high = found.low + spare, found.high - spare
+    while low < 0 < high:
+        places = [fold.theta for fold in folds(machine, low, high) if fold.change_point]
+        if not places:
+            return low, high
+        low = max([low, *(place + spare for place in places if place <= 0)])
+        high = min([high, *(place - spare for place in places if place > 0)])
+    return None
+
+
+def _steep(machine: Machine, within: tuple[float, float], least: float) -> tuple[float, float, str]:
+    """The part of a range about the drawn position, deg, with the least transmission angle, deg, as `folds` judges it, rounded
+    inwards; of a machine that has it not even as drawn the whole, and a word on that."""
+    low, high = map(math.degrees, within)
+    spare = min(1.0, (high - low) / 10)
+    # steps a degree, to which it is rounded
+    per = round(10 ** max(1, math.ceil(-math.log10(spare))))
     theta = np.radians(np.linspace(low, high, LOOKED + 1))
     poor = np.min(list(transmission(machine, theta).values()), axis=0, initial=90.0) < least
     weak = np.degrees(theta[poor]).tolist()

@@ -67,6 +67,32 @@ def test_whoever_does_not_know_the_word_is_refused(
     assert spec.read_bytes() == before and not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize(
+    "host",
+    [
+        "127.0.0.1:8812.evil.com",
+        "127.0.0.1:80@evil.com",
+        "localhost:1@x",
+        "localhost:",
+        "127.0.0.1.evil.com",
+        "127.0.0.1:",
+        "127.0.0.1:\u0661",
+        "evil.com",
+        "",
+    ],
+)
+def test_a_host_that_only_begins_as_this_machine_is_refused(page: TestClient, host: str) -> None:
+    reply = page.get(f"/{WORD}/", headers={"host": host.encode()})
+    assert reply.status_code == 403 and "for this machine alone" in reply.text
+
+
+@pytest.mark.parametrize(
+    "host", ["127.0.0.1", "localhost", "LOCALHOST", "127.0.0.1:8812", "localhost:80"]
+)
+def test_this_machine_is_let_in_by_its_names(page: TestClient, host: str) -> None:
+    assert page.get(f"/{WORD}/", headers={"host": host}).status_code == 200
+
+
 def test_whoever_knows_it_is_let_in_and_the_page_asks_below_it(page: TestClient) -> None:
     shown = page.get(f"/{WORD}/")
     assert shown.status_code == 200 and "cam.toml" in shown.text and WORD not in shown.text

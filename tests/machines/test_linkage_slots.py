@@ -404,3 +404,27 @@ def test_slots_of_a_link_may_cross_in_line_but_not_where_their_pins_go() -> None
     further = {**DISC, "points": {**DISC["points"], "K": [-70, 0]}}
     with pytest.raises(DesignError, match="wall of the link disc.*between slot A and slot B"):
         assert linkage(further).assembly.parts
+
+
+@pytest.mark.parametrize("apart", [0.0, 1e-300, 1e-13, 9e-10])
+@pytest.mark.parametrize("kind", ["slot", "slide"])
+def test_two_points_at_one_place_are_no_line(kind: str, apart: float) -> None:
+    """Nearer than points of a drawing can be told apart; a slot along them stood upright, whichever way it was drawn."""
+    slider = {"link": "slider", "along": ["U", "V"]}
+    tables: dict[str, Any] = copy.deepcopy(SLIDER)
+    if kind == "slide":
+        del tables["slot"]
+        tables |= {"slide": [slider], "links": tables["links"] | {"slider": ["P"]}}
+    tables["points"] |= {"V": [tables["points"]["U"][0], tables["points"]["U"][1] + apart]}
+    with pytest.raises(SpecError) as caught:
+        validate(Linkage, tables)
+    (said,) = map(str, caught.value.faults)
+    expected = f"two points that lie apart: its length is {apart:.3g} mm"
+    assert said.endswith(f"expected {expected}") and said.startswith(f"{kind}.0.along: U, V")
+
+
+def test_points_of_a_link_at_one_place_but_for_rounding_are_told() -> None:
+    tables = copy.deepcopy(SLIDER) | {"lengths": {"O-A": 15}}
+    tables["points"]["A"] = [0, 1e-13]
+    with pytest.raises(SpecError, match="O and A are drawn at one place"):
+        validate(Linkage, tables)

@@ -44,7 +44,7 @@ from camgen.machines.disc_cam.tables import Geometry, Limits, LoadTable, Motor, 
 from camgen.machines.disc_cam.walls import walls
 from camgen.machines.free_play import between
 from camgen.machines.loads.weights import gravity, pulled
-from camgen.machines.pairs import air_faults
+from camgen.machines.pairs import air_faults, still_faults
 from camgen.machines.standing import StandingCams
 from camgen.motion.polydyne import polydyne
 from camgen.motion.program import Program
@@ -148,14 +148,7 @@ class DiscCamDrive(StandingCams):
             found += polydyne_faults(
                 self.load, self.spring, self._given, self.standing and g.closure == "force"
             )
-        if all(table.kind == "dwell" for table in self.segment):
-            found.append(
-                Fault(
-                    "segment",
-                    f"{len(self.segment)} of them, all dwells",
-                    "at least one rise and one return",
-                )
-            )
+        found += still_faults("segment", [table.kind for table in self.segment])
         return found
 
     # ---- motion -----------------------------------------------------------------------------------------------------
