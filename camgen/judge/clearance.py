@@ -267,7 +267,7 @@ def judge_clearance(
             found = least_distance(area, way)
             least = min(least, found, key=lambda each: each.distance)
             size = max(float(np.max(np.abs(ring))) for ring in (*a, *b))
-            slack = max(slack, 2 * chord_tolerance + 4 * tolerances.FLOAT32_ROUNDING * size)
+            slack = max(slack, 2 * chord_tolerance + 4 * FORMATS[kind].rounding * size)
             curve = np.minimum(curve, signed_distances(area, way(turn)))
         else:
             findings.append(_finding(pair, least, slack, where))

@@ -94,7 +94,7 @@ def judge_machine(
         outline.feature for outlines in measured.outlines.values() for outline in outlines[1:]
     }
     where = named(where, parts_of(feature for feature in features if feature not in further))
-    findings.append(max(judged, key=lambda each: each.error / each.limit).motion(where, alone))
+    findings.append(_motion_error(judged, where))
     off = chord_tolerance + 2 * rounding
     on_cams = judge_cams(
         kind, closing.where, machine, measured.outlines, off, findings[-1].ok, closing.motion
@@ -117,6 +117,12 @@ def judge_machine(
             )
         )
     return Verdict(tuple(findings), numbers, _table(kind, judged, proof), proof, nominal)
+
+
+def _motion_error(judged: Sequence[_Judged], where: str) -> Finding:
+    """MOTION_ERROR of the output that comes worst off against its own limit."""
+    worst = max(judged, key=lambda each: each.error / each.limit)
+    return worst.motion(where, len(judged) == 1)
 
 
 def _nominal(
@@ -191,8 +197,7 @@ class _Closing:
 
     def motion(self, driven: Mapping[str, Outline], own: bool, where: str) -> Finding:
         """MOTION_ERROR of the machine driven by other outlines than the first, or tips."""
-        judged = self.judged(self.proof(driven, own))
-        return max(judged, key=lambda each: each.error / each.limit).motion(where, len(judged) == 1)
+        return _motion_error(self.judged(self.proof(driven, own)), where)
 
 
 class _Judged:

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from camgen import tolerances
 from camgen.files.parts_list import DENSITY, parts_list
 from camgen.files.plates import (
     Layout,
@@ -247,6 +248,22 @@ def test_a_damaged_copy_is_named(tmp_path: Path, damage: dict[str, np.ndarray], 
         found = judge_copies(tmp_path / "x.3mf", meshes, [("rib", np.eye(3, 4)), ("peg", at)])
         assert found.ok is (peg is meshes["peg"]) and math.isfinite(found.measured)
     assert found.message == said
+
+
+@pytest.mark.parametrize("far", [0.0, 5e4])
+def test_copies_are_as_exact_as_the_digits_of_the_furthest_place(
+    tmp_path: Path, far: float
+) -> None:
+    """One at the origin, one 50 m away: what rounding leaves of a place grows with it."""
+    meshes = meshes_of([block("peg", 6, 8, 1)])
+    places = [np.eye(3, 4), np.column_stack([np.eye(3), [far, 0, 0]])]
+    placed = [Placed("peg", f"peg {k}", at) for k, at in enumerate(places, 1)]
+    write_3mf(tmp_path / "x.3mf", meshes, placed, "key")
+    found = judge_copies(tmp_path / "x.3mf", meshes, [("peg", at) for at in places])
+    reach = np.max(np.abs(meshes["peg"].vertices))
+    assert found.ok and found.limit == pytest.approx(
+        tolerances.TRANSFORM_ROUNDING * (reach + max(far, 1.0))
+    )
 
 
 def test_what_is_collapsed_to_a_point_lies_on_nothing() -> None:

@@ -197,6 +197,23 @@ def test_a_lens_of_facets_keeps_its_tips(distance: float) -> None:
         assert np.min(np.abs(made - wanted)) < 1e-6 * distance
 
 
+@pytest.mark.parametrize("turns", [(0.1, 0.04), (0.04, 0.1)])
+@pytest.mark.parametrize("before", [True, False])
+@pytest.mark.parametrize("distance", [-0.3, 0.3])
+def test_edges_whose_bends_differ_are_no_curve(
+    turns: tuple[float, float], before: bool, distance: float
+) -> None:
+    """Of three edges of 10 mm from a square corner on, the second turns by two and a half times what the third does, or it by the
+    second: the corner stays square."""
+    ways = np.append(0, np.cumsum(turns))
+    walls = np.append(0, np.cumsum(10 * np.exp(1j * ways)))
+    ring = np.append(walls, [30 + 30j, 30j])
+    if before:  # the same, seen in a mirror
+        ring = np.roll((1j * np.conj(ring))[::-1], 1)
+    corner = grown(polygon(ring), distance).points[0]
+    assert corner == pytest.approx(distance * (-1 - 1j), abs=1e-12)
+
+
 def test_what_print_closes_is_refused() -> None:
     """A strip 1 mm wide from either side of which 0.6 mm are lost; a disc smaller than what it loses."""
     strip = polygon(np.array([0, 9, 9 + 1j, 1j]))

@@ -136,31 +136,33 @@ def test_an_overlap_is_told_where_it_is_largest(free: float, said: str) -> None:
     assert math.cos(math.radians(degrees) - 0.3) == pytest.approx(-1, abs=1e-5)
 
 
+@pytest.mark.parametrize("phase", [0.0, 0.7])
 @pytest.mark.parametrize("bored", [True, False])
-def test_an_outline_is_seen_about_its_bore(bored: bool) -> None:
+def test_an_outline_is_seen_about_its_bore(bored: bool, phase: float) -> None:
     """A disc whose bore is off by what its outline is: about the bore it lies where it is meant, and moves the follower so. A
     tip that another part has counts as meant."""
+    axis = 1 - 2j  # in the cam's own frame
     machine = Machine(
         (Body("cam"), Body("follower")),
         (
-            Pin("O", Place(GROUND), Place("cam")),
+            Pin("O", Place(GROUND), Place("cam", axis)),
             Slide("stem", Place(GROUND), Place("follower")),
-            Cam("lift", "cam", "follower", Harmonic(), slide="stem", rest=19.0, closure="force"),
+            Cam("lift", "cam", "follower", Harmonic(), "stem", phase, 19.0, closure="force"),
         ),
         (Drive("motor", "cam"),),
-        {"cam": Pose(0j, 0.0), "follower": Pose(23 + 0j, 0.0)},
+        {"cam": Pose(-axis, 0.0), "follower": Pose(23 + 0j, 0.0)},
     )
     off = 2 - 3j
-    bore = Eye("cam", 0j, 5.0) if bored else None
+    bore = Eye("cam", axis, 5.0) if bored else None
     mounts = [Mount("cam", "cam"), Mount("stem", "follower", turned=math.pi)]
     theta = np.linspace(0, math.tau, 50)
     tips = Eye("stem", 0j, 6.0, shaft=True), Flat("stem", 0j, 0.0, 30.0)
     for tip, more in zip(tips, (3.0, 0.0), strict=True):
         given_ = CamOutline("lift", "cam", "O", None, tip, bore=bore)
-        sections = [[Shape(disc(4 + off, 16.0), (disc(off, 2.5),))]]
+        sections = [[Shape(disc(axis + 4 + off, 16.0), (disc(axis + off, 2.5),))]]
         ring, law = rolled(machine, given_, mounts, sections)
-        assert ring.centroid == pytest.approx(4 if bored else 4 + off, abs=1e-6)
-        centre = (4 if bored else 4 + off) * np.exp(1j * theta)
+        assert ring.centroid == pytest.approx(4 if bored else axis + 4 + off, abs=1e-6)
+        centre = (4 if bored else 4 + off) * np.exp(1j * (theta + phase))
         across = centre.imag if more else 0.0
         np.testing.assert_allclose(
             law(theta), centre.real + np.sqrt((16 + more) ** 2 - across**2) - 19, atol=1e-6

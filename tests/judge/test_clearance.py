@@ -23,6 +23,7 @@ from camgen.files.stl import write_stl
 from camgen.files.threemf import Placed, write_3mf
 from camgen.geometry.outlines import Region, polygon
 from camgen.judge.clearance import (
+    _bulges,
     _way,
     convex_pieces,
     judge_clearance,
@@ -76,6 +77,37 @@ def test_grazing_is_told_from_a_strike(shift: float, wanted: float) -> None:
     found = least_distance(meeting([SQUARE], [SQUARE]), way)
     assert found.distance == pytest.approx(wanted, abs=1e-9)
     assert bool(found.overlaps) == (wanted <= 0)
+
+
+def test_of_a_way_to_and_fro_the_least_distance_is_where_it_turns() -> None:
+    """Straight, and even but for its ends: towards the square till half a turn, then back."""
+    tip = np.array([0, 1 + 0.2j, 1 - 0.2j], complex)
+    found = least_distance(
+        meeting([SQUARE], [tip]), lambda t: 5 + 1j + np.abs(np.asarray(t) - math.pi)
+    )
+    assert found.distance == pytest.approx(3.0, abs=2e-9)
+    assert found.theta == pytest.approx(math.pi, abs=1e-9)
+
+
+@settings(max_examples=30)
+@given(
+    width=st.floats(0.5, 9),
+    height=st.floats(0.5, 9),
+    begin=st.floats(0, 6),
+    step=st.floats(1e-3, 0.3),
+)
+def test_a_way_leaves_its_chord_by_no_more_than_is_told(
+    width: float, height: float, begin: float, step: float
+) -> None:
+    """An ellipse, against points along it as fine as you like; and hardly by less."""
+
+    def way(theta: np.ndarray) -> np.ndarray:
+        return width * np.cos(theta) + 1j * height * np.sin(theta)
+
+    z = way(np.linspace(begin, begin + step, 401))
+    off = np.max(np.abs(np.imag((z - z[0]) / (z[-1] - z[0])))) * abs(z[-1] - z[0])
+    (told,) = _bulges(way, np.array([begin]), np.array([begin + step]))
+    assert off <= told <= 1.06 * off
 
 
 def test_depth_is_the_shortest_way_out_and_overlaps_are_placed() -> None:
@@ -157,6 +189,17 @@ def test_what_outlines_may_be_off_is_grazing(
     assert found.numbers == {f"clearance_a_b_{kind}_mm": pytest.approx(20 - width, abs=1e-4)}
     ((name, degrees, curve),) = found.curves
     assert name == "A/B" and degrees[-1] == 360 and np.allclose(curve, 20 - width, atol=1e-4)
+
+
+@pytest.mark.parametrize("kind, ok", [("dxf", False), ("stl", True)])
+def test_of_large_solids_float32_leaves_more_than_the_tolerance(
+    tmp_path: Path, kind: str, ok: bool
+) -> None:
+    """0.03 mm of overlap beside 90 m, of which 24 bits are 0.02 mm: at every height the larger size counts."""
+    blocks(tmp_path, kind, (20.03, 90e3))
+    pair = Apart("A/B", "a", "b", planes=(4.5, 5.0))
+    (finding,) = judge_clearance(kind, tmp_path, "x", [pair], still, 0.01).findings
+    assert finding.ok is ok
 
 
 def test_what_cannot_be_compared_is_told(tmp_path: Path) -> None:

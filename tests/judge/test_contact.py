@@ -10,7 +10,7 @@ from scipy.spatial import ConvexHull
 from shapes import polygon, rounded
 
 from camgen.geometry.rings import Ring
-from camgen.judge.contact import RollingContact, Touch, contact, rolling_contact
+from camgen.judge.contact import RollingContact, Touch, _merged, contact, rolling_contact
 from camgen.judge.contact_faces import ArmFace, SlideFace
 from camgen.judge.contact_tips import ArmTip, Form, SlideTip
 from camgen.machine.closed_form import slider_travel
@@ -160,6 +160,21 @@ def test_mixed_arcs_and_edges_with_a_fillet_the_tip_just_fits() -> None:
         assert np.max(off) < 3e-5
 
 
+@pytest.mark.parametrize("rho", [1.5, 2.0, 2.5])
+def test_a_tip_rests_on_the_ground_of_a_wider_notch(rho: float) -> None:
+    """Half round, of radius 3 about (30, 0): a tip in its middle is 27 mm and its own radius from the axis, and an arm of known
+    length reaches there at one angle."""
+    notch = Ring(
+        np.array([30 - 20j, 30 - 3j, 30 + 3j, 30 + 20j, -25 + 20j, -25 - 20j], complex),
+        np.array([0, -1.0, 0, 0, 0, 0]),
+    )
+    pivot, arm, far = 62 + 0j, -48 - 25j, 27 + rho
+    x = (far**2 + 62**2 - abs(arm) ** 2) / 124  # where circles about axis and pivot meet, below
+    tip = complex(x, -np.sqrt(far**2 - x**2))
+    angle = rolling_contact(notch, pivot, arm, rho, 1).angle(np.angle(tip))
+    assert angle == pytest.approx(np.angle((tip - pivot) / arm), abs=1e-12)
+
+
 def star(seed: int, count: int, noise: float) -> np.ndarray:
     """A star-shaped polygon about the origin with noise on its radius, mm."""
     rng = np.random.default_rng(seed)
@@ -250,6 +265,12 @@ def test_not_finite_angles_answer_nan_and_shapes_are_kept() -> None:
     assert np.isnan(answer).tolist() == [[False, True], [True, False]]
     assert table.angle(0.25).shape == ()
     assert table.angle(np.array([])).shape == (0,)
+
+
+def test_bounds_of_intervals_are_distinct() -> None:
+    """From 0 to the whole turn, each once, 0 and the turn being the same place."""
+    bounds, which = _merged(np.array([0.0, 2.0, 1.0, 2.0, 2 * np.pi]))
+    assert bounds.tolist() == [0, 1, 2, 2 * np.pi] and which.tolist() == [0, 2, 1, 2, 0]
 
 
 @pytest.mark.parametrize("rho", [0.0, 2.0])

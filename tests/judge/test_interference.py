@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -15,7 +16,8 @@ from camgen.files.threemf import Placed, placing, write_3mf
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Region, circle, polygon
 from camgen.geometry.rings import Floats, Points, Ring
-from camgen.judge.interference import Clearance, interference, swept
+from camgen.judge.interference import Clearance, _Approach, interference, swept
+from camgen.judge.relative_motion import Motion
 from camgen.judge.slabs import Body, Course, Slab, judge_plate, slabs_of
 from camgen.parts.part import Layer, Part
 from camgen.parts.solids import solid
@@ -90,6 +92,18 @@ def test_of_sections_at_several_heights_the_widest_counts() -> None:
     for slabs_of_wall in (wall, wall[::-1]):
         c = only(swept([cam, Body("wall", slabs_of_wall)], {}, 0.25))
         assert (c.gap, c.proven, c.evaluations) == (alone.gap, alone.proven, alone.evaluations)
+
+
+@pytest.mark.parametrize("wide", [True, False])
+def test_a_piece_is_halved_across_its_longer_side(wide: bool) -> None:
+    """Far from the origin either way."""
+    long, flat = (0, 100, 4, 102), (0, 100, 2, 102)
+    other = (2, 100, 4, 102)
+    if not wide:
+        long, flat, other = (100, 0, 102, 4), (100, 0, 102, 2), (100, 2, 102, 4)
+    motion = Motion(about(np.zeros_like), SPIN, np.linspace(0, math.tau, 99))
+    whole = _Approach(motion, shapely.box(0, 0, 1, 1), shapely.box(*long), 0.0, 0.0, 0.0, cut=1)
+    assert [part.guest.bounds for part in whole.divided()] == [flat, other]
 
 
 def test_shifted_by_a_hair() -> None:

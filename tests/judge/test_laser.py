@@ -16,7 +16,7 @@ from camgen.files.cutting import Piece, read_svg, write_sheet
 from camgen.files.dxf import read_dxf
 from camgen.geometry.outlines import Region, circle, polygon, rectangle
 from camgen.geometry.rings import Ring
-from camgen.judge.sheets import Beam, Laid, judge_sheet, widened
+from camgen.judge.sheets import Beam, Laid, _round_corner, judge_sheet, widened
 from camgen.parts.assembly import printed_parts
 from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Layer, Part, keyed_bore
@@ -122,6 +122,15 @@ def test_a_contour_that_falls_apart_or_vanishes_is_told():
         widened(Ring(np.array([1.5, -1.5 + 0j]), np.ones(2)), -2.0)
 
 
+@pytest.mark.parametrize("count", [3, 4, 12])
+def test_a_beam_stays_away_from_a_corner_by_what_its_disc_leaves(count):
+    """Of a regular polygon that turns to the right; to the left it goes round all of them."""
+    corners = 9 * np.exp(-2j * np.pi * np.arange(count) / count)
+    away = 0.1 * (1 / np.cos(np.pi / count) - 1)
+    assert _round_corner(corners, 0.1) == pytest.approx(away, rel=1e-9)
+    assert _round_corner(corners[::-1], 0.1) == 0
+
+
 def test_damage_is_told(tmp_path):
     files, laid, meant, _ = written(tmp_path, plate())
     dxf, svg = files
@@ -130,6 +139,10 @@ def test_damage_is_told(tmp_path):
     assert failing(files, laid, meant) == {"ROUND_TRIP"}
     svg.write_text(text.replace('mm"', 'in"'))
     assert failing(files, laid, meant) == {"ROUND_TRIP"}
+    wider = text.replace('width="200mm"', 'width="300mm"').replace('"0 0 200 100"', '"0 0 300 100"')
+    svg.write_text(wider)
+    (off,) = (each for each in judge_sheet(*files, laid, meant, BEAM)[0] if not each.ok)
+    assert off.code == "ROUND_TRIP" and "contours on 300 x 100 mm instead of" in off.message
     svg.write_text(text.replace("#ff0000", "#00ff00"))
     with pytest.raises(FileError, match="not a sheet in SVG"):
         read_svg(svg)

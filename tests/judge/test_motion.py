@@ -28,6 +28,7 @@ from camgen.machine.features import (
 from camgen.machine.model import (
     GROUND,
     Along,
+    Angle,
     Body,
     Cam,
     Clutch,
@@ -290,6 +291,25 @@ def test_the_limit_of_the_motion_is_what_one_joint_and_all_roundings_do(
     assert limit == pytest.approx(wanted, rel=1e-4)
     gap = next(f.limit for f in found.findings if f.code == "PIN_GAP")
     assert gap == pytest.approx(2 * 0.002 + 4 * rounding * 90 * abs(1 + 0.1j), rel=1e-4)
+
+
+def test_a_fit_may_be_off_by_what_the_way_back_costs() -> None:
+    found = judge_machine(
+        "dxf", "file", files(), slider_crank(), FEATURES, LINKS, THETA, 0.002, slack=0.01
+    )
+    limit = next(f.limit for f in found.findings if f.code == "PIN_GAP")
+    assert limit == pytest.approx(2 * 0.002 + 0.01)
+
+
+def test_of_several_outputs_the_one_most_over_its_own_limit_is_told() -> None:
+    """The block's hole 0.2 mm aside: it leans the rod by 0.2 / 48, of which an outline may do 0.002 / 48 or so; along the guide it
+    does no more than the rod leans."""
+    outputs = (Output("way", Along("guide")), Output("lean", Angle("rod")))
+    machine = replace(slider_crank(), outputs=outputs)
+    found = judge_machine("dxf", "file", files(block=0.2j), machine, FEATURES, LINKS, THETA, 0.002)
+    motion = next(f for f in found.findings if f.code == "MOTION_ERROR")
+    assert ", lean, crank angle" in motion.where and motion.unit == "deg"
+    assert motion.measured == pytest.approx(math.degrees(0.2 / 48), rel=0.01)
 
 
 def test_what_no_file_shows_counts_as_meant() -> None:

@@ -6,7 +6,9 @@ import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
+import ezdxf
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -19,7 +21,15 @@ from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Region, circle
 from camgen.geometry.outlines import polygon as contour
 from camgen.geometry.rings import Ring, Shape
-from camgen.judge.round_trip import Expected, Section, Undo, judge_cut, judge_solid, pieces_of
+from camgen.judge.round_trip import (
+    Expected,
+    Section,
+    Undo,
+    judge_cut,
+    judge_dimensioned,
+    judge_solid,
+    pieces_of,
+)
 from camgen.parts.part import Layer, Part
 from camgen.parts.solids import solid
 
@@ -136,6 +146,27 @@ def test_a_bore_is_as_far_off_at_all_heights() -> None:
     assert found["ROUND_TRIP"].measured == pytest.approx(0.1, abs=2e-3)
 
 
+@pytest.mark.parametrize("off", [0.0, 0.4])
+def test_a_bore_above_a_floor_is_where_it_is_meant(off: float) -> None:
+    """Below it there is none, by which it could be told how far it is off."""
+    rim, others = contour(list(PLATE.outer.points)), (circle(-15, 2), circle(15, 3))
+    layers = (
+        Layer(Region(rim, others), 0.0, 1.5),
+        Layer(Region(rim, (circle(off, 2.5), *others)), 1.5, 3.0),
+    )
+    part = Part("x", "", layers)
+    floor = Shape(PLATE.outer, PLATE.holes[:2])
+    meant = expected(
+        sections=(Section((1.0,), (floor,)), Section((2.0,), (PLATE,))),
+        bore=5.0,
+        levels=(0.0, 1.5, 3.0),
+        volume=part.volume,
+        facets=9.0,
+    )
+    found = {f.code: f for f in judge_solid(solid(part, TOLERANCE / 2), meant, "x", 0.0).findings}
+    assert found["ROUND_TRIP"].measured == pytest.approx(off, abs=2e-3)
+
+
 def test_contours_too_many_or_of_another_piece_are_told() -> None:
     finding = judged(expected(PLATE), moved(0j, 0j, 0j)[:-1])["ROUND_TRIP"]
     assert not finding.ok and finding.message == "3 contours instead of 4"
@@ -146,6 +177,28 @@ def test_contours_too_many_or_of_another_piece_are_told() -> None:
     assert judged(expected(left, right), [right.outer, *right.holes, *left.holes, left.outer])[
         "ROUND_TRIP"
     ].ok
+
+
+@pytest.mark.parametrize("wider, units, ok", [(0.0, 4, True), (0.01, 4, False), (0.0, 1, False)])
+def test_contours_of_a_dimensioned_drawing(
+    tmp_path: Path, wider: float, units: int, ok: bool
+) -> None:
+    """As another library draws them; other lines say nothing."""
+    drawing = ezdxf.new(units=units)
+    space, cut = drawing.modelspace(), {"layer": "CUT"}
+    corners = [(z.real, z.imag) for z in PLATE.outer.points]
+    space.add_lwpolyline(corners, close=True, dxfattribs=cut)
+    for at, size in EYES:
+        space.add_circle((at.real, at.imag), size / 2 + wider, dxfattribs=cut)
+    space.add_line((-40, 0), (40, 0), dxfattribs={"layer": "DIM"})
+    path = tmp_path / "x-drawing.dxf"
+    drawing.saveas(path)
+    found = judge_dimensioned(path, expected(PLATE))
+    assert found.code == "ROUND_TRIP" and found.ok is ok
+    if units == 4:
+        assert found.measured == pytest.approx(wider, rel=0.01)  # the areas tell it too
+    else:
+        assert "$INSUNITS is 1" in found.message
 
 
 def test_pieces_are_what_lies_in_no_other_ring() -> None:

@@ -123,6 +123,7 @@ def test_other_copies_or_times_are_told(path: Path) -> None:
     ):
         found = judge_scene(path, other, SECONDS)
         assert not found.ok and f"4 copies, which are not the {len(other)}" in found.message
+        assert math.isnan(found.measured) and found.limit == 0
     assert judge_scene(path, FLIGHTS, 1.01 * SECONDS).measured == math.inf
     every_other = {
         name: replace(each, angle=each.angle[::2], place=each.place[::2])

@@ -163,6 +163,24 @@ def test_a_displaced_hole_moves_the_output_by_its_share() -> None:
                 )
 
 
+def test_a_pose_without_a_guess_keeps_no_other_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
+    """From poses that are closed one step of Newton is enough, whatever the pose beside them does; it stays open."""
+    system = Constraints(jansen())
+    guess = poses(jansen(), THETA)[0]
+    guess[7] = np.nan
+    seen = []
+    evaluate = Constraints.evaluate
+
+    def counted(self: Constraints, *given: object) -> object:
+        seen.append(self)
+        return evaluate(self, *given)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(Constraints, "evaluate", counted)
+    q = close(system, THETA, guess, order=1).q
+    assert len(seen) == 2  # the step, and what is left after it
+    assert np.isnan(q).all(axis=1).tolist() == [k == 7 for k in range(len(q))]
+
+
 @pytest.mark.parametrize("right", [(9, 3), (9, 3, 2)])
 def test_systems_that_have_no_numbers_have_no_solution(right: tuple[int, ...]) -> None:
     """nan or inf in a matrix or on its right, each by itself; the others are solved as if alone."""
@@ -178,6 +196,8 @@ def test_systems_that_have_no_numbers_have_no_solution(right: tuple[int, ...]) -
     )
     np.testing.assert_allclose(found[~lost[:, 0]], wanted[~lost[:, 0]], atol=1e-12)
     np.testing.assert_array_equal(solved(matrices[5:], sides[5:]), found[5:])
+    matrices[6, 1, 1] = np.inf  # by which an unknown would be 0
+    assert np.isnan(solved(matrices, sides)[6]).all()
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 2), (2, 1), (2, 2)])
