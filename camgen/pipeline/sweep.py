@@ -47,13 +47,12 @@ _LARGEST = 2_000  # variants in a chunk
 _CROWDS = (8, 64, 512)  # variants that are tried together, to see what each takes
 _TRIES = 3  # of a chunk whose worker dies
 
-HOLDS, LIMITS, FAILS, REFUSED, WRONG = (
-    "holds",
-    "limits hold",
-    "fails",
-    "refused",
-    "wrong",
-)  # LIMITS: no file was made
+# LIMITS: no file was made
+HOLDS = "holds"
+LIMITS = "limits hold"
+FAILS = "fails"
+REFUSED = "refused"
+WRONG = "wrong"
 _TOLD = {
     HOLDS: "hold",
     LIMITS: "hold their limits (no file made)",

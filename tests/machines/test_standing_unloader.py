@@ -117,7 +117,8 @@ def test_a_spring_that_cannot_be_wound_is_told(unloader: dict[str, Any], said: s
         _ = machine(unloader=unloader).assembly
 
 
-WHEEL, MATE = "gear-unloader_gears-unloader", "gear-unloader_gears-driven-link-1"
+WHEEL = "gear-unloader_gears-unloader"
+MATE = "gear-unloader_gears-driven-link-1"
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,10 @@ from camgen.study import Study, Table, together
 if TYPE_CHECKING:
     from camgen.machines.mechanism import Mechanism
 
-_FEW, _MANY, _BODIES = 361, 1441, 9  # angles of a machine with more, or at most so many bodies
+# angles of a machine with more, or at most so many bodies
+_FEW = 361
+_MANY = 1441
+_BODIES = 9
 
 
 @dataclass(frozen=True)

@@ -75,10 +75,9 @@ from camgen.study import Later, Plot, Sketch, Study, Table
 if TYPE_CHECKING:
     from camgen.machines.uniform_swing.printed import SwingMachine
 
-_ARROW, _ARROW_SHARE = (
-    2.5,
-    0.3125,
-)  # circumscribed radius of the direction mark, mm, and its most as a share of the bore
+# circumscribed radius of the direction mark, mm, and its most as a share of the bore
+_ARROW = 2.5
+_ARROW_SHARE = 0.3125
 
 
 class UniformSwing(Mechanism):

@@ -15,7 +15,8 @@ from camgen.pipeline.sweep import Row, Task, judged, prepared
 from camgen.pipeline.variants import variants
 
 SPEC = Path(__file__).resolve().parents[3] / "specs" / "disc-cam.toml"
-ARM, NO_RADIUS = "geometry.follower.motion='oscillating'", "geometry.follower.radius="
+ARM = "geometry.follower.motion='oscillating'"
+NO_RADIUS = "geometry.follower.radius="
 KINDS = {
     "roller": (
         [],
