@@ -124,7 +124,7 @@ class Search:
         try:
             if isinstance(made, CamgenError):
                 raise made
-            findings, figures = made.forecast(), made.figures()
+            findings, figures = made.forecast(), made.study().numbers
         except (DesignError, SpecError) as error:
             self.reason = self.reason or " ".join(str(error).split())
             return _REFUSED

@@ -116,7 +116,7 @@ def _row(task: Task, number: int, values: Sequence[str], made: Mechanism | Camge
             report = build(made, task.out / f"{number:08d}", frozenset(task.build))
             findings, numbers = report.findings, report.numbers
         else:
-            findings, numbers = made.forecast(), made.figures()
+            findings, numbers = made.forecast(), made.study().numbers
     except SpecError as error:
         return row | {"verdict": WRONG, "fails": "", "reason": "; ".join(map(str, error.faults))}
     except DesignError as error:
@@ -400,7 +400,7 @@ def _refuse_unknown(task: Task, first: Row) -> None:
             if faults:
                 raise SpecError(faults, task.source) from None
     elif first["verdict"] != REFUSED:
-        known = changed(*asked).figures()
+        known = changed(*asked).study().numbers
         faults = [unknown("--keep", name, known) for name in task.keep if name not in known]
         if faults:
             raise SpecError(faults, "command line")

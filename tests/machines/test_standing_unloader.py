@@ -200,7 +200,7 @@ def test_a_stiffness_that_is_found_leaves_least() -> None:
     del data["unloader"]["stiffness_n_mm"]
     data["load"]["friction_n_m"] = 0
     found = validate(IndexingCam, data)
-    stiffness = found.found()["unloader.stiffness_n_mm"]
+    stiffness = found._found()["unloader.stiffness_n_mm"]
     assert isinstance(stiffness, float)
     for share in (0.99, 1.01):
         data["unloader"]["stiffness_n_mm"] = share * stiffness

@@ -17,6 +17,7 @@ from camgen.machines.loads import bearing, drive, follower
 from camgen.machines.loads.applied import jumps
 from camgen.machines.loads.pins import overstated
 from camgen.machines.loads.rubbing import freed, rough
+from camgen.machines.loads.tables import Drives
 from camgen.machines.loads.weights import Weighed, weighed
 from camgen.study import Study, Table, together
 
@@ -44,9 +45,11 @@ def assess(mechanism: Mechanism) -> Assessment:
     if not mechanism.model.drives:
         return Assessment()
     found, assembly = weighed(mechanism), mechanism.assembly
-    machine, motor = found.machine, mechanism.drives
+    machine = found.machine
+    given = getattr(mechanism, "motor", None)
+    motor = given if isinstance(given, Drives) else None
     held: list[Finding] = []
-    left: list[NotJudged] = [*mechanism.unpressed()]
+    left: list[NotJudged] = [*assembly.unjudged]
     seat, facts = assembly.motor, assembly.follower
     if seat.reach is not None:
         told = drive.reach(motor, seat.frame, seat.reach)

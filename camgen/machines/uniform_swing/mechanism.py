@@ -157,14 +157,14 @@ class UniformSwing(Mechanism):
             g.tip_clearance,
         )
 
-    def found(self) -> Mapping[str, object]:
+    def _found(self) -> Mapping[str, object]:
         """The pressure angle that is accepted, and what every mechanism fills in."""
         return {
-            **super().found(),
+            **super()._found(),
             "limits.pressure_angle_deg": self.allowed.cam_limits.steepest(self.cam),
         }
 
-    def machine(self) -> Machine:
+    def _unloaded(self) -> Machine:
         """Cam and follower; output "swing", rad."""
         pair = self.geometry.closure == "conjugate"
         touches = (CamTouch(self.cam), CamTouch(self.cam, mirrored=True))[: 1 + pair]
@@ -402,7 +402,7 @@ class UniformSwing(Mechanism):
             findings.append(lift_off(loaded, self._load, False, NO_SPRING, less))
         return findings
 
-    def unpressed(self) -> Sequence[NotJudged]:
+    def _unpressed(self) -> Sequence[NotJudged]:
         """LIFT_OFF of force closure where nothing says what swings."""
         if self._forces or self.geometry.closure != "force":
             return ()

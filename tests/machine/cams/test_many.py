@@ -108,7 +108,7 @@ def test_what_takes_more_than_formulas_is_left_to_each_cam() -> None:
 
 
 def test_a_limit_that_is_met_exactly_is_judged_by_each_cam() -> None:
-    steep = read_mechanism(SPEC).figures()["pressure_angle_deg"]
+    steep = read_mechanism(SPEC).study().numbers["pressure_angle_deg"]
     near, clear = (
         read_mechanism(SPEC, [f"limits.pressure_angle_deg={steep + by!r}"]) for by in (1e-9, 1e-3)
     )
