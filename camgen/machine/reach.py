@@ -28,7 +28,8 @@ from camgen.numerics import Floats, roots
 LOOKED = 720
 INSIDE = 1e-12  # rad, by which a range ends before its dead point, where rounding decides whether the chain closes
 # Rounds in which a least place between samples is found, and how much closer each looks: to 1e-11 rad.
-ROUNDS, CLOSER = 8, 12
+ROUNDS = 8
+CLOSER = 12
 # Determinant below which a position counts as a fold: 0.06 deg of transmission angle.
 FOLD = 1e-3
 # Determinant at all samples above which none of them is beside a gap: it is 0 at both ends of one, and a dyad that passes

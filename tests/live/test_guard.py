@@ -27,7 +27,8 @@ from camgen.live import run as live
 from camgen.live.numbers import numbers, overrides, write
 from camgen.live.server import Built, Explorer, watcher
 
-HOME, WORD = "http://127.0.0.1:8000", "a-word-of-chance"
+HOME = "http://127.0.0.1:8000"
+WORD = "a-word-of-chance"
 ORIGIN = {"origin": HOME}
 
 

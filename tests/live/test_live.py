@@ -28,7 +28,8 @@ from camgen.pipeline.jobs import files_of
 from camgen.settings import override
 from camgen.starters import described, examples, folder
 
-HOME, WORD = "http://127.0.0.1:8000", "a-word-of-chance"
+HOME = "http://127.0.0.1:8000"
+WORD = "a-word-of-chance"
 
 
 @pytest.fixture

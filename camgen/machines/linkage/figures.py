@@ -51,16 +51,14 @@ _PATHS = (
     "crosses itself at, deg",
 )
 _MOST_SERIES = 8  # curves of one plot
-_OF_A_KIND, _OF_THREE = (
-    3.0,
-    1.3e-4,
-)  # s, to make and judge a kind of file, and by the cube of links; measured up to 58
+# s, to make and judge a kind of file, and by the cube of links; measured up to 58
+_OF_A_KIND = 3.0
+_OF_THREE = 1.3e-4
 _LONG = 20.0  # s, that are told beforehand
 _RETURNS = 1e-6  # of its stroke, by which an output that goes to and fro may miss its beginning after a turn
-_SLOW, _STILL = (
-    0.05,
-    1e-6,
-)  # of a point's greatest speed: where a stop is looked for, and what is one
+# of a point's greatest speed: where a stop is looked for, and what is one
+_SLOW = 0.05
+_STILL = 1e-6
 
 
 def study(linkage: Linkage) -> Study:

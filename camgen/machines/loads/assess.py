@@ -17,6 +17,7 @@ from camgen.machines.loads import bearing, drive, follower
 from camgen.machines.loads.applied import jumps
 from camgen.machines.loads.pins import overstated
 from camgen.machines.loads.rubbing import freed, rough
+from camgen.machines.loads.tables import Drives
 from camgen.machines.loads.weights import Weighed, weighed
 from camgen.study import Study, Table, together
 
@@ -24,7 +25,10 @@ if TYPE_CHECKING:
     from camgen.machines.mechanism import Mechanism
 
 Loads = TypeVar("Loads", bound=Any)
-_FEW, _MANY, _BODIES = 361, 1441, 9  # angles of a machine with more, or at most so many bodies
+# angles of a machine with more, or at most so many bodies
+_FEW = 361
+_MANY = 1441
+_BODIES = 9
 
 
 @dataclass(frozen=True)
@@ -42,9 +46,11 @@ def assess(mechanism: Mechanism) -> Assessment:
     if not mechanism.model.drives:
         return Assessment()
     found, assembly = weighed(mechanism), mechanism.assembly
-    machine, motor = found.machine, mechanism.drives
+    machine = found.machine
+    given = getattr(mechanism, "motor", None)
+    motor = given if isinstance(given, Drives) else None
     held: list[Finding] = []
-    left: list[NotJudged] = [*mechanism.unpressed()]
+    left: list[NotJudged] = [*assembly.unjudged]
     seat, facts = assembly.motor, assembly.follower
     if seat.reach is not None:
         told = drive.reach(motor, seat.frame, seat.reach)
