@@ -27,7 +27,10 @@ _COMPLETE = (
 )
 # Neither numpy's threads are of use here, 20 ms to start them, nor what other packages would add to pydantic, 4 ms to look for.
 _ENVIRONMENT = {"OPENBLAS_NUM_THREADS": "1", "PYDANTIC_DISABLE_PLUGINS": "__all__"}
-INTERNAL, INTERRUPTED, PIPE_CLOSED, TERMINATED = 70, 130, 141, 143
+INTERNAL = 70
+INTERRUPTED = 130
+PIPE_CLOSED = 141
+TERMINATED = 143
 
 
 @click.group(epilog=EXIT_CODES, context_settings={"help_option_names": ["-h", "--help"]})

@@ -34,7 +34,9 @@ from camgen.schemas import in_words, keys_of, members_of, one_of, other_spelling
 
 _WIDE = 110  # characters of a line of TOML
 
-MM, SHARE = {"unit": "mm"}, {"unit": "1"}  # of a number, told by its schema
+# of a number, told by its schema
+MM = {"unit": "mm"}
+SHARE = {"unit": "1"}
 Length = Annotated[
     float, Field(ge=1e-3, le=1e6, json_schema_extra=MM)
 ]  # a thousandth is less than any workshop makes

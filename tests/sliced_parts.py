@@ -9,7 +9,9 @@ from camgen.files.stl import read_stl
 from camgen.geometry.mesh import slice_mesh
 from camgen.judge.round_trip import pieces_of
 
-WIDTH, LAYER = 0.45, 0.8  # mm
+# mm
+WIDTH = 0.45
+LAYER = 0.8
 
 
 def pieces(folder, name, height):

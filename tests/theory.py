@@ -167,7 +167,7 @@ def _load(name: str, **changed: Any) -> Any:
 
 def _joints(mechanism: Any, theta: float, *names: tuple[str, str]) -> list[complex]:
     """Places of (body, point) at the angle theta of the drive, mm."""
-    run = solve(mechanism.machine(), np.array([theta]))
+    run = solve(mechanism.model, np.array([theta]))
     return [complex(np.ravel(run.point(body, point))[0]) for body, point in names]
 
 

@@ -28,7 +28,8 @@ from camgen.numerics import Floats, solve
 from camgen.reading import Data
 from camgen.report.sketches import Drawn
 
-ROCKER, CRANK = "rocker", "crank"
+ROCKER = "rocker"
+CRANK = "crank"
 _GRID = 90  # places of each of phi0 and psi0
 _APART = 4  # places of the grid between two drawings to start from
 _STARTS = 16  # by their error; half as many by their transmission angle

@@ -27,7 +27,9 @@ from camgen.spec import unknown
 
 _EACH = 60  # designs for each key and unit of effort
 _CROWD = 6  # of them at once for each key
-_BROKEN, _REFUSED = 1e6, 1e12  # costs, in sizes of the figure
+# costs, in sizes of the figure
+_BROKEN = 1e6
+_REFUSED = 1e12
 _DIGITS = 6  # of a value that is found
 
 
@@ -122,7 +124,7 @@ class Search:
         try:
             if isinstance(made, CamgenError):
                 raise made
-            findings, figures = made.forecast(), made.figures()
+            findings, figures = made.forecast(), made.study().numbers
         except (DesignError, SpecError) as error:
             self.reason = self.reason or " ".join(str(error).split())
             return _REFUSED

@@ -17,7 +17,8 @@ from camgen.numerics import Points
 from camgen.reading import Data
 from camgen.report.sketches import Drawn
 
-TRACED, CRANK = "P", "crank"
+TRACED = "P"
+CRANK = "crank"
 _STEPS = 2000  # angles of a turn, corners of the line in place of the path
 _RESOLUTION = 0.001  # of the distance that is borne, to which the worst one is found
 _DIGITS = 6  # of a coordinate, mm

@@ -22,7 +22,10 @@ from camgen.design.chains import Chain, chains
 from camgen.design.polish import Goal, normed, packed, polished, unpacked
 from camgen.numerics import Floats, Indices, Points
 
-_SOWN, _POPULATION, _GENERATIONS = 3000, 48, 40  # drawings of a chain
+# drawings of a chain
+_SOWN = 3000
+_POPULATION = 48
+_GENERATIONS = 40
 _GLANCED = 64  # angles of a turn while evolving
 _BEST = 0.1  # share of the population that the others are drawn towards
 _POLISHED = 12  # evolved designs of a chain, each by so many weights:
@@ -30,10 +33,9 @@ _COPIES = 3
 _WEIGHTS = (0.1, 10.0)  # least and greatest, of the bars' share in the value against the error's
 _SHAKEN = 10  # copies of a design
 _SHARES = (0.003, 0.1)  # of the drawing's size: least and greatest that points are moved by
-_TASKS, _TIMES = (
-    60,
-    6,
-)  # few chains are sown so often that there are so many tasks, each so often at most
+# few chains are sown so often that there are so many tasks, each so often at most
+_TASKS = 60
+_TIMES = 6
 _ROUNDS = 6  # of shaking in a unit of effort
 _NEAR = (
     0.98  # a design is shaken too that would be on the front with such shares of its error and bars

@@ -47,10 +47,9 @@ _FOUND = (
 _STEP = 0.02  # least difference of bars of two designs of a front for a path, as a share
 _BEHIND = 0.8  # of the error and bars of a design that could be built: the front reaches to those at most so much worse
 _WEIGHED = 60  # designs for a path whose parts are made; a layer more at most
-_WORST, _MOST = (
-    0.2,
-    10.0,
-)  # of the wanted path's longest chord: error, and length of all bars, that a front reaches to
+# of the wanted path's longest chord: error, and length of all bars, that a front reaches to
+_WORST = 0.2
+_MOST = 10.0
 
 
 class Design(Protocol):

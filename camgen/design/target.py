@@ -21,11 +21,10 @@ Flags = NDArray[np.bool_]
 _DIRECTIONS = (
     32  # in which the ends of a chord are looked for; the ends found are true points of the path
 )
-_FEWEST, _FEW, _MANY = (
-    12,
-    72,
-    256,
-)  # points of the target: to tell its sense, in a fast look, in a refinement
+# points of the target: to tell its sense, in a fast look, in a refinement
+_FEWEST = 12
+_FEW = 72
+_MANY = 256
 _CELLS = 200  # of the grid along the chord
 _MARGIN = 40  # cells round the target
 _BLOCK = 48  # paths whose distances fit the processor's cache

@@ -43,14 +43,19 @@ from camgen.tolerances import SAME_POINT
 _SCALES = (50.0, 20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
 _SIZES = {"A4": (297.0, 210.0), "A3": (420.0, 297.0)}
 # Frame: 20 mm at the filing edge, 10 mm elsewhere. [ISO 5457]
-_FILING, _MARGIN = 20.0, 10.0
+_FILING = 20.0
+_MARGIN = 10.0
 _TABLE_WIDTHS = (10.0, 17.0, 17.0, 58.0)
 _ROW = 5.0
 _NOTES = (
     _SIZES["A4"][0] - _FILING - _MARGIN - SIZE[0] - 6
 )  # width of the notes, beside the title block of an A4 sheet
 # Room round the plan view for dimensions, and between the views, mm: left and below, right and above.
-_LEFT, _BELOW, _RIGHT, _ABOVE, _BESIDE = 31.0, 28.0, 24.0, 24.0, 12.0
+_LEFT = 31.0
+_BELOW = 28.0
+_RIGHT = 24.0
+_ABOVE = 24.0
+_BESIDE = 12.0
 _DIMENSION_GAP = 24.0
 _ASIDE = 0.6  # rad, of a leader from the lines of overall sizes
 _HATCH = 2.5  # mm of paper between the lines of a cut face

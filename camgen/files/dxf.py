@@ -25,12 +25,16 @@ from camgen.geometry.rings import Ring
 from camgen.tolerances import SAME_POINT
 
 # What a laser takes, and what it leaves: name -> (colour index, line weight in 1/100 mm).
-CUT_LAYER, MARK_LAYER, ENGRAVE_LAYER = "CUT", "CENTER", "ENGRAVE"
+CUT_LAYER = "CUT"
+MARK_LAYER = "CENTER"
+ENGRAVE_LAYER = "ENGRAVE"
 _CUT, _MARKS, _ENGRAVE = {CUT_LAYER: (7, 25)}, {MARK_LAYER: (1, 13)}, {ENGRAVE_LAYER: (5, 13)}
 MILLIMETRES = 4  # $INSUNITS
 # Half length of the strokes of a centre mark, mm; at most this share of the way to the nearest contour, so that a whole
 # stroke is shorter than the hole's radius; a mark of less than the smallest half length is left out.
-_MARK, _MARK_SHARE, _SMALLEST_MARK = 1.0, 0.4, 0.1
+_MARK = 1.0
+_MARK_SHARE = 0.4
+_SMALLEST_MARK = 0.1
 _NEAR = 1e-3  # mm, chord tolerance of the contours to which that way is measured
 # What an entity says of its place and shape; all else (visibility, width, colour, line type) is to be as nobody set it.
 _SHAPE = {

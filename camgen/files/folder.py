@@ -33,8 +33,11 @@ SPEC = "spec.toml"
 
 _STAGING = re.compile(r"\.(.+)-[a-z0-9_]{8}")
 _EDITED = re.compile(r"spec\.toml\.edited(-\d+)?")
-_LOCK, _MARK = "camgen.lock", b"a build of camgen works here\n"
-_AT_CWD, _EXCHANGE = -100, 2  # of renameat2 [linux/fcntl.h, linux/fs.h]
+_LOCK = "camgen.lock"
+_MARK = b"a build of camgen works here\n"
+# of renameat2 [linux/fcntl.h, linux/fs.h]
+_AT_CWD = -100
+_EXCHANGE = 2
 _in_use: set[Path] = (
     set()
 )  # staging folders of this process, whose locks do not hold against itself

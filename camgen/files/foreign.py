@@ -36,19 +36,20 @@ _SIZES |= {".csv": POINTS_SIZE, **dict.fromkeys(PICTURES, PICTURE_SIZE)}
 ENDINGS = tuple(_SIZES)
 _HEAD = 4096  # bytes that tell what a file is
 _MOST_POINTS = 500_000
-_MOST_ENTITIES, _MOST_CHORDS = (
-    50_000,
-    2_000_000,
-)  # of a drawing: those that blocks stand for, those that curves become
-_MOST_FIT_POINTS, _MOST_DEGREE = 5_000, 24  # of a spline
-_LEAST_SIZE, _MOST_SIZE = (
-    0.1,
-    1e5,
-)  # mm across: beyond it the unit is wrong, or float64 does not resolve SAME_POINT
+# of a drawing: those that blocks stand for, those that curves become
+_MOST_ENTITIES = 50_000
+_MOST_CHORDS = 2_000_000
+# of a spline
+_MOST_FIT_POINTS = 5_000
+_MOST_DEGREE = 24
+# mm across: beyond it the unit is wrong, or float64 does not resolve SAME_POINT
+_LEAST_SIZE = 0.1
+_MOST_SIZE = 1e5
 _RIVAL = 0.25  # of the outline's area: a contour within it that is larger is no bore
 _BEYOND = 1e12  # mm, and bulge: what no drawing means
 _NESTED = 16  # blocks within blocks
-_MILLIMETRES, _UNITLESS = 4, 0
+_MILLIMETRES = 4
+_UNITLESS = 0
 # $INSUNITS of a DXF: name and mm.
 _DXF_UNITS = {
     1: ("inches", 25.4),

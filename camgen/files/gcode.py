@@ -36,10 +36,14 @@ _OVERHANG = {
 }  # of outer and inner walls alike: one that is part of an outer loop counts
 _LONGEST = 1_000_000  # bytes of a line; thumbnails and settings in comments take thousands
 _MOST_POINTS = 1_000_000  # of one wall
-_MOST_WALLS, _MOST_BESIDE = 20_000, 1_000  # outer walls of a file, and of one layer
+# outer walls of a file, and of one layer
+_MOST_WALLS = 20_000
+_MOST_BESIDE = 1_000
 _MOVES = {("G", 0.0), ("G", 1.0), ("G", 2.0), ("G", 3.0)}
 _EXPONENT = re.compile(r"[XYZIJ]\s*[-+]?[\d.]+E")  # no slicer writes one: a number that is damaged
-_NARROWEST, _WIDEST = 0.01, 10.0  # mm, of a line
+# mm, of a line
+_NARROWEST = 0.01
+_WIDEST = 10.0
 _FARTHEST = 1e5  # mm, from the bed's origin
 _SEAM = 3.0  # line widths between the ends of a wall that is closed all the same
 _SAME_LAYER = 1e-4  # mm of height

@@ -26,8 +26,13 @@ from camgen.geometry.mesh import Mesh
 from camgen.numerics import Floats, Points
 
 SECONDS = 8.0  # a turn takes
-_FLOAT, _SHORT, _LONG = 5126, 5123, 5125  # numbers: float32, uint16, uint32
-_VERTICES, _INDICES = 34962, 34963  # what a buffer view is for
+# numbers: float32, uint16, uint32
+_FLOAT = 5126
+_SHORT = 5123
+_LONG = 5125
+# what a buffer view is for
+_VERTICES = 34962
+_INDICES = 34963
 
 
 @dataclass(frozen=True, eq=False)

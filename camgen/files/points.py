@@ -23,7 +23,9 @@ from camgen.geometry.rings import Floats, Points, Ring
 
 # Names of columns, less their unit, in the order in which a pair is looked for.
 _PAIRS = (("x", "y"), ("angle", "radius"), ("theta", "radius"), ("angle", "r"), ("theta", "r"))
-_LEAST, _MOST = 24, 200_000  # points
+# points
+_LEAST = 24
+_MOST = 200_000
 POINTS_SIZE = Bound("a table of points", 20_000_000, most=_MOST + 1_000)
 _GAP = 0.125  # of the outline's length
 _CHORDS = 14_400  # over the turn

@@ -48,7 +48,9 @@ _CAD_WIDE = (
 )
 _POINT = 72 / 25.4  # PDF units in a millimetre
 
-_FONT, _CAP = "Helvetica", 0.718  # and the height of its capitals by the size [Adobe Core14 AFM]
+# and the height of its capitals by the size [Adobe Core14 AFM]
+_FONT = "Helvetica"
+_CAP = 0.718
 # How DXF readers write what their own fonts may lack.
 _DXF_CODES = str.maketrans({"Ø": "%%c", "°": "%%d", "±": "%%p", "×": "x"})
 

@@ -243,6 +243,63 @@ def _assembly(
 _TOKEN = re.compile(
     r"\s*(?:(#\d+)|('(?:[^']|'')*')|(\.[A-Z_]+\.)|([-+]?\d+\.?\d*(?:E[-+]?\d+)?)|([A-Z_0-9]+)|([(),$*=;]))"
 )
+# Instances as they are written: s a string, n a number, f a flag, #A|B a reference to one of these, (#A..) several of them.
+_WRITTEN = """
+APPLICATION_CONTEXT(s)
+APPLICATION_PROTOCOL_DEFINITION(s,s,n,#APPLICATION_CONTEXT)
+PRODUCT_CONTEXT(s,#APPLICATION_CONTEXT,s)
+PRODUCT_DEFINITION_CONTEXT(s,#APPLICATION_CONTEXT,s)
+(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(f,f))
+(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,f))
+(NAMED_UNIT(*)SI_UNIT($,f)SOLID_ANGLE_UNIT())
+UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE(n),#LENGTH_UNIT,s,s)
+(GEOMETRIC_REPRESENTATION_CONTEXT(n)GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((#UNCERTAINTY_MEASURE_WITH_UNIT))\
+GLOBAL_UNIT_ASSIGNED_CONTEXT((#LENGTH_UNIT,#NAMED_UNIT,#NAMED_UNIT))REPRESENTATION_CONTEXT(s,s))
+CARTESIAN_POINT(s,(n,n,n))
+DIRECTION(s,(n,n,n))
+AXIS2_PLACEMENT_3D(s,#CARTESIAN_POINT,#DIRECTION,#DIRECTION)
+PRODUCT(s,s,s,(#PRODUCT_CONTEXT))
+PRODUCT_RELATED_PRODUCT_CATEGORY(s,$,(#PRODUCT))
+PRODUCT_DEFINITION_FORMATION(s,s,#PRODUCT)
+PRODUCT_DEFINITION(s,s,#PRODUCT_DEFINITION_FORMATION,#PRODUCT_DEFINITION_CONTEXT)
+PRODUCT_DEFINITION_SHAPE(s,s,#PRODUCT_DEFINITION|NEXT_ASSEMBLY_USAGE_OCCURRENCE)
+ADVANCED_BREP_SHAPE_REPRESENTATION(s,(#AXIS2_PLACEMENT_3D|MANIFOLD_SOLID_BREP..),#GEOMETRIC_REPRESENTATION_CONTEXT)
+SHAPE_REPRESENTATION(s,(#AXIS2_PLACEMENT_3D..),#GEOMETRIC_REPRESENTATION_CONTEXT)
+SHAPE_DEFINITION_REPRESENTATION(#PRODUCT_DEFINITION_SHAPE,#SHAPE_REPRESENTATION|ADVANCED_BREP_SHAPE_REPRESENTATION)
+MANIFOLD_SOLID_BREP(s,#CLOSED_SHELL)
+CLOSED_SHELL(s,(#ADVANCED_FACE..))
+ADVANCED_FACE(s,(#FACE_OUTER_BOUND|FACE_BOUND..),#PLANE|CYLINDRICAL_SURFACE,f)
+FACE_OUTER_BOUND(s,#EDGE_LOOP,f)
+FACE_BOUND(s,#EDGE_LOOP,f)
+EDGE_LOOP(s,(#ORIENTED_EDGE..))
+ORIENTED_EDGE(s,*,*,#EDGE_CURVE,f)
+EDGE_CURVE(s,#VERTEX_POINT,#VERTEX_POINT,#LINE|CIRCLE,f)
+VERTEX_POINT(s,#CARTESIAN_POINT)
+LINE(s,#CARTESIAN_POINT,#VECTOR)
+VECTOR(s,#DIRECTION,n)
+CIRCLE(s,#AXIS2_PLACEMENT_3D,n)
+PLANE(s,#AXIS2_PLACEMENT_3D)
+CYLINDRICAL_SURFACE(s,#AXIS2_PLACEMENT_3D,n)
+NEXT_ASSEMBLY_USAGE_OCCURRENCE(s,s,s,#PRODUCT_DEFINITION,#PRODUCT_DEFINITION,$)
+ITEM_DEFINED_TRANSFORMATION(s,s,#AXIS2_PLACEMENT_3D,#AXIS2_PLACEMENT_3D)
+(REPRESENTATION_RELATIONSHIP(s,s,#ADVANCED_BREP_SHAPE_REPRESENTATION,#SHAPE_REPRESENTATION)\
+REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION(#ITEM_DEFINED_TRANSFORMATION)SHAPE_REPRESENTATION_RELATIONSHIP())
+CONTEXT_DEPENDENT_SHAPE_REPRESENTATION(#REPRESENTATION_RELATIONSHIP,#PRODUCT_DEFINITION_SHAPE)
+"""
+
+
+def _pattern(form: str) -> re.Pattern[str]:
+    """What matches an instance of a form, its references by the types they refer to."""
+    text = re.sub(r"[()$*]", r"\\\g<0>", form)
+    several = re.sub(r"#([A-Z_0-9|]+)\.\.", r"#(?:\1)(?:,#(?:\1))*", text)
+    return re.compile(re.sub(r"#([A-Z_0-9]+(?:\|[A-Z_0-9]+)+)", r"#(?:\1)", several))
+
+
+_FORMS: dict[str, list[re.Pattern[str]]] = {}  # by the first type
+for _form in _WRITTEN.split():
+    _FORMS.setdefault(_form.lstrip("(").partition("(")[0], []).append(_pattern(_form))
+_KINDS = {2: "s", 3: "f", 4: "n"}  # by the group of _TOKEN
+_END = [";", "END-ISO-10303-21;"]
 
 
 def read_part(path: Path, name: str) -> tuple[Brep, list[str]]:
@@ -277,14 +334,20 @@ def read_step(path: Path) -> tuple[dict[str, Brep], list[Placed], list[str]]:
 
 
 def _entities(text: str) -> dict[str, list[Any]]:
-    """Entities of the data section by their number, "#1": name, arguments, name, arguments... ; names are "=NAME"."""
+    """Entities of the data section by their number, "#1": name, arguments, name, arguments... ; names are "=NAME".
+
+    ValueError where one is not of a form that is written here, by its number.
+    """
     data = text.partition("DATA;")[2]
     found: dict[str, list[Any]] = {}
+    forms: dict[str, list[str]] = {}
     stack: list[list[Any]] = [[]]
+    form: list[str] = []
     at = 0
-    while (match := _TOKEN.match(data, at)) is not None:
+    while (match := _TOKEN.match(data, at)) is not None and match[5] != "ENDSEC":
         at = match.end()
         ref, string, flag, number, name, mark = match.groups()
+        form.append(_KINDS.get(match.lastindex or 0) or ref or name or mark)
         if ref or string or flag or mark in ("$", "*"):
             stack[-1].append(ref or (string[1:-1].replace("''", "'") if string else flag or mark))
         elif number:
@@ -294,17 +357,35 @@ def _entities(text: str) -> dict[str, list[Any]]:
         elif mark == ")":
             inner = stack.pop()
             stack[-1].append(inner)
-        elif name == "ENDSEC":
-            break
         elif name:
             stack[-1].append(f"={name}")
         elif mark == ";":
             (row,) = stack
-            found[row[0]] = (
+            key = next((each for each in form if each[0] == "#"), form[0])
+            if key in found:
+                raise ValueError(f"{key} stands twice")
+            found[key] = (
                 row[1] if len(row) == 2 else row[1:]
             )  # several types of one entity are in brackets of their own
-            stack = [[]]
+            forms[key] = form
+            stack, form = [[]], []
+    if match is None or form or data[match.end() :].split() != _END:
+        raise ValueError(f"no instance, and not the end: {data[at : at + 40].strip()!r}")
+    _refuse_other_forms(forms)
     return found
+
+
+def _refuse_other_forms(forms: Mapping[str, Sequence[str]]) -> None:
+    """Raise ValueError at an instance that is not of a form that is written here; forms: kinds of their tokens."""
+    types = {
+        ref: next((each for each in form[2:4] if each != "("), "") for ref, form in forms.items()
+    }
+    for ref, form in forms.items():
+        said = "".join(f"#{types.get(each, '')}" if each[0] == "#" else each for each in form[2:-1])
+        if form[:2] != [ref, "="] or not any(
+            each.fullmatch(said) for each in _FORMS.get(types[ref], ())
+        ):
+            raise ValueError(f"{ref} is {said[:100]}, not as camgen writes it")
 
 
 class _Reader:

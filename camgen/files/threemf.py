@@ -43,11 +43,11 @@ _DECIMALS = 9
 _NO_UNIT = 0x801E  # lib3mf's warning of a unit that there is not; it takes millimetres then
 MOST_COPIES = 10_000  # of objects in one assembly, those on the way to the meshes counted
 MOST_BYTES = 300_000_000  # unpacked
-_SMALL, _PACKED = (
-    1_000_000,
-    100,
-)  # bytes; how often a larger part may be as long as it is packed: meshes are 10 times
-BUILD, _NONE = -1, -2
+# bytes; how often a larger part may be as long as it is packed: meshes are 10 times
+_SMALL = 1_000_000
+_PACKED = 100
+BUILD = -1
+_NONE = -2
 _BULK = re.compile(rb"(?:<(?:vertex|triangle) [^<>]*/>\s*)+")  # what most of a package consists of
 _OURS = {
     "[content_types].xml",

@@ -28,12 +28,14 @@ _PANEL_ERROR = 1e-6
 # ... and until its tangent turns by less than this, rad: a spike of curvature between two nodes shows in the tangent.
 _PANEL_TURN = 0.2
 # Rounding of a tangent's angle, rad, and of a curvature, relative: smaller differences are noise and count as none.
-_TURN_NOISE, _CURVATURE_NOISE = 1e-15, 1e-12
+_TURN_NOISE = 1e-15
+_CURVATURE_NOISE = 1e-12
 # Newton stops after a step of this part of the bracket; being quadratic it has then reached the square of it.
 LAST_STEP = 1e-4
 # Times the ends are spread again before one more is granted, at most and at least: where deviation loses its leading
 # term (at an inflection) the error only halves each time, elsewhere two are enough.
-_ROUNDS, _LEAST_ROUNDS = 16, 4
+_ROUNDS = 16
+_LEAST_ROUNDS = 4
 # The stationary points leave this much of a sagitta unsaid.
 _SPARE = 1e-7
 

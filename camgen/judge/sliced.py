@@ -33,12 +33,13 @@ _ON_BED = 1.0  # mm, higher than any first layer
 _COARSE = 0.1  # mm, to which walls are taken where only their place counts
 _AT_ONCE = 500  # walls of which it is looked at once which others they meet
 _MOST_MET = 30_000_000  # pairs of walls that meet; ten bodies of 300 layers with five walls each have 20 million
-_STEP, _FINE = (
-    0.2,
-    0.02,
-)  # mm, between points of edges that are laid on each other, and of those that they are measured from
+# mm, between points of edges that are laid on each other, and of those that they are measured from
+_STEP = 0.2
+_FINE = 0.02
 _THIN = 5  # of these points one is looked at where a turn is only to be thought of
-_FEW, _MANY = 150, 3000  # points that are laid on others: to find the turn, and to measure it
+# points that are laid on others: to find the turn, and to measure it
+_FEW = 150
+_MANY = 3000
 _STARTS = 24  # turns from which outlines are laid on each other where the plate's own do not serve
 _ALIKE = 0.15  # mm rms: a body that lies so near to a solid is its print
 _NO_OTHER = 0.6  # mm rms: what is farther off is another part

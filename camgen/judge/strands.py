@@ -26,7 +26,9 @@ from camgen.machine.features import Moved, Strand
 from camgen.machine.model import Pose
 from camgen.numerics import Floats, Points
 
-_STEPS, _FINE = 720, 201  # angles of a turn, and between the neighbours of the nearest
+# angles of a turn, and between the neighbours of the nearest
+_STEPS = 720
+_FINE = 201
 _BESIDE = 0.1  # mm, above and below a groove, where what holds the thread is measured
 
 

@@ -10,6 +10,7 @@ What asks for too much, or says for too long nothing at all, is left.
 from __future__ import annotations
 
 import asyncio
+import re
 import secrets
 
 from starlette.datastructures import Headers, MutableHeaders
@@ -18,7 +19,7 @@ from starlette.responses import JSONResponse, PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-_HERE = ("127.0.0.1", "localhost")
+_HERE = re.compile(r"(?:127\.0\.0\.1|localhost)(?::[0-9]{1,5})?", re.IGNORECASE)
 _MOST = 100_000  # bytes that a page may send
 _CONNECTIONS = 100  # at once; a browser opens six
 _PATIENCE = 10.0  # s, until a connection has said what it wants
@@ -72,7 +73,7 @@ class OnlyHere:
         headers = Headers(scope=scope)
         host, length = headers.get("host", ""), headers.get("content-length", "0")
         first = scope["path"].removeprefix("/").partition("/")[0]
-        if host.partition(":")[0] not in _HERE:
+        if not _HERE.fullmatch(host):
             said, status = "this page is for this machine alone: its address is 127.0.0.1", 403
         elif not secrets.compare_digest(first.encode("utf-8", "replace"), self.word.encode()):
             said, status = (

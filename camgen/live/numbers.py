@@ -7,7 +7,7 @@ import os
 import re
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -41,12 +41,27 @@ class Number:
 
 def numbers(data: Data, schema: Data) -> list[Number]:
     """The numbers and choices that the spec's tables hold, in their order; included machines keep theirs to themselves."""
+    swings = _swings(data)
     return [
-        each
+        replace(each, unit=_of_follower(each.unit, swings))
         for key, value in data.items()
         if key != "mechanism"
         for each in _below(key, value, schema, key, schema)
     ]
+
+
+def _swings(data: Data) -> bool | None:
+    """Whether the spec's one follower swings; None where it has no such table."""
+    geometry = data.get("geometry")
+    follower = geometry.get("follower") if isinstance(geometry, dict) else None
+    motion = follower.get("motion") if isinstance(follower, dict) else None
+    return None if motion is None else bool(motion == "oscillating")
+
+
+def _of_follower(unit: str, swings: bool | None) -> str:
+    """Of two units, such as "mm or deg", that of a follower which slides, or swings; both where it is not known."""
+    slides, _, turns = unit.partition(" or ")
+    return unit if swings is None or not turns else turns if swings else slides
 
 
 def _below(path: str, value: Any, above: Data, step: str | int, root: Data) -> Iterator[Number]:

@@ -42,7 +42,7 @@ def preview(
         plots=plots,
         notes=study.notes,
         animation=shown,
-        not_judged=mechanism.unpressed(),
+        not_judged=mechanism.assembly.unjudged,
     )
     page = to_html(report)
     return {

@@ -32,7 +32,8 @@ CLOSED = 1e-12
 # Bodies that a message names.
 NAMED = 10
 # Steps of Newton's method on a rough drawing, and the longest of them: share of the size, rad.
-STEPS, LONGEST = 200, 0.3
+STEPS = 200
+LONGEST = 0.3
 
 
 @dataclass(frozen=True)

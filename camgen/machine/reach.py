@@ -28,7 +28,8 @@ from camgen.numerics import Floats, roots
 LOOKED = 720
 INSIDE = 1e-12  # rad, by which a range ends before its dead point, where rounding decides whether the chain closes
 # Rounds in which a least place between samples is found, and how much closer each looks: to 1e-11 rad.
-ROUNDS, CLOSER = 8, 12
+ROUNDS = 8
+CLOSER = 12
 # Determinant below which a position counts as a fold: 0.06 deg of transmission angle.
 FOLD = 1e-3
 # Determinant at all samples above which none of them is beside a gap: it is 0 at both ends of one, and a dyad that passes
@@ -83,7 +84,13 @@ def refuse_partial(machine: Machine, least: float = 0.0) -> None:
         return
     low, high = math.degrees(found.low), math.degrees(found.high)
     names = listed("joint", list(dict.fromkeys(name for joints in found.ends for name in joints)))
-    driven, (begin, end, short) = machine.drives[0].body, _steep(machine, found, least)
+    driven, within = machine.drives[0].body, _without_folds(machine, found)
+    cure = "change the lengths of its links"
+    if within is not None:
+        begin, end, short = _steep(machine, within, least)
+        cure = (
+            f"let it go to and fro, drive.range_deg = [{begin:.10g}, {end:.10g}]{short}, or {cure}"
+        )
     closes = f"the chain closes from {low:.6g} to {high:.6g} deg of it and opens beyond at {names}"
     raise DesignError(
         "range of the drive",
@@ -91,33 +98,48 @@ def refuse_partial(machine: Machine, least: float = 0.0) -> None:
         360,
         "deg",
         f"{names}: it closes from {low:.6g} to {high:.6g} deg",
-        f"let it go to and fro, drive.range_deg = [{begin:.4g}, {end:.4g}]{short}, or change the lengths of its links"
-        + _grashof(four_bar_lengths(machine, driven), driven),
+        cure + _grashof(four_bar_lengths(machine, driven), driven),
         f"the drive cannot turn fully: {closes}",
     )
 
 
-def _steep(machine: Machine, found: Reach, least: float) -> tuple[float, float, str]:
-    """The range about the drawn position, deg, a degree within what closes and with the least transmission angle, deg; of a
-    machine that has it not even as drawn the whole, and a word on that."""
+def _without_folds(machine: Machine, found: Reach) -> tuple[float, float] | None:
+    """The range about the drawn position, rad, a degree within what closes and off every change point; None of a machine that
+    is drawn at one."""
     spare = min(math.radians(1.0), (found.high - found.low) / 10)
     low, high = found.low + spare, found.high - spare
-    theta = np.linspace(low, high, LOOKED + 1)
-    weak = theta[np.min(list(transmission(machine, theta).values()), axis=0, initial=90.0) < least]
-    if not weak.size:
-        return math.degrees(low), math.degrees(high), ""
-    begin, end = max(weak[weak <= 0], default=low), min(weak[weak >= 0], default=high)
-    begin, end = (
-        (math.ceil(10 * math.degrees(begin)) + 1) / 10,
-        (math.floor(10 * math.degrees(end)) - 1) / 10,
-    )
-    if begin < end and (begin <= 0 <= end):
-        return begin, end, f" (with a transmission angle of {least:g} deg)"
-    return (
-        math.degrees(low),
-        math.degrees(high),
-        f" (the transmission angle is below {least:g} deg as drawn)",
-    )
+    while low < 0 < high:
+        places = [fold.theta for fold in folds(machine, low, high) if fold.change_point]
+        if not places:
+            return low, high
+        low = max([low, *(place + spare for place in places if place <= 0)])
+        high = min([high, *(place - spare for place in places if place > 0)])
+    return None
+
+
+def _steep(machine: Machine, within: tuple[float, float], least: float) -> tuple[float, float, str]:
+    """The part of a range about the drawn position, deg, with the least transmission angle, deg, as `folds` judges it, rounded
+    inwards; of a machine that has it not even as drawn the whole, and a word on that."""
+    low, high = map(math.degrees, within)
+    spare = min(1.0, (high - low) / 10)
+    # steps a degree, to which it is rounded
+    per = round(10 ** max(1, math.ceil(-math.log10(spare))))
+    theta = np.radians(np.linspace(low, high, LOOKED + 1))
+    poor = np.min(list(transmission(machine, theta).values()), axis=0, initial=90.0) < least
+    weak = np.degrees(theta[poor]).tolist()
+    begin, end = math.ceil(per * low), math.floor(per * high)
+    whole = begin / per, end / per
+    if not weak:
+        return *whole, ""
+    while weak and begin < end and begin <= 0 <= end:
+        begin = max([begin, *(math.ceil(per * place) + 1 for place in weak if place <= 0)])
+        end = min([end, *(math.floor(per * place) - 1 for place in weak if place >= 0)])
+        judged = folds(machine, math.radians(begin / per), math.radians(end / per))
+        angles = ((each.theta, math.asin(min(1.0, abs(each.determinant)))) for each in judged)
+        weak = [math.degrees(place) for place, angle in angles if math.degrees(angle) < least]
+    if begin < end and begin <= 0 <= end:
+        return begin / per, end / per, f" (with a transmission angle of {least:g} deg)"
+    return *whole, f" (the transmission angle is below {least:g} deg as drawn)"
 
 
 def four_bar_lengths(machine: Machine, driven: str) -> dict[str, float] | None:

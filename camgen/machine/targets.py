@@ -34,6 +34,9 @@ _NARROWER = 18  # times, to 4^-18 of two samples
 _CHORDS = 64  # at most, in place of the cubic between two samples
 _FINE_SHARE = 0.001  # of a path's tolerance, to which its farthest place is found
 _FINEST = 1e-6  # of a path's length, finer than which nothing is looked for
+_STILL = 1e-9  # mm or deg: what goes less far stands still
+NO_STROKES = "turns all round or stands still: it has no two strokes whose times compare"
+_RETURNS = 1e-3  # of its way, within which an output is back after a turn
 
 Size = Annotated[float, Field(gt=0, le=1e6)]
 Value = Annotated[float, Field(ge=-1e6, le=1e6)]
@@ -61,6 +64,12 @@ class Course:
         u, a, b = (t - self.theta[k]) / h, self.value[k], self.value[k + 1]
         bend = (1 - u) * (h * self.slope[k] - (b - a)) - u * (h * self.slope[k + 1] - (b - a))
         return a + u * (b - a) + u * (1 - u) * bend + turns * (self.value[-1] - self.value[0])
+
+    @property
+    def strokes(self) -> bool:
+        """Whether a real output goes to and fro over a whole turn; not one that turns on, or stands still."""
+        way = float(np.ptp(self.value))
+        return self.whole and _STILL < way and abs(self.value[-1] - self.value[0]) < _RETURNS * way
 
     def chords(self, error: float) -> tuple[Points, float]:
         """Corners on a path, (m,), and how far it is from the line through them, mm: no more than `error` where so many chords
@@ -349,6 +358,8 @@ class TimeRatio(Record):
 
     def finding(self, course: Course, where: str) -> Finding:
         """TIME_RATIO."""
+        if not course.strokes:
+            return at_most(self.code, math.nan, self.tolerance, "1", where, NO_STROKES)
         made, least, most = time_ratio(course)
         said = f"ratio {made:.6g}, {self.value:g} wanted; extremes at {math.degrees(least):.2f} and {math.degrees(most):.2f} deg"
         return at_most(self.code, abs(made - self.value), self.tolerance, "1", where, said)

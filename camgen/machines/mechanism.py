@@ -1,6 +1,6 @@
 """The one interface: a mechanism is a frozen record whose fields are its spec and which answers some questions as data.
 
-machine()              its bodies, joints, drive, loads and outputs
+model                  its bodies, joints, drive, loads and outputs
 motion(theta, order)   the wanted output
 assembly               what to make, where it stands, on what of it the joints are measured
 limits()               closed-form design checks, as findings
@@ -29,7 +29,7 @@ from camgen.machines.free_play import of_pins
 from camgen.machines.loads.applied import applied
 from camgen.machines.loads.pins import stronger
 from camgen.machines.loads.rubbing import rough
-from camgen.machines.loads.tables import Bears, Drives, Weight
+from camgen.machines.loads.tables import Bears, Weight
 from camgen.machines.loads.weights import weighed
 from camgen.parts.assembly import Assembly, Cycle, Process, tips
 from camgen.parts.catalogue import DENSITY
@@ -37,7 +37,7 @@ from camgen.parts.journals import Journal, journals
 from camgen.parts.part import Part
 from camgen.parts.steps import Fixing
 from camgen.spec import Spec, validate
-from camgen.study import Study
+from camgen.study import Later, Study
 
 
 class Mechanism(Spec, ABC):
@@ -49,13 +49,13 @@ class Mechanism(Spec, ABC):
     )
 
     @abstractmethod
-    def machine(self) -> Machine:
+    def _unloaded(self) -> Machine:
         """The model that this is, as wanted and with exact parts; theta as above."""
 
     @cached_property
     def model(self) -> Machine:
         """The same with the loads that the spec applies, made once."""
-        machine = self.machine()
+        machine = self._unloaded()
         if self.load is None or not self.load.on:
             return machine
         return replace(machine, loads=(*machine.loads, *applied(self, machine)))
@@ -63,11 +63,11 @@ class Mechanism(Spec, ABC):
     def solve(self, theta: ArrayLike, order: int = 2) -> Run:
         """The machine at theta, (n,) rad, with derivatives up to the order: outputs, rates, poses, forces, play.
 
-        Its forces are those of the report: see `loaded`.
+        Its forces are those of the report: see `_weighed_machine`.
         """
-        return solve(self.model, theta, order, self.loaded)
+        return solve(self.model, theta, order, self._weighed_machine)
 
-    def loaded(self) -> Machine:
+    def _weighed_machine(self) -> Machine:
         """The model with all that it bears: loads, springs and gravity of the spec, masses of its solids, friction in its joints.
 
         DesignError where a linkage's solids cannot be made.
@@ -103,7 +103,12 @@ class Mechanism(Spec, ABC):
             features,
             stand_ins=tips(features, parts, mounts, self.model),
             journals=journals(self.model, features, parts, mounts, self.material.name),
+            unjudged=Later(self._unpressed),
         )
+
+    def _unpressed(self) -> Sequence[NotJudged]:
+        """Of cams that are closed by force those of which nothing says what presses them."""
+        return ()
 
     @property
     def _process(self) -> Process:
@@ -123,35 +128,13 @@ class Mechanism(Spec, ABC):
     def limits(self) -> Sequence[Finding]:
         """Closed-form design checks; raises DesignError where no such mechanism exists."""
 
-    def unpressed(self) -> Sequence[NotJudged]:
-        """Of cams that are closed by force those of which nothing says what presses them."""
-        return ()
-
     def forecast(self) -> Sequence[Finding]:
         """The same, and what else is known of the files before they are made; DesignError where they cannot be."""
         return [*self.limits(), *of_pins(self)]
 
-    def proven(self) -> Self:
-        """Itself, whose limits all hold; DesignError with the first that fails."""
-        failed = next((finding for finding in self.limits() if not finding.ok), None)
-        if failed is not None:
-            raise DesignError(
-                failed.code,
-                failed.measured,
-                failed.limit,
-                failed.unit,
-                failed.where,
-                failed.message,
-            )
-        return self
-
     @abstractmethod
     def study(self) -> Study:
         """Named numbers, curves and tables for the report."""
-
-    def figures(self) -> Mapping[str, float]:
-        """The study's named numbers alone."""
-        return self.study().numbers
 
     @classmethod
     def prepare(cls, many: Sequence[Self]) -> None:
@@ -173,12 +156,6 @@ class Mechanism(Spec, ABC):
         """Of what is printed, kg/m^3, its filling as it is."""
         return 1e3 * (self.material.density or DENSITY[self.material.name]) * self.material.infill
 
-    @property
-    def drives(self) -> Drives | None:
-        """What the motor can give, as the spec says it."""
-        motor = getattr(self, "motor", None)
-        return motor if isinstance(motor, Drives) else None
-
     def stronger(self, pin: Journal) -> str:
         """What makes a pin bear more, by the spec's keys."""
         return stronger("parts", getattr(self, "making", None), pin)
@@ -188,14 +165,14 @@ class Mechanism(Spec, ABC):
         allowed = getattr(self, "allowed", None)
         return allowed if isinstance(allowed, Bears) else Bears()
 
-    def found(self) -> Mapping[str, object]:
+    def _found(self) -> Mapping[str, object]:
         """What the spec leaves open and camgen found, by dotted keys; DesignError where there is nothing to be found."""
         return {"material.density": self.material.density or DENSITY[self.material.name]}
 
     def resolved(self) -> Self:
         """The same with everything filled in that was found: a spec that makes the same files."""
         data = self.model_dump(by_alias=True, exclude_none=True)
-        for key, value in self.found().items():
+        for key, value in self._found().items():
             *tables, last = key.split(".")
             reduce(getitem, tables, data)[last] = value
         return validate(type(self), data)
@@ -215,3 +192,12 @@ class Mechanism(Spec, ABC):
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """What follows from the motion recovered from each kind of file, (n,) over a whole turn, both ends included."""
         return Study()
+
+
+def refuse_failing(mechanism: Mechanism) -> None:
+    """Raise DesignError with the first limit that fails."""
+    failed = next((finding for finding in mechanism.limits() if not finding.ok), None)
+    if failed is not None:
+        raise DesignError(
+            failed.code, failed.measured, failed.limit, failed.unit, failed.where, failed.message
+        )

@@ -22,7 +22,8 @@ from camgen.parts.assembly import Assembly
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import SAME_POINT
 
-_SHAFT, _COLLAR = "shaft", "collar"
+_SHAFT = "shaft"
+_COLLAR = "collar"
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ tip on an arm of length l at pressure angles a and b the play is air (1 / cos a 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated
 
@@ -21,6 +21,13 @@ from camgen.machine.forces import Forces
 from camgen.machine.model import Cam, Machine
 
 Air = Annotated[float, Field(ge=-0.5, le=10)]  # mm, at each tip; nothing stiff gives way by more
+
+
+def still_faults(path: str, kinds: Sequence[str]) -> list[Fault]:
+    """What is wrong with the kinds of a cam's segments: all dwells move nothing."""
+    if any(kind != "dwell" for kind in kinds):
+        return []
+    return [Fault(path, f"{len(kinds)} of them, all dwells", "at least one rise and one return")]
 
 
 def air_faults(path: str, air: float, closure: str, radius: float | None) -> list[Fault]:

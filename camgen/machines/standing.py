@@ -134,7 +134,7 @@ class StandingCams(Mechanism):
 
     # ---- either -----------------------------------------------------------------------------------------------------
 
-    def machine(self) -> Machine:
+    def _unloaded(self) -> Machine:
         """The model of the cams alone, or of what is made."""
         return self.bench.machine if self.standing else self._alone()
 
@@ -208,6 +208,9 @@ class StandingCams(Mechanism):
         """By keys of [bodies] of a machine."""
         return stronger("bodies", self.sizes, pin) if self.standing else super().stronger(pin)
 
-    def found(self) -> Mapping[str, object]:
+    def _found(self) -> Mapping[str, object]:
         """Sizes of a machine's bodies, and what every mechanism fills in."""
-        return {**super().found(), **({"bodies": self.sizes.model_dump()} if self.standing else {})}
+        return {
+            **super()._found(),
+            **({"bodies": self.sizes.model_dump()} if self.standing else {}),
+        }

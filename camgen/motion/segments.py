@@ -29,7 +29,7 @@ from camgen.motion.program import Program, Segment, matched
 from camgen.motion.tables import read_points
 from camgen.numerics import Floats, distinct
 from camgen.reading import Reference
-from camgen.spec import Length, Record, unknown
+from camgen.spec import Record, unknown
 from camgen.tolerances import LAW_CLOSES
 
 MATCHED = "matched"
@@ -109,7 +109,9 @@ class SegmentTable(Record):
 
     kind: Literal["rise", "dwell", "return"]
     span_deg: Annotated[float, Field(ge=1e-3, le=360)]
-    lift: Length | None = None
+    lift: Annotated[float, Field(ge=1e-3, le=1e6)] | None = (
+        None  # mm, deg or 1, as its mechanism says
+    )
     to: Annotated[float, Field(ge=-1e6, le=1e6)] | None = None
     law: NamedLaw | None = None
 

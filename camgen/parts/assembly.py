@@ -13,6 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
+from camgen.findings import NotJudged
 from camgen.geometry.outlines import Floats
 from camgen.machine.features import (
     Apart,
@@ -40,7 +41,7 @@ from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.sheets import why_not
 from camgen.parts.springs import Mounted
 from camgen.parts.steps import Fixing, order
-from camgen.study import Table
+from camgen.study import Later, Table
 
 
 @dataclass(frozen=True)
@@ -128,6 +129,7 @@ class Assembly:
     follower: FollowerFacts = FollowerFacts()
     board: str = ""  # what it stands on, as the last step says; "" where nothing is said
     work: Sequence[Table] = ()  # the order of assembly, where it is not by height
+    unjudged: Sequence[NotJudged] = ()  # of its limits, such as what presses a follower on its cam
     texts: Mapping[str, str] = field(default_factory=dict)  # text files, by the ends of their names
 
     @cached_property
@@ -234,6 +236,7 @@ def renamed(assembly: Assembly, module: Module) -> Assembly:
         balances=[_balance(each, module) for each in assembly.balances],
         coils=[each.renamed(module) for each in assembly.coils],
         bought=[replace(each, name=f"{each.name}, {module.prefix}") for each in assembly.bought],
+        unjudged=assembly.unjudged,
         springs={f"{name} of {module.prefix}": spring for name, spring in assembly.springs.items()},
     )
 
@@ -295,6 +298,7 @@ def joined(host: Assembly, others: Sequence[Assembly], machine: Machine) -> Asse
         balances=[balance for each in all_ for balance in each.balances],
         coils=[coil for each in all_ for coil in each.coils],
         bought=[thing for each in all_ for thing in each.bought],
+        unjudged=Later(lambda: [left for each in all_ for left in each.unjudged]),
         springs={name: spring for each in all_ for name, spring in each.springs.items()},
         journals=journals(machine, features, parts, mounts, host.process.plastic),
     )

@@ -21,7 +21,8 @@ Faces = NDArray[np.int64]
 
 # Both ways take a time that grows faster than the rings. Those of more points than _LONG are first cut into some _CHUNKS
 # chunks, see _banded; their triangles are as they come.
-_LONG, _CHUNKS = 8000, 1500
+_LONG = 8000
+_CHUNKS = 1500
 
 
 def area(z: Points) -> float:

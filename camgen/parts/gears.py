@@ -21,7 +21,8 @@ from camgen.errors import DesignError
 from camgen.geometry.outlines import Arc, Contour, Line, Piece, Points, Smooth
 
 PRESSURE = math.radians(20)
-_ADDENDUM, _DEDENDUM = 1.0, 1.25
+_ADDENDUM = 1.0
+_DEDENDUM = 1.25
 _LARGE = 2.0  # mm, module that is not passed where more teeth serve as well
 _MOST = 400  # teeth of a wheel
 _WHOLE = 1e-9  # of a ratio, that counts as one of whole numbers

@@ -1,18 +1,19 @@
 """Of each pin of a machine what bears it: where its holes and pins lie in the parts, how long they are, how they are held.
 
-turning   the hole in which the pin turns: the wider of the two, or both
+turning   the hole in which the pin turns: the wider of the two, or both; or the slot in which it runs
 held      the hole in which it is pressed
 lever     from the face where it is held to the middle of what turns on it, mm: the arm that bends it
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import cmath
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from camgen.geometry.outlines import Arc, Contour
-from camgen.machine.features import Eye, Feature, Mount, PinEyes, heights
-from camgen.machine.model import Machine, Pin, Place
+from camgen.machine.features import Eye, Faces, Feature, Mount, PinEyes, SlotFaces, heights
+from camgen.machine.model import Machine, Pin, Place, Slot
 from camgen.parts.catalogue import BEARINGS, Bearing
 from camgen.parts.part import Part
 
@@ -21,9 +22,10 @@ _SAME = 1e-6  # mm
 
 @dataclass(frozen=True)
 class Journal:
-    """A bearing of a Pin: diameter and length, mm; lever: mm, 0 where nothing bends; the plastics or "steel" of both.
+    """A bearing of a Pin or a Slot: diameter and length, mm; lever: mm, 0 where nothing bends; the plastics or "steel" of both.
 
-    ball: the ball bearing on the pin; None of a plain one. part: what the pin or shaft is in the list of parts.
+    ball: the ball bearing on the pin; None of a plain one. part: what the pin or shaft is in the list of parts. slot: whether
+    it is the walls of a slot.
     """
 
     joint: str
@@ -34,6 +36,7 @@ class Journal:
     hole: str
     ball: Bearing | None = None
     part: str = ""
+    slot: bool = False
 
 
 @dataclass(frozen=True)
@@ -62,15 +65,25 @@ def _round(contour: Contour, eye: Eye) -> bool:
     )
 
 
-def _span(part: Part, eye: Eye, mount: Mount) -> tuple[float, float] | None:
-    """From where to where the eye reaches in the assembly, mm; None where the part has no such circle."""
+def _slotted(contour: Contour, walls: Faces) -> bool:
+    """Whether the contour has a round end of the slot."""
+    back = cmath.exp(-1j * walls.angle)
+    return any(
+        isinstance(piece, Arc)
+        and abs(((piece.centre - walls.at) * back).imag) < _SAME
+        and abs(2 * piece.radius - walls.width) < _SAME
+        for piece in contour.pieces
+    )
+
+
+def _span(
+    part: Part, mount: Mount, shaft: bool, shows: Callable[[Contour], bool]
+) -> tuple[float, float] | None:
+    """From where to where in the assembly, mm, a part has such an edge: outside of a shaft, else a hole; None without one."""
     layers = [
         layer
         for layer in part.layers
-        if any(
-            _round(contour, eye)
-            for contour in ((layer.region.outer,) if eye.shaft else layer.region.holes)
-        )
+        if any(map(shows, (layer.region.outer,) if shaft else layer.region.holes))
     ]
     if not layers:
         return None
@@ -92,15 +105,16 @@ class _Places:
         if eye.part is None or not mounts:
             return None
         mount = min(mounts, key=lambda mount: abs(mount.place(eye.at) - at[mount.body]))
-        return _span(self.parts[eye.part], eye, mount)
+        return _span(self.parts[eye.part], mount, eye.shaft, lambda edge: _round(edge, eye))
 
-    def material(self, eye: Eye) -> str:
-        """Of the eye's part."""
-        return (
-            self.printed
-            if eye.part is not None and self.parts[eye.part].made == "printed"
-            else "steel"
-        )
+    def slot(self, walls: Faces, body: str) -> tuple[float, float] | None:
+        """Of the slot in a part of the body."""
+        mount = next(each for each in self.mounts if (each.part, each.body) == (walls.part, body))
+        return _span(self.parts[walls.part], mount, False, lambda edge: _slotted(edge, walls))
+
+    def material(self, part: str | None) -> str:
+        """Of a part."""
+        return self.printed if part is not None and self.parts[part].made == "printed" else "steel"
 
 
 def journals(
@@ -110,22 +124,66 @@ def journals(
     mounts: Sequence[Mount],
     printed: str,
 ) -> Mapping[str, Journal]:
-    """The bearings of a machine's pins by their joints, as far as its parts show them; printed: the name of their plastic.
+    """The bearings of a machine's pins, in holes and in slots, by their joints, as far as its parts show them; printed: the name
+    of their plastic.
 
     A motor's own shaft runs in the motor's bearings and is none.
     """
     places, found = _Places(parts, mounts, printed), dict[str, Journal]()
     for feature in features:
-        if not isinstance(feature, PinEyes):
+        if not isinstance(feature, PinEyes | SlotFaces):
             continue
         joint = machine.joint(feature.joint)
-        if not isinstance(joint, Pin) or (feature.pin is not None and feature.pin.part is None):
+        if feature.pin is not None and feature.pin.part is None:
             continue
-        sides = (joint.a, joint.b)
-        made = _journal(feature, places, sides)
+        if isinstance(feature, SlotFaces) and isinstance(joint, Slot):
+            made = _in_slot(feature, joint, places, _held(machine, features, feature))
+        elif isinstance(feature, PinEyes) and isinstance(joint, Pin):
+            made = _journal(feature, places, (joint.a, joint.b))
+        else:
+            continue
         if made is not None:
             found[joint.name] = made
     return found
+
+
+def _held(
+    machine: Machine, features: Sequence[Feature], slot: SlotFaces
+) -> list[tuple[Eye, tuple[Place, Place]]]:
+    """Holes in which the pin of a slot is pressed, with the places of their joint: its own, or another's through which it goes."""
+    joint = machine.joint(slot.joint)
+    assert isinstance(joint, Slot)
+    found = [(slot.eye, (joint.guide, joint.runner))]
+    for each in features:
+        other = machine.joint(each.joint) if isinstance(each, PinEyes) else None
+        if isinstance(each, PinEyes) and isinstance(other, Pin) and slot.eye in (each.a, each.b):
+            eye = each.b if slot.eye == each.a else each.a
+            found.append((eye, (other.a, other.b)))
+    return [each for each in found if each[0].diameter < slot.walls.width - _SAME]
+
+
+def _in_slot(
+    feature: SlotFaces,
+    joint: Slot,
+    places: _Places,
+    held: Sequence[tuple[Eye, tuple[Place, Place]]],
+) -> Journal | None:
+    sides, shaft = (joint.guide, joint.runner), feature.pin or feature.eye
+    walls = places.slot(feature.walls, joint.guide.body)
+    if walls is None:
+        return None
+    pin = places.span(shaft, sides) or walls
+    low, high = max(walls[0], pin[0]), min(walls[1], pin[1])
+    if high - low <= _SAME:
+        return None
+    spans = [places.span(eye, at) for eye, at in held if not eye.shaft]
+    faces = [face for span in spans if span is not None for face in span]
+    lever = min((abs((low + high) / 2 - face) for face in faces), default=0.0)
+    materials = places.material(shaft.part), places.material(feature.walls.part)
+    part = shaft.part or ""
+    return Journal(
+        feature.joint, shaft.diameter, high - low, lever, *materials, part=part, slot=True
+    )
 
 
 def _journal(feature: PinEyes, places: _Places, sides: Sequence[Place]) -> Journal | None:
@@ -155,7 +213,7 @@ def _journal(feature: PinEyes, places: _Places, sides: Sequence[Place]) -> Journ
         return None
     sizes = [(each.bore, each.outside) for each in feature.rings]
     ball = next((each for each in BEARINGS.values() if (each.bore, each.outside) in sizes), None)
-    materials = places.material(shaft), places.material(turning[0])
+    materials = places.material(shaft.part), places.material(turning[0].part)
     return Journal(
         feature.joint, shaft.diameter, high - low, lever, *materials, ball, shaft.part or ""
     )

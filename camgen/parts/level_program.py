@@ -9,11 +9,10 @@ import numpy as np
 
 from camgen.parts.level_rules import Axis, Band, Opening, Rule, Thing, Unlaid, Wall
 
-LEVEL, LOW, BROKEN = (
-    100.0,
-    0.01,
-    1e5,
-)  # what a level, a high link, a broken rule cost; a level of a pin costs 1
+# what a level, a high link, a broken rule cost; a level of a pin costs 1
+LEVEL = 100.0
+LOW = 0.01
+BROKEN = 1e5
 
 
 @dataclass(frozen=True)

@@ -121,19 +121,22 @@ class Crowded(Unlaid):
         )
         others = f", and {more} more such pair{'s' if more > 1 else ''}" if more else ""
         said = f"{a.name} and {b.name}, {math.degrees(theta):.1f} deg{others}"
-        keys = [
-            *(each.slim for each in (a, b) if distance >= needed / 2),
-            *(each.move for each in (a, b)),
-        ]
-        mends = list(dict.fromkeys(filter(None, keys)))
         super().__init__(
             "distance of what cannot pass on any level",
             distance,
             needed,
             "mm",
             said,
-            f"make room for {needed - distance:.3g} mm: {', or '.join(mends) or 'use slimmer or longer links'}",
+            self.room(slimmer=distance >= needed / 2),
         )
+
+    def room(self, slimmer: bool) -> str:
+        """In words what makes room for both: by keys that move them, and with slimmer those that make them so."""
+        keys = [each.slim for each in (self.a, self.b) if slimmer]
+        keys += [each.move for each in (self.a, self.b)]
+        other = "use slimmer or longer links" if slimmer else "use longer links"
+        mends = ", or ".join(dict.fromkeys(filter(None, keys)))
+        return f"make room for {self.needed - self.distance:.3g} mm: {mends or other}"
 
 
 @dataclass(frozen=True)

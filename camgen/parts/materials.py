@@ -88,11 +88,13 @@ STRONGEST = 75.0
 # is published: this is that of a plastic made for bearings, dry on steel, which no plastic that is printed reaches
 # [igus.co.uk/info/plain-bearings-p210-material-data: iglidur P210 0.4; igus.eu: J260 0.35; igus.com: J 9,700 psi ft/min, 0.34].
 # Grease that stays doubles it, oil makes it five times as much [igus.com, p x v value and lubrication, table 1.4].
-PV_MOST, PV_OILED = 0.4, 5.0
+PV_MOST = 0.4
+PV_OILED = 5.0
 
 # Coefficient of dry friction of two printed faces [doi 10.2478/msp-2025-0039: printed PLA 0.62-0.76, PA6 0.66-1.10], and of a
 # bearing's plastic on steel [iglidur P210: 0.07-0.19].
-FRICTION_PRINTED, FRICTION_STEEL = 0.7, 0.2
+FRICTION_PRINTED = 0.7
+FRICTION_STEEL = 0.2
 
 # Of a deep groove ball bearing, by its load at half its bore, without the drag of seals [SKF, Rolling bearings, catalogue,
 # "Estimating the frictional moment": M = 0.5 mu P d, mu = 0.0015].

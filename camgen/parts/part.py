@@ -260,17 +260,9 @@ def with_bar(
     ValueError where the edge is not as wide as the bar, or reaches further.
     """
     pieces = edge.counter_clockwise().pieces
-    cuts = []
-    for side in (-1, 1):
-        found = [
-            (u, k, t)
-            for k, piece in enumerate(pieces)
-            for u, t in _crossings(piece, at, along, side * half)
-            if u > 0
-        ]
-        if not found or max(found)[0] >= length:
-            raise ValueError(f"no edge as wide as a bar of {2 * half:g} mm before its end")
-        cuts.append(max(found))
+    cuts = _sides(pieces, at, along, half)
+    if max(cuts)[0] >= length:
+        raise ValueError(f"the edge reaches further than a bar of {length:g} mm")
     (low, first, t), (high, last, s) = cuts
     rest = [
         pieces[(last + k) % len(pieces)]
@@ -281,6 +273,10 @@ def with_bar(
         *rest,
         _part(pieces[first], pieces[first].t0, t),
     ]
+    if (
+        first == last and (t - s) * (pieces[last].t1 - pieces[last].t0) > 0
+    ):  # round from one side to the other
+        kept = [_part(pieces[last], s, t)]
     straight = length - 2 * half * pointed
     tip, corner, end = (
         at + z * along for z in (length, straight - 1j * half, straight + 1j * half)
@@ -301,6 +297,29 @@ def with_bar(
             *bar,
         )
     )
+
+
+def root(edge: Contour, at: complex, along: complex, half: float) -> float:
+    """How far along from the point `at` a bar of so much half width comes out of the edge at the side where it is out first, mm:
+    before 0 where a band lies slantwise. ValueError where the edge is not as wide as the bar."""
+    return min(_sides(edge.counter_clockwise().pieces, at, along, half))[0]
+
+
+def _sides(
+    pieces: Sequence[Piece], at: complex, along: complex, half: float
+) -> list[tuple[float, int, float]]:
+    """Where the right and the left side of a bar come out of an edge: how far along, mm, which piece, and its parameter."""
+    cuts = []
+    for side in (-1, 1):
+        crossings = [
+            (u, k, t)
+            for k, piece in enumerate(pieces)
+            for u, t in _crossings(piece, at, along, side * half)
+        ]
+        if not crossings:
+            raise ValueError(f"no edge as wide as a bar of {2 * half:g} mm")
+        cuts.append(max(crossings))
+    return cuts
 
 
 def _crossings(

@@ -67,13 +67,17 @@ class Slot:
     high: float
     diameter: float
 
-    def holds(self, outline: Round) -> bool:
-        """Whether a round outline stands in this slot."""
-        off = (outline.at - self.a) * (self.b - self.a).conjugate() / abs(self.b - self.a)
-        inside = (
+    def in_line(self, other: Round) -> bool:
+        """Whether the other one's axis is on the middle line."""
+        off = (other.at - self.a) * (self.b - self.a).conjugate() / abs(self.b - self.a)
+        return (
             -_ONE_AXIS < off.real < abs(self.b - self.a) + _ONE_AXIS and abs(off.imag) < _ONE_AXIS
         )
-        return inside and _common(self, outline) and abs(self.diameter - outline.diameter) < _LOOSE
+
+    def holds(self, outline: Round) -> bool:
+        """Whether a round outline stands in this slot."""
+        fits = abs(self.diameter - outline.diameter) < _LOOSE
+        return self.in_line(outline) and _common(self, outline) and fits
 
 
 def _common(hole: Round | Slot, outline: Round) -> bool:
@@ -228,6 +232,15 @@ def _where(copy: _Laid, below: Sequence[_Laid], fixing: Fixing) -> str:
         if under:
             _, name, point = max(under)
             said.append(f"{own}over {f'{point} of ' if point and point != hole.name else ''}{name}")
+            continue
+        slotted = [
+            (slot.high, other.part.name)
+            for other in below
+            for slot in other.slots
+            if slot.in_line(hole)
+        ]
+        if slotted:
+            said.append(f"{own}over the slot of {max(slotted)[1]}")
     for slot in copy.slots:
         pins = [other.part.name for other in below if any(map(slot.holds, other.outlines))]
         said += [f"its slot over {pin}" for pin in pins]

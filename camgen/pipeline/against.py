@@ -19,7 +19,9 @@ from camgen.geometry.rings import Floats, Points, Ring
 from camgen.machine.features import CamOutline
 from camgen.pipeline.jobs import read_mechanism
 
-_CHORDS, _STEP = 1e-4, 0.01  # mm: of the exact outline
+# mm: of the exact outline
+_CHORDS = 1e-4
+_STEP = 0.01
 _ALIKE = 0.02  # of the cam's size: a measured outline that is farther off, rms, is another part
 _TURNED_OVER = 0.5  # a mirror image counts where it lies so much better
 

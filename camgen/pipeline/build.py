@@ -81,10 +81,7 @@ def check(folder: Path, progress: Progress = silent, jobs: int | None = 1) -> Re
     that are made anew; writes nothing."""
     case, manifest = Case(read_mechanism(folder / SPEC), folder), read_manifest(folder)
     listed = list(manifest["files"])
-    lost = next((name for name in listed if not (folder / name).is_file()), None)
-    if lost is not None:
-        how = "no plain file" if (folder / lost).exists() else "not there"
-        raise FileError(folder / lost, f"is listed in manifest.json and {how}")
+    _refuse_lost(folder, [name for name in listed if not (folder / name).is_file()])
     kinds = kinds_of(case, manifest)
     with Workers(cores(jobs, case.mechanism, kinds)) as workers:
         report, columns = judge(case, kinds, read_parts(case, kinds, workers), workers, progress)
@@ -109,4 +106,23 @@ def check(folder: Path, progress: Progress = silent, jobs: int | None = 1) -> Re
         findings=findings,
         not_judged=[*report.not_judged, *anew.not_judged],
         remarks=[*remarks, *anew.notes],
+    )
+
+
+def _refuse_lost(folder: Path, lost: Sequence[str]) -> None:
+    """FileError that names all files which the manifest lists and that are not there, and what to do."""
+    if not lost:
+        return
+    said = [
+        f"{name} ({'no plain file' if (folder / name).exists() else 'not there'})" for name in lost
+    ]
+    files = (
+        "a file that manifest.json lists is"
+        if len(lost) == 1
+        else (f"{len(lost)} files that manifest.json lists are")
+    )
+    raise FileError(
+        folder,
+        f"{files} missing: {', '.join(said)}; put back what was moved or deleted, or build the folder again: "
+        f"camgen build {folder / SPEC} --out {folder.parent}",
     )

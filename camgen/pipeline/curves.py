@@ -16,7 +16,9 @@ from camgen.report.words import rounded
 from camgen.study import Plot
 from camgen.tolerances import SPEED_WINDOW_DEG
 
-_SPEED, _ERROR, _BAND = "Speed", "Motion error", "Worst case of the joints' play"
+_SPEED = "Speed"
+_ERROR = "Motion error"
+_BAND = "Worst case of the joints' play"
 _TURNS_ON = 1.0  # deg, from end to end; what swings comes back
 
 

@@ -49,6 +49,7 @@ PACKAGES = (
     "tomli-w",
 )
 _OF_FILES = {"motion.csv", "report.html", "report.json"}  # follow from the parts' files as well
+_OF_JUDGEMENT = {"report.html", "report.json"}  # say what fails
 _TEXTS = {
     "csv",
     "dxf",
@@ -136,6 +137,11 @@ class Rebuild:
             if self.otherwise
             else []
         )
+        stale = self._stale(wrong, told)
+        if stale:
+            wrong = {name: why for name, why in wrong.items() if name not in stale}
+            held = [name for name in held if name not in stale]
+            notes.append(f"of what the build found, not of what fails now: {', '.join(stale)}")
         others = _others(self.manifest)
         if wrong and others:
             why = f"built with {others}: not as they are made anew here, and not judged by all that they hold: {', '.join(wrong)}"
@@ -150,6 +156,14 @@ class Rebuild:
                 [*rows[:_TOLD], *more]
             )
         return Outcome([at_most("REBUILD", len(wrong), 0, "files", SPEC, said)], notes=notes)
+
+    def _stale(self, wrong: Collection[str], told: Collection[str]) -> list[str]:
+        """Reports that are there but other ones than those of today, where something else fails already: they follow from it."""
+        if self.report.ok and not told:
+            return []
+        return [
+            name for name in wrong if name in _OF_JUDGEMENT and (self.case.folder / name).is_file()
+        ]
 
     def _make(self, folder: Path, workers: Workers) -> None:
         """Make what is no file of a part, an assembly, a plate or a sheet into another folder."""

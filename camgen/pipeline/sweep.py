@@ -47,13 +47,12 @@ _LARGEST = 2_000  # variants in a chunk
 _CROWDS = (8, 64, 512)  # variants that are tried together, to see what each takes
 _TRIES = 3  # of a chunk whose worker dies
 
-HOLDS, LIMITS, FAILS, REFUSED, WRONG = (
-    "holds",
-    "limits hold",
-    "fails",
-    "refused",
-    "wrong",
-)  # LIMITS: no file was made
+# LIMITS: no file was made
+HOLDS = "holds"
+LIMITS = "limits hold"
+FAILS = "fails"
+REFUSED = "refused"
+WRONG = "wrong"
 _TOLD = {
     HOLDS: "hold",
     LIMITS: "hold their limits (no file made)",
@@ -117,7 +116,7 @@ def _row(task: Task, number: int, values: Sequence[str], made: Mechanism | Camge
             report = build(made, task.out / f"{number:08d}", frozenset(task.build))
             findings, numbers = report.findings, report.numbers
         else:
-            findings, numbers = made.forecast(), made.figures()
+            findings, numbers = made.forecast(), made.study().numbers
     except SpecError as error:
         return row | {"verdict": WRONG, "fails": "", "reason": "; ".join(map(str, error.faults))}
     except DesignError as error:
@@ -401,7 +400,7 @@ def _refuse_unknown(task: Task, first: Row) -> None:
             if faults:
                 raise SpecError(faults, task.source) from None
     elif first["verdict"] != REFUSED:
-        known = changed(*asked).figures()
+        known = changed(*asked).study().numbers
         faults = [unknown("--keep", name, known) for name in task.keep if name not in known]
         if faults:
             raise SpecError(faults, "command line")

@@ -23,11 +23,18 @@ from camgen.study import Plot
 _BAND_STEPS = 120  # along x: a band is as wide as the curve is high in each
 _REVERSALS = 150  # of direction, from which on a curve is a band
 
-_WIDTH, _HEIGHT = 336.0, 198.0
-_LEFT, _RIGHT, _TOP, _LOW = 46.0, 322.0, 22.0, 164.0  # the axes' frame, y downwards
+_WIDTH = 336.0
+_HEIGHT = 198.0
+# the axes' frame, y downwards
+_LEFT = 46.0
+_RIGHT = 322.0
+_TOP = 22.0
+_LOW = 164.0
 _FINE = 0.05  # how far a drawn curve may be off
 _ALIKE = 0.5  # curves that are nowhere farther apart are drawn once
-_LETTER, _ROW = 5.2, 12.0  # of a mark's name: mean width of a letter, height of a row
+# of a mark's name: mean width of a letter, height of a row
+_LETTER = 5.2
+_ROW = 12.0
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _DASHES = ("", "7 3", "2 2", "9 3 2 3", "12 4", "4 2 1 2 1 2")
 

@@ -38,7 +38,9 @@ from camgen.pipeline.tolerance import copies_of, spread_of  # noqa: E402
 from camgen.report.figures import plot_svg  # noqa: E402
 from camgen.study import Plot  # noqa: E402
 
-ANGLES, ROUNDS, SEEDS = 3_600, 5, 8
+ANGLES = 3_600
+ROUNDS = 5
+SEEDS = 8
 SAMPLES = (100, 1_000, 10_000, 100_000)
 CHAINS = ("jansen", "klann", "watt_two", "peaucellier", "stephenson_three", "double_butterfly")
 LONG = (9.0, 3.0, 8.0, 7.0)  # four-bar: frame, crank, coupler, rocker

@@ -17,7 +17,8 @@ from pathlib import Path
 
 TOP = Path(__file__).resolve().parent.parent.parent
 RUNS = 5
-CAMS, BUILD = ["--set", "parts.make='cams'"], ["build", "specs/uniform-swing.toml"]
+CAMS = ["--set", "parts.make='cams'"]
+BUILD = ["build", "specs/uniform-swing.toml"]
 
 
 def process(top: Path, arguments: list[str], compiled: Path) -> tuple[float, float, float]:

@@ -13,7 +13,9 @@ from camgen.judge.slabs import Body, Slab, slabs_of
 from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
 
-SWING, PIVOT, ARM = 0.26, 60 + 0j, -60 - 30j
+SWING = 0.26
+PIVOT = 60 + 0j
+ARM = -60 - 30j
 
 
 def ring(z: Points) -> Ring:

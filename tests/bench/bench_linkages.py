@@ -27,12 +27,14 @@ WANTED = {
     ("four-bar", 1_000_000): 10,
     ("six-bar", 36_000): 3,
 }
-FRAME, CRANK, COUPLER, OUTPUT = 9.0, 30.0, 30.0, 19.0
-PIVOT, ROD, ROCKER = (
-    60.0,
-    55.0,
-    30.0,
-)  # of the six-bar's second dyad: its place beside O, its two links
+FRAME = 9.0
+CRANK = 30.0
+COUPLER = 30.0
+OUTPUT = 19.0
+# of the six-bar's second dyad: its place beside O, its two links
+PIVOT = 60.0
+ROD = 55.0
+ROCKER = 30.0
 # ms for 3,600 angles: chains of tests/machine/chains.py, those behind the first without dyads or with larger blocks.
 GOALS = {
     "jansen": 0.5,

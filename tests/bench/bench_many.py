@@ -16,7 +16,9 @@ from camgen.machine.four_bars import four_bars
 from camgen.pipeline.sweep import judged, prepared
 from camgen.pipeline.variants import variants
 
-COUNT, ANGLES, GOAL = 1_000_000, 64, 2.0
+COUNT = 1_000_000
+ANGLES = 64
+GOAL = 2.0
 SPECS = Path(__file__).parent.parent.parent / "specs"
 CROWD = 4_000
 VARY = (

@@ -19,10 +19,9 @@ from camgen.design.target import Target
 from camgen.pipeline.jobs import Workers
 
 TARGETS = Path(__file__).parents[1] / "reference"
-GOAL, STUDENTS = (
-    0.85,
-    (0.73, 0.55, 0.80),
-)  # mean of the three wanted here; what a team of students reached
+# mean of the three wanted here; what a team of students reached
+GOAL = 0.85
+STUDENTS = (0.73, 0.55, 0.80)
 
 
 def main(effort: int) -> None:

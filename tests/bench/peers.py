@@ -35,7 +35,8 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "geometry"), str(ROOT)]
 PATIENCE = 60.0  # s
-BEGIN, END = "<!-- peers: python tests/bench/peers.py --results -->", "<!-- end of peers -->"
+BEGIN = "<!-- peers: python tests/bench/peers.py --results -->"
+END = "<!-- end of peers -->"
 
 
 @dataclass(frozen=True)

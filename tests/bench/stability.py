@@ -482,10 +482,8 @@ def looper(name: str, *settings: str, quick: bool = True) -> Case:
     return Case("chain-stitch-looper", name, settings, False, quick)
 
 
-FLAT, KNIFE = (
-    'geometry.follower={motion="translating",shape="flat"}',
-    'geometry.follower={motion="translating",shape="knife"}',
-)
+FLAT = 'geometry.follower={motion="translating",shape="flat"}'
+KNIFE = 'geometry.follower={motion="translating",shape="knife"}'
 CASES = (
     swing("as shipped", True),
     *(

@@ -20,7 +20,9 @@ from camgen.judge.follower_table import read_follower
 from camgen.pipeline.jobs import read_mechanism
 from camgen.pipeline.outline_motion import recover
 
-A, E = 20.0, 5.0  # disc, off centre
+# disc, off centre
+A = 20.0
+E = 5.0
 PLACES = E + A * np.exp(1j * np.radians(np.arange(360)))
 
 

@@ -91,6 +91,39 @@ def test_a_broken_file_is_refused(tmp_path, damage):
         read_exact(path, "hub")
 
 
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (r"(#\d+)=PRODUCT_RELATED_PRODUCT_CATEGORY\(.*\);", r"\1=(\1);"),
+        (r"(#\d+=PRODUCT_RELATED_PRODUCT_CATEGORY\('part',\$,\(#)\d+", r"\g<1>1"),
+        (r"(#\d+=PRODUCT_RELATED_PRODUCT_CATEGORY\('part',\$,\(#)\d+", r"\g<1>99999"),
+        (r"(#\d+)=APPLICATION_PROTOCOL_DEFINITION\(.*\);", r"\1=NONSENSE();"),
+        (r"(#\d+=APPLICATION_PROTOCOL_DEFINITION)", r"\1 \1"),
+        (r"(#\d+=DIRECTION\('',\(-?\d+\.\d+,)", r"\g<1>0.0,"),
+        (r"(#3)=", r"#2="),
+        (r"(#2)=", r"(\1)="),
+    ],
+)
+def test_an_instance_of_another_form_is_refused_by_its_number(tmp_path, old, new):
+    """Whether or not anything refers to it."""
+    path = written(tmp_path, hub())
+    text = path.read_text()
+    number = re.search(r"#\d+", re.search(old, text)[0])[0].replace("#3", "#2")
+    path.write_text(re.sub(old, new, text, count=1))
+    assert path.read_text() != text
+    with pytest.raises(FileError, match=rf"walls between level faces: .*{number} (is|stands) "):
+        read_exact(path, "hub")
+
+
+@pytest.mark.parametrize("more", ["#1@", "&", "ENDSEC;\nDATA;\n", "#99999=PLANE('',#1)"])
+def test_what_is_no_instance_is_refused(tmp_path, more):
+    path = written(tmp_path, hub())
+    text = path.read_text()
+    path.write_text(text.replace("ENDSEC;\nEND-ISO", f"{more}ENDSEC;\nEND-ISO"))
+    with pytest.raises(FileError, match="not the end"):
+        read_exact(path, "hub")
+
+
 def test_another_solid_under_the_same_name_is_told(tmp_path):
     part = hub()
     thicker = replace(part, layers=(part.layers[0], replace(part.layers[1], z1=12.5)))

@@ -14,7 +14,8 @@ from camgen.geometry.facets import facet, facet_circle, facet_contour, theoretic
 from camgen.geometry.outlines import Arc, Contour, Line, Smooth, circle, kidney, polygon
 
 SWING = math.radians(15)
-L, H = 60.0, 30.0
+L = 60.0
+H = 30.0
 R = math.hypot(L, H)
 
 

@@ -9,10 +9,8 @@ from test_rings import regular
 
 from camgen.geometry.mesh import Mesh, mesh_faults, slice_mesh
 
-OUTLINE, HOLE = (
-    regular(300, 30.0) * (1 + 0.2 * np.cos(2 * np.angle(regular(300)))),
-    regular(40, 4.0, 2 + 1j),
-)
+OUTLINE = regular(300, 30.0) * (1 + 0.2 * np.cos(2 * np.angle(regular(300))))
+HOLE = regular(40, 4.0, 2 + 1j)
 
 
 def prism(outline: np.ndarray, height: float = 6.0, holes: tuple[np.ndarray, ...] = ()) -> Mesh:

@@ -178,10 +178,9 @@ def test_a_tube_beside_its_needle_is_struck(tmp_path: Path) -> None:
 
 # ---- what may touch ----------------------------------------------------------------------------------------------------
 
-GAP, SPARE = (
-    0.1875,
-    0.03125,
-)  # mm: of the machine, and what facets may show of an overlap; sums of them are exact
+# mm: of the machine, and what facets may show of an overlap; sums of them are exact
+GAP = 0.1875
+SPARE = 0.03125
 ARM, PLATE, PIN = Eye("arm", 5j, 4.1), Eye("plate", 0j, 4.3), Eye("pin", 0j, 4.0, shaft=True)
 TIP = Eye("arm", 30 + 0j, 6.0, shaft=True)
 CAM = CamOutline("lift", "cam", "shaft", "pivot", TIP)

@@ -16,7 +16,9 @@ from camgen.machine import GROUND, Body, Cam, Drive, Machine, Pin, Place, Pose, 
 from camgen.machine.features import CamMeant, CamOutline, Flat, Mount
 from camgen.machine.model import Floats
 
-OFF, RADIUS, COUNT = 4.0, 16.0, 180
+OFF = 4.0
+RADIUS = 16.0
+COUNT = 180
 
 
 def lift(theta: Floats, order: int = 0) -> Floats:

@@ -48,7 +48,9 @@ from camgen.machine.features import (
 
 # ---- a pair of wheels --------------------------------------------------------------------------------------------------
 
-SMALL, LARGE, MODULE = 12, 20, 2.0
+SMALL = 12
+LARGE = 20
+MODULE = 2.0
 RADII = MODULE * SMALL / 2, MODULE * LARGE / 2
 
 

@@ -26,7 +26,8 @@ from camgen.pipeline.expectation import expected
 from camgen.pipeline.jobs import read_mechanism
 from camgen.pipeline.laser import sheet_parts
 
-TOLERANCE, KERF = 1e-3, 0.2
+TOLERANCE = 1e-3
+KERF = 0.2
 DXF = frozenset({"dxf"})
 BEAM = Beam(KERF, 2.0, (200.0, 100.0))
 
@@ -164,7 +165,9 @@ def test_damage_is_told(tmp_path):
 
 
 # What moves, hides, scales or hands over to another tool what a laser reads, each at some line of a sheet.
-HEAD, GROUP, PIECE = "<svg ", '<g id="CUT" ', "<g><title>plate-1</title>\n"
+HEAD = "<svg "
+GROUP = '<g id="CUT" '
+PIECE = "<g><title>plate-1</title>\n"
 STRANGE = [
     (GROUP, f'{GROUP}transform="scale(1.05)" '),
     (GROUP, f'{GROUP}display="none" '),

@@ -19,8 +19,12 @@ from camgen.judge.contact_tips import ArmTip, SlideTip
 from camgen.judge.joints import Rolled
 from camgen.judge.machine_tables import Profile, judge_profile
 
-RADIUS, OFF, RHO = 20.0, 6.0, 5.0  # mm: of the disc, of its centre from the shaft, of the roller
-STEP, TOLERANCE = 5.0, 1e-3
+# mm: of the disc, of its centre from the shaft, of the roller
+RADIUS = 20.0
+OFF = 6.0
+RHO = 5.0
+STEP = 5.0
+TOLERANCE = 1e-3
 THETA = np.radians(np.arange(0, 360, STEP))
 CENTRE = OFF * np.exp(1j * THETA)  # of the disc, in the ground
 TABLE = Path("x-profile.csv")

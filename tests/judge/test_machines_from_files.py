@@ -128,7 +128,11 @@ def meeting(a: complex, c: complex, near: float, far: float) -> complex:
 
 # ---- a four-bar whose rocker drives a ram by a slot --------------------------------------------------------------------
 
-FRAME, CRANK, COUPLER, ROCKER, HEIGHT = 40, 12, 38, 24, 45
+FRAME = 40
+CRANK = 12
+COUPLER = 38
+ROCKER = 24
+HEIGHT = 45
 
 
 def shaper() -> Case:
@@ -241,7 +245,10 @@ def test_a_moved_hole_is_told_by_its_share(tmp_path: Path) -> None:
 
 # ---- a cam, its rocker and a ram --------------------------------------------------------------------------------------
 
-PIVOT, ARM, DISC, TIP = 45, 40, 16, 3
+PIVOT = 45
+ARM = 40
+DISC = 16
+TIP = 3
 OFF, OTHER, ROD = 4 * cmath.exp(0.5j), 30 * cmath.exp(-2j), 50
 
 

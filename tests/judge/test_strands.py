@@ -19,7 +19,9 @@ from camgen.machine.model import GROUND, Floats, Pose
 from camgen.parts.part import Layer, Part
 from camgen.parts.solids import solid
 
-LOW, HIGH = 10.0, 12.0  # of the groove, mm
+# of the groove, mm
+LOW = 10.0
+HIGH = 12.0
 FINE = 0.002
 
 

@@ -27,7 +27,8 @@ from camgen.live import run as live
 from camgen.live.numbers import numbers, overrides, write
 from camgen.live.server import Built, Explorer, watcher
 
-HOME, WORD = "http://127.0.0.1:8000", "a-word-of-chance"
+HOME = "http://127.0.0.1:8000"
+WORD = "a-word-of-chance"
 ORIGIN = {"origin": HOME}
 
 
@@ -65,6 +66,32 @@ def test_whoever_does_not_know_the_word_is_refused(
                 reply.status_code == 403 and "cam.toml" not in reply.text and WORD not in reply.text
             )
     assert spec.read_bytes() == before and not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    "host",
+    [
+        "127.0.0.1:8812.evil.com",
+        "127.0.0.1:80@evil.com",
+        "localhost:1@x",
+        "localhost:",
+        "127.0.0.1.evil.com",
+        "127.0.0.1:",
+        "127.0.0.1:\u0661",
+        "evil.com",
+        "",
+    ],
+)
+def test_a_host_that_only_begins_as_this_machine_is_refused(page: TestClient, host: str) -> None:
+    reply = page.get(f"/{WORD}/", headers={"host": host.encode()})
+    assert reply.status_code == 403 and "for this machine alone" in reply.text
+
+
+@pytest.mark.parametrize(
+    "host", ["127.0.0.1", "localhost", "LOCALHOST", "127.0.0.1:8812", "localhost:80"]
+)
+def test_this_machine_is_let_in_by_its_names(page: TestClient, host: str) -> None:
+    assert page.get(f"/{WORD}/", headers={"host": host}).status_code == 200
 
 
 def test_whoever_knows_it_is_let_in_and_the_page_asks_below_it(page: TestClient) -> None:

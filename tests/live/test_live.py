@@ -28,7 +28,8 @@ from camgen.pipeline.jobs import files_of
 from camgen.settings import override
 from camgen.starters import described, examples, folder
 
-HOME, WORD = "http://127.0.0.1:8000", "a-word-of-chance"
+HOME = "http://127.0.0.1:8000"
+WORD = "a-word-of-chance"
 
 
 @pytest.fixture
@@ -102,6 +103,17 @@ def test_ranges_are_those_of_the_schema() -> None:
         ("count", 1, 6, 1),
         ("way", -30, 30, 0.1),
     ]
+
+
+@pytest.mark.parametrize("motion, unit", [("oscillating", "deg"), ("translating", "mm")])
+def test_a_lift_is_in_the_unit_of_its_follower(root: Path, motion: str, unit: str) -> None:
+    data = reading.read(root / "specs" / "disc-cam.toml")
+    data["geometry"]["follower"]["motion"] = motion
+    found = {each.key: each for each in numbers(data, described(load("disc-cam"), "disc-cam"))}
+    assert found["segment.0.lift"].unit == unit and found["geometry.base_radius"].unit == "mm"
+    data["geometry"]["follower"].pop("motion")
+    found = {each.key: each for each in numbers(data, described(load("disc-cam"), "disc-cam"))}
+    assert found["segment.0.lift"].unit == "mm or deg"
 
 
 def test_values_that_are_one_of_a_few_are_chosen() -> None:

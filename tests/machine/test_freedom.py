@@ -16,6 +16,8 @@ from chains import (
     slider_crank,
     stephenson_three,
 )
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from camgen.errors import DesignError
 from camgen.machine import (
@@ -178,6 +180,22 @@ def test_the_range_advised_keeps_the_transmission_angle() -> None:
     assert -end <= low < -end + 0.6 and end - 0.6 < high <= end
     with pytest.raises(DesignError, match="is below 90.1 deg as drawn"):
         refuse_partial(slider_crank(30.0, 20.0), 90.1)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.floats(20.2, 60.0), st.floats(5.0, 60.0))
+def test_the_range_advised_is_one_that_is_judged_to_hold(crank: float, least: float) -> None:
+    machine = slider_crank(crank, 20.0)
+    with pytest.raises(DesignError, match="cannot turn fully") as caught:
+        refuse_partial(machine, least)
+    text = str(caught.value).partition("range_deg = [")[2].partition("]")[0]
+    low, high = (math.radians(float(each)) for each in text.split(", "))
+    (fold,) = folds(machine, low, high)
+    assert math.degrees(math.asin(fold.determinant)) >= least
+    ends = [math.degrees(math.asin(20 / crank * math.cos(math.radians(x)))) for x in (0, least)]
+    assert (
+        min(ends[0] - 1, ends[1]) - 0.8 < math.degrees(high) <= ends[1]
+    )  # and no less than can be
 
 
 def test_range_of_a_triple_rocker_by_the_law_of_cosines() -> None:

@@ -9,6 +9,7 @@ import pytest
 
 from camgen.machine import targets
 from camgen.machine.targets import Course, Dwell, Straight, Stroke, Through, TimeRatio, Trace
+from camgen.numerics import Floats
 
 THETA = np.linspace(0, math.tau, 1441)
 PART = np.radians(np.linspace(-30, 50, 321))
@@ -68,6 +69,13 @@ def test_time_ratio_of_two_harmonic_strokes() -> None:
     assert targets.time_ratio(course)[0] == pytest.approx(200 / 160, abs=1e-5)
     assert TimeRatio(value=1.25, tolerance=1e-3).finding(course, "").ok
     assert not TimeRatio(value=1.26, tolerance=1e-3).finding(course, "").ok
+
+
+@pytest.mark.parametrize("value", [np.degrees(THETA), np.zeros(len(THETA))])
+def test_what_turns_on_or_stands_still_has_no_time_ratio(value: Floats) -> None:
+    course = Course(THETA, value, np.gradient(value, THETA), "deg", True)
+    found = TimeRatio(value=1.25, tolerance=1e-3).finding(course, "swing")
+    assert not found.ok and "no two strokes" in found.message
 
 
 def test_places_of_a_path() -> None:

@@ -314,7 +314,7 @@ def test_the_frame_bears_what_pulls_on_the_machine() -> None:
     """Newton's law of the whole: what holds the moving bodies, their weight, the load and the spring make their inertia."""
     machine = read_mechanism(FOUR_BAR)
     run = machine.solve(TURN)
-    forces, loaded = run.forces(), machine.loaded()
+    forces, loaded = run.forces(), machine._weighed_machine()
     assert (
         loaded.body("crank").mass == 0.02 and loaded.body("rocker").mass > 1e-3
     )  # given; of its solids

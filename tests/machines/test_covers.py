@@ -23,7 +23,9 @@ from camgen.reading import read
 from camgen.spec import validate
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
-PLAY, THICKNESS = 0.2, 4.0  # print.slide_clearance, parts.thickness unless given
+# print.slide_clearance, parts.thickness unless given
+PLAY = 0.2
+THICKNESS = 4.0
 YOKE = {
     "mechanism": "linkage",
     "name": "own",

@@ -177,7 +177,7 @@ def test_masses_are_those_of_the_solids_and_torque_makes_the_energy(
 
     four_bar["masses"] = {"rocker": {"mass_g": 50, "centre": [25, 0], "inertia_kg_m2": 1e-5}}
     built = validate(Linkage, four_bar).resolved()
-    machine, made = built.machine(), {part.name: part for part in built.assembly.parts}
+    machine, made = built.model, {part.name: part for part in built.assembly.parts}
     moving = (
         sum(
             made[mount.part].volume

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 import tomli_w
-from test_linkage_slots import mends, with_change
+from test_linkage_slots import DISC, mends, with_change
 
 from camgen import load
 from camgen.errors import DesignError
+from camgen.machines.linkage import trials
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.pipeline.build import build
 from camgen.spec import validate
@@ -209,6 +210,17 @@ def test_what_was_not_tried_is_called_a_guess() -> None:
         error.remedy.endswith("two plates")
         and "tried in vain: all orders of the levels" in error.remedy
     )
+
+
+def test_what_was_tried_in_vain_is_no_guess(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A shaft and a pin that lack less than half of their room, where nothing that is tried mends it."""
+    tables = {**DISC, "points": {**DISC["points"], "K": [-92, 0]}}
+    assert "mended by" in refusal(tables).remedy
+    monkeypatch.setattr(trials, "has_levels", lambda layout, run: False)
+    guess, _, vain = refusal(tables).remedy.partition("tried in vain: ")
+    assert "smaller parts" in vain
+    assert guess.startswith("a guess: make room for ") and "points.G elsewhere" in guess
+    assert "smaller" not in guess
 
 
 def test_a_drag_link_stands_between_posts_beyond_all_that_turns(tmp_path: Path) -> None:

@@ -164,3 +164,36 @@ def test_a_program_and_an_included_machine_do_not_share_a_shaft(four_bar: dict[s
     four_bar["include"] = [{"spec": "other.toml"}]
     with pytest.raises(SpecError, match="turns evenly with the shaft"):
         driven(four_bar, segment=STEPPED)
+
+
+def test_the_range_advised_holds_no_change_point(root: Path) -> None:
+    """The crank is as long as the rod and A is drawn on its shaft: at 90 deg, where A stands there for either branch, they meet."""
+    tables = read(root / "specs" / "gallery" / "elliptic-trammel.toml")
+    tables["points"]["A"] = [-80, 0]
+    with pytest.raises(DesignError, match="cannot turn fully") as caught:
+        validate(Linkage, tables).limits()
+    low, high = map(
+        float, str(caught.value).partition("range_deg = [")[2].partition("]")[0].split(", ")
+    )
+    assert -90 < low < -85 and 85 < high < 90
+    followed = validate(Linkage, tables | {"drive": tables["drive"] | {"range_deg": [low, high]}})
+    assert followed.chain.joints  # built, without a word on folds
+    wider = validate(Linkage, tables | {"drive": tables["drive"] | {"range_deg": [low, 91.0]}})
+    with pytest.raises(DesignError, match="change point at 9"):
+        wider.limits()
+
+
+def test_no_range_is_advised_beside_a_change_point(root: Path) -> None:
+    """Drawn half a degree before it, the beam's other slot so near that the chain opens on the way back."""
+    tables = read(root / "specs" / "gallery" / "elliptic-trammel.toml")
+    lean = math.sin(math.radians(0.5))
+    tables["points"] |= {
+        "A": [-80 + 64 * lean, 0],
+        "K": [-80 + 32 * lean, 32 * math.cos(math.asin(lean))],
+        "B": [-100, 24],
+        "Y1": [-100, 20],
+        "Y2": [-100, 43],
+    }
+    with pytest.raises(DesignError, match="turn fully.*; change the lengths of") as caught:
+        validate(Linkage, tables).limits()
+    assert "range_deg" not in caught.value.remedy

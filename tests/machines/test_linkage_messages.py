@@ -54,6 +54,13 @@ def faults(data: dict[str, Any]) -> list[str]:
 # ---- cams and gears --------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("spans", [[360], [100, 260]])
+def test_a_cam_that_moves_nothing_is_told_by_its_key(spans: list[float]) -> None:
+    data = cam_machine(segment=[{"kind": "dwell", "span_deg": span} for span in spans])
+    said = f"cam.0.segment: {len(spans)} of them, all dwells - expected at least one rise and one return"
+    assert faults(data) == [said]
+
+
 def test_a_roller_too_large_is_told_by_its_key() -> None:
     with pytest.raises(
         DesignError,

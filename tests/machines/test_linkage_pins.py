@@ -66,15 +66,13 @@ def test_bearings_turn_in_all_links_but_one_of_each_joint(root: Path, tmp_path: 
     rocker = next(part for part in machine.assembly.parts if part.name == "rocker")
     holes = sorted(math.sqrt(4 * abs(hole.area) / math.pi) for hole in rocker.region.holes)
     assert holes[-1] == pytest.approx(8, abs=1e-9)
-    assert [machine.machine().joint(name).clearance for name in "ABC"] == [
+    assert [machine.model.joint(name).clearance for name in "ABC"] == [
         0,
         0,
         0,
     ]  # both press fits
     plain = with_parts(root)
-    assert [plain.machine().joint(name).clearance for name in "ABC"] == pytest.approx(
-        [0.2, 0.2, 0.2]
-    )
+    assert [plain.model.joint(name).clearance for name in "ABC"] == pytest.approx([0.2, 0.2, 0.2])
 
 
 def rise(machine: Linkage) -> dict[tuple[str, int], float]:

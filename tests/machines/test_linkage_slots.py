@@ -366,3 +366,65 @@ def test_a_slot_in_a_web_lies_over_the_link_of_its_pin() -> None:
     level = machine.bodies.layout.level
     assert level["crank"] > level["arm"] and level["rod"] > level["crank"]
     assert machine.bodies.layout.hole("Q", "crank") == pytest.approx(5.2)
+
+
+DISC = {  # a disc with two slots square to each other on two pins of the ground; K decides how far it goes
+    "mechanism": "linkage",
+    "name": "own",
+    "points": {
+        "G": [-100, 0],
+        "K": [-90, 0],
+        "A": [20, 0],
+        "B": [0, 15],
+        "C": [40, 0],
+        "X1": [-35, 0],
+        "X2": [35, 0],
+        "Y1": [0, -30],
+        "Y2": [0, 30],
+    },
+    "links": {
+        "ground": ["G", "A", "B"],
+        "crank": ["G", "K"],
+        "rod": ["K", "C"],
+        "disc": ["C", "X1", "X2", "Y1", "Y2"],
+    },
+    "drive": {"link": "crank"},
+    "slot": [
+        {"pin": "A", "link": "disc", "along": ["X1", "X2"]},
+        {"pin": "B", "link": "disc", "along": ["Y1", "Y2"]},
+    ],
+    "output": [{"name": "out", "point": "C"}],
+    "limits": {"transmission_angle_deg": 1},
+}
+
+
+def test_slots_of_a_link_may_cross_in_line_but_not_where_their_pins_go() -> None:
+    """The points of `along` lie on lines that cross in both machines; the pins of the second one go further."""
+    assert len(slots_of(linkage(DISC), "disc")) == 2
+    further = {**DISC, "points": {**DISC["points"], "K": [-70, 0]}}
+    with pytest.raises(DesignError, match="wall of the link disc.*between slot A and slot B"):
+        assert linkage(further).assembly.parts
+
+
+@pytest.mark.parametrize("apart", [0.0, 1e-300, 1e-13, 9e-10])
+@pytest.mark.parametrize("kind", ["slot", "slide"])
+def test_two_points_at_one_place_are_no_line(kind: str, apart: float) -> None:
+    """Nearer than points of a drawing can be told apart; a slot along them stood upright, whichever way it was drawn."""
+    slider = {"link": "slider", "along": ["U", "V"]}
+    tables: dict[str, Any] = copy.deepcopy(SLIDER)
+    if kind == "slide":
+        del tables["slot"]
+        tables |= {"slide": [slider], "links": tables["links"] | {"slider": ["P"]}}
+    tables["points"] |= {"V": [tables["points"]["U"][0], tables["points"]["U"][1] + apart]}
+    with pytest.raises(SpecError) as caught:
+        validate(Linkage, tables)
+    (said,) = map(str, caught.value.faults)
+    expected = f"two points that lie apart: its length is {apart:.3g} mm"
+    assert said.endswith(f"expected {expected}") and said.startswith(f"{kind}.0.along: U, V")
+
+
+def test_points_of_a_link_at_one_place_but_for_rounding_are_told() -> None:
+    tables = copy.deepcopy(SLIDER) | {"lengths": {"O-A": 15}}
+    tables["points"]["A"] = [0, 1e-13]
+    with pytest.raises(SpecError, match="O and A are drawn at one place"):
+        validate(Linkage, tables)

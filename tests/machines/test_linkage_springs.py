@@ -50,7 +50,7 @@ def test_the_drive_gives_what_the_spring_takes(four_bar: dict[str, Any]) -> None
     assert numbers["spring_greatest_n"] == pytest.approx(2.0 + 0.3 * np.ptp(length), rel=1e-5)
     free = length.min() - 2.0 / 0.3
     torque = np.gradient(0.3 * (length - free) ** 2 / 2e3, THETA)  # N mm to N m
-    (found,) = solve(machine.machine(), THETA).forces().drives.values()
+    (found,) = solve(machine.model, THETA).forces().drives.values()
     assert np.max(np.abs(found - torque)[2:-2]) < 2e-3 * np.abs(torque).max()
 
 
@@ -101,7 +101,7 @@ def test_a_spring_holds_a_follower_on_its_cam() -> None:
 
 
 def test_a_machine_with_a_spring_joins_another(four_bar: dict[str, Any]) -> None:
-    own = validate(Linkage, four_bar).machine()
+    own = validate(Linkage, four_bar).model
     whole = joined(own, {Module("other", 300j): own})
     (spring,) = [
         load for load in whole.loads if isinstance(load, Spring) and load.name == "other_spring"

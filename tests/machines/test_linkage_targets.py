@@ -11,7 +11,7 @@ import pytest
 import tomli_w
 from judged import wrong
 
-from camgen.errors import SpecError
+from camgen.errors import DesignError, SpecError
 from camgen.findings import Finding
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.pipeline.build import build
@@ -64,6 +64,14 @@ def test_time_ratio_of_the_crank_shaper() -> None:
     assert not found({**arm, "time_ratio": {"value": ratio + 0.01, "tolerance": 1e-3}}, **SHAPER)[
         "TIME_RATIO"
     ].ok
+
+
+def test_an_output_that_turns_round_has_no_time_ratio() -> None:
+    """The crank itself: it has no two strokes."""
+    wanted = {"name": "in", "link": "crank", "time_ratio": {"value": 1.5, "tolerance": 0.02}}
+    with pytest.raises(DesignError, match="output in turns all round.*no two strokes") as caught:
+        found(wanted, **SHAPER)
+    assert "time_ratio" in caught.value.remedy
 
 
 def test_hoekens_line_is_nearly_straight_over_half_a_turn() -> None:

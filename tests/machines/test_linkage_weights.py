@@ -28,7 +28,7 @@ def made(*overrides: str) -> Linkage:
 
 def test_no_other_weight_would_spare_the_bearing_more() -> None:
     """With it on, the best further weight is none: the circle round all forces that the crank sees lies about the shaft."""
-    machine = made("counterweight.made='steel'").machine()
+    machine = made("counterweight.made='steel'").model
     forces = solve(machine, TURN).forces()
     crank = next(joint for joint in machine.joints if joint.name == "O")
     force = forces.reactions["O"] * (1 if crank.a.body == "crank" else -1)  # type: ignore[union-attr]

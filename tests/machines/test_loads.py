@@ -14,10 +14,10 @@ import pytest
 from camgen.errors import SpecError
 from camgen.findings import Finding
 from camgen.machine.balancing import with_weight
-from camgen.machine.model import GROUND
+from camgen.machine.model import GROUND, Slot
 from camgen.machine.run import solve
 from camgen.machines.loads.assess import Assessment, assess
-from camgen.machines.loads.bearing import plain_bearings
+from camgen.machines.loads.bearing import plain_bearings, rubbing_in_slot
 from camgen.machines.loads.drive import motor_of
 from camgen.machines.loads.follower import effective_inertia
 from camgen.machines.loads.rubbing import rough
@@ -581,6 +581,44 @@ def test_life_of_a_bearing_on_a_pin_by_hand() -> None:
             if each.code == "BEARING_LIFE" and each.where == f"ball bearing of {name}"
         )
         assert life.measured == pytest.approx(min(hours, 1e9), rel=0.01)
+
+
+# ---- pins in slots ---------------------------------------------------------------------------------------------------
+
+PRESSED_YOKE = (
+    "load={friction=0, on=[{body='yoke', point='Q', direction_deg=180, value=300, acts='fixed'}]}",
+    "parts.shaft_made='steel'",
+)
+
+
+def test_a_pin_in_a_slot_is_bent_by_what_the_slot_gives() -> None:
+    """By hand: 300 N from the crank's face at 9.2 to the middle of the yoke, 9.4 to 13.4 mm, on a pin of 5 mm."""
+    report = judged("gallery/scotch-yoke", *PRESSED_YOKE)
+    pins = {each.where: each for each in report.findings if each.code == "PIN_STRESS"}
+    assert {"pin A in yoke", "pin P in ground", "pin Q in ground"} <= set(pins)
+    bent = pins["pin A in yoke"]
+    assert not bent.ok and bent.limit == 20
+    assert bent.measured == pytest.approx(32 * 300 * 2.2 / (math.pi * 125), rel=1e-3)
+    assert 'parts.pin = "dowel"' in bent.message
+    assert "PIN_STRESS" not in {each.code for each in report.not_judged}
+    light = judged("gallery/scotch-yoke", *PRESSED_YOKE[1:])
+    assert all(each.ok for each in light.findings)
+
+
+def test_a_pin_in_a_slot_rubs_along_it_and_turns() -> None:
+    """The load holds the yoke's wall against the pin's side at +x: it slides with r w cos(theta), and w d / 2 by its turning."""
+    report = judged("gallery/scotch-yoke", *PRESSED_YOKE)
+    (worn,) = (each for each in report.findings if each.code == "PV")
+    w, theta = math.tau, np.linspace(0, math.tau, 1441)
+    speed = np.mean(np.abs(15 * w * np.cos(theta) + w * 2.5)) * 1e-3
+    assert worn.where == "pin A in yoke, 5 x 4 mm" and not worn.ok
+    assert worn.measured == pytest.approx(300 / (5 * 4) * speed, rel=1e-3)
+    drive = made("gallery/scotch-yoke", *PRESSED_YOKE)
+    run = drive.solve([0.0, math.pi])
+    slot = run.machine.joint("A in yoke")
+    assert isinstance(slot, Slot)
+    turns = rubbing_in_slot(run, slot, run.forces().normals[slot.name], 2.5)
+    assert np.abs(turns) == pytest.approx([15 / 2.5 + 1, 15 / 2.5 - 1])
 
 
 # ---- pins that only a spring or a roller bends -----------------------------------------------------------------------

@@ -117,7 +117,8 @@ def test_a_spring_that_cannot_be_wound_is_told(unloader: dict[str, Any], said: s
         _ = machine(unloader=unloader).assembly
 
 
-WHEEL, MATE = "gear-unloader_gears-unloader", "gear-unloader_gears-driven-link-1"
+WHEEL = "gear-unloader_gears-unloader"
+MATE = "gear-unloader_gears-driven-link-1"
 
 
 @pytest.mark.parametrize(
@@ -199,7 +200,7 @@ def test_a_stiffness_that_is_found_leaves_least() -> None:
     del data["unloader"]["stiffness_n_mm"]
     data["load"]["friction_n_m"] = 0
     found = validate(IndexingCam, data)
-    stiffness = found.found()["unloader.stiffness_n_mm"]
+    stiffness = found._found()["unloader.stiffness_n_mm"]
     assert isinstance(stiffness, float)
     for share in (0.99, 1.01):
         data["unloader"]["stiffness_n_mm"] = share * stiffness

@@ -57,6 +57,20 @@ def test_each_link_is_said_to_go_over_those_that_it_is_jointed_to(leg: Mechanism
     assert said["pin-2"] == "; ".join(fixed.format(*row) for row in rows)
 
 
+@pytest.mark.parametrize("plates", [1, 2])
+def test_what_stands_over_a_slot_and_what_is_screwed_from_below_is_said(plates: int) -> None:
+    """The yoke's ends run in slots of the plate, on spacers; the beam's pins do too. A second plate stands on posts."""
+    gallery = Path(__file__).parents[2] / "specs" / "gallery"
+    yoke, trammel = (
+        read_mechanism(gallery / f"{name}.toml", [f"parts.plates={plates}"])
+        for name in ("scotch-yoke", "elliptic-trammel")
+    )
+    assert where(yoke)["spacer-1"] == "over the slot of ground"
+    assert where(trammel)["beam"] == "B over the slot of ground, A over the slot of ground"
+    said = [str(row[2]) for row in order_of_assembly(yoke.assembly).rows if row[1] == "post"]
+    assert said == ["Post: each screwed on from below, through the plate"] * (plates - 1)
+
+
 def test_how_far_from_its_end_a_shaft_holds_each(leg: Mechanism) -> None:
     """By the undersides of the table: the shaft's at -15, collar's at -3.2, plate's at 0, crank's at 5.2 mm."""
     said, z = (

@@ -10,7 +10,9 @@ from camgen.errors import DesignError
 from camgen.geometry.facets import facet_contour
 from camgen.parts.bands import ArmBand
 
-A, B = 10 + 5j, 40 + 45j  # 50 mm apart
+# 50 mm apart
+A = 10 + 5j
+B = 40 + 45j
 
 
 def flat(points: list[complex] | np.ndarray) -> np.ndarray:

@@ -14,7 +14,9 @@ from camgen.parts.counterweights import Sector, counterweight
 from camgen.parts.inertia import centre_of
 from camgen.parts.part import Layer, Part, Region
 
-PLA, STEEL = 1.24e-3, 7.85e-3  # g/mm^3
+# g/mm^3
+PLA = 1.24e-3
+STEEL = 7.85e-3
 HUB = Sector(hub=8.0, thickness=4.0, half=math.pi / 2, heavy=PLA)
 PINNED = replace(HUB, pins=3, pin=5.0, steel=STEEL, wall=1.0)
 

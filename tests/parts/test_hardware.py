@@ -26,7 +26,7 @@ from camgen.parts.catalogue import (
     flange,
 )
 from camgen.parts.hardware import Collet, headed, plate, rounded, spacer
-from camgen.parts.part import hull, with_bar
+from camgen.parts.part import hull, root, with_bar
 from camgen.parts.solids import solid
 
 CORNER = 1 - math.pi / 4  # area that rounding a right angle with radius 1 takes
@@ -227,7 +227,34 @@ def test_a_bar_out_of_a_band(pointed: bool, end: float) -> None:
     assert turned.area == pytest.approx(both.area, rel=1e-12)
 
 
-@pytest.mark.parametrize(("half", "length"), [(6, 30.0), (2, 4.0)])
-def test_a_bar_wider_or_shorter_than_its_band_is_none(half: float, length: float) -> None:
-    with pytest.raises(ValueError, match="no edge as wide"):
+@pytest.mark.parametrize("way", [1, 1j, -1, np.exp(0.3j)])
+def test_a_bar_out_of_a_disc(way: complex) -> None:
+    """Its one arc begins within the bar or beside it: areas by hand, a disc of 5 and what a bar of 6 adds to it."""
+    segment = 25 * math.asin(3 / 5) - 3 * 4
+    made = with_bar(circle(0j, 5), 0j, way, 3.0, 20.0)
+    beyond = 6 * (20 - 4) + 9 * math.pi / 2 - segment
+    assert made.area == pytest.approx(25 * math.pi + beyond, rel=1e-12) and shape(made).is_valid
+
+
+@pytest.mark.parametrize("lean", [0.1, 0.2, 0.7, 1.5])
+def test_a_bar_out_of_a_slanting_band(lean: float) -> None:
+    """It comes out of a thin band before its middle at one side: by hand, where the side meets the band's lower tangent."""
+    way = np.exp(1j * lean)
+    band, half = hull([(-100 * way, 3), (100 * way, 3)]), 4.0
+    before = (3 / math.cos(lean) - half) / math.tan(lean)
+    assert root(band, 0j, 1 + 0j, half) == pytest.approx(before, rel=1e-12)
+    made = shape(with_bar(band, 0j, 1 + 0j, half, 150.0))
+    bar = shapely.box(before, -half, 150.0, half).union(shapely.Point(150, 0).buffer(half, 256))
+    beside = shape(polygon([0j, -100 * way, -100 - 100j, 300 - 100j, 300 + 0j, 100 * way]))
+    meant = shape(band).union(bar.intersection(beside))
+    assert made.is_valid and made.symmetric_difference(meant).area < 0.1
+
+
+@pytest.mark.parametrize(
+    ("half", "length", "told"), [(6, 30.0, "no edge as wide"), (2, 4.0, "reaches further")]
+)
+def test_a_bar_wider_or_shorter_than_its_band_is_none(
+    half: float, length: float, told: str
+) -> None:
+    with pytest.raises(ValueError, match=told):
         with_bar(hull([(-10 + 0j, 5), (10 + 0j, 5)]), 0j, 1 + 0j, half, length)

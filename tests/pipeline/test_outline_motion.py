@@ -29,7 +29,10 @@ from camgen.judge.follower_table import read_follower
 from camgen.pipeline import build as pipeline
 from camgen.pipeline.outline_motion import low_passed, recover
 
-A, E, R = 20.0, 5.0, 6.0  # disc, off centre, roller
+# disc, off centre, roller
+A = 20.0
+E = 5.0
+R = 6.0
 LEVER = "oscillating,pivot=60/0,arm=55,radius=6,leaves=+1"
 Draw = Callable[[Any], None]
 

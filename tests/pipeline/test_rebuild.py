@@ -119,6 +119,18 @@ def test_a_whole_kind_that_is_lost_is_told(folder: Path, ending: str) -> None:
     assert failing(folder)
 
 
+def test_all_lost_files_are_told_at_once(folder: Path) -> None:
+    for name in ("motion.csv", "disc-cam-cam.stl"):
+        (folder / name).unlink()
+    with pytest.raises(FileError, match="2 files that manifest.json lists are missing") as caught:
+        pipeline.check(folder)
+    said = str(caught.value)
+    assert all(f"{name} (not there)" in said for name in ("motion.csv", "disc-cam-cam.stl"))
+    assert f"camgen build {folder / 'spec.toml'} --out {folder.parent}" in said
+    pipeline.build(folder / "spec.toml", folder.parent, ALL)  # what it says mends it
+    assert failing(folder) == set()
+
+
 def test_a_file_of_no_such_build_is_told(folder: Path) -> None:
     (folder / "disc-cam-lever.csv").write_text("1\n", encoding="utf-8")
     assert failing(folder) == set()  # somebody's own
@@ -446,3 +458,22 @@ def test_a_part_that_was_changed_and_holds_makes_the_report_another_one_s(folder
     )
     mended(folder)
     assert failing(folder) == {"REBUILD"}
+
+
+@pytest.mark.parametrize("again", [False, True])
+def test_reports_that_follow_from_what_fails_are_not_told_again(folder: Path, again: bool) -> None:
+    """A list of parts with one more: the reports of the build said that all holds, which is no second fault."""
+    path = folder / "disc-cam-parts.csv"
+    path.write_bytes(path.read_bytes().replace(b",1,", b",2,", 1))
+    if again:
+        mended(folder)
+    report = pipeline.check(folder)
+    bad = {finding.code for finding in report.findings if not finding.ok}
+    assert bad == ({"PARTS_LIST", "REBUILD"} if again else {"PARTS_LIST", "MANIFEST"})
+    told = [finding.message for finding in report.findings if finding.code == "REBUILD"]
+    assert not any("report." in message for message in told)
+    assert any("not of what fails now: report.html, report.json" in each for each in report.remarks)
+    (folder / "report.html").unlink()
+    mended(folder)
+    (anew,) = (each for each in pipeline.check(folder).findings if each.code == "REBUILD")
+    assert not anew.ok and "report.html is not there" in anew.message

@@ -567,11 +567,9 @@ def test_a_law_s_file_that_was_changed_is_another_sweep(tmp_path: Path) -> None:
     assert digests[0] != digests[1]
 
 
-GROOVE, PAIR, KEYED = (
-    "geometry.closure='groove'",
-    "geometry.closure='conjugate'",
-    "parts.shaft='keyway'",
-)
+GROOVE = "geometry.closure='groove'"
+PAIR = "geometry.closure='conjugate'"
+KEYED = "parts.shaft='keyway'"
 ARM = "geometry.follower.motion='oscillating'"
 WIDE = ("parts.hub_height=0", "limits.lash=3", "limits.pressure_angle_deg=60")
 

@@ -318,7 +318,7 @@ def test_resolved_spec_holds_what_was_found_and_is_the_same_machine(
     given = read_mechanism(spec, settings)
     assert {
         key
-        for key, value in given.found().items()
+        for key, value in given._found().items()
         if at(written, key) == pytest.approx(value, abs=0)
     } == found
     assert read_mechanism(tmp_path / name / "spec.toml") == given.resolved()

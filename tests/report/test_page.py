@@ -24,10 +24,8 @@ from camgen.report.page import margins, once, to_html
 from camgen.report.report import Report
 from camgen.study import Plate, Plot, Scene, Step, Table
 
-CORNERS, FACES = (
-    [[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]],
-    [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]],
-)
+CORNERS = [[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]]
+FACES = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
 TETRAHEDRON = Mesh(np.array(CORNERS, float), np.array(FACES))
 
 

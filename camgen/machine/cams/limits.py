@@ -22,7 +22,9 @@ from camgen.geometry.facets import facet_contour
 from camgen.machine.cams.followers import SwingingArm, SwingingFace
 from camgen.machine.cams.profile import DiscCam
 
-SLIDE_PRESSURE, ARM_PRESSURE = 30.0, 45.0  # deg, that a pressure angle may reach by usual advice
+# deg, that a pressure angle may reach by usual advice
+SLIDE_PRESSURE = 30.0
+ARM_PRESSURE = 45.0
 _ORDERS = ("displacement", "velocity", "acceleration", "jerk")
 _MOST_JUMPS = 6  # that a message lists
 

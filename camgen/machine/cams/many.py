@@ -31,7 +31,9 @@ _BESIDE = 1e-9  # of a segment, from the end of a stretch to its first node
 _SHARE = (
     1e-2  # of a figure's range, by which a lower peak may be the highest when looked at closely
 )
-_ZOOM, _TIMES = 9, 9  # places between two neighbours, and how often: to 4^-9 of a node's distance
+# places between two neighbours, and how often: to 4^-9 of a node's distance
+_ZOOM = 9
+_TIMES = 9
 _GROUND = 0.0  # theta at which a cam's frame is the ground's: nothing here depends on how far the cam has turned
 _PLAIN = 0.02  # least sine between the profile and its radius, and least share of the cam that the follower keeps from the axis
 

@@ -61,7 +61,7 @@ from camgen.machines.chain_stitch_looper.study import (
 )
 from camgen.machines.chain_stitch_looper.tables import Geometry, Limits, Motor, Timing, Wanted
 from camgen.machines.chain_stitch_looper.threads import lengths, moments, seam, sketches
-from camgen.machines.mechanism import Mechanism
+from camgen.machines.mechanism import Mechanism, refuse_failing
 from camgen.motion.program import Program
 from camgen.motion.segments import LawChoice, SegmentTable, law_of, program, program_faults
 from camgen.parts.assembly import Assembly
@@ -223,11 +223,11 @@ class ChainStitchLooper(Mechanism):
         """Always 1: nothing of the shaft is made, and its angle is counted in its sense of turning."""
         return 1
 
-    def found(self) -> Mapping[str, object]:
+    def _found(self) -> Mapping[str, object]:
         """The needles' stroke, and what every mechanism fills in."""
-        return {**super().found(), "timing.needle_stroke": self.design.needle_stroke}
+        return {**super()._found(), "timing.needle_stroke": self.design.needle_stroke}
 
-    def machine(self) -> Machine:
+    def _unloaded(self) -> Machine:
         """Needles and spreaders on their guides, by laws of the shaft; outputs "spreader" and "needle", mm."""
         d, g = self.design, self.stitch
         still = np.zeros(1)
@@ -547,7 +547,8 @@ class ChainStitchLooper(Mechanism):
         }
         result = validate(type(self), data, "design")
         _ = result.assembly  # refused where it cannot be made
-        return result.proven()
+        refuse_failing(result)
+        return result
 
 
 def _between(

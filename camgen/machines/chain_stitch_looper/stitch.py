@@ -32,7 +32,9 @@ _USUAL_E = (
     4.0  # mm, the middle of the usual 3 to 5, which the source puts into S_m in place of its own e
 )
 _STEPS = 7200  # of the turn, between which a position is bracketed
-_PARTS, _ROUNDS = 256, 6  # into which a bracket is cut, and how often: to the last bit
+# into which a bracket is cut, and how often: to the last bit
+_PARTS = 256
+_ROUNDS = 6
 HAIR = 1e-12  # share of the stroke
 VANISHING = 1e-9  # share of the stroke that is none
 

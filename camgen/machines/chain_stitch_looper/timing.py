@@ -23,10 +23,9 @@ from camgen.machines.chain_stitch_looper.stitch import Design
 from camgen.tolerances import BOUND_SPARE
 
 _ANGLES = 240  # of the turn, to begin with
-_PARTS, _ROUNDS = (
-    6,
-    4,
-)  # into which a step where the least gap may be is cut, and how often: 4e-4 mm are left
+# into which a step where the least gap may be is cut, and how often: 4e-4 mm are left
+_PARTS = 6
+_ROUNDS = 4
 FARTHEST = math.radians(30)  # lag that is looked at: no machine is so far off
 _STEP = 1e-5  # rad, of the lag, where bodies are as good as in touch
 

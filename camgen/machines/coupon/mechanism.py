@@ -194,7 +194,7 @@ class Coupon(Mechanism):
 
     # ---- answers ----------------------------------------------------------------------------------------------------
 
-    def machine(self) -> Machine:
+    def _unloaded(self) -> Machine:
         """Nothing moves."""
         return Machine((), (), (), {})
 

@@ -44,14 +44,14 @@ from camgen.machines.disc_cam.tables import Geometry, Limits, LoadTable, Motor, 
 from camgen.machines.disc_cam.walls import walls
 from camgen.machines.free_play import between
 from camgen.machines.loads.weights import gravity, pulled
-from camgen.machines.pairs import air_faults
+from camgen.machines.pairs import air_faults, still_faults
 from camgen.machines.standing import StandingCams
 from camgen.motion.polydyne import polydyne
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, program
 from camgen.parts.disc_cams import Parts, disc_parts, turning_note
 from camgen.parts.part import Part
-from camgen.study import Sketch, Study
+from camgen.study import Later, Plot, Sketch, Study
 
 if TYPE_CHECKING:
     from camgen.machines.bench import Bench
@@ -148,14 +148,7 @@ class DiscCamDrive(StandingCams):
             found += polydyne_faults(
                 self.load, self.spring, self._given, self.standing and g.closure == "force"
             )
-        if all(table.kind == "dwell" for table in self.segment):
-            found.append(
-                Fault(
-                    "segment",
-                    f"{len(self.segment)} of them, all dwells",
-                    "at least one rise and one return",
-                )
-            )
+        found += still_faults("segment", [table.kind for table in self.segment])
         return found
 
     # ---- motion -----------------------------------------------------------------------------------------------------
@@ -256,11 +249,11 @@ class DiscCamDrive(StandingCams):
         hub = 0.0 if self.standing or not p.hub_height else p.hub_diameter
         return max(shaft + pins, hub / 2) + wall
 
-    def found(self) -> Mapping[str, object]:
+    def _found(self) -> Mapping[str, object]:
         """The base radius, and what all cams fill in."""
         steepest = self.cam_limits.steepest(self.cam)
         return {
-            **super().found(),
+            **super()._found(),
             "geometry.base_radius": self.base_radius,
             "limits.pressure_angle_deg": steepest,
         }
@@ -430,7 +423,7 @@ class DiscCamDrive(StandingCams):
             )
         return findings
 
-    def unpressed(self) -> Sequence[NotJudged]:
+    def _unpressed(self) -> Sequence[NotJudged]:
         """LIFT_OFF of force closure where nothing says what presses the follower on its cam."""
         if self._loaded or self.geometry.closure != "force":
             return ()
@@ -464,20 +457,26 @@ class DiscCamDrive(StandingCams):
 
     def study(self) -> Study:
         """Figures of the cam, motion and its derivatives, pressure angle, curvature and the profile coloured by the former."""
-        forces = self._forces
-        who = [name.strip() or "exact profile" for name in self._names]
-        curves = plots(self.program, self.cams, who, self._unit, self.speed, self.base_radius)
         return Study(
-            self.figures(),
-            (*curves, *forces.plots),
-            (segments_table(self.program, self._unit),),
-            ()
-            if self.standing
-            else (self._sketch(), Sketch("ground", (), ((0j, self.making.bore / 4),))),
-            (*self._notes(), *forces.notes),
+            self._figures(),
+            Later(self._plots),
+            Later(lambda: [segments_table(self.program, self._unit)]),
+            Later(self._sketches),
+            Later(lambda: [*self._notes(), *self._forces.notes]),
         )
 
-    def figures(self) -> Mapping[str, float]:
+    def _plots(self) -> list[Plot]:
+        """Motion, pressure angle, curvature, profile and forces."""
+        who = [name.strip() or "exact profile" for name in self._names]
+        curves = plots(self.program, self.cams, who, self._unit, self.speed, self.base_radius)
+        return [*curves, *self._forces.plots]
+
+    def _sketches(self) -> list[Sketch]:
+        """Of cams alone the follower and the shaft."""
+        shaft = Sketch("ground", (), ((0j, self.making.bore / 4),))
+        return [] if self.standing else [self._sketch(), shaft]
+
+    def _figures(self) -> Mapping[str, float]:
         """Sizes of the cam, peaks of its motion, and of its forces."""
         unit, scale = self._unit
         f, cam, low, high = self.geometry.follower, self.cam, *self._highest

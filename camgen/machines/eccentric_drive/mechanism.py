@@ -132,7 +132,7 @@ class EccentricDrive(Mechanism):
 
     # ---- motion -----------------------------------------------------------------------------------------------------
 
-    def machine(self) -> model.Machine:
+    def _unloaded(self) -> model.Machine:
         """Disc (O-E), rod (E-P) and slider on its guide, with [masses] where given; output "travel", mm.
 
         Raises DesignError with the angles where the rod does not reach the guide.
@@ -272,9 +272,9 @@ class EccentricDrive(Mechanism):
             note,
         )
 
-    def found(self) -> Mapping[str, object]:
+    def _found(self) -> Mapping[str, object]:
         """The moment of a counterweight, and what every mechanism fills in."""
-        return {**super().found(), **(found_moment(self.weight.moment) if self.weight else {})}
+        return {**super()._found(), **(found_moment(self.weight.moment) if self.weight else {})}
 
     @cached_property
     def own_parts(self) -> tuple[Part, ...]:

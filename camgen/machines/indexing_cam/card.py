@@ -15,12 +15,11 @@ from camgen.machines.indexing_cam.unloader import CrankSpring
 from camgen.motion.laws import Floats, Law
 from camgen.study import Plot, Table
 
-GAMMA, LAMBDA, X0, Y = (
-    math.pi / 10,
-    4.0,
-    0.2,
-    4.640648,
-)  # printed with MR-13; 0.3141592 is pi / 10 cut off
+# printed with MR-13; 0.3141592 is pi / 10 cut off
+GAMMA = math.pi / 10
+LAMBDA = 4.0
+X0 = 0.2
+Y = 4.640648
 ROWS = 31  # z = 0 to 30
 
 

@@ -30,12 +30,11 @@ if TYPE_CHECKING:
     from camgen.machines.indexing_cam.mechanism import IndexingCam
 
 _SHARES = (0.0, 0.2, 0.3, 0.4)
-_SHORTEST, _LONGEST, _STEPS, _SIZES = (
-    10.0,
-    179.0,
-    16,
-    24,
-)  # deg of a turn that are tried; halvings; sizes of a cam to begin with
+# deg of a turn that are tried; halvings; sizes of a cam to begin with
+_SHORTEST = 10.0
+_LONGEST = 179.0
+_STEPS = 16
+_SIZES = 24
 _NONE = "none"
 COLUMNS = (
     "offset / crank",

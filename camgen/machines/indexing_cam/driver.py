@@ -25,7 +25,8 @@ from camgen.machines.indexing_cam.tables import Driver
 from camgen.motion.laws import Floats, Law, measured
 from camgen.study import Sketch
 
-CRANK, ARM = "crank", "arm"
+CRANK = "crank"
+ARM = "arm"
 CHAIN = (
     "A crank that turns evenly, twice while the cam turns once, drives the cam through an arm in whose slot its pin runs "
     "(Whitworth's turning block), 2 to 1. Angles of the report grow evenly with the time; those of the outlines and of the "

@@ -255,11 +255,11 @@ class IndexingCam(StandingCams):
         at = far / 2 if self.standing else -far
         return TwoCranks(crank, offset, math.radians(rise_deg), self.sense, at, self.standing)
 
-    def found(self) -> Mapping[str, object]:
+    def _found(self) -> Mapping[str, object]:
         """The span of the return and the spring by the law, and what every mechanism fills in."""
         steepest = self.allowed.cam_limits.steepest(self.cams["cam"])
         found = {
-            **super().found(),
+            **super()._found(),
             "geometry.return_deg": self.return_deg,
             "limits.pressure_angle_deg": steepest,
         }

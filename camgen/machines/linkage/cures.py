@@ -3,7 +3,7 @@
     bow        of a link with two hubs, by what it lacks, twice and four times that, to either side; unasked, unless the spec has
                it straight
     slimmer    that link's hubs, the head that is in the way, the pin or shaft
-    smaller    pins, heads and walls all alike
+    smaller    pins, heads and walls all alike, then the shaft too where it is in the way
     plates     a second one, which lets pins be in two stubs, a shaft that is interrupted or goes through, or one plate alone
 
 What is named as mending was made: the spec with that change has all its parts. All else that is said is called a guess.
@@ -25,6 +25,7 @@ from camgen.parts.level_rules import Axis, Band, Crowded, Unlaid
 BOUGHT = ("dowel", "shoulder")  # pins that are sold in some lengths
 _BOWS = (1.1, 2.0, 4.0)  # of the room that is lacking
 _SMALLER = (0.8, 0.6)  # of all sizes
+_SMALL, _SLIM = "smaller parts", "slimmer parts"  # kinds of changes
 _MOST = 3  # cures that are told
 _WIDEST = 1e5  # mm, bow that is worth a try
 
@@ -93,12 +94,15 @@ def with_cures(
             else refused
         )
     remedy = refused.guess if isinstance(refused, Unmade) else refused.remedy
+    tried = list(dict.fromkeys(kind.name for kind in kinds))
+    if isinstance(refused, Crowded) and not mends and {_SMALL, _SLIM} & set(tried):
+        remedy = refused.room(slimmer=False)  # no guess of what was tried in vain
     guess = f"a guess: {remedy}" if remedy else ""
     if mends:
         return refused.mended(
             f"mended by {', or by '.join(mends)}{f'; else {guess}' if guess else ''}"
         )
-    vain = f"tried in vain: {', '.join([*attempts, *dict.fromkeys(kind.name for kind in kinds)])}"
+    vain = f"tried in vain: {', '.join([*attempts, *tried])}"
     return refused.mended("; ".join(filter(None, (guess, vain))))
 
 
@@ -196,7 +200,7 @@ def _of_room(layout: Layout, refused: DesignError) -> Iterator[Kind]:
     ):
         wide = round(2 * (min(radius for _, radius in layout.hubs(link)) - short) - 0.05, 1)
         yield Kind(
-            "slimmer parts",
+            _SLIM,
             [Change(f"parts.{link}.hub_diameter = {wide:g}", {link: {"hub_diameter": wide}})],
         )
     least = layout.min_wall + layout.fits.slide_clearance / 2 + 0.05  # of a head: a spacer's wall
@@ -205,9 +209,14 @@ def _of_room(layout: Layout, refused: DesignError) -> Iterator[Kind]:
     )
     head = math.floor(10 * share) / 10
     if head >= least:
-        yield Kind("slimmer parts", [Change(f"parts.head = {head:g}", {"head": head})])
+        yield Kind(_SLIM, [Change(f"parts.head = {head:g}", {"head": head})])
+    keys: list[tuple[str, ...]] = [("pin_diameter", "wall", "head")]
+    shaft = any(thing.name.startswith("shaft ") for thing in (refused.a, refused.b))
+    if shaft and s.face is None:
+        keys.append((*keys[0], "shaft_diameter"))
     sizes = (
-        {key: round(factor * getattr(s, key), 2) for key in ("pin_diameter", "wall", "head")}
+        {key: round(factor * getattr(s, key), 2) for key in each}
+        for each in keys
         for factor in _SMALLER
     )
     if s.pin == "printed":
@@ -216,7 +225,7 @@ def _of_room(layout: Layout, refused: DesignError) -> Iterator[Kind]:
             for each in sizes
             if each["wall"] >= layout.min_wall and each["head"] >= least
         ]
-        yield from [Kind("smaller parts", smaller)] if smaller else []
+        yield from [Kind(_SMALL, smaller)] if smaller else []
 
 
 def _bent(link: str, short: float) -> Iterator[Change]:

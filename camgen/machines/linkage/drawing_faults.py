@@ -10,8 +10,9 @@ from camgen.machine.model import GROUND
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.drawing import Drawing
 from camgen.machines.linkage.links import CLOSED, shape, too_long
-from camgen.machines.pairs import air_faults
+from camgen.machines.pairs import air_faults, still_faults
 from camgen.spec import unknown
+from camgen.tolerances import SAME_POINT
 
 MOST_LINKS = 60  # they close together: the time grows with the cube of their number, 40 take a third of a minute
 
@@ -134,14 +135,11 @@ def _joint_faults(drawing: Drawing) -> Iterable[Fault]:
             faults.append(Fault(path, repr(points[0]), "two different points"))
         elif (
             all(point in drawing.points for point in points)
-            and drawing.at(points[0]) == drawing.at(points[-1])
             and points[1:]
+            and (length := abs(drawing.at(points[0]) - drawing.at(points[1]))) < SAME_POINT
         ):
-            faults.append(
-                Fault(
-                    path, f"{points[0]}, {points[1]}", "two points that lie apart: its length is 0"
-                )
-            )
+            right = f"two points that lie apart: its length is {length:.3g} mm"
+            faults.append(Fault(path, f"{points[0]}, {points[1]}", right))
 
     faults: list[Fault] = []
     if link("drive.link", drawing.drive.link, False) and drawing.pivot(drawing.drive.link) is None:
@@ -278,6 +276,7 @@ def _cam_faults(drawing: Drawing, path: str, cam: t.Cam, link: Any) -> list[Faul
                 faults.append(
                     Fault(f"{path}.segment.{k}.{one}", "", f"{other}: {cam.follower} {way}")
                 )
+    faults += still_faults(f"{path}.segment", [segment.kind for segment in cam.segment])
     if not faults:
         try:
             drawing.program_of(cam, path)
@@ -358,7 +357,9 @@ def _shape_faults(drawing: Drawing) -> list[Fault]:
     for name, points in drawing.links.items():
         lengths = drawing.lengths_of(points)
         drawn = drawing.drawn(points)
-        same = next((pair for pair in lengths if drawn[pair[0]] == drawn[pair[1]]), None)
+        same = next(
+            (pair for pair in lengths if abs(drawn[pair[0]] - drawn[pair[1]]) < SAME_POINT), None
+        )
         if same is not None:
             a, b = (points[k] for k in same)
             right = f"them apart: lengths.{a}-{b} says how far it is from one to the other, the drawing which way"

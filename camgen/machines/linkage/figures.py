@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from camgen.errors import listed
+from camgen.errors import DesignError, listed
 from camgen.findings import Finding, at_least
 from camgen.geometry.outlines import Floats, Points
 from camgen.machine import model as m
@@ -19,7 +19,7 @@ from camgen.machine.features import Asked
 from camgen.machine.landmarks import double_points
 from camgen.machine.reach import folds, four_bar_lengths, transmission
 from camgen.machine.run import Run, solve
-from camgen.machine.targets import Course, Through, Trace, time_ratio
+from camgen.machine.targets import NO_STROKES, Course, Through, Trace, time_ratio
 from camgen.machines.free_play import accepted
 from camgen.machines.linkage.plates import steps
 from camgen.machines.linkage.troughs import open_rails
@@ -51,16 +51,14 @@ _PATHS = (
     "crosses itself at, deg",
 )
 _MOST_SERIES = 8  # curves of one plot
-_OF_A_KIND, _OF_THREE = (
-    3.0,
-    1.3e-4,
-)  # s, to make and judge a kind of file, and by the cube of links; measured up to 58
+# s, to make and judge a kind of file, and by the cube of links; measured up to 58
+_OF_A_KIND = 3.0
+_OF_THREE = 1.3e-4
 _LONG = 20.0  # s, that are told beforehand
 _RETURNS = 1e-6  # of its stroke, by which an output that goes to and fro may miss its beginning after a turn
-_SLOW, _STILL = (
-    0.05,
-    1e-6,
-)  # of a point's greatest speed: where a stop is looked for, and what is one
+# of a point's greatest speed: where a stop is looked for, and what is one
+_SLOW = 0.05
+_STILL = 1e-6
 
 
 def study(linkage: Linkage) -> Study:
@@ -282,10 +280,16 @@ def courses(linkage: Linkage) -> list[Course]:
 
 
 def targets(linkage: Linkage) -> list[Finding]:
-    """What is wanted of outputs by value, on the model as designed."""
+    """What is wanted of outputs by value, on the model as designed; DesignError of what no such output can have."""
+    pairs = list(zip(linkage.wanted, courses(linkage), strict=True))
+    for wanted, course in pairs:
+        if wanted.time_ratio is not None and not course.strokes:
+            remedy = "ask time_ratio of an output that goes to and fro, or leave it out"
+            said = f"output {wanted.name} {NO_STROKES}"
+            raise DesignError("strokes", 0, 2, "", wanted.name, remedy, said)
     return [
         target.finding(course, f"{wanted.name} as designed")
-        for wanted, course in zip(linkage.wanted, courses(linkage), strict=True)
+        for wanted, course in pairs
         for target in wanted.targets
     ]
 
@@ -484,7 +488,7 @@ def _extreme_places(linkage: Linkage) -> tuple[list[tuple[object, ...]], dict[st
                     dead if inside else "end of the range",
                 )
             )
-        if course.whole:
+        if course.strokes:
             ratios[f"{wanted.name}_time_ratio"] = time_ratio(course)[0]
     return rows, ratios
 

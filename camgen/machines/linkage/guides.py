@@ -20,7 +20,7 @@ from camgen.machine import model as m
 from camgen.machine.features import Faces, SlideFaces
 from camgen.machines.linkage.covers import Cover
 from camgen.machines.linkage.sizes import Parts
-from camgen.parts.part import hull, with_bar
+from camgen.parts.part import hull, root, with_bar
 from camgen.tolerances import SAME_POINT
 
 STEMS = ("along", "ahead", "behind", "both")
@@ -115,25 +115,29 @@ def guide(
     half = max([least, *(radius for _, radius in discs)])
     begin, end = min(z.real for z, _ in discs), max(z.real for z, _ in discs)
     if wing:
-        reach = max(radius for _, radius in discs)
-        half = min(least, 0.8 * ((max(across) - min(across)) / 2 + reach))
+        below = max(radius - z.imag for z, radius in discs) + aside
+        above = max(radius + z.imag for z, radius in discs) - aside
+        half = min(least, 0.8 * min(below, above))
         stem = "both" if stem == "along" else stem
     grip = max(_GRIP * half, cover.least(sizes.rail_width) if cover else 0.0)
     rim = max(half, *(radius for _, radius in discs)) + _AIR
+    roots = {1: begin, -1: end}  # where the stems ahead and behind begin
+    if wing:  # on the wing's middle; of one that lies slantwise where a stem's first side comes out
+        edge, midway = hull(discs), (begin + end) / 2
+        roots = {
+            way: midway + way * min(0.0, root(edge, complex(midway, aside), way, half))
+            for way in (1, -1)
+        }
     stems, spans = [], []
     if stem == "along":
         stems, spans = [(begin - half, end + half)], [(low + begin - half, high + end + half)]
     if stem in ("ahead", "both"):
         start = max(high + end + rim, clear[1] + _AIR) + sizes.rail_width / 2
-        stems.append(
-            (begin if stem == "ahead" and not wing else (begin + end) / 2, start + grip - low)
-        )
+        stems.append((roots[1], start + grip - low))
         spans.append((start, start + grip))
     if stem in ("behind", "both"):
         start = min(low + begin - rim, clear[0] - _AIR) - sizes.rail_width / 2
-        stems.append(
-            (end if stem == "behind" and not wing else (begin + end) / 2, start - grip - high)
-        )
+        stems.append((roots[-1], start - grip - high))
         spans.append((start - grip, start))
     if not wing and stem == "both":
         stems = [(stems[1][1], stems[0][1])]

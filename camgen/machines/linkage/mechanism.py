@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
 from camgen.errors import DesignError, Fault
-from camgen.findings import Finding, NotJudged
+from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
 from camgen.machine.features import Balance, CamOutline
@@ -60,7 +60,7 @@ from camgen.parts.counterweights import NAME
 from camgen.parts.journals import Journal, journals
 from camgen.parts.part import Part
 from camgen.spec import Output, unknown, validate
-from camgen.study import Study, together
+from camgen.study import Later, Study, together
 
 _SAMPLES = np.linspace(
     0, math.tau, 1440, endpoint=False
@@ -173,7 +173,7 @@ class Linkage(Mechanism):
             self.masses,
         )
 
-    def machine(self) -> m.Machine:
+    def _unloaded(self) -> m.Machine:
         """The model with its parts' masses and the play of their fits, and what is included; DesignError where no such parts
         can be made."""
         return joined(self._fitted, {each.module: each.mechanism.model for each in self.modules})
@@ -276,7 +276,7 @@ class Linkage(Mechanism):
 
     def solve(self, theta: ArrayLike, order: int = 2) -> Run:
         """The machine at theta, (n,) rad; its solids are made only for its forces."""
-        return solve(self._whole, theta, order, self.loaded)
+        return solve(self._whole, theta, order, self._weighed_machine)
 
     @cached_property
     def _whole(self) -> m.Machine:
@@ -352,6 +352,7 @@ class Linkage(Mechanism):
             frame=Frame(bodies.parts[0].name, fixings),
             motor=motor,
             board=bodies.stands,
+            unjudged=Later(lambda: self._pressed.left),
             texts={"chain.svg": bridges.svg(self.chain), "chain.pmks": bridges.pmks(self.chain)},
         )
 
@@ -420,7 +421,7 @@ class Linkage(Mechanism):
         """What to say of joints of which no bodies are made yet."""
         return lacking(self._layout)
 
-    def found(self) -> Mapping[str, object]:
+    def _found(self) -> Mapping[str, object]:
         """Levels, bows, the included specs and where they stand, and what every mechanism fills in."""
         levels: dict[str, object] = {
             f"layers.{link}": level for link, level in self.bodies.layout.given.items()
@@ -429,7 +430,7 @@ class Linkage(Mechanism):
         tables, sizes = [each.tables() for each in self.modules], self.bodies.layout.sizes
         if sizes != self.making:  # a link is bent
             levels["parts"] = sizes.model_dump(by_alias=True, exclude_none=True)
-        return {**super().found(), **levels, **weight, **({"include": tables} if tables else {})}
+        return {**super()._found(), **levels, **weight, **({"include": tables} if tables else {})}
 
     def resolved(self) -> Self:
         """The same with its levels, on the same chain."""
@@ -459,13 +460,6 @@ class Linkage(Mechanism):
             *self._pressed.findings,
             *(finding for each in self.modules for finding in each.limits()),
         ]
-
-    def unpressed(self) -> Sequence[NotJudged]:
-        """Its own, and those of what is included."""
-        return (
-            *self._pressed.left,
-            *(left for each in self.modules for left in each.mechanism.unpressed()),
-        )
 
     @cached_property
     def _pressed(self) -> Borne:

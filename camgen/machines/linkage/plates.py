@@ -10,6 +10,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import count, pairwise, product
 
 import numpy as np
@@ -28,10 +29,9 @@ from camgen.parts.level_rules import Axis, Thing, ways
 from camgen.parts.part import Held, Layer, Part, d_bore, hull
 
 SECOND = "second-plate"
-_STEP, _BEYOND = (
-    4.0,
-    40.0,
-)  # mm, between places that are tried for a post, and how far beyond the ground's points at first
+# mm, between places that are tried for a post, and how far beyond the ground's points at first
+_STEP = 4.0
+_BEYOND = 40.0
 _MOST_STEPS = 250  # from the middle outwards; of a machine that is larger they are longer
 _AT_ONCE = 256  # places that are tried together
 _EVERY = 8  # samples of the motion: posts need no finer ones
@@ -240,6 +240,7 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
     post = spacer(
         "post", "Post", s.mount_diameter, 2 * post_radius(s), ceiling - floor, layout.min_wall
     )
+    post = replace(post, notes=(*post.notes, Held("each screwed on from below, through the plate")))
     yield from ((post, Mount("post", GROUND, z, z=floor)) for z in layout.second.columns)
     for stand in layout.stands:
         if stand.merged is not None:

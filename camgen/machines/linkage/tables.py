@@ -135,7 +135,9 @@ class Slot(Record):
 
     pin: Name = Field(description="the point of another link that is the pin")
     link: Name = Field(description="the link with the slot")
-    along: Two = Field(description="two points of `link`: the slot's centre line")
+    along: Two = Field(
+        description="two points of `link`: the slot's direction alone; its ends follow from where the pin goes"
+    )
     name: Name | None = Field(None, description="of the joint; pin and link unless given")
 
 

@@ -21,7 +21,9 @@ from camgen.machines.linkage.wheels import Wheel
 from camgen.machines.loads.counterweights import Counterweight, first_moment
 from camgen.parts.counterweights import NAME
 
-_PASSES, _SAME = 6, 1e-9  # of layouts; mm, change of the radius that is none
+# of layouts; mm, change of the radius that is none
+_PASSES = 6
+_SAME = 1e-9
 _ROOM = 0.5  # mm, about it where levels are looked for: what hangs on a level may change it by less
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -17,13 +17,18 @@ from camgen.machines.loads import bearing, drive, follower
 from camgen.machines.loads.applied import jumps
 from camgen.machines.loads.pins import overstated
 from camgen.machines.loads.rubbing import freed, rough
+from camgen.machines.loads.tables import Drives
 from camgen.machines.loads.weights import Weighed, weighed
 from camgen.study import Study, Table, together
 
 if TYPE_CHECKING:
     from camgen.machines.mechanism import Mechanism
 
-_FEW, _MANY, _BODIES = 361, 1441, 9  # angles of a machine with more, or at most so many bodies
+Loads = TypeVar("Loads", bound=Any)
+# angles of a machine with more, or at most so many bodies
+_FEW = 361
+_MANY = 1441
+_BODIES = 9
 
 
 @dataclass(frozen=True)
@@ -41,9 +46,11 @@ def assess(mechanism: Mechanism) -> Assessment:
     if not mechanism.model.drives:
         return Assessment()
     found, assembly = weighed(mechanism), mechanism.assembly
-    machine, motor = found.machine, mechanism.drives
+    machine = found.machine
+    given = getattr(mechanism, "motor", None)
+    motor = given if isinstance(given, Drives) else None
     held: list[Finding] = []
-    left: list[NotJudged] = [*mechanism.unpressed()]
+    left: list[NotJudged] = [*assembly.unjudged]
     seat, facts = assembly.motor, assembly.follower
     if seat.reach is not None:
         told = drive.reach(motor, seat.frame, seat.reach)
@@ -58,14 +65,13 @@ def assess(mechanism: Mechanism) -> Assessment:
     bears, journals = mechanism.bears, assembly.journals
     run = solve(rough(machine, journals, mechanism.load), theta)
     forces = run.forces()
-    smooth = (
-        solve(machine, theta).forces().reactions
-    )  # friction may spare a pin, and may be less than its table says
-    worse = {
-        name: np.where(np.abs(smooth[name]) > np.abs(load), smooth[name], load)
-        for name, load in forces.reactions.items()
-    }
-    borne_by_pins = replace(forces, reactions=worse)
+    # friction may spare a pin, and may be less than its table says
+    smooth = solve(machine, theta).forces()
+    borne_by_pins = replace(
+        forces,
+        reactions=_worse(smooth.reactions, forces.reactions),
+        normals=_worse(smooth.normals, forces.normals),
+    )
     outlines = assembly.outlines
     plain = bearing.plain_bearings(
         run, borne_by_pins, journals, bears, mechanism.load, mechanism.stronger
@@ -134,6 +140,14 @@ def assess(mechanism: Mechanism) -> Assessment:
 
         study = together([study, counterweights.study(mechanism, machine)])
     return Assessment(held, study, (*left, *more), overstated([*plain.bent, *posts.bent]))
+
+
+def _worse(smooth: Mapping[str, Loads], rough: Mapping[str, Loads]) -> dict[str, Loads]:
+    """Of loads without and with friction, (n,) each by joint, the greater at each angle."""
+    return {
+        name: np.where(np.abs(smooth[name]) > np.abs(load), smooth[name], load)
+        for name, load in rough.items()
+    }
 
 
 def _masses(found: Weighed) -> Table:

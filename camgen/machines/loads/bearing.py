@@ -20,7 +20,7 @@ from camgen.machine.features import CamOutline
 from camgen.machine.flywheel import mean_torque
 from camgen.machine.forces import Forces
 from camgen.machine.friction import circle
-from camgen.machine.model import GROUND, Cam, Pin
+from camgen.machine.model import GROUND, Cam, Pin, Slot
 from camgen.machine.run import Run
 from camgen.machines.loads.pins import STILL, Bent, Stronger, bent_by, unsaid
 from camgen.machines.loads.rubbing import coefficient
@@ -64,9 +64,15 @@ def plain_bearings(
     found: list[tuple[float, Journal, strength.Sliding]] = []
     for name, journal in journals.items():
         joint = run.machine.joint(name)
-        assert isinstance(joint, Pin)
-        force = _finite(np.abs(forces.reactions[name]))
-        turning = speed * (_rate(run, joint.a.body) - _rate(run, joint.b.body))
+        assert isinstance(joint, Pin | Slot)
+        if isinstance(joint, Pin):
+            force = _finite(np.abs(forces.reactions[name]))
+            turning = speed * (_rate(run, joint.a.body) - _rate(run, joint.b.body))
+        else:
+            force = _finite(np.abs(forces.normals[name])) * math.hypot(1.0, joint.friction)
+            turning = speed * rubbing_in_slot(
+                run, joint, forces.normals[name], journal.diameter / 2
+            )
         slides = strength.sliding(
             force,
             turning,
@@ -278,6 +284,15 @@ def _life(
                 "BEARING_LIFE", min(hours, 1e9), bears.bearing_life_h, "h", f"{what}{name}", said
             )
         )
+
+
+def rubbing_in_slot(run: Run, slot: Slot, normal: Floats, radius: float) -> Floats:
+    """How fast the rim of a pin, mm, rubs on the wall that presses it, as a turning, by theta: it slides along and turns."""
+    slides = run.length(slot.name)[1] / radius
+    turns = _rate(run, slot.runner.body) - _rate(run, slot.guide.body)
+    return np.asarray(
+        slides + np.sign(normal) * turns
+    )  # pressed to the left of its way it bears on the wall to the right
 
 
 def _rate(run: Run, body: str) -> Any:

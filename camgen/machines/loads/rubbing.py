@@ -20,11 +20,11 @@ _STEP = 0.005  # of a coefficient of friction, to which it is told
 
 
 def coefficient(journal: Journal, load: Weight | None) -> float:
-    """Of a pin's bearing: that of a ball bearing, of the spec, or of its materials."""
+    """Of a pin's bearing: that of a ball bearing, of the spec, of a slot, or of its materials."""
     if journal.ball:
         return materials.FRICTION_BALL
-    if load is not None and load.friction is not None:
-        return load.friction
+    if journal.slot or (load is not None and load.friction is not None):
+        return guide(load)
     return (
         materials.FRICTION_STEEL
         if "steel" in (journal.shaft, journal.hole)

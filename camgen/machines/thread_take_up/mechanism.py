@@ -30,7 +30,7 @@ from camgen.machine.closed_form import four_bar, refuse_gap, transmission_extrem
 from camgen.machine.features import Asked
 from camgen.machine.model import Floats, Machine, Points
 from camgen.machines.loads.counterweights import Counterweight, found_moment
-from camgen.machines.mechanism import Mechanism
+from camgen.machines.mechanism import Mechanism, refuse_failing
 from camgen.machines.thread_take_up.bodies import HEAD, LINKS, Bodies, features_of
 from camgen.machines.thread_take_up.feed import TakeUp
 from camgen.machines.thread_take_up.study import (
@@ -174,16 +174,16 @@ class ThreadTakeUp(Mechanism):
             refuse_gap("B", -kind.slack, (180 if wide else 0) + g.frame_angle_deg, edges)
         return found
 
-    def found(self) -> Mapping[str, object]:
+    def _found(self) -> Mapping[str, object]:
         """Centres of mass, the moment of a counterweight, and what every mechanism fills in."""
         weight = found_moment(self.bodies.weight.moment) if self.bodies.weight else {}
         return {
-            **super().found(),
+            **super()._found(),
             **(self.masses.centres(self.take_up) if self.masses else {}),
             **weight,
         }
 
-    def machine(self) -> Machine:
+    def _unloaded(self) -> Machine:
         """Input crank, bell crank (coupler) and output crank; outputs "feed", mm, and the path "eye"."""
         t, play, press = self.take_up, self.print.slide_clearance, self.print.press_clearance
         made = t.loaded(self.masses.bodies(t) if self.masses else t.links, self.speed)
@@ -449,4 +449,6 @@ class ThreadTakeUp(Mechanism):
             "frame_angle_deg": x[2],
             "guides": [[x[3], x[4]], [x[5], x[6]]],
         }
-        return validate(type(self), data, "design").proven()
+        result = validate(type(self), data, "design")
+        refuse_failing(result)
+        return result

@@ -75,10 +75,9 @@ from camgen.study import Later, Plot, Sketch, Study, Table
 if TYPE_CHECKING:
     from camgen.machines.uniform_swing.printed import SwingMachine
 
-_ARROW, _ARROW_SHARE = (
-    2.5,
-    0.3125,
-)  # circumscribed radius of the direction mark, mm, and its most as a share of the bore
+# circumscribed radius of the direction mark, mm, and its most as a share of the bore
+_ARROW = 2.5
+_ARROW_SHARE = 0.3125
 
 
 class UniformSwing(Mechanism):
@@ -158,14 +157,14 @@ class UniformSwing(Mechanism):
             g.tip_clearance,
         )
 
-    def found(self) -> Mapping[str, object]:
+    def _found(self) -> Mapping[str, object]:
         """The pressure angle that is accepted, and what every mechanism fills in."""
         return {
-            **super().found(),
+            **super()._found(),
             "limits.pressure_angle_deg": self.allowed.cam_limits.steepest(self.cam),
         }
 
-    def machine(self) -> Machine:
+    def _unloaded(self) -> Machine:
         """Cam and follower; output "swing", rad."""
         pair = self.geometry.closure == "conjugate"
         touches = (CamTouch(self.cam), CamTouch(self.cam, mirrored=True))[: 1 + pair]
@@ -403,7 +402,7 @@ class UniformSwing(Mechanism):
             findings.append(lift_off(loaded, self._load, False, NO_SPRING, less))
         return findings
 
-    def unpressed(self) -> Sequence[NotJudged]:
+    def _unpressed(self) -> Sequence[NotJudged]:
         """LIFT_OFF of force closure where nothing says what swings."""
         if self._forces or self.geometry.closure != "force":
             return ()

@@ -27,7 +27,8 @@ from camgen.study import Plot
 _ROUND = np.linspace(0, math.tau, 721)
 _STEPS = 4  # positions of a half turn that are drawn after the first
 _CHORD = 0.02  # mm, of an outline that is only looked at
-_X, _Y = "x, mm", "y, mm"
+_X = "x, mm"
+_Y = "y, mm"
 
 Named = tuple[str, complex]
 

@@ -35,10 +35,9 @@ _LEAST_SIZES = {
 _TURNS = np.radians(
     [0, *(side * turn for turn in range(10, 90, 10) for side in (1, -1))]
 )  # of the pins off Ox
-_OUTWARDS, _INWARDS = (
-    40,
-    10,
-)  # distances from the shaft that are tried, beyond the one that keeps the wall, and within it
+# distances from the shaft that are tried, beyond the one that keeps the wall, and within it
+_OUTWARDS = 40
+_INWARDS = 10
 
 
 def washer_wall(

@@ -15,7 +15,8 @@ from camgen.pipeline.sweep import Row, Task, judged, prepared
 from camgen.pipeline.variants import variants
 
 SPEC = Path(__file__).resolve().parents[3] / "specs" / "disc-cam.toml"
-ARM, NO_RADIUS = "geometry.follower.motion='oscillating'", "geometry.follower.radius="
+ARM = "geometry.follower.motion='oscillating'"
+NO_RADIUS = "geometry.follower.radius="
 KINDS = {
     "roller": (
         [],
@@ -107,7 +108,7 @@ def test_what_takes_more_than_formulas_is_left_to_each_cam() -> None:
 
 
 def test_a_limit_that_is_met_exactly_is_judged_by_each_cam() -> None:
-    steep = read_mechanism(SPEC).figures()["pressure_angle_deg"]
+    steep = read_mechanism(SPEC).study().numbers["pressure_angle_deg"]
     near, clear = (
         read_mechanism(SPEC, [f"limits.pressure_angle_deg={steep + by!r}"]) for by in (1e-9, 1e-3)
     )

@@ -18,11 +18,13 @@ from camgen.motion.program import Program, Segment, uniform_swing
 FACTS = tomllib.loads(
     (Path(__file__).resolve().parents[2] / "reference" / "uniform_swing.toml").read_text()
 )
-L, H = FACTS["machine"]["pivot_distance"], FACTS["machine"]["arm_offset"]
+L = FACTS["machine"]["pivot_distance"]
+H = FACTS["machine"]["arm_offset"]
 DELTA, RHO = math.radians(FACTS["machine"]["swing_deg"]) / 2, FACTS["machine"]["tip_radius"]
 R, K = math.hypot(L, H), math.pi / (2 * DELTA)
 TURN = np.linspace(0, 2 * math.pi, 3601)[1:-1]
-RISE, RETURN = TURN[TURN < math.pi - 1e-9], TURN[TURN > math.pi + 1e-9]
+RISE = TURN[TURN < math.pi - 1e-9]
+RETURN = TURN[TURN > math.pi + 1e-9]
 
 
 def cam(
