@@ -161,7 +161,7 @@ def test_a_motion_that_jumps_is_told(tmp_path: Path, jump: float, said: str) -> 
 
     def jumpy(theta: Floats) -> Mapping[str, Pose]:
         off = 40 * jump * np.sin(5 * theta) * (np.abs(theta / step - np.round(theta / step)) > 1e-6)
-        found = dict(whole.assembly.courses(theta))
+        found = dict(whole.courses(theta))
         return found | {"slider": replace(found["slider"], place=found["slider"].place + off)}
 
     swept(tmp_path / "x.3mf", "eccentric-drive")

@@ -70,9 +70,9 @@ def test_all_of_a_walker_is_of_the_sheet(thickness):
     } and not printed_parts(machine.assembly)
     assert {part.thickness for part in parts.values() if part.made == "printed"} == {thickness}
     step = thickness + machine.print.slide_clearance
-    _ = levels = {
+    levels = {
         round((mount.z - machine.print.slide_clearance) / step, 6)
-        for mount in machine.assembly
+        for mount in machine.assembly.mounts
         if parts[mount.part].made == "printed"
     }
     assert levels - {-1.0} and all(

@@ -119,14 +119,14 @@ def test_gravity_does_no_work_over_a_turn_and_pulls_its_way(deg: float) -> None:
 
 def test_what_a_motor_gives() -> None:
     straight = motor_of(
-        made("disc-cam", "motor.stall_torque_n_m=0.4", "motor.no_load_rpm=300").drives
+        made("disc-cam", "motor.stall_torque_n_m=0.4", "motor.no_load_rpm=300").motor
     )
     assert straight is not None
     assert straight.torque(0) == 0.4 and straight.torque(-150 * math.tau / 60) == pytest.approx(0.2)
     assert straight.torque(600 * math.tau / 60) == pytest.approx(-0.4)
-    stepper = motor_of(made("disc-cam", "motor.model=42STH48-2004AC").drives)
+    stepper = motor_of(made("disc-cam", "motor.model=42STH48-2004AC").motor)
     assert stepper is not None and stepper.torque(50.0) == 0.59
-    assert motor_of(made("disc-cam").drives) is None
+    assert motor_of(made("disc-cam").motor) is None
 
 
 def test_drive_torque_holds_and_fails() -> None:

@@ -164,7 +164,7 @@ def test_both_ends_of_a_spring_lie_along_it_and_cover_it(starter: IndexingCam) -
     """At each angle: from pin to post and back; the bars, from beside each pin's head, meet in the middle where it is longest."""
     theta = np.radians([0.0, 60.0, 120.0, 240.0])
     courses, bars = (
-        bodies_in_motion(starter.assembly).assembly.courses(theta),
+        bodies_in_motion(starter.assembly).courses(theta),
         {thing.name: thing.bars[0] for thing in bodies_in_motion(starter.assembly).stand_ins},
     )
     one, two = (courses[f"unloader_spring {k}"] for k in (1, 2))
