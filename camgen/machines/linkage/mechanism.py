@@ -15,7 +15,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated, Any, ClassVar, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -69,8 +69,6 @@ _SAMPLES = np.linspace(
 
 class Linkage(Mechanism):
     """Spec and answers of a linkage; angles rad, places mm."""
-
-    frame_part: ClassVar[str] = m.GROUND
 
     points: t.Points
     links: t.Links
