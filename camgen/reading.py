@@ -31,9 +31,10 @@ _LONG_KEY = re.compile(
 SPEC_FILE = Bound("a spec file", 10_000_000)
 
 _COMMENT = re.compile(r"(?m)^[ \t]*#.*$")
+# The header of a table; a row of an array has a comma, outside of what is quoted.
 _HEADER = re.compile(
-    r"(?m)^[ \t]*\[[^,=\n]*\][ \t\r]*(?:#|$)"
-)  # of a table; a row of an array has a comma
+    r"""(?m)^[ \t]*\[(?:"(?:[^"\\\n]|\\.)*"|'[^'\n]*'|[^,=\n"'])*\][ \t\r]*(?:#|$)"""
+)
 
 
 def read(path: Path) -> Data:

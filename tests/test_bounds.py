@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 import tomli_w
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from camgen import bounds, reading
@@ -156,6 +156,8 @@ VALUES: st.SearchStrategy[Any] = st.recursive(
 )
 
 
+@example({",": [{"": [0]}]})
+@example({'a"=': [{"'#": 1}]})
 @given(st.dictionaries(TEXT, VALUES, max_size=6))
 def test_nothing_that_is_there_is_left_uncounted(data: dict[str, Any]) -> None:
     """At a glance no fewer keys are seen than are given, dotted ones apart, and no fewer values in lists."""
