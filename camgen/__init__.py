@@ -16,6 +16,7 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any, cast
 
 from camgen import motion as _wing  # noqa: F401  loaded first: later on it would take the place of the function of its name
+from camgen._version import __version__ as __version__
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, file_errors
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from camgen.machine.forces import Forces
     from camgen.machine.run import Play, Run
     from camgen.machines.mechanism import Mechanism
-    from camgen.pipeline.outline_motion import Recovered
+    from camgen.measuring.motion import Recovered
     from camgen.report.report import Report
 
     class Loaded(Mechanism):
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
         def __getattr__(self, name: str) -> Any: ...
 
 
-__version__ = "0.1.0"
 __all__ = [
     "CamgenError",
     "DesignError",
@@ -75,7 +75,7 @@ def load(spec: str | PathLike[str] | Mapping[str, Any]) -> Loaded:
     complex mm), `.velocity` and `.acceleration` per second, `.forces()` in N and N m, `.play("output")`.
     Raises SpecError with all faults at once, FileError where a file cannot be read.
     """
-    from camgen.pipeline.jobs import read_mechanism
+    from camgen.machines.sources import read_mechanism
 
     with file_errors():
         return cast("Loaded", read_mechanism(spec))
@@ -145,7 +145,7 @@ def motion(
     """
     from pathlib import Path
 
-    from camgen.pipeline.outline_motion import roll
+    from camgen.measuring.motion import roll
 
     with file_errors():
         return roll(Path(file), follower, height, layer, harmonics)

@@ -16,7 +16,7 @@ from typing import NoReturn
 
 import click
 
-from camgen import __version__
+from camgen._version import __version__
 from camgen.commands import COMMANDS
 from camgen.commands.options import EXIT_CODES
 from camgen.commands.running import complain

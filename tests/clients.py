@@ -429,9 +429,9 @@ def test_a_sliced_cam_moves_its_follower_as_its_mesh_does(
 ) -> None:
     """Real G-code: with classic perimeters within 0.002 deg of the STL for 99 % of the turn, and worse with the variable ones."""
     needed(prusa_slicer)
-    from camgen.files.foreign import read_outline
     from camgen.judge.follower_table import read_follower
-    from camgen.pipeline.outline_motion import recover
+    from camgen.measuring.motion import recover
+    from camgen.measuring.outlines import read_outline
 
     stl = (
         next(folder for folder in built if folder.name == "uniform-swing") / "uniform-swing-cam.stl"

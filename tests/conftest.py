@@ -47,7 +47,7 @@ def one_core() -> Iterator[None]:
     """Where each core has a process of tests, a build that takes all of them takes a quarter more of their time."""
     with pytest.MonkeyPatch.context() as patch:
         if "PYTEST_XDIST_WORKER" in os.environ:
-            patch.setattr("camgen.pipeline.jobs.all_cores", lambda: 1)
+            patch.setattr("camgen.pipeline.case.all_cores", lambda: 1)
         yield
 
 

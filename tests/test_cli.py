@@ -69,7 +69,7 @@ def results(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     monkeypatch.setattr(pipeline, "build", give)
     monkeypatch.setattr(pipeline, "check", give)
     monkeypatch.setattr(
-        "camgen.pipeline.jobs.all_cores", lambda: 1
+        "camgen.pipeline.case.all_cores", lambda: 1
     )  # no other process knows the stub
     return outcome
 

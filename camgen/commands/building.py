@@ -23,7 +23,7 @@ from camgen.errors import Fault, SpecError
 
 if TYPE_CHECKING:
     from camgen.commands.running import Work
-    from camgen.pipeline.jobs import Progress
+    from camgen.progress import Progress
     from camgen.report.report import Report
 
 

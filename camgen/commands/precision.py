@@ -29,8 +29,8 @@ def bench(specs: Sequence[Path], out: Path) -> None:
     motion that is further off than its tolerance allows.
     """
     from camgen import starters
-    from camgen.pipeline import benchmark_report
     from camgen.report.terminal import Bar
+    from camgen.sweep import benchmark_report
 
     refuse_one_name_twice(specs, ())
     own = [starters.folder() / f"{name}.toml" for name in benchmark_report.STARTERS]
@@ -75,9 +75,9 @@ def tolerance(
     as_json: bool,
 ) -> None:
     """What print errors do to the motion of SPEC: a budget by where they arise, and the yield of many copies."""
-    from camgen.pipeline import tolerance_report
     from camgen.report.report import to_json, write_html
     from camgen.report.terminal import Bar
+    from camgen.tolerance import report as tolerance_report
 
     with Bar() as progress:
         report = tolerance_report.tolerance(

@@ -134,8 +134,8 @@ def motion(
     """
 
     def work() -> Work:
-        from camgen.files.scan import Scanning
-        from camgen.pipeline import outline_motion
+        from camgen.measuring import motion as outline_motion
+        from camgen.measuring.scan import Scanning
 
         scanning = Scanning(dpi, tuple(others), across)
         asked = (

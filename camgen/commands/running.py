@@ -115,7 +115,7 @@ def each(
 
     worst, records = 0, []
     with Bar(not quiet):
-        from camgen.pipeline.jobs import Workers, all_cores
+        from camgen.workers import Workers, all_cores
 
         work = prepare()
     cores = all_cores() if jobs == 0 or (jobs is None and len(paths) > 1) else jobs

@@ -98,10 +98,10 @@ def sweep(
 
     Writes the table, and beside it a page with plots. Killed on the way, the same command goes on where it was.
     """
-    from camgen.pipeline import sweep as sweeps
-    from camgen.pipeline.variants import variants
     from camgen.report.terminal import Bar
     from camgen.starters import unit_at
+    from camgen.sweep import run as sweeps
+    from camgen.sweep.variants import variants
 
     table = out or Path("out") / f"{spec.stem}-sweep.csv"
     folder = table.with_suffix("").with_name(f"{table.stem}-files")

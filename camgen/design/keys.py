@@ -21,8 +21,8 @@ from camgen.design.wanted import KeyWish
 from camgen.errors import CamgenError, DesignError, Fault, SpecError
 from camgen.findings import Finding
 from camgen.machines.mechanism import Mechanism
+from camgen.machines.sources import Template, prepare
 from camgen.numerics import Floats
-from camgen.pipeline.jobs import Template, prepare
 from camgen.spec import unknown
 
 _EACH = 60  # designs for each key and unit of effort

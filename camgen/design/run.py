@@ -21,12 +21,13 @@ from camgen.design.linkages import Candidate
 from camgen.design.paths import Found
 from camgen.design.wanted import FunctionWish, KeyWish, PathWish, asked_for, wish, without
 from camgen.design.weighed import Weighed
+from camgen.edits import edited, with_tables
 from camgen.errors import UNKNOWN, DesignError, Fault, FileError, SpecError, counted, file_errors
+from camgen.machines.sources import Source, changed, read_mechanism, read_tables
 from camgen.numerics import Points
-from camgen.pipeline.edits import edited, with_tables
-from camgen.pipeline.jobs import Source, Workers, changed, read_mechanism, read_tables
 from camgen.report.sketches import Drawn
 from camgen.settings import override
+from camgen.workers import Workers
 
 if TYPE_CHECKING:
     from camgen.machines.linkage.sizes import Parts

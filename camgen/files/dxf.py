@@ -8,7 +8,6 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
@@ -16,7 +15,7 @@ import numpy as np
 
 from camgen.bounds import read_bytes
 from camgen.errors import FileError, counted
-from camgen.files.formats import FORMATS, Job
+from camgen.files.formats import FORMATS, Drawing, DrawingFault, Job
 from camgen.geometry.arcs import as_circle, bulges, fit_arcs
 from camgen.geometry.distances import point_to_ring
 from camgen.geometry.facets import facet_contour
@@ -166,44 +165,6 @@ def center_marks(region: Region, centres: Sequence[complex]) -> Points:
 
 
 # ---- read back ---------------------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class DrawingFault:
-    """What is wrong with one entity of the CUT layer.
-
-    kind: "open" (size = the gap, mm), "duplicate", "entity" (not a closed polyline or circle, or not in the modelspace),
-    "number" (not finite), "zero_length" (size = how many segments), "plane" (mirrored or raised off z = 0), "look"
-    (invisible, with a width, in a colour of its own...), "layer" (off, frozen, locked or not plotted).
-    """
-
-    kind: str
-    size: float
-    message: str
-
-
-@dataclass(frozen=True)
-class Drawing:
-    """A drawing as read: units ($INSUNITS, None when absent; 4 = mm), rings to cut, strokes of centre marks, faults.
-
-    cut: in the file's order; marks: (n, 2) complex, mm, the ends of each LINE on the layer of centre marks; engraved: rings.
-    layers: colour index and line weight, 1/100 mm, of those three: by these a program of a laser chooses its tool.
-    """
-
-    units: int | None
-    cut: tuple[Ring, ...]
-    marks: Points
-    faults: tuple[DrawingFault, ...]
-    engraved: tuple[Ring, ...] = ()
-    layers: Mapping[str, tuple[int, int]] = field(default_factory=dict)
-
-    def repainted(self, wanted: Mapping[str, tuple[int, int]]) -> list[str]:
-        """What is wrong with its layers, where these are to have such colours and line weights."""
-        return [
-            f"layer {name} has colour {look[0]} and line weight {look[1]}, not {wanted[name][0]} and {wanted[name][1]}"
-            for name, look in self.layers.items()
-            if name in wanted and look != wanted[name]
-        ]
 
 
 def _ring_of(entity: Any) -> tuple[Ring | None, list[DrawingFault]]:

@@ -23,7 +23,7 @@ from pathlib import Path
 from types import MappingProxyType, TracebackType
 from typing import Any, BinaryIO
 
-from camgen import __version__
+from camgen._version import __version__
 from camgen.bounds import Bound, read_bytes
 from camgen.errors import FileError
 

@@ -6,8 +6,8 @@ loaded where they are used. Whoever makes or judges files takes from here which 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -16,10 +16,10 @@ from camgen.bounds import Bound
 from camgen.tolerances import FLOAT32_ROUNDING
 
 if TYPE_CHECKING:
-    from camgen.files.dxf import Drawing
     from camgen.geometry.brep import Brep
     from camgen.geometry.mesh import Mesh
-    from camgen.geometry.outlines import Contour, Region
+    from camgen.geometry.outlines import Contour, Points, Region
+    from camgen.geometry.rings import Ring
     from camgen.parts.part import Part
 
 
@@ -94,6 +94,44 @@ class Job:
     solid: Mesh | None
     part: Part | None = None
     engraved: Sequence[Contour] = ()
+
+
+@dataclass(frozen=True)
+class DrawingFault:
+    """What is wrong with one entity of the CUT layer.
+
+    kind: "open" (size = the gap, mm), "duplicate", "entity" (not a closed polyline or circle, or not in the modelspace),
+    "number" (not finite), "zero_length" (size = how many segments), "plane" (mirrored or raised off z = 0), "look"
+    (invisible, with a width, in a colour of its own...), "layer" (off, frozen, locked or not plotted).
+    """
+
+    kind: str
+    size: float
+    message: str
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A drawing as read: units ($INSUNITS, None when absent; 4 = mm), rings to cut, strokes of centre marks, faults.
+
+    cut: in the file's order; marks: (n, 2) complex, mm, the ends of each LINE on the layer of centre marks; engraved: rings.
+    layers: colour index and line weight, 1/100 mm, of those three: by these a program of a laser chooses its tool.
+    """
+
+    units: int | None
+    cut: tuple[Ring, ...]
+    marks: Points
+    faults: tuple[DrawingFault, ...]
+    engraved: tuple[Ring, ...] = ()
+    layers: Mapping[str, tuple[int, int]] = field(default_factory=dict)
+
+    def repainted(self, wanted: Mapping[str, tuple[int, int]]) -> list[str]:
+        """What is wrong with its layers, where these are to have such colours and line weights."""
+        return [
+            f"layer {name} has colour {look[0]} and line weight {look[1]}, not {wanted[name][0]} and {wanted[name][1]}"
+            for name, look in self.layers.items()
+            if name in wanted and look != wanted[name]
+        ]
 
 
 def write_part(path: Path, job: Job) -> None:

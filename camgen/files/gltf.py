@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from camgen import __version__
+from camgen._version import __version__
 from camgen.bounds import Bound, read_bytes
 from camgen.errors import FileError
 from camgen.geometry.mesh import Mesh

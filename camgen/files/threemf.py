@@ -29,7 +29,7 @@ from xml.parsers import expat
 import numpy as np
 from numpy.typing import NDArray
 
-from camgen import __version__
+from camgen._version import __version__
 from camgen.bounds import read_bytes
 from camgen.errors import FileError
 from camgen.files.formats import FORMATS, Job

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from camgen import __version__
+from camgen._version import __version__
 from camgen.files.dimensions import Hole, number
 from camgen.files.sheet import Sheet, Text
 from camgen.parts.part import Part

@@ -26,7 +26,7 @@ from camgen.judge.round_trip import MILLIMETRES, Expected, Judged, judge_cut, pi
 from camgen.tolerances import WAY_BACK
 
 if TYPE_CHECKING:
-    from camgen.files.dxf import Drawing
+    from camgen.files.formats import Drawing
 
 _TOOLS = {
     "ENGRAVE": (5, 0),

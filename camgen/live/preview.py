@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from camgen.errors import DesignError, SpecError
+from camgen.machines.sources import changed
 from camgen.pipeline.curves import as_designed
-from camgen.pipeline.jobs import changed
 from camgen.pipeline.shown import animation
 from camgen.reading import Data
 from camgen.report.page import to_html

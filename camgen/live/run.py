@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 from camgen.bounds import bounded
 from camgen.errors import FileError
-from camgen.pipeline.jobs import files_of
+from camgen.machines.sources import files_of
 from camgen.reading import SPEC_FILE
 
 if TYPE_CHECKING:

@@ -25,14 +25,14 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from camgen import reading
 from camgen import spec as specs
 from camgen.bounds import read_bytes
+from camgen.edits import edited
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, explained
 from camgen.live.guard import OnlyHere
 from camgen.live.numbers import Number, numbers, overrides, write
 from camgen.live.preview import preview, told
 from camgen.machines import MECHANISMS, load
+from camgen.machines.sources import changed, read_tables
 from camgen.pipeline.build import KINDS, build
-from camgen.pipeline.edits import edited
-from camgen.pipeline.jobs import changed, read_tables
 from camgen.starters import described
 
 _POLICY = (

@@ -11,13 +11,16 @@ from camgen.errors import Fault, FileError, SpecError
 from camgen.files.folder import MANIFEST, SPEC, Staged, changed_files, read_manifest, write_manifest
 from camgen.files.formats import FORMATS, USUAL
 from camgen.findings import at_most
-from camgen.pipeline.jobs import Case, Progress, Source, Workers, cores, silent
-from camgen.pipeline.jobs import read_mechanism as read_mechanism
+from camgen.machines.sources import Source
+from camgen.machines.sources import read_mechanism as read_mechanism
+from camgen.pipeline.case import Case, cores
 from camgen.pipeline.judging import judge, read_parts
 from camgen.pipeline.making import make_parts, put_together
 from camgen.pipeline.rebuild import ANY_KIND, PACKAGES, Rebuild, judged_files, kinds_of, system
 from camgen.pipeline.summary import Summary, seen, write_report, write_texts
+from camgen.progress import Progress, silent
 from camgen.report.report import Report
+from camgen.workers import Workers
 
 KINDS = (*USUAL, "report")  # made where nobody says which
 

@@ -24,8 +24,8 @@ from camgen.judge.round_trip import judge_solid
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.assembly import bodies_in_motion, order_of_assembly, printed_parts
 from camgen.parts.part import Part
+from camgen.pipeline.case import Case
 from camgen.pipeline.expectation import expected
-from camgen.pipeline.jobs import Case, Progress, Workers
 from camgen.pipeline.making import (
     PLATE_GAP,
     assembled,
@@ -37,8 +37,10 @@ from camgen.pipeline.making import (
 from camgen.pipeline.reading import Read, budget_of, judge_motion, judge_part, moved_by
 from camgen.pipeline.scope import ANY, Outcome, Stage, not_judged, of_parts, unheard
 from camgen.pipeline.summary import plates_of
+from camgen.progress import Progress
 from camgen.report.report import Report
 from camgen.study import Plot, Study, Table
+from camgen.workers import Workers
 
 if TYPE_CHECKING:
     pass
@@ -449,7 +451,7 @@ def bear_loads(case: Case, kinds: Sequence[str]) -> Outcome:
 
 def print_errors(case: Case, kinds: Sequence[str]) -> Outcome:
     """What a usual print's errors do to the outputs, to first order."""
-    from camgen.pipeline.tolerance import spread_of
+    from camgen.tolerance.spread import spread_of
 
     found = spread_of(case.mechanism).study()
     return Outcome(numbers=found.numbers, tables=found.tables)

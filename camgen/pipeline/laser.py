@@ -25,8 +25,8 @@ from camgen.parts.fits import Compensation, compensated
 from camgen.parts.nesting import Spot, nest
 from camgen.parts.part import Part
 from camgen.parts.sheets import why_not
+from camgen.pipeline.case import Case
 from camgen.pipeline.expectation import expected
-from camgen.pipeline.jobs import Case
 from camgen.spec import Laser
 from camgen.study import Table
 

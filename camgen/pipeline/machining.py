@@ -30,7 +30,7 @@ from camgen.machine.features import CamOutline, Mount
 from camgen.machine.model import Cam
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import offset
-from camgen.pipeline.jobs import Case
+from camgen.pipeline.case import Case
 
 _SIZE = Bound("a table for a machine tool", 50_000_000, most=200_000)
 _PROFILE = (

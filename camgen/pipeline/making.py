@@ -19,9 +19,11 @@ from camgen.machines.mechanism import Mechanism
 from camgen.parts.assembly import cut_of_sheet, printed_parts
 from camgen.parts.catalogue import DENSITY, TURNED, Bought
 from camgen.parts.fits import Compensation, compensated
-from camgen.pipeline.jobs import Case, Progress, Workers
+from camgen.pipeline.case import Case
 from camgen.pipeline.summary import draw_part
+from camgen.progress import Progress
 from camgen.study import Table
+from camgen.workers import Workers
 
 if TYPE_CHECKING:
     from camgen.files.plates import Side

@@ -20,8 +20,8 @@ from camgen.machine.features import CamOutline, Feature, judged_outputs, parts_o
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Part
+from camgen.pipeline.case import Case
 from camgen.pipeline.expectation import expected
-from camgen.pipeline.jobs import Case
 from camgen.pipeline.making import compensation
 from camgen.pipeline.scope import Outcome
 from camgen.study import ROWS, Study, Table

@@ -22,17 +22,18 @@ from typing import Any
 
 import numpy as np
 
-from camgen import __version__
+from camgen._version import __version__
 from camgen.files.folder import MANIFEST, SPEC, versions
 from camgen.files.formats import FORMATS
 from camgen.findings import NotJudged, at_most
 from camgen.geometry.outlines import Floats
-from camgen.pipeline.jobs import Case, Workers
+from camgen.pipeline.case import Case
 from camgen.pipeline.laser import sheet_files
 from camgen.pipeline.making import lying_sides, write_parts_list, written
 from camgen.pipeline.scope import Outcome
 from camgen.pipeline.summary import Summary, draw_part, seen, write_report, write_texts
 from camgen.report.report import Report
+from camgen.workers import Workers
 
 ANY_KIND = (*FORMATS, "report")  # that can be asked for
 PACKAGES = (

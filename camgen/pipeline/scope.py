@@ -16,7 +16,7 @@ from camgen.parts.sheets import why_not
 from camgen.study import Plot, Table
 
 if TYPE_CHECKING:
-    from camgen.pipeline.jobs import Case
+    from camgen.pipeline.case import Case
 
 ANY = (*DRAWN, *SOLID)
 READ = (*ANY, *EXACT)  # part by part

@@ -28,13 +28,15 @@ from camgen.judge.measured import Sections, measure
 from camgen.judge.sliced import Copy, Known, bodies, copy_of, envelope, outwards, shapes_of
 from camgen.judge.sliced_copies import judge_sliced_copies
 from camgen.machine.features import CamOutline, Eye, eyes, parts_of
+from camgen.machines.sources import read_mechanism
 from camgen.parts.assembly import printed_parts
 from camgen.parts.fits import Compensation
 from camgen.parts.part import Part
+from camgen.pipeline.case import Case
 from camgen.pipeline.expectation import facetted
-from camgen.pipeline.jobs import Case, Progress, read_mechanism, silent
 from camgen.pipeline.making import compensation
 from camgen.pipeline.reading import Read, judge_motion, judge_part
+from camgen.progress import Progress, silent
 from camgen.report.report import Report
 from camgen.study import Table
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from camgen.files.formats import SOLID
 from camgen.geometry.outlines import Floats
-from camgen.pipeline.jobs import Case
+from camgen.pipeline.case import Case
 from camgen.report.report import Report, write_csv, write_html, write_json
 from camgen.study import Plate, Scene
 

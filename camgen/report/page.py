@@ -21,7 +21,7 @@ from urllib.parse import quote
 
 import numpy as np
 
-from camgen import __version__
+from camgen._version import __version__
 from camgen.findings import Finding, NotJudged, told_once
 from camgen.report.animation import frames, player
 from camgen.report.colours import SERIES, part_colour

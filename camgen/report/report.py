@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from camgen import __version__
+from camgen._version import __version__
 from camgen.errors import FileError
 from camgen.findings import Finding, NotJudged, left_out
 from camgen.study import Plot, Scene, Table

@@ -21,7 +21,7 @@ from camgen.report.words import NOISE
 
 if TYPE_CHECKING:
     from camgen.findings import Finding
-    from camgen.pipeline.jobs import Progress
+    from camgen.progress import Progress
     from camgen.report.report import Report
 
 _CONDENSED_FROM = 40  # findings; fewer are printed one by one

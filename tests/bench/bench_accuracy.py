@@ -33,10 +33,10 @@ from camgen.machine.closing import close  # noqa: E402
 from camgen.machine.constraints import Constraints  # noqa: E402
 from camgen.machine.model import Machine  # noqa: E402
 from camgen.machine.run import solve  # noqa: E402
-from camgen.pipeline.jobs import read_mechanism  # noqa: E402
-from camgen.pipeline.tolerance import copies_of, spread_of  # noqa: E402
+from camgen.machines.sources import read_mechanism  # noqa: E402
 from camgen.report.figures import plot_svg  # noqa: E402
 from camgen.study import Plot  # noqa: E402
+from camgen.tolerance.spread import copies_of, spread_of  # noqa: E402
 
 ANGLES = 3_600
 ROUNDS = 5

@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from camgen.machine.four_bars import four_bars
-from camgen.pipeline.sweep import judged, prepared
-from camgen.pipeline.variants import variants
+from camgen.sweep.run import judged, prepared
+from camgen.sweep.variants import variants
 
 COUNT = 1_000_000
 ANGLES = 64

@@ -16,7 +16,7 @@ import numpy as np
 from camgen.design.paths import area, front, kinds, search
 from camgen.design.polish import Goal
 from camgen.design.target import Target
-from camgen.pipeline.jobs import Workers
+from camgen.workers import Workers
 
 TARGETS = Path(__file__).parents[1] / "reference"
 # mean of the three wanted here; what a team of students reached

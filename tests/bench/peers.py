@@ -425,7 +425,7 @@ def indexing_arcs() -> Row:
 
     from camgen.geometry.arcs import fit_arcs, theoretical_arcs
     from camgen.geometry.outlines import Smooth
-    from camgen.pipeline.jobs import read_mechanism
+    from camgen.machines.sources import read_mechanism
 
     drive: Any = read_mechanism(ROOT / "specs" / "indexing-cam.toml")
     outlines = [cam.outline for cam in drive.cams.values()]

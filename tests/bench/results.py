@@ -7,7 +7,7 @@ from pathlib import Path
 
 from bench_build import TOP, whole_processes
 
-from camgen.pipeline import benchmark_report
+from camgen.sweep import benchmark_report
 
 PAGE = Path(__file__).with_name("RESULTS.md")
 

@@ -13,8 +13,8 @@ import pytest
 from camgen.design import keys
 from camgen.design.run import design
 from camgen.design.wanted import wish
+from camgen.edits import edited, with_tables
 from camgen.errors import DesignError, FileError, SpecError
-from camgen.pipeline.edits import edited, with_tables
 
 CAM = """# a cam
 mechanism = "disc-cam"

@@ -19,8 +19,8 @@ from camgen.files.sheet import LAYERS, Text
 from camgen.files.title_block import Facts
 from camgen.geometry.arcs import fit_arcs
 from camgen.geometry.outlines import Arc, Contour, Line, Region, circle, kidney, polygon
+from camgen.machines.sources import read_mechanism
 from camgen.parts.part import Layer, Part, d_bore, hull, keyed_bore
-from camgen.pipeline.jobs import read_mechanism
 
 META = Facts("uniform-swing", "steel (C45)", 12.345, "ISO 2768-m")
 

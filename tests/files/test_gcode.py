@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from camgen.errors import FileError
-from camgen.files.foreign import read_outline
 from camgen.files.gcode import printed_outlines, read_gcode
+from camgen.measuring.outlines import read_outline
 
 WIDTH = 0.45
 PRUSA = (";TYPE:External perimeter", ";TYPE:Perimeter", f";WIDTH:{WIDTH}")
@@ -168,7 +168,7 @@ def test_an_outline_of_a_plate_of_two(tmp_path):
 def test_the_motion_of_a_sliced_disc(tmp_path):
     """An eccentric disc of radius r, e off its bore, lifts a roller of radius p by the slider crank's formula."""
     from camgen.judge.follower_table import read_follower
-    from camgen.pipeline.outline_motion import recover
+    from camgen.measuring.motion import recover
 
     e, r, p = 3.0, 20.0, 5.0
     path = sliced(

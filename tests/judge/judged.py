@@ -10,12 +10,15 @@ from pathlib import Path
 
 from camgen.findings import Finding
 from camgen.machines.mechanism import Mechanism
+from camgen.machines.sources import read_mechanism
 from camgen.pipeline.build import check
-from camgen.pipeline.jobs import Case, Workers, read_mechanism, silent
+from camgen.pipeline.case import Case
 from camgen.pipeline.judging import judge
 from camgen.pipeline.reading import Read, judge_part
 from camgen.pipeline.scope import Outcome
+from camgen.progress import silent
 from camgen.report.report import Report
+from camgen.workers import Workers
 
 
 def mechanism_of(folder: Path) -> Mechanism:

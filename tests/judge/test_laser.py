@@ -17,13 +17,13 @@ from camgen.files.dxf import read_dxf
 from camgen.geometry.outlines import Region, circle, polygon, rectangle
 from camgen.geometry.rings import Ring
 from camgen.judge.sheets import Beam, Laid, _round_corner, judge_sheet, widened
+from camgen.machines.sources import read_mechanism
 from camgen.parts.assembly import printed_parts
 from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Layer, Part, keyed_bore
 from camgen.parts.sheets import why_not
 from camgen.pipeline.build import build
 from camgen.pipeline.expectation import expected
-from camgen.pipeline.jobs import read_mechanism
 from camgen.pipeline.laser import sheet_parts
 
 TOLERANCE = 1e-3

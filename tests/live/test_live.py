@@ -18,13 +18,13 @@ from starlette.testclient import TestClient
 
 from camgen import reading
 from camgen.cli import main
+from camgen.edits import edited
 from camgen.errors import SpecError
 from camgen.live import run as live
 from camgen.live.numbers import numbers, overrides
 from camgen.live.server import Built, Explorer, watcher
 from camgen.machines import load
-from camgen.pipeline.edits import edited
-from camgen.pipeline.jobs import files_of
+from camgen.machines.sources import files_of
 from camgen.settings import override
 from camgen.starters import described, examples, folder
 

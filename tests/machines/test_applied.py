@@ -16,8 +16,8 @@ from camgen.machine import Gravity, solve
 from camgen.machines.loads.applied import Table
 from camgen.machines.loads.assess import assess
 from camgen.machines.mechanism import Mechanism
+from camgen.machines.sources import read_mechanism
 from camgen.motion.tables import load_table
-from camgen.pipeline.jobs import read_mechanism
 from camgen.reading import read
 
 SPECS = starters.folder()

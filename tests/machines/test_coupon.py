@@ -13,9 +13,9 @@ from camgen import starters
 from camgen.errors import DesignError, SpecError
 from camgen.machines.coupon.calibration import Feature, Printed, calibrated, least_squares
 from camgen.machines.coupon.mechanism import Coupon
+from camgen.machines.sources import read_mechanism
 from camgen.parts.assembly import printed_parts
 from camgen.pipeline.build import build
-from camgen.pipeline.jobs import read_mechanism
 from camgen.spec import validate
 
 STARTER = tomllib.loads(starters.text("coupon"))

@@ -15,11 +15,14 @@ from camgen.machine.features import Mark
 from camgen.machine.joining import Module, joined
 from camgen.machine.run import solve
 from camgen.machines.included import opened
+from camgen.machines.sources import read_mechanism
 from camgen.parts.assembly import bodies_in_motion
 from camgen.pipeline.build import build, check
-from camgen.pipeline.jobs import Case, Workers, read_mechanism, silent
+from camgen.pipeline.case import Case
 from camgen.pipeline.making import make_parts, put_together
+from camgen.progress import silent
 from camgen.reading import read
+from camgen.workers import Workers
 
 THETA = np.linspace(0, math.tau, 97)
 MODULES = ("eccentric-drive", "thread-take-up", "chain-stitch-looper")

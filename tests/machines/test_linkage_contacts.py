@@ -14,8 +14,8 @@ from camgen.machine.model import Cam
 from camgen.machine.run import solve
 from camgen.machines.loads.assess import assess
 from camgen.machines.mechanism import Mechanism
-from camgen.pipeline.jobs import read_mechanism
-from camgen.pipeline.tolerance import copies_of, rolled, spread_of
+from camgen.machines.sources import read_mechanism
+from camgen.tolerance.spread import copies_of, rolled, spread_of
 
 TURN = np.linspace(0, math.tau, 181)
 CASES: list[

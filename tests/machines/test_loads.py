@@ -23,9 +23,9 @@ from camgen.machines.loads.follower import effective_inertia
 from camgen.machines.loads.rubbing import rough
 from camgen.machines.loads.weights import weighed
 from camgen.machines.mechanism import Mechanism
+from camgen.machines.sources import read_mechanism
 from camgen.parts.catalogue import BEARINGS
 from camgen.parts.solids import solid
-from camgen.pipeline.jobs import read_mechanism
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 MOVED = (

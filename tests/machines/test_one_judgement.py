@@ -13,8 +13,8 @@ from camgen.machine.cams.followers import SlidingFace, SlidingTip, SwingingArm, 
 from camgen.machines.disc_cam.mechanism import DiscCamDrive
 from camgen.machines.loads.assess import assess
 from camgen.machines.mechanism import Mechanism
+from camgen.machines.sources import read_mechanism
 from camgen.pipeline.build import build
-from camgen.pipeline.jobs import read_mechanism
 from camgen.reading import read
 
 Tables = dict[str, Any]

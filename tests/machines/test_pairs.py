@@ -18,7 +18,7 @@ from camgen.machine.model import Cam
 from camgen.machine.run import solve
 from camgen.machines.pairs import told
 from camgen.pipeline import build as pipeline
-from camgen.pipeline.tolerance_report import tolerance
+from camgen.tolerance.report import tolerance
 
 SPECS = Path(__file__).parents[2] / "specs"
 FLAT = ('geometry.follower={motion="translating",shape="flat"}', "limits.least_radius=1")

@@ -27,7 +27,7 @@ from camgen.parts.assembly import bodies_in_motion, order_of_assembly
 from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
 from camgen.pipeline import making
-from camgen.pipeline.jobs import Case
+from camgen.pipeline.case import Case
 from camgen.pipeline.judging import judge_plates
 
 SPEC = Path(__file__).resolve().parents[2] / "specs" / "uniform-swing.toml"

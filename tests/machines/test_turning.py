@@ -15,9 +15,9 @@ from camgen.files.dxf import read_dxf
 from camgen.geometry.facets import facet_contour
 from camgen.machine.closed_form import slider_travel
 from camgen.machines import MECHANISMS
+from camgen.machines.sources import read_mechanism
 from camgen.motion.program import Program, uniform_swing
 from camgen.pipeline.build import build
-from camgen.pipeline.jobs import read_mechanism
 from camgen.pipeline.shown import animation
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"

@@ -17,9 +17,9 @@ from camgen.errors import DesignError
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour
 from camgen.machine.features import CamOutline, Eye
+from camgen.machines.sources import read_mechanism
 from camgen.machines.uniform_swing.mechanism import UniformSwing
 from camgen.machines.uniform_swing.pictures import Model, pictures
-from camgen.pipeline.jobs import read_mechanism
 
 SHAFTS = ["plain", "keyway", "d-flat"]
 

@@ -12,10 +12,10 @@ from camgen.errors import SpecError
 from camgen.machine.cams.dynamics import Elastic, Excitation
 from camgen.machines.disc_cam.mechanism import DiscCamDrive
 from camgen.machines.loads.assess import assess
+from camgen.machines.sources import read_mechanism
 from camgen.motion.laws import LAWS, Polynomial, polynomial_law
 from camgen.motion.polydyne import Lag, polydyne, rough
 from camgen.motion.program import Program, Segment
-from camgen.pipeline.jobs import read_mechanism
 
 ENDS = [(u, order, float(u == 1 and order == 0)) for u in (0.0, 1.0) for order in range(5)]
 SMOOTHER = polynomial_law(ENDS)  # 5-6-7-8-9

@@ -6,10 +6,10 @@ from test_solids import cam, edge_balance, hub
 
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Region, circle, rectangle
+from camgen.machines.sources import read_mechanism
 from camgen.parts import caps
 from camgen.parts.part import Layer, Part
 from camgen.parts.solids import solid
-from camgen.pipeline.jobs import read_mechanism
 
 TOLERANCE = 1e-3
 LEAST = 1.0  # chord tolerances: the least height of a triangle of a cap; three neighbours on a circle alone give four

@@ -10,12 +10,12 @@ import pytest
 from camgen import starters
 from camgen.errors import DesignError, SpecError
 from camgen.machines.loads.assess import assess
+from camgen.machines.sources import read_mechanism
 from camgen.parts.assembly import order_of_assembly
 from camgen.parts.catalogue import SCREWS
 from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.solids import solid
 from camgen.pipeline.build import build
-from camgen.pipeline.jobs import read_mechanism
 
 SPECS = starters.folder()
 HUB = (

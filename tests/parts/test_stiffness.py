@@ -10,9 +10,9 @@ import pytest
 from camgen import starters
 from camgen.geometry.outlines import Region, polygon, rectangle
 from camgen.machines.loads.assess import assess
+from camgen.machines.sources import read_mechanism
 from camgen.parts.part import Layer, Part
 from camgen.parts.stiffness import bending_stiffness
-from camgen.pipeline.jobs import read_mechanism
 
 BAR = rectangle(-10 - 4j, 70 + 4j)
 FOLLOWER = "geometry.follower={motion='oscillating', shape='roller', radius=5.0, pivot_distance=60.0, arm=50.0}"

@@ -20,8 +20,8 @@ from camgen.files.drawing import write_drawing
 from camgen.files.title_block import Facts
 from camgen.geometry.outlines import polygon
 from camgen.machines.mechanism import Mechanism
+from camgen.machines.sources import read_mechanism
 from camgen.pipeline.drawings import facts_of
-from camgen.pipeline.jobs import read_mechanism
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 

@@ -22,17 +22,11 @@ import pytest
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError
 from camgen.files.formats import FORMATS
 from camgen.machines.mechanism import Mechanism
+from camgen.machines.sources import Template, changed, read_mechanism, read_tables
 from camgen.pipeline import build as pipeline
 from camgen.pipeline.build import build, check
-from camgen.pipeline.jobs import (
-    Case,
-    Template,
-    Workers,
-    changed,
-    cores,
-    read_mechanism,
-    read_tables,
-)
+from camgen.pipeline.case import Case, cores
+from camgen.workers import Workers
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 CAMS = ["parts.make='cams'", "parts.bore=8"]
@@ -155,7 +149,10 @@ PARTS = """
 import sys
 from pathlib import Path
 from camgen.files.formats import FORMATS
-from camgen.pipeline.jobs import Case, Workers, read_mechanism, silent
+from camgen.machines.sources import read_mechanism
+from camgen.pipeline.case import Case
+from camgen.progress import silent
+from camgen.workers import Workers
 from camgen.pipeline.making import make_parts
 from camgen.spec import dump
 mechanism, folder = read_mechanism(sys.argv[1]).resolved(), Path(sys.argv[2])
@@ -241,7 +238,7 @@ def test_a_process_that_is_ended_from_outside_is_told() -> None:
 
 ORPHANS = """
 import os, signal, time
-from camgen.pipeline.jobs import Workers
+from camgen.workers import Workers
 with Workers(2) as workers:
     workers.start(os.getpid)()
     workers.start(time.sleep, 600)
@@ -271,7 +268,7 @@ def test_workers_end_where_their_parent_is_killed() -> None:
 def test_more_cores_are_used_where_they_are_worth_it(
     monkeypatch: pytest.MonkeyPatch, changes: list[str], kinds: set[str], worth: bool
 ) -> None:
-    monkeypatch.setattr("camgen.pipeline.jobs.all_cores", lambda: 6)
+    monkeypatch.setattr("camgen.pipeline.case.all_cores", lambda: 6)
     mechanism = read_mechanism(SPECS / "uniform-swing.toml", changes)
     assert cores(None, mechanism, kinds) == (4 if worth else 1)
     assert cores(3, mechanism, kinds) == 3

@@ -18,10 +18,11 @@ from camgen.geometry.arcs import bulges
 from camgen.geometry.outlines import Arc, Contour, Line, circle, rectangle
 from camgen.geometry.rings import Ring
 from camgen.judge.machine_tables import Step, judge_path
+from camgen.machines.sources import read_mechanism
 from camgen.parts.fits import offset
 from camgen.pipeline import machining
 from camgen.pipeline.build import build
-from camgen.pipeline.jobs import Case, read_mechanism
+from camgen.pipeline.case import Case
 
 DXF = frozenset({"dxf"})
 SETTINGS = ("output.profile_step_deg=0.5", "output.cutter_radius=3")

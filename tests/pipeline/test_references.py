@@ -14,7 +14,7 @@ from camgen import reading
 from camgen.bounds import Bound
 from camgen.design.run import design
 from camgen.errors import FileError, SpecError
-from camgen.pipeline.jobs import files_of, read_mechanism
+from camgen.machines.sources import files_of, read_mechanism
 from camgen.settings import override
 
 LAW = "{ name = 'table', file = 'FILE' }"

@@ -12,8 +12,8 @@ from typing import Any
 
 import pytest
 
+from camgen.machines.sources import read_mechanism
 from camgen.pipeline.build import KINDS, build, check
-from camgen.pipeline.jobs import read_mechanism
 from camgen.report.report import Report
 from camgen.report.terminal import print_report
 

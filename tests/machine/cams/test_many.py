@@ -10,9 +10,9 @@ import pytest
 from camgen.machine.cams.many import seen
 from camgen.machine.cams.profile import DiscCam
 from camgen.machines.disc_cam.mechanism import DiscCamDrive
-from camgen.pipeline.jobs import read_mechanism
-from camgen.pipeline.sweep import Row, Task, judged, prepared
-from camgen.pipeline.variants import variants
+from camgen.machines.sources import read_mechanism
+from camgen.sweep.run import Row, Task, judged, prepared
+from camgen.sweep.variants import variants
 
 SPEC = Path(__file__).resolve().parents[3] / "specs" / "disc-cam.toml"
 ARM = "geometry.follower.motion='oscillating'"

@@ -15,8 +15,8 @@ import pytest
 
 from camgen.cli import main
 from camgen.pipeline import benchmark, benchmark_report
-from camgen.pipeline.benchmark import Bench, Row, measure
-from camgen.pipeline.benchmark_report import STARTERS, sentences, to_markdown
+from camgen.sweep.benchmark import Bench, Row, measure
+from camgen.sweep.benchmark_report import STARTERS, sentences, to_markdown
 
 COARSE = (1e-1, 1e-2, 1e-3, 1e-4)
 UNTIMED = 9  # columns of its tables that hold no file sizes and no seconds

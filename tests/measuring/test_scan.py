@@ -17,11 +17,11 @@ from scans import FOLLOWER, Glass, apart, cam, saved
 
 from camgen.cli import main
 from camgen.errors import FileError
-from camgen.files.foreign import Outline, read_outline
-from camgen.files.scan import Scanning, read_scan
 from camgen.geometry.rings import Floats, Points
 from camgen.judge.follower_table import read_follower
-from camgen.pipeline.outline_motion import recover
+from camgen.measuring.motion import recover
+from camgen.measuring.outlines import Outline, read_outline
+from camgen.measuring.scan import Scanning, read_scan
 
 COARSE = Glass(dpi=150)
 

@@ -15,10 +15,10 @@ from pathlib import Path
 
 import numpy as np
 
-from camgen import __version__
+from camgen._version import __version__
 from camgen.errors import FileError, file_errors
 from camgen.files.folder import locked
-from camgen.pipeline.sweep_tables import Row
+from camgen.sweep.tables import Row
 
 
 class Journal:

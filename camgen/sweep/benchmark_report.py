@@ -13,9 +13,9 @@ import numpy as np
 from camgen.files.folder import Staged, write_manifest
 from camgen.files.formats import FORMATS
 from camgen.geometry.outlines import Floats
-from camgen.pipeline.benchmark import JUDGED, KINDS, STAGES, Bench, measure
-from camgen.pipeline.jobs import Progress, silent
+from camgen.progress import Progress, silent
 from camgen.study import Plot
+from camgen.sweep.benchmark import JUDGED, KINDS, STAGES, Bench, measure
 from camgen.tolerances import SAME_POINT
 
 STARTERS = ("uniform-swing", "indexing-cam", "chain-stitch-looper")

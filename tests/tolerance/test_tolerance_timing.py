@@ -11,10 +11,10 @@ import shapely
 import shapely.affinity
 
 from camgen.geometry.mesh import slice_mesh
+from camgen.machines.sources import read_mechanism
 from camgen.parts.solids import solid
-from camgen.pipeline.jobs import read_mechanism
-from camgen.pipeline.tolerance_report import tolerance
-from camgen.pipeline.tolerance_timing import Timing, timings
+from camgen.tolerance.report import tolerance
+from camgen.tolerance.timing import Timing, timings
 
 LOOPER = Path(__file__).resolve().parents[2] / "specs" / "chain-stitch-looper.toml"
 
@@ -65,9 +65,7 @@ def test_play_takes_of_the_timing_and_spreaders_keep_together(found: dict[str, T
 def test_tolerance_of_a_looper_tells_its_timing(
     found: dict[str, Timing], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(
-        "camgen.pipeline.tolerance_report.timings", lambda mechanism: list(found.values())
-    )
+    monkeypatch.setattr("camgen.tolerance.report.timings", lambda mechanism: list(found.values()))
     told = tolerance(LOOPER)
     assert told.numbers["timing_tolerance_deg"] == pytest.approx(
         math.degrees(min(found["N2/P2"].loose))

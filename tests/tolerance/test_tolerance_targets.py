@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from camgen.machine.run import solve
-from camgen.pipeline.jobs import read_mechanism
-from camgen.pipeline.tolerance import Spread, drawn_again, rolled, spread_of
-from camgen.pipeline.tolerance_report import tolerance
-from camgen.pipeline.tolerance_targets import _crosses, loops, targets
+from camgen.machines.sources import read_mechanism
+from camgen.tolerance.report import tolerance
+from camgen.tolerance.spread import Spread, drawn_again, rolled, spread_of
+from camgen.tolerance.targets import _crosses, loops, targets
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 WISH = ("output.1.stroke.value=47.694", "output.1.stroke.tolerance=0.1")

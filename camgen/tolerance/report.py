@@ -10,15 +10,16 @@ from numpy.typing import NDArray
 
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.machine.model import Output, unit_of
+from camgen.machines.sources import Source, read_mechanism
 from camgen.numerics import Floats
-from camgen.pipeline.jobs import Progress, Source, read_mechanism, silent
-from camgen.pipeline.tolerance import Copies, Spread, copies_of, drawn_again, rolled, spread_of
-from camgen.pipeline.tolerance_findings import Judged
-from camgen.pipeline.tolerance_findings import judged as copies_judged
-from camgen.pipeline.tolerance_targets import MOST, Kept, Loop, loops, targets
-from camgen.pipeline.tolerance_timing import Timing, timings
+from camgen.progress import Progress, silent
 from camgen.report.report import Report
 from camgen.study import Plot, Table
+from camgen.tolerance.findings import Judged
+from camgen.tolerance.findings import judged as copies_judged
+from camgen.tolerance.spread import Copies, Spread, copies_of, drawn_again, rolled, spread_of
+from camgen.tolerance.targets import MOST, Kept, Loop, loops, targets
+from camgen.tolerance.timing import Timing, timings
 
 _SHARES = (0.5, 0.9, 0.95, 0.99, 0.997)  # of copies
 _BARS = 60

@@ -24,14 +24,14 @@ from hypothesis import strategies as st
 
 from camgen.cli import cli, main
 from camgen.errors import FileError, SpecError
-from camgen.pipeline import sweep as sweeps
+from camgen.machines.sources import read_mechanism
 from camgen.pipeline.build import build
-from camgen.pipeline.jobs import read_mechanism
-from camgen.pipeline.sweep import Cluster, Processes, Task, here, prepared, sweep
-from camgen.pipeline.sweep_journal import Journal
-from camgen.pipeline.variants import variants
 from camgen.settings import override
 from camgen.starters import unit_at
+from camgen.sweep import run as sweeps
+from camgen.sweep.journal import Journal
+from camgen.sweep.run import Cluster, Processes, Task, here, prepared, sweep
+from camgen.sweep.variants import variants
 
 SPEC = Path(__file__).resolve().parents[2] / "specs" / "disc-cam.toml"
 VARY = ["geometry.base_radius=9:33:7", "segment.0.law=cycloidal,modified-sine"]

@@ -20,7 +20,7 @@ from camgen.machine.model import Output, Path, Pin, places_of, unit_of
 from camgen.machine.run import solve
 from camgen.machine.targets import Course
 from camgen.numerics import Floats, Points
-from camgen.pipeline.tolerance import Spread
+from camgen.tolerance.spread import Spread
 
 MOST = 400  # copies that are looked at
 _SIDE = 60  # pieces of a loop, and as many on either side of it

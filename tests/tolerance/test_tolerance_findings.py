@@ -10,9 +10,9 @@ import pytest
 from test_tolerance import SPECS, spread
 
 from camgen.machine.model import Pin
-from camgen.pipeline.tolerance import Spread, drawn_again
-from camgen.pipeline.tolerance_findings import Judged, _of_model, judged
-from camgen.pipeline.tolerance_report import tolerance, wilson
+from camgen.tolerance.findings import Judged, _of_model, judged
+from camgen.tolerance.report import tolerance, wilson
+from camgen.tolerance.spread import Spread, drawn_again
 
 SPRUNG = ("load.mass_kg=0.3", "spring={rate=1,preload=0.1}")
 

@@ -14,9 +14,9 @@ import pytest
 from camgen.cli import main
 from camgen.errors import DesignError, SpecError
 from camgen.machine.print_errors import Sizes, waviness
-from camgen.pipeline.jobs import read_mechanism
-from camgen.pipeline.tolerance import Spread, copies_of, drawn_again, rolled, sizes_of, spread_of
-from camgen.pipeline.tolerance_report import tolerance
+from camgen.machines.sources import read_mechanism
+from camgen.tolerance.report import tolerance
+from camgen.tolerance.spread import Spread, copies_of, drawn_again, rolled, sizes_of, spread_of
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 BLENDED = ("parts.make='cams'", "geometry.reversal_blend_deg=25")

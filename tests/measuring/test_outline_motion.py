@@ -24,10 +24,10 @@ from hypothesis import strategies as st
 
 from camgen.cli import main
 from camgen.errors import DesignError, FileError, SpecError
-from camgen.files.foreign import read_outline
 from camgen.judge.follower_table import read_follower
+from camgen.measuring.motion import low_passed, recover
+from camgen.measuring.outlines import read_outline
 from camgen.pipeline import build as pipeline
-from camgen.pipeline.outline_motion import low_passed, recover
 
 # disc, off centre, roller
 A = 20.0

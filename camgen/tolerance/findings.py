@@ -32,7 +32,7 @@ from camgen.machines.loads.pressed import by_force
 from camgen.machines.loads.weights import pulled
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats
-from camgen.pipeline.tolerance import Spread, laws_of, shifted_by
+from camgen.tolerance.spread import Spread, laws_of, shifted_by
 
 _SAME = 1e-6  # share of a value, by which copies differ where the print does nothing
 _LITTLE = 1e-3  # of its limit, of what needs no yield

@@ -22,24 +22,18 @@ from typing import Any
 
 import numpy as np
 
-from camgen import __version__
+from camgen._version import __version__
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, counted
 from camgen.machines.mechanism import Mechanism
+from camgen.machines.sources import Template, changed, prepare, read_tables
 from camgen.motion.tables import with_tables
-from camgen.pipeline.jobs import (
-    Progress,
-    Template,
-    changed,
-    end_with_parent,
-    prepare,
-    read_tables,
-    silent,
-)
-from camgen.pipeline.sweep_journal import Journal
-from camgen.pipeline.sweep_tables import WRITERS, Row, pyarrow_at
-from camgen.pipeline.variants import Variants
+from camgen.progress import Progress, silent
 from camgen.report.sweep_page import shown_step, write_page
 from camgen.spec import unknown
+from camgen.sweep.journal import Journal
+from camgen.sweep.tables import WRITERS, Row, pyarrow_at
+from camgen.sweep.variants import Variants
+from camgen.workers import end_with_parent
 
 MOST = 10_000_000  # variants of a sweep; its memory is 8 bytes a variant, and a row of a few hundred in the journal
 _CHUNK = 0.5  # s of work in a chunk, so that handing it out costs little

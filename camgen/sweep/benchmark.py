@@ -36,13 +36,15 @@ from camgen.judge.measured import Sections, measure_bore
 from camgen.machine.features import Apart, CamOutline, parts_of
 from camgen.machine.model import unit_of
 from camgen.machines.mechanism import Mechanism
+from camgen.machines.sources import read_mechanism
 from camgen.parts.fits import compensated
 from camgen.parts.part import Part
 from camgen.parts.solids import solid
-from camgen.pipeline.jobs import Case, Progress, read_mechanism, silent
+from camgen.pipeline.case import Case
 from camgen.pipeline.judging import pass_by
 from camgen.pipeline.making import compensation
 from camgen.pipeline.reading import Read, judge_motion, judge_part
+from camgen.progress import Progress, silent
 
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 KINDS, JUDGED = USUAL, ("dxf", "stl")  # a 3MF holds the numbers of the STL

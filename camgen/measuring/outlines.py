@@ -20,8 +20,6 @@ import numpy as np
 from camgen.bounds import bounded
 from camgen.errors import FileError, counted
 from camgen.files.formats import READABLE
-from camgen.files.points import POINTS_SIZE, read_points
-from camgen.files.scan import LEAST_CONTRAST, PICTURE_SIZE, PICTURES, Scanning, scanned
 from camgen.files.stl import read_stl
 from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, at_least, at_most
@@ -29,6 +27,8 @@ from camgen.geometry.chains import Chain, joined, nearest_gap
 from camgen.geometry.distances import inside
 from camgen.geometry.mesh import Mesh, mesh_faults, slice_mesh
 from camgen.geometry.rings import Floats, Ints, Points, Ring
+from camgen.measuring.points import POINTS_SIZE, read_points
+from camgen.measuring.scan import LEAST_CONTRAST, PICTURE_SIZE, PICTURES, Scanning, scanned
 from camgen.tolerances import CURVE_CHORDS, SAME_POINT
 
 _SIZES = {f".{kind}": READABLE[kind].size for kind in ("dxf", "stl", "3mf", "gcode")}

@@ -17,7 +17,7 @@ from camgen.geometry.facets import facet_contour
 from camgen.geometry.registration import Laid, dense, deviation, lay_on_known
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.machine.features import CamOutline
-from camgen.pipeline.jobs import read_mechanism
+from camgen.machines.sources import read_mechanism
 
 # mm: of the exact outline
 _CHORDS = 1e-4

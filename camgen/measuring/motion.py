@@ -19,19 +19,19 @@ import numpy as np
 
 from camgen.errors import DesignError, Fault, FileError, SpecError
 from camgen.files.folder import Staged, write_manifest
-from camgen.files.foreign import Outline, read_outline
-from camgen.files.scan import PICTURES, Scanning
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.rings import Floats, Ring
 from camgen.judge.contact import contact
 from camgen.judge.follower_table import FollowerTable, pair_faults, read_follower
 from camgen.machine.features import PartPose
+from camgen.measuring.outlines import Outline, read_outline
+from camgen.measuring.scan import PICTURES, Scanning
 from camgen.report.animation import Animation, Body
 from camgen.report.report import Report, write_csv, write_html, write_json
 from camgen.study import Plot, Table
 
 if TYPE_CHECKING:
-    from camgen.pipeline.against import Compared
+    from camgen.measuring.against import Compared
 
 MOST_HARMONICS = 1800
 HARMONICS = 36  # of a turn, the last of which the low-pass halves: details of 10 deg of cam angle and more stay
@@ -454,7 +454,7 @@ def _measured(
 
 def _compared(outline: Outline, path: Path, request: Request) -> Compared:
     """The outline of the first file on the cam of the spec that it is held against."""
-    from camgen.pipeline.against import compare
+    from camgen.measuring.against import compare
 
     assert outline.ring is not None and request.against is not None
     figures, how = outline.numbers, request.scanning

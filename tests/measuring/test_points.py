@@ -12,13 +12,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgen.errors import FileError
-from camgen.files.foreign import read_outline
-from camgen.files.points import read_points
 from camgen.files.views import polar_table
 from camgen.geometry.facets import facet_contour
 from camgen.judge.follower_table import read_follower
-from camgen.pipeline.jobs import read_mechanism
-from camgen.pipeline.outline_motion import recover
+from camgen.machines.sources import read_mechanism
+from camgen.measuring.motion import recover
+from camgen.measuring.outlines import read_outline
+from camgen.measuring.points import read_points
 
 # disc, off centre
 A = 20.0

@@ -16,8 +16,8 @@ from scipy.spatial import cKDTree
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.judge.follower_table import read_follower
+from camgen.measuring.motion import recover
 from camgen.pipeline import build as pipeline
-from camgen.pipeline.outline_motion import recover
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 FOLLOWER = "oscillating,pivot=60/0,arm=67.08203932499369,at_deg=-153.43494882292202,radius=3"

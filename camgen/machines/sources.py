@@ -1,0 +1,129 @@
+"""From where a mechanism comes: a spec's file or its tables, with some of their keys set anew."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property, reduce
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from camgen import reading
+from camgen import spec as specs
+from camgen.errors import CamgenError, DesignError, SpecError
+from camgen.machines import MECHANISMS, load
+from camgen.machines.mechanism import Mechanism
+from camgen.motion.tables import with_tables
+from camgen.settings import override
+
+Source = str | PathLike[str] | Mapping[str, Any] | Mechanism
+
+
+def read_mechanism(spec: Source, overrides: Sequence[str] = ()) -> Mechanism:
+    """The mechanism that a spec describes, a file or its tables; SpecError with all faults, FileError where it cannot be read.
+
+    A mechanism is given back as it is.
+    """
+    if isinstance(spec, Mechanism):
+        return spec
+    return changed(*read_tables(spec), overrides)
+
+
+def read_tables(spec: Source) -> tuple[reading.Data, str, Path]:
+    """The tables of a spec with those of the specs that it includes, what it is called in errors, and its folder."""
+    assert not isinstance(spec, Mechanism), "has no tables of its own"
+    if isinstance(spec, Mapping):
+        data, source, folder = reading.tables(spec), "spec", Path()
+    else:
+        data, source, folder = reading.read(Path(spec)), str(spec), Path(spec).parent
+    if "include" in data:
+        from camgen.machines.included import opened
+
+        data = opened(data, folder)
+    return data, source, folder
+
+
+def files_of(spec: Path) -> list[Path]:
+    """A spec's file, those that it names, and those that included specs name, whether they are there or not; of what is no spec
+    itself alone."""
+    named = _named_in(spec)
+    included = [file for kind, file in named if kind == "spec"]  # which include none
+    theirs = [file for other in included for kind, file in _named_in(other) if kind != "spec"]
+    return [spec, *(file for _, file in named), *theirs]
+
+
+def _named_in(spec: Path) -> list[tuple[str, Path]]:
+    """What each file that a spec names holds, and where it is; nothing of what is no spec."""
+    found = list[tuple[str, Path]]()
+    with suppress(CamgenError):
+        for each in reading.references(reading.read(spec)):
+            with suppress(SpecError):
+                found.append((each.kind, each.file(spec.parent)))
+    return found
+
+
+def changed(
+    data: reading.Data,
+    source: str,
+    folder: Path,
+    overrides: Sequence[str] = (),
+    like: tuple[reading.Data, specs.Spec] | None = None,
+) -> Mechanism:
+    """The mechanism of some tables with some keys set anew; like: see `validate`."""
+    for setting in overrides:
+        data = override(data, setting)
+    left = [each for each in reading.references(data) if each.kind != "spec" and each.outside]
+    hints = tuple(
+        f"{each.path} was read from {each.name}, outside the spec's folder" for each in left
+    )
+    data = with_tables(data, folder, source)
+    made = specs.validate(load(specs.choose(data, MECHANISMS, source)), data, source, hints, like)
+    if (
+        made.load is not None and made.load.on
+    ):  # that they are on what is there; a design that does not exist is told later
+        with suppress(DesignError):
+            made.model  # noqa: B018
+    return made
+
+
+@dataclass(frozen=True)
+class Template:
+    """Tables of a spec, its source and folder, and settings of all its variants: what a variant leaves alone is read once."""
+
+    data: reading.Data
+    source: str
+    folder: Path
+    settings: Sequence[str] = ()
+
+    @cached_property
+    def _tables(self) -> reading.Data:
+        return reduce(override, self.settings, self.data)
+
+    @cached_property
+    def _like(self) -> tuple[reading.Data, specs.Spec] | None:
+        try:
+            return self._tables, changed(self._tables, self.source, self.folder)
+        except CamgenError:
+            return None
+
+    def variants(self, several: Iterable[Sequence[str]]) -> list[Mechanism | CamgenError]:
+        """The mechanism of each list of settings, or why there is none; those of one kind find together what they need."""
+        made: list[Mechanism | CamgenError] = []
+        for each in several:
+            try:
+                made.append(changed(self._tables, self.source, self.folder, each, self._like))
+            except (DesignError, SpecError) as error:
+                made.append(error)
+        return made
+
+
+def prepare(made: Iterable[object]) -> None:
+    """Let mechanisms of one kind find together what each of them needs; what is no mechanism is passed over."""
+    alike: dict[type[Mechanism], list[Mechanism]] = {}
+    for each in made:
+        if isinstance(each, Mechanism):
+            alike.setdefault(type(each), []).append(each)
+    for kind, several in alike.items():
+        kind.prepare(several)

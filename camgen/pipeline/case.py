@@ -1,0 +1,58 @@
+"""What a stage is told to work on: one mechanism in one folder; and how many cores that is worth."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+
+from camgen.errors import Fault, SpecError
+from camgen.files.formats import FORMATS
+from camgen.machines.mechanism import Mechanism
+from camgen.machines.sources import read_mechanism
+from camgen.parts.part import Part
+from camgen.workers import all_cores
+
+_FEW = 3  # parts that are made sooner than other processes have begun
+_MOST = 4  # cores that one machine's parts and the sweep of them keep busy
+
+
+@dataclass(frozen=True)
+class Case:
+    """A mechanism and the folder of its files, `spec.toml` among them; another process reads it anew from there."""
+
+    mechanism: Mechanism
+    folder: Path
+
+    @cached_property
+    def parts(self) -> dict[str, Part]:
+        """The mechanism's parts by name."""
+        return {part.name: part for part in self.mechanism.assembly.parts}
+
+    def file(self, part: str, ending: str) -> Path:
+        """Path of a part's file."""
+        return self.folder / f"{self.mechanism.name}-{part}.{ending}"
+
+    def __reduce__(self) -> tuple[Callable[[Path], Case], tuple[Path]]:
+        return _reopened, (self.folder,)
+
+
+@lru_cache(maxsize=1)
+def _reopened(folder: Path) -> Case:
+    return Case(read_mechanism(folder / "spec.toml"), folder)
+
+
+def cores(jobs: int | None, mechanism: Mechanism, kinds: Collection[str]) -> int:
+    """How many to use: as many as somebody says, 0: all, else one unless there are several solids, which two make in less time.
+
+    SpecError where what is said is no such number.
+    """
+    if jobs is not None:
+        if not isinstance(jobs, int) or jobs < 0:
+            raise SpecError([Fault("jobs", repr(jobs), "a whole number of cores, 0: all of them")])
+        return jobs or all_cores()
+    several = len(mechanism.assembly.parts) > _FEW and any(
+        kind in FORMATS and FORMATS[kind].solid for kind in kinds
+    )
+    return min(all_cores(), _MOST) if several else 1

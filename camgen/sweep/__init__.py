@@ -1,0 +1,1 @@
+"""Many variants of one spec, each made and judged, as rows of one table."""
