@@ -44,7 +44,10 @@ for _command in COMMANDS:
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
-    """Run the command line and exit; a user's mistake ends in a message and its exit code, never in a traceback."""
+    """Run the command line and exit; a user's mistake ends in a message and its exit code, never in a traceback.
+
+    Without arguments it is the whole program, those of the command line its own: the collector of garbage rests.
+    """
     for asked in (signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])):
         if signal.getsignal(asked) is not signal.SIG_IGN:  # such as under nohup
             signal.signal(
@@ -69,7 +72,9 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
         complain(explained(error))
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         code = FileError.exit_code
-    gc.freeze()  # the last collection, as Python ends, would go through all that was made: a tenth of the time
+    if arguments is None:
+        # The last collection, as Python ends, would go through all that was made: a tenth of the time.
+        gc.freeze()
     sys.exit(code)
 
 
@@ -81,7 +86,9 @@ def _run(arguments: Sequence[str] | None) -> int:
         from click.shell_completion import shell_complete
 
         return shell_complete(cli, {}, "camgen", _COMPLETE, os.environ[_COMPLETE])
-    gc.disable()  # a run is over before its garbage counts; collecting costs a tenth of the time, most of it at imports
+    if arguments is None:
+        # A run is over before its garbage counts; collecting costs a tenth of the time, most of it at imports.
+        gc.disable()
     try:
         # Not cli.main, which turns a closed pipe into exit code 1: here that means a finding that fails.
         with cli.make_context(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import pty
@@ -68,9 +69,7 @@ def results(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
 
     monkeypatch.setattr(pipeline, "build", give)
     monkeypatch.setattr(pipeline, "check", give)
-    monkeypatch.setattr(
-        "camgen.pipeline.case.all_cores", lambda: 1
-    )  # no other process knows the stub
+    monkeypatch.setattr("camgen.workers.all_cores", lambda: 1)  # no other process knows the stub
     return outcome
 
 
@@ -443,6 +442,12 @@ def test_schema_is_json_schema(run: Run) -> None:
     assert code == 0
     assert {"mechanism", "name", "geometry"} <= set(found["required"])
     assert found["$defs"]["Geometry"]["additionalProperties"] is False
+
+
+def test_who_calls_it_from_python_keeps_the_collector_of_garbage(run: Run) -> None:
+    before = gc.isenabled(), gc.get_freeze_count()
+    assert run("--version")[0] == 0
+    assert (gc.isenabled(), gc.get_freeze_count()) == before == (True, before[1])
 
 
 def test_version_and_help(run: Run) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from camgen.cli import main
-from camgen.pipeline import benchmark, benchmark_report
+from camgen.sweep import benchmark, benchmark_report
 from camgen.sweep.benchmark import Bench, Row, measure
 from camgen.sweep.benchmark_report import STARTERS, sentences, to_markdown
 
