@@ -25,7 +25,7 @@ os.environ.setdefault(
     "OPENBLAS_NUM_THREADS", "1"
 )  # before numpy: each core has a process of its own
 gc.set_threshold(
-    100_000, 50, 100
+    1_000_000, 50, 100
 )  # Python's own 700 collects so often that it takes a tenth of the time of what builds
 
 MOST_WAITED = 6000  # times 0.05 s, for a folder that another process makes

@@ -321,7 +321,7 @@ def mends(error: DesignError) -> list[str]:
     return [] if said is None else said[1].split(", or by ")
 
 
-@settings(max_examples=20)
+@settings(max_examples=12)
 @given(small_machines())
 def test_every_small_machine_of_slots_and_slides_has_parts_or_is_refused_in_words(
     tables: dict[str, Any],
