@@ -29,7 +29,7 @@ from camgen.report.sketches import Drawn
 from camgen.settings import override
 
 if TYPE_CHECKING:
-    from camgen.machines.linkage.sizes import Parts
+    from camgen.parts.generator.sizes import Parts
 
 Told = Callable[[str], None]
 

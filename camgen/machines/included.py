@@ -22,21 +22,21 @@ from camgen.machine.joining import Module, Ride, ride
 from camgen.machine.model import GROUND, Machine, Pose
 from camgen.machine.run import solve
 from camgen.machines import MECHANISMS, load
-from camgen.machines.linkage.joined import Merged, Sleeve, Stand
-from camgen.machines.linkage.layout import SLEEVE, Layout
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.merged import Merging, merging
 from camgen.motion.tables import with_tables
 from camgen.numerics import Floats, Points
 from camgen.parts.assembly import Assembly, renamed
 from camgen.parts.catalogue import Bought
+from camgen.parts.generator.joined import Merged, Sleeve, Stand
+from camgen.parts.generator.layout import SLEEVE, Layout
 from camgen.parts.part import Part
 from camgen.study import Later, Sketch, Study
 from camgen.tolerances import SAME_POINT
 
 if TYPE_CHECKING:
-    from camgen.machines.linkage.sizes import Parts
     from camgen.machines.linkage.tables import Include
+    from camgen.parts.generator.sizes import Parts
 
 _WHOLE = ("print", "material", "accuracy")  # tables that the whole machine has once
 _ANGLES = 1440  # at which bodies that ride are compared with their own motion

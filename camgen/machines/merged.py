@@ -16,9 +16,9 @@ import numpy as np
 from camgen.geometry.outlines import Arc, Contour, Line, Region
 from camgen.machine.features import Eye, Faces, Feature, Mount, mapped
 from camgen.machine.joining import Module
-from camgen.machines.linkage.joined import Merged
-from camgen.machines.linkage.plates import SECOND
 from camgen.parts.assembly import Assembly
+from camgen.parts.generator.joined import Merged
+from camgen.parts.generator.plates import SECOND
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import SAME_POINT
 

@@ -27,25 +27,17 @@ from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
 from camgen.machine.features import Balance, CamOutline
 from camgen.machine.joining import joined
+from camgen.machine.programs import Programmed
 from camgen.machine.reach import refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
 from camgen.machines import included as inc
-from camgen.machines.linkage import bridges, figures, sheets, webs, wheels
+from camgen.machines.linkage import bridges, figures, sheets
 from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.asked_range import refuse_range
-from camgen.machines.linkage.bodies import Bodies
-from camgen.machines.linkage.changes import Change
-from camgen.machines.linkage.coils import coils_of
-from camgen.machines.linkage.drawing import Drawing, Programmed
+from camgen.machines.linkage.drawing import Drawing
 from camgen.machines.linkage.drawing_faults import drawing_faults
-from camgen.machines.linkage.joints import pivot_of
-from camgen.machines.linkage.layout import Layout
-from camgen.machines.linkage.posts import posts
 from camgen.machines.linkage.signals import Signal, signals_of
-from camgen.machines.linkage.sizes import Name, Parts
-from camgen.machines.linkage.stacking import lacking, laid
-from camgen.machines.linkage.trials import with_cures
 from camgen.machines.linkage.weights import counterbalanced, weight_faults
 from camgen.machines.loads.bearing import Borne
 from camgen.machines.loads.counterweights import Counterweight, balance_of, found_moment
@@ -57,6 +49,16 @@ from camgen.parts import assembly as assemblies
 from camgen.parts.assembly import Assembly, Cycle, Frame, MotorSeat
 from camgen.parts.catalogue import turning_text
 from camgen.parts.counterweights import NAME
+from camgen.parts.generator import webs, wheels
+from camgen.parts.generator.bodies import Bodies
+from camgen.parts.generator.changes import Change
+from camgen.parts.generator.coils import coils_of
+from camgen.parts.generator.joints import pivot_of
+from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.posts import posts
+from camgen.parts.generator.sizes import Name, Parts
+from camgen.parts.generator.stacking import lacking, laid
+from camgen.parts.generator.trials import with_cures
 from camgen.parts.journals import Journal, journals
 from camgen.parts.part import Part
 from camgen.spec import Output, unknown, validate
@@ -399,8 +401,8 @@ class Linkage(Mechanism):
 
     @property
     def _layout(self) -> Layout:
-        cams = wheels.ridden(self._drawing, self.allowed)
-        gears = {Drawing.gear_name(gear): gear for gear in self.gears}
+        cams = self._drawing.ridden(self.allowed)
+        gears = {Drawing.gear_name(gear): gear.teeth for gear in self.gears}
         return Layout(
             self.chain,
             self.drive.link,

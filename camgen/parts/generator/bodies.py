@@ -27,21 +27,21 @@ from camgen.errors import listed
 from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine import model as m
 from camgen.machine.features import Feature, Mount, StandIn
-from camgen.machines.linkage import plates
-from camgen.machines.linkage.collars import collar
-from camgen.machines.linkage.discs import cam_parts, gear_part
-from camgen.machines.linkage.joined import GROUND
-from camgen.machines.linkage.joints import features_of, part_name, point_of
-from camgen.machines.linkage.layout import Layout
-from camgen.machines.linkage.pins import Placed, bearings, hand_crank, pin
-from camgen.machines.linkage.plates import ground_plate, second
-from camgen.machines.linkage.seats import seated
-from camgen.machines.linkage.stubs import Stub, stubs
-from camgen.machines.linkage.troughs import covers, rails
-from camgen.machines.linkage.wheels import touched
-from camgen.machines.loads.weights import solid
 from camgen.parts.catalogue import Bought, nut, screw_for
+from camgen.parts.generator import plates
+from camgen.parts.generator.collars import collar
+from camgen.parts.generator.discs import cam_parts, gear_part
+from camgen.parts.generator.joined import GROUND
+from camgen.parts.generator.joints import features_of, part_name, point_of
+from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.pins import Placed, bearings, hand_crank, pin
+from camgen.parts.generator.plates import ground_plate, second
+from camgen.parts.generator.seats import seated
+from camgen.parts.generator.stubs import Stub, stubs
+from camgen.parts.generator.troughs import covers, rails
+from camgen.parts.generator.wheels import touched
 from camgen.parts.hardware import spacer
+from camgen.parts.inertia import solid
 from camgen.parts.part import Layer, Part, d_bore
 from camgen.parts.set_screws import SetScrewHub
 
