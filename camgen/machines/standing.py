@@ -172,6 +172,7 @@ class StandingCams(Mechanism):
             springs=bench.springs,
             posts=bench.posts(self.material.name),
             motor=motor,
+            shaft=bench.bodies.shaft,
             follower=FollowerFacts(self._arm_stiffness),
             board=bench.bodies.stands,
             asked=self._asked(),
