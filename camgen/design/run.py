@@ -30,7 +30,7 @@ from camgen.settings import override
 from camgen.workers import Workers
 
 if TYPE_CHECKING:
-    from camgen.machines.linkage.sizes import Parts
+    from camgen.parts.generator.sizes import Parts
 
 Told = Callable[[str], None]
 

@@ -29,20 +29,19 @@ from camgen.machine.cams.machine import FollowerLoad
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Feature, Mount, StandIn
 from camgen.machine.model import GROUND, Cam, Gravity, Machine, Place, Spring
+from camgen.machine.programs import Scaled
 from camgen.machine.run import Run, solve
-from camgen.machines.linkage.bodies import Bodies
-from camgen.machines.linkage.coils import coils_of
-from camgen.machines.linkage.drawing import Scaled
-from camgen.machines.linkage.joined import Stretched
-from camgen.machines.linkage.layout import Layout
-from camgen.machines.linkage.posts import posts
-from camgen.machines.linkage.sizes import Parts
-from camgen.machines.linkage.stacking import lacking, laid
-from camgen.machines.linkage.tables import Gear
-from camgen.machines.linkage.troughs import open_rails
-from camgen.machines.linkage.wheels import Ridden
 from camgen.parts.catalogue import Bearing, Bought, turning_text
 from camgen.parts.coils import Coil
+from camgen.parts.generator.bodies import Bodies
+from camgen.parts.generator.coils import coils_of
+from camgen.parts.generator.joined import Stretched
+from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.posts import posts
+from camgen.parts.generator.sizes import Parts
+from camgen.parts.generator.stacking import lacking, laid
+from camgen.parts.generator.troughs import open_rails
+from camgen.parts.generator.wheels import Ridden
 from camgen.parts.journals import Post
 from camgen.parts.part import Part
 from camgen.parts.springs import EYE, ExtensionSpring, Mounted, extension_spring, pulling
@@ -95,7 +94,7 @@ class Bench:
     """The machine of `cams.machine` as one that is made.
 
     drawn: without a spring; tip: its follower's; density: kg/m^3; heavy: bodies whose masses are given; load: with the spring
-    that is wanted, its rate and preload 0 where one is to be found; gears: tables of such joints; more: points of what they
+    that is wanted, its rate and preload 0 where one is to be found; gears: as a layout has them; more: points of what they
     drive, by body; strung: further springs, by name; gravity: what weight pulls with, or nothing; freewheels, marks: as a
     layout has them; driven: what drives the cam; beneath: what hangs under the plate and drives that.
     """
@@ -109,7 +108,7 @@ class Bench:
     density: float
     load: FollowerLoad = FollowerLoad()
     heavy: Sequence[str] = ()
-    gears: Mapping[str, Gear] = field(default_factory=dict)
+    gears: Mapping[str, int | None] = field(default_factory=dict)
     more: Mapping[str, Mapping[str, complex]] = field(default_factory=dict)
     strung: Mapping[str, Strung] = field(default_factory=dict)
     gravity: Sequence[Gravity] = ()

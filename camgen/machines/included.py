@@ -6,7 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import partial
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any
 
@@ -22,20 +22,18 @@ from camgen.machine.joining import Module, Ride, ride
 from camgen.machine.model import GROUND, Machine, Pose
 from camgen.machine.run import solve
 from camgen.machines import MECHANISMS, load
-from camgen.machines.linkage.joined import Merged, Sleeve, Stand
-from camgen.machines.linkage.layout import SLEEVE, Layout
 from camgen.machines.mechanism import Mechanism
-from camgen.machines.merged import Merging, merging
 from camgen.motion.tables import with_tables
 from camgen.numerics import Floats, Points
 from camgen.parts.assembly import Assembly, renamed
 from camgen.parts.catalogue import Bought
+from camgen.parts.generator.joined import Stand
+from camgen.parts.generator.mounted import InLine, UpperEnd, in_line, merged
 from camgen.parts.part import Part
 from camgen.study import Later, Sketch, Study
 from camgen.tolerances import SAME_POINT
 
 if TYPE_CHECKING:
-    from camgen.machines.linkage.sizes import Parts
     from camgen.machines.linkage.tables import Include
 
 _WHOLE = ("print", "material", "accuracy")  # tables that the whole machine has once
@@ -45,171 +43,198 @@ _DRIVES = ("drive", "motor")  # what is bought once
 
 
 @dataclass(frozen=True)
+class Host:
+    """What included machines take of the one that includes them."""
+
+    tables: Mapping[str, Any]  # of its spec
+    speed_rpm: float
+
+
+@dataclass(frozen=True)
 class Included:
-    """A mechanism as a module of another one."""
+    """A machine as it stands in another one."""
 
+    table: Include  # its [[include]]
     module: Module
-    mechanism: Mechanism
-    host: Machine
-    source: str | None = None
-    tolerance: float = 0.0
-    mounted: bool = False
-    sleeve: Sleeve | None = None
-    merged: tuple[Merging, Merged] | None = None
+    mechanism: Mechanism  # of its own spec
+    assembly: Assembly  # as it stands in the whole
+    stand: Stand | None = None  # of its frame, on the second plate; None where it stands by itself
 
-    def tables(self) -> Mapping[str, Any]:
-        """Its own [[include]], with everything filled in."""
-        m, data = self.module, self.mechanism.model_dump(by_alias=True, exclude_none=True)
-        where = {"at": (m.at.real, m.at.imag), "phase_deg": math.degrees(m.phase), "z": m.z}
-        source = {} if self.source is None else {"source": self.source}
-        ride = (
-            {"ride": {each.body: each.link for each in m.rides}, "ride_tolerance": self.tolerance}
-            if m.rides
-            else {}
+
+# ---- what they are ---------------------------------------------------------------------------------------------------
+
+
+def stacked(
+    includes: Sequence[Include],
+    host: Host,
+    chain: Machine,
+    top: float,
+    gap: float,
+    end: UpperEnd | None,
+) -> tuple[Included, ...]:
+    """The included machines, each so far above the highest part before it as the gap says unless its z is given; mm.
+
+    chain: the host's own model; top: height of its highest part; end: of its shaft, where it has a second plate.
+    """
+    found: list[Included] = []
+    for k, each in enumerate(includes):
+        mechanism = _made(each, host)
+        own = mechanism.assembly
+        levels = heights(own.parts, own.mounts)
+        low = min(low for low, _ in levels)
+        z = top + gap - low if each.z is None else each.z
+        module = Module(_name(each), complex(*each.at), math.radians(each.phase_deg), z)
+        joint = None
+        if each.mounted and end is not None:
+            _refuse_unfixed(f"include.{k}.mounted", own, end.sizes.mount_diameter)
+            joint = in_line(own, module, end, gap)
+            module = module if joint is None else replace(module, z=joint.z)
+            _refuse_height(f"include.{k}.z", each.z, joint, module.z, end.top + gap - low)
+        top = max(top, module.z + max(high for _, high in levels))
+        module = replace(module, rides=_rides(f"include.{k}.ride", each, module, mechanism, chain))
+        found.append(_included(each, module, mechanism, joint))
+    return tuple(found)
+
+
+def _included(
+    table: Include, module: Module, mechanism: Mechanism, joint: InLine | None
+) -> Included:
+    """A machine in its place; joint: what joins it to the host's shaft."""
+    own = mechanism.assembly
+    stand = None
+    if table.mounted:
+        places = () if own.frame is None else own.frame.fixings
+        stand = Stand(
+            module.part("")[:-1],
+            tuple(z + module.at for z, _ in places),
+            module.z,
+            None if joint is None else joint.sleeve,
+            None if joint is None else joint.merged,
         )
-        where |= {"mounted": True} if self.mounted else {}
-        return {"name": m.prefix, **where, **ride, **source, "spec": data}
+    own = replace(own, bought=_bought(own, table.mounted, joint is not None))
+    if joint is None or joint.merging is None:
+        return Included(table, module, mechanism, renamed(own, module), stand)
+    return Included(table, module, mechanism, merged(own, module, joint.merging), stand)
 
-    # ---- as a module ------------------------------------------------------------------------------------------------
 
-    @cached_property
-    def assembly(self) -> Assembly:
-        """What is made of it, as it stands in the whole."""
-        own = self.mechanism.assembly
-        if self.merged is None:
-            return replace(renamed(own, self.module), bought=self._bought())
-        merging = self.merged[0]
-        made = renamed(merging.left(own), self.module)
-        features = [merging.feature(each, self.module) for each in made.features]
-        return replace(made, features=features, bought=self._bought())
+def _bought(own: Assembly, mounted: bool, turned: bool) -> Sequence[Bought]:
+    """What is bought for it; what turns the shaft is bought once. turned: whether the machine's shaft turns it."""
+    coupling = Bought(
+        "coupling or toothed belt 1 : 1", "", "turns its shaft with the machine's; not made", 1
+    )
+    left = [
+        each
+        for each in own.bought
+        if each.name not in _DRIVES
+        and not (mounted and each.name.endswith(_BEHIND))  # posts hold it
+    ]
+    return left if own.shaft is None or turned else [coupling, *left]
 
-    def _bought(self) -> Sequence[Bought]:
-        """What is bought for it; what turns the shaft is bought once."""
-        name = self.module.prefix
-        turned = Bought(
-            f"coupling or toothed belt 1 : 1, {name}",
-            "",
-            "turns its shaft with the machine's; not made",
-            1,
-        )
-        bought = self.mechanism.assembly.bought
-        left = [
-            each for each in bought if not (self.mounted and each.name.endswith(_BEHIND))
-        ]  # posts hold it
-        own = [
-            replace(each, name=f"{each.name}, {name}") for each in left if each.name not in _DRIVES
-        ]
-        return [*([turned] if self._shafts and not (self.sleeve or self.merged) else []), *own]
 
-    @property
-    def stand(self) -> Stand:
-        """Its frame on the second plate."""
-        places = tuple(z + self.module.at for z, _ in _fixings(self.mechanism))
-        return Stand(
-            self.module.part("")[:-1],
-            places,
-            self.module.z,
-            self.sleeve,
-            self.merged[1] if self.merged else None,
-        )
+def _made(each: Include, host: Host) -> Mechanism:
+    """The mechanism of an included spec, with everything filled in; DesignError names the include."""
+    try:
+        found = _mechanism(each, host).resolved()
+        _ = found.assembly.parts
+    except DesignError as e:
+        said = f"{_name(each)}{f' ({each.source})' if each.source else ''}: {str(e).removesuffix(f'; {e.remedy}')}"
+        raise DesignError(
+            f"{_name(each)}: {e.quantity}", e.value, e.limit, e.unit, e.where, e.remedy, said
+        ) from None
+    return found
 
-    @property
-    def _shafts(self) -> bool:
-        """Whether it has a shaft of its own to be turned."""
-        return "shaft" in self.mechanism.assembly.by_name
 
-    # ---- answers ----------------------------------------------------------------------------------------------------
+def _mechanism(each: Include, host: Host) -> Mechanism:
+    """The mechanism of an included spec, printed as the host is and at the host's speed; SpecError with its faults."""
+    assert not isinstance(each.spec, str), "faults() tells it"
+    data = {**each.spec, **{key: host.tables[key] for key in _WHOLE}}
+    for table in ("drive",) if "drive" in data else ("motor",):
+        if isinstance(data.get(table), Mapping):
+            data[table] = {**data[table], "speed_rpm": host.speed_rpm}
+    return specs.validate(load(specs.choose(data, MECHANISMS)), data)
 
-    def limits(self) -> Sequence[Finding]:
-        """Its design checks, and how well the links that carry bodies of it follow its own motion."""
-        own = [
-            replace(each, where=f"{self.module.prefix}: {each.where}")
-            for each in self.mechanism.limits()
-        ]
-        return [*own, *(self._followed(ride) for ride in self.module.rides)]
 
-    def _followed(self, ride: Ride) -> Finding:
-        """PROGRAM_ERROR: how far a body that rides is from where its own machine has it."""
-        theta, m = np.linspace(0, math.tau, _ANGLES, endpoint=False), self.module
-        link, own = (
-            solve(self.host, theta, 0).pose(ride.link),
-            self.mechanism.solve(theta + m.phase, 0).pose(ride.body),
-        )
-        off = np.abs(link.place + ride.at * np.exp(1j * link.angle) - own.place - m.at)
-        worst = int(np.argmax(off))
-        where = f"{m.prefix}: {ride.body} on {ride.link}, crank angle {math.degrees(theta[worst]):.2f} deg"
-        said = "from where its own machine has it; what follows from it, such as clearances, is judged where it really goes"
-        return at_most("PROGRAM_ERROR", float(off[worst]), self.tolerance, "mm", where, said)
-
-    def study(self) -> Study:
-        """Its figures, curves and tables, which are those of its own spec; angles in them are its own."""
-        found, prefix = self.mechanism.study(), self.module.prefix
-        return Study(
-            {self.module.name(name): value for name, value in found.numbers.items()},
-            Later(lambda: [replace(plot, title=f"{prefix}: {plot.title}") for plot in found.plots]),
-            Later(
-                lambda: [replace(table, title=f"{prefix}: {table.title}") for table in found.tables]
-            ),
-            Later(lambda: [self.sketch(sketch) for sketch in found.sketches]),
-            [*self._told(), *self._fastened(), *(f"{prefix}: {note}" for note in found.notes)],
-        )
-
-    def sketch(self, sketch: Sketch) -> Sketch:
-        """One of its own where it stands."""
-        shift, (name, body) = (
-            self.module.at if sketch.body == GROUND else 0j,
-            (sketch.name, sketch.body),
-        )
-        strokes, circles = (
-            [z + shift for z in sketch.strokes],
-            [(z + shift, r) for z, r in sketch.circles],
-        )
-        z = None if sketch.z is None else sketch.z + self.module.z
-        course = None if sketch.course is None else partial(_ahead, sketch.course, self.module)
-        return Sketch(self.module.part(name), strokes, circles, self.module.body(body), course, z)
-
-    def _fastened(self) -> list[str]:
-        """What a builder joins: a body that rides has no hole or post of its own for it."""
-        name, at = self.module.prefix, self.module.at
-        plate = f"{name} stands by itself, {self.module.z:g} mm up, its origin at ({at.real:g}, {at.imag:g}): nothing is made "
-        plate += "that joins its plate and shaft to the rest. Screw both frames on one board, this one so much higher."
-        if self.mounted:
-            plate = f"{name} stands on the second plate: posts screwed on from below, studs in their tops that hold its frame; "
-            if self.merged:
-                plate = f"{name} has no frame and no shaft of its own: the second plate holds what its frame would, and the "
-                plate += "machine's shaft turns it."
-                return [
-                    plate,
-                    *(
-                        f"{name}: {ride.body} rides on {ride.link}; fasten it there."
-                        for ride in self.module.rides
-                    ),
-                ]
-            plate += (
-                "a sleeve joins both shafts."
-                if self.sleeve
-                else "its shaft is turned by a belt or coupling."
-            )
-        rides = [
-            f"{name}: {ride.body} rides on {ride.link}; fasten it there."
-            for ride in self.module.rides
-        ]
-        return [*([plate] if self._shafts else []), *rides]
-
-    def _told(self) -> list[str]:
-        """Where it was read, if not beside the spec."""
-        outside = self.source is not None and ".." in PurePosixPath(self.source).parts
-        return (
-            [f"{self.module.prefix} was read from {self.source}, outside the spec's folder."]
-            if outside
-            else []
-        )
+def _name(each: Include) -> str:
+    """What is put before its names: as given, or its spec's name."""
+    name = each.spec.get("name", "module") if isinstance(each.spec, Mapping) else "module"
+    return each.name or str(name).replace("-", "_")
 
 
 def heights(parts: Sequence[Part], mounts: Sequence[Mount]) -> list[tuple[float, float]]:
     """From where to where each copy reaches in the assembly, mm."""
     thick = {part.name: part.thickness for part in parts}
     return [(mount.z, mount.z + thick[mount.part]) for mount in mounts]
+
+
+def kept(
+    includes: Sequence[Include], host: Callable[[], Host]
+) -> tuple[tuple[complex, float], ...]:
+    """Discs about the holes in the frames of machines that are mounted, on the host's ground, mm."""
+    found: list[tuple[complex, float]] = []
+    for each in (each for each in includes if each.mounted):
+        made = _mechanism(each, host()).assembly
+        holes = () if made.frame is None else made.by_name[made.frame.part].layers[0].region.holes
+        arcs = (piece for hole in holes for piece in hole.pieces if isinstance(piece, Arc))
+        found += [(arc.centre + complex(*each.at), 2 * arc.radius) for arc in arcs]
+    return tuple(found)
+
+
+def _refuse_unfixed(key: str, own: Assembly, core: float) -> None:
+    """Raise SpecError where no screws of posts fit into a frame."""
+    wide = set() if own.frame is None else {diameter for _, diameter in own.frame.fixings}
+    if not wide:
+        right = "nothing here: this machine has no frame with holes for screws from behind"
+        raise SpecError([Fault(key, "true", right)])
+    if wide != {core}:
+        right = (
+            f"screw holes of its frame as wide as parts.mount_diameter of this machine, {core:g} mm"
+        )
+        raise SpecError([Fault(key, f"{max(wide):g} mm", right)])
+
+
+def _refuse_height(
+    key: str, given: float | None, joint: InLine | None, z: float, least: float
+) -> None:
+    """Raise SpecError where a machine is given a height, mm, at which its frame cannot stand on the second plate.
+
+    z: where it stands; least: where a frame may that nothing joins to the shaft.
+    """
+    if given is None or (abs(given - z) <= SAME_POINT and (joint is not None or z >= least)):
+        return
+    right = f"at least {least:.6g}, or nothing"
+    if joint is not None:
+        right = f"{z:.6g}, or nothing: both shafts are one"
+    raise SpecError([Fault(key, f"{given:g}", f"{right}: its frame stands on the second plate")])
+
+
+def _rides(
+    key: str, each: Include, module: Module, mechanism: Mechanism, chain: Machine
+) -> tuple[Ride, ...]:
+    """Bodies that links of the host carry, as they stand to each other at theta = 0; SpecError, by the key, where they cannot."""
+    bodies, links = ([body.name for body in machine.moving] for machine in (mechanism.model, chain))
+    wrong = [
+        specs.unknown(f"{key}.{body}", body, bodies) for body in each.ride if body not in bodies
+    ]
+    wrong += [
+        specs.unknown(f"{key}.{body}", link, links)
+        for body, link in each.ride.items()
+        if link not in links
+    ]
+    if wrong:
+        raise SpecError(wrong)
+    run, host, found = mechanism.solve([module.phase], 0), solve(chain, [0.0], 0), []
+    for body, link in each.ride.items():
+        own, carrier = run.pose(body), host.pose(link)
+        there = Pose(complex(own.place[0]) + module.at, float(own.angle[0]))
+        found.append(
+            ride(body, link, there, Pose(complex(carrier.place[0]), float(carrier.angle[0])))
+        )
+    misfits = replace(module, rides=tuple(found)).misfits(mechanism.model)
+    if misfits:
+        raise SpecError(
+            [Fault(key, misfits[0], "bodies that only pins join to others that move by themselves")]
+        )
+    return tuple(found)
 
 
 def distinct(
@@ -244,199 +269,70 @@ def distinct(
         raise refused(str(told).rpartition(": ")[2], str(told)) from None
 
 
-@dataclass(frozen=True)
-class Line:
-    """The upper end of the host's shaft: its axis on the ground, None where it does not reach the second plate, where it ends in
-    a sleeve, mm, how its link is turned at theta = 0, rad, the sizes of the host's parts, the shaft's name, and the height of
-    the plate's underside, mm."""
-
-    axis: complex | None
-    end: float
-    angle: float
-    sizes: Parts
-    shaft: str
-    ceiling: float
+# ---- what they answer in the whole -----------------------------------------------------------------------------------
 
 
-def stacked(
-    includes: Sequence[Include],
-    host: Mapping[str, Any],
-    rpm: float,
-    chain: Machine,
-    top: float,
-    gap: float,
-    line: Line | None = None,
-) -> tuple[Included, ...]:
-    """The included machines, each so far above the highest part before it as the gap says unless its z is given; mm.
-
-    host: the tables of the spec that includes them; chain: its own model; line: its shaft, where it has a second plate.
-    """
-    found: list[Included] = []
-    for k, each in enumerate(includes):
-        try:
-            mechanism = _mechanism(each, host, rpm).resolved()
-            levels = heights(mechanism.assembly.parts, mechanism.assembly.mounts)
-        except DesignError as e:
-            said = f"{_name(each)}{f' ({each.source})' if each.source else ''}: {str(e).removesuffix(f'; {e.remedy}')}"
-            raise DesignError(
-                f"{_name(each)}: {e.quantity}", e.value, e.limit, e.unit, e.where, e.remedy, said
-            ) from None
-        low, high = min(low for low, _ in levels), max(high for _, high in levels)
-        z = top + gap - low if each.z is None else each.z
-        sleeve = merged = None
-        if each.mounted and line is not None:
-            _refuse_unfixed(f"include.{k}.mounted", mechanism, line.sizes.mount_diameter)
-            z, sleeve, merged = _in_line(each, mechanism, line, gap) or (z, None, None)
-            least = line.ceiling + line.sizes.base_thickness + gap - low
-            if each.z is not None and (
-                abs(each.z - z) > SAME_POINT or not (sleeve or merged or z >= least)
-            ):
-                right = (
-                    f"{z:.6g}, or nothing: both shafts are one"
-                    if sleeve or merged
-                    else f"at least {least:.6g}, or nothing"
-                )
-                raise SpecError(
-                    [
-                        Fault(
-                            f"include.{k}.z",
-                            f"{each.z:g}",
-                            f"{right}: its frame stands on the second plate",
-                        )
-                    ]
-                )
-        top = max(top, z + high)
-        module = Module(_name(each), complex(*each.at), math.radians(each.phase_deg), z)
-        module = replace(module, rides=_rides(f"include.{k}.ride", each, module, mechanism, chain))
-        found.append(
-            Included(
-                module,
-                mechanism,
-                chain,
-                each.source,
-                each.ride_tolerance,
-                each.mounted,
-                sleeve,
-                merged,
-            )
-        )
-    return tuple(found)
+def filled(each: Included) -> Mapping[str, Any]:
+    """Its own [[include]], with everything filled in."""
+    module, table = each.module, each.table
+    return {
+        "name": module.prefix,
+        "at": (module.at.real, module.at.imag),
+        "phase_deg": math.degrees(module.phase),
+        "z": module.z,
+        **({"mounted": True} if table.mounted else {}),
+        **({"ride": table.ride, "ride_tolerance": table.ride_tolerance} if module.rides else {}),
+        **({} if table.source is None else {"source": table.source}),
+        "spec": each.mechanism.model_dump(by_alias=True, exclude_none=True),
+    }
 
 
-def _fixings(mechanism: Mechanism) -> Sequence[tuple[complex, float]]:
-    """Holes in its frame for screws from behind: place and diameter, mm."""
-    frame = mechanism.assembly.frame
-    return () if frame is None else frame.fixings
-
-
-def _refuse_unfixed(key: str, mechanism: Mechanism, core: float) -> None:
-    """Raise SpecError where no screws of posts fit into a frame."""
-    wide = {diameter for _, diameter in _fixings(mechanism)}
-    if not wide:
-        raise SpecError(
-            [
-                Fault(
-                    key,
-                    "true",
-                    "nothing here: this machine has no frame with holes for screws from behind",
-                )
-            ]
-        )
-    if wide != {core}:
-        right = (
-            f"screw holes of its frame as wide as parts.mount_diameter of this machine, {core:g} mm"
-        )
-        raise SpecError([Fault(key, f"{max(wide):g} mm", right)])
-
-
-Joined = tuple[float, Sleeve | None, tuple[Merging, Merged] | None]
-
-
-def _in_line(each: Include, mechanism: Mechanism, line: Line, gap: float) -> Joined | None:
-    """How far a machine is raised whose shaft is in line with the host's, mm, and what joins them, where both are alike and its
-    frame is flat below the plate and shaft that both have; None where they are not in line."""
-    made = mechanism.assembly
-    shaft = next(iter(made.poses(np.array([math.radians(each.phase_deg)])).get("shaft", ())), None)
-    making = getattr(mechanism, "making", None)
-    if shaft is None or making is None or line.axis is None:
-        return None
-    if abs(complex(shaft.place[0]) + complex(*each.at) - line.axis) > SAME_POINT:
-        return None
-    phase, sizes = math.radians(each.phase_deg), line.sizes
-    if (making.shaft_diameter, making.shaft_flat) == (sizes.shaft_diameter, sizes.shaft_flat):
-        found = merging(
-            made, complex(*each.at), phase, line.angle, line.shaft, sizes.base_thickness, sizes.wall
-        )
-        if found is not None:
-            return line.ceiling + sizes.base_thickness - found[2], None, found[:2]
-    room = min(mount.z for mount in made.mounts if mount.part != "shaft") - shaft.z - gap
-    up = min(SLEEVE * making.shaft_diameter, room)
-    if up < making.shaft_diameter / 2:
-        raise DesignError(
-            "room for a sleeve on the shaft",
-            up,
-            making.shaft_diameter / 2,
-            "mm",
-            _name(each),
-            "let it stand out further under its frame: a longer parts.shaft_length there",
-        )
-    turn = float(shaft.angle[0]) - line.angle
-    return line.end - shaft.z, Sleeve(making.shaft_diameter, making.shaft_flat, turn, up), None
-
-
-def upper_end(layout: Layout) -> Line | None:
-    """Of the shaft that drives a linkage, where it has a second plate."""
-    if layout.second is None:
-        return None
-    point = layout.shaft_of(layout.driven)
-    axis = layout.at(GROUND, point) if layout.in_second(point) else None
-    shaft = "shaft" if layout.cut(point) is None else f"shaft-{layout.upper_web}"
-    angle = float(layout.machine.start_of(layout.driven).angle)
-    return Line(axis, layout.line[1], angle, layout.sizes, shaft, layout.ceiling)
-
-
-def kept(
-    includes: Sequence[Include], host: Callable[[], Mapping[str, Any]], rpm: float
-) -> tuple[tuple[complex, float], ...]:
-    """Discs about the holes in the frames of machines that are mounted, on the host's ground, mm; host: gives its tables."""
-    found: list[tuple[complex, float]] = []
-    for each in (each for each in includes if each.mounted):
-        mechanism = _mechanism(each, host(), rpm)
-        made = mechanism.assembly
-        holes = () if made.frame is None else made.by_name[made.frame.part].layers[0].region.holes
-        arcs = (piece for hole in holes for piece in hole.pieces if isinstance(piece, Arc))
-        found += [(arc.centre + complex(*each.at), 2 * arc.radius) for arc in arcs]
-    return tuple(found)
-
-
-def _rides(
-    key: str, each: Include, module: Module, mechanism: Mechanism, chain: Machine
-) -> tuple[Ride, ...]:
-    """Bodies that links of the host carry, as they stand to each other at theta = 0; SpecError, by the key, where they cannot."""
-    bodies, links = ([body.name for body in machine.moving] for machine in (mechanism.model, chain))
-    wrong = [
-        specs.unknown(f"{key}.{body}", body, bodies) for body in each.ride if body not in bodies
+def limits(each: Included, chain: Machine) -> Sequence[Finding]:
+    """Its design checks, and how well the links of the host's chain that carry bodies of it follow its own motion."""
+    own = [
+        replace(finding, where=f"{each.module.prefix}: {finding.where}")
+        for finding in each.mechanism.limits()
     ]
-    wrong += [
-        specs.unknown(f"{key}.{body}", link, links)
-        for body, link in each.ride.items()
-        if link not in links
-    ]
-    if wrong:
-        raise SpecError(wrong)
-    run, host, found = mechanism.solve([module.phase], 0), solve(chain, [0.0], 0), []
-    for body, link in each.ride.items():
-        own, carrier = run.pose(body), host.pose(link)
-        there = Pose(complex(own.place[0]) + module.at, float(own.angle[0]))
-        found.append(
-            ride(body, link, there, Pose(complex(carrier.place[0]), float(carrier.angle[0])))
-        )
-    misfits = replace(module, rides=tuple(found)).misfits(mechanism.model)
-    if misfits:
-        raise SpecError(
-            [Fault(key, misfits[0], "bodies that only pins join to others that move by themselves")]
-        )
-    return tuple(found)
+    return [*own, *(_followed(each, ride, chain) for ride in each.module.rides)]
+
+
+def _followed(each: Included, ride: Ride, chain: Machine) -> Finding:
+    """PROGRAM_ERROR: how far a body that rides is from where its own machine has it."""
+    theta, module = np.linspace(0, math.tau, _ANGLES, endpoint=False), each.module
+    link = solve(chain, theta, 0).pose(ride.link)
+    own = each.mechanism.solve(theta + module.phase, 0).pose(ride.body)
+    off = np.abs(link.place + ride.at * np.exp(1j * link.angle) - own.place - module.at)
+    worst = int(np.argmax(off))
+    angle = math.degrees(theta[worst])
+    where = f"{module.prefix}: {ride.body} on {ride.link}, crank angle {angle:.2f} deg"
+    said = "from where its own machine has it; what follows from it, such as clearances, is judged where it really goes"
+    return at_most("PROGRAM_ERROR", float(off[worst]), each.table.ride_tolerance, "mm", where, said)
+
+
+def study(each: Included) -> Study:
+    """Its figures, curves and tables, which are those of its own spec; angles in them are its own."""
+    found, module = each.mechanism.study(), each.module
+    prefix = module.prefix
+    return Study(
+        {module.name(name): value for name, value in found.numbers.items()},
+        Later(lambda: [replace(plot, title=f"{prefix}: {plot.title}") for plot in found.plots]),
+        Later(lambda: [replace(table, title=f"{prefix}: {table.title}") for table in found.tables]),
+        Later(lambda: [_sketch(sketch, module) for sketch in found.sketches]),
+        [*_origin(each), *_fastened(each), *(f"{prefix}: {note}" for note in found.notes)],
+    )
+
+
+def _sketch(sketch: Sketch, module: Module) -> Sketch:
+    """One of its own where it stands."""
+    shift = module.at if sketch.body == GROUND else 0j
+    return Sketch(
+        module.part(sketch.name),
+        [z + shift for z in sketch.strokes],
+        [(z + shift, r) for z, r in sketch.circles],
+        module.body(sketch.body),
+        None if sketch.course is None else partial(_ahead, sketch.course, module),
+        None if sketch.z is None else sketch.z + module.z,
+    )
 
 
 def _ahead(course: Callable[[Floats], Points], module: Module, theta: Floats) -> Points:
@@ -444,12 +340,49 @@ def _ahead(course: Callable[[Floats], Points], module: Module, theta: Floats) ->
     return course(theta + module.phase) + module.at
 
 
-def faults(includes: Sequence[Include], host: Mapping[str, Any], rpm: float) -> Sequence[Fault]:
+def _fastened(each: Included) -> list[str]:
+    """What a builder joins: a body that rides has no hole or post of its own for it."""
+    name, module, stand = each.module.prefix, each.module, each.stand
+    shaft = each.mechanism.assembly.shaft
+    said: list[str] = []
+    if stand is not None and stand.merged is not None:
+        said.append(
+            f"{name} has no frame and no shaft of its own: the second plate holds what its frame would, and the machine's shaft "
+            "turns it."
+        )
+    elif stand is not None and shaft is not None:
+        turned = "its shaft is turned by a belt or coupling."
+        if stand.sleeve is not None:
+            turned = "a sleeve joins both shafts."
+        said.append(
+            f"{name} stands on the second plate: posts screwed on from below, studs in their tops that hold its frame; {turned}"
+        )
+    elif shaft is not None:
+        said.append(
+            f"{name} stands by itself, {module.z:g} mm up, its origin at ({module.at.real:g}, {module.at.imag:g}): nothing is "
+            "made that joins its plate and shaft to the rest. Screw both frames on one board, this one so much higher."
+        )
+    rides = [f"{name}: {ride.body} rides on {ride.link}; fasten it there." for ride in module.rides]
+    return [*said, *rides]
+
+
+def _origin(each: Included) -> list[str]:
+    """Where it was read, if not beside the spec."""
+    source = each.table.source
+    if source is None or ".." not in PurePosixPath(source).parts:
+        return []
+    return [f"{each.module.prefix} was read from {source}, outside the spec's folder."]
+
+
+# ---- their specs -----------------------------------------------------------------------------------------------------
+
+
+def faults(includes: Sequence[Include], host: Host) -> Sequence[Fault]:
     """What is wrong with included specs, by the key of each."""
     found, names = [], [_name(each) for each in includes]
     for k, each in enumerate(includes):
         path = f"include.{k}"
-        if each.mounted and host["parts"]["plates"] < 2:
+        if each.mounted and host.tables["parts"]["plates"] < 2:
             right = "nothing here, or parts.plates = 2 beside it: it stands on the second plate"
             found.append(Fault(f"{path}.mounted", "true", right))
         if names[k] in names[:k]:
@@ -481,7 +414,7 @@ def faults(includes: Sequence[Include], host: Mapping[str, Any], rpm: float) -> 
             )
             continue
         try:
-            _mechanism(each, host, rpm)
+            _mechanism(each, host)
         except SpecError as error:
             file = f" (in {each.source})" if each.source else ""
             found += [
@@ -507,19 +440,3 @@ def opened(data: reading.Data, folder: Path) -> reading.Data:
         if read
         else data
     )
-
-
-def _mechanism(each: Include, host: Mapping[str, Any], rpm: float) -> Mechanism:
-    """The mechanism of an included spec, printed as the host is and at the host's speed; SpecError with its faults."""
-    assert not isinstance(each.spec, str), "faults() tells it"
-    data = {**each.spec, **{key: host[key] for key in _WHOLE}}
-    for table in ("drive",) if "drive" in data else ("motor",):
-        if isinstance(data.get(table), Mapping):
-            data[table] = {**data[table], "speed_rpm": rpm}
-    return specs.validate(load(specs.choose(data, MECHANISMS)), data)
-
-
-def _name(each: Include) -> str:
-    """What is put before its names: as given, or its spec's name."""
-    name = each.spec.get("name", "module") if isinstance(each.spec, Mapping) else "module"
-    return each.name or str(name).replace("-", "_")

@@ -14,12 +14,12 @@ from camgen.errors import Fault
 from camgen.machine.features import Asked, CamOutline, Mount
 from camgen.machine.model import Machine
 from camgen.machines.linkage import sheets
-from camgen.machines.linkage.sizes import Parts
 from camgen.machines.loads.pins import stronger
 from camgen.machines.mechanism import Mechanism
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly, FollowerFacts, MotorSeat
 from camgen.parts.disc_cams import Parts as DiscParts
+from camgen.parts.generator.sizes import Parts
 from camgen.parts.journals import Journal
 from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
@@ -172,6 +172,7 @@ class StandingCams(Mechanism):
             springs=bench.springs,
             posts=bench.posts(self.material.name),
             motor=motor,
+            shaft=bench.bodies.shaft,
             follower=FollowerFacts(self._arm_stiffness),
             board=bench.bodies.stands,
             asked=self._asked(),

@@ -85,6 +85,16 @@ class MotorSeat:
 
 
 @dataclass(frozen=True)
+class Shaft:
+    """The shaft that drives the machine, where it is a part; bores on it have its flat."""
+
+    part: str
+    diameter: float  # mm
+    flat: float  # mm, depth of it
+    collar: str = "collar"  # part on it, under the frame
+
+
+@dataclass(frozen=True)
 class FollowerFacts:
     """What forces need to know of a cam's follower."""
 
@@ -126,6 +136,7 @@ class Assembly:
     posts: Sequence[Post] = ()  # pins that only a spring or a roller bends
     frame: Frame | None = None
     motor: MotorSeat = MotorSeat()
+    shaft: Shaft | None = None
     follower: FollowerFacts = FollowerFacts()
     board: str = ""  # what it stands on, as the last step says; "" where nothing is said
     work: Sequence[Table] = ()  # the order of assembly, where it is not by height
@@ -277,7 +288,7 @@ def _balance(balance: Balance, module: Module) -> Balance:
 def joined(host: Assembly, others: Sequence[Assembly], machine: Machine) -> Assembly:
     """One machine of a host and others that are renamed; machine: the model of all.
 
-    The host's frame, motor and board are those of the whole.
+    The host's frame, motor, shaft and board are those of the whole.
     """
     if not others:
         return host

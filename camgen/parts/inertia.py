@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour
-from camgen.machine.model import MM
+from camgen.machine.balancing import together
+from camgen.machine.features import Mount
+from camgen.machine.model import MM, Body
+from camgen.parts.catalogue import STEEL
 from camgen.parts.part import Part
+
+_SHOWN = ("dummy",)  # how parts are made that stand for others and weigh nothing here
 
 
 def inertia_of(part: Part, density: float) -> float:
@@ -30,6 +36,20 @@ def centre_of(part: Part) -> complex:
         total += height * complex(np.sum(cross * (z + w))) / 6
         weight += height * float(np.sum(cross)) / 2
     return total / weight
+
+
+def solid(body: Body, parts: Mapping[str, Part], mounts: Sequence[Mount], density: float) -> Body:
+    """The body with mass, centre and inertia of all that is mounted on it; density of what is printed, kg/m^3."""
+    own = []
+    for mount in mounts:
+        part = parts.get(mount.part)
+        if mount.body != body.name or part is None or part.made in _SHOWN:
+            continue
+        heavy = density if part.made == "printed" else 1e3 * STEEL
+        mass, centre = part.volume * heavy * MM**3, centre_of(part)
+        inertia = inertia_of(part, heavy) - mass * abs(centre * MM) ** 2
+        own.append(Body(part.name, mass=mass, centre=mount.place(centre), inertia=inertia))
+    return together(replace(body, mass=0.0, inertia=0.0), *own)
 
 
 def _contours(part: Part) -> Iterator[tuple[float, Contour]]:

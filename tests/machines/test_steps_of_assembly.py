@@ -19,11 +19,11 @@ from camgen import load, starters
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine.features import Mark, Mount, PartPose, heights
-from camgen.machines.linkage.layout import Layout
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
 from camgen.parts.assembly import order_of_assembly
 from camgen.parts.catalogue import SCREWS
+from camgen.parts.generator.layout import Layout
 from camgen.parts.part import Layer, Part
 from camgen.parts.steps import Fixing, order
 

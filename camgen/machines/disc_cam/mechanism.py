@@ -285,7 +285,7 @@ class DiscCamDrive(StandingCams):
 
     def _stood(self) -> Bench:
         from camgen.machines.bench import Bench
-        from camgen.machines.linkage.wheels import Ridden
+        from camgen.parts.generator.wheels import Ridden
 
         g, f, load = self.geometry, self.geometry.follower, self._load or FollowerLoad()
         tip = Ridden(

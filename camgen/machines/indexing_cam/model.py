@@ -15,10 +15,9 @@ from camgen.machines.indexing_cam.standing_driver import StandingDriver
 from camgen.machines.indexing_cam.standing_unloader import CRANK, StandingUnloader
 from camgen.machines.indexing_cam.stepping import WHEEL, Stepping
 from camgen.machines.indexing_cam.unloader import CrankSpring, OnLink
-from camgen.machines.linkage.tables import Gear as GearTable
-from camgen.machines.linkage.wheels import Ridden
 from camgen.machines.standing import Sizes
 from camgen.parts.catalogue import CLUTCHES
+from camgen.parts.generator.wheels import Ridden
 
 if TYPE_CHECKING:
     from camgen.machines.indexing_cam.mechanism import IndexingCam
@@ -121,14 +120,11 @@ def stood(spec: IndexingCam) -> Bench:
         points[WHEEL], freewheels = {"axle": 0j}, {WHEEL: (LINK, clutch)}
         shapes[WHEEL] = {"thickness": clutch.width}
     sizes = Sizes.model_validate({**shapes, **spec.sizes.model_dump(exclude_none=True)})
-    gear = GearTable.model_validate(
-        {"a": "follower", "b": "link", "ratio": -spec.geometry.gear_ratio}
-    )
-    gears = {"gears": gear}
+    gears: dict[str, int | None] = {"gears": None}
     machine, strung, driven, beneath = drawn(spec, 0.0), {}, "cam", None
     if spec.two_cranks is not None:
         driven, points[GROUND]["arm"], points[ARM] = ARM, spec.two_cranks.at, {"arm": 0j}
-        gears["2 to 1"] = GearTable.model_validate({"a": ARM, "b": "cam", "ratio": -0.5})
+        gears["2 to 1"] = None
         shafts = [
             0j,
             complex(f.pivot_distance),
@@ -139,7 +135,7 @@ def stood(spec: IndexingCam) -> Bench:
             machine, sizes, spec.print, spec.allowed.min_wall, spec.density, shafts
         )
     if made is not None:
-        machine, gears["unloader gears"] = made.added(drawn(spec, 0.0, False), LINK), made.gear
+        machine, gears["unloader gears"] = made.added(drawn(spec, 0.0, False), LINK), None
         points[GROUND] |= {"crank": made.axle, "anchor": made.post}
         points[CRANK] = {"crank": 0j, "hook": made.hook(machine.start_of(CRANK).angle)}
         strung = {"unloader_spring": made.strung()}

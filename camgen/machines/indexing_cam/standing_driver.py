@@ -25,11 +25,11 @@ from camgen.machine.features import Eye, Faces, Feature, Mount, Ring, StandIn, m
 from camgen.machine.model import GROUND, Body, Machine
 from camgen.machine.run import Run, solve
 from camgen.machines.indexing_cam.driver import ARM, CRANK
-from camgen.machines.linkage.bodies import Bodies
-from camgen.machines.linkage.layout import Layout
-from camgen.machines.linkage.sizes import Parts
-from camgen.machines.linkage.stacking import laid
 from camgen.parts.catalogue import SCREWS, Bought, turning_text
+from camgen.parts.generator.bodies import Bodies
+from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.sizes import Parts
+from camgen.parts.generator.stacking import laid
 from camgen.parts.hardware import spacer
 from camgen.parts.part import Part
 from camgen.spec import Print

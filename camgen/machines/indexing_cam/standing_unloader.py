@@ -27,8 +27,7 @@ from camgen.machine.model import GROUND, Body, Gear, Machine, Pin, Place
 from camgen.machine.model import Pose as Start
 from camgen.machines.bench import Strung
 from camgen.machines.indexing_cam.unloader import CrankSpring
-from camgen.machines.linkage.sizes import Parts
-from camgen.machines.linkage.tables import Gear as GearTable
+from camgen.parts.generator.sizes import Parts
 from camgen.parts.springs import EYE, extension_spring
 
 CRANK = "unloader"
@@ -86,11 +85,6 @@ class StandingUnloader:
                 f"take a ratio of whole teeth: {key} gives {near}",
             )
         return -ratio
-
-    @property
-    def gear(self) -> GearTable:
-        """The pair of wheels, the driven link's first."""
-        return GearTable.model_validate({"a": "link", "b": CRANK, "ratio": self.ratio})
 
     @property
     def _pivot(self) -> complex:

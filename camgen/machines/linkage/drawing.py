@@ -18,52 +18,14 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.machine import freedom
 from camgen.machine import model as m
+from camgen.machine.programs import Scaled
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.links import shape
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, program
+from camgen.parts.generator.wheels import SECOND, Ridden, level_of
 
 GROUND = m.GROUND
-SECOND = "_2"  # of names: the other cam of a conjugate pair, and where its roller is
-
-
-def level_of(joint: str) -> str:
-    """Name in [layers] of what touches in a joint."""
-    return joint.replace(" ", "_")
-
-
-@dataclass(frozen=True)
-class Scaled:
-    """A cam's program as the law of a joint: sign (+1 or -1) times the displacement."""
-
-    program: Program
-    sign: int
-
-    def __call__(self, theta: m.Floats, order: int = 0) -> m.Floats:
-        """Its order-th derivative at the cam's angle theta, (n,)."""
-        return np.asarray(self.sign * self.program(np.mod(theta, math.tau), order))
-
-
-@dataclass(frozen=True)
-class Programmed:
-    """A program as the law of a drive: start + s(theta), and on by whole turns where a period ends turned on."""
-
-    program: Program
-    start: float
-
-    @property
-    def reach(self) -> tuple[float, float] | None:
-        """Least and greatest angle from the start, rad; None where it turns on and on."""
-        ends = [segment.start for segment in self.program.segments]
-        return None if abs(self.program.segments[-1].end) > 1e-9 else (min(ends), max(ends))
-
-    def __call__(self, theta: m.Floats, order: int = 0) -> m.Floats:
-        """Its order-th derivative at theta, (n,)."""
-        value = np.asarray(self.program(theta, order))
-        if order:
-            return value
-        turned = self.program.segments[-1].end
-        return self.start + value + turned * np.floor(np.asarray(theta, float) / math.tau)
 
 
 @dataclass(frozen=True)
@@ -186,6 +148,21 @@ class Drawing:
         )
         unit, suffix = (math.radians(1), "_deg") if swings else (1.0, "")
         return program(rows, unit, f"{path}.segment", suffix=suffix)
+
+    def ridden(self, limits: t.Limits) -> dict[str, Ridden]:
+        """What touches each cam, and what of that is accepted, by its joint."""
+        return {
+            self.cam_name(cam): Ridden(
+                cam.shape,
+                cam.radius,
+                cam.closure,
+                cam.at,
+                cam.tip_clearance,
+                cam.face_width,
+                limits.of_follower(self.slide_of(cam.follower) is not None),
+            )
+            for cam in self.cams
+        }
 
     def kicked(self) -> list[str]:
         """Names of cams whose follower's speed jumps."""

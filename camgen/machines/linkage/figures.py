@@ -21,9 +21,9 @@ from camgen.machine.reach import folds, four_bar_lengths, transmission
 from camgen.machine.run import Run, solve
 from camgen.machine.targets import NO_STROKES, Course, Through, Trace, time_ratio
 from camgen.machines.free_play import accepted
-from camgen.machines.linkage.plates import steps
-from camgen.machines.linkage.troughs import open_rails
 from camgen.machines.loads.weights import gravity
+from camgen.parts.generator.plates import steps
+from camgen.parts.generator.troughs import open_rails
 from camgen.study import ROWS, Later, Plot, Sketch, Study, Table
 from camgen.tolerances import SAME_POINT
 

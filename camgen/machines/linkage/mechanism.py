@@ -27,25 +27,17 @@ from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
 from camgen.machine.features import Balance, CamOutline
 from camgen.machine.joining import joined
+from camgen.machine.programs import Programmed
 from camgen.machine.reach import refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
 from camgen.machines import included as inc
-from camgen.machines.linkage import bridges, figures, sheets, webs, wheels
+from camgen.machines.linkage import bridges, figures, sheets
 from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.asked_range import refuse_range
-from camgen.machines.linkage.bodies import Bodies
-from camgen.machines.linkage.changes import Change
-from camgen.machines.linkage.coils import coils_of
-from camgen.machines.linkage.drawing import Drawing, Programmed
+from camgen.machines.linkage.drawing import Drawing
 from camgen.machines.linkage.drawing_faults import drawing_faults
-from camgen.machines.linkage.joints import pivot_of
-from camgen.machines.linkage.layout import Layout
-from camgen.machines.linkage.posts import posts
 from camgen.machines.linkage.signals import Signal, signals_of
-from camgen.machines.linkage.sizes import Name, Parts
-from camgen.machines.linkage.stacking import lacking, laid
-from camgen.machines.linkage.trials import with_cures
 from camgen.machines.linkage.weights import counterbalanced, weight_faults
 from camgen.machines.loads.bearing import Borne
 from camgen.machines.loads.counterweights import Counterweight, balance_of, found_moment
@@ -57,6 +49,17 @@ from camgen.parts import assembly as assemblies
 from camgen.parts.assembly import Assembly, Cycle, Frame, MotorSeat
 from camgen.parts.catalogue import turning_text
 from camgen.parts.counterweights import NAME
+from camgen.parts.generator import webs, wheels
+from camgen.parts.generator.bodies import Bodies
+from camgen.parts.generator.changes import Change
+from camgen.parts.generator.coils import coils_of
+from camgen.parts.generator.joints import pivot_of
+from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.mounted import upper_end
+from camgen.parts.generator.posts import posts
+from camgen.parts.generator.sizes import Name, Parts
+from camgen.parts.generator.stacking import lacking, laid
+from camgen.parts.generator.trials import with_cures
 from camgen.parts.journals import Journal, journals
 from camgen.parts.part import Part
 from camgen.spec import Output, unknown, validate
@@ -144,7 +147,7 @@ class Linkage(Mechanism):
             found.append(Fault("drive.segment", f"{len(self.drive.segments)} segments", right))
         return [
             *found,
-            *inc.faults(self.includes, self.model_dump(by_alias=True), self.drive.speed_rpm),
+            *(inc.faults(self.includes, self._host) if self.includes else ()),
         ]
 
     @property
@@ -153,6 +156,10 @@ class Linkage(Mechanism):
 
     def _whole_spec(self) -> dict[str, Any]:
         return self.model_dump(by_alias=True, exclude_none=True)
+
+    @cached_property
+    def _host(self) -> inc.Host:
+        return inc.Host(self._whole_spec(), self.drive.speed_rpm)
 
     # ---- motion -----------------------------------------------------------------------------------------------------
 
@@ -181,18 +188,10 @@ class Linkage(Mechanism):
         """The machines of other specs, each above those before it."""
         if not self.includes:
             return ()
-        host, bare = self._whole_spec(), self._bare
+        bare = self._bare
         top = max(high for _, high in inc.heights(bare.parts, bare.mounts))
-        play = self.print.slide_clearance
-        found = inc.stacked(
-            self.includes,
-            host,
-            self.drive.speed_rpm,
-            self.chain,
-            top,
-            play,
-            inc.upper_end(bare.layout),
-        )
+        play, end = self.print.slide_clearance, upper_end(bare.layout)
+        found = inc.stacked(self.includes, self._host, self.chain, top, play, end)
         inc.distinct(
             found,
             bare.parts,
@@ -301,7 +300,7 @@ class Linkage(Mechanism):
     @cached_property
     def bodies(self) -> Bodies:
         """What is made of it, and what holds machines that stand on it."""
-        stands = tuple(each.stand for each in self.modules if each.mounted)
+        stands = tuple(each.stand for each in self.modules if each.stand is not None)
         return (
             Bodies(replace(self._bare.layout, stands=stands), self._bare.weight)
             if stands
@@ -349,6 +348,7 @@ class Linkage(Mechanism):
             ),
             frame=Frame(bodies.parts[0].name, fixings),
             motor=motor,
+            shaft=bodies.shaft,
             board=bodies.stands,
             unjudged=Later(lambda: self._pressed.left),
             texts={"chain.svg": bridges.svg(self.chain), "chain.pmks": bridges.pmks(self.chain)},
@@ -399,8 +399,8 @@ class Linkage(Mechanism):
 
     @property
     def _layout(self) -> Layout:
-        cams = wheels.ridden(self._drawing, self.allowed)
-        gears = {Drawing.gear_name(gear): gear for gear in self.gears}
+        cams = self._drawing.ridden(self.allowed)
+        gears = {Drawing.gear_name(gear): gear.teeth for gear in self.gears}
         return Layout(
             self.chain,
             self.drive.link,
@@ -412,7 +412,7 @@ class Linkage(Mechanism):
             cams,
             gears,
             springs={each.name: each.stretched for each in self.sprung},
-            kept=inc.kept(self.includes, self._whole_spec, self.drive.speed_rpm),
+            kept=inc.kept(self.includes, lambda: self._host),
         )
 
     def lacking(self) -> DesignError | None:
@@ -425,7 +425,7 @@ class Linkage(Mechanism):
             f"layers.{link}": level for link, level in self.bodies.layout.given.items()
         }
         weight = {} if self.counterweight is None else found_moment(self._balanced[1])
-        tables, sizes = [each.tables() for each in self.modules], self.bodies.layout.sizes
+        tables, sizes = [inc.filled(each) for each in self.modules], self.bodies.layout.sizes
         if sizes != self.making:  # a link is bent
             levels["parts"] = sizes.model_dump(by_alias=True, exclude_none=True)
         return {**super()._found(), **levels, **weight, **({"include": tables} if tables else {})}
@@ -456,7 +456,7 @@ class Linkage(Mechanism):
         return [
             *found,
             *self._pressed.findings,
-            *(finding for each in self.modules for finding in each.limits()),
+            *(finding for each in self.modules for finding in inc.limits(each, self.chain)),
         ]
 
     @cached_property
@@ -474,6 +474,4 @@ class Linkage(Mechanism):
 
     def study(self) -> Study:
         """Outputs, curves and paths, the class of a four-bar; those of what is included; all outputs over one turn."""
-        return together(
-            [figures.study(self), *(each.study() for each in self.modules), *figures.timing(self)]
-        )
+        return together([figures.study(self), *map(inc.study, self.modules), *figures.timing(self)])

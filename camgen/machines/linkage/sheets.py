@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from camgen.errors import Fault
-from camgen.machines.linkage.sizes import Parts
 from camgen.parts.catalogue import DOWELS
+from camgen.parts.generator.sizes import Parts
 from camgen.spec import Laser
 
 _HEAD = 1.5  # mm, of the caps on pins, as tables.Parts has it

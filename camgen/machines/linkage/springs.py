@@ -16,9 +16,9 @@ from camgen.errors import DesignError, Fault
 from camgen.machine import model as m
 from camgen.machine.run import Run
 from camgen.machines.linkage import tables as t
-from camgen.machines.linkage.joined import Stretched
-from camgen.machines.linkage.sizes import Parts
 from camgen.parts.catalogue import Bought
+from camgen.parts.generator.joined import Stretched
+from camgen.parts.generator.sizes import Parts
 from camgen.parts.springs import EYE, ExtensionSpring, Mounted, extension_spring
 from camgen.spec import unknown
 

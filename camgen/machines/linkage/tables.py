@@ -23,11 +23,11 @@ from camgen.machine.targets import (
     TimeRatio,
     Trace,
 )
-from camgen.machines.linkage.sizes import Name
 from camgen.machines.loads.tables import CamBears
 from camgen.machines.pairs import Air
 from camgen.motion.program import Program
 from camgen.motion.segments import NamedLaw, SegmentTable, program
+from camgen.parts.generator.sizes import Name
 from camgen.spec import Length, Record, Rpm, turning
 
 Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]

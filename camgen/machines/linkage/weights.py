@@ -12,14 +12,14 @@ from dataclasses import replace
 from camgen.errors import Fault
 from camgen.machine.model import Machine
 from camgen.machine.run import Run
-from camgen.machines.linkage.bodies import Bodies
-from camgen.machines.linkage.joints import pivot_of
-from camgen.machines.linkage.layout import Layout
-from camgen.machines.linkage.stacking import laid
 from camgen.machines.linkage.tables import Drive
-from camgen.machines.linkage.wheels import Wheel
 from camgen.machines.loads.counterweights import Counterweight, first_moment
 from camgen.parts.counterweights import NAME
+from camgen.parts.generator.bodies import Bodies
+from camgen.parts.generator.joints import pivot_of
+from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.stacking import laid
+from camgen.parts.generator.wheels import Wheel
 
 # of layouts; mm, change of the radius that is none
 _PASSES = 6

@@ -25,11 +25,11 @@ from camgen.machine.balancing import crank_weight, with_weight
 from camgen.machine.features import Balance, Mount
 from camgen.machine.model import Body, Machine, Pin
 from camgen.machine.run import solve
-from camgen.machines.loads.weights import solid, weighed
+from camgen.machines.loads.weights import weighed
 from camgen.parts.catalogue import STEEL
 from camgen.parts.counterweights import NAME, Sector, counterweight
 from camgen.parts.hardware import FACETS
-from camgen.parts.inertia import centre_of
+from camgen.parts.inertia import centre_of, solid
 from camgen.parts.part import Layer, Part
 from camgen.spec import Length, Print, Record
 from camgen.study import Plot, Study, Table

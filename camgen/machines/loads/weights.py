@@ -7,19 +7,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from camgen.machine.balancing import together
 from camgen.machine.features import Mount
 from camgen.machine.model import GROUND, MM, Body, Gravity, Machine
 from camgen.machines.loads.tables import Weight
-from camgen.parts.catalogue import STEEL
-from camgen.parts.inertia import centre_of, inertia_of
+from camgen.parts.inertia import solid
 from camgen.parts.part import Part
 
 if TYPE_CHECKING:
     from camgen.machines.mechanism import Mechanism
 
 PULL = 9.80665  # m/s^2
-_SHOWN = ("dummy",)  # how parts are made that stand for others and weigh nothing here
 _SAME = 1e-6  # share by which a mass may differ and be the solids'
 
 
@@ -29,20 +26,6 @@ class Weighed:
 
     machine: Machine
     sources: Mapping[str, str]
-
-
-def solid(body: Body, parts: Mapping[str, Part], mounts: Sequence[Mount], density: float) -> Body:
-    """The body with mass, centre and inertia of all that is mounted on it; density of what is printed, kg/m^3."""
-    own = []
-    for mount in mounts:
-        part = parts.get(mount.part)
-        if mount.body != body.name or part is None or part.made in _SHOWN:
-            continue
-        heavy = density if part.made == "printed" else 1e3 * STEEL
-        mass, centre = part.volume * heavy * MM**3, centre_of(part)
-        inertia = inertia_of(part, heavy) - mass * abs(centre * MM) ** 2
-        own.append(Body(part.name, mass=mass, centre=mount.place(centre), inertia=inertia))
-    return together(replace(body, mass=0.0, inertia=0.0), *own)
 
 
 def weighed(

@@ -42,7 +42,7 @@ from camgen.machines.thread_take_up.study import (
 )
 from camgen.machines.thread_take_up.tables import Geometry, Limits, Motor, Parts, Wanted
 from camgen.motion.synthesis import Variable, Wish, search
-from camgen.parts.assembly import Assembly, Frame
+from camgen.parts.assembly import Assembly, Frame, Shaft
 from camgen.parts.catalogue import Bought, screw_for, turning_text
 from camgen.parts.part import clearance
 from camgen.spec import validate
@@ -220,6 +220,7 @@ class ThreadTakeUp(Mechanism):
             strands=(bodies.strand,),
             bought=self._bought(),
             frame=Frame("frame", fixings),
+            shaft=Shaft("shaft", self.making.shaft_diameter, self.making.shaft_flat),
         )
 
     def _bought(self) -> Sequence[Bought]:

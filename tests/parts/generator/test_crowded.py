@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 import tomli_w
-from test_linkage_slots import DISC, mends, with_change
+from test_slots import DISC, mends, with_change
 
 from camgen import load
 from camgen.errors import DesignError
-from camgen.machines.linkage import trials
 from camgen.machines.linkage.mechanism import Linkage
+from camgen.parts.generator import trials
 from camgen.pipeline.build import build
 from camgen.spec import validate
 

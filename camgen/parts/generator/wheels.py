@@ -33,12 +33,11 @@ from camgen.machine.cams.limits import Advice, CamLimits, ExactCam, cam_findings
 from camgen.machine.cams.machine import CamTouch
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Teeth
-from camgen.machines.linkage.drawing import SECOND, Drawing, Scaled, level_of
-from camgen.machines.linkage.sizes import Parts
-from camgen.machines.linkage.tables import Gear, Limits
-from camgen.motion.program import Program
+from camgen.machine.programs import Scaled
 from camgen.parts.gears import Spur, pair
+from camgen.parts.generator.sizes import Parts
 
+SECOND = "_2"  # of names: the other cam of a conjugate pair, and where its roller is
 _ROUND = np.linspace(0, math.tau, 721)
 NOSE = 3.0  # radii of a knife's disc, from there to its edge
 _WORDS = {
@@ -47,6 +46,11 @@ _WORDS = {
     "a larger base_radius": "a follower drawn further away",
 }
 _BESIDE = 0.5  # mm, of a face beside where it is touched
+
+
+def level_of(joint: str) -> str:
+    """Name in [layers] of what touches in a joint."""
+    return joint.replace(" ", "_")
 
 
 @dataclass(frozen=True)
@@ -60,18 +64,6 @@ class Ridden:
     tip_clearance: float = 0.0  # of a pair, mm at each tip
     face_width: float | None = None  # of a flat face, mm; None: as wide as it is touched
     limits: CamLimits = CamLimits()
-
-
-def ridden(drawing: Drawing, limits: Limits) -> dict[str, Ridden]:
-    """What touches each cam, by its joint."""
-    found = {}
-    for cam in drawing.cams:
-        accepted = limits.of_follower(drawing.slide_of(cam.follower) is not None)
-        touching = Ridden(
-            cam.shape, cam.radius, cam.closure, cam.at, cam.tip_clearance, cam.face_width, accepted
-        )
-        found[drawing.cam_name(cam)] = touching
-    return found
 
 
 @dataclass(frozen=True)
@@ -228,16 +220,11 @@ def with_seconds(machine: m.Machine, cams: Mapping[str, Ridden]) -> m.Machine:
     return replace(machine, bodies=tuple(bodies[body.name] for body in machine.bodies))
 
 
-def _highest(program: Program) -> float:
-    """Greatest displacement that a program ends a segment with: laws run between their ends."""
-    return max(max(each.start, each.end) for each in program.segments)
-
-
 def _second(machine: m.Machine, joint: m.Cam, spec: Ridden) -> complex:
     """Place of the second roller on the follower: as near to the shaft when it is out as the first is when it is in."""
     law, body = joint.law, machine.body(joint.follower)
     assert isinstance(law, Scaled)
-    top, first = _highest(law.program), _follower(machine, joint, spec, spec.at, 1)
+    top, first = law.highest, _follower(machine, joint, spec, spec.at, 1)
     if joint.slide is not None:
         slide = machine.slide(joint.slide)
         assert isinstance(slide, m.Slide) and isinstance(first, SlidingTip)
@@ -248,15 +235,6 @@ def _second(machine: m.Machine, joint: m.Cam, spec: Ridden) -> complex:
     assert isinstance(first, SwingingArm)
     mirrored = (first.arm / first.pivot).conjugate() * first.pivot * cmath.exp(-1j * law.sign * top)
     return pivot(machine, joint.follower)[0] + mirrored * cmath.exp(-1j * joint.rest)
-
-
-def _signed(law: Scaled) -> Program:
-    """The follower's own displacement."""
-    segments = [
-        replace(each, start=law.sign * each.start, scale=law.sign * each.scale)
-        for each in law.program.segments
-    ]
-    return replace(law.program, segments=tuple(segments))
 
 
 def _follower(
@@ -318,7 +296,7 @@ def tips(
                     "draw `at` on the cam's side of the hinge",
                 )
             cam, rim = (
-                DiscCam(_signed(joint.law), follower, spec.tip_clearance),
+                DiscCam(joint.law.signed, follower, spec.tip_clearance),
                 groove_rim(sizes) + clearance,
             )
             level = key if spec.shape == "roller" else joint.follower
@@ -337,11 +315,12 @@ def touched(joint: m.Cam, tips: Sequence[Tip], at: complex) -> m.Cam:
 
 
 def toothed(
-    machine: m.Machine, gears: Mapping[str, Gear], backlash: float, least: float
+    machine: m.Machine, gears: Mapping[str, int | None], backlash: float, least: float
 ) -> list[Toothed]:
-    """Both wheels of each gear, a's tooth in b's gap on the line of their axes; least: module that can be made, mm."""
+    """Both wheels of each gear, a's tooth in b's gap on the line of their axes; gears: teeth of a, None where they are to be
+    found; least: module that can be made, mm."""
     found = []
-    for name, spec in gears.items():
+    for name, teeth in gears.items():
         joint, where = machine.joint(name), name if name.startswith("gear") else f"gear {name}"
         assert isinstance(joint, m.Gear)
         if joint.carrier != m.GROUND:
@@ -349,7 +328,7 @@ def toothed(
             said = f"the axes of {where} lie on link {joint.carrier}, which moves, and no wheels are made on such"
             raise DesignError("carriers that move", 1, 0, "", where, remedy, said)
         a, b = pivot(machine, joint.a)[1], pivot(machine, joint.b)[1]
-        first, second = pair(abs(b - a), joint.ratio, backlash, least, spec.teeth, where)
+        first, second = pair(abs(b - a), joint.ratio, backlash, least, teeth, where)
         line = cmath.phase(b - a)
         found.append(Toothed(level_of(name), joint, joint.a, first, line))
         found.append(

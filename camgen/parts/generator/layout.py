@@ -14,14 +14,14 @@ from functools import cached_property
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour
-from camgen.machines.linkage.collars import collar, levels_over
-from camgen.machines.linkage.covers import Cover, cover
-from camgen.machines.linkage.guides import COVERED, STEMS, Guide, guide
-from camgen.machines.linkage.joined import GROUND, Joined, Stretched
-from camgen.machines.linkage.slotted import Slotted, one_by_one
-from camgen.machines.linkage.wheels import NOSE, Tip, pivot
 from camgen.parts.bands import ArmBand
 from camgen.parts.catalogue import Bearing, narrowest
+from camgen.parts.generator.collars import collar, levels_over
+from camgen.parts.generator.covers import Cover, cover
+from camgen.parts.generator.guides import COVERED, STEMS, Guide, guide
+from camgen.parts.generator.joined import GROUND, Joined, Stretched
+from camgen.parts.generator.slotted import Slotted, one_by_one
+from camgen.parts.generator.wheels import NOSE, Tip, pivot
 from camgen.parts.part import d_bore, hull, with_bar
 
 __all__ = ["GROUND", "Layout", "Stretched"]

@@ -13,12 +13,12 @@ from camgen.errors import DesignError
 from camgen.geometry.convex import hull_corners
 from camgen.machine import model as m
 from camgen.machine.run import Run
-from camgen.machines.linkage.cures import bent, slimmer, slimmer_pin
-from camgen.machines.linkage.guides import STEMS
-from camgen.machines.linkage.joined import GROUND, Second
-from camgen.machines.linkage.layout import Layout
-from camgen.machines.linkage.pins import refuse, tall
-from camgen.machines.linkage.plates import columns, motor_holes, post_radius
+from camgen.parts.generator.cures import bent, slimmer, slimmer_pin
+from camgen.parts.generator.guides import STEMS
+from camgen.parts.generator.joined import GROUND, Second
+from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.pins import refuse, tall
+from camgen.parts.generator.plates import columns, motor_holes, post_radius
 from camgen.parts.level_rules import Axis, Band, Crowded, Opening, Thing, Wall, span
 from camgen.parts.levels import cuts, levels
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from camgen.errors import DesignError
 
 if TYPE_CHECKING:
-    from camgen.machines.linkage.layout import Layout
+    from camgen.parts.generator.layout import Layout
 
 
 @dataclass(frozen=True)

@@ -17,9 +17,9 @@ from dataclasses import dataclass, replace
 from itertools import islice, zip_longest
 
 from camgen.errors import DesignError
-from camgen.machines.linkage.changes import Change, Unmade
-from camgen.machines.linkage.joined import GROUND
-from camgen.machines.linkage.layout import Layout
+from camgen.parts.generator.changes import Change, Unmade
+from camgen.parts.generator.joined import GROUND
+from camgen.parts.generator.layout import Layout
 from camgen.parts.level_rules import Axis, Band, Crowded, Unlaid
 
 BOUGHT = ("dowel", "shoulder")  # pins that are sold in some lengths

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from camgen.parts.set_screws import SetScrewHub
 
 if TYPE_CHECKING:
-    from camgen.machines.linkage.layout import Layout
+    from camgen.parts.generator.layout import Layout
 
 
 def collar(layout: Layout, point: str) -> SetScrewHub | None:

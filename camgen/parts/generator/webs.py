@@ -15,7 +15,7 @@ from itertools import pairwise
 from camgen.errors import Fault
 from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine import model as m
-from camgen.machines.linkage.sizes import Parts
+from camgen.parts.generator.sizes import Parts
 from camgen.parts.part import Layer, Part, d_bore
 
 

@@ -25,12 +25,12 @@ from camgen.machine.features import (
     SlotFaces,
     Steady,
 )
-from camgen.machines.linkage.joined import GROUND
-from camgen.machines.linkage.layout import Layout
-from camgen.machines.linkage.pins import bearing_name
-from camgen.machines.linkage.plates import SECOND
-from camgen.machines.linkage.stubs import in_upper
-from camgen.machines.linkage.wheels import Tip, pivot
+from camgen.parts.generator.joined import GROUND
+from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.pins import bearing_name
+from camgen.parts.generator.plates import SECOND
+from camgen.parts.generator.stubs import in_upper
+from camgen.parts.generator.wheels import Tip, pivot
 
 
 def part_name(link: str) -> str:

@@ -27,24 +27,26 @@ from camgen.errors import listed
 from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine import model as m
 from camgen.machine.features import Feature, Mount, StandIn
-from camgen.machines.linkage import plates
-from camgen.machines.linkage.collars import collar
-from camgen.machines.linkage.discs import cam_parts, gear_part
-from camgen.machines.linkage.joined import GROUND
-from camgen.machines.linkage.joints import features_of, part_name, point_of
-from camgen.machines.linkage.layout import Layout
-from camgen.machines.linkage.pins import Placed, bearings, hand_crank, pin
-from camgen.machines.linkage.plates import ground_plate, second
-from camgen.machines.linkage.seats import seated
-from camgen.machines.linkage.stubs import Stub, stubs
-from camgen.machines.linkage.troughs import covers, rails
-from camgen.machines.linkage.wheels import touched
-from camgen.machines.loads.weights import solid
+from camgen.parts.assembly import Shaft
 from camgen.parts.catalogue import Bought, nut, screw_for
+from camgen.parts.generator import plates
+from camgen.parts.generator.collars import collar
+from camgen.parts.generator.discs import cam_parts, gear_part
+from camgen.parts.generator.joined import GROUND
+from camgen.parts.generator.joints import features_of, part_name, point_of
+from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.pins import Placed, bearings, hand_crank, pin
+from camgen.parts.generator.plates import ground_plate, second
+from camgen.parts.generator.seats import seated
+from camgen.parts.generator.stubs import Stub, stubs
+from camgen.parts.generator.troughs import covers, rails
+from camgen.parts.generator.wheels import touched
 from camgen.parts.hardware import spacer
+from camgen.parts.inertia import solid
 from camgen.parts.part import Layer, Part, d_bore
 from camgen.parts.set_screws import SetScrewHub
 
+_SHAFT = "shaft"
 _ABOUT = {
     "pin": "Pin {}",
     "crank-pin": "Crank pin {}",
@@ -120,6 +122,13 @@ class Bodies:
         """How far the shaft that drives stands over the plate's underside, the motor's face, mm."""
         top = self.layout.on(self.layout.shaft_of(self.layout.driven))[-1][2]
         return top if self.collar is None else top + self.collar.height
+
+    @property
+    def shaft(self) -> Shaft | None:
+        """The shaft that drives; None where it is the motor's own."""
+        if self.sizes.face is not None:
+            return None
+        return Shaft(_SHAFT, self.sizes.shaft_diameter, self.sizes.shaft_flat)
 
     @property
     def collar(self) -> SetScrewHub | None:
@@ -328,7 +337,7 @@ class Bodies:
             self.sizes.thickness + 2 * self.fits.slide_clearance,
         )
         below = self.sizes.shaft_length if driven else -stub.held[0][0] if stub.hangs else below
-        name = "shaft" if driven else f"shaft-{link}"
+        name = _SHAFT if driven else f"{_SHAFT}-{link}"
         sleeved = link in (self.layout.driven, self.layout.upper_web) and any(
             stand.sleeve for stand in self.layout.stands
         )

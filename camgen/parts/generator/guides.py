@@ -18,8 +18,8 @@ from dataclasses import dataclass
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
 from camgen.machine.features import Faces, SlideFaces
-from camgen.machines.linkage.covers import Cover
-from camgen.machines.linkage.sizes import Parts
+from camgen.parts.generator.covers import Cover
+from camgen.parts.generator.sizes import Parts
 from camgen.parts.part import hull, root, with_bar
 from camgen.tolerances import SAME_POINT
 

@@ -22,7 +22,7 @@ from camgen.pipeline.build import build
 from camgen.reading import read
 from camgen.spec import validate
 
-SPECS = Path(__file__).resolve().parents[2] / "specs"
+SPECS = Path(__file__).resolve().parents[3] / "specs"
 # print.slide_clearance, parts.thickness unless given
 PLAY = 0.2
 THICKNESS = 4.0

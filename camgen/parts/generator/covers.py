@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Region, circle
-from camgen.machines.linkage.changes import Change, Unmade
-from camgen.machines.linkage.sizes import SUNK, Parts
 from camgen.parts.catalogue import CORE_HOLES, HEAD_ROOM, SCREWS, Bought, Screw
+from camgen.parts.generator.changes import Change, Unmade
+from camgen.parts.generator.sizes import SUNK, Parts
 from camgen.parts.hardware import plate
 from camgen.parts.part import Held, Layer, Part, hull
 from camgen.spec import Print

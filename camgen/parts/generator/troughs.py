@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from camgen.machine.features import Mount
-from camgen.machines.linkage.covers import drilled, saddle
-from camgen.machines.linkage.layout import Layout
+from camgen.parts.generator.covers import drilled, saddle
+from camgen.parts.generator.layout import Layout
 from camgen.parts.part import Layer, Part
 
 

@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour
 from camgen.machine.model import GROUND, Place, Slide
-from camgen.machines.linkage.guides import STEMS, guide
 from camgen.machines.linkage.mechanism import Linkage
-from camgen.machines.linkage.sizes import Parts
+from camgen.parts.generator.guides import STEMS, guide
+from camgen.parts.generator.sizes import Parts
 from camgen.parts.part import hull
 from camgen.reading import read
 from camgen.spec import validate

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError, SpecError
-from camgen.machines.linkage import layout as lo
 from camgen.machines.linkage.mechanism import Linkage
+from camgen.parts.generator import layout as lo
 from camgen.pipeline.build import build
 from camgen.reading import read
 from camgen.spec import validate

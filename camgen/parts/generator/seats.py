@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from camgen.geometry.outlines import Contour, circle
-from camgen.machines.linkage.joined import GROUND
-from camgen.machines.linkage.layout import Layout
 from camgen.parts.catalogue import Bearing
+from camgen.parts.generator.joined import GROUND
+from camgen.parts.generator.layout import Layout
 from camgen.parts.hardware import plate
 from camgen.parts.part import Layer
 

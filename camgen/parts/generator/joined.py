@@ -15,11 +15,10 @@ from functools import cached_property
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
-from camgen.machines.linkage.sizes import Parts
-from camgen.machines.linkage.tables import Gear
-from camgen.machines.linkage.webs import parted, throws, webs
-from camgen.machines.linkage.wheels import Ridden, Tip, Toothed, Wheel, tips, toothed, with_seconds
 from camgen.parts.catalogue import Bearing
+from camgen.parts.generator.sizes import Parts
+from camgen.parts.generator.webs import parted, throws, webs
+from camgen.parts.generator.wheels import Ridden, Tip, Toothed, Wheel, tips, toothed, with_seconds
 from camgen.parts.part import Layer
 from camgen.spec import Print
 
@@ -86,7 +85,8 @@ class Joined:
     """A machine and the sizes of its parts.
 
     drawn: the machine, closed as drawn; driven: link that the drive turns; given: levels that are asked for; min_wall: mm;
-    strokes: least and greatest place along each slot and slide, mm; cams, gears: tables of such joints; stems: how each
+    strokes: least and greatest place along each slot and slide, mm; cams: what touches each; gears: teeth of the first
+    wheel of each, None where they are to be found; stems: how each
     slide's runner reaches its rails; springs: by their names; sunk: whether the pins of the ground have their heads under
     the plate, where they turn, and are pressed into their highest link; freewheels: of links that run on another's shaft, which
     link that is and the one-way clutch; marks: of links, where a hole shows how they stand; carried: points of links that sit
@@ -104,7 +104,7 @@ class Joined:
     given: Mapping[str, int]
     strokes: Mapping[str, tuple[float, float]]
     cams: Mapping[str, Ridden] = field(default_factory=dict)
-    gears: Mapping[str, Gear] = field(default_factory=dict)
+    gears: Mapping[str, int | None] = field(default_factory=dict)
     stems: Mapping[str, str] = field(default_factory=dict)
     sunk: bool = False
     springs: Mapping[str, Stretched] = field(default_factory=dict)

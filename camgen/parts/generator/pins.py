@@ -19,13 +19,13 @@ from dataclasses import replace
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Region, circle, polygon
 from camgen.machine.features import Mount
-from camgen.machines.linkage.changes import Change, Unmade
-from camgen.machines.linkage.joined import GROUND
-from camgen.machines.linkage.layout import Layout
-from camgen.machines.linkage.seats import least_thickness, lip, seat_floor
-from camgen.machines.linkage.stubs import Stub
-from camgen.machines.linkage.webs import keyed_pin
 from camgen.parts.catalogue import BEARINGS, DOWELS, Bearing, dowel, next_dowel
+from camgen.parts.generator.changes import Change, Unmade
+from camgen.parts.generator.joined import GROUND
+from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.seats import least_thickness, lip, seat_floor
+from camgen.parts.generator.stubs import Stub
+from camgen.parts.generator.webs import keyed_pin
 from camgen.parts.hardware import headed, plate, spacer
 from camgen.parts.part import Held, Layer, Part, d_bore, hull, rod
 

@@ -19,11 +19,11 @@ from camgen.errors import DesignError, listed
 from camgen.geometry.convex import distance
 from camgen.geometry.outlines import Contour, Points, circle
 from camgen.machine.features import Mount
-from camgen.machines.linkage.joined import Sleeve
-from camgen.machines.linkage.layout import GROUND, Layout
-from camgen.machines.linkage.sizes import SUNK, Parts
-from camgen.machines.linkage.troughs import rails
 from camgen.parts.catalogue import HEAD_ROOM, Bought
+from camgen.parts.generator.joined import Sleeve
+from camgen.parts.generator.layout import GROUND, Layout
+from camgen.parts.generator.sizes import SUNK, Parts
+from camgen.parts.generator.troughs import rails
 from camgen.parts.hardware import plate, spacer
 from camgen.parts.level_rules import Axis, Thing, ways
 from camgen.parts.part import Held, Layer, Part, d_bore, hull

@@ -8,9 +8,9 @@ from types import MappingProxyType
 
 from camgen.machine.features import Mount
 from camgen.machine.model import Place
-from camgen.machines.linkage.layout import Layout
-from camgen.machines.linkage.sizes import HOOK_ROOM
 from camgen.parts.coils import Coil
+from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.sizes import HOOK_ROOM
 from camgen.tolerances import SAME_POINT
 
 

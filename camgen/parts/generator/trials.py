@@ -6,10 +6,10 @@ from collections.abc import Callable, Sequence
 
 from camgen.errors import DesignError, SpecError
 from camgen.machine.run import Run
-from camgen.machines.linkage import cures
-from camgen.machines.linkage.changes import Change
-from camgen.machines.linkage.layout import Layout
-from camgen.machines.linkage.stacking import attempts, first_choice, has_levels, refusal
+from camgen.parts.generator import cures
+from camgen.parts.generator.changes import Change
+from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.stacking import attempts, first_choice, has_levels, refusal
 from camgen.parts.level_rules import Crowded
 from camgen.parts.part import Part
 

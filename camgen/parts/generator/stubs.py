@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from camgen.machines.linkage.layout import Layout
+from camgen.parts.generator.layout import Layout
 
 
 @dataclass(frozen=True)

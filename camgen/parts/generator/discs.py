@@ -11,12 +11,12 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour, circle
 from camgen.machine.features import Mount
-from camgen.machines.linkage.layout import Layout
-from camgen.machines.linkage.pins import Placed
-from camgen.machines.linkage.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline
 from camgen.parts.catalogue import TURNED
 from camgen.parts.disc_cams import Parts as Disc
 from camgen.parts.disc_cams import disc_parts
+from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.pins import Placed
+from camgen.parts.generator.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline
 from camgen.parts.hardware import plate, spacer
 from camgen.parts.part import Layer, Part, d_bore, rod
 

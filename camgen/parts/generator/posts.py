@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from camgen.machines.linkage.bodies import Bodies
+from camgen.parts.generator.bodies import Bodies
 from camgen.parts.journals import Post
 
 _STEEL = ("dowel", "shoulder")
