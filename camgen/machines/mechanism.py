@@ -33,6 +33,7 @@ from camgen.machines.loads.tables import Bears, Weight
 from camgen.machines.loads.weights import weighed
 from camgen.parts.assembly import Assembly, Cycle, Process, tips
 from camgen.parts.catalogue import DENSITY
+from camgen.parts.inertia import printed_density
 from camgen.parts.journals import Journal, journals
 from camgen.parts.part import Part
 from camgen.parts.steps import Fixing
@@ -72,7 +73,11 @@ class Mechanism(Spec, ABC):
 
         DesignError where a linkage's solids cannot be made.
         """
-        return rough(weighed(self).machine, self.assembly.journals, self.load)
+        return rough(
+            weighed(self.model, self.assembly.solids, self.load).machine,
+            self.assembly.journals,
+            self.load,
+        )
 
     @abstractmethod
     def motion(self, theta: Floats, order: int = 0) -> Floats:
@@ -121,7 +126,12 @@ class Mechanism(Spec, ABC):
         sheet = None if self.laser is None else self.laser.thickness
         fixing = Fixing((press + slide) / 2 if press < slide else -math.inf, self.fixed)
         return Process(
-            tolerance, max(0.0, 0.8 * slide / 2 - 2 * tolerance), fixing, self.material.name, sheet
+            tolerance,
+            max(0.0, 0.8 * slide / 2 - 2 * tolerance),
+            fixing,
+            self.material.name,
+            printed_density(self.material),
+            sheet,
         )
 
     @abstractmethod
@@ -150,11 +160,6 @@ class Mechanism(Spec, ABC):
     def sense(self) -> int:
         """Sense in which theta runs: -1 where the input shaft turns clockwise."""
         return -1 if self.speed < 0 else 1
-
-    @property
-    def density(self) -> float:
-        """Of what is printed, kg/m^3, its filling as it is."""
-        return 1e3 * (self.material.density or DENSITY[self.material.name]) * self.material.infill
 
     def stronger(self, pin: Journal) -> str:
         """What makes a pin bear more, by the spec's keys."""

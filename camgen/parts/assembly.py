@@ -35,6 +35,7 @@ from camgen.machine.run import Lazy, solve
 from camgen.parts import coils
 from camgen.parts.catalogue import Bearing, Bought
 from camgen.parts.coils import Coil
+from camgen.parts.inertia import Solids
 from camgen.parts.journals import Journal, Post, journals
 from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
@@ -111,6 +112,7 @@ class Process:
     gap: float  # mm, that bodies keep which move past each other
     fixing: Fixing  # of parts on each other
     plastic: str  # that is printed
+    density: float  # kg/m^3, of it
     sheet: float | None = None  # mm, thickness of what a laser cuts; None: it cuts nothing
 
 
@@ -166,6 +168,11 @@ class Assembly:
     def by_name(self) -> Mapping[str, Part]:
         """Its parts by their names."""
         return {part.name: part for part in self.parts}
+
+    @property
+    def solids(self) -> Solids:
+        """Its parts, as masses follow from them."""
+        return Solids(self.parts, self.mounts, self.process.density)
 
     def courses(self, theta: Floats) -> Mapping[str, Pose]:
         """Pose of each body at theta, (n,) rad, as exact parts move it; worked out when asked for."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -12,8 +13,9 @@ from camgen.geometry.outlines import Contour
 from camgen.machine.balancing import together
 from camgen.machine.features import Mount
 from camgen.machine.model import MM, Body
-from camgen.parts.catalogue import STEEL
+from camgen.parts.catalogue import DENSITY, STEEL
 from camgen.parts.part import Part
+from camgen.spec import Material
 
 _SHOWN = ("dummy",)  # how parts are made that stand for others and weigh nothing here
 
@@ -38,18 +40,40 @@ def centre_of(part: Part) -> complex:
     return total / weight
 
 
-def solid(body: Body, parts: Mapping[str, Part], mounts: Sequence[Mount], density: float) -> Body:
-    """The body with mass, centre and inertia of all that is mounted on it; density of what is printed, kg/m^3."""
-    own = []
-    for mount in mounts:
-        part = parts.get(mount.part)
-        if mount.body != body.name or part is None or part.made in _SHOWN:
-            continue
-        heavy = density if part.made == "printed" else 1e3 * STEEL
-        mass, centre = part.volume * heavy * MM**3, centre_of(part)
-        inertia = inertia_of(part, heavy) - mass * abs(centre * MM) ** 2
-        own.append(Body(part.name, mass=mass, centre=mount.place(centre), inertia=inertia))
-    return together(replace(body, mass=0.0, inertia=0.0), *own)
+@dataclass(frozen=True)
+class Solids:
+    """What is made of a machine, as its masses follow from it."""
+
+    parts: Sequence[Part]
+    mounts: Sequence[Mount]  # every copy of them on the machine's bodies
+    density: float  # kg/m^3, of what is printed
+
+    @cached_property
+    def by_name(self) -> Mapping[str, Part]:
+        """Its parts by their names."""
+        return {part.name: part for part in self.parts}
+
+    def density_of(self, part: Part) -> float:
+        """Of one of its parts, kg/m^3."""
+        return self.density if part.made == "printed" else 1e3 * STEEL
+
+    def body(self, body: Body) -> Body:
+        """The body with mass, centre and inertia of all that is mounted on it."""
+        own = []
+        for mount in self.mounts:
+            part = self.by_name.get(mount.part)
+            if mount.body != body.name or part is None or part.made in _SHOWN:
+                continue
+            heavy = self.density_of(part)
+            mass, centre = part.volume * heavy * MM**3, centre_of(part)
+            inertia = inertia_of(part, heavy) - mass * abs(centre * MM) ** 2
+            own.append(Body(part.name, mass=mass, centre=mount.place(centre), inertia=inertia))
+        return together(replace(body, mass=0.0, inertia=0.0), *own)
+
+
+def printed_density(material: Material) -> float:
+    """Of what is printed, kg/m^3, its filling as it is."""
+    return 1e3 * (material.density or DENSITY[material.name]) * material.infill
 
 
 def _contours(part: Part) -> Iterator[tuple[float, Contour]]:

@@ -35,7 +35,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         else "steel"
         if steel
         else part.made,
-        mass_g=part.volume * (mechanism.density if printed else 1e3 * STEEL) * 1e-6
+        mass_g=part.volume * (mechanism.assembly.process.density if printed else 1e3 * STEEL) * 1e-6
         if printed or steel
         else None,
         tolerance=sheet.tolerance,

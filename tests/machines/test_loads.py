@@ -16,12 +16,12 @@ from camgen.findings import Finding
 from camgen.machine.balancing import with_weight
 from camgen.machine.model import GROUND, Slot
 from camgen.machine.run import solve
+from camgen.machines.loads import weights
 from camgen.machines.loads.assess import Assessment, assess
 from camgen.machines.loads.bearing import plain_bearings, rubbing_in_slot
 from camgen.machines.loads.drive import motor_of
 from camgen.machines.loads.follower import effective_inertia
 from camgen.machines.loads.rubbing import rough
-from camgen.machines.loads.weights import weighed
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
 from camgen.parts.catalogue import BEARINGS
@@ -38,6 +38,10 @@ MOVED = (
 
 def made(name: str, *settings: str) -> Mechanism:
     return read_mechanism(SPECS / f"{name}.toml", settings).resolved()
+
+
+def weighed(machine: Mechanism) -> weights.Weighed:
+    return weights.weighed(machine.model, machine.assembly.solids, machine.load)
 
 
 def judged(name: str, *settings: str) -> Assessment:

@@ -303,7 +303,7 @@ class DiscCamDrive(StandingCams):
             self.sizes,
             self.print,
             self.allowed.min_wall,
-            self.density,
+            self._process.density,
             load,
             ["follower"] if load.inertia else [],
             gravity=gravity(self.load),

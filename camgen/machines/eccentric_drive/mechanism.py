@@ -32,11 +32,18 @@ from camgen.machines.eccentric_drive.assembly import body_plate, bought, feature
 from camgen.machines.eccentric_drive.study import Masses, study
 from camgen.machines.eccentric_drive.tables import Geometry, Limits, Motor, Parts
 from camgen.machines.eccentric_drive.tube import FACETS, NeedleTube, tube_checks
-from camgen.machines.loads.counterweights import Counterweight, ShaftWeight, found_moment
+from camgen.machines.loads.counterweights import (
+    Counterweight,
+    ShaftSeat,
+    ShaftWeight,
+    found_moment,
+)
+from camgen.machines.loads.weights import weighed
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.assembly import Assembly, MotorSeat
 from camgen.parts.catalogue import SCREWS, TURNED, Screw
 from camgen.parts.hardware import headed, plate
+from camgen.parts.inertia import Solids
 from camgen.parts.part import Held, Layer, Part, hull
 from camgen.study import Study
 from camgen.tolerances import SAME_POINT
@@ -241,10 +248,11 @@ class EccentricDrive(Mechanism):
         if weight is not None:
             parts = (*parts, *weight.parts)
             mounts = (*mounts, *weight.mounts(self.shaft_length - weight.part.thickness))
+        made = self._assembly(parts, mounts, features_of(self))
         return replace(
-            self._assembly(parts, mounts, features_of(self)),
+            made,
             asked=(Asked("travel", self.motion, stroke=True, lash=self.allowed.lash),),
-            balances=() if weight is None else (weight.balance(parts, mounts),),
+            balances=() if weight is None else (weight.balance(made.solids),),
             stand_ins=(self.tube.needle(),) if self.tube else (),
             bought=bought(self),
             motor=MotorSeat(reach=self.shaft_length),
@@ -259,18 +267,17 @@ class EccentricDrive(Mechanism):
         note = Held(
             "press and glue on the motor's shaft above the keeper washer, across from the disc's thick side as drawn"
         )
-        return ShaftWeight(
-            self,
-            self.counterweight,
-            "disc",
-            self.own_parts,
-            self.own_mounts,
+        solids = Solids(self.own_parts, self.own_mounts, self._process.density)
+        machine = weighed(self.model, solids, self.load).machine
+        seat = ShaftSeat(
             hub,
             circle(0j, self.bore / 2),
             self.making.rod_thickness,
             self.allowed.min_wall,
+            self.print,
             note,
         )
+        return ShaftWeight(self.counterweight, "disc", solids, machine, seat)
 
     def _found(self) -> Mapping[str, object]:
         """The moment of a counterweight, and what every mechanism fills in."""

@@ -18,6 +18,7 @@ from camgen.machines.indexing_cam.unloader import CrankSpring, OnLink
 from camgen.machines.standing import Sizes
 from camgen.parts.catalogue import CLUTCHES
 from camgen.parts.generator.wheels import Ridden
+from camgen.parts.inertia import printed_density
 
 if TYPE_CHECKING:
     from camgen.machines.indexing_cam.mechanism import IndexingCam
@@ -111,6 +112,7 @@ def drawn(spec: IndexingCam, closing: float, unloaded: bool = True) -> Machine:
 
 def stood(spec: IndexingCam) -> Bench:
     """On the bench the driven link is a round table."""
+    density = printed_density(spec.material)
     f, load, made = spec.geometry.follower, spec.load, spec.made_unloader
     shapes: dict[str, object] = {LINK: {"hub_diameter": f.arm}}
     freewheels = {}
@@ -131,9 +133,7 @@ def stood(spec: IndexingCam) -> Bench:
             spec.link_centre,
             *([] if made is None else [made.axle]),
         ]
-        beneath = StandingDriver(
-            machine, sizes, spec.print, spec.allowed.min_wall, spec.density, shafts
-        )
+        beneath = StandingDriver(machine, sizes, spec.print, spec.allowed.min_wall, density, shafts)
     if made is not None:
         machine, gears["unloader gears"] = made.added(drawn(spec, 0.0, False), LINK), None
         points[GROUND] |= {"crank": made.axle, "anchor": made.post}
@@ -154,7 +154,7 @@ def stood(spec: IndexingCam) -> Bench:
         sizes,
         spec.print,
         spec.allowed.min_wall,
-        spec.density,
+        density,
         FollowerLoad(preload=load.closing_n_m),
         [LINK, *(["follower"] if load.follower_inertia_kg_m2 else [])],
         gears,

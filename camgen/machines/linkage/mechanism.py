@@ -205,7 +205,7 @@ class Linkage(Mechanism):
 
     def _weighed(self, bodies: Bodies) -> m.Machine:
         """The machine of some bodies with their masses and springs."""
-        machine = bodies.weighed(self.density, self.masses)
+        machine = bodies.weighed(self._process.density, self.masses)
         return replace(machine, loads=(*machine.loads, *(each.pull for each in self.sprung)))
 
     @cached_property
@@ -359,9 +359,8 @@ class Linkage(Mechanism):
         link, made, whole = self.drive.link, self.bodies, self._balanced[1]
         origin = made.layout.at(link, made.layout.shaft_of(link))
         pivot = pivot_of(made.layout, link)
-        return balance_of(
-            link, pivot, origin, whole - weight.other, made.parts, made.mounts, self.density
-        )
+        solids = made.solids(self._process.density)
+        return balance_of(link, pivot, origin, whole - weight.other, solids)
 
     @cached_property
     def _bare(self) -> Bodies:
@@ -395,7 +394,9 @@ class Linkage(Mechanism):
         run = self.run(self.cycle.theta(_SAMPLES), 0)
         if self.counterweight is None:
             return Bodies(laid(self._layout, run)), 0j
-        return counterbalanced(self.counterweight, self._layout, run, self.density, self._weighed)
+        return counterbalanced(
+            self.counterweight, self._layout, run, self._process.density, self._weighed
+        )
 
     @property
     def _layout(self) -> Layout:

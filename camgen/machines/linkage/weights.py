@@ -13,7 +13,7 @@ from camgen.errors import Fault
 from camgen.machine.model import Machine
 from camgen.machine.run import Run
 from camgen.machines.linkage.tables import Drive
-from camgen.machines.loads.counterweights import Counterweight, first_moment
+from camgen.machines.loads.counterweights import Counterweight, ShaftSeat, first_moment
 from camgen.parts.counterweights import NAME
 from camgen.parts.generator.bodies import Bodies
 from camgen.parts.generator.joints import pivot_of
@@ -63,18 +63,16 @@ def counterbalanced(
             else spec.whole(weighed(bodies), link, pivot_of(bodies.layout, link))
         )
         at = bodies.layout.at(link, bodies.layout.shaft_of(link))
-        own = first_moment(link, at, bodies.parts, bodies.mounts, density)
-        made = spec.fitted(
-            whole - spec.other,
-            own,
+        own = first_moment(link, at, bodies.solids(density))
+        seat = ShaftSeat(
             bodies.collar_radius,
             bodies.bore,
             layout.sizes.thickness,
-            density,
-            layout.fits,
             layout.min_wall,
+            layout.fits,
             f"pressed and glued on the shaft of {link}",
         )
+        made = spec.fitted(whole - spec.other, own, seat, density)
         if bodies.layout.weights and abs(made[2] - radius) <= _SAME:
             break
         radius, kept = made[2], bodies.layout.given if bodies.layout.weights else layout.given

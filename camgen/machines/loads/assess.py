@@ -45,7 +45,8 @@ def assess(mechanism: Mechanism) -> Assessment:
     """The machine at its speed, loaded by the masses of its solids, its springs, gravity where it is asked for."""
     if not mechanism.model.drives:
         return Assessment()
-    found, assembly = weighed(mechanism), mechanism.assembly
+    assembly = mechanism.assembly
+    found = weighed(mechanism.model, assembly.solids, mechanism.load)
     machine = found.machine
     given = getattr(mechanism, "motor", None)
     motor = given if isinstance(given, Drives) else None
@@ -138,7 +139,12 @@ def assess(mechanism: Mechanism) -> Assessment:
     if assembly.balances:
         from camgen.machines.loads import counterweights
 
-        study = together([study, counterweights.study(mechanism, machine)])
+        study = together(
+            [
+                study,
+                counterweights.study(assembly, getattr(mechanism, "counterweight", None), machine),
+            ]
+        )
     return Assessment(held, study, (*left, *more), overstated([*plain.bent, *posts.bent]))
 
 

@@ -13,8 +13,8 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Literal
+from dataclasses import dataclass, replace
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
@@ -25,17 +25,14 @@ from camgen.machine.balancing import crank_weight, with_weight
 from camgen.machine.features import Balance, Mount
 from camgen.machine.model import Body, Machine, Pin
 from camgen.machine.run import solve
-from camgen.machines.loads.weights import weighed
+from camgen.parts.assembly import Assembly
 from camgen.parts.catalogue import STEEL
 from camgen.parts.counterweights import NAME, Sector, counterweight
 from camgen.parts.hardware import FACETS
-from camgen.parts.inertia import centre_of, solid
+from camgen.parts.inertia import Solids, centre_of
 from camgen.parts.part import Layer, Part
 from camgen.spec import Length, Print, Record
 from camgen.study import Plot, Study, Table
-
-if TYPE_CHECKING:
-    from camgen.machines.mechanism import Mechanism
 
 _SHARE = 0.01  # of the moment asked for, or the counterweight's own, by which that of the written solids may be off
 _G = 1e3  # g in a kg
@@ -44,6 +41,18 @@ _TURN = np.linspace(0, math.tau, 1441)
 _EVEN = 1e-9  # of its rate, by which a crank may turn unevenly
 Moment = Annotated[float, Field(ge=0, le=1e9, json_schema_extra={"unit": "g mm"})]
 Direction = Annotated[float, Field(ge=-360, le=360)]
+
+
+@dataclass(frozen=True)
+class ShaftSeat:
+    """Where a counterweight is pressed on a shaft; mm."""
+
+    hub: float  # radius
+    bore: Contour
+    thickness: float  # unless the spec says it
+    min_wall: float
+    fits: Print
+    note: str  # how it is held
 
 
 class Counterweight(Record):
@@ -129,74 +138,46 @@ class Counterweight(Record):
         return (1e3 * STEEL if self.made == "steel" else density) * 1e-6
 
     def fitted(
-        self,
-        asked: complex,
-        own: complex,
-        hub: float,
-        bore: Contour,
-        thickness: float,
-        density: float,
-        fits: Print,
-        min_wall: float,
-        note: str,
+        self, asked: complex, own: complex, seat: ShaftSeat, density: float
     ) -> tuple[Part, list[tuple[Part, complex]], float]:
         """The counterweight, its pins with their places, and its radius, mm, in the crank's axes, the shaft at the origin.
 
         asked: moment of all parts that turn with the crank; own: that of those that there are without it, complex g mm.
-        hub: radius, bore: of the hub; thickness: unless the spec says it; density: of what is printed, kg/m^3.
+        density: of what is printed, kg/m^3.
         """
-        heavy, high = self.heavy(density), self.thickness or thickness
-        disc = Part(NAME, "", (Layer(Region(circle(0j, hub), (bore,)), 0.0, high),))
+        heavy, high = self.heavy(density), self.thickness or seat.thickness
+        disc = Part(NAME, "", (Layer(Region(circle(0j, seat.hub), (seat.bore,)), 0.0, high),))
         sector = Sector(
-            hub,
+            seat.hub,
             high,
             math.radians(self.half_angle_deg),
             heavy,
             self.pins,
             self.pin_diameter,
-            fits.press_clearance,
+            seat.fits.press_clearance,
             STEEL * 1e-3,
-            max(min_wall, fits.nozzle) + 2 * FACETS,
+            max(seat.min_wall, seat.fits.nozzle) + 2 * FACETS,
         )
         made = "printed" if self.made == "printed" else "cut of steel"
-        return counterweight(
-            sector, bore, asked - own - heavy * disc.volume * centre_of(disc), made, min_wall, note
-        )
+        left = asked - own - heavy * disc.volume * centre_of(disc)
+        return counterweight(sector, seat.bore, left, made, seat.min_wall, seat.note)
 
 
 class ShaftWeight:
     """A counterweight pressed on the shaft of a crank that turns about its frame's origin, at joint "O"; mm.
 
-    parts, mounts: all else that moves; hub: radius, bore: of what is pressed on the shaft; thickness: unless the spec says it;
-    note: how it is held. moment: of all that turns with the crank, complex g mm in its axes.
+    solids: all else that is made; machine: with the masses of them; moment: of all that turns with the crank, complex g mm in
+    its axes.
     """
 
     def __init__(
-        self,
-        mechanism: Mechanism,
-        spec: Counterweight,
-        body: str,
-        parts: Sequence[Part],
-        mounts: Sequence[Mount],
-        hub: float,
-        bore: Contour,
-        thickness: float,
-        min_wall: float,
-        note: str,
+        self, spec: Counterweight, body: str, solids: Solids, machine: Machine, seat: ShaftSeat
     ) -> None:
-        self.mechanism, self.spec, self.body = mechanism, spec, body
-        self.moment = spec.whole(weighed(mechanism, parts, mounts).machine, body, "O")
-        own = first_moment(body, 0j, parts, mounts, mechanism.density)
+        self.spec, self.body = spec, body
+        self.moment = spec.whole(machine, body, "O")
+        own = first_moment(body, 0j, solids)
         self.part, self.pins, self.radius = spec.fitted(
-            self.moment - spec.other,
-            own,
-            hub,
-            bore,
-            thickness,
-            mechanism.density,
-            mechanism.print,
-            min_wall,
-            note,
+            self.moment - spec.other, own, seat, solids.density
         )
 
     @property
@@ -211,18 +192,14 @@ class ShaftWeight:
             *(Mount(pin.name, self.body, at, z=z) for pin, at in self.pins),
         )
 
-    def balance(self, parts: Sequence[Part], mounts: Sequence[Mount]) -> Balance:
-        """What the written solids are held to; parts, mounts: of the whole machine."""
-        return balance_of(
-            self.body, "O", 0j, self.moment - self.spec.other, parts, mounts, self.mechanism.density
-        )
+    def balance(self, solids: Solids) -> Balance:
+        """What the written solids are held to; solids: of the whole machine."""
+        return balance_of(self.body, "O", 0j, self.moment - self.spec.other, solids)
 
 
-def first_moment(
-    body: str, about: complex, parts: Sequence[Part], mounts: Sequence[Mount], density: float
-) -> complex:
-    """Of all that is mounted on a body, about a place of it, complex g mm; density: of what is printed, kg/m^3."""
-    made = solid(Body(body), {part.name: part for part in parts}, mounts, density)
+def first_moment(body: str, about: complex, solids: Solids) -> complex:
+    """Of all that is mounted on a body, about a place of it, complex g mm."""
+    made = solids.body(Body(body))
     return _G * made.mass * (made.centre - about)
 
 
@@ -234,41 +211,21 @@ def found_moment(whole: complex) -> dict[str, object]:
     }
 
 
-def balance_of(
-    body: str,
-    joint: str,
-    about: complex,
-    moment: complex,
-    parts: Sequence[Part],
-    mounts: Sequence[Mount],
-    density: float,
-) -> Balance:
-    """What the written solids of a crank are held to; density: of what is printed, kg/m^3."""
-    weights = {
-        part.name: 1e-6 * (density if part.made == "printed" else 1e3 * STEEL) for part in parts
-    }
-    on = {mount.part for mount in mounts if mount.body == body}
-    own = first_moment(
-        body, about, [part for part in parts if part.name.startswith(NAME)], mounts, density
-    )
-    tolerance = _SHARE * max(abs(moment), abs(own))
-    return Balance(
-        body,
-        joint,
-        about,
-        moment,
-        {name: heavy for name, heavy in weights.items() if name in on},
-        tolerance,
-    )
+def balance_of(body: str, joint: str, about: complex, moment: complex, solids: Solids) -> Balance:
+    """What the written solids of a crank are held to."""
+    on = {mount.part for mount in solids.mounts if mount.body == body}
+    heavy = {part.name: 1e-6 * solids.density_of(part) for part in solids.parts if part.name in on}
+    weights = [part for part in solids.parts if part.name.startswith(NAME)]
+    own = first_moment(body, about, replace(solids, parts=weights))
+    return Balance(body, joint, about, moment, heavy, _SHARE * max(abs(moment), abs(own)))
 
 
-def study(mechanism: Mechanism, machine: Machine) -> Study:
+def study(made: Assembly, spec: Counterweight | None, machine: Machine) -> Study:
     """Loads on the crank's bearing and on the frame, without the counterweight and with it; machine: with all its masses."""
-    made, spec = mechanism.assembly, getattr(mechanism, "counterweight", None)
     if spec is None or not made.balances:
         return Study()
     balance = made.balances[0]  # its own; those of included machines follow
-    rest = {part.name: part for part in made.parts if not part.name.startswith(NAME)}
+    rest = [part for part in made.parts if not part.name.startswith(NAME)]
     other = spec.other / _G / _ARM
 
     def laden(body: Body) -> Machine:
@@ -282,7 +239,7 @@ def study(mechanism: Mechanism, machine: Machine) -> Study:
 
     theta = np.linspace(*made.cycle.range, len(_TURN))
     full = machine.body(balance.body)
-    bodies = solid(full, rest, made.mounts, mechanism.density), full
+    bodies = replace(made.solids, parts=rest).body(full), full
     forces = [solve(laden(body), theta).forces() for body in bodies]
     curves = {
         f"reaction at {balance.joint}": [np.abs(each.reactions[balance.joint]) for each in forces],

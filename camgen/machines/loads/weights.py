@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import cmath
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from camgen.machine.features import Mount
 from camgen.machine.model import GROUND, MM, Body, Gravity, Machine
 from camgen.machines.loads.tables import Weight
-from camgen.parts.inertia import solid
-from camgen.parts.part import Part
+from camgen.parts.inertia import Solids
 
 if TYPE_CHECKING:
     from camgen.machines.mechanism import Mechanism
@@ -28,23 +26,16 @@ class Weighed:
     sources: Mapping[str, str]
 
 
-def weighed(
-    mechanism: Mechanism, made: Sequence[Part] | None = None, mounted: Sequence[Mount] | None = None
-) -> Weighed:
-    """The model with the masses of its solids where the spec gives none, and with gravity where the spec has it.
-
-    made, mounted: the solids and where they stand, while not all of them are known.
+def weighed(model: Machine, solids: Solids, load: Weight | None) -> Weighed:
+    """The model with the masses of its solids where the spec gives none, and with gravity where [load] has it.
 
     A body whose inertia about its own origin is given, such as a follower's about its pivot, keeps that; only its mass and
     centre, which load its pivot, come from the solid.
     """
-    model = mechanism.model
-    mounts = mechanism.assembly.mounts if mounted is None else mounted
-    parts = {part.name: part for part in (mechanism.assembly.parts if made is None else made)}
     bodies: list[Body] = []
     sources: dict[str, str] = {}
     for body in model.bodies:
-        own = solid(body, parts, mounts, mechanism.density) if body.name != GROUND else body
+        own = solids.body(body) if body.name != GROUND else body
         if body.name == GROUND or not own.mass:
             bodies.append(body)
             sources[body.name] = (
@@ -61,14 +52,14 @@ def weighed(
         else:
             rest = body.inertia - own.mass * abs(own.centre * MM) ** 2
             fits = rest >= 0 or bool(
-                gravity(mechanism.load)
+                gravity(load)
             )  # a weight counts, even where a little inertia does not
             bodies.append(replace(own, inertia=max(rest, 0.0)) if fits else body)
             sources[body.name] = "inertia given, mass of the solids" if fits else "inertia given"
     sources.pop(GROUND, None)
     loads = model.loads
     if not any(isinstance(load, Gravity) for load in loads):
-        loads = (*loads, *gravity(mechanism.load))
+        loads = (*loads, *gravity(load))
     return Weighed(replace(model, bodies=tuple(bodies), loads=loads), sources)
 
 
@@ -80,4 +71,5 @@ def gravity(load: Weight | None) -> tuple[Gravity, ...]:
 
 def pulled(mechanism: Mechanism) -> Machine:
     """The model as it is, or where [load] has gravity with it and with the masses of the solids."""
-    return weighed(mechanism).machine if gravity(mechanism.load) else mechanism.model
+    model, load = mechanism.model, mechanism.load
+    return weighed(model, mechanism.assembly.solids, load).machine if gravity(load) else model

@@ -16,9 +16,11 @@ from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine.features import Eye, Feature, Mark, Mount, PinEyes, Strand
 from camgen.machine.model import GROUND
-from camgen.machines.loads.counterweights import ShaftWeight
+from camgen.machines.loads.counterweights import ShaftSeat, ShaftWeight
+from camgen.machines.loads.weights import weighed
 from camgen.parts.catalogue import TURNED
 from camgen.parts.hardware import grooved, headed
+from camgen.parts.inertia import Solids, printed_density
 from camgen.parts.part import Layer, Part, d_bore, hull, rod
 from camgen.tolerances import SAME_POINT
 
@@ -324,18 +326,17 @@ class Bodies:
         if weight is None:
             return None
         rest = [part for part in (*self._turning, *self._carried) if part.name != "collar"]
-        return ShaftWeight(
-            self.spec,
-            weight,
-            "crank",
-            rest,
-            mounts_of(self.spec),
+        solids = Solids(rest, mounts_of(self.spec), printed_density(self.spec.material))
+        machine = weighed(self.spec.model, solids, self.spec.load).machine
+        seat = ShaftSeat(
             self._collar,
             self._bore,
             self.sizes.thickness,
             self.min_wall,
+            self.fits,
             "pressed and glued on the shaft below the frame",
         )
+        return ShaftWeight(weight, "crank", solids, machine, seat)
 
     @property
     def weight_radius(self) -> float:

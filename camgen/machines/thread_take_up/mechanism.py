@@ -213,10 +213,11 @@ class ThreadTakeUp(Mechanism):
         fixings = tuple(
             (z, self.making.mount_diameter) for z in bodies.mount_holes(t.pivot, t.guides)
         )
+        made = self._assembly(bodies.parts, bodies.mounts, features_of(self))
         return replace(
-            self._assembly(bodies.parts, bodies.mounts, features_of(self)),
+            made,
             asked=(Asked("feed", self.motion, stroke=True, lash=self.allowed.lash),),
-            balances=(bodies.weight.balance(bodies.parts, bodies.mounts),) if bodies.weight else (),
+            balances=(bodies.weight.balance(made.solids),) if bodies.weight else (),
             strands=(bodies.strand,),
             bought=self._bought(),
             frame=Frame("frame", fixings),

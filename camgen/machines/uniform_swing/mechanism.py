@@ -416,7 +416,7 @@ class UniformSwing(Mechanism):
     def _load(self) -> FollowerLoad:
         """Nozzle and frames about the pivot, and the spring of force closure."""
         inertia = self.nozzle.inertia_kg_m2 + sum(
-            part.count * inertia_of(part, self.density) for part in self._frames
+            part.count * inertia_of(part, self._process.density) for part in self._frames
         )
         pushed = self.geometry.closure == "force"
         return FollowerLoad(

@@ -42,7 +42,7 @@ from camgen.parts.generator.stubs import Stub, stubs
 from camgen.parts.generator.troughs import covers, rails
 from camgen.parts.generator.wheels import touched
 from camgen.parts.hardware import spacer
-from camgen.parts.inertia import solid
+from camgen.parts.inertia import Solids
 from camgen.parts.part import Layer, Part, d_bore
 from camgen.parts.set_screws import SetScrewHub
 
@@ -400,11 +400,13 @@ class Bodies:
             joints.append(joint)
         return replace(self.layout.machine, joints=tuple(joints))
 
+    def solids(self, density: float) -> Solids:
+        """Its parts, as masses follow from them; density of what is printed, kg/m^3."""
+        return Solids(self.parts, self.mounts, density)
+
     def weighed(self, density: float, given: Collection[str]) -> m.Machine:
         """The fitted machine with the masses of its solids, but for links whose mass is given; density: kg/m^3."""
-        machine, made = self.fitted(), {part.name: part for part in self.parts}
+        machine, solids = self.fitted(), self.solids(density)
         kept = (GROUND, *given)
-        bodies = (
-            b if b.name in kept else solid(b, made, self.mounts, density) for b in machine.bodies
-        )
+        bodies = (b if b.name in kept else solids.body(b) for b in machine.bodies)
         return replace(machine, bodies=tuple(bodies))
