@@ -207,7 +207,6 @@ CIRCLES = {
     },
     "machines.thread_take_up": {"bodies", "mechanism"},
     "machines.uniform_swing": {"mechanism", "printed", "room", "shopping"},
-    "parts.generator": {"changes", "collars", "covers", "guides", "layout"},
     "report": {"page", "report"},
 }
 

@@ -30,7 +30,6 @@ from camgen.machine.features import Feature, Mount, StandIn
 from camgen.parts.assembly import Shaft
 from camgen.parts.catalogue import Bought, nut, screw_for
 from camgen.parts.generator import plates
-from camgen.parts.generator.collars import collar
 from camgen.parts.generator.discs import cam_parts, gear_part
 from camgen.parts.generator.joined import GROUND
 from camgen.parts.generator.joints import features_of, part_name, point_of
@@ -133,7 +132,7 @@ class Bodies:
     @property
     def collar(self) -> SetScrewHub | None:
         """What holds the driven link on a motor's shaft, if it is asked for."""
-        return collar(self.layout, self.layout.shaft_of(self.layout.driven))
+        return self.layout.collar(self.layout.shaft_of(self.layout.driven))
 
     def bought(self, turning: str) -> list[Bought]:
         """Drive, of a speed for people, and screws."""

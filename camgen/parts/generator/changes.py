@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field
+from typing import Any
 
 from camgen.errors import DesignError
-
-if TYPE_CHECKING:
-    from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.sizes import Parts
 
 
 @dataclass(frozen=True)
@@ -21,12 +19,9 @@ class Change:
     sizes: Mapping[str, Any] = field(default_factory=dict)
     free: bool = False
 
-    def of(self, layout: Layout) -> Layout:
-        """The layout so changed."""
-        sizes = type(layout.sizes).model_validate(
-            _set(layout.sizes.model_dump(exclude_none=True), self.sizes)
-        )
-        return replace(layout, sizes=sizes, given={} if self.free else layout.given)
+    def of(self, sizes: Parts) -> Parts:
+        """The sizes so changed."""
+        return type(sizes).model_validate(_set(sizes.model_dump(exclude_none=True), self.sizes))
 
     def also(self, other: Change) -> Change:
         """Both."""

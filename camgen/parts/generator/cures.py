@@ -79,7 +79,7 @@ def with_cures(
     kinds = list(_kinds(layout, refused))
     mends = _first(kinds, makes)
     for change in (change for kind in kinds if kind.frame and not mends for change in kind.changes):
-        again, other = why_not(change), change.of(layout)
+        again, other = why_not(change), layout.changed(change)
         more = (
             () if again is None else _kinds(other, again) if change.free else _of_room(other, again)
         )
@@ -120,7 +120,7 @@ def bent(layout: Layout, refused: Crowded) -> Iterator[Layout]:
         if layout.sizes.shape(link).bow is None
     )
     for bows in zip_longest(*ways):
-        yield from (each.of(layout) for each in bows if each is not None)
+        yield from (layout.changed(each) for each in bows if each is not None)
 
 
 def _links(refused: Crowded) -> list[str]:

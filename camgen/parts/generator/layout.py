@@ -16,13 +16,14 @@ from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour
 from camgen.parts.bands import ArmBand
 from camgen.parts.catalogue import Bearing, narrowest
-from camgen.parts.generator.collars import collar, levels_over
+from camgen.parts.generator.changes import Change
 from camgen.parts.generator.covers import Cover, cover
 from camgen.parts.generator.guides import COVERED, STEMS, Guide, guide
 from camgen.parts.generator.joined import GROUND, Joined, Stretched
 from camgen.parts.generator.slotted import Slotted, one_by_one
 from camgen.parts.generator.wheels import NOSE, Tip, pivot
 from camgen.parts.part import d_bore, hull, with_bar
+from camgen.parts.set_screws import SetScrewHub
 
 __all__ = ["GROUND", "Layout", "Stretched"]
 
@@ -32,6 +33,11 @@ _ROOM = 0.5  # mm, beyond a pin's way at both ends of its slot
 
 class Layout(Joined):
     """A machine and the sizes of its parts, on their levels."""
+
+    def changed(self, change: Change) -> Layout:
+        """With other sizes."""
+        given = {} if change.free else self.given
+        return replace(self, sizes=change.of(self.sizes), given=given)
 
     # ---- holes and hubs -----------------------------------------------------------------------------------------------
 
@@ -88,10 +94,17 @@ class Layout(Joined):
         found = self.spacer_diameter(point) / 2
         screw, held = (
             self.sizes.shoulder if self.kind(point) == "shoulder" else None,
-            collar(self, point),
+            self.collar(point),
         )
         found = found if held is None else max(found, held.least_radius)
         return found if screw is None else max(found, screw.head / 2, screw.flats / math.sqrt(3))
+
+    def collar(self, point: str) -> SetScrewHub | None:
+        """What a set screw holds on the shaft of a motor at a point, over all that sits there; None where it is no motor's, or
+        nothing asks for it."""
+        if self.sizes.face is None or self.shafts.get(point) != self.driven:
+            return None
+        return self.sizes.collar(self.fits.press_clearance, self.min_wall)
 
     @cached_property
     def hung(self) -> set[str]:
@@ -140,7 +153,8 @@ class Layout(Joined):
     def beyond(self, point: str) -> tuple[int, int]:
         """How many levels the head of a pin takes over its highest link, and it or a thread under its lowest."""
         if point in self.shafts:
-            return levels_over(self, point, self._least), 0
+            collar, step = self.collar(point), self._least + self.fits.slide_clearance
+            return (0 if collar is None else math.ceil(collar.height / step)), 0
         if len(self.thrown(point)) > 1:
             return 0, 0
         if self.kind(point) == "shoulder":

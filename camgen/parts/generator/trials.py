@@ -25,12 +25,12 @@ def with_cures(
 
     def makes(change: Change) -> bool:
         try:
-            return has_levels(change.of(first), run) and bool(parts(change))
+            return has_levels(first.changed(change), run) and bool(parts(change))
         except (DesignError, SpecError):
             return False
 
     def why_not(change: Change) -> DesignError | None:
-        return refusal(change.of(first), run)
+        return refusal(first.changed(change), run)
 
     return cures.with_cures(
         first, refused, makes, why_not, attempts(first) if isinstance(refused, Crowded) else ()
