@@ -27,14 +27,13 @@ from camgen.machine.model import Machine
 from camgen.machine.run import Run, solve
 from camgen.machines.free_play import of_pins
 from camgen.machines.loads.applied import applied
-from camgen.machines.loads.pins import stronger
 from camgen.machines.loads.rubbing import rough
 from camgen.machines.loads.tables import Bears, Weight
 from camgen.machines.loads.weights import weighed
 from camgen.parts.assembly import Assembly, Cycle, Process, tips
 from camgen.parts.catalogue import DENSITY
 from camgen.parts.inertia import printed_density
-from camgen.parts.journals import Journal, journals
+from camgen.parts.journals import MaterialLimits, journals
 from camgen.parts.part import Part
 from camgen.parts.steps import Fixing
 from camgen.spec import Spec, validate
@@ -108,12 +107,20 @@ class Mechanism(Spec, ABC):
             features,
             stand_ins=tips(features, parts, mounts, self.model),
             journals=journals(self.model, features, parts, mounts, self.material.name),
+            limits=self._material_limits,
             unjudged=Later(self._unpressed),
         )
 
     def _unpressed(self) -> Sequence[NotJudged]:
         """Of cams that are closed by force those of which nothing says what presses them."""
         return ()
+
+    @property
+    def _material_limits(self) -> MaterialLimits:
+        """What the spec says of its materials, and the table with the sizes of its pins."""
+        allowed = getattr(self, "allowed", None)
+        given = allowed if isinstance(allowed, Bears) else Bears()
+        return given.of_parts("parts", getattr(self, "making", None))
 
     @property
     def _process(self) -> Process:
@@ -160,15 +167,6 @@ class Mechanism(Spec, ABC):
     def sense(self) -> int:
         """Sense in which theta runs: -1 where the input shaft turns clockwise."""
         return -1 if self.speed < 0 else 1
-
-    def stronger(self, pin: Journal) -> str:
-        """What makes a pin bear more, by the spec's keys."""
-        return stronger("parts", getattr(self, "making", None), pin)
-
-    def bears(self, joint: str) -> Bears:
-        """What the spec says of a joint's materials."""
-        allowed = getattr(self, "allowed", None)
-        return allowed if isinstance(allowed, Bears) else Bears()
 
     def _found(self) -> Mapping[str, object]:
         """What the spec leaves open and camgen found, by dotted keys; DesignError where there is nothing to be found."""

@@ -14,13 +14,12 @@ from camgen.errors import Fault
 from camgen.machine.features import Asked, CamOutline, Mount
 from camgen.machine.model import Machine
 from camgen.machines.linkage import sheets
-from camgen.machines.loads.pins import stronger
 from camgen.machines.mechanism import Mechanism
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly, FollowerFacts, MotorSeat
 from camgen.parts.disc_cams import Parts as DiscParts
 from camgen.parts.generator.sizes import Parts
-from camgen.parts.journals import Journal
+from camgen.parts.journals import MaterialLimits
 from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.springs import to_wind, wished
@@ -205,9 +204,13 @@ class StandingCams(Mechanism):
         making = getattr(self, "making", None)
         return making.hub_diameter / 2 if isinstance(making, DiscParts) else 0.0
 
-    def stronger(self, pin: Journal) -> str:
-        """By keys of [bodies] of a machine."""
-        return stronger("bodies", self.sizes, pin) if self.standing else super().stronger(pin)
+    @property
+    def _material_limits(self) -> MaterialLimits:
+        """With the keys of [bodies] of a machine."""
+        found = super()._material_limits
+        if not self.standing:
+            return found
+        return replace(found, table="bodies", keys=frozenset(type(self.sizes).model_fields))
 
     def _found(self) -> Mapping[str, object]:
         """Sizes of a machine's bodies, and what every mechanism fills in."""

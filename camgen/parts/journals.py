@@ -40,6 +40,18 @@ class Journal:
 
 
 @dataclass(frozen=True)
+class MaterialLimits:
+    """What a spec says that its materials bear, None where it says nothing; and how it says what pins are made of."""
+
+    hertz: float | None = None  # MPa, of contacts
+    pv: float | None = None  # MPa m/s, of plain bearings
+    pin_stress: float | None = None  # MPa
+    bearing_life: float | None = None  # h, of ball bearings
+    table: str = ""  # of the sizes of pins and shafts
+    keys: frozenset[str] = frozenset()  # that this table has
+
+
+@dataclass(frozen=True)
 class Post:
     """A pin of one link that a spring or a cam's roller bends: diameter and lever, mm; what it is of; pull: N, 0 by a cam.
 

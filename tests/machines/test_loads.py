@@ -569,7 +569,7 @@ def test_life_of_a_bearing_on_a_pin_by_hand() -> None:
     }
     run = solve(weighed(drive).machine, np.linspace(0, math.tau, 1441))
     forces = run.forces()
-    given = plain_bearings(run, forces, journals, drive.bears)
+    given = plain_bearings(run, forces, journals, drive.assembly.limits_of)
     for name in journals:
         joint = run.machine.joint(name)
         a, b = (

@@ -42,7 +42,7 @@ from camgen.machines.linkage.weights import counterbalanced, weight_faults
 from camgen.machines.loads.bearing import Borne
 from camgen.machines.loads.counterweights import Counterweight, balance_of, found_moment
 from camgen.machines.loads.pressed import by_force, pressed
-from camgen.machines.loads.tables import Bears, Drives
+from camgen.machines.loads.tables import Drives
 from camgen.machines.loads.weights import pulled
 from camgen.machines.mechanism import Mechanism
 from camgen.parts import assembly as assemblies
@@ -60,7 +60,7 @@ from camgen.parts.generator.posts import posts
 from camgen.parts.generator.sizes import Name, Parts
 from camgen.parts.generator.stacking import lacking, laid
 from camgen.parts.generator.trials import with_cures
-from camgen.parts.journals import Journal, journals
+from camgen.parts.journals import journals
 from camgen.parts.part import Part
 from camgen.spec import Output, unknown, validate
 from camgen.study import Later, Study, together
@@ -247,23 +247,6 @@ class Linkage(Mechanism):
         """Speed of the driven link, rad/s; of one that goes to and fro its greatest, a period being a turn."""
         return self.drive.speed_rpm * math.tau / 60
 
-    def bears(self, joint: str) -> Bears:
-        """As this spec, or that of the included machine whose joint it is, says."""
-        own = self._owner(joint)
-        return self.allowed if own is None else own.bears(joint)
-
-    def stronger(self, pin: Journal) -> str:
-        """By keys of this spec, or of that of the included machine whose joint it is."""
-        own = self._owner(pin.joint)
-        return super().stronger(pin) if own is None else own.stronger(pin)
-
-    def _owner(self, joint: str) -> Mechanism | None:
-        """The included machine whose joint it is."""
-        return next(
-            (each.mechanism for each in self.modules if joint.startswith(f"{each.module.prefix}_")),
-            None,
-        )
-
     @cached_property
     def cycle(self) -> Cycle:
         """How theta runs; what it is called depends on what is made."""
@@ -350,6 +333,7 @@ class Linkage(Mechanism):
             motor=motor,
             shaft=bodies.shaft,
             board=bodies.stands,
+            limits=self._material_limits,
             unjudged=Later(lambda: self._pressed.left),
             texts={"chain.svg": bridges.svg(self.chain), "chain.pmks": bridges.pmks(self.chain)},
         )

@@ -63,7 +63,7 @@ def assess(mechanism: Mechanism) -> Assessment:
         ]
         return Assessment(held, Study(tables=[_masses(found)]), (*left, *lost))
     theta = np.linspace(*assembly.cycle.range, _MANY if len(machine.bodies) <= _BODIES else _FEW)
-    bears, journals = mechanism.bears, assembly.journals
+    journals = assembly.journals
     run = solve(rough(machine, journals, mechanism.load), theta)
     forces = run.forces()
     # friction may spare a pin, and may be less than its table says
@@ -73,13 +73,8 @@ def assess(mechanism: Mechanism) -> Assessment:
         reactions=_worse(smooth.reactions, forces.reactions),
         normals=_worse(smooth.normals, forces.normals),
     )
-    outlines = assembly.outlines
-    plain = bearing.plain_bearings(
-        run, borne_by_pins, journals, bears, mechanism.load, mechanism.stronger
-    )
-    touched = bearing.contacts(
-        run, forces, outlines, assembly.by_name, mechanism.material.name, facts.roller, bears
-    )
+    plain = bearing.plain_bearings(run, borne_by_pins, journals, assembly.limits_of, mechanism.load)
+    touched = bearing.contacts(run, forces, assembly)
     turned, more = drive.driven(
         run, forces, motor, lambda: freed(machine, journals, mechanism.load, theta)
     )
@@ -98,10 +93,8 @@ def assess(mechanism: Mechanism) -> Assessment:
     grip = drive.gripped(
         seat.hub, turned.numbers.get("drive_torque_n_m", 0.0), mechanism.material.name
     )
-    posts = bearing.bent_posts(
-        borne_by_pins, assembly.posts, bears, mechanism.stronger, not machine.loads
-    )
-    paired = pairs.told(forces, machine, outlines, facts.arm_stiffness)
+    posts = bearing.bent_posts(borne_by_pins, assembly.posts, assembly.limits_of, not machine.loads)
+    paired = pairs.told(forces, machine, assembly.outlines, facts.arm_stiffness)
     left += paired.left
     if facts.wish is not None and not assembly.springs:
         from camgen.parts.springs import WIRES
@@ -127,7 +120,7 @@ def assess(mechanism: Mechanism) -> Assessment:
         held += borne.findings
         left += borne.left
         numbers |= borne.numbers
-    asked = any(bears(joint.name).bearing_life_h is not None for joint in machine.joints)
+    asked = any(assembly.limits_of(joint.name).bearing_life is not None for joint in machine.joints)
     if asked and "BEARING_LIFE" not in {each.code for each in held} | {each.code for each in left}:
         left.append(
             NotJudged("BEARING_LIFE", "no ball bearing of the machine is loaded", "a ball bearing")

@@ -16,20 +16,19 @@ import numpy as np
 
 from camgen.findings import Finding, NotJudged, at_least, at_most
 from camgen.machine import strength
-from camgen.machine.features import CamOutline
 from camgen.machine.flywheel import mean_torque
 from camgen.machine.forces import Forces
 from camgen.machine.friction import circle
 from camgen.machine.model import GROUND, Cam, Pin, Slot
 from camgen.machine.run import Run
-from camgen.machines.loads.pins import STILL, Bent, Stronger, bent_by, unsaid
+from camgen.machines.loads.pins import STILL, Bent
 from camgen.machines.loads.rubbing import coefficient
-from camgen.machines.loads.tables import Bears, Weight
+from camgen.machines.loads.tables import Weight
 from camgen.numerics import Floats
 from camgen.parts import materials
+from camgen.parts.assembly import Assembly
 from camgen.parts.catalogue import BEARINGS, Bearing
-from camgen.parts.journals import Journal, Post
-from camgen.parts.part import Part
+from camgen.parts.journals import Journal, MaterialLimits, Post
 from camgen.study import Plot, Table
 
 _RATED = tuple(each.name for each in BEARINGS.values() if each.rating)
@@ -47,17 +46,27 @@ class Borne:
     bent: list[Bent] = field(default_factory=list)
 
 
+@dataclass(frozen=True)
+class Rolling:
+    """A ball bearing at work."""
+
+    joint: str
+    ball: Bearing
+    force: Floats  # N, (n,) over theta
+    turning: Any  # rad/s, (n,) or one number
+    what: str = "ball bearing of "  # the joint
+
+
 def plain_bearings(
     run: Run,
     forces: Forces,
     journals: Mapping[str, Journal],
-    bears: Callable[[str], Bears],
+    limits: Callable[[str], MaterialLimits],
     load: Weight | None = None,
-    stronger: Stronger = unsaid,
 ) -> Borne:
     """PV of the worst plain one, PIN_STRESS of every pin whose bearing is known, BEARING_LIFE of ball bearings, and a table.
 
-    bears: what the spec says of a joint; load: of its friction; stronger: what makes a joint's pin bear more.
+    limits: what the spec says of a joint; load: of its friction.
     """
     borne, speed, rows = Borne(), run.machine.speed, list[tuple[object, ...]]()
     usual = materials.PV_MOST
@@ -82,13 +91,21 @@ def plain_bearings(
         )
         bent = float(np.max(strength.pin_bending(force, journal.lever, journal.diameter)))
         sheared = float(np.max(strength.pin_shear(force, journal.diameter)))
-        each = bent_by(
-            name, journal, bent, sheared, float(np.max(force)), bears(name), not run.machine.loads
+        pin = Bent(
+            name,
+            journal,
+            float(np.max(force)),
+            bent,
+            sheared,
+            limits(name),
+            not run.machine.loads,
         )
-        borne.bent += each
-        borne.findings += [pin.finding(stronger) for pin in each]
+        if pin.force > STILL:
+            borne.bent.append(pin)
+            borne.findings.append(pin.finding())
         if journal.ball is not None:
-            _life(borne, name, journal.ball, force, turning, bears(name))
+            rolling = Rolling(name, journal.ball, force, turning)
+            _life(borne, rolling, limits(name).bearing_life)
             continue
         found.append((slides.pv, journal, slides))
         rows.append(
@@ -111,10 +128,8 @@ def plain_bearings(
     )
     if not found:
         return borne
-    pv, worst, slides = max(
-        found, key=lambda each: each[0] / (bears(each[1].joint).pv_mpa_m_s or usual)
-    )
-    given = bears(worst.joint).pv_mpa_m_s
+    pv, worst, slides = max(found, key=lambda each: each[0] / (limits(each[1].joint).pv or usual))
+    given = limits(worst.joint).pv
     said = f"{slides.power:.3g} W of heat at a friction of {coefficient(worst, load):g}"
     said += (
         f"; limits.pv_mpa_m_s; a plastic made for bearings bears {usual:g} dry"
@@ -147,8 +162,7 @@ def plain_bearings(
 def bent_posts(
     forces: Forces,
     posts: Sequence[Post],
-    bears: Callable[[str], Bears],
-    stronger: Stronger = unsaid,
+    limits: Callable[[str], MaterialLimits],
     fast: bool = False,
 ) -> Borne:
     """PIN_STRESS of pins that a spring or a cam's roller bends, by what bends each most; fast: inertia alone loads them."""
@@ -164,35 +178,26 @@ def bent_posts(
         journal = Journal(
             post.by, post.diameter, 0.0, post.lever, post.material, "", part=post.part
         )
-        for each in bent_by(
-            name, journal, bent, sheared, force, bears(post.by), fast and not post.pull
-        ):
-            if post.name not in worst or each.stress > worst[post.name].stress:
-                worst[post.name] = each
-    return Borne([each.finding(stronger) for each in worst.values()], bent=list(worst.values()))
+        pin = Bent(name, journal, force, bent, sheared, limits(post.by), fast and not post.pull)
+        if force > STILL and (post.name not in worst or pin.stress > worst[post.name].stress):
+            worst[post.name] = pin
+    return Borne([each.finding() for each in worst.values()], bent=list(worst.values()))
 
 
-def contacts(
-    run: Run,
-    forces: Forces,
-    outlines: Mapping[str, CamOutline],
-    parts: Mapping[str, Part],
-    printed: str,
-    roller: Bearing | None,
-    known: Callable[[str], Bears],
-) -> Borne:
-    """HERTZ of every cam that says how it is touched, and BEARING_LIFE of a roller; outlines: by joint, the first of each.
+def contacts(run: Run, forces: Forces, assembly: Assembly) -> Borne:
+    """HERTZ of every cam that says how it is touched, and BEARING_LIFE of a roller.
 
     A tip that is no bearing is of the cam's own plastic.
     """
     borne, theta = Borne(), run.theta
-    own = materials.of(printed)
+    outlines, parts, roller = assembly.outlines, assembly.by_name, assembly.follower.roller
+    own = materials.of(assembly.process.plastic)
     tip = materials.STEEL if roller else own
     for joint in run.machine.joints:
         outline = outlines.get(joint.name)
         if not isinstance(joint, Cam) or not joint.touches or outline is None:
             continue
-        force, bears = _finite(forces.pressing[joint.name]), known(joint.name)
+        force, limits = _finite(forces.pressing[joint.name]), assembly.limits_of(joint.name)
         if not np.any(force > STILL):
             if np.any(force < -STILL):
                 why = f"nothing presses the follower on its cam at {joint.name}: it leaves it"
@@ -223,11 +228,11 @@ def contacts(
             )
             pressure = np.fmax(pressure, pressed)
         worst = int(np.nanargmax(pressure))
-        limit = bears.hertz_mpa or strength.YIELDS * materials.STRONGEST
+        limit = limits.hertz or strength.YIELDS * materials.STRONGEST
         said = f"by {force[worst]:.4g} N on a line of {length:.4g} mm, {tip.name} on {own.name}; "
         said += (
             "limits.hertz_mpa"
-            if bears.hertz_mpa
+            if limits.hertz
             else f"no limit is published for prints of {own.name}: beyond this the strongest printed plastic flows (PC, "
             f"{materials.STRONGEST:g} MPa in its plane, 1.79 times that in a line contact)"
         )
@@ -251,39 +256,33 @@ def contacts(
             rolling = np.full(
                 len(force), turns * math.tau * run.machine.speed / float(np.ptp(theta))
             )
-            _life(borne, joint.name, roller, force, rolling, bears, "roller of ")
+            _life(
+                borne,
+                Rolling(joint.name, roller, force, rolling, "roller of "),
+                limits.bearing_life,
+            )
     return borne
 
 
-def _life(
-    borne: Borne,
-    name: str,
-    ball: Bearing,
-    force: Floats,
-    turning: Any,
-    bears: Bears,
-    what: str = "ball bearing of ",
-) -> None:
-    """BEARING_LIFE of a ball bearing at a joint; one that goes to and fro wears by the way that it goes. turning: rad/s."""
+def _life(borne: Borne, rolling: Rolling, least: float | None) -> None:
+    """BEARING_LIFE of a ball bearing; one that goes to and fro wears by the way that it goes. least: h, that is asked for."""
+    name, ball = rolling.joint, rolling.ball
     if not ball.rating:
-        if bears.bearing_life_h is not None:
+        if least is not None:
             why = f"{name}: no load rating of the ball bearing {ball.name} is known"
             borne.left.append(
                 NotJudged("BEARING_LIFE", why, f"a bearing with a rating: {', '.join(_RATED)}")
             )
         return
-    turns = np.abs(turning) + np.zeros(len(force))
-    load = strength.cubic_mean(np.maximum(force, 0.0), turns)
+    turns = np.abs(rolling.turning) + np.zeros(len(rolling.force))
+    load = strength.cubic_mean(np.maximum(rolling.force, 0.0), turns)
     rate = float(np.mean(turns)) / math.tau
     hours = strength.bearing_life(1e3 * ball.rating, load) / rate / 3600 if rate else math.inf
     borne.numbers[f"bearing_life_{re.sub('[^a-z0-9]+', '_', name.lower())}_h"] = min(hours, 1e9)
-    if bears.bearing_life_h is not None:
+    if least is not None:
         said = f"{ball.name}, C = {ball.rating:g} kN, under a mean of {load:.4g} N; nine of ten reach it"
-        borne.findings.append(
-            at_least(
-                "BEARING_LIFE", min(hours, 1e9), bears.bearing_life_h, "h", f"{what}{name}", said
-            )
-        )
+        where = f"{rolling.what}{name}"
+        borne.findings.append(at_least("BEARING_LIFE", min(hours, 1e9), least, "h", where, said))
 
 
 def rubbing_in_slot(run: Run, slot: Slot, normal: Floats, radius: float) -> Floats:

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-
-from pydantic import BaseModel
 
 from camgen.findings import Finding, at_most
 from camgen.machine import strength
-from camgen.machines.loads.tables import Bears
 from camgen.parts import materials
-from camgen.parts.journals import Journal
+from camgen.parts.journals import Journal, MaterialLimits
 
 STILL = 1e-9  # N, below which nothing presses
 _STEEL = 350  # MPa
@@ -22,23 +19,34 @@ _STEEL_BY = {  # keys that make them of steel, and their value there
     "crank-pin": {"shaft_made": "steel"},
 }
 
-Stronger = Callable[[Journal], str]  # what makes a pin bear more
-
 
 @dataclass(frozen=True)
 class Bent:
-    """A pin under its greatest force, N: the stress in it, MPa, and how it comes about; given: the limit of the spec, MPa.
-
-    fast: inertia alone loads it.
-    """
+    """A pin under its greatest force, by what it bears least of: bending, or shear as bending as bad."""
 
     name: str
     journal: Journal
-    force: float
-    stress: float
-    how: str
-    given: float | None
-    fast: bool
+    force: float  # N
+    bending: float  # MPa
+    shear: float  # MPa
+    limits: MaterialLimits  # of its spec
+    fast: bool  # inertia alone loads it
+
+    @property
+    def given(self) -> float | None:
+        """The limit of the spec, MPa."""
+        return self.limits.pin_stress
+
+    @property
+    def stress(self) -> float:
+        """The worse, MPa."""
+        return max(self.bending, self.shear / strength.SHEAR)
+
+    @property
+    def how(self) -> str:
+        """How it comes about."""
+        bent = f"bent on an arm of {self.journal.lever:.4g} mm"
+        return max((self.bending, bent), (self.shear / strength.SHEAR, "sheared"))[1]
 
     @property
     def overstated(self) -> bool:
@@ -49,13 +57,13 @@ class Bent:
         )
         return own and self.given is not None and self.stress <= self.given
 
-    def finding(self, stronger: Stronger) -> Finding:
+    def finding(self) -> Finding:
         """PIN_STRESS."""
         row = materials.of(self.journal.shaft)
         limit = self.given or row.bears
         by = "limits.pin_stress_mpa" if self.given else f"{row.name} bears {row.bears:g} MPa"
         remark = f"by {self.force:.4g} N, {self.how}; {by}"
-        remark += "" if self.stress <= limit else f"; {stronger(self.journal)}"
+        remark += "" if self.stress <= limit else f"; {stronger(self.limits, self.journal)}"
         holds = math.sqrt(limit / self.stress) if self.stress else math.inf
         remark += (
             f", by inertia alone: {holds:.3g} times the speed holds"
@@ -63,20 +71,6 @@ class Bent:
             else ""
         )
         return at_most("PIN_STRESS", self.stress, limit, "MPa", f"pin {self.name}", remark)
-
-
-def bent_by(
-    name: str, journal: Journal, bent: float, sheared: float, force: float, bears: Bears, fast: bool
-) -> list[Bent]:
-    """A pin by what it bears least of: bending, or shear as bending as bad, MPa; none that nothing presses."""
-    worse, how = max(
-        (bent, f"bent on an arm of {journal.lever:.4g} mm"), (sheared / strength.SHEAR, "sheared")
-    )
-    return (
-        [Bent(name, journal, force, worse, how, bears.pin_stress_mpa, fast)]
-        if force > STILL
-        else []
-    )
 
 
 def overstated(pins: Sequence[Bent]) -> tuple[str, ...]:
@@ -97,21 +91,16 @@ def overstated(pins: Sequence[Bent]) -> tuple[str, ...]:
     return tuple(found)
 
 
-def unsaid(pin: Journal) -> str:
-    """Where no spec has keys of pins."""
-    return stronger("", None, pin)
-
-
-def stronger(table: str, sizes: BaseModel | None, pin: Journal) -> str:
+def stronger(limits: MaterialLimits, pin: Journal) -> str:
     """What makes a pin or a shaft bear more, by the keys that its table of sizes has."""
-    fields = {} if sizes is None else type(sizes).model_fields
+    table, keys = limits.table, limits.keys
     kind = next((kind for kind in ("shaft", "crank-pin", "pin") if kind in pin.part), "")
     diameter = f"{kind.removeprefix('crank-')}_diameter"
-    wide = f" ({table}.{diameter})" if diameter in fields else ""
+    wide = f" ({table}.{diameter})" if diameter in keys else ""
     if pin.shaft == materials.STEEL.name:
         return f"make it thicker{wide} or shorter"
     key, value = next(
-        ((key, value) for key, value in _STEEL_BY.get(kind, {}).items() if key in fields), ("", "")
+        ((key, value) for key, value in _STEEL_BY.get(kind, {}).items() if key in keys), ("", "")
     )
     say = (
         f'or of steel ({table}.{key} = "{value}")'

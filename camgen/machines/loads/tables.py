@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 
 from camgen.machine.cams.limits import CamLimits
 from camgen.machines.loads.applied import Applied
+from camgen.parts.journals import MaterialLimits
 from camgen.spec import SHARE, Length, Record
 
 Positive = Annotated[float, Field(gt=0, le=1e6)]
@@ -66,6 +67,17 @@ class Bears(Record):
     pv_mpa_m_s: Annotated[float, _in("MPa m/s")] | None = None
     pin_stress_mpa: Annotated[float, _in("MPa")] | None = None
     bearing_life_h: Annotated[float, _in("h")] | None = None
+
+    def of_parts(self, table: str, sizes: Record | None) -> MaterialLimits:
+        """As data, with the keys of the table of sizes that says what pins are made of."""
+        return MaterialLimits(
+            self.hertz_mpa,
+            self.pv_mpa_m_s,
+            self.pin_stress_mpa,
+            self.bearing_life_h,
+            table,
+            frozenset() if sizes is None else frozenset(type(sizes).model_fields),
+        )
 
 
 class CamBears(Bears):
