@@ -7,38 +7,36 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from camgen.findings import Finding, at_most
 from camgen.machine.cams.limits import unit_of as unit_of_lift
 from camgen.machine.cams.profile import DiscCam
-from camgen.machine.model import Cam, Output, unit_of
+from camgen.machine.features import Asked
+from camgen.machine.model import Cam, Machine, Output, unit_of
+from camgen.machine.run import Run
 from camgen.machine.targets import Course, rectangle, stroke
 from camgen.numerics import Floats
 
-if TYPE_CHECKING:
-    from camgen.machines.mechanism import Mechanism
-
 _LASH = 0.25  # of an output's stroke, or of a path's smaller side: the play that is borne unless the spec says otherwise
 _LINE = 0.05  # of a path's length, below which its width is none
-_ANGLES = 721  # at which it is looked at: the play turns so slowly that half a degree loses less than a file's facets add
+ANGLES = 721  # at which it is looked at: the play turns so slowly that half a degree loses less than a file's facets add
 
 
-def of_pins(mechanism: Mechanism) -> list[Finding]:
-    """LASH of each output that the machine's joints with clearance let move; none where a cam between two contacts adds its own,
-    which only the files tell."""
-    joints = mechanism.model.joints
-    if any(isinstance(each, Cam) and each.closure == "form" for each in joints) or not any(
-        each.clearance for each in joints
-    ):
-        return []
-    assembly = mechanism.assembly
-    run = mechanism.solve(np.linspace(*assembly.cycle.range, _ANGLES), 1)
+def pins_alone(machine: Machine) -> bool:
+    """Whether the clearances of its joints are all its play: a cam between two contacts adds its own, which only the files
+    tell."""
+    formed = any(isinstance(each, Cam) and each.closure == "form" for each in machine.joints)
+    return not formed and any(each.clearance for each in machine.joints)
+
+
+def of_pins(run: Run, wanted: Sequence[Asked]) -> list[Finding]:
+    """LASH of each output that the machine's joints with clearance let move; run: at ANGLES over the motion."""
     outputs: dict[str, Output] = {each.name: each for each in run.machine.outputs}
     found = []
-    for asked in (each for each in assembly.asked if each.judged):
+    for asked in (each for each in wanted if each.judged):
         play = 2 * float(np.nanmax(run.play(asked.output).total))
         unit, scale = unit_of(outputs[asked.output])
         if play > 0:
@@ -84,7 +82,7 @@ def between(cams: Sequence[DiscCam[Any]], air: float, lash: float) -> list[Findi
     """
     if air <= 0:
         return []
-    theta = np.linspace(0, math.tau, _ANGLES)
+    theta = np.linspace(0, math.tau, ANGLES)
     play: Floats = sum((air / _leaving(cam, theta) for cam in cams), np.zeros(theta.size))
     worst, (unit, scale) = int(np.argmax(play)), unit_of_lift(cams[0])
     limit, said = borne(lash, cams[0].program(theta))

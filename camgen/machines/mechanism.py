@@ -12,11 +12,12 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from operator import getitem
 from typing import ClassVar, Self
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from camgen.errors import DesignError
@@ -25,11 +26,11 @@ from camgen.geometry.outlines import Floats
 from camgen.machine.features import CamOutline, Feature, Mount
 from camgen.machine.model import Machine
 from camgen.machine.run import Run, solve
-from camgen.machines.free_play import of_pins
+from camgen.machines.free_play import ANGLES, of_pins, pins_alone
 from camgen.machines.loads.applied import applied
 from camgen.machines.loads.rubbing import rough
 from camgen.machines.loads.tables import Bears, Weight
-from camgen.machines.loads.weights import weighed
+from camgen.machines.loads.weights import pulled, weighed
 from camgen.parts.assembly import Assembly, Cycle, Process, tips
 from camgen.parts.catalogue import DENSITY
 from camgen.parts.inertia import printed_density
@@ -38,6 +39,15 @@ from camgen.parts.part import Part
 from camgen.parts.steps import Fixing
 from camgen.spec import Spec, validate
 from camgen.study import Later, Study
+
+
+@dataclass(frozen=True)
+class Remarks:
+    """What is to be said of a machine beside its findings."""
+
+    printed: Sequence[str] = ()  # lines, by a build
+    unused: Sequence[str] = ()  # keys that were set and say nothing of this machine, dotted
+    links: int = 0  # that are closed together on what each kind of file shows: many take long
 
 
 class Mechanism(Spec, ABC):
@@ -58,7 +68,7 @@ class Mechanism(Spec, ABC):
         machine = self._unloaded()
         if self.load is None or not self.load.on:
             return machine
-        return replace(machine, loads=(*machine.loads, *applied(self, machine)))
+        return replace(machine, loads=(*machine.loads, *applied(self.load.on, machine)))
 
     def solve(self, theta: ArrayLike, order: int = 2) -> Run:
         """The machine at theta, (n,) rad, with derivatives up to the order: outputs, rates, poses, forces, play.
@@ -78,13 +88,14 @@ class Mechanism(Spec, ABC):
             self.load,
         )
 
+    @property
+    def _pulled(self) -> Machine:
+        """The model as it is, or where [load] has gravity with it and with the masses of the solids."""
+        return pulled(self.model, self.load, lambda: self.assembly.solids)
+
     @abstractmethod
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """Wanted output and its derivatives to theta, (n,); rad or mm."""
-
-    def reachable(self, theta: Floats) -> Floats:
-        """Output that exact parts give: the wanted one, less what the spec itself implies (undercut), (n,)."""
-        return self.motion(theta)
 
     @cached_property
     @abstractmethod
@@ -102,7 +113,7 @@ class Mechanism(Spec, ABC):
             self.model,
             parts,
             self._process,
-            Cycle(sense=self.sense, name=turning),
+            Cycle(sense=self._sense, name=turning),
             mounts,
             features,
             stand_ins=tips(features, parts, mounts, self.model),
@@ -147,7 +158,11 @@ class Mechanism(Spec, ABC):
 
     def forecast(self) -> Sequence[Finding]:
         """The same, and what else is known of the files before they are made; DesignError where they cannot be."""
-        return [*self.limits(), *of_pins(self)]
+        limits = self.limits()
+        if not pins_alone(self.model):
+            return limits
+        run = self.solve(np.linspace(*self.assembly.cycle.range, ANGLES), 1)
+        return [*limits, *of_pins(run, self.assembly.asked)]
 
     @abstractmethod
     def study(self) -> Study:
@@ -158,15 +173,15 @@ class Mechanism(Spec, ABC):
         """Find together, where that is quicker, what each of many variants needs for its limits and figures."""
 
     @property
-    def speed(self) -> float:
+    def _speed(self) -> float:
         """Speed of the input shaft, rad/s, below 0 where it turns clockwise; nan where the spec gives none."""
         motor = getattr(self, "motor", None)
         return math.nan if motor is None else float(motor.speed_rpm) * math.tau / 60
 
     @property
-    def sense(self) -> int:
+    def _sense(self) -> int:
         """Sense in which theta runs: -1 where the input shaft turns clockwise."""
-        return -1 if self.speed < 0 else 1
+        return -1 if self._speed < 0 else 1
 
     def _found(self) -> Mapping[str, object]:
         """What the spec leaves open and camgen found, by dotted keys; DesignError where there is nothing to be found."""
@@ -180,17 +195,9 @@ class Mechanism(Spec, ABC):
             reduce(getitem, tables, data)[last] = value
         return validate(type(self), data)
 
-    def idle(self) -> Sequence[str]:
-        """Keys that were set and say nothing of this machine, dotted."""
-        return ()
-
-    def beforehand(self, kinds: int) -> str:
-        """What to say before a run that takes long, of so many kinds of files; nothing where it does not."""
-        return ""
-
-    def remarks(self) -> Sequence[str]:
-        """What a build prints beside its findings."""
-        return ()
+    def remarks(self) -> Remarks:
+        """What is to be said of it beside its findings."""
+        return Remarks()
 
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """What follows from the motion recovered from each kind of file, (n,) over a whole turn, both ends included."""

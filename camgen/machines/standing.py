@@ -14,7 +14,7 @@ from camgen.errors import Fault
 from camgen.machine.features import Asked, CamOutline, Mount
 from camgen.machine.model import Machine
 from camgen.machines.linkage import sheets
-from camgen.machines.mechanism import Mechanism
+from camgen.machines.mechanism import Mechanism, Remarks
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly, FollowerFacts, MotorSeat
 from camgen.parts.disc_cams import Parts as DiscParts
@@ -115,21 +115,22 @@ class StandingCams(Mechanism):
         """The same, made once."""
         return self._stood()
 
-    def idle(self) -> Sequence[str]:
+    def remarks(self) -> Remarks:
         """Keys of [parts] that are set, not as the starter sets them, and that those of [bodies] replace."""
         making = getattr(self, "making", None)
         if making is None or not self.standing:
-            return ()
+            return Remarks()
         fields = {
             key: (getattr(making, key), field)
             for key, field in type(making).model_fields.items()
             if key != "make"
         }
-        return [
+        unused = [
             f"parts.{key}"
             for key, (value, field) in fields.items()
             if value not in (field.default, *(field.examples or ()))
         ]
+        return Remarks(unused=unused)
 
     # ---- either -----------------------------------------------------------------------------------------------------
 

@@ -22,6 +22,10 @@ from camgen.progress import Progress, silent
 from camgen.report.report import Report
 from camgen.workers import Workers
 
+# s, to make and judge a kind of file, and by the cube of links; measured up to 58
+_OF_A_KIND = 3.0
+_OF_THREE = 1.3e-4
+_LONG = 20.0  # s, that are told before a build
 KINDS = (*USUAL, "report")  # made where nobody says which
 
 
@@ -47,7 +51,7 @@ def build(
         raise SpecError([Fault("only", "none", f"at least one of {', '.join(ANY_KIND)}")])
     progress("reading the spec", 0.0)
     mechanism = read_mechanism(spec, overrides)
-    if said := mechanism.beforehand(len(only & FORMATS.keys())):
+    if said := long_run(mechanism.remarks().links, len(only & FORMATS.keys())):
         progress(f"note: {said}")
     hints, mechanism = mechanism.hints, mechanism.resolved()
     if only >= frozenset(KINDS) and mechanism.output.step:
@@ -69,7 +73,7 @@ def build(
         write_report(Summary(kinds, report, columns, scene), case, folder)
         write_manifest(folder, PACKAGES, {"kinds": kinds, "system": system()})
     said = f"{staged.target / 'spec.toml'} was changed since its build and is written again; the changed one is kept as"
-    remarks = [*hints, *mechanism.remarks(), *(f"{said} {name}" for name in staged.kept)]
+    remarks = [*hints, *mechanism.remarks().printed, *(f"{said} {name}" for name in staged.kept)]
     if staged.gone and only < frozenset(KINDS):
         gone = ", ".join(sorted({name.rpartition(".")[2].upper() for name in staged.gone}))
         count = f"{len(staged.gone)} more file{'' if len(staged.gone) == 1 else 's'} ({gone})"
@@ -109,6 +113,16 @@ def check(folder: Path, progress: Progress = silent, jobs: int | None = 1) -> Re
         findings=findings,
         not_judged=[*report.not_judged, *anew.not_judged],
         remarks=[*remarks, *anew.notes],
+    )
+
+
+def long_run(links: int, kinds: int) -> str:
+    """How long so many links take that are closed together, with so many kinds of files; nothing where that is short."""
+    seconds = kinds * (_OF_A_KIND + _OF_THREE * links**3)
+    return (
+        f"{links} links: to make and judge it takes about {seconds:.0f} s"
+        if links and seconds > _LONG
+        else ""
     )
 
 

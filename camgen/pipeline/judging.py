@@ -111,7 +111,7 @@ def judge(
         [plot for outcome in outcomes for plot in outcome.plots] + [*study.plots, *more.plots],
         [*study.tables, *more.tables] + [table for outcome in outcomes for table in outcome.tables],
         [
-            *([_CLOCKWISE] if mechanism.sense < 0 else []),
+            *([_CLOCKWISE] if mechanism.assembly.cycle.sense < 0 else []),
             *study.notes,
             *more.notes,
             *(note for each in outcomes for note in each.notes),

@@ -153,7 +153,7 @@ def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
         found.append("output.engrave = true: no part has anything engraved")
     elif mechanism.output.engrave and not any(kind in kinds for kind in DRAWN):
         found.append(f"output.engrave = true acts on {drawn} alone, and no {drawn} is made")
-    idle = mechanism.idle()
+    idle = mechanism.remarks().unused
     if idle:
         found.append(
             f'{", ".join(idle)} {"is" if len(idle) == 1 else "are"} not used with parts.make = "machine": see [bodies]'

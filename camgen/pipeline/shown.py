@@ -13,7 +13,8 @@ from camgen.errors import DesignError
 from camgen.geometry.arcs import bulges, fit_arcs
 from camgen.geometry.outlines import extent
 from camgen.machine.features import PartPose
-from camgen.machine.model import Path, Pose, unit_of
+from camgen.machine.model import Output, Path, Pose, unit_of
+from camgen.machine.run import solve
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats, Points
 from camgen.parts.assembly import order_of_assembly
@@ -35,13 +36,12 @@ _FRAMES_3D = 360  # fewer leave 0.07 mm at a sharp reversal
 
 def _turn(mechanism: Mechanism, frames: int) -> Floats:
     """Angles of so many frames a turn, rad, as time goes on."""
-    turns = mechanism.assembly.cycle.turns
-    if turns > 1:
-        return np.asarray(
-            mechanism.sense * np.linspace(0, turns * math.tau, turns * frames, endpoint=False)
-        )
+    cycle = mechanism.assembly.cycle
+    if cycle.turns > 1:
+        whole = cycle.turns * math.tau
+        return np.asarray(cycle.sense * np.linspace(0, whole, cycle.turns * frames, endpoint=False))
     theta = np.linspace(0, math.tau, frames, endpoint=False)
-    return np.mod(-theta, math.tau) if mechanism.sense < 0 else theta
+    return np.mod(-theta, math.tau) if cycle.sense < 0 else theta
 
 
 def animation(mechanism: Mechanism, sketches: Sequence[Sketch] | None = None) -> Animation:
@@ -68,11 +68,23 @@ def animation(mechanism: Mechanism, sketches: Sequence[Sketch] | None = None) ->
     return Animation(
         theta,
         bodies,
-        scale * mechanism.reachable(theta),
+        scale * _reachable(mechanism, output, theta),
         name,
         unit,
         mechanism.assembly.cycle.turns,
     )
+
+
+def _reachable(mechanism: Mechanism, output: Output, theta: Floats) -> Floats:
+    """What exact parts give of the wanted motion: less what the spec itself implies (undercut), (n,)."""
+    assembly, wanted = mechanism.assembly, mechanism.motion(theta)
+    if assembly.exact is assembly.machine:
+        return wanted
+    at = assembly.cycle.theta(theta)
+    asked, given = (
+        np.real(solve(each, at, 0)[output.name]) for each in (assembly.machine, assembly.exact)
+    )
+    return np.asarray(wanted - (asked - given))
 
 
 def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:

@@ -132,12 +132,9 @@ def _of_copy(
             for joint in shifted.joints
         ),
     )
-    copy = spread.mechanism.model_copy()
-    copy.__dict__["model"] = (
-        machine  # parts and places stay those of the design: what they weigh and how wide they are
-    )
+    mechanism = spread.mechanism
     with suppress(DesignError):  # one that does not close any more holds none of these
-        yield from (*assess(copy).findings, *_of_model(copy, machine, limits))
+        yield from (*assess(mechanism, machine).findings, *_of_model(mechanism, machine, limits))
 
 
 def _followed(
@@ -163,11 +160,13 @@ def _steepest(design: Followed) -> float:
     return math.degrees(float(np.nanmax(np.abs(steep))))
 
 
-def _of_model(copy: Mechanism, machine: Machine, limits: Sequence[Finding]) -> Iterator[Finding]:
+def _of_model(
+    mechanism: Mechanism, machine: Machine, limits: Sequence[Finding]
+) -> Iterator[Finding]:
     """Limits of the design that its model tells as well."""
     asked = {each.code: each for each in limits}
     if "TRANSMISSION_ANGLE" in asked:
-        sines = [fold.determinant for fold in folds(machine, *copy.assembly.cycle.range)]
+        sines = [fold.determinant for fold in folds(machine, *mechanism.assembly.cycle.range)]
         least = math.degrees(math.asin(min(1.0, *map(abs, sines)))) if sines else math.nan
         limit = asked["TRANSMISSION_ANGLE"]
         yield at_least("TRANSMISSION_ANGLE", least, limit.limit, "deg", "joints", "")
@@ -179,8 +178,12 @@ def _of_model(copy: Mechanism, machine: Machine, limits: Sequence[Finding]) -> I
             if any(each.code == "LIFT_OFF" and name in each.where for each in limits)
         ]
     if "LIFT_OFF" in asked and forced:
-        theta = np.linspace(*copy.assembly.cycle.range, 1441)
-        pressing = solve(pulled(copy), theta).forces().pressing
+        theta = np.linspace(*mechanism.assembly.cycle.range, 1441)
+        pressing = (
+            solve(pulled(machine, mechanism.load, lambda: mechanism.assembly.solids), theta)
+            .forces()
+            .pressing
+        )
         yield keeps_contact(
             theta, np.fmin.reduce([pressing[name] for name in forced]), False, "contact", ""
         )

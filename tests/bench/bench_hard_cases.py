@@ -111,7 +111,7 @@ def independent(case: Mapping[str, float], folder: Path, angles: int = 400) -> f
     theta = np.random.default_rng(7).random(angles) * 2 * np.pi
     length, rho = case["L"], case["tip/L"] * case["L"]
     arm = -length * complex(1, case["H/L"])
-    tip = (length + arm * np.exp(1j * mechanism.reachable(theta))) * np.exp(-1j * theta)
+    tip = (length + arm * np.exp(1j * mechanism.cam.reachable(theta))) * np.exp(-1j * theta)
     gap = shapely.distance(shapely.points(tip.real, tip.imag), rim) - rho
     return float(np.max(np.abs(gap)))
 

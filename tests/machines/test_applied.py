@@ -53,7 +53,7 @@ def test_a_constant_load_on_a_lift_is_a_resistance() -> None:
 
 def test_work_of_a_thread_and_of_a_brake() -> None:
     """A constant tension gives back what it takes; against the motion it takes T times all the way that goes by."""
-    speed = made("thread-take-up").speed
+    speed = made("thread-take-up").model.speed
     for acts, share in (("fixed", 0.0), ("along", 1.0)):
         machine = made("thread-take-up", on=[{"output": "feed", "value": -0.5, "acts": acts}])
         run, plain = (solve(each.model, TURN) for each in (machine, made("thread-take-up")))

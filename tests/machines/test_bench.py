@@ -371,13 +371,13 @@ def test_a_groove_of_no_base_radius_gets_room_for_its_pins() -> None:
 )
 def test_keys_that_a_machine_replaces_are_named(parts: dict[str, float], idle: list[str]) -> None:
     """What is set, and not what the starter brings, the hub of a cam alone; with the cams alone they all act."""
-    assert drive().idle() == [] and drive(parts=parts).idle() == idle
+    assert drive().remarks().unused == [] and drive(parts=parts).remarks().unused == idle
     told = [
         each for each in unheard(drive(parts=parts), ("dxf",)) if "not used with parts.make" in each
     ]
     assert len(told) == 1 and all(key in told[0] for key in idle)
     alone = read(SPECS / "disc-cam.toml")
-    assert validate(DiscCamDrive, alone).idle() == ()
+    assert validate(DiscCamDrive, alone).remarks().unused == ()
 
 
 def test_a_dowel_that_is_not_sold_is_told_by_keys_of_the_bench() -> None:

@@ -119,7 +119,7 @@ def test_a_press_fit_below_0_is_told() -> None:
         "holds": 0.3,
     }
     made = coupon(measured=measured)
-    (line,) = (line for line in made.remarks() if line.startswith("press_clearance"))
+    (line,) = (line for line in made.remarks().printed if line.startswith("press_clearance"))
     assert (
         line.startswith("press_clearance = 0.000 ")
         and "# mm, would be -0.160 +- 0.050 (95 %): " in line
@@ -131,7 +131,7 @@ def test_a_press_fit_below_0_is_told() -> None:
         and row[2] == pytest.approx(-0.16, abs=1e-6)
         and row[3] == pytest.approx(0.05, abs=1e-4)
     )
-    (line,) = (line for line in made.remarks() if line.startswith("slide_clearance"))
+    (line,) = (line for line in made.remarks().printed if line.startswith("slide_clearance"))
     assert "# mm, +- 0.050 (95 %): " in line and "below 0" not in line
 
 
@@ -162,7 +162,7 @@ def test_short_sizes_do_not_tell_shrinkage_and_one_hole_tells_holes_alone() -> N
     assert (
         coupon().calibrated.values == ()
         and coupon().limits() == []
-        and "nothing is measured" in coupon().remarks()[0]
+        and "nothing is measured" in coupon().remarks().printed[0]
     )
 
 

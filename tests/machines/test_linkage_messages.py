@@ -17,6 +17,7 @@ from camgen.judge.contours import contour_error
 from camgen.machine.targets import Course, Straight
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.parts.gears import pair
+from camgen.pipeline.build import long_run
 from camgen.reading import read
 from camgen.report.terminal import Bar
 from camgen.spec import validate
@@ -191,8 +192,9 @@ def test_a_long_run_is_told_beforehand(
     row = validate(
         Linkage, {**four_bar, "points": points, "links": links, "lengths": {}, "output": [last]}
     )
-    assert row.beforehand(3) == "42 links: to make and judge it takes about 38 s"
-    assert row.beforehand(1) == "" and validate(Linkage, four_bar).beforehand(3) == ""
+    links = row.remarks().links
+    assert long_run(links, 3) == "42 links: to make and judge it takes about 38 s"
+    assert long_run(links, 1) == "" == long_run(validate(Linkage, four_bar).remarks().links, 3)
     with Bar() as progress:
-        progress(f"note: {row.beforehand(3)}")
+        progress(f"note: {long_run(links, 3)}")
     assert capsys.readouterr().err == "note: 42 links: to make and judge it takes about 38 s\n"

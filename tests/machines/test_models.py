@@ -146,3 +146,13 @@ def test_play_is_half_of_the_lash_that_the_judge_finds_in_the_files(
     play = made.solve(np.linspace(0, 2 * np.pi, 3601), 0).play(output)
     assert 2 * play.total.max() == pytest.approx(lash, rel=2e-5)
     np.testing.assert_allclose(play.total, sum(play.by_joint.values()), rtol=1e-12)
+
+
+QUESTIONS = {"model", "solve", "motion", "assembly", "limits", "forecast", "study", "prepare"}
+QUESTIONS |= {"resolved", "remarks", "recovered"}
+
+
+def test_a_mechanism_answers_a_dozen_questions() -> None:
+    """These, and `faults` of any spec; all else that is known of a machine is data of its assembly."""
+    own = {name for name in vars(Mechanism) if not name.startswith(("_", "model_"))}
+    assert own - {"fixed"} - set(Mechanism.model_fields) == QUESTIONS

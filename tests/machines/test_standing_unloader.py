@@ -80,7 +80,9 @@ def test_a_straight_spring_pulls_as_one_on_a_cord(motor: dict[str, Any]) -> None
     wanted = made.indexing.at(THETA).follower
     assert effort == pytest.approx(wanted, abs=1e-6 * np.abs(wanted).max())
     without = solve(made.bench.drawn, THETA).forces().contacts["contact"]
-    turning = THETA < math.radians(120) if made.sense > 0 else THETA > math.radians(240)
+    turning = (
+        THETA < math.radians(120) if made.assembly.cycle.sense > 0 else THETA > math.radians(240)
+    )
     assert np.abs(without[turning]).max() > 5 * np.abs(effort[turning]).max()
 
 

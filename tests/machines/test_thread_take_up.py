@@ -669,7 +669,7 @@ def test_the_crank_rocker_that_was_found_feeds_as_much_and_turns_as_one() -> Non
 def test_two_cranks_are_better_in_each_way_that_the_source_names() -> None:
     m = made()
     drawn = m.consumption.at(ANGLES)  # type: ignore[union-attr]
-    numbers, table = against(m.take_up, m.masses.bodies(m.take_up), m.speed, drawn)  # type: ignore[union-attr]
+    numbers, table = against(m.take_up, m.masses.bodies(m.take_up), m.model.speed, drawn)  # type: ignore[union-attr]
     rows = {str(row[0]): row for row in table.rows}
     for name in (
         "least excess, mm",

@@ -118,7 +118,7 @@ def test_program_runs_in_the_sense_of_turning(name: str, order: int) -> None:
     assert back.motion(-theta, order) == pytest.approx(
         wanted, abs=1e-9 * max(1, np.max(np.abs(wanted)))
     )
-    assert back.speed == -there.speed < 0 and back.sense == -1
+    assert back.model.speed == -there.model.speed < 0 and back.assembly.cycle.sense == -1
 
 
 def test_programs_backwards_keep_breaks_jumps_and_their_beginning() -> None:
@@ -177,7 +177,7 @@ def test_each_machine_holds_both_ways(
 def test_time_runs_backwards_in_a_clockwise_linkage() -> None:
     """Slider-crank in time: place by trigonometry at the crank's true angle, speed by differences of it."""
     back = machine("eccentric-drive", "motor.speed_rpm=-13000")
-    w, t, h = back.speed, np.linspace(0, 4e-3, 50), 1e-9
+    w, t, h = back.model.speed, np.linspace(0, 4e-3, 50), 1e-9
     assert back.motion(w * t) == pytest.approx(slider_travel(w * t, 1.5, 48.0, 0.0), abs=1e-12)
     e, rod = 1.5, 48.0
 
@@ -229,8 +229,8 @@ def test_arrow_torque_and_picture_turn_with_the_shaft() -> None:
         torque(smooth)
     )  # inertia does not know the sense of turning
     for m in (there, back):  # friction takes power at every angle
-        taken = m.speed * (torque(m) - torque(smooth))
-        assert np.all(taken > -1e-9) and np.mean(taken) > 0.01 * abs(m.speed) * np.max(
+        taken = m.model.speed * (torque(m) - torque(smooth))
+        assert np.all(taken > -1e-9) and np.mean(taken) > 0.01 * abs(m.model.speed) * np.max(
             np.abs(torque(smooth))
         )
     angles = animation(back).theta

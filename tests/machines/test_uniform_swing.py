@@ -140,7 +140,7 @@ def test_second_tip_rides_on_the_turned_cam() -> None:
     for outline, mount in zip(m.assembly.features, m.assembly.mounts, strict=True):
         assert isinstance(outline, CamOutline) and isinstance(outline.tip, Eye)
         centre = (
-            m.model.pin("pivot").b.at + outline.tip.at * np.exp(1j * m.reachable(theta))
+            m.model.pin("pivot").b.at + outline.tip.at * np.exp(1j * m.cam.reachable(theta))
         ) * np.exp(-1j * theta)
         z = -np.conj(centre) if mount.flipped else centre
         gap = shapely.distance(shapely.points(z.real, z.imag), rim) - outline.tip.diameter / 2
@@ -240,7 +240,7 @@ def test_findings_and_study(blend_deg: float, rho: float) -> None:
         assert pressure.measured == pytest.approx(58.3, abs=0.05)
         assert numbers["pitch_curvature_radius_min_mm"] == pytest.approx(10.52, abs=0.005)
     theta = np.linspace(0, 2 * math.pi, 3001)
-    worst = math.degrees(float(np.max(np.abs(m.motion(theta) - m.reachable(theta)))))
+    worst = math.degrees(float(np.max(np.abs(m.motion(theta) - m.cam.reachable(theta)))))
     assert worst <= undercut.measured + 1e-12
     assert float(np.degrees(np.max(m.cam.pressure_angle(theta)))) <= pressure.measured + 1e-6
     assert float(np.ptp(np.degrees(m.motion(theta)))) == pytest.approx(30.0, abs=1e-5)

@@ -236,7 +236,7 @@ def test_motion_survives_the_fits(root: Path) -> None:
 
     def error(shape: Shape) -> float:
         contact = rolling_contact(shape.outer, tip.pivot, tip.arm, tip.tip_radius, tip.leaves)
-        return float(np.max(np.abs(contact.angle(theta) - spec.reachable(theta))))
+        return float(np.max(np.abs(contact.angle(theta) - spec.cam.reachable(theta))))
 
     assert error(printed(file, fit.hole, fit.profile, fit.shrinkage)) <= limit
     assert error(printed(file, fit.hole, fit.profile + 0.003, fit.shrinkage)) > limit

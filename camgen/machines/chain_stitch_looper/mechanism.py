@@ -219,7 +219,7 @@ class ChainStitchLooper(Mechanism):
         return self.stitch.design(self.geometry.mode == "published")
 
     @property
-    def sense(self) -> int:
+    def _sense(self) -> int:
         """Always 1: nothing of the shaft is made, and its angle is counted in its sense of turning."""
         return 1
 
@@ -258,7 +258,7 @@ class ChainStitchLooper(Mechanism):
                 Output("spreader", Along("guide of lower-spreader")),
                 Output("needle", Along("guide of needle-1")),
             ),
-            speed=abs(self.speed),
+            speed=abs(self._speed),
         )
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:

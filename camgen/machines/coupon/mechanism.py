@@ -25,7 +25,7 @@ from camgen.geometry.outlines import Contour, Floats, Region, circle, rectangle
 from camgen.machine.features import Mount
 from camgen.machine.model import GROUND, Machine
 from camgen.machines.coupon.calibration import Calibrated, Feature, Printed, calibrated
-from camgen.machines.mechanism import Mechanism
+from camgen.machines.mechanism import Mechanism, Remarks
 from camgen.parts.assembly import Assembly
 from camgen.parts.hardware import headed, plate, rounded
 from camgen.parts.part import Layer, Part
@@ -233,7 +233,7 @@ class Coupon(Mechanism):
             for each in done.values
         }
         if not done.rows:
-            return Study(notes=self.remarks())
+            return Study(notes=self.remarks().printed)
         values = [
             (each.key, each.value, each.measured, each.wide, each.unit, each.source)
             for each in done.values
@@ -256,13 +256,17 @@ class Coupon(Mechanism):
         ]
         return Study(numbers, [plot], tables)
 
-    def remarks(self) -> Sequence[str]:
+    def remarks(self) -> Remarks:
         """What to paste, line by line, or what to do first."""
         if not self.calibrated.values:
-            return (
-                "nothing is measured yet: print it, measure it, type the sizes into [measured.sizes] and build again",
+            return Remarks(
+                [
+                    "nothing is measured yet: print it, measure it, type the sizes into [measured.sizes] and build again"
+                ]
             )
-        return ("for [print] of your specs:", *(each.line for each in self.calibrated.values))
+        return Remarks(
+            ["for [print] of your specs:", *(each.line for each in self.calibrated.values)]
+        )
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 

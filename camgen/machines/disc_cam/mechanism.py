@@ -43,7 +43,7 @@ from camgen.machines.disc_cam.followers import standing_on
 from camgen.machines.disc_cam.tables import Geometry, Limits, LoadTable, Motor, SpringTable
 from camgen.machines.disc_cam.walls import walls
 from camgen.machines.free_play import between
-from camgen.machines.loads.weights import gravity, pulled
+from camgen.machines.loads.weights import gravity
 from camgen.machines.pairs import air_faults, still_faults
 from camgen.machines.standing import StandingCams
 from camgen.motion.polydyne import polydyne
@@ -172,9 +172,9 @@ class DiscCamDrive(StandingCams):
         made = self._given
         if self.load is not None and self.load.polydyne:
             made = polydyne(
-                made, self.load.lag(self.speed, self.spring.rate if self.spring else 0.0)
+                made, self.load.lag(self._speed, self.spring.rate if self.spring else 0.0)
             )
-        return made if self.sense > 0 else made.backwards()
+        return made if self._sense > 0 else made.backwards()
 
     @cached_property
     def _highest(self) -> tuple[float, float]:
@@ -184,10 +184,6 @@ class DiscCamDrive(StandingCams):
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """Wanted displacement s (mm or rad) or its derivative to theta, (n,)."""
         return self.program(theta, order)
-
-    def reachable(self, theta: Floats) -> Floats:
-        """Displacement that the exact cam gives: the wanted one less the undercut, (n,)."""
-        return self.cam.reachable(theta)
 
     # ---- the cam ----------------------------------------------------------------------------------------------------
 
@@ -316,7 +312,7 @@ class DiscCamDrive(StandingCams):
             if self.geometry.closure == "groove"
             else ()
         )
-        return cam_machine(self.cams, self.speed, load, closed, groove)
+        return cam_machine(self.cams, self._speed, load, closed, groove)
 
     @cached_property
     def _load(self) -> FollowerLoad | None:
@@ -329,7 +325,7 @@ class DiscCamDrive(StandingCams):
             return None
         breaks = self.program.breaks[(self.program.breaks > 0) & (self.program.breaks < math.tau)]
         theta = np.union1d(np.linspace(0, math.tau, 1441), breaks - 1e-9)
-        return loaded(pulled(self), self.cam, self._load or FollowerLoad(), theta)
+        return loaded(self._pulled, self.cam, self._load or FollowerLoad(), theta)
 
     @property
     def _spring_wish(self) -> tuple[float, float, float] | None:
@@ -348,7 +344,7 @@ class DiscCamDrive(StandingCams):
         made = disc_parts(
             self.making, outlines, wall, (roller + clearance, roller), self.allowed.min_wall
         )
-        return tuple(replace(part, notes=(turning_note(self.sense), *part.notes)) for part in made)
+        return tuple(replace(part, notes=(turning_note(self._sense), *part.notes)) for part in made)
 
     def _outlines(self) -> Sequence[CamOutline]:
         """The outline of the cam; of both cams of a pair, and both walls of a groove."""
@@ -468,7 +464,7 @@ class DiscCamDrive(StandingCams):
     def _plots(self) -> list[Plot]:
         """Motion, pressure angle, curvature, profile and forces."""
         who = [name.strip() or "exact profile" for name in self._names]
-        curves = plots(self.program, self.cams, who, self._unit, self.speed, self.base_radius)
+        curves = plots(self.program, self.cams, who, self._unit, self._speed, self.base_radius)
         return [*curves, *self._forces.plots]
 
     def _sketches(self) -> list[Sketch]:
@@ -480,7 +476,7 @@ class DiscCamDrive(StandingCams):
         """Sizes of the cam, peaks of its motion, and of its forces."""
         unit, scale = self._unit
         f, cam, low, high = self.geometry.follower, self.cam, *self._highest
-        peaks = [scale * abs(self.speed) ** k * self.program.peak(k) for k in (1, 2)]
+        peaks = [scale * abs(self._speed) ** k * self.program.peak(k) for k in (1, 2)]
         numbers = {
             "stroke_mm" if unit == "mm" else "swing_deg": scale * (high - low),
             "base_radius_mm": self.base_radius,

@@ -182,7 +182,7 @@ class EccentricDrive(Mechanism):
                 "slider": model.Pose(end, 0.0),
             },
             outputs=(model.Output("travel", model.Along("guide")),),
-            speed=self.speed,
+            speed=self._speed,
         )
 
     @cached_property

@@ -168,7 +168,7 @@ def compared(spec: IndexingCam) -> Sequence[Table]:
         spec.allowed.cam_limits.steepest(spec.cams["cam"]),
         (max(1.001 * low, 1.05 * f.roller_radius), 0.999 * high),
         g.gear_ratio,
-        spec.speed,
+        spec.cam_drive.speed,
         theta,
         (torques.follower_bare, torques.follower),
     )

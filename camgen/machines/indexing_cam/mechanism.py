@@ -240,7 +240,7 @@ class IndexingCam(StandingCams):
             if span > 1e-9
         ]
         made = Program(tuple(segments))
-        return made if self.sense > 0 else made.backwards()
+        return made if self._sense > 0 else made.backwards()
 
     @cached_property
     def two_cranks(self) -> TwoCranks | None:
@@ -253,7 +253,7 @@ class IndexingCam(StandingCams):
         """A chain of these sizes, mm, for turns of the driven link in so many degrees of 180."""
         far = complex(self.geometry.follower.pivot_distance)
         at = far / 2 if self.standing else -far
-        return TwoCranks(crank, offset, math.radians(rise_deg), self.sense, at, self.standing)
+        return TwoCranks(crank, offset, math.radians(rise_deg), self._sense, at, self.standing)
 
     def _found(self) -> Mapping[str, object]:
         """The span of the return and the spring by the law, and what every mechanism fills in."""
@@ -383,12 +383,6 @@ class IndexingCam(StandingCams):
         """Wanted angle s of the follower (rad) or its derivative to theta, (n,)."""
         return self.program(theta, order)
 
-    def reachable(self, theta: Floats) -> Floats:
-        """Angle s that the exact cam gives: the wanted one less any undercut, (n,) rad."""
-        return self.cams["cam"].reachable(
-            theta if self.two_cranks is None else self.two_cranks.cam(theta)
-        )
-
     # ---- parts ------------------------------------------------------------------------------------------------------
 
     def _cams(self) -> Sequence[Part]:
@@ -406,7 +400,7 @@ class IndexingCam(StandingCams):
             title,
             (Layer(Region(cam.outline, holes), 0.0, p.thickness),),
             centres=(0j,),
-            notes=(turning_note(self.sense), *p.notes()),
+            notes=(turning_note(self._sense), *p.notes()),
             bore=p.bore,
             min_wall=self.allowed.min_wall,
         )
@@ -454,7 +448,7 @@ class IndexingCam(StandingCams):
     def indexing(self) -> IndexingStudy:
         """What is asked of the drive."""
         load = self.load
-        spring, omega = self.unloading, self.speed
+        spring, omega = self.unloading, self._speed
         given = Load(
             load.inertia_kg_m2,
             load.follower_inertia_kg_m2,
@@ -614,7 +608,7 @@ class IndexingCam(StandingCams):
             turn = {kind: ratio * float(np.ptp(s)) for kind, s in motion.items()}
         else:
             turn = {
-                kind: advance(ratio * s[:: self.sense], step.lost) for kind, s in motion.items()
+                kind: advance(ratio * s[:: self._sense], step.lost) for kind, s in motion.items()
             }
         found = {f"index_recovered_{kind}_deg": math.degrees(value) for kind, value in turn.items()}
         return Study(found, (), [] if step is None else [step.table(turn)])

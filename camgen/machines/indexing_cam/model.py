@@ -38,7 +38,7 @@ def stepping(spec: IndexingCam) -> Stepping | None:
         g.gear_ratio,
         math.radians(g.index_deg),
         math.radians(spec.freewheel.lost_deg),
-        spec.sense,
+        -1 if spec.cam_drive.speed < 0 else 1,
         -g.gear_ratio * start,
         CLUTCHES[spec.sizes.shaft_diameter][1],
     )
@@ -48,7 +48,8 @@ def cam_drive(spec: IndexingCam, closing: float) -> Machine:
     """Cams and follower, with the chain before them; closing: torque of a spring, N m."""
     closed: Literal["form", "force"] = "force" if spec.geometry.closure == "force" else "form"
     pressed = FollowerLoad(spec.load.follower_inertia_kg_m2, preload=closing)
-    drive = cam_machine([*spec.cams.values()], spec.speed, pressed, closed)
+    speed = spec.motor.speed_rpm * math.tau / 60
+    drive = cam_machine([*spec.cams.values()], speed, pressed, closed)
     return drive if spec.two_cranks is None else spec.two_cranks.before(drive)
 
 

@@ -51,10 +51,6 @@ _PATHS = (
     "crosses itself at, deg",
 )
 _MOST_SERIES = 8  # curves of one plot
-# s, to make and judge a kind of file, and by the cube of links; measured up to 58
-_OF_A_KIND = 3.0
-_OF_THREE = 1.3e-4
-_LONG = 20.0  # s, that are told beforehand
 _RETURNS = 1e-6  # of its stroke, by which an output that goes to and fro may miss its beginning after a turn
 # of a point's greatest speed: where a stop is looked for, and what is one
 _SLOW = 0.05
@@ -71,8 +67,8 @@ def study(linkage: Linkage) -> Study:
         value, first, second = signal.scale * signal.rows(run)
         low, high = _extremes(linkage, signal, theta, value)
         speed, hard = (
-            float(np.abs(first).max() * abs(linkage.speed)),
-            float(np.abs(second).max() * linkage.speed**2),
+            float(np.abs(first).max() * abs(linkage.chain.speed)),
+            float(np.abs(second).max() * linkage.chain.speed**2),
         )
         unit = signal.unit
         numbers |= {
@@ -251,16 +247,6 @@ def _longer_slots(linkage: Linkage) -> list[str]:
                 said = f"Slot of {slot.link}: pin {slot.pin} passes its drawn end {end} by {over:.4g} mm"
                 found.append(f"{said}; the slot is made longer.")
     return found
-
-
-def beforehand(links: int, kinds: int) -> str:
-    """How long so many links take with so many kinds of files; nothing where that is short."""
-    seconds = kinds * (_OF_A_KIND + _OF_THREE * links**3)
-    return (
-        f"{links} links: to make and judge it takes about {seconds:.0f} s"
-        if seconds > _LONG
-        else ""
-    )
 
 
 def courses(linkage: Linkage) -> list[Course]:

@@ -43,8 +43,7 @@ from camgen.machines.loads.bearing import Borne
 from camgen.machines.loads.counterweights import Counterweight, balance_of, found_moment
 from camgen.machines.loads.pressed import by_force, pressed
 from camgen.machines.loads.tables import Drives
-from camgen.machines.loads.weights import pulled
-from camgen.machines.mechanism import Mechanism
+from camgen.machines.mechanism import Mechanism, Remarks
 from camgen.parts import assembly as assemblies
 from camgen.parts.assembly import Assembly, Cycle, Frame, MotorSeat
 from camgen.parts.catalogue import turning_text
@@ -243,7 +242,7 @@ class Linkage(Mechanism):
         return chain if law is None else replace(chain, drives=(replace(chain.drives[0], law=law),))
 
     @property
-    def speed(self) -> float:
+    def _speed(self) -> float:
         """Speed of the driven link, rad/s; of one that goes to and fro its greatest, a period being a turn."""
         return self.drive.speed_rpm * math.tau / 60
 
@@ -252,7 +251,9 @@ class Linkage(Mechanism):
         """How theta runs; what it is called depends on what is made."""
         low, high = self.drive.range_deg or (0.0, 360.0)
         to_and_fro = self.drive.range_deg is not None
-        return Cycle(math.radians(low), math.radians(high), sense=self.sense, to_and_fro=to_and_fro)
+        return Cycle(
+            math.radians(low), math.radians(high), sense=self._sense, to_and_fro=to_and_fro
+        )
 
     def solve(self, theta: ArrayLike, order: int = 2) -> Run:
         """The machine at theta, (n,) rad; its solids are made only for its forces."""
@@ -451,11 +452,11 @@ class Linkage(Mechanism):
         if not cams or self.lacking() is not None:
             return Borne()
         theta = np.linspace(*self.cycle.range, len(_SAMPLES) + 1)
-        return pressed(pulled(self), cams, self._drawing.kicked(), theta, self.assembly.cycle.name)
+        return pressed(self._pulled, cams, self._drawing.kicked(), theta, self.assembly.cycle.name)
 
-    def beforehand(self, kinds: int) -> str:
-        """How long many links take, which are closed together on what each kind of file shows."""
-        return figures.beforehand(len(self.links), kinds)
+    def remarks(self) -> Remarks:
+        """How many links are closed together on what each kind of file shows."""
+        return Remarks(links=len(self.links))
 
     def study(self) -> Study:
         """Outputs, curves and paths, the class of a four-bar; those of what is included; all outputs over one turn."""

@@ -12,7 +12,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -21,9 +21,6 @@ from camgen.errors import Fault, SpecError
 from camgen.machine.model import Along, Angle, Effort, Function, Machine, Path, Place
 from camgen.numerics import Floats
 from camgen.spec import Record, unknown
-
-if TYPE_CHECKING:
-    from camgen.machines.mechanism import Mechanism
 
 _Size = Annotated[float, Field(ge=-1e6, le=1e6)]
 _Turn = Annotated[float, Field(ge=-36000, le=36000)]
@@ -151,9 +148,8 @@ class Table:
         )
 
 
-def applied(mechanism: Mechanism, machine: Machine) -> tuple[Effort, ...]:
-    """The spec's loads on a model of it; SpecError with all that is on what is not there."""
-    given: Sequence[Applied] = mechanism.load.on if mechanism.load is not None else ()
+def applied(given: Sequence[Applied], machine: Machine) -> tuple[Effort, ...]:
+    """Loads of a spec on a model of it; SpecError with all that is on what is not there."""
     found: list[Effort] = []
     faults: list[Fault] = []
     taken = {getattr(load, "name", "") for load in machine.loads}

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from camgen.findings import Finding, NotJudged
+from camgen.machine.model import Machine
 from camgen.machine.run import solve
 from camgen.machines import pairs
 from camgen.machines.loads import bearing, drive, follower
@@ -41,12 +42,16 @@ class Assessment:
     warnings: Sequence[str] = ()
 
 
-def assess(mechanism: Mechanism) -> Assessment:
-    """The machine at its speed, loaded by the masses of its solids, its springs, gravity where it is asked for."""
-    if not mechanism.model.drives:
+def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
+    """The machine at its speed, loaded by the masses of its solids, its springs, gravity where it is asked for.
+
+    model: of a copy that is made a little otherwise, of the same parts.
+    """
+    model = mechanism.model if model is None else model
+    if not model.drives:
         return Assessment()
     assembly = mechanism.assembly
-    found = weighed(mechanism.model, assembly.solids, mechanism.load)
+    found = weighed(model, assembly.solids, mechanism.load)
     machine = found.machine
     given = getattr(mechanism, "motor", None)
     motor = given if isinstance(given, Drives) else None

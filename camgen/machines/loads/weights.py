@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import cmath
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from camgen.machine.model import GROUND, MM, Body, Gravity, Machine
 from camgen.machines.loads.tables import Weight
 from camgen.parts.inertia import Solids
-
-if TYPE_CHECKING:
-    from camgen.machines.mechanism import Mechanism
 
 PULL = 9.80665  # m/s^2
 _SAME = 1e-6  # share by which a mass may differ and be the solids'
@@ -69,7 +65,6 @@ def gravity(load: Weight | None) -> tuple[Gravity, ...]:
     return () if deg is None else (Gravity(cmath.rect(PULL, cmath.pi * deg / 180)),)
 
 
-def pulled(mechanism: Mechanism) -> Machine:
-    """The model as it is, or where [load] has gravity with it and with the masses of the solids."""
-    model, load = mechanism.model, mechanism.load
-    return weighed(model, mechanism.assembly.solids, load).machine if gravity(load) else model
+def pulled(model: Machine, load: Weight | None, solids: Callable[[], Solids]) -> Machine:
+    """The model as it is, or where [load] has gravity with it and with the masses of the solids, made only for that."""
+    return weighed(model, solids(), load).machine if gravity(load) else model

@@ -149,7 +149,7 @@ class ThreadTakeUp(Mechanism):
             g.branch,
             (m, n),
             math.radians(g.frame_angle_deg),
-            self.sense,
+            self._sense,
         )
         kind = four_bar(g.frame, g.input_crank, g.coupler, g.output_crank)
         if kind.kind == "change-point":
@@ -186,7 +186,7 @@ class ThreadTakeUp(Mechanism):
     def _unloaded(self) -> Machine:
         """Input crank, bell crank (coupler) and output crank; outputs "feed", mm, and the path "eye"."""
         t, play, press = self.take_up, self.print.slide_clearance, self.print.press_clearance
-        made = t.loaded(self.masses.bodies(t) if self.masses else t.links, self.speed)
+        made = t.loaded(self.masses.bodies(t) if self.masses else t.links, self._speed)
         pins = [
             replace(pin, clearance=play + (0 if pin.name == "C" else press)) for pin in made.joints
         ]  # C has no pin
@@ -230,7 +230,7 @@ class ThreadTakeUp(Mechanism):
         screw = f"{screw_for(p.mount_diameter)}, at most {p.thickness:g} into the frame"
         drive = "" if self.motor is None else f"{turning_text(self.motor.speed_rpm)}, "
         if self.masses is not None and self.motor is not None:
-            figures = force_numbers(self.take_up, self.masses.bodies(self.take_up), self.speed)
+            figures = force_numbers(self.take_up, self.masses.bodies(self.take_up), self._speed)
             drive += f"{figures['peak_torque_n_m']:.3g} N m at its peak, "
         return (
             Bought(

@@ -39,7 +39,6 @@ from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.features import Asked, Eye, Feature, Mount, OwnTip
 from camgen.machine.model import Machine
 from camgen.machines.cam_loads import lift_off, unweighed
-from camgen.machines.loads.weights import pulled
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.pairs import air_faults
 from camgen.machines.uniform_swing.pictures import Model, pictures
@@ -170,7 +169,7 @@ class UniformSwing(Mechanism):
         touches = (CamTouch(self.cam), CamTouch(self.cam, mirrored=True))[: 1 + pair]
         return cam_machine(
             [self.cam],
-            self.speed,
+            self._speed,
             self._load,
             "form" if pair else "force",
             touches,
@@ -180,10 +179,6 @@ class UniformSwing(Mechanism):
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """Wanted angle s of the follower (rad) or its derivative to theta, (n,)."""
         return self.cam.program(theta, order)
-
-    def reachable(self, theta: Floats) -> Floats:
-        """Angle s that the exact cam gives: the wanted one less the undercut at the reversals, (n,) rad."""
-        return self.cam.reachable(theta)
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 
@@ -339,7 +334,7 @@ class UniformSwing(Mechanism):
                 else 0.0
             )
             if min([room, *(abs(at - centre) - radius for centre, radius in holes)]) > size + free:
-                return at, size, self.sense * 1j * spoke
+                return at, size, self._sense * 1j * spoke
         return None
 
     def _part_notes(self, marked: bool) -> tuple[str, ...]:
@@ -348,7 +343,7 @@ class UniformSwing(Mechanism):
         if marked:
             notes.append("engraved arrow: sense of turning of the cam that is not turned over")
         elif p.mark_depth:
-            turns = "counter-clockwise" if self.sense > 0 else "clockwise"
+            turns = "counter-clockwise" if self._sense > 0 else "clockwise"
             notes.append(f"no room for the engraved arrow: turns {turns} as drawn")
         if self.geometry.closure == "conjugate":
             notes.append("two alike, one turned over about Oy, engraved faces together")
@@ -431,7 +426,7 @@ class UniformSwing(Mechanism):
         """Forces over the turn, where an inertia is known: the frames' of a machine, or the nozzle's."""
         if not self._load.inertia:
             return None
-        return forces(pulled(self), self.cam, self._load)
+        return forces(self._pulled, self.cam, self._load)
 
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """The canvas that the recovered motion lays; for a machine also the choice of the blend."""
