@@ -249,6 +249,18 @@ def test_stitch_head_keeps_each_module_s_figures(root: Path, head: Any) -> None:
             ), key
 
 
+def test_joints_bear_what_the_spec_of_their_machine_says(root: Path, head: Any) -> None:
+    """The take-up's pins turn in bronze, the head's own in oil; what is said of both stays with each."""
+    assembly = head.assembly
+    own = read_mechanism(root / "specs" / "thread-take-up.toml").assembly
+    of_module = {joint.name for joint in own.machine.joints}
+    assert {f"thread_take_up_{name}" for name in of_module} <= assembly.joint_limits.keys()
+    for name in of_module:
+        found = assembly.limits_of(f"thread_take_up_{name}")
+        assert found == own.limits and found.pv == 6 and "pins" in found.keys
+    assert assembly.limits_of("A").pv == 2 and assembly.limits_of("a joint of none").pv == 2
+
+
 def test_clearance_is_judged_where_the_riding_bodies_go(root: Path, tmp_path: Path) -> None:
     """A needle bar that is not where the stitch has it comes nearer to the spreader; too far off fails by its own code."""
     shipped = build(root / "specs" / "stitch-head.toml", tmp_path, frozenset({"dxf"}))

@@ -20,6 +20,7 @@ from camgen.machine.features import CamOutline, Eye
 from camgen.machines.sources import read_mechanism
 from camgen.machines.uniform_swing.mechanism import UniformSwing
 from camgen.machines.uniform_swing.pictures import Model, pictures
+from camgen.pipeline.shown import animation
 
 SHAFTS = ["plain", "keyway", "d-flat"]
 
@@ -239,6 +240,9 @@ def test_findings_and_study(blend_deg: float, rho: float) -> None:
         assert undercut.measured == pytest.approx(0.0728319409614635, abs=1e-10) and undercut.ok
         assert pressure.measured == pytest.approx(58.3, abs=0.05)
         assert numbers["pitch_curvature_radius_min_mm"] == pytest.approx(10.52, abs=0.005)
+        shown = animation(m, ())  # the moving picture loses as much
+        loss = np.max(np.degrees(m.motion(shown.theta)) - shown.output)
+        assert loss == pytest.approx(0.0728319409614635, abs=1e-9)
     theta = np.linspace(0, 2 * math.pi, 3001)
     worst = math.degrees(float(np.max(np.abs(m.motion(theta) - m.cam.reachable(theta)))))
     assert worst <= undercut.measured + 1e-12
