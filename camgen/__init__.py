@@ -135,7 +135,7 @@ def motion(
     layer: str | None = None,
     harmonics: int = 36,
 ) -> Recovered:
-    """Motion of a follower on the outline in a DXF, STL or 3MF of any maker, over one turn of the cam, its end left out.
+    """Motion of a follower on the outline in a drawing, mesh, G-code, scan or points of any maker, over one turn of the cam, its end left out.
 
     follower: as `camgen motion --help` says, on one line, "translating,radius=6", as a dict or as a path to a TOML file;
     height: of a mesh's section, mm (half way up); layer: of a DXF (all); harmonics: of a turn, low-pass of the derivatives.

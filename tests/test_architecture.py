@@ -83,7 +83,17 @@ FACTS = {
     ("threemf", "Item"),
     ("threemf", "Package"),  # what reading a 3MF gives
 }
-HEAVY = {"ezdxf", "trimesh", "manifold3d", "lib3mf", "mapbox_earcut", "shapely", "scipy", "rich"}
+HEAVY = {
+    "ezdxf",
+    "trimesh",
+    "manifold3d",
+    "lib3mf",
+    "mapbox_earcut",
+    "shapely",
+    "scipy",
+    "rich",
+    "matplotlib",
+}
 LIGHT = {
     "__init__",
     "__main__",
