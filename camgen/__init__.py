@@ -72,7 +72,8 @@ def load(spec: str | PathLike[str] | Mapping[str, Any]) -> Loaded:
 
     It is a frozen record of the spec's keys, defaults filled in. `motion(theta, order)`, theta (n,) rad, gives its output
     (rad or mm) or a derivative to theta, (n,). `solve(theta)` runs its model: a Run with `run["output"]`, (n,) rad or mm (a path:
-    complex mm), `.velocity` and `.acceleration` per second, `.forces()` in N and N m, `.play("output")`.
+    complex mm), `.velocity` and `.acceleration` per second, `.forces()` in N and N m, `.play("output")`. `scene(theta)`, theta in
+    rad, is the solids of all bodies as they stand, a trimesh.Scene in mm.
     Raises SpecError with all faults at once, FileError where a file cannot be read.
     """
     from camgen.machines.sources import read_mechanism
