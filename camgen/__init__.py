@@ -72,7 +72,7 @@ def load(spec: str | PathLike[str] | Mapping[str, Any]) -> Loaded:
 
     It is a frozen record of the spec's keys, defaults filled in. `motion(theta, order)`, theta (n,) rad, gives its output
     (rad or mm) or a derivative to theta, (n,). `solve(theta)` runs its model: a Run with `run["output"]`, (n,) rad or mm (a path:
-    complex mm), `.velocity` and `.acceleration` per second, `.forces()` in N and N m, `.play("output")`. `scene(theta)`, theta in
+    complex mm), `.velocity` and `.acceleration` per second, `.forces()` in N and N m, `.play("output")`, `.plot()`. `scene(theta)`, theta in
     rad, is the solids of all bodies as they stand, a trimesh.Scene in mm.
     Raises SpecError with all faults at once, FileError where a file cannot be read.
     """
@@ -90,7 +90,8 @@ def build(
 ) -> Report:
     """Make, read back and judge a machine; its folder out/<name>/ appears, whole, only when all is done.
 
-    spec: path, dict or what `load` gave; only: kinds of files to make, of "dxf", "stl", "3mf" and "report" (all); jobs: cores
+    spec: path, dict or what `load` gave; only: kinds of files to make, of "dxf", "stl", "3mf", "step", "report" and "plots"
+    (all but "step" and "plots"); jobs: cores
     to use, 0: all. The report has `ok`, `findings`, `numbers` (each in the unit that its name ends in), `parts`, `tables`,
     `plots`, and `as_dict()`, which is report.json; a notebook shows it. A finding that fails does not raise.
     Raises SpecError, DesignError where no such mechanism exists, FileError where a file cannot be written.

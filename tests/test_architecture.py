@@ -62,6 +62,7 @@ GROUND = {
     "errors",
     "findings",
     "numerics",
+    "plotting",
     "progress",
     "reading",
     "schemas",
