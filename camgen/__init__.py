@@ -72,7 +72,8 @@ def load(spec: str | PathLike[str] | Mapping[str, Any]) -> Loaded:
 
     It is a frozen record of the spec's keys, defaults filled in. `motion(theta, order)`, theta (n,) rad, gives its output
     (rad or mm) or a derivative to theta, (n,). `solve(theta)` runs its model: a Run with `run["output"]`, (n,) rad or mm (a path:
-    complex mm), `.velocity` and `.acceleration` per second, `.forces()` in N and N m, `.play("output")`.
+    complex mm), `.velocity` and `.acceleration` per second, `.forces()` in N and N m, `.play("output")`, `.plot()`. `scene(theta)`, theta in
+    rad, is the solids of all bodies as they stand, a trimesh.Scene in mm.
     Raises SpecError with all faults at once, FileError where a file cannot be read.
     """
     from camgen.machines.sources import read_mechanism
@@ -89,7 +90,8 @@ def build(
 ) -> Report:
     """Make, read back and judge a machine; its folder out/<name>/ appears, whole, only when all is done.
 
-    spec: path, dict or what `load` gave; only: kinds of files to make, of "dxf", "stl", "3mf" and "report" (all); jobs: cores
+    spec: path, dict or what `load` gave; only: kinds of files to make, of "dxf", "stl", "3mf", "step", "report" and "plots"
+    (all but "step" and "plots"); jobs: cores
     to use, 0: all. The report has `ok`, `findings`, `numbers` (each in the unit that its name ends in), `parts`, `tables`,
     `plots`, and `as_dict()`, which is report.json; a notebook shows it. A finding that fails does not raise.
     Raises SpecError, DesignError where no such mechanism exists, FileError where a file cannot be written.
@@ -135,7 +137,7 @@ def motion(
     layer: str | None = None,
     harmonics: int = 36,
 ) -> Recovered:
-    """Motion of a follower on the outline in a DXF, STL or 3MF of any maker, over one turn of the cam, its end left out.
+    """Motion of a follower on the outline in a drawing, mesh, G-code, scan or points of any maker, over one turn of the cam, its end left out.
 
     follower: as `camgen motion --help` says, on one line, "translating,radius=6", as a dict or as a path to a TOML file;
     height: of a mesh's section, mm (half way up); layer: of a DXF (all); harmonics: of a turn, low-pass of the derivatives.

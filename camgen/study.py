@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, TypeVar
 
+import numpy as np
+
 from camgen.numerics import Floats, Points
 
 T = TypeVar("T")
@@ -29,6 +31,24 @@ class Plot:
     equal: bool = False
     dots: Sequence[str] = ()
     points: Sequence[tuple[str, float, float]] = ()
+
+    @property
+    def ends(self) -> tuple[float, float] | None:
+        """Least and greatest x of all that is shown, None where there is nothing."""
+        found = [
+            bound
+            for _, x, _ in self.series
+            if len(x)
+            for bound in (float(np.nanmin(x)), float(np.nanmax(x)))
+        ]
+        found += [x for _, x, _ in self.points]
+        return (min(found), max(found)) if found else None
+
+    @property
+    def turns(self) -> bool:
+        """Whether x covers one turn in degrees."""
+        ends = self.ends
+        return ends is not None and -1 < ends[0] < 15 and 345 < ends[1] < 361
 
 
 @dataclass(frozen=True)

@@ -62,6 +62,7 @@ GROUND = {
     "errors",
     "findings",
     "numerics",
+    "plotting",
     "progress",
     "reading",
     "schemas",
@@ -83,7 +84,17 @@ FACTS = {
     ("threemf", "Item"),
     ("threemf", "Package"),  # what reading a 3MF gives
 }
-HEAVY = {"ezdxf", "trimesh", "manifold3d", "lib3mf", "mapbox_earcut", "shapely", "scipy", "rich"}
+HEAVY = {
+    "ezdxf",
+    "trimesh",
+    "manifold3d",
+    "lib3mf",
+    "mapbox_earcut",
+    "shapely",
+    "scipy",
+    "rich",
+    "matplotlib",
+}
 LIGHT = {
     "__init__",
     "__main__",

@@ -39,7 +39,10 @@ if TYPE_CHECKING:
     help="Output folder.  [default: out]",
 )
 @click.option(
-    "--only", metavar="KINDS", callback=kinds_of, help=f"Make only these, of {','.join(ANY_KIND)}."
+    "--only",
+    metavar="KINDS",
+    callback=kinds_of,
+    help=f"Make only these, of {','.join(ANY_KIND)}; plots: curves as SVG and PNG.",
 )
 @click.option(
     "--set",

@@ -6,9 +6,8 @@ from collections.abc import Callable, Collection, Iterable
 
 import click
 
-from camgen.files.formats import FORMATS, USUAL
-
-KINDS, ANY_KIND = (*USUAL, "report"), (*FORMATS, "report")
+from camgen.files.formats import ANY_KIND as ANY_KIND
+from camgen.files.formats import KINDS
 
 _CODES = """\b
 Exit codes:

@@ -95,7 +95,7 @@ def motion(
     out: Path,
     **shown: bool,
 ) -> None:
-    """Roll a follower on the outline in FILE (DXF, STL, 3MF of any maker, G-code, a scan, points) and report its motion.
+    """Roll a follower on the outline in FILE (DXF, mesh, G-code, scan or points of any maker) and report its motion.
 
     The largest closed contour is the outline; the cam turns counter-clockwise about the shaft. TABLE is a TOML file with
     a table [follower], or its keys on one line:
@@ -125,6 +125,9 @@ def motion(
       offset         of the tip's line from the shaft, positive to the right of the way out  [0]
       at             distance of tip centre or face from the shaft from which its way is counted;
                      otherwise it counts from the innermost position
+
+    A mesh is one part: STL, 3MF, OBJ, PLY, OFF or GLB. OBJ, PLY, OFF and STL name no unit and are taken as mm with z up; a GLB
+    is in metres with y up.
 
     A scan (PNG, JPEG, TIFF; pip install 'camgen[scan]') shows one part on an even ground; its bore is the shaft. Points are
     a CSV with columns x,y in order or angle,radius, mm and degrees.

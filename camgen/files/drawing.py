@@ -32,7 +32,7 @@ from camgen.files.dimensions import (
     zero_of,
 )
 from camgen.files.labels import Named, along, led, placed
-from camgen.files.sheet import Sheet, Text, write_dxf_sheet, write_pdf
+from camgen.files.sheet import Sheet, Size, Text, write_dxf_sheet, write_pdf
 from camgen.files.title_block import SIZE, Facts, position_frame, title_block
 from camgen.geometry.arcs import as_circle, fit_arcs
 from camgen.geometry.outlines import Contour, Floats, extent
@@ -253,12 +253,11 @@ class _Layout:
             "Ø" if any(abs(size - each) < SAME_POINT for each in round_ones) else ""
             for size in (span.real, span.imag)
         )
-        wide, tall = (
-            sign + number(size) for sign, size in zip(signs, (span.real, span.imag), strict=True)
-        )
-        self._dimension(low, complex(high.real, low.imag), -1j * _DIMENSION_GAP, wide)
+        wide, tall = signs
+        self._dimension(low, complex(high.real, low.imag), -1j * _DIMENSION_GAP, span.real, wide)
         if self.disc is None:
-            self._dimension(low, complex(low.real, high.imag), -_DIMENSION_GAP + 0j, tall)
+            aside = -_DIMENSION_GAP + 0j
+            self._dimension(low, complex(low.real, high.imag), aside, span.imag, tall)
         self._radii()
         if self.section:
             self._plane(self.section.y)
@@ -391,13 +390,13 @@ class _Layout:
             self.sheet.line(complex(left - 4, y), complex(left + thick + 4, y), layer="CENTER")
         bottom = self.paper(self.low).imag
         self._dimension(
-            complex(left, bottom), complex(left + thick, bottom), -9j, number(self.part.thickness)
+            complex(left, bottom), complex(left + thick, bottom), -9j, self.part.thickness
         )
         heights = sorted({layer.z1 for layer in self.part.layers} - {self.part.thickness})
         heights = heights if len(heights) <= 2 else []  # no room for more; the table has them all
         for i, height in enumerate(heights, 1):
             top = complex(left, self.paper(self.high).imag)
-            self._dimension(top, top + self.scale * height, 9j * i, number(height))
+            self._dimension(top, top + self.scale * height, 9j * i, height)
 
     def _third(self) -> None:
         """The view from above or the section, heights z growing downwards."""
@@ -417,28 +416,31 @@ class _Layout:
                 top + self.scale * self.low.real + 2.5j, f"{self.letter}-{self.letter}", 3.5
             )
 
-    def _dimension(self, a: complex, b: complex, away: complex, text: str) -> None:
-        """Linear dimension between a and b (paper), its line moved by `away`; arrows outside where it is short."""
-        sheet = self.sheet
+    def _dimension(
+        self, a: complex, b: complex, away: complex, value: float, sign: str = ""
+    ) -> None:
+        """Linear dimension of a value, mm, between a and b (paper), its line moved by `away`; arrows outside where it is short."""
+        sheet = Sheet(0.0, 0.0, "")
         out = away / abs(away)
         for end in (a, b):
             sheet.line(end + out, end + away + 2 * out, layer="DIM")
-        a, b = a + away, b + away
-        length, along = abs(b - a), (b - a) / abs(b - a)
+        start, end = a + away, b + away
+        length, along = abs(end - start), (end - start) / abs(end - start)
         reading = 1 if abs(along.real) > 0.5 else 1j
         outside = length < 12
         if outside:
-            a, b = a - 6 * along, b + 6 * along
-        sheet.line(a, b, layer="DIM")
-        sheet.arrow(a + 6 * along if outside else a, along if outside else -along)
-        sheet.arrow(b - 6 * along if outside else b, -along if outside else along)
-        label = Text(0j, text, 3.5, "centre", reading, "DIM")
-        middle = (a + b) / 2
+            start, end = start - 6 * along, end + 6 * along
+        sheet.line(start, end, layer="DIM")
+        sheet.arrow(start + 6 * along if outside else start, along if outside else -along)
+        sheet.arrow(end - 6 * along if outside else end, -along if outside else along)
+        label = Text(0j, sign + number(value), 3.5, "centre", reading, "DIM")
+        middle = (start + end) / 2
         if length < label.width + 7:  # beside the arrows: to the left, or above
-            end, out = (a, -along) if abs(along.real) > 0.5 else (b, along)
-            middle = end + out * (label.width / 2 + 1)
-            sheet.line(end, end + out * (label.width + 2), layer="DIM")
+            tail, out = (start, -along) if abs(along.real) > 0.5 else (end, along)
+            middle = tail + out * (label.width / 2 + 1)
+            sheet.line(tail, tail + out * (label.width + 2), layer="DIM")
         sheet.things.append(replace(label, at=middle + 0.9j * reading))
+        self.sheet.things.append(Size(a, b, b + away, value, sign, tuple(sheet.drawn)))
 
     def _rows(self) -> list[tuple[str, str, str, str]]:
         """Rows of the table of holes and edges."""

@@ -72,6 +72,8 @@ DRAWN, SOLID, EXACT = (
     tuple(kind for kind, form in FORMATS.items() if form.holds == held) for held in _HELD
 )
 USUAL = (*DRAWN, *SOLID)  # made where nobody asks for other ones
+KINDS = (*USUAL, "report")  # what a build makes where nobody says which
+ANY_KIND = (*FORMATS, "report", "plots")  # that can be asked for
 
 
 @dataclass(frozen=True)

@@ -76,7 +76,7 @@ class Taken:
     def of(cls, sheet: Sheet) -> Taken:
         """All that is drawn so far."""
         found = cls()
-        for thing in sheet.things:
+        for thing in sheet.drawn:
             found.add(thing)
         return found
 

@@ -308,7 +308,8 @@ def write_plates(
 
 def placed(spots: Sequence[Spot]) -> list[Placed]:
     """The copies of a plate."""
-    from camgen.files.threemf import Placed, placing
+    from camgen.files.threemf import Placed
+    from camgen.geometry.mesh import placing
 
     found = []
     for spot in spots:

@@ -5,6 +5,7 @@ Coordinates are complex, mm of paper, from the sheet's lower left corner. The sh
     Stroke   lines and arcs end to end, open or closed (a closed one is a contour)
     Fill     a filled triangle (an arrowhead)
     Text     one line of text
+    Size     a linear dimension: in a DXF one DIMENSION, drawn as on paper by its own block
 
 each on a layer that decides its line. PDF text is set in Helvetica, which every PDF reader brings along.
 """
@@ -13,9 +14,10 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from camgen.files.dxf import add_contour, document
 from camgen.geometry.outlines import Arc, Contour, Line, Piece, end_point, start_point
@@ -55,6 +57,8 @@ _CAP = 0.718
 _DXF_CODES = str.maketrans({"Ø": "%%c", "°": "%%d", "±": "%%p", "×": "x"})
 
 Align = Literal["left", "centre", "right"]
+_DIMSTYLE = "CAMGEN"
+_LINEAR = 32  # a DIMENSION that is turned, with a block of its own
 _HALIGN: dict[Align, int] = {"left": 0, "centre": 1, "right": 2}  # in a DXF
 
 
@@ -99,6 +103,18 @@ class Text:
         return max(self.width, self.height * sum(_CAD_WIDE.get(c, CAD_ADVANCE) for c in self.text))
 
 
+@dataclass(frozen=True)
+class Size:
+    """A linear dimension between two points."""
+
+    a: complex
+    b: complex
+    line: complex  # where its line ends on the side of b
+    value: float  # mm of the part
+    sign: str  # before the number, such as "Ø"
+    drawn: tuple[Stroke | Fill | Text, ...]  # what is seen of it
+
+
 def arrowhead(tip: complex, direction: complex, layer: str) -> Fill:
     """An arrowhead of 3 mm whose tip points along the unit direction."""
     foot = tip - 3 * direction
@@ -112,7 +128,13 @@ class Sheet:
     width: float
     height: float
     title: str
-    things: list[Stroke | Fill | Text] = field(default_factory=list)
+    things: list[Stroke | Fill | Text | Size] = field(default_factory=list)
+
+    @property
+    def drawn(self) -> Iterator[Stroke | Fill | Text]:
+        """All that is seen, in order."""
+        for thing in self.things:
+            yield from thing.drawn if isinstance(thing, Size) else (thing,)
 
     def line(self, *points: complex, layer: str, closed: bool = False) -> None:
         """Add straight strokes through the points."""
@@ -158,7 +180,7 @@ def write_pdf(path: Path, sheet: Sheet) -> None:
     paper.scale(_POINT, _POINT)
     paper.setLineCap(1)
     paper.setLineJoin(1)
-    for thing in sheet.things:
+    for thing in sheet.drawn:
         if isinstance(thing, Text):
             _set(paper, thing)
             continue
@@ -206,44 +228,101 @@ def write_dxf_sheet(path: Path, sheet: Sheet, scale: float, datum: complex) -> N
 
     scale: mm of paper for a mm of the part; datum: where the part's origin is on the paper.
     """
-
-    def xy(z: complex) -> tuple[float, float]:
-        w = (z - datum) / scale + 0
-        return w.real, w.imag
-
     corners = (-datum / scale, (complex(sheet.width, sheet.height) - datum) / scale)
     with document(path, LAYERS, corners) as space:
         for kind, pattern, _ in _DASHES.values():
             if pattern:
                 space.doc.linetypes.add(kind, pattern)
+        if any(isinstance(thing, Size) for thing in sheet.things):
+            style = space.doc.dimstyles.new(_DIMSTYLE, _dimension_style(scale))
+            style.copy_to_header(
+                space.doc
+            )  # which programs take that draw sizes by rules of their own
+        to_part = _ToPart(scale, datum)
         for thing in sheet.things:
-            at: dict[str, object] = {"layer": thing.layer}
-            if thing.layer in _DASHES:
-                at |= {"linetype": _DASHES[thing.layer][0], "ltscale": 0.5 / scale}
-            if isinstance(thing, Text):
-                at |= {
-                    "height": thing.height / scale,
-                    "rotation": math.degrees(cmath.phase(thing.direction)),
-                    "valign": 0,
-                    "halign": _HALIGN[thing.align],
-                    "insert": xy(thing.at),
-                    "align_point": xy(thing.at),
-                }
-                space.add_text(thing.text.translate(_DXF_CODES), dxfattribs=at)
-            elif isinstance(thing, Fill):
-                a, b, c = map(xy, thing.corners)
-                space.add_solid([a, b, c, c], dxfattribs=at)
-            elif thing.closed:
-                add_contour(
-                    space, Contour(thing.pieces).moved(1 / scale, -datum / scale), thing.layer
-                )
-                space[-1].update_dxf_attribs(at)
+            if isinstance(thing, Size):
+                to_part.size(space, thing)
             else:
-                for piece in thing.pieces:
-                    if isinstance(piece, Arc):
-                        low, high = sorted((math.degrees(piece.t0), math.degrees(piece.t1)))
-                        space.add_arc(
-                            xy(piece.centre), piece.radius / scale, low, high, dxfattribs=at
-                        )
-                    elif isinstance(piece, Line):
-                        space.add_line(xy(piece.a), xy(piece.b), dxfattribs=at)
+                to_part.put(space, thing)
+
+
+def _dimension_style(scale: float) -> dict[str, Any]:
+    """How a program draws a dimension anew: as on paper, numbers with three decimals less idle zeros.
+
+    Lengths are scaled one by one: by a $DIMSCALE LibreCAD would scale the widths of all lines too.
+    """
+    paper = {"dimtxt": 3.5, "dimasz": 3.0, "dimexo": 1.0, "dimexe": 2.0, "dimgap": 0.9}  # mm
+    number = {"dimlunit": 2, "dimdec": 3, "dimzin": 8, "dimdsep": ord(".")}
+    place = {"dimtad": 1, "dimtih": 0, "dimtoh": 0, "dimscale": 1.0}
+    colour = dict.fromkeys(("dimclrd", "dimclre", "dimclrt"), LAYERS["DIM"][0])
+    return {key: length / scale for key, length in paper.items()} | number | place | colour
+
+
+@dataclass(frozen=True)
+class _ToPart:
+    """From paper to a DXF in which the part is at its own size."""
+
+    scale: float  # mm of paper for a mm of the part
+    datum: complex  # where the part's origin is on the paper
+
+    def xy(self, z: complex) -> tuple[float, float]:
+        """A point of the paper."""
+        w = (z - self.datum) / self.scale + 0
+        return w.real, w.imag
+
+    def size(self, space: Any, size: Size) -> None:
+        """Add a DIMENSION with its block."""
+        block = space.doc.blocks.new_anonymous_block(type_char="D")
+        for thing in size.drawn:
+            self.put(block, thing)
+        written = next(thing for thing in size.drawn if isinstance(thing, Text))
+        at = {
+            "layer": "DIM",
+            "dimstyle": _DIMSTYLE,
+            "geometry": block.name,
+            "dimtype": _LINEAR,
+            "defpoint": self.xy(size.line),
+            "defpoint2": self.xy(size.a),
+            "defpoint3": self.xy(size.b),
+            "text_midpoint": self.xy(written.at + written.height / 2 * 1j * written.direction),
+            "angle": math.degrees(cmath.phase(size.b - size.a)),
+            "text": size.sign.translate(_DXF_CODES) + "<>",
+            "actual_measurement": size.value,
+        }
+        space.new_entity("DIMENSION", at)
+
+    def put(self, space: Any, thing: Stroke | Fill | Text) -> None:
+        """Add what is drawn to a modelspace or a block."""
+        at: dict[str, object] = {"layer": thing.layer}
+        if thing.layer in _DASHES:
+            at |= {"linetype": _DASHES[thing.layer][0], "ltscale": 0.5 / self.scale}
+        if isinstance(thing, Text):
+            at |= {
+                "height": thing.height / self.scale,
+                "rotation": math.degrees(cmath.phase(thing.direction)),
+                "valign": 0,
+                "halign": _HALIGN[thing.align],
+                "insert": self.xy(thing.at),
+                "align_point": self.xy(thing.at),
+            }
+            space.add_text(thing.text.translate(_DXF_CODES), dxfattribs=at)
+        elif isinstance(thing, Fill):
+            a, b, c = map(self.xy, thing.corners)
+            space.add_solid([a, b, c, c], dxfattribs=at)
+        elif thing.closed:
+            contour = Contour(thing.pieces).moved(1 / self.scale, -self.datum / self.scale)
+            add_contour(space, contour, thing.layer)
+            space[-1].update_dxf_attribs(at)
+        else:
+            self._strokes(space, thing, at)
+
+    def _strokes(self, space: Any, stroke: Stroke, at: dict[str, object]) -> None:
+        """Add lines and arcs one by one."""
+        for piece in stroke.pieces:
+            if isinstance(piece, Arc):
+                low, high = sorted((math.degrees(piece.t0), math.degrees(piece.t1)))
+                space.add_arc(
+                    self.xy(piece.centre), piece.radius / self.scale, low, high, dxfattribs=at
+                )
+            elif isinstance(piece, Line):
+                space.add_line(self.xy(piece.a), self.xy(piece.b), dxfattribs=at)

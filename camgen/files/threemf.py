@@ -76,21 +76,6 @@ class Placed:
     transform: Floats = field(default_factory=lambda: np.eye(3, 4))
 
 
-def placing(
-    angle: float, position: complex, z: float, thickness: float, flipped: bool = False
-) -> Floats:
-    """Transform (3, 4) of a part turned by angle (rad) about z and moved to position (complex mm) and height z, mm.
-
-    flipped: first turned over about Oy, (x, y, z) -> (-x, y, thickness - z): a rotation, no mirror image.
-    """
-    turn = np.array(
-        [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]
-    )
-    over = np.diag([-1.0, 1.0, -1.0]) if flipped else np.eye(3)
-    shift = [position.real, position.imag, z + (thickness if flipped else 0)]
-    return np.column_stack([product(turn, over), shift]) + 0.0
-
-
 def write_3mf(path: Path, objects: Mapping[str, Mesh], items: Sequence[Placed], key: str) -> None:
     """Write a 3MF of named meshes and their copies; `key` (the spec's hash) makes every UUID, so same key, same bytes.
 

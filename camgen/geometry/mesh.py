@@ -54,6 +54,21 @@ class Mesh:
         return Mesh(product(self.vertices, transform[:, :3].T) + transform[:, 3], self.faces)
 
 
+def placing(
+    angle: float, position: complex, z: float, thickness: float, flipped: bool = False
+) -> Floats:
+    """Transform (3, 4) of a part turned by angle (rad) about z and moved to position (complex mm) and height z, mm.
+
+    flipped: first turned over about Oy, (x, y, z) -> (-x, y, thickness - z): a rotation, no mirror image.
+    """
+    turn = np.array(
+        [[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]
+    )
+    over = np.diag([-1.0, 1.0, -1.0]) if flipped else np.eye(3)
+    shift = [position.real, position.imag, z + (thickness if flipped else 0)]
+    return np.column_stack([product(turn, over), shift]) + 0.0
+
+
 def welded(corners: Floats) -> Mesh:
     """Mesh of (m, 3, 3) corners, vertices unique by exact bits.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,9 +14,13 @@ from camgen.machine.constraints import Constraints
 from camgen.machine.forces import Forces, kinetostatics, peaks
 from camgen.machine.jets import fill
 from camgen.machine.loops import chain_of
-from camgen.machine.model import Machine, Path, Place, Pose
+from camgen.machine.model import Machine, Path, Place, Pose, unit_of
 from camgen.machine.state import State
 from camgen.numerics import Floats, Points
+from camgen.study import Plot
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 # Angles solved at a time: long enough to hide the cost of a call, short enough to stay in the processor's cache.
 BLOCK = 16384
@@ -213,6 +217,33 @@ class Run:
             return Run(self._loaded(), self.theta, self.order).forces()
         q, first, second = self._poses
         return kinetostatics(self._system, self.theta, q, first, second, self.machine.speed)
+
+    def plot(self, *outputs: str, order: int = 0) -> Figure:
+        """Curves of the outputs, all unless named, over theta below each other, which a notebook shows.
+
+        order: 0 the outputs, 1 their velocities, 2 their accelerations, a second; rad in deg. A path is drawn as it lies in the
+        plane, its rates along x and y. ValueError for a name that the machine does not have, or an order that was not solved.
+        """
+        from camgen.plotting import figure
+
+        return figure([self._curve(name, order) for name in outputs or self])
+
+    def _curve(self, name: str, order: int) -> Plot:
+        """What an output, or a rate of it, is over theta."""
+        output = self.machine.output(name)
+        if order not in (0, 1, 2):
+            raise ValueError(f"order is 0, 1 or 2, not {order}")
+        values = self._rates(order)[name]
+        unit, scale = unit_of(output)
+        y_label = unit + ("", "/s", "/s²")[order]
+        title = name + ("", ": velocity", ": acceleration")[order]
+        theta = np.degrees(self.theta)
+        if not isinstance(output.of, Path):
+            return Plot(title, "theta, deg", y_label, [(name, theta, scale * values.real)])
+        if order == 0:
+            return Plot(title, "x, mm", "y, mm", [(name, values.real, values.imag)], equal=True)
+        series = [("x", theta, values.real), ("y", theta, values.imag)]
+        return Plot(title, "theta, deg", y_label, series)
 
     def play(self, output: str) -> Play:
         """How far the joints' clearances let the output move."""

@@ -15,7 +15,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from operator import getitem
-from typing import ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -39,6 +39,11 @@ from camgen.parts.part import Part
 from camgen.parts.steps import Fixing
 from camgen.spec import Spec, validate
 from camgen.study import Later, Study
+
+if TYPE_CHECKING:
+    from trimesh import Scene
+
+    from camgen.geometry.mesh import Mesh
 
 
 @dataclass(frozen=True)
@@ -151,6 +156,25 @@ class Mechanism(Spec, ABC):
             printed_density(self.material),
             sheet,
         )
+
+    def scene(self, theta: float) -> Scene:
+        """All bodies where they stand at theta, rad, the angle that `solve` takes: a scene of trimesh, mm, z up.
+
+        Nodes are the bodies and on them the copies of parts, "rocker-1"; its geometry are the parts by name, each in its own
+        frame, as designed, within the spec's chord tolerance. `scene.to_mesh()` is one mesh of all, `scene.show()` draws it.
+        DesignError where the machine does not close at theta, or a part's solid cannot be made.
+        """
+        from camgen.parts.posed import posed
+
+        return posed(self.assembly, self._solids, theta)
+
+    @cached_property
+    def _solids(self) -> Mapping[str, Mesh]:
+        """Solids of its parts, each in its own frame, by name."""
+        from camgen.parts.solids import solid
+
+        tolerance = self.accuracy.chord_tolerance
+        return {part.name: solid(part, tolerance) for part in self.assembly.parts}
 
     @abstractmethod
     def limits(self) -> Sequence[Finding]:

@@ -40,7 +40,7 @@ _STEEPNESS = 4  # power of the low-pass: steeper ones ring at every corner of th
 _OVERLAP = 2e-3  # mm at two tips together that facets and decimals of a file may feign
 _ROUGH = 0.5  # deg, by which facets or noise may raise the largest pressure angle before it is told
 _FRAMES = 120  # of the moving picture
-_PACKAGES = ("numpy", "pydantic", "ezdxf", "lib3mf", "scipy", "shapely")
+_PACKAGES = ("numpy", "pydantic", "ezdxf", "lib3mf", "scipy", "shapely", "trimesh")
 
 # ---- the motion ------------------------------------------------------------------------------------------------------
 

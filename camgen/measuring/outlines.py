@@ -20,19 +20,18 @@ import numpy as np
 from camgen.bounds import bounded
 from camgen.errors import FileError, counted
 from camgen.files.formats import READABLE
-from camgen.files.stl import read_stl
-from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, at_least, at_most
 from camgen.geometry.chains import Chain, joined, nearest_gap
 from camgen.geometry.distances import inside
-from camgen.geometry.mesh import Mesh, mesh_faults, slice_mesh
+from camgen.geometry.mesh import mesh_faults, slice_mesh
 from camgen.geometry.rings import Floats, Ints, Points, Ring
+from camgen.measuring.meshes import MESH_SIZES, read_mesh
 from camgen.measuring.points import POINTS_SIZE, read_points
 from camgen.measuring.scan import LEAST_CONTRAST, PICTURE_SIZE, PICTURES, Scanning, scanned
 from camgen.tolerances import CURVE_CHORDS, SAME_POINT
 
-_SIZES = {f".{kind}": READABLE[kind].size for kind in ("dxf", "stl", "3mf", "gcode")}
-_SIZES |= {".csv": POINTS_SIZE, **dict.fromkeys(PICTURES, PICTURE_SIZE)}
+_SIZES = {f".{kind}": READABLE[kind].size for kind in ("dxf", "gcode")}
+_SIZES |= {**MESH_SIZES, ".csv": POINTS_SIZE, **dict.fromkeys(PICTURES, PICTURE_SIZE)}
 ENDINGS = tuple(_SIZES)
 _HEAD = 4096  # bytes that tell what a file is
 _MOST_POINTS = 500_000
@@ -64,14 +63,6 @@ _DXF_UNITS = {
     10: ("yards", 914.4),
     13: ("micrometres", 1e-3),
     14: ("decimetres", 100.0),
-}
-_3MF_UNITS = {
-    "micrometer": 1e-3,
-    "millimeter": 1.0,
-    "centimeter": 10.0,
-    "inch": 25.4,
-    "foot": 304.8,
-    "meter": 1e3,
 }
 
 
@@ -135,7 +126,7 @@ def read_outline(
         outline = (
             _from_dxf(path, content, layer, contour)
             if kind == ".dxf"
-            else _from_mesh(path, kind, height, contour)
+            else _from_mesh(path, height, contour)
         )
         return _judged(path, outline)
     except OverflowError as error:
@@ -209,7 +200,14 @@ def _looks_like(first: bytes, size: int) -> str:
     ):
         if magic in head[:400]:
             return name
-    starts = ((b"\xff\xd8\xff", ".jpg"), (b"II*\x00", ".tif"), (b"MM\x00*", ".tif"))
+    starts = (
+        (b"\xff\xd8\xff", ".jpg"),
+        (b"II*\x00", ".tif"),
+        (b"MM\x00*", ".tif"),
+        (b"glTF\x02", ".glb"),
+        (b"ply\n", ".ply"),
+        (b"ply\r\n", ".ply"),
+    )
     return next((name for magic, name in starts if head.startswith(magic)), "")
 
 
@@ -544,32 +542,9 @@ def _round(rows: Floats, closed: bool) -> tuple[Points, Floats]:
 # ---- meshes ----------------------------------------------------------------------------------------------------------
 
 
-def _from_mesh(path: Path, kind: str, height: float | None, contour: int | None) -> Outline:
-    findings = []
-    if kind == ".3mf":
-        package = read_3mf(path, strict=False)
-        if len(package.items) != 1:
-            raise FileError(path, f"holds {len(package.items)} objects; one part was expected")
-        scale = _3MF_UNITS.get(package.unit.lower(), math.nan)
-        mesh = package.items[0].placed
-        mesh = Mesh(mesh.vertices * scale, mesh.faces)
-        findings.append(
-            Finding(
-                "MESH_UNITS",
-                scale == 1,
-                scale,
-                1,
-                "mm",
-                path.name,
-                f"its unit is {package.unit.lower()}",
-            )
-        )
-    else:
-        mesh = read_stl(path)
-    if not len(mesh.faces) or not np.isfinite(mesh.vertices).all():
-        raise FileError(
-            path, "holds no triangles" if not len(mesh.faces) else "a vertex is not finite"
-        )
+def _from_mesh(path: Path, height: float | None, contour: int | None) -> Outline:
+    held = read_mesh(path)
+    mesh, findings = held.mesh, list(held.findings)
     faults = mesh_faults(mesh)
     findings.append(
         at_most("WATERTIGHT", faults.count, 0, "faults", path.name, f"{len(mesh.faces)} triangles")
@@ -589,5 +564,5 @@ def _from_mesh(path: Path, kind: str, height: float | None, contour: int | None)
     if not rings:
         raise FileError(path, f"has no section at z = {z:g} mm")
     ring, chosen = _picked(path, rings, contour)
-    said = f"section at z = {z:g} mm, {len(ring.points)} edges"
+    said = f"section at z = {z:g} mm, {len(ring.points)} edges{'; ' * bool(held.unit)}{held.unit}"
     return Outline(ring, (*findings, chosen), said)

@@ -9,14 +9,15 @@ from pathlib import Path
 from camgen import spec as specs
 from camgen.errors import Fault, FileError, SpecError
 from camgen.files.folder import MANIFEST, SPEC, Staged, changed_files, read_manifest, write_manifest
-from camgen.files.formats import FORMATS, USUAL
+from camgen.files.formats import ANY_KIND, FORMATS
+from camgen.files.formats import KINDS as KINDS
 from camgen.findings import at_most
 from camgen.machines.sources import Source
 from camgen.machines.sources import read_mechanism as read_mechanism
 from camgen.pipeline.case import Case, cores
 from camgen.pipeline.judging import judge, read_parts
 from camgen.pipeline.making import make_parts, put_together
-from camgen.pipeline.rebuild import ANY_KIND, PACKAGES, Rebuild, judged_files, kinds_of, system
+from camgen.pipeline.rebuild import Rebuild, judged_files, kinds_of, packages_of, system
 from camgen.pipeline.summary import Summary, seen, write_report, write_texts
 from camgen.progress import Progress, silent
 from camgen.report.report import Report
@@ -26,7 +27,6 @@ from camgen.workers import Workers
 _OF_A_KIND = 3.0
 _OF_THREE = 1.3e-4
 _LONG = 20.0  # s, that are told before a build
-KINDS = (*USUAL, "report")  # made where nobody says which
 
 
 def build(
@@ -71,7 +71,7 @@ def build(
         report, columns = judge(case, kinds, reading, workers, progress)
         progress("writing the report", 0.85)
         write_report(Summary(kinds, report, columns, scene), case, folder)
-        write_manifest(folder, PACKAGES, {"kinds": kinds, "system": system()})
+        write_manifest(folder, packages_of(kinds), {"kinds": kinds, "system": system()})
     said = f"{staged.target / 'spec.toml'} was changed since its build and is written again; the changed one is kept as"
     remarks = [*hints, *mechanism.remarks().printed, *(f"{said} {name}" for name in staged.kept)]
     if staged.gone and only < frozenset(KINDS):

@@ -58,7 +58,7 @@ Reading = Iterator[tuple[Outcome, Read]]  # of each part, in their order
 
 def read_parts(case: Case, kinds: Sequence[str], workers: Workers) -> Reading:
     """Begin to read back the parts' own files."""
-    names, files = list(case.parts), [kind for kind in kinds if kind != "report"]
+    names, files = list(case.parts), [kind for kind in kinds if kind in FORMATS]
     return workers.map(judge_part, repeat(case, len(names)), names, repeat(files, len(names)))
 
 
@@ -71,7 +71,7 @@ def judge(
     reading: the parts' own files, as `read_parts` began to.
     """
     mechanism = case.mechanism
-    files = [kind for kind in kinds if kind != "report"]
+    files = [kind for kind in kinds if kind in FORMATS]
     asked = _stages(mechanism, kinds)
     waiting = [
         (stage.what, workers.start(stage.work, case, files))

@@ -183,7 +183,8 @@ def compensation(mechanism: Mechanism) -> Compensation | None:
 
 def assembled(mechanism: Mechanism) -> list[Placed]:
     """Every copy of every part where it is at theta = 0."""
-    from camgen.files.threemf import Placed, placing
+    from camgen.files.threemf import Placed
+    from camgen.geometry.mesh import placing
 
     poses = mechanism.assembly.poses(np.zeros(1))
     return [

@@ -24,7 +24,7 @@ import numpy as np
 
 from camgen._version import __version__
 from camgen.files.folder import MANIFEST, SPEC, versions
-from camgen.files.formats import FORMATS
+from camgen.files.formats import ANY_KIND, FORMATS
 from camgen.findings import NotJudged, at_most
 from camgen.geometry.outlines import Floats
 from camgen.pipeline.case import Case
@@ -35,8 +35,7 @@ from camgen.pipeline.summary import Summary, draw_part, seen, write_report, writ
 from camgen.report.report import Report
 from camgen.workers import Workers
 
-ANY_KIND = (*FORMATS, "report")  # that can be asked for
-PACKAGES = (
+_PACKAGES = (
     "ezdxf",
     "lib3mf",
     "manifold3d",
@@ -49,6 +48,7 @@ PACKAGES = (
     "shapely",
     "tomli-w",
 )
+_OF_PLOTS = ("matplotlib", "pillow")
 _OF_FILES = {"motion.csv", "report.html", "report.json"}  # follow from the parts' files as well
 _OF_JUDGEMENT = {"report.html", "report.json"}  # say what fails
 _TEXTS = {
@@ -74,6 +74,11 @@ def system() -> str:
     return " ".join(filter(None, [platform.system(), platform.machine(), *libraries, *taken]))
 
 
+def packages_of(kinds: Collection[str]) -> tuple[str, ...]:
+    """The packages that make files of these kinds."""
+    return (*_PACKAGES, *(_OF_PLOTS if "plots" in kinds else ()))
+
+
 def kinds_of(case: Case, manifest: Mapping[str, Any]) -> list[str]:
     """The kinds of files that a folder was built with: as its manifest says, and of which any file is there."""
     said = manifest.get("kinds", ())
@@ -89,6 +94,8 @@ def _files(case: Case, kind: str) -> list[Path]:
     """Files that a build makes of a kind, where nothing else asks for them."""
     if kind == "report":
         return [case.folder / "report.html", case.file("assembly", "glb")]
+    if kind == "plots":
+        return sorted(case.folder.glob(f"{case.mechanism.name}-plot-*"))
     return [case.file(name, kind) for name in case.parts]
 
 
@@ -120,7 +127,9 @@ class Rebuild:
 
         told: names of files whose change is told already.
         """
-        listed, left_out = self.manifest["files"], _OF_FILES if self.otherwise else set()
+        listed = self.manifest["files"]
+        plots = {path.name for path in _files(self.case, "plots")}
+        left_out = _OF_FILES | plots if self.otherwise else set()
         with TemporaryDirectory() as scratch:
             anew = Path(scratch)
             self._make(anew, workers)
@@ -143,7 +152,7 @@ class Rebuild:
             wrong = {name: why for name, why in wrong.items() if name not in stale}
             held = [name for name in held if name not in stale]
             notes.append(f"of what the build found, not of what fails now: {', '.join(stale)}")
-        others = _others(self.manifest)
+        others = _others(self.manifest, packages_of(self.kinds))
         if wrong and others:
             why = f"built with {others}: not as they are made anew here, and not judged by all that they hold: {', '.join(wrong)}"
             return Outcome(
@@ -188,11 +197,11 @@ class Rebuild:
             pass
 
 
-def _others(manifest: Mapping[str, Any]) -> str:
+def _others(manifest: Mapping[str, Any], packages: Collection[str]) -> str:
     """What a build was made with that is not here, in words; "" where bytes are to be the same."""
-    here = {"camgen": __version__, **versions(PACKAGES)}
-    packages = manifest.get("packages")
-    there = {"camgen": manifest["camgen"], **(packages if isinstance(packages, dict) else {})}
+    here = {"camgen": __version__, **versions(packages)}
+    told = manifest.get("packages")
+    there = {"camgen": manifest["camgen"], **(told if isinstance(told, dict) else {})}
     other = [
         f"{name} {there.get(name, 'unknown')}"
         for name in sorted({*here, *there})

@@ -90,7 +90,7 @@ def _reachable(mechanism: Mechanism, output: Output, theta: Floats) -> Floats:
 def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
     """The machine in three dimensions, from coarse solids of its exact parts; plates: what was laid out."""
     from camgen.files.gltf import Moving, Shape, glb
-    from camgen.files.threemf import placing
+    from camgen.geometry.mesh import placing
 
     parts, courses = (
         mechanism.assembly.parts,

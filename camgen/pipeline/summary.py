@@ -12,6 +12,8 @@ from pathlib import Path
 from camgen.files.formats import SOLID
 from camgen.geometry.outlines import Floats
 from camgen.pipeline.case import Case
+from camgen.plotting import write_plots
+from camgen.report.page import once
 from camgen.report.report import Report, write_csv, write_html, write_json
 from camgen.study import Plate, Scene
 
@@ -66,7 +68,7 @@ class Summary:
 
 
 def write_report(summary: Summary, case: Case, folder: Path) -> None:
-    """Write motion.csv, report.html where it is asked for, and report.json."""
+    """Write motion.csv, report.json, and where they are asked for report.html and plots."""
     if summary.columns:
         write_csv(folder / "motion.csv", summary.columns)
     if "report" in summary.kinds:
@@ -74,4 +76,6 @@ def write_report(summary: Summary, case: Case, folder: Path) -> None:
 
         shown = replace(summary.report, animation=animation(case.mechanism), scene=summary.scene)
         write_html(folder / "report.html", shown)
+    if "plots" in summary.kinds:
+        write_plots(folder, case.mechanism.name, once(summary.report.plots))
     write_json(folder / "report.json", summary.report)

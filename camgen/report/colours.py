@@ -1,4 +1,4 @@
-"""Colours of the report: a few for curves, and as many as there are parts, each in a light and a dark dress.
+"""Colours of the report: as many as there are parts, each in a light and a dark dress.
 
 A part's hue is the last one's turned by the golden angle, its lightness goes through three steps: of a hundred parts no two
 look alike, and neighbours in the list differ most. In OKLCH, where equal steps look equal [B. Ottosson 2020].
@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 
-SERIES = ("#0b62a8", "#b5541c", "#2c7a4b", "#7a3e9d", "#8a6d00", "#a8326e")
 _GOLDEN = math.pi * (3 - math.sqrt(5))
 _FIRST = math.radians(250)  # blue
 _LIGHT, _DARK = (0.53, 0.43, 0.62), (0.74, 0.66, 0.83)

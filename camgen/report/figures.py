@@ -1,8 +1,8 @@
 """Plots of the report as SVG: axes, grid, curves and the names of marks.
 
-Colours and dashes are classes that the page defines, so that one picture serves light, dark and print; a picture that
-stands alone brings them along. A curve that lies on another is drawn once, under both names; one that only oscillates
-between two bounds is drawn as the band between them. Same plot, same text.
+Colours and dashes are classes that the page defines, so that one picture serves light, dark and print. A curve that lies
+on another is drawn once, under both names; one that only oscillates between two bounds is drawn as the band between them.
+Same plot, same text.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ from html import escape
 import numpy as np
 
 from camgen.numerics import Floats, Points
-from camgen.report.colours import SERIES
 from camgen.study import Plot
 
 _BAND_STEPS = 120  # along x: a band is as wide as the curve is high in each
@@ -36,18 +35,6 @@ _ALIKE = 0.5  # curves that are nowhere farther apart are drawn once
 _LETTER = 5.2
 _ROW = 12.0
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_DASHES = ("", "7 3", "2 2", "9 3 2 3", "12 4", "4 2 1 2 1 2")
-
-_STYLE = "".join(
-    f".s{k}{{color:{colour}}}.s{k} path,.k.s{k}{{stroke-dasharray:{dash or 'none'}}}"
-    for k, (colour, dash) in enumerate(zip(SERIES, _DASHES, strict=True))
-) + (
-    ".plotted{font:11px system-ui,sans-serif}.plotted text{fill:#1d2530}.plotted .rule{stroke:#dfe4ea;fill:none}"
-    ".plotted .frame,.plotted .mark{stroke:#5b6675;fill:none}.plotted .mark{stroke-dasharray:2 2}.end{text-anchor:end}"
-    ".mid{text-anchor:middle}.curve{fill:none;stroke:currentColor;stroke-width:1.7;stroke-linejoin:round}"
-    ".band{fill:currentColor;fill-opacity:.22;stroke:currentColor;stroke-width:.8}.plotted .dots{fill:currentColor}"
-    ".plotted .named{fill:#1d2530}"
-)
 
 
 @dataclass(frozen=True)
@@ -72,43 +59,16 @@ def ticks(low: float, high: float, most: int = 6) -> list[float]:
     return [step * k for k in range(first, math.floor(high / step + 1e-9) + 1)]
 
 
-def turns(plot: Plot) -> bool:
-    """Whether the plot's x covers one turn in degrees."""
-    ends = _ends(plot)
-    return ends is not None and -1 < ends[0] < 15 and 345 < ends[1] < 361
-
-
-def plot_svg(plot: Plot, log: bool = False) -> str:
-    """The plot as an SVG file of its own, names of the curves included; log: both axes logarithmic."""
-    drawn, curves = _drawn(plot, log)
-    x, rows = _LEFT, []
-    for k, curve in enumerate(curves):
-        wide = 30 + _LETTER * len(curve.label)
-        if x > _LEFT and x + wide > _RIGHT:
-            rows.append("")
-            x = _LEFT
-        rows += [] if rows else [""]
-        y = -12 * len(rows)
-        rows[-1] += (
-            f'<g class="s{k % 6}"><path class="curve" d="M{x:g} {y}h18"/><text x="{x + 22:g}" y="{y + 4}">{escape(curve.label)}'
-            "</text></g>"
-        )
-        x += wide
-    above = 14 * len(rows) + 6
-    size = f"0 {-above} {_WIDTH:g} {_HEIGHT + above:g}"
-    return f'<svg xmlns="http://www.w3.org/2000/svg" {_naming(plot, size)}<style>{_STYLE}</style>{drawn}{"".join(rows)}</svg>'
-
-
 def figure(plot: Plot, own: str = "plot") -> str:
     """The plot as a figure of the page: title, keys with room for the values at the cursor, picture; own: begins its ids."""
-    drawn, curves = _drawn(plot, False)
+    drawn, curves = _drawn(plot)
     keys = "".join(
         f'<li class="s{k % 6}"><svg class="k" viewBox="0 0 22 8" aria-hidden="true"><path class="curve" d="M0 4h22"/></svg>'
         f"{escape(curve.label)} <output></output></li>"
         for k, curve in enumerate(curves)
     )
-    cursor = f'<path class="cursor" d="M0 {_TOP:g}V{_LOW:g}"/>' if turns(plot) else ""
-    state = " turn" if turns(plot) else ""
+    cursor = f'<path class="cursor" d="M0 {_TOP:g}V{_LOW:g}"/>' if plot.turns else ""
+    state = " turn" if plot.turns else ""
     return (
         f'<figure class="plot{state}"><figcaption>{escape(plot.title.replace("_", " "))}</figcaption><ul class="keys">{keys}</ul>'
         f"<svg {_naming(plot, f'0 0 {_WIDTH:g} {_HEIGHT:g}', own)}{drawn}{cursor}</svg></figure>"
@@ -124,38 +84,22 @@ def _naming(plot: Plot, box: str, own: str = "plot") -> str:
     )
 
 
-def _ends(plot: Plot) -> tuple[float, float] | None:
-    """Least and greatest x of all series, None where there is none."""
-    found = [
-        bound
-        for _, x, _ in plot.series
-        if len(x)
-        for bound in (float(np.nanmin(x)), float(np.nanmax(x)))
-    ]
-    found += [x for _, x, _ in plot.points]
-    return (min(found), max(found)) if found else None
-
-
 class _Axes:
     """From numbers to places in the picture."""
 
-    def __init__(self, plot: Plot, log: bool) -> None:
-        self.log = log
-        self.x = _spread(*(_ends(plot) or (0.0, 1.0)), 0.0) if not turns(plot) else (0.0, 360.0)
+    def __init__(self, plot: Plot) -> None:
+        self.x = _spread(*(plot.ends or (0.0, 1.0)), 0.0) if not plot.turns else (0.0, 360.0)
         values = np.concatenate(
             [[y for _, _, y in plot.points], *(np.asarray(y, float) for _, _, y in plot.series)]
         )
         values = values[np.isfinite(values)]
         low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
-        if not log and not plot.equal and 0 < high - low < 0.1 * max(abs(low), abs(high)):
+        if not plot.equal and 0 < high - low < 0.1 * max(abs(low), abs(high)):
             low, high = (
                 min(low, 0.0),
                 max(high, 0.0),
             )  # nearly the same all the way: a share of the whole is to be seen
         self.y = low, high
-        if log:
-            self.x = _decades(self.x)
-            self.y = _decades(self.y)
         self.y = _spread(*self.y, 0.05)
         if plot.equal:  # the smaller range grows, so that a millimetre is as long both ways
             across, up = (
@@ -175,18 +119,9 @@ class _Axes:
     def place(self, x: Floats, y: Floats) -> Points:
         """Places of points (n,), y downwards."""
         x, y = np.asarray(x, float), np.asarray(y, float)
-        if self.log:
-            with np.errstate(all="ignore"):
-                x, y = np.log10(x), np.log10(y)
         (x0, x1), (y0, y1) = self.x, self.y
         across = _LEFT + (x - x0) / (x1 - x0) * (_RIGHT - _LEFT)
         return np.asarray(across + 1j * (_LOW - (y - y0) / (y1 - y0) * (_LOW - _TOP)))
-
-
-def _decades(ends: tuple[float, float]) -> tuple[float, float]:
-    """Both ends of a range as powers of ten."""
-    low, high = ends
-    return math.log10(max(low, 1e-300)), math.log10(max(high, 1e-300))
 
 
 def _spread(low: float, high: float, share: float) -> tuple[float, float]:
@@ -198,9 +133,9 @@ def _spread(low: float, high: float, share: float) -> tuple[float, float]:
     return low - share * (high - low), high + share * (high - low)
 
 
-def _drawn(plot: Plot, log: bool) -> tuple[str, list[_Curve]]:
+def _drawn(plot: Plot) -> tuple[str, list[_Curve]]:
     """The picture's inside, and the curves in it."""
-    axes = _Axes(plot, log)
+    axes = _Axes(plot)
     curves = _curves(plot, axes)
     pieces = [_ruled(plot, axes), *(_path(k, curve) for k, curve in enumerate(curves))]
     for (label, x), row in zip(plot.marks, axes.rows, strict=True):
@@ -232,22 +167,16 @@ def _named(name: str, at: complex) -> str:
 def _ruled(plot: Plot, axes: _Axes) -> str:
     """Grid, frame, numbers and what the axes show."""
     size = max(map(abs, axes.y))
-    power = 0 if axes.log or 1e-3 <= size < 1e5 else math.floor(math.log10(size))
+    power = 0 if 1e-3 <= size < 1e5 else math.floor(math.log10(size))
     unit = plot.y_label.replace("^2", "²").replace("^3", "³") + (
         f" · 10{str(power).translate(_RAISED)}" if power else ""
     )
-    if axes.log:
-        x_ticks, y_ticks = (
-            [(t, f"{10.0**t:g}") for t in ticks(*ends) if t == round(t)]
-            for ends in (axes.x, axes.y)
-        )
-    else:
-        angles = [45.0 * k for k in range(9)] if turns(plot) else ticks(*axes.x, 7)
-        shown = 10.0**power
-        x_ticks = [(t, _text(t, axes.x)) for t in angles]
-        y_ticks = [
-            (t, _text(t / shown, (axes.y[0] / shown, axes.y[1] / shown))) for t in ticks(*axes.y)
-        ]
+    angles = [45.0 * k for k in range(9)] if plot.turns else ticks(*axes.x, 7)
+    shown = 10.0**power
+    x_ticks = [(t, _text(t, axes.x)) for t in angles]
+    y_ticks = [
+        (t, _text(t / shown, (axes.y[0] / shown, axes.y[1] / shown))) for t in ticks(*axes.y)
+    ]
     (x0, x1), (y0, y1) = axes.x, axes.y
     across = [_LEFT + (t - x0) / (x1 - x0) * (_RIGHT - _LEFT) for t, _ in x_ticks]
     up = [_LOW - (t - y0) / (y1 - y0) * (_LOW - _TOP) for t, _ in y_ticks]

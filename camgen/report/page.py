@@ -23,9 +23,10 @@ import numpy as np
 
 from camgen._version import __version__
 from camgen.findings import Finding, NotJudged, told_once
+from camgen.plotting import SERIES
 from camgen.report.animation import frames, player
-from camgen.report.colours import SERIES, part_colour
-from camgen.report.figures import figure, turns
+from camgen.report.colours import part_colour
+from camgen.report.figures import figure
 from camgen.report.words import GROUPS, KINDS, NOISE, UNITS, Figure, figures, name, rounded
 
 if TYPE_CHECKING:
@@ -404,7 +405,7 @@ def _shows(plot: Plot, other: Plot) -> bool:
         (plot.x_label.rpartition(", ")[2], plot.y_label),
         (other.x_label.rpartition(", ")[2], other.y_label),
     )
-    if units[0] != units[1] or plot.equal or other.equal or turns(plot) != turns(other):
+    if units[0] != units[1] or plot.equal or other.equal or plot.turns != other.turns:
         return False
     for _, x, y in other.series:
         size = float(np.ptp(y[np.isfinite(y)])) if np.isfinite(y).any() else 0.0

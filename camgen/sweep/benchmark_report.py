@@ -13,6 +13,7 @@ import numpy as np
 from camgen.files.folder import Staged, write_manifest
 from camgen.files.formats import FORMATS
 from camgen.geometry.outlines import Floats
+from camgen.plotting import figure, picture
 from camgen.progress import Progress, silent
 from camgen.study import Plot
 from camgen.sweep.benchmark import JUDGED, KINDS, STAGES, Bench, measure
@@ -30,8 +31,6 @@ def run(specs: Sequence[Path], out: Path, progress: Progress = silent) -> list[B
 
     Raises SpecError, DesignError or FileError.
     """
-    from camgen.report.figures import plot_svg
-
     with Staged(out / FOLDER) as folder:
         benches = []
         for k, spec in enumerate(specs):
@@ -46,9 +45,8 @@ def run(specs: Sequence[Path], out: Path, progress: Progress = silent) -> list[B
         )
         for bench in benches:
             for what, plot in plots(bench).items():
-                (folder / f"{bench.name}-{what}.svg").write_text(
-                    plot_svg(plot, log=True), encoding="utf-8"
-                )
+                drawn = picture(figure([plot], log=True), "svg")
+                (folder / f"{bench.name}-{what}.svg").write_bytes(drawn)
         write_manifest(folder, ())
     return benches
 

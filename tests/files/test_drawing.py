@@ -18,7 +18,7 @@ from camgen.files.drawing import write_drawing
 from camgen.files.sheet import LAYERS, Text
 from camgen.files.title_block import Facts
 from camgen.geometry.arcs import fit_arcs
-from camgen.geometry.outlines import Arc, Contour, Line, Region, circle, kidney, polygon
+from camgen.geometry.outlines import Arc, Contour, Line, Region, circle, extent, kidney, polygon
 from camgen.machines.sources import read_mechanism
 from camgen.parts.part import Layer, Part, d_bore, hull, keyed_bore
 
@@ -26,7 +26,10 @@ META = Facts("uniform-swing", "steel (C45)", 12.345, "ISO 2768-m")
 
 
 def texts_of(path):
-    return [e.dxf.text for e in ezdxf.readfile(path).modelspace().query("TEXT")]
+    """All texts in order, those in the blocks of dimensions too."""
+    space = ezdxf.readfile(path).modelspace()
+    shown = (e.virtual_entities() if e.dxftype() == "DIMENSION" else (e,) for e in space)
+    return [e.dxf.text for each in shown for e in each if e.dxftype() == "TEXT"]
 
 
 def unescaped(text):
@@ -73,6 +76,37 @@ def test_both_outputs_say_the_same(tmp_path):
     codes = str.maketrans({"Ø": "%%c", "°": "%%d", "±": "%%p", "×": "x"})
     assert [line.translate(codes) for line in lines] == texts_of(dxf)
     assert "/MediaBox [ 0 0 841.8898 595.2756 ]" in content  # A4 [ISO 216]
+
+
+@pytest.mark.parametrize("part", [cam(), hub(), disc(9), disc(900)], ids=lambda p: p.name)
+def test_sizes_are_dimensions_that_measure_what_they_say(tmp_path, part):
+    """The points that a CAD program measures by, the numbers that its block shows, and the part's own size."""
+    doc = ezdxf.readfile(write_drawing(tmp_path, "d", part, TOLERANCE, META)[0])
+    outer = fit_arcs(part.region.outer, TOLERANCE)
+    found = {}
+    for size in doc.modelspace().query("DIMENSION"):
+        assert size.dxf.layer == "DIM" and size.dimtype == 0  # linear
+        shown = list(size.virtual_entities())
+        kinds = [each.dxftype() for each in shown]
+        assert kinds.count("SOLID") == 2 and kinds.count("TEXT") == 1 and "LINE" in kinds
+        (text,) = (each.dxf.text for each in shown if each.dxftype() == "TEXT")
+        measured = f"{size.get_measurement():.3f}".rstrip("0").rstrip(".")
+        assert text == size.dxf.text.replace("<>", measured)
+        assert size.dxf.actual_measurement == pytest.approx(size.get_measurement())
+        found.setdefault(round(size.dxf.angle), []).append(size.get_measurement())
+    low, high = extent([outer, *(layer.region.outer for layer in part.layers)])
+    assert found[0] == pytest.approx([(high - low).real, part.thickness, *found[0][2:]])
+    if "hub" not in part.name and part.name != "disc":
+        assert found[90] == pytest.approx([(high - low).imag])
+    style = doc.dimstyles.get("CAMGEN")
+    (scale,) = {
+        round(3.5 / text.dxf.height, 9)
+        for size in doc.modelspace().query("DIMENSION")
+        for text in size.virtual_entities()
+        if text.dxftype() == "TEXT"
+    }
+    assert style.dxf.dimtxt == pytest.approx(3.5 / scale) == doc.header["$DIMTXT"]
+    assert doc.header["$DIMSCALE"] == 1  # by another one LibreCAD scales the widths of all lines
 
 
 @pytest.mark.parametrize(

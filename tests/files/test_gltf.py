@@ -17,8 +17,7 @@ from hypothesis import strategies as st
 
 from camgen.errors import FileError
 from camgen.files.gltf import SECONDS, Moving, Shape, glb, read_glb
-from camgen.files.threemf import placing
-from camgen.geometry.mesh import Mesh
+from camgen.geometry.mesh import Mesh, placing
 
 
 def box(x: float, y: float, z: float) -> Mesh:

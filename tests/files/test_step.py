@@ -10,7 +10,8 @@ from test_solids import cam, hub
 from camgen.errors import FileError
 from camgen.files.formats import Job, read_exact, write_part
 from camgen.files.step import read_step, write_step
-from camgen.files.threemf import Placed, placing
+from camgen.files.threemf import Placed
+from camgen.geometry.mesh import placing
 from camgen.geometry.outlines import Region, rectangle
 from camgen.judge.copies import judge_exact_copies
 from camgen.judge.round_trip import judge_exact

@@ -16,7 +16,8 @@ from camgen import __version__
 from camgen.files.dxf import read_dxf, write_dxf
 from camgen.files.formats import FORMATS, Job, read_exact, read_solid, write_part
 from camgen.files.stl import write_stl
-from camgen.files.threemf import Placed, placing, write_3mf
+from camgen.files.threemf import Placed, write_3mf
+from camgen.geometry.mesh import placing
 from camgen.geometry.outlines import Region, circle
 from camgen.parts.solids import solid
 
@@ -246,7 +247,8 @@ sys.path.insert(0, sys.argv[3])
 from test_solids import cam, hub
 from camgen.files.dxf import write_dxf
 from camgen.files.stl import write_stl
-from camgen.files.threemf import Placed, placing, write_3mf
+from camgen.files.threemf import Placed, write_3mf
+from camgen.geometry.mesh import placing
 from camgen.files.drawing import write_drawing
 from camgen.files.title_block import Facts
 from camgen.parts.solids import solid

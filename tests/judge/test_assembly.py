@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgen.files.threemf import Placed, placing, read_3mf, write_3mf
+from camgen.files.threemf import Placed, read_3mf, write_3mf
 from camgen.findings import Finding
-from camgen.geometry.mesh import Mesh
+from camgen.geometry.mesh import Mesh, placing
 from camgen.geometry.rings import Floats
 from camgen.judge.assembly import _slabs, _touching, sweep
 from camgen.machine.features import (

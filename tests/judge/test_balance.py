@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgen.files.threemf import Placed, placing, write_3mf
+from camgen.files.threemf import Placed, write_3mf
 from camgen.findings import Finding
-from camgen.geometry.mesh import Mesh
+from camgen.geometry.mesh import Mesh, placing
 from camgen.judge.balance import first_moment, judge_balance
 from camgen.judge.strands import judge_strands
 from camgen.machines.mechanism import Mechanism

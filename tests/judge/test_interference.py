@@ -12,8 +12,8 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgen.files.threemf import Placed, placing, write_3mf
-from camgen.geometry.mesh import Mesh
+from camgen.files.threemf import Placed, write_3mf
+from camgen.geometry.mesh import Mesh, placing
 from camgen.geometry.outlines import Region, circle, polygon
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.judge.interference import Clearance, _Approach, interference, swept

@@ -12,8 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgen.files.gltf import SECONDS, Moving, Shape, glb
-from camgen.files.threemf import placing
-from camgen.geometry.mesh import Mesh
+from camgen.geometry.mesh import Mesh, placing
 from camgen.judge.scene import Flight, judge_scene
 
 THETA = np.linspace(0, math.tau, 91)

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 import shapely
 
-from camgen.files.threemf import Placed, placing, write_3mf
+from camgen.files.threemf import Placed, write_3mf
 from camgen.findings import Finding
+from camgen.geometry.mesh import placing
 from camgen.geometry.outlines import Region, circle, polygon
 from camgen.judge.strands import judge_strands
 from camgen.machine.features import Mount, Moved, Strand

@@ -14,7 +14,8 @@ import pytest
 from judged import wrong
 
 from camgen.errors import DesignError, SpecError
-from camgen.files.threemf import Placed, placing, write_3mf
+from camgen.files.threemf import Placed, write_3mf
+from camgen.geometry.mesh import placing
 from camgen.judge.assembly import sweep
 from camgen.machine.run import solve
 from camgen.machines.indexing_cam.driver import TwoCranks

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError
-from camgen.files.threemf import Placed, placing, write_3mf
-from camgen.geometry.mesh import Mesh
+from camgen.files.threemf import Placed, write_3mf
+from camgen.geometry.mesh import Mesh, placing
 from camgen.judge.assembly import sweep
 from camgen.machine.run import solve
 from camgen.machines.indexing_cam.mechanism import IndexingCam

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError, SpecError
-from camgen.files.threemf import Placed, placing, write_3mf
+from camgen.files.threemf import Placed, write_3mf
+from camgen.geometry.mesh import placing
 from camgen.judge.assembly import sweep
 from camgen.machine.closing import close
 from camgen.machine.constraints import Constraints

@@ -17,9 +17,9 @@ from judged import wrong
 
 from camgen.errors import DesignError, SpecError
 from camgen.files.stl import read_stl
-from camgen.files.threemf import Placed, placing, read_3mf, write_3mf
+from camgen.files.threemf import Placed, read_3mf, write_3mf
 from camgen.geometry.arcs import as_circle
-from camgen.geometry.mesh import Mesh
+from camgen.geometry.mesh import Mesh, placing
 from camgen.geometry.outlines import circle
 from camgen.judge.assembly import sweep
 from camgen.machines.mechanism import Mechanism

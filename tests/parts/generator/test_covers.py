@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError
-from camgen.files.threemf import Placed, placing, read_3mf, write_3mf
+from camgen.files.threemf import Placed, read_3mf, write_3mf
+from camgen.geometry.mesh import placing
 from camgen.judge.assembly import sweep
 from camgen.machines.disc_cam.mechanism import DiscCamDrive
 from camgen.machines.linkage.mechanism import Linkage
