@@ -69,7 +69,7 @@ def figure(plots: Sequence[Plot], log: bool = False) -> Figure:
 
 def picture(drawn: Figure, kind: str) -> bytes:
     """A figure's bytes as "svg" or "png"."""
-    from camgen import __version__
+    from camgen._version import __version__
 
     maker = "Creator" if kind == "svg" else "Software"
     metadata = {maker: f"camgen {__version__}", **({"Date": None} if kind == "svg" else {})}
