@@ -57,7 +57,7 @@ _CAP = 0.718
 _DXF_CODES = str.maketrans({"Ø": "%%c", "°": "%%d", "±": "%%p", "×": "x"})
 
 Align = Literal["left", "centre", "right"]
-_DIMSTYLE = "CAMGEN"
+_DIMSTYLE = "camgen"
 _LINEAR = 32  # a DIMENSION that is turned, with a block of its own
 _HALIGN: dict[Align, int] = {"left": 0, "centre": 1, "right": 2}  # in a DXF
 

@@ -98,7 +98,7 @@ def test_sizes_are_dimensions_that_measure_what_they_say(tmp_path, part):
     assert found[0] == pytest.approx([(high - low).real, part.thickness, *found[0][2:]])
     if "hub" not in part.name and part.name != "disc":
         assert found[90] == pytest.approx([(high - low).imag])
-    style = doc.dimstyles.get("CAMGEN")
+    style = doc.dimstyles.get("camgen")
     (scale,) = {
         round(3.5 / text.dxf.height, 9)
         for size in doc.modelspace().query("DIMENSION")
