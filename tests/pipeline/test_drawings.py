@@ -12,6 +12,7 @@ import ezdxf
 import pytest
 import shapely
 from ezdxf import path
+from ezdxf.query import EntityQuery
 from reportlab.pdfbase.pdfmetrics import stringWidth
 
 from camgen.errors import SpecError
@@ -127,8 +128,11 @@ def outline_of(entity: Any) -> Any:
 
 
 def collisions(space: Any) -> list[tuple[str, str]]:
-    """Texts that lie on each other, and labels of holes that lie on an edge or under an arrowhead."""
-    texts = [(entity, text_box(entity)) for entity in space.query("TEXT")]
+    """Texts that lie on each other, and labels of holes that lie on an edge or under an arrowhead; those of sizes too."""
+    shown = EntityQuery(space)
+    for size in space.query("DIMENSION"):
+        shown.extend(list(size.virtual_entities()))
+    texts = [(entity, text_box(entity)) for entity in shown.query("TEXT")]
     found = [
         (one.dxf.text, two.dxf.text)
         for (one, mine), (two, other) in itertools.combinations(texts, 2)
@@ -148,11 +152,11 @@ def collisions(space: Any) -> list[tuple[str, str]]:
     ]
     edges = [
         outline_of(each)
-        for each in space.query("LINE ARC CIRCLE LWPOLYLINE")
+        for each in shown.query("LINE ARC CIRCLE LWPOLYLINE")
         if each.dxf.layer in ("CUT", "VIEW")
     ]
     heads = [
-        shapely.Polygon([(p.x, p.y) for p in each.vertices()]) for each in space.query("SOLID")
+        shapely.Polygon([(p.x, p.y) for p in each.vertices()]) for each in shown.query("SOLID")
     ]
     found += [
         (entity.dxf.text, "edge")
