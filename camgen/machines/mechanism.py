@@ -123,7 +123,7 @@ class Mechanism(Spec, ABC):
             features,
             stand_ins=tips(features, parts, mounts, self.model),
             journals=journals(self.model, features, parts, mounts, self.material.name),
-            limits=self._material_limits,
+            material_limits=self._material_limits,
             unjudged=Later(self._unpressed),
         )
 

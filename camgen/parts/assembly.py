@@ -142,8 +142,10 @@ class Assembly:
     follower: FollowerFacts = FollowerFacts()
     board: str = ""  # what it stands on, as the last step says; "" where nothing is said
     work: Sequence[Table] = ()  # the order of assembly, where it is not by height
-    limits: MaterialLimits = MaterialLimits()
-    joint_limits: Mapping[str, MaterialLimits] = field(default_factory=dict)  # of included machines
+    material_limits: MaterialLimits = MaterialLimits()
+    included_limits: Mapping[str, MaterialLimits] = field(
+        default_factory=dict
+    )  # of included machines
     unjudged: Sequence[NotJudged] = ()  # of its limits, such as what presses a follower on its cam
     texts: Mapping[str, str] = field(default_factory=dict)  # text files, by the ends of their names
 
@@ -178,7 +180,7 @@ class Assembly:
 
     def limits_of(self, joint: str) -> MaterialLimits:
         """What the spec says of a joint's materials, or that of the included machine whose joint it is."""
-        return self.joint_limits.get(joint, self.limits)
+        return self.included_limits.get(joint, self.material_limits)
 
     def courses(self, theta: Floats) -> Mapping[str, Pose]:
         """Pose of each body at theta, (n,) rad, as exact parts move it; worked out when asked for."""
@@ -260,7 +262,7 @@ def renamed(assembly: Assembly, module: Module) -> Assembly:
         balances=[_balance(each, module) for each in assembly.balances],
         coils=[each.renamed(module) for each in assembly.coils],
         bought=[replace(each, name=f"{each.name}, {module.prefix}") for each in assembly.bought],
-        joint_limits={
+        included_limits={
             module.name(joint.name): assembly.limits_of(joint.name)
             for joint in assembly.machine.joints
         },
@@ -326,7 +328,7 @@ def joined(host: Assembly, others: Sequence[Assembly], machine: Machine) -> Asse
         balances=[balance for each in all_ for balance in each.balances],
         coils=[coil for each in all_ for coil in each.coils],
         bought=[thing for each in all_ for thing in each.bought],
-        joint_limits={name: of for each in all_ for name, of in each.joint_limits.items()},
+        included_limits={name: of for each in all_ for name, of in each.included_limits.items()},
         unjudged=Later(lambda: [left for each in all_ for left in each.unjudged]),
         springs={name: spring for each in all_ for name, spring in each.springs.items()},
         journals=journals(machine, features, parts, mounts, host.process.plastic),

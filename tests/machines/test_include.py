@@ -254,10 +254,10 @@ def test_joints_bear_what_the_spec_of_their_machine_says(root: Path, head: Any) 
     assembly = head.assembly
     own = read_mechanism(root / "specs" / "thread-take-up.toml").assembly
     of_module = {joint.name for joint in own.machine.joints}
-    assert {f"thread_take_up_{name}" for name in of_module} <= assembly.joint_limits.keys()
+    assert {f"thread_take_up_{name}" for name in of_module} <= assembly.included_limits.keys()
     for name in of_module:
         found = assembly.limits_of(f"thread_take_up_{name}")
-        assert found == own.limits and found.pv == 6 and "pins" in found.keys
+        assert found == own.material_limits and found.pv == 6 and "pins" in found.keys
     assert assembly.limits_of("A").pv == 2 and assembly.limits_of("a joint of none").pv == 2
 
 

@@ -334,7 +334,7 @@ class Linkage(Mechanism):
             motor=motor,
             shaft=bodies.shaft,
             board=bodies.stands,
-            limits=self._material_limits,
+            material_limits=self._material_limits,
             unjudged=Later(lambda: self._pressed.left),
             texts={"chain.svg": bridges.svg(self.chain), "chain.pmks": bridges.pmks(self.chain)},
         )

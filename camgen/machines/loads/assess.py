@@ -14,7 +14,7 @@ from camgen.findings import Finding, NotJudged
 from camgen.machine.model import Machine
 from camgen.machine.run import solve
 from camgen.machines import pairs
-from camgen.machines.loads import bearing, drive, follower
+from camgen.machines.loads import bearing, counterweights, drive, follower
 from camgen.machines.loads.applied import jumps
 from camgen.machines.loads.pins import overstated
 from camgen.machines.loads.rubbing import freed, rough
@@ -135,8 +135,6 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
     tables = [_masses(found), *plain.tables, *swung.tables]
     study = Study(kept, plots, tables, notes=[*paired.notes, *jumps(machine)])
     if assembly.balances:
-        from camgen.machines.loads import counterweights
-
         study = together(
             [
                 study,
