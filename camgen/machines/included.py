@@ -15,7 +15,7 @@ import numpy as np
 from camgen import reading
 from camgen import spec as specs
 from camgen.errors import DesignError, Fault, SpecError
-from camgen.findings import Finding, at_most
+from camgen.findings import Finding, Where, at_most
 from camgen.geometry.outlines import Arc
 from camgen.machine.features import Mount
 from camgen.machine.joining import Module, Ride, ride
@@ -290,7 +290,7 @@ def filled(each: Included) -> Mapping[str, Any]:
 def limits(each: Included, chain: Machine) -> Sequence[Finding]:
     """Its design checks, and how well the links of the host's chain that carry bodies of it follow its own motion."""
     own = [
-        replace(finding, where=f"{each.module.prefix}: {finding.where}")
+        replace(finding, where=replace(finding.where, module=each.module.prefix))
         for finding in each.mechanism.limits()
     ]
     return [*own, *(_followed(each, ride, chain) for ride in each.module.rides)]
@@ -303,8 +303,13 @@ def _followed(each: Included, ride: Ride, chain: Machine) -> Finding:
     own = each.mechanism.solve(theta + module.phase, 0).pose(ride.body)
     off = np.abs(link.place + ride.at * np.exp(1j * link.angle) - own.place - module.at)
     worst = int(np.argmax(off))
-    angle = math.degrees(theta[worst])
-    where = f"{module.prefix}: {ride.body} on {ride.link}, crank angle {angle:.2f} deg"
+    where = Where(
+        f"{ride.body} on {ride.link}",
+        theta=float(theta[worst]),
+        angle="crank angle",
+        digits=2,
+        module=module.prefix,
+    )
     said = "from where its own machine has it; what follows from it, such as clearances, is judged where it really goes"
     return at_most("PROGRAM_ERROR", float(off[worst]), each.table.ride_tolerance, "mm", where, said)
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from camgen.errors import DesignError, Fault, FileError, SpecError
 from camgen.files.folder import Staged, write_manifest
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding, Where, at_least, at_most, in_file
 from camgen.geometry.rings import Floats, Ring
 from camgen.judge.contact import contact
 from camgen.judge.follower_table import FollowerTable, pair_faults, read_follower
@@ -306,10 +306,9 @@ def _report(
 ) -> tuple[Report, Mapping[str, Floats]]:
     """The report on a recovered motion, and the columns of motion.csv over the turn, both ends included."""
     lost = np.isnan(found.s)
-    where = path.name
+    where = in_file(path)
     if lost.any():
-        first = math.degrees(found.theta[np.flatnonzero(lost)[0]])
-        where += f", cam angle {first:.3f} deg"
+        where = replace(where, theta=float(found.theta[np.flatnonzero(lost)[0]]))
     held = 100 * float(np.mean(~lost))
     findings = [
         *empty.findings,
@@ -335,7 +334,7 @@ def _report(
     numbers = _extremes(found, ring, follower, harmonics)
     if play is not None:
         columns[f"lash_{name}"] = play * scale
-        findings.append(_overlap(path.name, play, found, follower))
+        findings.append(_overlap(in_file(path), play, found, follower))
         numbers |= {
             f"lash_max_{name}": float(np.nanmax(play)) * scale,
             f"lash_min_{name}": float(np.nanmin(play)) * scale,
@@ -506,7 +505,7 @@ def _with_comparison(
     ), columns
 
 
-def _overlap(where: str, play: Floats, found: Recovered, follower: FollowerTable) -> Finding:
+def _overlap(where: Where, play: Floats, found: Recovered, follower: FollowerTable) -> Finding:
     """Whether the pair leaves room for both tips everywhere, but for what facets and decimals feign."""
     least = int(np.nanargmin(play))
     name, scale = follower.unit
@@ -515,7 +514,7 @@ def _overlap(where: str, play: Floats, found: Recovered, follower: FollowerTable
         max(0.0, -play[least]) * scale,
         _OVERLAP / max(found.lever, 1e-9) * scale,
         name,
-        f"{where}, cam angle {math.degrees(found.theta[least]):.3f} deg",
+        replace(where, theta=float(found.theta[least])),
         f"largest overlap of both tips with the pair; the limit is {_OVERLAP:g} mm at the tips",
     )
 

@@ -56,7 +56,7 @@ def failing(report: Any) -> set[tuple[str, str]]:
 
 def kinds_of(findings: Iterable[Finding]) -> set[tuple[str, str]]:
     """Codes with the kind of file."""
-    return {(f.code, f.where.split(",")[0].rsplit(".", 1)[-1]) for f in findings}
+    return {(f.code, str(f.where).split(",")[0].rsplit(".", 1)[-1]) for f in findings}
 
 
 def mechanism(*settings: str, segments: list[dict[str, Any]] | None = None) -> DiscCamDrive:

@@ -72,7 +72,9 @@ def test_take_up_included_keeps_its_figures(root: Path, tables: dict[str, Any]) 
     numbers = whole.study().numbers
     for name, value in own.study().numbers.items():
         assert numbers[f"thread_take_up_{name}"] == pytest.approx(value, rel=1e-12, nan_ok=True)
-    mine = {(f.code, f.measured) for f in whole.limits() if f.where.startswith("thread_take_up")}
+    mine = {
+        (f.code, f.measured) for f in whole.limits() if str(f.where).startswith("thread_take_up")
+    }
     assert mine == {(f.code, f.measured) for f in own.limits()}
     parts = {part.name for part in whole.assembly.parts}
     assert {f"thread-take-up-{part.name}" for part in own.assembly.parts} < parts
@@ -130,7 +132,10 @@ def test_machines_in_one_place_meet(root: Path, tables: dict[str, Any], tmp_path
         if not finding.ok
     ]
     assert {finding.code for finding in failed} == {"INTERFERENCE"}
-    assert any("coupler-1" in f.where and "thread-take-up-bell-crank-1" in f.where for f in failed)
+    assert any(
+        "coupler-1" in str(f.where) and "thread-take-up-bell-crank-1" in str(f.where)
+        for f in failed
+    )
 
 
 def test_a_linkage_is_included_too(root: Path, tables: dict[str, Any]) -> None:
@@ -225,7 +230,9 @@ def head() -> Any:
 def test_stitch_head_moves_as_the_stitch_asks(root: Path, head: Any) -> None:
     """The spreaders follow their program; the needle bar is off by what a rod of finite length adds to a harmonic motion."""
     stitch = read_mechanism(root / "specs" / "chain-stitch-looper.toml")
-    off = {f.where.split(" ")[1]: f.measured for f in head.limits() if f.code == "PROGRAM_ERROR"}
+    off = {
+        str(f.where).split(" ")[1]: f.measured for f in head.limits() if f.code == "PROGRAM_ERROR"
+    }
     crank, rod = 35.3333333333 / 2, 175.0
     assert off["lower-spreader"] < 1e-9 and off["upper-spreader"] < 1e-9
     assert off["needle-1"] == pytest.approx(
@@ -265,7 +272,9 @@ def test_clearance_is_judged_where_the_riding_bodies_go(root: Path, tmp_path: Pa
     """A needle bar that is not where the stitch has it comes nearer to the spreader; too far off fails by its own code."""
     shipped = build(root / "specs" / "stitch-head.toml", tmp_path, frozenset({"dxf"}))
     assert shipped.ok
-    apart = {f.where.split(":")[0]: f.measured for f in shipped.findings if f.code == "CLEARANCE"}
+    apart = {
+        str(f.where).split(":")[0]: f.measured for f in shipped.findings if f.code == "CLEARANCE"
+    }
     assert 0.5 < apart["N2/P2"] < 1.345  # by its own program it keeps 1.345 mm
     short = [
         "lengths.A-B=120",

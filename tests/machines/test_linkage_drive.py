@@ -69,7 +69,7 @@ def test_a_stepped_crank_from_its_files(four_bar: dict[str, Any], tmp_path: Path
     report = build(file, tmp_path, frozenset({"dxf", "3mf"}))
     assert report.ok, [finding for finding in report.findings if not finding.ok]
     assert any(
-        "drive angle" in finding.where
+        "drive angle" in str(finding.where)
         for finding in report.findings
         if finding.code == "INTERFERENCE"
     )

@@ -106,7 +106,7 @@ def test_targets_from_files_and_their_damage(root: Path, tmp_path: Path) -> None
     report = build(file, tmp_path, frozenset({"dxf"}))
     assert report.ok, [finding for finding in report.findings if not finding.ok]
     places = {
-        code: [f.where for f in report.findings if f.code == code]
+        code: [str(f.where) for f in report.findings if f.code == code]
         for code in ("STROKE_ERROR", "PATH_ERROR")
     }
     assert (
@@ -114,7 +114,7 @@ def test_targets_from_files_and_their_damage(root: Path, tmp_path: Path) -> None
         and len(places["PATH_ERROR"]) == 4
     )
     shifted_hole(tmp_path / "linkage" / "linkage-rocker.dxf", 50 + 0j, -0.3)
-    failed = {(f.code, f.where) for f in wrong(tmp_path / "linkage", "dxf")}
+    failed = {(f.code, str(f.where)) for f in wrong(tmp_path / "linkage", "dxf")}
     assert ("STROKE_ERROR", "linkage-*.dxf, swing") in failed and (
         "STROKE_ERROR",
         "swing as designed",

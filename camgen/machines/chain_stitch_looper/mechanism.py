@@ -21,7 +21,7 @@ import numpy as np
 from pydantic import Field
 
 from camgen.errors import DesignError, Fault, SpecError
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.outlines import Floats
 from camgen.machine.features import Apart, Mount
 from camgen.machine.model import (
@@ -333,7 +333,7 @@ class ChainStitchLooper(Mechanism):
                 p.nose_width,
                 self.allowed.min_wall,
                 "mm",
-                "parts.nose_width",
+                Where("parts.nose_width"),
                 "width of the nose at the thread's seat, from where it runs to a point",
             ),
             at_least(
@@ -341,7 +341,7 @@ class ChainStitchLooper(Mechanism):
                 p.side_gap,
                 2 * self.accuracy.chord_tolerance,
                 "mm",
-                "parts.side_gap",
+                Where("parts.side_gap"),
                 "beside the needles' plane each nose passes the needles' flanks at this gap; the outlines of both may be "
                 "off by the limit",
             ),
@@ -351,7 +351,7 @@ class ChainStitchLooper(Mechanism):
                 abs(one - two),
                 self.allowed.loop_angle_deg,
                 "deg",
-                "both loops at the pierce",
+                Where("both loops at the pierce"),
                 f"{one:.4f} and {two:.4f} deg; equal where plate_to_spreader is needle_spacing / velocity_ratio and "
                 "protrusion half the difference of the point_lengths",
             ),
@@ -361,7 +361,7 @@ class ChainStitchLooper(Mechanism):
                     math.degrees(angle),
                     g.feed_deg,
                     "deg",
-                    f"needle {k}",
+                    Where(f"needle {k}"),
                     "shaft angle over which the needle is out of the fabric; the feed takes the limit. A longer "
                     "needle_stroke or a smaller plate_to_spreader gives more",
                 )
@@ -372,7 +372,7 @@ class ChainStitchLooper(Mechanism):
                 g.blade_length,
                 d.spreader_stroke - min(d.before),
                 "mm",
-                "spreaders",
+                Where("spreaders"),
                 "the blade reaches under its own needle until the end of the stroke",
             ),
         ]
@@ -391,7 +391,7 @@ class ChainStitchLooper(Mechanism):
             margin,
             0.0,
             "mm",
-            f"spreader {k + 1} and needle {2 - k}",
+            Where(f"spreader {k + 1} and needle {2 - k}"),
             said,
             True,
         )
@@ -401,10 +401,10 @@ class ChainStitchLooper(Mechanism):
         if works is None:
             at_fault = min(self._conditions, key=lambda condition: condition.spare(ratio)).name
             remark = f"no ratio works; at this one what fails is: {at_fault}"
-            return at_most("VELOCITY_RATIO", ratio, math.nan, "", "spec", remark)
+            return at_most("VELOCITY_RATIO", ratio, math.nan, "", Where("spec"), remark)
         (low, why_low), (high, why_high) = works
         remark = f"works from {low:.9g} ({why_low}) to {high:.9g} ({why_high})"
-        return _between("VELOCITY_RATIO", ratio, low, high, "", "spec", remark)
+        return _between("VELOCITY_RATIO", ratio, low, high, "", Where("spec"), remark)
 
     def _range(self, key: str) -> Finding:
         low, high, unit = ALLOWED[key]
@@ -412,7 +412,7 @@ class ChainStitchLooper(Mechanism):
         values = value if isinstance(value, tuple) else (value,)
         worst = min(values, key=lambda v: min(v - low, high - v))
         remark = f"{', '.join(f'{v:g}' for v in values)} {unit}; the source allows {low:g} to {high:g} {unit}"
-        return _between("ALLOWED_RANGE", worst, low, high, unit, f"geometry.{key}", remark)
+        return _between("ALLOWED_RANGE", worst, low, high, unit, Where(f"geometry.{key}"), remark)
 
     @property
     def _in_step(self) -> bool:
@@ -552,7 +552,7 @@ class ChainStitchLooper(Mechanism):
 
 
 def _between(
-    code: str, value: float, low: float, high: float, unit: str, where: str, remark: str
+    code: str, value: float, low: float, high: float, unit: str, where: Where, remark: str
 ) -> Finding:
     """Against the nearer of two limits."""
     check, limit = (at_least, low) if value - low < high - value else (at_most, high)

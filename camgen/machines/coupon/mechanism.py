@@ -20,7 +20,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from camgen.errors import DesignError, Fault
-from camgen.findings import Finding, at_most
+from camgen.findings import Finding, Where, at_most
 from camgen.geometry.outlines import Contour, Floats, Region, circle, rectangle
 from camgen.machine.features import Mount
 from camgen.machine.model import GROUND, Machine
@@ -211,7 +211,7 @@ class Coupon(Mechanism):
                 value.wide,
                 self.allowed.uncertainty,
                 "mm",
-                f"print.{value.key}",
+                Where(f"print.{value.key}"),
                 f"{value.value:.4g} mm, known to so much (95 %): measure more sizes, or each one several times",
             )
             for value in self.calibrated.values
@@ -221,7 +221,9 @@ class Coupon(Mechanism):
             name, measured, meant, left = max(self.calibrated.rows, key=lambda row: abs(row[3]))
             said = f"measured {measured:.4g} mm, {meant:.4g} by the values found; measure it again, or print it for itself"
             found.append(
-                at_most("CALIBRATION_FIT", abs(left), self.allowed.departure, "mm", name, said)
+                at_most(
+                    "CALIBRATION_FIT", abs(left), self.allowed.departure, "mm", Where(name), said
+                )
             )
         return found
 

@@ -23,7 +23,7 @@ import numpy as np
 from pydantic import Field
 
 from camgen.errors import DesignError, Fault
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.outlines import Contour, Floats, Region, circle, polygon, rectangle
 from camgen.machine import model
 from camgen.machine.closed_form import refuse_gap, slider_travel
@@ -572,7 +572,8 @@ class EccentricDrive(Mechanism):
         self.model  # noqa: B018
         reach = (g.eccentricity + abs(g.offset)) / g.rod
         worst = math.degrees(math.acos(reach))
-        where = "crank angle 270 deg" if g.offset > 0 else "crank angle 90 deg"
+        theta = math.radians(270 if g.offset > 0 else 90)
+        where = Where(theta=theta, angle="crank angle", digits=0)
         message = "90 deg less the rod's greatest tilt; a longer rod enlarges it"
         found = [
             at_least(
@@ -591,7 +592,7 @@ class EccentricDrive(Mechanism):
                 stroke,
                 self.allowed.stroke,
                 "mm",
-                "slider",
+                Where("slider"),
                 "twice geometry.eccentricity, in line",
             ),
             (
@@ -599,7 +600,7 @@ class EccentricDrive(Mechanism):
                 abs(self.motor.speed_rpm) / 60,
                 self.allowed.strokes_per_s,
                 "1/s",
-                "motor",
+                Where("motor"),
                 "motor.speed_rpm / 60",
             ),
         )

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.outlines import Contour, Region, circle, rectangle
 from camgen.machine.features import Mount, StandIn
 from camgen.machine.model import GROUND
@@ -198,14 +198,23 @@ class NeedleTube:
         said = f"wire in the tube, its point {least:.4g} mm past the mouth; a longer parts.tube_length or parts.wire_length"
         found = [
             at_least(
-                "NEEDLE_GUIDED", round(held, 9), _GUIDED * p.wire_diameter, "mm", "innermost", said
+                "NEEDLE_GUIDED",
+                round(held, 9),
+                _GUIDED * p.wire_diameter,
+                "mm",
+                Where("innermost"),
+                said,
             )
         ]
         if self.drive.allowed.stroke is not None:
             low, high = self.drive.allowed.stroke
             said = f"point past the tube's mouth, {least:.4g} mm at the innermost place; parts.wire_length sets it"
-            found.append(at_least("NEEDLE_REACH", round(most, 9), low, "mm", "outermost", said))
-            found.append(at_most("NEEDLE_REACH", round(most, 9), high, "mm", "outermost", said))
+            found.append(
+                at_least("NEEDLE_REACH", round(most, 9), low, "mm", Where("outermost"), said)
+            )
+            found.append(
+                at_most("NEEDLE_REACH", round(most, 9), high, "mm", Where("outermost"), said)
+            )
         return found
 
     def bought(self) -> Bought:

@@ -25,7 +25,7 @@ import numpy as np
 from pydantic import Field
 
 from camgen.errors import DesignError, Fault, SpecError
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding, Where, at_least, at_most
 from camgen.machine.closed_form import four_bar, refuse_gap, transmission_extremes
 from camgen.machine.features import Asked
 from camgen.machine.model import Floats, Machine, Points
@@ -252,13 +252,14 @@ class ThreadTakeUp(Mechanism):
         least, most = np.degrees(
             transmission_extremes(g.frame, g.input_crank, g.coupler, g.output_crank)
         )
+        fold = math.radians((0 if least < 180 - most else 180) + g.frame_angle_deg)
         findings = [
             at_least(
                 "FOLD_MARGIN",
                 margin,
                 play,
                 "mm",
-                "lengths",
+                Where("lengths"),
                 "Grashof margin of the lengths; within the play of the four joints (half of it each) the chain could fold and "
                 "go on the wrong way",
             ),
@@ -267,12 +268,12 @@ class ThreadTakeUp(Mechanism):
                 min(least, 180 - most),
                 self.allowed.transmission_angle_deg,
                 "deg",
-                f"crank angle {(0 if least < 180 - most else 180) + g.frame_angle_deg:g} deg",
+                Where(theta=fold, angle="crank angle", digits=None),
                 f"between coupler and output crank, {least:.4f} to {most:.4f} deg over the turn",
             ),
         ]
         for name, (gap, theta) in self._gaps(t, _TURN).items():
-            where = f"{name}, crank angle {math.degrees(theta):.2f} deg"
+            where = Where(name, theta=theta, angle="crank angle", digits=2)
             remark = "least over the turn, by joints without play; under 0 they overlap"
             findings.append(at_least("GAP", gap, self.allowed.gap, "mm", where, remark))
         p, weight = self.making, self.bodies.weight_radius
@@ -289,7 +290,7 @@ class ThreadTakeUp(Mechanism):
                     nearest,
                     self.allowed.gap,
                     "mm",
-                    "counterweight and the frame's screws",
+                    Where("counterweight and the frame's screws"),
                     remark,
                 )
             )
@@ -307,7 +308,7 @@ class ThreadTakeUp(Mechanism):
             remark = f"{value:.6g} {wish.unit}; {'at least ' if wish.at_least else ''}{wish.wanted:g} wanted"
             off = abs(wish.missed(value)) * wish.tolerance
             findings.append(
-                at_most(wish.name.upper(), off, wish.tolerance, wish.unit, "wanted", remark)
+                at_most(wish.name.upper(), off, wish.tolerance, wish.unit, Where("wanted"), remark)
             )
         return findings
 

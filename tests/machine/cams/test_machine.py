@@ -273,7 +273,7 @@ def test_a_follower_that_nothing_presses_through_a_dwell_is_not_held() -> None:
     begin = 360 - NORTON["spans_deg"][3]  # of the low dwell
     assert (
         f"from {begin:.1f} to 360.0 deg" in finding.message
-        and finding.where == f"cam angle {begin:.1f} deg"
+        and str(finding.where) == f"cam angle {begin:.1f} deg"
     )
     assert "spring.rate" not in finding.message  # no rate presses where the spring is not stretched
     held = published({"shape": "flat"}, **slow, spring={"rate": 1.0, "preload": 0.5})
