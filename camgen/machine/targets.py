@@ -17,7 +17,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from camgen.errors import Fault
+from camgen.errors import Fault, Key
 from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.convex import hull_corners
 from camgen.geometry.hausdorff import Edges, stray
@@ -159,12 +159,12 @@ class Through(Record):
         None, description="deg, when it is there: one angle for each place"
     )
 
-    def faults(self, path: str) -> list[Fault]:
+    def faults(self, path: Key) -> list[Fault]:
         """What does not go together."""
         if self.theta_deg is not None and len(self.theta_deg) != len(self.at):
             return [
                 Fault(
-                    f"{path}.theta_deg",
+                    (*path, "theta_deg"),
                     f"{len(self.theta_deg)} angles",
                     f"one for each of the {len(self.at)} places",
                 )
@@ -172,7 +172,7 @@ class Through(Record):
         if self.theta_deg is not None and self.in_order:
             return [
                 Fault(
-                    f"{path}.in_order",
+                    (*path, "in_order"),
                     "true",
                     "false, or no theta_deg: angles say the order already",
                 )
@@ -291,14 +291,14 @@ class Straight(Record):
         None, description="mm from end to end: instead, the straightest stretch that is so long"
     )
 
-    def faults(self, path: str) -> list[Fault]:
+    def faults(self, path: Key) -> list[Fault]:
         """What does not go together."""
         if (self.range_deg is None) == (self.length is None):
             return [Fault(path, "", "either range_deg or length")]
         if self.range_deg is not None and not 0 < self.range_deg[1] - self.range_deg[0] <= 360:
             return [
                 Fault(
-                    f"{path}.range_deg",
+                    (*path, "range_deg"),
                     str(list(self.range_deg)),
                     "the least before the greatest, at most a turn apart",
                 )

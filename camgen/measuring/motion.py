@@ -136,7 +136,7 @@ def roll(
     """Motion of a follower on the outline in a file, as `recover`; FileError where the file holds none that is closed."""
     follower = read_follower(given, "follower")
     if not 1 <= harmonics <= MOST_HARMONICS:
-        raise SpecError([Fault("harmonics", f"{harmonics}", f"1 to {MOST_HARMONICS}")])
+        raise SpecError([Fault(("harmonics",), f"{harmonics}", f"1 to {MOST_HARMONICS}")])
     outline = read_outline(path, height, layer, follower.contour)
     if outline.ring is None:
         raise FileError(
@@ -184,22 +184,45 @@ def run(
         raise SpecError(faults, "command line")
     if request.second is not None and other is None:
         raise SpecError(
-            [Fault("--second", str(request.second), "--second-follower, the tip that rides on it")]
+            [
+                Fault(
+                    (),
+                    str(request.second),
+                    "--second-follower, the tip that rides on it",
+                    source="--second",
+                )
+            ]
         )
     if request.against is not None and (
         other is not None or follower.inside or follower.contour not in (None, 1)
     ):
         raise SpecError(
-            [Fault("--against", str(request.against), "one follower, on the outside of a cam")],
+            [
+                Fault(
+                    (),
+                    str(request.against),
+                    "one follower, on the outside of a cam",
+                    source="--against",
+                )
+            ],
             "command line",
         )
     if request.scanning != Scanning() and path.suffix.lower() not in PICTURES:
         raise SpecError(
-            [Fault("--dpi, --second-scan, --across", path.name, f"a scan, {', '.join(PICTURES)}")],
+            [
+                Fault(
+                    (),
+                    path.name,
+                    f"a scan, {', '.join(PICTURES)}",
+                    source="--dpi, --second-scan, --across",
+                )
+            ],
             "command line",
         )
     if request.probe and path.suffix.lower() != ".csv":
-        raise SpecError([Fault("--probe", path.name, "measured points, .csv")], "command line")
+        raise SpecError(
+            [Fault((), path.name, "measured points, .csv", source="--probe")], "command line"
+        )
     # what is rolled on: file and contour, one or two
     wanted = {(path, follower.contour): None}
     if other is not None:

@@ -46,9 +46,9 @@ def build(
     """
     wrong = sorted(map(str, only - set(ANY_KIND)))
     if wrong:
-        raise SpecError([specs.unknown("only", kind, ANY_KIND) for kind in wrong])
+        raise SpecError([specs.unknown(("only",), kind, ANY_KIND) for kind in wrong])
     if not only:
-        raise SpecError([Fault("only", "none", f"at least one of {', '.join(ANY_KIND)}")])
+        raise SpecError([Fault(("only",), "none", f"at least one of {', '.join(ANY_KIND)}")])
     progress("reading the spec", 0.0)
     mechanism = read_mechanism(spec, overrides)
     if said := long_run(mechanism.remarks().links, len(only & FORMATS.keys())):

@@ -555,7 +555,7 @@ def test_laws_programs_and_lag() -> None:
 def test_faults_between_keys(changes: dict[str, Any], path: str) -> None:
     with pytest.raises(SpecError) as caught:
         machine(changes)
-    assert path in {fault.path for fault in caught.value.faults}
+    assert path in {fault.key for fault in caught.value.faults}
 
 
 # ---- search ----------------------------------------------------------------------------------------------------------

@@ -189,7 +189,7 @@ def test_all_faults_at_once() -> None:
     data["measured"]["sizes"]["pin 3"] = [3.1]
     with pytest.raises(SpecError) as caught:
         validate(Coupon, data)
-    told = {fault.path: fault for fault in caught.value.faults}
+    told = {fault.key: fault for fault in caught.value.faults}
     sizes = {f"measured.sizes.{name}" for name in ("hole 4", "hole 3", "pins 3")}
     assert set(told) == {"geometry.holes", "measured.runs", *sizes}
     assert (

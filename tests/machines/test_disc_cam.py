@@ -639,7 +639,7 @@ def test_pressure_angle_and_undercut_by_other_routes() -> None:
 def test_bad_keys_are_told_by_their_path(settings: list[str], path: str) -> None:
     with pytest.raises(SpecError) as caught:
         mechanism(*settings)
-    assert path in {fault.path for fault in caught.value.faults}
+    assert path in {fault.key for fault in caught.value.faults}
 
 
 @pytest.mark.parametrize(
@@ -690,7 +690,7 @@ def test_bad_segments_are_told_by_their_path(
 ) -> None:
     with pytest.raises(SpecError) as caught:
         mechanism(segments=segments)
-    assert any(fault.path == path and word in str(fault) for fault in caught.value.faults), str(
+    assert any(fault.key == path and word in str(fault) for fault in caught.value.faults), str(
         caught.value
     )
 

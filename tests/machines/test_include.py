@@ -175,7 +175,7 @@ def test_wrong_include_is_told_by_its_key(
 ) -> None:
     with pytest.raises(SpecError) as told:
         read_mechanism(include(root, tables, {"spec": "thread-take-up.toml", **change}))
-    assert [fault.path for fault in told.value.faults] == [key]
+    assert [fault.key for fault in told.value.faults] == [key]
     assert said in told.value.faults[0].expected
 
 
@@ -184,7 +184,7 @@ def test_a_fault_inside_names_the_file(root: Path, tables: dict[str, Any]) -> No
     data["include"][0]["spec"]["geometry"]["frame"] = -4
     with pytest.raises(SpecError) as told:
         read_mechanism(data)
-    assert [fault.path for fault in told.value.faults] == ["include.0.spec.geometry.frame"]
+    assert [fault.key for fault in told.value.faults] == ["include.0.spec.geometry.frame"]
     assert told.value.faults[0].expected.endswith("(in thread-take-up.toml)")
 
 
@@ -192,7 +192,7 @@ def test_names_that_meet_those_of_the_host_are_told(root: Path, tables: dict[str
     tables["output"][0]["name"] = "thread_take_up_feed"
     with pytest.raises(SpecError) as told:
         _ = read_mechanism(include(root, tables, {"spec": "thread-take-up.toml"})).assembly
-    assert [fault.path for fault in told.value.faults] == [
+    assert [fault.key for fault in told.value.faults] == [
         "include.0.name"
     ] and "thread_take_up_feed" in str(told.value)
 
@@ -207,7 +207,7 @@ def test_two_of_one_name_and_faults_inside_are_told(root: Path, tables: dict[str
     both["include"][0]["spec"]["geometry"]["frame"] = -4
     with pytest.raises(SpecError) as told:
         read_mechanism(both)
-    assert [fault.path for fault in told.value.faults] == [
+    assert [fault.key for fault in told.value.faults] == [
         "include.0.spec.geometry.frame",
         "include.1.name",
     ]
@@ -414,7 +414,7 @@ def test_what_cannot_be_mounted_is_told(
 ) -> None:
     with pytest.raises(SpecError) as told:
         _ = read_mechanism(include(root, {**STACKED, **host}, {**MOUNTED, **change})).assembly
-    assert [fault.path for fault in told.value.faults] == [
+    assert [fault.key for fault in told.value.faults] == [
         "include.0.mounted"
     ] and said in told.value.faults[0].expected
 
@@ -433,7 +433,7 @@ def test_a_height_at_which_no_frame_can_stand_is_told(
     with pytest.raises(SpecError) as told:
         _ = read_mechanism(include(root, STACKED, {**MOUNTED, "at": list(at), "z": z})).assembly
     (fault,) = told.value.faults
-    assert (fault.path, fault.value) == ("include.0.z", f"{z}") and said in fault.expected
+    assert (fault.key, fault.value) == ("include.0.z", f"{z}") and said in fault.expected
     right = float(fault.expected.removeprefix("at least ").partition(",")[0])
     _ = read_mechanism(
         include(root, STACKED, {**MOUNTED, "at": list(at), "z": right + 1e-3 * (at != (0, 0))})

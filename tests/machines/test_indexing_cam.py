@@ -53,7 +53,7 @@ def verdicts(cam: IndexingCam) -> dict[str, list[Any]]:
 def faults(**keys: Any) -> list[str]:
     with pytest.raises(SpecError) as wrong:
         design(**keys)
-    return [fault.path for fault in wrong.value.faults]
+    return [fault.key for fault in wrong.value.faults]
 
 
 # ---- the law at the link ---------------------------------------------------------------------------------------------

@@ -192,7 +192,7 @@ def test_the_play_of_a_path_is_borne_to_a_quarter_of_its_smaller_side() -> None:
 def test_targets_that_cannot_be_asked(output: dict[str, Any], path: str) -> None:
     with pytest.raises(SpecError) as caught:
         validate(Linkage, spec(**HOEKEN, output=[{"name": "o", **output}]))
-    assert path in [fault.path for fault in caught.value.faults]
+    assert path in [fault.key for fault in caught.value.faults]
 
 
 def test_angles_out_of_the_range_of_the_drive() -> None:

@@ -342,7 +342,7 @@ def test_life_of_a_roller() -> None:
 def test_bad_input_is_told_by_its_key(settings: tuple[str, ...], path: str) -> None:
     with pytest.raises(SpecError) as told:
         made("disc-cam", *settings)
-    assert [fault.path for fault in told.value.faults] == [path]
+    assert [fault.key for fault in told.value.faults] == [path]
 
 
 @pytest.mark.parametrize("path", sorted(SPECS.glob("*.toml")), ids=lambda path: path.stem)
@@ -507,7 +507,7 @@ def test_weight_that_would_not_count_is_refused(
 ) -> None:
     with pytest.raises(SpecError) as told:
         made(name, *settings)
-    assert [fault.path for fault in told.value.faults] == [path]
+    assert [fault.key for fault in told.value.faults] == [path]
 
 
 # ---- ball bearings ---------------------------------------------------------------------------------------------------

@@ -537,7 +537,7 @@ def test_no_such_machine(settings: list[str], said: str) -> None:
 def test_faults_of_the_new_keys(settings: list[str], path: str) -> None:
     with pytest.raises(SpecError) as caught:
         machine(*settings)
-    assert path in {fault.path for fault in caught.value.faults}
+    assert path in {fault.key for fault in caught.value.faults}
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from camgen.errors import Key
 from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.outlines import Contour, Region, circle, rectangle
 from camgen.machine.features import Mount, StandIn
@@ -32,7 +33,7 @@ _GUIDED = 2.0  # diameters of the wire in the tube, at least: the 2 to 1 rule of
 
 def tube_checks(
     sizes: Parts, slide: float, floor: float, least: float
-) -> list[tuple[bool, str, float, str]]:
+) -> list[tuple[bool, Key, float, str]]:
     """What is wrong with its keys: (holds, path, value, what would be right).
 
     floor: greatest wire in the slider's groove; least: length that the screws of the tube need, mm.
@@ -40,7 +41,7 @@ def tube_checks(
     if not sizes.tube_length:
         said = "nothing here without parts.tube_length: it is the tube that the wire's point stands out of"
         return (
-            [(False, "parts.wire_length", sizes.wire_length, said)]
+            [(False, ("parts", "wire_length"), sizes.wire_length, said)]
             if sizes.wire_length is not None
             else []
         )
@@ -48,13 +49,13 @@ def tube_checks(
     return [
         (
             sizes.tube_length >= least,
-            "parts.tube_length",
+            ("parts", "tube_length"),
             sizes.tube_length,
             f"at least {least:.4g} mm, or 0: none",
         ),
         (
             sizes.wire_diameter <= thin,
-            "parts.wire_diameter",
+            ("parts", "wire_diameter"),
             sizes.wire_diameter,
             f"at most {thin:g} mm, for the tube's floor",
         ),

@@ -76,15 +76,15 @@ class ThreadTakeUp(Mechanism):
             if self.motor is None and weight.given is None:
                 found.append(
                     Fault(
-                        "motor.speed_rpm",
+                        ("motor", "speed_rpm"),
                         "",
                         "missing: a number > 0, since a counterweight asks for the forces",
                     )
                 )
         room = p.shaft_length - below - self.print.slide_clearance
         above, thin_groove = 2 * HEAD + self.allowed.gap, f"at least the nozzle, {nozzle:g} mm"
-        thin = {"limits.min_wall": self.allowed.min_wall}
-        thin |= {f"parts.{key}": getattr(p, key) for key in ("wall", "thickness", "thread_height")}
+        thin = {("limits", "min_wall"): self.allowed.min_wall}
+        thin |= {("parts", key): getattr(p, key) for key in ("wall", "thickness", "thread_height")}
         checks = (
             *(
                 (value >= nozzle, path, value, f"at least the nozzle, {nozzle:g} mm")
@@ -92,25 +92,25 @@ class ThreadTakeUp(Mechanism):
             ),
             (
                 0.05 * p.shaft_diameter <= p.shaft_flat < 0.5 * p.shaft_diameter,
-                "parts.shaft_flat",
+                ("parts", "shaft_flat"),
                 p.shaft_flat,
                 "between a twentieth and half of shaft_diameter, so that it turns the crank",
             ),
             (
                 p.groove == 0 or p.groove >= nozzle,
-                "parts.groove",
+                ("parts", "groove"),
                 p.groove,
                 f"{thin_groove}, or 0: none",
             ),
             (
                 not p.groove or p.thread_height >= p.groove + above,
-                "parts.thread_height",
+                ("parts", "thread_height"),
                 p.thread_height,
                 f"at least {p.groove + above:g} mm: groove, shoulder, and the heads under it with limits.gap",
             ),
             (
                 room > 0,
-                "parts.shaft_length",
+                ("parts", "shaft_length"),
                 p.shaft_length,
                 f"more than {p.shaft_length - room:g} mm: {collar} below the frame, and its play",
             ),
@@ -123,7 +123,7 @@ class ThreadTakeUp(Mechanism):
         if self.masses is not None and self.motor is None:
             found.append(
                 Fault(
-                    "motor.speed_rpm",
+                    ("motor", "speed_rpm"),
                     "",
                     "missing: a number > 0, since [masses] ask for the forces",
                 )
@@ -389,7 +389,7 @@ class ThreadTakeUp(Mechanism):
             raise SpecError(
                 [
                     Fault(
-                        "wanted",
+                        ("wanted",),
                         "",
                         "missing: at least one of feed_range, let_down_ratio, dwell_deg",
                     )

@@ -128,13 +128,15 @@ class Consumption(Record):
         found = []
         if any(b <= a for a, b in zip(self.angles_deg, self.angles_deg[1:], strict=False)):
             found.append(
-                Fault("consumption.angles_deg", "", "angles that grow from one to the next")
+                Fault(("consumption", "angles_deg"), "", "angles that grow from one to the next")
             )
         if len(self.angles_deg) != len(self.length_mm):
             count = f"{len(self.length_mm)} lengths"
             found.append(
                 Fault(
-                    "consumption.length_mm", count, f"as many as angles_deg, {len(self.angles_deg)}"
+                    ("consumption", "length_mm"),
+                    count,
+                    f"as many as angles_deg, {len(self.angles_deg)}",
                 )
             )
         return found
