@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -41,22 +42,52 @@ UNKNOWN = "unknown key"
 MOST_LISTED = 100  # faults that a message lists; nobody reads more
 
 
+Key = tuple[str | int, ...]  # steps through a spec's tables: names of keys, places in lists from 0
+
+
+def dotted(key: Sequence[str | int]) -> str:
+    """A key as a person types it: its steps joined by dots, quoted where they hold a dot, "=" or a quote."""
+    return ".".join(
+        json.dumps(step, ensure_ascii=False)
+        if isinstance(step, str) and set(step) & set(".=\"'")
+        else str(step)
+        for step in key
+    )
+
+
 @dataclass(frozen=True)
 class Fault:
-    """One thing wrong with a spec: dotted path, the value found, what would be right, nearest known key."""
+    """One thing wrong with a spec."""
 
-    path: str
-    value: str
-    expected: str
-    nearest: str | None = None
+    path: Key
+    value: str  # as found, "" where that says nothing
+    expected: str  # what would be right
+    nearest: str | None = None  # known key or name
+    source: str = ""  # what holds the key, where it is not the spec: an option, a line of a file
+    unknown: bool = False  # whether there is no such key
+
+    @property
+    def key(self) -> str:
+        """Its place as a person types it, after what holds it."""
+        return " ".join(filter(None, (self.source, dotted(self.path))))
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """What is wrong, for programs."""
+        return {
+            "path": self.key,
+            "value": self.value,
+            "expected": self.expected,
+            "nearest": self.nearest,
+        }
 
     def __str__(self) -> str:
-        if self.expected.startswith(UNKNOWN):
+        if self.unknown:
             known = f"{UNKNOWN}; did you mean '{self.nearest}'?" if self.nearest else self.expected
-            return printable(f"{self.path}: {known}")
+            return printable(f"{self.key}: {known}")
         hint = f" (did you mean '{self.nearest}'?)" if self.nearest else ""
         found = f": {self.value} - expected" if self.value else " -"
-        return printable(f"{self.path}{found} {self.expected}{hint}")
+        return printable(f"{self.key}{found} {self.expected}{hint}")
 
 
 class SpecError(CamgenError):

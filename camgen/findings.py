@@ -2,9 +2,47 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, fields
+from pathlib import PurePath
+
+
+@dataclass(frozen=True)
+class Where:
+    """Where a finding was made; `str` of it is what a person reads: file, thing and angle, with commas between."""
+
+    thing: str = ""  # in words, where the names below say too little by themselves
+    file: str = ""  # by its name, with a star for all parts; "" where no file is judged
+    kind: str = ""  # of the file, such as "dxf"
+    part: str = ""  # or copy of one, or body; "" where the file alone says which
+    other: str = ""  # part of a pair
+    joint: str = ""
+    output: str = ""
+    theta: float | None = None  # rad
+    angle: str = "cam angle"  # what theta is called
+    digits: int | None = 3  # decimals of the angle, deg; None: as many as it has
+    module: str = ""  # name of an included machine
+
+    def __str__(self) -> str:
+        thing = self.thing or self.part or self.joint or self.output
+        text = ", ".join(filter(None, (self.file, thing, self.angle_text)))
+        return f"{self.module}: {text}" if self.module else text
+
+    @property
+    def angle_text(self) -> str:
+        """Its angle in words, "" without one."""
+        if self.theta is None:
+            return ""
+        degrees = math.degrees(self.theta)
+        number = f"{degrees:g}" if self.digits is None else f"{degrees:.{self.digits}f}"
+        return f"{self.angle} {number} deg".lstrip()
+
+
+def in_file(path: PurePath) -> Where:
+    """A file, by its name and kind."""
+    return Where(file=path.name, kind=path.suffix[1:].lower())
 
 
 @dataclass(frozen=True)
@@ -20,7 +58,7 @@ class Finding:
     measured: float
     limit: float
     unit: str
-    where: str
+    where: Where
     message: str
     floor: bool = False
     strict: bool = False
@@ -32,7 +70,11 @@ class Finding:
 
     def as_dict(self) -> dict[str, object]:
         """The finding as report.json lists it."""
-        return {key: value for key, value in asdict(self).items() if key not in ("floor", "strict")}
+        return {
+            each.name: str(self.where) if each.name == "where" else getattr(self, each.name)
+            for each in fields(self)
+            if each.name not in ("floor", "strict")
+        }
 
 
 @dataclass(frozen=True)
@@ -74,7 +116,7 @@ def told_once(findings: Sequence[Finding]) -> list[tuple[Finding, str]]:
         for group in groups.values()
     )
     return [
-        (f, "; ".join(dict.fromkeys(each.where for each in group)))
+        (f, "; ".join(dict.fromkeys(str(each.where) for each in group)))
         for f, group in zip(worst, groups.values(), strict=True)
     ]
 
@@ -96,7 +138,7 @@ ROUTINE = frozenset(
 
 
 def at_most(
-    code: str, measured: float, limit: float, unit: str, where: str, message: str
+    code: str, measured: float, limit: float, unit: str, where: Where, message: str
 ) -> Finding:
     """A finding that holds when measured <= limit; nan never holds."""
     return Finding(
@@ -109,7 +151,7 @@ def at_least(
     measured: float,
     limit: float,
     unit: str,
-    where: str,
+    where: Where,
     message: str,
     tolerance: float = 0.0,
 ) -> Finding:

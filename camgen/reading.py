@@ -10,7 +10,7 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Any, Literal
 
 from camgen.bounds import Bound, read_bytes
-from camgen.errors import Fault, SpecError
+from camgen.errors import Fault, Key, SpecError
 from camgen.schemas import shortened
 
 Data = dict[str, Any]
@@ -50,13 +50,20 @@ def read(path: Path) -> Data:
             raise SpecError(large, str(path))
         if long := _LONG_KEY.search(text):
             raise SpecError(
-                [Fault(_place(text[: long.start()]), shortened(long[0].strip()), SHALLOWER)],
+                [
+                    Fault(
+                        (),
+                        shortened(long[0].strip()),
+                        SHALLOWER,
+                        source=_place(text[: long.start()]),
+                    )
+                ],
                 str(path),
             )
         data = tomllib.loads(text)
     except UnicodeDecodeError as error:
         before = raw[: error.start].decode("utf-8", "replace")
-        fault = Fault(_place(before), f"byte 0x{raw[error.start]:02x}", "text in UTF-8")
+        fault = Fault((), f"byte 0x{raw[error.start]:02x}", "text in UTF-8", source=_place(before))
         raise SpecError([fault], str(path)) from None
     except (ValueError, RecursionError) as error:
         raise SpecError([_syntax_fault(text, error)], str(path)) from None
@@ -64,7 +71,9 @@ def read(path: Path) -> Data:
         expected = (
             "a spec: at least 'mechanism' and 'name' ('camgen new MECHANISM' prints a starter)"
         )
-        raise SpecError([Fault("line 1, column 1", "the file is empty", expected)], str(path))
+        raise SpecError(
+            [Fault((), "the file is empty", expected, source="line 1, column 1")], str(path)
+        )
     return tables(data, str(path))
 
 
@@ -82,7 +91,7 @@ def tables(given: Mapping[str, Any], source: str = "spec") -> Data:
     data = dict(given)
     deep, keys, values = extent_of(data)
     if deep > DEEPEST:
-        raise SpecError([Fault("spec", f"nested {deep} deep", SHALLOWER)], source)
+        raise SpecError([Fault(("spec",), f"nested {deep} deep", SHALLOWER)], source)
     if large := too_large(keys, values):
         raise SpecError(large, source)
     return data
@@ -92,7 +101,7 @@ def too_large(keys: int, values: int) -> list[Fault]:
     """What is wrong with a spec of so many keys, tables counted, and values in lists."""
     found = (("keys and tables", keys, MOST_KEYS), ("values in lists", values, MOST_VALUES))
     return [
-        Fault("spec", f"{count:,} {things}", f"at most {most:,}")
+        Fault(("spec",), f"{count:,} {things}", f"at most {most:,}")
         for things, count, most in found
         if count > most
     ]
@@ -102,15 +111,14 @@ def too_large(keys: int, values: int) -> list[Fault]:
 class Reference:
     """A key of a spec that names another file."""
 
-    path: str  # of the key, dotted
+    path: Key
     kind: Literal["spec", "law", "load", "path"]  # what the file holds
-    table: Data  # in which the key stands
-    key: str
+    table: Data  # in which the key stands, the last step of the path
 
     @property
     def name(self) -> str:
         """The file, as the spec names it."""
-        return str(self.table[self.key])
+        return str(self.table[str(self.path[-1])])
 
     @property
     def outside(self) -> bool:
@@ -133,28 +141,30 @@ class Reference:
         return folder / name
 
 
-def references(data: Data, path: str = "") -> Iterator[Reference]:
+def references(data: Data, path: Key = ()) -> Iterator[Reference]:
     """All files that a spec's tables name: specs that it includes, tables of laws and loads, a path that is wanted; also those of
     an included spec whose tables stand in it. What is no such table is left for `validate` to find."""
     for k, each in enumerate(_listed(data, "include")):
         inner = each.get("spec") if isinstance(each, dict) else None
         if isinstance(inner, str):
-            yield Reference(f"{path}include.{k}.spec", "spec", each, "spec")
+            yield Reference((*path, "include", k, "spec"), "spec", each)
         elif isinstance(inner, dict):
             yield from (
-                one for one in references(inner, f"{path}include.{k}.spec.") if one.kind != "spec"
+                one
+                for one in references(inner, (*path, "include", k, "spec"))
+                if one.kind != "spec"
             )  # it includes none
     for k, each in enumerate(_listed(data.get("load"), "on")):
         if isinstance(each, dict) and isinstance(each.get("file"), str) and "points" not in each:
-            yield Reference(f"{path}load.on.{k}.file", "load", each, "file")
+            yield Reference((*path, "load", "on", k, "file"), "load", each)
     wanted = data.get("wanted")
     if isinstance(wanted, dict) and isinstance(wanted.get("path"), str):
-        yield Reference(f"{path}wanted.path", "path", wanted, "path")
+        yield Reference((*path, "wanted", "path"), "path", wanted)
     rest = {key: value for key, value in data.items() if key != "include"}
-    yield from (Reference(f"{path}{at}.file", "law", law, "file") for at, law in _laws(rest, ""))
+    yield from (Reference((*at, "file"), "law", law) for at, law in _laws(rest, path))
 
 
-def _laws(value: Any, path: str) -> Iterator[tuple[str, Data]]:
+def _laws(value: Any, path: Key) -> Iterator[tuple[Key, Data]]:
     """Tables of laws that name a file in place of points, wherever a law may stand: as its name says, it is a table."""
     if isinstance(value, dict):
         name, file = value.get("name"), value.get("file")
@@ -167,12 +177,12 @@ def _laws(value: Any, path: str) -> Iterator[tuple[str, Data]]:
             yield path, value
         for key, inner in value.items():
             if isinstance(inner, dict | list):
-                yield from _laws(inner, f"{path}.{key}" if path else str(key))
+                yield from _laws(inner, (*path, key))
     elif (
         isinstance(value, list) and value and isinstance(value[0], dict)
     ):  # one of numbers may be long
         for k, inner in enumerate(value):
-            yield from _laws(inner, f"{path}.{k}")
+            yield from _laws(inner, (*path, k))
 
 
 def _listed(holder: Any, key: str) -> list[Any]:
@@ -209,13 +219,13 @@ def _place(before: str) -> str:
 def _syntax_fault(text: str, error: Exception) -> Fault:
     """Fault for what tomllib says, "reason (at line 3, column 5)" or "reason (at end of document)"."""
     if isinstance(error, RecursionError):
-        return Fault("TOML", "", SHALLOWER)
+        return Fault(("TOML",), "", SHALLOWER)
     said = re.fullmatch(r"(?s)(.*) \(at (?:line (\d+), column (\d+)|end of document)\)", str(error))
     if said is None:  # a number or a date that Python cannot hold comes without a place
-        return Fault("TOML", "", str(error).partition(";")[0])
+        return Fault(("TOML",), "", str(error).partition(";")[0])
     reason, line, column = said.groups()
     end = text.rstrip()
     place = f"line {line}, column {column}" if line else _place(end)
     lines = (text if line else end).split("\n")
     quoted = lines[int(line) - 1 if line else -1].strip()
-    return Fault(place, shortened(quoted), f"valid TOML: {reason}")
+    return Fault((), shortened(quoted), f"valid TOML: {reason}", source=place)

@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import tomllib
 from collections.abc import Sequence
@@ -13,7 +12,7 @@ from copy import copy
 from difflib import get_close_matches
 from typing import Any
 
-from camgen.errors import Fault, SpecError
+from camgen.errors import Fault, SpecError, dotted
 from camgen.reading import DEEPEST, SHALLOWER, Data, extent_of
 from camgen.schemas import shortened, shown
 
@@ -43,13 +42,6 @@ def split_setting(setting: str) -> tuple[list[str], str]:
     return [""], ""
 
 
-def dotted(keys: Sequence[str]) -> str:
-    """Keys as one path, quoted where they hold a dot, "=" or a quote."""
-    return ".".join(
-        json.dumps(key, ensure_ascii=False) if set(key) & set(".=\"'") else key for key in keys
-    )
-
-
 def override(data: Data, setting: str) -> Data:
     """Copy of the tables with one value set, "geometry.swing_deg=24", or removed, "wanted.feed_range="; the value is TOML, or
     else text. A list goes by its index from 0, as faults tell it: "segment.1.lift=80". A key may be quoted, as in TOML.
@@ -60,24 +52,25 @@ def override(data: Data, setting: str) -> Data:
     keys, text = split_setting(setting)
     if not all(keys):
         raise SpecError(
-            [Fault("--set", shown(setting), "KEY=VALUE, such as geometry.swing_deg=24")]
+            [Fault((), shown(setting), "KEY=VALUE, such as geometry.swing_deg=24", source="--set")]
         )
     removed, value = not text.strip(), _value(text)
     deep = len(keys) + extent_of(value)[0]
     if deep > DEEPEST:
-        raise SpecError([Fault("--set", f"nested {deep} deep", SHALLOWER)])
+        raise SpecError([Fault((), f"nested {deep} deep", SHALLOWER, source="--set")])
     changed = dict(data)
     holder: Any = changed
     for depth, name in enumerate(keys, 1):
         key, last = _key(holder, keys, depth), depth == len(keys)
         if removed and isinstance(holder, dict) and key not in holder:
-            where = f" in {'.'.join(keys[: depth - 1])}" if depth > 1 else ""
+            where = f" in {dotted(keys[: depth - 1])}" if depth > 1 else ""
             nearest = get_close_matches(name, holder, 1)
             fault = Fault(
-                f"--set {dotted(keys)}=",
+                tuple(keys),
                 "",
                 f"nothing to remove: there is no {name}{where}",
-                *nearest,
+                nearest[0] if nearest else None,
+                source="--set",
             )
             raise SpecError([fault])
         if not last:
@@ -107,9 +100,11 @@ def _key(holder: Any, keys: Sequence[str], depth: int) -> Any:
     name = keys[depth - 1]
     if isinstance(holder, dict):
         return name
-    where, path = ".".join(keys[: depth - 1]), dotted(keys)
+    where = dotted(keys[: depth - 1])
     if not isinstance(holder, list):
-        raise SpecError([Fault(f"--set {path}", "", f"{where} is a value and has no keys")])
+        raise SpecError(
+            [Fault(tuple(keys), "", f"{where} is a value and has no keys", source="--set")]
+        )
     if not (name.isascii() and name.isdecimal() and len(name) < 10 and int(name) < len(holder)):
         has = (
             f"{len(holder)} items, 0 to {len(holder) - 1}"
@@ -118,16 +113,15 @@ def _key(holder: Any, keys: Sequence[str], depth: int) -> Any:
             if holder
             else "no item"
         )
-        nearest = (
-            [f"files.{name}"] if where == "output" and not name.isdecimal() else []
-        )  # as a linkage has them
+        moved = keys[: depth - 1] == ["output"] and not name.isdecimal()  # as a linkage has them
         raise SpecError(
             [
                 Fault(
-                    f"--set {path}",
+                    tuple(keys),
                     "",
                     f"{where} has {has}: there is no {shortened(name)}",
-                    *nearest,
+                    f"files.{name}" if moved else None,
+                    source="--set",
                 )
             ]
         )

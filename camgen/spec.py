@@ -28,7 +28,7 @@ from pydantic import (
 )
 from pydantic_core.core_schema import ErrorType
 
-from camgen.errors import UNKNOWN, Fault, SpecError
+from camgen.errors import UNKNOWN, Fault, Key, SpecError
 from camgen.reading import Data
 from camgen.schemas import in_words, keys_of, members_of, one_of, other_spelling, shown, step_below
 
@@ -237,7 +237,7 @@ S = TypeVar("S", bound=Checked)
 # ---- checking --------------------------------------------------------------------------------------------------------
 
 
-def unknown(path: str, value: object, known: Iterable[str]) -> Fault:
+def unknown(path: Key, value: object, known: Iterable[str]) -> Fault:
     """Fault for a value that is none of the known names, with the nearest of them."""
     names = sorted(known)
     nearest = get_close_matches(value, names, 1) if isinstance(value, str) else []
@@ -254,7 +254,7 @@ def choose(data: Data, known: Collection[str], source: str = "spec") -> str:
     name = data.get("mechanism")
     if isinstance(name, str) and name in known:
         return name
-    faults = [unknown("mechanism", name, known)]
+    faults = [unknown(("mechanism",), name, known)]
     shared = {key: value for key, value in data.items() if key in Spec.model_fields} | {
         "mechanism": ""
     }
@@ -354,13 +354,13 @@ def _json_schema(cls: type[Checked]) -> Data:
 def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Fault]:
     """pydantic's errors in plain words, one for each place, in the order of the places' first mention."""
     root = _json_schema(cls)
-    found: dict[str, Fault] = {}
+    found: dict[Key, Fault] = {}
     for item in error.errors(include_url=False):
         key = item["loc"][-1:] == ("[key]",)  # of a table whose keys are names
         path, node, table = _locate(item["loc"][: -1 if key else None], data, root)
-        dotted = ".".join(map(str, path)) or "spec"
         expected, nearest = in_words(node, root), None
-        if item["type"] == "extra_forbidden":
+        no_such = item["type"] == "extra_forbidden"
+        if no_such:
             keys = list(keys_of(table, root))
             close = get_close_matches(str(path[-1]), keys, 1)
             nearest = close[0] if close else None
@@ -396,7 +396,10 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
         given = "" if item["type"] == "missing" or key else shown(value)
         if item["type"] in ("too_long", "too_short") and isinstance(value, list):
             given = f"a list of {len(value)}"
-        found.setdefault(dotted, Fault(dotted, given, expected, nearest))
+        found.setdefault(
+            tuple(path),
+            Fault(tuple(path), given, expected, nearest, "" if path else "spec", no_such),
+        )
     return list(found.values())
 
 

@@ -17,7 +17,7 @@ import pytest
 
 import camgen
 from camgen.cli import main
-from camgen.findings import Finding, NotJudged
+from camgen.findings import Finding, NotJudged, Where
 from camgen.report.report import Report
 from camgen.report.words import UNITS
 
@@ -210,8 +210,8 @@ def test_errors_travel_between_processes() -> None:
 
 
 def test_a_notebook_shows_the_verdict_then_what_fails_escaped() -> None:
-    held = Finding("HOLDS", True, 1.0, 2.0, "mm", "a.dxf", "well <b>")
-    fails = Finding("FAILS_HERE", False, 3.0, 2.0, "mm", "b & c.dxf", "<script>")
+    held = Finding("HOLDS", True, 1.0, 2.0, "mm", Where("a.dxf"), "well <b>")
+    fails = Finding("FAILS_HERE", False, 3.0, 2.0, "mm", Where("b & c.dxf"), "<script>")
     numbers = {"stroke_mm": 12.0, "motion_error_dxf_mm": 0.001}
     report = Report(
         "<name>",

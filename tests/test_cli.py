@@ -23,7 +23,7 @@ import pytest
 from camgen import __version__
 from camgen.cli import main
 from camgen.errors import DesignError, FileError
-from camgen.findings import at_most
+from camgen.findings import Where, at_most
 from camgen.machines import MECHANISMS
 from camgen.motion.laws import LAWS
 from camgen.pipeline import build as pipeline
@@ -51,7 +51,18 @@ def run(capsys: pytest.CaptureFixture[str]) -> Run:
 def report(ok: bool = True, name: str = "cam") -> Report:
     limit = 2.0 if ok else 0.5
     return Report(
-        name, "stub", (at_most("MOTION_ERROR", 1.0, limit, "deg", "cam.dxf", "the cam is off"),)
+        name,
+        "stub",
+        (
+            at_most(
+                "MOTION_ERROR",
+                1.0,
+                limit,
+                "deg",
+                Where(file="cam.dxf", kind="dxf"),
+                "the cam is off",
+            ),
+        ),
     )
 
 

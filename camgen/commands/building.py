@@ -107,7 +107,14 @@ def check(
     """
     if gcode and len(folders) > 1:
         raise SpecError(
-            [Fault("--gcode", f"with {len(folders)} folders", "one folder, whose plates they are")],
+            [
+                Fault(
+                    (),
+                    f"with {len(folders)} folders",
+                    "one folder, whose plates they are",
+                    source="--gcode",
+                )
+            ],
             "command line",
         )
 

@@ -33,7 +33,7 @@ def known(what: str, name: str, names: Collection[str], lister: str) -> str:
 
     if name not in names:
         raise SpecError(
-            [replace(unknown(what, name, names), expected=f"one that '{lister}' lists")],
+            [replace(unknown((what,), name, names), expected=f"one that '{lister}' lists")],
             "command line",
         )
     return name
@@ -92,7 +92,11 @@ def refuse_one_name_twice(specs: Sequence[Path], settings: Sequence[str]) -> Non
             continue
         if name in first:
             raise SpecError(
-                [Fault("name", repr(name), f"another name, for {first[name]} writes that folder")],
+                [
+                    Fault(
+                        ("name",), repr(name), f"another name, for {first[name]} writes that folder"
+                    )
+                ],
                 str(spec),
             )
         first[name] = spec
@@ -164,7 +168,7 @@ def complain(error: CamgenError, source: Path | None = None) -> None:
 
 def _failure_record(path: Path, error: CamgenError) -> dict[str, Any]:
     """What --json prints in place of a report that could not be made."""
-    faults = [vars(fault) for fault in error.faults] if isinstance(error, SpecError) else []
+    faults = [fault.facts for fault in error.faults] if isinstance(error, SpecError) else []
     if isinstance(error, DesignError):
         faults = [error.facts]
     return {

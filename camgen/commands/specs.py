@@ -38,7 +38,7 @@ def new(mechanism: str, file: Path | None, source: Path | None) -> None:
         text = starters.text(mechanism)
     elif mechanism != "linkage":
         alone = "nothing here: only a linkage is read from another program"
-        raise SpecError([Fault("--from", str(source), alone)], "command line")
+        raise SpecError([Fault((), str(source), alone, source="--from")], "command line")
     else:
         from camgen.machines.linkage.bridges import read_chain, spec_text
 

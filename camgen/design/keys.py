@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from camgen.design.wanted import KeyWish
-from camgen.errors import CamgenError, DesignError, Fault, SpecError
+from camgen.errors import CamgenError, DesignError, Fault, Key, SpecError
 from camgen.findings import Finding
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import Template, prepare
@@ -166,8 +166,10 @@ class Search:
         return cost
 
     def _known(self, figures: Mapping[str, float], name: str) -> None:
-        keys = {"wanted.least" if self.wish.least is not None else "wanted.most": name}
-        keys |= {f"wanted.figures.{each}": each for each in self.wish.figures}
+        keys: dict[Key, str] = {
+            ("wanted", "least" if self.wish.least is not None else "most"): name
+        }
+        keys |= {("wanted", "figures", each): each for each in self.wish.figures}
         faults: list[Fault] = [
             unknown(path, each, figures) for path, each in keys.items() if each not in figures
         ]

@@ -22,7 +22,7 @@ from camgen.design.paths import Found
 from camgen.design.wanted import FunctionWish, KeyWish, PathWish, asked_for, wish, without
 from camgen.design.weighed import Weighed
 from camgen.edits import edited, with_tables
-from camgen.errors import UNKNOWN, DesignError, Fault, FileError, SpecError, counted, file_errors
+from camgen.errors import DesignError, Fault, FileError, SpecError, counted, dotted, file_errors
 from camgen.machines.sources import Source, changed, read_mechanism, read_tables
 from camgen.numerics import Points
 from camgen.report.sketches import Drawn
@@ -155,7 +155,14 @@ def design(
     kind = asked_for(data)
     if keep is not None and kind not in ("path", "function"):
         raise SpecError(
-            [Fault("--front", "", "a search for a path or a function: they alone have a front")],
+            [
+                Fault(
+                    (),
+                    "",
+                    "a search for a path or a function: they alone have a front",
+                    source="--front",
+                )
+            ],
             "command line",
         )
     if not kind:
@@ -164,7 +171,7 @@ def design(
         if own is None:
             right = 'a table with path = "..." or function = [...] (a linkage for it), or vary = { key = [least, most] } and '
             raise SpecError(
-                [Fault("wanted", "", f'missing: {right}least = "figure"; camgen guide design')],
+                [Fault(("wanted",), "", f'missing: {right}least = "figure"; camgen guide design')],
                 source,
             )
         return specs.dump(own())
@@ -396,11 +403,11 @@ def _weighed(
 def _found_tables(asked: Asked) -> None:
     """SpecError for tables that a search makes, and for another mechanism."""
     right = "nothing here: it is found, with [points], [links] and [[output]]"
-    faults = [Fault(key, "a table", right) for key in _FOUND if key in asked.rest]
+    faults = [Fault((key,), "a table", right) for key in _FOUND if key in asked.rest]
     if asked.data.get("mechanism") != "linkage":
         faults.append(
             Fault(
-                "mechanism",
+                ("mechanism",),
                 str(asked.data.get("mechanism")),
                 f'"linkage", for a {asked_for(asked.data)}',
             )
@@ -427,20 +434,16 @@ def _beyond(asked: Asked, key: str, ends: Sequence[float | str]) -> list[Fault]:
         try:
             changed(asked.rest, asked.source, asked.folder, [f"{key}={value!r}"])
         except SpecError as error:
-            own = [
-                fault
-                for fault in error.faults
-                if fault.path.removeprefix("--set ") in (key, f"{key}={value!r}") or not value
-            ]
+            own = [fault for fault in error.faults if dotted(fault.path) == key or not value]
             own = own or [
                 fault
                 for fault in error.faults
-                if fault.expected.startswith(UNKNOWN) or fault.path == "--set"
+                if fault.unknown or fault.source == "--set" and not fault.path
             ]
             if own:
                 shown = value if isinstance(value, str) else f"{value:g}"
                 return [
-                    Fault(f"wanted.vary.{key}", shown, fault.expected, fault.nearest)
+                    Fault(("wanted", "vary", key), shown, fault.expected, fault.nearest)
                     for fault in own
                 ]
     return []

@@ -79,7 +79,9 @@ class PathWish(Record):
             raise SpecError(
                 [
                     Fault(
-                        "wanted.path", f"{z.size} different points", "at least 3 that are apart, mm"
+                        ("wanted", "path"),
+                        f"{z.size} different points",
+                        "at least 3 that are apart, mm",
                     )
                 ]
             )
@@ -87,7 +89,7 @@ class PathWish(Record):
         if steps.sum() > _TWICE * 2 * (np.ptp(z.real) + np.ptp(z.imag)):
             right = "points in the order of the path, or wanted.joined = false for a cloud of them"
             said = f"a line of {steps.sum():.6g} mm through all points in a box of {box:.6g}"
-            raise SpecError([Fault("wanted.path", said, right)])
+            raise SpecError([Fault(("wanted", "path"), said, right)])
         return np.asarray(z)
 
     def points(self, line: Points) -> Points:
@@ -156,19 +158,23 @@ class FunctionWish(Record):
         crank = sorted(a for a, _ in self.function)
         near = [a for a, b in itertools.pairwise(crank) if b - a < 1e-6]
         found += [
-            Fault("wanted.function", f"crank angle {a:g} twice", "another crank angle in each pair")
+            Fault(
+                ("wanted", "function"),
+                f"crank angle {a:g} twice",
+                "another crank angle in each pair",
+            )
             for a in near[:3]
         ]
         if crank[-1] - crank[0] > 360:
             found.append(
                 Fault(
-                    "wanted.function",
+                    ("wanted", "function"),
                     f"a range of {crank[-1] - crank[0]:g} deg",
                     "crank angles within one turn",
                 )
             )
         if len({b for _, b in self.function}) == 1:
-            found.append(Fault("wanted.function", "the rocker rests", "a rocker that turns"))
+            found.append(Fault(("wanted", "function"), "the rocker rests", "a rocker that turns"))
         sides = (
             ("shortest", self.shortest, self.shares[0] > 1),
             ("longest", self.longest, self.shares[1] < 1),
@@ -177,7 +183,7 @@ class FunctionWish(Record):
             if wrong:
                 found.append(
                     Fault(
-                        f"wanted.{key}",
+                        ("wanted", key),
                         f"{value:g}",
                         f"wanted.frame, {self.frame:g}, lies between both",
                     )
@@ -211,29 +217,29 @@ class KeyWish(Record):
         for key, ends in self.vary.items():
             if isinstance(ends[0], str) and len(set(ends)) < len(ends):
                 found.append(
-                    Fault(f"wanted.vary.{key}", ", ".join(map(str, ends)), "each word once")
+                    Fault(("wanted", "vary", key), ", ".join(map(str, ends)), "each word once")
                 )
             elif not isinstance(ends[0], str) and not ends[0] < ends[1]:
                 said = f"[{ends[0]:g}, {ends[1]:g}]"
                 found.append(
-                    Fault(f"wanted.vary.{key}", said, "the least value first, then the greatest")
+                    Fault(("wanted", "vary", key), said, "the least value first, then the greatest")
                 )
         found += [
-            Fault(f"wanted.vary.{key}", key, "a key of the spec, such as geometry.base_radius")
+            Fault(("wanted", "vary", key), key, "a key of the spec, such as geometry.base_radius")
             for key in self.vary
             if not re.fullmatch(r"[\w.\-]+", key)
         ]
         if (self.least is None) == (self.most is None):
             found.append(
                 Fault(
-                    "wanted.least",
+                    ("wanted", "least"),
                     "",
                     "one of wanted.least and wanted.most: what the search is for",
                 )
             )
         found += [
             Fault(
-                f"wanted.figures.{name}",
+                ("wanted", "figures", name),
                 f"[{low:g}, {high:g}]",
                 "the least value first, then the greatest",
             )

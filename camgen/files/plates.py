@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from camgen.findings import Finding, at_most
+from camgen.findings import Finding, Where, at_most
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Floats, Points
 from camgen.parts.part import Part
@@ -205,7 +205,7 @@ def bed_fit(
     remark = (
         f"{count} lying on {f.width:.1f} x {f.height:.1f} mm, {tall:.1f} mm high, the bed is {room}"
     )
-    return f, at_most("BED_FIT", beyond, 0.0, "mm", name, remark)
+    return f, at_most("BED_FIT", beyond, 0.0, "mm", Where(part=name), remark)
 
 
 def within(bed: tuple[float, float], margin: float | None) -> tuple[float, float]:

@@ -17,7 +17,7 @@ import numpy as np
 
 from camgen.errors import counted
 from camgen.files.threemf import Item, Package, read_3mf
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding, at_least, at_most, in_file
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.judge.interference import Pair, interference, swept
 from camgen.judge.slabs import Body, Course, Slab, slabs_of
@@ -63,7 +63,7 @@ def sweep(path: Path, machine: Moved) -> tuple[list[Finding], list[Row]]:
 
     The file shows theta = 0. A file that does not hold just the copies of the machine is a ROUND_TRIP that fails.
     """
-    package, where = read_3mf(path), path.name
+    package, where = read_3mf(path), in_file(path)
     wanted = Counter(mount.part for mount in machine.mounts)
     found = Counter(item.name for item in package.items)
     missing = sum(((wanted - found) + (found - wanted)).values())

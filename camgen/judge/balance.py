@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import cmath
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from camgen.files.threemf import read_3mf
-from camgen.findings import Finding, at_most
+from camgen.findings import Finding, at_most, in_file
 from camgen.geometry.mesh import Mesh
 from camgen.judge.assembly import standing
 from camgen.machine.features import Balance, Moved
@@ -37,5 +38,8 @@ def judge_balance(path: Path, machine: Moved, balance: Balance) -> Finding:
         f"{abs(found):.5g} g mm at {math.degrees(cmath.phase(found)):.2f} deg in the crank's axes, {abs(balance.moment):.5g} at "
         f"{math.degrees(cmath.phase(balance.moment)):.2f} wanted; build anew, or make what turns with the crank as drawn"
     )
-    off, where = abs(found - balance.moment), f"{path.name}, {balance.body} about {balance.joint}"
+    off = abs(found - balance.moment)
+    where = replace(
+        in_file(path), thing=f"{balance.body} about {balance.joint}", joint=balance.joint
+    )
     return at_most("BALANCE", off, balance.tolerance, "g mm", where, said)

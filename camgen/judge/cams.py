@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from camgen import tolerances
-from camgen.findings import Finding, at_most
+from camgen.findings import Finding, Where, at_most
 from camgen.geometry.rings import Ring
 from camgen.judge.contact_faces import ArmFace, SlideFace
 from camgen.judge.contact_tips import ArmTip, SlideTip
@@ -68,7 +68,7 @@ def limit(law: Rolled, off: float) -> float:
 class Followed:
     """A follower on one outline over the turn, against what the exact one gives; off: mm, of outlines within the tolerance."""
 
-    def __init__(self, joint: Cam, outline: Outline, where: str, off: float) -> None:
+    def __init__(self, joint: Cam, outline: Outline, where: Where, off: float) -> None:
         self.joint, self.outline, self.where = joint, outline, where
         self.theta, self.meant = judged_angles(), outline.feature.meant
         self.touch = outline.law.contact.touch(self.theta)
@@ -76,9 +76,9 @@ class Followed:
         self.unit, self.scale = s_unit(joint)
         self._given = given(joint, outline)
 
-    def place(self, k: int) -> str:
+    def place(self, k: int) -> Where:
         """The file, and the judged angle k."""
-        return f"{self.where}, cam angle {math.degrees(self.theta[k] + self.joint.phase):.3f} deg"
+        return replace(self.where, theta=float(self.theta[k] + self.joint.phase))
 
     @property
     def pressure_angle(self) -> float:
@@ -148,7 +148,7 @@ class Followed:
 
 
 def _overlap(
-    joint: Cam, drive: Outline, other: Outline, where: str, off: float
+    joint: Cam, drive: Outline, other: Outline, where: Where, off: float
 ) -> tuple[Finding, float]:
     """INTERFERENCE of a follower that two outlines hold, and its largest play, rad or mm; the limit is what outlines that are
     off by so much, mm, may overlap. Of a pair with preload it is the overlap of tips that are smaller by that."""
@@ -171,7 +171,7 @@ def _overlap(
         scale * max(0.0, -float(play[least])),
         scale * borne,
         unit,
-        f"{where}, cam angle {math.degrees(theta[least] + joint.phase):.3f} deg",
+        replace(where, theta=float(theta[least] + joint.phase)),
         f"largest overlap of the follower with both outlines{beyond}; the limit is the outline tolerance at both",
     )
     return finding, largest
@@ -186,20 +186,22 @@ class OnCams:
     sound: bool
 
 
-def named(where: str, parts: Collection[str]) -> str:
+def named(where: Where, parts: Collection[str]) -> Where:
     """The files of one or two parts by their names, of more of them with the star."""
-    names = [where.replace("*", part) for part in sorted(parts)]
-    return " with ".join(names) if "*" in where and 0 < len(names) < 3 else where
+    names = [where.file.replace("*", part) for part in sorted(parts)]
+    if "*" not in where.file or not 0 < len(names) < 3:
+        return where
+    return replace(where, file=" with ".join(names))
 
 
 def judge_cams(
     kind: str,
-    where: str,
+    where: Where,
     machine: Machine,
     measured: Mapping[str, Sequence[Outline]],
     off: float,
     sound: bool,
-    motion: Callable[[Mapping[str, Outline], bool, str], Finding],
+    motion: Callable[[Mapping[str, Outline], bool, Where], Finding],
 ) -> OnCams:
     """What followers do on each outline; what follows from a motion is only judged where that is right.
 
@@ -236,7 +238,7 @@ def judge_cams(
                 }
             if outline.feature.own is not None:
                 found, figures = _own_tip(
-                    outline, outline.feature.own, where, motion(driven, True, "")
+                    outline, outline.feature.own, where, motion(driven, True, file)
                 )
                 findings.append(found)
                 numbers |= {
@@ -273,7 +275,7 @@ def _tips(outlines: Sequence[Outline]) -> dict[str, float]:
 
 
 def _own_tip(
-    outline: Outline, own: OwnTip, where: str, moved: Finding
+    outline: Outline, own: OwnTip, where: Where, moved: Finding
 ) -> tuple[Finding, dict[tuple[str, str], float]]:
     """TIP_MOTION: the motion with the tip that a part has, which may be off by the tolerance as well."""
     file = named(where, {own.part})
@@ -284,6 +286,11 @@ def _own_tip(
     what = "roller on the frame's pin" if own.radius is not None else "frame's own tip"
     remark = f"the {what}, radius {radius:.4f} mm, on the cam, both from the files"
     finding = at_most(
-        "TIP_MOTION", moved.measured, 2 * moved.limit, moved.unit, file + moved.where, remark
+        "TIP_MOTION",
+        moved.measured,
+        2 * moved.limit,
+        moved.unit,
+        replace(moved.where, file=file.file),
+        remark,
     )
     return finding, {("tip_motion_error", moved.unit): moved.measured, ("tip_radius", "mm"): radius}

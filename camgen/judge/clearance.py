@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ import numpy as np
 
 from camgen import tolerances
 from camgen.files.formats import FORMATS, read_drawing, read_solid
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.rings import Floats, Points
 from camgen.machine.features import Apart, Poses
@@ -238,7 +238,8 @@ def judge_clearance(
         return folder / f"{prefix}-{part}.{kind}"
 
     for pair in pairs:
-        where = f"{prefix}-{pair.a}.{kind} and {prefix}-{pair.b}.{kind}"
+        names = f"{prefix}-{pair.a}.{kind} and {prefix}-{pair.b}.{kind}"
+        where = Where(names, kind=kind, part=pair.a, other=pair.b)
         rest = poses(np.zeros(1))
         way = _way(pair, poses)
         least, slack, curve = Least(math.inf, 0.0), 2 * chord_tolerance, np.full(_ANGLES, np.inf)
@@ -290,7 +291,7 @@ def _way(pair: Apart, poses: Poses) -> Way:
     return way
 
 
-def _finding(pair: Apart, least: Least, slack: float, where: str) -> Finding:
+def _finding(pair: Apart, least: Least, slack: float, where: Where) -> Finding:
     degrees = math.degrees(least.theta)
     if least.distance < -slack:
         ranges = " and ".join(
@@ -306,7 +307,7 @@ def _finding(pair: Apart, least: Least, slack: float, where: str) -> Finding:
         round(least.distance, _DIGITS) + 0.0,
         pair.gap,
         "mm",
-        f"{pair.name}: {where}",
+        replace(where, thing=f"{pair.name}: {where.thing}"),
         f"{said}; up to {slack:.2g} mm either way is grazing",
         slack,
     )

@@ -11,7 +11,7 @@ import numpy as np
 from camgen import tolerances
 from camgen.errors import counted
 from camgen.files.formats import read_exact
-from camgen.findings import Finding, at_most
+from camgen.findings import Finding, at_most, in_file
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.rings import Floats
 from camgen.judge.round_trip import strange
@@ -29,7 +29,7 @@ def judge_copies(
     """
     from camgen.files.threemf import read_3mf
 
-    package, where = read_3mf(path), path.name
+    package, where = read_3mf(path), in_file(path)
     remarks = package.remarks
     remarks += [f"there is no part {name}" for name in sorted(set(package.meshes) - set(originals))]
     found, wanted = (
@@ -82,7 +82,7 @@ def judge_exact_copies(path: Path, files: Mapping[str, Path], places: Copies) ->
     from camgen.files.step import read_step
 
     bodies, copies, remarks = read_step(path)
-    where, faults = path.name, list[tuple[float, str]]()
+    where, faults = in_file(path), list[tuple[float, str]]()
     if sorted(bodies) != sorted(files) or Counter(copy.object for copy in copies) != Counter(
         name for name, _ in places
     ):

@@ -73,41 +73,49 @@ class FollowerTable(Record):
         takes = f"nothing here: {what} takes {', '.join((*needed, *allowed))}"
         own = {key for keys in _KEYS.values() for group in keys for key in group}
         found = [
-            Fault(key, "", takes)
+            Fault((key,), "", takes)
             for key in sorted(own - {*needed, *allowed})
             if getattr(self, key) is not None
         ]
         found += [
-            Fault(key, "", f"missing: {what} needs it")
+            Fault((key,), "", f"missing: {what} needs it")
             for key in needed
             if getattr(self, key) is None
         ]
         if self.shape == "roller" and self.radius is None:
             found.append(
-                Fault("radius", "", "missing: a roller or round tip needs it; shape=knife has none")
+                Fault(
+                    ("radius",), "", "missing: a roller or round tip needs it; shape=knife has none"
+                )
             )
         if self.shape != "roller" and self.radius is not None:
             found.append(
-                Fault("radius", f"{self.radius:g}", f"nothing here: shape '{self.shape}' has none")
+                Fault(
+                    ("radius",), f"{self.radius:g}", f"nothing here: shape '{self.shape}' has none"
+                )
             )
         if self.shape == "flat" and self.inside:
-            found.append(Fault("inside", "true", "false: a face cannot touch a wall from within"))
+            found.append(
+                Fault(("inside",), "true", "false: a face cannot touch a wall from within")
+            )
         if self.pivot is None or found:
             return found
         if not abs(complex(*self.pivot)) > 0:
-            return [Fault("pivot", "0/0", "a pivot away from the shaft")]
+            return [Fault(("pivot",), "0/0", "a pivot away from the shaft")]
         if self.at_deg is None:
             return (
                 []
                 if self.leaves
                 else [
-                    Fault("leaves", "", "missing: +1 or -1, or at_deg, to tell the side of the arm")
+                    Fault(
+                        ("leaves",), "", "missing: +1 or -1, or at_deg, to tell the side of the arm"
+                    )
                 ]
             )
         if self._side == 0:
             return [
                 Fault(
-                    "at_deg",
+                    ("at_deg",),
                     f"{self.at_deg:g}",
                     "an arm that does not lie on the line through shaft and pivot",
                 )
@@ -115,7 +123,7 @@ class FollowerTable(Record):
         if self.leaves not in (None, -self._side):
             return [
                 Fault(
-                    "leaves",
+                    ("leaves",),
                     f"{self.leaves:+d}",
                     f"{-self._side:+d}, for an arm at {self.at_deg:g} deg",
                 )
@@ -215,42 +223,55 @@ def pair_faults(first: FollowerTable, second: FollowerTable) -> Sequence[Fault]:
     named = (("--follower", first), ("--second-follower", second))
     if first.motion != second.motion:
         return [
-            Fault("--second-follower motion", second.motion, f"'{first.motion}', as --follower")
+            Fault(
+                ("motion",),
+                second.motion,
+                f"'{first.motion}', as --follower",
+                source="--second-follower",
+            )
         ]
     key = "at" if first.motion == "translating" else "at_deg"
     found = [
-        Fault(f"{name} {key}", "", "missing: where both tips are at one moment")
+        Fault((key,), "", "missing: where both tips are at one moment", source=name)
         for name, f in named
         if not f.anchored
     ]
     if first.pivot != second.pivot:
         found.append(
             Fault(
-                "--second-follower pivot",
+                ("pivot",),
                 f"{second.axle:g}",
                 "that of --follower: both tips are on one follower",
+                source="--second-follower",
             )
         )
     if first.inside and second.inside:
         found.append(
             Fault(
-                "--second-follower inside",
+                ("inside",),
                 "true",
                 "false for one of both: a groove has an inner wall, too",
+                source="--second-follower",
             )
         )
     same = first.inside != second.inside  # in a groove both walls are met on one line
     wanted, which = (1, "that of") if same else (-1, "opposite to that of")
     if first.motion == "translating" and abs(second.direction - wanted * first.direction) > 1e-9:
         found.append(
-            Fault("--second-follower direction_deg", "", f"a direction {which} --follower")
+            Fault(
+                ("direction_deg",),
+                "",
+                f"a direction {which} --follower",
+                source="--second-follower",
+            )
         )
     if first.motion == "oscillating" and not found and second.sense != wanted * first.sense:
         found.append(
             Fault(
-                "--second-follower leaves",
+                ("leaves",),
                 f"{second.sense:+d}",
                 f"{wanted * first.sense:+d}, {which} --follower",
+                source="--second-follower",
             )
         )
     return found
@@ -268,9 +289,11 @@ def _inline(text: str, option: str) -> reading.Data:
     for item in rest:
         key, equals, value = (part.strip() for part in item.partition("="))
         if not equals or not key or not value:
-            faults.append(Fault(option, repr(item), "KEY=VALUE, such as arm=67 or pivot=60/0"))
+            faults.append(
+                Fault((), repr(item), "KEY=VALUE, such as arm=67 or pivot=60/0", source=option)
+            )
         elif key in data:
-            faults.append(Fault(f"{option} {key}", value, "each key once"))
+            faults.append(Fault((key,), value, "each key once", source=option))
         else:
             cells = [_value(cell) for cell in value.split("/")]
             data[key] = cells if len(cells) > 1 else cells[0]

@@ -32,7 +32,7 @@ from typing import Any
 import numpy as np
 
 from camgen.errors import counted
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.rings import Floats, Ints, Points
 from camgen.judge.relative_motion import AT_REST, STRAIGHT, Motion
 from camgen.judge.slabs import PLANE, Body, Section, covered, sections_of, shadow_of, shrunk
@@ -559,5 +559,5 @@ def _worst(judged: Sequence[tuple[float, Clearance]]) -> list[Clearance]:
     return [c for margin, c in ordered if not margin >= 0] or [c for _, c in ordered[:1]]
 
 
-def _place(c: Clearance, what: str, angle: str) -> str:
-    return f"{c.a} and {c.b}: {what}, {angle} {math.degrees(c.theta):.3f} deg"
+def _place(c: Clearance, what: str, angle: str) -> Where:
+    return Where(f"{c.a} and {c.b}: {what}", part=c.a, other=c.b, theta=c.theta, angle=angle)

@@ -14,14 +14,14 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
 from camgen.files.dxf import read_dxf
-from camgen.findings import Finding, at_most
+from camgen.findings import Finding, Where, at_most, in_file
 from camgen.geometry.distances import point_to_ring
 from camgen.geometry.rings import Floats, Ints, Points, Ring
 from camgen.judge.contact_faces import ArmFace, SlideFace
@@ -70,10 +70,10 @@ def judge_profile(
         said = f"{len(profile.theta)} rows instead of {len(wanted)}, one each {step_deg:g} deg"
         return [
             at_most(
-                "ROUND_TRIP", abs(len(profile.theta) - len(wanted)), 0, "rows", table.name, said
+                "ROUND_TRIP", abs(len(profile.theta) - len(wanted)), 0, "rows", in_file(table), said
             )
         ]
-    rows = _Rows(table.name, profile, _Edges(ring, tolerance), _Follower(law, profile.theta))
+    rows = _Rows(in_file(table), profile, _Edges(ring, tolerance), _Follower(law, profile.theta))
     return [
         rows.angles(wanted),
         rows.places(),
@@ -235,8 +235,8 @@ class _Follower:
 class _Rows:
     """Findings on the columns of a table."""
 
-    def __init__(self, name: str, profile: Profile, edges: _Edges, follower: _Follower) -> None:
-        self.name, self.profile, self.edges, self.rolled = name, profile, edges, follower
+    def __init__(self, where: Where, profile: Profile, edges: _Edges, follower: _Follower) -> None:
+        self.where, self.profile, self.edges, self.rolled = where, profile, edges, follower
         self.riding = np.isnan(profile.normal)
         self.off = 2 * edges.tolerance  # mm, of the outline in a file from one that is exact
         self.near = self.off * (1 + BOUND_SPARE) / follower.steepest  # mm, of the follower
@@ -252,7 +252,13 @@ class _Rows:
         """ROUND_TRIP of the row whose error is the largest share of its limit; nan is larger than any."""
         limits = np.broadcast_to(np.asarray(limit, float), error.shape)
         worst = int(np.argmax(np.where(np.isnan(error), np.inf, error / limits)))
-        where = f"{self.name}, {columns}, row of {math.degrees(self.profile.theta[worst]):g} deg"
+        where = replace(
+            self.where,
+            thing=columns,
+            theta=float(self.profile.theta[worst]),
+            angle="row of",
+            digits=None,
+        )
         return at_most(
             "ROUND_TRIP", float(error[worst]), float(limits[worst]), unit, where, message
         )
@@ -467,12 +473,12 @@ def judge_path(
         len(faults),
         0,
         "contours",
-        path.name,
+        in_file(path),
         "; ".join(faults) or "one closed contour",
     )
     if faults:
         return [closed]
-    (ring,), table = drawing.cut, path.with_suffix(".csv").name
+    (ring,), table = drawing.cut, in_file(path.with_suffix(".csv"))
     findings = [closed, *_same_path(table, pieces, ring)]
     left = widened(ring, radius if within else -radius, sharp=False)
     target = outline.facetted(FACETS)
@@ -486,17 +492,17 @@ def judge_path(
     other = float(np.max(point_to_ring(left.points, target)))
     return [
         *findings,
-        at_most("CUTTER", max(float(off[worst]), other), limit, "mm", path.name, said),
+        at_most("CUTTER", max(float(off[worst]), other), limit, "mm", in_file(path), said),
     ]
 
 
-def _same_path(table: str, pieces: Sequence[Step], ring: Ring) -> list[Finding]:
+def _same_path(table: Where, pieces: Sequence[Step], ring: Ring) -> list[Finding]:
     """ROUND_TRIP of a path's table, column by column, and of its contour against the ring in the DXF."""
     wrong = [k + 1 for k, piece in enumerate(pieces) if not piece.named]
     said = "line, arc ccw or arc cw, as the other cells of the row tell" + (
         f"; not row {wrong[0]}" if wrong else ""
     )
-    kinds = at_most("ROUND_TRIP", len(wrong), 0, "rows", f"{table}, piece", said)
+    kinds = at_most("ROUND_TRIP", len(wrong), 0, "rows", replace(table, thing="piece"), said)
     if wrong or not pieces:
         return [
             kinds,
@@ -509,14 +515,14 @@ def _same_path(table: str, pieces: Sequence[Step], ring: Ring) -> list[Finding]:
     size = max(max(abs(piece.start), 0.0 if piece.straight else piece.radius) for piece in pieces)
     digits = 4 * _DIGIT * (1 + size / 50)  # nine decimals of a degree are 1 / 57 of that in rad
     said = "where each arc ends by its centre, radius and sweep, against its end"
-    columns = f"{table}, centre_x_mm, centre_y_mm, radius_mm and sweep_deg"
+    columns = replace(table, thing="centre_x_mm, centre_y_mm, radius_mm and sweep_deg")
     arcs = at_most("ROUND_TRIP", max(piece.error for piece in pieces), digits, "mm", columns, said)
     ends = at_most(
         "ROUND_TRIP",
         max(gaps),
         digits,
         "mm",
-        f"{table}, x0_mm, y0_mm, x1_mm and y1_mm",
+        replace(table, thing="x0_mm, y0_mm, x1_mm and y1_mm"),
         "from the end of each piece to the next",
     )
     written = Ring(

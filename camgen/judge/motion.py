@@ -12,7 +12,7 @@ import numpy as np
 
 from camgen import tolerances
 from camgen.files.formats import READABLE
-from camgen.findings import Finding, NotJudged, at_most
+from camgen.findings import Finding, NotJudged, Where, at_most
 from camgen.judge.cams import judge_cams, named
 from camgen.judge.joints import Closable, Fit, Outline, assembled
 from camgen.judge.measured import Sections, read
@@ -43,7 +43,7 @@ class Verdict:
 
 def judge_machine(
     kind: str,
-    where: str,
+    where: Where,
     files: Mapping[str, Sections],
     machine: Machine,
     features: Sequence[Feature],
@@ -119,7 +119,7 @@ def judge_machine(
     return Verdict(tuple(findings), numbers, _table(kind, judged, proof), proof, nominal)
 
 
-def _motion_error(judged: Sequence[_Judged], where: str) -> Finding:
+def _motion_error(judged: Sequence[_Judged], where: Where) -> Finding:
     """MOTION_ERROR of the output that comes worst off against its own limit."""
     worst = max(judged, key=lambda each: each.error / each.limit)
     return worst.motion(where, len(judged) == 1)
@@ -151,7 +151,7 @@ class _Closing:
     """A machine with its measured joints, to be closed on one outline of each cam or another; rounding: of coordinates, mm."""
 
     kind: str
-    where: str
+    where: Where
     machine: Machine
     measured: Closable
     theta: Floats
@@ -195,7 +195,7 @@ class _Closing:
             for output in self.outputs
         ]
 
-    def motion(self, driven: Mapping[str, Outline], own: bool, where: str) -> Finding:
+    def motion(self, driven: Mapping[str, Outline], own: bool, where: Where) -> Finding:
         """MOTION_ERROR of the machine driven by other outlines than the first, or tips."""
         return _motion_error(self.judged(self.proof(driven, own)), where)
 
@@ -288,14 +288,14 @@ class _Judged:
         return found
 
     def _finding(
-        self, code: str, measured: float, limit: float, where: str, remark: str
+        self, code: str, measured: float, limit: float, where: Where, remark: str
     ) -> Finding:
         return at_most(code, self.scale * measured, self.scale * limit, self.unit, where, remark)
 
-    def _where(self, where: str, alone: bool) -> str:
-        return where if alone else f"{where}, {self.output.name}"
+    def _where(self, where: Where, alone: bool) -> Where:
+        return where if alone else replace(where, output=self.output.name)
 
-    def motion(self, where: str, alone: bool) -> Finding:
+    def motion(self, where: Where, alone: bool) -> Finding:
         """MOTION_ERROR."""
         lost, turn = (
             int(np.count_nonzero(np.isinf(self.off))),
@@ -310,7 +310,8 @@ class _Judged:
             remark += f"; it does not close at {lost} of them"
         if self.error > self.limit:
             remark += self._moved_most()
-        place = f"{self._where(where, alone)}, {turn} angle {math.degrees(self.every[self.worst]):.3f} deg"
+        theta = float(self.every[self.worst])
+        place = replace(self._where(where, alone), theta=theta, angle=f"{turn} angle")
         return self._finding("MOTION_ERROR", self.error, self.limit, place, remark)
 
     def _moved_most(self) -> str:
@@ -325,13 +326,13 @@ class _Judged:
             return ""
         return f"; {part or 'a side'} is furthest from where it is meant, by {off:.3g} mm at joint {name}"
 
-    def play(self, where: str, alone: bool) -> Finding:
+    def play(self, where: Where, alone: bool) -> Finding:
         """LASH."""
         limit, cause = self.lash
         remark = f"free play of the output, by that of all joints at the worst angle; the limit is {cause}"
         return self._finding("LASH", 2 * self.band, limit, self._where(where, alone), remark)
 
-    def stroke(self, where: str, alone: bool) -> Finding:
+    def stroke(self, where: Where, alone: bool) -> Finding:
         """STROKE_ERROR."""
         made, meant = self.scale * self.made, self.scale * self.meant
         remark = f"{made:.6f} {self.unit} recovered, {meant:.6f} {self.unit} wanted"
@@ -371,7 +372,7 @@ def _size(files: Sequence[Sections]) -> float:
     )
 
 
-def _fit(fits: Mapping[str, Fit], limit: float, where: str) -> Finding:
+def _fit(fits: Mapping[str, Fit], limit: float, where: Where) -> Finding:
     """The joint that fits worst: play against the spec's, each hole's own size, its centres at several heights.
 
     Each hole by itself, for one that is too tight is not mended by another one that is too wide.
@@ -383,7 +384,7 @@ def _fit(fits: Mapping[str, Fit], limit: float, where: str) -> Finding:
         fit.misfit,
         limit,
         "mm",
-        f"{where}, {worst}",
+        replace(where, joint=worst),
         f"play {fit.play:.4f} mm, {fit.meant:.4f} mm wanted; worst of {len(fits)} joints, by each "
         "hole's diameter and by the centres at several heights",
     )

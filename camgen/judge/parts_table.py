@@ -9,7 +9,7 @@ from pathlib import Path
 
 from camgen.bounds import Bound, bounded
 from camgen.errors import FileError
-from camgen.findings import Finding, at_most
+from camgen.findings import Finding, at_most, in_file
 from camgen.study import Table
 
 _SIZE = Bound("a list of parts", 10_000_000, most=20_000)
@@ -34,7 +34,7 @@ def judge_list(path: Path, table: Table) -> Finding:
         k, *pair = wrong[0]
         there, meant = (", ".join(map(str, row[1:4])) or "nothing" for row in pair)
         said = f"line {k} has {there} instead of {meant}"
-    return at_most("PARTS_LIST", len(wrong), 0, "rows", path.name, said)
+    return at_most("PARTS_LIST", len(wrong), 0, "rows", in_file(path), said)
 
 
 def _same(row: Sequence[str], meant: Sequence[object]) -> bool:

@@ -17,7 +17,7 @@ from camgen import tolerances
 from camgen.errors import counted
 from camgen.files.dxf import read_contours
 from camgen.files.formats import FORMATS, read_drawing, read_exact, read_solid
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding, Where, at_least, at_most, in_file
 from camgen.geometry.distances import thinnest_wall
 from camgen.geometry.mesh import Mesh, mesh_faults, slice_mesh
 from camgen.geometry.rings import Floats, Points, Ring, Shape, shape_of
@@ -100,7 +100,7 @@ class Judged:
 
 def judge_drawing(path: Path, expected: Expected) -> Judged:
     """Units, closed contours, holes and walls of a drawing that is to be cut."""
-    form, where = FORMATS[path.suffix[1:]], path.name
+    form, where = FORMATS[path.suffix[1:]], in_file(path)
     drawing = read_drawing(path, expected.part)
     units = drawing.units or 0
     faults = [fault.message for fault in drawing.faults] + drawing.repainted(PART_LAYERS)
@@ -160,7 +160,7 @@ def judge_dimensioned(path: Path, expected: Expected) -> Finding:
     rings, wrong = read_contours(path)
     if wrong:
         return strange(path, wrong)
-    found = judge_cut(rings, expected, path.name).findings
+    found = judge_cut(rings, expected, in_file(path)).findings
     return next(finding for finding in found if finding.code == "ROUND_TRIP")
 
 
@@ -169,13 +169,13 @@ def judge_mesh(path: Path, expected: Expected) -> Judged:
     mesh, remarks = read_solid(path, expected.part)
     if remarks:
         return Judged((strange(path, remarks),))
-    return judge_solid(mesh, expected, path.name, FORMATS[path.suffix[1:]].rounding)
+    return judge_solid(mesh, expected, in_file(path), FORMATS[path.suffix[1:]].rounding)
 
 
 def judge_exact(path: Path, expected: Expected) -> Judged:
     """Closed shell, volume, sections and walls of the one exact solid in a file."""
     body, remarks = read_exact(path, expected.part)
-    where = path.name
+    where = in_file(path)
     if remarks:
         return Judged((strange(path, remarks),))
     bodies = counted(body.bodies, "body", "bodies")
@@ -196,12 +196,12 @@ def judge_exact(path: Path, expected: Expected) -> Judged:
     )
 
 
-def judge_cut(rings: Sequence[Ring], expected: Expected, where: str) -> Judged:
+def judge_cut(rings: Sequence[Ring], expected: Expected, where: Where) -> Judged:
     """Contours and walls of a part as it is cut of a sheet, in the part's frame."""
     return _judge_sections([(expected.sections[expected.cut], rings)], expected, where, 0.0, [])
 
 
-def judge_solid(mesh: Mesh, expected: Expected, where: str, rounding: float) -> Judged:
+def judge_solid(mesh: Mesh, expected: Expected, where: Where, rounding: float) -> Judged:
     """Watertightness, volume, sections and walls of a solid; rounding: of a length in its file, as a share."""
     faults = mesh_faults(mesh)
     count = faults.count + abs(faults.bodies - 1)
@@ -241,10 +241,10 @@ def _level_error(heights: Floats, expected: Expected) -> float:
 
 def strange(path: Path, remarks: Sequence[str]) -> Finding:
     """ROUND_TRIP of a file that is not as it was written."""
-    return at_most("ROUND_TRIP", len(remarks), 0, "warnings", path.name, "; ".join(remarks))
+    return at_most("ROUND_TRIP", len(remarks), 0, "warnings", in_file(path), "; ".join(remarks))
 
 
-def _volume(volume: float, expected: Expected, where: str) -> Finding:
+def _volume(volume: float, expected: Expected, where: Where) -> Finding:
     limit = tolerances.VOLUME_SHARE * expected.volume + expected.facets
     return at_most(
         "VOLUME",
@@ -259,7 +259,7 @@ def _volume(volume: float, expected: Expected, where: str) -> Finding:
 def _judge_sections(
     read: Sequence[tuple[Section, Sequence[Ring]]],
     expected: Expected,
-    where: str,
+    where: Where,
     rounding: float,
     findings: list[Finding],
     level_error: float = 0.0,

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from camgen.files.gltf import read_glb
-from camgen.findings import Finding, at_most
+from camgen.findings import Finding, at_most, in_file
 from camgen.geometry.rings import Floats, Points
 from camgen.tolerances import FLOAT32_ROUNDING
 
@@ -75,14 +75,14 @@ def judge_scene(path: Path, flights: Mapping[str, Flight], seconds: float) -> Fi
         (copy, each.part) for copy, each in flights.items()
     ):
         said = f"{len(found)} copies, which are not the {len(flights)} of the machine"
-        return at_most("ROUND_TRIP", math.nan, 0, "mm", path.name, said)
+        return at_most("ROUND_TRIP", math.nan, 0, "mm", in_file(path), said)
     rows = [
         (*_off(course, transform, flights[copy], seconds), copy)
         for copy, _, course, transform in found
     ]
     off, limit, copy = max(rows, key=lambda row: row[0] / row[1], default=(0.0, 0.0, ""))
     said = f"{len(rows)} copies where they are over the animation"
-    return at_most("ROUND_TRIP", off, limit, "mm", f"{path.name}, {copy}", said)
+    return at_most("ROUND_TRIP", off, limit, "mm", replace(in_file(path), part=copy), said)
 
 
 def _off(course: Course, transform: Floats, flight: Flight, seconds: float) -> tuple[float, float]:

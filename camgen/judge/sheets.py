@@ -10,7 +10,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +19,7 @@ import numpy as np
 from camgen.errors import FileError
 from camgen.files.cutting import read_svg
 from camgen.files.dxf import read_dxf
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding, Where, at_least, at_most, in_file
 from camgen.geometry.distances import point_to_ring
 from camgen.geometry.rings import Points, Ring, Shape
 from camgen.judge.round_trip import MILLIMETRES, Expected, Judged, judge_cut, pieces_of
@@ -66,7 +66,7 @@ def judge_sheet(
     SHEET_FIT: what is missing, how far a piece stands out over the sheet, and the gap between pieces; KERF: how far a part as
     cut is from its outline. ROUND_TRIP and MIN_WALL are those of each part as cut.
     """
-    drawing, where = read_dxf(dxf, engraving=True), dxf.name
+    drawing, where = read_dxf(dxf, engraving=True), in_file(dxf)
     faults = [fault.message for fault in drawing.faults] + drawing.repainted(_TOOLS)
     faults += (
         []
@@ -99,7 +99,7 @@ def judge_sheet(
         middle = turn * expected.sections[expected.cut].shapes[0].outer.centroid + copy.place
         piece = min(found, key=lambda shape: abs(shape.outer.centroid - middle))
         own = piece.moved(shift=-copy.place).moved(1 / turn)
-        named = f"{where}, {copy.part}-{copy.copy}"
+        named = replace(where, part=f"{copy.part}-{copy.copy}")
         try:
             rings = [
                 widened(own.outer, -beam.kerf / 2),
@@ -116,7 +116,7 @@ def judge_sheet(
     return findings, judged
 
 
-def _fit(found: Sequence[Shape], beam: Beam, wanted: int, where: str) -> list[Finding]:
+def _fit(found: Sequence[Shape], beam: Beam, wanted: int, where: Where) -> list[Finding]:
     """SHEET_FIT of the pieces of a sheet."""
     import shapely
 
@@ -162,14 +162,14 @@ def _same_as_svg(
     try:
         size, layers = read_svg(svg)
     except FileError as error:
-        return at_most("ROUND_TRIP", math.nan, 0, "mm", svg.name, str(error))
+        return at_most("ROUND_TRIP", math.nan, 0, "mm", in_file(svg), str(error))
     off, count = 0.0, 0
     for name, wanted in (("ENGRAVE", drawing.engraved), ("CUT", drawing.cut)):
         there = layers[name].rings if name in layers else []
         count += len(there)
         if len(there) != len(wanted) or size != sheet:
             said = f"{len(there)} contours on {size[0]:g} x {size[1]:g} mm instead of {len(wanted)}"
-            return at_most("ROUND_TRIP", math.nan, 0, "mm", svg.name, said)
+            return at_most("ROUND_TRIP", math.nan, 0, "mm", in_file(svg), said)
         off = max([off, *(_apart(a, b) for a, b in zip(there, wanted, strict=True))])
     titles = {name: layer.titles for name, layer in layers.items()}
     said = f"{count} contours, as in the DXF"
@@ -178,7 +178,7 @@ def _same_as_svg(
             math.nan,
             "its pieces do not have the names of the list of sheets, in that order",
         )
-    return at_most("ROUND_TRIP", off, _SVG_STEP, "mm", svg.name, said)
+    return at_most("ROUND_TRIP", off, _SVG_STEP, "mm", in_file(svg), said)
 
 
 def _apart(a: Ring, b: Ring) -> float:
@@ -211,7 +211,7 @@ def widened(ring: Ring, distance: float, sharp: bool = True) -> Ring:
     return Ring(z, np.zeros(len(z)))
 
 
-def _kerf(path: Shape, expected: Expected, kerf: float, where: str) -> Finding:
+def _kerf(path: Shape, expected: Expected, kerf: float, where: Where) -> Finding:
     """KERF: how far the part as cut is from the outline that was meant, where inner corners come out round."""
     import shapely
 

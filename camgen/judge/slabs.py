@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from camgen.files.threemf import read_3mf
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding, at_least, at_most, in_file
 from camgen.geometry.mesh import Mesh, slice_mesh
 from camgen.geometry.rings import Floats, Points, Ring, fit_circle
 from camgen.tolerances import FLOAT32_ROUNDING
@@ -214,7 +214,7 @@ def judge_plate(
     """
     import shapely
 
-    package, where = read_3mf(path), path.name
+    package, where = read_3mf(path), in_file(path)
     meshes = [item.placed for item in package.items]
     rounding = 8 * FLOAT32_ROUNDING * max(bed)
     lift = max((abs(float(mesh.vertices[:, 2].min())) for mesh in meshes), default=math.nan)

@@ -12,14 +12,14 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from camgen.errors import counted
-from camgen.findings import Finding, at_most
+from camgen.findings import Finding, Where, at_most
 from camgen.geometry.mesh import Mesh, components, slice_mesh
 from camgen.geometry.registration import Laid, dense, deviation, lay
 from camgen.geometry.rings import Floats, Points, Ring, Shape
@@ -110,8 +110,9 @@ class Copy:
         z = self.known.solid.vertices[:, 2]
         return float(z.max() - layer.middle if self.known.over else z.min() + layer.middle)
 
-    def complete(self, where: str) -> list[Finding]:
+    def complete(self, where: Where) -> list[Finding]:
         """Whether its layers lie on each other without a gap, and reach up to the top of the solid."""
+        part = self.known.part
         tops = [0.0, *(layer.top for layer in self.layers)]
         gaps = [(layer.low - top, top) for top, layer in zip(tops, self.layers, strict=False)]
         gap, under = max(gaps)
@@ -122,17 +123,23 @@ class Copy:
         off, last = tops[-1] - float(np.ptp(lying)), self.layers[-1]
         half = (last.top - last.low) / 2 + _SAME
         high = f"its last layer ends at {tops[-1]:.3f} mm, its top lies at {np.ptp(lying):.3f}; half a layer may be off"
-        where = f"{where}, {self.known.part}"
         return [
             at_most(
                 "ROUND_TRIP",
                 max(gap, 0.0) if count else 0.0,
                 _SAME,
                 "mm",
-                f"{where}, gap between layers",
+                replace(where, thing=f"{part}, gap between layers", part=part),
                 said,
             ),
-            at_most("ROUND_TRIP", abs(off), half, "mm", f"{where}, height", high),
+            at_most(
+                "ROUND_TRIP",
+                abs(off),
+                half,
+                "mm",
+                replace(where, thing=f"{part}, height", part=part),
+                high,
+            ),
         ]
 
 

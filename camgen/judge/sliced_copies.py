@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 
-from camgen.findings import Finding, NotJudged, at_most
+from camgen.findings import Finding, NotJudged, Where, at_most
 
 
 def judge_sliced_copies(
-    laid: Counter[str], wanted: Counter[str], plates: Mapping[str, Counter[str]], where: str
+    laid: Counter[str], wanted: Counter[str], plates: Mapping[str, Counter[str]], where: Where
 ) -> tuple[Finding, list[NotJudged]]:
     """ROUND_TRIP of how often each part is laid, by its name.
 

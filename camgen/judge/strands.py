@@ -11,14 +11,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
 from camgen.files.threemf import read_3mf
-from camgen.findings import Finding, at_least
+from camgen.findings import Finding, Where, at_least, in_file
 from camgen.geometry.distances import segments_to_rings
 from camgen.geometry.mesh import Mesh, slice_mesh
 from camgen.judge.assembly import standing
@@ -77,12 +77,12 @@ def judge_strands(path: Path, machine: Moved, strands: Sequence[Strand]) -> list
         for name, item, body in standing(read_3mf(path), machine)
     }
     return [
-        finding for strand in strands for finding in _judged(strand, copies, machine, path.name)
+        finding for strand in strands for finding in _judged(strand, copies, machine, in_file(path))
     ]
 
 
 def _judged(
-    strand: Strand, copies: Mapping[str, _Copy], machine: Moved, where: str
+    strand: Strand, copies: Mapping[str, _Copy], machine: Moved, where: Where
 ) -> list[Finding]:
     names = [f"{part}-{copy + 1}" for part, copy in strand.posts]
     lost = [name for name in names if name not in copies]
@@ -93,7 +93,7 @@ def _judged(
                 math.nan,
                 strand.held,
                 "mm",
-                f"{where}, {lost[0]}",
+                replace(where, part=lost[0]),
                 "the post is not there",
             )
         ]
@@ -113,7 +113,12 @@ def _judged(
         )
         found.append(
             at_least(
-                "THREAD_HELD", min(above, below), strand.held, "mm", f"{where}, {post.name}", said
+                "THREAD_HELD",
+                min(above, below),
+                strand.held,
+                "mm",
+                replace(where, part=post.name),
+                said,
             )
         )
     return [*found, _clear(strand, posts, widest, copies, machine, where)]
@@ -125,10 +130,11 @@ def _clear(
     radius: float,
     copies: Mapping[str, _Copy],
     machine: Moved,
-    where: str,
+    where: Where,
 ) -> Finding:
     """The nearest of all that a thread passes, and at which angle it does."""
-    best, told = math.inf, ""
+    there = where
+    best = math.inf
     for pair in pairwise(posts):
         for copy in (each for each in copies.values() if each not in pair):
             bottom, top = (
@@ -148,10 +154,17 @@ def _clear(
             beside, theta = _nearest(pair, copy, copy.sections(*heights), machine)
             gap, how = (gap, how) if passed else (beside - radius, "beside")
             if gap < best:
-                best, at = gap, f"at {math.degrees(theta) % 360:.2f} deg"
-                told = f"thread {pair[0].name} to {pair[1].name}, {how} {copy.name}, nearest {at}"
+                best = gap
+                there = replace(
+                    where,
+                    thing=f"thread {pair[0].name} to {pair[1].name}, {how} {copy.name}",
+                    part=copy.name,
+                    theta=theta % math.tau,
+                    angle="nearest at",
+                    digits=2,
+                )
     remark = "least of a turn; move guides or eye (geometry.guides, eye_distance), or raise the thread: parts.thread_height"
-    return at_least("THREAD_CLEAR", best, strand.gap, "mm", f"{where}, {told}", remark)
+    return at_least("THREAD_CLEAR", best, strand.gap, "mm", there, remark)
 
 
 def _nearest(

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from camgen.findings import Finding
+from camgen.findings import Finding, Where
 from camgen.judge.proof import Proof
 from camgen.machine.features import Asked
 from camgen.machine.model import Floats, unit_of
 
 
-def judge_targets(asked: Sequence[Asked], proof: Proof, theta: Floats, where: str) -> list[Finding]:
+def judge_targets(
+    asked: Sequence[Asked], proof: Proof, theta: Floats, where: Where
+) -> list[Finding]:
     """A finding for each target of each output. theta: (n,) rad, even, both ends of the turn or range included."""
     findings = []
     for each in asked:
@@ -24,7 +27,7 @@ def judge_targets(asked: Sequence[Asked], proof: Proof, theta: Floats, where: st
             unit, scale = unit_of(proof.machine.output(each.output))
             whole = abs(theta[-1] - theta[0] - math.tau) < 1e-9
             course = Course(theta, scale * moved.value, scale * moved.slope, unit, whole)
-            place = f"{where}, {each.output}"
+            place = replace(where, output=each.output)
             closes = bool(np.isfinite(course.value).all())
             findings += [
                 target.finding(course, place) for target in each.targets if closes

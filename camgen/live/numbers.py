@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from camgen import spec as specs
-from camgen.errors import Fault, SpecError, file_errors
+from camgen.errors import Fault, Key, SpecError, dotted, file_errors
 from camgen.motion.laws import LAWS
 from camgen.schemas import Data, members_of, shortened, step_below
 
@@ -46,7 +46,7 @@ def numbers(data: Data, schema: Data) -> list[Number]:
         replace(each, unit=_of_follower(each.unit, swings))
         for key, value in data.items()
         if key != "mechanism"
-        for each in _below(key, value, schema, key, schema)
+        for each in _below((key,), value, schema, schema)
     ]
 
 
@@ -64,14 +64,14 @@ def _of_follower(unit: str, swings: bool | None) -> str:
     return unit if swings is None or not turns else turns if swings else slides
 
 
-def _below(path: str, value: Any, above: Data, step: str | int, root: Data) -> Iterator[Number]:
-    node = step_below(above, step, root)
+def _below(path: Key, value: Any, above: Data, root: Data) -> Iterator[Number]:
+    node = step_below(above, path[-1], root)
     if node is None:
         return
     if isinstance(value, dict):
         for key, item in value.items():
             if "." not in key:
-                yield from _below(f"{path}.{key}", item, node, key, root)
+                yield from _below((*path, key), item, node, root)
     elif (
         isinstance(value, list)
         and len(value) <= _MOST
@@ -79,30 +79,30 @@ def _below(path: str, value: Any, above: Data, step: str | int, root: Data) -> I
         and isinstance(value[0], dict)
     ):
         for k, item in enumerate(value):
-            yield from _below(f"{path}.{k}", item, node, k, root)
+            yield from _below((*path, k), item, node, root)
     elif isinstance(value, bool | str | int | float):
         unit, about = str(node.get("unit", above.get("unit", ""))), str(node.get("description", ""))
         yield from _one(path, value, unit if unit != "1" else "", about, members_of(node, root))
 
 
 def _one(
-    path: str, value: bool | str | int | float, unit: str, about: str, members: Sequence[Data]
+    path: Key, value: bool | str | int | float, unit: str, about: str, members: Sequence[Data]
 ) -> Iterator[Number]:
     if isinstance(value, bool):
-        yield Number(path, value, about=about, choices=("false", "true"))
+        yield Number(dotted(path), value, about=about, choices=("false", "true"))
         return
     names = (
         list(LAWS)
-        if path.endswith(".law")
+        if path[1:] and path[-1] == "law"
         else [str(name) for member in members for name in member.get("enum", ())]
     )
     if isinstance(value, str) or names:
         if str(value) in names:
-            yield Number(path, value, about=about, choices=names)
+            yield Number(dotted(path), value, about=about, choices=names)
         return
     kind = next((member for member in members if member.get("type") in ("number", "integer")), None)
     if kind is not None and math.isfinite(value):
-        yield Number(path, value, *_slider(value, kind, unit), unit, about)
+        yield Number(dotted(path), value, *_slider(value, kind, unit), unit, about)
 
 
 def _slider(value: float, kind: Data, unit: str) -> tuple[float, float, float]:
@@ -128,18 +128,20 @@ def overrides(settings: object, known: Sequence[Number]) -> list[str]:
     names = {number.key: number.choices for number in known}
     if not isinstance(settings, Mapping) or len(settings) > len(names):
         raise SpecError(
-            [Fault("settings", "", f"a table of at most {len(names)} keys and values")], "page"
+            [Fault(("settings",), "", f"a table of at most {len(names)} keys and values")], "page"
         )
     faults = list[Fault]()
     for key, text in settings.items():
         if key not in names:
-            faults.append(specs.unknown("settings", shortened(str(key)), names))
+            faults.append(specs.unknown(("settings",), shortened(str(key)), names))
         elif not (isinstance(text, str) and _PLAIN.fullmatch(text) and text.strip()):
             faults.append(
-                Fault(key, shortened(str(text)), "a number or a word, as a spec writes it")
+                Fault(
+                    (), shortened(str(text)), "a number or a word, as a spec writes it", source=key
+                )
             )
         elif names[key] and text not in names[key]:
-            faults.append(Fault(key, shortened(text), f"one of {', '.join(names[key])}"))
+            faults.append(Fault((), shortened(text), f"one of {', '.join(names[key])}", source=key))
     if faults:
         raise SpecError(faults, "page")
     return [f"{key}={text}" for key, text in settings.items()]

@@ -221,7 +221,7 @@ def _answering(reply: Callable[[Answer], Answer]) -> Callable[[Request], Awaitab
             asked = None
         if not isinstance(asked, dict):
             return _json(
-                told("no valid request", [str(Fault("request", "", "a JSON object"))]), 400
+                told("no valid request", [str(Fault(("request",), "", "a JSON object"))]), 400
             )
         try:
             return _json(await run_in_threadpool(reply, asked))

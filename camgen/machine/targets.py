@@ -17,8 +17,8 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from camgen.errors import Fault
-from camgen.findings import Finding, at_least, at_most
+from camgen.errors import Fault, Key
+from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.convex import hull_corners
 from camgen.geometry.hausdorff import Edges, stray
 from camgen.numerics import Floats, Points
@@ -136,7 +136,7 @@ class Stroke(Record):
     value: Size = Field(description="mm; deg of an angle")
     tolerance: Size = Field(description="mm; deg of an angle: how far it may differ")
 
-    def finding(self, course: Course, where: str) -> Finding:
+    def finding(self, course: Course, where: Where) -> Finding:
         """STROKE_ERROR."""
         made = stroke(course)
         said = f"stroke {made:.6g} {course.unit}, {self.value:g} wanted; the limit is the tolerance of the spec"
@@ -159,12 +159,12 @@ class Through(Record):
         None, description="deg, when it is there: one angle for each place"
     )
 
-    def faults(self, path: str) -> list[Fault]:
+    def faults(self, path: Key) -> list[Fault]:
         """What does not go together."""
         if self.theta_deg is not None and len(self.theta_deg) != len(self.at):
             return [
                 Fault(
-                    f"{path}.theta_deg",
+                    (*path, "theta_deg"),
                     f"{len(self.theta_deg)} angles",
                     f"one for each of the {len(self.at)} places",
                 )
@@ -172,7 +172,7 @@ class Through(Record):
         if self.theta_deg is not None and self.in_order:
             return [
                 Fault(
-                    f"{path}.in_order",
+                    (*path, "in_order"),
                     "true",
                     "false, or no theta_deg: angles say the order already",
                 )
@@ -196,7 +196,7 @@ class Through(Record):
             else [min(way, key=lambda pair: pair[1]) for way in ways]
         )
 
-    def finding(self, course: Course, where: str) -> Finding:
+    def finding(self, course: Course, where: Where) -> Finding:
         """PATH_ERROR: the place that the path misses most."""
         met = self.met(course)
         how = (
@@ -248,7 +248,7 @@ class Trace(Record):
         """Corners of the wanted path, or its places, mm."""
         return [complex(*place) for place in self.at]
 
-    def finding(self, course: Course, where: str) -> Finding:
+    def finding(self, course: Course, where: Where) -> Finding:
         """PATH_ERROR: the farthest place of either line, by a bound that holds between all places looked at."""
         found = self.apart(course)
         x, y = found.place.real, found.place.imag
@@ -267,7 +267,7 @@ class Function(Record):
     )
     tolerance: Size = Field(description="mm; deg of an angle: how far it may differ")
 
-    def finding(self, course: Course, where: str) -> Finding:
+    def finding(self, course: Course, where: Where) -> Finding:
         """FUNCTION_ERROR: the pair that is missed most."""
         theta, wanted = np.array(self.at).T
         made = course.at(np.radians(theta))
@@ -291,21 +291,21 @@ class Straight(Record):
         None, description="mm from end to end: instead, the straightest stretch that is so long"
     )
 
-    def faults(self, path: str) -> list[Fault]:
+    def faults(self, path: Key) -> list[Fault]:
         """What does not go together."""
         if (self.range_deg is None) == (self.length is None):
             return [Fault(path, "", "either range_deg or length")]
         if self.range_deg is not None and not 0 < self.range_deg[1] - self.range_deg[0] <= 360:
             return [
                 Fault(
-                    f"{path}.range_deg",
+                    (*path, "range_deg"),
                     str(list(self.range_deg)),
                     "the least before the greatest, at most a turn apart",
                 )
             ]
         return []
 
-    def finding(self, course: Course, where: str) -> Finding:
+    def finding(self, course: Course, where: Where) -> Finding:
         """STRAIGHTNESS."""
         if self.range_deg is not None:
             low, high = np.radians(self.range_deg)
@@ -337,7 +337,7 @@ class Dwell(Record):
         None, description="the middle of the band, mm; deg of an angle; anywhere unless given"
     )
 
-    def finding(self, course: Course, where: str) -> Finding:
+    def finding(self, course: Course, where: Where) -> Finding:
         """DWELL."""
         span, begins = dwell(course, self.band, self.at)
         said = f"longest span within a band of {self.band:g} {course.unit}"
@@ -356,7 +356,7 @@ class TimeRatio(Record):
     )
     tolerance: Size = Field(description="how far it may differ; no unit")
 
-    def finding(self, course: Course, where: str) -> Finding:
+    def finding(self, course: Course, where: Where) -> Finding:
         """TIME_RATIO."""
         if not course.strokes:
             return at_most(self.code, math.nan, self.tolerance, "1", where, NO_STROKES)
@@ -378,7 +378,7 @@ class Advance(Record):
     forwards: Literal[-1, 1] = Field(1, description="sense of the angle in which it locks")
     time: Literal[-1, 1] = Field(1, description="sense in which theta runs")
 
-    def finding(self, course: Course, where: str) -> Finding:
+    def finding(self, course: Course, where: Where) -> Finding:
         """ADVANCE_ERROR."""
         made = advance(self.forwards * course.value[:: self.time], self.lost)
         said = (

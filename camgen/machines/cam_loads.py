@@ -27,10 +27,10 @@ def load_faults(
     """What is wrong; slides: a translating follower; pushed: only a spring keeps it on its cam; made: it is a part."""
     found = []
     if spring is not None and not pushed:
-        found.append(Fault("spring", "", 'nothing here: only closure "force" has a spring'))
+        found.append(Fault(("spring",), "", 'nothing here: only closure "force" has a spring'))
     if load is None:
         return (
-            [*found, Fault("load", "", "missing: what [spring] has to move")]
+            [*found, Fault(("load",), "", "missing: what [spring] has to move")]
             if spring is not None
             else found
         )
@@ -39,7 +39,7 @@ def load_faults(
         kind = "translating" if slides else "oscillating"
         found.append(
             Fault(
-                f"load.{other}",
+                ("load", other),
                 f"{getattr(load, other):g}",
                 f"nothing here: a follower that is {kind} has {needed}",
             )
@@ -51,7 +51,7 @@ def load_faults(
             else (
                 None
                 if load.mass_kg or made
-                else Fault("load.mass_kg", "0", "above 0 with load.gravity_deg: what weighs")
+                else Fault(("load", "mass_kg"), "0", "above 0 with load.gravity_deg: what weighs")
             )
         )
         found += [] if what is None else [what]
@@ -66,14 +66,14 @@ def polydyne_faults(
 
     found = []
     if load.stiffness is None:
-        found.append(Fault("load.stiffness", "", "missing: load.polydyne corrects for it"))
+        found.append(Fault(("load", "stiffness"), "", "missing: load.polydyne corrects for it"))
     if sprung and not (spring and spring.rate):
         right = "above 0 with load.polydyne: it corrects for the spring of the machine, which is else found by the cam"
-        found.append(Fault("spring.rate", "0", right))
+        found.append(Fault(("spring", "rate"), "0", right))
     if not load.mass_kg and not load.inertia_kg_m2:
         found.append(
             Fault(
-                "load.mass_kg",
+                ("load", "mass_kg"),
                 "0",
                 "above 0 with load.polydyne (or inertia_kg_m2 of an arm): what moves behind it",
             )
@@ -81,7 +81,7 @@ def polydyne_faults(
     return [
         *found,
         *(
-            Fault(f"segment.{k}.law", repr(wanted.segments[k].law.name), NEEDED)
+            Fault(("segment", k, "law"), repr(wanted.segments[k].law.name), NEEDED)
             for k in rough(wanted.segments)
         ),
     ]
@@ -100,7 +100,7 @@ def unweighed(deg: float, inertia: bool, made: bool) -> Fault | None:
         else ('no follower is made whose weight is known (parts.make = "machine")')
     )
     return Fault(
-        "load.gravity_deg", f"{deg:g}", f"nothing here: {why}; left out, the cam lies flat"
+        ("load", "gravity_deg"), f"{deg:g}", f"nothing here: {why}; left out, the cam lies flat"
     )
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from camgen.findings import Finding, at_most
+from camgen.findings import Finding, Where, at_most
 from camgen.machine.cams.limits import unit_of as unit_of_lift
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Asked
@@ -42,7 +42,9 @@ def of_pins(run: Run, wanted: Sequence[Asked]) -> list[Finding]:
         if play > 0:
             limit, said = borne(asked.lash, np.asarray(run[asked.output]), asked.lash_of)
             said = f"by the clearance of its joints; {said}"
-            found.append(at_most("LASH", scale * play, scale * limit, unit, asked.output, said))
+            found.append(
+                at_most("LASH", scale * play, scale * limit, unit, Where(output=asked.output), said)
+            )
     return found
 
 
@@ -86,7 +88,7 @@ def between(cams: Sequence[DiscCam[Any]], air: float, lash: float) -> list[Findi
     play: Floats = sum((air / _leaving(cam, theta) for cam in cams), np.zeros(theta.size))
     worst, (unit, scale) = int(np.argmax(play)), unit_of_lift(cams[0])
     limit, said = borne(lash, cams[0].program(theta))
-    where = f"follower, cam angle {math.degrees(theta[worst]):.1f} deg"
+    where = Where("follower", theta=float(theta[worst]), digits=1)
     remark = f"by {air:g} mm of air at each contact; {said}"
     return [at_most("LASH", scale * float(play[worst]), scale * limit, unit, where, remark)]
 

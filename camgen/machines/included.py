@@ -14,8 +14,8 @@ import numpy as np
 
 from camgen import reading
 from camgen import spec as specs
-from camgen.errors import DesignError, Fault, SpecError
-from camgen.findings import Finding, at_most
+from camgen.errors import DesignError, Fault, Key, SpecError
+from camgen.findings import Finding, Where, at_most
 from camgen.geometry.outlines import Arc
 from camgen.machine.features import Mount
 from camgen.machine.joining import Module, Ride, ride
@@ -86,12 +86,14 @@ def stacked(
         module = Module(_name(each), complex(*each.at), math.radians(each.phase_deg), z)
         joint = None
         if each.mounted and end is not None:
-            _refuse_unfixed(f"include.{k}.mounted", own, end.sizes.mount_diameter)
+            _refuse_unfixed(("include", k, "mounted"), own, end.sizes.mount_diameter)
             joint = in_line(own, module, end, gap)
             module = module if joint is None else replace(module, z=joint.z)
-            _refuse_height(f"include.{k}.z", each.z, joint, module.z, end.top + gap - low)
+            _refuse_height(("include", k, "z"), each.z, joint, module.z, end.top + gap - low)
         top = max(top, module.z + max(high for _, high in levels))
-        module = replace(module, rides=_rides(f"include.{k}.ride", each, module, mechanism, chain))
+        module = replace(
+            module, rides=_rides(("include", k, "ride"), each, module, mechanism, chain)
+        )
         found.append(_included(each, module, mechanism, joint))
     return tuple(found)
 
@@ -179,7 +181,7 @@ def kept(
     return tuple(found)
 
 
-def _refuse_unfixed(key: str, own: Assembly, core: float) -> None:
+def _refuse_unfixed(key: Key, own: Assembly, core: float) -> None:
     """Raise SpecError where no screws of posts fit into a frame."""
     wide = set() if own.frame is None else {diameter for _, diameter in own.frame.fixings}
     if not wide:
@@ -193,7 +195,7 @@ def _refuse_unfixed(key: str, own: Assembly, core: float) -> None:
 
 
 def _refuse_height(
-    key: str, given: float | None, joint: InLine | None, z: float, least: float
+    key: Key, given: float | None, joint: InLine | None, z: float, least: float
 ) -> None:
     """Raise SpecError where a machine is given a height, mm, at which its frame cannot stand on the second plate.
 
@@ -208,15 +210,13 @@ def _refuse_height(
 
 
 def _rides(
-    key: str, each: Include, module: Module, mechanism: Mechanism, chain: Machine
+    key: Key, each: Include, module: Module, mechanism: Mechanism, chain: Machine
 ) -> tuple[Ride, ...]:
     """Bodies that links of the host carry, as they stand to each other at theta = 0; SpecError, by the key, where they cannot."""
     bodies, links = ([body.name for body in machine.moving] for machine in (mechanism.model, chain))
-    wrong = [
-        specs.unknown(f"{key}.{body}", body, bodies) for body in each.ride if body not in bodies
-    ]
+    wrong = [specs.unknown((*key, body), body, bodies) for body in each.ride if body not in bodies]
     wrong += [
-        specs.unknown(f"{key}.{body}", link, links)
+        specs.unknown((*key, body), link, links)
         for body, link in each.ride.items()
         if link not in links
     ]
@@ -251,7 +251,7 @@ def distinct(
             for k, each in enumerate(found)
             if name.startswith((each.module.name(""), each.module.part("")))
         ]
-        return SpecError([Fault(f"include.{own[-1] if own else 0}.name", said, right)])
+        return SpecError([Fault(("include", own[-1] if own else 0, "name"), said, right)])
 
     right = (
         "a name of its own in front of each included machine's names: give the include another one"
@@ -290,7 +290,7 @@ def filled(each: Included) -> Mapping[str, Any]:
 def limits(each: Included, chain: Machine) -> Sequence[Finding]:
     """Its design checks, and how well the links of the host's chain that carry bodies of it follow its own motion."""
     own = [
-        replace(finding, where=f"{each.module.prefix}: {finding.where}")
+        replace(finding, where=replace(finding.where, module=each.module.prefix))
         for finding in each.mechanism.limits()
     ]
     return [*own, *(_followed(each, ride, chain) for ride in each.module.rides)]
@@ -303,8 +303,13 @@ def _followed(each: Included, ride: Ride, chain: Machine) -> Finding:
     own = each.mechanism.solve(theta + module.phase, 0).pose(ride.body)
     off = np.abs(link.place + ride.at * np.exp(1j * link.angle) - own.place - module.at)
     worst = int(np.argmax(off))
-    angle = math.degrees(theta[worst])
-    where = f"{module.prefix}: {ride.body} on {ride.link}, crank angle {angle:.2f} deg"
+    where = Where(
+        f"{ride.body} on {ride.link}",
+        theta=float(theta[worst]),
+        angle="crank angle",
+        digits=2,
+        module=module.prefix,
+    )
     said = "from where its own machine has it; what follows from it, such as clearances, is judged where it really goes"
     return at_most("PROGRAM_ERROR", float(off[worst]), each.table.ride_tolerance, "mm", where, said)
 
@@ -381,16 +386,16 @@ def faults(includes: Sequence[Include], host: Host) -> Sequence[Fault]:
     """What is wrong with included specs, by the key of each."""
     found, names = [], [_name(each) for each in includes]
     for k, each in enumerate(includes):
-        path = f"include.{k}"
+        path = ("include", k)
         if each.mounted and host.tables["parts"]["plates"] < 2:
             right = "nothing here, or parts.plates = 2 beside it: it stands on the second plate"
-            found.append(Fault(f"{path}.mounted", "true", right))
+            found.append(Fault((*path, "mounted"), "true", right))
         if names[k] in names[:k]:
-            found.append(Fault(f"{path}.name", names[k], "a name of its own for each"))
+            found.append(Fault((*path, "name"), names[k], "a name of its own for each"))
         if isinstance(each.spec, str):
             found.append(
                 Fault(
-                    f"{path}.spec",
+                    (*path, "spec"),
                     each.spec,
                     "its tables: only a spec in a file can name another file",
                 )
@@ -407,7 +412,7 @@ def faults(includes: Sequence[Include], host: Host) -> Sequence[Fault]:
             right = f"a spec without [[include]], so that none includes itself: take the [[include]]{which} out of it, and write "
             found.append(
                 Fault(
-                    f"{path}.spec",
+                    (*path, "spec"),
                     f"{each.source or names[k]}, which has [[include]]",
                     right + "it in this spec",
                 )
@@ -418,7 +423,7 @@ def faults(includes: Sequence[Include], host: Host) -> Sequence[Fault]:
         except SpecError as error:
             file = f" (in {each.source})" if each.source else ""
             found += [
-                replace(fault, path=f"{path}.spec.{fault.path}", expected=fault.expected + file)
+                replace(fault, path=(*path, "spec", *fault.path), expected=fault.expected + file)
                 for fault in error.faults
             ]
     return found

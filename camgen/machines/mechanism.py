@@ -233,5 +233,10 @@ def refuse_failing(mechanism: Mechanism) -> None:
     failed = next((finding for finding in mechanism.limits() if not finding.ok), None)
     if failed is not None:
         raise DesignError(
-            failed.code, failed.measured, failed.limit, failed.unit, failed.where, failed.message
+            failed.code,
+            failed.measured,
+            failed.limit,
+            failed.unit,
+            str(failed.where),
+            failed.message,
         )

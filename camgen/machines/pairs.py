@@ -14,7 +14,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from camgen.errors import Fault
+from camgen.errors import Fault, Key
 from camgen.findings import NotJudged
 from camgen.machine.features import CamOutline
 from camgen.machine.forces import Forces
@@ -23,14 +23,14 @@ from camgen.machine.model import Cam, Machine
 Air = Annotated[float, Field(ge=-0.5, le=10)]  # mm, at each tip; nothing stiff gives way by more
 
 
-def still_faults(path: str, kinds: Sequence[str]) -> list[Fault]:
+def still_faults(path: Key, kinds: Sequence[str]) -> list[Fault]:
     """What is wrong with the kinds of a cam's segments: all dwells move nothing."""
     if any(kind != "dwell" for kind in kinds):
         return []
     return [Fault(path, f"{len(kinds)} of them, all dwells", "at least one rise and one return")]
 
 
-def air_faults(path: str, air: float, closure: str, radius: float | None) -> list[Fault]:
+def air_faults(path: Key, air: float, closure: str, radius: float | None) -> list[Fault]:
     """What is wrong with the air at the tips, mm; radius: of a round tip, 0 of a knife, None of a face."""
     if air and closure != "conjugate":
         return [Fault(path, f"{air:g}", 'nothing here: only closure "conjugate" has two tips')]

@@ -12,7 +12,7 @@ from typing import Any
 
 from camgen import reading
 from camgen import spec as specs
-from camgen.errors import CamgenError, DesignError, SpecError
+from camgen.errors import CamgenError, DesignError, SpecError, dotted
 from camgen.machines import MECHANISMS, load
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.tables import with_tables
@@ -76,7 +76,7 @@ def changed(
         data = override(data, setting)
     left = [each for each in reading.references(data) if each.kind != "spec" and each.outside]
     hints = tuple(
-        f"{each.path} was read from {each.name}, outside the spec's folder" for each in left
+        f"{dotted(each.path)} was read from {each.name}, outside the spec's folder" for each in left
     )
     data = with_tables(data, folder, source)
     made = specs.validate(load(specs.choose(data, MECHANISMS, source)), data, source, hints, like)

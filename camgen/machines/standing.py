@@ -63,12 +63,12 @@ class StandingCams(Mechanism):
         if self.bodies.shaft != "through":
             faults.append(
                 Fault(
-                    "parts.shaft",
+                    ("parts", "shaft"),
                     self.bodies.shaft,
                     '"through": no link turns on a point of the cam',
                 )
             )
-        found = [replace(fault, path=fault.path.replace("parts", "bodies", 1)) for fault in faults]
+        found = [replace(fault, path=("bodies", *fault.path[1:])) for fault in faults]
         return [
             *found,
             *sheets.faults(self.bodies, self.laser, "bodies", int(slides), int(grooves)),

@@ -56,7 +56,12 @@ def compare(
     parts = [part for part in mechanism.assembly.parts if part.name in cams]
     if not parts:
         raise SpecError(
-            [Fault("--against", mechanism.mechanism, "the spec of a machine with a cam")], str(spec)
+            [
+                Fault(
+                    (), mechanism.mechanism, "the spec of a machine with a cam", source="--against"
+                )
+            ],
+            str(spec),
         )
     edge = ring.counter_clockwise().facetted(_CHORDS)
     best, found = math.inf, None

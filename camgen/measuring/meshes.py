@@ -28,7 +28,7 @@ from camgen.errors import FileError, counted
 from camgen.files.formats import FORMATS
 from camgen.files.stl import read_stl
 from camgen.files.threemf import read_3mf
-from camgen.findings import Finding
+from camgen.findings import Finding, in_file
 from camgen.geometry.mesh import MOST_TRIANGLES, Mesh, welded
 
 _LARGE = 200_000_000  # bytes
@@ -93,7 +93,7 @@ def _from_3mf(path: Path) -> ForeignMesh:
     unit = package.unit.lower()
     scale = _3MF_UNITS.get(unit, math.nan)
     mesh = package.items[0].placed
-    units = Finding("MESH_UNITS", scale == 1, scale, 1, "mm", path.name, f"its unit is {unit}")
+    units = Finding("MESH_UNITS", scale == 1, scale, 1, "mm", in_file(path), f"its unit is {unit}")
     return ForeignMesh(Mesh(mesh.vertices * scale, mesh.faces), (units,), "")
 
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from camgen.errors import DesignError, Fault, FileError, SpecError
 from camgen.files.folder import Staged, write_manifest
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding, Where, at_least, at_most, in_file
 from camgen.geometry.rings import Floats, Ring
 from camgen.judge.contact import contact
 from camgen.judge.follower_table import FollowerTable, pair_faults, read_follower
@@ -136,7 +136,7 @@ def roll(
     """Motion of a follower on the outline in a file, as `recover`; FileError where the file holds none that is closed."""
     follower = read_follower(given, "follower")
     if not 1 <= harmonics <= MOST_HARMONICS:
-        raise SpecError([Fault("harmonics", f"{harmonics}", f"1 to {MOST_HARMONICS}")])
+        raise SpecError([Fault(("harmonics",), f"{harmonics}", f"1 to {MOST_HARMONICS}")])
     outline = read_outline(path, height, layer, follower.contour)
     if outline.ring is None:
         raise FileError(
@@ -184,22 +184,45 @@ def run(
         raise SpecError(faults, "command line")
     if request.second is not None and other is None:
         raise SpecError(
-            [Fault("--second", str(request.second), "--second-follower, the tip that rides on it")]
+            [
+                Fault(
+                    (),
+                    str(request.second),
+                    "--second-follower, the tip that rides on it",
+                    source="--second",
+                )
+            ]
         )
     if request.against is not None and (
         other is not None or follower.inside or follower.contour not in (None, 1)
     ):
         raise SpecError(
-            [Fault("--against", str(request.against), "one follower, on the outside of a cam")],
+            [
+                Fault(
+                    (),
+                    str(request.against),
+                    "one follower, on the outside of a cam",
+                    source="--against",
+                )
+            ],
             "command line",
         )
     if request.scanning != Scanning() and path.suffix.lower() not in PICTURES:
         raise SpecError(
-            [Fault("--dpi, --second-scan, --across", path.name, f"a scan, {', '.join(PICTURES)}")],
+            [
+                Fault(
+                    (),
+                    path.name,
+                    f"a scan, {', '.join(PICTURES)}",
+                    source="--dpi, --second-scan, --across",
+                )
+            ],
             "command line",
         )
     if request.probe and path.suffix.lower() != ".csv":
-        raise SpecError([Fault("--probe", path.name, "measured points, .csv")], "command line")
+        raise SpecError(
+            [Fault((), path.name, "measured points, .csv", source="--probe")], "command line"
+        )
     # what is rolled on: file and contour, one or two
     wanted = {(path, follower.contour): None}
     if other is not None:
@@ -306,10 +329,9 @@ def _report(
 ) -> tuple[Report, Mapping[str, Floats]]:
     """The report on a recovered motion, and the columns of motion.csv over the turn, both ends included."""
     lost = np.isnan(found.s)
-    where = path.name
+    where = in_file(path)
     if lost.any():
-        first = math.degrees(found.theta[np.flatnonzero(lost)[0]])
-        where += f", cam angle {first:.3f} deg"
+        where = replace(where, theta=float(found.theta[np.flatnonzero(lost)[0]]))
     held = 100 * float(np.mean(~lost))
     findings = [
         *empty.findings,
@@ -335,7 +357,7 @@ def _report(
     numbers = _extremes(found, ring, follower, harmonics)
     if play is not None:
         columns[f"lash_{name}"] = play * scale
-        findings.append(_overlap(path.name, play, found, follower))
+        findings.append(_overlap(in_file(path), play, found, follower))
         numbers |= {
             f"lash_max_{name}": float(np.nanmax(play)) * scale,
             f"lash_min_{name}": float(np.nanmin(play)) * scale,
@@ -506,7 +528,7 @@ def _with_comparison(
     ), columns
 
 
-def _overlap(where: str, play: Floats, found: Recovered, follower: FollowerTable) -> Finding:
+def _overlap(where: Where, play: Floats, found: Recovered, follower: FollowerTable) -> Finding:
     """Whether the pair leaves room for both tips everywhere, but for what facets and decimals feign."""
     least = int(np.nanargmin(play))
     name, scale = follower.unit
@@ -515,7 +537,7 @@ def _overlap(where: str, play: Floats, found: Recovered, follower: FollowerTable
         max(0.0, -play[least]) * scale,
         _OVERLAP / max(found.lever, 1e-9) * scale,
         name,
-        f"{where}, cam angle {math.degrees(found.theta[least]):.3f} deg",
+        replace(where, theta=float(found.theta[least])),
         f"largest overlap of both tips with the pair; the limit is {_OVERLAP:g} mm at the tips",
     )
 

@@ -20,7 +20,7 @@ import numpy as np
 from camgen.bounds import bounded
 from camgen.errors import FileError, counted
 from camgen.files.formats import READABLE
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding, at_least, at_most, in_file
 from camgen.geometry.chains import Chain, joined, nearest_gap
 from camgen.geometry.distances import inside
 from camgen.geometry.mesh import mesh_faults, slice_mesh
@@ -163,7 +163,7 @@ def _picked(path: Path, rings: Sequence[Ring], contour: int | None) -> tuple[Rin
     if rivals:
         ranks = ", ".join(str(k + 1) for k in rivals[:5])
         said += f"; number {ranks} by size within it may be the cam: say contour=1 or another in the follower's table, or a layer"
-    return picked, at_most("CONTOUR", len(rivals), 0, "contours", path.name, said)
+    return picked, at_most("CONTOUR", len(rivals), 0, "contours", in_file(path), said)
 
 
 def _enclosed(ring: Ring, points: Points) -> Ints:
@@ -226,7 +226,7 @@ def _judged(path: Path, outline: Outline) -> Outline:
         1 if crossing else 0,
         0,
         "crossings",
-        path.name,
+        in_file(path),
         f"the outline meets itself: {crossing}" if crossing else "the outline does not meet itself",
     )
     held = None if crossing else ring.counter_clockwise()
@@ -256,7 +256,7 @@ def _from_scan(path: Path, contour: int | None, how: Scanning) -> Outline:
     found = scanned(path, how)
     ring, picked = _picked(path, found.rings, contour)
     said = "the least grey levels, of 255, by which the part stands off its ground"
-    contrast = at_least("CONTRAST", found.contrast, LEAST_CONTRAST, "levels", path.name, said)
+    contrast = at_least("CONTRAST", found.contrast, LEAST_CONTRAST, "levels", in_file(path), said)
     return Outline(ring, (picked, contrast), f"{picked.message}; {found.remark}", found.numbers)
 
 
@@ -338,7 +338,7 @@ def _from_dxf(path: Path, content: bytes, layer: str | None, contour: int | None
         code not in (_MILLIMETRES, _UNITLESS),
         0,
         "faults",
-        path.name,
+        in_file(path),
         "drawn in millimetres"
         if code == _MILLIMETRES
         else "the drawing names no unit: taken as millimetres"
@@ -357,7 +357,7 @@ def _from_dxf(path: Path, content: bytes, layer: str | None, contour: int | None
         gap,
         0,
         "mm",
-        path.name,
+        in_file(path),
         remark
         or counted(len(rings), "closed contour")
         + (f"; {counted(len(loose), 'open line')} within it left out" if loose else "")
@@ -547,7 +547,9 @@ def _from_mesh(path: Path, height: float | None, contour: int | None) -> Outline
     mesh, findings = held.mesh, list(held.findings)
     faults = mesh_faults(mesh)
     findings.append(
-        at_most("WATERTIGHT", faults.count, 0, "faults", path.name, f"{len(mesh.faces)} triangles")
+        at_most(
+            "WATERTIGHT", faults.count, 0, "faults", in_file(path), f"{len(mesh.faces)} triangles"
+        )
     )
     low, high = float(mesh.vertices[:, 2].min()), float(mesh.vertices[:, 2].max())
     z = (low + high) / 2 if height is None else height
@@ -559,7 +561,7 @@ def _from_mesh(path: Path, height: float | None, contour: int | None) -> Outline
         rings = slice_mesh(mesh, z)
     except ValueError as error:
         return Outline(
-            None, (*findings, at_most("CLOSED", 1, 0, "gaps", path.name, str(error))), ""
+            None, (*findings, at_most("CLOSED", 1, 0, "gaps", in_file(path), str(error))), ""
         )
     if not rings:
         raise FileError(path, f"has no section at z = {z:g} mm")

@@ -198,7 +198,7 @@ def coefficients_from(conditions: Sequence[Condition]) -> tuple[Fraction, ...]:
             raise SpecError(
                 [
                     Fault(
-                        "conditions",
+                        ("conditions",),
                         f"{n} of them",
                         "conditions that fix one polynomial, none twice",
                     )
@@ -223,7 +223,7 @@ def polynomial_law(conditions: Sequence[Condition]) -> Law:
         raise SpecError(
             [
                 Fault(
-                    "conditions",
+                    ("conditions",),
                     "too far apart in size",
                     "a polynomial with coefficients under 1e308",
                 )
@@ -234,7 +234,7 @@ def polynomial_law(conditions: Sequence[Condition]) -> Law:
         raise SpecError(
             [
                 Fault(
-                    "conditions",
+                    ("conditions",),
                     f"runs from {ends[0]:.6g} to {ends[1]:.6g}",
                     "a law that runs from 0 to 1",
                 )
@@ -310,7 +310,7 @@ def modified_sine(constant_velocity: float = 0.0) -> Law:
     """
     if not 0 <= constant_velocity < 1:
         raise SpecError(
-            [Fault("constant_velocity", f"{constant_velocity:g}", "a share >= 0 and < 1")]
+            [Fault(("constant_velocity",), f"{constant_velocity:g}", "a share >= 0 and < 1")]
         )
     moving = 1 - constant_velocity
     c_a = 4 * math.pi**2 / (moving * (4 * math.pi + (4 - 3 * math.pi) * moving))
@@ -334,7 +334,7 @@ def slider_crank(share: float) -> Law:
     of the flat chain stitch calls the share a coefficient of distortion.
     """
     if not 0 <= share < 1:
-        raise SpecError([Fault("distortion", f"{share:g}", "crank over rod: >= 0 and < 1")])
+        raise SpecError([Fault(("distortion",), f"{share:g}", "crank over rod: >= 0 and < 1")])
 
     def formula(u: Floats, order: int) -> Floats:
         x = math.pi * np.asarray(u, float)
@@ -413,7 +413,7 @@ def fourier(sines: Sequence[float], cosines: Sequence[float] = (), source: str =
     leaves = end_speed(sines, cosines)
     if not abs(leaves) <= LAW_CLOSES:
         expected = "coefficients that close: sum A_n/(2 pi n) + 2 sum B_m/((2m - 1) pi)^2 = 1"
-        raise SpecError([Fault("sines", f"speed {leaves:.6g} at both ends", expected)])
+        raise SpecError([Fault(("sines",), f"speed {leaves:.6g} at both ends", expected)])
     formula = fourier_formula(closed(sines, cosines), cosines)
     return measured(
         "fourier", formula, source or f"Fourier series of {len(sines) + len(cosines)} terms"
@@ -436,12 +436,12 @@ def tabulated(points: Sequence[tuple[float, float]], source: str, rest: bool = T
 
     table = np.array(points, float).reshape(-1, 2)
     if len(table) < 4:
-        raise SpecError([Fault("points", f"{len(table)} of them", "at least 4 points")])
+        raise SpecError([Fault(("points",), f"{len(table)} of them", "at least 4 points")])
     faults = []
     if table[-1, 1] == table[0, 1]:
         faults.append(
             Fault(
-                "points",
+                ("points",),
                 f"start and end at {table[0, 1]:g}",
                 "a last displacement that differs from the first",
             )
@@ -449,7 +449,7 @@ def tabulated(points: Sequence[tuple[float, float]], source: str, rest: bool = T
     for k in np.flatnonzero(~(np.diff(table[:, 0]) > _SAME_ANGLE * np.ptp(table[:, 0]))) + 1:
         faults.append(
             Fault(
-                f"points.{k}",
+                ("points", int(k)),
                 f"{table[k, 0]:g}",
                 f"an angle greater than the one before, {table[k - 1, 0]:g}",
             )
@@ -457,7 +457,7 @@ def tabulated(points: Sequence[tuple[float, float]], source: str, rest: bool = T
     if not faults and not np.ptp(table[:, 1]) < 1e6 * abs(table[-1, 1] - table[0, 1]):
         faults.append(
             Fault(
-                "points",
+                ("points",),
                 f"vary by {np.ptp(table[:, 1]):g}",
                 "a table that varies by under 1e6 times its lift",
             )

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 from itertools import groupby
 from pathlib import Path
@@ -23,7 +24,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field
 
-from camgen.errors import Fault, SpecError
+from camgen.errors import Fault, Key, SpecError
 from camgen.motion.laws import LAWS, UNIFORM, Law, fourier, modified_sine, polynomial_law, tabulated
 from camgen.motion.program import Program, Segment, matched
 from camgen.motion.tables import read_points
@@ -123,22 +124,22 @@ def law_of(choice: str | LawChoice) -> Law:
         return LAWS[chosen.name]
     name, given = chosen.name, chosen.parameters
     if name not in LAWS and name not in FAMILIES:
-        raise SpecError([unknown("name" if given else "", name, NAMES)])
+        raise SpecError([unknown(("name",) if given else (), name, NAMES)])
     allowed = FAMILIES.get(name, ())
     takes = f"nothing here: '{name}' takes {', '.join(allowed) or 'no parameters'}"
-    faults = [Fault(key, "", takes) for key in given if key not in allowed]
+    faults = [Fault((key,), "", takes) for key in given if key not in allowed]
     needed = _NEEDED.get(name)
     if needed and not any(key in given for key in needed):
-        faults.append(Fault(needed[0], "", f"missing: '{name}' needs {' or '.join(needed)}"))
+        faults.append(Fault((needed[0],), "", f"missing: '{name}' needs {' or '.join(needed)}"))
     if "points" in given and "file" in given:
-        faults.append(Fault("file", given["file"], "either points or a file"))
+        faults.append(Fault(("file",), given["file"], "either points or a file"))
     if faults:
         raise SpecError(faults)
     if name == "table":
         points = (
             given["points"]
             if "points" in given
-            else read_points(Reference("file", "law", given, "file").file(Path()))
+            else read_points(Reference(("file",), "law", given).file(Path()))
         )
         return tabulated(
             points,
@@ -155,7 +156,7 @@ def law_of(choice: str | LawChoice) -> Law:
 def program(
     tables: Sequence[SegmentTable],
     unit: float = 1.0,
-    path: str = "segment",
+    path: Key = ("segment",),
     turn: float = math.inf,
     suffix: str = "",
 ) -> Program:
@@ -176,11 +177,11 @@ def program(
     maxsize=256
 )  # variants of a sweep mostly share their program, and with it all that is known of it
 def _program(
-    tables: tuple[SegmentTable, ...], unit: float, path: str, turn: float, suffix: str
+    tables: tuple[SegmentTable, ...], unit: float, path: Key, turn: float, suffix: str
 ) -> Program:
     faults: list[Fault] = []
     levels = _levels(tables, path, suffix, faults)
-    laws = [_law(table, f"{path}.{k}.law", faults) for k, table in enumerate(tables)]
+    laws = [_law(table, (*path, k, "law"), faults) for k, table in enumerate(tables)]
     total = math.fsum(table.span_deg for table in tables)
     if not abs(total - 360) <= _FULL_TURN_SLACK:
         much = f"{abs(total - 360):g} deg too {'much' if total > 360 else 'little'}"
@@ -198,7 +199,7 @@ def _program(
         else 0.0
     )
     if tables and abs(levels[-1] - whole) > rounding:
-        last = f"{path}.{len(tables) - 1}"
+        last = (*path, len(tables) - 1)
         right = "a last segment that ends at 0, where the first begins"
         right += f", or at a multiple of {turn:g}" if math.isfinite(turn) else ""
         faults.append(Fault(last, f"ends at {levels[-1]:.12g}", right))
@@ -209,14 +210,14 @@ def _program(
     faults = [
         fault
         for k, segment in enumerate(made.segments)
-        if (fault := backwards(segment, f"{path}.{k}.law"))
+        if (fault := backwards(segment, (*path, k, "law")))
     ]
     if faults:
         raise SpecError(faults)
     return made
 
 
-def program_faults(tables: Sequence[SegmentTable], path: str = "segment") -> Sequence[Fault]:
+def program_faults(tables: Sequence[SegmentTable], path: Key = ("segment",)) -> Sequence[Fault]:
     """What is wrong with these tables together; for a mechanism's `faults`."""
     try:
         program(tables, path=path)
@@ -226,24 +227,24 @@ def program_faults(tables: Sequence[SegmentTable], path: str = "segment") -> Seq
 
 
 def _levels(
-    tables: Sequence[SegmentTable], path: str, suffix: str, faults: list[Fault]
+    tables: Sequence[SegmentTable], path: Key, suffix: str, faults: list[Fault]
 ) -> list[float]:
     """Displacement at each joint, from 0; nan where a fault leaves it open. Adds the faults of lift and to."""
     levels, (lift, goal) = [0.0], (f"lift{suffix}", f"to{suffix}")
     for k, table in enumerate(tables):
-        here, at, to = levels[-1], f"{path}.{k}", table.to
+        here, at, to = levels[-1], (*path, k), table.to
         sign = {"rise": 1, "dwell": 0, "return": -1}[table.kind]
         end = math.nan if to is None else to
         if sign == 0:
             faults += [
-                Fault(f"{at}.{key}", "", "nothing here: a dwell stays where it is")
+                Fault((*at, key), "", "nothing here: a dwell stays where it is")
                 for key, value in ((lift, table.lift), ("law", table.law))
                 if value is not None
             ]
             if to is not None and abs(to - here) > 0:
                 faults.append(
                     Fault(
-                        f"{at}.{goal}",
+                        (*at, goal),
                         f"{to:g}",
                         f"{here:g}, where the segment before ends, or leave it out",
                     )
@@ -252,7 +253,7 @@ def _levels(
         elif (table.lift is None) == (to is None):
             faults.append(
                 Fault(
-                    f"{at}.{lift}",
+                    (*at, lift),
                     "" if table.lift is None else f"{table.lift:g}",
                     f"either {lift} or {goal}",
                 )
@@ -262,7 +263,7 @@ def _levels(
         elif sign * (end - here) <= 0:
             faults.append(
                 Fault(
-                    f"{at}.{goal}",
+                    (*at, goal),
                     f"{to:g}",
                     f"{'more' if sign > 0 else 'less'} than {here:g}, where it begins",
                 )
@@ -272,7 +273,7 @@ def _levels(
     return levels
 
 
-def _law(table: SegmentTable, path: str, faults: list[Fault]) -> Law | None:
+def _law(table: SegmentTable, path: Key, faults: list[Fault]) -> Law | None:
     """The segment's law; None for a matched one, and where there is a fault. A dwell's is any, of lift 0."""
     if table.kind == "dwell":
         return UNIFORM
@@ -281,20 +282,17 @@ def _law(table: SegmentTable, path: str, faults: list[Fault]) -> Law | None:
         return None
     if table.law.name == MATCHED:
         faults += [
-            Fault(f"{path}.{key}", "", f"nothing here: '{MATCHED}' takes no parameters")
+            Fault((*path, key), "", f"nothing here: '{MATCHED}' takes no parameters")
             for key in table.law.parameters
         ]
         return None
     try:
         law = law_of(table.law)
     except SpecError as error:
-        faults += [
-            Fault(f"{path}.{f.path}".rstrip("."), f.value, f.expected, f.nearest)
-            for f in error.faults
-        ]
+        faults += [replace(fault, path=(*path, *fault.path)) for fault in error.faults]
         return None
     wrong = turning_rows(table.law)
-    faults += [Fault(f"{path}.{fault.path}", fault.value, fault.expected) for fault in wrong]
+    faults += [replace(fault, path=(*path, *fault.path)) for fault in wrong]
     return None if wrong else law
 
 
@@ -306,7 +304,9 @@ def turning_rows(choice: LawChoice) -> list[Fault]:
     wrong = np.flatnonzero(np.diff(s) * (s[-1:] - s[:1]) < 0) + 1
     way = "rises" if len(s) and s[-1] > s[0] else "falls"
     return [
-        Fault(f"points.{k}", f"{s[k]:g}", f"a table that {way} all the way, after {s[k - 1]:g}")
+        Fault(
+            ("points", int(k)), f"{s[k]:g}", f"a table that {way} all the way, after {s[k - 1]:g}"
+        )
         for k in wrong
     ]
 
@@ -352,7 +352,7 @@ def _against(law: Law, forwards: bool) -> Floats:
     return np.asarray(u[law(u, 1) * (1 if forwards else -1) < -LAW_CLOSES * max(1.0, law.c_v)])
 
 
-def backwards(segment: Segment, path: str) -> Fault | None:
+def backwards(segment: Segment, path: Key) -> Fault | None:
     """A fault at `path` where a rise falls or a return rises on its way; None where the law only goes one way."""
     if segment.kind == "dwell":
         return None

@@ -68,7 +68,7 @@ def characteristic(points: Sequence[tuple[float, float]]) -> Characteristic:
     if len(table) < 3 or table[0, 0] != 0 or table[-1, 0] != 0.5:
         faults.append(
             Fault(
-                "points",
+                ("points",),
                 f"{len(table)} of them",
                 "3 or more, from position 0 to 0.5, the middle of the stroke",
             )
@@ -76,7 +76,7 @@ def characteristic(points: Sequence[tuple[float, float]]) -> Characteristic:
     for k in np.flatnonzero(~(np.diff(table[:, 0]) > 0)) + 1:
         faults.append(
             Fault(
-                f"points.{k}",
+                ("points", int(k)),
                 f"{table[k, 0]:g}",
                 f"a position greater than the one before, {table[k - 1, 0]:g}",
             )
@@ -106,11 +106,15 @@ def synthesise(
     """
     from scipy.optimize import minimize
 
-    faults = [Fault("weight", f"{weight:g}", "a number >= 0")] if not 0 <= weight < math.inf else []
+    faults = (
+        [Fault(("weight",), f"{weight:g}", "a number >= 0")] if not 0 <= weight < math.inf else []
+    )
     if sines < 1 or cosines < 0 or sines + cosines < 2:
         faults.append(
             Fault(
-                "sines", f"{sines} and {cosines} cosines", "at least one sine, and two terms in all"
+                ("sines",),
+                f"{sines} and {cosines} cosines",
+                "at least one sine, and two terms in all",
             )
         )
     if faults:

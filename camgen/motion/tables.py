@@ -76,7 +76,10 @@ def read_table(
             if points:
                 faults.append(
                     Fault(
-                        f"{path.name} line {number}", line.strip()[:60], f"two numbers: {columns}"
+                        (),
+                        line.strip()[:60],
+                        f"two numbers: {columns}",
+                        source=f"{path.name} line {number}",
                     )
                 )
             else:
@@ -84,7 +87,9 @@ def read_table(
                     wide if len(wide) > 1 else line.split(",") if "," in line else line.split()
                 )
     if faults or not points:
-        nothing = Fault(path.name, f"{len(text)} characters", f"rows of two numbers: {columns}")
+        nothing = Fault(
+            (), f"{len(text)} characters", f"rows of two numbers: {columns}", source=path.name
+        )
         raise SpecError(faults or [nothing], str(path))
     return heading[:2], tuple(points)
 
@@ -116,7 +121,12 @@ def load_table(path: Path) -> tuple[list[list[float]], str | None]:
     for k, (name, (right, said)) in enumerate(zip(names, columns, strict=True)):
         if name and name not in right:
             faults.append(
-                Fault(f"{path.name}, heading of column {k + 1}", repr(heading[k].strip()), said)
+                Fault(
+                    (),
+                    repr(heading[k].strip()),
+                    said,
+                    source=f"{path.name}, heading of column {k + 1}",
+                )
             )
         scales[k] = right.get(name, 1.0)
     if faults:
@@ -142,7 +152,7 @@ def with_tables(data: Data, folder: Path, source: str = "spec") -> Data:
         except SpecError as error:
             faults += error.faults
             continue
-        table, name = each.table, each.table.pop(each.key)
+        table, name = each.table, each.table.pop(str(each.path[-1]))
         if each.kind == "law":
             table["points"] = [list(point) for point in read_points(file)]
         else:

@@ -52,9 +52,9 @@ class ShaftHole(Record):
         expected = f"less than the bore, {self.bore:g} mm"
         found = []
         if self.shaft == "d-flat" and self.flat_depth >= self.bore:
-            found.append(Fault("parts.flat_depth", f"{self.flat_depth:g}", expected))
+            found.append(Fault(("parts", "flat_depth"), f"{self.flat_depth:g}", expected))
         if self.shaft == "keyway" and self.key_width >= self.bore:
-            found.append(Fault("parts.key_width", f"{self.key_width:g}", expected))
+            found.append(Fault(("parts", "key_width"), f"{self.key_width:g}", expected))
         return found
 
     @property
@@ -111,10 +111,10 @@ class Parts(ShaftHole):
         found, hub = super().misfits(), self.hub(0.8)
         if hub is not None and self.shaft == "keyway":
             said = 'nothing here: it is square to a key; "d-flat" or "plain"'
-            found.append(Fault("parts.set_screw", repr(self.set_screw), said))
+            found.append(Fault(("parts", "set_screw"), repr(self.set_screw), said))
         elif hub is not None and self.hub_height < hub.height:
             said = f"at least {hub.height:.4g} mm: its nut stands in it"
-            found.append(Fault("parts.hub_height", f"{self.hub_height:g}", said))
+            found.append(Fault(("parts", "hub_height"), f"{self.hub_height:g}", said))
         return found
 
 

@@ -11,7 +11,7 @@ from camgen.errors import Fault, FileError, SpecError
 from camgen.files.folder import MANIFEST, SPEC, Staged, changed_files, read_manifest, write_manifest
 from camgen.files.formats import ANY_KIND, FORMATS
 from camgen.files.formats import KINDS as KINDS
-from camgen.findings import at_most
+from camgen.findings import at_most, in_file
 from camgen.machines.sources import Source
 from camgen.machines.sources import read_mechanism as read_mechanism
 from camgen.pipeline.case import Case, cores
@@ -46,9 +46,9 @@ def build(
     """
     wrong = sorted(map(str, only - set(ANY_KIND)))
     if wrong:
-        raise SpecError([specs.unknown("only", kind, ANY_KIND) for kind in wrong])
+        raise SpecError([specs.unknown(("only",), kind, ANY_KIND) for kind in wrong])
     if not only:
-        raise SpecError([Fault("only", "none", f"at least one of {', '.join(ANY_KIND)}")])
+        raise SpecError([Fault(("only",), "none", f"at least one of {', '.join(ANY_KIND)}")])
     progress("reading the spec", 0.0)
     mechanism = read_mechanism(spec, overrides)
     if said := long_run(mechanism.remarks().links, len(only & FORMATS.keys())):
@@ -102,7 +102,9 @@ def check(folder: Path, progress: Progress = silent, jobs: int | None = 1) -> Re
     findings = [*report.findings, *anew.findings]
     if changed:
         said = f"changed since the build: {', '.join(changed)}"
-        findings.append(at_most("MANIFEST", len(changed), 0, "files", MANIFEST, said))
+        findings.append(
+            at_most("MANIFEST", len(changed), 0, "files", in_file(Path(MANIFEST)), said)
+        )
     remarks = (
         [f"changed since the build, and judged as they are now: {', '.join(as_they_are)}"]
         if as_they_are

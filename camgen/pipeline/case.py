@@ -50,7 +50,9 @@ def cores(jobs: int | None, mechanism: Mechanism, kinds: Collection[str]) -> int
     """
     if jobs is not None:
         if not isinstance(jobs, int) or jobs < 0:
-            raise SpecError([Fault("jobs", repr(jobs), "a whole number of cores, 0: all of them")])
+            raise SpecError(
+                [Fault(("jobs",), repr(jobs), "a whole number of cores, 0: all of them")]
+            )
         return jobs or all_cores()
     several = len(mechanism.assembly.parts) > _FEW and any(
         kind in FORMATS and FORMATS[kind].solid for kind in kinds

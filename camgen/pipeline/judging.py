@@ -9,14 +9,16 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import repeat
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from camgen.errors import counted
 from camgen.files.formats import DRAWN, EXACT, FORMATS, SOLID
-from camgen.findings import Finding, NotJudged, at_most
+from camgen.findings import Finding, NotJudged, Where, at_most, in_file
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats
 from camgen.judge.copies import judge_copies, judge_exact_copies
@@ -263,7 +265,9 @@ def judge_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
             meant = expected(
                 case.parts[name], mechanism.accuracy.chord_tolerance, mechanism.assembly.features
             )
-            judged = judge_solid(mesh, meant, f"{path.name}, {name}", FORMATS["3mf"].rounding)
+            judged = judge_solid(
+                mesh, meant, replace(in_file(path), part=name), FORMATS["3mf"].rounding
+            )
             findings += [finding for finding in judged.findings if not finding.ok]
     places = [(copy.object, copy.transform) for copy in assembled(mechanism)]
     return Outcome([*findings, judge_copies(path, originals, places)])
@@ -293,7 +297,9 @@ def judge_laser(case: Case, kinds: Sequence[str]) -> Outcome:
     low, high = mechanism.assembly.cycle.range
     theta = low + judged_angles() * ((high - low) / math.tau)
     moved = (
-        judge_motion(mechanism, "dxf", read, theta, f"{mechanism.name}-sheets, *")
+        judge_motion(
+            mechanism, "dxf", read, theta, Where(file=f"{mechanism.name}-sheets, *", kind="dxf")
+        )
         if numbers
         else None
     )
@@ -362,7 +368,7 @@ def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:
         return Outcome(fits)
     short = (Counter({part.name: part.count for part in listed}) - laid).total()
     said = f"{laid.total()} {'copy' if laid.total() == 1 else 'copies'} laid out, {short} missing"
-    where = f"{len(plates)} plate{'' if len(plates) == 1 else 's'}"
+    where = Where(counted(len(plates), "plate"))
     missing = at_most("BED_FIT", short, 0, "copies", where, said)
     on_plates = [
         f

@@ -14,7 +14,7 @@ import numpy as np
 from camgen.bounds import Bound, bounded
 from camgen.errors import DesignError, FileError
 from camgen.files.cutting import Piece, write_sheet
-from camgen.findings import Finding, at_most
+from camgen.findings import Finding, at_most, in_file
 from camgen.geometry.facets import facet_contour
 from camgen.judge.measured import Sections
 from camgen.judge.round_trip import judge_drawing
@@ -211,7 +211,7 @@ def _copies(listed: dict[int, list[Laid]], parts: dict[str, Part], case: Case) -
     wanted = Counter((name, k + 1) for name, part in parts.items() for k in range(part.count))
     off = max((wanted - there).total(), (there - wanted).total())
     said = f"{there.total()} copies of {len(parts)} parts on {len(listed)} sheet{'' if len(listed) == 1 else 's'}"
-    return [at_most("SHEET_FIT", off, 0, "copies", case.file("sheets", "csv").name, said)]
+    return [at_most("SHEET_FIT", off, 0, "copies", in_file(case.file("sheets", "csv")), said)]
 
 
 def _density(listed: dict[int, list[Laid]], parts: dict[str, Part], laser: Laser) -> float:

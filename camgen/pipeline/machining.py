@@ -17,7 +17,7 @@ import numpy as np
 from camgen.bounds import Bound, bounded
 from camgen.errors import DesignError, FileError
 from camgen.files.dxf import read_dxf, write_dxf
-from camgen.findings import Finding, at_most
+from camgen.findings import Finding, at_most, in_file
 from camgen.geometry.arcs import fit_arcs
 from camgen.geometry.outlines import Arc, Piece, Region, end_point, start_point
 from camgen.geometry.rings import Ring
@@ -192,7 +192,7 @@ def judge_tables(case: Case) -> list[Finding]:
                 law = _rolled(case.mechanism, name, rings)
             except ValueError as fault:
                 findings.append(
-                    at_most("ROUND_TRIP", math.nan, 2 * tolerance, "mm", table.name, str(fault))
+                    at_most("ROUND_TRIP", math.nan, 2 * tolerance, "mm", in_file(table), str(fault))
                 )
             else:
                 ring = (

@@ -10,7 +10,7 @@ import numpy as np
 
 from camgen.errors import DesignError
 from camgen.files.formats import EXACT, FORMATS, READABLE
-from camgen.findings import Finding, NotJudged, at_most
+from camgen.findings import Finding, NotJudged, Where, at_most, in_file
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats
 from camgen.geometry.rings import Ring, Shape
@@ -64,7 +64,7 @@ def judge_part(
                         math.nan,
                         0,
                         "mm",
-                        path.name,
+                        in_file(path),
                         "it is not there, and the part can have one",
                     )
                 )
@@ -98,12 +98,17 @@ def _without(part: Part, tolerance: float) -> list[NotJudged]:
 # ---- the motion ------------------------------------------------------------------------------------------------------
 
 
+def files_of(mechanism: Mechanism, kind: str) -> Where:
+    """All files of a kind."""
+    return Where(file=f"{mechanism.name}-*.{kind}", kind=kind)
+
+
 def judge_motion(
     mechanism: Mechanism,
     kind: str,
     read: Mapping[str, Read],
     theta: Floats,
-    where: str = "",
+    where: Where | None = None,
     more: float = 0.0,
 ) -> tuple[Verdict, Sequence[Feature]] | None:
     """The machine closed on what was measured in files of a kind, at theta, (n,) rad, and on which features; None where a part
@@ -125,7 +130,7 @@ def judge_motion(
     slack = Undo(fit.hole, fit.profile, fit.shrinkage).slack if fit is not None else 0.0
     verdict = judge_machine(
         kind,
-        where or f"{mechanism.name}-*.{kind}",
+        where or files_of(mechanism, kind),
         files,
         mechanism.model,
         features,
@@ -181,7 +186,7 @@ def moved_by(
             for curve in curves:
                 curve.add(kind, verdict.proof)
             findings += judge_targets(
-                mechanism.assembly.asked, verdict.proof, theta, f"{mechanism.name}-*.{kind}"
+                mechanism.assembly.asked, verdict.proof, theta, files_of(mechanism, kind)
             )
     columns = {"theta_deg": np.degrees(theta)} if any(curve.columns for curve in curves) else {}
     for curve in curves:

@@ -25,7 +25,7 @@ import numpy as np
 from camgen._version import __version__
 from camgen.files.folder import MANIFEST, SPEC, versions
 from camgen.files.formats import ANY_KIND, FORMATS
-from camgen.findings import NotJudged, at_most
+from camgen.findings import NotJudged, at_most, in_file
 from camgen.geometry.outlines import Floats
 from camgen.pipeline.case import Case
 from camgen.pipeline.laser import sheet_files
@@ -165,7 +165,9 @@ class Rebuild:
             said = "not as they are made anew from spec.toml and the parts' files: " + "; ".join(
                 [*rows[:_TOLD], *more]
             )
-        return Outcome([at_most("REBUILD", len(wrong), 0, "files", SPEC, said)], notes=notes)
+        return Outcome(
+            [at_most("REBUILD", len(wrong), 0, "files", in_file(Path(SPEC)), said)], notes=notes
+        )
 
     def _stale(self, wrong: Collection[str], told: Collection[str]) -> list[str]:
         """Reports that are there but other ones than those of today, where something else fails already: they follow from it."""

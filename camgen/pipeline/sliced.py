@@ -11,7 +11,7 @@ import filecmp
 import math
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from pathlib import Path
 
@@ -22,7 +22,7 @@ from camgen.files.folder import manifest_files
 from camgen.files.formats import SOLID, read_solid
 from camgen.files.gcode import read_gcode, read_settings, with_width
 from camgen.files.threemf import Item, read_3mf
-from camgen.findings import Finding, NotJudged, at_most
+from camgen.findings import Finding, NotJudged, Where, at_most, in_file
 from camgen.geometry.rings import Floats, Shape
 from camgen.judge.measured import Sections, measure
 from camgen.judge.sliced import Copy, Known, bodies, copy_of, envelope, outwards, shapes_of
@@ -119,22 +119,22 @@ def check_gcode(
         copies = [copy_of(body, known) for body in found]
         strange = copies.count(None)
         said = f"of {counted(len(copies), 'body', 'bodies')} are like no part of {mechanism.name} by height, area and outline"
-        findings.append(at_most("ROUND_TRIP", strange, 0, "bodies", path.name, said))
+        findings.append(at_most("ROUND_TRIP", strange, 0, "bodies", in_file(path), said))
         for copy in (copy for copy in copies if copy is not None):
             name = copy.known.part
-            findings += copy.complete(path.name)
+            findings += copy.complete(in_file(path))
             count[name] += 1
             if copy.known.over is None:
                 on_side.add(name)
                 continue
-            _add(laid.setdefault(name, _Laid()), copy, case.parts[name], fit, path.name)
+            _add(laid.setdefault(name, _Laid()), copy, case.parts[name], fit, in_file(path))
     for one in laid.values():
         findings += one.findings
     wanted = Counter({part.name: part.count for part in printed_parts(mechanism.assembly)})
     held = {name: Counter(item.name for item in items) for name, items in packages.items()} or {
         "all parts": wanted
     }
-    where = ", ".join(path.name for path in plates)
+    where = Where(file=", ".join(path.name for path in plates), kind="gcode")
     complete, absent = judge_sliced_copies(count, wanted, held, where)
     findings.append(complete)
     progress("letting the parts touch")
@@ -229,7 +229,7 @@ def _tilt(turn: Floats) -> tuple[Floats, float]:
     return _OVER if over else np.eye(3), math.atan2(spun[1, 0], spun[0, 0])
 
 
-def _add(laid: _Laid, copy: Copy, part: Part, fit: Compensation, where: str) -> None:
+def _add(laid: _Laid, copy: Copy, part: Part, fit: Compensation, where: Where) -> None:
     """Put a copy's layers with what is known of its part, and judge their contours."""
     spans = list(dict.fromkeys((layer.z0, layer.z1) for layer in part.layers))
     pocket = min(
@@ -287,7 +287,7 @@ def _add(laid: _Laid, copy: Copy, part: Part, fit: Compensation, where: str) -> 
                 abs(first[0]),
                 _FOOT,
                 "mm",
-                f"{where}, {part.name}",
+                replace(where, part=part.name),
                 f"its edge lies {first[0]:+.3f} mm out of the solid as it was sent, which is drawn in for the elephant's "
                 "foot already: is the slicer's own compensation on?",
             )
@@ -314,7 +314,7 @@ def _add(laid: _Laid, copy: Copy, part: Part, fit: Compensation, where: str) -> 
         or f"contours of {len(rows)} of {len(copy.layers)} layers; a bead {bead:g} mm wide rounds corners by less"
     )
     laid.findings.append(
-        at_most("ROUND_TRIP", worst, bead / 2, "mm", f"{where}, {part.name}", said)
+        at_most("ROUND_TRIP", worst, bead / 2, "mm", replace(where, part=part.name), said)
     )
 
 
@@ -356,7 +356,7 @@ def left_out(on_side: Collection[str], away: Collection[str]) -> list[NotJudged]
 
 
 def _moved(
-    case: Case, laid: Mapping[str, _Laid], on_side: Collection[str], where: str
+    case: Case, laid: Mapping[str, _Laid], on_side: Collection[str], where: Where
 ) -> tuple[list[Finding], dict[str, float], list[NotJudged]]:
     """Findings and figures of the machine closed on what is laid: the envelope, and layer by layer the cams."""
     from camgen.judge.cams import judged_angles
@@ -387,7 +387,8 @@ def _moved(
     }
     low, high = mechanism.assembly.cycle.range
     theta = low + judged_angles() * ((high - low) / math.tau)
-    verdict = judge_motion(mechanism, "gcode", read, theta, f"{where}, *", mechanism.print.xy_step)
+    parts = replace(where, file=f"{where.file}, *")
+    verdict = judge_motion(mechanism, "gcode", read, theta, parts, mechanism.print.xy_step)
     if verdict is None:
         return [], {}, more
     numbers = dict(verdict[0].numbers)

@@ -286,13 +286,7 @@ def _used(finding: Finding) -> float | None:
 
 def _kind(finding: Finding) -> str:
     """In which kind of file it was found, "" as designed."""
-    words = (
-        finding.where.lower().replace(",", " ").replace(".step", " .step").replace(".", " ").split()
-    )
-    words = [
-        word for word in words if word != "step" or ".step" in finding.where.lower()
-    ]  # also an English word
-    return next((kind for kind in KINDS if kind in words), "")
+    return finding.where.kind if finding.where.kind in KINDS else ""
 
 
 def _urgent(finding: Finding) -> tuple[bool, float]:
@@ -340,7 +334,7 @@ def _margins(groups: Sequence[Sequence[Finding]], kinds: Sequence[str]) -> str:
         limit = f"{_SIGNS[worst.sign]}&nbsp;{rounded(worst.limit, 4)}{_unit(worst.unit)}"
         rows.append(
             f'<tr class="{state}"><th scope="row"><span class="mark"><b>{verdict}</b></span> <code>{escape(worst.code)}</code>'
-            f"<p>{escape(worst.message)} <small>{escape(worst.where)}</small></p></th>{cells}"
+            f"<p>{escape(worst.message)} <small>{escape(str(worst.where))}</small></p></th>{cells}"
             f'<td class="n" data-of="limit">{limit}</td></tr>'
         )
     columns = "".join(f'<th scope="col">{words}</th>' for words in head)

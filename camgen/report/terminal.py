@@ -9,6 +9,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from shutil import get_terminal_size
 from threading import Event, Lock, Thread
@@ -77,7 +78,7 @@ def print_report(report: Report, quiet: bool = False, verbose: bool = False) -> 
         _say(_in_words(finding, where))
     for finding in report.findings if verbose else ():
         if finding.ok:
-            _say(_in_words(finding, finding.where))
+            _say(_in_words(finding, str(finding.where)))
     for text in report.remarks if quiet else (*report.warnings, *report.remarks):
         _say(f"note: {text}")
     count = len(report.findings)
@@ -233,11 +234,9 @@ def _cells(report: Report, finding: Finding, of: int) -> dict[str, str]:
     """A row of the table by its columns; of: how many findings it stands for."""
     margin, noise = abs(finding.limit - finding.measured), NOISE * finding.ok
     limit = "none" if math.isnan(finding.limit) else f"{finding.sign} {number(finding.limit)}"
-    short = (
-        finding.where.removeprefix(f"{report.name}-")
-        .replace("cam angle ", "at ")
-        .replace(", crank angle ", ", at ")
-    )
+    where = replace(finding.where, file=finding.where.file.removeprefix(f"{report.name}-"))
+    beside = str(replace(where, theta=None)) and where.angle in ("cam angle", "crank angle")
+    short = str(replace(where, angle="at") if beside else where)
     cells = {
         "finding": finding.code,
         "measured": number(finding.measured, noise),

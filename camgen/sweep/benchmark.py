@@ -23,7 +23,7 @@ from camgen.files.dxf import write_dxf
 from camgen.files.formats import FORMATS, USUAL
 from camgen.files.stl import write_stl
 from camgen.files.threemf import Placed, write_3mf
-from camgen.findings import ROUTINE, Finding
+from camgen.findings import ROUTINE, Finding, Where
 from camgen.geometry.arcs import fit_arcs, theoretical_arcs
 from camgen.geometry.crossing import crossed_at
 from camgen.geometry.deviation import outline_error
@@ -241,7 +241,13 @@ def _together(case: Case, kind: str, read: Mapping[str, Read]) -> list[Finding]:
         return []
     return [
         Finding(
-            "DISTANCE_ERROR", True, abs(distance - _distance(case, pair)), 0.0, "mm", pair.name, ""
+            "DISTANCE_ERROR",
+            True,
+            abs(distance - _distance(case, pair)),
+            0.0,
+            "mm",
+            Where(pair.name, part=pair.a, other=pair.b),
+            "",
         )
         for distance, pair in zip(found, pairs, strict=True)
     ]

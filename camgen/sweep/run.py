@@ -15,7 +15,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -199,7 +199,10 @@ class Cluster:
     def __post_init__(self) -> None:
         if not re.fullmatch(r"\w+://.+:\d+", self.address):
             fault = Fault(
-                "--workers", repr(self.address), "local, or tcp://HOST:PORT of a Dask scheduler"
+                (),
+                repr(self.address),
+                "local, or tcp://HOST:PORT of a Dask scheduler",
+                source="--workers",
             )
             raise SpecError([fault], "command line")
 
@@ -301,7 +304,8 @@ def sweep(
     write = WRITERS.get(table.suffix.lower())
     if write is None:
         raise SpecError(
-            [Fault("-o", table.name, f"a name that ends in {' or '.join(WRITERS)}")], "command line"
+            [Fault((), table.name, f"a name that ends in {' or '.join(WRITERS)}", source="-o")],
+            "command line",
         )
     if table.suffix == ".parquet":
         pyarrow_at(table)
@@ -311,7 +315,7 @@ def sweep(
         cores = "one core" if jobs < 2 else f"{jobs} cores"
         took = f"at {1e3 * each:.2g} ms each they would take {_span(count * each / max(jobs, 1))} on {cores}"
         most = f"at most {MOST:,}, for {took}; fewer values, or --latin N"
-        raise SpecError([Fault("--vary", f"{count:,} variants", most)], "command line")
+        raise SpecError([Fault((), f"{count:,} variants", most, source="--vary")], "command line")
     journal = Journal(table.with_name(table.name + ".journal"), task.digest, count)
     try:
         before = journal.done
@@ -386,16 +390,16 @@ def _refuse_unknown(task: Task, first: Row) -> None:
         try:
             changed(*asked)
         except SpecError as error:
-            faults = [
-                f
-                for f in error.faults
-                if f.expected.startswith("unknown key") or f.path.startswith("--set")
-            ]
+            faults = [f for f in error.faults if f.unknown or f.source == "--set"]
             if faults:
                 raise SpecError(faults, task.source) from None
     elif first["verdict"] != REFUSED:
         known = changed(*asked).study().numbers
-        faults = [unknown("--keep", name, known) for name in task.keep if name not in known]
+        faults = [
+            replace(unknown((), name, known), source="--keep")
+            for name in task.keep
+            if name not in known
+        ]
         if faults:
             raise SpecError(faults, "command line")
 

@@ -14,8 +14,8 @@ from typing import Literal
 
 import numpy as np
 
-from camgen.errors import Fault, SpecError
-from camgen.settings import dotted, split_setting
+from camgen.errors import Fault, SpecError, dotted
+from camgen.settings import split_setting
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _RANGE = re.compile(rf"\s*({_NUMBER}):({_NUMBER})(?::(\d{{1,16}}))?\s*")
@@ -59,40 +59,51 @@ def axis(text: str) -> Axis:
     keys, values = split_setting(text)
     key, values = dotted(keys), values.strip()
     if not (all(keys) and values):
-        raise SpecError([Fault("--vary", repr(text), _FORM)], "command line")
+        raise SpecError([Fault((), repr(text), _FORM, source="--vary")], "command line")
     found = _RANGE.fullmatch(values)
     if not found:
         listed = _split(values)
         if _LIKE_RANGE.fullmatch(values):
             right = f"A and B finite numbers, N a whole one; {_FORM}"
-            raise SpecError([Fault(f"--vary {key}", repr(values), right)], "command line")
+            raise SpecError(
+                [Fault((), repr(values), right, source=f"--vary {key}")], "command line"
+            )
         if not all(listed):
             raise SpecError(
                 [
                     Fault(
-                        f"--vary {key}", repr(values), f"a value between every two commas; {_FORM}"
+                        (),
+                        repr(values),
+                        f"a value between every two commas; {_FORM}",
+                        source=f"--vary {key}",
                     )
                 ],
                 "command line",
             )
         if len(set(listed)) < len(listed):
             raise SpecError(
-                [Fault(f"--vary {key}", repr(values), "each value once")], "command line"
+                [Fault((), repr(values), "each value once", source=f"--vary {key}")], "command line"
             )
         return Axis(key, tuple(listed))
     low, high, count = float(found[1]), float(found[2]), int(found[3] or 0)
     if not (math.isfinite(low) and math.isfinite(high) and low < high):
         raise SpecError(
-            [Fault(f"--vary {key}", repr(values), f"A less than B, both finite; {_FORM}")],
+            [
+                Fault(
+                    (), repr(values), f"A less than B, both finite; {_FORM}", source=f"--vary {key}"
+                )
+            ],
             "command line",
         )
     if count > 10**15:
         raise SpecError(
-            [Fault(f"--vary {key}", repr(values), f"N of at most 1e15; {_FORM}")], "command line"
+            [Fault((), repr(values), f"N of at most 1e15; {_FORM}", source=f"--vary {key}")],
+            "command line",
         )
     if found[3] and count < 2:
         raise SpecError(
-            [Fault(f"--vary {key}", repr(values), f"N of at least 2; {_FORM}")], "command line"
+            [Fault((), repr(values), f"N of at least 2; {_FORM}", source=f"--vary {key}")],
+            "command line",
         )
     return Axis(key, low=low, high=high, count=count)
 
@@ -130,20 +141,26 @@ class Variants:
         keys = [each.key for each in self.axes]
         twice = sorted({key for key in keys if keys.count(key) > 1})
         if not keys:
-            faults.append(Fault("--vary", "", f"at least one: {_FORM}"))
+            faults.append(Fault((), "", f"at least one: {_FORM}", source="--vary"))
         faults += [
-            Fault(f"--vary {key}", "given twice", "each key once, with all its values")
+            Fault((), "given twice", "each key once, with all its values", source=f"--vary {key}")
             for key in twice
         ]
         if self.how != "latin":
             bare = [each.key for each in self.axes if not len(each)]
             faults += [
-                Fault(f"--vary {key}", "a range without a number of values", _FORM) for key in bare
+                Fault((), "a range without a number of values", _FORM, source=f"--vary {key}")
+                for key in bare
             ]
         if self.how == "zip" and not faults and len({len(each) for each in self.axes}) > 1:
             shown = ", ".join(f"{each.key} {len(each)}" for each in self.axes)
             faults.append(
-                Fault("--zip", f"values: {shown}", "the same number of values for every key")
+                Fault(
+                    (),
+                    f"values: {shown}",
+                    "the same number of values for every key",
+                    source="--zip",
+                )
             )
         if faults:
             raise SpecError(faults, "command line")
@@ -198,7 +215,9 @@ def variants(
         except SpecError as error:
             faults += error.faults
     if zipped + bool(latin) + grid > 1:
-        faults.append(Fault("--zip, --latin, --grid", "more than one", "one of the three"))
+        faults.append(
+            Fault((), "more than one", "one of the three", source="--zip, --latin, --grid")
+        )
     if faults:
         raise SpecError(faults, "command line")
     return Variants(tuple(axes), "latin" if latin else "zip" if zipped else "grid", latin, seed)

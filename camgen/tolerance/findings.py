@@ -11,7 +11,6 @@ cannot change (a motor's shaft, a material) is left out; so is what is judged on
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -19,7 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding, Where, at_least, at_most
 from camgen.judge.cams import Followed
 from camgen.judge.joints import Outline
 from camgen.machine.cams.machine import keeps_contact
@@ -92,7 +91,7 @@ def _named(findings: Iterator[Finding]) -> dict[tuple[str, str], Finding]:
     """By code and place, less the angle there; of several at one place the worst."""
     named: dict[tuple[str, str], Finding] = {}
     for each in findings:
-        key = each.code, re.sub(r",? *(cam|crank)? ?(angle )?-?[0-9.]+ deg$", "", each.where)
+        key = each.code, str(replace(each.where, theta=None))
         margin = (each.measured - each.limit) * (1 if each.floor else -1)
         if key not in named or margin < (named[key].measured - named[key].limit) * (
             1 if each.floor else -1
@@ -122,7 +121,7 @@ def _of_copy(
         yield from (
             each for each in followed.findings() if each.code != "UNDERCUT"
         )  # it would count all that a print does
-        yield at_most("PRESSURE_ANGLE", steep, steepest, "deg", name, "")
+        yield at_most("PRESSURE_ANGLE", steep, steepest, "deg", Where(joint=name), "")
     machine = replace(
         shifted,
         joints=tuple(
@@ -147,7 +146,7 @@ def _followed(
         assert isinstance(joint, Cam)
         if first is not None:
             outline = replace(outline, meant=replace(outline.meant, given=first[name].outline.law))
-        found[name] = Followed(joint, Outline(outline, law, law), name, 0.0)
+        found[name] = Followed(joint, Outline(outline, law, law), Where(joint=name), 0.0)
     return found
 
 
@@ -169,13 +168,13 @@ def _of_model(
         sines = [fold.determinant for fold in folds(machine, *mechanism.assembly.cycle.range)]
         least = math.degrees(math.asin(min(1.0, *map(abs, sines)))) if sines else math.nan
         limit = asked["TRANSMISSION_ANGLE"]
-        yield at_least("TRANSMISSION_ANGLE", least, limit.limit, "deg", "joints", "")
+        yield at_least("TRANSMISSION_ANGLE", least, limit.limit, "deg", Where("joints"), "")
     forced = [cam.name for cam in by_force(machine)]
     if len(forced) > 1:  # of several that are judged, each says its name
         forced = [
             name
             for name in forced
-            if any(each.code == "LIFT_OFF" and name in each.where for each in limits)
+            if any(each.code == "LIFT_OFF" and name == each.where.joint for each in limits)
         ]
     if "LIFT_OFF" in asked and forced:
         theta = np.linspace(*mechanism.assembly.cycle.range, 1441)
@@ -185,7 +184,7 @@ def _of_model(
             .pressing
         )
         yield keeps_contact(
-            theta, np.fmin.reduce([pressing[name] for name in forced]), False, "contact", ""
+            theta, np.fmin.reduce([pressing[name] for name in forced]), False, Where("contact"), ""
         )
 
 

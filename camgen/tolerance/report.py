@@ -61,12 +61,12 @@ def tolerance(
     """
     counts = (("--samples", samples, 1), ("--worst", worst, 0), ("--judged", judged, 0))
     faults = [
-        Fault(key, str(n), f"from {least} to {_MOST}")
-        for key, n, least in counts
+        Fault((), str(n), f"from {least} to {_MOST}", source=option)
+        for option, n, least in counts
         if not least <= n <= _MOST
     ]
     if seed < 0:
-        faults.append(Fault("--seed", str(seed), "0 or more"))
+        faults.append(Fault((), str(seed), "0 or more", source="--seed"))
     if faults:
         raise SpecError(faults, "command line")
     mechanism = read_mechanism(spec, overrides).resolved()

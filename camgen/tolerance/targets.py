@@ -15,6 +15,7 @@ from functools import partial
 
 import numpy as np
 
+from camgen.findings import Where
 from camgen.machine.landmarks import smallest_loop
 from camgen.machine.model import Output, Path, Pin, places_of, unit_of
 from camgen.machine.run import solve
@@ -56,7 +57,7 @@ def targets(spread: Spread, errors: Floats) -> list[Kept]:
             for each in errors
         ]
         for target in wanted[output.name]:
-            made = [target.finding(course, "") for course in courses]
+            made = [target.finding(course, Where()) for course in courses]
             holds = np.array([each.ok for each in made])
             found.append(Kept(output.name, target.code, made[0].limit, made[0].unit, holds))
     return found

@@ -82,7 +82,7 @@ def outcome(case: Mapping[str, float], out: Path) -> tuple[bool, str]:
         return error.exit_code in (2, 3), f"refused: {error}".replace("\n", " ")
     motion = [f for f in report.findings if f.code == "MOTION_ERROR"]
     worst = max(motion, key=lambda f: f.measured / f.limit)
-    kinds = {f.where.split(",")[0].rsplit(".", 1)[1] for f in motion}
+    kinds = {str(f.where).split(",")[0].rsplit(".", 1)[1] for f in motion}
     kept = kinds == {"dxf", "stl"} and all(f.ok for f in motion)
     said = f"{'kept' if kept else 'LOST'}: {worst.measured:.2e} of {worst.limit:.2e} deg ({worst.measured / worst.limit:.0%})"
     told = [

@@ -138,7 +138,7 @@ def test_all_faults_of_wish_and_spec_at_once(tmp_path: Path) -> None:
     )
     with pytest.raises(SpecError) as told:
         design(spec)
-    paths = [fault.path for fault in told.value.faults]
+    paths = [fault.key for fault in told.value.faults]
     assert paths == [
         "points",
         "mechanism",

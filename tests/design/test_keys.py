@@ -121,7 +121,7 @@ def test_what_cannot_be_is_told_with_the_nearest() -> None:
         ({"vary": {}, "least": "x"}, "wanted.vary"),
         (
             {"vary": {"geometry.base_radius": [-20.0, 20.0]}, "least": "x"},
-            "wanted.vary.geometry.base_radius: -20",
+            'wanted.vary."geometry.base_radius": -20',
         ),
         ({"vary": {"a b=3 #": [10.0, 20.0]}, "least": "stroke_mm"}, "a key of the spec"),
         ({"path": [[0, 0], [1, 1], [2, 0]]}, '"linkage", for a path'),
@@ -166,7 +166,7 @@ def test_faults_of_the_rest_of_the_spec_come_before_a_search() -> None:
     }
     with pytest.raises(SpecError) as error:
         design(spec)
-    assert [fault.path for fault in error.value.faults] == [
+    assert [fault.key for fault in error.value.faults] == [
         "name",
         "parts.thickness",
         "parts.pin_diameter",
@@ -196,7 +196,7 @@ def test_words_are_chosen_among() -> None:
         "segment"
     ][0]["law"] == min(laws, key=laws.__getitem__)
     data["wanted"] = {**wanted, "vary": {"segment.0.law": ["cycloidal", "cycloid"]}}
-    with pytest.raises(SpecError, match="wanted.vary.segment.0.law.*cycloid.*expected one of"):
+    with pytest.raises(SpecError, match='wanted.vary."segment.0.law".*cycloid.*expected one of'):
         design(data)
     data["wanted"] = {**wanted, "vary": {"segment.0.law": ["cycloidal", "cycloidal"]}}
     with pytest.raises(SpecError, match="each word once"):

@@ -184,7 +184,7 @@ def test_a_build_with_exact_solids_is_proved_by_them(tmp_path, root):
     assert check(report.folder).ok
     sound = whole.read_bytes()
     whole.write_bytes(sound.replace(b"DIRECTION('',(1.0,0.0,0.0))", b"DIRECTION('',(0.8,0.6,0.0))"))
-    assert [(f.code, f.where) for f in check(report.folder).findings if not f.ok] == [
+    assert [(f.code, str(f.where)) for f in check(report.folder).findings if not f.ok] == [
         ("ROUND_TRIP", whole.name)
     ]
     whole.write_bytes(sound)

@@ -121,8 +121,8 @@ def test_a_part_out_of_its_place_is_named(
     failed = [f for f in swept(tmp_path / "x.3mf", name, *close, **{shifted: by}) if not f.ok]
     assert {f.code for f in failed} == {"INTERFERENCE"}
     angle = "cam angle" if "cam" in name else "crank angle"
-    assert any(f.where.startswith(f"{pair}: ") and angle in f.where for f in failed), [
-        f.where for f in failed
+    assert any(str(f.where).startswith(f"{pair}: ") and angle in str(f.where) for f in failed), [
+        str(f.where) for f in failed
     ]
 
 
@@ -173,7 +173,9 @@ def test_a_motion_that_jumps_is_told(tmp_path: Path, jump: float, said: str) -> 
 
 def test_a_tube_beside_its_needle_is_struck(tmp_path: Path) -> None:
     findings = swept(tmp_path / "x.3mf", "eccentric-drive", needle_tube_1=0.15j)
-    assert any(not f.ok and "needle-tube-1" in f.where and "needle" in f.where for f in findings)
+    assert any(
+        not f.ok and "needle-tube-1" in str(f.where) and "needle" in str(f.where) for f in findings
+    )
 
 
 # ---- what may touch ----------------------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from camgen import tolerances
-from camgen.findings import at_most
+from camgen.findings import Where, at_most
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.cams import (
     Followed,
@@ -85,7 +85,7 @@ def test_where_a_follower_has_its_tips() -> None:
     ],
 )
 def test_one_or_two_files_are_named(where: str, parts: set[str], said: str) -> None:
-    assert named(where, parts) == said
+    assert named(Where(file=where), parts).file == said
 
 
 class Harmonic:
@@ -104,7 +104,7 @@ def test_play_between_two_outlines_is_the_gap_between_them(gap: float) -> None:
     ring = disc(4 + 0j, 16.0)
     front = outline("cam", SlideFace(16 + 0j, 1 + 0j, 1), ring)
     back = outline("cam", SlideFace(complex(-16 - gap), 1 + 0j, -1), ring)
-    finding, play = _overlap(CAM, front, back, "x", OFF)
+    finding, play = _overlap(CAM, front, back, Where(file="x"), OFF)
     assert play == pytest.approx(gap, abs=1e-9)
     assert finding.measured == pytest.approx(max(0.0, -gap), abs=1e-9) and finding.unit == "mm"
     assert finding.limit == pytest.approx(
@@ -126,13 +126,13 @@ def test_an_overlap_is_told_where_it_is_largest(free: float, said: str) -> None:
         outline("return", SlideFace(-16 + 0j, 1 + 0j, -1), disc(4.2 + 0j, 16.0)).law,
         back.tight,
     )
-    finding, play = _overlap(CAM, front, smaller, "x", OFF)
+    finding, play = _overlap(CAM, front, smaller, Where(file="x"), OFF)
     assert play == pytest.approx(0.5, abs=1e-5)
     assert (
         finding.measured == pytest.approx(0.2 if free < 0 else 0.5, abs=1e-5)
         and said in finding.message
     )
-    degrees = float(finding.where.removeprefix("x, cam angle ").removesuffix(" deg"))
+    degrees = float(str(finding.where).removeprefix("x, cam angle ").removesuffix(" deg"))
     assert math.cos(math.radians(degrees) - 0.3) == pytest.approx(-1, abs=1e-5)
 
 
@@ -202,7 +202,7 @@ def test_contact_runs_along_a_face_by_the_eccentricity(
     ring = disc(4 + 0j, 16.0)
     feature = CamOutline("lift", "cam", "O", None, Flat(None, 0j, math.pi, width), leaves=1)
     law = Rolled(contact(ring, SlideFace(16 + 0j, 1 + 0j, 1)), None, middle=middle)
-    finding = Followed(CAM, Outline(feature, law, law), "x", OFF).on_face()
+    finding = Followed(CAM, Outline(feature, law, law), Where(file="x"), OFF).on_face()
     assert (
         finding is not None
         and finding.measured == pytest.approx(beyond, abs=1e-5)
@@ -210,16 +210,19 @@ def test_contact_runs_along_a_face_by_the_eccentricity(
     )
     assert "from -4.000 to 4.000 mm" in finding.message
     degrees = (
-        math.radians(float(finding.where.removeprefix("x, cam angle ").removesuffix(" deg"))) - 0.3
+        math.radians(float(str(finding.where).removeprefix("x, cam angle ").removesuffix(" deg")))
+        - 0.3
     )
     assert abs(math.sin(degrees)) == pytest.approx(1, abs=1e-5)
     assert middle == 0 or math.sin(degrees) * middle < 0
     endless = Outline(
         CamOutline("lift", "cam", "O", None, Flat(None, 0j, math.pi, math.inf)), law, law
     )
-    assert Followed(CAM, endless, "x", OFF).on_face() is None
+    assert Followed(CAM, endless, Where(file="x"), OFF).on_face() is None
     assert (
-        Followed(CAM, outline("cam", SlideTip(2 + 30j, 1j, 3.0, 1), ring), "x", OFF).on_face()
+        Followed(
+            CAM, outline("cam", SlideTip(2 + 30j, 1j, 3.0, 1), ring), Where(file="x"), OFF
+        ).on_face()
         is None
     )
 
@@ -234,7 +237,7 @@ def test_speed_ripple_is_of_the_greatest_speed_over_a_window(more: float) -> Non
         disc(4 * (1 + more) + 0j, 16.0),
         meant=CamMeant(ripple=0.01),
     )
-    finding = Followed(CAM, made, "x", OFF).ripple()
+    finding = Followed(CAM, made, Where(file="x"), OFF).ripple()
     assert (
         finding is not None
         and finding.measured == pytest.approx(more, abs=1e-6)
@@ -244,12 +247,15 @@ def test_speed_ripple_is_of_the_greatest_speed_over_a_window(more: float) -> Non
         "cam", SlideFace(16 + 0j, 1 + 0j, 1), disc(4 + 1j, 16.0), meant=CamMeant(ripple=0.01)
     )
     off = Followed(
-        CAM, shaken, "x", OFF
+        CAM, shaken, Where(file="x"), OFF
     ).ripple()  # a quarter of a turn later: speeds differ by cos
     assert off is not None and off.measured == pytest.approx(0.25, abs=1e-4) and half > 0
     assert (
         Followed(
-            CAM, outline("cam", SlideFace(16 + 0j, 1 + 0j, 1), disc(4 + 0j, 16.0)), "x", OFF
+            CAM,
+            outline("cam", SlideFace(16 + 0j, 1 + 0j, 1), disc(4 + 0j, 16.0)),
+            Where(file="x"),
+            OFF,
         ).ripple()
         is None
     )
@@ -265,7 +271,7 @@ def test_what_is_lost_of_the_wanted_motion_counts_where_the_exact_outline_loses_
     for accepted, ok in ((0.41, True), (0.39, False)):
         meant = CamMeant(given=Harmonic(), undercut=accepted)
         made = outline("cam", SlideFace(16 + 0j, 1 + 0j, 1), disc(4 + 0j, 15.9), meant=meant)
-        finding = Followed(joint, made, "x", OFF).undercut()
+        finding = Followed(joint, made, Where(file="x"), OFF).undercut()
         assert (
             finding is not None
             and finding.measured == pytest.approx(0.4, abs=1e-6)
@@ -274,7 +280,10 @@ def test_what_is_lost_of_the_wanted_motion_counts_where_the_exact_outline_loses_
         assert finding.limit == pytest.approx(accepted + OFF * (1 + tolerances.BOUND_SPARE))
     assert (
         Followed(
-            CAM, outline("cam", SlideFace(16 + 0j, 1 + 0j, 1), disc(4 + 0j, 15.9)), "x", OFF
+            CAM,
+            outline("cam", SlideFace(16 + 0j, 1 + 0j, 1), disc(4 + 0j, 15.9)),
+            Where(file="x"),
+            OFF,
         ).undercut()
         is None
     )
@@ -284,10 +293,10 @@ def test_a_parts_own_tip_may_be_off_by_the_tolerance_as_well() -> None:
     """Twice the motion's limit; what is larger by the air counts without it, and a tip that is lost is told."""
     form, ring = SlideTip(2 + 30j, 1j, 3.2, 1), disc(3 + 0j, 20.0)
     tip = OwnTip("arm", TIP, Eye("arm", 0j, 3.0))
-    moved = at_most("MOTION_ERROR", 0.003, 0.002, "mm", ", cam angle 3 deg", "")
+    moved = at_most("MOTION_ERROR", 0.003, 0.002, "mm", Where(theta=math.radians(3), digits=0), "")
     made = outline("cam", form, ring, 0.2)
     finding, numbers = _own_tip(
-        Outline(made.feature, made.law, made.law, made.law), tip, "x-*.dxf", moved
+        Outline(made.feature, made.law, made.law, made.law), tip, Where(file="x-*.dxf"), moved
     )
     assert (finding.code, finding.measured, finding.limit, finding.ok) == (
         "TIP_MOTION",
@@ -296,9 +305,9 @@ def test_a_parts_own_tip_may_be_off_by_the_tolerance_as_well() -> None:
         True,
     )
     assert (
-        finding.where == "x-arm.dxf, cam angle 3 deg"
+        str(finding.where) == "x-arm.dxf, cam angle 3 deg"
         and "frame's own tip, radius 3.0000 mm" in finding.message
     )
     assert numbers == {("tip_motion_error", "mm"): 0.003, ("tip_radius", "mm"): pytest.approx(3.0)}
-    lost, none = _own_tip(made, OwnTip("arm", TIP, TIP, 3.0), "x-*.dxf", moved)
+    lost, none = _own_tip(made, OwnTip("arm", TIP, TIP, 3.0), Where(file="x-*.dxf"), moved)
     assert math.isnan(lost.measured) and not lost.ok and none == {}

@@ -364,7 +364,7 @@ def test_the_table_comes_out_of_the_files(
     made: dict[str, tuple[ChainStitchLooper, Path]], name: str, kind: str
 ) -> None:
     cleared = judged(*made[name], kind)
-    assert [f.where.split(":")[0] for f in cleared.findings] == [*PAIRS, "P1/P2"]
+    assert [str(f.where).split(":")[0] for f in cleared.findings] == [*PAIRS, "P1/P2"]
     for finding, wanted in zip(cleared.findings, REFERENCE[name], strict=False):
         assert finding.ok == (wanted >= 0)
         if wanted > 0:
@@ -434,7 +434,7 @@ def test_other_laws_out_of_step_against_brute_force(tmp_path: Path) -> None:
     )
     for finding, spreader, k in zip(cleared.findings, ("lower", "upper"), (0, 1), strict=False):
         body = section if spreader == "upper" else -section.conj()
-        pair = next(f for f in cleared.findings if f.where.startswith(f"N{k + 1}/P{k + 1}"))
+        pair = next(f for f in cleared.findings if str(f.where).startswith(f"N{k + 1}/P{k + 1}"))
         h = m.geometry.point_lengths[k]
         needle = np.array([0, 0.45 + 1j * h, 0.45 + 60j, -0.45 + 60j, -0.45 + 1j * h])
         shifts = poses[f"needle-{k + 1}"][0].place - poses[f"{spreader}-spreader"][0].place
@@ -460,7 +460,7 @@ def folder(made: dict[str, tuple[ChainStitchLooper, Path]], tmp_path: Path) -> P
 
 
 def failing(m: ChainStitchLooper, folder: Path) -> set[str]:
-    return {f.where.split(":")[0] for f in judged(m, folder).findings if not f.ok}
+    return {str(f.where).split(":")[0] for f in judged(m, folder).findings if not f.ok}
 
 
 def test_a_sound_folder_passes(

@@ -20,6 +20,7 @@ from shapes import polygon as polygon_ring
 
 from camgen.files.dxf import write_dxf
 from camgen.files.stl import write_stl
+from camgen.findings import Where
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Region, polygon
@@ -377,7 +378,7 @@ def test_a_spike_between_the_judged_angles_is_told() -> None:
         ]
         findings = judge_machine(
             "dxf",
-            "x.dxf",
+            Where(file="x.dxf"),
             {"cam": [[shape]]},
             mechanism.model,
             features,

@@ -87,7 +87,7 @@ def test_an_arm_lies_on_one_side_of_its_axle(
     ).model_copy(update={"leaves": None})
     with pytest.raises(SpecError) as refused:
         table(motion="oscillating", radius=4, pivot=pivot, arm=arm, at_deg=at, leaves=side)
-    assert [(fault.path, fault.value) for fault in refused.value.faults] == [
+    assert [(fault.key, fault.value) for fault in refused.value.faults] == [
         ("leaves", f"{side:+d}")
     ]
     face = table(motion="oscillating", shape="flat", pivot=pivot, at_deg=at, face_offset=-2.5)
@@ -153,7 +153,7 @@ def test_an_arm_on_the_line_of_the_shafts_has_no_side(at: float, bearing: float)
 def test_keys_that_do_not_go_together_are_named(keys: dict[str, Any], paths: list[str]) -> None:
     with pytest.raises(SpecError) as refused:
         read_follower(keys)
-    assert [fault.path for fault in refused.value.faults] == paths
+    assert [fault.key for fault in refused.value.faults] == paths
 
 
 @settings(max_examples=30)
@@ -223,7 +223,7 @@ def test_two_tips_of_one_slide_look_at_each_other(
         {key: value for key, value in (SLIDE | keys).items() if value is not None}
         for keys in (first, second)
     ]
-    assert [fault.path for fault in pair_faults(*map(read_follower, pair))] == paths
+    assert [fault.key for fault in pair_faults(*map(read_follower, pair))] == paths
 
 
 @pytest.mark.parametrize(
@@ -241,8 +241,8 @@ def test_two_tips_of_one_arm_swing_against_each_other(
     second: dict[str, Any], paths: list[str]
 ) -> None:
     keys = {key: value for key, value in (ARM | second).items() if value is not None}
-    assert [fault.path for fault in pair_faults(read_follower(ARM), read_follower(keys))] == paths
-    assert [fault.path for fault in pair_faults(read_follower(ARM), read_follower(SLIDE))] == [
+    assert [fault.key for fault in pair_faults(read_follower(ARM), read_follower(keys))] == paths
+    assert [fault.key for fault in pair_faults(read_follower(ARM), read_follower(SLIDE))] == [
         "--second-follower motion"
     ]
 
@@ -279,4 +279,4 @@ def test_one_line_is_the_same_as_its_table(text: str, keys: dict[str, Any]) -> N
 def test_a_line_that_is_none_is_told(text: str, paths: list[str]) -> None:
     with pytest.raises(SpecError) as refused:
         read_follower(text)
-    assert [fault.path for fault in refused.value.faults] == paths
+    assert [fault.key for fault in refused.value.faults] == paths

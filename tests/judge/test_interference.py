@@ -425,14 +425,14 @@ def test_of_pairs_that_stay_apart_the_nearest_is_said_or_all_that_fail() -> None
     ]
     (finding,) = interference(apart, 0.3, "crank angle")
     assert (finding.ok, finding.measured, finding.limit) == (True, 0.4, 0.3)
-    assert finding.where == "arm and frame: gap, crank angle 60.000 deg"
+    assert str(finding.where) == "arm and frame: gap, crank angle 60.000 deg"
     assert finding.message.startswith(
         "nearest of 3 pairs that must stay apart; smallest gap seen 0.5000 mm; proven"
     )
     failed = interference(
         [*apart, clearance("pin", -0.2, -0.25), clearance("belt", 0.0, -0.1)], 0.6
     )
-    assert [f.where.partition(" ")[0] for f in failed] == ["pin", "belt", "arm"] and not any(
+    assert [str(f.where).partition(" ")[0] for f in failed] == ["pin", "belt", "arm"] and not any(
         f.ok for f in failed
     )
     assert (
@@ -453,14 +453,14 @@ def test_of_pairs_that_touch_the_deepest_is_said_or_all_that_overlap_by_more() -
     (finding,) = interference(touching, 0.3)
     assert (finding.ok, finding.measured, finding.limit) == (True, 0.09, 0.1)
     assert (
-        finding.where.startswith("arm and frame: overlap, cam angle 57.29")
+        str(finding.where).startswith("arm and frame: overlap, cam angle 57.29")
         and "overlap seen 0.0800 mm" in finding.message
     )
     assert "deepest of 3 pairs that touch by intent" in finding.message
     failed = interference(
         [*touching, clearance("pin", -0.7, -0.8, 0.6), clearance("x", -0.1, -0.1, 0.1)], 0.3
     )
-    assert [(f.where.partition(" ")[0], f.measured) for f in failed] == [("pin", 0.8)]
+    assert [(str(f.where).partition(" ")[0], f.measured) for f in failed] == [("pin", 0.8)]
     both = interference([clearance("a", 5, 5), clearance("b", 1, 1, 0.1)], 0.3)
     assert [(f.ok, f.measured, f.limit) for f in both] == [(True, 5, 0.3), (True, 0.0, 0.1)]
 

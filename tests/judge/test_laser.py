@@ -219,7 +219,7 @@ def test_a_sheet_that_is_more_than_plain_geometry_is_told(sheet, tmp_path, was, 
     assert text.count(was) >= 1
     (other := tmp_path / "s.svg").write_text(text.replace(was, now, 1), encoding="utf-8")
     (told,) = [f for f in judge_sheet(dxf, other, laid, meant, BEAM)[0] if not f.ok]
-    assert (told.code, told.where) == ("ROUND_TRIP", "s.svg")
+    assert (told.code, str(told.where)) == ("ROUND_TRIP", "s.svg")
     assert re.search(r"line \d+|its end|contours on 100 x 50", told.message)
 
 
@@ -264,7 +264,7 @@ def test_a_piece_under_another_one_s_name_is_told(sheet, tmp_path):
     text = svg.read_text(encoding="utf-8")
     (other := tmp_path / "s.svg").write_text(text.replace("plate-1", "plate-3"))
     (told,) = [f for f in judge_sheet(dxf, other, laid, meant, BEAM)[0] if not f.ok]
-    assert told.where == "s.svg" and "names of the list" in told.message
+    assert str(told.where) == "s.svg" and "names of the list" in told.message
 
 
 def test_a_layer_for_another_tool_is_told(sheet, tmp_path):
@@ -322,9 +322,9 @@ def test_a_linkage_of_sheet_moves_as_asked(tmp_path, root):
     settings = ("laser.thickness=4", "laser.kerf=0.3")
     report = build(root / "specs" / "linkage.toml", tmp_path / "a", DXF, settings)
     assert report.ok
-    (moved,) = [f for f in report.findings if f.code == "MOTION_ERROR" and "sheets" in f.where]
+    (moved,) = [f for f in report.findings if f.code == "MOTION_ERROR" and "sheets" in str(f.where)]
     assert moved.measured < 1e-3
-    codes = {f.code for f in report.findings if "sheet" in f.where}
+    codes = {f.code for f in report.findings if "sheet" in str(f.where)}
     assert codes >= {"KERF", "SHEET_FIT", "PIN_GAP", "LASH", "MIN_WALL", "ROUND_TRIP"}
     (table,) = [table for table in report.tables if table.title.startswith("Cut of sheets")]
     otherwise = {row[1]: row[4] for row in table.rows if row[0] == "none"}
@@ -349,7 +349,9 @@ def test_a_linkage_of_sheet_moves_as_asked(tmp_path, root):
     column = rows[0].index("copy")
     rows[1][column] = str(int(rows[1][column]) + 5)
     listed.write_text("\n".join(map(",".join, rows)))
-    assert {f.where for f in wrong(again.folder, "dxf") if f.code == "SHEET_FIT"} == {listed.name}
+    assert {str(f.where) for f in wrong(again.folder, "dxf") if f.code == "SHEET_FIT"} == {
+        listed.name
+    }
     rows[1][3] = "no number"
     listed.write_text("\n".join(map(",".join, rows)))
     with pytest.raises(FileError, match="not a list of sheets"):

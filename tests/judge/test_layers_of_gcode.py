@@ -13,6 +13,7 @@ import shapely
 from shapes import polygon
 
 from camgen.files.gcode import Wall
+from camgen.findings import Where
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Region, circle
 from camgen.geometry.outlines import polygon as contour
@@ -214,14 +215,14 @@ def copy(layers: Sequence[Layer]) -> Copy:
 def test_layers_that_are_missing_are_told_where_most_are() -> None:
     """None, one in the middle, two more below; at the top half a layer may be lacking."""
     whole = printed(0.0, 0j)
-    gap, height = copy(whole).complete("w")
+    gap, height = copy(whole).complete(Where(file="w"))
     assert gap.ok and gap.measured == 0 and gap.message == "no layer is missing" and height.ok
-    assert (gap.where, height.where) == ("w, x, gap between layers", "w, x, height")
-    gap, height = copy([*whole[:3], *whole[5:9], *whole[10:]]).complete("w")
+    assert (str(gap.where), str(height.where)) == ("w, x, gap between layers", "w, x, height")
+    gap, height = copy([*whole[:3], *whole[5:9], *whole[10:]]).complete(Where(file="w"))
     assert not gap.ok and gap.measured == pytest.approx(0.4)
     assert "in 2 places, the most over z = 0.600 mm" in gap.message and height.ok
     for left, off in ((14, 0.2), (13, 0.4)):
-        gap, height = copy(whole[:left]).complete("w")
+        gap, height = copy(whole[:left]).complete(Where(file="w"))
         assert (
             gap.ok
             and not height.ok
@@ -231,7 +232,9 @@ def test_layers_that_are_missing_are_told_where_most_are() -> None:
         assert height.message.startswith(
             f"its last layer ends at {3 - off:.3f} mm, its top lies at 3.000;"
         )
-    assert copy(printed(0.0, 0j, layers=14, rise=0.21)).complete("w")[1].ok  # 2.94 mm of 3
+    assert (
+        copy(printed(0.0, 0j, layers=14, rise=0.21)).complete(Where(file="w"))[1].ok
+    )  # 2.94 mm of 3
 
 
 def test_layers_of_one_outline_fill_together_what_any_of_them_does() -> None:
@@ -296,7 +299,9 @@ def test_copies_against_the_plates_of_the_folder(
 ) -> None:
     """Two plates: one holds two of a and one of b, the other four of c. One of which more than half is laid is sliced."""
     plates = {"p-1": Counter(a=2, b=1), "p-2": Counter(c=4)}
-    finding, left = judge_sliced_copies(Counter(laid), Counter(a=2, b=1, c=4), plates, "w")
+    finding, left = judge_sliced_copies(
+        Counter(laid), Counter(a=2, b=1, c=4), plates, Where(file="w")
+    )
     assert (finding.measured, finding.ok, finding.message) == (wrong, wrong == 0, said)
     assert [each.why for each in left] == (
         [f"copies that lie on none of these plates: {absent}"] if absent else []
@@ -309,5 +314,5 @@ def test_copies_against_the_plates_of_the_folder(
 def test_a_copy_counts_for_the_plate_that_is_laid_the_most() -> None:
     """Three of a lie: all of the small plate, and not half of the large one that holds some as well."""
     plates = {"large": Counter(a=3, b=4), "small": Counter(a=3)}
-    finding, (left,) = judge_sliced_copies(Counter(a=3), Counter(a=6, b=4), plates, "w")
+    finding, (left,) = judge_sliced_copies(Counter(a=3), Counter(a=6, b=4), plates, Where(file="w"))
     assert finding.ok and left.needs == "the G-code of large"

@@ -50,7 +50,7 @@ def folder(made: Path, tmp_path: Path) -> Path:
 
 def failing(folder: Path, *kinds: str) -> set[tuple[str, str]]:
     """Codes that fail, with the kind of file."""
-    return {(f.code, f.where.split(",")[0].rsplit(".", 1)[-1]) for f in wrong(folder, *kinds)}
+    return {(f.code, str(f.where).split(",")[0].rsplit(".", 1)[-1]) for f in wrong(folder, *kinds)}
 
 
 def test_a_sound_build_passes_and_is_the_same_when_checked_again(folder: Path) -> None:

@@ -99,7 +99,7 @@ def told(found: list[Finding]) -> set[str]:
 
 
 def column(finding: Finding) -> str:
-    return finding.where.removeprefix("x-profile.csv, ").partition(", row")[0]
+    return str(finding.where).removeprefix("x-profile.csv, ").partition(", row")[0]
 
 
 @pytest.mark.parametrize("name", FORMS)
@@ -143,7 +143,7 @@ def test_a_place_off_the_outline_is_told_by_how_much(
             and found.limit == pytest.approx(2e-3)
         )
         if late is not None:
-            assert found.where.endswith(f"row of {5 * late} deg")
+            assert str(found.where).endswith(f"row of {5 * late} deg")
     for by, ok in ((1e-9, True), (1e-7, False)):
         longer = replace(table, radius=table.radius + sign * by * rows)
         assert told(judged(FORMS[name], longer)) == (set() if ok else {"radius_mm and angle_deg"})
@@ -212,7 +212,7 @@ def test_a_curve_within_the_tolerance_leans_and_bends_by_no_more_than_is_granted
     assert (
         math.radians(by_slope[0].limit) < 3 * slope and math.radians(by_slope[0].limit) > slope / 3
     )
-    (by_bend,) = [f for f in judged(form, table) if "curvature" in f.where]
+    (by_bend,) = [f for f in judged(form, table) if "curvature" in str(f.where)]
     assert by_bend.limit < 5 * bend
 
 
@@ -226,8 +226,10 @@ def test_a_curvature_that_is_off_is_told(name: str, sign: int) -> None:
     }
     found = judged(form, replace(table, curvature=wrong))
     assert told(found) == {"curvature_per_mm"}
-    (bend,) = [f for f in found if "curvature" in f.where]
-    assert bend.measured == pytest.approx(0.004, rel=1e-3) and bend.where.endswith("row of 165 deg")
+    (bend,) = [f for f in found if "curvature" in str(f.where)]
+    assert bend.measured == pytest.approx(0.004, rel=1e-3) and str(bend.where).endswith(
+        "row of 165 deg"
+    )
     assert told(judged(form, replace(table, curvature=-table.curvature))) == {"curvature_per_mm"}
     lost = np.where(np.arange(72) == 33, math.nan, table.curvature)
     assert told(judged(form, replace(table, curvature=lost))) == {"curvature_per_mm"}
@@ -251,4 +253,8 @@ def test_rows_too_few_or_too_many_are_counted() -> None:
             )
         )
         (found,) = judged(FORMS["roller"], few)
-        assert not found.ok and found.measured == 72 - rows.stop and found.where == "x-profile.csv"
+        assert (
+            not found.ok
+            and found.measured == 72 - rows.stop
+            and str(found.where) == "x-profile.csv"
+        )

@@ -13,6 +13,7 @@ import pytest
 
 from camgen.files.dxf import read_dxf, write_dxf
 from camgen.files.stl import read_stl, write_stl
+from camgen.findings import Where
 from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.outlines import Contour, Region, circle, polygon
 from camgen.geometry.rings import shape_of
@@ -101,7 +102,15 @@ class Case:
         files = {name: sections(name, region, kind, folder) for name, region in regions.items()}
         mounts = self.mounts or tuple(Mount(name, name) for name in regions)
         return judge_machine(
-            kind, "f", files, self.machine, self.features, mounts, THETA, TOLERANCE, asked=asked
+            kind,
+            Where(file="f"),
+            files,
+            self.machine,
+            self.features,
+            mounts,
+            THETA,
+            TOLERANCE,
+            asked=asked,
         )  # type: ignore[arg-type]
 
     def wanted(self) -> list[Asked]:
@@ -441,7 +450,14 @@ def test_a_lost_outline_and_a_wrong_pin_are_told(tmp_path: Path) -> None:
         ({"rocker": files["rod"]}, "PIN_GAP", "no eye of 6 mm near 40.000 in rocker"),
     ):
         found = judge_machine(
-            "dxf", "f", files | changed, case.machine, case.features, case.mounts, THETA, TOLERANCE
+            "dxf",
+            Where(file="f"),
+            files | changed,
+            case.machine,
+            case.features,
+            case.mounts,
+            THETA,
+            TOLERANCE,
         )  # type: ignore[arg-type]
         (wrong,) = (finding for finding in found.findings if not finding.ok)
         assert wrong.code == code and words in wrong.message

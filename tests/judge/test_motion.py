@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from camgen import tolerances
+from camgen.findings import Where
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.measured import measure, measure_faces
 from camgen.judge.motion import Verdict, _nominal, judge_machine
@@ -166,7 +167,15 @@ def files(**changed: object) -> dict[str, list[list[Shape]]]:
 def judged(mounts: tuple[Mount, ...] = LINKS, **changed: object) -> Verdict:
     asked = [Asked("way", place, stroke=True)]
     return judge_machine(
-        "dxf", "file", files(**changed), slider_crank(), FEATURES, mounts, THETA, 0.002, asked=asked
+        "dxf",
+        Where(file="file"),
+        files(**changed),
+        slider_crank(),
+        FEATURES,
+        mounts,
+        THETA,
+        0.002,
+        asked=asked,
     )
 
 
@@ -213,11 +222,13 @@ def test_the_sound_machine_closes_on_its_files() -> None:
 
 
 def test_the_wanted_motion_is_the_machines_own_where_none_is_given() -> None:
-    found = judge_machine("dxf", "file", files(), slider_crank(), FEATURES, LINKS, THETA, 0.002)
+    found = judge_machine(
+        "dxf", Where(file="file"), files(), slider_crank(), FEATURES, LINKS, THETA, 0.002
+    )
     assert [f.code for f in found.findings] == ["PIN_GAP", "MOTION_ERROR", "LASH"] and all(
         f.ok for f in found.findings
     )
-    assert "crank angle" in found.findings[1].where  # it has no cam
+    assert "crank angle" in str(found.findings[1].where)  # it has no cam
 
 
 def test_a_link_that_is_turned_over_has_its_holes_mirrored() -> None:
@@ -241,7 +252,7 @@ def test_a_link_that_is_turned_over_has_its_holes_mirrored() -> None:
         asked = [Asked("way", partial(place))]
         found = judge_machine(
             "dxf",
-            "file",
+            Where(file="file"),
             sections | {"rod": [[rod]]},
             slider_crank(),
             features,
@@ -267,7 +278,7 @@ def test_a_point_that_is_a_pin_s_hole_goes_with_that_hole() -> None:
     """The path of the rod's end: with its hole 0.1 mm further out the slider is further on by the same, and so is the point."""
     machine = replace(slider_crank(), outputs=(Output("pen", Path(Place("rod", 48 + 0j))),))
     found = judge_machine(
-        "dxf", "file", files(eye=48.1 + 0j), machine, FEATURES, LINKS, THETA, 0.002
+        "dxf", Where(file="file"), files(eye=48.1 + 0j), machine, FEATURES, LINKS, THETA, 0.002
     )
     assert found.proof is not None
     np.testing.assert_allclose(
@@ -281,7 +292,9 @@ def test_the_limit_of_the_motion_is_what_one_joint_and_all_roundings_do(
 ) -> None:
     """One joint's centre off by the chord tolerance; of a format that rounds, all of them by two steps of the largest place.
     Along the rod 1 mm is 1 / cos of its tilt at the slider, across the guide its tangent."""
-    found = judge_machine(kind, "file", files(), slider_crank(), FEATURES, LINKS, THETA, 0.002)
+    found = judge_machine(
+        kind, Where(file="file"), files(), slider_crank(), FEATURES, LINKS, THETA, 0.002
+    )
     tilt = np.max(np.abs(np.arcsin(1.5 * np.sin(THETA) / 48)))
     pin, guide = 1 / math.cos(tilt), math.tan(tilt)
     limit = next(f.limit for f in found.findings if f.code == "MOTION_ERROR")
@@ -295,7 +308,15 @@ def test_the_limit_of_the_motion_is_what_one_joint_and_all_roundings_do(
 
 def test_a_fit_may_be_off_by_what_the_way_back_costs() -> None:
     found = judge_machine(
-        "dxf", "file", files(), slider_crank(), FEATURES, LINKS, THETA, 0.002, slack=0.01
+        "dxf",
+        Where(file="file"),
+        files(),
+        slider_crank(),
+        FEATURES,
+        LINKS,
+        THETA,
+        0.002,
+        slack=0.01,
     )
     limit = next(f.limit for f in found.findings if f.code == "PIN_GAP")
     assert limit == pytest.approx(2 * 0.002 + 0.01)
@@ -306,9 +327,11 @@ def test_of_several_outputs_the_one_most_over_its_own_limit_is_told() -> None:
     does no more than the rod leans."""
     outputs = (Output("way", Along("guide")), Output("lean", Angle("rod")))
     machine = replace(slider_crank(), outputs=outputs)
-    found = judge_machine("dxf", "file", files(block=0.2j), machine, FEATURES, LINKS, THETA, 0.002)
+    found = judge_machine(
+        "dxf", Where(file="file"), files(block=0.2j), machine, FEATURES, LINKS, THETA, 0.002
+    )
     motion = next(f for f in found.findings if f.code == "MOTION_ERROR")
-    assert ", lean, crank angle" in motion.where and motion.unit == "deg"
+    assert ", lean, crank angle" in str(motion.where) and motion.unit == "deg"
     assert motion.measured == pytest.approx(math.degrees(0.2 / 48), rel=0.01)
 
 

@@ -39,7 +39,11 @@ def rows() -> list[list[str]]:
 
 def test_rows_as_they_are_written_hold(tmp_path: Path, rows: list[list[str]]) -> None:
     found = judged(tmp_path / "parts.csv", rows)
-    assert found.ok and (found.code, found.measured, found.where) == ("PARTS_LIST", 0, "parts.csv")
+    assert found.ok and (found.code, found.measured, str(found.where)) == (
+        "PARTS_LIST",
+        0,
+        "parts.csv",
+    )
     assert found.message.startswith("3 rows")
 
 

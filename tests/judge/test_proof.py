@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapes import polygon
 
+from camgen.findings import Where
 from camgen.judge import proof as module
 from camgen.judge.contact import contact
 from camgen.judge.contact_tips import ArmTip
@@ -198,9 +199,9 @@ def test_targets_are_measured_in_their_units_where_the_machine_closes(
         Asked("end"),
         Asked("wheel", targets=(Stroke(value=high, tolerance=1.0),)),
     ]
-    first, second = judge_targets(asked, proof(machine(size=0.41), theta), theta, "x")
+    first, second = judge_targets(asked, proof(machine(size=0.41), theta), theta, Where(file="x"))
     stroke = 0.82 if reach > 6 else float(np.ptp(arm(np.linspace(0, 2, 9001), 0.41)))
-    assert (first.where, second.where, first.unit) == ("x, arm", "x, wheel", "deg")
+    assert (str(first.where), str(second.where), first.unit) == ("x, arm", "x, wheel", "deg")
     assert first.measured == pytest.approx(abs(math.degrees(stroke) - 50), abs=1e-4)
     assert second.measured == pytest.approx(abs(math.degrees(reach) / 2 - high), abs=1e-6)
 
@@ -208,7 +209,9 @@ def test_targets_are_measured_in_their_units_where_the_machine_closes(
         return np.where(t > 1.5, np.nan, Wave(0.41)(t, order))
 
     broken = with_laws(machine(), (("lift", torn),))
-    assert [f.where for f in judge_targets(asked, proof(broken, theta), theta, "x")] == []
+    assert [
+        str(f.where) for f in judge_targets(asked, proof(broken, theta), theta, Where(file="x"))
+    ] == []
 
 
 @pytest.mark.parametrize("more, ok", [(-0.2, True), (0.2, False)])
@@ -219,6 +222,6 @@ def test_a_dwell_goes_on_over_the_end_of_a_turn(more: float, ok: bool) -> None:
     band = 2 * size * (1 - math.cos(0.4))  # either way of `at`
     wish = Dwell(span_deg=math.degrees(0.8) + more, band=band, at=math.degrees(0.1) + size)
     (finding,) = judge_targets(
-        [Asked("arm", targets=(wish,))], proof(machine(size=0.41), theta), theta, "x"
+        [Asked("arm", targets=(wish,))], proof(machine(size=0.41), theta), theta, Where(file="x")
     )
     assert finding.ok is ok

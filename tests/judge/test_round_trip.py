@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from shapes import polygon
 
 from camgen import tolerances
-from camgen.findings import Finding
+from camgen.findings import Finding, Where
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Region, circle
 from camgen.geometry.outlines import polygon as contour
@@ -52,7 +52,7 @@ def expected(*shapes: Shape, **keys: object) -> Expected:
 
 
 def judged(meant: Expected, rings: Sequence[Ring]) -> dict[str, Finding]:
-    return {finding.code: finding for finding in judge_cut(rings, meant, "x").findings}
+    return {finding.code: finding for finding in judge_cut(rings, meant, Where("x")).findings}
 
 
 PLATE = Shape(plate(), tuple(hole(*eye) for eye in EYES))
@@ -142,7 +142,9 @@ def test_a_bore_is_as_far_off_at_all_heights() -> None:
     meant = expected(
         sections=sections, bore=5.0, levels=(0.0, 1.5, 3.0), volume=part.volume, facets=9.0
     )
-    found = {f.code: f for f in judge_solid(solid(part, TOLERANCE / 2), meant, "x", 0.0).findings}
+    found = {
+        f.code: f for f in judge_solid(solid(part, TOLERANCE / 2), meant, Where("x"), 0.0).findings
+    }
     assert found["ROUND_TRIP"].measured == pytest.approx(0.1, abs=2e-3)
 
 
@@ -163,7 +165,9 @@ def test_a_bore_above_a_floor_is_where_it_is_meant(off: float) -> None:
         volume=part.volume,
         facets=9.0,
     )
-    found = {f.code: f for f in judge_solid(solid(part, TOLERANCE / 2), meant, "x", 0.0).findings}
+    found = {
+        f.code: f for f in judge_solid(solid(part, TOLERANCE / 2), meant, Where("x"), 0.0).findings
+    }
     assert found["ROUND_TRIP"].measured == pytest.approx(off, abs=2e-3)
 
 
@@ -235,13 +239,17 @@ def test_flat_faces_off_their_height_are_told(off: float, which: str) -> None:
     levels = (0.0, 1.0, 3.0) if which == "there" else (0.0, 1 + off)
     sections = (Section((0.5,), (Shape(plate(), ()),)),)
     meant = expected(sections=sections, levels=levels, volume=part.volume)
-    found = {f.code: f for f in judge_solid(solid(part, TOLERANCE), meant, "x", 0.0).findings}
+    found = {
+        f.code: f for f in judge_solid(solid(part, TOLERANCE), meant, Where("x"), 0.0).findings
+    }
     assert found["ROUND_TRIP"].measured == pytest.approx(off, abs=1e-6) and found[
         "ROUND_TRIP"
     ].ok is (off == 0)
     # of what is not stacked only the lowest and the highest place count
     loose = replace(meant, stacked=False, levels=(levels[0], levels[-1]))
-    found = {f.code: f for f in judge_solid(solid(part, TOLERANCE), loose, "x", 0.0).findings}
+    found = {
+        f.code: f for f in judge_solid(solid(part, TOLERANCE), loose, Where("x"), 0.0).findings
+    }
     assert found["ROUND_TRIP"].measured == pytest.approx(off, abs=1e-6)
 
 
@@ -257,7 +265,7 @@ def test_a_volume_may_be_off_by_a_share_and_what_facets_take(off: float, ok: boo
     meant = replace(
         meant, sections=(Section((1.0,), (Shape(polygon(np.array([0, 10, 10 + 10j, 10j])), ()),)),)
     )
-    volume = {f.code: f for f in judge_solid(mesh, meant, "x", 0.0).findings}["VOLUME"]
+    volume = {f.code: f for f in judge_solid(mesh, meant, Where("x"), 0.0).findings}["VOLUME"]
     assert volume.ok is ok and volume.measured == pytest.approx(abs(off) * limit, rel=0.02)
 
 
@@ -274,9 +282,9 @@ def test_the_limit_is_two_tolerances_and_what_the_format_rounds(
     back = Undo(-undo, undo / 2, 0.0) if undo else None
     sections = Section((1.0,), (shape,), sent=True), Section((1.0,), (shape,))
     meant = expected(sections=sections, volume=1200.0, stacked=stacked, undo=back)
-    found = {f.code: f for f in judge_solid(solid(part, TOLERANCE), meant, "x", rounding).findings}[
-        "ROUND_TRIP"
-    ]
+    found = {
+        f.code: f for f in judge_solid(solid(part, TOLERANCE), meant, Where("x"), rounding).findings
+    }["ROUND_TRIP"]
     steps = 4 + (0 if stacked else math.sqrt(2) * tolerances.MERGED_STEPS)
     assert found.limit == pytest.approx(
         2 * TOLERANCE + steps * rounding * 40 + tolerances.WAY_BACK * undo
@@ -305,12 +313,12 @@ def test_faults_of_a_mesh_are_counted_before_all_else() -> None:
         (torn, ["WATERTIGHT"]),
         (two, ["WATERTIGHT"]),
     ):
-        judged_ = judge_solid(mesh, meant, "x", 0.0)
+        judged_ = judge_solid(mesh, meant, Where("x"), 0.0)
         assert [f.code for f in judged_.findings] == codes and judged_.findings[0].ok is (
             mesh is sound
         )
         assert bool(judged_.sections) is (mesh is sound)
-    assert judge_solid(two, meant, "x", 0.0).findings[0].measured == 1
+    assert judge_solid(two, meant, Where("x"), 0.0).findings[0].measured == 1
 
 
 def test_what_a_way_back_leaves_nothing_of_is_told() -> None:

@@ -20,6 +20,7 @@ from stl_rows import TRIANGLE, with_own_normals
 
 from camgen.errors import FileError
 from camgen.files.dxf import read_dxf
+from camgen.findings import Where
 from camgen.geometry.rings import Ring, Shape, shape_of
 from camgen.judge.cams import judged_angles
 from camgen.judge.motion import judge_machine
@@ -51,7 +52,7 @@ def folder(made: Path, tmp_path: Path) -> Path:
 
 def failing(folder: Path, *kinds: str) -> set[tuple[str, str]]:
     """Codes that fail, with the kind of file."""
-    return {(f.code, f.where.split(",")[0].rsplit(".", 1)[-1]) for f in wrong(folder, *kinds)}
+    return {(f.code, str(f.where).split(",")[0].rsplit(".", 1)[-1]) for f in wrong(folder, *kinds)}
 
 
 def test_a_sound_build_passes(folder: Path) -> None:
@@ -238,7 +239,7 @@ def test_stl_whose_stored_normals_are_not_those_of_its_triangles(
     edit_stl(folder, edit, normals=True)
     (finding,) = wrong(folder, "stl")
     triangles = (len((folder / "cam-cam.stl").read_bytes()) - 84) // 50
-    assert (finding.code, finding.where, finding.measured) == (
+    assert (finding.code, str(finding.where), finding.measured) == (
         "WATERTIGHT",
         "cam-cam.stl",
         count or triangles,
@@ -455,7 +456,7 @@ def judged(folder: Path, first: float = 3.0, second: float = 3.0, **twin: object
     mounts = [one, replace(other, **twin)]  # type: ignore[arg-type]
     found = judge_machine(
         "dxf",
-        "cam-*.dxf",
+        Where(file="cam-*.dxf", kind="dxf"),
         {"cam": [[shape]]},
         mechanism.model,
         features,
@@ -604,7 +605,7 @@ def test_a_package_that_is_not_plain_is_told(
 ) -> None:
     edit_3mf(folder, f"cam-{name}.3mf", edit)
     failed = wrong(folder, "3mf")
-    assert {f.where for f in failed if f.code == "ROUND_TRIP" and said in f.message} == {
+    assert {str(f.where) for f in failed if f.code == "ROUND_TRIP" and said in f.message} == {
         f"cam-{name}.3mf"
     }
 
@@ -614,7 +615,7 @@ def test_a_part_for_slicers_in_a_package_is_told(folder: Path) -> None:
     with zipfile.ZipFile(folder / "cam-cam.3mf", "a") as package:
         package.writestr("Metadata/Slic3r_PE_model.config", "<config/>")
     told = [f for f in wrong(folder, "3mf") if f.code == "ROUND_TRIP"]
-    assert [f.where for f in told] == ["cam-cam.3mf"] and "Slic3r_PE_model.config" in told[
+    assert [str(f.where) for f in told] == ["cam-cam.3mf"] and "Slic3r_PE_model.config" in told[
         0
     ].message
 

@@ -14,6 +14,7 @@ import pytest
 from judged import mechanism_of, wrong
 
 from camgen.files.dxf import read_dxf
+from camgen.findings import Where
 from camgen.geometry.rings import shape_of
 from camgen.judge.cams import judged_angles
 from camgen.judge.motion import judge_machine
@@ -90,7 +91,12 @@ def failing(folder: Path, *kinds: str) -> set[tuple[str, str]]:
     """Codes that fail, with what they fail on: a file's name, or the design."""
     found = wrong(folder, *kinds)
     return {
-        (f.code, f.where.split(",")[0].removeprefix("c-") if f.where.startswith("c-") else "design")
+        (
+            f.code,
+            str(f.where).split(",")[0].removeprefix("c-")
+            if str(f.where).startswith("c-")
+            else "design",
+        )
         for f in found
     }
 
@@ -317,7 +323,7 @@ def between(
     ]
     found = judge_machine(
         "dxf",
-        "c-*.dxf",
+        Where(file="c-*.dxf", kind="dxf"),
         files,
         mechanism.model,
         (first, second),

@@ -48,7 +48,7 @@ def folder(made: Path, tmp_path: Path) -> Path:
 
 def failing(folder: Path, *kinds: str) -> set[tuple[str, str]]:
     """(code, file or pair) of the findings that fail."""
-    return {(f.code, f.where.split(":")[0]) for f in wrong(folder, *kinds)}
+    return {(f.code, str(f.where).split(":")[0]) for f in wrong(folder, *kinds)}
 
 
 def told(*settings: str) -> list[Finding]:

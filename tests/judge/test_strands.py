@@ -87,7 +87,7 @@ def test_a_post_holds_a_thread_by_its_head_and_its_shoulder(
     """By what the lesser of both stands out over the groove."""
     findings = judged(tmp_path, STANDING, {"post": post(head, shoulder)})
     for copy, finding in zip((1, 2), findings[:2], strict=True):
-        assert (finding.code, finding.where) == ("THREAD_HELD", f"x.3mf, post-{copy}")
+        assert (finding.code, str(finding.where)) == ("THREAD_HELD", f"x.3mf, post-{copy}")
         assert finding.measured == pytest.approx(held, abs=2 * FINE) and finding.ok is (held > 0.8)
     if held > 0:
         assert f"a head {head - 1.5:.3g}, a shoulder {shoulder - 1.5:.3g} mm" in findings[0].message
@@ -95,7 +95,7 @@ def test_a_post_holds_a_thread_by_its_head_and_its_shoulder(
 
 def test_a_post_that_is_not_there_is_told(tmp_path: Path) -> None:
     (finding,) = judged(tmp_path, STANDING, {"post": post()}, posts=(("post", 0), ("post", 2)))
-    assert not finding.ok and math.isnan(finding.measured) and finding.where == "x.3mf, post-3"
+    assert not finding.ok and math.isnan(finding.measured) and str(finding.where) == "x.3mf, post-3"
 
 
 @pytest.mark.parametrize(
@@ -127,7 +127,7 @@ def test_what_stands_still_is_passed_over_under_or_beside(
     """A block beside the line from axis to axis, less the groove's radius; upright what lies in it in plan."""
     places = STANDING | {"block": [(GROUND, at)]}
     clear = judged(tmp_path, places, {"post": post(), "block": block(z0, z1)})[-1]
-    assert clear.code == "THREAD_CLEAR" and said in clear.where and clear.ok is (gap > 0.5)
+    assert clear.code == "THREAD_CLEAR" and said in str(clear.where) and clear.ok is (gap > 0.5)
     assert clear.measured == pytest.approx(gap, abs=2 * FINE)
 
 
@@ -153,10 +153,10 @@ def test_the_nearest_is_told_with_its_angle(tmp_path: Path, centre: complex, sta
     reach = np.max(np.abs(corners))
     assert clear.measured == pytest.approx(26 - reach - 1.5, abs=2e-3)
     degrees = math.degrees(math.pi / 2 - np.angle(corners[np.argmax(np.abs(corners))])) % 360
-    assert float(clear.where.partition("nearest at ")[2].removesuffix(" deg")) == pytest.approx(
-        degrees, abs=0.02
-    )
-    assert clear.where.startswith("x.3mf, thread post-1 to post-2, beside block-1")
+    assert float(
+        str(clear.where).partition("nearest at ")[2].removesuffix(" deg")
+    ) == pytest.approx(degrees, abs=0.02)
+    assert str(clear.where).startswith("x.3mf, thread post-1 to post-2, beside block-1")
 
 
 @pytest.mark.parametrize("at", [-24 + 19j, -10 + 24j, -12 + 14j])

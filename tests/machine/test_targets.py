@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from camgen.findings import Where
 from camgen.machine import targets
 from camgen.machine.targets import Course, Dwell, Straight, Stroke, Through, TimeRatio, Trace
 from camgen.numerics import Floats
@@ -43,8 +44,8 @@ def test_stroke() -> None:
         20 - 20 * math.cos(math.radians(50)), abs=1e-9
     )
     assert targets.stroke(ellipse()) == pytest.approx(40, abs=1e-9)
-    assert Stroke(value=40.1, tolerance=0.2).finding(wave(), "").ok
-    assert not Stroke(value=40.1, tolerance=0.05).finding(wave(), "").ok
+    assert Stroke(value=40.1, tolerance=0.2).finding(wave(), Where()).ok
+    assert not Stroke(value=40.1, tolerance=0.05).finding(wave(), Where()).ok
 
 
 @pytest.mark.parametrize("band", [0.5, 3.0, 12.0])
@@ -55,9 +56,9 @@ def test_a_sine_dwells_longest_where_it_turns_back(band: float) -> None:
         2 * math.acos(1 - band / 40)
     )  # of the band about 20 only its lower half is reached
     assert math.degrees(targets.dwell(wave(), band, 20)[0]) == pytest.approx(half, abs=0.07)
-    assert Dwell(span_deg=span - 0.1, band=band).finding(wave(), "").ok
-    assert not Dwell(span_deg=span + 0.1, band=band).finding(wave(), "").ok
-    assert not Dwell(span_deg=1, band=band, at=60.0).finding(wave(), "").ok
+    assert Dwell(span_deg=span - 0.1, band=band).finding(wave(), Where()).ok
+    assert not Dwell(span_deg=span + 0.1, band=band).finding(wave(), Where()).ok
+    assert not Dwell(span_deg=1, band=band, at=60.0).finding(wave(), Where()).ok
 
 
 def test_time_ratio_of_two_harmonic_strokes() -> None:
@@ -67,26 +68,26 @@ def test_time_ratio_of_two_harmonic_strokes() -> None:
     rate = np.where(out > THETA, math.pi / out, math.pi / (math.tau - out))
     course = Course(THETA, -np.cos(math.pi * u), rate * np.sin(math.pi * u), "mm", True)
     assert targets.time_ratio(course)[0] == pytest.approx(200 / 160, abs=1e-5)
-    assert TimeRatio(value=1.25, tolerance=1e-3).finding(course, "").ok
-    assert not TimeRatio(value=1.26, tolerance=1e-3).finding(course, "").ok
+    assert TimeRatio(value=1.25, tolerance=1e-3).finding(course, Where()).ok
+    assert not TimeRatio(value=1.26, tolerance=1e-3).finding(course, Where()).ok
 
 
 @pytest.mark.parametrize("value", [np.degrees(THETA), np.zeros(len(THETA))])
 def test_what_turns_on_or_stands_still_has_no_time_ratio(value: Floats) -> None:
     course = Course(THETA, value, np.gradient(value, THETA), "deg", True)
-    found = TimeRatio(value=1.25, tolerance=1e-3).finding(course, "swing")
+    found = TimeRatio(value=1.25, tolerance=1e-3).finding(course, Where("swing"))
     assert not found.ok and "no two strokes" in found.message
 
 
 def test_places_of_a_path() -> None:
     path = ellipse()
-    error = Through(at=((25.0, 0.0), (0.0, -8.0)), tolerance=4.0).finding(path, "")
+    error = Through(at=((25.0, 0.0), (0.0, -8.0)), tolerance=4.0).finding(path, Where())
     assert error.measured == pytest.approx(5, abs=1e-9) and not error.ok
     assert "place 1 (25, 0) is missed most" in error.message
     t = math.radians(33)
     there = 20 * math.cos(t), 5 * math.sin(t)
-    assert Through(at=(there,), tolerance=1e-6, theta_deg=(33.0,)).finding(path, "").ok
-    late = Through(at=(there,), tolerance=1e-6, theta_deg=(34.0,)).finding(path, "")
+    assert Through(at=(there,), tolerance=1e-6, theta_deg=(33.0,)).finding(path, Where()).ok
+    late = Through(at=(there,), tolerance=1e-6, theta_deg=(34.0,)).finding(path, Where())
     speed = abs(complex(-20 * math.sin(t), 5 * math.cos(t)))
     assert late.measured == pytest.approx(speed * math.radians(1), rel=0.02)
 
@@ -94,11 +95,11 @@ def test_places_of_a_path() -> None:
 def test_order_of_places() -> None:
     around = ((20.0, 0.0), (0.0, 5.0), (-20.0, 0.0), (0.0, -5.0))
     asked = {"tolerance": 1e-6, "in_order": True}
-    assert Through(at=around, **asked).finding(ellipse(), "").ok
-    assert Through(at=(*around[2:], *around[:2]), **asked).finding(ellipse(), "").ok
+    assert Through(at=around, **asked).finding(ellipse(), Where()).ok
+    assert Through(at=(*around[2:], *around[:2]), **asked).finding(ellipse(), Where()).ok
     swapped = (around[0], around[2], around[1], around[3])
-    assert Through(at=swapped, tolerance=1e-6).finding(ellipse(), "").ok
-    assert not Through(at=swapped, **asked).finding(ellipse(), "").ok
+    assert Through(at=swapped, tolerance=1e-6).finding(ellipse(), Where()).ok
+    assert not Through(at=swapped, **asked).finding(ellipse(), Where()).ok
 
 
 def test_a_path_as_a_whole_lies_nowhere_further_from_the_wanted_one() -> None:
@@ -106,14 +107,14 @@ def test_a_path_as_a_whole_lies_nowhere_further_from_the_wanted_one() -> None:
     circle = Course(THETA, 20 * np.exp(1j * THETA), 20j * np.exp(1j * THETA), "mm", True)
     square = ((20.0, 20.0), (-20.0, 20.0), (-20.0, -20.0), (20.0, -20.0), (20.0, 20.0))
     far = 20 * (math.sqrt(2) - 1)
-    found = Trace(at=square, tolerance=8.0).finding(circle, "")
+    found = Trace(at=square, tolerance=8.0).finding(circle, Where())
     assert found.code == "PATH_ERROR" and not found.ok and far <= found.measured < far + 0.02
     assert "of the wanted one" in found.message
-    assert Trace(at=square, tolerance=8.31).finding(circle, "").ok
+    assert Trace(at=square, tolerance=8.31).finding(circle, Where()).ok
     inside = tuple(
         (x * 0.5**0.5, y * 0.5**0.5) for x, y in square
     )  # now the path strays, between the corners
-    found = Trace(at=inside, tolerance=5.0).finding(circle, "")
+    found = Trace(at=inside, tolerance=5.0).finding(circle, Where())
     bulge = 20 * (1 - math.sqrt(0.5))
     assert (
         not found.ok and bulge <= found.measured < bulge + 0.02 and "of the path" in found.message
@@ -123,7 +124,7 @@ def test_a_path_as_a_whole_lies_nowhere_further_from_the_wanted_one() -> None:
 @pytest.mark.parametrize("tolerance", [1e-9, 1e-4, 0.03, 3.0])
 def test_a_path_is_near_itself_to_what_its_chords_lose(tolerance: float) -> None:
     corners = tuple((float(z.real), float(z.imag)) for z in ellipse().value)
-    found = Trace(at=corners, tolerance=tolerance).finding(ellipse(), "")
+    found = Trace(at=corners, tolerance=tolerance).finding(ellipse(), Where())
     sag = 20 * (THETA[1] / 2) ** 2 / 2  # of the sharpest chord's height, at most
     assert found.measured <= sag + max(2e-3 * tolerance, 4e-4)
 
@@ -131,9 +132,11 @@ def test_a_path_is_near_itself_to_what_its_chords_lose(tolerance: float) -> None
 def test_a_cloud_has_no_order_and_no_lines() -> None:
     places = [(20 * math.cos(t), 5 * math.sin(t)) for t in np.linspace(0, 6.2, 90)]
     shuffled = tuple(places[37 * k % 90] for k in range(90))
-    assert Trace(at=shuffled, joined=False, tolerance=0.9).finding(ellipse(), "").ok
-    assert not Trace(at=shuffled, tolerance=0.9).finding(ellipse(), "").ok
-    away = Trace(at=(*shuffled, (0.0, 8.0)), joined=False, tolerance=0.9).finding(ellipse(), "")
+    assert Trace(at=shuffled, joined=False, tolerance=0.9).finding(ellipse(), Where()).ok
+    assert not Trace(at=shuffled, tolerance=0.9).finding(ellipse(), Where()).ok
+    away = Trace(at=(*shuffled, (0.0, 8.0)), joined=False, tolerance=0.9).finding(
+        ellipse(), Where()
+    )
     assert (
         away.measured == pytest.approx(3, abs=2e-3) and "(0, 8) of the wanted one" in away.message
     )
@@ -152,12 +155,12 @@ def test_straightness_of_an_arc_is_its_height() -> None:
     circle = Course(THETA, 30 * np.exp(1j * THETA), 30j * np.exp(1j * THETA), "mm", True)
     height = 30 * (1 - math.cos(math.radians(20)))
     assert Straight(tolerance=1.0, range_deg=(100.0, 140.0)).finding(
-        circle, ""
+        circle, Where()
     ).measured == pytest.approx(height, rel=1e-4)
     chord = 2 * 30 * math.sin(math.radians(20))
     assert targets.straightest(circle, chord)[0] == pytest.approx(height, rel=0.03)
     assert math.isnan(targets.straightest(circle, 61.0)[0])
-    assert not Straight(tolerance=1.0, length=61.0).finding(circle, "").ok
+    assert not Straight(tolerance=1.0, length=61.0).finding(circle, Where()).ok
 
 
 def test_a_strip_lies_as_it_must() -> None:

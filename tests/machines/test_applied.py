@@ -184,7 +184,7 @@ def test_what_is_wrong_is_told_by_its_key(table: dict[str, Any], path: str, said
     with pytest.raises(SpecError) as caught:
         made("disc-cam", on=[table])
     (fault,) = caught.value.faults
-    assert fault.path == path and (said in fault.expected or said == fault.nearest)
+    assert fault.key == path and (said in fault.expected or said == fault.nearest)
 
 
 def test_all_loads_that_are_wrong_are_told_at_once() -> None:
@@ -197,7 +197,7 @@ def test_all_loads_that_are_wrong_are_told_at_once() -> None:
                 {"name": "x", "output": "lift", "value": 1.0},
             ],
         )
-    assert [fault.path for fault in caught.value.faults] == [
+    assert [fault.key for fault in caught.value.faults] == [
         "load.on.0.output",
         "load.on.1.body",
         "load.on.2.name",

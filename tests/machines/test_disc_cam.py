@@ -56,7 +56,7 @@ def failing(report: Any) -> set[tuple[str, str]]:
 
 def kinds_of(findings: Iterable[Finding]) -> set[tuple[str, str]]:
     """Codes with the kind of file."""
-    return {(f.code, f.where.split(",")[0].rsplit(".", 1)[-1]) for f in findings}
+    return {(f.code, str(f.where).split(",")[0].rsplit(".", 1)[-1]) for f in findings}
 
 
 def mechanism(*settings: str, segments: list[dict[str, Any]] | None = None) -> DiscCamDrive:
@@ -639,7 +639,7 @@ def test_pressure_angle_and_undercut_by_other_routes() -> None:
 def test_bad_keys_are_told_by_their_path(settings: list[str], path: str) -> None:
     with pytest.raises(SpecError) as caught:
         mechanism(*settings)
-    assert path in {fault.path for fault in caught.value.faults}
+    assert path in {fault.key for fault in caught.value.faults}
 
 
 @pytest.mark.parametrize(
@@ -690,7 +690,7 @@ def test_bad_segments_are_told_by_their_path(
 ) -> None:
     with pytest.raises(SpecError) as caught:
         mechanism(segments=segments)
-    assert any(fault.path == path and word in str(fault) for fault in caught.value.faults), str(
+    assert any(fault.key == path and word in str(fault) for fault in caught.value.faults), str(
         caught.value
     )
 

@@ -258,7 +258,7 @@ def test_a_crank_that_meets_its_arm_is_found(
         tolerance=0.02,
     )
     failed = [
-        set(f.where.partition(":")[0].split(" and "))
+        set(str(f.where).partition(":")[0].split(" and "))
         for f in sweep(tmp_path / "x.3mf", moved)[0]
         if not f.ok
     ]

@@ -308,7 +308,7 @@ MASSES = {"rod_g": 1.0, "rod_centre": 1.0, "rod_inertia_g_mm2": 1.0, "slider_g":
 def faults(**keys: Any) -> list[str]:
     with pytest.raises(SpecError) as caught:
         design(**keys)
-    return [fault.path for fault in caught.value.faults]
+    return [fault.key for fault in caught.value.faults]
 
 
 @pytest.mark.parametrize("key", MASSES)

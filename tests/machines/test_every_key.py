@@ -143,14 +143,14 @@ def test_what_is_no_value_is_told_by_its_path(mechanism: str) -> None:
             told = [
                 fault
                 for fault in caught.value.faults
-                if fault.path.startswith(dotted) or fault.path in parents
+                if fault.key.startswith(dotted) or fault.key in parents
             ]
             assert told and all(fault.expected for fault in told), (path, value, caught.value)
         if asked:
             with pytest.raises(SpecError) as caught:
                 changed(mechanism, path)
             assert [
-                fault.path for fault in caught.value.faults if fault.expected.startswith("missing")
+                fault.key for fault in caught.value.faults if fault.expected.startswith("missing")
             ] == [dotted]
 
 
@@ -192,7 +192,7 @@ def test_extremes_end_well(variant: str) -> None:
                 )
                 _ = made.assembly.passing, made.assembly.bought
             except SpecError as error:
-                assert all(fault.path and fault.expected for fault in error.faults), (path, value)
+                assert all(fault.key and fault.expected for fault in error.faults), (path, value)
             except DesignError as error:
                 assert error.remedy or error.where, (path, value)
             except CamgenError as error:

@@ -53,7 +53,7 @@ def verdicts(cam: IndexingCam) -> dict[str, list[Any]]:
 def faults(**keys: Any) -> list[str]:
     with pytest.raises(SpecError) as wrong:
         design(**keys)
-    return [fault.path for fault in wrong.value.faults]
+    return [fault.key for fault in wrong.value.faults]
 
 
 # ---- the law at the link ---------------------------------------------------------------------------------------------
@@ -334,7 +334,7 @@ def test_files_move_as_asked(built: Callable[..., Path]) -> None:
     folder = built("indexing-cam")
     report = pipeline.check(folder)
     assert report.ok, [f for f in report.findings if not f.ok]
-    moved = [f.where for f in report.findings if f.code == "MOTION_ERROR"]
+    moved = [str(f.where) for f in report.findings if f.code == "MOTION_ERROR"]
     assert len(moved) == 6 and sum("return-cam" in where for where in moved) == 3
     for kind in ("dxf", "stl", "3mf"):
         assert report.numbers[f"index_recovered_{kind}_deg"] == pytest.approx(180, abs=0.05)

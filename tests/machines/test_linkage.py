@@ -397,4 +397,4 @@ def test_a_triangle_that_cannot_close_says_by_how_much() -> None:
     data["lengths"]["A-B"] = 200
     with pytest.raises(SpecError, match=r"it is 114\.7 mm too long") as caught:
         validate(Linkage, data)
-    assert [fault.path for fault in caught.value.faults] == ["links.coupler"]
+    assert [fault.key for fault in caught.value.faults] == ["links.coupler"]

@@ -12,6 +12,7 @@ import pytest
 
 from camgen.cli import main
 from camgen.errors import DesignError, SpecError
+from camgen.findings import Where
 from camgen.geometry.rings import Ring
 from camgen.judge.contours import contour_error
 from camgen.machine.targets import Course, Straight
@@ -154,7 +155,7 @@ def test_a_fault_that_is_found_late_names_the_file(
 def test_a_straight_stretch_longer_than_the_path_has_its_reason() -> None:
     theta = np.linspace(0, math.tau, 721)
     circle_of_30 = Course(theta, 30 * np.exp(1j * theta), 30j * np.exp(1j * theta), "mm", True)
-    found = Straight(tolerance=1.0, length=61.0).finding(circle_of_30, "")
+    found = Straight(tolerance=1.0, length=61.0).finding(circle_of_30, Where())
     assert not found.ok
     assert (
         found.message

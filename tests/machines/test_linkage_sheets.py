@@ -175,7 +175,7 @@ def test_without_a_sheet_or_dowels():
 def test_posts_and_webs_are_no_sheets(key: str, value: object) -> None:
     with pytest.raises(camgen.SpecError) as told:
         camgen.load(laser("linkage", **{key: value}))
-    assert f"parts.{key}" in [fault.path for fault in told.value.faults]
+    assert f"parts.{key}" in [fault.key for fault in told.value.faults]
 
 
 @pytest.mark.parametrize("sheet", [2.0, 3.0, 4.0, 6.0])

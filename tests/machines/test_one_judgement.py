@@ -238,7 +238,7 @@ def test_an_undercut_that_is_accepted_is_accepted_by_both(tmp_path: Path) -> Non
     from_files = max(
         each.measured
         for each in report.findings
-        if each.code == "UNDERCUT" and ".dxf" in each.where
+        if each.code == "UNDERCUT" and ".dxf" in str(each.where)
     )
     assert 0.05 < exact < 0.3 and from_files == pytest.approx(exact, abs=2e-3)
 

@@ -56,7 +56,8 @@ def test_preload_is_no_play_and_no_fault(tmp_path: Path) -> None:
     shutil.copy(loose / "c" / "c-cam-2.dxf", tmp_path / "c" / "c-cam-2.dxf")
     found = wrong(tmp_path / "c", "dxf")
     assert any(
-        f.code == "MOTION_ERROR" and "c-cam-2.dxf" in f.where and f.measured > 0.09 for f in found
+        f.code == "MOTION_ERROR" and "c-cam-2.dxf" in str(f.where) and f.measured > 0.09
+        for f in found
     )
 
 

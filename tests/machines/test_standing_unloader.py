@@ -155,7 +155,7 @@ def test_parts_out_of_place_are_found_out(
             items.append(Placed(each.name, f"{each.name}-{k + 1}", where))
     write_3mf(tmp_path / "x.3mf", meshes, items, "key")
     failed = [
-        set(f.where.partition(":")[0].split(" and "))
+        set(str(f.where).partition(":")[0].split(" and "))
         for f in sweep(tmp_path / "x.3mf", bodies_in_motion(starter.assembly))[0]
         if not f.ok
     ]

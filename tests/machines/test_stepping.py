@@ -12,6 +12,7 @@ import pytest
 
 from camgen.errors import DesignError, SpecError
 from camgen.files.threemf import Placed, write_3mf
+from camgen.findings import Where
 from camgen.geometry.mesh import placing
 from camgen.judge.assembly import sweep
 from camgen.machine.closing import close
@@ -180,7 +181,7 @@ def test_a_wheel_that_swings_too_far_or_too_little_is_found() -> None:
 
     def found(far: float) -> bool:
         value = -far / 2 * (1 - np.cos(t))
-        return wanted.finding(Course(t, value, -far / 2 * np.sin(t), "deg", True), "x").ok
+        return wanted.finding(Course(t, value, -far / 2 * np.sin(t), "deg", True), Where("x")).ok
 
     assert found(181.0) and found(181.04) and not found(181.06) and not found(180.9)
 
@@ -262,7 +263,7 @@ def test_a_wheel_out_of_place_is_found(
         tolerance=0.02,
     )
     failed = [
-        set(f.where.partition(":")[0].split(" and "))
+        set(str(f.where).partition(":")[0].split(" and "))
         for f in sweep(tmp_path / "x.3mf", moved)[0]
         if not f.ok
     ]

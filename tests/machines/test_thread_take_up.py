@@ -548,14 +548,16 @@ def test_crank_that_cannot_turn_is_refused_with_angles() -> None:
 
 def test_pins_bend_by_their_reaction(numbers: dict[str, float]) -> None:
     """A beam held in the crank: M / W of a round section; B passes one layer more than A."""
-    found = {f.where: f for f in assess(made()).findings if f.code == "PIN_STRESS"}
+    found = {str(f.where): f for f in assess(made()).findings if f.code == "PIN_STRESS"}
     for pin, lever in (("A", 0.2 + 2), ("B", 4.2 + 0.2 + 2)):
         stress = numbers[f"reaction_{pin.lower()}_n"] * lever / (math.pi / 32 * 3.5**3)
         assert (
             found[f"pin {pin}"].measured == EXACT(stress, rel=1e-4) and found[f"pin {pin}"].ok
         )  # at other angles
     print_ = {
-        f.where: f for f in assess(made('parts.pins="printed"')).findings if f.code == "PIN_STRESS"
+        str(f.where): f
+        for f in assess(made('parts.pins="printed"')).findings
+        if f.code == "PIN_STRESS"
     }
     assert not print_["pin A"].ok and not print_["pin B"].ok and print_["pin C"].ok
     share = float(print_["pin B"].message.rpartition(" times the speed")[0].rpartition(": ")[2])

@@ -208,7 +208,7 @@ def test_sharp_bore_limit() -> None:
 )
 def test_cross_key_faults(keys: dict[str, Any], path: str) -> None:
     (fault,) = design(**keys).faults()
-    assert fault.path == path and fault.value and fault.expected
+    assert fault.key == path and fault.value and fault.expected
 
 
 def test_faults_come_all_at_once() -> None:

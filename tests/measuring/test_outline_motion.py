@@ -832,7 +832,7 @@ def test_a_unit_that_there_is_not_is_refused(tmp_path: Path, unit: str) -> None:
 def test_each_wrong_key_of_a_follower_is_named(text: str, paths: list[str]) -> None:
     with pytest.raises(SpecError) as wrong:
         read_follower(text)
-    assert sorted(fault.path for fault in wrong.value.faults) == paths
+    assert sorted(fault.key for fault in wrong.value.faults) == paths
 
 
 @pytest.mark.parametrize(

@@ -342,7 +342,7 @@ def test_a_polynomial_meets_its_conditions_exactly_or_is_refused(
     try:
         c = coefficients_from(conditions)
     except SpecError as error:
-        assert error.faults[0].path == "conditions"
+        assert error.faults[0].key == "conditions"
         return
     for u, order, value in conditions:
         assert sum(
@@ -461,7 +461,7 @@ def test_a_table_need_not_start_at_rest() -> None:
 def test_tables_that_are_none(points: Any, paths: list[str]) -> None:
     with pytest.raises(SpecError) as error:
         tabulated(points, "test")
-    assert [fault.path for fault in error.value.faults] == paths
+    assert [fault.key for fault in error.value.faults] == paths
 
 
 @pytest.mark.parametrize("share", [0.0, 0.1, 0.2, 0.7, 0.95])

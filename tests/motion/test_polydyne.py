@@ -234,7 +234,7 @@ def test_a_machine_is_corrected_for_the_spring_that_it_has() -> None:
 def test_what_it_lacks_is_told_at_once() -> None:
     with pytest.raises(SpecError) as caught:
         read_mechanism(starters.folder() / "disc-cam.toml", ("load.polydyne=true",))
-    assert {fault.path for fault in caught.value.faults} == {
+    assert {fault.key for fault in caught.value.faults} == {
         "load.stiffness",
         "load.mass_kg",
         "segment.0.law",

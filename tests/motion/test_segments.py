@@ -47,7 +47,7 @@ def segments(*rows: str) -> str:
 def faults(*rows: str, folder: Path = Path(".")) -> list[tuple[str, str]]:
     with pytest.raises(SpecError) as error:
         spec(segments(*rows), folder)
-    return [(f.path, f"{f.value} | {f.expected} | {f.nearest}") for f in error.value.faults]
+    return [(f.key, f"{f.value} | {f.expected} | {f.nearest}") for f in error.value.faults]
 
 
 RISE = 'kind = "rise"\nspan_deg = 90\nlift = 10\nlaw = "3-4-5"'
@@ -423,7 +423,7 @@ def test_files_that_hold_no_table(
     with pytest.raises(error, match=says) as caught:
         read_points(path)
     if says == "line 3":
-        assert [f.path for f in caught.value.faults] == [f"t.csv line {k}" for k in (3, 4, 6)]  # type: ignore[attr-defined]
+        assert [f.key for f in caught.value.faults] == [f"t.csv line {k}" for k in (3, 4, 6)]  # type: ignore[attr-defined]
 
 
 def test_data_that_is_no_table_is_left_for_validation() -> None:

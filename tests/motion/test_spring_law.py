@@ -152,7 +152,7 @@ def test_tables_that_are_no_characteristic(
 ) -> None:
     with pytest.raises(SpecError) as error:
         characteristic(points)
-    assert [fault.path for fault in error.value.faults] == paths
+    assert [fault.key for fault in error.value.faults] == paths
 
 
 def test_what_cannot_be_synthesised() -> None:

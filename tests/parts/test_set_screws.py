@@ -104,7 +104,7 @@ def test_faults_of_a_set_screw() -> None:
     ):
         with pytest.raises(SpecError) as caught:
             read_mechanism(SPECS / "disc-cam.toml", settings)
-        assert path in [fault.path for fault in caught.value.faults]
+        assert path in [fault.key for fault in caught.value.faults]
 
 
 def test_a_collar_stands_in_parts_list_steps_reach_and_sweep() -> None:

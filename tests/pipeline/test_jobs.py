@@ -31,7 +31,7 @@ from camgen.workers import Workers
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 CAMS = ["parts.make='cams'", "parts.bore=8"]
 ERRORS = [
-    SpecError([Fault("geometry.rod", "-1", "more than 0", None)], "a.toml"),
+    SpecError([Fault(("geometry", "rod"), "-1", "more than 0", None)], "a.toml"),
     DesignError("swing", 60.0, 53.1, "deg", where="the inner end", remedy="use less"),
     FileError("x.dxf", "lost"),
 ]

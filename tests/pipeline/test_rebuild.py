@@ -404,7 +404,7 @@ def test_what_a_shop_reads_is_read_back_whoever_built_it(folder: Path) -> None:
         path.write_bytes(damage(was))
         mended(folder, camgen="0.0")
         report = pipeline.check(folder)
-        assert {f.where.split(",")[0] for f in report.findings if not f.ok} == {file}, file
+        assert {str(f.where).split(",")[0] for f in report.findings if not f.ok} == {file}, file
         assert [file in each.why for each in left(report) if each.code == "REBUILD"] == [True]
         path.write_bytes(was)
 

@@ -13,7 +13,7 @@ import pytest
 from camgen import reading
 from camgen.bounds import Bound
 from camgen.design.run import design
-from camgen.errors import FileError, SpecError
+from camgen.errors import FileError, SpecError, dotted
 from camgen.machines.sources import files_of, read_mechanism
 from camgen.settings import override
 
@@ -62,13 +62,15 @@ def test_each_place_is_known_and_leads_nowhere_but_beside_the_spec(
 ) -> None:
     plain = reading.read(root / "specs" / f"{starter}.toml")
     data = override(plain, setting.replace("FILE", "other.csv"))
-    assert [(each.path, each.name) for each in reading.references(data)] == [(path, "other.csv")]
+    assert [(dotted(each.path), each.name) for each in reading.references(data)] == [
+        (path, "other.csv")
+    ]
     assert [each.path for each in reading.references(plain)] == []
     for name in AWAY:
         (reference,) = reading.references(override(plain, setting.replace("'FILE'", f'"{name}"')))
         with pytest.raises(SpecError) as told:
             reference.file(root / "specs")
-        assert [fault.path for fault in told.value.faults] == [
+        assert [fault.key for fault in told.value.faults] == [
             path
         ] and "relative path" in told.value.faults[0].expected
 
@@ -99,7 +101,7 @@ def test_a_file_elsewhere_is_never_opened(
         data = override(reading.read(spec), setting.replace("FILE", name))
         with pytest.raises(SpecError) as told:
             read_mechanism(data)
-        assert path in [fault.path for fault in told.value.faults] and "secret,1" not in str(
+        assert path in [fault.key for fault in told.value.faults] and "secret,1" not in str(
             told.value
         )
     assert secret not in opened and spec in opened
@@ -113,7 +115,7 @@ def test_all_laws_that_name_no_file_so_are_told_at_once(root: Path) -> None:
     ]
     with pytest.raises(SpecError) as told:
         read_mechanism(data)
-    assert [fault.path for fault in told.value.faults] == [
+    assert [fault.key for fault in told.value.faults] == [
         f"segment.{k}.law.file" for k in range(len(data["segment"]))
     ]
 
@@ -126,7 +128,7 @@ def test_a_wanted_path_is_named_by_the_same_rule(tmp_path: Path) -> None:
         "wanted": {"path": str(tmp_path / "secret.csv")},
     }
     (reference,) = reading.references(spec)
-    assert reference.path == "wanted.path"
+    assert reference.path == ("wanted", "path")
     with pytest.raises(SpecError, match=r"wanted\.path.*relative path"):
         design(spec)
 

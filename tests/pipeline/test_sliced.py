@@ -14,6 +14,7 @@ import camgen
 from camgen.errors import FileError
 from camgen.files.gcode import read_gcode
 from camgen.files.stl import read_stl
+from camgen.findings import Where
 from camgen.geometry.mesh import slice_mesh
 from camgen.judge.round_trip import pieces_of
 from camgen.judge.sliced import Known, bodies, copy_of, shapes_of
@@ -128,7 +129,7 @@ def test_layers_that_are_missing(folder, height):
     def wrong(kept):
         path.write_text("\n".join([f"{first}{height}", *kept]))
         return [
-            (finding.where, finding.measured)
+            (str(finding.where), finding.measured)
             for finding in check_gcode(folder, [path]).findings
             if not finding.ok
         ]
@@ -268,7 +269,7 @@ PLATES = {"plate": Counter({"cam": 1, "pin": 2}), "plate-2": Counter({"pin": 2, 
     ],
 )
 def test_copies_against_the_list_of_parts(laid, wrong, said, unknown):
-    finding, not_judged = judge_sliced_copies(Counter(laid), PARTS, PLATES, "x.gcode")
+    finding, not_judged = judge_sliced_copies(Counter(laid), PARTS, PLATES, Where(file="x.gcode"))
     assert finding.measured == wrong and finding.ok is (wrong == 0) and said in finding.message
     assert [each.needs for each in not_judged] == ([f"the G-code of {unknown}"] if unknown else [])
 

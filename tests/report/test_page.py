@@ -16,7 +16,7 @@ import pytest
 from test_report import EVIL, Page, made_up
 
 from camgen.files.gltf import Moving, Shape, glb
-from camgen.findings import Finding, NotJudged, at_least, at_most, told_once
+from camgen.findings import Finding, NotJudged, Where, at_least, at_most, told_once
 from camgen.geometry.mesh import Mesh
 from camgen.machine.features import PartPose
 from camgen.report.animation import Animation, Body, player
@@ -101,7 +101,7 @@ def test_what_the_scripts_ask_for_is_there(page: str) -> None:
 def test_a_report_without_solids_is_as_small_as_ever() -> None:
     plain = to_html(made_up())
     assert len(plain) < 60_000 and 'id="three"' not in plain and "<canvas" not in plain
-    nothing = Page(to_html(Report("a", "b", [at_most("A", 1, 2, "", "", "")])))
+    nothing = Page(to_html(Report("a", "b", [at_most("A", 1, 2, "", Where(), "")])))
     assert not any(tag in ("svg", "canvas", "button") for tag, _ in nothing.elements)
 
 
@@ -145,7 +145,7 @@ def test_what_is_only_not_judged_is_amber_and_a_page_of_no_checks_is_no_success(
         seen = [attributes.get("class") or "" for _, attributes in Page(to_html(report)).elements]
         return [each for each in seen if each.split()[:1] == ["verdict"] or each in ("bad", "open")]
 
-    holds, fails = at_most("A", 1, 2, "", "", ""), at_most("B", 3, 2, "", "", "")
+    holds, fails = at_most("A", 1, 2, "", Where(), ""), at_most("B", 3, 2, "", Where(), "")
     left = [NotJudged("BED_FIT", "no STL was made", "STL")]
     assert verdict(Report("a", "b", [holds], not_judged=left)) == ["verdict open", "open"]
     assert verdict(Report("a", "b", [fails, holds], not_judged=left))[:3] == [
@@ -161,7 +161,7 @@ def test_what_is_only_not_judged_is_amber_and_a_page_of_no_checks_is_no_success(
 def test_step_is_a_kind_of_file_and_estimates_have_three_digits() -> None:
     found = [
         at_most("ERR", 0.3, 1.0, "mm", where, "")
-        for where in ("demo-cam.step, at 3 deg", "first step")
+        for where in (Where("hole", "demo-cam.step", "step"), Where("first step"))
     ]
     rows = [("cam", 12.3456, 98.7654, 1234.56)]
     table = Table("Parts", ("part", "mass, g", "time, min", "mm^3"), rows)
@@ -182,14 +182,14 @@ def test_step_is_a_kind_of_file_and_estimates_have_three_digits() -> None:
 
 def test_one_fault_in_all_files_is_one_row() -> None:
     stroke = [
-        at_most("STROKE", size, 0.1, "mm", kind, f"off by {size}")
+        at_most("STROKE", size, 0.1, "mm", Where(kind), f"off by {size}")
         for kind, size in (("design", 0.5), ("dxf", 0.6))
     ]
     told = told_once(
         [
             *stroke,
-            at_most("STROKE", 0.7, 0.2, "mm", "stl", "off by 0.7"),
-            at_least("WALL", 1, 2, "", "a", "thin"),
+            at_most("STROKE", 0.7, 0.2, "mm", Where("stl"), "off by 0.7"),
+            at_least("WALL", 1, 2, "", Where("a"), "thin"),
         ]
     )
     assert [(finding.measured, where) for finding, where in told] == [
@@ -201,7 +201,9 @@ def test_one_fault_in_all_files_is_one_row() -> None:
 
 def test_margins_have_one_row_a_code_and_a_column_a_kind() -> None:
     found = [
-        at_most("ERR", size, 1.0, "mm", f"demo-{part}.{kind}, at 3 deg", part)
+        at_most(
+            "ERR", size, 1.0, "mm", Where(file=f"demo-{part}.{kind}", kind=kind, theta=0.05), part
+        )
         for kind, least in (("dxf", 0.1), ("stl", 0.2))
         for part, size in (("cam", least), ("arm", least + 0.5))
     ]
@@ -209,8 +211,8 @@ def test_margins_have_one_row_a_code_and_a_column_a_kind() -> None:
         margins(
             [
                 *found,
-                at_least("WALL", 0.5, 0.8, "mm", "design", "thin"),
-                at_most("X", math.nan, 1, "", "", "?"),
+                at_least("WALL", 0.5, 0.8, "mm", Where("design"), "thin"),
+                at_most("X", math.nan, 1, "", Where(), "?"),
             ]
         )
     )
@@ -225,15 +227,15 @@ def test_margins_have_one_row_a_code_and_a_column_a_kind() -> None:
     )
     assert text.index("WALL") < text.index("ERR") and "≥ 0.8" in text and "≤ 1" in text
     pressed = margins(
-        [Finding("LIFT_OFF", False, 0.0, 0.0, "N", "cam", "", floor=True, strict=True)]
+        [Finding("LIFT_OFF", False, 0.0, 0.0, "N", Where("cam"), "", floor=True, strict=True)]
     )
     assert "> 0 N" in Page(pressed).text().replace("\xa0", " ")
 
 
 def test_routine_margins_are_folded_and_counted() -> None:
     near, far = (
-        at_most("NEAR", 0.9, 1, "mm", "a.dxf", ""),
-        [at_most(f"FAR_{k}", 0.1, 1, "mm", "a.dxf", "") for k in range(3)],
+        at_most("NEAR", 0.9, 1, "mm", Where(file="a.dxf", kind="dxf"), ""),
+        [at_most(f"FAR_{k}", 0.1, 1, "mm", Where(file="a.dxf", kind="dxf"), "") for k in range(3)],
     )
     text = margins([*far, near, near])
     assert (

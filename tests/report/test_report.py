@@ -18,7 +18,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgen.errors import FileError
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding, Where, at_least, at_most
 from camgen.machine.features import PartPose
 from camgen.report.animation import Animation, Body, frames, still_svg, svg_path
 from camgen.report.page import _used, to_html
@@ -57,9 +57,16 @@ def made_up(name: str = "demo", count: int = 120) -> Report:
         name=name,
         mechanism="uniform-swing",
         findings=[
-            at_most("MOTION_ERROR", 9e-4, 1.7e-3, "deg", "demo-cam.stl", "follows"),
-            at_least("MIN_WALL", 0.5, 0.8, "mm", EVIL, EVIL),
-            at_most("LASH", math.nan, 0.01, "deg", "pair", "cannot be told"),
+            at_most(
+                "MOTION_ERROR",
+                9e-4,
+                1.7e-3,
+                "deg",
+                Where(file="demo-cam.stl", kind="stl"),
+                "follows",
+            ),
+            at_least("MIN_WALL", 0.5, 0.8, "mm", Where(EVIL), EVIL),
+            at_most("LASH", math.nan, 0.01, "deg", Where("pair"), "cannot be told"),
         ],
         numbers={"peak_speed_mm_s": 0.1 + 0.2, "ratio": math.inf, "worst_deg": np.float64("nan")},
         parts=[
@@ -180,9 +187,9 @@ def test_json_refuses_what_it_cannot_hold() -> None:
 
 
 def test_verdict_needs_every_finding() -> None:
-    good = at_most("A", 1, 2, "mm", "", "")
+    good = at_most("A", 1, 2, "mm", Where(), "")
     assert Report("a", "b", [good]).ok
-    assert not Report("a", "b", [good, at_most("A", 3, 2, "mm", "", "")]).ok
+    assert not Report("a", "b", [good, at_most("A", 3, 2, "mm", Where(), "")]).ok
 
 
 def test_csv_reads_back(tmp_path: Path) -> None:
@@ -228,7 +235,9 @@ def test_page_shows_every_finding_failed_first(page: str) -> None:
     assert places == sorted(places)
     assert "2 of 3 findings fail" in text and "160 %" in text and "53 %" in text
     assert "The one finding holds" not in text
-    assert "The one finding holds" in to_html(Report("a", "b", [at_most("A", 1, 2, "", "", "")]))
+    assert "The one finding holds" in to_html(
+        Report("a", "b", [at_most("A", 1, 2, "", Where(), "")])
+    )
 
 
 def test_page_escapes_all_text(page: str) -> None:
@@ -291,14 +300,14 @@ def test_pose_without_an_answer_hides_the_body() -> None:
 
 
 def test_used_share_of_a_limit() -> None:
-    assert _used(at_most("A", 1, 4, "", "", "")) == 0.25
-    assert _used(at_most("A", 8, 4, "", "", "")) == 2
-    assert _used(at_least("A", 8, 4, "", "", "")) == 0.5
-    assert _used(at_least("A", 2, 4, "", "", "")) == 2
+    assert _used(at_most("A", 1, 4, "", Where(), "")) == 0.25
+    assert _used(at_most("A", 8, 4, "", Where(), "")) == 2
+    assert _used(at_least("A", 8, 4, "", Where(), "")) == 0.5
+    assert _used(at_least("A", 2, 4, "", Where(), "")) == 2
     for finding in (
-        at_most("A", 0, 0, "", "", ""),
-        at_most("A", -1, 4, "", "", ""),
-        Finding("A", False, math.nan, 1, "", "", ""),
+        at_most("A", 0, 0, "", Where(), ""),
+        at_most("A", -1, 4, "", Where(), ""),
+        Finding("A", False, math.nan, 1, "", Where(), ""),
     ):
         assert _used(finding) is None
 

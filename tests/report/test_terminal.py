@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import sys
 from pathlib import Path
@@ -10,7 +11,7 @@ from pathlib import Path
 import pytest
 from test_cli import run as run  # noqa: F401  a fixture
 
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding, Where, at_least, at_most
 from camgen.report.report import Report
 from camgen.report.terminal import number, print_report
 
@@ -20,11 +21,29 @@ FINDINGS = (
         1.234e-5,
         1.8e-3,
         "deg",
-        "long-name-of-a-machine-cam.dxf, cam angle 123.456 deg",
+        Where(
+            file="long-name-of-a-machine-cam.dxf",
+            kind="dxf",
+            theta=math.radians(123.456),
+        ),
         "as wanted",
     ),
-    at_least("TRANSMISSION_ANGLE", 88.21, 45, "deg", "crank angle 90 deg", "wide"),
-    at_least("MIN_WALL", -12.345, 0.8, "mm", "long-name-of-a-machine-cam.stl", "thin"),
+    at_least(
+        "TRANSMISSION_ANGLE",
+        88.21,
+        45,
+        "deg",
+        Where(theta=math.pi / 2, angle="crank angle", digits=0),
+        "wide",
+    ),
+    at_least(
+        "MIN_WALL",
+        -12.345,
+        0.8,
+        "mm",
+        Where(file="long-name-of-a-machine-cam.stl", kind="stl"),
+        "thin",
+    ),
 )
 
 
@@ -35,8 +54,8 @@ def shown(findings: tuple[Finding, ...], capsys: pytest.CaptureFixture[str]) -> 
 
 def test_rounding_is_shown_as_0_but_where_it_fails(capsys: pytest.CaptureFixture[str]) -> None:
     found = (
-        at_most("PIN_GAP", 2.665e-15, 0.1, "mm", "", ""),
-        at_most("LASH", 1e-12, 0, "mm", "", ""),
+        at_most("PIN_GAP", 2.665e-15, 0.1, "mm", Where(), ""),
+        at_most("LASH", 1e-12, 0, "mm", Where(), ""),
     )
     text = shown(found, capsys)
     assert (
@@ -52,7 +71,15 @@ def test_a_limit_that_is_itself_too_little_is_told_as_such(
     text = shown(
         (
             Finding(
-                "LIFT_OFF", False, 0.0, 0.0, "N", "", "nothing presses", floor=True, strict=True
+                "LIFT_OFF",
+                False,
+                0.0,
+                0.0,
+                "N",
+                Where(),
+                "nothing presses",
+                floor=True,
+                strict=True,
             ),
         ),
         capsys,
@@ -111,7 +138,7 @@ ESCAPED = r"\x1b[31m\x9b5m\u202e"
 
 
 def test_nothing_of_a_report_steers_the_terminal(capsys: pytest.CaptureFixture[str]) -> None:
-    text = shown((at_most(STEERS, 1, 0, STEERS, STEERS, STEERS),), capsys)
+    text = shown((at_most(STEERS, 1, 0, STEERS, Where(STEERS), STEERS),), capsys)
     assert not set(STEERS) - set("[31m5") & set(text) and text.count(ESCAPED) == 9
 
 

@@ -232,7 +232,7 @@ def test_a_hundred_thousand_pairs_in_a_second() -> None:
 def test_bad_counts_and_machines_without_modes() -> None:
     with pytest.raises(SpecError) as told:
         tolerance(SPECS / "disc-cam.toml", (), 0, -1, -1)
-    assert [fault.path for fault in told.value.faults] == ["--samples", "--worst", "--seed"]
+    assert [fault.key for fault in told.value.faults] == ["--samples", "--worst", "--seed"]
     with pytest.raises(DesignError, match="can displace"):
         tolerance(SPECS / "coupon.toml")
 

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.facets import facet_contour
 from camgen.machine.cams.followers import SwingingArm, SwingingFace
 from camgen.machine.cams.profile import DiscCam
@@ -127,7 +127,7 @@ def _profile(exact: ExactCam, limits: CamLimits, chord_tolerance: float | None) 
             cam.steepest,
             limits.steepest(cam),
             "deg",
-            where,
+            Where(where),
             f"{advice.flatter} lowers it",
         ),
         at_most(
@@ -135,7 +135,7 @@ def _profile(exact: ExactCam, limits: CamLimits, chord_tolerance: float | None) 
             shortfall,
             scale * limits.undercut,
             unit,
-            f"{where}, {spans}" if spans else where,
+            Where(f"{where}, {spans}" if spans else where),
             short if shortfall else "the follower makes the whole motion",
         ),
         at_least(
@@ -143,7 +143,7 @@ def _profile(exact: ExactCam, limits: CamLimits, chord_tolerance: float | None) 
             cam.least_radius,
             limits.least_radius,
             "mm",
-            where,
+            Where(where),
             "least radius of curvature of the convex profile; below 0 it is undercut, "
             "which a limits.least_radius below 0 accepts",
         ),
@@ -154,7 +154,12 @@ def _profile(exact: ExactCam, limits: CamLimits, chord_tolerance: float | None) 
         said = f"the cam reaches {reach:.2f} mm from its shaft, the axle stands at {axle:g} mm"
         findings.append(
             at_least(
-                "INTERFERENCE", axle - reach, 0.0, "mm", f"{where} and the follower's axle", said
+                "INTERFERENCE",
+                axle - reach,
+                0.0,
+                "mm",
+                Where(f"{where} and the follower's axle"),
+                said,
             )
         )
     return findings
@@ -167,7 +172,12 @@ def _face_width(cams: Sequence[ExactCam], width: float) -> Finding:
         low, high = each.cam.face_contact
         needed = max(needed, high - low if swings(each.cam) else 2 * max(-low, high))
     return at_most(
-        "FACE_WIDTH", needed, width, "mm", cams[0].where, "width over which the face is touched"
+        "FACE_WIDTH",
+        needed,
+        width,
+        "mm",
+        Where(cams[0].where),
+        "width over which the face is touched",
     )
 
 
@@ -184,4 +194,4 @@ def _jumps(exact: ExactCam, highest: int, where: str) -> Finding:
     lower = ", ".join(_ORDERS[:highest])
     orders = f"{lower} and {_ORDERS[highest]}" if lower else _ORDERS[highest]
     said = f"{listed}{more}; {exact.advice.smoother}" if jumps else f"no jump of {orders}"
-    return at_most("MOTION_JUMP", len(jumps), 0, "jumps", where, said)
+    return at_most("MOTION_JUMP", len(jumps), 0, "jumps", Where(where), said)

@@ -13,12 +13,12 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 
-from camgen.findings import Finding
+from camgen.findings import Finding, Where
 from camgen.machine.cams.followers import SlidingFace, SlidingTip, SwingingArm, SwingingFace
 from camgen.machine.cams.limits import CamLimits
 from camgen.machine.cams.profile import DiscCam
@@ -262,11 +262,11 @@ class Loaded:
 
     def keeps_contact(self, remedy: str) -> Finding:
         """Finding LIFT_OFF: whether the least contact force, N, stays above 0; a kick throws the follower off."""
-        return keeps_contact(self.theta, self.force, bool(self.kick), "cam angle", remedy)
+        return keeps_contact(self.theta, self.force, bool(self.kick), Where(), remedy)
 
 
-def keeps_contact(theta: Floats, force: Floats, kicked: bool, where: str, remedy: str) -> Finding:
-    """Finding LIFT_OFF of one contact; theta: rad, force: N, (n,) each, nan where it is not known; where: what theta is."""
+def keeps_contact(theta: Floats, force: Floats, kicked: bool, where: Where, remedy: str) -> Finding:
+    """Finding LIFT_OFF of one contact; theta: rad, force: N, (n,) each, nan where it is not known."""
     force = np.where(np.isnan(force), math.inf, force)
     if kicked:
         force[len(force) // 2] = -math.inf
@@ -274,7 +274,9 @@ def keeps_contact(theta: Floats, force: Floats, kicked: bool, where: str, remedy
     return lift_off(theta, force, "N", where, "the follower stays on the cam", said)
 
 
-def lift_off(theta: Floats, push: Floats, unit: str, where: str, kept: str, remedy: str) -> Finding:
+def lift_off(
+    theta: Floats, push: Floats, unit: str, where: Where, kept: str, remedy: str
+) -> Finding:
     """Finding LIFT_OFF: what presses a follower on its cam, (n,) in its unit, must stay above 0; at 0 nothing presses.
 
     kept: what is said where it stays there.
@@ -295,7 +297,7 @@ def lift_off(theta: Floats, push: Floats, unit: str, where: str, kept: str, reme
         begin, end = np.degrees(theta[[k, last]])
         there = f"from {begin:.1f} to {end:.1f} deg" if end > begin else "there"
         message = f"nothing presses the follower on the cam {there}; {remedy}"
-    place = f"{where} {math.degrees(float(theta[k])):.1f} deg"
+    place = replace(where, theta=float(theta[k]), digits=1)
     return Finding(
         "LIFT_OFF", least > rounding, least, 0.0, unit, place, message, floor=True, strict=True
     )

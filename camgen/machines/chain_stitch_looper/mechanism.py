@@ -20,8 +20,8 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import Field
 
-from camgen.errors import DesignError, Fault, SpecError
-from camgen.findings import Finding, at_least, at_most
+from camgen.errors import DesignError, Fault, Key, SpecError
+from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.outlines import Floats
 from camgen.machine.features import Apart, Mount
 from camgen.machine.model import (
@@ -95,9 +95,9 @@ class ChainStitchLooper(Mechanism):
             fault
             for name, choice, tables in self._moves()
             for fault in (
-                program_faults(tables, f"timing.{name}_segment")
+                program_faults(tables, ("timing", f"{name}_segment"))
                 if tables
-                else _law_faults(choice, f"timing.{name}")
+                else _law_faults(choice, ("timing", name))
             )
         ]
         plain = all(
@@ -106,7 +106,9 @@ class ChainStitchLooper(Mechanism):
         if any(self.timing.distortion) and not plain:
             given = f"{list(self.timing.distortion)}"
             found.append(
-                Fault("timing.distortion", given, "[0, 0] with other laws than simple-harmonic")
+                Fault(
+                    ("timing", "distortion"), given, "[0, 0] with other laws than simple-harmonic"
+                )
             )
         if not found:
             for name, _, tables in self._moves():
@@ -118,7 +120,7 @@ class ChainStitchLooper(Mechanism):
                 if abs(top - 1) > 1e-9:
                     found.append(
                         Fault(
-                            f"timing.{name}_segment",
+                            ("timing", f"{name}_segment"),
                             f"rises to {top:g}",
                             "a program from 0 up to 1",
                         )
@@ -126,31 +128,31 @@ class ChainStitchLooper(Mechanism):
         checks = [
             (
                 p.plate_thickness < g.plate_to_spreader,
-                "parts.plate_thickness",
+                ("parts", "plate_thickness"),
                 p.plate_thickness,
                 f"less than plate_to_spreader, {g.plate_to_spreader:g} mm",
             ),
             (
                 p.running_gap < g.protrusion,
-                "parts.running_gap",
+                ("parts", "running_gap"),
                 p.running_gap,
                 f"less than the protrusion, {g.protrusion:g} mm",
             ),
             (
                 p.edge_radius == 0 or p.edge_radius >= LEAST_RADIUS,
-                "parts.edge_radius",
+                ("parts", "edge_radius"),
                 p.edge_radius,
                 f"0, or at least {LEAST_RADIUS:g} mm: less is neither drawn nor made",
             ),
             (
                 self.allowed.min_wall >= self.print.nozzle,
-                "limits.min_wall",
+                ("limits", "min_wall"),
                 self.allowed.min_wall,
                 f"at least the nozzle, {self.print.nozzle:g} mm",
             ),
             (
                 g.mode == "corrected" or not (t.needle_segment or t.spreader_segment or t.lag_deg),
-                "geometry.mode",
+                ("geometry", "mode"),
                 0.0,
                 '"corrected" with segments or lag_deg: the source knows none of them',
             ),
@@ -158,14 +160,14 @@ class ChainStitchLooper(Mechanism):
         for key in ("hole_compensation", "profile_compensation", "shrinkage", "elephant_foot"):
             value = getattr(self.print, key)
             said = "0: spreaders and needles are crossed outlines, which have no print fits; set them in the slicer"
-            checks.append((value == 0, f"print.{key}", value, said))
+            checks.append((value == 0, ("print", key), value, said))
         if self.wanted is not None:
             for key in ("nose_over_eye", "loop_rise", "protrusion", "plate_to_spreader"):
                 low, high = getattr(self.wanted, key)
                 checks.append(
                     (
                         low <= high,
-                        f"wanted.{key}",
+                        ("wanted", key),
                         low,
                         f"the least value first, then the greatest; {high:g} is less",
                     )
@@ -333,7 +335,7 @@ class ChainStitchLooper(Mechanism):
                 p.nose_width,
                 self.allowed.min_wall,
                 "mm",
-                "parts.nose_width",
+                Where("parts.nose_width"),
                 "width of the nose at the thread's seat, from where it runs to a point",
             ),
             at_least(
@@ -341,7 +343,7 @@ class ChainStitchLooper(Mechanism):
                 p.side_gap,
                 2 * self.accuracy.chord_tolerance,
                 "mm",
-                "parts.side_gap",
+                Where("parts.side_gap"),
                 "beside the needles' plane each nose passes the needles' flanks at this gap; the outlines of both may be "
                 "off by the limit",
             ),
@@ -351,7 +353,7 @@ class ChainStitchLooper(Mechanism):
                 abs(one - two),
                 self.allowed.loop_angle_deg,
                 "deg",
-                "both loops at the pierce",
+                Where("both loops at the pierce"),
                 f"{one:.4f} and {two:.4f} deg; equal where plate_to_spreader is needle_spacing / velocity_ratio and "
                 "protrusion half the difference of the point_lengths",
             ),
@@ -361,7 +363,7 @@ class ChainStitchLooper(Mechanism):
                     math.degrees(angle),
                     g.feed_deg,
                     "deg",
-                    f"needle {k}",
+                    Where(f"needle {k}"),
                     "shaft angle over which the needle is out of the fabric; the feed takes the limit. A longer "
                     "needle_stroke or a smaller plate_to_spreader gives more",
                 )
@@ -372,7 +374,7 @@ class ChainStitchLooper(Mechanism):
                 g.blade_length,
                 d.spreader_stroke - min(d.before),
                 "mm",
-                "spreaders",
+                Where("spreaders"),
                 "the blade reaches under its own needle until the end of the stroke",
             ),
         ]
@@ -391,7 +393,7 @@ class ChainStitchLooper(Mechanism):
             margin,
             0.0,
             "mm",
-            f"spreader {k + 1} and needle {2 - k}",
+            Where(f"spreader {k + 1} and needle {2 - k}"),
             said,
             True,
         )
@@ -401,10 +403,10 @@ class ChainStitchLooper(Mechanism):
         if works is None:
             at_fault = min(self._conditions, key=lambda condition: condition.spare(ratio)).name
             remark = f"no ratio works; at this one what fails is: {at_fault}"
-            return at_most("VELOCITY_RATIO", ratio, math.nan, "", "spec", remark)
+            return at_most("VELOCITY_RATIO", ratio, math.nan, "", Where("spec"), remark)
         (low, why_low), (high, why_high) = works
         remark = f"works from {low:.9g} ({why_low}) to {high:.9g} ({why_high})"
-        return _between("VELOCITY_RATIO", ratio, low, high, "", "spec", remark)
+        return _between("VELOCITY_RATIO", ratio, low, high, "", Where("spec"), remark)
 
     def _range(self, key: str) -> Finding:
         low, high, unit = ALLOWED[key]
@@ -412,7 +414,7 @@ class ChainStitchLooper(Mechanism):
         values = value if isinstance(value, tuple) else (value,)
         worst = min(values, key=lambda v: min(v - low, high - v))
         remark = f"{', '.join(f'{v:g}' for v in values)} {unit}; the source allows {low:g} to {high:g} {unit}"
-        return _between("ALLOWED_RANGE", worst, low, high, unit, f"geometry.{key}", remark)
+        return _between("ALLOWED_RANGE", worst, low, high, unit, Where(f"geometry.{key}"), remark)
 
     @property
     def _in_step(self) -> bool:
@@ -497,7 +499,7 @@ class ChainStitchLooper(Mechanism):
             raise SpecError(
                 [
                     Fault(
-                        "timing",
+                        ("timing",),
                         "",
                         "simple-harmonic laws without lag: only for these there is a search",
                     )
@@ -552,21 +554,20 @@ class ChainStitchLooper(Mechanism):
 
 
 def _between(
-    code: str, value: float, low: float, high: float, unit: str, where: str, remark: str
+    code: str, value: float, low: float, high: float, unit: str, where: Where, remark: str
 ) -> Finding:
     """Against the nearer of two limits."""
     check, limit = (at_least, low) if value - low < high - value else (at_most, high)
     return check(code, value, limit, unit, where, remark)
 
 
-def _law_faults(choice: str | LawChoice, path: str) -> list[Fault]:
+def _law_faults(choice: str | LawChoice, path: Key) -> list[Fault]:
     try:
         law_of(choice)
     except SpecError as error:
         named = isinstance(choice, LawChoice)
         return [
-            Fault(f"{path}.{f.path}" if named and f.path else path, f.value, f.expected, f.nearest)
-            for f in error.faults
+            replace(fault, path=(*path, *fault.path) if named else path) for fault in error.faults
         ]
     return []
 

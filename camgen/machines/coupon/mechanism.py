@@ -20,7 +20,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from camgen.errors import DesignError, Fault
-from camgen.findings import Finding, at_most
+from camgen.findings import Finding, Where, at_most
 from camgen.geometry.outlines import Contour, Floats, Region, circle, rectangle
 from camgen.machine.features import Mount
 from camgen.machine.model import GROUND, Machine
@@ -108,16 +108,16 @@ class Coupon(Mechanism):
             if any(not float(f"{a:g}") < float(f"{b:g}") for a, b in pairwise(values)):
                 found.append(
                     Fault(
-                        f"geometry.{key}", str(list(values)), "sizes from small to large, each once"
+                        ("geometry", key), str(list(values)), "sizes from small to large, each once"
                     )
                 )
         if g.fit_pin + g.clearances[0] < self.print.nozzle:
             said = f"more than {self.print.nozzle - g.fit_pin:g}: a hole is left"
-            found.append(Fault("geometry.clearances.0", f"{g.clearances[0]:g}", said))
+            found.append(Fault(("geometry", "clearances", 0), f"{g.clearances[0]:g}", said))
         if self.making.wall < self.print.nozzle:
             found.append(
                 Fault(
-                    "parts.wall",
+                    ("parts", "wall"),
                     f"{self.making.wall:g}",
                     f"at least the nozzle, {self.print.nozzle:g} mm",
                 )
@@ -127,7 +127,7 @@ class Coupon(Mechanism):
             if value is not None and value not in g.clearances:
                 found.append(
                     Fault(
-                        f"measured.{key}",
+                        ("measured", key),
                         f"{value:g}",
                         f"one of geometry.clearances: {list(g.clearances)}",
                     )
@@ -135,7 +135,7 @@ class Coupon(Mechanism):
         if m.runs is not None and m.holds is not None and m.holds >= m.runs:
             found.append(
                 Fault(
-                    "measured.holds",
+                    ("measured", "holds"),
                     f"{m.holds:g}",
                     f"less than measured.runs, {m.runs:g}: the pin is tight there",
                 )
@@ -143,12 +143,12 @@ class Coupon(Mechanism):
         nominal = {each.name: each.nominal for each in self.sizes}
         for name, size in m.sizes.items():
             if name not in nominal:
-                found.append(unknown(f"measured.sizes.{name}", name, nominal))
+                found.append(unknown(("measured", "sizes", name), name, nominal))
                 continue
             for value in size if isinstance(size, tuple) else (size,):
                 if abs(value - nominal[name]) > _OFF:
                     said = f"within {_OFF:g} mm of {nominal[name]:g}; was another size measured?"
-                    found.append(Fault(f"measured.sizes.{name}", f"{value:g}", said))
+                    found.append(Fault(("measured", "sizes", name), f"{value:g}", said))
         return found
 
     # ---- sizes ------------------------------------------------------------------------------------------------------
@@ -211,7 +211,7 @@ class Coupon(Mechanism):
                 value.wide,
                 self.allowed.uncertainty,
                 "mm",
-                f"print.{value.key}",
+                Where(f"print.{value.key}"),
                 f"{value.value:.4g} mm, known to so much (95 %): measure more sizes, or each one several times",
             )
             for value in self.calibrated.values
@@ -221,7 +221,9 @@ class Coupon(Mechanism):
             name, measured, meant, left = max(self.calibrated.rows, key=lambda row: abs(row[3]))
             said = f"measured {measured:.4g} mm, {meant:.4g} by the values found; measure it again, or print it for itself"
             found.append(
-                at_most("CALIBRATION_FIT", abs(left), self.allowed.departure, "mm", name, said)
+                at_most(
+                    "CALIBRATION_FIT", abs(left), self.allowed.departure, "mm", Where(name), said
+                )
             )
         return found
 

@@ -94,39 +94,39 @@ class DiscCamDrive(StandingCams):
         ):
             value = getattr(f, key)
             if belongs and needed and value is None:
-                found.append(Fault(f"geometry.follower.{key}", "", f"missing: {what}"))
+                found.append(Fault(("geometry", "follower", key), "", f"missing: {what}"))
             elif not belongs and value:
                 found.append(
-                    Fault(f"geometry.follower.{key}", f"{value:g}", f"nothing here: {what}")
+                    Fault(("geometry", "follower", key), f"{value:g}", f"nothing here: {what}")
                 )
         checks = [
             (
                 g.closure != "groove" or roller,
-                "geometry.closure",
+                ("geometry", "closure"),
                 g.closure,
                 "force or conjugate: only rollers run in grooves",
             ),
             (
                 self.standing or not p.hub_height or p.hub_diameter >= round_hub,
-                "parts.hub_diameter",
+                ("parts", "hub_diameter"),
                 p.hub_diameter,
                 f"at least {round_hub:g} mm: the bore and limits.min_wall round it",
             ),
             (
                 self.standing or not p.hub_height or g.closure != "groove",
-                "parts.hub_height",
+                ("parts", "hub_height"),
                 p.hub_height,
                 "0: a groove's plates have no hub",
             ),
             (
                 p.pin_diameter < p.rim,
-                "parts.pin_diameter",
+                ("parts", "pin_diameter"),
                 p.pin_diameter,
                 f"less than the rim, {p.rim:g} mm",
             ),
             (
                 self.allowed.min_wall >= self.print.nozzle,
-                "limits.min_wall",
+                ("limits", "min_wall"),
                 self.allowed.min_wall,
                 f"at least the nozzle, {self.print.nozzle:g} mm",
             ),
@@ -141,14 +141,17 @@ class DiscCamDrive(StandingCams):
             found += error.faults
         found += self.size_faults("follower", slides=slides, grooves=g.closure == "groove")
         found += air_faults(
-            "geometry.tip_clearance", g.tip_clearance, g.closure, None if flat else f.radius or 0.0
+            ("geometry", "tip_clearance"),
+            g.tip_clearance,
+            g.closure,
+            None if flat else f.radius or 0.0,
         )
         found += load_faults(self.load, self.spring, slides, g.closure == "force", self.standing)
         if not found and self.load is not None and self.load.polydyne:
             found += polydyne_faults(
                 self.load, self.spring, self._given, self.standing and g.closure == "force"
             )
-        found += still_faults("segment", [table.kind for table in self.segment])
+        found += still_faults(("segment",), [table.kind for table in self.segment])
         return found
 
     # ---- motion -----------------------------------------------------------------------------------------------------

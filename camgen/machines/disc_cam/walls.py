@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from camgen.findings import Finding, at_least
+from camgen.findings import Finding, Where, at_least
 from camgen.geometry.distances import thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.parts.disc_cams import pins_beside, refuse_wide
@@ -29,7 +29,7 @@ def walls(drive: DiscCamDrive) -> list[Finding]:
     )  # what the files may take of a wall, as there
     for cam, name in zip(drive.cams, names, strict=True):
         refuse_wide(name, cam.nearest, made.reach, made.hub_diameter if made.hub_height else 0.0)
-        where, wall = f"holes and nearest side of {name}", cam.nearest - widest
+        where, wall = Where(f"holes and nearest side of {name}"), cam.nearest - widest
         if wall < need and (grooved or made.shaft != "plain"):
             return [*_laid(drive, facets), *_rim(drive, facets)]
         found.append(at_least("MIN_WALL", wall, need, "mm", where, _REMEDY, facets))
@@ -43,7 +43,10 @@ def _laid(drive: DiscCamDrive, facets: float) -> list[Finding]:
         outer, *holes = (
             facet_contour(each, facets / 2) for each in (part.region.outer, *part.region.holes)
         )
-        where, wall = f"between the contours of {part.name}", thinnest_wall(outer, holes)
+        where, wall = (
+            Where(f"between the contours of {part.name}", part=part.name),
+            thinnest_wall(outer, holes),
+        )
         found.append(
             at_least("MIN_WALL", wall, drive.allowed.min_wall, "mm", where, _REMEDY, facets)
         )
@@ -62,7 +65,7 @@ def _rim(drive: DiscCamDrive, facets: float) -> list[Finding]:
             (made.rim - made.pin_diameter) / 2,
             need,
             "mm",
-            "pins and edge of outer",
+            Where("pins and edge of outer"),
             said,
             facets,
         )

@@ -22,8 +22,8 @@ from typing import Annotated, ClassVar
 import numpy as np
 from pydantic import Field
 
-from camgen.errors import DesignError, Fault
-from camgen.findings import Finding, at_least, at_most
+from camgen.errors import DesignError, Fault, Key
+from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.outlines import Contour, Floats, Region, circle, polygon, rectangle
 from camgen.machine import model
 from camgen.machine.closed_form import refuse_gap, slider_travel
@@ -65,9 +65,9 @@ class EccentricDrive(Mechanism):
         """What is wrong between keys that are right one by one."""
         p, motor, slide = self.making, self.motor, self.print.slide_clearance
         nozzle = f"at least the nozzle, {self.print.nozzle:g} mm"
-        thin = [("limits.min_wall", self.allowed.min_wall)]
+        thin: list[tuple[Key, float]] = [(("limits", "min_wall"), self.allowed.min_wall)]
         thin += [
-            (f"parts.{key}", getattr(p, key))
+            (("parts", key), getattr(p, key))
             for key in ("strap_wall", "flange", "rod_thickness", "body_thickness")
         ]
         checks = [(value >= self.print.nozzle, path, value, nozzle) for path, value in thin]
@@ -76,49 +76,49 @@ class EccentricDrive(Mechanism):
         checks += [
             (
                 p.flange < room,
-                "parts.flange",
+                ("parts", "flange"),
                 p.flange,
                 f"less than {room:g} mm, so that it clears the body",
             ),
             (
                 p.wire_diameter <= floor,
-                "parts.wire_diameter",
+                ("parts", "wire_diameter"),
                 p.wire_diameter,
                 f"at most {floor:g} mm, so that a floor as thick as the nozzle stays in the slider",
             ),
             (
                 p.pin_diameter < p.slider_width,
-                "parts.pin_diameter",
+                ("parts", "pin_diameter"),
                 p.pin_diameter,
                 "less than slider_width",
             ),
             (
                 p.wire_diameter < p.slider_width,
-                "parts.wire_diameter",
+                ("parts", "wire_diameter"),
                 p.wire_diameter,
                 "less than slider_width",
             ),
             (
                 screw < p.rail_width,
-                "parts.rail_width",
+                ("parts", "rail_width"),
                 p.rail_width,
                 f"more than the screw's hole, {screw:g} mm",
             ),
             (
                 screw < p.cover_length,
-                "parts.cover_length",
+                ("parts", "cover_length"),
                 p.cover_length,
                 f"more than the screw's hole, {screw:g} mm",
             ),
             (
                 motor.boss_diameter > shaft,
-                "motor.boss_diameter",
+                ("motor", "boss_diameter"),
                 motor.boss_diameter,
                 f"more than its shaft, {shaft:g} mm",
             ),
             (
                 motor.diameter > motor.boss_diameter,
-                "motor.diameter",
+                ("motor", "diameter"),
                 motor.diameter,
                 "more than boss_diameter",
             ),
@@ -127,7 +127,7 @@ class EccentricDrive(Mechanism):
         found = [*(self.counterweight.faults() if self.counterweight else ())]
         for name in ("stroke", "strokes_per_s"):
             low, high = getattr(self.allowed, name) or (0.0, 1.0)
-            checks.append((low < high, f"limits.{name}", low, "the least first, then the greatest"))
+            checks.append((low < high, ("limits", name), low, "the least first, then the greatest"))
         return [
             *found,
             *(
@@ -572,7 +572,8 @@ class EccentricDrive(Mechanism):
         self.model  # noqa: B018
         reach = (g.eccentricity + abs(g.offset)) / g.rod
         worst = math.degrees(math.acos(reach))
-        where = "crank angle 270 deg" if g.offset > 0 else "crank angle 90 deg"
+        theta = math.radians(270 if g.offset > 0 else 90)
+        where = Where(theta=theta, angle="crank angle", digits=0)
         message = "90 deg less the rod's greatest tilt; a longer rod enlarges it"
         found = [
             at_least(
@@ -591,7 +592,7 @@ class EccentricDrive(Mechanism):
                 stroke,
                 self.allowed.stroke,
                 "mm",
-                "slider",
+                Where("slider"),
                 "twice geometry.eccentricity, in line",
             ),
             (
@@ -599,7 +600,7 @@ class EccentricDrive(Mechanism):
                 abs(self.motor.speed_rpm) / 60,
                 self.allowed.strokes_per_s,
                 "1/s",
-                "motor",
+                Where("motor"),
                 "motor.speed_rpm / 60",
             ),
         )

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from camgen.findings import Finding, at_least, at_most
+from camgen.errors import Key
+from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.outlines import Contour, Region, circle, rectangle
 from camgen.machine.features import Mount, StandIn
 from camgen.machine.model import GROUND
@@ -32,7 +33,7 @@ _GUIDED = 2.0  # diameters of the wire in the tube, at least: the 2 to 1 rule of
 
 def tube_checks(
     sizes: Parts, slide: float, floor: float, least: float
-) -> list[tuple[bool, str, float, str]]:
+) -> list[tuple[bool, Key, float, str]]:
     """What is wrong with its keys: (holds, path, value, what would be right).
 
     floor: greatest wire in the slider's groove; least: length that the screws of the tube need, mm.
@@ -40,7 +41,7 @@ def tube_checks(
     if not sizes.tube_length:
         said = "nothing here without parts.tube_length: it is the tube that the wire's point stands out of"
         return (
-            [(False, "parts.wire_length", sizes.wire_length, said)]
+            [(False, ("parts", "wire_length"), sizes.wire_length, said)]
             if sizes.wire_length is not None
             else []
         )
@@ -48,13 +49,13 @@ def tube_checks(
     return [
         (
             sizes.tube_length >= least,
-            "parts.tube_length",
+            ("parts", "tube_length"),
             sizes.tube_length,
             f"at least {least:.4g} mm, or 0: none",
         ),
         (
             sizes.wire_diameter <= thin,
-            "parts.wire_diameter",
+            ("parts", "wire_diameter"),
             sizes.wire_diameter,
             f"at most {thin:g} mm, for the tube's floor",
         ),
@@ -198,14 +199,23 @@ class NeedleTube:
         said = f"wire in the tube, its point {least:.4g} mm past the mouth; a longer parts.tube_length or parts.wire_length"
         found = [
             at_least(
-                "NEEDLE_GUIDED", round(held, 9), _GUIDED * p.wire_diameter, "mm", "innermost", said
+                "NEEDLE_GUIDED",
+                round(held, 9),
+                _GUIDED * p.wire_diameter,
+                "mm",
+                Where("innermost"),
+                said,
             )
         ]
         if self.drive.allowed.stroke is not None:
             low, high = self.drive.allowed.stroke
             said = f"point past the tube's mouth, {least:.4g} mm at the innermost place; parts.wire_length sets it"
-            found.append(at_least("NEEDLE_REACH", round(most, 9), low, "mm", "outermost", said))
-            found.append(at_most("NEEDLE_REACH", round(most, 9), high, "mm", "outermost", said))
+            found.append(
+                at_least("NEEDLE_REACH", round(most, 9), low, "mm", Where("outermost"), said)
+            )
+            found.append(
+                at_most("NEEDLE_REACH", round(most, 9), high, "mm", Where("outermost"), said)
+            )
         return found
 
     def bought(self) -> Bought:

@@ -159,12 +159,12 @@ def driver_faults(driver: Driver, spans: Sequence[float]) -> list[Fault]:
     found, (rise, dwell, back) = [], spans
     if not driver.offset <= _MOST * driver.crank:
         right = f"at most {_MOST:g} of the crank, {driver.crank:g} mm: beyond, the arm does not turn with it, or by jerks"
-        found.append(Fault("driver.offset", f"{driver.offset:g}", right))
+        found.append(Fault(("driver", "offset"), f"{driver.offset:g}", right))
     if abs(rise + dwell - 180) > 1e-9:
         right = f"180 less rise_deg, {180 - rise:g}, with [driver]: its chain turns twice while the cam turns once"
-        found.append(Fault("geometry.dwell_deg", f"{dwell:g}", right))
+        found.append(Fault(("geometry", "dwell_deg"), f"{dwell:g}", right))
     if abs(rise - back) > 1e-9:
         found.append(
-            Fault("geometry.return_deg", f"{back:g}", f"rise_deg, {rise:g}, with [driver]")
+            Fault(("geometry", "return_deg"), f"{back:g}", f"rise_deg, {rise:g}, with [driver]")
         )
     return found

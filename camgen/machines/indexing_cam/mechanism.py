@@ -99,26 +99,26 @@ class IndexingCam(StandingCams):
         checks = [
             (
                 spans <= 360,
-                "geometry.dwell_deg",
+                ("geometry", "dwell_deg"),
                 g.dwell_deg,
                 f"rise_deg, dwell_deg and return_deg of at most 360 together, they make {spans:g}",
             ),
-            (p.wall >= nozzle, "parts.wall", p.wall, f"at least the nozzle, {nozzle:g} mm"),
+            (p.wall >= nozzle, ("parts", "wall"), p.wall, f"at least the nozzle, {nozzle:g} mm"),
             (
                 self.allowed.min_wall >= nozzle,
-                "limits.min_wall",
+                ("limits", "min_wall"),
                 self.allowed.min_wall,
                 f"at least the nozzle, {nozzle:g} mm",
             ),
             (
                 g.follower.roller_radius < g.follower.arm,
-                "geometry.follower.roller_radius",
+                ("geometry", "follower", "roller_radius"),
                 g.follower.roller_radius,
                 f"less than the arm, {g.follower.arm:g} mm: the roller would cover the arm's own axle",
             ),
             (
                 g.closure == "force" or not self.load.closing_n_m,
-                "load.closing_n_m",
+                ("load", "closing_n_m"),
                 self.load.closing_n_m,
                 'nothing here: closure "conjugate" needs no spring',
             ),
@@ -131,18 +131,18 @@ class IndexingCam(StandingCams):
         found += u.faults(self.freewheel is not None)
         if self.load.gravity_deg is not None:
             why = "nothing here: torque, closure and what is left are worked out for a machine that lies flat"
-            found.append(Fault("load.gravity_deg", f"{self.load.gravity_deg:g}", why))
+            found.append(Fault(("load", "gravity_deg"), f"{self.load.gravity_deg:g}", why))
         if self.freewheel is not None and self.sizes.shaft_diameter not in CLUTCHES:
             sold = ", ".join(f"{bore:g}" for bore in CLUTCHES)
             found.append(
                 Fault(
-                    "bodies.shaft_diameter",
+                    ("bodies", "shaft_diameter"),
                     f"{self.sizes.shaft_diameter:g}",
                     f"a bore of freewheels, {sold} mm",
                 )
             )
         if self.synthesis is not None and u.torque == "none":
-            found.append(Fault("synthesis", "", 'an unloader: its torque is "none"'))
+            found.append(Fault(("synthesis",), "", 'an unloader: its torque is "none"'))
         if self.driver is not None:
             found += driver_faults(self.driver, (g.rise_deg, g.dwell_deg, self.return_deg))
             between, wall = (
@@ -153,13 +153,13 @@ class IndexingCam(StandingCams):
                 right = f"at most {self.driver.offset - wall + between:.4g}: slot and shaft of the arm need a wall of {wall:g} mm"
                 found.append(
                     Fault(
-                        "driver.offset",
+                        ("driver", "offset"),
                         f"{self.driver.offset:g}",
                         right + "; or a longer driver.crank",
                     )
                 )
         found += air_faults(
-            "geometry.tip_clearance", g.tip_clearance, g.closure, g.follower.roller_radius
+            ("geometry", "tip_clearance"), g.tip_clearance, g.closure, g.follower.roller_radius
         )
         return [*found, *p.misfits(), *self.size_faults("follower", LINK), *g.law_faults()]
 
@@ -170,7 +170,7 @@ class IndexingCam(StandingCams):
         wanted, spring = self.synthesis, self.unloading
         if wanted is None or spring is None:
             raise SpecError(
-                [Fault("synthesis", "", "missing: weights of the law to be looked for, [q]")]
+                [Fault(("synthesis",), "", "missing: weights of the law to be looked for, [q]")]
             )
         found = trade_off(spring, wanted.weights, wanted.sines, wanted.cosines)[-1]
         data = self.model_dump(by_alias=True, exclude_none=True)

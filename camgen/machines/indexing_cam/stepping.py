@@ -18,7 +18,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding, Where, at_least, at_most
 from camgen.machine.model import Clutch
 from camgen.machine.targets import Advance
 from camgen.machines.indexing_cam.unloader import Load, SpringTorque, Torques, torques
@@ -142,7 +142,7 @@ class Stepping:
         worst = int(np.nanargmin(pushing))
         least = float(pushing[worst])
         most = max(float(np.nanmax(pushing)), held + process)
-        where = f"freewheel of the wheel, {angle} {math.degrees(theta[worst]):.3f} deg"
+        where = Where("freewheel of the wheel", theta=float(theta[worst]), angle=angle)
         more = load.friction - least
         return [
             at_least(
@@ -159,7 +159,7 @@ class Stepping:
                 held + load.friction,
                 process,
                 "N m",
-                "freewheel of the plate, in the dwell",
+                Where("freewheel of the plate, in the dwell"),
                 "torque that keeps the link from turning on by itself, by unloader and friction; the limit is the process's",
             ),
             at_most(
@@ -167,7 +167,7 @@ class Stepping:
                 most,
                 self.limit,
                 "N m",
-                "freewheels of the driven link",
+                Where("freewheels of the driven link"),
                 "the greatest torque that they bear; use a thicker bodies.shaft_diameter, less speed or less inertia",
             ),
         ]

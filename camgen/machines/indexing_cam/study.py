@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding, Where, at_least, at_most
 from camgen.machine.cams.machine import ROUNDING
 from camgen.machine.cams.profile import DiscCam
 from camgen.machines.indexing_cam.card import card
@@ -132,7 +132,7 @@ class IndexingStudy:
                     self.residual,
                     residual_limit,
                     "share",
-                    "follower, while the link turns",
+                    Where("follower, while the link turns"),
                     f"peak torque that is left to the cam, of that without the unloader, by {self._kind}; "
                     "friction and another speed than the spring's raise it",
                 )
@@ -165,7 +165,7 @@ class IndexingStudy:
                     worst,
                     most,
                     "1",
-                    f"{name}, {self.angle} {math.degrees(theta):.3f} deg",
+                    Where(name, theta=theta, angle=self.angle),
                     f"jump in units of the stroke and the turn's period: {said}",
                 )
             )
@@ -187,7 +187,7 @@ class IndexingStudy:
                 pressed,
                 held,
                 "N m",
-                "dwells, at the follower's axle",
+                Where("dwells, at the follower's axle"),
                 f"torque that presses the rollers on the pair of cams, {place}; the limit is the process's torque",
             )
         seat = found.follower + self.closing - np.where(turning, 0.0, held)
@@ -197,7 +197,7 @@ class IndexingStudy:
             float(seat[worst]),
             0.0,
             "N m",
-            f"follower's axle, {self.angle} {math.degrees(theta[worst]):.3f} deg",
+            Where("follower's axle", theta=float(theta[worst]), angle=self.angle),
             f"torque between roller and cam with a closing torque of {self.closing:g} N m; "
             f"more than {max(0.0, self.closing - float(seat[worst])):.4g} N m would keep it from leaving the cam",
             tolerance=-ROUNDING * float(np.max(np.abs(seat))),

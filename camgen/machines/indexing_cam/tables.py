@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -47,19 +48,18 @@ class Geometry(Record):
         choice = self.law
         if choice.name == MATCHED:
             return [
-                Fault("geometry.law", f"'{MATCHED}'", "a law of its own: it runs between dwells")
+                Fault(
+                    ("geometry", "law"), f"'{MATCHED}'", "a law of its own: it runs between dwells"
+                )
             ]
         try:
             law = law_of(choice)
         except SpecError as error:
-            return [
-                Fault(f"geometry.law.{f.path}".rstrip("."), f.value, f.expected, f.nearest)
-                for f in error.faults
-            ]
+            return [replace(f, path=("geometry", "law", *f.path)) for f in error.faults]
         turning = turning_rows(choice)
         if turning:
-            return [Fault(f"geometry.law.{f.path}", f.value, f.expected) for f in turning]
-        fault = backwards(Segment("rise", 1.0, 0.0, 1.0, law), "geometry.law")
+            return [replace(f, path=("geometry", "law", *f.path)) for f in turning]
+        fault = backwards(Segment("rise", 1.0, 0.0, 1.0, law), ("geometry", "law"))
         return [] if fault is None else [fault]
 
 
@@ -129,7 +129,7 @@ class UnloaderTable(Record):
         takes = ", ".join((*needed, *further)) or "nothing more"
         missing = f"missing: torque '{self.torque}' needs it"
         found = [
-            Fault(f"unloader.{key}", "", missing) for key in needed if getattr(self, key) is None
+            Fault(("unloader", key), "", missing) for key in needed if getattr(self, key) is None
         ]
         for key in type(self).model_fields:
             if (
@@ -139,23 +139,25 @@ class UnloaderTable(Record):
             ):
                 found.append(
                     Fault(
-                        f"unloader.{key}", "", f"nothing here: torque '{self.torque}' takes {takes}"
+                        ("unloader", key), "", f"nothing here: torque '{self.torque}' takes {takes}"
                     )
                 )
         if self.crank is not None and self.guide is not None and self.guide <= self.crank:
             found.append(
                 Fault(
-                    "unloader.guide", f"{self.guide:g}", f"more than the crank, {self.crank:g} mm"
+                    ("unloader", "guide"),
+                    f"{self.guide:g}",
+                    f"more than the crank, {self.crank:g} mm",
                 )
             )
         if self.torque == "table" and self.points is not None:
             try:
                 characteristic(self.points)
             except SpecError as error:
-                found += [Fault(f"unloader.{f.path}", f.value, f.expected) for f in error.faults]
+                found += [replace(f, path=("unloader", *f.path)) for f in error.faults]
         if on and self.torque not in ("none", "crank"):
             right = '"crank" or "none" with [freewheel]: a torque that ends as far back as it begins forwards cannot go on'
-            found.append(Fault("unloader.torque", f"'{self.torque}'", right))
+            found.append(Fault(("unloader", "torque"), f"'{self.torque}'", right))
         return found
 
 

@@ -66,13 +66,13 @@ def read_chain(path: Path) -> Chain:
         text = read_bytes(path, _SIZE).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise SpecError(
-            [Fault(path.name, "", "text: PMKS lines or pylinkage's JSON")], str(path)
+            [Fault((), "", "text: PMKS lines or pylinkage's JSON", source=path.name)], str(path)
         ) from None
     faults: list[Fault] = []
     chain = _pylinkage(text, faults) if text.lstrip().startswith("{") else _pmks(text, faults)
     if not faults and not chain.driven:
         faults.append(
-            Fault("joints", "", "a link that is pinned to the ground: none can be driven")
+            Fault(("joints",), "", "a link that is pinned to the ground: none can be driven")
         )
     if faults:
         raise SpecError(faults, str(path))
@@ -88,7 +88,12 @@ def _pmks(text: str, faults: list[Fault]) -> Chain:
         left = re.sub(r"[\s,;\]]|M\[", "", _JOINT.sub("", rest))
         if left:
             faults.append(
-                Fault(f"line {number}", left[:40], "joints such as J[R, P[0, 0], L[ground, crank]]")
+                Fault(
+                    (),
+                    left[:40],
+                    "joints such as J[R, P[0, 0], L[ground, crank]]",
+                    source=f"line {number}",
+                )
             )
         for joint in found:
             fields = dict(_FIELD.findall(joint[2]))
@@ -105,9 +110,10 @@ def _pmks(text: str, faults: list[Fault]) -> Chain:
             except (KeyError, ValueError):
                 faults.append(
                     Fault(
-                        f"line {number}",
+                        (),
                         joint[0][:60],
                         "R, P or RP with P[x, y], L[links], and A[deg] of a slide",
+                        source=f"line {number}",
                     )
                 )
                 continue
@@ -138,7 +144,7 @@ def _pmks(text: str, faults: list[Fault]) -> Chain:
     if not rows and not faults:
         faults.append(
             Fault(
-                "joints",
+                ("joints",),
                 "",
                 "PMKS lines such as J[R, P[0, 0], L[ground, crank]], or pylinkage's JSON",
             )
@@ -163,7 +169,7 @@ def _pylinkage(text: str, faults: list[Fault]) -> Chain:
     except (ValueError, KeyError, TypeError, RecursionError):
         faults.append(
             Fault(
-                "JSON",
+                ("JSON",),
                 "",
                 "what pylinkage's mechanism_to_dict writes: joints with positions, links with joints",
             )

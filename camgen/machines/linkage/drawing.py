@@ -15,7 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from camgen.errors import DesignError
+from camgen.errors import DesignError, Key
 from camgen.machine import freedom
 from camgen.machine import model as m
 from camgen.machine.programs import Scaled
@@ -133,7 +133,7 @@ class Drawing:
             None,
         )
 
-    def program_of(self, cam: t.Cam, path: str = "cam") -> Program:
+    def program_of(self, cam: t.Cam, path: Key = ("cam",)) -> Program:
         """The cam's program, s in mm or rad, 0 at its beginning; SpecError with every fault."""
         swings = self.slide_of(cam.follower) is None
         rows = tuple(
@@ -147,7 +147,7 @@ class Drawing:
             for row in cam.segment
         )
         unit, suffix = (math.radians(1), "_deg") if swings else (1.0, "")
-        return program(rows, unit, f"{path}.segment", suffix=suffix)
+        return program(rows, unit, (*path, "segment"), suffix=suffix)
 
     def ridden(self, limits: t.Limits) -> dict[str, Ridden]:
         """What touches each cam, and what of that is accepted, by its joint."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from camgen.errors import Fault, SpecError
+from camgen.errors import Fault, Key, SpecError
 from camgen.machine.model import GROUND
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.drawing import Drawing
@@ -20,7 +20,9 @@ MOST_LINKS = 60  # they close together: the time grows with the cube of their nu
 def drawing_faults(drawing: Drawing) -> list[Fault]:
     """Names that are not there, points on no link, lengths between points of no link, links that nothing holds."""
     if not drawing.points:
-        return [Fault("points", "an empty table", "the points of the drawing, such as O = [0, 0]")]
+        return [
+            Fault(("points",), "an empty table", "the points of the drawing, such as O = [0, 0]")
+        ]
     found = [
         *_link_faults(drawing),
         *_length_faults(drawing),
@@ -40,25 +42,27 @@ def _link_faults(drawing: Drawing) -> Iterable[Fault]:
             ),
             None,
         )
-        yield Fault("links.ground", "", "missing: the link that stands still, by its points", near)
+        yield Fault(
+            ("links", "ground"), "", "missing: the link that stands still, by its points", near
+        )
     if len(drawing.links) > MOST_LINKS:
         right = f"at most {MOST_LINKS}, more would take many minutes: part the machine, and join it by [[include]]"
-        yield Fault("links", f"{len(drawing.links)} links", right)
+        yield Fault(("links",), f"{len(drawing.links)} links", right)
     seen: dict[str, str] = {}
     for name in drawing.links:
         if seen.setdefault(name.lower(), name) != name:
             right = f"another name: {seen[name.lower()]} differs in its capitals alone, and so would their files"
-            yield Fault(f"links.{name}", "", right)
+            yield Fault(("links", name), "", right)
     for name, points in drawing.links.items():
         for k, point in enumerate(points):
             if point not in drawing.points:
-                yield unknown(f"links.{name}.{k}", point, drawing.points)
+                yield unknown(("links", name, k), point, drawing.points)
             if point in points[:k]:
-                yield Fault(f"links.{name}.{k}", repr(point), "each point of a link once")
+                yield Fault(("links", name, k), repr(point), "each point of a link once")
     used = {point for points in drawing.links.values() for point in points}
     for point in drawing.points:
         if point not in used:
-            yield Fault(f"points.{point}", "", "is on no link: name it in [links], or take it away")
+            yield Fault(("points", point), "", "is on no link: name it in [links], or take it away")
     held = {each.link for each in drawing.slides}
     for name, points in drawing.links.items():
         shared = any(
@@ -72,7 +76,7 @@ def _link_faults(drawing: Drawing) -> Iterable[Fault]:
         )
         if name != GROUND and not shared and not pinned and name not in held:
             yield Fault(
-                f"links.{name}",
+                ("links", name),
                 "",
                 "nothing holds it: let it share a point with another link, or slide",
             )
@@ -83,23 +87,23 @@ def _length_faults(drawing: Drawing) -> Iterable[Fault]:
     for key in drawing.lengths:
         names = t.pair(key)
         if names is None:
-            yield Fault(f"lengths.{key}", "", 'two points of one link, such as "A-B"')
+            yield Fault(("lengths", key), "", 'two points of one link, such as "A-B"')
             continue
         wrong = [point for point in names if point not in drawing.points]
         for point in wrong:
-            yield unknown(f"lengths.{key}", point, drawing.points)
+            yield unknown(("lengths", key), point, drawing.points)
         if wrong:
             continue
         if names[0] == names[1]:
-            yield Fault(f"lengths.{key}", "", "two different points")
+            yield Fault(("lengths", key), "", "two different points")
         elif not any(set(names) <= set(points) for points in drawing.links.values()):
             yield Fault(
-                f"lengths.{key}",
+                ("lengths", key),
                 "",
                 f"two points of one link: no link carries both {names[0]} and {names[1]}",
             )
         elif frozenset(names) in seen:
-            yield Fault(f"lengths.{key}", "", f"given twice: also as {seen[frozenset(names)]}")
+            yield Fault(("lengths", key), "", f"given twice: also as {seen[frozenset(names)]}")
         seen[frozenset(names)] = key
 
 
@@ -107,13 +111,13 @@ def _joint_faults(drawing: Drawing) -> Iterable[Fault]:
     links = drawing.links
     named: dict[str, str] = {}
 
-    def link(path: str, name: str, ground: bool = True) -> bool:
+    def link(path: Key, name: str, ground: bool = True) -> bool:
         if name not in links:
             faults.append(unknown(path, name, links))
         elif name == GROUND and not ground:
             still = (
                 "; no wheel is made that stands still while another runs round it"
-                if path.startswith("gear")
+                if path[0] == "gear"
                 else ""
             )
             faults.append(Fault(path, repr(name), f"a link that moves{still}"))
@@ -121,12 +125,12 @@ def _joint_faults(drawing: Drawing) -> Iterable[Fault]:
             return True
         return False
 
-    def on(path: str, name: str, points: Sequence[str]) -> None:
+    def on(path: Key, name: str, points: Sequence[str]) -> None:
         for k, point in enumerate(points):
             if point not in links[name]:
                 faults.append(
                     Fault(
-                        f"{path}.{k}",
+                        (*path, k),
                         repr(point),
                         f"a point of link {name}: {', '.join(links[name])}",
                     )
@@ -142,10 +146,15 @@ def _joint_faults(drawing: Drawing) -> Iterable[Fault]:
             faults.append(Fault(path, f"{points[0]}, {points[1]}", right))
 
     faults: list[Fault] = []
-    if link("drive.link", drawing.drive.link, False) and drawing.pivot(drawing.drive.link) is None:
+    if (
+        link(("drive", "link"), drawing.drive.link, False)
+        and drawing.pivot(drawing.drive.link) is None
+    ):
         faults.append(
             Fault(
-                "drive.link", repr(drawing.drive.link), "a link that shares a point with the ground"
+                ("drive", "link"),
+                repr(drawing.drive.link),
+                "a link that shares a point with the ground",
             )
         )
     if (
@@ -154,88 +163,90 @@ def _joint_faults(drawing: Drawing) -> Iterable[Fault]:
     ):
         faults.append(
             Fault(
-                "drive.range_deg",
+                ("drive", "range_deg"),
                 str(list(drawing.drive.range_deg)),
                 "the least before the greatest",
             )
         )
     faults += drawing.drive.faults()
     for k, slide in enumerate(drawing.slides):
-        both = [link(f"slide.{k}.link", slide.link, False), link(f"slide.{k}.on", slide.on)]
+        both = [link(("slide", k, "link"), slide.link, False), link(("slide", k, "on"), slide.on)]
         if all(both) and slide.link == slide.on:
-            faults.append(Fault(f"slide.{k}.on", repr(slide.on), "another link"))
+            faults.append(Fault(("slide", k, "on"), repr(slide.on), "another link"))
         if both[1]:
-            on(f"slide.{k}.along", slide.on, slide.along)
+            on(("slide", k, "along"), slide.on, slide.along)
     for k, slot in enumerate(drawing.slots):
-        if link(f"slot.{k}.link", slot.link):
-            on(f"slot.{k}.along", slot.link, slot.along)
+        if link(("slot", k, "link"), slot.link):
+            on(("slot", k, "along"), slot.link, slot.along)
             if slot.pin not in drawing.points:
-                faults.append(unknown(f"slot.{k}.pin", slot.pin, drawing.points))
+                faults.append(unknown(("slot", k, "pin"), slot.pin, drawing.points))
             elif drawing.carrier(slot) is None:
                 faults.append(
                     Fault(
-                        f"slot.{k}.pin", repr(slot.pin), f"a point of a link other than {slot.link}"
+                        ("slot", k, "pin"),
+                        repr(slot.pin),
+                        f"a point of a link other than {slot.link}",
                     )
                 )
             elif slot.pin in links[slot.link]:
                 faults.append(
                     Fault(
-                        f"slot.{k}.pin",
+                        ("slot", k, "pin"),
                         repr(slot.pin),
                         f"no point of {slot.link} itself, which would pin it",
                     )
                 )
     for k, gear in enumerate(drawing.gears):
-        if link(f"gear.{k}.a", gear.a, False) & link(f"gear.{k}.b", gear.b, False):
+        if link(("gear", k, "a"), gear.a, False) & link(("gear", k, "b"), gear.b, False):
             if gear.a == gear.b:
-                faults.append(Fault(f"gear.{k}.b", repr(gear.b), "another link"))
+                faults.append(Fault(("gear", k, "b"), repr(gear.b), "another link"))
             faults += [
-                Fault(f"gear.{k}.{end}", repr(name), f"a link that turns: {name} slides and cannot")
+                Fault(("gear", k, end), repr(name), f"a link that turns: {name} slides and cannot")
                 for end, name in (("a", gear.a), ("b", gear.b))
                 if drawing.slide_of(name)
             ]
         if gear.ratio == 0:
-            faults.append(Fault(f"gear.{k}.ratio", "0", "a ratio other than 0"))
+            faults.append(Fault(("gear", k, "ratio"), "0", "a ratio other than 0"))
     for k, cam in enumerate(drawing.cams):
-        faults += _cam_faults(drawing, f"cam.{k}", cam, link)
+        faults += _cam_faults(drawing, ("cam", k), cam, link)
     for name in drawing.levels_of_joints():
         if name in links:
             faults.append(
-                Fault(f"links.{name}", "", "another name: a cam or gear has it, and its level")
+                Fault(("links", name), "", "another name: a cam or gear has it, and its level")
             )
     for path, name in drawing.joints():
         if name in named:
             faults.append(
-                Fault(f"{path}.name", repr(name), f"a name of its own: {named[name]} has it")
+                Fault((*path, "name"), repr(name), f"a name of its own: {named[name]} has it")
             )
         named[name] = path
     return faults
 
 
-def _cam_faults(drawing: Drawing, path: str, cam: t.Cam, link: Any) -> list[Fault]:
+def _cam_faults(drawing: Drawing, path: Key, cam: t.Cam, link: Any) -> list[Fault]:
     faults = []
-    if link(f"{path}.cam", cam.cam, False) and drawing.pivot(cam.cam) is None:
+    if link((*path, "cam"), cam.cam, False) and drawing.pivot(cam.cam) is None:
         faults.append(
             Fault(
-                f"{path}.cam",
+                (*path, "cam"),
                 repr(cam.cam),
                 "a link that shares a point with the ground: it turns there",
             )
         )
-    if not link(f"{path}.follower", cam.follower, False):
+    if not link((*path, "follower"), cam.follower, False):
         return faults
     if cam.follower == cam.cam:
         return [
             *faults,
             Fault(
-                f"{path}.follower", repr(cam.follower), "another link: a cam does not move itself"
+                (*path, "follower"), repr(cam.follower), "another link: a cam does not move itself"
             ),
         ]
     slide = drawing.slide_of(cam.follower)
     if drawing.pivot(cam.follower) is None and (slide is None or slide.on != GROUND):
         faults.append(
             Fault(
-                f"{path}.follower",
+                (*path, "follower"),
                 repr(cam.follower),
                 "a link that is pinned to the ground or slides on it",
             )
@@ -243,7 +254,7 @@ def _cam_faults(drawing: Drawing, path: str, cam: t.Cam, link: Any) -> list[Faul
     if cam.at not in drawing.links[cam.follower]:
         faults.append(
             Fault(
-                f"{path}.at",
+                (*path, "at"),
                 repr(cam.at),
                 f"a point of {cam.follower}: {', '.join(drawing.links[cam.follower])}",
             )
@@ -254,16 +265,16 @@ def _cam_faults(drawing: Drawing, path: str, cam: t.Cam, link: Any) -> list[Faul
             if cam.shape == "roller"
             else f"nothing here: a {cam.shape} has none"
         )
-        faults.append(Fault(f"{path}.radius", "", fits))
+        faults.append(Fault((*path, "radius"), "", fits))
     if cam.face_width is not None and cam.shape != "flat":
         faults.append(
             Fault(
-                f"{path}.face_width",
+                (*path, "face_width"),
                 f"{cam.face_width:g}",
                 f"nothing here: a {cam.shape} has no face",
             )
         )
-    faults += air_faults(f"{path}.tip_clearance", cam.tip_clearance, cam.closure, cam.radius)
+    faults += air_faults((*path, "tip_clearance"), cam.tip_clearance, cam.closure, cam.radius)
     wrong, right = (
         (("lift_deg", "to_deg"), ("lift", "to"))
         if slide
@@ -274,9 +285,9 @@ def _cam_faults(drawing: Drawing, path: str, cam: t.Cam, link: Any) -> list[Faul
         for one, other in zip(wrong, right, strict=True):
             if getattr(segment, one) is not None:
                 faults.append(
-                    Fault(f"{path}.segment.{k}.{one}", "", f"{other}: {cam.follower} {way}")
+                    Fault((*path, "segment", k, one), "", f"{other}: {cam.follower} {way}")
                 )
-    faults += still_faults(f"{path}.segment", [segment.kind for segment in cam.segment])
+    faults += still_faults((*path, "segment"), [segment.kind for segment in cam.segment])
     if not faults:
         try:
             drawing.program_of(cam, path)
@@ -288,24 +299,24 @@ def _cam_faults(drawing: Drawing, path: str, cam: t.Cam, link: Any) -> list[Faul
 def _output_faults(drawing: Drawing) -> Iterable[Fault]:
     for k, output in enumerate(drawing.outputs):
         if (output.point is None) == (output.link is None):
-            yield Fault(f"output.{k}", output.name, "either a point or a link")
+            yield Fault(("output", k), output.name, "either a point or a link")
         elif output.point is not None and output.point not in drawing.points:
-            yield unknown(f"output.{k}.point", output.point, drawing.points)
+            yield unknown(("output", k, "point"), output.point, drawing.points)
         elif output.link is not None and output.link not in drawing.links:
-            yield unknown(f"output.{k}.link", output.link, drawing.links)
+            yield unknown(("output", k, "link"), output.link, drawing.links)
         elif output.link == GROUND:
-            yield Fault(f"output.{k}.link", repr(GROUND), "a link that moves")
+            yield Fault(("output", k, "link"), repr(GROUND), "a link that moves")
         if output.name in [other.name for other in drawing.outputs[:k]]:
-            yield Fault(f"output.{k}.name", repr(output.name), "a name of its own")
-        yield from _target_faults(drawing, f"output.{k}", output)
+            yield Fault(("output", k, "name"), repr(output.name), "a name of its own")
+        yield from _target_faults(drawing, ("output", k), output)
     for name in drawing.masses:
         if name not in drawing.links or name == GROUND:
             yield unknown(
-                f"masses.{name}", name, [link for link in drawing.links if link != GROUND]
+                ("masses", name), name, [link for link in drawing.links if link != GROUND]
             )
 
 
-def _target_faults(drawing: Drawing, path: str, output: t.Wanted) -> Iterable[Fault]:
+def _target_faults(drawing: Drawing, path: Key, output: t.Wanted) -> Iterable[Fault]:
     of_a_link = [
         key
         for key in ("points", "path", "straightness")
@@ -317,35 +328,35 @@ def _target_faults(drawing: Drawing, path: str, output: t.Wanted) -> Iterable[Fa
         if output.point is not None and getattr(output, key)
     ]
     yield from (
-        Fault(f"{path}.{key}", "", "nothing here: it is asked of a point's path, not of a link")
+        Fault((*path, key), "", "nothing here: it is asked of a point's path, not of a link")
         for key in of_a_link
     )
     yield from (
-        Fault(f"{path}.{key}", "", "nothing here: it is asked of a link, not of a path")
+        Fault((*path, key), "", "nothing here: it is asked of a link, not of a path")
         for key in of_a_point
     )
     if output.points is not None:
-        yield from output.points.faults(f"{path}.points")
+        yield from output.points.faults((*path, "points"))
     if output.straightness is not None:
-        yield from output.straightness.faults(f"{path}.straightness")
+        yield from output.straightness.faults((*path, "straightness"))
     if drawing.drive.range_deg is None:
         return
     if output.time_ratio is not None:
         yield Fault(
-            f"{path}.time_ratio",
+            (*path, "time_ratio"),
             "",
             "nothing here: it is asked of a drive that turns all round, without range_deg",
         )
     low, high = drawing.drive.range_deg
     asked = {
-        "points.theta_deg": output.points and output.points.theta_deg,
-        "function.at": output.function and [pair[0] for pair in output.function.at],
-        "straightness.range_deg": output.straightness and output.straightness.range_deg,
+        ("points", "theta_deg"): output.points and output.points.theta_deg,
+        ("function", "at"): output.function and [pair[0] for pair in output.function.at],
+        ("straightness", "range_deg"): output.straightness and output.straightness.range_deg,
     }
     for key, angles in asked.items():
         if angles and not low <= min(angles) <= max(angles) <= high:
             yield Fault(
-                f"{path}.{key}",
+                (*path, *key),
                 str(list(angles)),
                 f"angles within drive.range_deg, {low:g} to {high:g}",
             )
@@ -363,18 +374,18 @@ def _shape_faults(drawing: Drawing) -> list[Fault]:
         if same is not None:
             a, b = (points[k] for k in same)
             right = f"them apart: lengths.{a}-{b} says how far it is from one to the other, the drawing which way"
-            faults.append(Fault(f"links.{name}", f"{a} and {b} are drawn at one place", right))
+            faults.append(Fault(("links", name), f"{a} and {b} are drawn at one place", right))
             continue
         missed = shape(drawn, lengths)[1]
         if missed > 1e3 * CLOSED * max(lengths.values(), default=1.0) and (
             told := too_long(points, drawn, lengths)
         ):
-            faults.append(Fault(f"links.{name}", *told))
+            faults.append(Fault(("links", name), *told))
         elif missed > 1e3 * CLOSED * max(lengths.values(), default=1.0):
             said = ", ".join(
                 f"{points[a]}-{points[b]} = {length:g}" for (a, b), length in lengths.items()
             )
             right = f"lengths that can meet: they miss by {missed:.3g} mm (a side of a triangle is at most the sum of "
             right += "the others; where no length is given the drawn distance counts)"
-            faults.append(Fault(f"links.{name}", said, right))
+            faults.append(Fault(("links", name), said, right))
     return faults

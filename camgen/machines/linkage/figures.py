@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from camgen.errors import DesignError, listed
-from camgen.findings import Finding, at_least
+from camgen.findings import Finding, Where, at_least
 from camgen.geometry.outlines import Floats, Points
 from camgen.machine import model as m
 from camgen.machine.centrodes import centrodes
@@ -274,7 +274,7 @@ def targets(linkage: Linkage) -> list[Finding]:
             said = f"output {wanted.name} {NO_STROKES}"
             raise DesignError("strokes", 0, 2, "", wanted.name, remedy, said)
     return [
-        target.finding(course, f"{wanted.name} as designed")
+        target.finding(course, Where(f"{wanted.name} as designed", output=wanted.name))
         for wanted, course in pairs
         for target in wanted.targets
     ]
@@ -297,7 +297,13 @@ def transmission_angles(linkage: Linkage) -> list[Finding]:
             math.degrees(math.asin(min(1.0, abs(fold.determinant)))),
             linkage.allowed.transmission_angle_deg,
             "deg",
-            f"{listed('joint', fold.joints)}, {math.degrees(fold.theta):.2f} deg",
+            Where(
+                listed("joint", fold.joints),
+                joint=fold.joints[0] if len(fold.joints) == 1 else "",
+                theta=fold.theta,
+                angle="",
+                digits=2,
+            ),
             "least over the motion; at 0 the chain folds and may go on either way",
         )
         for fold in folds(linkage.chain, *linkage.cycle.range)

@@ -120,7 +120,7 @@ class Linkage(Mechanism):
             found += weight_faults(self.counterweight, self.drive, self.masses, lying)
             lying.append(NAME)
         found += [
-            unknown(f"layers.{name}", name, lying) for name in self.layers if name not in lying
+            unknown(("layers", name), name, lying) for name in self.layers if name not in lying
         ]
         found += self.making.faults(self.links, self.print.nozzle, self.allowed.min_wall)
         found += sheets.faults(
@@ -137,13 +137,13 @@ class Linkage(Mechanism):
         ):
             found += webs.faults(self.links, self.points, self.drive.link, self._slotted)
         found += [
-            unknown(f"parts.pins.{name}", name, self.points)
+            unknown(("parts", "pins", name), name, self.points)
             for name in self.making.pins
             if name not in self.points
         ]
         if self.includes and self.drive.segments:
             right = "nothing here beside [[include]]: what is included turns evenly with the shaft"
-            found.append(Fault("drive.segment", f"{len(self.drive.segments)} segments", right))
+            found.append(Fault(("drive", "segment"), f"{len(self.drive.segments)} segments", right))
         return [
             *found,
             *(inc.faults(self.includes, self._host) if self.includes else ()),

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from camgen.errors import Fault
+from camgen.errors import Fault, Key
 from camgen.parts.catalogue import DOWELS
 from camgen.parts.generator.sizes import Parts
 from camgen.spec import Laser
@@ -59,37 +59,41 @@ def faults(
     if laser is None:
         return [
             Fault(
-                f"{table}.make", "'laser'", "a table [laser] beside it: kerf, thickness, sheet, gap"
+                (table, "make"),
+                "'laser'",
+                "a table [laser] beside it: kerf, thickness, sheet, gap",
             )
         ]
     found = []
     same = f"{laser.thickness:g}, as thick as laser.thickness: all is cut of one sheet"
-    thick = {f"{table}.{key}": getattr(sizes, key) for key in ("thickness", "base_thickness")}
+    thick: dict[Key, float] = {
+        (table, key): getattr(sizes, key) for key in ("thickness", "base_thickness")
+    }
     thick |= {
-        f"{table}.{link}.thickness": shape.thickness
+        (table, link, "thickness"): shape.thickness
         for link, shape in sizes.shapes.items()
         if shape.thickness is not None
     }
     found += [
         Fault(key, f"{value:g}", same) for key, value in thick.items() if value != laser.thickness
     ]
-    kinds = {
-        f"{table}.pin": sizes.pin,
-        **{f"{table}.pins.{point}": kind for point, kind in sizes.pins.items()},
+    kinds: dict[Key, str] = {
+        (table, "pin"): sizes.pin,
+        **{(table, "pins", point): kind for point, kind in sizes.pins.items()},
     }
     steel = '"dowel" or "shoulder": with make = "laser" pins are bought'
     found += [Fault(key, repr(kind), steel) for key, kind in kinds.items() if kind not in _STEEL]
     if sizes.shaft_made != "steel":
         found.append(
-            Fault(f"{table}.shaft_made", repr(sizes.shaft_made), '"steel": no sheet is a shaft')
+            Fault((table, "shaft_made"), repr(sizes.shaft_made), '"steel": no sheet is a shaft')
         )
     if sizes.motor != "none":
         right = '"none": the heads of its screws lie in pockets of the plate, and a laser cuts none'
-        found.append(Fault(f"{table}.motor", repr(sizes.motor), right))
+        found.append(Fault((table, "motor"), repr(sizes.motor), right))
     if sizes.plates > 1:
         found.append(
             Fault(
-                f"{table}.plates",
+                (table, "plates"),
                 f"{sizes.plates}",
                 "1: a second one is screwed on printed posts, heads in pockets",
             )
@@ -97,13 +101,13 @@ def faults(
     if sizes.shaft != "through":
         found.append(
             Fault(
-                f"{table}.shaft", repr(sizes.shaft), '"through": crank pins with flats are printed'
+                (table, "shaft"), repr(sizes.shaft), '"through": crank pins with flats are printed'
             )
         )
     if slides:
         right = "slots and pins in place of it, of a cam a follower that swings: rails stand on plates, and no sheet does"
-        found.append(Fault("slide", f"{slides} with {table}.make = 'laser'", right))
+        found.append(Fault(("slide",), f"{slides} with {table}.make = 'laser'", right))
     if grooves:
         right = '"force" or "conjugate": the back plate of a groove is as thick as a level and its play, which no sheet is'
-        found.append(Fault("cam.closure", "'groove'", right))
+        found.append(Fault(("cam", "closure"), "'groove'", right))
     return found

@@ -95,11 +95,11 @@ def faults(
         if point in links.get(m.GROUND, ())
     }
     for k, each in enumerate(springs):
-        path = f"spring.{k}"
+        path = ("spring", k)
         if called[k] in (*taken, *called[:k]):
             found.append(
                 Fault(
-                    f"{path}.name",
+                    (*path, "name"),
                     repr(called[k]),
                     "a name of its own, which no link, joint or other spring has",
                 )
@@ -107,13 +107,13 @@ def faults(
         if (each.free is None) == (each.preload is None):
             found.append(Fault(path, "", "either free or preload"))
         wrong = [
-            unknown(f"{path}.between.{n}", point, points)
+            unknown((*path, "between", n), point, points)
             for n, point in enumerate(each.between)
             if point not in points
         ]
         wrong += [
             Fault(
-                f"{path}.between.{n}",
+                (*path, "between", n),
                 repr(point),
                 "a point that is no shaft: its eye would sit on what turns there",
             )
@@ -124,7 +124,7 @@ def faults(
         if not wrong and both is not None:
             wrong.append(
                 Fault(
-                    f"{path}.between",
+                    (*path, "between"),
                     ", ".join(each.between),
                     f"points of two links: {both} carries both",
                 )

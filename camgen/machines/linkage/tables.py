@@ -80,7 +80,7 @@ class Drive(Record):
             )
             for row in self.segments
         )
-        return program(rows, math.radians(1), "drive.segment", 360.0, "_deg") if rows else None
+        return program(rows, math.radians(1), ("drive", "segment"), 360.0, "_deg") if rows else None
 
     def faults(self) -> list[Fault]:
         """What does not go together."""
@@ -89,7 +89,7 @@ class Drive(Record):
         if self.range_deg is not None:
             return [
                 Fault(
-                    "drive.range_deg",
+                    ("drive", "range_deg"),
                     str(list(self.range_deg)),
                     "nothing here: the segments say how far it goes",
                 )
@@ -97,7 +97,7 @@ class Drive(Record):
         if self.speed_rpm < 0:
             return [
                 Fault(
-                    "drive.speed_rpm",
+                    ("drive", "speed_rpm"),
                     f"{self.speed_rpm:g}",
                     "above 0, periods of the program: a return turns clockwise",
                 )

@@ -34,12 +34,12 @@ def weight_faults(
     found = spec.faults()
     if drive.link in masses:
         right = "nothing here beside [counterweight]: it is sized for the solids that turn with this link"
-        found.append(Fault(f"masses.{drive.link}", "", right))
+        found.append(Fault(("masses", drive.link), "", right))
     if NAME in lying:
-        found.append(Fault(f"links.{NAME}", "", "another name: that of the counterweight's level"))
+        found.append(Fault(("links", NAME), "", "another name: that of the counterweight's level"))
     if spec.given is None and (drive.range_deg is not None or drive.segments):
         right = "moment_g_mm and at_deg too: this drive does not turn evenly, so none is the best"
-        found.append(Fault("counterweight", "", right))
+        found.append(Fault(("counterweight",), "", right))
     return found
 
 

@@ -17,7 +17,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from camgen.errors import Fault, SpecError
+from camgen.errors import Fault, Key, SpecError
 from camgen.machine.model import Along, Angle, Effort, Function, Machine, Path, Place
 from camgen.numerics import Floats
 from camgen.spec import Record, unknown
@@ -154,16 +154,16 @@ def applied(given: Sequence[Applied], machine: Machine) -> tuple[Effort, ...]:
     faults: list[Fault] = []
     taken = {getattr(load, "name", "") for load in machine.loads}
     for k, each in enumerate(given):
-        path, count = f"load.on.{k}", len(faults)
+        path, count = ("load", "on", k), len(faults)
         name = each.name or f"load {k + 1}"
         if name in taken:
-            faults.append(Fault(f"{path}.name", repr(name), "a name of its own"))
+            faults.append(Fault((*path, "name"), repr(name), "a name of its own"))
         taken.add(name)
         of = _measure(each, machine, path, faults)
         if each.file is not None:
             faults.append(
                 Fault(
-                    f"{path}.file",
+                    (*path, "file"),
                     repr(each.file),
                     "read beside a spec file; tables of Python have points",
                 )
@@ -174,7 +174,7 @@ def applied(given: Sequence[Applied], machine: Machine) -> tuple[Effort, ...]:
         if each.unit not in (None, right):
             faults.append(
                 Fault(
-                    f"{path}.unit",
+                    (*path, "unit"),
                     repr(each.unit),
                     f"{right} on {'an angle' if right == 'N m' else 'a way'}",
                 )
@@ -184,7 +184,7 @@ def applied(given: Sequence[Applied], machine: Machine) -> tuple[Effort, ...]:
         if isinstance(of, Path) and each.acts != "along" and each.direction_deg is None:
             faults.append(
                 Fault(
-                    f"{path}.direction_deg",
+                    (*path, "direction_deg"),
                     "",
                     'missing: the direction of the force; or acts = "along"',
                 )
@@ -193,7 +193,7 @@ def applied(given: Sequence[Applied], machine: Machine) -> tuple[Effort, ...]:
         if not isinstance(of, Path) and each.direction_deg is not None:
             faults.append(
                 Fault(
-                    f"{path}.direction_deg",
+                    (*path, "direction_deg"),
                     f"{each.direction_deg:g}",
                     "nothing here: the output has its own way",
                 )
@@ -216,17 +216,17 @@ def jumps(machine: Machine) -> list[str]:
 
 
 def _measure(
-    each: Applied, machine: Machine, path: str, faults: list[Fault]
+    each: Applied, machine: Machine, path: Key, faults: list[Fault]
 ) -> Angle | Along | Path | Function | None:
     """What it acts on; None with a fault where there is no such thing."""
     if each.output is not None:
         outputs = {output.name: output.of for output in machine.outputs}
         if each.output not in outputs:
-            faults.append(unknown(f"{path}.output", each.output, outputs))
+            faults.append(unknown((*path, "output"), each.output, outputs))
         return outputs.get(each.output)
     bodies = {body.name: body for body in machine.moving}
     if each.body not in bodies:
-        faults.append(unknown(f"{path}.body", each.body, bodies))
+        faults.append(unknown((*path, "body"), each.body, bodies))
         return None
     body = bodies[each.body]
     if each.point is None:
@@ -234,6 +234,6 @@ def _measure(
     if isinstance(each.point, tuple):
         return Path(Place(body.name, complex(*each.point)))
     if each.point not in body.points:
-        faults.append(unknown(f"{path}.point", each.point, body.points))
+        faults.append(unknown((*path, "point"), each.point, body.points))
         return None
     return Path(body.at(each.point))

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from camgen.findings import Finding, NotJudged, at_least, at_most
+from camgen.findings import Finding, NotJudged, Where, at_least, at_most
 from camgen.machine import strength
 from camgen.machine.flywheel import mean_torque
 from camgen.machine.forces import Forces
@@ -138,7 +138,8 @@ def plain_bearings(
         "P210). Less speed or mass and a longer pin lower it; oil bears five times as much, a bush of metal more: say so by "
         "limits.pv_mpa_m_s"
     )
-    where = f"pin {worst.joint}, {worst.diameter:g} x {worst.length:.4g} mm"
+    size = f"{worst.diameter:g} x {worst.length:.4g} mm"
+    where = Where(f"pin {worst.joint}, {size}", joint=worst.joint)
     borne.findings.append(at_most("PV", pv, given or usual, "MPa m/s", where, said))
     heads = (
         "pin",
@@ -237,8 +238,12 @@ def contacts(run: Run, forces: Forces, assembly: Assembly) -> Borne:
             f"{materials.STRONGEST:g} MPa in its plane, 1.79 times that in a line contact)"
         )
         said += "; the ends of the line press harder still: round them"
-        where = (
-            f"{joint.name}, {outline.part}, cam angle {math.degrees(float(theta[worst])):.1f} deg"
+        where = Where(
+            f"{joint.name}, {outline.part}",
+            part=outline.part,
+            joint=joint.name,
+            theta=float(theta[worst]),
+            digits=1,
         )
         borne.findings.append(at_most("HERTZ", float(pressure[worst]), limit, "MPa", where, said))
         borne.numbers[f"hertz_pressure_{joint.name.replace(' ', '_')}_mpa"] = float(pressure[worst])
@@ -281,7 +286,7 @@ def _life(borne: Borne, rolling: Rolling, least: float | None) -> None:
     borne.numbers[f"bearing_life_{re.sub('[^a-z0-9]+', '_', name.lower())}_h"] = min(hours, 1e9)
     if least is not None:
         said = f"{ball.name}, C = {ball.rating:g} kN, under a mean of {load:.4g} N; nine of ten reach it"
-        where = f"{rolling.what}{name}"
+        where = Where(f"{rolling.what}{name}")
         borne.findings.append(at_least("BEARING_LIFE", min(hours, 1e9), least, "h", where, said))
 
 

@@ -73,7 +73,7 @@ class Counterweight(Record):
         """What does not go together."""
         if (self.moment_g_mm is None) != (self.at_deg is None):
             return [
-                Fault("counterweight", "", "moment_g_mm and at_deg together: how much and where")
+                Fault(("counterweight",), "", "moment_g_mm and at_deg together: how much and where")
             ]
         return []
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from camgen.findings import Finding, NotJudged, at_least, at_most
+from camgen.findings import Finding, NotJudged, Where, at_least, at_most
 from camgen.machine import flywheel
 from camgen.machine.forces import Forces
 from camgen.machine.model import GROUND, MM, Pin, Turning
@@ -57,7 +57,7 @@ def reach(drives: Drives | None, frame: str, needed: float) -> Finding | NotJudg
     usually = f"the usual shaft of a {frame.upper().replace('-', ' ')} frame: measure yours"
     said = "motor.shaft_length" if given is not None else usually
     message = f"over the motor's face; {said}; thinner parts need less"
-    return at_least("SHAFT_REACH", length, needed, "mm", "motor", message, 1e-9)
+    return at_least("SHAFT_REACH", length, needed, "mm", Where("motor"), message, 1e-9)
 
 
 def driven(
@@ -82,10 +82,15 @@ def driven(
             f"{freed()}. Friction grows with what it holds back: no torque turns it on there, or one that "
             "loads them tenfold; use a lower load.friction, a ball bearing, a steeper transmission angle"
         )
-        at = math.degrees(float(theta[int(np.argmax(forces.locks))]))
+        at = float(theta[int(np.argmax(forces.locks))])
         borne.findings.append(
             at_most(
-                "SELF_LOCKING", min(locked, turn), 0.0, "deg", f"drive, from {at:.1f} deg", said
+                "SELF_LOCKING",
+                min(locked, turn),
+                0.0,
+                "deg",
+                Where("drive", theta=at, angle="from", digits=1),
+                said,
             )
         )
     worst = int(np.argmax(np.abs(asked)))
@@ -124,7 +129,7 @@ def driven(
         more = max(0.0, flywheel.inertia_for(energy, drives.fluctuation, speed) - inertia)
         said = f"by {energy:.4g} J on {inertia:.4g} kg m^2 that turn; a flywheel of {more:.4g} kg m^2 more keeps to it"
         borne.findings.append(
-            at_most("SPEED_FLUCTUATION", swing, drives.fluctuation, "share", "drive", said)
+            at_most("SPEED_FLUCTUATION", swing, drives.fluctuation, "share", Where("drive"), said)
         )
     motor, peak = motor_of(drives), float(np.abs(asked[worst]))
     if motor is None and peak < _NOTHING:
@@ -136,7 +141,7 @@ def driven(
         return borne, [NotJudged("DRIVE_TORQUE", why, "motor.torque_n_m or motor.model")]
     fast = float(rate[worst])
     said = f"needed at {fast * 60 / math.tau:.6g} rpm with the friction of all joints; {motor.said}"
-    where = f"drive, {math.degrees(float(theta[worst])):.1f} deg"
+    where = Where("drive", theta=float(theta[worst]), angle="", digits=1)
     borne.findings.append(
         at_most("DRIVE_TORQUE", peak, max(0.0, motor.torque(fast)), "N m", where, said)
     )
@@ -178,7 +183,14 @@ def gripped(hub: SetScrewHub | None, torque: float, plastic: str) -> Borne:
             f"({bears:g} MPa); a shaft with a flat, or a thicker screw, holds more"
         )
         borne.findings.append(
-            at_most("HUB_SLIP", torque, holds, "N m", f"set screw, shaft of {hub.bore:g} mm", said)
+            at_most(
+                "HUB_SLIP",
+                torque,
+                holds,
+                "N m",
+                Where(f"set screw, shaft of {hub.bore:g} mm"),
+                said,
+            )
         )
     return borne
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from camgen.findings import at_least, at_most
+from camgen.findings import Where, at_least, at_most
 from camgen.machine.balancing import crank_weight
 from camgen.machine.cams.machine import lift_off
 from camgen.machine.constraints import Constraints, solved
@@ -110,7 +110,7 @@ def elastic(run: Run, load: Weight | None) -> Borne:
         said = f"with an elastic follower of {model.frequency / math.tau:.4g} Hz"
         said += f"; contact is lost from {fast:.6g} rpm" if math.isfinite(fast) else ""
         borne.findings.append(
-            lift_off(theta, push, "N" if cam.slide else "N m", f"{cam.name}, cam angle", said, said)
+            lift_off(theta, push, "N" if cam.slide else "N m", Where(joint=cam.name), said, said)
         )
         if math.isfinite(fast):
             borne.numbers[f"lift_off_speed_{key}_rpm"] = fast
@@ -227,13 +227,17 @@ def sprung(springs: Mapping[str, Mounted], speed: float) -> Borne:
         stress, surge = spring.stress(mounted.longest), spring.surge
         coils = f"outside diameter {spring.outside:.4g}, {spring.coils:.3g} coils"
         size = f"wire {spring.wire:g}, {coils}, free length {spring.free:.4g} mm, stretched to {mounted.longest:.4g} mm"
-        borne.findings.append(at_most("SPRING_STRESS", stress, spring.strength, "MPa", where, size))
+        borne.findings.append(
+            at_most("SPRING_STRESS", stress, spring.strength, "MPa", Where(where), size)
+        )
         if mounted.on_cam:
             said = (
                 f"its own coils swing {surge / turns:.4g} times a turn; from {_SURGE:g} on no strong harmonic reaches "
                 "it; a thicker wire on fewer coils is faster"
             )
-            borne.findings.append(at_least("SURGE", surge, _SURGE * turns, "Hz", where, said))
+            borne.findings.append(
+                at_least("SURGE", surge, _SURGE * turns, "Hz", Where(where), said)
+            )
         key = (
             "spring"
             if where.startswith("return spring")

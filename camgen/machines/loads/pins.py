@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from camgen.findings import Finding, at_most
+from camgen.findings import Finding, Where, at_most
 from camgen.machine import strength
 from camgen.parts import materials
 from camgen.parts.journals import Journal, MaterialLimits
@@ -70,7 +70,7 @@ class Bent:
             if self.fast and math.isfinite(holds)
             else ""
         )
-        return at_most("PIN_STRESS", self.stress, limit, "MPa", f"pin {self.name}", remark)
+        return at_most("PIN_STRESS", self.stress, limit, "MPa", Where(f"pin {self.name}"), remark)
 
 
 def overstated(pins: Sequence[Bent]) -> tuple[str, ...]:

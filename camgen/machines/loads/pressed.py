@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from camgen.findings import NotJudged
+from camgen.findings import NotJudged, Where
 from camgen.machine.cams.machine import keeps_contact
 from camgen.machine.model import Cam, Machine
 from camgen.machine.run import solve
@@ -62,6 +62,8 @@ def pressed(
             )
         )
         borne.findings.append(
-            keeps_contact(theta, force, cam.name in kicked, f"{cam.name}, {angle}", remedy)
+            keeps_contact(
+                theta, force, cam.name in kicked, Where(joint=cam.name, angle=angle), remedy
+            )
         )
     return borne

@@ -25,7 +25,7 @@ import numpy as np
 from pydantic import Field
 
 from camgen.errors import DesignError, Fault, SpecError
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding, Where, at_least, at_most
 from camgen.machine.closed_form import four_bar, refuse_gap, transmission_extremes
 from camgen.machine.features import Asked
 from camgen.machine.model import Floats, Machine, Points
@@ -76,15 +76,15 @@ class ThreadTakeUp(Mechanism):
             if self.motor is None and weight.given is None:
                 found.append(
                     Fault(
-                        "motor.speed_rpm",
+                        ("motor", "speed_rpm"),
                         "",
                         "missing: a number > 0, since a counterweight asks for the forces",
                     )
                 )
         room = p.shaft_length - below - self.print.slide_clearance
         above, thin_groove = 2 * HEAD + self.allowed.gap, f"at least the nozzle, {nozzle:g} mm"
-        thin = {"limits.min_wall": self.allowed.min_wall}
-        thin |= {f"parts.{key}": getattr(p, key) for key in ("wall", "thickness", "thread_height")}
+        thin = {("limits", "min_wall"): self.allowed.min_wall}
+        thin |= {("parts", key): getattr(p, key) for key in ("wall", "thickness", "thread_height")}
         checks = (
             *(
                 (value >= nozzle, path, value, f"at least the nozzle, {nozzle:g} mm")
@@ -92,25 +92,25 @@ class ThreadTakeUp(Mechanism):
             ),
             (
                 0.05 * p.shaft_diameter <= p.shaft_flat < 0.5 * p.shaft_diameter,
-                "parts.shaft_flat",
+                ("parts", "shaft_flat"),
                 p.shaft_flat,
                 "between a twentieth and half of shaft_diameter, so that it turns the crank",
             ),
             (
                 p.groove == 0 or p.groove >= nozzle,
-                "parts.groove",
+                ("parts", "groove"),
                 p.groove,
                 f"{thin_groove}, or 0: none",
             ),
             (
                 not p.groove or p.thread_height >= p.groove + above,
-                "parts.thread_height",
+                ("parts", "thread_height"),
                 p.thread_height,
                 f"at least {p.groove + above:g} mm: groove, shoulder, and the heads under it with limits.gap",
             ),
             (
                 room > 0,
-                "parts.shaft_length",
+                ("parts", "shaft_length"),
                 p.shaft_length,
                 f"more than {p.shaft_length - room:g} mm: {collar} below the frame, and its play",
             ),
@@ -123,7 +123,7 @@ class ThreadTakeUp(Mechanism):
         if self.masses is not None and self.motor is None:
             found.append(
                 Fault(
-                    "motor.speed_rpm",
+                    ("motor", "speed_rpm"),
                     "",
                     "missing: a number > 0, since [masses] ask for the forces",
                 )
@@ -252,13 +252,14 @@ class ThreadTakeUp(Mechanism):
         least, most = np.degrees(
             transmission_extremes(g.frame, g.input_crank, g.coupler, g.output_crank)
         )
+        fold = math.radians((0 if least < 180 - most else 180) + g.frame_angle_deg)
         findings = [
             at_least(
                 "FOLD_MARGIN",
                 margin,
                 play,
                 "mm",
-                "lengths",
+                Where("lengths"),
                 "Grashof margin of the lengths; within the play of the four joints (half of it each) the chain could fold and "
                 "go on the wrong way",
             ),
@@ -267,12 +268,12 @@ class ThreadTakeUp(Mechanism):
                 min(least, 180 - most),
                 self.allowed.transmission_angle_deg,
                 "deg",
-                f"crank angle {(0 if least < 180 - most else 180) + g.frame_angle_deg:g} deg",
+                Where(theta=fold, angle="crank angle", digits=None),
                 f"between coupler and output crank, {least:.4f} to {most:.4f} deg over the turn",
             ),
         ]
         for name, (gap, theta) in self._gaps(t, _TURN).items():
-            where = f"{name}, crank angle {math.degrees(theta):.2f} deg"
+            where = Where(name, theta=theta, angle="crank angle", digits=2)
             remark = "least over the turn, by joints without play; under 0 they overlap"
             findings.append(at_least("GAP", gap, self.allowed.gap, "mm", where, remark))
         p, weight = self.making, self.bodies.weight_radius
@@ -289,7 +290,7 @@ class ThreadTakeUp(Mechanism):
                     nearest,
                     self.allowed.gap,
                     "mm",
-                    "counterweight and the frame's screws",
+                    Where("counterweight and the frame's screws"),
                     remark,
                 )
             )
@@ -307,7 +308,7 @@ class ThreadTakeUp(Mechanism):
             remark = f"{value:.6g} {wish.unit}; {'at least ' if wish.at_least else ''}{wish.wanted:g} wanted"
             off = abs(wish.missed(value)) * wish.tolerance
             findings.append(
-                at_most(wish.name.upper(), off, wish.tolerance, wish.unit, "wanted", remark)
+                at_most(wish.name.upper(), off, wish.tolerance, wish.unit, Where("wanted"), remark)
             )
         return findings
 
@@ -388,7 +389,7 @@ class ThreadTakeUp(Mechanism):
             raise SpecError(
                 [
                     Fault(
-                        "wanted",
+                        ("wanted",),
                         "",
                         "missing: at least one of feed_range, let_down_ratio, dwell_deg",
                     )

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from camgen.errors import DesignError, Fault
-from camgen.findings import Finding, at_least, at_most
+from camgen.findings import Finding, Where, at_least, at_most
 from camgen.machine.balancing import balanced, crank_weight
 from camgen.machine.closed_form import four_bar, transmission_extremes
 from camgen.machine.forces import Forces
@@ -128,13 +128,15 @@ class Consumption(Record):
         found = []
         if any(b <= a for a, b in zip(self.angles_deg, self.angles_deg[1:], strict=False)):
             found.append(
-                Fault("consumption.angles_deg", "", "angles that grow from one to the next")
+                Fault(("consumption", "angles_deg"), "", "angles that grow from one to the next")
             )
         if len(self.angles_deg) != len(self.length_mm):
             count = f"{len(self.length_mm)} lengths"
             found.append(
                 Fault(
-                    "consumption.length_mm", count, f"as many as angles_deg, {len(self.angles_deg)}"
+                    ("consumption", "length_mm"),
+                    count,
+                    f"as many as angles_deg, {len(self.angles_deg)}",
                 )
             )
         return found
@@ -155,7 +157,7 @@ class Consumption(Record):
     def findings(self, t: TakeUp, limit: float) -> list[Finding]:
         """Thread to spare: nowhere too much, and nowhere less than is drawn."""
         (least, at_), (most, at) = self.extremes(t)
-        places = [f"crank angle {math.degrees(angle):.2f} deg" for angle in (at, at_)]
+        places = [Where(theta=angle, angle="crank angle", digits=2) for angle in (at, at_)]
         return [
             at_most(
                 "THREAD_EXCESS",
@@ -321,7 +323,9 @@ def shaft_stress(t: TakeUp, masses: Masses, rpm: float, made: str, shaft: float)
     torque = 1000 * force_numbers(t, masses.bodies(t), rpm * math.tau / 60)["peak_torque_n_m"]
     bears = SHEAR * (materials.STEEL if made == "steel" else materials.MATERIALS["PLA"]).bears
     remark = f"twisted by {torque:.4g} N mm; a {made} shaft {shaft:g} mm thick bears {bears:.4g} MPa in shear"
-    return at_most("SHAFT_STRESS", shaft_twist(torque, shaft), bears, "MPa", "input shaft", remark)
+    return at_most(
+        "SHAFT_STRESS", shaft_twist(torque, shaft), bears, "MPa", Where("input shaft"), remark
+    )
 
 
 _LENGTHS = {"frame": "OC", "crank": "OA", "coupler": "AB", "output": "BC", "eye_distance": "BD"}

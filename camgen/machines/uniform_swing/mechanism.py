@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from pydantic import Field
 
-from camgen.errors import DesignError, Fault
+from camgen.errors import DesignError, Fault, Key
 from camgen.findings import Finding, NotJudged
 from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
@@ -95,23 +95,23 @@ class UniformSwing(Mechanism):
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
         p, nozzle, blend = self.making, self.print.nozzle, self.geometry.reversal_blend_deg
-        checks = [
+        checks: list[tuple[bool, Key, float, str]] = [
             (
                 blend in (0, 180) or 0.01 <= blend <= 179.99,
-                "geometry.reversal_blend_deg",
+                ("geometry", "reversal_blend_deg"),
                 blend,
                 "0 (sharp), 0.01 to 179.99, or 180",
             ),  # a stretch of less would be rounding
-            (p.wall >= nozzle, "parts.wall", p.wall, f"at least the nozzle, {nozzle:g} mm"),
+            (p.wall >= nozzle, ("parts", "wall"), p.wall, f"at least the nozzle, {nozzle:g} mm"),
             (
                 self.allowed.min_wall >= nozzle,
-                "limits.min_wall",
+                ("limits", "min_wall"),
                 self.allowed.min_wall,
                 f"at least the nozzle, {nozzle:g} mm",
             ),
             (
                 p.mark_depth < p.thickness,
-                "parts.mark_depth",
+                ("parts", "mark_depth"),
                 p.mark_depth,
                 f"less than the thickness, {p.thickness:g} mm",
             ),
@@ -130,7 +130,7 @@ class UniformSwing(Mechanism):
             if not fine
         ]
         g = self.geometry
-        found += air_faults("geometry.tip_clearance", g.tip_clearance, g.closure, g.tip_radius)
+        found += air_faults(("geometry", "tip_clearance"), g.tip_clearance, g.closure, g.tip_radius)
         return [*found, *p.misfits(), *([] if weight is None else [weight])]
 
     @cached_property

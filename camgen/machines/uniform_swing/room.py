@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from camgen.errors import DesignError
+from camgen.errors import DesignError, Key
 from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats, Points
@@ -265,7 +265,7 @@ class Room:
 # ---- what a spec may not say ----------------------------------------------------------------------------------------
 
 
-def machine_checks(spec: UniformSwing) -> Sequence[tuple[bool, str, float, str]]:
+def machine_checks(spec: UniformSwing) -> Sequence[tuple[bool, Key, float, str]]:
     """Checks between keys of the machine: (holds, path, value, what would be right)."""
     base, frame, tip_radius, pin = (
         spec.base,
@@ -294,12 +294,12 @@ def machine_checks(spec: UniformSwing) -> Sequence[tuple[bool, str, float, str]]
         if frame.tip == "pin"
         else [b.outside / 2 for b in (frame.bearing,) if b]
     )
-    thin = {
-        "parts.pin_diameter": pin or min_wall,
-        "frame.arm": frame.arm,
-        "frame.axle": frame.axle,
-        "frame.flange_thickness": frame.flange_thickness,
-        "collet.flange": spec.collet.flange,
+    thin: dict[Key, float] = {
+        ("parts", "pin_diameter"): pin or min_wall,
+        ("frame", "arm"): frame.arm,
+        ("frame", "axle"): frame.axle,
+        ("frame", "flange_thickness"): frame.flange_thickness,
+        ("collet", "flange"): spec.collet.flange,
     }
     return (
         *(
@@ -308,50 +308,55 @@ def machine_checks(spec: UniformSwing) -> Sequence[tuple[bool, str, float, str]]
         ),
         (
             same,
-            "parts.flat_depth",
+            ("parts", "flat_depth"),
             cut.flat_depth,
             f'{motor.flat:g}, the flat of the shaft of base.motor = "{base.motor}", {motor.shaft - motor.flat:g} over its flat',
         ),
         (
             pin > 0 or not joined,
-            "parts.pin_diameter",
+            ("parts", "pin_diameter"),
             pin,
             "more than 0: pins join the two cams on a plain shaft",
         ),
         (
             slit >= spec.print.nozzle,
-            "collet.slit",
+            ("collet", "slit"),
             slit,
             f"at least the nozzle, {spec.print.nozzle:g} mm, or it closes in print",
         ),
         (
             frame.tip == "plate" or tip_radius in rollers,
-            "geometry.tip_radius",
+            ("geometry", "tip_radius"),
             tip_radius,
             f'that of frame.tip = "{frame.tip}": {", ".join(f"{radius:g}" for radius in rollers)} mm',
         ),
         (
             slide > 0,
-            "print.slide_clearance",
+            ("print", "slide_clearance"),
             slide,
             "more than 0: the cams and frames of a machine turn past each other",
         ),
-        (base.gap > slide, "base.gap", base.gap, f"more than print.slide_clearance, {slide:g} mm"),
+        (
+            base.gap > slide,
+            ("base", "gap"),
+            base.gap,
+            f"more than print.slide_clearance, {slide:g} mm",
+        ),
         (
             press < pin or not pin,
-            "print.press_clearance",
+            ("print", "press_clearance"),
             press,
             f"less than parts.pin_diameter, {pin:g} mm",
         ),
         (
             frame.axle_flange > frame.axle + slide,
-            "frame.axle_flange",
+            ("frame", "axle_flange"),
             frame.axle_flange,
             f"more than the axle and its clearance, {frame.axle + slide:g} mm",
         ),
         (
             base.motor != "flange" or base.screw_circle > base.boss,
-            "base.screw_circle",
+            ("base", "screw_circle"),
             base.screw_circle,
             f"more than base.boss, {base.boss:g} mm",
         ),

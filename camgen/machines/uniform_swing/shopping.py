@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from camgen.findings import Finding, at_least
+from camgen.findings import Finding, Where, at_least
 from camgen.machines.uniform_swing.printed import SwingMachine
 from camgen.parts.catalogue import DOWEL_STANDARD, SCREWS, Bought, nut
 from camgen.study import Table
@@ -17,7 +17,7 @@ def screw_grip(machine: SwingMachine) -> Finding:
     length, least = face.screw_length(grip), screw.nut if face.plain else _ENGAGED * screw.nominal
     held = length - grip - (face.depth if face.plain else 0.0)
     said = f"{screw.thread} x {length:g} through {grip:.4g} mm of the base; another base.thickness suits lengths that are sold"
-    return at_least("SCREW_GRIP", held, least, "mm", "screws of the motor", said)
+    return at_least("SCREW_GRIP", held, least, "mm", Where("screws of the motor"), said)
 
 
 def bought(machine: SwingMachine) -> tuple[Bought, ...]:

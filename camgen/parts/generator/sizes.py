@@ -210,79 +210,79 @@ class Parts(Record):
     def faults(self, links: Iterable[str], nozzle: float, min_wall: float = 0.0) -> list[Fault]:
         """Tables of links that are not there, walls that a printer cannot make, a flat that is none."""
         known = [*type(self).model_fields, *links]
-        found = [unknown(f"parts.{name}", None, known) for name in self.shapes if name not in known]
+        found = [unknown(("parts", name), None, known) for name in self.shapes if name not in known]
         least = f"at least the nozzle, {nozzle:g} mm"
         for link in links:
             thickness = self.shape(link).thickness
             if thickness is not None and link == "ground":
                 right = "nothing here: the plate's is parts.base_thickness"
-                found.append(Fault("parts.ground.thickness", f"{thickness:g}", right))
+                found.append(Fault(("parts", "ground", "thickness"), f"{thickness:g}", right))
             elif thickness is not None and thickness < nozzle:
-                found.append(Fault(f"parts.{link}.thickness", f"{thickness:g}", least))
+                found.append(Fault(("parts", link, "thickness"), f"{thickness:g}", least))
             width = self.shape(link).width
             if width is not None and width < max(nozzle, min_wall):
                 thinnest = (
                     least if min_wall < nozzle else f"at least limits.min_wall, {min_wall:g} mm"
                 )
-                found.append(Fault(f"parts.{link}.width", f"{width:g}", thinnest))
+                found.append(Fault(("parts", link, "width"), f"{width:g}", thinnest))
         kinds = {self.pin, *self.pins.values()}
         if "dowel" in kinds and self.pin_diameter not in DOWELS:
             right = f"one in which dowels are sold: {', '.join(f'{size:g}' for size in DOWELS)}"
-            found.append(Fault("parts.pin_diameter", f"{self.pin_diameter:g}", right))
+            found.append(Fault(("parts", "pin_diameter"), f"{self.pin_diameter:g}", right))
         if "shoulder" in kinds and self.pin_diameter > SHOULDER_SCREWS[-1].diameter:
             right = f"at most {SHOULDER_SCREWS[-1].diameter:g}, the thickest shoulder screw"
-            found.append(Fault("parts.pin_diameter", f"{self.pin_diameter:g}", right))
+            found.append(Fault(("parts", "pin_diameter"), f"{self.pin_diameter:g}", right))
         if self.set_screw != "none" and self.face is None:
             said = "nothing here: parts.motor, on whose shaft its collar sits"
-            found.append(Fault("parts.set_screw", repr(self.set_screw), said))
+            found.append(Fault(("parts", "set_screw"), repr(self.set_screw), said))
         if self.face is not None:
             if self.shaft_diameter != self.face.shaft:
                 right = (
                     f'{self.face.shaft:g} mm, the shaft of motor = "{self.motor}"; left out, it is'
                 )
-                found.append(Fault("parts.shaft_diameter", f"{self.shaft_diameter:g}", right))
+                found.append(Fault(("parts", "shaft_diameter"), f"{self.shaft_diameter:g}", right))
             elif self.face.flat and self.shaft_flat != self.face.flat:
                 over = f"{self.face.shaft - self.face.flat:g} over its flat"
                 right = f'{self.face.flat:g} mm, the flat of the shaft of motor = "{self.motor}", {over}; left out, it is'
-                found.append(Fault("parts.shaft_flat", f"{self.shaft_flat:g}", right))
+                found.append(Fault(("parts", "shaft_flat"), f"{self.shaft_flat:g}", right))
             if self.base_thickness < self.pocket + 2 * nozzle:
                 right = f"at least {self.pocket + 2 * nozzle:g} mm: the heads of the motor's screws, and a floor"
-                found.append(Fault("parts.base_thickness", f"{self.base_thickness:g}", right))
+                found.append(Fault(("parts", "base_thickness"), f"{self.base_thickness:g}", right))
             grip, screw = self.base_thickness - self.pocket, self.face.screw
             if self.face.screw_length(grip) < grip + screw.nominal / 2:
                 right = (
                     f"a thickness through which a screw {screw.thread} that is sold holds the motor"
                 )
-                found.append(Fault("parts.base_thickness", f"{self.base_thickness:g}", right))
+                found.append(Fault(("parts", "base_thickness"), f"{self.base_thickness:g}", right))
         held, floor = self.post_screw if self.plates > 1 else None, SUNK + 2 * nozzle
         if self.plates > 1 and held is None:
             right = f"the core hole of a screw, as the posts have it too: {', '.join(map(str, CORE_HOLES.values()))}"
-            found.append(Fault("parts.mount_diameter", f"{self.mount_diameter:g}", right))
+            found.append(Fault(("parts", "mount_diameter"), f"{self.mount_diameter:g}", right))
         if held is not None and self.base_thickness < held.height + floor:
             right = f"at least {held.height + floor:g} mm: the sunk heads of the posts' screws, and a floor"
-            found.append(Fault("parts.base_thickness", f"{self.base_thickness:g}", right))
+            found.append(Fault(("parts", "base_thickness"), f"{self.base_thickness:g}", right))
         if self.head > self.thickness:
             right = f"at most the thickness, {self.thickness:g} mm: it takes one level"
-            found.append(Fault("parts.head", f"{self.head:g}", right))
+            found.append(Fault(("parts", "head"), f"{self.head:g}", right))
         if self.hand_crank:
             right = f"at least {self.least_crank:g} mm: its knob beside the shaft"
             if self.face is not None:
                 right = f"nothing here, or no parts.motor: {self.motor} drives"
             if self.face is not None or self.hand_crank < self.least_crank:
-                found.append(Fault("parts.hand_crank", f"{self.hand_crank:g}", right))
+                found.append(Fault(("parts", "hand_crank"), f"{self.hand_crank:g}", right))
             if self.shaft_length < 2 * self.thickness + 2:
                 right = f"at least {2 * self.thickness + 2:g} mm: the collar under the plate and the hand crank"
-                found.append(Fault("parts.shaft_length", f"{self.shaft_length:g}", right))
+                found.append(Fault(("parts", "shaft_length"), f"{self.shaft_length:g}", right))
         elif self.shaft_length < self.thickness + 2:
             right = f"at least {self.thickness + 2:g} mm: the collar under the plate, and its play"
-            found.append(Fault("parts.shaft_length", f"{self.shaft_length:g}", right))
+            found.append(Fault(("parts", "shaft_length"), f"{self.shaft_length:g}", right))
         thin = [
             key
             for key in ("thickness", "wall", "head", "base_thickness", "rail_width")
             if getattr(self, key) < nozzle
         ]
-        found += [Fault(f"parts.{key}", f"{getattr(self, key):g}", least) for key in thin]
+        found += [Fault(("parts", key), f"{getattr(self, key):g}", least) for key in thin]
         if not 0.05 * self.shaft_diameter <= self.shaft_flat < 0.5 * self.shaft_diameter:
             right = "between a twentieth and half of shaft_diameter, so that it turns the link"
-            found.append(Fault("parts.shaft_flat", f"{self.shaft_flat:g}", right))
+            found.append(Fault(("parts", "shaft_flat"), f"{self.shaft_flat:g}", right))
         return found

@@ -76,7 +76,7 @@ def faults(
     pins: Sequence[str],
 ) -> list[Fault]:
     """Why a link's shaft cannot be interrupted."""
-    thrown, key = throws(links, link, pins), "parts.shaft"
+    thrown, key = throws(links, link, pins), ("parts", "shaft")
     if not thrown:
         return [
             Fault(
@@ -87,7 +87,7 @@ def faults(
         ]
     taken = [name for k in range(1, len(thrown) + 1) if (name := web_name(link, k)) in links]
     found = [
-        Fault(f"links.{name}", "", f"another name: a web of the interrupted shaft of {link} has it")
+        Fault(("links", name), "", f"another name: a web of the interrupted shaft of {link} has it")
         for name in taken
     ]
     for a, b in pairwise(thrown):

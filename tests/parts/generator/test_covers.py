@@ -60,7 +60,7 @@ def shifted(
         path, {each.name: solid(each, 0.005) for each in machine.assembly.parts}, items, "key"
     )
     return {
-        f"{f.code} {f.where.partition(':')[0]}"
+        f"{f.code} {str(f.where).partition(':')[0]}"
         for f in sweep(path, bodies_in_motion(machine.assembly))[0]
         if not f.ok
     }
