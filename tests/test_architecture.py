@@ -206,7 +206,6 @@ CIRCLES = {
     "machines.disc_cam": {"mechanism", "variants", "walls"},
     "machines.eccentric_drive": {"assembly", "mechanism", "tube"},
     "machines.indexing_cam": {"comparison", "mechanism", "model"},
-    "machines.linkage": {"figures", "mechanism"},
     "machines.thread_take_up": {"bodies", "mechanism"},
     "machines.uniform_swing": {"mechanism", "printed", "room", "shopping"},
     "report": {"page", "report"},

@@ -12,7 +12,6 @@ import pytest
 
 from camgen.machine.closed_form import transmission_extremes
 from camgen.machine.reach import transmission
-from camgen.machines.linkage import figures
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.reading import read
 from camgen.spec import validate
@@ -34,7 +33,7 @@ def published(root: Path) -> dict[str, Any]:
 
 
 def study(data: dict[str, Any]) -> Study:
-    return figures.study(validate(Linkage, data))
+    return validate(Linkage, data).study()
 
 
 def table(found: Study, title: str) -> list[tuple[Any, ...]]:
@@ -47,7 +46,7 @@ def test_transmission_angle_of_a_four_bar(data: dict[str, Any]) -> None:
     (angle,) = transmission(machine.chain, np.array([0.0, math.pi])).values()
     expected = [math.degrees(each) for each in transmission_extremes(*BAR)]
     assert angle == pytest.approx([min(each, 180 - each) for each in expected], abs=1e-9)
-    assert "Transmission angle" in [plot.title for plot in figures.study(machine).plots]
+    assert "Transmission angle" in [plot.title for plot in machine.study().plots]
 
 
 def test_extreme_positions_are_where_crank_and_coupler_are_in_line(data: dict[str, Any]) -> None:
@@ -112,7 +111,7 @@ def test_a_path_that_crosses_itself(data: dict[str, Any]) -> None:
     data["points"]["P"] = [75, -5]
     data["parts"] = {"pen_diameter": 0}
     machine = validate(Linkage, data)
-    crossings = table(figures.study(machine), "Paths")[0][6]
+    crossings = table(machine.study(), "Paths")[0][6]
     for pair in filter(None, crossings.split("; ")):
         one, other = (machine.solve(np.radians([float(t)]))["pen"][0] for t in pair.split(" and "))
         assert abs(one - other) < 0.3
@@ -161,7 +160,7 @@ def test_hoekens_path_is_symmetric(published: dict[str, Any]) -> None:
 
 
 def test_jansens_foot_as_published(root: Path, published: dict[str, Any]) -> None:
-    found = figures.study(validate(Linkage, read(root / "specs" / "walking-leg.toml"))).numbers
+    found = validate(Linkage, read(root / "specs" / "walking-leg.toml")).study().numbers
     wide, high = published["jansen"]["foot_path"]
     assert found["foot_x_stroke_mm"] == pytest.approx(wide, abs=0.5)
     assert found["foot_y_stroke_mm"] == pytest.approx(high, abs=0.25)

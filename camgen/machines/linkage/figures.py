@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from camgen.errors import DesignError, listed
 from camgen.findings import Finding, Where, at_least
@@ -21,15 +23,15 @@ from camgen.machine.reach import folds, four_bar_lengths, transmission
 from camgen.machine.run import Run, solve
 from camgen.machine.targets import NO_STROKES, Course, Through, Trace, time_ratio
 from camgen.machines.free_play import accepted
-from camgen.machines.loads.weights import gravity
+from camgen.machines.linkage.signals import Signal, signals_of
+from camgen.machines.linkage.springs import Sprung
+from camgen.machines.linkage.tables import Limits, Slot, Wanted
+from camgen.parts.assembly import Cycle
+from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.plates import steps
 from camgen.parts.generator.troughs import open_rails
 from camgen.study import ROWS, Later, Plot, Sketch, Study, Table
 from camgen.tolerances import SAME_POINT
-
-if TYPE_CHECKING:
-    from camgen.machines.linkage.mechanism import Linkage
-    from camgen.machines.linkage.signals import Signal
 
 _SPRINGS = (
     "spring",
@@ -39,6 +41,15 @@ _SPRINGS = (
     "longest, mm",
     "least, N",
     "greatest, N",
+)
+_OUTPUTS = (
+    "output",
+    "unit",
+    "least",
+    "greatest",
+    "stroke",
+    "peak speed, /s",
+    "peak acceleration, /s^2",
 )
 _EXTREMES = ("output", "unit", "extreme", "at theta, deg", "what it is")
 _PATHS = (
@@ -57,28 +68,77 @@ _SLOW = 0.05
 _STILL = 1e-6
 
 
-def study(linkage: Linkage) -> Study:
-    """Numbers, plots and tables of a linkage over its turn or range."""
+@dataclass(frozen=True)
+class Moving:
+    """A linkage as it moves, without what is included."""
+
+    chain: m.Machine  # closed as drawn
+    cycle: Cycle
+    driven: str  # link that the drive turns
+    wanted: Sequence[Wanted]
+    even: bool  # no program moves the drive
+    springs: bool  # some pull on it
+
+    def run(self, theta: ArrayLike, order: int = 2) -> Run:
+        """It at theta, (n,) rad, with derivatives up to the order."""
+        return solve(self.chain, theta, order)
+
+    @cached_property
+    def signals(self) -> tuple[Signal, ...]:
+        """What the outputs give, as single numbers."""
+        return signals_of(self.chain)
+
+    @cached_property
+    def courses(self) -> Sequence[Course]:
+        """Of each output its course."""
+        theta = np.linspace(*self.cycle.range, ROWS)
+        run, found = self.run(theta, 1), list[Course]()
+        for wanted in self.wanted:
+            turns = isinstance(self.chain.output(wanted.name).of, m.Angle)
+            unit, scale = ("deg", math.degrees(1)) if turns else ("mm", 1.0)
+            value, slope = scale * run.derivatives(wanted.name)
+            found.append(Course(theta, value, slope, unit, not self.cycle.to_and_fro))
+        return found
+
+    @property
+    def pressed(self) -> list[m.Cam]:
+        """Cams whose followers a force holds."""
+        joints = (joint for joint in self.chain.joints if isinstance(joint, m.Cam))
+        return [joint for joint in joints if joint.closure == "force"]
+
+
+@dataclass(frozen=True)
+class Made:
+    """What is made of a linkage."""
+
+    layout: Layout
+    machine: m.Machine  # of all, with masses and loads
+    sprung: Sequence[Sprung]
+    slots: Sequence[Slot]
+
+
+def study(linkage: Moving, made: Made | None, angle: Callable[[], str]) -> Study:
+    """Numbers, plots and tables of a linkage over its turn or range; made: None of one of which no bodies are made.
+
+    angle: what theta is called.
+    """
     theta = np.linspace(*linkage.cycle.range, ROWS)
-    run = linkage.run(theta)
+    run, speed = linkage.run(theta), linkage.chain.speed
     numbers: dict[str, float] = {}
     rows = []
     for signal in linkage.signals:
         value, first, second = signal.scale * signal.rows(run)
         low, high = _extremes(linkage, signal, theta, value)
-        speed, hard = (
-            float(np.abs(first).max() * abs(linkage.chain.speed)),
-            float(np.abs(second).max() * linkage.chain.speed**2),
-        )
+        fast, hard = float(np.abs(first).max() * abs(speed)), float(np.abs(second).max() * speed**2)
         unit = signal.unit
         numbers |= {
             f"{signal.name}_least_{unit}": low,
             f"{signal.name}_greatest_{unit}": high,
             f"{signal.name}_stroke_{unit}": high - low,
-            f"{signal.name}_peak_speed_{unit}_s": speed,
+            f"{signal.name}_peak_speed_{unit}_s": fast,
             f"{signal.name}_peak_acceleration_{unit}_s2": hard,
         }
-        rows.append((signal.name, unit, low, high, high - low, speed, hard))
+        rows.append((signal.name, unit, low, high, high - low, fast, hard))
     paths_of = _path_table(linkage, theta, run)
     for name, length, radius, *_ in paths_of:
         numbers |= {
@@ -87,20 +147,11 @@ def study(linkage: Linkage) -> Study:
         }
     places, ratios = _extreme_places(linkage)
     numbers |= ratios
-    heads = (
-        "output",
-        "unit",
-        "least",
-        "greatest",
-        "stroke",
-        "peak speed, /s",
-        "peak acceleration, /s^2",
-    )
-    tables = [Table("Outputs", heads, rows)]
+    tables = [Table("Outputs", _OUTPUTS, rows)]
     tables += [Table("Extreme positions", _EXTREMES, places)] if places else []
     tables += [Table("Paths", _PATHS, paths_of)] if paths_of else []
     notes = []
-    lengths = four_bar_lengths(linkage.chain, linkage.drive.link)
+    lengths = four_bar_lengths(linkage.chain, linkage.driven)
     if lengths is not None:
         bar = four_bar(*lengths.values())
         numbers["grashof_margin_mm"] = bar.margin
@@ -108,46 +159,46 @@ def study(linkage: Linkage) -> Study:
             f"A four-bar, by Grashof a {bar.kind}: the middle two lengths exceed the shortest and the longest by "
             f"{bar.margin:.6g} mm."
         )
-    for cam in (
-        joint
-        for joint in linkage.chain.joints
-        if isinstance(joint, m.Cam) and joint.closure == "force"
-    ):
+    forces = Study() if made is None else _forces(linkage, made, theta, angle)
+    return Study(
+        {**numbers, **forces.numbers},
+        Later(lambda: [*_plots(linkage, theta, run, angle), *forces.plots]),
+        [*tables, *forces.tables],
+        Later(lambda: paths(linkage)),
+        [*notes, *_notes(linkage, made)],
+    )
+
+
+def _notes(linkage: Moving, made: Made | None) -> list[str]:
+    """What a person should know of its springs, rails, slots and links."""
+    found = []
+    for cam in linkage.pressed:
         figure = f"hold_{cam.name.replace(' ', '_')}"
-        made = (
+        least = (
             "is the least that it needs beyond the springs of the spec"
             if linkage.springs
             else "is the least that it needs"
         )
         none = "" if linkage.springs else "no spring is made for it; "
-        notes.append(f"{cam.name} is held by force: {none}{figure} {made}.")
+        found.append(f"{cam.name} is held by force: {none}{figure} {least}.")
     if linkage.springs:
-        notes.append(
+        found.append(
             "Springs are bought. Each has a level of its own, free over the whole motion along the line between its "
             "pins; they are not in the sweep."
         )
-    if linkage.lacking() is None:
-        notes += [
-            *open_rails(linkage.bodies.layout),
-            *_longer_slots(linkage),
-            *_bows(linkage),
-            *steps(linkage.bodies.layout),
-        ]
-    if linkage.drive.range_deg is not None:
-        notes.append(
+    if made is not None:
+        found += open_rails(made.layout)
+        found += _longer_slots(made)
+        found += _bows(made.layout)
+        found += steps(made.layout)
+    if linkage.cycle.to_and_fro:
+        found.append(
             "The drive goes to and fro over its range; speeds are those of an even turn of it."
         )
-    forces = _forces(linkage, theta)
-    return Study(
-        {**numbers, **forces.numbers},
-        Later(lambda: [*_plots(linkage, theta, run), *forces.plots]),
-        [*tables, *forces.tables],
-        Later(lambda: paths(linkage)),
-        notes,
-    )
+    return found
 
 
-def _plots(linkage: Linkage, theta: Floats, run: Run) -> list[Plot]:
+def _plots(linkage: Moving, theta: Floats, run: Run, angle: Callable[[], str]) -> list[Plot]:
     """Paths, centrodes and transmission angles."""
     plots = []
     for output in linkage.chain.outputs:
@@ -167,7 +218,7 @@ def _plots(linkage: Linkage, theta: Floats, run: Run) -> list[Plot]:
         plots.append(
             Plot(
                 "Transmission angle",
-                f"{linkage.assembly.cycle.name}, deg",
+                f"{angle()}, deg",
                 "deg",
                 series[:_MOST_SERIES],
             )
@@ -175,11 +226,9 @@ def _plots(linkage: Linkage, theta: Floats, run: Run) -> list[Plot]:
     return plots
 
 
-def _bows(linkage: Linkage) -> list[str]:
+def _bows(layout: Layout) -> list[str]:
     """What to say of links that are bent."""
-    bows = {
-        link: shape.bow for link, shape in linkage.bodies.layout.sizes.shapes.items() if shape.bow
-    }
+    bows = {link: shape.bow for link, shape in layout.sizes.shapes.items() if shape.bow}
     return [
         f"Link {link} is bent by {abs(bow):g} mm, to the {'left' if bow > 0 else 'right'} from its first point, to pass "
         f"what is in its way (parts.{link}.bow)."
@@ -192,9 +241,9 @@ def _path_of(name: str, first: str = "p") -> str:
     return f"{first}ath" if name == "path" else f"{first}ath of {name}"
 
 
-def _wanted_places(linkage: Linkage, name: str) -> list[tuple[str, Floats, Floats]]:
+def _wanted_places(linkage: Moving, name: str) -> list[tuple[str, Floats, Floats]]:
     """Of a path the places that it shall pass, or the line that it shall draw, how far off it may be, and by how much it is."""
-    pairs = zip(linkage.wanted, courses(linkage), strict=True)
+    pairs = zip(linkage.wanted, linkage.courses, strict=True)
     wanted, course = next((wanted, course) for wanted, course in pairs if wanted.name == name)
     found = list[tuple[str, Points]]()
     if wanted.points is not None:
@@ -236,10 +285,10 @@ def _one_line(pieces: Iterable[Points]) -> Points:
     return np.concatenate([np.append(piece, complex(math.nan, math.nan)) for piece in pieces])
 
 
-def _longer_slots(linkage: Linkage) -> list[str]:
+def _longer_slots(made: Made) -> list[str]:
     """What to say of slots whose pin passes their drawn ends."""
-    found, layout = [], linkage.bodies.layout
-    for slot in linkage.slots:
+    found, layout = [], made.layout
+    for slot in made.slots:
         low, high = layout.strokes[layout.slots[slot.pin].name]
         a, b = (layout.at(slot.link, point) for point in slot.along)
         for end, over in zip(slot.along, (-low, high - abs(b - a)), strict=True):
@@ -249,25 +298,9 @@ def _longer_slots(linkage: Linkage) -> list[str]:
     return found
 
 
-def courses(linkage: Linkage) -> list[Course]:
-    """Of each output its course, on the model as designed."""
-    theta = np.linspace(*linkage.cycle.range, ROWS)
-    run = linkage.run(theta, 1)
-    found = []
-    for wanted in linkage.wanted:
-        unit, scale = (
-            ("deg", math.degrees(1))
-            if isinstance(linkage.chain.output(wanted.name).of, m.Angle)
-            else ("mm", 1.0)
-        )
-        value, slope = scale * run.derivatives(wanted.name)
-        found.append(Course(theta, value, slope, unit, linkage.drive.range_deg is None))
-    return found
-
-
-def targets(linkage: Linkage) -> list[Finding]:
+def targets(linkage: Moving) -> list[Finding]:
     """What is wanted of outputs by value, on the model as designed; DesignError of what no such output can have."""
-    pairs = list(zip(linkage.wanted, courses(linkage), strict=True))
+    pairs = list(zip(linkage.wanted, linkage.courses, strict=True))
     for wanted, course in pairs:
         if wanted.time_ratio is not None and not course.strokes:
             remedy = "ask time_ratio of an output that goes to and fro, or leave it out"
@@ -280,22 +313,22 @@ def targets(linkage: Linkage) -> list[Finding]:
     ]
 
 
-def asked(linkage: Linkage) -> tuple[Asked, ...]:
+def asked(linkage: Moving, allowed: Limits) -> tuple[Asked, ...]:
     """What is asked of each output: its targets, and the play that is borne."""
     found = []
-    for wanted, course in zip(linkage.wanted, courses(linkage), strict=True):
-        lash, of = accepted(course, linkage.allowed.lash, linkage.allowed.lash_deg)
+    for wanted, course in zip(linkage.wanted, linkage.courses, strict=True):
+        lash, of = accepted(course, allowed.lash, allowed.lash_deg)
         found.append(Asked(wanted.name, lash=lash, lash_of=of, targets=wanted.targets))
     return tuple(found)
 
 
-def transmission_angles(linkage: Linkage) -> list[Finding]:
+def transmission_angles(linkage: Moving, least_deg: float) -> list[Finding]:
     """How near each loop comes to a fold, on the model as designed."""
     return [
         at_least(
             "TRANSMISSION_ANGLE",
             math.degrees(math.asin(min(1.0, abs(fold.determinant)))),
-            linkage.allowed.transmission_angle_deg,
+            least_deg,
             "deg",
             Where(
                 listed("joint", fold.joints),
@@ -310,12 +343,9 @@ def transmission_angles(linkage: Linkage) -> list[Finding]:
     ]
 
 
-def _forces(linkage: Linkage, theta: Floats) -> Study:
-    """Torque of the drive and reactions of the joints at an even turn, by the masses of the parts; nothing without parts."""
-    if linkage.lacking() is not None:
-        return Study()
-    machine = linkage.model
-    found = solve(replace(machine, loads=(*machine.loads, *gravity(linkage.load))), theta).forces()
+def _forces(linkage: Moving, made: Made, theta: Floats, angle: Callable[[], str]) -> Study:
+    """Torque of the drive and reactions of the joints at an even turn, by the masses of the parts."""
+    found = solve(made.machine, theta).forces()
     torque = next(iter(found.drives.values()))
     loads = {**found.reactions, **found.normals}
     numbers = {
@@ -326,11 +356,7 @@ def _forces(linkage: Linkage, theta: Floats) -> Study:
         f"reaction_{name.lower().replace(' ', '_')}_n": float(np.abs(load).max())
         for name, load in loads.items()
     }
-    for cam in (
-        joint
-        for joint in linkage.chain.joints
-        if isinstance(joint, m.Cam) and joint.closure == "force"
-    ):
+    for cam in linkage.pressed:
         unit = (
             "n_m" if cam.slide is None else "n"
         )  # what a spring must give at least, along the follower's motion
@@ -344,23 +370,22 @@ def _forces(linkage: Linkage, theta: Floats) -> Study:
     tables = [
         Table("Loads of the joints, without friction", ("joint", "greatest, N", "at, deg"), rows)
     ]
-    for each in linkage.sprung:
+    for each in made.sprung:
         numbers |= dict(
             zip((f"{each.figure}_least_n", f"{each.figure}_greatest_n"), each.forces(), strict=True)
         )
-    if linkage.sprung:
+    if made.sprung:
         of_springs = [
             (each.name, each.pull.rate, each.pull.free, each.shortest, each.longest, *each.forces())
-            for each in linkage.sprung
+            for each in made.sprung
         ]
         tables.append(Table("Springs, between their points", _SPRINGS, of_springs))
 
     def plots() -> list[Plot]:
-        label = f"{linkage.assembly.cycle.name}, deg"
         return [
             Plot(
                 "Torque of the drive, without friction",
-                label,
+                f"{angle()}, deg",
                 "N m",
                 [("torque", np.degrees(theta), torque)],
             )
@@ -369,12 +394,9 @@ def _forces(linkage: Linkage, theta: Floats) -> Study:
     return Study(numbers, Later(plots), tables)
 
 
-def timing(linkage: Linkage) -> tuple[Study, ...]:
-    """All outputs over one turn of the shaft, each from its least to its greatest; nothing for a machine without includes."""
-    if not linkage.includes:
-        return ()
-    theta = np.linspace(*linkage.cycle.range, ROWS)
-    run = linkage.solve(theta, 0)
+def timing(run: Run, driven: str) -> Study:
+    """All outputs of a machine over one turn of its shaft, each from its least to its greatest; driven: link that turns."""
+    theta = run.theta
     series: list[tuple[str, Floats, Floats]] = []
     for output in run.machine.outputs:
         values = np.asarray(run[output.name])
@@ -392,13 +414,11 @@ def timing(linkage: Linkage) -> tuple[Study, ...]:
                     (value - least) / span if span else value - least,
                 )
             )
-    label = f"{linkage.drive.link}, deg"
-    return (
-        Study(plots=[Plot("Timing of the whole machine", label, "share of its stroke", series)]),
-    )
+    title, label = "Timing of the whole machine", f"{driven}, deg"
+    return Study(plots=[Plot(title, label, "share of its stroke", series)])
 
 
-def _centrodes(linkage: Linkage, run: Run) -> list[Plot]:
+def _centrodes(linkage: Moving, run: Run) -> list[Plot]:
     """Of each link that draws a path and is pinned nowhere on the ground: where its instant centre runs."""
     held = {
         body
@@ -431,7 +451,7 @@ def _centrodes(linkage: Linkage, run: Run) -> list[Plot]:
     return found
 
 
-def paths(linkage: Linkage) -> tuple[Sketch, ...]:
+def paths(linkage: Moving) -> tuple[Sketch, ...]:
     """Paths of points, on the ground, and the places that they shall pass, with the room that they have."""
     run = linkage.run(np.linspace(*linkage.cycle.range, ROWS // 2), 0)
     outputs = [output for output in linkage.chain.outputs if isinstance(output.of, m.Path)]
@@ -458,11 +478,11 @@ def paths(linkage: Linkage) -> tuple[Sketch, ...]:
     return tuple(found)
 
 
-def _extreme_places(linkage: Linkage) -> tuple[list[tuple[object, ...]], dict[str, float]]:
+def _extreme_places(linkage: Moving) -> tuple[list[tuple[object, ...]], dict[str, float]]:
     """Where angles and places turn back: there the output could not drive; the time ratio of each that goes to and fro."""
     rows: list[tuple[object, ...]] = []
     ratios = {}
-    for wanted, course in zip(linkage.wanted, courses(linkage), strict=True):
+    for wanted, course in zip(linkage.wanted, linkage.courses, strict=True):
         if np.iscomplexobj(course.value) or abs(
             course.value[-1] - course.value[0]
         ) > _RETURNS * np.ptp(course.value):
@@ -485,11 +505,11 @@ def _extreme_places(linkage: Linkage) -> tuple[list[tuple[object, ...]], dict[st
     return rows, ratios
 
 
-def _path_table(linkage: Linkage, theta: Floats, run: Run) -> list[tuple[object, ...]]:
+def _path_table(linkage: Moving, theta: Floats, run: Run) -> list[tuple[object, ...]]:
     """Of each path its length, its sharpest place, where it is straight for a moment, where it has cusps, where it crosses
     itself. A cusp is a place where the point stands still for a moment."""
     rows: list[tuple[object, ...]] = []
-    whole = linkage.drive.range_deg is None
+    whole = not linkage.cycle.to_and_fro
     for output in (each for each in linkage.chain.outputs if isinstance(each.of, m.Path)):
         _, first, second = np.asarray(run.derivatives(output.name), complex)
         speed, bend = np.abs(first), (np.conj(first) * second).imag
@@ -509,7 +529,7 @@ def _path_table(linkage: Linkage, theta: Floats, run: Run) -> list[tuple[object,
             if all(abs(theta[k] - stop) > 0.02 for stop in stops)
         ]
         crossed = []
-        if whole and not stops and not linkage.drive.segments:
+        if whole and not stops and linkage.even:
             pairs, _ = double_points(
                 lambda t, order, name=output.name: _jet(linkage, name, t)[order],  # type: ignore[misc]
                 720,
@@ -524,17 +544,17 @@ def _path_table(linkage: Linkage, theta: Floats, run: Run) -> list[tuple[object,
     return rows
 
 
-def _jet(linkage: Linkage, name: str, theta: Floats) -> Any:
-    return linkage.solve(theta).derivatives(name)
+def _jet(linkage: Moving, name: str, theta: Floats) -> Any:
+    return linkage.run(theta).derivatives(name)
 
 
-def _stops(linkage: Linkage, name: str, theta: Floats, speed: Floats, whole: bool) -> list[float]:
+def _stops(linkage: Moving, name: str, theta: Floats, speed: Floats, whole: bool) -> list[float]:
     """Angles at which a path's point stands still for a moment, rad: the least speeds, by Newton's method from the samples."""
     near = np.flatnonzero(
         (speed <= np.roll(speed, 1)) & (speed <= np.roll(speed, -1)) & (speed < _SLOW * speed.max())
     )
     t = theta[near if whole else near[(near > 0) & (near < len(theta) - 1)]]
-    if linkage.drive.segments or not t.size:  # a program's rests are none
+    if not linkage.even or not t.size:  # a program's rests are none
         return []
     for _ in range(20):
         _, first, second = _jet(linkage, name, t)
@@ -545,9 +565,7 @@ def _stops(linkage: Linkage, name: str, theta: Floats, speed: Floats, whole: boo
     return sorted({round(float(x % math.tau if whole else x), 9) for x in t[still]})
 
 
-def _extremes(
-    linkage: Linkage, signal: Signal, theta: Floats, value: Floats
-) -> tuple[float, float]:
+def _extremes(linkage: Moving, signal: Signal, theta: Floats, value: Floats) -> tuple[float, float]:
     """Least and greatest of a signal, in its unit: the sample's, refined between its neighbours."""
     ends = [int(np.argmin(value)), int(np.argmax(value))]
     near = [np.linspace(theta[max(k - 1, 0)], theta[min(k + 1, len(theta) - 1)], 257) for k in ends]

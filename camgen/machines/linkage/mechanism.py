@@ -37,12 +37,12 @@ from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.asked_range import refuse_range
 from camgen.machines.linkage.drawing import Drawing
 from camgen.machines.linkage.drawing_faults import drawing_faults
-from camgen.machines.linkage.signals import Signal, signals_of
 from camgen.machines.linkage.weights import counterbalanced, weight_faults
 from camgen.machines.loads.bearing import Borne
 from camgen.machines.loads.counterweights import Counterweight, balance_of, found_moment
 from camgen.machines.loads.pressed import by_force, pressed
 from camgen.machines.loads.tables import Drives
+from camgen.machines.loads.weights import gravity
 from camgen.machines.mechanism import Mechanism, Remarks
 from camgen.parts import assembly as assemblies
 from camgen.parts.assembly import Assembly, Cycle, Frame, MotorSeat
@@ -62,7 +62,7 @@ from camgen.parts.generator.trials import with_cures
 from camgen.parts.journals import journals
 from camgen.parts.part import Part
 from camgen.spec import Output, unknown, validate
-from camgen.study import Later, Study, together
+from camgen.study import ROWS, Later, Study, together
 
 _SAMPLES = np.linspace(
     0, math.tau, 1440, endpoint=False
@@ -268,13 +268,14 @@ class Linkage(Mechanism):
         return solve(self.chain, theta, order)
 
     @cached_property
-    def signals(self) -> tuple[Signal, ...]:
-        """What the outputs give, as single numbers."""
-        return signals_of(self.chain)
+    def _moving(self) -> figures.Moving:
+        """It without what is included, as figures see it."""
+        even, springs = not self.drive.segments, bool(self.springs)
+        return figures.Moving(self.chain, self.cycle, self.drive.link, self.wanted, even, springs)
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """The first signal over a period, rad or mm; its derivatives are to theta."""
-        found: Floats = self.signals[0].rows(
+        found: Floats = self._moving.signals[0].rows(
             self.run(self.cycle.theta(np.asarray(theta, float)), order)
         )[order]
         return found
@@ -320,7 +321,7 @@ class Linkage(Mechanism):
             self.cycle,
             bodies.mounts,
             features,
-            asked=figures.asked(self),
+            asked=figures.asked(self._moving, self.allowed),
             stand_ins=bodies.stand_ins(),
             balances=() if self.counterweight is None else (self._balance(self.counterweight),),
             coils=coils_of(bodies.layout, bodies.mounts),
@@ -350,9 +351,9 @@ class Linkage(Mechanism):
     @cached_property
     def _bare(self) -> Bodies:
         """What is made of it alone; levels that [layers] leaves open are found."""
-        lacking = self.lacking()
-        if lacking is not None:
-            raise lacking
+        unmade = lacking(self._layout)
+        if unmade is not None:
+            raise unmade
         return self._balanced[0]
 
     @cached_property
@@ -401,10 +402,6 @@ class Linkage(Mechanism):
             kept=inc.kept(self.includes, lambda: self._host),
         )
 
-    def lacking(self) -> DesignError | None:
-        """What to say of joints of which no bodies are made yet."""
-        return lacking(self._layout)
-
     def _found(self) -> Mapping[str, object]:
         """Levels, bows, the included specs and where they stand, and what every mechanism fills in."""
         levels: dict[str, object] = {
@@ -435,8 +432,8 @@ class Linkage(Mechanism):
     def limits(self) -> Sequence[Finding]:
         """Targets by the model as designed, and how near each loop comes to a fold."""
         found = [
-            *figures.targets(self),
-            *figures.transmission_angles(self),
+            *figures.targets(self._moving),
+            *figures.transmission_angles(self._moving, self.allowed.transmission_angle_deg),
             *wheels.limits(self._layout.tips),
         ]
         return [
@@ -449,7 +446,7 @@ class Linkage(Mechanism):
     def _pressed(self) -> Borne:
         """What holds its own cams' followers; those of what is included are judged there."""
         cams = by_force(self.chain)
-        if not cams or self.lacking() is not None:
+        if not cams or lacking(self._layout) is not None:
             return Borne()
         theta = np.linspace(*self.cycle.range, len(_SAMPLES) + 1)
         return pressed(self._pulled, cams, self._drawing.kicked(), theta, self.assembly.cycle.name)
@@ -460,4 +457,17 @@ class Linkage(Mechanism):
 
     def study(self) -> Study:
         """Outputs, curves and paths, the class of a four-bar; those of what is included; all outputs over one turn."""
-        return together([figures.study(self), *map(inc.study, self.modules), *figures.timing(self)])
+        own = figures.study(self._moving, self._made, lambda: self.assembly.cycle.name)
+        if not self.includes:
+            return own
+        whole = self.solve(np.linspace(*self.cycle.range, ROWS), 0)
+        timing = figures.timing(whole, self.drive.link)
+        return together([own, *map(inc.study, self.modules), timing])
+
+    @property
+    def _made(self) -> figures.Made | None:
+        """What is made; None where there are joints of which no bodies are made."""
+        if lacking(self._layout) is not None:
+            return None
+        machine = replace(self.model, loads=(*self.model.loads, *gravity(self.load)))
+        return figures.Made(self.bodies.layout, machine, self.sprung, self.slots)
