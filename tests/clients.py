@@ -1,7 +1,7 @@
 """Real programs open every part that specs/ produces: pytest tests/clients.py, or python tests/clients.py FOLDER...
 
-admesh, prusa-slicer, openscad, librecad and chromium come with apt, GDAL and gmsh with `pip install pyogrio gmsh`, lib3mf with
-camgen; what is not installed is passed over, and said so. Exit codes of these programs mean little, so what they print is
+admesh, prusa-slicer, openscad, librecad and chromium come with apt, GDAL, gmsh and OCP with `pip install pyogrio gmsh
+cadquery-ocp-novtk`, lib3mf with camgen; what is not installed is passed over, and said so. Exit codes of these programs mean little, so what they print is
 read: each client answers with what it has against a file, "" for nothing. Areas and volumes are compared with the exact
 ones of report.json.
 """
@@ -326,16 +326,73 @@ def gmsh(path: Path) -> Problem:
     return unlike("volume", volume, part["material_mm3"], 1e-4)
 
 
+OCP = """
+import json, sys
+from OCP.BRepCheck import BRepCheck_Analyzer
+from OCP.BRep import BRep_Tool
+from OCP.BRepGProp import BRepGProp
+from OCP.GProp import GProp_GProps
+from OCP.IFSelect import IFSelect_RetDone
+from OCP.STEPControl import STEPControl_Reader
+from OCP.TopAbs import TopAbs_FACE, TopAbs_SHELL, TopAbs_SOLID
+from OCP.TopExp import TopExp_Explorer
+
+def pieces(shape, kind, beside=None):
+    found, each = [], TopExp_Explorer(shape, kind) if beside is None else TopExp_Explorer(shape, kind, beside)
+    while each.More():
+        found.append(each.Current())
+        each.Next()
+    return found
+
+reader = STEPControl_Reader()
+wrong = [] if reader.ReadFile(sys.argv[1]) == IFSelect_RetDone else ["cannot be read"]
+reader.TransferRoots()
+whole, volume = reader.OneShape(), 0.0
+solids = [] if whole.IsNull() else pieces(whole, TopAbs_SOLID)
+for solid in solids:
+    wrong += [] if BRepCheck_Analyzer(solid).IsValid() else ["a solid that is not valid"]
+    wrong += ["an open shell" for shell in pieces(solid, TopAbs_SHELL) if not BRep_Tool.IsClosed_s(shell)]
+    mass = GProp_GProps()
+    BRepGProp.VolumeProperties_s(solid, mass, 1e-9)
+    volume += mass.Mass()
+loose = [] if whole.IsNull() else pieces(whole, TopAbs_FACE, TopAbs_SOLID)
+print("OCP " + json.dumps([volume, len(solids), wrong, len(loose)]))
+"""
+
+
+def ocp(path: Path) -> Problem:
+    """STEP: OpenCASCADE finds closed, valid solids, no face besides, and the right volume."""
+    text = said(sys.executable, "-c", OCP, path)
+    if "OCP " not in text:
+        return text.strip()[-200:] or "crashed"
+    volume, count, wrong, loose = json.loads(text.rpartition("OCP ")[2])
+    if wrong or loose or not count:
+        return "; ".join(wrong) or f"{loose} faces of no solid, {count} solids"
+    part = part_of(path)
+    if not part:
+        return ""
+    return (
+        f"holds {count} solids"
+        if count > 1
+        else unlike("volume", volume, part["material_mm3"], 1e-4)
+    )
+
+
 # ---- every part ------------------------------------------------------------------------------------------------------
 
 CLIENTS: dict[str, Sequence[Client]] = {
     ".stl": (admesh, prusa_slicer, openscad),
     ".3mf": (lib3mf, prusa_slicer),
     ".dxf": (librecad, gdal),
-    ".step": (gmsh,),
+    ".step": (gmsh, ocp),
     ".html": (chromium,),
 }
-PACKAGES = {lib3mf: "lib3mf", gdal: "pyogrio", gmsh: "gmsh"}  # of Python; the others are programs
+PACKAGES = {
+    lib3mf: "lib3mf",
+    gdal: "pyogrio",
+    gmsh: "gmsh",
+    ocp: "OCP",
+}  # of Python; the others are programs
 
 
 def installed(client: Client) -> bool:
@@ -744,6 +801,10 @@ DAMAGES: list[tuple[Client, str, Callable[[Path], None]]] = [
     ),
     (gmsh, "thicker", lambda path: edited_step(path, r",12\.0\)", ",12.5)")),
     (gmsh, "truncated", truncated),
+    (ocp, "face lost", lambda path: edited_step(path, r"(CLOSED_SHELL\('',\()#\d+,", r"\1")),
+    (ocp, "metres", lambda path: edited_step(path, r"SI_UNIT\(.MILLI.", "SI_UNIT($")),
+    (ocp, "thicker", lambda path: edited_step(path, r",12\.0\)", ",12.5)")),
+    (ocp, "truncated", truncated),
     (gdal, "open", lambda path: edited_dxf(path, unclosed)),
     (gdal, "gap", lambda path: edited_dxf(path, gapped)),
     (gdal, "crossing", lambda path: edited_dxf(path, crossing)),

@@ -6,13 +6,11 @@ import math
 import os
 import re
 import sys
-import time
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from shutil import get_terminal_size
-from threading import Event, Lock, Thread
 from typing import TYPE_CHECKING
 
 import click
@@ -26,8 +24,8 @@ if TYPE_CHECKING:
     from camgen.report.report import Report
 
 _CONDENSED_FROM = 40  # findings; fewer are printed one by one
-_TICK = 1.0  # s between two looks at the clock of the progress line
-_BAR = 20  # characters of its bar
+_BAR = 20  # characters of the bar of the progress line
+_TICKS = 2  # a second, at which it is drawn anew
 
 
 def _condensed(findings: Sequence[Finding]) -> list[tuple[Finding, int]]:
@@ -272,51 +270,37 @@ class Bar:
         self._shown = wanted and sys.stderr is not None and sys.stderr.isatty()
 
     def __enter__(self) -> Progress:
-        self._begun = time.monotonic()
-        self._state: tuple[str, float | None] = ("starting", None)
-        self._lock, self._over = Lock(), Event()
         if self._shown:
-            self._draw()
-            self._ticker = Thread(target=self._tick, daemon=True)
-            self._ticker.start()
+            from rich import progress
+            from rich.console import Console
+
+            self._line = progress.Progress(
+                progress.BarColumn(_BAR),
+                progress.TimeElapsedColumn(),
+                progress.TextColumn("{task.description}", markup=False),
+                console=Console(stderr=True, markup=False, emoji=False, highlight=False),
+                transient=True,
+                refresh_per_second=_TICKS,
+                redirect_stdout=False,
+                redirect_stderr=False,
+            )
+            self._task = self._line.add_task("starting", total=None)
+            self._line.start()
         return self._step
 
     def _step(self, text: str, done: float | None = None) -> None:
-        if (
-            text.startswith("note: ") and sys.stderr is not None
-        ):  # stays on the screen, and is told at once
+        said = printable(text)
+        if text.startswith("note: "):  # stays on the screen
             if self._shown:
-                self._write("")
-            print(("\r" if self._shown else "") + printable(text), file=sys.stderr, flush=True)
-            return
-        self._state = printable(text), done
-        if self._shown:
-            self._draw()
-
-    def _tick(self) -> None:
-        while not self._over.wait(_TICK):
-            self._draw()
-
-    def _draw(self) -> None:
-        text, done = self._state
-        full = 0 if done is None else round(_BAR * min(max(done, 0.0), 1.0))
-        bar = " " * (_BAR + 2) if done is None else f"[{'#' * full:.<{_BAR}}]"
-        self._write(f"{bar} {time.monotonic() - self._begun:3.0f} s  {text}")
-
-    def _write(self, line: str) -> None:
-        """Put the line in place of the one before it."""
-        try:
-            width = (os.get_terminal_size(sys.stderr.fileno()).columns or 80) - 1
-        except (OSError, ValueError):
-            width = 79
-        with self._lock:
-            sys.stderr.write(f"\r{line[:width]:<{width}}")
-            sys.stderr.flush()
+                self._line.console.print(said, soft_wrap=True)
+            elif sys.stderr is not None:
+                print(said, file=sys.stderr, flush=True)
+        elif self._shown:
+            total = None if done is None else 1.0
+            self._line.update(
+                self._task, description=said, total=total, completed=done or 0.0, refresh=True
+            )
 
     def __exit__(self, *_: object) -> None:
         if self._shown:
-            self._over.set()
-            self._ticker.join()
-            self._write("")
-            sys.stderr.write("\r")
-            sys.stderr.flush()
+            self._line.stop()
