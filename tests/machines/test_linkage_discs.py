@@ -116,7 +116,7 @@ def test_what_is_no_disc_is_refused(discs: dict[str, float], said: str) -> None:
 def test_faults_are_told_by_their_keys(keys: dict[str, Any], path: str) -> None:
     with pytest.raises(SpecError) as caught:
         pump(**keys)
-    assert path in [fault.path for fault in caught.value.faults]
+    assert path in [fault.key for fault in caught.value.faults]
 
 
 def test_a_round_shaft_has_round_holes() -> None:
