@@ -10,12 +10,13 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
+from dataclasses import replace
 from datetime import date
 from difflib import get_close_matches
 from functools import lru_cache
-from typing import Annotated, Any, Literal, TypeVar, get_args
+from typing import Annotated, Any, ClassVar, Literal, TypeVar, get_args
 
 from pydantic import (
     AfterValidator,
@@ -191,6 +192,9 @@ class Laser(Record):
 class Checked(Record):
     """A record that `validate` makes: its keys are judged one by one, then together."""
 
+    # by table and word: the key of the same table that it is taken for
+    old_words: ClassVar[Mapping[tuple[str, str], str]] = {}
+
     _hints: tuple[str, ...] = PrivateAttr(())
 
     @property
@@ -274,12 +278,20 @@ def validate(
 ) -> S:
     """The tables as a record of the class; SpecError with every fault at once, each by its dotted path.
 
-    A key in the other of American and British spelling is taken for the one that is meant; hints: what is told of such.
+    A key in the other of American and British spelling, or by an old word, is taken for the one that is meant; hints: what is
+    told of such.
     like: tables and the record that was made of them: what is the same object in both tables is not checked again.
     """
     old, made = (
         like if like is not None and type(like[1]) is cls and "laser" not in data else (None, None)
     )  # it fills tables
+    data, read, notes = _in_new_words(cls, data)
+    if read:
+        try:
+            return validate(cls, data, source, (*hints, *notes))
+        except SpecError as error:
+            typed = [replace(each, path=read.get(each.path, each.path)) for each in error.faults]
+            raise SpecError(typed, source) from None
     try:
         record = cls.model_validate(_tuples(data, old, made))
     except ValidationError as error:
@@ -307,6 +319,23 @@ def _respell(cls: type[Checked], data: Data, error: ValidationError) -> list[str
                 holder[name] = holder.pop(path[-1])
                 told.append(f"{'.'.join(map(str, path))} is read as {name}")
     return told
+
+
+def _in_new_words(cls: type[Checked], data: Data) -> tuple[Data, dict[Key, Key], list[str]]:
+    """The tables with old words by the keys that are meant, the old word of each such key, and what to tell of them.
+
+    A table is no old word: where the same name is one, it is left.
+    """
+    read, notes = dict[Key, Key](), list[str]()
+    for (table, word), new in getattr(cls, "old_words", {}).items():
+        holder = data.get(table)
+        if isinstance(holder, dict) and word in holder and not isinstance(holder[word], dict):
+            beside = f", in place of {new} beside it" if new in holder else ""
+            notes.append(f"{table}.{word} is read as {new}{beside}")
+            data = {**data, table: {**holder, new: holder[word]}}
+            del data[table][word]
+            read[table, new] = (table, word)
+    return data, read, notes
 
 
 def _plain(value: float) -> float:

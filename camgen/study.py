@@ -127,6 +127,10 @@ class Later(Sequence[T]):
     def __len__(self) -> int:
         return len(self._items)
 
+    def __reduce__(self) -> tuple[type, tuple[Sequence[T]]]:
+        """Another process gets the items."""
+        return list, (self._items,)
+
 
 @dataclass(frozen=True)
 class Study:

@@ -27,6 +27,7 @@ INLINE = {
     "CamSegment",
     "DriveSegment",
     "Applied",
+    "Can",
 }
 OWN = {"source"}  # of an include: written by camgen, not by a person
 FITS = {"slide_clearance", "press_clearance"}  # each machine says what else they are

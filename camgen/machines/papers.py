@@ -188,8 +188,8 @@ def _eccentric() -> Iterator[Row]:
             "parts": {"tube_length": 10},
         }
     )
-    assert drive.tube is not None
-    yield Row("E fig. 4: needle's point out of its tube at most, mm", "3", drive.tube.out[1])
+    assert drive.needle is not None
+    yield Row("E fig. 4: needle's point out of its tube at most, mm", "3", drive.needle.out[1])
     yield Row(
         "E angle of the greatest speed, deg",
         "90",

@@ -68,6 +68,9 @@ class StandingCams(Mechanism):
                     '"through": no link turns on a point of the cam',
                 )
             )
+        if self.bodies.discs:
+            right = "nothing here: no link of this machine turns on an eccentric"
+            faults.append(Fault(("parts", "discs"), "", right))
         found = [replace(fault, path=("bodies", *fault.path[1:])) for fault in faults]
         return [
             *found,

@@ -119,6 +119,14 @@ class MotorFace:
     plain: bool = False
     standard: str = "NEMA ICS 16"
     flat: float = 0.0
+    length: float = 0.0  # of a round can between its face and the bar that holds it, mm; 0: square
+
+    @property
+    def reach(self) -> float:
+        """Greatest radius of it and of what holds it, mm."""
+        if not self.length:
+            return math.sqrt(2) * self.half
+        return max(self.half, *(abs(z) + self.screw.head for z in self.screws))
 
     def screw_length(self, grip: float) -> float:
         """Length of the screws that hold it through a grip, mm; 0 where none is sold."""
@@ -298,6 +306,18 @@ def _square(
         complex(x, y) for x, y in ((half, half), (-half, half), (-half, -half), (half, -half))
     )
     return MotorFace(name, boss, height, corners, SCREWS[thread], side / 2, shaft, **holes)
+
+
+def in_bar(
+    diameter: float, length: float, boss: float, shaft: float, thread: str, bar: float
+) -> MotorFace:
+    """A motor with a round can whose collar sits in the plate, and which a bar behind it holds by two screws; mm."""
+    screw = SCREWS[thread]
+    aside = 1j * (diameter / 2 + screw.clearance / 2 + 1)
+    places, half = (-aside, aside), diameter / 2
+    return MotorFace(
+        "can", boss, 0.0, places, screw, half, shaft, length + bar, True, "", length=length
+    )
 
 
 MOTOR_FACES = {

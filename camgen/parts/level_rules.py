@@ -45,7 +45,8 @@ class Axis:
 
     links: names of their levels; radius: of its head and spacers, mm; over: how many levels its head takes over its highest
     link; under: the same of what is under its lowest; far: whether there is a second plate over all, low, high: links that
-    must be on the lower, on the upper one of two stubs; runs: whether it is a pin that runs in a slot of one plate.
+    must be on the lower, on the upper one of two stubs; runs: whether it is a pin that runs in a slot of one plate; about: name
+    of the axis that goes through it, where it is a disc.
     """
 
     name: str
@@ -61,6 +62,7 @@ class Axis:
     low: tuple[str, ...] = ()
     high: tuple[str, ...] = ()
     runs: bool = False
+    about: str = ""
 
 
 @dataclass(frozen=True)
@@ -181,6 +183,8 @@ def _meets(one: _Way, other: _Way, gap: float) -> Rule | None:
             min(len(a.corners), len(b.corners)) > 1 and in_line(a.corners[:, 0], b.corners[:, 0])
         ):
             return None
+    elif isinstance(a, Axis) and isinstance(b, Axis) and (a.about == b.name or b.about == a.name):
+        return None
     elif isinstance(a, Opening) or isinstance(b, Opening):
         return None  # its axis passes by whatever else stands on the ground, or moves
     elif isinstance(a, Band) and (

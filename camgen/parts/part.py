@@ -110,8 +110,10 @@ class Part:
 
 
 def d_bore(diameter: float, flat_depth: float) -> Contour:
-    """Bore for a shaft with a flat: a circle about the origin whose top is cut off flat_depth below it, mm."""
+    """Bore for a shaft with a flat: a circle about the origin whose top is cut off flat_depth below it, mm; 0: a circle."""
     radius = diameter / 2
+    if not flat_depth:
+        return circle(0j, radius)
     height = radius - flat_depth
     lean = math.asin(height / radius)
     round_part = Arc(0j, radius, math.pi - lean, math.pi + 2 * lean)

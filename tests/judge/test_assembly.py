@@ -106,7 +106,7 @@ def test_free_as_designed(tmp_path: Path, name: str) -> None:
             "frame-1 and dowel-2",
         ),  # fixed: it never moves as the frame sees it
         ("eccentric-drive", "rod_1", 1, "disc-1 and rod-1"),
-        ("eccentric-drive", "slider_1", 1j, "body-1 and slider-1"),
+        ("eccentric-drive", "slider_1", 1j, "ground-1 and slider-1"),
         ("chain-stitch-looper", "lower_spreader_1", 1j, "lower-spreader-1 and upper-spreader-1"),
         ("chain-stitch-looper", "upper_spreader_1", -1, "upper-spreader-1 and needle-2-1"),
         ("chain-stitch-looper", "needle_1_1", 1, "needle-1-1 and needle-plate-1"),

@@ -244,7 +244,6 @@ def test_a_feature_is_sent_as_the_printer_needs_it() -> None:
 
 PINNED = {
     "uniform-swing": ("parts.pins=steel", {"cam-pin", "frame-pin"}),
-    "eccentric-drive": ("parts.pins=steel", {"pin"}),
     "thread-take-up": (
         "parts.pins=all-steel",
         {"pin-a", "pin-b", "dowel", "finger", "guide", "shaft"},

@@ -59,7 +59,7 @@ def test_fits_follow_the_clearances_of_the_spec() -> None:
 
 def test_a_motor_s_shaft_and_collar_are_fits_too() -> None:
     _, found = facts("eccentric-drive")
-    assert fits(found["disc"]) == {0: "press on Ø2"} and fits(found["body"])[0] == "press on Ø6"
+    assert fits(found["disc"]) == {0: "press on Ø2"} and fits(found["ground"])[0] == "press on Ø6"
     assert fits(found["motor-bar"]) == {0: "slide on Ø6"} and fits(found["rod"]) == {
         0: "slide on Ø9",
         48: "slide on Ø3",

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Annotated
 
 import numpy as np
-from pydantic import Field
 
 from camgen.machine.landmarks import zeros
-from camgen.machine.model import Body, Floats, Machine
+from camgen.machine.model import Floats, Machine
 from camgen.machine.run import solve
-from camgen.spec import Mass, Record
 from camgen.study import Plot, Study, Table
 
 Motion = Callable[[Floats, int], Floats]
@@ -46,34 +43,6 @@ _ERRATA = (
     "Erratum 6: an eccentric disc of 5 mm, bored 1.5 mm off centre for a 2 mm shaft, leaves a wall of 2.5 - 1.5 - 1 = 0 mm. A "
     "printable one is larger, with a strap round it; the motion does not change.",
 )
-
-
-class Masses(Record):
-    """What moves, for forces; the rod's centre of mass from the disc's centre, and its inertia about it."""
-
-    rod_g: Mass
-    rod_centre: Annotated[float, Field(ge=-1e6, le=1e6)]
-    rod_inertia_g_mm2: Annotated[float, Field(ge=0, le=1e12)]
-    slider_g: Mass
-
-    @classmethod
-    def none(cls) -> Masses:
-        """Nothing weighs anything."""
-        return cls.model_construct(rod_g=0.0, rod_centre=0.0, rod_inertia_g_mm2=0.0, slider_g=0.0)
-
-    def bodies(self, eccentricity: float, rod: float) -> tuple[Body, Body, Body]:
-        """Disc, which counts as balanced, rod and slider; lengths mm."""
-        return (
-            Body("disc", {"O": 0j, "E": complex(eccentricity)}),
-            Body(
-                "rod",
-                {"E": 0j, "P": complex(rod)},
-                self.rod_g * 1e-3,
-                complex(self.rod_centre),
-                self.rod_inertia_g_mm2 * 1e-9,
-            ),
-            Body("slider", {"P": 0j}, self.slider_g * 1e-3),
-        )
 
 
 def study(
@@ -118,11 +87,12 @@ def study(
         notes = (source, *_ERRATA)
     if loaded:
         forces = solve(machine, theta).forces()
+        (torque,) = forces.drives.values()
         peaks = {
             f"peak_force_{name.lower()}_n": float(np.max(np.abs(force)))
             for name, force in forces.reactions.items()
         }
-        numbers |= {**peaks, "peak_torque_n_m": float(np.max(np.abs(forces.drives["motor"])))}
+        numbers |= {**peaks, "peak_torque_n_m": float(np.max(np.abs(torque)))}
         plots += [
             Plot(
                 "Joint forces",
@@ -130,7 +100,7 @@ def study(
                 "N",
                 [(name, degrees, np.abs(f)) for name, f in forces.reactions.items()],
             ),
-            Plot("Driving torque", label, "N m", [("torque", degrees, forces.drives["motor"])]),
+            Plot("Driving torque", label, "N m", [("torque", degrees, torque)]),
         ]
     return Study(numbers, plots, tables, (), notes)
 

@@ -12,7 +12,7 @@ whole period: a harmonic motion from the least angle of the range to the greates
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Annotated, Any, Self
@@ -52,12 +52,13 @@ from camgen.parts.generator import webs, wheels
 from camgen.parts.generator.bodies import Bodies
 from camgen.parts.generator.changes import Change
 from camgen.parts.generator.coils import coils_of
+from camgen.parts.generator.joined import Fitting
 from camgen.parts.generator.joints import pivot_of
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.mounted import upper_end
 from camgen.parts.generator.posts import posts
 from camgen.parts.generator.sizes import Name, Parts
-from camgen.parts.generator.stacking import lacking, laid
+from camgen.parts.generator.stacking import first_choice, lacking, laid
 from camgen.parts.generator.trials import with_cures
 from camgen.parts.journals import journals
 from camgen.parts.part import Part
@@ -139,6 +140,11 @@ class Linkage(Mechanism):
         found += [
             unknown(("parts", "pins", name), name, self.points)
             for name in self.making.pins
+            if name not in self.points
+        ]
+        found += [
+            unknown(("parts", "discs", name), name, self.points)
+            for name in self.making.discs or ()
             if name not in self.points
         ]
         if self.includes and self.drive.segments:
@@ -307,12 +313,14 @@ class Linkage(Mechanism):
         """What is made without what is included."""
         bodies, sizes, plastic = self.bodies, self.making, self.material.name
         features = bodies.features()
+        frame = sizes.motor if sizes.can is None else ""
         motor = (
             MotorSeat()
             if sizes.face is None
-            else MotorSeat(sizes.motor, bodies.shaft_reach, bodies.collar)
+            else MotorSeat(frame, bodies.shaft_reach, bodies.collar)
         )
-        fixings = tuple((z, sizes.mount_diameter) for z in bodies.parts[0].centres[-2:])
+        screws = () if bodies.layout.fitted.feet else bodies.parts[0].centres[-2:]
+        fixings = tuple((z, sizes.mount_diameter) for z in screws)
         sprung = [each.bought(sizes.pin_diameter) for each in self.sprung]
         return Assembly(
             self.model,
@@ -371,7 +379,7 @@ class Linkage(Mechanism):
     def _parts_with(self, change: Change) -> Sequence[Part]:
         """Those of the spec so changed, on the same chain, by no further cures; DesignError or SpecError where it has none."""
         other = validate(type(self), change.tables(self._whole_spec()))
-        vars(other)["chain"] = self.chain
+        vars(other).update(chain=self.chain, fitting=self.fitting)
         vars(other)["_balanced"] = other._laid
         return other.assembly.parts
 
@@ -400,7 +408,18 @@ class Linkage(Mechanism):
             gears,
             springs={each.name: each.stretched for each in self.sprung},
             kept=inc.kept(self.includes, lambda: self._host),
+            fitting=self.fitting,
         )
+
+    @cached_property
+    def fitting(self) -> Callable[[Layout], Fitting] | None:
+        """What a template fits to its linkage beside what follows from the joints."""
+        return None
+
+    @cached_property
+    def sketched(self) -> Layout:
+        """Before levels: with the strokes of its slots and slides, and the first choice of their stems."""
+        return first_choice(self._layout, self.run(self.cycle.theta(_SAMPLES), 0))
 
     def _found(self) -> Mapping[str, object]:
         """Levels, bows, the included specs and where they stand, and what every mechanism fills in."""
@@ -419,6 +438,7 @@ class Linkage(Mechanism):
         # cached: nothing that they depend on was filled in
         same = vars(self).keys() & {
             "chain",
+            "fitting",
             "bodies",
             "_bare",
             "_balanced",

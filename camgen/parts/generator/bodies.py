@@ -16,7 +16,6 @@ pen      a hole at a point that is an output and no pin
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
@@ -30,7 +29,7 @@ from camgen.machine.features import Feature, Mount, StandIn
 from camgen.parts.assembly import Shaft
 from camgen.parts.catalogue import Bought, nut, screw_for
 from camgen.parts.generator import plates
-from camgen.parts.generator.discs import cam_parts, gear_part
+from camgen.parts.generator.discs import cam_parts, disc_layer, gear_part, keeper
 from camgen.parts.generator.joined import GROUND
 from camgen.parts.generator.joints import features_of, part_name, point_of
 from camgen.parts.generator.layout import Layout
@@ -53,6 +52,7 @@ _ABOUT = {
     "cap": "Cap {} of a pin",
     "nut": "Nut {} of a pin",
     "cover": "Cover {} of a guide",
+    "keeper": "Keeper {} of a disc",
 }
 
 
@@ -74,8 +74,9 @@ class Bodies:
     def _made(self) -> tuple[list[Part], list[Mount]]:
         layout = self.layout
         moving = [link for link in layout.moving if link not in layout.alone]
+        own = layout.fitted
         base = ground_plate(layout, part_name(GROUND), self.collar_radius, self._pressed(GROUND))
-        parts = [base, *(self._link(name) for name in moving)]
+        parts = [base, *(own.links.get(name) or self._link(name) for name in moving)]
         mounts = [Mount(part_name(GROUND), GROUND)]
         mounts += [
             Mount(part_name(name), layout.carrier(name), z=layout.floor(layout.level[name]))
@@ -88,8 +89,10 @@ class Bodies:
             *(each for point in layout.pivots for each in self._stack(point)),
             *covers(layout),
             *hand_crank(layout),
+            *plates.motor_bar(layout),
             *second(layout),
             *self._counterweight(),
+            *own.placed,
         ]:
             like = replace(part, name=part.name, title=part.title)  # what is alike is one part
             if like not in names:
@@ -138,12 +141,15 @@ class Bodies:
         """Drive, of a speed for people, and screws."""
         p, face = self.sizes, self.sizes.face
         screw = f"{screw_for(p.mount_diameter)}, at most {p.base_thickness:g} into the plate"
-        shaft = f"shaft of {p.shaft_diameter:g} with a flat {p.shaft_flat:g} deep"
+        shaft = p.shaft_text
         motors = [] if p.hand_crank else [Bought("drive", "", f"{turning}, for a {shaft}", 1)]
         if face is not None:
-            shaft += "" if face.flat else " (that of your motor is to be looked up: shaft_flat)"
-            reach = self.shaft_reach
-            frame = f"{face.name.upper().replace('-', ' ')} frame, {turning}, {shaft}, at least {reach:.4g} long from its face"
+            known = face.flat or not p.shaft_flat
+            shaft += "" if known else " (that of your motor is to be looked up: shaft_flat)"
+            frame = f"{face.name.upper().replace('-', ' ')} frame"
+            if face.length:
+                frame = f"can {2 * face.half:g} x {face.length:g}, collar {face.boss:g}"
+            frame += f", {turning}, {shaft}, at least {self.shaft_reach:.4g} long from its face"
             length = face.screw_length(p.base_thickness - p.pocket)
             motors = [
                 Bought("drive", face.standard, frame, 1),
@@ -151,16 +157,18 @@ class Bodies:
                     "screw of the motor",
                     face.screw.standard,
                     f"{face.screw.thread} x {length:g}",
-                    4,
+                    len(face.screws),
                 ),
             ]
-            motors += [nut("nut of the motor", face.screw.thread, 4)] if face.plain else []
+            nuts = [nut("nut of the motor", face.screw.thread, len(face.screws))]
+            motors += nuts if face.plain else []
         covers = sum(mount.part.startswith("cover-") for mount in self.mounts)
         screws = self.layout.cover.bought(covers) if self.layout.cover else []
         screws += [] if self.collar is None else self.collar.bought(self.collar.least_radius)
+        behind = Bought("screw of the plate, from behind", "", screw, 2)
         return [
             *motors,
-            Bought("screw of the plate, from behind", "", screw, 2),
+            *(self.layout.fitted.bought if self.layout.fitted.held else [behind]),
             *screws,
             *plates.bought(self.layout),
         ]
@@ -174,23 +182,27 @@ class Bodies:
             if deep > 0 and self.sizes.face is None
             else ""
         )
-        turns = f"what is coupled to the shaft's lower end turns it, by its flat {self.sizes.shaft_flat:g} deep"
+        flat = self.sizes.shaft_flat
+        by = f", by its flat {flat:g} deep" if flat else ""
+        turns = f"what is coupled to the shaft's lower end turns it{by}"
         turns = "the hand crank turns it from below" if self.sizes.hand_crank else turns
         turns = (
             turns
             if self.sizes.face is None
             else "the motor under the plate turns it: leave it room there"
         )
-        held = "a board or frame of yours: two screws from behind, in the plate's outermost holes, hold it."
+        held = "two screws from behind, in the plate's outermost holes, hold it"
+        held = f"a board or frame of yours: {self.layout.fitted.held or held}."
         return f"{held}{open_} {turns[0].upper()}{turns[1:]}"
 
     def stand_ins(self) -> list[StandIn]:
-        """The motor under the plate."""
-        face = self.sizes.face
+        """The motor under the plate, and what is fitted."""
+        face, own = self.sizes.face, self.layout.fitted.stand_ins
         if face is None:
-            return []
+            return [*own]
         at = self.layout.at(GROUND, self.layout.shaft_of(self.layout.driven))
-        return [StandIn("motor", GROUND, ((at, math.sqrt(2) * face.half, -2 * face.half, 0.0),))]
+        wide = face.half if face.length else face.reach
+        return [StandIn("motor", GROUND, ((at, wide, -(face.length or 2 * face.half), 0.0),)), *own]
 
     # ---- links and plate --------------------------------------------------------------------------------------------
 
@@ -201,7 +213,8 @@ class Bodies:
             self.layout.thickness(link),
         )
         holes: dict[str, Contour] = {}
-        for point, z in points.items():
+        discs = [point for point, (on, _) in layout.discs.items() if on == link]
+        for point, z in ((point, z) for point, z in points.items() if point not in discs):
             holes[f"hole {point}"] = circle(z, layout.hole(point, link) / 2)
             flat = layout.profile(point, link)
             if flat is not None:
@@ -211,6 +224,7 @@ class Bodies:
         if link in layout.marks:
             holes["mark"] = circle(layout.marks[link], self.sizes.pen_diameter / 2)
         layers, notes = seated(layout, link, holes)
+        layers += [disc_layer(layout, point) for point in discs]
         notes = [
             f"level {layout.level[link]} of the machine, from the plate",
             *self._pressed(link),
@@ -283,7 +297,11 @@ class Bodies:
         if point in layout.carried:
             return
         at, bought = layout.at(body, point), layout.on_motor(point, GROUND)  # the motor's own shaft
+        if point in layout.discs:
+            yield keeper(layout, point)
         for stub in stubs(layout, point):
+            if point in layout.discs:
+                continue
             if point not in layout.shafts:
                 yield from pin(layout, point, stub)
             elif stub.hangs:
@@ -356,16 +374,17 @@ class Bodies:
             self.sizes,
             (
                 f"{self.sizes.shaft_diameter:g}",
-                f"x {below + top:g}, a flat {self.sizes.shaft_flat:g} deep",
+                f"x {below + top:g}",
             ),
         )
-        sized = [f"rod {size[0]} h9 {size[1]} all along"] if s.shaft_made == "steel" else []
+        flat = f", a flat {s.shaft_flat:g} deep" if s.shaft_flat else ""
+        sized = [f"rod {size[0]} h9 {size[1]}{flat} all along"] if s.shaft_made == "steel" else []
         part = Part(name, title, (layer,), centres=(0j,), notes=(*sized, said), made=s.shafts_made)
         loose = [wheel for wheel, (on, _) in self.layout.freewheels.items() if on == link]
         if loose:
             end = below + max(self.layout.top(self.layout.level[wheel]) for wheel in loose)
             rod = Layer(Region(circle(0j, self.sizes.shaft_diameter / 2)), 0.0, end)
-            hard = f"hardened steel rod {size[0]} h6 {size[1]} ground on its upper end"
+            hard = f"hardened steel rod {size[0]} h6 {size[1]}{flat} ground on its upper end"
             part = replace(
                 part, layers=(rod, replace(layer, z0=end)), notes=(hard, said), made="bought", cut=1
             )

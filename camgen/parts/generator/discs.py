@@ -1,4 +1,8 @@
-"""What turns on the shafts of a linkage as parts: the discs of cams with their rollers, and wheels of gears."""
+"""What turns on the shafts of a linkage as parts: the discs of cams with their rollers, wheels of gears, eccentrics.
+
+eccentric    a pin that is a disc round the shaft of its link, of one piece with that; the strap of another link turns on it
+keeper       what lies on the disc, as a head on a pin, on the same shaft
+"""
 
 from __future__ import annotations
 
@@ -9,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.geometry.outlines import Contour, circle
+from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine.features import Mount
 from camgen.parts.catalogue import TURNED
 from camgen.parts.disc_cams import Parts as Disc
@@ -18,7 +22,8 @@ from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.pins import Placed
 from camgen.parts.generator.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline
 from camgen.parts.hardware import plate, spacer
-from camgen.parts.part import Layer, Part, d_bore, rod
+from camgen.parts.part import Held, Layer, Part, d_bore, rod
+from camgen.tolerances import SAME_POINT
 
 
 class _Disc(Disc):
@@ -131,3 +136,53 @@ def gear_part(layout: Layout, wheel: Toothed) -> Placed:
     return part, Mount(
         wheel.part, wheel.link, at, -start, z=layout.floor(layout.level[wheel.level])
     )
+
+
+def wall_of_disc(off: float, wide: float, bore: float, min_wall: float, key: str) -> None:
+    """DesignError where a disc has no wall beside its bore, whose centre is so far off; diameters mm."""
+    thin = (wide - bore) / 2 - off
+    if thin < min_wall - SAME_POINT:
+        works = 2 * (min_wall + off) + bore
+        raise DesignError(
+            "MIN_WALL of the eccentric disc",
+            thin,
+            min_wall,
+            "mm",
+            "the thin side of its bore",
+            f"D/2 - e - d/2 must reach it: {key} of {works:g} mm or more works",
+        )
+
+
+def disc_layer(layout: Layout, point: str) -> Layer:
+    """A pin that is a disc round the shaft of its link, over that link's body."""
+    link, shaft = layout.discs[point]
+    bore = _bore(layout, link, shaft).moved(1, layout.at(link, shaft))
+    off = abs(layout.at(link, point) - layout.at(link, shaft))
+    sizes = layout.turning(point), layout.hole(shaft, link), layout.min_wall
+    wall_of_disc(off, *sizes, f"parts.discs.{point}")
+    rim = circle(layout.at(link, point), layout.turning(point) / 2)
+    top = layout.disc_top(point) - layout.floor(layout.level[link])
+    return Layer(Region(rim, (bore,)), layout.thickness(link), round(top, 9))
+
+
+def keeper(layout: Layout, point: str) -> Placed:
+    """What keeps a link on a disc."""
+    link, shaft = layout.discs[point]
+    at = layout.at(link, shaft)
+    rim = circle(layout.at(link, point) - at, layout.head_radius(point))
+    region = plate("keeper", rim, {"shaft": _bore(layout, link, shaft)}, layout.min_wall)
+    part = Part(
+        "keeper",
+        "Keeper of a disc",
+        (Layer(region, 0.0, layout.sizes.head),),
+        centres=(0j,),
+        min_wall=layout.min_wall,
+        notes=(Held(f"pressed and glued on the shaft over {link}, in line with its disc"),),
+    )
+    return part, Mount(part.name, layout.carrier(link), at, z=layout.disc_top(point))
+
+
+def _bore(layout: Layout, link: str, shaft: str) -> Contour:
+    """A link's hole for its shaft, about its centre."""
+    flat = layout.profile(shaft, link)
+    return circle(0j, layout.hole(shaft, link) / 2) if flat is None else flat

@@ -119,7 +119,9 @@ def guide(
         above = max(radius + z.imag for z, radius in discs) - aside
         half = min(least, 0.8 * min(below, above))
         stem = "both" if stem == "along" else stem
-    grip = max(_GRIP * half, cover.least(sizes.rail_width) if cover else 0.0)
+    asked = sizes.shape(joint.runner.body).rails
+    grip = _GRIP * half if asked is None else asked - sizes.rail_width
+    grip = max(grip, cover.least(sizes.rail_width) if cover else sizes.rail_width)
     rim = max(half, *(radius for _, radius in discs)) + _AIR
     roots = {1: begin, -1: end}  # where the stems ahead and behind begin
     if wing:  # on the wing's middle; of one that lies slantwise where a stem's first side comes out

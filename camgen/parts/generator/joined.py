@@ -8,18 +8,21 @@ rider    what sits on a pin or shaft beside the links: rollers, wheels
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
-from camgen.parts.catalogue import Bearing
+from camgen.machine.features import Mount, StandIn
+from camgen.parts.catalogue import Bearing, Bought
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.generator.webs import parted, throws, webs
 from camgen.parts.generator.wheels import Ridden, Tip, Toothed, Wheel, tips, toothed, with_seconds
-from camgen.parts.part import Layer
+from camgen.parts.hardware import FACETS
+from camgen.parts.part import Layer, Part
 from camgen.spec import Print
 
 GROUND = m.GROUND
@@ -81,6 +84,20 @@ class Stand:
 
 
 @dataclass(frozen=True)
+class Fitting:
+    """What a machine of a kind has beside the parts that follow from its joints; lengths mm."""
+
+    feet: tuple[tuple[complex, float], ...] = ()  # holes for screws that hold the plate, diameters
+    holes: Mapping[str, Contour] = field(default_factory=dict)  # further ones of the plate
+    links: Mapping[str, Part] = field(default_factory=dict)  # bodies of links in place of theirs
+    placed: tuple[tuple[Part, Mount], ...] = ()  # further parts
+    stand_ins: tuple[StandIn, ...] = ()
+    bought: tuple[Bought, ...] = ()
+    held: str = ""  # what holds the plate, as the last step says
+    kept: tuple[tuple[complex, float], ...] = ()  # discs on the ground that posts keep clear of
+
+
+@dataclass(frozen=True)
 class Joined:
     """A machine and the sizes of its parts.
 
@@ -93,7 +110,8 @@ class Joined:
     on the shaft of another layout; feet: further holes of the plate, and their diameters, mm; hangs: whether these hold it;
     second: the plate over all, once levels are found; weights: counterweights on shafts; tall: points of dowels that stand out
     of their caps, for which there is a level more;
-    stands: what else stands on it; kept: discs on the ground that its posts keep clear of, mm.
+    stands: what else stands on it; kept: discs on the ground that its posts keep clear of, mm; fitting: what makes `fitted` of
+    the layout on its levels.
     """
 
     drawn: m.Machine
@@ -118,6 +136,8 @@ class Joined:
     tall: frozenset[str] = frozenset()
     stands: tuple[Stand, ...] = ()
     kept: tuple[tuple[complex, float], ...] = ()
+    fitting: Callable[[Any], Fitting] | None = None
+    fitted: Fitting = Fitting()
 
     # ---- joints -----------------------------------------------------------------------------------------------------
 
@@ -287,6 +307,20 @@ class Joined:
         on = self.freewheels[link][0] if link in self.freewheels else link
         return next(point for point, held in self.shafts.items() if held == on)
 
+    @cached_property
+    def discs(self) -> dict[str, tuple[str, str]]:
+        """Of each pin that is a disc its link, and the point of the shaft that goes through it."""
+        found = {}
+        for point in self.sizes.discs or ():
+            for shaft, link in self.shafts.items():
+                if link in self.pivots.get(point, ()) and shaft != point:
+                    found[point] = link, shaft
+        return found
+
+    def discs_on(self, shaft: str) -> list[str]:
+        """Points of the discs through which the shaft at a point goes."""
+        return [point for point, (_, on) in self.discs.items() if on == shaft]
+
     def clutch(self, point: str) -> Bearing | None:
         """The one-way clutches in which a shaft turns."""
         return next(
@@ -308,6 +342,12 @@ class Joined:
                 if name not in self.pivots:
                     found[name] = body.name
         return found
+
+    @property
+    def rim(self) -> float:
+        """Width of the material round a hole, mm: where that is just the least wall, so much more as facets may take of it."""
+        wall, least = self.sizes.wall, self.min_wall
+        return max(wall, least + 2 * FACETS) if wall >= least else wall
 
     def on_motor(self, point: str, link: str) -> bool:
         """Whether a hole is the plate's for the motor's boss."""

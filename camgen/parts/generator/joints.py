@@ -69,7 +69,8 @@ def _eye(layout: Layout, point: str, link: str, beside: str = "") -> Eye:
     """A link's hole at a point; of the ground the one in the plate that holds the other link's pin, or is nearer to it."""
     if link == GROUND and beside and in_upper(layout, point, beside):
         return Eye(SECOND, layout.at(GROUND, point), layout.far_hole(point))
-    return Eye(part_of(layout, link), layout.at(link, point), layout.hole(point, link))
+    disc = point in layout.discs and link == layout.pressed_in(point)
+    return Eye(part_of(layout, link), layout.at(link, point), layout.hole(point, link), shaft=disc)
 
 
 def features_of(layout: Layout, mounts: Sequence[Mount]) -> Sequence[Feature]:
@@ -87,6 +88,9 @@ def features_of(layout: Layout, mounts: Sequence[Mount]) -> Sequence[Feature]:
                 point, GROUND
             ):  # its boss in the plate, its shaft in the link: the mean counts twice
                 pin = Eye(None, 0j, (layout.sizes.face.boss + layout.turning(point)) / 2, True)  # type: ignore[union-attr]
+            elif point in layout.discs:  # a part of its link
+                found.append(PinEyes(joint.name, _eye(layout, point, a), _eye(layout, point, b)))
+                continue
             else:
                 pin = Eye(
                     _pin_of(layout, mounts, point, fixed, b if a == fixed else a),

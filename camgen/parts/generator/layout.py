@@ -47,6 +47,8 @@ class Layout(Joined):
 
     def turning(self, point: str) -> float:
         """Diameter of what turns at a point, mm."""
+        if point in self.discs and self.sizes.discs is not None:
+            return self.sizes.discs[point]
         thin = (
             self.sizes.shoulder.diameter
             if self.kind(point) == "shoulder"
@@ -56,7 +58,9 @@ class Layout(Joined):
 
     def kind(self, point: str) -> str:
         """The kind of pin of a point; of a shaft "bearing" or "printed"; no bearing in a slot, or under what rides on it;
-        "keyed" of what joins webs."""
+        "keyed" of what joins webs, "disc" of one round a shaft."""
+        if point in self.discs:
+            return "disc"
         if point in self.shafts:
             return "bearing" if self.clutch(point) else self.sizes.pins.get(point, "printed")
         if self.thrown(point):
@@ -92,6 +96,8 @@ class Layout(Joined):
     def head_radius(self, point: str) -> float:
         """Greatest radius of what is on a pin or shaft to hold links or keep them apart, mm."""
         found = self.spacer_diameter(point) / 2
+        if point in self.discs:
+            return max(found, self.hub(point, self.pressed_in(point)))
         screw, held = (
             self.sizes.shoulder if self.kind(point) == "shoulder" else None,
             self.collar(point),
@@ -231,6 +237,8 @@ class Layout(Joined):
         """The link in which the pin or the shaft of a point is fixed."""
         if point in self.shafts:
             return self.shafts[point]
+        if point in self.discs:
+            return self.discs[point][0]
         links = self.pivots[
             point
         ]  # never the last where that has a slot, for it lies over the others
@@ -243,8 +251,8 @@ class Layout(Joined):
 
     def _fixing(self, point: str) -> tuple[str, ...]:
         """Where a pin or shaft is fixed on whichever level its links lie; nothing where that depends on it."""
-        if point in self.shafts:
-            return (self.shafts[point],)
+        if point in self.shafts or point in self.discs:
+            return (self.pressed_in(point),)
         return (GROUND,) if self.pivots[point][0] == GROUND else ()
 
     def hole(self, point: str, link: str) -> float:
@@ -262,6 +270,8 @@ class Layout(Joined):
         """Diametral fit of a link's hole at a point, mm."""
         if link == self.slotted_link(point):
             return self.fits.slide_clearance
+        if point in self.discs and link == self.pressed_in(point):
+            return 0.0  # it is a part of its link
         held = (
             link in self.thrown(point)
             or self.on_motor(point, link)
@@ -282,7 +292,7 @@ class Layout(Joined):
         hole = self.sizes.pen_diameter if point in self.pens else turning + wide
         if self.on_motor(point, link):
             hole = self.hole(point, link)
-        return (self.sizes.shape(link).hub_diameter or hole + 2 * self.sizes.wall) / 2
+        return (self.sizes.shape(link).hub_diameter or hole + 2 * self.rim) / 2
 
     def points_of(self, link: str) -> dict[str, complex]:
         """The points of a link that have a round hole, in its axes."""
@@ -328,7 +338,10 @@ class Layout(Joined):
         return hubs
 
     def stems_of(self, link: str) -> Sequence[str]:
-        """How a link that slides may reach its rails: away from a cam that its own end touches."""
+        """How a link that slides may reach its rails: as asked for, or away from a cam that its own end touches."""
+        stem = self.sizes.shape(link).stem
+        if stem is not None:
+            return (stem,)
         sides = {tip.leaves for tip in self.noses(link)}
         if sides or self.cover is None:
             return tuple("ahead" if side > 0 else "behind" for side in sides) or STEMS
@@ -500,6 +513,11 @@ class Layout(Joined):
         links = [
             (link, self.thickness(link)) for link in self.pivots[point] if link not in self.alone
         ]
+        discs = self.discs_on(point)
+        if discs:  # they are as thick as what turns on them, a keeper lies on each
+            top = max(map(self.disc_top, discs))
+            thick = top - self.floor(self.level[self.shafts[point]])
+            links = [(link, thick if link == self.shafts[point] else high) for link, high in links]
         wheels = [wheel for wheel in self.wheels if self.shaft_of(wheel.link) == point]
         wheels += [
             tip.wheel for tip in self.tips if tip.rolls and tip.point == point
@@ -520,7 +538,15 @@ class Layout(Joined):
             for name in self.riders.get(point, ())
             if name in self.springs
         }
+        found |= {
+            (self.on(disc)[-1][0] + 1, self.disc_top(disc), self.disc_top(disc) + self.sizes.head)
+            for disc in discs
+        }
         return sorted(found)
+
+    def disc_top(self, point: str) -> float:
+        """Height of the upper side of a disc, where its keeper lies, a play over what turns on it, mm."""
+        return round(self.on(point)[-1][2] + self.fits.slide_clearance, 9)
 
     def _beneath(self, name: str) -> list[int]:
         """Levels that a groove's back plate or a spring takes under its own."""

@@ -37,6 +37,16 @@ Placed = tuple[Part, Mount]
 
 def refuse(layout: Layout) -> None:
     """Raise DesignError where a pin cannot be of its kind."""
+    for point in layout.sizes.discs or ():
+        links = layout.pivots.get(point, ())
+        said = {
+            "no link with a shaft has it as a pin": point not in layout.discs or len(links) < 2,
+            "it is in a slot": point in layout.slots,
+            "a roller or a spring sits on it": point in layout.riders,
+            "the shaft is interrupted": layout.sizes.shaft == "interrupted",
+        }
+        for why in (why for why, wrong in said.items() if wrong):
+            raise DesignError("discs", 1, 0, "", f"parts.discs.{point}: {why}", "leave it out")
     for point, kind in layout.sizes.pins.items():
         links = layout.pivots.get(point, ())
         hangs = point in {tip.point for tip in layout.tips if tip.hung}

@@ -8,7 +8,6 @@ second     hubs round what it holds: far ends of pins and shafts, pins that hang
 from __future__ import annotations
 
 import cmath
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import count, pairwise, product
@@ -134,7 +133,7 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
     beside = [*hubs, *((points[shaft], under) for shaft in layout.shafts if shaft in points)]
     pockets = {}
     if face is not None:
-        beside.append((motor, math.sqrt(2) * face.half + s.mount_diameter))
+        beside.append((motor, face.reach + s.mount_diameter))
         wide = (face.screw.head + HEAD_ROOM) / 2
         hubs += [(motor + z, wide + s.wall) for z in face.screws]
         holes |= {
@@ -153,10 +152,12 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
     pairs = [(a, b) for a in [*beside, *posts] for b in [*beside, *posts]]
     a, b = max(pairs, key=lambda pair: abs(pair[1][0] - pair[0][0]) + pair[0][1] + pair[1][1])
     way = (b[0] - a[0]) / abs(b[0] - a[0]) if a[0] != b[0] else 1.0 + 0j
+    _refuse_rails(layout, motor)
     screws = [] if layout.hangs else [a[0] - way * (a[1] + radius), b[0] + way * (b[1] + radius)]
     holes |= {f"screw {k}": circle(z, radius) for k, z in enumerate(screws, 1)}
+    holes |= layout.fitted.holes
     holes |= {f"foot {k}": circle(z, wide / 2) for k, (z, wide) in enumerate(layout.feet, 1)}
-    hubs += [(z, wide / 2 + s.wall) for z, wide in layout.feet]
+    hubs += [(z, wide / 2 + layout.rim) for z, wide in layout.feet]
     outer = hull([*hubs, *((z, radius + s.wall) for z in screws)])
     floor, whole = s.base_thickness, plate("ground plate", outer, holes, layout.min_wall)
     heads = 0.0 if not sunk else _depth(s)
@@ -182,6 +183,47 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
         notes=(*(["the outermost holes are for screws from behind"] if screws else []), *notes),
         points=tuple(points.items()),
     )
+
+
+def _refuse_rails(layout: Layout, motor: complex) -> None:
+    """DesignError where a rail would stand over the seat of the motor's boss, whose centre this is."""
+    seat = layout.hole(layout.shaft_of(layout.driven), GROUND) / 2 if layout.sizes.face else 0.0
+    for link, guide in layout.guides.items():
+        ends = [rail for rail in guide.rails if seat and guide.joint.guide.body == GROUND]
+        for a, b in ends:
+            foot = min(1.0, max(0.0, ((motor - a) / (b - a)).real))
+            wall = abs(a + foot * (b - a) - motor) - seat - layout.sizes.rail_width / 2
+            if wall < layout.min_wall:
+                raise DesignError(
+                    "wall between the motor's seat and the guide",
+                    wall,
+                    layout.min_wall,
+                    "mm",
+                    f"rails of {link}",
+                    "draw the guide further from the shaft, or use a motor with a smaller boss",
+                )
+
+
+def motor_bar(layout: Layout) -> Iterator[tuple[Part, Mount]]:
+    """What holds a motor with a round can from behind."""
+    s, face = layout.sizes, layout.sizes.face
+    if face is None or not face.length:
+        return
+    boss = (face.boss + layout.fits.slide_clearance) / 2
+    hole, rim = face.screw.clearance / 2, layout.rim
+    outer = hull([(0j, boss + rim), *((z, hole + rim) for z in face.screws)])
+    holes = {f"screw {k}": circle(z, hole) for k, z in enumerate(face.screws, 1)}
+    region = plate("motor bar", outer, {"boss": circle(0j, boss), **holes}, layout.min_wall)
+    part = Part(
+        "motor-bar",
+        "Motor bar",
+        (Layer(region, 0.0, s.base_thickness),),
+        centres=(0j, *face.screws),
+        min_wall=layout.min_wall,
+        notes=("behind the motor; two long screws draw both to the plate",),
+    )
+    at = layout.at(GROUND, layout.shaft_of(layout.driven))
+    yield part, Mount(part.name, GROUND, at, z=-face.length - s.base_thickness)
 
 
 def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
@@ -297,9 +339,10 @@ def _sleeve(layout: Layout, name: str, sleeve: Sleeve) -> tuple[Part, Mount]:
 
 def bought(layout: Layout) -> list[Bought]:
     """Screws of the posts."""
-    held, grip = layout.sizes.post_screw, layout.sizes.base_thickness - _depth(layout.sizes)
+    held = layout.sizes.post_screw
     if layout.second is None or held is None:
         return []
+    grip = layout.sizes.base_thickness - _depth(layout.sizes)
     length = held.length(grip, (layout.ceiling - layout.sizes.base_thickness) / 2)
     size = f"{held.thread} x {length:g}, into core holes of {layout.sizes.mount_diameter:g}"
     stands = sum(len(stand.places) for stand in layout.stands if stand.merged is None)

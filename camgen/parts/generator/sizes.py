@@ -19,6 +19,7 @@ from camgen.parts.catalogue import (
     MotorFace,
     Screw,
     ShoulderScrew,
+    in_bar,
 )
 from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Length, Record, unknown
@@ -58,9 +59,29 @@ class Shape(Record):
         "0: not; left out: where it finds no level as it is, and bent it does",
     )
     thickness: Length | None = Field(None, description="mm; that of all links unless given")
+    rails: Length | None = Field(
+        None,
+        description="mm, length at least of the rails beyond its holes' way; found unless given",
+    )
+    stem: Literal["along", "ahead", "behind", "both"] | None = Field(
+        None,
+        description="of a link that slides: where its rails are, along its holes' way or beyond it, ahead on its line or behind; "
+        "found unless given",
+    )
 
 
 PinKind = Literal["printed", "dowel", "shoulder", "bearing"]
+
+
+class Can(Record):
+    """A motor with a round can under the plate: its boss sits in the plate, two long screws draw a bar behind it to the plate."""
+
+    boss_diameter: Length = Field(description="mm, of the collar round its shaft")
+    diameter: Length = Field(description="mm, of the can")
+    length: Length = Field(description="mm, of the can")
+    screw: Literal["M2", "M2.5", "M3", "M4", "M5", "M6"] = Field(
+        "M2", description="of the two that hold it"
+    )
 
 
 class Parts(Record):
@@ -79,13 +100,19 @@ class Parts(Record):
     )
     pins: dict[Name, PinKind] = Field({}, description="the same of one point")
     pin_diameter: Length = Field(5.0, description="mm, of pins")
+    discs: dict[Name, Length] | None = Field(
+        None,
+        description="mm, diameter of a pin so thick that the shaft of its link goes through it, by its point: an eccentric",
+    )
     wall: Length = Field(2.0, description="mm, round each hole")
     head: Length = Field(
         1.5, description="mm, how high a pin's head is, and how far it stands out all round"
     )
     base_thickness: Length = Field(5.0, description="mm, of the ground's plate")
     shaft_diameter: Length = Field(6.0, description="mm, of the shaft that drives")
-    shaft_flat: Length = Field(0.8, description="mm, depth of the flat that turns the driven link")
+    shaft_flat: Annotated[float, Field(ge=0, le=1e6)] = Field(
+        0.8, description="mm, depth of the flat that turns the driven link; 0: a round shaft"
+    )
     shaft: Literal["through", "interrupted"] = Field(
         "through",
         description="interrupted: webs on levels of their own, joined by the crank pins; rods sweep over the axis",
@@ -101,6 +128,9 @@ class Parts(Record):
     shaft_length: Length = Field(15.0, description="mm, of the shaft below the plate")
     motor: Literal["none", "nema-8", "nema-11", "nema-14", "nema-17", "nema-23"] = Field(
         "none", description="screwed under the plate, its own shaft drives"
+    )
+    can: Can | None = Field(
+        None, description="a motor with a round can in its place, held by a bar behind it"
     )
     set_screw: Literal["none", "M2", "M2.5", "M3", "M4", "M5"] = Field(
         "none",
@@ -192,7 +222,18 @@ class Parts(Record):
     @property
     def face(self) -> MotorFace | None:
         """Of the motor under the plate."""
-        return MOTOR_FACES.get(self.motor)
+        if self.can is None:
+            return MOTOR_FACES.get(self.motor)
+        c = self.can
+        rim = (c.diameter, c.length, c.boss_diameter)
+        return in_bar(*rim, self.shaft_diameter, c.screw, self.base_thickness)
+
+    @property
+    def shaft_text(self) -> str:
+        """The shaft that drives, for the list of parts."""
+        if not self.shaft_flat:
+            return f"round shaft of {self.shaft_diameter:g}"
+        return f"shaft of {self.shaft_diameter:g} with a flat {self.shaft_flat:g} deep"
 
     def collar(self, press: float, min_wall: float) -> SetScrewHub | None:
         """What holds on a motor's shaft; None where no set screw is asked for."""
@@ -282,7 +323,11 @@ class Parts(Record):
             if getattr(self, key) < nozzle
         ]
         found += [Fault(("parts", key), f"{getattr(self, key):g}", least) for key in thin]
-        if not 0.05 * self.shaft_diameter <= self.shaft_flat < 0.5 * self.shaft_diameter:
+        if self.can is not None and self.motor != "none":
+            right = f'nothing here, or no parts.motor = "{self.motor}": one motor drives'
+            found.append(Fault(("parts", "can"), "", right))
+        round_ = not self.shaft_flat and self.shaft == "through"
+        if not round_ and not 0.05 <= self.shaft_flat / self.shaft_diameter < 0.5:
             right = "between a twentieth and half of shaft_diameter, so that it turns the link"
             found.append(Fault(("parts", "shaft_flat"), f"{self.shaft_flat:g}", right))
         return found

@@ -22,6 +22,8 @@ from camgen.parts.generator.plates import columns, motor_holes, post_radius
 from camgen.parts.level_rules import Axis, Band, Crowded, Opening, Thing, Wall, span
 from camgen.parts.levels import cuts, levels
 
+_PIECES = 4  # of the band of a link with a strap
+
 
 def laid(layout: Layout, run: Run) -> Layout:
     """The layout with the strokes of its slots and slides, stems, heads and levels; run: samples over the whole motion.
@@ -131,7 +133,12 @@ class Things:
 
 
 def covered(layout: Layout, run: Run) -> Layout:
-    """A layout on its levels with the second plate, where one is asked for; run: samples over the whole motion."""
+    """A layout on its levels with what is fitted to it, and with the second plate, where one is asked for; run: samples over the
+    whole motion."""
+    if layout.fitting is not None:
+        own = layout.fitting(layout)
+        feet, kept = (*layout.feet, *own.feet), (*layout.kept, *own.kept)
+        layout = replace(layout, fitted=own, feet=feet, hangs=bool(feet), kept=kept)
     if layout.sizes.plates < 2:
         return layout
     t, gap = things(layout, run), layout.fits.slide_clearance
@@ -189,6 +196,10 @@ def things(layout: Layout, run: Run) -> Things:
                 *([hub] for hub in layout.hubs(link)),
                 *([(a, reach), (b, reach)] for a, b in pairwise(arm.middle())),
             ]
+        elif len(layout.hubs(link)) == 2 and not layout.discs.keys().isdisjoint(
+            layout.points_of(link)
+        ):
+            discs = _tapered(*layout.hubs(link))
         bands += [band(f"link {link}", link, each, link, *slimmer(layout, link)) for each in discs]
         for start, way, half, length, _ in (
             bar for tip in layout.noses(link) if (bar := layout.arm(tip)) is not None
@@ -294,6 +305,13 @@ def things(layout: Layout, run: Run) -> Things:
             ]
         place = ways(links[0], [layout.at(links[0], point)])[0]
         wide, name = layout.head_radius(point), f"{'pin' if shaft is None else 'shaft'} {point}"
+        if point in layout.discs:
+            carrier = layout.discs[point][0]
+            over += [(link, carrier) for link in moving if link != carrier]
+        strapped = {link: 0 for disc in layout.discs_on(point) for link in layout.pivots[disc]}
+        strapped.pop(shaft or "", None)
+        over += [(rider, link) for rider in layout.riders.get(point, ()) for link in strapped]
+        held = (*held, *strapped)
         low_ends = () if shaft is None else tuple(link for link in held if link not in hanging)
         runs = layout.slotted_link(point) == GROUND
         axes.append(
@@ -309,6 +327,7 @@ def things(layout: Layout, run: Run) -> Things:
                 low_ends,
                 hanging,
                 runs,
+                f"shaft {layout.discs[point][1]}" if point in layout.discs else "",
             )
         )
     walls = []
@@ -337,6 +356,17 @@ def things(layout: Layout, run: Run) -> Things:
         over += [(link, on)] if on != GROUND else []
     over += [(upper, lower) for lower, upper in pairwise(layout.webs)]
     return Things(bands, axes, walls, over, _openings(layout, run.theta.size))
+
+
+def _tapered(
+    one: tuple[complex, float], other: tuple[complex, float]
+) -> list[list[tuple[complex, float]]]:
+    """The band of a link whose hubs differ much, as a strap's do, in pieces that are not all as wide as the wider one."""
+    (a, first), (b, second) = sorted((one, other), key=lambda hub: -hub[1])
+    ways = np.linspace(0, 1, _PIECES + 1)
+    discs = [(complex(a + t * (b - a)), float(first + t * (second - first))) for t in ways]
+    slope = (first - second) * (b - a) / abs(b - a) / _PIECES  # a piece ends so much earlier
+    return [[one], [other], *([(x, r), (y - slope, r)] for (x, r), (y, _) in pairwise(discs))]
 
 
 def _openings(layout: Layout, count: int) -> list[Opening]:

@@ -1,0 +1,102 @@
+"""A machine of a paper as a template: its tables become those of a linkage, and its own physics stands beside.
+
+tables     of a spec, with the words of `mechanism = "linkage"`: points, links, drive, joints, sizes
+fitting    parts of its own beside those that follow from the joints
+findings   its own checks as designed
+figures    its own numbers, curves and tables
+
+All else, such as parts, levels, pins, forces, limits of joints, is that of any linkage.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import Any, Self
+
+from camgen.findings import Finding
+from camgen.machine.features import Asked
+from camgen.machine.model import Machine
+from camgen.machines.linkage.mechanism import Linkage
+from camgen.machines.mechanism import Mechanism, Remarks
+from camgen.parts.assembly import Assembly
+from camgen.parts.generator.joined import Fitting
+from camgen.parts.generator.layout import Layout
+from camgen.spec import validate
+from camgen.study import Study, together
+
+
+class Template(Mechanism):
+    """Base of machines whose spec says a linkage in other words."""
+
+    @abstractmethod
+    def tables(self) -> Mapping[str, Any]:
+        """Tables of the linkage that it is; DesignError where there is none."""
+
+    @abstractmethod
+    def findings(self) -> Sequence[Finding]:
+        """Checks of its own."""
+
+    @abstractmethod
+    def figures(self) -> Study:
+        """Numbers, curves and tables of its own."""
+
+    @abstractmethod
+    def asked(self) -> tuple[Asked, ...]:
+        """What is asked of its outputs."""
+
+    def refuse(self) -> None:
+        """Raise DesignError where its parts cannot be made, before any is."""
+
+    def fitting(self, layout: Layout) -> Fitting:
+        """Parts of its own on a linkage that is laid out."""
+        return Fitting()
+
+    @cached_property
+    def linkage(self) -> Linkage:
+        """The linkage that it is."""
+        shared = {"print": self.print, "material": self.material, "accuracy": self.accuracy}
+        more = {} if self.laser is None else {"laser": self.laser.model_dump()}
+        load = {} if self.load is None else {"load": self.load}
+        base = {"mechanism": "linkage", "name": self.name, **shared, **more, **load}
+        found = validate(Linkage, {**base, **self.tables()})
+        vars(found)["fitting"] = self.fitting
+        return found
+
+    def _unloaded(self) -> Machine:
+        return self.linkage._unloaded()
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """That of the linkage, with what is asked here."""
+        self.refuse()
+        return replace(
+            self.linkage.assembly, asked=self.asked(), material_limits=self._material_limits
+        )
+
+    def _found(self) -> Mapping[str, object]:
+        """The moment of a counterweight, and what every mechanism fills in."""
+        weight = self.linkage._found() if self.linkage.counterweight else {}
+        own = {key: value for key, value in weight.items() if key.startswith("counterweight.")}
+        return {**super()._found(), **own}
+
+    def resolved(self) -> Self:
+        """The same with everything filled in, on the same linkage."""
+        found = super().resolved()
+        if self.linkage.counterweight is None:
+            vars(found)["linkage"] = self.linkage
+        return found
+
+    def remarks(self) -> Remarks:
+        """As of a linkage."""
+        return self.linkage.remarks()
+
+    def limits(self) -> Sequence[Finding]:
+        """Those of a linkage, and its own."""
+        return [*self.linkage.limits(), *self.findings()]
+
+    def study(self) -> Study:
+        """Its own figures, and those of a linkage."""
+        return together([self.figures(), self.linkage.study()])
