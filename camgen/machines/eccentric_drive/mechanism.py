@@ -64,9 +64,9 @@ class EccentricDrive(Template):
         """What is wrong between keys that are right one by one."""
         p, motor, slide = self.making, self.motor, self.print.slide_clearance
         found = [*p.faults(_LINKS, self.print.nozzle, self.allowed.min_wall)]
-        for key, where in ELSEWHERE.items():
+        for key, why in ELSEWHERE.items():
             if getattr(p, key) != type(p).model_fields[key].get_default(call_default_factory=True):
-                found.append(Fault(("parts", key), "", f"nothing here: {where} says it"))
+                found.append(Fault(("parts", key), "", f"nothing here: {why}"))
         floor = p.slider_thickness - self.print.nozzle
         thin = floor - slide / 2 if p.tube_length else floor
         shaft, least = self.geometry.shaft_diameter, 2 * rim(p, self.allowed.min_wall)

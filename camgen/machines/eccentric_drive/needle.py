@@ -170,7 +170,19 @@ class Needle:
             stand_ins,
             bought,
             "screws through the holes in the plate's corners hold it",
+            self._kept,
         )
+
+    @property
+    def _kept(self) -> tuple[tuple[complex, float], ...]:
+        """Discs on the ground about the head at both ends of its stroke, and about the tube."""
+        places = [
+            (end + self.neck + self.long / 2, self.long) for end in (self.innermost, self.outermost)
+        ]
+        tube = self.sizes.tube_length
+        places += [((self.begin + self.mouth) / 2, tube)] if tube else []
+        half = max(self._half, self._tube_screws + self._rim)
+        return tuple((complex(x, self.offset), math.hypot(long / 2, half)) for x, long in places)
 
     @cached_property
     def _corners(self) -> tuple[tuple[complex, float], ...]:

@@ -20,17 +20,14 @@ OLD_WORDS = {
     ("parts", "body_thickness"): "base_thickness",
     ("parts", "pins"): "pin",
 }
-# keys of a linkage's sizes that other tables say here, and where
+# keys of a linkage's sizes that are set here, and why
 ELSEWHERE = {
-    "shaft_diameter": "geometry.shaft_diameter",
-    "shaft_flat": "geometry.shaft_diameter, a round shaft",
-    "discs": "geometry.eccentric_diameter",
-    "can": "[motor]",
-    "motor": "[motor]",
-    "set_screw": "[motor]",
-    "hand_crank": "[motor]",
-    "shaft": "[motor]",
-    "mount_diameter": "parts.screw",
+    "shaft_diameter": "geometry.shaft_diameter says it",
+    "shaft_flat": "the motor's shaft is round",
+    "discs": "geometry.eccentric_diameter says it",
+    "mount_diameter": "parts.screw says it",
+    "make": "a slider with a groove is printed",
+    **dict.fromkeys(("can", "motor", "set_screw", "hand_crank", "shaft"), "[motor] drives it"),
 }
 
 
