@@ -50,24 +50,26 @@ def _own_style() -> Iterator[None]:
         yield
 
 
-def figure(plots: Sequence[Plot], log: bool = False) -> Figure:
+def figure_of(plots: Sequence[Plot], log: bool = False) -> Figure:
     """The plots below each other as a figure, which a notebook shows; log: both axes are logarithmic."""
     from matplotlib.figure import Figure
 
-    class Shown(Figure):
+    class NotebookFigure(Figure):
         """A figure that a notebook shows without pyplot."""
 
         def _repr_png_(self) -> bytes:
-            return picture(self, "png")
+            return image(self, "png")
 
     with _own_style():
-        made = Shown(figsize=(_SIZE[0], _SIZE[1] * max(1, len(plots))), layout="constrained")
+        whole = NotebookFigure(
+            figsize=(_SIZE[0], _SIZE[1] * max(1, len(plots))), layout="constrained"
+        )
         for row, plot in enumerate(plots, 1):
-            _draw(made.add_subplot(len(plots), 1, row), plot, log)
-    return made
+            _draw(whole.add_subplot(len(plots), 1, row), plot, log)
+    return whole
 
 
-def picture(drawn: Figure, kind: str) -> bytes:
+def image(figure: Figure, kind: str) -> bytes:
     """A figure's bytes as "svg" or "png"."""
     from camgen._version import __version__
 
@@ -75,24 +77,24 @@ def picture(drawn: Figure, kind: str) -> bytes:
     metadata = {maker: f"camgen {__version__}", **({"Date": None} if kind == "svg" else {})}
     file = io.BytesIO()
     with _own_style():
-        drawn.savefig(file, format=kind, metadata=metadata)
+        figure.savefig(file, format=kind, metadata=metadata)
     return file.getvalue()
 
 
 def write_plots(folder: Path, prefix: str, plots: Sequence[Plot]) -> None:
     """Write `<prefix>-plot-<title>.svg` and `.png` of each plot; the second of one title gets a number."""
-    taken: set[str] = set()
+    names: set[str] = set()
     for plot in plots:
         title = re.sub("[^a-z0-9]+", "-", plot.title.lower()).strip("-")[:60].strip("-") or "curve"
         name = title
         count = 1
-        while name in taken:
+        while name in names:
             count += 1
             name = f"{title}-{count}"
-        taken.add(name)
-        drawn = figure([plot])
+        names.add(name)
+        figure = figure_of([plot])
         for kind in PLOT_FILES:
-            (folder / f"{prefix}-plot-{name}.{kind}").write_bytes(picture(drawn, kind))
+            (folder / f"{prefix}-plot-{name}.{kind}").write_bytes(image(figure, kind))
 
 
 def _draw(axes: Axes, plot: Plot, log: bool) -> None:
@@ -100,11 +102,11 @@ def _draw(axes: Axes, plot: Plot, log: bool) -> None:
     for k, (label, x, y) in enumerate(plot.series):
         colour = SERIES[k % len(SERIES)]
         label = label.replace("_", " ").replace("+-", "±")
-        finite = np.where(np.isfinite(y), y, np.nan)
+        heights = np.where(np.isfinite(y), y, np.nan)
         if plot.series[k][0] in plot.dots:
-            axes.plot(x, finite, "o", color=colour, markersize=3, label=label)
+            axes.plot(x, heights, "o", color=colour, markersize=3, label=label)
         else:
-            axes.plot(x, finite, color=colour, linestyle=_DASHES[k % len(_DASHES)], label=label)
+            axes.plot(x, heights, color=colour, linestyle=_DASHES[k % len(_DASHES)], label=label)
     for name, at in plot.marks:
         axes.axvline(at, color="#5b6675", linestyle=":", linewidth=0.8)
         axes.annotate(

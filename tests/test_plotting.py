@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import camgen
-from camgen.plotting import figure, picture
+from camgen.plotting import figure_of, image
 from camgen.report.page import once
 from camgen.study import Plot
 
@@ -87,23 +87,23 @@ def test_what_a_picture_shows() -> None:
         dots=("hits",),
         points=[("A", 10.0, 20.0)],
     )
-    drawn = figure([plot])
+    drawn = figure_of([plot])
     (axes,) = drawn.axes
     assert axes.get_xlim() == (0, 360) and list(axes.get_xticks()) == list(range(0, 361, 45))
     lines = {line.get_label(): line for line in axes.get_lines()}
     assert lines["wanted"].get_ydata() == pytest.approx(X**2)
     assert lines["hits"].get_marker() == "o" and lines["± play"].get_marker() == "None"
-    svg = picture(drawn, "svg")
+    svg = image(drawn, "svg")
     assert {"torque of a", "mm/s²", "wanted", "± play", "least", "A"} <= words(svg)
-    assert picture(figure([plot]), "svg") == svg and picture(drawn, "png")[:4] == b"\x89PNG"
+    assert image(figure_of([plot]), "svg") == svg and image(drawn, "png")[:4] == b"\x89PNG"
 
 
 def test_a_shape_is_not_distorted_and_axes_may_be_logarithmic() -> None:
     circle = Plot("path", "x, mm", "y, mm", [("p", 50 * np.cos(X), np.sin(X))], equal=True)
-    (axes,) = figure([circle]).axes
+    (axes,) = figure_of([circle]).axes
     assert axes.get_aspect() == 1.0
     x = np.geomspace(1e-3, 1e2, 50)
-    (axes,) = figure([Plot("t", "n", "error", [("a", x, x**2)])], log=True).axes
+    (axes,) = figure_of([Plot("t", "n", "error", [("a", x, x**2)])], log=True).axes
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
 
 

@@ -440,7 +440,7 @@ class _Layout:
             middle = tail + out * (label.width / 2 + 1)
             sheet.line(tail, tail + out * (label.width + 2), layer="DIM")
         sheet.things.append(replace(label, at=middle + 0.9j * reading))
-        self.sheet.things.append(Size(a, b, b + away, value, sign, tuple(sheet.drawn)))
+        self.sheet.things.append(Size(a, b, b + away, value, sign, tuple(sheet.primitives)))
 
     def _rows(self) -> list[tuple[str, str, str, str]]:
         """Rows of the table of holes and edges."""

@@ -76,7 +76,7 @@ class Taken:
     def of(cls, sheet: Sheet) -> Taken:
         """All that is drawn so far."""
         found = cls()
-        for thing in sheet.drawn:
+        for thing in sheet.primitives:
             found.add(thing)
         return found
 

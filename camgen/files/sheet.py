@@ -112,7 +112,7 @@ class Size:
     line: complex  # where its line ends on the side of b
     value: float  # mm of the part
     sign: str  # before the number, such as "Ø"
-    drawn: tuple[Stroke | Fill | Text, ...]  # what is seen of it
+    primitives: tuple[Stroke | Fill | Text, ...]  # what is seen of it
 
 
 def arrowhead(tip: complex, direction: complex, layer: str) -> Fill:
@@ -131,10 +131,10 @@ class Sheet:
     things: list[Stroke | Fill | Text | Size] = field(default_factory=list)
 
     @property
-    def drawn(self) -> Iterator[Stroke | Fill | Text]:
+    def primitives(self) -> Iterator[Stroke | Fill | Text]:
         """All that is seen, in order."""
         for thing in self.things:
-            yield from thing.drawn if isinstance(thing, Size) else (thing,)
+            yield from thing.primitives if isinstance(thing, Size) else (thing,)
 
     def line(self, *points: complex, layer: str, closed: bool = False) -> None:
         """Add straight strokes through the points."""
@@ -180,7 +180,7 @@ def write_pdf(path: Path, sheet: Sheet) -> None:
     paper.scale(_POINT, _POINT)
     paper.setLineCap(1)
     paper.setLineJoin(1)
-    for thing in sheet.drawn:
+    for thing in sheet.primitives:
         if isinstance(thing, Text):
             _set(paper, thing)
             continue
@@ -273,9 +273,9 @@ class _ToPart:
     def size(self, space: Any, size: Size) -> None:
         """Add a DIMENSION with its block."""
         block = space.doc.blocks.new_anonymous_block(type_char="D")
-        for thing in size.drawn:
+        for thing in size.primitives:
             self.put(block, thing)
-        written = next(thing for thing in size.drawn if isinstance(thing, Text))
+        text = next(thing for thing in size.primitives if isinstance(thing, Text))
         at = {
             "layer": "DIM",
             "dimstyle": _DIMSTYLE,
@@ -284,7 +284,7 @@ class _ToPart:
             "defpoint": self.xy(size.line),
             "defpoint2": self.xy(size.a),
             "defpoint3": self.xy(size.b),
-            "text_midpoint": self.xy(written.at + written.height / 2 * 1j * written.direction),
+            "text_midpoint": self.xy(text.at + text.height / 2 * 1j * text.direction),
             "angle": math.degrees(cmath.phase(size.b - size.a)),
             "text": size.sign.translate(_DXF_CODES) + "<>",
             "actual_measurement": size.value,

@@ -224,9 +224,9 @@ class Run:
         order: 0 the outputs, 1 their velocities, 2 their accelerations, a second; rad in deg. A path is drawn as it lies in the
         plane, its rates along x and y. ValueError for a name that the machine does not have, or an order that was not solved.
         """
-        from camgen.plotting import figure
+        from camgen.plotting import figure_of
 
-        return figure([self._curve(name, order) for name in outputs or self])
+        return figure_of([self._curve(name, order) for name in outputs or self])
 
     def _curve(self, name: str, order: int) -> Plot:
         """What an output, or a rate of it, is over theta."""

@@ -164,9 +164,9 @@ class Mechanism(Spec, ABC):
         frame, as designed, within the spec's chord tolerance. `scene.to_mesh()` is one mesh of all, `scene.show()` draws it.
         DesignError where the machine does not close at theta, or a part's solid cannot be made.
         """
-        from camgen.parts.posed import posed
+        from camgen.parts.posed_scene import posed_scene
 
-        return posed(self.assembly, self._solids, theta)
+        return posed_scene(self.assembly, self._solids, theta)
 
     @cached_property
     def _solids(self) -> Mapping[str, Mesh]:

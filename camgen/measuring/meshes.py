@@ -1,9 +1,9 @@
 """The mesh of one part in a file of any maker, in mm with z up: STL, 3MF, and by trimesh OBJ, PLY, OFF and GLB.
 
 format          unit and axes
-STL             none said: taken as mm, z up
+STL             none reason: taken as mm, z up
 3MF             as its model says
-OBJ, PLY, OFF   none said: taken as mm, z up
+OBJ, PLY, OFF   none reason: taken as mm, z up
 GLB             metres, y up [glTF 2.0, 3.4]: turned and scaled
 """
 
@@ -74,16 +74,16 @@ def read_mesh(path: Path) -> ForeignMesh:
     """
     kind = path.suffix.lower()
     if kind == ".3mf":
-        found = _from_3mf(path)
+        content = _from_3mf(path)
     elif kind == ".stl":
-        found = ForeignMesh(read_stl(path), (), "")
+        content = ForeignMesh(read_stl(path), (), "")
     else:
-        found = _by_trimesh(path, kind)
-    if not len(found.mesh.faces):
+        content = _by_trimesh(path, kind)
+    if not len(content.mesh.faces):
         raise FileError(path, "holds no triangles")
-    if not np.isfinite(found.mesh.vertices).all():
+    if not np.isfinite(content.mesh.vertices).all():
         raise FileError(path, "a vertex is not finite")
-    return found
+    return content
 
 
 def _from_3mf(path: Path) -> ForeignMesh:
@@ -105,15 +105,15 @@ def _by_trimesh(path: Path, kind: str) -> ForeignMesh:
     _BEFORE[kind](path, data)
     corners = _corners(path, kind, data)
     if len(corners) > MOST_TRIANGLES:
-        said = f"has {len(corners):,} triangles, {MOST_TRIANGLES:,} at most are read"
-        raise FileError(path, f"{said}: {_REDUCE}")
+        reason = f"has {len(corners):,} triangles, {MOST_TRIANGLES:,} at most are read"
+        raise FileError(path, f"{reason}: {_REDUCE}")
     if not np.isfinite(corners).all():
         raise FileError(path, _wrong_number(kind, data) or "a vertex is not finite")
     if kind != ".glb":
         return ForeignMesh(welded(corners), (), "it names no unit: taken as millimetres, z up")
     upright = np.stack([corners[..., 0], -corners[..., 2], corners[..., 1]], axis=-1)
-    said = "metres with y up, as glTF has them: multiplied by 1000 and turned to z up"
-    return ForeignMesh(welded(_METRE * upright), (), said)
+    unit = "metres with y up, as glTF has them: multiplied by 1000 and turned to z up"
+    return ForeignMesh(welded(_METRE * upright), (), unit)
 
 
 def _corners(path: Path, kind: str, data: bytes) -> Any:
@@ -124,17 +124,17 @@ def _corners(path: Path, kind: str, data: bytes) -> Any:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")  # numpy only warns of a number that is none
-            loaded = trimesh.load(
+            content = trimesh.load(
                 io.BytesIO(data), file_type=kind[1:], process=False, skip_materials=True
             )
-            held = loaded.dump() if isinstance(loaded, trimesh.Scene) else [loaded]
-            meshes = [each for each in held if isinstance(each, trimesh.Trimesh)]
-            found = [np.asarray(each.vertices, float)[each.faces] for each in meshes]
-            corners = np.concatenate([np.zeros((0, 3, 3)), *found])
+            geometries = content.dump() if isinstance(content, trimesh.Scene) else [content]
+            meshes = [each for each in geometries if isinstance(each, trimesh.Trimesh)]
+            triangles = [np.asarray(each.vertices, float)[each.faces] for each in meshes]
+            corners = np.concatenate([np.zeros((0, 3, 3)), *triangles])
     except Exception as error:  # a reader of formats fails in any way on bytes that are none
-        said = _wrong_number(kind, data) or " ".join(str(error).split())[:200]
+        reason = _wrong_number(kind, data) or " ".join(str(error).split())[:200]
         name = f"is no {kind[1:].upper()} that can be read"
-        raise FileError(path, f"{name}: {said or type(error).__name__}") from None
+        raise FileError(path, f"{name}: {reason or type(error).__name__}") from None
     return corners
 
 
@@ -150,8 +150,8 @@ def _wrong_number(kind: str, data: bytes) -> str:
             words = words[1:4] if words[:1] == [b"v"] else []
         for word in words:
             if word != head and not _NUMBER.fullmatch(word):
-                said = word[:20].decode("ascii", "replace")
-                return f"line {number}: '{said}' is no number"
+                text = word[:20].decode("ascii", "replace")
+                return f"line {number}: '{text}' is no number"
     return ""
 
 
@@ -171,8 +171,8 @@ def _obj(path: Path, data: bytes) -> None:
             known = re.fullmatch(rb"-?[1-9]\d{0,9}", index) and abs(int(index)) <= total
             if known and (before == total or not index.startswith(b"-")) or word == b"\\":
                 continue
-            said = f"line {number}: a face names vertex {index.decode('ascii', 'replace')}"
-            raise FileError(path, f"{said}; 1 to {total} were expected")
+            reason = f"line {number}: a face names vertex {index.decode('ascii', 'replace')}"
+            raise FileError(path, f"{reason}; 1 to {total} were expected")
 
 
 def _off(path: Path, data: bytes) -> None:
@@ -198,8 +198,8 @@ def _count(path: Path, wanted: int, body: bytes) -> None:
     """FileError where a text has fewer lines than its header says."""
     count = sum(not line.isspace() and bool(line) for line in body.split(b"\n"))
     if count < wanted:
-        said = f"{counted(wanted, 'line')} of vertices and faces by its header"
-        raise FileError(path, f"cut short: {said}, {count} in the file")
+        reason = f"{counted(wanted, 'line')} of vertices and faces by its header"
+        raise FileError(path, f"cut short: {reason}, {count} in the file")
 
 
 def _glb(path: Path, data: bytes) -> None:
@@ -219,7 +219,7 @@ def _glb(path: Path, data: bytes) -> None:
         nodes = whole.get("nodes", [])
         parts = [node for node in nodes if "mesh" in node]
         points = sum(each["count"] for each in whole.get("accessors", []))
-        reasons = {
+        refusals = {
             f"needs {', '.join(map(str, needed))}: export it without": needed,
             "leads to other files": any("uri" in each for each in whole.get("buffers", [])),
             "has values that its bytes do not hold": any(
@@ -237,7 +237,7 @@ def _glb(path: Path, data: bytes) -> None:
         raise FileError(path, f"is no GLB that can be read: {type(error).__name__}") from None
     except (TypeError, ValueError, struct.error) as error:
         raise FileError(path, f"is no GLB that can be read: {error}") from None
-    for reason, holds in reasons.items():
+    for reason, holds in refusals.items():
         if holds:
             raise FileError(path, reason)
     if len(parts) != 1:

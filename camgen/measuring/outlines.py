@@ -543,8 +543,9 @@ def _round(rows: Floats, closed: bool) -> tuple[Points, Floats]:
 
 
 def _from_mesh(path: Path, height: float | None, contour: int | None) -> Outline:
-    held = read_mesh(path)
-    mesh, findings = held.mesh, list(held.findings)
+    content = read_mesh(path)
+    mesh = content.mesh
+    findings = list(content.findings)
     faults = mesh_faults(mesh)
     findings.append(
         at_most(
@@ -566,5 +567,5 @@ def _from_mesh(path: Path, height: float | None, contour: int | None) -> Outline
     if not rings:
         raise FileError(path, f"has no section at z = {z:g} mm")
     ring, chosen = _picked(path, rings, contour)
-    said = f"section at z = {z:g} mm, {len(ring.points)} edges{'; ' * bool(held.unit)}{held.unit}"
+    said = f"section at z = {z:g} mm, {len(ring.points)} edges{'; ' * bool(content.unit)}{content.unit}"
     return Outline(ring, (*findings, chosen), said)

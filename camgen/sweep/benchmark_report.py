@@ -13,7 +13,7 @@ import numpy as np
 from camgen.files.folder import Staged, write_manifest
 from camgen.files.formats import FORMATS
 from camgen.geometry.outlines import Floats
-from camgen.plotting import figure, picture
+from camgen.plotting import figure_of, image
 from camgen.progress import Progress, silent
 from camgen.study import Plot
 from camgen.sweep.benchmark import JUDGED, KINDS, STAGES, Bench, measure
@@ -45,8 +45,8 @@ def run(specs: Sequence[Path], out: Path, progress: Progress = silent) -> list[B
         )
         for bench in benches:
             for what, plot in plots(bench).items():
-                drawn = picture(figure([plot], log=True), "svg")
-                (folder / f"{bench.name}-{what}.svg").write_bytes(drawn)
+                svg = image(figure_of([plot], log=True), "svg")
+                (folder / f"{bench.name}-{what}.svg").write_bytes(svg)
         write_manifest(folder, ())
     return benches
 

@@ -34,7 +34,7 @@ from camgen.machine.constraints import Constraints  # noqa: E402
 from camgen.machine.model import Machine  # noqa: E402
 from camgen.machine.run import solve  # noqa: E402
 from camgen.machines.sources import read_mechanism  # noqa: E402
-from camgen.plotting import figure, picture  # noqa: E402
+from camgen.plotting import figure_of, image  # noqa: E402
 from camgen.study import Plot  # noqa: E402
 from camgen.tolerance.spread import copies_of, spread_of  # noqa: E402
 
@@ -165,7 +165,7 @@ def copies(told: Callable[[str], None]) -> str:
         series.append((name.partition("-")[0], np.array(SAMPLES, float), 100 * np.array(varies)))
     steady = ("1 / root n", np.array(SAMPLES, float), 20 / np.sqrt(SAMPLES))
     plot = Plot("Scatter of the error that 95 % of copies keep", "copies", "%", [*series, steady])
-    (HERE / "accuracy-copies.svg").write_bytes(picture(figure([plot], log=True), "svg"))
+    (HERE / "accuracy-copies.svg").write_bytes(image(figure_of([plot], log=True), "svg"))
     return table(heads, rows)
 
 
@@ -203,7 +203,7 @@ def paths(told: Callable[[str], None]) -> str:
         "1 - score",
         [("target 1", np.array(spent), np.array(missed))],
     )
-    (HERE / "accuracy-paths.svg").write_bytes(picture(figure([plot], log=True), "svg"))
+    (HERE / "accuracy-paths.svg").write_bytes(image(figure_of([plot], log=True), "svg"))
     return table(["links", "effort", "processor time", "score", "least chamfer"], rows)
 
 

@@ -73,7 +73,9 @@ class Drawn:
 
     @property
     def texts(self) -> list[ezdxf.entities.Text]:
-        return list(self.space.query("TEXT"))
+        """Those of dimensions, which stand in their blocks, too."""
+        sizes = [e for size in self.space.query("DIMENSION") for e in size.virtual_entities()]
+        return [*self.space.query("TEXT"), *(e for e in sizes if e.dxftype() == "TEXT")]
 
 
 def drawn(part: Part, folder: Path, tolerance: float = FACETS / 4) -> Drawn:

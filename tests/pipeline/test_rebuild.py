@@ -214,11 +214,8 @@ def larger(drawing: Any) -> None:
 
 
 def dimension(drawing: Any) -> None:
-    text = next(
-        each
-        for each in drawing.modelspace().query("TEXT[layer=='DIM']")
-        if each.dxf.text[0].isdigit()
-    )
+    block = drawing.modelspace().query("DIMENSION")[0].get_geometry_block()
+    text = next(each for each in block if each.dxftype() == "TEXT")
     text.dxf.text = "1" + text.dxf.text
 
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from trimesh import Scene
 
 
-def posed(assembly: Assembly, solids: Mapping[str, Mesh], theta: float) -> Scene:
+def posed_scene(assembly: Assembly, solids: Mapping[str, Mesh], theta: float) -> Scene:
     """All bodies as exact parts move them at theta, rad, the angle that `solve` takes; solids: of the parts, by name.
 
     DesignError where the machine does not close at theta.
