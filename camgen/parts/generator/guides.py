@@ -19,7 +19,6 @@ from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
 from camgen.machine.features import Faces, SlideFaces
 from camgen.parts.generator.covers import Cover
-from camgen.parts.generator.sizes import Parts
 from camgen.parts.part import hull, root, with_bar
 from camgen.tolerances import SAME_POINT
 
@@ -84,71 +83,56 @@ class Guide:
         )
 
 
-def guide(
-    joint: m.Slide,
-    stroke: tuple[float, float],
-    hubs: Sequence[tuple[complex, float]],
-    slotted: bool,
-    least: float,
-    clearance: float,
-    sizes: Parts,
-    stem: str,
-    clear: tuple[float, float],
-    cover: Cover | None = None,
-) -> Guide:
-    """The bodies of a slide whose runner has these hubs, place in its axes and radius.
+@dataclass(frozen=True)
+class Runner:
+    """What slides, in its own axes; mm."""
 
-    stroke: least and greatest place along it, mm; least: half width that a bar has at least; stem: one of STEMS;
-    clear: between which places of the guide's line no rails may stand, mm.
-    """
-    own, along, (low, high) = (
-        cmath.exp(1j * (joint.angle - joint.turn)),
-        cmath.exp(1j * joint.angle),
-        stroke,
-    )
-    discs = [((z - joint.runner.at) / own, radius) for z, radius in hubs] or [(0j, least)]
+    hubs: Sequence[tuple[complex, float]]  # place and radius; a knife's disc has none
+    slotted: bool  # it has a slot
+    least: float  # half width that a bar has at least
+
+
+@dataclass(frozen=True)
+class Way:
+    """Places on the line of a slide, mm."""
+
+    stroke: tuple[float, float]  # least and greatest of the runner
+    clear: tuple[float, float]  # between which no rails may stand
+
+
+@dataclass(frozen=True)
+class Rails:
+    """How rails are made; mm."""
+
+    width: float
+    clearance: float  # of the bar between them
+    length: float | None = None  # where the spec asks for one
+    cover: Cover | None = None  # on them
+
+
+def guide(joint: m.Slide, runner: Runner, way: Way, rails: Rails, stem: str) -> Guide:
+    """The bodies of a slide; stem: one of STEMS."""
+    turned = cmath.exp(1j * (joint.angle - joint.turn))
+    discs = [((z - joint.runner.at) / turned, radius) for z, radius in runner.hubs]
+    discs = discs or [(0j, runner.least)]
     across = [z.imag for z, _ in discs]
-    wing = (
-        slotted or max(across) - min(across) > SAME_POINT or any(radius == 0 for _, radius in hubs)
-    )
+    uneven = max(across) - min(across) > SAME_POINT
+    wing = runner.slotted or uneven or any(radius == 0 for _, radius in runner.hubs)
     aside = (min(across) + max(across)) / 2
-    half = max([least, *(radius for _, radius in discs)])
-    begin, end = min(z.real for z, _ in discs), max(z.real for z, _ in discs)
+    half = max([runner.least, *(radius for _, radius in discs)])
     if wing:
         below = max(radius - z.imag for z, radius in discs) + aside
         above = max(radius + z.imag for z, radius in discs) - aside
-        half = min(least, 0.8 * min(below, above))
+        half = min(runner.least, 0.8 * min(below, above))
         stem = "both" if stem == "along" else stem
-    asked = sizes.shape(joint.runner.body).rails
-    grip = _GRIP * half if asked is None else asked - sizes.rail_width
-    grip = max(grip, cover.least(sizes.rail_width) if cover else sizes.rail_width)
-    rim = max(half, *(radius for _, radius in discs)) + _AIR
-    roots = {1: begin, -1: end}  # where the stems ahead and behind begin
-    if wing:  # on the wing's middle; of one that lies slantwise where a stem's first side comes out
-        edge, midway = hull(discs), (begin + end) / 2
-        roots = {
-            way: midway + way * min(0.0, root(edge, complex(midway, aside), way, half))
-            for way in (1, -1)
-        }
-    stems, spans = [], []
-    if stem == "along":
-        stems, spans = [(begin - half, end + half)], [(low + begin - half, high + end + half)]
-    if stem in ("ahead", "both"):
-        start = max(high + end + rim, clear[1] + _AIR) + sizes.rail_width / 2
-        stems.append((roots[1], start + grip - low))
-        spans.append((start, start + grip))
-    if stem in ("behind", "both"):
-        start = min(low + begin - rim, clear[0] - _AIR) - sizes.rail_width / 2
-        stems.append((roots[-1], start - grip - high))
-        spans.append((start - grip, start))
+    stems, spans = _stems(discs, half, _roots(discs, half, aside, wing), way, rails, stem)
     if not wing and stem == "both":
         stems = [(stems[1][1], stems[0][1])]
-    off = half + (clearance + sizes.rail_width) / 2
     middle = 1j * aside
     held = m.Slide(
         joint.name,
-        m.Place(joint.guide.body, joint.guide.at + middle * along),
-        m.Place(joint.runner.body, joint.runner.at + middle * own),
+        m.Place(joint.guide.body, joint.guide.at + middle * cmath.exp(1j * joint.angle)),
+        m.Place(joint.runner.body, joint.runner.at + middle * turned),
         joint.angle,
         joint.turn,
         joint.clearance,
@@ -156,15 +140,57 @@ def guide(
     return Guide(
         held,
         half,
-        [(held.runner.at + a * own, held.runner.at + b * own) for a, b in stems],
-        [
-            (
-                held.guide.at + (a + side * 1j * off) * along,
-                held.guide.at + (b + side * 1j * off) * along,
-            )
-            for a, b in spans
-            for side in (-1, 1)
-        ],
-        list(hubs) if wing else [],
-        cover is not None and stem != "along",
+        [(held.runner.at + a * turned, held.runner.at + b * turned) for a, b in stems],
+        _beside(held, spans, half + (rails.clearance + rails.width) / 2),
+        list(runner.hubs) if wing else [],
+        rails.cover is not None and stem != "along",
     )
+
+
+def _roots(discs: Discs, half: float, aside: float, wing: bool) -> dict[int, float]:
+    """Where the stems ahead (1) and behind (-1) begin, by places of the runner's line, mm."""
+    begin, end = min(z.real for z, _ in discs), max(z.real for z, _ in discs)
+    if not wing:
+        return {1: begin, -1: end}
+    # on the wing's middle; of one that lies slantwise where a stem's first side comes out
+    edge, midway = hull(discs), (begin + end) / 2
+    return {
+        side: midway + side * min(0.0, root(edge, complex(midway, aside), side, half))
+        for side in (1, -1)
+    }
+
+
+Ends = list[tuple[float, float]]
+
+
+def _stems(
+    discs: Discs, half: float, roots: dict[int, float], way: Way, rails: Rails, stem: str
+) -> tuple[Ends, Ends]:
+    """Both ends of each stem on the runner's line, and of its rails on the guide's, mm."""
+    begin, end = min(z.real for z, _ in discs), max(z.real for z, _ in discs)
+    low, high = way.stroke
+    grip = _GRIP * half if rails.length is None else rails.length - rails.width
+    grip = max(grip, rails.cover.least(rails.width) if rails.cover else rails.width)
+    rim = max(half, *(radius for _, radius in discs)) + _AIR
+    if stem == "along":
+        return [(begin - half, end + half)], [(low + begin - half, high + end + half)]
+    stems, spans = Ends(), Ends()
+    if stem in ("ahead", "both"):
+        start = max(high + end + rim, way.clear[1] + _AIR) + rails.width / 2
+        stems.append((roots[1], start + grip - low))
+        spans.append((start, start + grip))
+    if stem in ("behind", "both"):
+        start = min(low + begin - rim, way.clear[0] - _AIR) - rails.width / 2
+        stems.append((roots[-1], start - grip - high))
+        spans.append((start - grip, start))
+    return stems, spans
+
+
+def _beside(joint: m.Slide, spans: Ends, off: float) -> list[tuple[complex, complex]]:
+    """Rails on both sides of a slide's line, so far off it, mm; in the guide's axes."""
+    along, at = cmath.exp(1j * joint.angle), joint.guide.at
+    return [
+        (at + (a + side * 1j * off) * along, at + (b + side * 1j * off) * along)
+        for a, b in spans
+        for side in (-1, 1)
+    ]

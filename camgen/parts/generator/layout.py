@@ -18,7 +18,7 @@ from camgen.parts.bands import ArmBand
 from camgen.parts.catalogue import Bearing, narrowest
 from camgen.parts.generator.changes import Change
 from camgen.parts.generator.covers import Cover, cover
-from camgen.parts.generator.guides import COVERED, STEMS, Guide, guide
+from camgen.parts.generator.guides import COVERED, STEMS, Guide, Rails, Runner, Way, guide
 from camgen.parts.generator.joined import GROUND, Joined, Stretched
 from camgen.parts.generator.slotted import Slotted, one_by_one
 from camgen.parts.generator.wheels import NOSE, Tip, pivot
@@ -446,19 +446,16 @@ class Layout(Joined):
     @cached_property
     def guides(self) -> dict[str, Guide]:
         """What slides in what, by the link that slides."""
-        head = self.sizes.pin_diameter / 2 + self.sizes.head + self.fits.slide_clearance
+        play = self.fits.slide_clearance
+        head = self.sizes.pin_diameter / 2 + self.sizes.head + play
+        width = self.sizes.rail_width
         return {
             link: guide(
                 joint,
-                self.strokes[joint.name],
-                self.round_hubs(link),
-                bool(self.slots_of(link)),
-                head,
-                self.fits.slide_clearance,
-                self.sizes,
+                Runner(self.round_hubs(link), bool(self.slots_of(link)), head),
+                Way(self.strokes[joint.name], self._clear(link)),
+                Rails(width, play, self.sizes.shape(link).rails, self.cover),
                 self.stems.get(link, "along"),
-                self._clear(link),
-                self.cover,
             )
             for link, joint in self.slides.items()
         }

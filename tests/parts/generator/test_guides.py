@@ -15,8 +15,7 @@ from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour
 from camgen.machine.model import GROUND, Place, Slide
 from camgen.machines.linkage.mechanism import Linkage
-from camgen.parts.generator.guides import STEMS, guide
-from camgen.parts.generator.sizes import Parts
+from camgen.parts.generator.guides import STEMS, Rails, Runner, Way, guide
 from camgen.parts.part import hull
 from camgen.reading import read
 from camgen.spec import validate
@@ -37,8 +36,8 @@ def test_a_wing_with_stems_lies_within_its_bands(
     """A knife's disc has no radius; others lie on either side of it. Each stem is as wide as the bar to its end."""
     hubs = [(0j, 4.2), *hubs]
     joint = Slide("bar", Place(GROUND, 1 + 2j), Place("bar", 0j), angle, 0.0)
-    sizes = Parts.model_validate({})
-    made = guide(joint, (-5.0, 20.0), hubs, False, 4.2, 0.3, sizes, stem, (0.0, 0.0))
+    runner, way = Runner(hubs, False, 4.2), Way((-5.0, 20.0), (0.0, 0.0))
+    made = guide(joint, runner, way, Rails(5.0, 0.3), stem)
     if not made.wing:
         return
     edge, bands = shape(made.outline), [shape(hull(band)) for band in made.bands]

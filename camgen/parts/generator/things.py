@@ -1,0 +1,294 @@
+"""What of a layout is to be laid on levels: bands, pins, rails and openings over the whole motion, and what must lie over what."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from camgen.geometry.convex import hull_corners
+from camgen.machine.run import Run
+from camgen.numerics import Points
+from camgen.parts.generator.cures import slimmer, slimmer_pin
+from camgen.parts.generator.joined import GROUND
+from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.plates import motor_holes
+from camgen.parts.level_rules import Axis, Band, Opening, Thing, Wall
+
+_PIECES = 4  # of the band of a link with a strap
+Over = list[tuple[str, str]]  # levels, of which the first must lie over the second
+
+
+@dataclass(frozen=True)
+class Things:
+    """What is to be laid, and pairs of levels of which the first must lie over the second."""
+
+    bands: list[Band]
+    axes: list[Axis]
+    walls: list[Wall]
+    over: Over
+    openings: list[Opening]
+
+    @property
+    def every(self) -> list[Thing]:
+        """All of them."""
+        return [*self.bands, *self.axes, *self.walls, *self.openings]
+
+
+def things(layout: Layout, run: Run) -> Things:
+    """What is to be laid; run: samples over the whole motion."""
+    courses = _Courses(layout, run)
+    cams, over_cams = _cams(courses)
+    springs, over_springs = _springs(courses)
+    before = [*over_cams, *over_springs]
+    axes, over_axes = _axes(courses, before)
+    walls, over_walls = _walls(courses)
+    over = [*before, *over_axes, *over_walls]
+    over += [(upper, lower) for lower, upper in pairwise(layout.webs)]
+    bands = [*_links(courses), *cams, *_wheels(courses), *springs]
+    return Things(bands, axes, walls, over, _openings(layout, run.theta.size))
+
+
+@dataclass(frozen=True)
+class _Courses:
+    """A layout over its motion."""
+
+    layout: Layout
+    run: Run  # samples of all of it
+
+    def ways(self, link: str, places: Sequence[complex]) -> Points:
+        """Places of a link on the ground, (k, n)."""
+        if link == GROUND:
+            return np.array([np.full(self.run.theta.shape, z, complex) for z in places])
+        pose = self.run.pose(self.layout.carrier(link))
+        return np.asarray(pose.place + np.exp(1j * pose.angle) * np.array(places)[:, None])
+
+    def way(self, link: str, point: str) -> Points:
+        """A point of a link on the ground, (n,)."""
+        return np.asarray(self.ways(link, [self.layout.at(link, point)])[0])
+
+    def band(self, name: str, link: str, discs: Sequence[tuple[complex, float]], on: str) -> Band:
+        """Of a link's discs, on a level."""
+        corners = hull_corners([z for z, _ in discs])
+        places = self.ways(link, [discs[k][0] for k in corners])
+        return Band(name, places, max(radius for _, radius in discs), on)
+
+
+def _links(courses: _Courses) -> list[Band]:
+    """Links, and their faces."""
+    layout, found = courses.layout, list[Band]()
+    for link in (link for link in layout.moving if link not in layout.alone):
+        arm = None if link in layout.guides else layout.arm_band(link)
+        discs = layout.guides[link].bands if link in layout.guides else [layout.hubs(link)]
+        if arm is not None:
+            reach = arm.width / 2 + arm.sagitta
+            discs = [
+                *([hub] for hub in layout.hubs(link)),
+                *([(a, reach), (b, reach)] for a, b in pairwise(arm.middle())),
+            ]
+        elif len(layout.hubs(link)) == 2 and not layout.discs.keys().isdisjoint(
+            layout.points_of(link)
+        ):
+            discs = _tapered(*layout.hubs(link))
+        slim, move = slimmer(layout, link)
+        for each in discs:
+            found.append(
+                replace(courses.band(f"link {link}", link, each, link), slim=slim, move=move)
+            )
+        bars = [bar for tip in layout.noses(link) if (bar := layout.arm(tip)) is not None]
+        for start, way, half, length, _ in bars:
+            ends = [(start, half), (start + length * way, half)]
+            face = courses.band(f"face of link {link}", link, ends, link)
+            found.append(replace(face, move=f"other points of link {link}"))
+    return found
+
+
+def _tapered(
+    one: tuple[complex, float], other: tuple[complex, float]
+) -> list[list[tuple[complex, float]]]:
+    """The band of a link whose hubs differ much, as a strap's do, in pieces that are not all as wide as the wider one."""
+    (a, first), (b, second) = sorted((one, other), key=lambda hub: -hub[1])
+    ways = np.linspace(0, 1, _PIECES + 1)
+    discs = [(complex(a + t * (b - a)), float(first + t * (second - first))) for t in ways]
+    slope = (first - second) * (b - a) / abs(b - a) / _PIECES  # a piece ends so much earlier
+    return [[one], [other], *([(x, r), (y - slope, r)] for (x, r), (y, _) in pairwise(discs))]
+
+
+def _cams(courses: _Courses) -> tuple[list[Band], Over]:
+    """Cams with their rollers. Under a groove's roller there is the back plate, under one that hangs the head of its pin."""
+    layout, found, over = courses.layout, list[Band](), Over()
+    for tip in layout.tips:
+        cam, follower = tip.wheel, tip.joint.follower
+        shaft = layout.shaft_of(cam.link)
+        disc = courses.band(cam.about, GROUND, [(layout.at(GROUND, shaft), cam.radius)], tip.level)
+        smaller = (
+            f"a smaller {cam.about} (points.{tip.point} nearer to its shaft, or a smaller lift)"
+        )
+        move = f"points.{shaft} elsewhere"
+        found.append(replace(disc, below=int(tip.grooved), slim=smaller, move=move))
+        if not tip.rolls:
+            continue
+        rolls = [(layout.at(follower, tip.point), tip.radius)]
+        roller = courses.band(f"roller of {cam.about}", follower, rolls, tip.level)
+        smaller = f"a smaller radius of the roller of {cam.about}"
+        move = f"points.{tip.point} elsewhere"
+        found.append(replace(roller, below=int(tip.hung), slim=smaller, move=move))
+        above = tip.hung or tip.grooved
+        over.append((follower, tip.level) if above else (tip.level, follower))
+    return found, over
+
+
+def _wheels(courses: _Courses) -> list[Band]:
+    """Wheels of gears, counterweights."""
+    layout, found = courses.layout, list[Band]()
+    for wheel in (*(each.wheel for each in layout.toothed), *layout.weights):
+        shaft = layout.shaft_of(wheel.link)
+        how = "shafts nearer to each other"
+        if wheel in layout.weights:
+            how = 'counterweight.made = "steel", or a greater thickness'
+        disc = [(layout.at(GROUND, shaft), wheel.radius)]
+        band = courses.band(wheel.about, GROUND, disc, wheel.level)
+        smaller, move = f"a smaller {wheel.about} ({how})", f"points.{shaft} elsewhere"
+        found.append(replace(band, slim=smaller, move=move))
+    return found
+
+
+def _springs(courses: _Courses) -> tuple[list[Band], Over]:
+    """Springs: over all else on their pins."""
+    layout, found, over = courses.layout, list[Band](), Over()
+    for name, spring in layout.springs.items():
+        ends = np.array([courses.way(*end) for end in (spring.a, spring.b)])
+        below, slim = layout.below(spring), "a thinner spring"
+        found.append(Band(name, ends, spring.diameter / 2, below=below, slim=slim))
+        for _, point in (spring.a, spring.b):
+            beside = (*layout.pivots[point], *layout.riders[point])
+            over += [(name, other) for other in beside if other not in (GROUND, name)]
+    return found, over
+
+
+def _axes(courses: _Courses, before: Over) -> tuple[list[Axis], Over]:
+    """Pins and shafts; before: what is known to lie over what."""
+    layout, found, over = courses.layout, list[Axis](), Over()
+    for point, links in layout.pivots.items():
+        moving, shaft = tuple(link for link in links if link != GROUND), layout.shafts.get(point)
+        moving = tuple(dict.fromkeys(layout.alone.get(link, link) for link in moving))
+        hanging = (
+            tuple(link for link in moving if link in layout.webs and link != shaft)
+            if shaft is not None
+            else ()
+        )
+        held = (*moving, *layout.riders.get(point, ()))
+        known = {*before, *over}
+        over += _over_on_pin(layout, point, moving, hanging, known)
+        strapped = _strapped(layout, point)
+        if point in layout.discs:
+            carrier = layout.discs[point][0]
+            over += [(link, carrier) for link in moving if link != carrier]
+        over += [(rider, link) for rider in layout.riders.get(point, ()) for link in strapped]
+        held = (*held, *strapped)
+        runs = layout.slotted_link(point) == GROUND
+        found.append(
+            Axis(
+                f"{'pin' if shaft is None else 'shaft'} {point}",
+                held,
+                courses.way(links[0], point),
+                layout.head_radius(point),
+                links[0] == GROUND or runs,
+                *layout.beyond(point),
+                *slimmer_pin(layout, point),
+                layout.between_plates(point),
+                () if shaft is None else tuple(link for link in held if link not in hanging),
+                hanging,
+                runs,
+                f"shaft {layout.discs[point][1]}" if point in layout.discs else "",
+            )
+        )
+    return found, over
+
+
+def _strapped(layout: Layout, point: str) -> list[str]:
+    """Links at the eccentrics on the shaft of a point, but for what it turns."""
+    links = [link for disc in layout.discs_on(point) for link in layout.pivots[disc]]
+    return [link for link in dict.fromkeys(links) if link != layout.shafts.get(point)]
+
+
+def _over_on_pin(
+    layout: Layout,
+    point: str,
+    moving: Sequence[str],
+    hanging: Sequence[str],
+    known: Collection[tuple[str, str]],
+) -> Over:
+    """What must lie over what on a pin or shaft.
+
+    moving: levels of its links; hanging: of those that hang from above; known: what is known already.
+    """
+    shaft, thrown, over = layout.shafts.get(point), layout.thrown(point), Over()
+    upper = layout.alone.get(shaft or "", shaft) or (*moving[-1:], GROUND)[0]
+    if shaft is not None or (layout.slotted_link(point) not in ("", GROUND) and not thrown):
+        over += [(upper, link) for link in moving if link not in (upper, *hanging)]
+    held = (*moving, *layout.riders.get(point, ()))
+    # the shaft is round below and there alone
+    loose = [layout.alone[link] for link in layout.freewheels if link in layout.pivots[point]]
+    for level in loose:
+        over += [
+            (name, level) for name in held if name != level and (name, level) not in (*known, *over)
+        ]
+    if shaft is not None and layout.webs.get(shaft):
+        over += [(shaft, rider) for rider in layout.riders.get(point, ())]
+    elif thrown:  # what turns on a throw, or runs on it, lies between its webs
+        low, *high = thrown
+        between = [link for link in held if link not in layout.webs]
+        over += [(link, low) for link in between]
+        over += [(web, link) for web in high for link in between]
+    return over
+
+
+def _walls(courses: _Courses) -> tuple[list[Wall], Over]:
+    """Rails and covers of what slides."""
+    layout, found, over = courses.layout, list[Wall](), Over()
+    for link, each in layout.guides.items():
+        on = each.joint.guide.body
+        base, move = "" if on == GROUND else on, "another line of the slide"
+        if each.covered and layout.cover is not None:
+            cover = layout.cover
+            for pair in each.pairs:
+                screws = cover.places(pair, layout.sizes.rail_width)
+                corners = courses.ways(on, [screws[k] for k in hull_corners(screws)])
+                cures = "parts.cover = false", move
+                name = f"cover of {link}"
+                found.append(Wall(name, corners, cover.radius, link, base, cover.levels, *cures))
+        else:
+            half, slim = layout.sizes.rail_width / 2, "a smaller parts.rail_width"
+            for ends in each.rails:
+                rail = courses.ways(on, ends)
+                found.append(Wall(f"rail of {link}", rail, half, link, base, 0, slim, move))
+        over += [(link, on)] if on != GROUND else []
+    return found, over
+
+
+def _openings(layout: Layout, count: int) -> list[Opening]:
+    """Slots and other wide holes of the ground, at so many samples."""
+    found = []
+    for point, ends in layout.slots_of(GROUND).items():
+        corners, half = (
+            np.repeat(np.array(ends)[:, None], count, axis=1),
+            layout.slot_width(point) / 2 + layout.min_wall / 2,
+        )
+        move = f"another line of the slot of points.{point}"
+        found.append(Opening(f"slot of pin {point}", corners, half, f"pin {point}", move=move))
+    motor = layout.shaft_of(layout.driven)
+    for z, radius in motor_holes(layout):
+        centre, half = np.full((1, count), z), radius + layout.min_wall / 2
+        found.append(
+            Opening(
+                "hole for the motor",
+                centre,
+                half,
+                f"shaft {motor}",
+                move=f"points.{motor} elsewhere",
+            )
+        )
+    return found
