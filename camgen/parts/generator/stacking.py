@@ -142,8 +142,9 @@ def covered(layout: Layout, run: Run) -> Layout:
     if layout.sizes.plates < 2:
         return layout
     t, gap = things(layout, run), layout.fits.slide_clearance
+    points = {axis.name: axis.point for axis in t.axes}
     ends = {
-        name.partition(" ")[2]: at
+        points[name]: at
         for name, at in cuts(t.bands, t.axes, t.walls, gap, layout.level, t.openings).items()
     }
     places = columns(
@@ -200,7 +201,10 @@ def things(layout: Layout, run: Run) -> Things:
             layout.points_of(link)
         ):
             discs = _tapered(*layout.hubs(link))
-        bands += [band(f"link {link}", link, each, link, *slimmer(layout, link)) for each in discs]
+        bands += [
+            replace(band(f"link {link}", link, each, link, *slimmer(layout, link)), link=link)
+            for each in discs
+        ]
         for start, way, half, length, _ in (
             bar for tip in layout.noses(link) if (bar := layout.arm(tip)) is not None
         ):
@@ -328,6 +332,8 @@ def things(layout: Layout, run: Run) -> Things:
                 hanging,
                 runs,
                 f"shaft {layout.discs[point][1]}" if point in layout.discs else "",
+                point,
+                shaft is not None,
             )
         )
     walls = []
