@@ -13,7 +13,7 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 
 @dataclass(frozen=True)
@@ -144,18 +144,20 @@ def turning_text(rpm: float) -> str:
 
 @dataclass(frozen=True)
 class Bought:
-    """A line of the parts list that is bought: what, by which standard, which size, how many."""
+    """A line of the parts list that is bought."""
 
     name: str
     standard: str
     size: str
     count: int
+    role: Literal["", "drive", "mount"] = ""  # turns the machine; holds its frame from behind
 
 
 # Density of printed plastics, g/cm^3. Source: the generic profiles of UltiMaker's fdm_materials
 # (generic_pla.xml.fdm_material and its neighbours, element <density>).
 DENSITY = {"PLA": 1.24, "PETG": 1.27, "ABS": 1.10, "ASA": 1.06, "nylon": 1.14, "PC": 1.19}
 
+CUT = "cut of steel"
 TURNED = "turned of steel"  # how pins are made that a print does not bear
 STEEL = 7.85  # g/cm^3, of what is bought to turn on
 

@@ -26,7 +26,7 @@ from camgen.machine.features import Balance, Mount
 from camgen.machine.model import Body, Machine, Pin
 from camgen.machine.run import solve
 from camgen.parts.assembly import Assembly
-from camgen.parts.catalogue import STEEL
+from camgen.parts.catalogue import CUT, STEEL
 from camgen.parts.counterweights import NAME, Sector, counterweight
 from camgen.parts.hardware import FACETS
 from camgen.parts.inertia import Solids, centre_of
@@ -158,7 +158,7 @@ class Counterweight(Record):
             STEEL * 1e-3,
             max(seat.min_wall, seat.fits.nozzle) + 2 * FACETS,
         )
-        made = "printed" if self.made == "printed" else "cut of steel"
+        made = "printed" if self.made == "printed" else CUT
         left = asked - own - heavy * disc.volume * centre_of(disc)
         return counterweight(sector, seat.bore, left, made, seat.min_wall, seat.note)
 
@@ -225,7 +225,7 @@ def study(made: Assembly, spec: Counterweight | None, machine: Machine) -> Study
     if spec is None or not made.balances:
         return Study()
     balance = made.balances[0]  # its own; those of included machines follow
-    rest = [part for part in made.parts if not part.name.startswith(NAME)]
+    rest = [part for part in made.parts if part.role != "counterweight"]
     other = spec.other / _G / _ARM
 
     def laden(body: Body) -> Machine:
@@ -247,7 +247,7 @@ def study(made: Assembly, spec: Counterweight | None, machine: Machine) -> Study
     }
     peaks = {name: [float(np.nanmax(value)) for value in values] for name, values in curves.items()}
     drive = machine.drives[0].name
-    peaks["torque of the drive"] = [float(np.nanmax(np.abs(each.drives[drive]))) for each in forces]
+    torque = [float(np.nanmax(np.abs(each.drives[drive]))) for each in forces]
     weight = bodies[1].mass - bodies[0].mass
     moment = _G * (
         bodies[1].mass * (bodies[1].centre - balance.about)
@@ -275,9 +275,7 @@ def study(made: Assembly, spec: Counterweight | None, machine: Machine) -> Study
         )
         for name, values in curves.items()
     ]
-    rows = [
-        (f"{name}, {'N m' if name.startswith('torque') else 'N'}", *values)
-        for name, values in peaks.items()
-    ]
+    rows = [(f"{name}, N", *values) for name, values in peaks.items()]
+    rows.append(("torque of the drive, N m", *torque))
     title = f"Counterweight against the load of the {spec.against}: greatest of a turn, by the masses of the table of masses"
     return Study(numbers, plots, [Table(title, ("", "without", "with"), rows)])
