@@ -100,7 +100,7 @@ class Parts(Record):
     )
     pins: dict[Name, PinKind] = Field({}, description="the same of one point")
     pin_diameter: Length = Field(5.0, description="mm, of pins")
-    discs: dict[Name, Length] | None = Field(
+    discs: Annotated[dict[Name, Length], Field(min_length=1)] | None = Field(
         None,
         description="mm, diameter of a pin so thick that the shaft of its link goes through it, by its point: an eccentric",
     )
