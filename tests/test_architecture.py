@@ -52,7 +52,7 @@ WINGS = {
         "pipeline",
     },
     "design": {"geometry", "motion", "machine", "machines", "report", "pipeline"},
-    "live": {"motion", "machines", "report", "pipeline", "starters"},
+    "live": {"motion", "machines", "report", "pipeline"},
 }
 GROUND = {
     "",

@@ -446,7 +446,7 @@ def test_starter_is_valid_and_its_schema_knows_every_key(root: Path, mechanism: 
     record = validate(load(mechanism), read(root / "specs" / f"{mechanism}.toml"))
     resolved = tomllib.loads(dump(record))
     described = schema(load(mechanism), mechanism)
-    assert described["properties"]["mechanism"] == {"const": mechanism}
+    assert described["properties"]["mechanism"]["const"] == mechanism
     for key, table in resolved.items():
         assert key in described["properties"]
         if isinstance(table, dict):
@@ -519,7 +519,7 @@ def test_only_files_of_a_sane_size_are_read(tmp_path: Path) -> None:
     "mechanism", ["uniform-swing", "eccentric-drive", "thread-take-up", "indexing-cam", "disc-cam"]
 )
 def test_the_limit_of_free_play_is_a_key_whose_default_has_a_reason(mechanism: str) -> None:
-    limits = starters.described(load(mechanism), mechanism)["$defs"]["Limits"]["properties"]
+    limits = schema(load(mechanism), mechanism)["$defs"]["Limits"]["properties"]
     (told,) = [key for name, key in limits.items() if name in ("lash", "lash_deg")]
     assert "free play " in told["description"] and f"; {told['default']:g}: " in told["description"]
 

@@ -37,7 +37,8 @@ class StandingCams(Mechanism):
     """Base of mechanisms that say their cams alone, with the underscored methods, and what they stand on."""
 
     bodies: Sizes | None = Field(
-        None, description="sizes of the parts of a machine, as [parts] of a linkage"
+        default=None,
+        description='make = "machine": sizes of its parts, as [parts] of a linkage (specs/linkage.toml)',
     )
 
     @property

@@ -24,7 +24,7 @@ from camgen.machines.chain_stitch_looper.ratio import Condition, linear
 from camgen.machines.chain_stitch_looper.stitch import Design, Stitch
 from camgen.machines.chain_stitch_looper.timing import Clock
 from camgen.parts.part import Layer, Part
-from camgen.spec import Length, Record
+from camgen.spec import Length, Record, quantity
 
 _GAUGE = 1.0  # mm, thickness of the gauges
 _ROUND = 0.45  # of the nose's least growth, by which the radius of its edges grows: they never meet
@@ -37,16 +37,30 @@ _BEYOND = 10.0  # mm that plate and needles are drawn beyond what they need
 class Parts(Record):
     """Spreaders and plate as bodies."""
 
-    nose_width: Length = 1.2
-    side_gap: Annotated[float, Field(ge=0, le=10)] = 0.1
-    shed_deg: Annotated[float, Field(ge=0, lt=45)] = 3.0
-    lean: Literal["nose", "shank"] = "nose"
-    edge_radius: Annotated[float, Field(ge=0, le=10)] = 0.3
-    running_gap: Annotated[float, Field(ge=0, le=10)] = 0.0
-    shank_length: Length = 12.0
-    shank_width: Length = 6.0
-    clamp_hole: Length = 2.2
-    plate_thickness: Length = 2.0
+    nose_width: Length = Field(default=1.2, description="at the thread's seat")
+    side_gap: Annotated[float, quantity("mm", ge=0, le=10)] = Field(
+        default=0.1, description="between needle and nose"
+    )
+    shed_deg: Annotated[float, quantity("deg", ge=0, lt=45)] = Field(
+        default=3.0, description="widening of the blade to the shank"
+    )
+    lean: Literal["nose", "shank"] = Field(
+        default="nose",
+        description='the protrusion leans to the "nose" or to the "shank", where protrusion_deg is below '
+        "90",
+    )
+    edge_radius: Annotated[float, quantity("mm", ge=0, le=10)] = Field(
+        default=0.3,
+        description="where thread runs: corners, and long edges of the nose, as seen along it; 0: sharp",
+    )
+    running_gap: Annotated[float, quantity("mm", ge=0, le=10)] = Field(
+        default=0.0,
+        description="between the spreaders, taken off the underside; 0: they slide on each other",
+    )
+    shank_length: Length = Field(default=12.0, description="behind the blade")
+    shank_width: Length = Field(default=6.0, description="of what is clamped")
+    clamp_hole: Length = Field(default=2.2, description="diameter of the hole in the shank")
+    plate_thickness: Length = Field(default=2.0, description="of the needle plate")
 
 
 @dataclass(frozen=True)

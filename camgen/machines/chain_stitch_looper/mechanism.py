@@ -86,7 +86,10 @@ class ChainStitchLooper(Mechanism):
     motor: Motor = Motor.model_construct()
     making: Annotated[Parts, Field(alias="parts")] = Parts.model_construct()
     allowed: Annotated[Limits, Field(alias="limits")] = Limits.model_construct()
-    wanted: Wanted | None = None
+    wanted: Wanted | None = Field(
+        default=None,
+        description="bounds for `camgen design`, which looks for the largest smallest clearance",
+    )
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""

@@ -61,10 +61,19 @@ class DiscCamDrive(StandingCams):
     """Spec and answers of a disc cam; the output is the follower's displacement s, mm or rad, 0 on the base circle."""
 
     geometry: Geometry
-    segment: Annotated[tuple[SegmentTable, ...], Field(min_length=1, max_length=100)]
+    segment: Annotated[tuple[SegmentTable, ...], Field(min_length=1, max_length=100)] = Field(
+        description="of the motion: one after another they make the turn"
+    )
     motor: Motor = Motor.model_construct()
-    load: LoadTable | None = None
-    spring: SpringTable | None = None
+    load: LoadTable | None = Field(
+        default=None,
+        description="what the follower is and bears: forces, motor torque, and whether it stays on the "
+        "cam",
+    )
+    spring: SpringTable | None = Field(
+        default=None,
+        description='closure "force": what presses it on the cam; the report says what is needed',
+    )
     making: Annotated[Parts, Field(alias="parts")] = Parts.model_construct()
     allowed: Annotated[Limits, Field(alias="limits")] = Limits.model_construct()
 

@@ -55,9 +55,17 @@ class EccentricDrive(Template):
 
     geometry: Geometry
     motor: Motor
-    making: Annotated[Sizes, Field(alias="parts")] = Sizes.model_validate({})
-    masses: Masses | None = None
-    counterweight: Counterweight | None = None
+    making: Annotated[Sizes, Field(alias="parts")] = Field(
+        default=Sizes.model_validate({}),
+        description="its bodies, as [parts] of a linkage has them: see camgen schema",
+    )
+    masses: Masses | None = Field(
+        default=None, description="adds joint forces and torque to the report"
+    )
+    counterweight: Counterweight | None = Field(
+        default=None,
+        description="a sector of a disc on the motor's shaft, over the keeper washer: balances the disc",
+    )
     allowed: Annotated[Limits, Field(alias="limits")] = Limits.model_construct()
 
     def faults(self) -> Sequence[Fault]:

@@ -58,11 +58,18 @@ class ThreadTakeUp(Mechanism):
     """Spec and answers of a two-crank four-bar thread take-up; the output is the feed, mm."""
 
     geometry: Geometry
-    motor: Motor | None = None
-    masses: Masses | None = None
-    consumption: Consumption | None = None
-    wanted: Wanted | None = None
-    counterweight: Counterweight | None = None
+    motor: Motor | None = Field(default=None, description="what turns the input crank")
+    masses: Masses | None = Field(default=None, description="for forces; left out: none")
+    consumption: Consumption | None = Field(
+        default=None, description="thread that the stitch draws, linear in between"
+    )
+    wanted: Wanted | None = Field(
+        default=None,
+        description="what `camgen design` searches for, by moving eye, frame angle and guides",
+    )
+    counterweight: Counterweight | None = Field(
+        default=None, description="a sector of a disc on the shaft of the input crank: balances it"
+    )
     making: Annotated[Parts, Field(alias="parts")] = Parts.model_construct()
     allowed: Annotated[Limits, Field(alias="limits")] = Limits.model_construct()
 

@@ -87,9 +87,14 @@ class UniformSwing(Mechanism):
     making: Annotated[Parts, Field(alias="parts")] = Parts.model_construct()
     base: BaseTable = BaseTable.model_construct()
     frame: FrameTable = FrameTable.model_construct()
-    collet: ColletTable = ColletTable.model_construct()
+    collet: ColletTable = Field(
+        default=ColletTable.model_construct(), description="for a plain shaft"
+    )
     nozzle: NozzleTable = NozzleTable.model_construct()
-    spring: SpringTable = SpringTable.model_construct()
+    spring: SpringTable = Field(
+        default=SpringTable.model_construct(),
+        description="of force closure, as it acts on the frame",
+    )
     allowed: Annotated[Limits, Field(alias="limits")] = Limits.model_construct()
 
     def faults(self) -> Sequence[Fault]:
