@@ -42,6 +42,7 @@ from camgen.schemas import (
     tables_of,
     unit_of,
 )
+from camgen.vocabulary import RENAMED, wording
 
 _WIDE = 110  # characters of a line of TOML
 
@@ -189,7 +190,7 @@ class Material(Record):
     )
 
 
-class Output(Record):
+class Files(Record):
     """How files are written."""
 
     curves: Literal["bulge", "lines"] = Field(
@@ -329,7 +330,7 @@ class Spec(Checked):
     accuracy: Accuracy = Field(
         default=Accuracy.model_construct(), description="of the outlines in the files"
     )
-    output: Output = Field(default=Output.model_construct(), description="how files are written")
+    files: Files = Field(default=Files.model_construct(), description="how files are written")
     drawing: Drawing = Field(
         default=Drawing.model_construct(),
         description="what the dimensioned drawings say beside the shapes",
@@ -363,9 +364,8 @@ def choose(data: Data, known: Collection[str], source: str = "spec") -> str:
     if isinstance(name, str) and name in known:
         return name
     faults = [unknown(("mechanism",), name, known)]
-    shared = {key: value for key, value in data.items() if key in Spec.model_fields} | {
-        "mechanism": ""
-    }
+    tables = wording(data).data
+    shared = {key: tables[key] for key in tables if key in Spec.model_fields} | {"mechanism": ""}
     try:
         validate(Spec, shared, source)
     except SpecError as error:
@@ -386,6 +386,22 @@ def validate(
     told of such.
     like: tables and the record that was made of them: what is the same object in both tables is not checked again.
     """
+    words = wording(data)
+    before = None if like is None else (wording(like[0]).data, like[1])
+    faults: Sequence[Fault] = ()
+    try:
+        record = _checked(cls, words.data, (*hints, *words.notes), before)
+    except SpecError as error:
+        faults = error.faults
+    if faults or words.twice:
+        raise SpecError([*words.twice, *map(words.as_typed, faults)], source)
+    return record
+
+
+def _checked(
+    cls: type[S], data: Data, hints: tuple[str, ...], like: tuple[Data, Spec] | None = None
+) -> S:
+    """The tables in the words of today as a record; see `validate`."""
     old, made = (
         like if like is not None and type(like[1]) is cls and "laser" not in data else (None, None)
     )  # it fills tables
@@ -400,15 +416,15 @@ def validate(
         record = cls.model_validate(_tuples(data, old, made))
     except ValidationError as error:
         if made is not None:
-            return validate(cls, data, source, hints)
+            return _checked(cls, data, hints)
         told = _respell(cls, data := deepcopy(data), error)
         if told:
-            return validate(cls, data, source, (*hints, *told))
-        raise SpecError(_faults(cls, data, error), source) from None
+            return _checked(cls, data, (*hints, *told))
+        raise SpecError(_faults(cls, data, error)) from None
     record._hints = hints
     faults = record.faults()
     if faults:
-        raise SpecError(faults, source)
+        raise SpecError(faults)
     return record
 
 
@@ -602,6 +618,11 @@ def schema(cls: type[Spec], mechanism: str | None = None) -> Data:
     }
     if mechanism is not None:
         found["properties"]["mechanism"]["const"] = mechanism
+    keys = found["properties"]
+    for old, new in RENAMED.items():
+        if new in keys and old not in keys:
+            said = f"old name of [{new}]"
+            keys[old] = {**keys[new], "description": said, "deprecated": True}
     for table in (found, *found["$defs"].values()):
         for node in table.get("properties", {}).values():
             unit = unit_of(node)

@@ -70,6 +70,7 @@ GROUND = {
     "spec",
     "study",
     "tolerances",
+    "vocabulary",
     "workers",
 }
 TOP = {"__init__", "__main__", "cli", "commands", "guide", "starters"}

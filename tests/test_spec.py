@@ -529,10 +529,8 @@ def test_a_key_in_the_other_spelling_is_taken_and_told(root: Path) -> None:
     from camgen.machines import load
 
     disc, linkage = (read(root / "specs" / f"{name}.toml") for name in ("disc-cam", "linkage"))
-    made = validate(load("disc-cam"), override(disc, "output.centre_marks=true"))
-    assert made.output.center_marks and made.hints == (
-        "output.centre_marks is read as center_marks",
-    )
+    made = validate(load("disc-cam"), override(disc, "files.centre_marks=true"))
+    assert made.files.center_marks and made.hints == ("files.centre_marks is read as center_marks",)
     assert validate(load("disc-cam"), disc).hints == ()
     for key in ("mass_g=12", "center=[10.0, 0.0]"):
         linkage = override(linkage, f"masses.rocker.{key}")
@@ -543,3 +541,44 @@ def test_a_key_in_the_other_spelling_is_taken_and_told(root: Path) -> None:
     assert "center" in linkage["masses"]["rocker"]  # what was given stays as it is
     with pytest.raises(SpecError, match="masses.rocker.center: unknown key"):
         validate(load("linkage"), override(linkage, "masses.rocker.centre=[9.0, 0.0]"))
+
+
+FILES = {"curves": "lines", "center_marks": True, "cutter_radius": 3.0, "curvs": 1}
+
+
+@given(st.dictionaries(st.sampled_from(sorted(FILES)), st.sampled_from(["old", "new", "both"])))
+def test_the_old_name_of_a_table_is_taken_and_its_faults_keep_it(words: dict[str, str]) -> None:
+    """[output] is [files], where it is no list; a key may stand under one of the words, and is told as it stands."""
+    old = {key: FILES[key] for key, word in words.items() if word != "new"}
+    new = {key: FILES[key] for key, word in words.items() if word != "old"}
+    data = read(Path(starters.folder()) / "disc-cam.toml") | {"output": old, "files": new}
+    faults = {("output", key) for key, word in words.items() if word == "both"}
+    if "curvs" in words:
+        faults.add(("output" if words["curvs"] == "old" else "files", "curvs"))
+    try:
+        made = validate(load("disc-cam"), data)
+    except SpecError as error:
+        assert {fault.path for fault in error.faults} == faults
+        return
+    assert not faults and made.hints == ("[output] is read as [files]",)
+    assert made == validate(load("disc-cam"), {**data, "output": {}, "files": old | new})
+    assert "[files]" in dump(made) and "[output]" not in dump(made)
+
+
+def test_a_setting_by_the_old_name_of_a_table_goes_where_it_stands(root: Path) -> None:
+    """Of a spec as it was resolved, whose [files] is filled in, too; a list under the word is another thing."""
+    disc, linkage = (read(root / "specs" / f"{name}.toml") for name in ("disc-cam", "linkage"))
+    for data in (disc, tomllib.loads(dump(validate(load("disc-cam"), disc)))):
+        set_ = validate(load("disc-cam"), override(data, "output.curves='lines'"))
+        assert set_.files.curves == "lines"
+    assert override({"output": {"step": True}, "files": {}}, "output.step=") == {
+        "output": {},
+        "files": {},
+    }
+    assert override({"files": {"step": True}}, "output.step=") == {"files": {}}
+    assert override(linkage, "output.0.name='tip'")["output"][0]["name"] == "tip"
+    with pytest.raises(SpecError, match="did you mean 'files.step'"):
+        override(linkage, "output.step=true")
+    with pytest.raises(SpecError) as told:
+        validate(load("linkage"), linkage | {"output": {"name": "pen"}})
+    assert {fault.key for fault in told.value.faults} >= {"output", "output.name"}

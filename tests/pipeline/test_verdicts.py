@@ -260,7 +260,7 @@ def test_what_was_not_judged_is_said_by_name_in_table_verdict_and_page(
         ("stl", "print.profile_compensation=0.1", ""),
         ("stl", "output.curves='lines'", "acts on DXF alone"),
         ("dxf,stl", "output.curves='lines'", ""),
-        ("dxf", "output.engrave=true", "output.engrave = true: no part has anything engraved"),
+        ("dxf", "files.engrave=true", "files.engrave = true: no part has anything engraved"),
     ],
 )
 def test_key_that_cannot_act_on_a_file_is_told(

@@ -62,7 +62,7 @@ from camgen.parts.generator.stacking import first_choice, lacking, laid
 from camgen.parts.generator.trials import with_cures
 from camgen.parts.journals import journals
 from camgen.parts.part import Part
-from camgen.spec import Output, unknown, validate
+from camgen.spec import unknown, validate
 from camgen.study import ROWS, Later, Study, together
 
 _SAMPLES = np.linspace(
@@ -101,9 +101,6 @@ class Linkage(Mechanism):
     )
     wanted: Annotated[tuple[t.Wanted, ...], Field(alias="output", min_length=1, max_length=50)] = (
         Field(description="what is judged and shown; several are allowed")
-    )
-    output: Annotated[Output, Field(alias="files")] = Field(
-        default=Output.model_construct(), description="how files are written"
     )
     includes: Annotated[tuple[t.Include, ...], Field(alias="include", max_length=20)] = Field(
         default=(), description="another spec's machine on the same shaft, printed as this one is"
