@@ -22,6 +22,7 @@ from camgen import starters
 from camgen.errors import Fault, FileError, SpecError
 from camgen.machines import MECHANISMS, load
 from camgen.reading import read
+from camgen.schemas import keys_of, step_below
 from camgen.settings import override
 from camgen.spec import Length, Record, Spec, choose, dump, schema, unknown, validate
 
@@ -519,7 +520,8 @@ def test_only_files_of_a_sane_size_are_read(tmp_path: Path) -> None:
     "mechanism", ["uniform-swing", "eccentric-drive", "thread-take-up", "indexing-cam", "disc-cam"]
 )
 def test_the_limit_of_free_play_is_a_key_whose_default_has_a_reason(mechanism: str) -> None:
-    limits = schema(load(mechanism), mechanism)["$defs"]["Limits"]["properties"]
+    root = schema(load(mechanism), mechanism)
+    limits = keys_of(step_below(root, "limits", root), root)
     (told,) = [key for name, key in limits.items() if name in ("lash", "lash_deg")]
     assert "free play " in told["description"] and f"; {told['default']:g}: " in told["description"]
 

@@ -104,7 +104,7 @@ class ShaftHole(Record):
         return ()
 
 
-class Parts(ShaftHole):
+class CamParts(ShaftHole):
     """The cam as a body; pins, rim and back belong to a groove."""
 
     make: Make = Field(
@@ -176,7 +176,7 @@ def holes_in(
     return holes
 
 
-def pins_beside(made: Parts, min_wall: float) -> float:
+def pins_beside(made: CamParts, min_wall: float) -> float:
     """Distance from the axis of the pins that hold a groove's inner cam, mm."""
     return made.reach + min_wall + made.pin_diameter
 
@@ -196,7 +196,7 @@ def refuse_wide(name: str, room: float, reach: float, hub: float = 0.0) -> None:
 
 
 def disc_parts(
-    made: Parts,
+    made: CamParts,
     outlines: Sequence[Contour],
     wall: Contour | None,
     groove: tuple[float, float],
@@ -220,7 +220,7 @@ def disc_parts(
 
 
 def _cam(
-    made: Parts, name: str, title: str, outline: Contour, pins: list[Contour], min_wall: float
+    made: CamParts, name: str, title: str, outline: Contour, pins: list[Contour], min_wall: float
 ) -> Part:
     hub = made.hub_diameter if made.hub_height else 0.0
     holes = holes_in(made, name, outline, lambda rim, reach: pins, hub)
@@ -236,7 +236,7 @@ def _cam(
 
 
 def _plates(
-    made: Parts, outline: Contour, wall: Contour, groove: tuple[float, float], min_wall: float
+    made: CamParts, outline: Contour, wall: Contour, groove: tuple[float, float], min_wall: float
 ) -> tuple[Part, ...]:
     """Inner cam and outer ring, pinned to a back plate."""
     bore, beside = made.hole(), pins_beside(made, min_wall)

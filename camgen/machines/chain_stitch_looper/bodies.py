@@ -34,7 +34,7 @@ _RUN_OUT = 2.0  # radii, over which the rounding of an edge runs out
 _BEYOND = 10.0  # mm that plate and needles are drawn beyond what they need
 
 
-class Parts(Record):
+class SpreaderParts(Record):
     """Spreaders and plate as bodies."""
 
     nose_width: Length = Field(default=1.2, description="at the thread's seat")
@@ -68,7 +68,7 @@ class Bodies:
     """All bodies of a design. tau: lean of the protrusion's front, rad; blade: nose's tip to the shank, mm."""
 
     design: Design
-    making: Parts
+    making: SpreaderParts
     tau: float
     blade: float
     min_wall: float
@@ -362,7 +362,7 @@ def seat_back(tau: float, lean: str) -> float:
     return math.tan((tau if lean == "nose" else math.pi - tau) / 2)
 
 
-def room_on_nose(s: Stitch, p: Parts, back: float) -> list[Condition]:
+def room_on_nose(s: Stitch, p: SpreaderParts, back: float) -> list[Condition]:
     """What a velocity ratio must keep for the nose's rounded edges, as `Bodies` makes them."""
     seat, ends, far = s.setback - s.needle, p.edge_radius * (_RUN_OUT + back), max(s.reach)
     wide, steep = p.edge_radius / (_ROUND * p.nose_width), p.edge_radius / (_ROUND * s.height)

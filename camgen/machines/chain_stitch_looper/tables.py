@@ -15,7 +15,7 @@ Law = Annotated[str | LawChoice, Field(union_mode="left_to_right")]
 Distortion = Annotated[float, quantity("1", ge=0, lt=1)]
 
 
-class Geometry(Record):
+class StitchGeometry(Record):
     """Figures of stitch, needles and spreaders, named as in the source."""
 
     needle_spacing: Length = Field(description="z, the width of the stitch")
@@ -91,7 +91,7 @@ class Timing(Record):
     )
 
 
-class Motor(Drives):
+class StitchMotor(Drives):
     """What drives the machine; the shaft's angle is counted in its sense of turning, so either sense makes the same parts."""
 
     speed_rpm: Annotated[Rpm, turning()] = Field(
@@ -99,7 +99,7 @@ class Motor(Drives):
     )
 
 
-class Limits(Bears):
+class StitchLimits(Bears):
     """What the designer accepts; a finding fails beyond it."""
 
     loop_angle_deg: Annotated[float, quantity("deg", ge=0, le=90)] = Field(

@@ -41,7 +41,7 @@ Steps = Annotated[
 ]
 
 
-class Geometry(Record):
+class CouponGeometry(Record):
     """Nominal sizes, mm, each list from small to large."""
 
     holes: Sizes = Field(default=(3.0, 4.0, 5.0, 6.0, 8.0, 10.0), description="diameters")
@@ -62,7 +62,7 @@ class Geometry(Record):
     width: Length = Field(default=54.0, description="from A to C")
 
 
-class Parts(Record):
+class CouponParts(Record):
     """The bodies of the parts, mm."""
 
     thickness: Length = Field(default=4.0, description="of plate and disc")
@@ -101,7 +101,7 @@ class Measured(Record):
         return data
 
 
-class Limits(Record):
+class CouponLimits(Record):
     """What the measuring has to reach."""
 
     uncertainty: Length = Field(
@@ -117,15 +117,15 @@ class Limits(Record):
 class Coupon(Mechanism):
     """Spec and answers of a coupon."""
 
-    geometry: Geometry = Field(
-        default=Geometry.model_construct(),
+    geometry: CouponGeometry = Field(
+        default=CouponGeometry.model_construct(),
         description="nominal sizes, each list from small to large",
     )
-    making: Annotated[Parts, Field(alias="parts")] = Parts.model_construct()
+    making: Annotated[CouponParts, Field(alias="parts")] = CouponParts.model_construct()
     measured: Measured = Field(
         default=Measured.model_construct(), description="what the caliper said"
     )
-    allowed: Annotated[Limits, Field(alias="limits")] = Limits.model_construct()
+    allowed: Annotated[CouponLimits, Field(alias="limits")] = CouponLimits.model_construct()
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""

@@ -42,7 +42,7 @@ class FollowerTable(Record):
     )
 
 
-class Geometry(Record):
+class DiscCamGeometry(Record):
     """The cam and its follower; without base_radius it is the smallest that keeps to the limits."""
 
     follower: FollowerTable = Field(description="what rides on the cam")
@@ -62,7 +62,7 @@ class Geometry(Record):
     tip_clearance: Air = 0.0
 
 
-class Motor(Drives):
+class DiscCamMotor(Drives):
     """What drives the cam."""
 
     speed_rpm: Annotated[Rpm, turning()] = Field(
@@ -71,7 +71,7 @@ class Motor(Drives):
     )
 
 
-class Limits(CamBears):
+class DiscCamLimits(CamBears):
     """What the designer accepts; a finding fails beyond it."""
 
     undercut: Annotated[float, quantity("mm or deg", ge=0, le=1e6)] = Field(

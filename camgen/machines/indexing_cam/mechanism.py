@@ -82,8 +82,8 @@ _SPRING_POINTS = 101  # of a table that stands for a spring
 class IndexingCam(StandingCams):
     """Spec and answers of an indexing cam; the output is the follower's angle s, rad, 0 in the inner dwell."""
 
-    geometry: t.Geometry
-    motor: t.Motor = t.Motor()
+    geometry: t.IndexingGeometry
+    motor: t.IndexingMotor = t.IndexingMotor()
     driver: t.Driver | None = Field(
         default=None,
         description="a two-crank chain before the cam: it turns fastest in the middle of each turn of the "
@@ -104,8 +104,8 @@ class IndexingCam(StandingCams):
         "report;\n"
         "camgen design SPEC writes the spec with the law of the last weight",
     )
-    making: Annotated[t.Parts, Field(alias="parts")] = t.Parts()
-    allowed: Annotated[t.Limits, Field(alias="limits")] = t.Limits()
+    making: Annotated[t.IndexingParts, Field(alias="parts")] = t.IndexingParts()
+    allowed: Annotated[t.IndexingLimits, Field(alias="limits")] = t.IndexingLimits()
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""

@@ -38,7 +38,7 @@ class Arm(Record):
     roller_radius: Length = Field(description="of the roller")
 
 
-class Geometry(Record):
+class IndexingGeometry(Record):
     """Follower, program and gears; the second dwell is what rise, dwell and return leave of the turn."""
 
     follower: Arm = Field(description="the arm that swings")
@@ -83,7 +83,7 @@ class Geometry(Record):
         return [] if fault is None else [fault]
 
 
-class Motor(Drives):
+class IndexingMotor(Drives):
     """What drives the cam shaft."""
 
     speed_rpm: Annotated[Rpm, turning()] = Field(
@@ -236,7 +236,7 @@ class SynthesisTable(Record):
     cosines: Annotated[int, Field(ge=0, le=3)] = Field(default=1, description="terms of the law")
 
 
-class Parts(ShaftHole):
+class IndexingParts(ShaftHole):
     """The cams as bodies."""
 
     make: Make = Field(
@@ -260,7 +260,7 @@ class Parts(ShaftHole):
     wall: Length = Field(default=4.0, description="wall that windows keep")
 
 
-class Limits(SwingingCamBears):
+class IndexingLimits(SwingingCamBears):
     """What the designer accepts; a finding fails beyond it."""
 
     lash_deg: Annotated[float, quantity("deg", ge=0, le=180)] = Field(

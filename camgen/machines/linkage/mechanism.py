@@ -118,8 +118,8 @@ class Linkage(Mechanism):
     layers: t.Layers = Field(
         default={}, description="level of a link, cam or gear, 1 is the lowest; else found"
     )
-    allowed: Annotated[t.Limits, Field(alias="limits")] = Field(
-        default=t.Limits.model_validate({}), description="what the designer accepts"
+    allowed: Annotated[t.LinkageLimits, Field(alias="limits")] = Field(
+        default=t.LinkageLimits.model_validate({}), description="what the designer accepts"
     )
 
     @model_validator(mode="before")

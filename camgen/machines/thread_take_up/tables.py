@@ -12,7 +12,7 @@ from camgen.spec import Coordinate, Length, MinWall, Record, Rpm, quantity, turn
 Point = tuple[Coordinate, Coordinate]
 
 
-class Geometry(Record):
+class TakeUpGeometry(Record):
     """Lengths and angles of the mechanism, guides in the machine's axes (origin O)."""
 
     input_crank: Length = Field(description="O to A")
@@ -32,7 +32,7 @@ class Geometry(Record):
     )
 
 
-class Motor(Drives):
+class TakeUpMotor(Drives):
     """What drives the input crank."""
 
     speed_rpm: Annotated[Rpm, turning(0.001)] = Field(
@@ -60,7 +60,7 @@ class Wanted(Record):
     )
 
 
-class Parts(Record):
+class TakeUpParts(Record):
     """The links as bodies."""
 
     thickness: Length = Field(default=4.0, description="of a link")
@@ -91,7 +91,7 @@ class Parts(Record):
     )
 
 
-class Limits(Bears):
+class TakeUpLimits(Bears):
     """What the designer accepts; a finding fails beyond it."""
 
     transmission_angle_deg: Annotated[float, quantity("deg", ge=0, lt=90)] = Field(

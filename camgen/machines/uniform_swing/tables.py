@@ -16,7 +16,7 @@ Thread = Literal["M2", "M2.5", "M3", "M4", "M5", "M6"]
 Tip = Literal["plate", "pin", "MR63", "MR85", "MR105", "623", "624", "625", "626", "608"]
 
 
-class Geometry(Record):
+class SwingGeometry(Record):
     """Lengths and angles of the mechanism."""
 
     pivot_distance: Length = Field(description="O to A")
@@ -35,7 +35,7 @@ class Geometry(Record):
     )
 
 
-class Motor(Drives):
+class SwingMotor(Drives):
     """What drives the cam."""
 
     speed_rpm: Annotated[Rpm, turning()] = Field(
@@ -43,7 +43,7 @@ class Motor(Drives):
     )
 
 
-class Parts(ShaftHole):
+class SwingParts(ShaftHole):
     """The cam as a body; make: "machine" adds all the other parts of the printed machine."""
 
     thickness: Length = Field(default=6.0, description="of cams and frame plates")
@@ -67,7 +67,7 @@ class Parts(ShaftHole):
     )
 
 
-class Limits(SwingingCamBears):
+class SwingLimits(SwingingCamBears):
     """What the designer accepts; a finding fails beyond it."""
 
     lash_deg: Annotated[float, quantity("deg", ge=0, le=180)] = Field(
