@@ -15,7 +15,6 @@ from typing import Any
 from camgen.errors import Fault, SpecError, dotted
 from camgen.reading import DEEPEST, SHALLOWER, Data, extent_of
 from camgen.schemas import shortened, shown
-from camgen.vocabulary import key_of_today
 
 _STEP = re.compile(r"""\s*(?:"((?:[^"\\]|\\.)*)"|'([^']*)'|([^.=]*?))\s*([.=])""", re.DOTALL)
 
@@ -59,7 +58,6 @@ def override(data: Data, setting: str) -> Data:
     deep = len(keys) + extent_of(value)[0]
     if deep > DEEPEST:
         raise SpecError([Fault((), f"nested {deep} deep", SHALLOWER, source="--set")])
-    keys = key_of_today(keys, data)
     changed = dict(data)
     holder: Any = changed
     for depth, name in enumerate(keys, 1):

@@ -10,9 +10,8 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from copy import deepcopy
-from dataclasses import replace
 from datetime import date
 from difflib import get_close_matches
 from functools import lru_cache
@@ -29,7 +28,7 @@ from pydantic import (
 )
 from pydantic_core.core_schema import ErrorType
 
-from camgen.errors import UNKNOWN, Fault, Key, SpecError
+from camgen.errors import UNKNOWN, Fault, Key, SpecError, dotted
 from camgen.reading import Data
 from camgen.schemas import (
     in_words,
@@ -42,7 +41,7 @@ from camgen.schemas import (
     tables_of,
     unit_of,
 )
-from camgen.vocabulary import RENAMED, wording
+from camgen.vocabulary import OldWords, wording
 
 _WIDE = 110  # characters of a line of TOML
 
@@ -285,8 +284,7 @@ class Laser(Record):
 class Checked(Record):
     """A record that `validate` makes: its keys are judged one by one, then together."""
 
-    # by table and word: the key of the same table that it is taken for
-    old_words: ClassVar[Mapping[tuple[str, str], str]] = {}
+    old_words: ClassVar[OldWords] = {}
 
     _hints: tuple[str, ...] = PrivateAttr(())
 
@@ -310,6 +308,8 @@ def _no_device(name: str) -> str:
 
 class Spec(Checked):
     """The tables that every mechanism has; `mechanism` picks the class, `name` the output folder and file prefix."""
+
+    old_words: ClassVar[OldWords] = {("output",): ("files",)}
 
     mechanism: str = Field(description="the kind of machine, see camgen list")
     name: Annotated[
@@ -364,7 +364,7 @@ def choose(data: Data, known: Collection[str], source: str = "spec") -> str:
     if isinstance(name, str) and name in known:
         return name
     faults = [unknown(("mechanism",), name, known)]
-    tables = wording(data).data
+    tables = wording(data, Spec.old_words).data
     shared = {key: tables[key] for key in tables if key in Spec.model_fields} | {"mechanism": ""}
     try:
         validate(Spec, shared, source)
@@ -386,16 +386,13 @@ def validate(
     told of such.
     like: tables and the record that was made of them: what is the same object in both tables is not checked again.
     """
-    words = wording(data)
-    before = None if like is None else (wording(like[0]).data, like[1])
-    faults: Sequence[Fault] = ()
+    words = wording(data, cls.old_words)
+    before = None if like is None else (wording(like[0], cls.old_words).data, like[1])
     try:
-        record = _checked(cls, words.data, (*hints, *words.notes), before)
+        return _checked(cls, words.data, (*hints, *words.notes), before)
     except SpecError as error:
-        faults = error.faults
-    if faults or words.twice:
-        raise SpecError([*words.twice, *map(words.as_typed, faults)], source)
-    return record
+        faults = list(map(words.as_typed, error.faults))
+    raise SpecError(faults, source)
 
 
 def _checked(
@@ -405,13 +402,6 @@ def _checked(
     old, made = (
         like if like is not None and type(like[1]) is cls and "laser" not in data else (None, None)
     )  # it fills tables
-    data, read, notes = _in_new_words(cls, data)
-    if read:
-        try:
-            return validate(cls, data, source, (*hints, *notes))
-        except SpecError as error:
-            typed = [replace(each, path=read.get(each.path, each.path)) for each in error.faults]
-            raise SpecError(typed, source) from None
     try:
         record = cls.model_validate(_tuples(data, old, made))
     except ValidationError as error:
@@ -439,23 +429,6 @@ def _respell(cls: type[Checked], data: Data, error: ValidationError) -> list[str
                 holder[name] = holder.pop(path[-1])
                 told.append(f"{'.'.join(map(str, path))} is read as {name}")
     return told
-
-
-def _in_new_words(cls: type[Checked], data: Data) -> tuple[Data, dict[Key, Key], list[str]]:
-    """The tables with old words by the keys that are meant, the old word of each such key, and what to tell of them.
-
-    A table is no old word: where the same name is one, it is left.
-    """
-    read, notes = dict[Key, Key](), list[str]()
-    for (table, word), new in getattr(cls, "old_words", {}).items():
-        holder = data.get(table)
-        if isinstance(holder, dict) and word in holder and not isinstance(holder[word], dict):
-            beside = f", in place of {new} beside it" if new in holder else ""
-            notes.append(f"{table}.{word} is read as {new}{beside}")
-            data = {**data, table: {**holder, new: holder[word]}}
-            del data[table][word]
-            read[table, new] = (table, word)
-    return data, read, notes
 
 
 def _plain(value: float) -> float:
@@ -618,11 +591,12 @@ def schema(cls: type[Spec], mechanism: str | None = None) -> Data:
     }
     if mechanism is not None:
         found["properties"]["mechanism"]["const"] = mechanism
-    keys = found["properties"]
-    for old, new in RENAMED.items():
-        if new in keys and old not in keys:
-            said = f"old name of [{new}]"
-            keys[old] = {**keys[new], "description": said, "deprecated": True}
+    for old, new in cls.old_words.items():
+        holders = [found] if len(old) == 1 else tables_of(found["properties"][old[0]], found)
+        for keys in (holder["properties"] for holder in holders):
+            if old[-1] not in keys:
+                said = f"old name of {dotted(new)}"
+                keys[old[-1]] = {**keys[new[-1]], "description": said, "deprecated": True}
     for table in (found, *found["$defs"].values()):
         for node in table.get("properties", {}).values():
             unit = unit_of(node)

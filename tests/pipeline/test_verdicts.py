@@ -258,8 +258,8 @@ def test_what_was_not_judged_is_said_by_name_in_table_verdict_and_page(
         ),
         ("dxf", "print.elephant_foot=0.2", "print.elephant_foot = 0.2"),
         ("stl", "print.profile_compensation=0.1", ""),
-        ("stl", "output.curves='lines'", "acts on DXF alone"),
-        ("dxf,stl", "output.curves='lines'", ""),
+        ("stl", "files.curves='lines'", "acts on DXF alone"),
+        ("dxf,stl", "files.curves='lines'", ""),
         ("dxf", "files.engrave=true", "files.engrave = true: no part has anything engraved"),
     ],
 )

@@ -44,6 +44,7 @@ from camgen.parts.generator.joined import Fitting
 from camgen.parts.generator.layout import Layout
 from camgen.study import Study
 from camgen.tolerances import SAME_POINT
+from camgen.vocabulary import OldWords
 
 _LINKS = {"ground": ("O", "R", "S"), "disc": ("O", "E"), "rod": ("E", "P"), "slider": ("P",)}
 
@@ -51,7 +52,7 @@ _LINKS = {"ground": ("O", "R", "S"), "disc": ("O", "E"), "rod": ("E", "P"), "sli
 class EccentricDrive(Template):
     """Spec and answers of an eccentric drive; the output is the slider's way from its outermost place, mm."""
 
-    old_words: ClassVar[Mapping[tuple[str, str], str]] = OLD_WORDS
+    old_words: ClassVar[OldWords] = {**Template.old_words, **OLD_WORDS}
 
     geometry: Geometry
     motor: Motor

@@ -10,15 +10,16 @@ from camgen.machines.loads.tables import Bears, Drives
 from camgen.parts.catalogue import CORE_HOLES
 from camgen.parts.generator import sizes
 from camgen.spec import Coordinate, Length, Mass, MinWall, Record, Rpm, quantity, turning
+from camgen.vocabulary import OldWords
 
 Band = tuple[Annotated[float, Field(gt=0, le=1e6)], Annotated[float, Field(gt=0, le=1e6)]]
 
-OLD_WORDS = {
-    ("parts", "strap_wall"): "wall",
-    ("parts", "rod_thickness"): "thickness",
-    ("parts", "flange"): "head",
-    ("parts", "body_thickness"): "base_thickness",
-    ("parts", "pins"): "pin",
+OLD_WORDS: OldWords = {
+    ("parts", "strap_wall"): ("parts", "wall"),
+    ("parts", "rod_thickness"): ("parts", "thickness"),
+    ("parts", "flange"): ("parts", "head"),
+    ("parts", "body_thickness"): ("parts", "base_thickness"),
+    ("parts", "pins"): ("parts", "pin"),
 }
 # keys of a linkage's sizes that are set here, and why
 ELSEWHERE = {
