@@ -31,11 +31,11 @@ from camgen.machines.eccentric_drive.study import study
 from camgen.machines.eccentric_drive.tables import (
     ELSEWHERE,
     OLD_WORDS,
-    Geometry,
-    Limits,
+    EccentricGeometry,
+    EccentricLimits,
+    EccentricMotor,
+    EccentricSizes,
     Masses,
-    Motor,
-    Sizes,
 )
 from camgen.machines.loads.counterweights import Counterweight
 from camgen.machines.template import Template
@@ -54,10 +54,10 @@ class EccentricDrive(Template):
 
     old_words: ClassVar[OldWords] = {**Template.old_words, **OLD_WORDS}
 
-    geometry: Geometry
-    motor: Motor
-    making: Annotated[Sizes, Field(alias="parts")] = Field(
-        default=Sizes.model_validate({}),
+    geometry: EccentricGeometry
+    motor: EccentricMotor
+    making: Annotated[EccentricSizes, Field(alias="parts")] = Field(
+        default=EccentricSizes.model_validate({}),
         description="its bodies, as [parts] of a linkage has them: see camgen schema",
     )
     masses: Masses | None = Field(
@@ -67,7 +67,7 @@ class EccentricDrive(Template):
         default=None,
         description="a sector of a disc on the motor's shaft, over the keeper washer: balances the disc",
     )
-    allowed: Annotated[Limits, Field(alias="limits")] = Limits.model_construct()
+    allowed: Annotated[EccentricLimits, Field(alias="limits")] = EccentricLimits.model_construct()
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""

@@ -32,7 +32,7 @@ ELSEWHERE = {
 }
 
 
-class Geometry(Record):
+class EccentricGeometry(Record):
     """Lengths of the mechanism."""
 
     eccentricity: Length = Field(description="O to E")
@@ -42,7 +42,7 @@ class Geometry(Record):
     shaft_diameter: Length = Field(description="of the motor's shaft")
 
 
-class Motor(Drives):
+class EccentricMotor(Drives):
     """What drives the disc."""
 
     speed_rpm: Annotated[Rpm, turning(0.001)] = Field(
@@ -57,7 +57,7 @@ class Motor(Drives):
     )
 
 
-class Sizes(sizes.Parts):
+class EccentricSizes(sizes.Parts):
     """Sizes of the parts, as [parts] of a linkage, and of the needle's."""
 
     wall: Length = Field(default=2.0, description="round holes, pins and the disc")
@@ -138,7 +138,7 @@ class Masses(Record):
         return {"rod": rod, "slider": {"mass_g": self.slider_g}}
 
 
-class Limits(Bears):
+class EccentricLimits(Bears):
     """What the designer accepts; a finding fails beyond it."""
 
     transmission_angle_deg: Annotated[float, quantity("deg", gt=0, lt=90)] = Field(
