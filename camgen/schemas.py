@@ -66,6 +66,22 @@ def tables_of(node: Data | None, root: Data) -> list[Data]:
     return found
 
 
+def unit_of(node: Data) -> str | None:
+    """Unit of a number, or of the numbers that a value is made of; "1" of counts; None of what is no number."""
+    kinds = [node]
+    for kind in kinds:
+        inner = (
+            *kind.get("anyOf", ()),
+            *kind.get("prefixItems", ()),
+            *kind.get("patternProperties", {}).values(),
+            *(kind.get(key) for key in ("items", "additionalProperties")),
+        )
+        kinds += [each for each in inner if isinstance(each, dict)]
+    types = {kind.get("type") for kind in kinds}
+    units = (str(kind["unit"]) for kind in kinds if "unit" in kind)
+    return next(units, "1" if "integer" in types and "number" not in types else None)
+
+
 # ---- plain words -----------------------------------------------------------------------------------------------------
 
 
@@ -83,8 +99,8 @@ _COUNTS = {"minItems": "at least", "maxItems": "at most"}
 
 
 def _simple_words(node: Data, root: Data) -> str:
-    if "pattern" in node and "description" in node:
-        return str(node["description"])
+    if "form" in node:
+        return str(node["form"])
     if "const" in node or "enum" in node:
         return one_of(node.get("enum") or [node["const"]])
     kind = node.get("type")

@@ -10,9 +10,8 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from copy import deepcopy
-from dataclasses import replace
 from datetime import date
 from difflib import get_close_matches
 from functools import lru_cache
@@ -29,21 +28,42 @@ from pydantic import (
 )
 from pydantic_core.core_schema import ErrorType
 
-from camgen.errors import UNKNOWN, Fault, Key, SpecError
+from camgen.errors import UNKNOWN, Fault, Key, SpecError, dotted
 from camgen.reading import Data
-from camgen.schemas import in_words, keys_of, members_of, one_of, other_spelling, shown, step_below
+from camgen.schemas import (
+    in_words,
+    keys_of,
+    members_of,
+    one_of,
+    other_spelling,
+    shown,
+    step_below,
+    tables_of,
+    unit_of,
+)
+from camgen.vocabulary import OldWords, wording
 
 _WIDE = 110  # characters of a line of TOML
 
-# of a number, told by its schema
-MM = {"unit": "mm"}
-SHARE = {"unit": "1"}
-Length = Annotated[
-    float, Field(ge=1e-3, le=1e6, json_schema_extra=MM)
-]  # a thousandth is less than any workshop makes
-Mass = Annotated[float, Field(gt=0, le=1e6, json_schema_extra={"unit": "g"})]
-Clearance = Annotated[float, Field(ge=0, le=10, json_schema_extra=MM)]
-Spread = Annotated[float, Field(ge=0, le=5, json_schema_extra=MM)] | None
+
+def quantity(unit: str, description: str | None = None, **bounds: Any) -> Any:
+    """Of a number: its unit, "1" of a ratio, as the schema has it; its bounds are gt, ge, lt, le."""
+    return Field(description=description, json_schema_extra={"unit": unit}, **bounds)
+
+
+def text_of_form(form: str, pattern: str, max_length: int | None = None) -> Any:
+    """A text's pattern, and in words the form that it asks for, which a fault tells."""
+    return Field(pattern=pattern, max_length=max_length, json_schema_extra={"form": form})
+
+
+Length = Annotated[float, quantity("mm", ge=1e-3, le=1e6)]  # none makes less than a thousandth
+MinWall = Annotated[
+    float, quantity("mm", "least wall of every part: two lines of the nozzle", ge=1e-3, le=1e6)
+]
+Coordinate = Annotated[float, quantity("mm", ge=-1e6, le=1e6)]
+Mass = Annotated[float, quantity("g", gt=0, le=1e6)]
+Clearance = Annotated[float, quantity("mm", ge=0, le=10)]
+Spread = Annotated[float, quantity("mm", ge=0, le=5)] | None
 
 
 def turning(least: float = 0.001) -> AfterValidator:
@@ -69,9 +89,7 @@ Orders = Annotated[
     tuple[Annotated[int, Field(ge=2, le=30)], Annotated[int, Field(ge=2, le=30)]],
     AfterValidator(_growing),
 ]
-Rpm = Annotated[
-    float, Field(ge=-1e6, le=1e6, json_schema_extra={"unit": "rpm"})
-]  # not 0; below 0: clockwise
+Rpm = Annotated[float, quantity("rpm", ge=-1e6, le=1e6)]  # not 0; below 0: clockwise
 
 
 class Record(BaseModel):
@@ -87,55 +105,112 @@ class Record(BaseModel):
 class Accuracy(Record):
     """How far the files may be from the exact outline."""
 
-    chord_tolerance: Annotated[float, Field(ge=1e-7, le=0.1)] = 0.001
+    chord_tolerance: Annotated[float, quantity("mm", ge=1e-7, le=0.1)] = Field(
+        default=0.001, description="largest distance between an outline in a file and the exact one"
+    )
 
 
 class Print(Record):
     """What the workshop's printer needs; shared by all mechanisms.
 
-    hole_compensation and profile_compensation: how far the printer's walls come into holes and out of outlines, mm;
-    shrinkage: share in the plane; elephant_foot: height and width of a chamfer at the foot, in steps of first_layer, mm.
-    They change what is printed (STL, 3MF, plates), not what a laser cuts (DXF) and not the assembly, which shows the print.
-    xy_step: of the print head in the plane, mm, by which a slicer may move walls; 80 steps a mm as Marlin's Configuration.h has
-    them: 20 teeth of a 2 mm belt a turn of 3,200 microsteps.
+    Compensations change what is printed (STL, 3MF, plates), not what a laser cuts (DXF) and not the assembly, which shows the
+    print. The default of xy_step is 80 steps a mm, as Marlin's Configuration.h has them: 20 teeth of a 2 mm belt a turn of 3,200
+    microsteps.
     """
 
-    nozzle: Annotated[float, Field(ge=1e-9, le=5)] = 0.4
-    slide_clearance: Clearance = 0.2
-    press_clearance: Clearance = 0.0
-    bed: tuple[Length, Length] = (220.0, 220.0)
-    bed_height: Length = 250.0
-    bed_margin: Annotated[float | None, Field(ge=0, le=1000)] = None
-    hole_compensation: Annotated[float, Field(ge=-2, le=2)] = 0.0
-    profile_compensation: Annotated[float, Field(ge=-2, le=2)] = 0.0
-    shrinkage: Annotated[float, Field(ge=-0.05, le=0.05)] = 0.0
-    elephant_foot: Annotated[float, Field(ge=0, le=2)] = 0.0
-    first_layer: Annotated[float, Field(gt=0, le=2)] = 0.2
-    layer: Annotated[float | None, Field(ge=0.01, le=2)] = None
-    xy_step: Annotated[float, Field(ge=0, le=0.2)] = 0.0125
-    size_error: Spread = None
-    place_error: Spread = None
-    form_error: Spread = None
-    form_orders: Orders | None = None
+    nozzle: Annotated[float, quantity("mm", ge=1e-9, le=5)] = Field(
+        default=0.4, description="width of the lines that it prints"
+    )
+    slide_clearance: Clearance = Field(
+        default=0.2,
+        description="diametral, of what moves; also the play between what lies on one another",
+    )
+    press_clearance: Clearance = Field(default=0.0, description="diametral, of what is pressed")
+    bed: tuple[Length, Length] = Field(
+        default=(220.0, 220.0), description="width and depth: every part must fit on it"
+    )
+    bed_height: Length = Field(default=250.0, description="the tallest that it prints")
+    bed_margin: Annotated[float | None, quantity("mm", ge=0, le=1000)] = Field(
+        default=None,
+        description="along the bed's edge, that stays free; left out: what a brim needs, where there is "
+        "room",
+    )
+    hole_compensation: Annotated[float, quantity("mm", ge=-2, le=2)] = Field(
+        default=0.0, description="what it takes from the radius of holes: see camgen guide printing"
+    )
+    profile_compensation: Annotated[float, quantity("mm", ge=-2, le=2)] = Field(
+        default=0.0, description="what it adds to outlines"
+    )
+    shrinkage: Annotated[float, quantity("1", ge=-0.05, le=0.05)] = Field(
+        default=0.0, description="share by which the plastic shrinks in the plane, such as 0.003"
+    )
+    elephant_foot: Annotated[float, quantity("mm", ge=0, le=2)] = Field(
+        default=0.0, description="chamfer against the swelling of the first layers"
+    )
+    first_layer: Annotated[float, quantity("mm", gt=0, le=2)] = Field(
+        default=0.2, description="height of the first layer, and of the steps of that chamfer"
+    )
+    layer: Annotated[float | None, quantity("mm", ge=0.01, le=2)] = Field(
+        default=None,
+        description="height of the others: faces between layers are told, print time counts with it",
+    )
+    xy_step: Annotated[float, quantity("mm", ge=0, le=0.2)] = Field(
+        default=0.0125,
+        description="of the print head: the most that a slicer may move walls; 1 / steps per mm",
+    )
+    size_error: Spread = Field(
+        default=None,
+        description="standard deviation of a size; unless given a third of the plastic's usual tolerance",
+    )
+    place_error: Spread = Field(
+        default=None,
+        description="the same of a hole's centre along an axis; size_error / sqrt 2 unless given",
+    )
+    form_error: Spread = Field(
+        default=None, description="the same of an outline's waves; size_error / 4 unless given"
+    )
+    form_orders: Annotated[Orders, quantity("1")] | None = Field(
+        default=None,
+        description="waves a turn of that form, least and greatest; 2 to 4 unless given",
+    )
 
 
 class Material(Record):
-    """What is printed with; density in g/cm^3 where it differs from the usual one."""
+    """What is printed with."""
 
-    name: Literal["PLA", "PETG", "ABS", "ASA", "nylon", "PC"] = "PLA"
-    density: Annotated[float, Field(gt=0, le=25)] | None = None
-    infill: Annotated[float, Field(gt=0, le=1, json_schema_extra=SHARE)] = 1.0
+    name: Literal["PLA", "PETG", "ABS", "ASA", "nylon", "PC"] = Field(
+        default="PLA", description='"PLA", "PETG", "ABS", "ASA", "nylon" or "PC"'
+    )
+    density: Annotated[float, quantity("g/cm^3", gt=0, le=25)] | None = Field(
+        default=None, description="where it differs from the usual one"
+    )
+    infill: Annotated[float, quantity("1", gt=0, le=1)] = Field(
+        default=1.0, description="share of the volume that is plastic, walls and filling together"
+    )
 
 
-class Output(Record):
+class Files(Record):
     """How files are written."""
 
-    curves: Literal["bulge", "lines"] = "bulge"
-    center_marks: bool = False
-    engrave: bool = False
-    step: bool | None = None
-    profile_step_deg: Annotated[float | None, Field(ge=0.01, le=90)] = None
-    cutter_radius: Annotated[float | None, Field(gt=0, le=1000)] = None
+    curves: Literal["bulge", "lines"] = Field(
+        default="bulge", description='"bulge": arcs in polylines; "lines": for readers without them'
+    )
+    center_marks: bool = Field(
+        default=False, description="true: marks at centres, on a layer CENTER"
+    )
+    engrave: bool = Field(default=False, description="true: what is engraved, on a layer ENGRAVE")
+    step: bool | None = Field(
+        default=None, description="true: a whole build makes exact solids as well (STEP)"
+    )
+    profile_step_deg: Annotated[float | None, quantity("deg", ge=0.01, le=90)] = Field(
+        default=None,
+        description="between the rows of a cam's table of radius, normal and curvature; left out: no "
+        "table",
+    )
+    cutter_radius: Annotated[float | None, quantity("mm", gt=0, le=1000)] = Field(
+        default=None,
+        description="of the cutter whose centre's path round each cam is drawn; left out: none",
+    )
 
     @property
     def machining(self) -> bool:
@@ -144,56 +219,72 @@ class Output(Record):
 
 
 class Drawing(Record):
-    """What the dimensioned drawings say in their title blocks, and the step of the table of a cam's radii on them."""
+    """What the dimensioned drawings say beside the shapes."""
 
     tolerance: Annotated[
         str,
-        Field(
-            pattern=r"^ISO 2768-[fmcv][HKL]?$",
-            description='general tolerance: "ISO 2768-f", "-m", "-c" or "-v", with H, K or L behind it for form and place',
+        text_of_form(
+            'general tolerance: "ISO 2768-f", "-m", "-c" or "-v", with H, K or L behind it for form and place',
+            r"^ISO 2768-[fmcv][HKL]?$",
         ),
-    ] = "ISO 2768-m"
+    ] = Field(
+        default="ISO 2768-m",
+        description="general tolerance: f, m, c or v; H, K or L behind it for form and place, as in -mK",
+    )
     number: (
         Annotated[
             str,
-            Field(
-                pattern=r"^[!-~]([ -~]{0,28}[!-~])?$",
-                description="a text of up to 30 letters, digits and signs",
+            text_of_form(
+                "a text of up to 30 letters, digits and signs", r"^[!-~]([ -~]{0,28}[!-~])?$"
             ),
         ]
         | None
-    ) = None
+    ) = Field(
+        default=None,
+        description="of the drawings: K-104-01, K-104-02, ...; left out: the names of their files",
+    )
     date: (
         Annotated[
             str,
-            Field(
-                pattern=r"^\d{4}-(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])$",
-                description='a date such as "2026-05-31"',
+            text_of_form(
+                'a date such as "2026-05-31"', r"^\d{4}-(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])$"
             ),
             BeforeValidator(
                 lambda value: value.isoformat() if type(value) is date else value
             ),  # as TOML has them
         ]
         | None
-    ) = None
-    position: Annotated[float, Field(ge=0, le=5)] = 0.2
-    profile_step_deg: Annotated[float, Field(ge=5, le=90)] = 10.0
+    ) = Field(
+        default=None,
+        description="of the drawings; left out: none, so that the same spec gives the same bytes on any "
+        "day",
+    )
+    position: Annotated[float, quantity("mm", ge=0, le=5)] = Field(
+        default=0.2,
+        description="diameter in which the axes of holes have to lie (ISO 1101); 0: not said",
+    )
+    profile_step_deg: Annotated[float, quantity("deg", ge=5, le=90)] = Field(
+        default=10.0, description="between the rows of a cam's table of radii on them"
+    )
 
 
 class Laser(Record):
-    """What cuts flat parts of sheet, mm: kerf of its beam; sheet: width, height; gap between neighbours, half to the edge."""
+    """What cuts flat parts of sheet."""
 
-    kerf: Annotated[float, Field(ge=0, le=5)] = 0.15
-    thickness: Length = 3.0
-    sheet: tuple[Length, Length] = (600.0, 400.0)
-    gap: Annotated[float, Field(ge=0, le=100)] = 2.0
+    kerf: Annotated[float, quantity("mm", ge=0, le=5)] = Field(
+        default=0.15, description="width of the beam"
+    )
+    thickness: Length = Field(default=3.0, description="of the sheet")
+    sheet: tuple[Length, Length] = Field(default=(600.0, 400.0), description="width and height")
+    gap: Annotated[float, quantity("mm", ge=0, le=100)] = Field(
+        default=2.0, description="between neighbours, half of it to the edge"
+    )
 
 
 class Checked(Record):
     """A record that `validate` makes: its keys are judged one by one, then together."""
 
-    # by table and word: the key of the same table that it is taken for
-    old_words: ClassVar[Mapping[tuple[str, str], str]] = {}
+    old_words: ClassVar[OldWords] = {}
 
     _hints: tuple[str, ...] = PrivateAttr(())
 
@@ -218,22 +309,36 @@ def _no_device(name: str) -> str:
 class Spec(Checked):
     """The tables that every mechanism has; `mechanism` picks the class, `name` the output folder and file prefix."""
 
-    mechanism: str
+    old_words: ClassVar[OldWords] = {("output",): ("files",)}
+
+    mechanism: str = Field(description="the kind of machine, see camgen list")
     name: Annotated[
         str,
-        Field(
-            pattern=r"^[a-z0-9]+(-[a-z0-9]+)*$",
-            max_length=60,
-            description="a name of small letters a-z, digits and single hyphens between them, at most 60",
+        text_of_form(
+            "a name of small letters a-z, digits and single hyphens between them, at most 60",
+            r"^[a-z0-9]+(-[a-z0-9]+)*$",
+            60,
         ),
         AfterValidator(_no_device),
-    ]
-    print: Print = Print.model_construct()
-    material: Material = Material.model_construct()
-    accuracy: Accuracy = Accuracy.model_construct()
-    output: Output = Output.model_construct()
-    drawing: Drawing = Drawing.model_construct()
-    laser: Laser | None = None
+    ] = Field(description="output folder and file prefix: a-z, 0-9, -")
+    print: Print = Field(
+        default=Print.model_construct(), description="your printer, and the fits that it needs"
+    )
+    material: Material = Field(
+        default=Material.model_construct(), description="what is printed with"
+    )
+    accuracy: Accuracy = Field(
+        default=Accuracy.model_construct(), description="of the outlines in the files"
+    )
+    files: Files = Field(default=Files.model_construct(), description="how files are written")
+    drawing: Drawing = Field(
+        default=Drawing.model_construct(),
+        description="what the dimensioned drawings say beside the shapes",
+    )
+    laser: Laser | None = Field(
+        default=None,
+        description="cuts what is flat from sheet: with this table a whole build lays it out (SVG, DXF)",
+    )
 
 
 S = TypeVar("S", bound=Checked)
@@ -259,9 +364,8 @@ def choose(data: Data, known: Collection[str], source: str = "spec") -> str:
     if isinstance(name, str) and name in known:
         return name
     faults = [unknown(("mechanism",), name, known)]
-    shared = {key: value for key, value in data.items() if key in Spec.model_fields} | {
-        "mechanism": ""
-    }
+    tables = wording(data, Spec.old_words).data
+    shared = {key: tables[key] for key in tables if key in Spec.model_fields} | {"mechanism": ""}
     try:
         validate(Spec, shared, source)
     except SpecError as error:
@@ -282,29 +386,35 @@ def validate(
     told of such.
     like: tables and the record that was made of them: what is the same object in both tables is not checked again.
     """
+    words = wording(data, cls.old_words)
+    before = None if like is None else (wording(like[0], cls.old_words).data, like[1])
+    try:
+        return _checked(cls, words.data, (*hints, *words.notes), before)
+    except SpecError as error:
+        faults = list(map(words.as_typed, error.faults))
+    raise SpecError(faults, source)
+
+
+def _checked(
+    cls: type[S], data: Data, hints: tuple[str, ...], like: tuple[Data, Spec] | None = None
+) -> S:
+    """The tables in the words of today as a record; see `validate`."""
     old, made = (
         like if like is not None and type(like[1]) is cls and "laser" not in data else (None, None)
     )  # it fills tables
-    data, read, notes = _in_new_words(cls, data)
-    if read:
-        try:
-            return validate(cls, data, source, (*hints, *notes))
-        except SpecError as error:
-            typed = [replace(each, path=read.get(each.path, each.path)) for each in error.faults]
-            raise SpecError(typed, source) from None
     try:
         record = cls.model_validate(_tuples(data, old, made))
     except ValidationError as error:
         if made is not None:
-            return validate(cls, data, source, hints)
+            return _checked(cls, data, hints)
         told = _respell(cls, data := deepcopy(data), error)
         if told:
-            return validate(cls, data, source, (*hints, *told))
-        raise SpecError(_faults(cls, data, error), source) from None
+            return _checked(cls, data, (*hints, *told))
+        raise SpecError(_faults(cls, data, error)) from None
     record._hints = hints
     faults = record.faults()
     if faults:
-        raise SpecError(faults, source)
+        raise SpecError(faults)
     return record
 
 
@@ -319,23 +429,6 @@ def _respell(cls: type[Checked], data: Data, error: ValidationError) -> list[str
                 holder[name] = holder.pop(path[-1])
                 told.append(f"{'.'.join(map(str, path))} is read as {name}")
     return told
-
-
-def _in_new_words(cls: type[Checked], data: Data) -> tuple[Data, dict[Key, Key], list[str]]:
-    """The tables with old words by the keys that are meant, the old word of each such key, and what to tell of them.
-
-    A table is no old word: where the same name is one, it is left.
-    """
-    read, notes = dict[Key, Key](), list[str]()
-    for (table, word), new in getattr(cls, "old_words", {}).items():
-        holder = data.get(table)
-        if isinstance(holder, dict) and word in holder and not isinstance(holder[word], dict):
-            beside = f", in place of {new} beside it" if new in holder else ""
-            notes.append(f"{table}.{word} is read as {new}{beside}")
-            data = {**data, table: {**holder, new: holder[word]}}
-            del data[table][word]
-            read[table, new] = (table, word)
-    return data, read, notes
 
 
 def _plain(value: float) -> float:
@@ -397,7 +490,7 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
         elif key:
             held = members_of(_locate(item["loc"][:-2], data, root)[1] or {}, root)
             expected = next(
-                (each["propertyNames"]["description"] for each in held if "propertyNames" in each),
+                (each["propertyNames"]["form"] for each in held if "propertyNames" in each),
                 "another name",
             )
         elif item["type"] == "missing":
@@ -487,11 +580,29 @@ def _array(opened: str, lines: Iterator[str]) -> str:
 
 
 def schema(cls: type[Spec], mechanism: str | None = None) -> Data:
-    """JSON Schema (2020-12) of a spec; with a mechanism's name, of that one only."""
+    """JSON Schema (2020-12) of a spec; with a mechanism's name, of that one only.
+
+    Each key has what its field says of it, a table the first line of its class where its field says nothing; each number
+    its unit.
+    """
     found: Data = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         **cls.model_json_schema(),
     }
     if mechanism is not None:
-        found["properties"]["mechanism"] = {"const": mechanism}
+        found["properties"]["mechanism"]["const"] = mechanism
+    for old, new in cls.old_words.items():
+        holders = [found] if len(old) == 1 else tables_of(found["properties"][old[0]], found)
+        for keys in (holder["properties"] for holder in holders):
+            if old[-1] not in keys:
+                said = f"old name of {dotted(new)}"
+                keys[old[-1]] = {**keys[new[-1]], "description": said, "deprecated": True}
+    for table in (found, *found["$defs"].values()):
+        for node in table.get("properties", {}).values():
+            unit = unit_of(node)
+            if unit is not None:
+                node["unit"] = unit
+            for each in tables_of(node, found) + tables_of(step_below(node, "a", found), found):
+                if "description" in each:
+                    node.setdefault("description", each["description"].partition("\n")[0])
     return found

@@ -52,7 +52,7 @@ WINGS = {
         "pipeline",
     },
     "design": {"geometry", "motion", "machine", "machines", "report", "pipeline"},
-    "live": {"motion", "machines", "report", "pipeline", "starters"},
+    "live": {"motion", "machines", "report", "pipeline"},
 }
 GROUND = {
     "",
@@ -70,6 +70,7 @@ GROUND = {
     "spec",
     "study",
     "tolerances",
+    "vocabulary",
     "workers",
 }
 TOP = {"__init__", "__main__", "cli", "commands", "guide", "starters"}

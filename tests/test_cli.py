@@ -452,7 +452,7 @@ def test_schema_is_json_schema(run: Run) -> None:
     found = json.loads(out)
     assert code == 0
     assert {"mechanism", "name", "geometry"} <= set(found["required"])
-    assert found["$defs"]["Geometry"]["additionalProperties"] is False
+    assert found["$defs"]["SwingGeometry"]["additionalProperties"] is False
 
 
 def test_who_calls_it_from_python_keeps_the_collector_of_garbage(run: Run) -> None:

@@ -22,6 +22,7 @@ from camgen import starters
 from camgen.errors import Fault, FileError, SpecError
 from camgen.machines import MECHANISMS, load
 from camgen.reading import read
+from camgen.schemas import keys_of, step_below
 from camgen.settings import override
 from camgen.spec import Length, Record, Spec, choose, dump, schema, unknown, validate
 
@@ -446,7 +447,7 @@ def test_starter_is_valid_and_its_schema_knows_every_key(root: Path, mechanism: 
     record = validate(load(mechanism), read(root / "specs" / f"{mechanism}.toml"))
     resolved = tomllib.loads(dump(record))
     described = schema(load(mechanism), mechanism)
-    assert described["properties"]["mechanism"] == {"const": mechanism}
+    assert described["properties"]["mechanism"]["const"] == mechanism
     for key, table in resolved.items():
         assert key in described["properties"]
         if isinstance(table, dict):
@@ -519,7 +520,8 @@ def test_only_files_of_a_sane_size_are_read(tmp_path: Path) -> None:
     "mechanism", ["uniform-swing", "eccentric-drive", "thread-take-up", "indexing-cam", "disc-cam"]
 )
 def test_the_limit_of_free_play_is_a_key_whose_default_has_a_reason(mechanism: str) -> None:
-    limits = starters.described(load(mechanism), mechanism)["$defs"]["Limits"]["properties"]
+    root = schema(load(mechanism), mechanism)
+    limits = keys_of(step_below(root, "limits", root), root)
     (told,) = [key for name, key in limits.items() if name in ("lash", "lash_deg")]
     assert "free play " in told["description"] and f"; {told['default']:g}: " in told["description"]
 
@@ -529,10 +531,8 @@ def test_a_key_in_the_other_spelling_is_taken_and_told(root: Path) -> None:
     from camgen.machines import load
 
     disc, linkage = (read(root / "specs" / f"{name}.toml") for name in ("disc-cam", "linkage"))
-    made = validate(load("disc-cam"), override(disc, "output.centre_marks=true"))
-    assert made.output.center_marks and made.hints == (
-        "output.centre_marks is read as center_marks",
-    )
+    made = validate(load("disc-cam"), override(disc, "files.centre_marks=true"))
+    assert made.files.center_marks and made.hints == ("files.centre_marks is read as center_marks",)
     assert validate(load("disc-cam"), disc).hints == ()
     for key in ("mass_g=12", "center=[10.0, 0.0]"):
         linkage = override(linkage, f"masses.rocker.{key}")
@@ -543,3 +543,44 @@ def test_a_key_in_the_other_spelling_is_taken_and_told(root: Path) -> None:
     assert "center" in linkage["masses"]["rocker"]  # what was given stays as it is
     with pytest.raises(SpecError, match="masses.rocker.center: unknown key"):
         validate(load("linkage"), override(linkage, "masses.rocker.centre=[9.0, 0.0]"))
+
+
+FILES = {"curves": "lines", "center_marks": True, "cutter_radius": 3.0, "curvs": 1}
+
+
+@given(st.dictionaries(st.sampled_from(sorted(FILES)), st.sampled_from(["old", "new", "both"])))
+def test_the_old_name_of_a_table_is_taken_and_its_faults_keep_it(words: dict[str, str]) -> None:
+    """[output] is [files], where it is no list; what stands under both words is as the old one says, and told."""
+    old = {key: FILES[key] for key, word in words.items() if word != "new"}
+    new = {
+        key: FILES[key] if word == "new" else None for key, word in words.items() if word != "old"
+    }
+    data = read(Path(starters.folder()) / "disc-cam.toml") | {"output": old, "files": new}
+    try:
+        made = validate(load("disc-cam"), data)
+    except SpecError as error:
+        assert [fault.key for fault in error.faults] == [
+            "files.curvs" if words["curvs"] == "new" else "output.curvs"
+        ]
+        return
+    assert "curvs" not in words
+    twice = [f"files.{key}" for key in old if words[key] == "both"]
+    beside = f", in place of {', '.join(twice)} beside it" if twice else ""
+    assert made.hints == (f"output is read as files{beside}",)
+    whole = validate(load("disc-cam"), {**data, "output": {}, "files": new | old})
+    assert made.model_dump() == whole.model_dump()
+    assert "[files]" in dump(made) and "[output]" not in dump(made)
+
+
+def test_a_setting_by_the_old_name_of_a_table_is_taken(root: Path) -> None:
+    """Of a spec as it was resolved, whose [files] is filled in, too; a list under the word is another thing."""
+    disc, linkage = (read(root / "specs" / f"{name}.toml") for name in ("disc-cam", "linkage"))
+    for data in (disc, tomllib.loads(dump(validate(load("disc-cam"), disc)))):
+        made = validate(load("disc-cam"), override(data, "output.curves='lines'"))
+        assert made.files.curves == "lines"
+    assert override(linkage, "output.0.name='tip'")["output"][0]["name"] == "tip"
+    with pytest.raises(SpecError, match="did you mean 'files.step'"):
+        override(linkage, "output.step=true")
+    with pytest.raises(SpecError) as told:
+        validate(load("linkage"), linkage | {"output": {"name": "pen"}})
+    assert {fault.key for fault in told.value.faults} >= {"output", "output.name"}

@@ -1,4 +1,4 @@
-"""The starters teach: the schema says of each key what their comments say, and they show every key."""
+"""The starters are made from the fields of the tables, which say of each key what it is; they show every key."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ import tomllib
 from typing import Any
 
 import pytest
+import starter_comments
+from starter_comments import rows, written
 from test_cli import run as run  # noqa: F401  a fixture
 
 from camgen import starters
@@ -30,7 +32,24 @@ INLINE = {
     "Can",
 }
 OWN = {"source"}  # of an include: written by camgen, not by a person
-FITS = {"slide_clearance", "press_clearance"}  # each machine says what else they are
+
+# What a key's name may end in, and the unit that it then has: the longest ending counts.
+ENDINGS = {
+    "deg": "deg",
+    "rpm": "rpm",
+    "mm": "mm",
+    "g": "g",
+    "kg": "kg",
+    "n": "N",
+    "n_m": "N m",
+    "n_mm": "N/mm",
+    "g_mm": "g mm",
+    "kg_m2": "kg m^2",
+    "g_mm2": "g mm^2",
+    "mpa": "MPa",
+    "mpa_m_s": "MPa m/s",
+    "per_s": "1/s",
+}
 
 
 def tables(root: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
@@ -64,61 +83,66 @@ def bare(root: dict[str, Any]) -> list[tuple[str, str]]:
     ]
 
 
+def misnamed(root: dict[str, Any]) -> list[tuple[str, str]]:
+    """Keys whose name ends in another unit than they have."""
+    found = []
+    for name, table in tables(root):
+        for key, node in table.get("properties", {}).items():
+            ending = max((end for end in ENDINGS if key.endswith(f"_{end}")), key=len, default="")
+            if ending and is_number(node) and node["unit"] != ENDINGS[ending]:
+                found.append((name, key))
+    return found
+
+
 @pytest.mark.parametrize("mechanism", MECHANISMS)
 def test_schema_describes_every_key(mechanism: str) -> None:
-    root = starters.described(load(mechanism), mechanism)
-    assert bare(root) == []
-    del root["$defs"]["Accuracy"]["properties"]["chord_tolerance"]["unit"]
-    assert bare(root) == [("Accuracy", "chord_tolerance")]
-
-
-@pytest.mark.parametrize("mechanism", MECHANISMS)
-def test_schema_and_starter_say_the_same(mechanism: str) -> None:
-    root = starters.described(load(mechanism), mechanism)
-    for path, _, said in starters.rows(starters.text(mechanism)):
-        for table in holders(root, path) if said else ():
-            assert table["properties"][path[-1]]["description"], path
-    first = {
-        path: said
-        for path, _, said in reversed(list(starters.rows(starters.text(mechanism))))
-        if said
-    }
-    assert len(first) > 20
-    told = root["$defs"]["Print"]["properties"]["bed_height"]["description"]
-    assert told == first["print", "bed_height"] and f"# {told}" in starters.text(mechanism)
-
-
-@pytest.mark.parametrize("mechanism", [name for name in MECHANISMS if name != "linkage"])
-def test_what_a_starter_says_is_said_nowhere_else(mechanism: str) -> None:
     root = schema(load(mechanism), mechanism)
-    for path, _, said in starters.rows(starters.text(mechanism)):
-        for table in holders(root, path) if said and path[0] != "bodies" else ():
-            node = table["properties"][path[-1]]
-            assert "description" not in node or "pattern" in node, path
+    assert bare(root) == misnamed(root) == []
+    step = root["$defs"]["Drawing"]["properties"]["profile_step_deg"]
+    step["unit"] = "rad"
+    assert misnamed(root) == [("Drawing", "profile_step_deg")]
+    del step["unit"]
+    assert bare(root) == [("Drawing", "profile_step_deg")]
 
 
 @pytest.mark.parametrize("mechanism", MECHANISMS)
-def test_starter_shows_every_key_and_its_default(mechanism: str) -> None:
-    root, text, shown = (
-        starters.described(load(mechanism), mechanism),
-        starters.text(mechanism),
-        set(),
-    )
-    for path, value, _ in starters.rows(text):
-        for table in holders(root, path):
-            shown.add((id(table), path[-1]))
-            default = table["properties"][path[-1]].get("default")
-            asleep = re.search(
-                rf"^# {re.escape(path[-1])} = {re.escape(value)}", text, re.MULTILINE
-            )
-            if (
-                value and asleep and default is not None and mechanism != "linkage"
-            ):  # it shows what else there is
-                assert tomllib.loads(f"x = {value}")["x"] == default, path
+def test_starter_is_as_its_class_says(mechanism: str) -> None:
+    """A comment or a default that was changed by hand is written as the field has it; run tests/starter_comments.py."""
+    text = starters.text(mechanism)
+    assert written(mechanism, text) == text
+    (row,) = [row for row in rows(text) if row.path == ("print", "bed_height")]
+    assert row.line.endswith("# mm, the tallest that it prints")
+    other = text.replace(row.line, "# bed_height = 240 # inch, or so\n                  # or less")
+    assert other != text and written(mechanism, other) == text
+
+
+def test_what_is_no_description_stays() -> None:
+    """Text of a starter, a key that its table names freely, a second mention, and an example in a list of tables."""
+    lines = """\
+# A machine.
+[points]                            # mm, where they are at theta = 0
+O = [0, 0]                          # the shaft
+# [[gear]]                          # angle of b = ratio * angle of a
+# ratio = -2                        # angle of b = ratio * angle of a; below 0: they turn against each other
+# [[gear]]                          # another pair
+# ratio = 3                         # inner
+                                    # and outer
+"""
+    assert written("linkage", lines) == lines
+
+
+@pytest.mark.parametrize("mechanism", MECHANISMS)
+def test_starter_shows_every_key(mechanism: str) -> None:
+    root, shown = schema(load(mechanism), mechanism), set()
+    for row in rows(starters.text(mechanism)):
+        for table in holders(root, row.path) if row.path else ():
+            shown.add((id(table), row.path[-1]))
     texts = "".join(map(starters.text, MECHANISMS))
     for name, table in tables(root):
-        for key in table.get("properties", ()):
-            free = (name in INLINE or name in ("Sizes", "Shape")) and re.search(
+        for key, node in table.get("properties", {}).items():
+            if node.get("deprecated"):  # the old name of another
+                continue
+            free = (name in INLINE or name in ("Sizes", "Shape", "EccentricSizes")) and re.search(
                 rf"\b{key} = ", texts
             )
             assert (
@@ -126,29 +150,11 @@ def test_starter_shows_every_key_and_its_default(mechanism: str) -> None:
             ), (name, key)
 
 
-def test_what_all_machines_share_is_said_alike() -> None:
-    said: dict[tuple[str, ...], set[str]] = {}
-    for mechanism in MECHANISMS:
-        for path, _, about in starters.rows(starters.text(mechanism)):
-            if mechanism == "linkage":  # where [[output]] is another thing
-                path = {"files": ("output", *path[1:]), "output": ("",)}.get(path[0], path)
-            if (
-                path[0] in ("print", "material", "accuracy", "output")
-                and path[-1] not in FITS
-                and path[1:]
-            ):
-                said.setdefault(path, set()).add(about)
-    assert {path: texts for path, texts in said.items() if len(texts) > 1} == {} and len(said) >= 13
-
-
-def test_a_comment_goes_on_in_the_next_line() -> None:
-    lines = '[a]\n# b = "c#d"  # one\n          # two\n# [[e.f]]   # three\n"A-B" = 5 # four\n# text = is not a key?'
-    assert list(starters.rows(lines))[:4] == [
-        (("a",), "", ""),
-        (("a", "b"), '"c#d"', "one two"),
-        (("e", "f"), "", "three"),
-        (("e", "f", "A-B"), "5", "four"),
-    ]
+def test_a_comment_of_several_lines() -> None:
+    said = {"description": "one; " * 30 + "two\nthree", "type": "number", "unit": "mm"}
+    lines = starter_comments.comment(said, "width")
+    assert lines[0].startswith("mm, one; one;") and lines[-1] == "three" and len(lines) == 3
+    assert starter_comments.comment({**said, "description": "that"}, "width_mm") == ["that"]
 
 
 @pytest.mark.parametrize(
@@ -182,11 +188,11 @@ def test_a_key_in_the_other_spelling_is_built_and_noted(run: Any, tmp_path: Any)
         "--only",
         "dxf",
         "--set",
-        "output.centre_marks=true",
+        "files.centre_marks=true",
         "-o",
         tmp_path,
     )
-    assert code == 0 and "output.centre_marks is read as center_marks" in out + err
+    assert code == 0 and "files.centre_marks is read as center_marks" in out + err
     assert "center_marks = true" in (tmp_path / "disc-cam" / "spec.toml").read_text(
         encoding="utf-8"
     )

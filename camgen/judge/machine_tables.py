@@ -267,7 +267,7 @@ class _Rows:
         """Of the cam's angles, deg."""
         off = np.abs(np.degrees(self.profile.theta) - wanted)
         return self._worst(
-            "theta_deg", off, 2 * _DIGIT, "deg", "rows in even steps of output.profile_step_deg"
+            "theta_deg", off, 2 * _DIGIT, "deg", "rows in even steps of files.profile_step_deg"
         )
 
     def places(self) -> Finding:
@@ -487,7 +487,7 @@ def judge_path(
     worst = int(np.argmax(off))
     said = (
         f"outline less what a cutter of radius {radius:g} mm leaves, at x {z[worst].real:.3f}, y {z[worst].imag:.3f} mm; "
-        "where it is more, the cutter is too large for a hollow (output.cutter_radius)"
+        "where it is more, the cutter is too large for a hollow (files.cutter_radius)"
     )
     other = float(np.max(point_to_ring(left.points, target)))
     return [

@@ -138,7 +138,7 @@ def _misplaced(marks: Points, wanted: Points) -> list[str]:
     """What is wrong with the strokes of centre marks, in the order in which they are meant."""
     if len(marks) != len(wanted):
         return [
-            f"{len(marks)} strokes of centre marks instead of {len(wanted)} (output.center_marks)"
+            f"{len(marks)} strokes of centre marks instead of {len(wanted)} (files.center_marks)"
         ]
     off = float(np.max(np.abs(marks - wanted), initial=0.0))
     return [] if off <= tolerances.SAME_POINT else [f"a centre mark is {off:.4g} mm off"]
@@ -148,7 +148,7 @@ def _misdrawn(engraved: Sequence[Ring], wanted: Sequence[Ring], tolerance: float
     """What is wrong with engraved contours, in the order in which they are meant."""
     if len(engraved) != len(wanted):
         return [
-            f"{counted(len(engraved), 'engraved contour')} instead of {len(wanted)} (output.engrave)"
+            f"{counted(len(engraved), 'engraved contour')} instead of {len(wanted)} (files.engrave)"
         ]
     pairs = zip(engraved, wanted, strict=True)
     off = max((contour_error(ring, meant, tolerance / 2) for ring, meant in pairs), default=0.0)

@@ -33,7 +33,6 @@ from camgen.live.preview import preview, told
 from camgen.machines import MECHANISMS, load
 from camgen.machines.sources import changed, read_tables
 from camgen.pipeline.build import KINDS, build
-from camgen.starters import described
 
 _POLICY = (
     "default-src 'none'; script-src 'self' 'unsafe-inline'; style-src 'self' 'unsafe-inline'; connect-src 'self'; "
@@ -106,7 +105,9 @@ class Explorer:
         self.data, self.source, self.folder = read_tables(self.spec)
         self.digest = sha256(raw).hexdigest()
         kind = specs.choose(self.data, MECHANISMS, self.source)
-        self.numbers: list[Number] = numbers(reading.read(self.spec), described(load(kind), kind))
+        self.numbers: list[Number] = numbers(
+            reading.read(self.spec), specs.schema(load(kind), kind)
+        )
 
     def preview(self, asked: Answer) -> Answer:
         """A variant's page; quick: without what takes long."""

@@ -22,7 +22,7 @@ from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.convex import hull_corners
 from camgen.geometry.hausdorff import Edges, stray
 from camgen.numerics import Floats, Points
-from camgen.spec import Record
+from camgen.spec import Coordinate, Record, quantity
 
 _FINE = 8  # places between two samples at which a dwell is looked for
 _WINDOWS = 720  # stretches of a path, from so many places, of which the straightest is looked for
@@ -38,9 +38,10 @@ _STILL = 1e-9  # mm or deg: what goes less far stands still
 NO_STROKES = "turns all round or stands still: it has no two strokes whose times compare"
 _RETURNS = 1e-3  # of its way, within which an output is back after a turn
 
-Size = Annotated[float, Field(gt=0, le=1e6)]
-Value = Annotated[float, Field(ge=-1e6, le=1e6)]
-Angle = Annotated[float, Field(ge=-36000, le=36000)]
+Near = Annotated[float, quantity("mm", gt=0, le=1e6)]
+Size = Annotated[float, quantity("mm or deg", gt=0, le=1e6)]
+Value = Annotated[float, quantity("mm or deg", ge=-1e6, le=1e6)]
+Angle = Annotated[float, quantity("deg", ge=-36000, le=36000)]
 
 
 @dataclass(frozen=True)
@@ -133,8 +134,8 @@ class Stroke(Record):
 
     code: ClassVar[str] = "STROKE_ERROR"
 
-    value: Size = Field(description="mm; deg of an angle")
-    tolerance: Size = Field(description="mm; deg of an angle: how far it may differ")
+    value: Size = Field(description="how far it goes")
+    tolerance: Size = Field(description="how far it may differ")
 
     def finding(self, course: Course, where: Where) -> Finding:
         """STROKE_ERROR."""
@@ -148,15 +149,15 @@ class Through(Record):
 
     code: ClassVar[str] = "PATH_ERROR"
 
-    at: tuple[tuple[Value, Value], ...] = Field(
-        min_length=1, max_length=1000, description="mm, places [x, y] as drawn"
+    at: tuple[tuple[Coordinate, Coordinate], ...] = Field(
+        description="places [x, y] as drawn", min_length=1, max_length=1000
     )
-    tolerance: Size = Field(description="mm, how far from each the path may pass")
+    tolerance: Near = Field(description="how far from each the path may pass")
     in_order: bool = Field(
-        False, description="whether it passes them in this order as theta grows; no unit"
+        default=False, description="whether it passes them in this order as theta grows"
     )
     theta_deg: tuple[Angle, ...] | None = Field(
-        None, description="deg, when it is there: one angle for each place"
+        default=None, description="when it is there: one angle for each place"
     )
 
     def faults(self, path: Key) -> list[Fault]:
@@ -227,15 +228,15 @@ class Trace(Record):
 
     code: ClassVar[str] = "PATH_ERROR"
 
-    at: tuple[tuple[Value, Value], ...] = Field(
-        min_length=2, max_length=20_000, description="mm, places [x, y] as drawn"
+    at: tuple[tuple[Coordinate, Coordinate], ...] = Field(
+        description="places [x, y] as drawn", min_length=2, max_length=20_000
     )
     joined: bool = Field(
-        True,
-        description="whether lines join the places in their order; false: a dense cloud; no unit",
+        default=True,
+        description="whether lines join the places in their order; false: a dense cloud",
     )
-    tolerance: Size = Field(
-        description="mm, how far the path may lie from the places and their lines, or these from the path"
+    tolerance: Near = Field(
+        description="how far the path may lie from the places and their lines, or these from the path"
     )
 
     def apart(self, course: Course) -> Apart:
@@ -263,9 +264,11 @@ class Function(Record):
     code: ClassVar[str] = "FUNCTION_ERROR"
 
     at: tuple[tuple[Angle, Value], ...] = Field(
-        min_length=2, max_length=1000, description="deg of theta, and deg or mm: pairs"
+        description="pairs of theta, deg, and angle or place, deg or mm",
+        min_length=2,
+        max_length=1000,
     )
-    tolerance: Size = Field(description="mm; deg of an angle: how far it may differ")
+    tolerance: Size = Field(description="how far it may differ")
 
     def finding(self, course: Course, where: Where) -> Finding:
         """FUNCTION_ERROR: the pair that is missed most."""
@@ -283,12 +286,13 @@ class Straight(Record):
 
     code: ClassVar[str] = "STRAIGHTNESS"
 
-    tolerance: Size = Field(description="mm, greatest width of the strip")
+    tolerance: Near = Field(description="greatest width of the strip")
     range_deg: tuple[Angle, Angle] | None = Field(
-        None, description="deg of theta, from and to: which stretch"
+        default=None, description="of theta, from and to: which stretch"
     )
-    length: Size | None = Field(
-        None, description="mm from end to end: instead, the straightest stretch that is so long"
+    length: Near | None = Field(
+        default=None,
+        description="from end to end: instead, the straightest stretch that is so long",
     )
 
     def faults(self, path: Key) -> list[Fault]:
@@ -331,10 +335,12 @@ class Dwell(Record):
 
     code: ClassVar[str] = "DWELL"
 
-    span_deg: Annotated[float, Field(gt=0, le=360)] = Field(description="deg of theta, at least")
-    band: Size = Field(description="width, mm; deg of an angle")
+    span_deg: Annotated[float, quantity("deg", gt=0, le=360)] = Field(
+        description="of theta, at least"
+    )
+    band: Size = Field(description="width")
     at: Value | None = Field(
-        None, description="the middle of the band, mm; deg of an angle; anywhere unless given"
+        default=None, description="the middle of the band; anywhere unless given"
     )
 
     def finding(self, course: Course, where: Where) -> Finding:
@@ -351,10 +357,12 @@ class TimeRatio(Record):
 
     code: ClassVar[str] = "TIME_RATIO"
 
-    value: Annotated[float, Field(ge=1, le=1e3)] = Field(
-        description="slower to quicker, 1 or more; no unit"
+    value: Annotated[float, quantity("1", ge=1, le=1e3)] = Field(
+        description="slower to quicker, 1 or more"
     )
-    tolerance: Size = Field(description="how far it may differ; no unit")
+    tolerance: Annotated[float, quantity("1", gt=0, le=1e6)] = Field(
+        description="how far it may differ"
+    )
 
     def finding(self, course: Course, where: Where) -> Finding:
         """TIME_RATIO."""
@@ -370,13 +378,15 @@ class Advance(Record):
 
     code: ClassVar[str] = "ADVANCE_ERROR"
 
-    value: Size = Field(description="deg, wanted")
-    tolerance: Size = Field(description="deg, how far it may differ")
-    lost: Annotated[float, Field(ge=0, le=360)] = Field(
-        0.0, description="deg, that the wheel turns before the freewheel locks"
+    value: Annotated[float, quantity("deg", gt=0, le=1e6)] = Field(description="deg, wanted")
+    tolerance: Annotated[float, quantity("deg", gt=0, le=1e6)] = Field(
+        description="deg, how far it may differ"
     )
-    forwards: Literal[-1, 1] = Field(1, description="sense of the angle in which it locks")
-    time: Literal[-1, 1] = Field(1, description="sense in which theta runs")
+    lost: Annotated[float, Field(ge=0, le=360)] = Field(
+        default=0.0, description="deg, that the wheel turns before the freewheel locks"
+    )
+    forwards: Literal[-1, 1] = Field(default=1, description="sense of the angle in which it locks")
+    time: Literal[-1, 1] = Field(default=1, description="sense in which theta runs")
 
     def finding(self, course: Course, where: Where) -> Finding:
         """ADVANCE_ERROR."""

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
+from pydantic import Field
 
 from camgen.errors import DesignError
 from camgen.findings import Finding, NotJudged
@@ -58,7 +59,7 @@ class Remarks:
 class Mechanism(Spec, ABC):
     """Base of all mechanisms; theta is the input angle, rad, counter-clockwise."""
 
-    load: Weight | None = None
+    load: Weight | None = Field(default=None, description="what pulls on what is made")
     fixed: ClassVar[str] = (
         "pressed and glued"  # how parts go together that do not turn on each other
     )

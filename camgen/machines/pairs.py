@@ -12,15 +12,23 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 import numpy as np
-from pydantic import Field
 
 from camgen.errors import Fault, Key
 from camgen.findings import NotJudged
 from camgen.machine.features import CamOutline
 from camgen.machine.forces import Forces
 from camgen.machine.model import Cam, Machine
+from camgen.spec import quantity
 
-Air = Annotated[float, Field(ge=-0.5, le=10)]  # mm, at each tip; nothing stiff gives way by more
+Air = Annotated[  # nothing stiff gives way by more
+    float,
+    quantity(
+        "mm",
+        "air at each tip of a conjugate pair, in the middle of its play; below 0: preload",
+        ge=-0.5,
+        le=10,
+    ),
+]
 
 
 def still_faults(path: Key, kinds: Sequence[str]) -> list[Fault]:

@@ -17,7 +17,7 @@ from camgen.machines.linkage import sheets
 from camgen.machines.mechanism import Mechanism, Remarks
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly, FollowerFacts, MotorSeat
-from camgen.parts.disc_cams import Parts as DiscParts
+from camgen.parts.disc_cams import CamParts
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.journals import MaterialLimits
 from camgen.parts.part import Part
@@ -37,7 +37,8 @@ class StandingCams(Mechanism):
     """Base of mechanisms that say their cams alone, with the underscored methods, and what they stand on."""
 
     bodies: Sizes | None = Field(
-        None, description="sizes of the parts of a machine, as [parts] of a linkage"
+        default=None,
+        description='make = "machine": sizes of its parts, as [parts] of a linkage (specs/linkage.toml)',
     )
 
     @property
@@ -198,7 +199,7 @@ class StandingCams(Mechanism):
         making, allowed = getattr(self, "making", None), getattr(self, "allowed", None)
         return (
             making.hub(allowed.min_wall)
-            if isinstance(making, DiscParts) and allowed is not None
+            if isinstance(making, CamParts) and allowed is not None
             else None
         )
 
@@ -206,7 +207,7 @@ class StandingCams(Mechanism):
     def _hub_radius(self) -> float:
         """Of a cam alone, mm."""
         making = getattr(self, "making", None)
-        return making.hub_diameter / 2 if isinstance(making, DiscParts) else 0.0
+        return making.hub_diameter / 2 if isinstance(making, CamParts) else 0.0
 
     @property
     def _material_limits(self) -> MaterialLimits:

@@ -30,7 +30,7 @@ from camgen.motion.program import Program, Segment, matched
 from camgen.motion.tables import read_points
 from camgen.numerics import Floats, distinct
 from camgen.reading import Reference
-from camgen.spec import Record, unknown
+from camgen.spec import Record, quantity, unknown
 from camgen.tolerances import LAW_CLOSES
 
 MATCHED = "matched"
@@ -56,7 +56,7 @@ _NEEDED = {
 }  # one of them
 _FULL_TURN_SLACK = 1e-9  # deg, of rounding in a sum of spans
 
-Terms = Annotated[tuple[float, ...], Field(max_length=50)]
+Terms = Annotated[tuple[Annotated[float, quantity("1")], ...], Field(max_length=50)]
 Condition = tuple[
     Annotated[float, Field(ge=0, le=1)], Annotated[int, Field(ge=0, le=20)], float
 ]  # u, order, value
@@ -66,20 +66,24 @@ class LawChoice(Record):
     """A law with its parameters."""
 
     name: str = Field(description="of the law, see camgen list")
-    constant_velocity: float | None = Field(
-        default=None, description="share, of the span, at constant velocity"
+    constant_velocity: Annotated[float, quantity("1")] | None = Field(
+        default=None, description="share of the span at constant velocity"
     )
     sines: Terms | None = Field(
-        default=None, description="1, of the acceleration: sines of 2 pi u, 4 pi u, ..."
+        default=None, description="of the acceleration: sines of 2 pi u, 4 pi u, ..."
     )
     cosines: Terms | None = Field(
-        default=None, description="1, of the acceleration: cosines of pi u, 3 pi u, ..."
+        default=None, description="of the acceleration: cosines of pi u, 3 pi u, ..."
     )
     conditions: Annotated[tuple[Condition, ...], Field(max_length=20)] | None = Field(
-        default=None, description="of a polynomial: rows u, order of the derivative, value"
+        default=None,
+        description="of a polynomial: rows u, order of the derivative, value",
+        json_schema_extra={"unit": "1"},
     )
     points: Annotated[tuple[tuple[float, float], ...], Field(max_length=20_000)] | None = Field(
-        default=None, description="1, of a table: rows angle, displacement, in any unit"
+        default=None,
+        description="of a table: rows angle, displacement, in any unit",
+        json_schema_extra={"unit": "1"},
     )
     file: str | None = Field(
         default=None, description="of a table: two columns, in a file beside the spec"
@@ -108,13 +112,20 @@ NamedLaw = Annotated[
 class SegmentTable(Record):
     """One segment of a program as a spec gives it; `lift` is how far it rises or returns, `to` where it ends."""
 
-    kind: Literal["rise", "dwell", "return"]
-    span_deg: Annotated[float, Field(ge=1e-3, le=360)]
-    lift: Annotated[float, Field(ge=1e-3, le=1e6)] | None = (
-        None  # mm, deg or 1, as its mechanism says
+    kind: Literal["rise", "dwell", "return"] = Field(description='"rise", "dwell" or "return"')
+    span_deg: Annotated[float, quantity("deg", ge=1e-3, le=360)] = Field(
+        description="angle of the turn that it takes"
     )
-    to: Annotated[float, Field(ge=-1e6, le=1e6)] | None = None
-    law: NamedLaw | None = None
+    lift: Annotated[float, quantity("mm or deg", ge=1e-3, le=1e6)] | None = Field(
+        default=None, description="how far; or to, the displacement at the end"
+    )
+    to: Annotated[float, quantity("mm or deg", ge=-1e6, le=1e6)] | None = Field(
+        default=None, description="where it ends"
+    )
+    law: NamedLaw | None = Field(
+        default=None,
+        description="see camgen list; a name, or a table with parameters; not of a dwell",
+    )
 
 
 def law_of(choice: str | LawChoice) -> Law:

@@ -16,9 +16,19 @@ from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour, Points, Region, circle
 from camgen.parts.part import Layer, Part, d_bore, keyed_bore
 from camgen.parts.set_screws import SetScrewHub
-from camgen.spec import Length, Record
+from camgen.spec import Length, Record, quantity
 
-Thickness = Annotated[float, Field(ge=0.1, le=1000)]
+Thickness = Annotated[float, quantity("mm", ge=0.1, le=1000)]
+Bore = Annotated[Length, Field(description="of the shaft's hole")]
+ShaftForm = Annotated[
+    Literal["plain", "keyway", "d-flat"],
+    Field(
+        description='its hole: "plain", "keyway" (key_width, key_depth) or "d-flat" (flat_depth), on +y'
+    ),
+]
+KeyWidth = Annotated[Length, Field(description="of the keyway")]
+KeyDepth = Annotated[Length, Field(description="keyway's floor above the bore's circle")]
+FlatDepth = Annotated[Length, Field(description="flat below the bore's circle")]
 
 LAYOUT = (
     0.01  # mm, facets on which holes are placed; every wall is judged again on the written files
@@ -36,16 +46,21 @@ def _no_laser(make: object) -> object:
     return make
 
 
-class ShaftHole(Record):
-    """A cam's bore, and what keeps it from turning on its shaft. make: "machine" makes all of it, by the sizes of [bodies]."""
+Make = Annotated[Literal["machine", "cams"], BeforeValidator(_no_laser)]
 
-    make: Annotated[Literal["machine", "cams"], BeforeValidator(_no_laser)] = "cams"
-    thickness: Thickness = 6.0
-    bore: Length = 8.0
-    shaft: Literal["plain", "keyway", "d-flat"] = "plain"
-    key_width: Length = 2.0
-    key_depth: Length = 1.0
-    flat_depth: Length = 0.5
+
+class ShaftHole(Record):
+    """A cam's bore, and what keeps it from turning on its shaft."""
+
+    make: Make = Field(
+        default="cams", description='"cams": the cams alone; "machine": all parts of the machine'
+    )
+    thickness: Thickness = Field(default=6.0, description="of the cam, without its hub")
+    bore: Bore = 8.0
+    shaft: ShaftForm = "plain"
+    key_width: KeyWidth = 2.0
+    key_depth: KeyDepth = 1.0
+    flat_depth: FlatDepth = 0.5
 
     def misfits(self) -> list[Fault]:
         """Keys or flats that are no match for the bore."""
@@ -89,15 +104,25 @@ class ShaftHole(Record):
         return ()
 
 
-class Parts(ShaftHole):
+class CamParts(ShaftHole):
     """The cam as a body; pins, rim and back belong to a groove."""
 
-    hub_diameter: Length = 16.0
-    hub_height: Annotated[float, Field(ge=0, le=1000, examples=[6.0])] = 0.0
-    set_screw: Literal["none", "M2", "M2.5", "M3", "M4", "M5"] = "none"
-    pin_diameter: Length = 3.0
-    rim: Length = 8.0
-    back: Thickness = 3.0
+    make: Make = Field(
+        default="cams",
+        description='"cams": the cams alone; "machine": a machine that stands on a bench, by the sizes of [bodies]:\n'
+        "cam, follower, roller, guide or pivot, plate, shaft, pins, return spring",
+    )
+    hub_diameter: Length = Field(default=16.0, description="of the hub on top of the cam")
+    hub_height: Annotated[float, quantity("mm", ge=0, le=1000, examples=[6.0])] = Field(
+        default=0.0, description="on top of the cam; 0: none, as in a groove"
+    )
+    set_screw: Literal["none", "M2", "M2.5", "M3", "M4", "M5"] = Field(
+        default="none",
+        description='"none"; or "M2" to "M5": in the hub, with its nut; on a flat where there is one',
+    )
+    pin_diameter: Length = Field(default=3.0, description="groove: pins that join its plates")
+    rim: Length = Field(default=8.0, description="groove: outside its outer wall")
+    back: Thickness = Field(default=3.0, description="groove: thickness of the back plate")
 
     def hub(self, min_wall: float) -> SetScrewHub | None:
         """The hub with its set screw; None where it has none."""
@@ -151,7 +176,7 @@ def holes_in(
     return holes
 
 
-def pins_beside(made: Parts, min_wall: float) -> float:
+def pins_beside(made: CamParts, min_wall: float) -> float:
     """Distance from the axis of the pins that hold a groove's inner cam, mm."""
     return made.reach + min_wall + made.pin_diameter
 
@@ -171,7 +196,7 @@ def refuse_wide(name: str, room: float, reach: float, hub: float = 0.0) -> None:
 
 
 def disc_parts(
-    made: Parts,
+    made: CamParts,
     outlines: Sequence[Contour],
     wall: Contour | None,
     groove: tuple[float, float],
@@ -195,7 +220,7 @@ def disc_parts(
 
 
 def _cam(
-    made: Parts, name: str, title: str, outline: Contour, pins: list[Contour], min_wall: float
+    made: CamParts, name: str, title: str, outline: Contour, pins: list[Contour], min_wall: float
 ) -> Part:
     hub = made.hub_diameter if made.hub_height else 0.0
     holes = holes_in(made, name, outline, lambda rim, reach: pins, hub)
@@ -211,7 +236,7 @@ def _cam(
 
 
 def _plates(
-    made: Parts, outline: Contour, wall: Contour, groove: tuple[float, float], min_wall: float
+    made: CamParts, outline: Contour, wall: Contour, groove: tuple[float, float], min_wall: float
 ) -> tuple[Part, ...]:
     """Inner cam and outer ring, pinned to a back plate."""
     bore, beside = made.hole(), pins_beside(made, min_wall)

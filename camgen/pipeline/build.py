@@ -54,7 +54,7 @@ def build(
     if said := long_run(mechanism.remarks().links, len(only & FORMATS.keys())):
         progress(f"note: {said}")
     hints, mechanism = mechanism.hints, mechanism.resolved()
-    if only >= frozenset(KINDS) and mechanism.output.step:
+    if only >= frozenset(KINDS) and mechanism.files.step:
         only |= {"step"}
     staged, shared = Staged(out / mechanism.name), cores(jobs, mechanism, only)
     with staged as folder, Workers(shared) as workers:

@@ -17,7 +17,7 @@ from camgen.judge.round_trip import Expected, Section, Undo
 from camgen.machine.features import CamOutline, Feature, eyes_of
 from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Part
-from camgen.spec import Output
+from camgen.spec import Files
 
 _HEIGHTS = (0.137, 0.5, 0.871)  # shares of a layer's height at which meshes are cut
 _STEP = 0.1  # mm, between the heights at which a crossed body is cut: its walls need not be upright
@@ -30,9 +30,9 @@ def expected(
     tolerance: float,
     features: Sequence[Feature] = (),
     fit: Compensation | None = None,
-    output: Output | None = None,
+    files: Files | None = None,
 ) -> Expected:
-    """What a file of a part should hold, as plain numbers and points for the judge; output: what a drawing is asked to show.
+    """What a file of a part should hold, as plain numbers and points for the judge; files: what a drawing is asked to show.
 
     With a fit the file holds the compensated part: its volume counts. Its sections are judged as they print; those of the
     chamfer, and those through an engraving beside holes that were made larger, as they were sent.
@@ -75,9 +75,9 @@ def expected(
         rolls=any(cam.part == part.name for cam in cams),
         stacked=part.crossed is None,
         undo=Undo(fit.hole, fit.profile, fit.shrinkage) if fit is not None else None,
-        marks=center_marks(part.region, part.centres if output and output.center_marks else ()),
+        marks=center_marks(part.region, part.centres if files and files.center_marks else ()),
         engraved=tuple(facetted(Region(each), fine).outer for each in part.engraving)
-        if output and output.engrave
+        if files and files.engrave
         else (),
     )
 

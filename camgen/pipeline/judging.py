@@ -188,7 +188,7 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
     stages.append(Stage((), "copies of parts in the assembly", ("3mf",), judge_assembly))
     if mechanism.laser is not None:
         stages.append(Stage((), "sheets for the laser", DRAWN, judge_laser))
-    if mechanism.output.machining:
+    if mechanism.files.machining:
         stages.append(Stage((), "tables for machine tools", DRAWN, judge_machining))
     if any(kind in EXACT for kind in kinds):
         stages.append(
@@ -482,7 +482,7 @@ def cut_files(case: Case) -> list[Path]:
         from camgen.pipeline.laser import sheet_files
 
         found += sheet_files(case)
-    if case.mechanism.output.machining:
+    if case.mechanism.files.machining:
         from camgen.pipeline.machining import table_files
 
         found += table_files(case)

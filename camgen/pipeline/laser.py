@@ -170,7 +170,7 @@ def judge_sheets(
         if part.name not in parts:
             rows.append(("none", part.name, part.count, "", why_not(part, laser.thickness)))
         if part.name not in sections and case.file(part.name, "dxf").exists():
-            drawn = expected(part, tolerance, features, None, mechanism.output)
+            drawn = expected(part, tolerance, features, None, mechanism.files)
             judged = judge_drawing(case.file(part.name, "dxf"), drawn)
             if judged.sections:
                 sections[part.name] = judged.sections

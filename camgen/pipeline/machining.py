@@ -1,7 +1,7 @@
 """Tables for machine tools: a cam's profile by its angle, and the path of a cutter's centre round it as exact lines and arcs.
 
 <name>-<part>-profile.csv    contact, normal, curvature and pressure angle at each cam angle, in the part's frame
-<name>-<part>-path.dxf .csv  where the centre of a cutter of `output.cutter_radius` runs, counter-clockwise: round the cam, or
+<name>-<part>-path.dxf .csv  where the centre of a cutter of `files.cutter_radius` runs, counter-clockwise: round the cam, or
                              within the outer wall of a groove
 """
 
@@ -78,26 +78,26 @@ def cams_of(mechanism: Mechanism) -> dict[str, tuple[CamTouch, Mount, float]]:
 
 
 def make_tables(case: Case) -> None:
-    """Write what `output.profile_step_deg` and `output.cutter_radius` ask for, of every cam.
+    """Write what `files.profile_step_deg` and `files.cutter_radius` ask for, of every cam.
 
     DesignError where the cutter's path falls apart.
     """
-    output, tolerance = case.mechanism.output, case.mechanism.accuracy.chord_tolerance
+    files, tolerance = case.mechanism.files, case.mechanism.accuracy.chord_tolerance
     for name, (touch, mount, free) in cams_of(case.mechanism).items():
-        if output.profile_step_deg is not None:
-            rows = _profile(touch, mount, free, output.profile_step_deg)
+        if files.profile_step_deg is not None:
+            rows = _profile(touch, mount, free, files.profile_step_deg)
             _write(case.file(f"{name}-profile", "csv"), _PROFILE, rows)
-        if output.cutter_radius is not None:
+        if files.cutter_radius is not None:
             region = case.parts[name].region
             wall = max(region.holes, key=lambda hole: hole.length) if touch.outer else region.outer
             outline = fit_arcs(wall.counter_clockwise(), tolerance)
             try:
                 path = offset(
-                    outline, output.cutter_radius * (-1 if touch.outer else 1), f"outline of {name}"
+                    outline, files.cutter_radius * (-1 if touch.outer else 1), f"outline of {name}"
                 )
             except DesignError as error:
                 raise error.mended(
-                    f"a cutter of output.cutter_radius = {output.cutter_radius:g} mm finds no path: use a smaller one",
+                    f"a cutter of files.cutter_radius = {files.cutter_radius:g} mm finds no path: use a smaller one",
                 ) from None
             write_dxf(case.file(f"{name}-path", "dxf"), Region(path), (), tolerance)
             _write(case.file(f"{name}-path", "csv"), _PATH, map(_piece, path.pieces))
@@ -174,7 +174,7 @@ def table_files(case: Case) -> list[Path]:
 def judge_tables(case: Case) -> list[Finding]:
     """Whether tables lie on the outlines in the parts' own DXF, column by column, and whether the cutter on its path leaves those
     outlines."""
-    output, tolerance = case.mechanism.output, case.mechanism.accuracy.chord_tolerance
+    files, tolerance = case.mechanism.files, case.mechanism.accuracy.chord_tolerance
     findings: list[Finding] = []
     for name, (touch, *_) in cams_of(case.mechanism).items():
         rings = sorted(read_dxf(case.file(name, "dxf")).cut, key=lambda ring: -abs(ring.area))
@@ -182,7 +182,7 @@ def judge_tables(case: Case) -> list[Finding]:
             continue  # told as the drawing is judged
         outline = rings[touch.outer].counter_clockwise()
         table = case.file(f"{name}-profile", "csv")
-        if output.profile_step_deg is not None:
+        if files.profile_step_deg is not None:
             try:
                 law = _rolled(case.mechanism, name, rings)
             except ValueError as fault:
@@ -194,13 +194,13 @@ def judge_tables(case: Case) -> list[Finding]:
                     outline.reversed() if touch.outer else outline
                 )  # with the material on its left
                 findings += judge_profile(
-                    table, _read_profile(table), ring, law, output.profile_step_deg, tolerance
+                    table, _read_profile(table), ring, law, files.profile_step_deg, tolerance
                 )
         path = case.file(f"{name}-path", "dxf")
-        if output.cutter_radius is not None:
+        if files.cutter_radius is not None:
             pieces = _read_path(path.with_suffix(".csv"))
             findings += judge_path(
-                path, pieces, outline, output.cutter_radius, 2 * tolerance, touch.outer
+                path, pieces, outline, files.cutter_radius, 2 * tolerance, touch.outer
             )
     return findings
 

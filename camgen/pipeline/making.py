@@ -62,7 +62,7 @@ def put_together(case: Case, only: frozenset[str], made: Made, progress: Progres
         from camgen.pipeline.laser import make_sheets
 
         make_sheets(case)
-    if "dxf" in only and mechanism.output.machining:
+    if "dxf" in only and mechanism.files.machining:
         from camgen.pipeline.machining import make_tables
 
         make_tables(case)
@@ -132,15 +132,13 @@ def _make_part(case: Case, name: str, only: frozenset[str]) -> tuple[Mesh, Mesh]
         fit = compensation(mechanism)
         mesh = solid(part, tolerance)
         sent = solid(compensated(part, fit), tolerance) if fit else mesh
-    output = mechanism.output
+    files = mechanism.files
     centres, engraved = (
-        part.centres if output.center_marks else (),
-        part.engraving if output.engrave else (),
+        part.centres if files.center_marks else (),
+        part.engraving if files.engrave else (),
     )
     title, key = f"{mechanism.name}-{name}", _key(mechanism)
-    job = Job(
-        name, title, key, part.region, centres, tolerance, output.curves, sent, part, engraved
-    )
+    job = Job(name, title, key, part.region, centres, tolerance, files.curves, sent, part, engraved)
     for kind in wanted:
         with (
             suppress(DesignError) if kind in EXACT else nullcontext()

@@ -70,7 +70,7 @@ def judge_part(
                 )
             continue
         solid = FORMATS[kind].solid
-        sent, drawn = (fit, None) if solid else (None, mechanism.output)
+        sent, drawn = (fit, None) if solid else (None, mechanism.files)
         meant = expected(part, tolerance, features, sent, drawn)
         judged = _JUDGES[FORMATS[kind].holds](path, meant)
         findings += judged.findings

@@ -189,7 +189,7 @@ class Rebuild:
             anew.file("assembly", "glb").write_bytes(scene.glb)
         sides = lying_sides(case.mechanism, written(case) if "3mf" in kinds else {})
         write_parts_list(anew.file("parts", "csv"), case.mechanism, sides)
-        if "dxf" in kinds and case.mechanism.output.machining:
+        if "dxf" in kinds and case.mechanism.files.machining:
             from camgen.pipeline.machining import make_tables
 
             make_tables(anew)

@@ -149,20 +149,20 @@ def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
             )
     elif mechanism.laser is not None:
         found.append("[laser] makes its sheets with the DXF, and no DXF is made")
-    if mechanism.output.engrave and not any(part.engraved for part in mechanism.assembly.parts):
-        found.append("output.engrave = true: no part has anything engraved")
-    elif mechanism.output.engrave and not any(kind in kinds for kind in DRAWN):
-        found.append(f"output.engrave = true acts on {drawn} alone, and no {drawn} is made")
+    if mechanism.files.engrave and not any(part.engraved for part in mechanism.assembly.parts):
+        found.append("files.engrave = true: no part has anything engraved")
+    elif mechanism.files.engrave and not any(kind in kinds for kind in DRAWN):
+        found.append(f"files.engrave = true acts on {drawn} alone, and no {drawn} is made")
     idle = mechanism.remarks().unused
     if idle:
         found.append(
             f'{", ".join(idle)} {"is" if len(idle) == 1 else "are"} not used with parts.make = "machine": see [bodies]'
         )
-    curves = mechanism.output.curves
+    curves = mechanism.files.curves
     if (
         curves != "bulge"
         and any(kind in kinds for kind in SOLID)
         and not any(kind in kinds for kind in DRAWN)
     ):
-        found.append(f'output.curves = "{curves}" acts on {drawn} alone, and no {drawn} is made')
+        found.append(f'files.curves = "{curves}" acts on {drawn} alone, and no {drawn} is made')
     return tuple(found)

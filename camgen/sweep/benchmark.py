@@ -161,7 +161,7 @@ def _row(spec: Path, tolerance: float, folder: Path) -> Row:
     with stage("write"):
         for name, part in parts.items():
             write_dxf(
-                case.file(name, "dxf"), part.region, (), tolerance, case.mechanism.output.curves
+                case.file(name, "dxf"), part.region, (), tolerance, case.mechanism.files.curves
             )
         for name, mesh in meshes.items():
             write_stl(case.file(name, "stl"), mesh, name)

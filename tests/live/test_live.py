@@ -26,7 +26,8 @@ from camgen.live.server import Built, Explorer, watcher
 from camgen.machines import load
 from camgen.machines.sources import files_of
 from camgen.settings import override
-from camgen.starters import described, examples, folder
+from camgen.spec import schema
+from camgen.starters import examples, folder
 
 HOME = "http://127.0.0.1:8000"
 WORD = "a-word-of-chance"
@@ -61,7 +62,7 @@ def asked(page: TestClient, path: str, **settings: str) -> dict[str, Any]:
 @pytest.mark.parametrize("path", sorted(folder().rglob("*.toml")), ids=lambda path: path.stem)
 def test_every_number_lies_on_its_slider_and_every_spec_comes_back_as_it_was(path: Path) -> None:
     text, data = path.read_text(encoding="utf-8"), reading.read(path)
-    listed = numbers(data, described(load(data["mechanism"]), data["mechanism"]))
+    listed = numbers(data, schema(load(data["mechanism"]), data["mechanism"]))
     assert len(listed) >= 3
     for number in listed:
         if number.choices:
@@ -109,10 +110,10 @@ def test_ranges_are_those_of_the_schema() -> None:
 def test_a_lift_is_in_the_unit_of_its_follower(root: Path, motion: str, unit: str) -> None:
     data = reading.read(root / "specs" / "disc-cam.toml")
     data["geometry"]["follower"]["motion"] = motion
-    found = {each.key: each for each in numbers(data, described(load("disc-cam"), "disc-cam"))}
+    found = {each.key: each for each in numbers(data, schema(load("disc-cam"), "disc-cam"))}
     assert found["segment.0.lift"].unit == unit and found["geometry.base_radius"].unit == "mm"
     data["geometry"]["follower"].pop("motion")
-    found = {each.key: each for each in numbers(data, described(load("disc-cam"), "disc-cam"))}
+    found = {each.key: each for each in numbers(data, schema(load("disc-cam"), "disc-cam"))}
     assert found["segment.0.lift"].unit == "mm or deg"
 
 

@@ -739,13 +739,6 @@ def test_a_law_from_a_file(tmp_path: Path) -> None:
         pipeline.build(tmp_path / "t.toml", tmp_path / "out", frozenset({"dxf"}))
 
 
-def test_the_starter_describes_every_key() -> None:
-    text = SPEC.read_text("utf-8")
-    tables = specs.schema(DiscCamDrive)["$defs"]
-    own = {"FollowerTable", "Geometry", "Limits", "Motor", "Parts", "SegmentTable", "LawChoice"}
-    assert {key for table in own for key in tables[table]["properties"] if key not in text} == set()
-
-
 def test_a_cam_that_reaches_the_followers_axle() -> None:
     arm = "geometry.follower={{motion='oscillating', shape='roller', radius=5, pivot_distance={}, arm=40}}"
     made = [mechanism(arm.format(far), "geometry.base_radius=40") for far in (45, 70)]

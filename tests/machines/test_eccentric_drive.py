@@ -344,14 +344,15 @@ def test_old_words_are_taken_and_noted() -> None:
     before = design(**{f"parts__{key}": value for key, value in old.items()}, parts__pins="steel")
     assert before.making == design(**{f"parts__{key}": value for key, value in new.items()}).making
     assert before.hints == tuple(
-        f"parts.{word} is read as {key}" for word, key in zip([*old, "pins"], new, strict=True)
+        f"parts.{word} is read as parts.{key}"
+        for word, key in zip([*old, "pins"], new, strict=True)
     )
     pins = [part for part in before.assembly.parts if part.name.startswith("pin-")]
     assert [pin.made for pin in pins] == ["bought"] and "ISO 2338" in pins[0].notes[0]
     both = design(
         parts__strap_wall=2.5, parts__wall=3.0
     )  # such as --set over a spec that was filled in
-    assert both.making.wall == 2.5 and "in place of wall" in both.hints[0]
+    assert both.making.wall == 2.5 and "in place of parts.wall" in both.hints[0]
     assert faults(parts__strap_wall="wide") == ["parts.strap_wall"]
 
 

@@ -59,6 +59,8 @@ def leaves(
             yield from leaves(member, root, data, path, False)
     elif "properties" in node:
         for key, value in node["properties"].items():
+            if value.get("deprecated"):  # the old name of another
+                continue
             inner = data.get(key) if isinstance(data, dict) else None
             given = isinstance(data, dict) and key in data
             yield from leaves(

@@ -149,7 +149,7 @@ def test_play_is_half_of_the_lash_that_the_judge_finds_in_the_files(
 
 
 QUESTIONS = {"model", "solve", "motion", "assembly", "limits", "forecast", "study", "prepare"}
-QUESTIONS |= {"resolved", "remarks", "recovered"}
+QUESTIONS |= {"resolved", "remarks", "recovered", "scene"}
 
 
 def test_a_mechanism_answers_a_dozen_questions() -> None:

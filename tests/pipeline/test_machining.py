@@ -259,7 +259,7 @@ def test_an_undercut_has_no_normal_and_a_cutter_without_a_path_is_refused(
 
     monkeypatch.setattr(machining, "offset", closes)
     with pytest.raises(
-        DesignError, match="output.cutter_radius = 3 mm finds no path: use a smaller one"
+        DesignError, match="files.cutter_radius = 3 mm finds no path: use a smaller one"
     ):
         build(root / "specs" / "disc-cam.toml", tmp_path, DXF, SETTINGS)
     assert not (tmp_path / "disc-cam").exists()

@@ -258,9 +258,9 @@ def test_what_was_not_judged_is_said_by_name_in_table_verdict_and_page(
         ),
         ("dxf", "print.elephant_foot=0.2", "print.elephant_foot = 0.2"),
         ("stl", "print.profile_compensation=0.1", ""),
-        ("stl", "output.curves='lines'", "acts on DXF alone"),
-        ("dxf,stl", "output.curves='lines'", ""),
-        ("dxf", "output.engrave=true", "output.engrave = true: no part has anything engraved"),
+        ("stl", "files.curves='lines'", "acts on DXF alone"),
+        ("dxf,stl", "files.curves='lines'", ""),
+        ("dxf", "files.engrave=true", "files.engrave = true: no part has anything engraved"),
     ],
 )
 def test_key_that_cannot_act_on_a_file_is_told(

@@ -24,7 +24,7 @@ from camgen.machines.chain_stitch_looper.ratio import Condition, linear
 from camgen.machines.chain_stitch_looper.stitch import Design, Stitch
 from camgen.machines.chain_stitch_looper.timing import Clock
 from camgen.parts.part import Layer, Part
-from camgen.spec import Length, Record
+from camgen.spec import Length, Record, quantity
 
 _GAUGE = 1.0  # mm, thickness of the gauges
 _ROUND = 0.45  # of the nose's least growth, by which the radius of its edges grows: they never meet
@@ -34,19 +34,33 @@ _RUN_OUT = 2.0  # radii, over which the rounding of an edge runs out
 _BEYOND = 10.0  # mm that plate and needles are drawn beyond what they need
 
 
-class Parts(Record):
+class SpreaderParts(Record):
     """Spreaders and plate as bodies."""
 
-    nose_width: Length = 1.2
-    side_gap: Annotated[float, Field(ge=0, le=10)] = 0.1
-    shed_deg: Annotated[float, Field(ge=0, lt=45)] = 3.0
-    lean: Literal["nose", "shank"] = "nose"
-    edge_radius: Annotated[float, Field(ge=0, le=10)] = 0.3
-    running_gap: Annotated[float, Field(ge=0, le=10)] = 0.0
-    shank_length: Length = 12.0
-    shank_width: Length = 6.0
-    clamp_hole: Length = 2.2
-    plate_thickness: Length = 2.0
+    nose_width: Length = Field(default=1.2, description="at the thread's seat")
+    side_gap: Annotated[float, quantity("mm", ge=0, le=10)] = Field(
+        default=0.1, description="between needle and nose"
+    )
+    shed_deg: Annotated[float, quantity("deg", ge=0, lt=45)] = Field(
+        default=3.0, description="widening of the blade to the shank"
+    )
+    lean: Literal["nose", "shank"] = Field(
+        default="nose",
+        description='the protrusion leans to the "nose" or to the "shank", where protrusion_deg is below '
+        "90",
+    )
+    edge_radius: Annotated[float, quantity("mm", ge=0, le=10)] = Field(
+        default=0.3,
+        description="where thread runs: corners, and long edges of the nose, as seen along it; 0: sharp",
+    )
+    running_gap: Annotated[float, quantity("mm", ge=0, le=10)] = Field(
+        default=0.0,
+        description="between the spreaders, taken off the underside; 0: they slide on each other",
+    )
+    shank_length: Length = Field(default=12.0, description="behind the blade")
+    shank_width: Length = Field(default=6.0, description="of what is clamped")
+    clamp_hole: Length = Field(default=2.2, description="diameter of the hole in the shank")
+    plate_thickness: Length = Field(default=2.0, description="of the needle plate")
 
 
 @dataclass(frozen=True)
@@ -54,7 +68,7 @@ class Bodies:
     """All bodies of a design. tau: lean of the protrusion's front, rad; blade: nose's tip to the shank, mm."""
 
     design: Design
-    making: Parts
+    making: SpreaderParts
     tau: float
     blade: float
     min_wall: float
@@ -348,7 +362,7 @@ def seat_back(tau: float, lean: str) -> float:
     return math.tan((tau if lean == "nose" else math.pi - tau) / 2)
 
 
-def room_on_nose(s: Stitch, p: Parts, back: float) -> list[Condition]:
+def room_on_nose(s: Stitch, p: SpreaderParts, back: float) -> list[Condition]:
     """What a velocity ratio must keep for the nose's rounded edges, as `Bodies` makes them."""
     seat, ends, far = s.setback - s.needle, p.edge_radius * (_RUN_OUT + back), max(s.reach)
     wide, steep = p.edge_radius / (_ROUND * p.nose_width), p.edge_radius / (_ROUND * s.height)

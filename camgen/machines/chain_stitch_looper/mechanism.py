@@ -40,7 +40,7 @@ from camgen.machine.model import (
 from camgen.machines.chain_stitch_looper.bodies import (
     LEAST_RADIUS,
     Bodies,
-    Parts,
+    SpreaderParts,
     room_on_nose,
     seat_back,
 )
@@ -59,7 +59,13 @@ from camgen.machines.chain_stitch_looper.study import (
     study,
     timing_study,
 )
-from camgen.machines.chain_stitch_looper.tables import Geometry, Limits, Motor, Timing, Wanted
+from camgen.machines.chain_stitch_looper.tables import (
+    StitchGeometry,
+    StitchLimits,
+    StitchMotor,
+    Timing,
+    Wanted,
+)
 from camgen.machines.chain_stitch_looper.threads import lengths, moments, seam, sketches
 from camgen.machines.mechanism import Mechanism, refuse_failing
 from camgen.motion.program import Program
@@ -81,12 +87,15 @@ ALLOWED = {
 class ChainStitchLooper(Mechanism):
     """Spec and answers of the two-thread chain stitch; the output is L, how far the spreaders have moved, mm."""
 
-    geometry: Geometry
+    geometry: StitchGeometry
     timing: Timing = Timing.model_construct()
-    motor: Motor = Motor.model_construct()
-    making: Annotated[Parts, Field(alias="parts")] = Parts.model_construct()
-    allowed: Annotated[Limits, Field(alias="limits")] = Limits.model_construct()
-    wanted: Wanted | None = None
+    motor: StitchMotor = StitchMotor.model_construct()
+    making: Annotated[SpreaderParts, Field(alias="parts")] = SpreaderParts.model_construct()
+    allowed: Annotated[StitchLimits, Field(alias="limits")] = StitchLimits.model_construct()
+    wanted: Wanted | None = Field(
+        default=None,
+        description="bounds for `camgen design`, which looks for the largest smallest clearance",
+    )
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""

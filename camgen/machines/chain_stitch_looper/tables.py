@@ -8,65 +8,116 @@ from pydantic import Field
 
 from camgen.machines.loads.tables import Bears, Drives
 from camgen.motion.segments import LawChoice, SegmentTable
-from camgen.spec import Length, Record, Rpm, turning
+from camgen.spec import Length, MinWall, Record, Rpm, quantity, turning
 
 Both = tuple[Length, Length]
 Law = Annotated[str | LawChoice, Field(union_mode="left_to_right")]
-Distortion = Annotated[float, Field(ge=0, lt=1, json_schema_extra={"unit": "1"})]
+Distortion = Annotated[float, quantity("1", ge=0, lt=1)]
 
 
-class Geometry(Record):
+class StitchGeometry(Record):
     """Figures of stitch, needles and spreaders, named as in the source."""
 
-    needle_spacing: Length
-    point_lengths: Both
-    nose_over_eye: Both
-    loop_rise: Both
-    needle_diameter: Length
-    plate_to_spreader: Length
-    protrusion: Length
-    protrusion_deg: Annotated[float, Field(ge=30, le=90)]
-    feed_deg: Annotated[float, Field(gt=0, lt=360)]
-    material_thickness: Length
-    velocity_ratio: Annotated[float, Field(gt=0, le=100)]
-    blade_length: Length
-    mode: Literal["corrected", "published"] = "corrected"
-    stitch_length: Length = 3.0
-    p6_setback: Annotated[float, Field(ge=0, le=1e3)] = 0.0
+    needle_spacing: Length = Field(description="z, the width of the stitch")
+    point_lengths: Both = Field(description="h1, h2: needle's tip to the top of its eye")
+    nose_over_eye: Both = Field(
+        description="a1, a2: nose above the top of the eye at capture; 1.5 to 4"
+    )
+    loop_rise: Both = Field(
+        description="S01, S02: needle's rise from its lowest point at capture; 1.5 to 4.5"
+    )
+    needle_diameter: Length = Field(description="d, the largest")
+    plate_to_spreader: Length = Field(
+        description="e, top of the plate to the top of the upper spreader; 3 to 5 are usual"
+    )
+    protrusion: Length = Field(description="l_H, below the nose; 1 to 2")
+    protrusion_deg: Annotated[float, quantity("deg", ge=30, le=90)] = Field(
+        description="tau, lean of its front; 75 to 90"
+    )
+    feed_deg: Annotated[float, quantity("deg", gt=0, lt=360)] = Field(
+        description="phi_t, shaft angle while the fabric moves"
+    )
+    material_thickness: Length = Field(description="the greatest; m in the source")
+    velocity_ratio: Annotated[float, quantity("1", gt=0, le=100)] = Field(
+        description="r = dL/dS; the report says from where to where it works"
+    )
+    blade_length: Length = Field(description="nose's tip to the shank")
+    mode: Literal["corrected", "published"] = Field(
+        default="corrected",
+        description='"corrected"; or "published": the source\'s figures with its errors; its design '
+        "strikes the needle",
+    )
+    stitch_length: Length = Field(default=3.0, description="t, for the thread of a stitch")
+    p6_setback: Annotated[float, quantity("mm", ge=0, le=1e3)] = Field(
+        default=0.0,
+        description="front of the body behind the path of the needle that comes nearest to it",
+    )
+
+
+class StrokeSegment(SegmentTable):
+    """One segment of a program over a stroke of 1."""
+
+    lift: Annotated[float, quantity("1", ge=1e-3, le=1e6)] | None = Field(
+        default=None, description="share of the stroke; or to, where it ends"
+    )
+    to: Annotated[float, quantity("1", ge=-1e6, le=1e6)] | None = Field(
+        default=None, description="share of the stroke where it ends"
+    )
 
 
 class Timing(Record):
     """How needles and spreaders move: a law for rise and return alike, or a program of its own whose lifts go from 0 to 1."""
 
-    needle: Law = "simple-harmonic"
-    spreader: Law = "simple-harmonic"
-    needle_segment: tuple[SegmentTable, ...] = ()
-    spreader_segment: tuple[SegmentTable, ...] = ()
-    distortion: tuple[Distortion, Distortion] = (0.0, 0.0)
-    lag_deg: Annotated[float, Field(ge=-180, le=180)] = 0.0
-    needle_stroke: Length | None = None
+    needle: Law = Field(
+        default="simple-harmonic", description="any law of `camgen list`, for rise and return alike"
+    )
+    spreader: Law = Field(default="simple-harmonic", description="the same")
+    needle_segment: tuple[StrokeSegment, ...] = Field(
+        default=(), description="a program of its own instead of a law, from 0 up to 1 and back"
+    )
+    spreader_segment: tuple[StrokeSegment, ...] = Field(
+        default=(), description="the same of the spreaders"
+    )
+    distortion: tuple[Distortion, Distortion] = Field(
+        default=(0.0, 0.0),
+        description="crank over rod of needles and spreaders, with both laws harmonic; the source: 0.1 "
+        "and 0.2",
+    )
+    lag_deg: Annotated[float, quantity("deg", ge=-180, le=180)] = Field(
+        default=0.0, description="by which the spreaders come after the needles"
+    )
+    needle_stroke: Length | None = Field(
+        default=None, description="of the needles; left out: as long as the feed asks for"
+    )
 
 
-class Motor(Drives):
+class StitchMotor(Drives):
     """What drives the machine; the shaft's angle is counted in its sense of turning, so either sense makes the same parts."""
 
-    speed_rpm: Annotated[Rpm, turning()] = 3000.0
+    speed_rpm: Annotated[Rpm, turning()] = Field(
+        default=3000.0, description="of the main shaft; below 0: clockwise"
+    )
 
 
-class Limits(Bears):
+class StitchLimits(Bears):
     """What the designer accepts; a finding fails beyond it."""
 
-    loop_angle_deg: Annotated[float, Field(ge=0, le=90)] = 1.0
-    clearance: Annotated[float, Field(ge=0, le=100)] = 0.0
-    min_wall: Length = 0.8
+    loop_angle_deg: Annotated[float, quantity("deg", ge=0, le=90)] = Field(
+        default=1.0, description="between the two loops at the pierce"
+    )
+    clearance: Annotated[float, quantity("mm", ge=0, le=100)] = Field(
+        default=0.0,
+        description="least distance of needles and spreaders; 0: a needle may slide along the front",
+    )
+    min_wall: MinWall = 0.8
 
 
 class Wanted(Record):
     """Bounds within which `camgen design` looks for the spec with the largest smallest clearance."""
 
-    nose_over_eye: Both = (1.5, 4.0)
-    loop_rise: Both = (1.5, 4.5)
-    protrusion: Both = (1.0, 2.0)
-    plate_to_spreader: Both = (3.0, 8.0)
-    spreader_stroke: Length = 40.0
-    nose_length: Length = 16.0
+    nose_over_eye: Both = Field(default=(1.5, 4.0), description="from and to, a1 and a2")
+    loop_rise: Both = Field(default=(1.5, 4.5), description="from and to, S01 and S02")
+    protrusion: Both = Field(default=(1.0, 2.0), description="from and to, l_H")
+    plate_to_spreader: Both = Field(default=(3.0, 8.0), description="from and to, e")
+    spreader_stroke: Length = Field(default=40.0, description="at most")
+    nose_length: Length = Field(default=16.0, description="at most")

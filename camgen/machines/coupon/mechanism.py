@@ -29,7 +29,7 @@ from camgen.machines.mechanism import Mechanism, Remarks
 from camgen.parts.assembly import Assembly
 from camgen.parts.hardware import headed, plate, rounded
 from camgen.parts.part import Layer, Part
-from camgen.spec import Length, Record, unknown
+from camgen.spec import Length, MinWall, Record, quantity, unknown
 from camgen.study import Plot, Study, Table
 
 _OFF = 1.0  # mm, by which no printer is off: another size was measured
@@ -37,41 +37,58 @@ _SLOT = 6.0  # mm, half the length of a gap
 _APART = 10.0  # mm, between plate, disc and pin as they are shown
 Sizes = Annotated[tuple[Length, ...], Field(min_length=1, max_length=12)]
 Steps = Annotated[
-    tuple[Annotated[float, Field(ge=-1, le=2)], ...], Field(min_length=2, max_length=12)
+    tuple[Annotated[float, quantity("mm", ge=-1, le=2)], ...], Field(min_length=2, max_length=12)
 ]
 
 
-class Geometry(Record):
+class CouponGeometry(Record):
     """Nominal sizes, mm, each list from small to large."""
 
-    holes: Sizes = (3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
-    gaps: Sizes = (2.0, 4.0, 6.0, 8.0)
-    pins: Sizes = (3.0, 4.0, 5.0, 6.0, 8.0)
-    fit_pin: Length = 5.0
-    clearances: Steps = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8)
-    disc: Length = 40.0
-    datum_hole: Length = 8.0
-    length: Length = 90.0
-    width: Length = 54.0
+    holes: Sizes = Field(default=(3.0, 4.0, 5.0, 6.0, 8.0, 10.0), description="diameters")
+    gaps: Sizes = Field(default=(2.0, 4.0, 6.0, 8.0), description="between two straight walls")
+    pins: Sizes = Field(
+        default=(3.0, 4.0, 5.0, 6.0, 8.0), description="diameters of pins that stand on the plate"
+    )
+    fit_pin: Length = Field(default=5.0, description="of the loose pin")
+    clearances: Steps = Field(
+        default=(0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8),
+        description="diametral, of the holes for it",
+    )
+    disc: Length = Field(default=40.0, description="its diameter")
+    datum_hole: Length = Field(
+        default=8.0, description="diameter of A, B, C and of the disc's bore"
+    )
+    length: Length = Field(default=90.0, description="from A to B")
+    width: Length = Field(default=54.0, description="from A to C")
 
 
-class Parts(Record):
+class CouponParts(Record):
     """The bodies of the parts, mm."""
 
-    thickness: Length = 4.0
-    pin_height: Length = 8.0
-    wall: Length = 3.0
+    thickness: Length = Field(default=4.0, description="of plate and disc")
+    pin_height: Length = Field(default=8.0, description="of the standing pins")
+    wall: Length = Field(default=3.0, description="between two holes, at least")
 
 
 class Measured(Record):
     """What was measured; sizes: by feature, one reading or several."""
 
-    caliper: Annotated[float, Field(gt=0, le=1)] = 0.02
-    runs: float | None = None
-    holds: float | None = None
+    caliper: Annotated[float, quantity("mm", gt=0, le=1)] = Field(
+        default=0.02, description="standard deviation of one reading"
+    )
+    runs: Annotated[float, quantity("mm")] | None = Field(
+        default=None, description="the tightest of clearances in which the loose pin turns freely"
+    )
+    holds: Annotated[float, quantity("mm")] | None = Field(
+        default=None, description="the widest in which it sits tight"
+    )
     sizes: dict[
         str, Length | Annotated[tuple[Length, ...], Field(min_length=1, max_length=100)]
-    ] = {}
+    ] = Field(
+        default={},
+        description='by feature: one reading, or several: "hole 5" = [4.78, 4.80]; measure as many as you '
+        "like",
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -84,21 +101,31 @@ class Measured(Record):
         return data
 
 
-class Limits(Record):
+class CouponLimits(Record):
     """What the measuring has to reach."""
 
-    uncertainty: Length = 0.05
-    departure: Length = 0.15
-    min_wall: Length = 0.8
+    uncertainty: Length = Field(
+        default=0.05,
+        description="of a compensation, 95 %: a quarter of the usual running clearance",
+    )
+    departure: Length = Field(
+        default=0.15, description="by which one size may be off what the values give it"
+    )
+    min_wall: MinWall = 0.8
 
 
 class Coupon(Mechanism):
     """Spec and answers of a coupon."""
 
-    geometry: Geometry = Geometry.model_construct()
-    making: Annotated[Parts, Field(alias="parts")] = Parts.model_construct()
-    measured: Measured = Measured.model_construct()
-    allowed: Annotated[Limits, Field(alias="limits")] = Limits.model_construct()
+    geometry: CouponGeometry = Field(
+        default=CouponGeometry.model_construct(),
+        description="nominal sizes, each list from small to large",
+    )
+    making: Annotated[CouponParts, Field(alias="parts")] = CouponParts.model_construct()
+    measured: Measured = Field(
+        default=Measured.model_construct(), description="what the caliper said"
+    )
+    allowed: Annotated[CouponLimits, Field(alias="limits")] = CouponLimits.model_construct()
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""

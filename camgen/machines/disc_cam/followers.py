@@ -9,12 +9,12 @@ from collections.abc import Sequence
 from camgen.errors import DesignError
 from camgen.machine.cams.followers import Follower, SlidingFace, SlidingTip, SwingingFace
 from camgen.machine.cams.profile import SwingingArm
-from camgen.machines.disc_cam.tables import Geometry
+from camgen.machines.disc_cam.tables import DiscCamGeometry
 
 _UP = 1j
 
 
-def standing_on(base: float, geometry: Geometry, top: float) -> Sequence[Follower]:
+def standing_on(base: float, geometry: DiscCamGeometry, top: float) -> Sequence[Follower]:
     """The follower on a base circle, mm; with conjugate closure also its second one, on the far side.
 
     top: greatest displacement, mm or rad. Raises DesignError where it cannot stand on that circle.

@@ -40,7 +40,13 @@ from camgen.machine.model import Machine
 from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of, polydyne_faults
 from camgen.machines.disc_cam.curves import plots, segments_table
 from camgen.machines.disc_cam.followers import standing_on
-from camgen.machines.disc_cam.tables import Geometry, Limits, LoadTable, Motor, SpringTable
+from camgen.machines.disc_cam.tables import (
+    DiscCamGeometry,
+    DiscCamLimits,
+    DiscCamMotor,
+    LoadTable,
+    SpringTable,
+)
 from camgen.machines.disc_cam.walls import walls
 from camgen.machines.free_play import between
 from camgen.machines.loads.weights import gravity
@@ -49,7 +55,7 @@ from camgen.machines.standing import StandingCams
 from camgen.motion.polydyne import polydyne
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, program
-from camgen.parts.disc_cams import Parts, disc_parts, turning_note
+from camgen.parts.disc_cams import CamParts, disc_parts, turning_note
 from camgen.parts.part import Part
 from camgen.study import Later, Plot, Sketch, Study
 
@@ -60,13 +66,22 @@ if TYPE_CHECKING:
 class DiscCamDrive(StandingCams):
     """Spec and answers of a disc cam; the output is the follower's displacement s, mm or rad, 0 on the base circle."""
 
-    geometry: Geometry
-    segment: Annotated[tuple[SegmentTable, ...], Field(min_length=1, max_length=100)]
-    motor: Motor = Motor.model_construct()
-    load: LoadTable | None = None
-    spring: SpringTable | None = None
-    making: Annotated[Parts, Field(alias="parts")] = Parts.model_construct()
-    allowed: Annotated[Limits, Field(alias="limits")] = Limits.model_construct()
+    geometry: DiscCamGeometry
+    segment: Annotated[tuple[SegmentTable, ...], Field(min_length=1, max_length=100)] = Field(
+        description="of the motion: one after another they make the turn"
+    )
+    motor: DiscCamMotor = DiscCamMotor.model_construct()
+    load: LoadTable | None = Field(
+        default=None,
+        description="what the follower is and bears: forces, motor torque, and whether it stays on the "
+        "cam",
+    )
+    spring: SpringTable | None = Field(
+        default=None,
+        description='closure "force": what presses it on the cam; the report says what is needed',
+    )
+    making: Annotated[CamParts, Field(alias="parts")] = CamParts.model_construct()
+    allowed: Annotated[DiscCamLimits, Field(alias="limits")] = DiscCamLimits.model_construct()
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""

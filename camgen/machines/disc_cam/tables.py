@@ -9,53 +9,102 @@ from pydantic import Field
 from camgen.machines.loads.tables import CamBears, Drives, Weight
 from camgen.machines.pairs import Air
 from camgen.motion.polydyne import Lag
-from camgen.spec import Length, Record, Rpm, turning
+from camgen.spec import Coordinate, Length, MinWall, Record, Rpm, quantity, turning
 
 
 class FollowerTable(Record):
     """What rides on the cam."""
 
-    motion: Literal["translating", "oscillating"]
-    shape: Literal["roller", "flat", "knife"]
-    radius: Length | None = None
-    offset: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
-    pivot_distance: Length | None = None
-    arm: Length | None = None
-    face_offset: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
-    face_width: Length | None = None
+    motion: Literal["translating", "oscillating"] = Field(
+        description='"translating" or "oscillating"'
+    )
+    shape: Literal["roller", "flat", "knife"] = Field(
+        description='"roller" (radius), "flat" or "knife"'
+    )
+    radius: Length | None = Field(default=None, description="of the roller")
+    offset: Coordinate = Field(
+        default=0.0,
+        description="translating: of the slide, to the right of the shaft (below 0: to the left)",
+    )
+    pivot_distance: Length | None = Field(default=None, description="oscillating: from O to A")
+    arm: Length | None = Field(
+        default=None, description="oscillating roller or knife: from A to its centre or edge"
+    )
+    face_offset: Coordinate = Field(
+        default=0.0,
+        description="oscillating face: how far it lies ahead of A, away from the cam (below 0: towards "
+        "it)",
+    )
+    face_width: Length | None = Field(
+        default=None,
+        description="flat: width of the face, about the stem or the middle of what is touched; checked if "
+        "given",
+    )
 
 
-class Geometry(Record):
+class DiscCamGeometry(Record):
     """The cam and its follower; without base_radius it is the smallest that keeps to the limits."""
 
-    follower: FollowerTable
-    base_radius: Length | None = None
-    closure: Literal["force", "conjugate", "groove"] = "force"
+    follower: FollowerTable = Field(description="what rides on the cam")
+    base_radius: Length | None = Field(
+        default=None,
+        description="of the circle that touches the cam from within; left out: the smallest that keeps to "
+        "[limits] and\n"
+        "holds its shaft",
+    )
+    closure: Literal["force", "conjugate", "groove"] = Field(
+        default="force",
+        description='"force": a spring holds the follower on the cam\n'
+        '"conjugate": a second cam and follower on the far side drive it back (cam-1, cam-2)\n'
+        '"groove": a roller between two walls, print.slide_clearance wider than the roller\n'
+        "(inner, outer and back plate, joined by pins)",
+    )
     tip_clearance: Air = 0.0
 
 
-class Motor(Drives):
+class DiscCamMotor(Drives):
     """What drives the cam."""
 
-    speed_rpm: Annotated[Rpm, turning()] = 60.0
+    speed_rpm: Annotated[Rpm, turning()] = Field(
+        default=60.0,
+        description="of the cam; below 0 it turns clockwise: the program runs in the sense of turning",
+    )
 
 
-class Limits(CamBears):
-    """What the designer accepts; a finding fails beyond it. undercut and lash are mm, or degrees of an oscillating follower."""
+class DiscCamLimits(CamBears):
+    """What the designer accepts; a finding fails beyond it."""
 
-    undercut: Annotated[float, Field(ge=0, le=1e6)] = 0.0
-    lash: Annotated[float, Field(ge=0, le=1e6)] = 0.25
-    min_wall: Length = 0.8
+    undercut: Annotated[float, quantity("mm or deg", ge=0, le=1e6)] = Field(
+        default=0.0, description="motion that may be lost"
+    )
+    lash: Annotated[float, quantity("mm or deg", ge=0, le=1e6)] = Field(
+        default=0.25,
+        description="free play of the follower in a groove or between a pair of cams; 0.25: a hundredth "
+        "of a lift of 25, and the running play of printed parts",
+    )
+    min_wall: MinWall = 0.8
 
 
 class LoadTable(Weight):
     """What the follower is and bears, a translating one in kg, N and mm, an oscillating one in kg m^2, N m and rad."""
 
-    mass_kg: Annotated[float, Field(ge=0, le=1e6)] = 0.0
-    inertia_kg_m2: Annotated[float, Field(ge=0, le=1e6)] = 0.0
-    damping: Annotated[float, Field(ge=0, le=1e6)] = 0.0
-    resistance: Annotated[float, Field(ge=0, le=1e6)] = 0.0
-    polydyne: bool = False
+    mass_kg: Annotated[float, quantity("kg", ge=0, le=1e6)] = Field(
+        default=0.0, description="of a translating follower and what it moves"
+    )
+    inertia_kg_m2: Annotated[float, quantity("kg m^2", ge=0, le=1e6)] = Field(
+        default=0.0, description="of an oscillating one, about its pivot"
+    )
+    damping: Annotated[float, quantity("N s/mm or N m s/rad", ge=0, le=1e6)] = Field(
+        default=0.0, description="in proportion to its speed"
+    )
+    resistance: Annotated[float, quantity("N or N m", ge=0, le=1e6)] = Field(
+        default=0.0, description="constant against its lift"
+    )
+    polydyne: bool = Field(
+        default=False,
+        description="whether the cam is corrected so that what moves behind the stiffness does the "
+        "program at this speed",
+    )
 
     def lag(self, speed: float, rate: float) -> Lag:
         """What a cam has to be ahead of this follower; speed: rad/s; rate: of the spring on it, N/mm or N m/rad."""
@@ -69,5 +118,10 @@ class LoadTable(Weight):
 class SpringTable(Record):
     """The spring that presses the follower on its cam."""
 
-    rate: Annotated[float, Field(ge=0, le=1e6)] = 0.0
-    preload: Annotated[float, Field(ge=0, le=1e6)] = 0.0
+    rate: Annotated[float, quantity("N/mm or N m/rad", ge=0, le=1e6)] = Field(
+        default=0.0,
+        description="of its force; a machine without [spring] gets one that keeps it on the cam",
+    )
+    preload: Annotated[float, quantity("N or N m", ge=0, le=1e6)] = Field(
+        default=0.0, description="at its lowest place"
+    )

@@ -31,11 +31,11 @@ from camgen.machines.eccentric_drive.study import study
 from camgen.machines.eccentric_drive.tables import (
     ELSEWHERE,
     OLD_WORDS,
-    Geometry,
-    Limits,
+    EccentricGeometry,
+    EccentricLimits,
+    EccentricMotor,
+    EccentricSizes,
     Masses,
-    Motor,
-    Sizes,
 )
 from camgen.machines.loads.counterweights import Counterweight
 from camgen.machines.template import Template
@@ -44,6 +44,7 @@ from camgen.parts.generator.joined import Fitting
 from camgen.parts.generator.layout import Layout
 from camgen.study import Study
 from camgen.tolerances import SAME_POINT
+from camgen.vocabulary import OldWords
 
 _LINKS = {"ground": ("O", "R", "S"), "disc": ("O", "E"), "rod": ("E", "P"), "slider": ("P",)}
 
@@ -51,14 +52,22 @@ _LINKS = {"ground": ("O", "R", "S"), "disc": ("O", "E"), "rod": ("E", "P"), "sli
 class EccentricDrive(Template):
     """Spec and answers of an eccentric drive; the output is the slider's way from its outermost place, mm."""
 
-    old_words: ClassVar[Mapping[tuple[str, str], str]] = OLD_WORDS
+    old_words: ClassVar[OldWords] = {**Template.old_words, **OLD_WORDS}
 
-    geometry: Geometry
-    motor: Motor
-    making: Annotated[Sizes, Field(alias="parts")] = Sizes.model_validate({})
-    masses: Masses | None = None
-    counterweight: Counterweight | None = None
-    allowed: Annotated[Limits, Field(alias="limits")] = Limits.model_construct()
+    geometry: EccentricGeometry
+    motor: EccentricMotor
+    making: Annotated[EccentricSizes, Field(alias="parts")] = Field(
+        default=EccentricSizes.model_validate({}),
+        description="its bodies, as [parts] of a linkage has them: see camgen schema",
+    )
+    masses: Masses | None = Field(
+        default=None, description="adds joint forces and torque to the report"
+    )
+    counterweight: Counterweight | None = Field(
+        default=None,
+        description="a sector of a disc on the motor's shaft, over the keeper washer: balances the disc",
+    )
+    allowed: Annotated[EccentricLimits, Field(alias="limits")] = EccentricLimits.model_construct()
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""

@@ -20,7 +20,7 @@ from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.outlines import Arc, Contour, Line, Region, circle, rectangle
 from camgen.machine.features import Mount, StandIn
 from camgen.machine.model import GROUND
-from camgen.machines.eccentric_drive.tables import Band, Sizes
+from camgen.machines.eccentric_drive.tables import Band, EccentricSizes
 from camgen.parts.catalogue import SCREWS, Bought, Screw, fastener, nut
 from camgen.parts.generator.joined import Fitting
 from camgen.parts.generator.layout import Layout
@@ -35,7 +35,7 @@ _GUIDED = 2.0  # diameters of the wire in the tube, at least: the 2 to 1 rule of
 _GRIP = 0.25  # of the wire's diameter, by which it stands out of its groove at the clamp
 
 
-def rim(sizes: Sizes, min_wall: float) -> float:
+def rim(sizes: EccentricSizes, min_wall: float) -> float:
     """Radius of the material round a screw's hole, mm."""
     return SCREWS[sizes.screw].clearance / 2 + max(sizes.wall, min_wall + _FACETS)
 
@@ -44,7 +44,7 @@ def rim(sizes: Sizes, min_wall: float) -> float:
 class Needle:
     """Sizes and places of the needle's parts on a drive that is laid out, mm; x from the shaft outwards."""
 
-    sizes: Sizes
+    sizes: EccentricSizes
     layout: Layout
     innermost: float  # place of the slider's pin
     outermost: float  # the same at the other end of its stroke

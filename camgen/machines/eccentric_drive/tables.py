@@ -9,16 +9,17 @@ from pydantic import Field, field_validator
 from camgen.machines.loads.tables import Bears, Drives
 from camgen.parts.catalogue import CORE_HOLES
 from camgen.parts.generator import sizes
-from camgen.spec import Length, Mass, Record, Rpm, turning
+from camgen.spec import Coordinate, Length, Mass, MinWall, Record, Rpm, quantity, turning
+from camgen.vocabulary import OldWords
 
 Band = tuple[Annotated[float, Field(gt=0, le=1e6)], Annotated[float, Field(gt=0, le=1e6)]]
 
-OLD_WORDS = {
-    ("parts", "strap_wall"): "wall",
-    ("parts", "rod_thickness"): "thickness",
-    ("parts", "flange"): "head",
-    ("parts", "body_thickness"): "base_thickness",
-    ("parts", "pins"): "pin",
+OLD_WORDS: OldWords = {
+    ("parts", "strap_wall"): ("parts", "wall"),
+    ("parts", "rod_thickness"): ("parts", "thickness"),
+    ("parts", "flange"): ("parts", "head"),
+    ("parts", "body_thickness"): ("parts", "base_thickness"),
+    ("parts", "pins"): ("parts", "pin"),
 }
 # keys of a linkage's sizes that are set here, and why
 ELSEWHERE = {
@@ -31,42 +32,71 @@ ELSEWHERE = {
 }
 
 
-class Geometry(Record):
+class EccentricGeometry(Record):
     """Lengths of the mechanism."""
 
-    eccentricity: Length
-    rod: Length
-    offset: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
-    eccentric_diameter: Length
-    shaft_diameter: Length
+    eccentricity: Length = Field(description="O to E")
+    rod: Length = Field(description="E to P")
+    offset: Coordinate = Field(default=0.0, description="of the guide from the shaft; 0 is in line")
+    eccentric_diameter: Length = Field(description="of the disc")
+    shaft_diameter: Length = Field(description="of the motor's shaft")
 
 
-class Motor(Drives):
-    """What drives the disc; boss_diameter: of the collar by which it sits in the plate, diameter, length: of its can."""
+class EccentricMotor(Drives):
+    """What drives the disc."""
 
-    speed_rpm: Annotated[Rpm, turning(0.001)]
-    boss_diameter: Length = 6.0
-    diameter: Length = 21.0
-    length: Length = 25.0
+    speed_rpm: Annotated[Rpm, turning(0.001)] = Field(
+        description="of the shaft; below 0: clockwise"
+    )
+    boss_diameter: Length = Field(
+        default=6.0, description="its collar, which sits in the plate: measure yours"
+    )
+    diameter: Length = Field(default=21.0, description="of its can, over the flats' corners")
+    length: Length = Field(
+        default=25.0, description="of its can; a bar behind it and two long screws hold it"
+    )
 
 
-class Sizes(sizes.Parts):
+class EccentricSizes(sizes.Parts):
     """Sizes of the parts, as [parts] of a linkage, and of the needle's."""
 
-    wall: Length = 2.0
-    thickness: Length = 3.0
-    head: Length = 1.0
-    base_thickness: Length = 5.0
-    pin: sizes.PinKind = "printed"
-    pin_diameter: Length = 3.0
-    rail_width: Length = 6.0
-    slider_width: Length = 8.0
-    slider_thickness: Length = 4.0
-    wire_diameter: Length = 1.5
-    wire_length: Length | None = None
-    tube_length: Annotated[float, Field(ge=0, le=1e6)] = 0.0
-    screw: Literal["M2", "M2.5", "M3", "M4", "M5", "M6"] = "M2"
-    cover_length: Length = 10.0
+    wall: Length = Field(default=2.0, description="round holes, pins and the disc")
+    thickness: Length = Field(
+        default=3.0, description="of the rod with its strap, and of the wire's clamp"
+    )
+    head: Length = Field(
+        default=1.0, description="height of the pin's head and of the disc's keeper"
+    )
+    base_thickness: Length = Field(default=5.0, description="of the plate that holds it all")
+    pin: sizes.PinKind = Field(
+        default="printed",
+        description='of the slider: "printed"; or "dowel": of steel, where a printed one does not bear the speed',
+    )
+    pin_diameter: Length = Field(default=3.0, description="of the pin in the slider")
+    rail_width: Length = Field(default=6.0, description="beside the slider")
+    slider_width: Length = Field(default=8.0, description="across the guide")
+    slider_thickness: Length = Field(
+        default=4.0, description="of the slider and of the disc's flange"
+    )
+    wire_diameter: Length = Field(
+        default=1.5,
+        description="of the needle, in the slider's groove, clamped at the slider's head",
+    )
+    wire_length: Length | None = Field(
+        default=None,
+        description="of the needle, from the inner end of its groove to its point; unless given the point "
+        "is flush with the tube's mouth when the slider is innermost",
+    )
+    tube_length: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+        default=0.0,
+        description="of the tube that guides the needle beyond the slider's head; 0: none",
+    )
+    screw: Literal["M2", "M2.5", "M3", "M4", "M5", "M6"] = Field(
+        default="M2", description="of motor, wire clamp, tube and mounting"
+    )
+    cover_length: Length = Field(
+        default=10.0, description="along the guide, of its rails and their cover at least"
+    )
 
     @field_validator("pin", mode="before")
     @classmethod
@@ -94,10 +124,12 @@ class Sizes(sizes.Parts):
 class Masses(Record):
     """What moves, for forces; the rod's centre of mass from the disc's centre, and its inertia about it."""
 
-    rod_g: Mass
-    rod_centre: Annotated[float, Field(ge=-1e6, le=1e6)]
-    rod_inertia_g_mm2: Annotated[float, Field(ge=0, le=1e12)]
-    slider_g: Mass
+    rod_g: Mass = Field(description="of the rod")
+    rod_centre: Coordinate = Field(description="from E towards P")
+    rod_inertia_g_mm2: Annotated[float, quantity("g mm^2", ge=0, le=1e12)] = Field(
+        description="about the centre of mass"
+    )
+    slider_g: Mass = Field(description="of the slider with the needle")
 
     def of_linkage(self) -> dict[str, Any]:
         """[masses] of the linkage; the disc counts as balanced."""
@@ -106,11 +138,21 @@ class Masses(Record):
         return {"rod": rod, "slider": {"mass_g": self.slider_g}}
 
 
-class Limits(Bears):
+class EccentricLimits(Bears):
     """What the designer accepts; a finding fails beyond it."""
 
-    transmission_angle_deg: Annotated[float, Field(gt=0, lt=90)] = 45.0
-    lash: Annotated[float, Field(ge=0, le=1e6)] = 1.0
-    stroke: Band | None = None
-    strokes_per_s: Band | None = None
-    min_wall: Length = 0.8
+    transmission_angle_deg: Annotated[float, quantity("deg", gt=0, lt=90)] = Field(
+        default=45.0, description="least angle of the rod against the square to the guide"
+    )
+    lash: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+        default=1.0,
+        description="free play of the slider by that of all joints; 1: the source lets the needle reach 2 "
+        "to 3 mm deep, and play moves its point within that",
+    )
+    stroke: Annotated[Band, quantity("mm")] | None = Field(
+        default=None, description="least and greatest that serve: how deep the needle is to go"
+    )
+    strokes_per_s: Annotated[Band, quantity("1/s")] | None = Field(
+        default=None, description="least and greatest that serve"
+    )
+    min_wall: MinWall = 0.8

@@ -82,15 +82,30 @@ _SPRING_POINTS = 101  # of a table that stands for a spring
 class IndexingCam(StandingCams):
     """Spec and answers of an indexing cam; the output is the follower's angle s, rad, 0 in the inner dwell."""
 
-    geometry: t.Geometry
-    motor: t.Motor = t.Motor()
-    driver: t.Driver | None = None
-    freewheel: t.Freewheels | None = None
+    geometry: t.IndexingGeometry
+    motor: t.IndexingMotor = t.IndexingMotor()
+    driver: t.Driver | None = Field(
+        default=None,
+        description="a two-crank chain before the cam: it turns fastest in the middle of each turn of the "
+        "table, which moves as before; for rise_deg + dwell_deg = 180 there and back, with "
+        'make = "cams"',
+    )
+    freewheel: t.Freewheels | None = Field(
+        default=None,
+        description="the table turns on instead of forth and back: the follower's wheel takes it along by "
+        "a one-way clutch as it swings out, a second clutch in the plate holds it; 180 deg "
+        "each turn of the cam",
+    )
     load: t.LoadTable
     unloader: t.UnloaderTable = t.UnloaderTable()
-    synthesis: t.SynthesisTable | None = None
-    making: Annotated[t.Parts, Field(alias="parts")] = t.Parts()
-    allowed: Annotated[t.Limits, Field(alias="limits")] = t.Limits()
+    synthesis: t.SynthesisTable | None = Field(
+        default=None,
+        description="laws sought for this spring, one for each weight q of Q = C^2 + q Y^2, told in the "
+        "report;\n"
+        "camgen design SPEC writes the spec with the law of the last weight",
+    )
+    making: Annotated[t.IndexingParts, Field(alias="parts")] = t.IndexingParts()
+    allowed: Annotated[t.IndexingLimits, Field(alias="limits")] = t.IndexingLimits()
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""

@@ -9,38 +9,58 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from camgen.errors import Fault, SpecError
-from camgen.machines.loads.tables import Drives, Positive, SwingingCamBears, Weight
+from camgen.machines.loads.tables import Direction, Drives, Positive, SwingingCamBears, Weight
 from camgen.machines.pairs import Air
 from camgen.motion.program import Segment
 from camgen.motion.segments import MATCHED, NamedLaw, backwards, law_of, turning_rows
 from camgen.motion.spring_law import characteristic
-from camgen.parts.disc_cams import ShaftHole, Thickness
-from camgen.spec import Length, Record, Rpm, turning
+from camgen.parts.disc_cams import (
+    Bore,
+    FlatDepth,
+    KeyDepth,
+    KeyWidth,
+    Make,
+    ShaftForm,
+    ShaftHole,
+    Thickness,
+)
+from camgen.spec import Length, MinWall, Record, Rpm, quantity, turning
 
-Span = Annotated[float, Field(ge=1, lt=360)]
+Span = Annotated[float, quantity("deg", ge=1, lt=360)]
 NotNegative = Annotated[float, Field(ge=0, le=1e6)]
 
 
 class Arm(Record):
     """The follower: a roller on an arm, and its axle."""
 
-    arm: Length
-    pivot_distance: Length
-    roller_radius: Length
+    arm: Length = Field(description="from A to the roller's centre")
+    pivot_distance: Length = Field(description="from O to A")
+    roller_radius: Length = Field(description="of the roller")
 
 
-class Geometry(Record):
+class IndexingGeometry(Record):
     """Follower, program and gears; the second dwell is what rise, dwell and return leave of the turn."""
 
-    follower: Arm
-    base_radius: Length
-    law: NamedLaw
-    rise_deg: Span
-    dwell_deg: Annotated[float, Field(ge=0, lt=360)]
-    return_deg: Span | None = None
-    index_deg: Annotated[float, Field(ge=1, le=3600)] = 180.0
-    gear_ratio: Annotated[float, Field(ge=0.1, le=1000)]
-    closure: Literal["conjugate", "force"] = "conjugate"
+    follower: Arm = Field(description="the arm that swings")
+    base_radius: Length = Field(description="of the cam in the inner dwell")
+    law: NamedLaw = Field(description="a name (camgen list), or a table with parameters")
+    rise_deg: Span = Field(description="cam angle of a turn of the driven link")
+    dwell_deg: Annotated[float, quantity("deg", ge=0, lt=360)] = Field(
+        description="outer dwell; the inner one is what is left of 360"
+    )
+    return_deg: Span | None = Field(
+        default=None, description="cam angle of the turn back: that of the rise unless given"
+    )
+    index_deg: Annotated[float, quantity("deg", ge=1, le=3600)] = Field(
+        default=180.0, description="turn of the driven link"
+    )
+    gear_ratio: Annotated[float, quantity("1", ge=0.1, le=1000)] = Field(
+        description="driven link / follower"
+    )
+    closure: Literal["conjugate", "force"] = Field(
+        default="conjugate",
+        description='"conjugate": a second cam and roller; "force": a spring closes (load.closing_n_m)',
+    )
     tip_clearance: Air = 0.0
 
     def law_faults(self) -> Sequence[Fault]:
@@ -63,36 +83,62 @@ class Geometry(Record):
         return [] if fault is None else [fault]
 
 
-class Motor(Drives):
+class IndexingMotor(Drives):
     """What drives the cam shaft."""
 
-    speed_rpm: Annotated[Rpm, turning()] = 30.0
+    speed_rpm: Annotated[Rpm, turning()] = Field(
+        default=30.0,
+        description="of the cam shaft; below 0 it turns clockwise: the program runs in the sense of "
+        "turning",
+    )
 
 
 class Driver(Record):
     """A two-crank chain (Whitworth's turning block) before the cam, which then turns fastest in the middle of each turn of the
     link: the crank turns evenly, its pin drives an arm about an axle beside its shaft, the arm the cam 2 to 1."""
 
-    crank: Length = 20.0
-    offset: Length
+    crank: Length = Field(
+        default=20.0,
+        description="from its shaft to its pin; it turns evenly, twice while the cam turns once",
+    )
+    offset: Length = Field(
+        description="of the arm's axle from the crank's shaft, less than the crank; the report compares "
+        "with an even drive"
+    )
 
 
 class Freewheels(Record):
     """The link turns on by a turn at a time: a freewheel takes it along as the follower swings out, a second one holds it on
     the ground as that swings back; the follower swings so much further as is lost before a freewheel locks."""
 
-    lost_deg: Annotated[float, Field(ge=0, le=45)] = 1.0
+    lost_deg: Annotated[float, quantity("deg", ge=0, le=45)] = Field(
+        default=1.0,
+        description="of the wheel, before a clutch locks: the follower swings so much further",
+    )
 
 
 class LoadTable(Weight):
-    """What is driven. dwell_torque: what the process may put on the driven link in a dwell; closing: a spring's torque that
-    presses the follower on a cam with closure "force"."""
+    """What is driven, and what loads it."""
 
-    inertia_kg_m2: Positive
-    follower_inertia_kg_m2: NotNegative = 0.0
-    friction_n_m: NotNegative = 0.0
-    dwell_torque_n_m: NotNegative = 0.0
-    closing_n_m: NotNegative = 0.0
+    gravity_deg: Direction | None = Field(
+        default=None,
+        description="of other machines; refused here: an indexing cam is worked out as it lies flat",
+    )
+    inertia_kg_m2: Annotated[Positive, quantity("kg m^2")] = Field(
+        description="of the driven link with the table"
+    )
+    follower_inertia_kg_m2: Annotated[NotNegative, quantity("kg m^2")] = Field(
+        default=0.0, description="of the follower, about its axle"
+    )
+    friction_n_m: Annotated[NotNegative, quantity("N m")] = Field(
+        default=0.0, description="at the driven link"
+    )
+    dwell_torque_n_m: Annotated[NotNegative, quantity("N m")] = Field(
+        default=0.0, description="that the process puts on the driven link in a dwell"
+    )
+    closing_n_m: Annotated[NotNegative, quantity("N m")] = Field(
+        default=0.0, description='at the follower\'s axle, with closure "force"'
+    )
 
 
 UNLOADER_KEYS = {  # keys of an unloader by its kind: needed, allowed
@@ -104,24 +150,42 @@ UNLOADER_KEYS = {  # keys of an unloader by its kind: needed, allowed
 
 
 class UnloaderTable(Record):
-    """The spring on the driven link.
+    """The spring on the driven link."""
 
-    torque "law": what the law asks at design_rpm, times balance, the ideal, which cannot be built; "crank": a spring on a
-    crank pin, its stiffness, unless given, the one that leaves least to the cam; "table": points of position (0 to 0.5 of
-    the stroke) and N m; "none": no spring.
-    """
-
-    torque: Literal["law", "crank", "table", "none"] = "law"
-    balance: Annotated[float, Field(gt=0, le=2)] | None = None
-    design_rpm: Positive | None = None
+    torque: Literal["law", "crank", "table", "none"] = Field(
+        default="law",
+        description='"crank": a spring on a cord from a crank pin, geared to the link; "table" or "none"\n'
+        '"law": the ideal, what the law asks of the inertia, which no spring does',
+    )
+    balance: Annotated[float, quantity("1", gt=0, le=2)] | None = Field(
+        default=None, description='share of the inertia torque, with "law"'
+    )
+    design_rpm: Annotated[Positive, quantity("rpm")] | None = Field(
+        default=None,
+        description='speed for which the spring is made, with "law": motor.speed_rpm unless given',
+    )
     points: (
         Annotated[tuple[tuple[float, float], ...], Field(min_length=3, max_length=2000)] | None
-    ) = None
-    stiffness_n_mm: Positive | None = None
-    crank: Length | None = None
-    guide: Length | None = None
-    stretch: NotNegative | None = None
-    lead_deg: Annotated[float, Field(ge=0, lt=90)] | None = None
+    ) = Field(
+        default=None,
+        description='"table": rows of share of the stroke and torque',
+        json_schema_extra={"unit": "N m"},
+    )
+    stiffness_n_mm: Annotated[Positive, quantity("N/mm")] | None = Field(
+        default=None, description="the one that leaves least to the cam unless given"
+    )
+    crank: Length | None = Field(default=None, description="radius of the pin")
+    guide: Length | None = Field(
+        default=None, description="from the crank's axis to where the cord is guided"
+    )
+    stretch: Annotated[NotNegative, quantity("mm")] | None = Field(
+        default=None, description="of the spring at mid stroke"
+    )
+    lead_deg: Annotated[float, quantity("deg", ge=0, lt=90)] | None = Field(
+        default=None,
+        description="past the dead centre at the ends of the stroke; with [freewheel] before it, where "
+        "the turn ends",
+    )
 
     def faults(self, on: bool) -> list[Fault]:
         """What does not go together; on: whether the link turns on."""
@@ -165,34 +229,55 @@ class SynthesisTable(Record):
     """Laws sought for the unloader's spring: one for each weight q of Q = C^2 + q Y^2."""
 
     weights: Annotated[
-        tuple[Annotated[float, Field(ge=0, le=1e9)], ...], Field(min_length=1, max_length=20)
-    ]
-    sines: Annotated[int, Field(ge=1, le=8)] = 5
-    cosines: Annotated[int, Field(ge=0, le=3)] = 1
+        tuple[Annotated[float, quantity("1", ge=0, le=1e9)], ...],
+        Field(min_length=1, max_length=20),
+    ] = Field(description="of the spring's size against the peak acceleration")
+    sines: Annotated[int, Field(ge=1, le=8)] = Field(default=5, description="terms of the law")
+    cosines: Annotated[int, Field(ge=0, le=3)] = Field(default=1, description="terms of the law")
 
 
-class Parts(ShaftHole):
+class IndexingParts(ShaftHole):
     """The cams as bodies."""
 
-    thickness: Thickness = 8.0
-    bore: Length = 12.0
-    shaft: Literal["plain", "keyway", "d-flat"] = "keyway"
-    key_width: Length = 4.0
-    key_depth: Length = 1.8
-    flat_depth: Length = 1.0
-    windows: Annotated[int, Field(ge=0, le=24)] = 0
-    wall: Length = 4.0
+    make: Make = Field(
+        default="cams",
+        description='"cams": the cams alone; "machine": a machine that stands on a bench, by the sizes of '
+        "[bodies]:\n"
+        "cams, rollers, follower, its gear and that of the driven link, a round table on it, "
+        "plate, shafts and pins;\n"
+        'with closure "force" a return spring; with an unloader of torque "crank" that and '
+        "its spring to buy",
+    )
+    thickness: Thickness = Field(default=8.0, description="of a cam")
+    bore: Bore = 12.0
+    shaft: ShaftForm = "keyway"
+    key_width: KeyWidth = 4.0
+    key_depth: KeyDepth = 1.8
+    flat_depth: FlatDepth = 1.0
+    windows: Annotated[int, Field(ge=0, le=24)] = Field(
+        default=0, description="lightening windows at most"
+    )
+    wall: Length = Field(default=4.0, description="wall that windows keep")
 
 
-class Limits(SwingingCamBears):
-    """What the designer accepts; acceleration_jump in strokes per square of the turn's period.
+class IndexingLimits(SwingingCamBears):
+    """What the designer accepts; a finding fails beyond it."""
 
-    residual: peak torque that the unloader may leave to the cam, as a share of that without it; advance_deg: how far a turn of a
-    link that turns on may be off.
-    """
-
-    lash_deg: Annotated[float, Field(ge=0, le=180)] = 0.25
-    acceleration_jump: NotNegative = 3.0
-    residual: Annotated[float, Field(ge=0, le=100)] = 0.25
-    advance_deg: Annotated[float, Field(gt=0, le=360)] = 0.05
-    min_wall: Length = 0.8
+    lash_deg: Annotated[float, quantity("deg", ge=0, le=180)] = Field(
+        default=0.25,
+        description="free play of the follower between the pair of cams; 0.25: under a hundredth of a "
+        "swing of 30 deg; in the dwells the unloader presses one roller on, so the link "
+        "stands there without play",
+    )
+    acceleration_jump: Annotated[NotNegative, quantity("1")] = Field(
+        default=3.0,
+        description="at a joint, in strokes per square of the turn's period; MR-13 has 2.55 by design",
+    )
+    residual: Annotated[float, quantity("1", ge=0, le=100)] = Field(
+        default=0.25, description="share of the peak torque without the unloader, left to the cam"
+    )
+    advance_deg: Annotated[float, quantity("deg", gt=0, le=360)] = Field(
+        default=0.05,
+        description="with [freewheel]: how far a turn of the table may be off; errors of the turns add up",
+    )
+    min_wall: MinWall = 0.8

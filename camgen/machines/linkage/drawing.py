@@ -149,7 +149,7 @@ class Drawing:
         unit, suffix = (math.radians(1), "_deg") if swings else (1.0, "")
         return program(rows, unit, (*path, "segment"), suffix=suffix)
 
-    def ridden(self, limits: t.Limits) -> dict[str, Ridden]:
+    def ridden(self, limits: t.LinkageLimits) -> dict[str, Ridden]:
         """What touches each cam, and what of that is accepted, by its joint."""
         return {
             self.cam_name(cam): Ridden(

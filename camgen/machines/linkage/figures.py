@@ -25,7 +25,7 @@ from camgen.machine.targets import NO_STROKES, Course, Through, Trace, time_rati
 from camgen.machines.free_play import accepted
 from camgen.machines.linkage.signals import Signal, signals_of
 from camgen.machines.linkage.springs import Sprung
-from camgen.machines.linkage.tables import Limits, Slot, Wanted
+from camgen.machines.linkage.tables import LinkageLimits, Slot, Wanted
 from camgen.parts.assembly import Cycle
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.plates import steps
@@ -313,7 +313,7 @@ def targets(linkage: Moving) -> list[Finding]:
     ]
 
 
-def asked(linkage: Moving, allowed: Limits) -> tuple[Asked, ...]:
+def asked(linkage: Moving, allowed: LinkageLimits) -> tuple[Asked, ...]:
     """What is asked of each output: its targets, and the play that is borne."""
     found = []
     for wanted, course in zip(linkage.wanted, linkage.courses, strict=True):

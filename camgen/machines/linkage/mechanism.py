@@ -62,7 +62,7 @@ from camgen.parts.generator.stacking import first_choice, lacking, laid
 from camgen.parts.generator.trials import with_cures
 from camgen.parts.journals import journals
 from camgen.parts.part import Part
-from camgen.spec import Output, unknown, validate
+from camgen.spec import unknown, validate
 from camgen.study import ROWS, Later, Study, together
 
 _SAMPLES = np.linspace(
@@ -73,30 +73,54 @@ _SAMPLES = np.linspace(
 class Linkage(Mechanism):
     """Spec and answers of a linkage; angles rad, places mm."""
 
-    points: t.Points
-    links: t.Links
+    points: t.Points = Field(description="where they are at theta = 0")
+    links: t.Links = Field(
+        description="bodies by their points; two that share a point are pinned there; ground stands still"
+    )
     lengths: t.Lengths = Field(
-        {}, description='mm, exact distances of two points of one link, "A-B"'
+        default={}, description="exact distances between two points of one link"
     )
-    drive: t.OneDrive
-    slides: Annotated[tuple[t.Slide, ...], Field(alias="slide")] = ()
-    slots: Annotated[tuple[t.Slot, ...], Field(alias="slot")] = ()
-    gears: Annotated[tuple[t.Gear, ...], Field(alias="gear")] = ()
-    cams: Annotated[tuple[t.Cam, ...], Field(alias="cam")] = ()
-    springs: Annotated[tuple[t.Spring, ...], Field(alias="spring", max_length=20)] = ()
-    wanted: Annotated[tuple[t.Wanted, ...], Field(alias="output", min_length=1, max_length=50)]
-    output: Annotated[
-        Output, Field(alias="files", description="how files are written; no unit")
-    ] = Output.model_construct()
-    includes: Annotated[tuple[t.Include, ...], Field(alias="include", max_length=20)] = ()
-    motor: Drives | None = None
-    counterweight: Counterweight | None = None
-    masses: dict[Name, t.Masses] = {}
-    making: Annotated[Parts, Field(alias="parts")] = Parts.model_validate({})
+    drive: t.OneDrive = Field(description="what turns the machine")
+    slides: Annotated[tuple[t.Slide, ...], Field(alias="slide")] = Field(
+        default=(), description="a link that moves along a line of another"
+    )
+    slots: Annotated[tuple[t.Slot, ...], Field(alias="slot")] = Field(
+        default=(), description="a pin of one link in a straight slot of another, or of the ground"
+    )
+    gears: Annotated[tuple[t.Gear, ...], Field(alias="gear")] = Field(
+        default=(), description="angle of b = ratio * angle of a"
+    )
+    cams: Annotated[tuple[t.Cam, ...], Field(alias="cam")] = Field(
+        default=(),
+        description="the outline of `cam` is made so that `follower` moves by the segments",
+    )
+    springs: Annotated[tuple[t.Spring, ...], Field(alias="spring", max_length=20)] = Field(
+        default=(),
+        description="an extension spring between the pins of two points, of two links; bought, on its own "
+        "level",
+    )
+    wanted: Annotated[tuple[t.Wanted, ...], Field(alias="output", min_length=1, max_length=50)] = (
+        Field(description="what is judged and shown; several are allowed")
+    )
+    includes: Annotated[tuple[t.Include, ...], Field(alias="include", max_length=20)] = Field(
+        default=(), description="another spec's machine on the same shaft, printed as this one is"
+    )
+    motor: Drives | None = Field(default=None, description="what turns the driven link")
+    counterweight: Counterweight | None = Field(
+        default=None, description="a sector of a disc on the shaft of the driven link: balances it"
+    )
+    masses: dict[Name, t.Masses] = Field(
+        default={}, description="of links, in place of those of their solids"
+    )
+    making: Annotated[Parts, Field(alias="parts")] = Field(
+        default=Parts.model_validate({}), description="sizes of the bodies"
+    )
     layers: t.Layers = Field(
-        {}, description="level of a link, cam or gear, 1 is the lowest; what is left out is found"
+        default={}, description="level of a link, cam or gear, 1 is the lowest; else found"
     )
-    allowed: Annotated[t.Limits, Field(alias="limits")] = t.Limits.model_validate({})
+    allowed: Annotated[t.LinkageLimits, Field(alias="limits")] = Field(
+        default=t.LinkageLimits.model_validate({}), description="what the designer accepts"
+    )
 
     @model_validator(mode="before")
     @classmethod

@@ -28,28 +28,31 @@ from camgen.machines.pairs import Air
 from camgen.motion.program import Program
 from camgen.motion.segments import NamedLaw, SegmentTable, program
 from camgen.parts.generator.sizes import Name
-from camgen.spec import Length, Record, Rpm, turning
+from camgen.spec import Coordinate, Length, MinWall, Record, Rpm, quantity, turning
 
-Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
 Place = tuple[Coordinate, Coordinate]
 Two = tuple[Name, Name]
-Degrees = Annotated[float, Field(ge=-36000, le=36000)]
+Degrees = Annotated[float, quantity("deg", ge=-36000, le=36000)]
 
 
 class DriveSegment(Record):
     """One segment of a drive's program, such as a stepper runs; a rise turns the driven link counter-clockwise."""
 
     kind: Literal["rise", "dwell", "return"] = Field(
-        description="a return turns the driven link clockwise"
+        description='"rise": counter-clockwise; "return": clockwise; or "dwell"'
     )
-    span_deg: Annotated[float, Field(ge=1e-3, le=360)] = Field(description="deg of the period")
-    lift_deg: Annotated[float, Field(ge=1e-3, le=3600)] | None = Field(
-        None, description="deg, how far the driven link turns"
+    span_deg: Annotated[float, quantity("deg", ge=1e-3, le=360)] = Field(
+        description="of the period; all segments make 360"
     )
-    to_deg: Annotated[float, Field(ge=-3600, le=3600)] | None = Field(
-        None, description="deg, or where it ends"
+    lift_deg: Annotated[float, quantity("deg", ge=1e-3, le=3600)] | None = Field(
+        default=None,
+        description="how far the driven link turns: back at 0 in the end, or on by whole turns; or to_deg "
+        "= 360",
     )
-    law: NamedLaw | None = Field(None, description="see camgen list; not of a dwell")
+    to_deg: Annotated[float, quantity("deg", ge=-3600, le=3600)] | None = Field(
+        default=None, description="where it ends"
+    )
+    law: NamedLaw | None = Field(default=None, description="see camgen list; not of a dwell")
 
 
 class Drive(Record):
@@ -57,20 +60,19 @@ class Drive(Record):
 
     link: Name = Field(description="the driven link; it must be pinned to the ground")
     speed_rpm: Annotated[Rpm, turning(0.001)] = Field(
-        60.0, description="rpm, not 0; below 0: clockwise"
+        default=60.0, description="below 0: clockwise"
     )
     range_deg: tuple[Degrees, Degrees] | None = Field(
-        None,
-        description="deg from the drawn position, least and greatest: to and fro instead of turns",
+        default=None,
+        description="from the drawn position, least and greatest: to and fro instead of turns",
     )
     segments: Annotated[
         tuple[DriveSegment, ...],
-        Field(
-            alias="segment",
-            max_length=100,
-            description="a program in place of an even turn; speed_rpm counts its periods",
-        ),
-    ] = ()
+        Field(alias="segment", max_length=100),
+    ] = Field(
+        default=(),
+        description="a program in place of an even turn, as a stepper runs it; speed_rpm counts periods",
+    )
 
     def program(self) -> Program | None:
         """Of the driven link from its drawn angle, rad over a period of 2 pi; None where it turns evenly; SpecError."""
@@ -125,9 +127,11 @@ class Slide(Record):
     """A link that moves along a line of another; it keeps its drawn angle to it and distance from it."""
 
     link: Name = Field(description="the link that slides")
-    on: Name = Field("ground", description="the link that guides it")
+    on: Name = Field(default="ground", description="the link that guides it")
     along: Two = Field(description="two points of `on`: the guide's direction")
-    name: Name | None = Field(None, description="of the joint; the link's name unless given")
+    name: Name | None = Field(
+        default=None, description="of the joint; the link's name unless given"
+    )
 
 
 class Slot(Record):
@@ -136,101 +140,130 @@ class Slot(Record):
     pin: Name = Field(description="the point of another link that is the pin")
     link: Name = Field(description="the link with the slot")
     along: Two = Field(
-        description="two points of `link`: the slot's direction alone; its ends follow from where the pin goes"
+        description="two points of `link`: the slot's direction alone; its ends follow from where the pin "
+        "goes"
     )
-    name: Name | None = Field(None, description="of the joint; pin and link unless given")
+    name: Name | None = Field(default=None, description="of the joint; pin and link unless given")
 
 
 class Gear(Record):
     """Two links that turn in proportion: angle of b = ratio * angle of a, seen from the link that carries both."""
 
-    a: Name = Field(description="link")
-    b: Name = Field(description="link")
-    ratio: Annotated[float, Field(ge=-1000, le=1000)] = Field(
-        description="below 0: b turns the other way"
+    a: Name = Field(description="a link")
+    b: Name = Field(description="another link")
+    ratio: Annotated[float, quantity("1", ge=-1000, le=1000)] = Field(
+        description="angle of b = ratio * angle of a; below 0: they turn against each other"
     )
-    teeth: Annotated[int, Field(ge=5, le=400)] | None = Field(
-        None, description="of the wheel of a; found unless given"
+    teeth: Annotated[int, quantity("1", ge=5, le=400)] | None = Field(
+        default=None, description="of the wheel of a; found unless given"
     )
-    name: Name | None = Field(None, description="of the joint; both links unless given")
+    name: Name | None = Field(default=None, description="of the joint; both links unless given")
 
 
 class CamSegment(Record):
     """One segment of a cam's program; lift_deg and to_deg for a follower that swings, lift and to for one that slides."""
 
     kind: Literal["rise", "dwell", "return"] = Field(
-        description="a rise moves the follower away from the cam's centre"
+        description='"rise": away from the cam\'s shaft; "return": back to it; or "dwell"'
     )
-    span_deg: Annotated[float, Field(ge=1e-3, le=360)] = Field(description="deg of the cam's turn")
-    lift: Length | None = Field(None, description="mm, how far a follower slides")
-    to: Annotated[float, Field(ge=-1e6, le=1e6)] | None = Field(
-        None, description="mm, or where it ends"
+    span_deg: Annotated[float, quantity("deg", ge=1e-3, le=360)] = Field(
+        description="of the cam's turn; all segments make 360"
     )
-    lift_deg: Annotated[float, Field(ge=1e-3, le=180)] | None = Field(
-        None, description="deg, how far a follower swings"
+    lift: Length | None = Field(
+        default=None, description="how far a follower slides; or to, where it ends"
     )
-    to_deg: Annotated[float, Field(ge=-180, le=180)] | None = Field(
-        None, description="deg, or where it ends"
+    to: Annotated[float, quantity("mm", ge=-1e6, le=1e6)] | None = Field(
+        default=None, description="where it ends"
     )
-    law: NamedLaw | None = Field(None, description="see camgen list; not of a dwell")
+    lift_deg: Annotated[float, quantity("deg", ge=1e-3, le=180)] | None = Field(
+        default=None, description="how far a follower swings; or to_deg = 20, where it ends"
+    )
+    to_deg: Annotated[float, quantity("deg", ge=-180, le=180)] | None = Field(
+        default=None, description="where it ends"
+    )
+    law: NamedLaw | None = Field(default=None, description="see camgen list; not of a dwell")
 
 
 class Cam(Record):
     """A cam: the outline of link `cam` is made so that `follower` moves by the segments."""
 
-    cam: Name = Field(description="a link that turns on the ground")
+    cam: Name = Field(description="a link that turns on the ground: its outline is made")
     follower: Name = Field(description="a link that swings or slides on the ground")
     shape: Literal["roller", "knife", "flat"] = Field(
-        "roller", description="what of the follower touches the cam"
+        default="roller",
+        description='what of the follower touches the cam: "roller", "knife" or "flat"',
     )
     at: Name = Field(
         description="point of the follower: the roller's centre, the edge, or a point of the face"
     )
-    radius: Length | None = Field(None, description="mm, of the roller")
+    radius: Length | None = Field(default=None, description="of the roller")
     closure: Literal["force", "groove", "conjugate"] = Field(
-        "force", description="what holds the follower on the cam"
+        default="force",
+        description='what holds the follower on the cam: "force", "groove" or "conjugate"',
     )
     face_width: Length | None = Field(
-        None, description="mm, of a flat face; as wide as it is touched unless given"
+        default=None, description="of a flat face; as wide as it is touched unless given"
     )
-    tip_clearance: Air = Field(0.0, description="mm, air at each tip of a pair; below 0: preload")
-    name: Name | None = Field(None, description="of the joint; both links unless given")
+    tip_clearance: Air = 0.0
+    name: Name | None = Field(default=None, description="of the joint; both links unless given")
     segment: Annotated[tuple[CamSegment, ...], Field(min_length=1, max_length=100)] = Field(
-        description="the program"
+        description="the program, as a disc cam's; lift_deg of a follower that swings, lift of one that "
+        "slides"
     )
 
 
 class Spring(Record):
     """An extension spring between the pins of two points, of two links; it loads the machine."""
 
-    between: Two = Field(description="two points, of two links")
-    rate: Annotated[float, Field(ge=1e-4, le=1e4)] = Field(
-        description="N/mm, of its pull by its length"
+    between: Two = Field(description="two points, of two links: its pins")
+    rate: Annotated[float, quantity("N/mm", ge=1e-4, le=1e4)] = Field(
+        description="how its pull grows with its length"
     )
     free: Length | None = Field(
-        None, description="mm, between both points where it does not pull yet"
+        default=None, description="length between the points at which it does not pull yet"
     )
-    preload: Annotated[float, Field(ge=0, le=1e6)] | None = Field(
-        None, description="N, in place of free: its pull where it is shortest"
+    preload: Annotated[float, quantity("N", ge=0, le=1e6)] | None = Field(
+        default=None, description="in place of free: its pull where it is shortest"
     )
     name: Name | None = Field(
-        None, description="of its level and its figures; spring, or with its number, unless given"
+        default=None,
+        description="of its level and its figures; spring, or with its number, unless given",
     )
 
 
 class Wanted(Record):
     """One output that is shown and judged: a point's path, a link's angle, or a sliding link's place; and its targets."""
 
-    name: Name
-    point: Name | None = Field(None, description="a point: its path")
-    link: Name | None = Field(None, description="a link: its angle, or its place along its slide")
-    stroke: Stroke | None = None
-    points: Through | None = None
-    path: Trace | None = None
-    straightness: Straight | None = None
-    dwell: Dwell | None = None
-    time_ratio: TimeRatio | None = None
-    function: Function | None = None
+    name: Name = Field(description="of the output")
+    point: Name | None = Field(default=None, description="a point: its path")
+    link: Name | None = Field(
+        default=None, description="a link: its angle, or its place along its slide"
+    )
+    stroke: Stroke | None = Field(
+        default=None, description="wanted: how far it goes; of a path the larger side of its box"
+    )
+    points: Through | None = Field(
+        default=None,
+        description="wanted: places that it passes; in_order = true, or theta_deg = [0, 40]: when",
+    )
+    path: Trace | None = Field(
+        default=None,
+        description="wanted: all of it; lines join the places, joined = false: a dense cloud",
+    )
+    straightness: Straight | None = Field(
+        default=None,
+        description="wanted: a straight stretch, by its length or by range_deg = [310, 370]",
+    )
+    dwell: Dwell | None = Field(
+        default=None,
+        description="wanted: rests within a band for so long; at = 60: about that place",
+    )
+    time_ratio: TimeRatio | None = Field(
+        default=None, description="wanted: slower to quicker stroke"
+    )
+    function: Function | None = Field(
+        default=None, description="wanted: pairs of theta and angle, both counted from the first"
+    )
 
     @property
     def targets(self) -> tuple[Target, ...]:
@@ -254,36 +287,38 @@ class Include(Record):
         description="path of the other spec, seen from this one's folder; or its tables"
     )
     name: Name | None = Field(
-        None, description="put before its names; unless given that of its spec"
+        default=None, description="in front of the names of its parts; its spec's name unless given"
     )
-    at: Place = Field((0.0, 0.0), description="mm, where its origin is on the ground")
-    phase_deg: Degrees = Field(0.0, description="deg, how far its shaft is ahead of this one's")
-    z: Annotated[float, Field(ge=-1e4, le=1e4)] | None = Field(
-        None, description="mm, how far it is raised; unless given it stands above all before it"
+    at: Place = Field(default=(0.0, 0.0), description="where its origin is on the ground")
+    phase_deg: Degrees = Field(default=0.0, description="how far its shaft is ahead of this one's")
+    z: Annotated[float, quantity("mm", ge=-1e4, le=1e4)] | None = Field(
+        default=None, description="how far it is raised; above all before it unless given"
     )
     mounted: bool = Field(
-        False,
-        description="whether its frame stands on this machine's second plate; shafts in one line are joined by a sleeve",
+        default=False,
+        description="true: on posts on the second plate; where both shafts are in line a sleeve joins "
+        "them",
     )
     ride: dict[str, Name] = Field(
-        {},
-        description="bodies of it that links of this machine carry, in place of its own guides and cams: body = link",
+        default={},
+        description="links of this machine that carry bodies of it, in place of its own guides and cams: "
+        "body = link",
     )
-    ride_tolerance: Annotated[float, Field(ge=0, le=1e6)] = Field(
-        0.01, description="mm, how far such a body may be from where its own machine has it"
+    ride_tolerance: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+        default=0.01, description="how far such a body may be from where its own machine has it"
     )
-    source: str | None = Field(None, description="where the tables were read")
+    source: str | None = Field(default=None, description="where the tables were read")
 
 
 class Masses(Record):
     """Mass of a link; what is left out comes from its solid."""
 
-    mass_g: Annotated[float, Field(ge=0, le=1e6)] = Field(description="g")
+    mass_g: Annotated[float, quantity("g", ge=0, le=1e6)] = Field(description="of the link")
     centre: Place | None = Field(
-        None, description="mm in the link's axes: origin its first point, x towards its second"
+        default=None, description="from its first point, x towards its second"
     )
-    inertia_kg_m2: Annotated[float, Field(ge=0, le=1e6)] = Field(
-        0.0, description="kg m^2, about the centre of mass"
+    inertia_kg_m2: Annotated[float, quantity("kg m^2", ge=0, le=1e6)] = Field(
+        default=0.0, description="about that centre"
     )
 
 
@@ -293,27 +328,27 @@ def pair(key: str) -> tuple[str, str] | None:
     return (names[0].strip(), names[1].strip()) if len(names) == 2 and all(names) else None
 
 
-class Limits(CamBears):
+class LinkageLimits(CamBears):
     """What the designer accepts; a finding fails beyond it."""
 
-    transmission_angle_deg: Annotated[float, Field(ge=0, lt=90)] = Field(
-        20.0, description="deg, least of each loop"
+    transmission_angle_deg: Annotated[float, quantity("deg", ge=0, lt=90)] = Field(
+        default=20.0, description="least of each loop"
     )
-    undercut: Annotated[float, Field(ge=0, le=1e6)] = Field(
-        0.0, description="mm, motion that a follower that slides may lose"
+    undercut: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+        default=0.0, description="motion that a follower that slides may lose"
     )
-    undercut_deg: Annotated[float, Field(ge=0, le=180)] = Field(
-        0.0, description="deg, the same of one that swings"
+    undercut_deg: Annotated[float, quantity("deg", ge=0, le=180)] = Field(
+        default=0.0, description="the same of one that swings"
     )
-    lash: Annotated[float, Field(ge=0, le=1e6)] | None = Field(
-        None,
-        description="mm, free play of an output by all joints' play; a quarter of its stroke, or of a path's smaller side, "
-        "unless given",
+    lash: Annotated[float, quantity("mm", ge=0, le=1e6)] | None = Field(
+        default=None,
+        description="free play of an output by all joints' play; a quarter of its stroke, or of a path's "
+        "smaller side, unless given",
     )
-    lash_deg: Annotated[float, Field(ge=0, le=360)] | None = Field(
-        None, description="deg, the same of an angle"
+    lash_deg: Annotated[float, quantity("deg", ge=0, le=360)] | None = Field(
+        default=None, description="the same of an angle"
     )
-    min_wall: Length = Field(0.8, description="mm")
+    min_wall: MinWall = 0.8
 
     def of_follower(self, slides: bool) -> CamLimits:
         """What is accepted of a cam, by whether its follower slides or swings."""

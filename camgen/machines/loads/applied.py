@@ -12,7 +12,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -20,50 +20,56 @@ from pydantic import Field, model_validator
 from camgen.errors import Fault, Key, SpecError
 from camgen.machine.model import Along, Angle, Effort, Function, Machine, Path, Place
 from camgen.numerics import Floats
-from camgen.spec import Record, unknown
+from camgen.spec import Coordinate, Record, quantity, unknown
 
-_Size = Annotated[float, Field(ge=-1e6, le=1e6)]
-_Turn = Annotated[float, Field(ge=-36000, le=36000)]
-_FORCE: Any = {"unit": "N or N m"}
+_Size = Annotated[float, quantity("N or N m", ge=-1e6, le=1e6)]
+_Turn = Annotated[float, quantity("deg", ge=-36000, le=36000)]
 _Word = Annotated[str, Field(min_length=1, max_length=60)]
 
 
 class Applied(Record):
     """A load on an output, on a point of a body, or a torque on a body."""
 
-    name: _Word | None = Field(None, description="of the load; load and its number unless given")
+    name: _Word | None = Field(
+        default=None, description="of the load; load and its number unless given"
+    )
     output: _Word | None = Field(
-        None, description="the output that it is on: a way, an angle or a path"
+        default=None,
+        description="the output that it is on: a way, an angle or a path; or body, and a point of it",
     )
     body: _Word | None = Field(
-        None, description="or the body that it is on; without a point a torque on it"
+        default=None, description="or the body that it is on; without a point a torque on it"
     )
-    point: _Word | tuple[_Size, _Size] | None = Field(
-        None, description="mm, of the body: a named point, or x, y in its frame"
+    point: _Word | tuple[Coordinate, Coordinate] | None = Field(
+        default=None, description="of the body: a named point, or x, y in its frame"
     )
     value: _Size | None = Field(
-        None,
-        description="N or N m, constant; above 0 as the output grows",
-        json_schema_extra=_FORCE,
+        default=None,
+        description="constant; above 0 as the output grows; or points = [[0, 0], [90, -0.1], [270, 0]], "
+        "or a file",
     )
     points: (
         Annotated[tuple[tuple[_Turn, _Size], ...], Field(min_length=2, max_length=100_000)] | None
     ) = Field(
-        None,
+        default=None,
         description="or rows of theta, deg, and value; linear between, 0 outside",
-        json_schema_extra=_FORCE,
+        json_schema_extra={"unit": "N or N m"},
     )
-    file: _Word | None = Field(None, description="or the same rows in a text file beside the spec")
+    file: _Word | None = Field(
+        default=None, description="or the same rows in a text file beside the spec"
+    )
     unit: Literal["N", "N m"] | None = Field(
-        None, description="of its values; a file's heading says it"
+        default=None, description="of its values; a file's heading says it"
     )
-    source: _Word | None = Field(None, description="where they are from")
+    source: _Word | None = Field(default=None, description="where they are from")
     direction_deg: _Turn | None = Field(
-        None, description="direction of a force on a point or path, from the x axis"
+        default=None, description="direction of a force on a point or path, from the x axis"
     )
     acts: Literal["fixed", "with the body", "along"] = Field(
-        "fixed",
-        description="in the ground's axes; turning with its body; or as it moves: below 0 it resists",
+        default="fixed",
+        description='"fixed": in the ground\'s axes; "with the body": turning with it; both aimed by '
+        "direction_deg\n"
+        '"along": as it moves, below 0 a brake',
     )
 
     @model_validator(mode="after")

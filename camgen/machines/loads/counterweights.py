@@ -25,13 +25,14 @@ from camgen.machine.balancing import crank_weight, with_weight
 from camgen.machine.features import Balance, Mount
 from camgen.machine.model import Body, Machine, Pin
 from camgen.machine.run import solve
+from camgen.machines.loads.tables import Direction
 from camgen.parts.assembly import Assembly
 from camgen.parts.catalogue import CUT, STEEL
 from camgen.parts.counterweights import NAME, Sector, counterweight
 from camgen.parts.hardware import FACETS
 from camgen.parts.inertia import Solids, centre_of
 from camgen.parts.part import Layer, Part
-from camgen.spec import Length, Print, Record
+from camgen.spec import Length, Print, Record, quantity
 from camgen.study import Plot, Study, Table
 
 _SHARE = 0.01  # of the moment asked for, or the counterweight's own, by which that of the written solids may be off
@@ -39,8 +40,7 @@ _G = 1e3  # g in a kg
 _ARM = 10.0  # mm, at which what else sits on the shaft counts as a point: on an even crank it could be any
 _TURN = np.linspace(0, math.tau, 1441)
 _EVEN = 1e-9  # of its rate, by which a crank may turn unevenly
-Moment = Annotated[float, Field(ge=0, le=1e9, json_schema_extra={"unit": "g mm"})]
-Direction = Annotated[float, Field(ge=-360, le=360)]
+Moment = Annotated[float, quantity("g mm", ge=0, le=1e9)]
 
 
 @dataclass(frozen=True)
@@ -58,16 +58,36 @@ class ShaftSeat:
 class Counterweight(Record):
     """A sector of a disc on the crank's shaft, so heavy that all that turns with it has the moment asked for."""
 
-    against: Literal["bearing", "frame"] = "bearing"
-    moment_g_mm: Moment | None = None
-    at_deg: Direction | None = None
-    other_g_mm: Moment = 0.0
-    other_deg: Direction = 0.0
-    made: Literal["printed", "steel"] = "printed"
-    thickness: Length | None = None
-    half_angle_deg: Annotated[float, Field(ge=10, le=150)] = 90.0
-    pins: Annotated[int, Field(ge=0, le=12)] = 0
-    pin_diameter: Length = 6.0
+    against: Literal["bearing", "frame"] = Field(
+        default="bearing",
+        description='what it spares most: the crank\'s "bearing", or the "frame", which carries the whole '
+        "machine",
+    )
+    moment_g_mm: Moment | None = Field(
+        default=None,
+        description="that all that turns with the crank is to have about the shaft; found unless given",
+    )
+    at_deg: Direction | None = Field(
+        default=None, description="where, from the crank's own x axis; goes with moment_g_mm"
+    )
+    other_g_mm: Moment = Field(
+        default=0.0,
+        description="of what else is on the shaft, such as a needle's crank: balanced with it",
+    )
+    other_deg: Direction = Field(
+        default=0.0, description="where that is, from the crank's own x axis"
+    )
+    made: Literal["printed", "steel"] = Field(
+        default="printed", description='"printed"; or "steel": cut from plate, so smaller'
+    )
+    thickness: Length | None = Field(default=None, description="that of a link unless given")
+    half_angle_deg: Annotated[float, quantity("deg", ge=10, le=150)] = Field(
+        default=90.0, description="of the sector, to each side of its middle"
+    )
+    pins: Annotated[int, Field(ge=0, le=12)] = Field(
+        default=0, description="of steel, pressed in along the rim of a printed one"
+    )
+    pin_diameter: Length = Field(default=6.0, description="of those")
 
     def faults(self) -> list[Fault]:
         """What does not go together."""

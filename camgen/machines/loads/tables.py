@@ -10,26 +10,44 @@ from pydantic import Field, model_validator
 from camgen.machine.cams.limits import CamLimits
 from camgen.machines.loads.applied import Applied
 from camgen.parts.journals import MaterialLimits
-from camgen.spec import SHARE, Length, Record
+from camgen.spec import Length, Record, quantity
 
 Positive = Annotated[float, Field(gt=0, le=1e6)]
 Model = Literal["42STH48-2004AC", "42STH40-1004A", "42STH20", "35STH48", "17HS19-2004S1", "17HS24"]
-
-
-def _in(unit: str) -> object:
-    return Field(gt=0, le=1e6, json_schema_extra={"unit": unit})
+Direction = Annotated[float, quantity("deg", ge=-360, le=360)]
 
 
 class Drives(Record):
     """What the motor can give: a torque at the speed, a model of the catalogue, or stall torque and speed without load."""
 
-    torque_n_m: Positive | None = None
-    model: Model | None = None
-    stall_torque_n_m: Positive | None = None
-    no_load_rpm: Positive | None = None
-    shaft_length: Length | None = None
-    fluctuation: Annotated[float, Field(gt=0, le=1, json_schema_extra=SHARE)] | None = None
-    flywheel_kg_m2: Annotated[float, Field(ge=0, le=1e3)] = 0.0
+    torque_n_m: Annotated[Positive, quantity("N m")] | None = Field(
+        default=None, description="that the motor gives at this speed"
+    )
+    model: Model | None = Field(
+        default=None,
+        description="or a stepper of the catalogue, by its holding torque: see camgen schema",
+    )
+    stall_torque_n_m: Annotated[Positive, quantity("N m")] | None = Field(
+        default=None,
+        description="or of a motor with brushes: at standstill, less and less up to no_load_rpm",
+    )
+    no_load_rpm: Annotated[Positive, quantity("rpm")] | None = Field(
+        default=None, description="at which it gives no torque"
+    )
+    shaft_length: Length | None = Field(
+        default=None,
+        description="of the motor over its face: a finding where it is too short; that of its frame "
+        "unless given",
+    )
+    fluctuation: Annotated[float, quantity("1", gt=0, le=1)] | None = Field(
+        default=None,
+        description="share of its speed, by which it may swing; the report says which flywheel that takes",
+    )
+    flywheel_kg_m2: Annotated[float, quantity("kg m^2", ge=0, le=1e3)] = Field(
+        default=0.0,
+        description="of what turns evenly with the shaft besides the machine's own bodies: flywheel, "
+        "rotor",
+    )
 
     @model_validator(mode="after")
     def _one(self) -> Self:
@@ -52,21 +70,51 @@ class Drives(Record):
 class Weight(Record):
     """What acts on all that is made: weight, friction, loads; and how stiff a follower is."""
 
-    gravity_deg: Annotated[float, Field(ge=-360, le=360)] | None = None
-    stiffness: Positive | None = None
-    damping_ratio: Annotated[float, Field(ge=0, lt=1, json_schema_extra=SHARE)] = 0.05
-    friction: Annotated[float, Field(ge=0, le=3, json_schema_extra=SHARE)] | None = None
-    contact_friction: Annotated[float, Field(ge=0, le=3, json_schema_extra=SHARE)] = 0.0
-    on: Annotated[tuple[Applied, ...], Field(max_length=100)] = ()
+    gravity_deg: Direction | None = Field(
+        default=None,
+        description="direction of gravity in its plane, from the x axis; left out: it lies flat",
+    )
+    stiffness: Annotated[Positive, quantity("N/mm or N m/rad")] | None = Field(
+        default=None, description="of a follower from its cam to its mass: tells how it vibrates"
+    )
+    damping_ratio: Annotated[float, quantity("1", ge=0, lt=1)] = Field(
+        default=0.05, description="share of the critical damping of the same"
+    )
+    friction: Annotated[float, quantity("1", ge=0, le=3)] | None = Field(
+        default=None,
+        description="coefficient of pins and guides; left out: 0.7 of two prints, 0.2 with steel, 0.0015 "
+        "of ball bearings",
+    )
+    contact_friction: Annotated[float, quantity("1", ge=0, le=3)] = Field(
+        default=0.0, description="coefficient of what slides on a cam"
+    )
+    on: Annotated[tuple[Applied, ...], Field(max_length=100)] = Field(
+        default=(),
+        description="further loads over theta: a jet, a hose, a thread's tension; [[load.on]], see camgen "
+        "new linkage",
+    )
 
 
 class Bears(Record):
     """What the person who makes it knows of its materials; a finding fails beyond it."""
 
-    hertz_mpa: Annotated[float, _in("MPa")] | None = None
-    pv_mpa_m_s: Annotated[float, _in("MPa m/s")] | None = None
-    pin_stress_mpa: Annotated[float, _in("MPa")] | None = None
-    bearing_life_h: Annotated[float, _in("h")] | None = None
+    hertz_mpa: Annotated[Positive, quantity("MPa")] | None = Field(
+        default=None,
+        description="pressure of a cam's contact; unless given that at which the strongest printed "
+        "plastic flows",
+    )
+    pv_mpa_m_s: Annotated[Positive, quantity("MPa m/s")] | None = Field(
+        default=None,
+        description="pressure times sliding speed of plain bearings; 0.4: of a plastic made for bearings, "
+        "dry",
+    )
+    pin_stress_mpa: Annotated[Positive, quantity("MPa")] | None = Field(
+        default=None,
+        description="bending stress of pins; unless given that of their material; 350: steel",
+    )
+    bearing_life_h: Annotated[Positive, quantity("h")] | None = Field(
+        default=None, description="that a roller's ball bearing has to run; not judged unless given"
+    )
 
     def of_parts(self, table: str, sizes: Record | None) -> MaterialLimits:
         """As data, with the keys of the table of sizes that says what pins are made of."""
@@ -81,16 +129,25 @@ class Bears(Record):
 
 
 class CamBears(Bears):
-    """What the designer accepts of cams, the same through every spec.
+    """What the designer accepts of cams, the same through every spec."""
 
-    pressure_angle_deg: 30 of a follower that slides and 45 of one that swings, unless given; least_radius: of the convex
-    profile, mm; below 0 an undercut profile is accepted, down to that radius; continuous: what must not jump, -1: no check.
-    """
-
-    pressure_angle_deg: Annotated[float, Field(gt=0, le=90)] | None = None
-    least_radius: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
-    speed_ripple: Annotated[float, Field(gt=0, le=10)] = 0.01
-    continuous: Annotated[int, Field(ge=-1, le=3)] = 2
+    pressure_angle_deg: Annotated[float, quantity("deg", gt=0, le=90)] | None = Field(
+        default=None,
+        description="greatest angle of the push to the follower's motion; unless given 30 where it "
+        "slides, 45 where it swings",
+    )
+    least_radius: Annotated[float, quantity("mm", ge=-1e6, le=1e6)] = Field(
+        default=0.0,
+        description="of the convex profile, for wear; below 0 accepts an undercut one, down to that "
+        "radius",
+    )
+    speed_ripple: Annotated[float, quantity("1", gt=0, le=10)] = Field(
+        default=0.01, description="share of the follower's greatest speed"
+    )
+    continuous: Annotated[int, Field(ge=-1, le=3)] = Field(
+        default=2,
+        description="what must not jump: 0 displacement, 1 velocity, 2 acceleration, 3 jerk; -1: no check",
+    )
 
     def of_cams(self, undercut: float) -> CamLimits:
         """What is accepted of a joint; undercut: loss of s, mm or rad."""
@@ -102,7 +159,10 @@ class CamBears(Bears):
 class SwingingCamBears(CamBears):
     """The same of machines whose followers all swing."""
 
-    undercut_deg: Annotated[float, Field(ge=0, le=180)] = 0.0
+    undercut_deg: Annotated[float, quantity("deg", ge=0, le=180)] = Field(
+        default=0.0,
+        description="swing that may be lost, as a round tip loses it at a sharp reversal",
+    )
 
     @property
     def cam_limits(self) -> CamLimits:

@@ -40,7 +40,13 @@ from camgen.machines.thread_take_up.study import (
     shaft_stress,
     study,
 )
-from camgen.machines.thread_take_up.tables import Geometry, Limits, Motor, Parts, Wanted
+from camgen.machines.thread_take_up.tables import (
+    TakeUpGeometry,
+    TakeUpLimits,
+    TakeUpMotor,
+    TakeUpParts,
+    Wanted,
+)
 from camgen.motion.synthesis import Variable, Wish, search
 from camgen.parts.assembly import Assembly, Frame, Shaft
 from camgen.parts.catalogue import Bought, screw_for, turning_text
@@ -57,14 +63,21 @@ _TURN = np.linspace(
 class ThreadTakeUp(Mechanism):
     """Spec and answers of a two-crank four-bar thread take-up; the output is the feed, mm."""
 
-    geometry: Geometry
-    motor: Motor | None = None
-    masses: Masses | None = None
-    consumption: Consumption | None = None
-    wanted: Wanted | None = None
-    counterweight: Counterweight | None = None
-    making: Annotated[Parts, Field(alias="parts")] = Parts.model_construct()
-    allowed: Annotated[Limits, Field(alias="limits")] = Limits.model_construct()
+    geometry: TakeUpGeometry
+    motor: TakeUpMotor | None = Field(default=None, description="what turns the input crank")
+    masses: Masses | None = Field(default=None, description="for forces; left out: none")
+    consumption: Consumption | None = Field(
+        default=None, description="thread that the stitch draws, linear in between"
+    )
+    wanted: Wanted | None = Field(
+        default=None,
+        description="what `camgen design` searches for, by moving eye, frame angle and guides",
+    )
+    counterweight: Counterweight | None = Field(
+        default=None, description="a sector of a disc on the shaft of the input crank: balances it"
+    )
+    making: Annotated[TakeUpParts, Field(alias="parts")] = TakeUpParts.model_construct()
+    allowed: Annotated[TakeUpLimits, Field(alias="limits")] = TakeUpLimits.model_construct()
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""

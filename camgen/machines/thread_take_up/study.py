@@ -21,7 +21,7 @@ from camgen.machine.strength import SHEAR, shaft_twist
 from camgen.machines.thread_take_up.feed import TakeUp
 from camgen.machines.thread_take_up.rocker import ANGLES, against
 from camgen.parts import materials
-from camgen.spec import Length, Record
+from camgen.spec import Coordinate, Length, Mass, Record, quantity
 from camgen.study import Later, Plot, Study, Table
 
 # The lengths of the source: OA, OC, and AB with BC as it prints them.
@@ -57,23 +57,28 @@ _ERRATA = (
 
 
 class Masses(Record):
-    """Moving masses; centres in the link's own axes (coupler: origin A, x to B; output crank: from C towards B), mm.
+    """Moving masses; centres in the link's own axes, mm."""
 
-    Where no centre is given, it is the centroid of A, B, D and a third of BC. Counterweights for the balancing of the
-    source sit at these distances: the coupler's from B, the output crank's from C.
-    """
-
-    coupler_g: Annotated[float, Field(gt=0, le=1e6)]
-    output_crank_g: Annotated[float, Field(gt=0, le=1e6)]
-    coupler_kg_m2: Annotated[float, Field(gt=0, le=1e3)]
-    output_crank_kg_m2: Annotated[float, Field(gt=0, le=1e3)]
-    coupler_centre: (
-        tuple[Annotated[float, Field(ge=-1e6, le=1e6)], Annotated[float, Field(ge=-1e6, le=1e6)]]
-        | None
-    ) = None
-    output_crank_centre: Annotated[float, Field(ge=-1e6, le=1e6)] | None = None
-    coupler_weight_radius: Length = 20.0
-    output_crank_weight_radius: Length = 15.0
+    coupler_g: Mass = Field(description="of the bell crank")
+    output_crank_g: Mass = Field(description="of the output crank")
+    coupler_kg_m2: Annotated[float, quantity("kg m^2", gt=0, le=1e3)] = Field(
+        description="about the centre of mass"
+    )
+    output_crank_kg_m2: Annotated[float, quantity("kg m^2", gt=0, le=1e3)] = Field(
+        description="about its centre of mass"
+    )
+    coupler_centre: tuple[Coordinate, Coordinate] | None = Field(
+        default=None, description="from A, x towards B; left out: centroid of A, B, D"
+    )
+    output_crank_centre: Coordinate | None = Field(
+        default=None, description="from C towards B; left out: a third of BC"
+    )
+    coupler_weight_radius: Length = Field(
+        default=20.0, description="from B, of the counterweight that balances the coupler"
+    )
+    output_crank_weight_radius: Length = Field(
+        default=15.0, description="from C, of that which balances the output crank"
+    )
 
     def bodies(self, t: TakeUp, given: bool = True) -> dict[str, Body]:
         """Crank (massless: it only turns evenly), coupler and output crank; given: with the spec's centres of mass."""
@@ -120,8 +125,12 @@ class Masses(Record):
 class Consumption(Record):
     """Thread that needle and hook have drawn since the feed was greatest, by crank angle, linear in between."""
 
-    angles_deg: Annotated[tuple[Annotated[float, Field(ge=0, lt=360)], ...], Field(min_length=2)]
-    length_mm: Annotated[tuple[Annotated[float, Field(ge=0, le=1e6)], ...], Field(min_length=2)]
+    angles_deg: Annotated[
+        tuple[Annotated[float, quantity("deg", ge=0, lt=360)], ...], Field(min_length=2)
+    ] = Field(description="of the input crank")
+    length_mm: Annotated[
+        tuple[Annotated[float, quantity("mm", ge=0, le=1e6)], ...], Field(min_length=2)
+    ] = Field(description="drawn there since the feed was greatest")
 
     def faults(self) -> list[Fault]:
         """What is wrong between the two lists."""

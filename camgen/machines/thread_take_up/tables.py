@@ -7,64 +7,105 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from camgen.machines.loads.tables import Bears, Drives
-from camgen.spec import Length, Record, Rpm, turning
+from camgen.spec import Coordinate, Length, MinWall, Record, Rpm, quantity, turning
 
-Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
 Point = tuple[Coordinate, Coordinate]
 
 
-class Geometry(Record):
+class TakeUpGeometry(Record):
     """Lengths and angles of the mechanism, guides in the machine's axes (origin O)."""
 
-    input_crank: Length
-    coupler: Length
-    output_crank: Length
-    frame: Length
-    eye_distance: Length
-    eye_angle_deg: Annotated[float, Field(gt=-180, le=180)]
-    branch: Literal[1, -1]
-    guides: tuple[Point, Point]
-    frame_angle_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
+    input_crank: Length = Field(description="O to A")
+    coupler: Length = Field(description="A to B")
+    output_crank: Length = Field(description="B to C")
+    frame: Length = Field(description="O to C")
+    eye_distance: Length = Field(description="B to D")
+    eye_angle_deg: Annotated[float, quantity("deg", gt=-180, le=180)] = Field(
+        description="between B-A and B-D, D on the pivots' side"
+    )
+    branch: Literal[1, -1] = Field(
+        description="+1: B to the left of the way from A to C; -1: to the right"
+    )
+    guides: tuple[Point, Point] = Field(description="places of M and N")
+    frame_angle_deg: Annotated[float, quantity("deg", ge=-360, le=360)] = Field(
+        default=0.0, description="direction from O to C"
+    )
 
 
-class Motor(Drives):
+class TakeUpMotor(Drives):
     """What drives the input crank."""
 
-    speed_rpm: Annotated[Rpm, turning(0.001)]
+    speed_rpm: Annotated[Rpm, turning(0.001)] = Field(
+        description="of the input shaft; below 0: clockwise"
+    )
 
 
 class Wanted(Record):
     """What `camgen design` searches for and a build checks; each wish may be left out."""
 
-    feed_range: Length | None = None
-    let_down_ratio: Annotated[float, Field(gt=0, le=100)] | None = None
-    dwell_deg: Annotated[float, Field(gt=0, lt=360)] | None = None
-    dwell_radius: Length = 1.0
-    tolerance: Annotated[float, Field(ge=1e-6, le=0.5)] = 0.01
+    feed_range: Length | None = Field(
+        default=None, description="how much thread it gives and takes in a turn"
+    )
+    let_down_ratio: Annotated[float, quantity("1", gt=0, le=100)] | None = Field(
+        default=None,
+        description="angle in which thread is let down to that in which it is pulled up",
+    )
+    dwell_deg: Annotated[float, quantity("deg", gt=0, lt=360)] | None = Field(
+        default=None,
+        description="from the eye's first entry to its last exit of a circle about its near stop",
+    )
+    dwell_radius: Length = Field(default=1.0, description="of that circle")
+    tolerance: Annotated[float, quantity("1", ge=1e-6, le=0.5)] = Field(
+        default=0.01, description="share of each, by which it may be off"
+    )
 
 
-class Parts(Record):
+class TakeUpParts(Record):
     """The links as bodies."""
 
-    thickness: Length = 4.0
-    wall: Length = 1.2
-    shaft_diameter: Length = 6.0
-    shaft_length: Length = 12.0
-    shaft_flat: Length = 0.5
-    pin_diameter: Length = 3.5
-    pins: Literal["printed", "steel", "all-steel"] = "printed"
-    mount_diameter: Length = 2.5
-    finger_diameter: Length = 2.0
-    guide_diameter: Length = 2.0
-    thread_height: Length = 6.0
-    groove: Annotated[float, Field(ge=0, le=1e6)] = 2.0
+    thickness: Length = Field(default=4.0, description="of a link")
+    wall: Length = Field(default=1.2, description="round every hole: three lines of the nozzle")
+    shaft_diameter: Length = Field(default=6.0, description="of the input shaft")
+    shaft_length: Length = Field(default=12.0, description="below the frame")
+    shaft_flat: Length = Field(
+        default=0.5, description="depth of the flat that turns the input crank"
+    )
+    pin_diameter: Length = Field(default=3.5, description="of pins and dowels")
+    pins: Literal["printed", "steel", "all-steel"] = Field(
+        default="printed",
+        description='"printed"; "steel": A, B and shaft, turned as drawn\n'
+        '"all-steel": dowels, guides and finger as well, which stand upright and are thin',
+    )
+    mount_diameter: Length = Field(
+        default=2.5, description="of the frame's holes for screws from behind: core hole of M3"
+    )
+    finger_diameter: Length = Field(default=2.0, description="of the finger with the eye")
+    guide_diameter: Length = Field(default=2.0, description="of the guides")
+    thread_height: Length = Field(
+        default=6.0, description="of finger and guides above the bell crank"
+    )
+    groove: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+        default=2.0,
+        description="height of their groove, in which the thread is held; 0: plain posts, along which it "
+        "slips",
+    )
 
 
-class Limits(Bears):
+class TakeUpLimits(Bears):
     """What the designer accepts; a finding fails beyond it."""
 
-    transmission_angle_deg: Annotated[float, Field(ge=0, lt=90)] = 40.0
-    gap: Annotated[float, Field(ge=0, le=1e6)] = 0.2
-    excess: Annotated[float, Field(ge=0, le=1e6)] = 7.0
-    lash: Annotated[float, Field(ge=0, le=1e6)] = 7.0
-    min_wall: Length = 0.8
+    transmission_angle_deg: Annotated[float, quantity("deg", ge=0, lt=90)] = Field(
+        default=40.0, description="least angle between coupler and output crank"
+    )
+    gap: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+        default=0.2, description="between what moves and what stands in its way"
+    )
+    excess: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+        default=7.0, description="thread supplied beyond what is consumed"
+    )
+    lash: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+        default=7.0,
+        description="free play of the feed by that of all joints; 7: what it gives or takes is excess, "
+        "and the source bears 7 mm of it",
+    )
+    min_wall: MinWall = 0.8

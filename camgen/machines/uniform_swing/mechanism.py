@@ -55,12 +55,12 @@ from camgen.machines.uniform_swing.tables import (
     BaseTable,
     ColletTable,
     FrameTable,
-    Geometry,
-    Limits,
-    Motor,
     NozzleTable,
-    Parts,
     SpringTable,
+    SwingGeometry,
+    SwingLimits,
+    SwingMotor,
+    SwingParts,
 )
 from camgen.motion.program import uniform_swing
 from camgen.numerics import greatest
@@ -82,15 +82,20 @@ _ARROW_SHARE = 0.3125
 class UniformSwing(Mechanism):
     """Spec and answers of a uniform-swing cam drive; the output is the follower's angle s, rad, 0 in mid position."""
 
-    geometry: Geometry
-    motor: Motor = Motor.model_construct()
-    making: Annotated[Parts, Field(alias="parts")] = Parts.model_construct()
+    geometry: SwingGeometry
+    motor: SwingMotor = SwingMotor.model_construct()
+    making: Annotated[SwingParts, Field(alias="parts")] = SwingParts.model_construct()
     base: BaseTable = BaseTable.model_construct()
     frame: FrameTable = FrameTable.model_construct()
-    collet: ColletTable = ColletTable.model_construct()
+    collet: ColletTable = Field(
+        default=ColletTable.model_construct(), description="for a plain shaft"
+    )
     nozzle: NozzleTable = NozzleTable.model_construct()
-    spring: SpringTable = SpringTable.model_construct()
-    allowed: Annotated[Limits, Field(alias="limits")] = Limits.model_construct()
+    spring: SpringTable = Field(
+        default=SpringTable.model_construct(),
+        description="of force closure, as it acts on the frame",
+    )
+    allowed: Annotated[SwingLimits, Field(alias="limits")] = SwingLimits.model_construct()
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""

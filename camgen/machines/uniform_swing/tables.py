@@ -10,62 +10,100 @@ from camgen.machines.loads.tables import Drives, SwingingCamBears
 from camgen.machines.pairs import Air
 from camgen.parts.catalogue import BEARINGS, MOTOR_FACES, Bearing, MotorFace, flange
 from camgen.parts.disc_cams import ShaftHole
-from camgen.spec import Length, Record, Rpm, turning
+from camgen.spec import Length, MinWall, Record, Rpm, quantity, turning
 
 Thread = Literal["M2", "M2.5", "M3", "M4", "M5", "M6"]
 Tip = Literal["plate", "pin", "MR63", "MR85", "MR105", "623", "624", "625", "626", "608"]
 
 
-class Geometry(Record):
+class SwingGeometry(Record):
     """Lengths and angles of the mechanism."""
 
-    pivot_distance: Length
-    arm_offset: Length
-    swing_deg: Annotated[float, Field(gt=0, lt=180)]
-    tip_radius: Annotated[float, Field(ge=0, le=1e6)]
-    closure: Literal["conjugate", "force"] = "conjugate"
+    pivot_distance: Length = Field(description="O to A")
+    arm_offset: Length = Field(description="A to B, the width of the follower")
+    swing_deg: Annotated[float, quantity("deg", gt=0, lt=180)] = Field(description="peak to peak")
+    tip_radius: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+        description="of a round tip or roller; 0 is a knife edge"
+    )
+    closure: Literal["conjugate", "force"] = Field(
+        default="conjugate",
+        description='"conjugate": a second tip on the same cam turned over; "force": a spring',
+    )
     tip_clearance: Air = 0.0
-    reversal_blend_deg: Annotated[float, Field(ge=0, le=180)] = 0.0
+    reversal_blend_deg: Annotated[float, quantity("deg", ge=0, le=180)] = Field(
+        default=0.0, description="cam angle over which each reversal is smoothed; 0 is sharp"
+    )
 
 
-class Motor(Drives):
+class SwingMotor(Drives):
     """What drives the cam."""
 
-    speed_rpm: Annotated[Rpm, turning()] = 30.0
+    speed_rpm: Annotated[Rpm, turning()] = Field(
+        default=30.0, description="of the cam; below 0: clockwise"
+    )
 
 
-class Parts(ShaftHole):
+class SwingParts(ShaftHole):
     """The cam as a body; make: "machine" adds all the other parts of the printed machine."""
 
-    thickness: Length = 6.0
-    pin_diameter: Annotated[float, Field(ge=0, le=1e6)] = 3.0
-    pins: Literal["printed", "steel"] = "printed"
-    windows: Annotated[int, Field(ge=0, le=24)] = 5
-    wall: Length = 3.0
-    mark_depth: Annotated[float, Field(ge=0, le=1e6)] = 0.4
+    thickness: Length = Field(default=6.0, description="of cams and frame plates")
+    pin_diameter: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+        default=3.0, description="two holes that match when one cam is turned over; 0: none"
+    )
+    pins: Literal["printed", "steel"] = Field(
+        default="printed",
+        description='"printed"; or "steel": turned; those of the cams and of the frames',
+    )
+    windows: Annotated[int, Field(ge=0, le=24)] = Field(
+        default=5, description="lightening windows at most; 0: none"
+    )
+    wall: Length = Field(
+        default=3.0,
+        description="wall that windows and pin holes keep; pins less where the cam is small, down to "
+        "min_wall",
+    )
+    mark_depth: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+        default=0.4, description="engraved arrow that shows the direction of turning; 0: none"
+    )
 
 
-class Limits(SwingingCamBears):
+class SwingLimits(SwingingCamBears):
     """What the designer accepts; a finding fails beyond it."""
 
-    lash_deg: Annotated[float, Field(ge=0, le=180)] = 0.25
-    min_wall: Length = 0.8
+    lash_deg: Annotated[float, quantity("deg", ge=0, le=180)] = Field(
+        default=0.25,
+        description="free play between the two tips; 0.25: so far the nozzle stands still after each "
+        "reversal, 1 % of a swing of 25 deg, where the source bears 10 % of the canvas's "
+        "thickness",
+    )
+    min_wall: MinWall = 0.8
 
 
 class BaseTable(Record):
-    """The base plate; boss, screw_circle, screws and screw describe the motor "flange"; mount: screws that hold the base."""
+    """The base plate."""
 
-    motor: Literal["nema-8", "nema-11", "nema-14", "nema-17", "nema-23", "flange"] = "nema-17"
-    boss: Length = 22.0
-    screw_circle: Length = 44.0
-    screws: Annotated[int, Field(ge=2, le=12)] = 4
-    screw: Thread = "M3"
-    thickness: Length = 4.0
-    wall: Length = 3.0
-    window: bool = True
-    slot_room: Annotated[float, Field(ge=0, le=100)] = 1.0
-    mount: Thread | Literal["none"] = "M3"
-    gap: Length = 0.6
+    motor: Literal["nema-8", "nema-11", "nema-14", "nema-17", "nema-23", "flange"] = Field(
+        default="nema-17",
+        description='"nema-8", -11, -14, -17, -23, or "flange" with boss, screw_circle, screws and screw',
+    )
+    boss: Length = Field(default=22.0, description='of the motor "flange": its centring boss')
+    screw_circle: Length = Field(
+        default=44.0, description='of the motor "flange": diameter on which its screws are'
+    )
+    screws: Annotated[int, Field(ge=2, le=12)] = Field(
+        default=4, description='of the motor "flange": how many'
+    )
+    screw: Thread = Field(default="M3", description='of the motor "flange": their thread')
+    thickness: Length = Field(default=4.0, description="of the plate")
+    wall: Length = Field(default=3.0, description="round every hole")
+    window: bool = Field(default=True, description="an opening between motor and pivot")
+    slot_room: Annotated[float, quantity("mm", ge=0, le=100)] = Field(
+        default=1.0, description="left to the axle at both ends of its arc slot"
+    )
+    mount: Thread | Literal["none"] = Field(
+        default="M3", description='of the four screws that hold the base on its stand; or "none"'
+    )
+    gap: Length = Field(default=0.6, description="between the base and what moves above it")
 
     @property
     def face(self) -> MotorFace:
@@ -76,16 +114,28 @@ class BaseTable(Record):
 
 
 class FrameTable(Record):
-    """The follower's plates and the two axles that they are pressed on; tip: "plate", "pin" or a bearing by its name."""
+    """The follower's plates and the two axles that they are pressed on."""
 
-    tip: Tip = "plate"
-    arm: Length = 10.0
-    wall: Length = 3.0
-    axle: Length = 6.0
-    axle_flange: Length = 12.0
-    flange_thickness: Length = 2.0
-    slide_at: Length = 24.0
-    gap: Length = 1.0
+    tip: Tip = Field(
+        default="plate",
+        description='"plate": the plate itself; "pin": a dowel pin, ISO 2338; or a bearing: "MR63", '
+        '"MR85", "MR105",\n'
+        '"623", "624", "625", "626", "608"; tip_radius is then that of the pin or bearing',
+    )
+    arm: Length = Field(default=10.0, description="width of the arm")
+    wall: Length = Field(
+        default=3.0, description="beside the pivot less where the cam passes near, down to min_wall"
+    )
+    axle: Length = Field(
+        default=6.0,
+        description="both axles, printed with their flanges; thinner where there is no room, down to 3",
+    )
+    axle_flange: Length = Field(default=12.0, description="diameter of their flanges")
+    flange_thickness: Length = Field(default=2.0, description="of their flanges")
+    slide_at: Length = Field(
+        default=24.0, description="from the pivot to the axle that slides in the arc slot"
+    )
+    gap: Length = Field(default=1.0, description="between frame and cam off the tip")
 
     @property
     def bearing(self) -> Bearing | None:
@@ -106,20 +156,26 @@ class FrameTable(Record):
 class ColletTable(Record):
     """Collet and clamp ring on a plain shaft."""
 
-    wall: Length = 2.4
-    length: Length = 6.0
-    flange: Length = 2.0
-    slits: Annotated[int, Field(ge=2, le=24)] = 4
-    slit: Length = 1.0
+    wall: Length = Field(default=2.4, description="of the sleeve; less where the pins need room")
+    length: Length = Field(default=6.0, description="of the sleeve")
+    flange: Length = Field(default=2.0, description="thickness of its flange")
+    slits: Annotated[int, Field(ge=2, le=24)] = Field(default=4, description="how many")
+    slit: Length = Field(default=1.0, description="width of a slit")
 
 
 class NozzleTable(Record):
     """What the frames carry: two screws across the tail, and the load's inertia about the pivot (0: the frames' alone)."""
 
-    screw: Thread = "M3"
-    spacing: Length = 20.0
-    inertia_kg_m2: Annotated[float, Field(ge=0, le=1e3)] = 0.0
-    friction: Annotated[float, Field(ge=0, le=1)] = 0.25
+    screw: Thread = Field(
+        default="M3", description="of two, across the frames' tail, into nuts between the frames"
+    )
+    spacing: Length = Field(default=20.0, description="between the two screws")
+    inertia_kg_m2: Annotated[float, quantity("kg m^2", ge=0, le=1e3)] = Field(
+        default=0.0, description="about the pivot, besides the frames"
+    )
+    friction: Annotated[float, quantity("1", ge=0, le=1)] = Field(
+        default=0.25, description="coefficient, between tip and cam; 0.01 for a bearing"
+    )
 
 
 class SpringTable(Record):
@@ -128,6 +184,13 @@ class SpringTable(Record):
     lever: from the pivot to a straight spring that pulls square to it; what it has to be is stated for that.
     """
 
-    rate: Annotated[float, Field(ge=0, le=1e6)] = 0.0
-    preload: Annotated[float, Field(ge=0, le=1e6)] = 0.0
-    lever: Length = 24.0
+    rate: Annotated[float, quantity("N m/rad", ge=0, le=1e6)] = Field(
+        default=0.0, description="of the spring that holds the tip on the cam"
+    )
+    preload: Annotated[float, quantity("N m", ge=0, le=1e6)] = Field(
+        default=0.0, description="where the tip is nearest to the shaft"
+    )
+    lever: Length = Field(
+        default=24.0,
+        description="from the pivot to a straight spring: the report says what that has to be",
+    )

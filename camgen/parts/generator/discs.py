@@ -16,7 +16,7 @@ from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine.features import Mount
 from camgen.parts.catalogue import TURNED
-from camgen.parts.disc_cams import Parts as Disc
+from camgen.parts.disc_cams import CamParts as Disc
 from camgen.parts.disc_cams import disc_parts
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.pins import Placed

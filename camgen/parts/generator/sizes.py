@@ -22,17 +22,17 @@ from camgen.parts.catalogue import (
     in_bar,
 )
 from camgen.parts.set_screws import SetScrewHub
-from camgen.spec import Length, Record, unknown
+from camgen.spec import Length, Record, quantity, text_of_form, unknown
 
 SUNK = 0.2  # mm, by which a screw's head lies below the surface
 HOOK_ROOM = 0.5  # mm, from what holds the eye of a spring to its coils
 
 Name = Annotated[
     str,
-    Field(
-        pattern=r"^[A-Za-z][A-Za-z0-9_]*$",
-        max_length=40,
-        description="a name of letters, digits and _, a letter first, at most 40",
+    text_of_form(
+        "a name of letters, digits and _, a letter first, at most 40",
+        r"^[A-Za-z][A-Za-z0-9_]*$",
+        40,
     ),
 ]
 
@@ -41,32 +41,32 @@ class Shape(Record):
     """The body of one link, where it differs from the others."""
 
     hub_diameter: Length | None = Field(
-        None, description="mm, of the hubs and, unless width says otherwise, of the bands"
+        default=None, description="of the hubs and, unless width says otherwise, of the bands"
     )
     width: Length | None = Field(
-        None, description="mm, of the band of a link with two holes; its hubs stand out"
+        default=None, description="of the band of a link with two holes, whose hubs then stand out"
     )
     bow: (
         Annotated[
             float,
-            Field(ge=-1e6, le=1e6),
+            quantity("mm", ge=-1e6, le=1e6),
             AfterValidator(lambda bow: bow if abs(bow) >= 1e-3 else 0.0),
         ]
         | None
     ) = Field(
-        None,
-        description="mm, how far the band of a link with two holes is bent half way, > 0 to the left from its first point; "
-        "0: not; left out: where it finds no level as it is, and bent it does",
+        default=None,
+        description="how far that band is bent, to the left from the first point; 0: not; left out: as "
+        "far as needed",
     )
-    thickness: Length | None = Field(None, description="mm; that of all links unless given")
+    thickness: Length | None = Field(default=None, description="that of all links unless given")
     rails: Length | None = Field(
-        None,
-        description="mm, length at least of the rails beyond its holes' way; found unless given",
+        default=None,
+        description="length at least of those beyond its holes' way; found unless given",
     )
     stem: Literal["along", "ahead", "behind", "both"] | None = Field(
-        None,
-        description="of a link that slides: where its rails are, along its holes' way or beyond it, ahead on its line or behind; "
-        "found unless given",
+        default=None,
+        description='of a link that slides: rails "along" its holes\' way, or beyond it "ahead", "behind" '
+        'or "both"',
     )
 
 
@@ -76,11 +76,11 @@ PinKind = Literal["printed", "dowel", "shoulder", "bearing"]
 class Can(Record):
     """A motor with a round can under the plate: its boss sits in the plate, two long screws draw a bar behind it to the plate."""
 
-    boss_diameter: Length = Field(description="mm, of the collar round its shaft")
-    diameter: Length = Field(description="mm, of the can")
-    length: Length = Field(description="mm, of the can")
+    boss_diameter: Length = Field(description="of the collar round its shaft")
+    diameter: Length = Field(description="of the can")
+    length: Length = Field(description="of the can")
     screw: Literal["M2", "M2.5", "M3", "M4", "M5", "M6"] = Field(
-        "M2", description="of the two that hold it"
+        default="M2", description="of the two that hold it"
     )
 
 
@@ -91,64 +91,80 @@ class Parts(Record):
     __pydantic_extra__: dict[str, Shape] = Field(init=False)
 
     make: Literal["printed", "laser"] = Field(
-        "printed", description="laser: of layers of the sheet of [laser], pins of steel"
+        default="printed",
+        description='"printed"; or "laser": layers of the sheet of [laser], as thick as it, with pins and '
+        "shaft of steel",
     )
-    thickness: Length = Field(4.0, description="mm, of a link")
+    thickness: Length = Field(default=4.0, description="of links, cams and followers")
     pin: PinKind = Field(
-        "printed",
-        description="with a head; dowel: of steel, with a cap; shoulder: a screw and a nut; bearing: printed, in them",
+        default="printed",
+        description='"printed": with a head; "dowel": bought, of steel, with a printed cap; "shoulder": a '
+        "screw and a nut;\n"
+        '"bearing": printed, in ball bearings that are pressed into the links',
     )
-    pins: dict[Name, PinKind] = Field({}, description="the same of one point")
-    pin_diameter: Length = Field(5.0, description="mm, of pins")
+    pins: dict[Name, PinKind] = Field(
+        default={}, description='the same of single points: { A = "bearing" }'
+    )
+    pin_diameter: Length = Field(default=5.0, description="of the pins")
     discs: Annotated[dict[Name, Length], Field(min_length=1)] | None = Field(
-        None,
-        description="mm, diameter of a pin so thick that the shaft of its link goes through it, by its point: an eccentric",
+        default=None,
+        description="diameter of pins through which their link's shaft goes: eccentrics, with a strap round each",
     )
-    wall: Length = Field(2.0, description="mm, round each hole")
+    wall: Length = Field(default=2.0, description="round each hole")
     head: Length = Field(
-        1.5, description="mm, how high a pin's head is, and how far it stands out all round"
+        default=1.5, description="of a pin: its height, and how far it stands out all round"
     )
-    base_thickness: Length = Field(5.0, description="mm, of the ground's plate")
-    shaft_diameter: Length = Field(6.0, description="mm, of the shaft that drives")
-    shaft_flat: Annotated[float, Field(ge=0, le=1e6)] = Field(
-        0.8, description="mm, depth of the flat that turns the driven link; 0: a round shaft"
+    base_thickness: Length = Field(default=5.0, description="of the ground's plate")
+    shaft_diameter: Length = Field(
+        default=6.0, description="of the shaft that drives, with a flat that turns the driven link"
+    )
+    shaft_flat: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+        default=0.8,
+        description="depth of that flat; 0: a round shaft, on which all is pressed and glued",
     )
     shaft: Literal["through", "interrupted"] = Field(
-        "through",
-        description="interrupted: webs on levels of their own, joined by the crank pins; rods sweep over the axis",
+        default="through",
+        description='"through"; or "interrupted": webs on their own levels, joined by crank pins; rods '
+        "sweep over the axis",
     )
     plates: Literal[1, 2] = Field(
-        1,
+        default=1,
         description="2: a second one on posts over all links holds the far ends of pins and shafts",
     )
     shaft_made: Literal["printed", "steel"] = Field(
-        "printed",
-        description="steel: turned, with the flat, as are crank pins that join the webs of an interrupted shaft",
+        default="printed",
+        description='"printed"; or "steel": turned, with the flat, as are crank pins that join webs of an '
+        "interrupted shaft",
     )
-    shaft_length: Length = Field(15.0, description="mm, of the shaft below the plate")
+    shaft_length: Length = Field(default=15.0, description="of the shaft below the plate")
     motor: Literal["none", "nema-8", "nema-11", "nema-14", "nema-17", "nema-23"] = Field(
-        "none", description="screwed under the plate, its own shaft drives"
+        default="none",
+        description='"none"; or "nema-17" (8, 11, 14, 23): screwed under the plate, its own shaft drives',
     )
     can: Can | None = Field(
-        None, description="a motor with a round can in its place, held by a bar behind it"
+        default=None,
+        description="a motor with a round can in its place, held by a bar behind it",
     )
     set_screw: Literal["none", "M2", "M2.5", "M3", "M4", "M5"] = Field(
-        "none",
-        description="of a collar at the upper end of a motor's shaft, so that nothing walks off it",
+        default="none",
+        description='"none"; or "M2" to "M5": of a collar at the upper end of a motor\'s shaft, so that '
+        "nothing walks off",
     )
-    hand_crank: Annotated[float, Field(ge=0, le=1e6)] = Field(
-        0.0,
-        description="mm, from the shaft to the knob of a crank at its lower end, to turn it by hand; 0: none",
+    hand_crank: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+        default=0.0,
+        description="from the shaft to the knob of a crank at its lower end, to turn it by hand; 0: none",
     )
     rail_width: Length = Field(
-        5.0, description="mm, of the rails on both sides of a link that slides on the plate"
+        default=5.0, description="of the rails on both sides of a link that slides on the plate"
     )
-    cover: bool = Field(True, description="whether a cover on its rails holds down what slides")
+    cover: bool = Field(
+        default=True, description="whether a cover, screwed on the rails, holds down what slides"
+    )
     mount_diameter: Length = Field(
-        2.5, description="mm, of the plate's holes for screws from behind: core hole of M3"
+        default=2.5, description="of the plate's holes for screws from behind: core hole of M3"
     )
-    pen_diameter: Annotated[float, Field(ge=0, le=1e6)] = Field(
-        3.0, description="mm, of the hole at a point that is an output and no pin; 0: none"
+    pen_diameter: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+        default=3.0, description="of the hole at a point that is an output and no pin; 0: none"
     )
 
     @model_validator(mode="before")
