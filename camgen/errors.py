@@ -110,14 +110,11 @@ class SpecError(CamgenError):
         )
 
 
-_WITHIN = ("between ", "within ")  # so begin places that are no points
-
-
 class DesignError(CamgenError):
     """The spec is well formed but no such mechanism exists.
 
-    quantity, value, limit, unit: what fails and by how much; where: at which angle or place; remedy: what to change; said: the
-    sentence that a person reads before the remedy, where the facts in a row would be none.
+    quantity, value, limit, unit: what fails and by how much; where: at which angle or place, or between which two things;
+    remedy: what to change; said: the sentence that a person reads before the remedy, where the facts in a row would be none.
     """
 
     exit_code = 3
@@ -128,17 +125,18 @@ class DesignError(CamgenError):
         value: float,
         limit: float,
         unit: str,
-        where: str = "",
+        where: str | tuple[str, str] = "",
         remedy: str = "",
         said: str = "",
     ) -> None:
         self.quantity, self.value, self.limit, self.unit = quantity, value, limit, unit
-        self.where, self.remedy = where, remedy
-        place, of = (
-            f" {where if where.startswith(_WITHIN) else f'at {where}'}" if where else "",
-            f" {unit}" if unit else "",
-        )
-        named = f" ({where})" if where else ""
+        self.between: tuple[str, ...] = where if isinstance(where, tuple) else ()
+        self.where = where if isinstance(where, str) else f"between {where[0]} and {where[1]}"
+        self.remedy = remedy
+        at = "" if self.between else "at "
+        place = f" {at}{self.where}" if self.where else ""
+        of = f" {unit}" if unit else ""
+        named = f" ({self.where})" if self.where else ""
         if said:
             told = said
         elif unit == "" and (value, limit) == (0, 1):  # what is counted

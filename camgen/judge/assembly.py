@@ -10,7 +10,7 @@ import cmath
 import itertools
 import math
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -72,15 +72,18 @@ def sweep(path: Path, machine: Moved) -> tuple[list[Finding], list[Row]]:
     if missing:
         return [copies], []
     bodies, spare = [], 4 * machine.tolerance
+    parts: dict[str, str] = {}  # of each body; of a stand-in itself
     poses, start = _remembered(machine.courses), machine.courses(np.zeros(1))
     courses = {name: _course(poses, name, float(pose.angle[0])) for name, pose in start.items()}
     home = {name: -complex(pose.place[0]) for name, pose in start.items()}
     try:
         for name, item, on in standing(package, machine):
             bodies.append(Body(name, slabs_of(item.placed), courses[on], at=home[on]))
+            parts[name] = item.name
             if not abs(item.mesh.volume) > _NOTHING:
                 raise ValueError(f"{name} has no volume")
         for thing in machine.stand_ins:
+            parts[thing.name] = thing.name
             bodies.append(
                 Body(
                     thing.name,
@@ -90,7 +93,7 @@ def sweep(path: Path, machine: Moved) -> tuple[list[Finding], list[Row]]:
             )
         clearances = swept(
             bodies,
-            _touching(machine, [body.name for body in bodies], spare),
+            _touching(machine, parts, spare),
             machine.gap,
             resolution=max(_SHARE * machine.gap, _FINEST),
             mounted=_PRESSED + spare,
@@ -125,21 +128,17 @@ def _wholes(machine: Moved) -> list[set[str]]:
     return [{a.name, b.name} for a, b in itertools.combinations(things, 2) if a.whole == b.whole]
 
 
-def _touching(machine: Moved, names: Sequence[str], spare: float) -> dict[Pair, float]:
-    """Pairs of bodies that touch by intent as they move, and the overlap that this may show, mm."""
+def _touching(machine: Moved, parts: Mapping[str, str], spare: float) -> dict[Pair, float]:
+    """Pairs of bodies that touch by intent as they move, and the overlap that this may show, mm; parts: that they are."""
     if not machine.gap > 0:  # no air is asked for: all may graze
-        fits = {frozenset(pair): spare for pair in itertools.combinations(names, 2)}
+        fits = {frozenset(pair): spare for pair in itertools.combinations(parts, 2)}
     else:
         fits = {}
     for a, b, overlap in _fits(machine, spare):
-        for one, other in itertools.product(_copies(a, names), _copies(b, names)):
+        ones, others = ([name for name, part in parts.items() if part == each] for each in (a, b))
+        for one, other in itertools.product(ones, others):
             fits[frozenset((one, other))] = overlap
     return fits
-
-
-def _copies(part: str, names: Sequence[str]) -> list[str]:
-    """The bodies that are copies of a part, or the stand-in of this name."""
-    return [name for name in names if name == part or name.rpartition("-")[0] == part]
 
 
 def _fits(machine: Moved, spare: float) -> Iterator[tuple[str, str, float]]:

@@ -83,7 +83,7 @@ def _made(layout: Layout, run: Run) -> Bodies:
                 error.quantity,
                 error.where,
                 error.remedy,
-                str(error).removesuffix(f"; {error.remedy}"),
+                error.sentence,
             )
         )
         raise DesignError(of, error.value, error.limit, error.unit, where, remedy, said) from None
@@ -169,7 +169,7 @@ class Bench:
         """Drive, screws, spring."""
         found = self.bodies.bought(turning_text(self.drawn.speed * 60 / math.tau))
         if self.beneath is not None:
-            found = [*self.beneath.bought(), *(each for each in found if each.name != "drive")]
+            found = [*self.beneath.bought(), *(each for each in found if each.role != "drive")]
         if self.spring is not None:
             told = self.spring.bought(*self.way)
             given = (
@@ -205,7 +205,7 @@ class Bench:
             "spring": "Return spring",
             **{name: each.title for name, each in self.strung.items()},
         }
-        return coils_of(self.bodies.layout, self.mounts, titles, self.ways)
+        return coils_of(self.bodies.layout, self.parts, self.mounts, titles, self.ways)
 
     @property
     def springs(self) -> dict[str, Mounted]:

@@ -38,8 +38,6 @@ if TYPE_CHECKING:
 
 _WHOLE = ("print", "material", "accuracy")  # tables that the whole machine has once
 _ANGLES = 1440  # at which bodies that ride are compared with their own motion
-_BEHIND = "from behind"  # so end the names of screws that hold a frame where it stands by itself
-_DRIVES = ("drive", "motor")  # what is bought once
 
 
 @dataclass(frozen=True)
@@ -127,8 +125,7 @@ def _bought(own: Assembly, mounted: bool, turned: bool) -> Sequence[Bought]:
     left = [
         each
         for each in own.bought
-        if each.name not in _DRIVES
-        and not (mounted and each.name.endswith(_BEHIND))  # posts hold it
+        if each.role != "drive" and not (mounted and each.role == "mount")  # posts hold it
     ]
     return left if own.shaft is None or turned else [coupling, *left]
 
@@ -139,7 +136,7 @@ def _made(each: Include, host: Host) -> Mechanism:
         found = _mechanism(each, host).resolved()
         _ = found.assembly.parts
     except DesignError as e:
-        said = f"{_name(each)}{f' ({each.source})' if each.source else ''}: {str(e).removesuffix(f'; {e.remedy}')}"
+        said = f"{_name(each)}{f' ({each.source})' if each.source else ''}: {e.sentence}"
         raise DesignError(
             f"{_name(each)}: {e.quantity}", e.value, e.limit, e.unit, e.where, e.remedy, said
         ) from None

@@ -13,7 +13,7 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 
 @dataclass(frozen=True)
@@ -144,12 +144,13 @@ def turning_text(rpm: float) -> str:
 
 @dataclass(frozen=True)
 class Bought:
-    """A line of the parts list that is bought: what, by which standard, which size, how many."""
+    """A line of the parts list that is bought."""
 
     name: str
     standard: str
     size: str
     count: int
+    role: Literal["", "drive", "mount"] = ""  # turns the machine; holds its frame from behind
 
 
 # Density of printed plastics, g/cm^3. Source: the generic profiles of UltiMaker's fdm_materials

@@ -29,6 +29,7 @@ class Coil:
     diameter: float  # outside, mm
     eyes: tuple[float, float]  # underside and upper side, mm
     heads: tuple[str, ...]  # copies of heads and caps over its eyes, such as "cap-1-2"
+    capped: bool  # whether one of them is a cap
     reach: tuple[float, float] | None = (
         None  # mm from either end, between which the sweep sees it; None: it does not
     )
@@ -42,7 +43,7 @@ class Coil:
     def stringing(self) -> str:
         """How it is put on its pins."""
         where = f"points {' and '.join(self.points)}"
-        if any(copy.startswith("cap") for copy in self.heads):
+        if self.capped:
             return f"{self.title}, eyes on the pins at {where}, before their caps: over these they do not go"
         return f"{self.title}, eyes over the holes at {where}: the pins go in through them, for their heads are wider"
 

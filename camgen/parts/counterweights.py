@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Arc, Contour, Line, circle
 from camgen.numerics import halved
+from camgen.parts.catalogue import TURNED
 from camgen.parts.hardware import plate
 from camgen.parts.part import Layer, Part, rod
 
@@ -141,6 +142,7 @@ def counterweight(
         notes=(note, said),
         min_wall=min_wall,
         made=made,
+        role="counterweight",
     )
     places = [z * turn for z in asked.places(rim)]
     if not places:
@@ -153,4 +155,4 @@ def counterweight(
         asked.pins,
         ("pressed and glued in",),
     )
-    return part, [(replace(pin, made="turned of steel"), z) for z in places], rim
+    return part, [(replace(pin, made=TURNED, role="counterweight"), z) for z in places], rim

@@ -145,7 +145,7 @@ def holes_in(
             thinnest,
             0.0,
             "mm",
-            f"between the holes and the edge of {name}",
+            ("the holes", f"the edge of {name}"),
             "holes meet or leave the cam: use a smaller bore, key or pin_diameter, or a larger base_radius",
         )
     return holes

@@ -70,7 +70,7 @@ def plate(name: str, outer: Contour, holes: Mapping[str, Contour], min_wall: flo
             wall,
             min_wall,
             "mm",
-            f"between {a} and {b}",
+            (a, b),
             "they meet or lie outside"
             if wall <= 0
             else "make room between them or lower the wall that is asked for",
@@ -182,7 +182,7 @@ class Collet:
                 between * bore,
                 min_wall,
                 "mm",
-                "between two slits",
+                ("one slit", "the next"),
                 "use fewer or narrower slits",
             )
         if self.wall < min_wall:

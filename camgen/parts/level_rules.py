@@ -32,6 +32,7 @@ class Band:
     below: int = 0
     slim: str = field(default="", compare=False)
     move: str = field(default="", compare=False)
+    link: str = field(default="", compare=False)  # that it is; "" of what is none
 
     @property
     def level(self) -> str:
@@ -63,6 +64,8 @@ class Axis:
     high: tuple[str, ...] = ()
     runs: bool = False
     about: str = ""
+    point: str = field(default="", compare=False)  # of the spec
+    shaft: bool = field(default=False, compare=False)  # that a link is fixed on
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -36,6 +37,11 @@ class Layer:
     def volume(self) -> float:
         """Exact volume, mm^3."""
         return self.region.area * (self.z1 - self.z0)
+
+
+Role = Literal[
+    "", "pin", "crank-pin", "shaft", "spacer", "cap", "nut", "cover", "keeper", "counterweight"
+]
 
 
 class Held(str):
@@ -69,6 +75,7 @@ class Part:
     edges: tuple[Edge, ...] = ()
     made: str = "printed"
     points: tuple[tuple[str, complex], ...] = ()
+    role: Role = ""  # what it is in a machine, where a machine has many of its kind
 
     @property
     def thickness(self) -> float:

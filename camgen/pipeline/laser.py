@@ -45,12 +45,7 @@ def _path(part: Part, laser: Laser) -> Part:
     try:
         return compensated(part, Compensation(hole=-laser.kerf / 2, profile=-laser.kerf / 2))
     except DesignError as error:
-        raise DesignError(
-            error.quantity,
-            error.value,
-            error.limit,
-            error.unit,
-            error.where,
+        raise error.mended(
             f"laser.kerf = {laser.kerf:g} mm is too wide for a hole or a slot of {part.name}: take a finer beam, or widen it",
         ) from None
 

@@ -96,12 +96,7 @@ def make_tables(case: Case) -> None:
                     outline, output.cutter_radius * (-1 if touch.outer else 1), f"outline of {name}"
                 )
             except DesignError as error:
-                raise DesignError(
-                    error.quantity,
-                    error.value,
-                    error.limit,
-                    error.unit,
-                    error.where,
+                raise error.mended(
                     f"a cutter of output.cutter_radius = {output.cutter_radius:g} mm finds no path: use a smaller one",
                 ) from None
             write_dxf(case.file(f"{name}-path", "dxf"), Region(path), (), tolerance)

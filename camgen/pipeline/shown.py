@@ -112,17 +112,17 @@ def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
         bodies.setdefault(mount.body, []).append((f"{mount.part}-{copies[mount.part]}", k, stands))
     frames = mechanism.assembly.cycle.turns * _FRAMES_3D
     moving = [Moving(name, *_over(courses[name], frames), held) for name, held in bodies.items()]
-    order = [copy for held in bodies.values() for copy, _, _ in held]
+    parts_of = {copy: parts[k].name for held in bodies.values() for copy, k, _ in held}
+    order = list(parts_of)
     table = order_of_assembly(mechanism.assembly)
     steps = []
     for row, laid in zip(table.rows, table.copies or [()] * len(table.rows), strict=True):
-        found = [copy for copy in order if copy in laid or copy.rpartition("-")[0] in laid]
-        words = (
-            f"{row[1]}: {row[2]}"
-            if table.columns[2] == "how"
-            else f"{row[2]}{f' × {len(found)}' if len(found) > 1 else ''}"
-        )
-        words += f"; {row[3]}" if table.columns[3:4] == ("where",) and row[3] else ""
+        found = [copy for copy in order if copy in laid or parts_of[copy] in laid]
+        if mechanism.assembly.work:
+            words = f"{row[1]}: {row[2]}"
+        else:
+            words = f"{row[2]}{f' × {len(found)}' if len(found) > 1 else ''}"
+            words += f"; {row[3]}" if row[3] else ""
         steps.append(Step(words, found))
     made = glb(mechanism.name, shapes, moving, mechanism.assembly.cycle.turns)
     return Scene(
@@ -130,7 +130,7 @@ def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
         order,
         plates,
         steps,
-        Scene.work if table.title.startswith("Assembly") else table.title,
+        table.title if mechanism.assembly.work else Scene.work,
     )
 
 

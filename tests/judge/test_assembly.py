@@ -194,18 +194,17 @@ def touching(
 ) -> dict[str, float]:
     """What may overlap, of one copy of each part and two of the arm."""
     machine = Moved((), lambda theta: {}, contacts, stand_ins, gap, SPARE / 4)
-    names = [
-        "plate-1",
-        "arm-1",
-        "arm-2",
-        "pin-1",
-        "cam-1",
-        "roller-1",
-        "ring-1",
-        *(thing.name for thing in stand_ins),
-    ]
-    fits = _touching(machine, names, SPARE)
+    parts = {f"{name}-1": name for name in ("plate", "arm", "pin", "cam", "roller", "ring")}
+    parts |= {"arm-2": "arm", **{thing.name: thing.name for thing in stand_ins}}
+    fits = _touching(machine, parts, SPARE)
     return {" ".join(sorted(pair)): round(overlap, 9) for pair, overlap in fits.items()}
+
+
+def test_a_copy_is_of_its_part_whatever_both_are_called() -> None:
+    """The first copy of a pin has the name of another part: only copies of that one may touch."""
+    machine = Moved((), lambda theta: {}, (Apart("x", "pin-1", "plate"),), (), GAP, SPARE / 4)
+    parts = {"pin-1": "pin", "pin-1-1": "pin-1", "plate-1": "plate"}
+    assert list(_touching(machine, parts, SPARE)) == [frozenset(("pin-1-1", "plate-1"))]
 
 
 def arms(other: str, overlap: float) -> dict[str, float]:

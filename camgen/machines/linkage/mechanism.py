@@ -332,7 +332,7 @@ class Linkage(Mechanism):
             asked=figures.asked(self._moving, self.allowed),
             stand_ins=bodies.stand_ins(),
             balances=() if self.counterweight is None else (self._balance(self.counterweight),),
-            coils=coils_of(bodies.layout, bodies.mounts),
+            coils=coils_of(bodies.layout, bodies.parts, bodies.mounts),
             bought=[*bodies.bought(turning_text(self.drive.speed_rpm)), *sprung],
             springs=coils.mounted(self.sprung, by_force(self.chain), sizes.pin_diameter),
             journals=journals(self.model, features, bodies.parts, bodies.mounts, plastic),

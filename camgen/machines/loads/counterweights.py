@@ -225,7 +225,7 @@ def study(made: Assembly, spec: Counterweight | None, machine: Machine) -> Study
     if spec is None or not made.balances:
         return Study()
     balance = made.balances[0]  # its own; those of included machines follow
-    rest = [part for part in made.parts if not part.name.startswith(NAME)]
+    rest = [part for part in made.parts if part.role != "counterweight"]
     other = spec.other / _G / _ARM
 
     def laden(body: Body) -> Machine:
@@ -247,7 +247,7 @@ def study(made: Assembly, spec: Counterweight | None, machine: Machine) -> Study
     }
     peaks = {name: [float(np.nanmax(value)) for value in values] for name, values in curves.items()}
     drive = machine.drives[0].name
-    peaks["torque of the drive"] = [float(np.nanmax(np.abs(each.drives[drive]))) for each in forces]
+    torque = [float(np.nanmax(np.abs(each.drives[drive]))) for each in forces]
     weight = bodies[1].mass - bodies[0].mass
     moment = _G * (
         bodies[1].mass * (bodies[1].centre - balance.about)
@@ -275,9 +275,7 @@ def study(made: Assembly, spec: Counterweight | None, machine: Machine) -> Study
         )
         for name, values in curves.items()
     ]
-    rows = [
-        (f"{name}, {'N m' if name.startswith('torque') else 'N'}", *values)
-        for name, values in peaks.items()
-    ]
+    rows = [(f"{name}, N", *values) for name, values in peaks.items()]
+    rows.append(("torque of the drive, N m", *torque))
     title = f"Counterweight against the load of the {spec.against}: greatest of a turn, by the masses of the table of masses"
     return Study(numbers, plots, [Table(title, ("", "without", "with"), rows)])

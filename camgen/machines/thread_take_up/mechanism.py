@@ -238,8 +238,9 @@ class ThreadTakeUp(Mechanism):
                 "",
                 f"{drive}for a shaft of {p.shaft_diameter:g} with a flat {p.shaft_flat:g} deep",
                 1,
+                "drive",
             ),
-            Bought("screw of the frame, from behind", "", screw, 3),
+            Bought("screw of the frame, from behind", "", screw, 3, "mount"),
         )
 
     # ---- assembly ----------------------------------------------------------------------------------------------------

@@ -289,7 +289,7 @@ class UniformSwing(Mechanism):
                 wall,
                 self.allowed.min_wall,
                 "mm",
-                "between the cam's holes and its edge",
+                ("the cam's holes", "its edge"),
                 "holes meet or leave the cam: use a smaller bore, key, pin_diameter or wall",
             )
         copies = 2 if self.geometry.closure == "conjugate" else 1

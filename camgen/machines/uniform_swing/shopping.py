@@ -31,7 +31,7 @@ def bought(machine: SwingMachine) -> tuple[Bought, ...]:
         "with a nut" if face.plain else f"{length - grip:.3g} mm of it in the motor"
     )
     found = [
-        Bought("motor", face.standard, f"{name}, shaft {machine.shaft_size}", 1),
+        Bought("motor", face.standard, f"{name}, shaft {machine.shaft_size}", 1, "drive"),
         Bought("screw of the motor", face.screw.standard, into, len(face.screws)),
     ]
     if face.plain:

@@ -41,11 +41,11 @@ from camgen.parts.generator.troughs import covers, rails
 from camgen.parts.generator.wheels import touched
 from camgen.parts.hardware import spacer
 from camgen.parts.inertia import Solids
-from camgen.parts.part import Layer, Part, d_bore
+from camgen.parts.part import Layer, Part, Role, d_bore
 from camgen.parts.set_screws import SetScrewHub
 
 _SHAFT = "shaft"
-_ABOUT = {
+_NUMBERED: dict[Role, str] = {  # parts of which a machine has several unlike ones, and their titles
     "pin": "Pin {}",
     "crank-pin": "Crank pin {}",
     "spacer": "Spacer {}",
@@ -83,6 +83,7 @@ class Bodies:
             for name in moving
         ]
         names: dict[Part, str] = {}
+        titles: dict[Part, str] = {}
         for part, mount in [
             *(each for tip in layout.tips for each in cam_parts(layout, tip)),
             *(gear_part(layout, wheel) for wheel in layout.toothed),
@@ -94,19 +95,16 @@ class Bodies:
             *self._counterweight(),
             *own.placed,
         ]:
-            like = replace(part, name=part.name, title=part.title)  # what is alike is one part
-            if like not in names:
-                count = sum(name.rpartition("-")[0] == part.name for name in names.values()) + 1
-                names[like] = f"{part.name}-{count}" if part.name in _ABOUT else part.name
-            mounts.append(replace(mount, part=names[like]))
+            if part not in names:  # what is alike is one part
+                number = sum(each.role == part.role for each in names) + 1
+                names[part] = f"{part.role}-{number}" if part.role in _NUMBERED else part.name
+                titles[part] = _NUMBERED.get(part.role, part.title).format(number)
+            mounts.append(replace(mount, part=names[part]))
         copies = Counter(mount.part for mount in mounts)
-        for like, name in names.items():
-            title = (
-                _ABOUT[like.name].format(name.rpartition("-")[2])
-                if like.name in _ABOUT
-                else like.title
-            )
-            parts.append(replace(like, name=name, title=title, count=copies[name]))
+        parts += [
+            replace(part, name=name, title=titles[part], count=copies[name])
+            for part, name in names.items()
+        ]
         return parts, mounts
 
     @property
@@ -118,6 +116,11 @@ class Bodies:
     def mounts(self) -> Sequence[Mount]:
         """Every copy of every part on its body."""
         return self._made[1]
+
+    def of_role(self, *roles: Role) -> list[Mount]:
+        """Copies of all parts with one of these roles."""
+        names = {part.name for part in self.parts if part.role in roles}
+        return [mount for mount in self.mounts if mount.part in names]
 
     @property
     def shaft_reach(self) -> float:
@@ -142,7 +145,9 @@ class Bodies:
         p, face = self.sizes, self.sizes.face
         screw = f"{screw_for(p.mount_diameter)}, at most {p.base_thickness:g} into the plate"
         shaft = p.shaft_text
-        motors = [] if p.hand_crank else [Bought("drive", "", f"{turning}, for a {shaft}", 1)]
+        motors = (
+            [] if p.hand_crank else [Bought("drive", "", f"{turning}, for a {shaft}", 1, "drive")]
+        )
         if face is not None:
             known = face.flat or not p.shaft_flat
             shaft += "" if known else " (that of your motor is to be looked up: shaft_flat)"
@@ -152,7 +157,7 @@ class Bodies:
             frame += f", {turning}, {shaft}, at least {self.shaft_reach:.4g} long from its face"
             length = face.screw_length(p.base_thickness - p.pocket)
             motors = [
-                Bought("drive", face.standard, frame, 1),
+                Bought("drive", face.standard, frame, 1, "drive"),
                 Bought(
                     "screw of the motor",
                     face.screw.standard,
@@ -162,10 +167,10 @@ class Bodies:
             ]
             nuts = [nut("nut of the motor", face.screw.thread, len(face.screws))]
             motors += nuts if face.plain else []
-        covers = sum(mount.part.startswith("cover-") for mount in self.mounts)
+        covers = len(self.of_role("cover"))
         screws = self.layout.cover.bought(covers) if self.layout.cover else []
         screws += [] if self.collar is None else self.collar.bought(self.collar.least_radius)
-        behind = Bought("screw of the plate, from behind", "", screw, 2)
+        behind = Bought("screw of the plate, from behind", "", screw, 2, "mount")
         return [
             *motors,
             *(self.layout.fitted.bought if self.layout.fitted.held else [behind]),
@@ -345,6 +350,7 @@ class Bodies:
                     self.min_wall,
                 )
                 mount = Mount("spacer", layout.carrier(body), at, z=under + play)
+                ring_part = replace(ring_part, role="spacer")
                 yield from ((ring_part, replace(mount, z=mount.z + k * step)) for k in range(rings))
 
     def _shaft(self, link: str, stub: Stub, at: complex) -> Placed:
@@ -379,7 +385,15 @@ class Bodies:
         )
         flat = f", a flat {s.shaft_flat:g} deep" if s.shaft_flat else ""
         sized = [f"rod {size[0]} h9 {size[1]}{flat} all along"] if s.shaft_made == "steel" else []
-        part = Part(name, title, (layer,), centres=(0j,), notes=(*sized, said), made=s.shafts_made)
+        part = Part(
+            name,
+            title,
+            (layer,),
+            centres=(0j,),
+            notes=(*sized, said),
+            made=s.shafts_made,
+            role="shaft",
+        )
         loose = [wheel for wheel, (on, _) in self.layout.freewheels.items() if on == link]
         if loose:
             end = below + max(self.layout.top(self.layout.level[wheel]) for wheel in loose)
@@ -394,7 +408,7 @@ class Bodies:
 
     def features(self) -> Sequence[Feature]:
         """What its joints are measured on."""
-        return features_of(self.layout, self.mounts)
+        return features_of(self.layout, self.of_role("pin", "crank-pin", "shaft"))
 
     def fitted(self) -> m.Machine:
         """The machine with the clearances of its fits, diametral, mm, its slides where their bars are."""

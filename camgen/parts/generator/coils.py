@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 
 from camgen.machine.features import Mount
@@ -11,11 +11,13 @@ from camgen.machine.model import Place
 from camgen.parts.coils import Coil
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.sizes import HOOK_ROOM
+from camgen.parts.part import Part
 from camgen.tolerances import SAME_POINT
 
 
 def coils_of(
     layout: Layout,
+    parts: Sequence[Part],
     mounts: Sequence[Mount],
     titles: Mapping[str, str] = MappingProxyType({}),
     ways: Mapping[str, tuple[float, float]] = MappingProxyType({}),
@@ -26,7 +28,7 @@ def coils_of(
     for name, spring in sorted(layout.springs.items(), key=lambda each: layout.level[each[0]]):
         usual = "Extension spring" if name == "spring" else f"Extension spring {name}"
         (_, one), (_, other) = spring.a, spring.b
-        heads = [copy for point in (one, other) for copy in _heads(layout, mounts, point)]
+        heads = [each for point in (one, other) for each in _heads(layout, parts, mounts, point)]
         ends = (_end(layout, *spring.a), _end(layout, *spring.b))
         reach = _reach(layout, name, *ways[name]) if name in ways else None
         title = titles.get(name, usual)
@@ -38,7 +40,8 @@ def coils_of(
                 (one, other),
                 spring.diameter,
                 layout.eye(name),
-                tuple(heads),
+                tuple(copy for copy, _ in heads),
+                any(cap for _, cap in heads),
                 reach,
             )
         )
@@ -61,19 +64,18 @@ def _reach(layout: Layout, name: str, shortest: float, longest: float) -> tuple[
     return start, min((longest - pin) / 2, shortest - pin - start)
 
 
-def _heads(layout: Layout, mounts: Sequence[Mount], point: str) -> list[str]:
-    """Copies of a pin with a head on top, or of caps, at a point."""
-    link = layout.pressed_in(point)
+def _heads(
+    layout: Layout, parts: Sequence[Part], mounts: Sequence[Mount], point: str
+) -> Iterator[tuple[str, bool]]:
+    """Copies of a pin with a head on top, or of caps, at a point, and whether each is a cap."""
+    link, role = layout.pressed_in(point), {part.name: part.role for part in parts}
     number = Counter[str]()
-    found = []
     for mount in mounts:
         number[mount.part] += 1
         there = (
             mount.body == layout.carrier(link)
             and abs(mount.at - layout.at(link, point)) < SAME_POINT
         )
-        if there and (
-            mount.part.startswith("cap-") or mount.part.startswith("pin-") and mount.flipped
-        ):
-            found.append(f"{mount.part}-{number[mount.part]}")
-    return found
+        cap = role[mount.part] == "cap"
+        if there and (cap or role[mount.part] == "pin" and mount.flipped):
+            yield f"{mount.part}-{number[mount.part]}", cap

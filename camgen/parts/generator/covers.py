@@ -81,6 +81,7 @@ class Cover:
                     f"held on its rails by {len(own)} screws {self.screw.thread} x {self.length:g}, heads sunk"
                 ),
             ),
+            role="cover",
         )
 
     def bought(self, covers: int) -> list[Bought]:

@@ -126,9 +126,7 @@ def bent(layout: Layout, refused: Crowded) -> Iterator[Layout]:
 def _links(refused: Crowded) -> list[str]:
     """Links of the two that cannot pass."""
     return [
-        thing.level
-        for thing in (refused.a, refused.b)
-        if isinstance(thing, Band) and thing.name == f"link {thing.level}"
+        thing.link for thing in (refused.a, refused.b) if isinstance(thing, Band) and thing.link
     ]
 
 
@@ -211,7 +209,7 @@ def _of_room(layout: Layout, refused: DesignError) -> Iterator[Kind]:
     if head >= least:
         yield Kind(_SLIM, [Change(f"parts.head = {head:g}", {"head": head})])
     keys: list[tuple[str, ...]] = [("pin_diameter", "wall", "head")]
-    shaft = any(thing.name.startswith("shaft ") for thing in (refused.a, refused.b))
+    shaft = any(isinstance(thing, Axis) and thing.shaft for thing in (refused.a, refused.b))
     if shaft and s.face is None:
         keys.append((*keys[0], "shaft_diameter"))
     sizes = (

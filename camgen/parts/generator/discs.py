@@ -178,6 +178,7 @@ def keeper(layout: Layout, point: str) -> Placed:
         centres=(0j,),
         min_wall=layout.min_wall,
         notes=(Held(f"pressed and glued on the shaft over {link}, in line with its disc"),),
+        role="keeper",
     )
     return part, Mount(part.name, layout.carrier(link), at, z=layout.disc_top(point))
 

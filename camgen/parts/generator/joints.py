@@ -73,8 +73,8 @@ def _eye(layout: Layout, point: str, link: str, beside: str = "") -> Eye:
     return Eye(part_of(layout, link), layout.at(link, point), layout.hole(point, link), shaft=disc)
 
 
-def features_of(layout: Layout, mounts: Sequence[Mount]) -> Sequence[Feature]:
-    """Holes, slots, rails, outlines and pins of every joint, and pens."""
+def features_of(layout: Layout, pins: Sequence[Mount]) -> Sequence[Feature]:
+    """Holes, slots, rails, outlines and pins of every joint, and pens; pins: copies of all pins and shafts."""
     found: list[Feature] = []
     for joint in layout.machine.joints:
         if isinstance(joint, m.Slide):
@@ -93,7 +93,7 @@ def features_of(layout: Layout, mounts: Sequence[Mount]) -> Sequence[Feature]:
                 continue
             else:
                 pin = Eye(
-                    _pin_of(layout, mounts, point, fixed, b if a == fixed else a),
+                    _pin_of(layout, pins, point, fixed, b if a == fixed else a),
                     0j,
                     layout.turning(point),
                     True,
@@ -117,18 +117,17 @@ def features_of(layout: Layout, mounts: Sequence[Mount]) -> Sequence[Feature]:
         turns = pivot_of(layout, one.link), pivot_of(layout, other.link)
         found.append(GearTeeth(one.joint.name, one.teeth, other.teeth, turns))
     found += [outline for tip in layout.tips for outline in _outlines(layout, tip)]
-    found += [*_keyed(layout), *_steady(layout, mounts)]
+    found += [*_keyed(layout), *_steady(layout, pins)]
     return [*found, *(Mark(_eye(layout, point, link)) for point, link in layout.pens.items())]
 
 
-def _pin_of(layout: Layout, mounts: Sequence[Mount], point: str, link: str, beside: str) -> str:
+def _pin_of(layout: Layout, pins: Sequence[Mount], point: str, link: str, beside: str) -> str:
     """The part that is the pin or shaft of a point, fixed in a link, on which another one turns."""
     body, at = layout.carrier(link), layout.at(link, point)
-    here = (each for each in mounts if (each.body, each.at) == (body, at))
-    named = [each for each in here if each.part.startswith(("pin-", "crank-pin-", "shaft"))]
+    here = [each for each in pins if (each.body, each.at) == (body, at)]
     floor = layout.floor(layout.level[beside])
     return max(
-        (each for each in named if each.z <= floor), key=lambda each: each.z, default=named[0]
+        (each for each in here if each.z <= floor), key=lambda each: each.z, default=here[0]
     ).part
 
 
@@ -138,7 +137,7 @@ def _keyed(layout: Layout) -> Iterator[Keyed]:
         yield Keyed(_eye(layout, held[1], low), _eye(layout, held[1], high), math.pi / 2)
 
 
-def _steady(layout: Layout, mounts: Sequence[Mount]) -> Iterator[Steady]:
+def _steady(layout: Layout, pins: Sequence[Mount]) -> Iterator[Steady]:
     """Pins and shafts that the second plate holds too."""
     for point in (
         point
@@ -167,7 +166,7 @@ def _steady(layout: Layout, mounts: Sequence[Mount]) -> Iterator[Steady]:
         part = (
             f"shaft-{web}"
             if hangs
-            else _pin_of(layout, mounts, point, layout.pressed_in(point), GROUND)
+            else _pin_of(layout, pins, point, layout.pressed_in(point), GROUND)
         )
         ends = (_eye(layout, point, layout.driven), _eye(layout, point, web)) if hangs else None
         yield Steady(

@@ -140,6 +140,7 @@ def pin(layout: Layout, point: str, stub: Stub) -> Iterator[Placed]:
                 grip, wide = grip - play, bearing.shoulder
                 notes.append(f"its head bears on the inner ring of the {bearing.name} alone")
             made = headed("pin", "Pin", s.pin_diameter, grip, wide, s.head, notes=tuple(notes))
+            made = replace(made, role="pin")
             yield made, Mount("pin", body, at, 0.0, not hung, bottom - (play + s.head) * hung)
 
 
@@ -151,7 +152,7 @@ def _between(layout: Layout, point: str, stub: Stub) -> Placed:
         ("pressed and glued into both plates",),
     )
     if layout.kind(point) != "dowel":
-        return rod("pin", "Pin", s.pin_diameter, whole, notes=notes), mount
+        return replace(rod("pin", "Pin", s.pin_diameter, whole, notes=notes), role="pin"), mount
     length = dowel(s.pin_diameter, whole)
     if length < whole - s.base_thickness / 2:
         raise _as_printed(
@@ -169,7 +170,8 @@ def _between(layout: Layout, point: str, stub: Stub) -> Placed:
     notes = (
         f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued into both plates",
     )
-    return replace(rod("pin", "Pin", s.pin_diameter, length, notes=notes), made="bought"), mount
+    steel = rod("pin", "Pin", s.pin_diameter, length, notes=notes)
+    return replace(steel, made="bought", role="pin"), mount
 
 
 def _as_printed(point: str, error: DesignError, kind: str = "printed") -> Unmade:
@@ -206,9 +208,9 @@ def _dowel(layout: Layout, grip: float, point: str) -> tuple[Part, Part]:
     out = round(length - grip - s.thickness, 2)
     over = f", stands {out:g} mm out of its cap" if out > 0 else ""
     notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued in{over}",)
-    steel = replace(rod("pin", "Pin", s.pin_diameter, length, notes=notes), made="bought")
+    steel = rod("pin", "Pin", s.pin_diameter, length, notes=notes)
     hole, wide = s.pin_diameter + layout.fits.press_clearance, s.pin_diameter + 2 * s.head
-    return steel, spacer(
+    cap = spacer(
         "cap",
         "Cap of a pin",
         hole,
@@ -216,6 +218,7 @@ def _dowel(layout: Layout, grip: float, point: str) -> tuple[Part, Part]:
         s.thickness if s.of_sheet else length - grip,
         layout.min_wall,
     )
+    return replace(steel, made="bought", role="pin"), replace(cap, role="cap")
 
 
 def _dowel_length(layout: Layout, grip: float) -> tuple[float, float, float]:
@@ -286,7 +289,9 @@ def _shoulder(
         f"shoulder screw ISO 7379, {screw.diameter:g} x {length:g}, {screw.thread}",
         "glued in",
     )
-    steel = Part("pin", "Pin", tuple(layers), centres=(0j,), notes=notes, cut=1, made="bought")
+    steel = Part(
+        "pin", "Pin", tuple(layers), centres=(0j,), notes=notes, cut=1, made="bought", role="pin"
+    )
     yield steel, Mount("pin", body, at, 0.0, True, bottom - screw.thread_length)
     corners = [cmath.rect(screw.flats / math.sqrt(3), math.tau * k / 6) for k in range(6)]
     nut = Region(polygon(corners), (circle(0j, screw.nominal / 2),))
@@ -298,6 +303,7 @@ def _shoulder(
         centres=(0j,),
         notes=tight,
         made="bought",
+        role="nut",
     )
     yield made, Mount("nut", body, at, z=bottom - screw.nut)
     if length - grip >= s.head / 2:  # what is thinner is play
@@ -310,6 +316,7 @@ def _shoulder(
             length - grip,
             layout.min_wall,
         )
+        fill = replace(fill, role="spacer")
         yield (
             replace(fill, made="bought", notes=("washers",)) if s.of_sheet else fill,
             Mount("spacer", body, at, z=bottom + grip),

@@ -8,7 +8,7 @@ second     hubs round what it holds: far ends of pins and shafts, pins that hang
 from __future__ import annotations
 
 import cmath
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from itertools import count, pairwise, product
 
@@ -259,7 +259,7 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
             for *ends, heads in heights
         )
     except DesignError as error:
-        raise _moved(error, layout) from None
+        raise _moved(error, layout, {*under, *below}) from None
     raised = (
         layer for stand in layout.stands if stand.merged is not None for layer in stand.merged.above
     )
@@ -302,12 +302,13 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
             yield _sleeve(layout, stand.name, stand.sleeve)
 
 
-def _moved(error: DesignError, layout: Layout) -> DesignError:
-    """An error of the second plate's walls, with what moves the frame that stands there, if one does."""
-    names = ", ".join(stand.name for stand in layout.stands)
-    if "stand" not in error.where:
+def _moved(error: DesignError, layout: Layout, screws: Collection[str]) -> DesignError:
+    """An error of the second plate's walls, with what moves the frame that stands there, if it is at one of its screws."""
+    if not {*error.between} & {*screws}:
         return error
-    where = f"{error.where}, a screw of the frame of {names}"
+    names = ", ".join(stand.name for stand in layout.stands)
+    a, b = error.between
+    where = a, f"{b}, a screw of the frame of {names}"
     remedy = "move that machine (include.at), or make parts.wall or parts.head there larger, so that its screws lie elsewhere"
     return DesignError(error.quantity, error.value, error.limit, error.unit, where, remedy)
 

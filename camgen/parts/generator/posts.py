@@ -35,10 +35,8 @@ def posts(bodies: Bodies, pulls: Mapping[str, float], printed: str) -> Iterator[
         material = "steel" if layout.kind(point) in _STEEL else printed
         pins = (
             each.part
-            for each in bodies.mounts
-            if each.body == layout.carrier(body)
-            and "pin" in each.part
-            and abs(each.at - layout.at(body, point)) < _SAME
+            for each in bodies.of_role("pin", "crank-pin")
+            if each.body == layout.carrier(body) and abs(each.at - layout.at(body, point)) < _SAME
         )
         part = next(pins, "")
         for what, pull, at in bent:

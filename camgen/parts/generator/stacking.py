@@ -121,8 +121,9 @@ def covered(layout: Layout, run: Run) -> Layout:
     if layout.sizes.plates < 2:
         return layout
     t, gap = things(layout, run), layout.fits.slide_clearance
+    points = {axis.name: axis.point for axis in t.axes}
     ends = {
-        name.partition(" ")[2]: at
+        points[name]: at
         for name, at in cuts(t.bands, t.axes, t.walls, gap, layout.level, t.openings).items()
     }
     places = columns(

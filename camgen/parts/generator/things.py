@@ -95,7 +95,9 @@ def _links(courses: _Courses) -> list[Band]:
         slim, move = slimmer(layout, link)
         for each in discs:
             found.append(
-                replace(courses.band(f"link {link}", link, each, link), slim=slim, move=move)
+                replace(
+                    courses.band(f"link {link}", link, each, link), slim=slim, move=move, link=link
+                )
             )
         bars = [bar for tip in layout.noses(link) if (bar := layout.arm(tip)) is not None]
         for start, way, half, length, _ in bars:
@@ -203,6 +205,8 @@ def _axes(courses: _Courses, before: Over) -> tuple[list[Axis], Over]:
                 hanging,
                 runs,
                 f"shaft {layout.discs[point][1]}" if point in layout.discs else "",
+                point,
+                shaft is not None,
             )
         )
     return found, over

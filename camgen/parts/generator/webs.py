@@ -124,5 +124,12 @@ def keyed_pin(
         layers.append(Layer(Region(circle(0j, head[0])), low + between, low + between + head[1]))
     said = "its flats turn the webs: pressed and glued in"
     return Part(
-        "crank-pin", "Crank pin", tuple(layers), centres=(0j,), notes=(said,), cut=1, made=made
+        "crank-pin",
+        "Crank pin",
+        tuple(layers),
+        centres=(0j,),
+        notes=(said,),
+        cut=1,
+        made=made,
+        role="crank-pin",
     )

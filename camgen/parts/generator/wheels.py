@@ -118,6 +118,7 @@ class Tip:
     name: str  # of its parts
     ridden: Ridden
     rim: float = 0.0  # how much further a groove's plates reach than its follower's way, mm
+    second: bool = False  # of a conjugate pair
 
     @property
     def radius(self) -> float:
@@ -142,7 +143,7 @@ class Tip:
     @property
     def hung(self) -> bool:
         """Whether its roller hangs under the follower: the second one of a pair, whose pin passes beside no cam."""
-        return self.name.endswith(SECOND) and self.closure == "conjugate"
+        return self.second
 
     @property
     def rolls(self) -> bool:
@@ -300,7 +301,8 @@ def tips(
                 groove_rim(sizes) + clearance,
             )
             level = key if spec.shape == "roller" else joint.follower
-            found.append(Tip(level, joint, cam, point, leaves, key, spec, rim))
+            second = point != spec.at
+            found.append(Tip(level, joint, cam, point, leaves, key, spec, rim, second))
     return found
 
 
@@ -358,7 +360,7 @@ def exact(tip: Tip) -> ExactCam:
     worst, _ = tip.cam.greatest(tip.cam.pressure_angle)
     further = "a follower drawn further from the shaft"
     flatter = f"largest at cam angle {math.degrees(worst):.2f} deg; {further}, or a longer span,"
-    second = ", second of the pair" if tip.name.endswith(SECOND) else ""
+    second = ", second of the pair" if tip.second else ""
     return ExactCam(
         f"cam {tip.joint.name}{second}",
         tip.cam,

@@ -17,7 +17,7 @@ from camgen.geometry.outlines import circle
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge import joints
 from camgen.judge.measured import measure
-from camgen.machine.features import Eye
+from camgen.machine.features import Eye, PinEyes, SlotFaces
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.parts.assembly import order_of_assembly
 from camgen.parts.catalogue import Bearing
@@ -273,3 +273,24 @@ def test_a_hand_crank_turns_with_the_shaft(root: Path, tmp_path: Path) -> None:
     assert heights["knob"][1] < heights["hand-crank"][0] and heights["knob-pin"][
         1
     ] == pytest.approx(heights["hand-crank"][1])
+
+
+@pytest.mark.parametrize(
+    ("spec", "link"), [("quick-return", "rod"), ("gallery/scotch-yoke", "yoke")]
+)
+def test_a_link_is_no_shaft_by_its_name(root: Path, spec: str, link: str) -> None:
+    """Its joints are measured on the same pins, whatever it is called."""
+
+    def called(value: Any, name: str) -> Any:
+        if isinstance(value, dict):
+            return {name if key == link else key: called(each, name) for key, each in value.items()}
+        if isinstance(value, list):
+            return [called(each, name) for each in value]
+        return name if value == link else value
+
+    def pins(name: str) -> list[str]:
+        made = validate(Linkage, called(read(root / "specs" / f"{spec}.toml"), name)).assembly
+        found = [each for each in made.features if isinstance(each, PinEyes | SlotFaces)]
+        return [each.pin.part for each in found if each.pin is not None and each.pin.part]
+
+    assert pins("shaft2") == pins(link) and len(pins(link)) > 2

@@ -1,0 +1,62 @@
+"""Where something was found, and what is wrong with a spec: records, and the texts that people read."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from camgen.errors import DesignError, Fault
+from camgen.findings import Where, at_most, in_file
+
+
+@pytest.mark.parametrize(
+    ("where", "text"),
+    [
+        (Where(), ""),
+        (Where("drive"), "drive"),
+        (in_file(Path("out/x-cam.DXF")), "x-cam.DXF"),
+        (replace(in_file(Path("x.3mf")), part="post-1"), "x.3mf, post-1"),
+        (
+            Where(file="x-*.stl", output="pen", theta=math.pi / 3),
+            "x-*.stl, pen, cam angle 60.000 deg",
+        ),
+        (Where("pin B", part="pin-1", joint="B"), "pin B"),
+        (Where(joint="B", theta=math.pi, angle="", digits=1), "B, 180.0 deg"),
+        (Where(theta=math.radians(30.5), angle="crank angle", digits=None), "crank angle 30.5 deg"),
+        (Where("lengths", module="take_up"), "take_up: lengths"),
+    ],
+)
+def test_a_place_is_told_by_what_is_known(where: Where, text: str) -> None:
+    assert str(where) == text
+    finding = at_most("X", 1.0, 2.0, "mm", where, "")
+    assert finding.as_dict()["where"] == text
+
+
+def test_a_file_knows_its_kind() -> None:
+    assert in_file(Path("a/b.STEP")).kind == "step" and in_file(Path("spec")).kind == ""
+
+
+@pytest.mark.parametrize(
+    ("fault", "text"),
+    [
+        (Fault(("segment", 1, "lift"), "", "x"), "segment.1.lift"),
+        (Fault(("wanted", "vary", "geometry.rod"), "", "x"), 'wanted.vary."geometry.rod"'),
+        (Fault(("shape", "lid"), "", "x", source="--set"), "--set shape.lid"),
+        (Fault((), "", "x", source="line 3, column 1"), "line 3, column 1"),
+    ],
+)
+def test_a_key_is_told_as_it_is_typed(fault: Fault, text: str) -> None:
+    assert fault.key == text and str(fault).startswith(f"{text} -")
+    assert fault.facts["path"] == text
+
+
+def test_a_place_between_two_things_is_told_so() -> None:
+    error = DesignError("wall", 1.0, 2.0, "mm", ("hole A", "edge"), "move A")
+    assert error.between == ("hole A", "edge") and error.where == "between hole A and edge"
+    assert str(error) == "wall is 1 mm between hole A and edge, limit 2 mm; move A"
+    assert (
+        str(DesignError("wall", 1.0, 2.0, "mm", "hole A")) == "wall is 1 mm at hole A, limit 2 mm"
+    )
