@@ -405,6 +405,14 @@ def _named(name: str, among: Sequence[N], what: str) -> N:
     return found
 
 
+class NamedTwice(ValueError):
+    """Bodies, joints, loads or outputs of a model with one name; names: theirs."""
+
+    def __init__(self, names: Sequence[str]) -> None:
+        self.names = tuple(names)
+        super().__init__(f"named twice: {', '.join(names)}")
+
+
 @dataclass(frozen=True, eq=False)
 class Machine:
     """Bodies, joints, drives, loads, outputs; two machines are the same only where they are one object.
@@ -427,7 +435,7 @@ class Machine:
         for named in (self.bodies, (*self.joints, *self.drives), loads, self.outputs):
             names = [each.name for each in named]
             if twice := {name for name in names if names.count(name) > 1}:
-                raise ValueError(f"named twice: {', '.join(sorted(twice))}")
+                raise NamedTwice(sorted(twice))
         slides = [joint.name for joint in self.joints if isinstance(joint, Slide | Slot)]
         for each in (*self.joints, *self.drives, *loads, *self.outputs):
             for body in bodies_of(each):

@@ -19,7 +19,7 @@ from camgen.findings import Finding, Where, at_most
 from camgen.geometry.outlines import Arc
 from camgen.machine.features import Mount
 from camgen.machine.joining import Module, Ride, ride
-from camgen.machine.model import GROUND, Machine, Pose
+from camgen.machine.model import GROUND, Gravity, Machine, NamedTwice, Pose
 from camgen.machine.run import solve
 from camgen.machines import MECHANISMS, load
 from camgen.machines.mechanism import Mechanism
@@ -243,11 +243,7 @@ def distinct(
     """
 
     def refused(name: str, said: str) -> SpecError:
-        own = [
-            k
-            for k, each in enumerate(found)
-            if name.startswith((each.module.name(""), each.module.part("")))
-        ]
+        own = [k for k, each in enumerate(found) if name in _names(each.assembly)]
         return SpecError([Fault(("include", own[-1] if own else 0, "name"), said, right)])
 
     right = (
@@ -262,8 +258,16 @@ def distinct(
         raise refused(twice[0], f"part {twice[0]} twice")
     try:
         machine()
-    except ValueError as told:
-        raise refused(str(told).rpartition(": ")[2], str(told)) from None
+    except NamedTwice as error:
+        raise refused(error.names[0], str(error)) from None
+
+
+def _names(made: Assembly) -> set[str]:
+    """Of its parts, in small letters, and of all in its model."""
+    model = made.machine
+    loads = [load for load in model.loads if not isinstance(load, Gravity)]
+    held = (*model.bodies, *model.joints, *model.drives, *loads, *model.outputs)
+    return {part.name.lower() for part in made.parts} | {each.name for each in held}
 
 
 # ---- what they answer in the whole -----------------------------------------------------------------------------------

@@ -15,7 +15,7 @@ from camgen.files.title_block import Facts, Fit
 from camgen.machine.features import PinEyes
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.assembly import cut_of_sheet
-from camgen.parts.catalogue import STEEL
+from camgen.parts.catalogue import CUT, STEEL, TURNED
 from camgen.parts.part import Part
 from camgen.parts.steps import standing
 from camgen.tolerances import SAME_POINT
@@ -24,7 +24,7 @@ from camgen.tolerances import SAME_POINT
 def facts_of(mechanism: Mechanism, part: Part) -> Facts:
     """What the drawing of one of its parts says."""
     sheet, cut = mechanism.drawing, cut_of_sheet(mechanism.assembly, part)
-    printed, steel = part.made == "printed" and not cut, part.made.endswith(" of steel")
+    printed, steel = part.made == "printed" and not cut, part.made in (TURNED, CUT)
     names = [each.name for each in mechanism.assembly.parts]
     return Facts(
         mechanism=mechanism.mechanism,

@@ -26,7 +26,7 @@ from camgen.machine.features import Balance, Mount
 from camgen.machine.model import Body, Machine, Pin
 from camgen.machine.run import solve
 from camgen.parts.assembly import Assembly
-from camgen.parts.catalogue import STEEL
+from camgen.parts.catalogue import CUT, STEEL
 from camgen.parts.counterweights import NAME, Sector, counterweight
 from camgen.parts.hardware import FACETS
 from camgen.parts.inertia import Solids, centre_of
@@ -158,7 +158,7 @@ class Counterweight(Record):
             STEEL * 1e-3,
             max(seat.min_wall, seat.fits.nozzle) + 2 * FACETS,
         )
-        made = "printed" if self.made == "printed" else "cut of steel"
+        made = "printed" if self.made == "printed" else CUT
         left = asked - own - heavy * disc.volume * centre_of(disc)
         return counterweight(sector, seat.bore, left, made, seat.min_wall, seat.note)
 
