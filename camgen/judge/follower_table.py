@@ -11,7 +11,7 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Annotated, Any, Literal, cast
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -21,7 +21,7 @@ from camgen.errors import Fault, SpecError
 from camgen.geometry.rings import Ring
 from camgen.judge.contact_faces import ArmFace, SlideFace
 from camgen.judge.contact_tips import ArmTip, Form, SlideTip
-from camgen.spec import Length, Record
+from camgen.spec import Checked, Length
 
 Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
 Degrees = Annotated[float, Field(ge=-360, le=360)]
@@ -36,7 +36,7 @@ _KEYS = {
 }
 
 
-class FollowerTable(Record):
+class FollowerTable(Checked):
     """A follower, and how the outline is mounted under it.
 
     contour: on which of the file's closed contours it rides, by size, 1 the largest; inside: it comes to it from within, as
@@ -215,7 +215,7 @@ def read_follower(
         )
         table = data.get("follower", data)
         data = table if isinstance(table, dict) else {"motion": table}
-    return cast(FollowerTable, specs.validate(cast(Any, FollowerTable), data, option))
+    return specs.validate(FollowerTable, data, option)
 
 
 def pair_faults(first: FollowerTable, second: FollowerTable) -> Sequence[Fault]:

@@ -138,7 +138,7 @@ def settled(made: DiscCamDrive, turns: int) -> dict[str, np.ndarray]:
     """
     from scipy.integrate import solve_ivp
 
-    load, spring, speed = made.load, made.spring, made.speed
+    load, spring, speed = made.load, made.spring, made.model.speed
     assert load is not None and load.stiffness is not None and spring is not None
     m, k = load.mass_kg * 1e-3, load.stiffness
     d = 2 * load.damping_ratio * math.sqrt(k * m)
