@@ -48,6 +48,7 @@ from camgen.machines.chain_stitch_looper.ratio import Condition, ratio_condition
 from camgen.machines.chain_stitch_looper.stitch import (
     HARMONIC,
     Design,
+    Pair,
     Stitch,
     crank_driven,
     to_and_fro,
@@ -415,7 +416,7 @@ class ChainStitchLooper(Mechanism):
             return at_most("VELOCITY_RATIO", ratio, math.nan, "", Where("spec"), remark)
         (low, why_low), (high, why_high) = works
         remark = f"works from {low:.9g} ({why_low}) to {high:.9g} ({why_high})"
-        return _between("VELOCITY_RATIO", ratio, low, high, "", Where("spec"), remark)
+        return _between("VELOCITY_RATIO", ratio, (low, high), "", Where("spec"), remark)
 
     def _range(self, key: str) -> Finding:
         low, high, unit = ALLOWED[key]
@@ -423,7 +424,7 @@ class ChainStitchLooper(Mechanism):
         values = value if isinstance(value, tuple) else (value,)
         worst = min(values, key=lambda v: min(v - low, high - v))
         remark = f"{', '.join(f'{v:g}' for v in values)} {unit}; the source allows {low:g} to {high:g} {unit}"
-        return _between("ALLOWED_RANGE", worst, low, high, unit, Where(f"geometry.{key}"), remark)
+        return _between("ALLOWED_RANGE", worst, (low, high), unit, Where(f"geometry.{key}"), remark)
 
     @property
     def _in_step(self) -> bool:
@@ -563,9 +564,10 @@ class ChainStitchLooper(Mechanism):
 
 
 def _between(
-    code: str, value: float, low: float, high: float, unit: str, where: Where, remark: str
+    code: str, value: float, limits: Pair, unit: str, where: Where, remark: str
 ) -> Finding:
     """Against the nearer of two limits."""
+    low, high = limits
     check, limit = (at_least, low) if value - low < high - value else (at_most, high)
     return check(code, value, limit, unit, where, remark)
 

@@ -157,8 +157,7 @@ class Stitch:
             _refuse(
                 "feed_deg",
                 math.degrees(self.feed),
-                0.0,
-                math.degrees(longer(VANISHING) + self.feed),
+                (0.0, math.degrees(longer(VANISHING) + self.feed)),
                 "deg",
                 "shaft angle over which the needles are off their lowest point",
                 "let them dwell there for less",
@@ -352,10 +351,9 @@ def _angle(program: Program, share: float, falling: bool) -> float:
     return (low + high) / 2
 
 
-def _refuse(
-    quantity: str, value: float, low: float, high: float, unit: str, where: str, remedy: str
-) -> None:
-    """DesignError unless low < value < high."""
+def _refuse(quantity: str, value: float, limits: Pair, unit: str, where: str, remedy: str) -> None:
+    """DesignError unless the value lies between the limits."""
+    low, high = limits
     if not low < value < high:
         raise DesignError(quantity, value, low if not value > low else high, unit, where, remedy)
 
@@ -364,8 +362,7 @@ def _seat(l1: float, needle: float) -> None:
     _refuse(
         "l3",
         l1 - needle,
-        0.0,
-        math.inf,
+        (0.0, math.inf),
         "mm",
         "thread's seat behind the nose's tip, l1 - d",
         "it must be positive: use a larger velocity_ratio or a thinner needle",
@@ -378,8 +375,7 @@ def _within(stroke: float, pierces: Pair, captures: Pair) -> None:
         _refuse(
             name,
             s,
-            0.0,
-            stroke,
+            (0.0, stroke),
             "mm",
             "the needles, whose stroke S_X is the limit",
             "use a longer needle_stroke",
@@ -432,8 +428,7 @@ def _strokes(way: float, behind: Pair, shares: Pair) -> Pair:
         _refuse(
             f"f2(phi4{2 - k}) - f2(phi3{k + 1})",
             share,
-            VANISHING,
-            math.inf,
+            (VANISHING, math.inf),
             "",
             f"stroke L_X{k + 1} of spreader {k + 1}",
             "the pierce must find the spreader farther out than the capture did: change loop_rise or nose_over_eye",

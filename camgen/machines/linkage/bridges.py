@@ -79,80 +79,95 @@ def read_chain(path: Path) -> Chain:
     return chain
 
 
+@dataclass(frozen=True)
+class _Joint:
+    """A joint of PMKS lines: its kind, its place, the angle of its slide, rad, the links that it joins."""
+
+    kind: str  # "R", "P" or "RP"
+    place: complex
+    angle: float
+    links: tuple[str, ...]
+
+
 def _pmks(text: str, faults: list[Fault]) -> Chain:
-    chain, names, links = Chain(), _letters(), _Names()
-    rows = []
-    for number, line in enumerate(text.splitlines(), 1):
-        rest = line.partition("#")[0]
-        found = list(_JOINT.finditer(rest))
-        left = re.sub(r"[\s,;\]]|M\[", "", _JOINT.sub("", rest))
-        if left:
-            faults.append(
-                Fault(
-                    (),
-                    left[:40],
-                    "joints such as J[R, P[0, 0], L[ground, crank]]",
-                    source=f"line {number}",
-                )
-            )
-        for joint in found:
-            fields = dict(_FIELD.findall(joint[2]))
-            try:
-                x, y = (float(value) for value in fields["P"].split(","))
-                angle = math.radians(float(fields.get("A", "0")))
-                on = [links(name.strip()) for name in fields["L"].split(",") if name.strip()]
-                if (
-                    joint[1] not in ("R", "P", "RP")
-                    or not math.isfinite(x + y + angle)
-                    or len(on) < 1 + (joint[1] != "R")
-                ):
-                    raise ValueError
-            except (KeyError, ValueError):
-                faults.append(
-                    Fault(
-                        (),
-                        joint[0][:60],
-                        "R, P or RP with P[x, y], L[links], and A[deg] of a slide",
-                        source=f"line {number}",
-                    )
-                )
-                continue
-            rows.append((joint[1], complex(x, y), angle, on))
-    for kind, at, _, on in rows:
-        if kind == "R":
-            point = chain.point(next(names), at, on)
-            if len(on) == 1 and on[0] != m.GROUND:
-                chain.traced.append(point)
-            if m.GROUND in on and len(on) > 1 and not chain.driven:
-                chain.driven = next(link for link in on if link != m.GROUND)
-    for kind, at, angle, (base, *riders) in ((k, z, a, on) for k, z, a, on in rows if k != "R"):
-        shared = (
-            p
-            for rider in riders
-            for p in chain.links.get(rider, ())
-            if abs(chain.points[p] - at) <= _SAME
-        )
-        point = next(shared, "") or chain.point(next(names), at, [])
-        for rider in riders:
-            if point not in chain.links.setdefault(rider, []):
-                chain.links[rider].append(point)
-        along = chain.line(f"S{point}", at, angle, base)
-        if kind == "RP":
-            chain.slots.append((point, base, along))
-        else:
-            chain.slides.append((riders[0], base, along))
-    if not rows and not faults:
-        faults.append(
-            Fault(
-                ("joints",),
-                "",
-                "PMKS lines such as J[R, P[0, 0], L[ground, crank]], or pylinkage's JSON",
-            )
-        )
+    chain = Chain()
+    names = _letters()
+    joints = list(_pmks_joints(text, faults))
+    for joint in joints:
+        if joint.kind == "R":
+            _pin(chain, next(names), joint)
+    for joint in joints:
+        if joint.kind != "R":
+            _guide(chain, names, joint)
+    if not joints and not faults:
+        right = "PMKS lines such as J[R, P[0, 0], L[ground, crank]], or pylinkage's JSON"
+        faults.append(Fault(("joints",), "", right))
     chain.remarks.append(
         f"PMKS lines do not say what drives: the first link on the ground is taken, {chain.driven}."
     )
     return chain
+
+
+def _pmks_joints(text: str, faults: list[Fault]) -> Iterator[_Joint]:
+    """The joints of PMKS lines, in their order; what cannot be read becomes a fault."""
+    links = _Names()
+    for number, line in enumerate(text.splitlines(), 1):
+        source = f"line {number}"
+        written = line.partition("#")[0]
+        rest = re.sub(r"[\s,;\]]|M\[", "", _JOINT.sub("", written))
+        if rest:
+            right = "joints such as J[R, P[0, 0], L[ground, crank]]"
+            faults.append(Fault((), rest[:40], right, source=source))
+        for match in _JOINT.finditer(written):
+            try:
+                yield _pmks_joint(match, links)
+            except (KeyError, ValueError):
+                right = "R, P or RP with P[x, y], L[links], and A[deg] of a slide"
+                faults.append(Fault((), match[0][:60], right, source=source))
+
+
+def _pmks_joint(match: re.Match[str], links: _Names) -> _Joint:
+    """KeyError or ValueError where it is none."""
+    kind = match[1]
+    fields = dict(_FIELD.findall(match[2]))
+    x, y = (float(value) for value in fields["P"].split(","))
+    angle = math.radians(float(fields.get("A", "0")))
+    joined = tuple(links(name.strip()) for name in fields["L"].split(",") if name.strip())
+    fewest = 1 if kind == "R" else 2
+    if kind not in ("R", "P", "RP") or not math.isfinite(x + y + angle) or len(joined) < fewest:
+        raise ValueError(kind)
+    return _Joint(kind, complex(x, y), angle, joined)
+
+
+def _pin(chain: Chain, name: str, joint: _Joint) -> None:
+    """A pin of all its links; on one that moves alone a place that is traced."""
+    point = chain.point(name, joint.place, joint.links)
+    moving = [link for link in joint.links if link != m.GROUND]
+    if len(joint.links) == 1 and moving:
+        chain.traced.append(point)
+    if m.GROUND in joint.links and moving and not chain.driven:
+        chain.driven = moving[0]
+
+
+def _guide(chain: Chain, names: Iterator[str], joint: _Joint) -> None:
+    """A slot or a slide of the first link, at a point that the others have there or get."""
+    base, *riders = joint.links
+    shared = (
+        point
+        for rider in riders
+        for point in chain.links.get(rider, ())
+        if abs(chain.points[point] - joint.place) <= _SAME
+    )
+    point = next(shared, "") or chain.point(next(names), joint.place, [])
+    for rider in riders:
+        carried = chain.links.setdefault(rider, [])
+        if point not in carried:
+            carried.append(point)
+    along = chain.line(f"S{point}", joint.place, joint.angle, base)
+    if joint.kind == "RP":
+        chain.slots.append((point, base, along))
+    else:
+        chain.slides.append((riders[0], base, along))
 
 
 def _pylinkage(text: str, faults: list[Fault]) -> Chain:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import Any
+from collections.abc import Iterable
 
 from camgen.errors import Fault, Key, SpecError
 from camgen.machine.model import GROUND
@@ -63,23 +62,21 @@ def _link_faults(drawing: Drawing) -> Iterable[Fault]:
     for point in drawing.points:
         if point not in used:
             yield Fault(("points", point), "", "is on no link: name it in [links], or take it away")
-    held = {each.link for each in drawing.slides}
-    for name, points in drawing.links.items():
-        shared = any(
-            point in others
-            for point in points
-            for other, others in drawing.links.items()
-            if other != name
-        )
-        pinned = any(slot.pin in points for slot in drawing.slots) or any(
-            slot.link == name for slot in drawing.slots
-        )
-        if name != GROUND and not shared and not pinned and name not in held:
-            yield Fault(
-                ("links", name),
-                "",
-                "nothing holds it: let it share a point with another link, or slide",
-            )
+    for name in drawing.links:
+        if name != GROUND and not _joined(drawing, name):
+            right = "nothing holds it: let it share a point with another link, or slide"
+            yield Fault(("links", name), "", right)
+
+
+def _joined(drawing: Drawing, name: str) -> bool:
+    """Whether a link shares a point with another one, slides, or has part in a slot."""
+    points = drawing.links[name]
+    others = {point for other, points in drawing.links.items() if other != name for point in points}
+    return (
+        not others.isdisjoint(points)
+        or any(slide.link == name for slide in drawing.slides)
+        or any(slot.link == name or slot.pin in points for slot in drawing.slots)
+    )
 
 
 def _length_faults(drawing: Drawing) -> Iterable[Fault]:
@@ -108,124 +105,113 @@ def _length_faults(drawing: Drawing) -> Iterable[Fault]:
 
 
 def _joint_faults(drawing: Drawing) -> Iterable[Fault]:
-    links = drawing.links
-    named: dict[str, str] = {}
-
-    def link(path: Key, name: str, ground: bool = True) -> bool:
-        if name not in links:
-            faults.append(unknown(path, name, links))
-        elif name == GROUND and not ground:
-            still = (
-                "; no wheel is made that stands still while another runs round it"
-                if path[0] == "gear"
-                else ""
-            )
-            faults.append(Fault(path, repr(name), f"a link that moves{still}"))
-        else:
-            return True
-        return False
-
-    def on(path: Key, name: str, points: Sequence[str]) -> None:
-        for k, point in enumerate(points):
-            if point not in links[name]:
-                faults.append(
-                    Fault(
-                        (*path, k),
-                        repr(point),
-                        f"a point of link {name}: {', '.join(links[name])}",
-                    )
-                )
-        if len(points) == 2 and points[0] == points[1]:
-            faults.append(Fault(path, repr(points[0]), "two different points"))
-        elif (
-            all(point in drawing.points for point in points)
-            and points[1:]
-            and (length := abs(drawing.at(points[0]) - drawing.at(points[1]))) < SAME_POINT
-        ):
-            right = f"two points that lie apart: its length is {length:.3g} mm"
-            faults.append(Fault(path, f"{points[0]}, {points[1]}", right))
-
-    faults: list[Fault] = []
-    if (
-        link(("drive", "link"), drawing.drive.link, False)
-        and drawing.pivot(drawing.drive.link) is None
-    ):
-        faults.append(
-            Fault(
-                ("drive", "link"),
-                repr(drawing.drive.link),
-                "a link that shares a point with the ground",
-            )
-        )
-    if (
-        drawing.drive.range_deg is not None
-        and not drawing.drive.range_deg[0] < drawing.drive.range_deg[1]
-    ):
-        faults.append(
-            Fault(
-                ("drive", "range_deg"),
-                str(list(drawing.drive.range_deg)),
-                "the least before the greatest",
-            )
-        )
-    faults += drawing.drive.faults()
+    yield from _drive_faults(drawing)
     for k, slide in enumerate(drawing.slides):
-        both = [link(("slide", k, "link"), slide.link, False), link(("slide", k, "on"), slide.on)]
-        if all(both) and slide.link == slide.on:
-            faults.append(Fault(("slide", k, "on"), repr(slide.on), "another link"))
-        if both[1]:
-            on(("slide", k, "along"), slide.on, slide.along)
+        yield from _slide_faults(drawing, ("slide", k), slide)
     for k, slot in enumerate(drawing.slots):
-        if link(("slot", k, "link"), slot.link):
-            on(("slot", k, "along"), slot.link, slot.along)
-            if slot.pin not in drawing.points:
-                faults.append(unknown(("slot", k, "pin"), slot.pin, drawing.points))
-            elif drawing.carrier(slot) is None:
-                faults.append(
-                    Fault(
-                        ("slot", k, "pin"),
-                        repr(slot.pin),
-                        f"a point of a link other than {slot.link}",
-                    )
-                )
-            elif slot.pin in links[slot.link]:
-                faults.append(
-                    Fault(
-                        ("slot", k, "pin"),
-                        repr(slot.pin),
-                        f"no point of {slot.link} itself, which would pin it",
-                    )
-                )
+        yield from _slot_faults(drawing, ("slot", k), slot)
     for k, gear in enumerate(drawing.gears):
-        if link(("gear", k, "a"), gear.a, False) & link(("gear", k, "b"), gear.b, False):
-            if gear.a == gear.b:
-                faults.append(Fault(("gear", k, "b"), repr(gear.b), "another link"))
-            faults += [
-                Fault(("gear", k, end), repr(name), f"a link that turns: {name} slides and cannot")
-                for end, name in (("a", gear.a), ("b", gear.b))
-                if drawing.slide_of(name)
-            ]
-        if gear.ratio == 0:
-            faults.append(Fault(("gear", k, "ratio"), "0", "a ratio other than 0"))
+        yield from _gear_faults(drawing, ("gear", k), gear)
     for k, cam in enumerate(drawing.cams):
-        faults += _cam_faults(drawing, ("cam", k), cam, link)
+        yield from _cam_faults(drawing, ("cam", k), cam)
     for name in drawing.levels_of_joints():
-        if name in links:
-            faults.append(
-                Fault(("links", name), "", "another name: a cam or gear has it, and its level")
-            )
+        if name in drawing.links:
+            right = "another name: a cam or gear has it, and its level"
+            yield Fault(("links", name), "", right)
+    named: dict[str, str] = {}
     for path, name in drawing.joints():
         if name in named:
-            faults.append(
-                Fault((*path, "name"), repr(name), f"a name of its own: {named[name]} has it")
-            )
+            yield Fault((*path, "name"), repr(name), f"a name of its own: {named[name]} has it")
         named[name] = path
-    return faults
 
 
-def _cam_faults(drawing: Drawing, path: Key, cam: t.Cam, link: Any) -> list[Fault]:
-    faults = []
-    if link((*path, "cam"), cam.cam, False) and drawing.pivot(cam.cam) is None:
+def _link_fault(drawing: Drawing, path: Key, name: str, moves: bool = True) -> list[Fault]:
+    """What is wrong with the name of a link; moves: the ground is none such."""
+    if name not in drawing.links:
+        return [unknown(path, name, drawing.links)]
+    if name != GROUND or not moves:
+        return []
+    still = "; no wheel is made that stands still while another runs round it"
+    right = f"a link that moves{still if path[0] == 'gear' else ''}"
+    return [Fault(path, repr(name), right)]
+
+
+def _line_faults(drawing: Drawing, path: Key, name: str, line: tuple[str, str]) -> Iterable[Fault]:
+    """What is wrong with two points of a link that say where something slides."""
+    points = drawing.links[name]
+    for k, point in enumerate(line):
+        if point not in points:
+            right = f"a point of link {name}: {', '.join(points)}"
+            yield Fault((*path, k), repr(point), right)
+    first, second = line
+    if first == second:
+        yield Fault(path, repr(first), "two different points")
+    elif first in drawing.points and second in drawing.points:
+        length = abs(drawing.at(first) - drawing.at(second))
+        if length < SAME_POINT:
+            right = f"two points that lie apart: its length is {length:.3g} mm"
+            yield Fault(path, f"{first}, {second}", right)
+
+
+def _drive_faults(drawing: Drawing) -> Iterable[Fault]:
+    drive = drawing.drive
+    path = ("drive", "link")
+    wrong = _link_fault(drawing, path, drive.link)
+    yield from wrong
+    if not wrong and drawing.pivot(drive.link) is None:
+        yield Fault(path, repr(drive.link), "a link that shares a point with the ground")
+    turn = drive.range_deg
+    if turn is not None and not turn[0] < turn[1]:
+        yield Fault(("drive", "range_deg"), str(list(turn)), "the least before the greatest")
+    yield from drive.faults()
+
+
+def _slide_faults(drawing: Drawing, path: Key, slide: t.Slide) -> Iterable[Fault]:
+    link = _link_fault(drawing, (*path, "link"), slide.link)
+    guide = _link_fault(drawing, (*path, "on"), slide.on, moves=False)
+    yield from (*link, *guide)
+    if not link and not guide and slide.link == slide.on:
+        yield Fault((*path, "on"), repr(slide.on), "another link")
+    if not guide:
+        yield from _line_faults(drawing, (*path, "along"), slide.on, slide.along)
+
+
+def _slot_faults(drawing: Drawing, path: Key, slot: t.Slot) -> Iterable[Fault]:
+    wrong = _link_fault(drawing, (*path, "link"), slot.link, moves=False)
+    if wrong:
+        yield from wrong
+        return
+    yield from _line_faults(drawing, (*path, "along"), slot.link, slot.along)
+    pin = (*path, "pin")
+    if slot.pin not in drawing.points:
+        yield unknown(pin, slot.pin, drawing.points)
+    elif drawing.carrier(slot) is None:
+        yield Fault(pin, repr(slot.pin), f"a point of a link other than {slot.link}")
+    elif slot.pin in drawing.links[slot.link]:
+        right = f"no point of {slot.link} itself, which would pin it"
+        yield Fault(pin, repr(slot.pin), right)
+
+
+def _gear_faults(drawing: Drawing, path: Key, gear: t.Gear) -> Iterable[Fault]:
+    wheels = {"a": gear.a, "b": gear.b}
+    wrong = [
+        fault for end, name in wheels.items() for fault in _link_fault(drawing, (*path, end), name)
+    ]
+    yield from wrong
+    if not wrong:
+        if gear.a == gear.b:
+            yield Fault((*path, "b"), repr(gear.b), "another link")
+        for end, name in wheels.items():
+            if drawing.slide_of(name):
+                right = f"a link that turns: {name} slides and cannot"
+                yield Fault((*path, end), repr(name), right)
+    if gear.ratio == 0:
+        yield Fault((*path, "ratio"), "0", "a ratio other than 0")
+
+
+def _cam_faults(drawing: Drawing, path: Key, cam: t.Cam) -> list[Fault]:
+    faults = _link_fault(drawing, (*path, "cam"), cam.cam)
+    if not faults and drawing.pivot(cam.cam) is None:
         faults.append(
             Fault(
                 (*path, "cam"),
@@ -233,8 +219,9 @@ def _cam_faults(drawing: Drawing, path: Key, cam: t.Cam, link: Any) -> list[Faul
                 "a link that shares a point with the ground: it turns there",
             )
         )
-    if not link((*path, "follower"), cam.follower, False):
-        return faults
+    wrong_follower = _link_fault(drawing, (*path, "follower"), cam.follower)
+    if wrong_follower:
+        return [*faults, *wrong_follower]
     if cam.follower == cam.cam:
         return [
             *faults,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, ConfigDict, Field, model_validator
@@ -266,84 +266,118 @@ class Parts(Record):
 
     def faults(self, links: Iterable[str], nozzle: float, min_wall: float = 0.0) -> list[Fault]:
         """Tables of links that are not there, walls that a printer cannot make, a flat that is none."""
+        links = tuple(links)
         known = [*type(self).model_fields, *links]
-        found = [unknown(("parts", name), None, known) for name in self.shapes if name not in known]
-        least = f"at least the nozzle, {nozzle:g} mm"
-        for link in links:
-            thickness = self.shape(link).thickness
-            if thickness is not None and link == "ground":
-                right = "nothing here: the plate's is parts.base_thickness"
-                found.append(Fault(("parts", "ground", "thickness"), f"{thickness:g}", right))
-            elif thickness is not None and thickness < nozzle:
-                found.append(Fault(("parts", link, "thickness"), f"{thickness:g}", least))
-            width = self.shape(link).width
-            if width is not None and width < max(nozzle, min_wall):
-                thinnest = (
-                    least if min_wall < nozzle else f"at least limits.min_wall, {min_wall:g} mm"
-                )
-                found.append(Fault(("parts", link, "width"), f"{width:g}", thinnest))
-        kinds = {self.pin, *self.pins.values()}
-        if "dowel" in kinds and self.pin_diameter not in DOWELS:
-            right = f"one in which dowels are sold: {', '.join(f'{size:g}' for size in DOWELS)}"
-            found.append(Fault(("parts", "pin_diameter"), f"{self.pin_diameter:g}", right))
-        if "shoulder" in kinds and self.pin_diameter > SHOULDER_SCREWS[-1].diameter:
-            right = f"at most {SHOULDER_SCREWS[-1].diameter:g}, the thickest shoulder screw"
-            found.append(Fault(("parts", "pin_diameter"), f"{self.pin_diameter:g}", right))
-        if self.set_screw != "none" and self.face is None:
-            said = "nothing here: parts.motor, on whose shaft its collar sits"
-            found.append(Fault(("parts", "set_screw"), repr(self.set_screw), said))
-        if self.face is not None:
-            if self.shaft_diameter != self.face.shaft:
-                right = (
-                    f'{self.face.shaft:g} mm, the shaft of motor = "{self.motor}"; left out, it is'
-                )
-                found.append(Fault(("parts", "shaft_diameter"), f"{self.shaft_diameter:g}", right))
-            elif self.face.flat and self.shaft_flat != self.face.flat:
-                over = f"{self.face.shaft - self.face.flat:g} over its flat"
-                right = f'{self.face.flat:g} mm, the flat of the shaft of motor = "{self.motor}", {over}; left out, it is'
-                found.append(Fault(("parts", "shaft_flat"), f"{self.shaft_flat:g}", right))
-            if self.base_thickness < self.pocket + 2 * nozzle:
-                right = f"at least {self.pocket + 2 * nozzle:g} mm: the heads of the motor's screws, and a floor"
-                found.append(Fault(("parts", "base_thickness"), f"{self.base_thickness:g}", right))
-            grip, screw = self.base_thickness - self.pocket, self.face.screw
-            if self.face.screw_length(grip) < grip + screw.nominal / 2:
-                right = (
-                    f"a thickness through which a screw {screw.thread} that is sold holds the motor"
-                )
-                found.append(Fault(("parts", "base_thickness"), f"{self.base_thickness:g}", right))
-        held, floor = self.post_screw if self.plates > 1 else None, SUNK + 2 * nozzle
-        if self.plates > 1 and held is None:
-            right = f"the core hole of a screw, as the posts have it too: {', '.join(map(str, CORE_HOLES.values()))}"
-            found.append(Fault(("parts", "mount_diameter"), f"{self.mount_diameter:g}", right))
-        if held is not None and self.base_thickness < held.height + floor:
-            right = f"at least {held.height + floor:g} mm: the sunk heads of the posts' screws, and a floor"
-            found.append(Fault(("parts", "base_thickness"), f"{self.base_thickness:g}", right))
-        if self.head > self.thickness:
-            right = f"at most the thickness, {self.thickness:g} mm: it takes one level"
-            found.append(Fault(("parts", "head"), f"{self.head:g}", right))
-        if self.hand_crank:
-            right = f"at least {self.least_crank:g} mm: its knob beside the shaft"
-            if self.face is not None:
-                right = f"nothing here, or no parts.motor: {self.motor} drives"
-            if self.face is not None or self.hand_crank < self.least_crank:
-                found.append(Fault(("parts", "hand_crank"), f"{self.hand_crank:g}", right))
-            if self.shaft_length < 2 * self.thickness + 2:
-                right = f"at least {2 * self.thickness + 2:g} mm: the collar under the plate and the hand crank"
-                found.append(Fault(("parts", "shaft_length"), f"{self.shaft_length:g}", right))
-        elif self.shaft_length < self.thickness + 2:
-            right = f"at least {self.thickness + 2:g} mm: the collar under the plate, and its play"
-            found.append(Fault(("parts", "shaft_length"), f"{self.shaft_length:g}", right))
-        thin = [
-            key
-            for key in ("thickness", "wall", "head", "base_thickness", "rail_width")
-            if getattr(self, key) < nozzle
+        strangers = [name for name in self.shapes if name not in known]
+        return [
+            *(unknown(("parts", name), None, known) for name in strangers),
+            *(fault for link in links for fault in self._shape_faults(link, nozzle, min_wall)),
+            *self._pin_faults(),
+            *self._motor_faults(nozzle),
+            *self._post_faults(nozzle),
+            *self._shaft_faults(),
+            *(
+                self._fault(key, f"at least the nozzle, {nozzle:g} mm")
+                for key in ("thickness", "wall", "head", "base_thickness", "rail_width")
+                if getattr(self, key) < nozzle
+            ),
         ]
-        found += [Fault(("parts", key), f"{getattr(self, key):g}", least) for key in thin]
+
+    def _fault(self, key: str, right: str) -> Fault:
+        """A size or a choice that is wrong."""
+        value = getattr(self, key)
+        return Fault(
+            ("parts", key), f"{value:g}" if isinstance(value, float) else repr(value), right
+        )
+
+    def _shape_faults(self, link: str, nozzle: float, min_wall: float) -> Iterator[Fault]:
+        """Of one link's body."""
+        shape = self.shape(link)
+        least = f"at least the nozzle, {nozzle:g} mm"
+        if shape.thickness is not None and (link == "ground" or shape.thickness < nozzle):
+            right = (
+                "nothing here: the plate's is parts.base_thickness" if link == "ground" else least
+            )
+            yield Fault(("parts", link, "thickness"), f"{shape.thickness:g}", right)
+        if shape.width is not None and shape.width < max(nozzle, min_wall):
+            right = least if min_wall < nozzle else f"at least limits.min_wall, {min_wall:g} mm"
+            yield Fault(("parts", link, "width"), f"{shape.width:g}", right)
+
+    def _pin_faults(self) -> Iterator[Fault]:
+        """Of pins of steel, and of their heads."""
+        kinds = {self.pin, *self.pins.values()}
+        thickest = SHOULDER_SCREWS[-1].diameter
+        if "dowel" in kinds and self.pin_diameter not in DOWELS:
+            sold = ", ".join(f"{size:g}" for size in DOWELS)
+            yield self._fault("pin_diameter", f"one in which dowels are sold: {sold}")
+        if "shoulder" in kinds and self.pin_diameter > thickest:
+            yield self._fault("pin_diameter", f"at most {thickest:g}, the thickest shoulder screw")
+        if self.head > self.thickness:
+            yield self._fault(
+                "head", f"at most the thickness, {self.thickness:g} mm: it takes one level"
+            )
+
+    def _motor_faults(self, nozzle: float) -> Iterator[Fault]:
+        """Of the motor that is named, its screws in the plate, and what sits on its shaft."""
         if self.can is not None and self.motor != "none":
             right = f'nothing here, or no parts.motor = "{self.motor}": one motor drives'
-            found.append(Fault(("parts", "can"), "", right))
-        round_ = not self.shaft_flat and self.shaft == "through"
-        if not round_ and not 0.05 <= self.shaft_flat / self.shaft_diameter < 0.5:
+            yield Fault(("parts", "can"), "", right)
+        face = self.face
+        if face is None:
+            if self.set_screw != "none":
+                right = "nothing here: parts.motor, on whose shaft its collar sits"
+                yield self._fault("set_screw", right)
+            return
+        motor = f'of motor = "{self.motor}"'
+        if self.shaft_diameter != face.shaft:
+            yield self._fault(
+                "shaft_diameter", f"{face.shaft:g} mm, the shaft {motor}; left out, it is"
+            )
+        elif face.flat and self.shaft_flat != face.flat:
+            over = f"{face.shaft - face.flat:g} over its flat"
+            right = f"{face.flat:g} mm, the flat of the shaft {motor}, {over}; left out, it is"
+            yield self._fault("shaft_flat", right)
+        least = self.pocket + 2 * nozzle
+        if self.base_thickness < least:
+            right = f"at least {least:g} mm: the heads of the motor's screws, and a floor"
+            yield self._fault("base_thickness", right)
+        grip = self.base_thickness - self.pocket
+        screw = face.screw
+        if face.screw_length(grip) < grip + screw.nominal / 2:
+            right = f"a thickness through which a screw {screw.thread} that is sold holds the motor"
+            yield self._fault("base_thickness", right)
+
+    def _post_faults(self, nozzle: float) -> Iterator[Fault]:
+        """Of the screws that hold a second plate on its posts."""
+        if self.plates == 1:
+            return
+        screw = self.post_screw
+        if screw is None:
+            holes = ", ".join(map(str, CORE_HOLES.values()))
+            right = f"the core hole of a screw, as the posts have it too: {holes}"
+            yield self._fault("mount_diameter", right)
+            return
+        least = screw.height + SUNK + 2 * nozzle
+        if self.base_thickness < least:
+            right = f"at least {least:g} mm: the sunk heads of the posts' screws, and a floor"
+            yield self._fault("base_thickness", right)
+
+    def _shaft_faults(self) -> Iterator[Fault]:
+        """Of the driven shaft, its flat and its hand crank."""
+        least = self.thickness + 2
+        held = "the collar under the plate, and its play"
+        if self.hand_crank:
+            least = 2 * self.thickness + 2
+            held = "the collar under the plate and the hand crank"
+            if self.face is not None:
+                right = f"nothing here, or no parts.motor: {self.motor} drives"
+                yield self._fault("hand_crank", right)
+            elif self.hand_crank < self.least_crank:
+                right = f"at least {self.least_crank:g} mm: its knob beside the shaft"
+                yield self._fault("hand_crank", right)
+        if self.shaft_length < least:
+            yield self._fault("shaft_length", f"at least {least:g} mm: {held}")
+        flat = self.shaft_flat or self.shaft != "through"
+        if flat and not 0.05 <= self.shaft_flat / self.shaft_diameter < 0.5:
             right = "between a twentieth and half of shaft_diameter, so that it turns the link"
-            found.append(Fault(("parts", "shaft_flat"), f"{self.shaft_flat:g}", right))
-        return found
+            yield self._fault("shaft_flat", right)
