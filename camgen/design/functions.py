@@ -142,7 +142,8 @@ class Generator:
 
 def search(wish: FunctionWish, tables: Data) -> list[Generator]:
     """Four-bars for the function: a front from the least error to the greatest least transmission angle; DesignError."""
-    pairs, least = np.radians(np.array(wish.turns)), math.radians(wish.transmission_deg)
+    pairs = np.radians(np.array(wish.turns))
+    least = math.radians(wish.transmission_deg)
     starts = _starts(pairs, wish)
     pool = [_polished(begin, pairs, wish, angle=least) for begin in starts]
     numbers = np.array(pool).T
@@ -158,7 +159,8 @@ def search(wish: FunctionWish, tables: Data) -> list[Generator]:
     steep = [_polished(begin, pairs, wish, error=0.98 * borne) for begin in begins]
     _, angles = _judged(np.array(steep).T, pairs, wish)
     pool += steep
-    top, first = steep[int(np.argmax(angles))], max(least, float(transmission[order[0]]))
+    top = steep[int(np.argmax(angles))]
+    first = max(least, float(transmission[order[0]]))
     for angle in np.linspace(max(angles), first, _LEVELS + 2)[
         1:-1
     ]:  # down from the best transmission angle
@@ -264,7 +266,8 @@ def _polished(
     limits = np.stack([own, ~own], axis=1).astype(float)  # which of error and cosine limits what
 
     def room(x: Floats) -> Floats:
-        value, borne = bounded(x[:4, None])[:, 0], limits @ x[4:]
+        value = bounded(x[:4, None])[:, 0]
+        borne = limits @ x[4:]
         return np.concatenate([borne - value, borne + value])
 
     def slopes(x: Floats) -> Floats:
@@ -297,7 +300,8 @@ def _polished(
 
 def _freudenstein(phi0: Floats, psi0: Floats, pairs: Floats) -> Floats:
     """Crank, coupler and rocker on a frame of 1 for places of the first pair, (n,) rad each: (3, n), nan where there are none."""
-    phi, psi = phi0[:, None] + pairs[:, 0], psi0[:, None] + pairs[:, 1]
+    phi = phi0[:, None] + pairs[:, 0]
+    psi = psi0[:, None] + pairs[:, 1]
     table = np.stack([np.cos(psi), -np.cos(phi), np.ones(phi.shape)], axis=-1)
     right = np.cos(phi - psi)
     if len(pairs) > 3:  # normal equations: three unknowns, each of size 1
@@ -307,7 +311,8 @@ def _freudenstein(phi0: Floats, psi0: Floats, pairs: Floats) -> Floats:
         )
     k1, k2, k3 = solve(table, right).T
     with np.errstate(all="ignore"):
-        crank, rocker = 1 / k1, 1 / k2
+        crank = 1 / k1
+        rocker = 1 / k2
         coupler = np.sqrt(crank**2 + rocker**2 + 1 - 2 * crank * rocker * k3)
         return np.where((crank > 0) & (rocker > 0), np.stack([crank, coupler, rocker]), math.nan)
 
@@ -336,14 +341,16 @@ def _wrapped(angle: Floats) -> Floats:
 def _judged(numbers: Floats, pairs: Floats, wish: FunctionWish) -> tuple[Floats, Floats]:
     """Worst error at the pairs and least transmission angle over the range, rad, (n,); inf and -1 where a design is none."""
     sides = np.array([*numbers[2:], np.ones(numbers.shape[1])])
-    least, greatest = wish.shares[0] - _ROUNDING, wish.shares[1] + _ROUNDING
+    least = wish.shares[0] - _ROUNDING
+    greatest = wish.shares[1] + _ROUNDING
     fit = (
         np.isfinite(sides).all(axis=0)
         & (sides.min(axis=0) >= least)
         & (sides.max(axis=0) <= greatest)
     )
     found = np.flatnonzero(fit)
-    error, transmission = np.full(fit.size, math.inf), np.full(fit.size, -1.0)
+    error = np.full(fit.size, math.inf)
+    transmission = np.full(fit.size, -1.0)
     psi, _ = _closed(numbers[:, found], pairs[:, 0])
     error[found] = np.max(np.abs(_wrapped(psi - psi[:1] - pairs[:, 1:])), axis=0)
     _, cosine = _closed(

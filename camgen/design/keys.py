@@ -79,7 +79,8 @@ class Search:
                 every[free] = values
                 return float(self.costs(every[:, None])[0])
 
-            begin, ranges = end.x[free], [bounds[k] for k in free]
+            begin = end.x[free]
+            ranges = [bounds[k] for k in free]
             simplex = np.vstack(
                 [begin, begin + 0.02 * np.diag([high - low for low, high in ranges])]
             )
@@ -124,7 +125,8 @@ class Search:
         try:
             if isinstance(made, CamgenError):
                 raise made
-            findings, figures = made.forecast(), made.study().numbers
+            findings = made.forecast()
+            figures = made.study().numbers
         except (DesignError, SpecError) as error:
             self.reason = self.reason or " ".join(str(error).split())
             return _REFUSED
@@ -160,7 +162,9 @@ class Search:
         )
         cost = _REFUSED if math.isnan(cost) else cost
         if cost < self.best:
-            self.best, self.settings, self.broken = cost, settings, broken
+            self.best = cost
+            self.settings = settings
+            self.broken = broken
             if not short:
                 self.told(f"{name} {figures[name]:.6g} after {self.tried} designs")
         return cost

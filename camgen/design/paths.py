@@ -164,7 +164,8 @@ def area(designs: Iterable[Found], goal: Goal) -> float:
 
 def solved(goal: Goal, task: Task) -> list[Found]:
     """The front of one task."""
-    rng, chain = np.random.default_rng(task.seed), task.chain
+    rng = np.random.default_rng(task.seed)
+    chain = task.chain
     if task.known:
         numbers = np.tile(
             normed(packed(np.array([each.drawn for each in task.known]))), (_SHAKEN, 1)
@@ -178,7 +179,9 @@ def solved(goal: Goal, task: Task) -> list[Found]:
             best[np.unique(np.linspace(0, len(best) - 1, min(len(best), _POLISHED)).astype(int))],
             _COPIES,
         )
-        numbers, error, bars = numbers[best], error[best], bars[best]
+        numbers = numbers[best]
+        error = error[best]
+        bars = bars[best]
     if not numbers.size:
         return []
     weight = _chance(rng, _WEIGHTS, len(numbers)) * (error / goal.worst) / (bars / goal.most)
@@ -215,7 +218,8 @@ def _glanced(goal: Goal, chain: Chain, numbers: Floats) -> tuple[Floats, Floats,
     """Value, error and bars of designs by a fast look; one that cannot be made costs more the more it opens."""
     drawn = unpacked(numbers)
     paths, least = chain.trace(drawn, _GLANCED)
-    error, bars = np.full(len(drawn), np.inf), np.full(len(drawn), np.inf)
+    error = np.full(len(drawn), np.inf)
+    bars = np.full(len(drawn), np.inf)
     closed = np.flatnonzero(least >= goal.sine)
     if closed.size:
         laid, factor, _ = goal.target.laid(paths[:, closed])
@@ -234,16 +238,20 @@ def _evolved(goal: Goal, chain: Chain, rng: np.random.Generator) -> tuple[Floats
     x = normed(packed(sown))
     value, error, bars = _glanced(goal, chain, x)
     best = np.argsort(value, kind="stable")[:size]
-    x, value = x[best], value[best]
+    x = x[best]
+    value = value[best]
     met = [(x, error[best], bars[best])]
-    left, factor, crossing = x[:0], 0.5, 0.5
+    left = x[:0]
+    factor = 0.5
+    crossing = 0.5
     numbers = np.arange(size)
     for _ in range(_GENERATIONS):
         rates = np.clip(rng.normal(crossing, 0.1, size), 0.0, 1.0)
         factors = np.clip(factor + 0.1 * rng.standard_cauchy(size), 0.05, 1.0)
         leaders = np.argsort(value, kind="stable")[: math.ceil(_BEST * size)]
         pool = np.concatenate([x, left])
-        leader, one = x[rng.choice(leaders, size)], x[rng.integers(size, size=size)]
+        leader = x[rng.choice(leaders, size)]
+        one = x[rng.integers(size, size=size)]
         other = pool[rng.integers(len(pool), size=size)]
         crossed = rng.random(x.shape) < rates[:, None]
         crossed[numbers, rng.integers(x.shape[1], size=size)] = True
@@ -253,7 +261,8 @@ def _evolved(goal: Goal, chain: Chain, rng: np.random.Generator) -> tuple[Floats
         if better.any():
             left = np.concatenate([left, x[better]])[-size:]
             met.append((tried[better], error[better], bars[better]))
-            x, value = normed(np.where(better[:, None], tried, x)), np.where(better, then, value)
+            x = normed(np.where(better[:, None], tried, x))
+            value = np.where(better, then, value)
             factor = 0.9 * factor + 0.1 * float(
                 np.sum(factors[better] ** 2) / np.sum(factors[better])
             )

@@ -141,7 +141,8 @@ def _expanded(
     longer = (lengths - state.lengths[:, None]) / _SHARE
 
     small = _SMALL * goal.target.chord
-    paths, near = state.laid.T, state.near
+    paths = state.laid.T
+    near = state.near
     slope = np.einsum("ndb->nd", longer) * (weight / goal.most)[:, None]
     # a length as the square of its root: the step's second derivative stays positive
     pull = (

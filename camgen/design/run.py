@@ -211,7 +211,8 @@ class Asked:
 
     def all_right(self, *looks: Callable[[], object]) -> list[Any]:
         """What each look gives; SpecError with the faults of all of them."""
-        found, faults = list[Any](), dict[Fault, None]()
+        found = list[Any]()
+        faults = dict[Fault, None]()
         for look in looks:
             try:
                 found.append(look())
@@ -230,10 +231,8 @@ class Asked:
             self.told(f"parts of design {number} of {len(front)}")
             rows.append(each.row(number))
         if self.keep is not None:
-            texts, name = (
-                [self.spec_of(each, said, None) for each in front],
-                str(self.data.get("name")),
-            )
+            texts = [self.spec_of(each, said, None) for each in front]
+            name = str(self.data.get("name"))
             self.keep(
                 Front(
                     f"{title} of {name}", summary, axes, texts, rows, [each.drawn for each in front]
@@ -469,7 +468,8 @@ def chosen(
 ) -> D:
     """Of those that can be built, with no more play and error than is borne: the one of most `within` the tolerance, or without
     one the `best`; DesignError."""
-    wanted, unit = aim.wish, aim.unit
+    wanted = aim.wish
+    unit = aim.unit
     made = [each for each in front if not each.weighed.unmade]
     if not made:
         room = "a larger wanted.frame" if isinstance(wanted, FunctionWish) else wanted.further
@@ -485,17 +485,16 @@ def chosen(
     if wanted.lash is not None:
         tight = [each for each in made if each.weighed.lash <= wanted.lash]
         if not tight:
-            least, remedy = (
-                min(each.weighed.lash for each in made),
-                "a smaller print.slide_clearance, or more play",
-            )
+            least = min(each.weighed.lash for each in made)
+            remedy = "a smaller print.slide_clearance, or more play"
             raise DesignError(
                 "wanted.lash", least, wanted.lash, unit, "the tightest buildable design", remedy
             )
         made = tight
     can = [each for each in made if not each.weighed.failing]
     if not can:
-        nearest, many = min(made, key=error).weighed, counted(len(made), "buildable design")
+        nearest = min(made, key=error).weighed
+        many = counted(len(made), "buildable design")
         only_play = {each.code for each in nearest.failing} == {"LASH"}
         remedy = (
             "a smaller print.slide_clearance, or the wanted.lash that will do"

@@ -180,7 +180,8 @@ def _ends(paths: Points) -> Indices:
     directions = np.stack([np.cos(angles), np.sin(angles)]).astype(np.float32)
     reach = np.stack([paths.real.T, paths.imag.T], axis=-1).astype(np.float32) @ directions
     own = np.arange(paths.shape[1])[:, None]
-    high, low = np.argmax(reach, axis=1), np.argmin(reach, axis=1)
+    high = np.argmax(reach, axis=1)
+    low = np.argmin(reach, axis=1)
     chords = paths.T[own, high] - paths.T[own, low]
     best = np.argmax(chords.real**2 + chords.imag**2, axis=1)[:, None]
     return np.stack([np.take_along_axis(each, best, axis=1)[:, 0] for each in (low, high)])

@@ -50,8 +50,11 @@ class Biarcs:
     @classmethod
     def through(cls, z: Points, tangents: Points) -> Biarcs:
         """Biarcs between neighbours of the points z (n + 1,) with unit tangents there."""
-        z0, z1, v = z[:-1], z[1:], np.diff(z)
-        a, b = np.angle(tangents[:-1] / v), np.angle(tangents[1:] / v)
+        z0 = z[:-1]
+        z1 = z[1:]
+        v = np.diff(z)
+        a = np.angle(tangents[:-1] / v)
+        b = np.angle(tangents[1:] / v)
         leg = v / (2 * np.cos((b - a) / 4)) * np.exp(0.25j * (a - b))
         sweeps = (-(3 * a + b) / 2, (3 * b + a) / 2)
         kappas = (2 * np.sin(sweeps[0] / 2) / np.abs(leg), 2 * np.sin(sweeps[1] / 2) / np.abs(leg))
@@ -89,7 +92,8 @@ def deviations(piece: Smooth, t: Floats) -> Floats:
     point = np.concatenate([fit.z0, fit.joint])
     tangent = np.concatenate([fit.tangent0, fit.tangent_joint])
     kappa = np.concatenate(fit.kappas)
-    lo, hi = np.concatenate([t[:-1], parting]), np.concatenate([parting, t[1:]])
+    lo = np.concatenate([t[:-1], parting])
+    hi = np.concatenate([parting, t[1:]])
 
     def offset(s: Floats, i: np.ndarray) -> Floats:
         """Distance to the left of arc i, from f = d - kappa d^2 / 2, which a straight arc does not spoil."""
@@ -99,7 +103,9 @@ def deviations(piece: Smooth, t: Floats) -> Floats:
 
     def parallel(s: Floats, i: np.ndarray) -> tuple[Floats, Floats]:
         """Derivatives of f: its first is 0 where the curve runs parallel to arc i."""
-        w, d1, d2 = piece.at(s) - point[i], piece.at(s, 1), piece.at(s, 2)
+        w = piece.at(s) - point[i]
+        d1 = piece.at(s, 1)
+        d2 = piece.at(s, 2)
         slope = cross(tangent[i], d1) - kappa[i] * dot(w, d1)
         return slope, cross(tangent[i], d2) - kappa[i] * (dot(w, d2) + np.abs(d1) ** 2)
 
@@ -131,7 +137,8 @@ def _fit_smooth(piece: Smooth, tolerance: float) -> list[Piece]:
     track = Track(piece, _biarc_law(tolerance), _BIARC_TURN)
     t = fewest(track, lambda ends: deviations(piece, ends), tolerance, 1 / 3)
     z = piece.at(t)
-    fit, left = Biarcs.through(z, _tangents(piece, t)), tolerance - deviations(piece, t)
+    fit = Biarcs.through(z, _tangents(piece, t))
+    left = tolerance - deviations(piece, t)
     limit = 1 / (_FLATTEST * max(np.abs(z - z[0]).max(), np.abs(z).max()))
     pieces: list[Piece] = []
     for i in range(t.size - 1):

@@ -157,7 +157,8 @@ class Brep:
         rings = []
         while steps:
             here = first = next(iter(steps))
-            points, bulges = [], []
+            points = []
+            bulges = []
             while here in steps:
                 after, bulge = steps.pop(here)
                 points.append(here)

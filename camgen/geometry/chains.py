@@ -26,7 +26,8 @@ class Chain:
     @property
     def size(self) -> float:
         """Across its box, mm, arcs by the middle of each."""
-        a, b = self.points[:-1], self.points[1:]
+        a = self.points[:-1]
+        b = self.points[1:]
         z = np.concatenate([self.points, (a + b) / 2 - 0.5j * self.bulges * (b - a)])
         return float(max(np.ptp(z.real), np.ptp(z.imag)))
 
@@ -60,7 +61,8 @@ def joined(chains: Sequence[Chain]) -> tuple[list[Ring], list[Chain]]:
     for start in [k for k in range(len(ends)) if partner[k] < 0] + list(range(0, len(ends), 2)):
         if used[start // 2]:
             continue
-        run, end = [], start
+        run = []
+        end = start
         while end >= 0 and not used[end // 2]:
             used[end // 2] = True
             run.append(pieces[end // 2] if end % 2 == 0 else pieces[end // 2].reversed())
@@ -83,7 +85,8 @@ def _ring(run: Sequence[Chain]) -> Ring | None:
     points = np.concatenate([chain.points[:-1] for chain in run])
     bulges = np.concatenate([chain.bulges for chain in run])
     kept = np.abs(np.roll(points, -1) - points) > SAME_POINT
-    points, bulges = points[kept], bulges[kept]
+    points = points[kept]
+    bulges = bulges[kept]
     if len(points) < 2 or (len(points) == 2 and not bulges.any()):
         return None
     return Ring(points, bulges)

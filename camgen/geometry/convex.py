@@ -21,7 +21,8 @@ def hull_corners(points: Sequence[complex]) -> list[int]:
         found: list[int] = []
         for k in run:
             while len(found) > 1:
-                a, b = points[found[-1]] - points[found[-2]], points[k] - points[found[-2]]
+                a = points[found[-1]] - points[found[-2]]
+                b = points[k] - points[found[-2]]
                 if (a.conjugate() * b).imag > 1e-9 * size * size:
                     break
                 found.pop()
@@ -71,7 +72,8 @@ def _side(a: Points, b: Points, z: Points) -> Floats:
 
 
 def _to_side(z: Points, a: Points, b: Points) -> Floats:
-    way, off = b - a, z - a
+    way = b - a
+    off = z - a
     square = np.abs(way) ** 2
     share = np.clip((way.conj() * off).real / np.where(square > 0, square, 1.0), 0, 1)
     return np.asarray(np.abs(off - share * way))

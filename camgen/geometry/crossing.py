@@ -69,7 +69,8 @@ class Edge:
         # arc stand off a little too, for a cutter that only touches the sides would leave slivers
         flat = np.append((np.cos(turn) - 1) + 1j * (np.sin(turn) - 1), _OUTSIDE * (1 + 1j))
         flat[[0, -2]] += np.array([1, 1j]) * tolerance / (4 * radius)
-        n, count = len(flat), len(self.stations)
+        n = len(flat)
+        count = len(self.stations)
         vertices = np.array(
             [
                 (x, y + self.up * r * p.real, z + self.out * r * p.imag)
@@ -136,7 +137,8 @@ def _at_height(contour: Contour, y: float) -> list[float]:
     """All x at which a contour crosses the height y."""
     found = []
     for piece in contour.pieces:
-        a, b = start_point(piece), end_point(piece)
+        a = start_point(piece)
+        b = end_point(piece)
         if isinstance(piece, Line) and (a.imag <= y) != (b.imag <= y):
             found.append(a.real + (y - a.imag) / (b.imag - a.imag) * (b.real - a.real))
         elif isinstance(piece, Arc) and abs(y - piece.centre.imag) < piece.radius:
@@ -233,8 +235,10 @@ def rounded(points: Sequence[complex], radii: Sequence[float]) -> Contour:
     corners: list[tuple[complex, complex, Arc | None]] = []
     n = len(points)
     for k, (corner, radius) in enumerate(zip(points, radii, strict=True)):
-        into, out = (points[k] - points[k - 1]), (points[(k + 1) % n] - points[k])
-        into, out = into / abs(into), out / abs(out)
+        into = points[k] - points[k - 1]
+        out = points[(k + 1) % n] - points[k]
+        into = into / abs(into)
+        out = out / abs(out)
         turn = math.atan2((into.conjugate() * out).imag, (into.conjugate() * out).real)
         if radius == 0 or turn == 0:
             corners.append((corner, corner, None))

@@ -36,7 +36,8 @@ def outline_error(contour: Contour, ring: Ring) -> float:
     feet, edges = np.roll(feet, -first), np.roll(np.arange(feet.size), -first)
     joints = np.arange(np.ceil(feet[0]), feet[0] + count)
     marks = np.unique(np.concatenate([feet, joints, [feet[0] + count]]))
-    begin, end = marks[:-1], marks[1:]
+    begin = marks[:-1]
+    end = marks[1:]
     edge = edges[np.clip(np.searchsorted(feet, (begin + end) / 2, "right") - 1, 0, feet.size - 1)]
 
     share = np.linspace(0, 1, _SAMPLES)
@@ -47,7 +48,8 @@ def outline_error(contour: Contour, ring: Ring) -> float:
     near = np.flatnonzero(off.max(axis=1) >= _NEAR_WORST * off.max())
     low = places[near, np.maximum(worst[near] - 1, 0)]
     high = places[near, np.minimum(worst[near] + 1, _SAMPLES - 1)]
-    edge, piece = edge[near], piece[near]
+    edge = edge[near]
+    piece = piece[near]
 
     def away(place: Floats) -> Floats:
         return _distance(ring, edge, _points(contour, place, piece))
@@ -81,10 +83,12 @@ def _feet(contour: Contour, points: Points) -> Floats:
     nearest = shapely.STRtree(shapely.points(samples.real, samples.imag)).nearest(
         shapely.points(points.real, points.imag)
     )
-    piece, place = piece[nearest], np.asarray(seeds[nearest])
+    piece = piece[nearest]
+    place = np.asarray(seeds[nearest])
     for _ in range(_NEWTON):
         away = _points(contour, place, piece) - points
-        d1, d2 = _points(contour, place, piece, 1), _points(contour, place, piece, 2)
+        d1 = _points(contour, place, piece, 1)
+        d2 = _points(contour, place, piece, 2)
         slope = np.abs(d1) ** 2 + np.real(np.conj(away) * d2)
         step = np.real(np.conj(away) * d1) / np.where(slope > 0, slope, np.abs(d1) ** 2)
         place = np.asarray(np.clip(place - step, piece, piece + 1))
@@ -96,11 +100,13 @@ def _distance(ring: Ring, edge: NDArray[np.int64], z: Points) -> Floats:
 
     Off an arc of curvature kappa by d: f = d - kappa d^2 / 2 loses no digits on one that is nearly straight.
     """
-    a, b = ring.points[edge], ring.ends[edge]
+    a = ring.points[edge]
+    b = ring.ends[edge]
     half = 2 * np.arctan(ring.bulges[edge])
     chord = b - a
     kappa = 2 * np.sin(half) / np.abs(chord)
-    leaving, arriving = chord * np.exp(-1j * half), chord * np.exp(1j * half)
+    leaving = chord * np.exp(-1j * half)
+    arriving = chord * np.exp(1j * half)
     w = z - a
     f = np.imag(np.conj(leaving) * w) / np.abs(chord) - kappa * np.abs(w) ** 2 / 2
     off = np.abs(2 * f / (1 + np.sqrt(np.maximum(1 - 2 * kappa * f, 0))))

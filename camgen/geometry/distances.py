@@ -67,7 +67,8 @@ def segments_to_rings(a: Points, b: Points, rings: Sequence[Points]) -> Floats:
     ways = shapely.linestrings(
         np.stack([np.column_stack([a.real, a.imag]), np.column_stack([b.real, b.imag])], axis=1)
     )
-    found, within = np.full(len(a), np.inf), np.zeros(len(a), int)
+    found = np.full(len(a), np.inf)
+    within = np.zeros(len(a), int)
     for ring in rings:
         polygon = _polygon(ring)
         found = np.minimum(found, shapely.distance(ways, polygon.exterior))

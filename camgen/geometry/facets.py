@@ -62,7 +62,8 @@ class Track:
         """Panels are halved until their shares settle."""
         if not piece.t0 < piece.t1:
             raise ValueError(f"piece without length at t = {piece.t0:.6g}")
-        self.piece, self.turn_limit = piece, turn_limit
+        self.piece = piece
+        self.turn_limit = turn_limit
         t = piece.spread(257)
         nodes = self._nodes(t)
         turn, share = self._panels(nodes, law)
@@ -80,7 +81,9 @@ class Track:
             )
             again &= np.diff(t)[left] > 1e-13 * (piece.t1 - piece.t0)
             rough = np.sort(np.concatenate([left[again], left[again] + 1]))
-        self.t, self.share, self.turned = t, share, np.concatenate([[0.0], np.cumsum(turn)])
+        self.t = t
+        self.share = share
+        self.turned = np.concatenate([[0.0], np.cumsum(turn)])
         kappa = nodes[2].real
         flips = np.flatnonzero(kappa[:-1] * kappa[1:] < 0)
         radians = np.floor(self.turned[1:])
@@ -107,7 +110,9 @@ class Track:
 
     def _panels(self, nodes: Points, law: ShareLaw) -> tuple[Floats, Floats]:
         """Turn of the tangent over each panel, rad >= 0, and the panel's share."""
-        z, dz, kappa = nodes[0], nodes[1], nodes[2].real
+        z = nodes[0]
+        dz = nodes[1]
+        kappa = nodes[2].real
         turn = np.maximum(np.abs(np.angle(dz[1:] * np.conj(dz[:-1]))) - _TURN_NOISE, 0)
         change = np.maximum(np.abs(np.diff(kappa)) - _CURVATURE_NOISE * np.abs(kappa[1:]), 0)
         return turn, np.maximum(law(turn, np.abs(np.diff(z)), change), turn / self.turn_limit)
@@ -127,7 +132,8 @@ def _spread(t: Floats, share: Floats, n: int) -> Floats:
     if sums[-1] == 0:
         return np.linspace(t[0], t[-1], n + 1)
     even = np.interp(np.linspace(0, sums[-1], n + 1), sums, t)
-    even[0], even[-1] = t[0], t[-1]
+    even[0] = t[0]
+    even[-1] = t[-1]
     return even
 
 
@@ -140,7 +146,8 @@ def fewest(
     the ends are spread again; n is raised where the measured shares do not fit into it, or after _ROUNDS rounds.
     Raises ValueError where rounding hides the tolerance.
     """
-    n, spent = max(1, math.ceil(track.share.sum())), 0
+    n = max(1, math.ceil(track.share.sum()))
+    spent = 0
     t = track.even(n)
     for attempt in range(20 * _ROUNDS):
         measured = deviation(t)
@@ -150,10 +157,8 @@ def fewest(
         spent += 1
         if spent == _ROUNDS or (spent >= _LEAST_ROUNDS and share.sum() > n):
             # One at a time; faster where rounding blurs very many, or nothing has helped for long.
-            n, spent = (
-                n + 1 + n * attempt // 1_000_000 + (n // 50 if attempt > 10 * _ROUNDS else 0),
-                0,
-            )
+            n = n + 1 + n * attempt // 1_000_000 + (n // 50 if attempt > 10 * _ROUNDS else 0)
+            spent = 0
         t = _spread(t, share, n)
     raise ValueError(
         f"no {n} stretches keep within {tolerance:.3g} mm; rounding leaves {measured.max():.3g} mm"

@@ -31,7 +31,8 @@ class Edges:
     @classmethod
     def of_line(cls, corners: Points) -> Edges:
         """Those of a line through corners, (n,), n > 1."""
-        a, b = corners[:-1], corners[1:]
+        a = corners[:-1]
+        b = corners[1:]
         return cls(a, np.where(np.abs(b - a) > _PLACE, b, a))
 
     @classmethod

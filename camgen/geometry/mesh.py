@@ -31,9 +31,11 @@ class Mesh:
     @cached_property
     def across(self) -> Floats:
         """Outward normal of each face, as long as twice its area, (m, 3) mm^2."""
-        rows, (a, b, c) = np.ascontiguousarray(self.vertices.T), self.faces.T
+        rows = np.ascontiguousarray(self.vertices.T)
+        a, b, c = self.faces.T
         first = rows[:, a]
-        u, v = rows[:, b] - first, rows[:, c] - first
+        u = rows[:, b] - first
+        v = rows[:, c] - first
         found = np.empty(self.faces.shape)
         for k, (i, j) in enumerate(
             ((1, 2), (2, 0), (0, 1))
@@ -143,7 +145,8 @@ class MeshFaults:
 
 def mesh_faults(mesh: Mesh) -> MeshFaults:
     """Count the faults of a mesh."""
-    a, b = mesh.faces.ravel(), np.roll(mesh.faces, -1, axis=1).ravel()
+    a = mesh.faces.ravel()
+    b = np.roll(mesh.faces, -1, axis=1).ravel()
     key = np.minimum(a, b) * len(mesh.vertices) + np.maximum(a, b)
     order = np.argsort(key, kind="stable")
     starts = np.flatnonzero(np.diff(key[order], prepend=-1))
@@ -195,22 +198,24 @@ def slice_mesh(mesh: Mesh, z: float) -> list[Ring]:
         return []
     top = high[cut] == 1
     lone = np.argmax(side[cut] == top[:, None], axis=1)  # the corner that is alone on its side
-    faces, row = mesh.faces[cut], np.arange(len(cut))
+    faces = mesh.faces[cut]
+    row = np.arange(len(cut))
     a, b, c = (faces[row, (lone + k) % 3] for k in range(3))
-    tail, head = (
-        np.where(top, b, c),
-        np.where(top, c, b),
-    )  # crossing runs from edge a-tail to edge a-head
+    # crossing runs from edge a-tail to edge a-head
+    tail = np.where(top, b, c)
+    head = np.where(top, c, b)
     size = len(mesh.vertices)
     start = np.minimum(a, tail) * size + np.maximum(a, tail)
     end = np.minimum(a, head) * size + np.maximum(a, head)
-    by_start, by_end = np.argsort(start), np.argsort(end)
+    by_start = np.argsort(start)
+    by_end = np.argsort(end)
     wrong = int(np.count_nonzero(start[by_start] != end[by_end]))
     if wrong or (np.diff(start[by_start]) == 0).any():
         raise ValueError(f"the section at z = {z:.6g} mm does not close")
     following = np.empty(len(cut), np.int64)
     following[by_end] = by_start
-    low, up = mesh.vertices[start // size], mesh.vertices[start % size]
+    low = mesh.vertices[start // size]
+    up = mesh.vertices[start % size]
     share = (z - low[:, 2]) / (up[:, 2] - low[:, 2])
     x, y = (low[:, k] + share * (up[:, k] - low[:, k]) for k in (0, 1))
     points = x + 1j * y
@@ -219,12 +224,14 @@ def slice_mesh(mesh: Mesh, z: float) -> list[Ring]:
 
 def _loops(following: Ints) -> list[Ints]:
     """The cycles of a permutation, each as its members in order."""
-    step, loops = following.tolist(), []
+    step = following.tolist()
+    loops = []
     seen = bytearray(len(step))
     for first in range(len(step)):
         if seen[first]:
             continue
-        loop, k = [], first
+        loop = []
+        k = first
         while not seen[k]:
             seen[k] = 1
             loop.append(k)
@@ -236,7 +243,8 @@ def _loops(following: Ints) -> list[Ints]:
 def _without_idle(z: Points) -> Ring | None:
     """Ring through z less repeated points and those on the line of their neighbours; None when nothing is left."""
     z = z[np.abs(z - np.roll(z, 1)) > SAME_POINT]
-    before, after = z - np.roll(z, 1), np.roll(z, -1) - z
+    before = z - np.roll(z, 1)
+    after = np.roll(z, -1) - z
     # The far neighbour is to lie on the line of the short edge: so two near vertices that bend a little are not both idle.
     idle = np.abs(np.imag(np.conj(before) * after)) <= SAME_POINT * np.minimum(
         np.abs(before), np.abs(after)

@@ -129,7 +129,8 @@ class Smooth:
     def spread(self, count: int) -> Floats:
         """Parameters from t0 to t1, evenly spread, and the knots between them; (count,) and more."""
         even = np.linspace(self.t0, self.t1, count)
-        low, high = min(self.t0, self.t1), max(self.t0, self.t1)
+        low = min(self.t0, self.t1)
+        high = max(self.t0, self.t1)
         inside = [t for t in self.knots if low < t < high]
         if not inside:
             return even
@@ -185,7 +186,8 @@ def _integral(piece: Piece, integrand: Callable[[Points, Points], Floats]) -> fl
 
     Gauss-Legendre of 16 points on panels that are doubled until the sum settles to 1e-14 of its size; exact on a line.
     """
-    panels, last = (1 if isinstance(piece, Line) else 8), math.nan
+    panels = 1 if isinstance(piece, Line) else 8
+    last = math.nan
     while True:
         edges = (
             piece.spread(panels + 1)
@@ -199,7 +201,8 @@ def _integral(piece: Piece, integrand: Callable[[Points, Points], Floats]) -> fl
         )
         if isinstance(piece, Line) or abs(value - last) <= 1e-14 * abs(value) or panels >= 256:
             return value
-        panels, last = 2 * panels, value
+        panels = 2 * panels
+        last = value
 
 
 def _fan(piece: Piece, origin: complex) -> float:

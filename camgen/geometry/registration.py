@@ -65,7 +65,9 @@ def lay(
     targets = [_Target(other) for other in others]
     m = 0j
     for _ in range(_ROUNDS):
-        blocks, rights, found = [], [], []
+        blocks = []
+        rights = []
+        found = []
         for k, (target, each) in enumerate(zip(targets, laid, strict=True)):
             spun = np.exp(1j * each.turn)
             at = spun * straightened(own, m) + each.shift
@@ -106,8 +108,13 @@ def lay_on_known(
     """A measured outline laid on one that is known, in the known one's frame: (n,) mm; m and scale of what measured it, found
     if device and otherwise 0 and 1; how it lay, seen from both centres of area.
     """
-    own, target = outline, _Target([known])
-    turn, shift, m, scale, off = turned(own, known), 0j, 0j, 1.0, np.inf
+    own = outline
+    target = _Target([known])
+    turn = turned(own, known)
+    shift = 0j
+    m = 0j
+    scale = 1.0
+    off = np.inf
     some = own[:: max(1, len(own) // _MOST_POINTS)]
     for _ in range(_ROUNDS):
         spun = np.exp(1j * turn) / scale
@@ -119,9 +126,12 @@ def lay_on_known(
             columns += [shift - at, -spun * np.conj(some), -1j * spun * np.conj(some)]
         table = np.column_stack([np.real(np.conj(normal) * column) for column in columns])
         a, x, y, *more = np.asarray(least_squares(table[kept], -miss[kept])).tolist()
-        turn, shift, off = turn + a, shift + complex(x, y), float(np.sqrt(np.mean(miss[kept] ** 2)))
+        turn = turn + a
+        shift = shift + complex(x, y)
+        off = float(np.sqrt(np.mean(miss[kept] ** 2)))
         if device:
-            scale, m = scale * (1 + more[0]), m + complex(more[1], more[2])
+            scale = scale * (1 + more[0])
+            m = m + complex(more[1], more[2])
         if max(map(abs, (a, x, y, *more))) < 1e-9:
             break
     laid = np.exp(1j * turn) / scale * straightened(own, m) + shift
@@ -161,9 +171,11 @@ class _Target:
         """For points, (n,): the nearest of the shape's own, straightened; the unit normal there; the distance along it."""
         from scipy.spatial import cKDTree
 
-        own, along = straightened(self.shown, m), straightened(self._along, m)
+        own = straightened(self.shown, m)
+        along = straightened(self._along, m)
         if self._tree is None or abs(m - self._m) > 1e-6:
-            self._tree, self._m = cKDTree(np.column_stack([own.real, own.imag])), m
+            self._tree = cKDTree(np.column_stack([own.real, own.imag]))
+            self._m = m
         near = self._tree.query(np.column_stack([at.real, at.imag]))[1]
         normal = -1j * along[near] / np.abs(along[near])
         return near, normal, np.real(np.conj(normal) * (at - own[near]))

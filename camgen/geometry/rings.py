@@ -43,13 +43,15 @@ class Ring:
     @cached_property
     def area(self) -> float:
         """Signed area, mm^2, positive when counter-clockwise; arcs counted exactly."""
-        a, b = self.points - self.points[0], self.ends - self.points[0]
+        a = self.points - self.points[0]
+        b = self.ends - self.points[0]
         return float(np.sum(np.imag(np.conj(a) * b) / 2 + self._caps()))
 
     @cached_property
     def centroid(self) -> complex:
         """Centre of the enclosed area, mm; arcs counted exactly."""
-        a, b = self.points - self.points[0], self.ends - self.points[0]
+        a = self.points - self.points[0]
+        b = self.ends - self.points[0]
         if not self.bulges.any():
             triangles = np.imag(np.conj(a) * b) / 2
             return complex(self.points[0] + np.sum(triangles * (a + b) / 3) / np.sum(triangles))
@@ -61,7 +63,8 @@ class Ring:
             2 * np.sin(safe) ** 3 / (3 * (safe - np.sin(safe) * np.cos(safe))) - np.cos(safe)
         ) / (1 - np.cos(safe))
         above = (a + b) / 2 - np.where(flat, 0.4, share) * 0.5j * self.bulges * (b - a)
-        triangles, caps = np.imag(np.conj(a) * b) / 2, self._caps()
+        triangles = np.imag(np.conj(a) * b) / 2
+        caps = self._caps()
         moment = np.sum(triangles * (a + b) / 3 + caps * above)
         return complex(self.points[0] + moment / np.sum(triangles + caps))
 
@@ -88,7 +91,9 @@ class Ring:
     def box(self) -> tuple[float, float, float, float]:
         """Least x and y, greatest x and y, mm; arcs counted exactly."""
         arcs = self.bulges != 0
-        a, b, t = self.points[arcs], self.ends[arcs], self.bulges[arcs]
+        a = self.points[arcs]
+        b = self.ends[arcs]
+        t = self.bulges[arcs]
         centre = (a + b) / 2 + 0.5j * (b - a) * (1 - t * t) / (2 * t)
         compass = np.array([1, 1j, -1, -1j])
         # An extreme of the circle lies on the arc when it is passed before the end is.
@@ -222,13 +227,15 @@ def fit_circle(points: Points, weights: Floats | None = None) -> tuple[complex, 
     z = points - origin
     table = np.column_stack([2 * z.real, 2 * z.imag, np.ones(len(z))])
     x, y, c = least_squares(share[:, None] * table, share * np.abs(z) ** 2)
-    centre, radius = complex(x, y), float(np.sqrt(max(c + x * x + y * y, 0.0)))
+    centre = complex(x, y)
+    radius = float(np.sqrt(max(c + x * x + y * y, 0.0)))
     for _ in range(8):
         spoke = z - centre
         distance = np.abs(spoke)
         table = np.column_stack([spoke.real / distance, spoke.imag / distance, np.ones(len(z))])
         dx, dy, dr = least_squares(share[:, None] * table, share * (distance - radius))
-        centre, radius = centre + complex(dx, dy), radius + float(dr)
+        centre = centre + complex(dx, dy)
+        radius = radius + float(dr)
         if abs(complex(dx, dy)) + abs(dr) < 1e-15 * radius:
             break
     return complex(centre + origin), radius, float(np.max(np.abs(np.abs(z - centre) - radius)))
@@ -236,7 +243,8 @@ def fit_circle(points: Points, weights: Floats | None = None) -> tuple[complex, 
 
 def _circle(ring: Ring, points: Points, weights: Floats | None = None) -> Circle:
     centre, radius, deviation = fit_circle(points, weights)
-    a, b = ring.points - centre, ring.ends - centre
+    a = ring.points - centre
+    b = ring.ends - centre
     u = np.clip(-np.real(np.conj(b - a) * a) / np.abs(b - a) ** 2, 0, 1)
     reach = np.where(ring.bulges == 0, np.abs(a + u * (b - a)), np.abs(a))
     nearest = min(float(reach.min()), float(np.abs(ring.samples() - centre).min()))
@@ -258,7 +266,8 @@ def bore_circle(ring: Ring, nominal_diameter: float) -> Circle:
     points = ring.samples()
     edges = np.abs(ring.ends - ring.points)
     weights = np.ones(len(points)) if ring.bulges.any() else edges + np.roll(edges, 1)
-    centre, radius = 0j, nominal_diameter / 2
+    centre = 0j
+    radius = nominal_diameter / 2
     for share in (0.1, 0.03, 0.01, 0.003, 0.001):
         misfit = np.abs(np.abs(points - centre) - radius)
         core = np.flatnonzero(misfit <= share * nominal_diameter)

@@ -54,7 +54,8 @@ def trim(pieces: Sequence[Piece]) -> tuple[list[Piece], list[Cut]]:
     if not cuts:
         kept = list(pieces)
     for here, following in zip(cuts, cuts[1:] + cuts[:1], strict=True) if cuts else ():
-        (first, t0), (last, t1) = here.end, following.start
+        first, t0 = here.end
+        last, t1 = following.start
         if first == last and _fraction(pieces[first], t0) < _fraction(pieces[first], t1):
             kept.append(_part(pieces[first], t0, t1))
             continue
@@ -107,7 +108,9 @@ def _outermost(pieces: Sequence[Piece], cuts: list[Cut]) -> list[Cut]:
         return mark[0] + _fraction(pieces[mark[0]], mark[1])
 
     def inside(mark: tuple[int, float], cut: Cut) -> bool:
-        here, start, end = place(mark), place(cut.start), place(cut.end)
+        here = place(mark)
+        start = place(cut.start)
+        end = place(cut.end)
         return start < here < end if start < end else here > start or here < end
 
     keep = []
@@ -147,8 +150,10 @@ def _crossings(pieces: Sequence[Piece]) -> list[tuple[int, float, int, float]]:
     chord_of = np.concatenate([np.arange(len(t) - 1) for t in parameters])
     found = []
     for i, j in zip(*_crossing_chords(a, b), strict=True):
-        p, q = int(piece_of[i]), int(piece_of[j])
-        tp, tq = parameters[p], parameters[q]
+        p = int(piece_of[i])
+        q = int(piece_of[j])
+        tp = parameters[p]
+        tq = parameters[q]
         u, v = _chord_crossing(a[i], b[i], a[j], b[j])
         start = (
             tp[chord_of[i]] + u * (tp[chord_of[i] + 1] - tp[chord_of[i]]),
@@ -184,14 +189,10 @@ def _crossing_chords(a: Points, b: Points) -> tuple[Floats, Floats]:
     def boxed(low: Floats, pick: np.ufunc) -> Floats:
         return np.asarray(pick.reduceat(low, starts))
 
-    x0, x1 = (
-        boxed(np.minimum(a.real, b.real), np.minimum),
-        boxed(np.maximum(a.real, b.real), np.maximum),
-    )
-    y0, y1 = (
-        boxed(np.minimum(a.imag, b.imag), np.minimum),
-        boxed(np.maximum(a.imag, b.imag), np.maximum),
-    )
+    x0 = boxed(np.minimum(a.real, b.real), np.minimum)
+    x1 = boxed(np.maximum(a.real, b.real), np.maximum)
+    y0 = boxed(np.minimum(a.imag, b.imag), np.minimum)
+    y1 = boxed(np.maximum(a.imag, b.imag), np.maximum)
     boxes = shapely.box(x0, y0, x1, y1)
     first, second = np.sort(shapely.STRtree(boxes).query(boxes), axis=0)
     first, second = np.divmod(distinct(first * len(boxes) + second), len(boxes))
@@ -203,7 +204,8 @@ def _crossing_chords(a: Points, b: Points) -> tuple[Floats, Floats]:
         (starts[second, None] + offsets)[:, None, :], (len(first), _BLOCK, _BLOCK)
     ).ravel()
     real = (j > i + 1) & (j < len(a))
-    i, j = i[real], j[real]
+    i = i[real]
+    j = j[real]
 
     def side(p: Points, q: Points, z: Points) -> Floats:
         return np.imag(np.conj(q - p) * (z - p))
@@ -216,7 +218,9 @@ def _crossing_chords(a: Points, b: Points) -> tuple[Floats, Floats]:
 
 def _chord_crossing(a: complex, b: complex, c: complex, d: complex) -> tuple[float, float]:
     """Fractions along a-b and c-d at which the two lines cross."""
-    p, q, w = b - a, d - c, c - a
+    p = b - a
+    q = d - c
+    w = c - a
     determinant = (p.conjugate() * q).imag
     return (w.conjugate() * q).imag / determinant, (w.conjugate() * p).imag / determinant
 
@@ -226,7 +230,8 @@ def _newton(p: Piece, q: Piece, t: float, u: float) -> tuple[float, float]:
     size = max(1.0, abs(complex(p.at(t))))
     for _ in range(50):
         gap = complex(q.at(u)) - complex(p.at(t))
-        along_p, along_q = complex(p.at(t, 1)), complex(q.at(u, 1))
+        along_p = complex(p.at(t, 1))
+        along_q = complex(q.at(u, 1))
         determinant = (along_p.conjugate() * along_q).imag
         if abs(gap) <= INTERSECTION * size * 0.01 or determinant == 0:
             break

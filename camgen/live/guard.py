@@ -41,7 +41,8 @@ class OnlyHere:
     """Lets in what asks for this machine by name and knows the word, and of what changes anything that which our pages send."""
 
     def __init__(self, app: ASGIApp, word: str) -> None:
-        self.app, self.word = app, word
+        self.app = app
+        self.word = word
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve a request, or refuse it."""
@@ -71,21 +72,23 @@ class OnlyHere:
     def _refusal(self, scope: Scope) -> PlainTextResponse | None:
         """The answer to what is not let in."""
         headers = Headers(scope=scope)
-        host, length = headers.get("host", ""), headers.get("content-length", "0")
+        host = headers.get("host", "")
+        length = headers.get("content-length", "0")
         first = scope["path"].removeprefix("/").partition("/")[0]
         if not _HERE.fullmatch(host):
-            said, status = "this page is for this machine alone: its address is 127.0.0.1", 403
+            said = "this page is for this machine alone: its address is 127.0.0.1"
+            status = 403
         elif not secrets.compare_digest(first.encode("utf-8", "replace"), self.word.encode()):
-            said, status = (
-                "the address is another one: open the one that the terminal shows, which is new at each start",
-                403,
-            )
+            said = "the address is another one: open the one that the terminal shows, which is new at each start"
+            status = 403
         elif scope["method"] not in ("GET", "HEAD") and headers.get("origin") != f"http://{host}":
-            said, status = "only a page of camgen itself may ask for this", 403
+            said = "only a page of camgen itself may ask for this"
+            status = 403
         elif not (
             length.isascii() and length.isdecimal() and len(length) < 10 and int(length) <= _MOST
         ):
-            said, status = f"at most {_MOST} bytes", 413
+            said = f"at most {_MOST} bytes"
+            status = 413
         else:
             return None
         return PlainTextResponse(said, status, {"Connection": "close"})
@@ -95,8 +98,10 @@ class _Answering:
     """One request and its answer: no more than so many bytes are read, and every answer has our headers."""
 
     def __init__(self, receive: Receive, send: Send) -> None:
-        self._receive, self._send = receive, send
-        self.read, self.begun = 0, False
+        self._receive = receive
+        self._send = send
+        self.read = 0
+        self.begun = False
 
     async def receive(self) -> Message:
         """The next piece; a body in chunks does not say how long it is."""

@@ -81,7 +81,8 @@ def _below(path: Key, value: Any, above: Data, root: Data) -> Iterator[Number]:
         for k, item in enumerate(value):
             yield from _below((*path, k), item, node, root)
     elif isinstance(value, bool | str | int | float):
-        unit, about = str(node.get("unit", above.get("unit", ""))), str(node.get("description", ""))
+        unit = str(node.get("unit", above.get("unit", "")))
+        about = str(node.get("description", ""))
         yield from _one(path, value, unit if unit != "1" else "", about, members_of(node, root))
 
 

@@ -27,7 +27,8 @@ def preview(
     began = time.perf_counter()
     try:
         mechanism = changed(data, source, folder, settings)
-        findings, study = mechanism.forecast(), Study() if quick else mechanism.study()
+        findings = mechanism.forecast()
+        study = Study() if quick else mechanism.study()
         plots = [] if quick else [*as_designed(mechanism), *study.plots]
         shown = animation(mechanism, study.sketches)
     except SpecError as error:

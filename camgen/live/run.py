@@ -80,11 +80,13 @@ def rebuild(built: Built, say: Say, ended: threading.Event | None = None) -> Non
     waited for."""
     ended = ended or threading.Event()
     files = files_of(built.spec)
-    last, before = Seen(), Seen()
+    last = Seen()
+    before = Seen()
     while not ended.is_set():
         now = seen(files)
         if now != last and (not last or now == before and now[built.spec] is not None):
-            files, began = files_of(built.spec), time.perf_counter()
+            files = files_of(built.spec)
+            began = time.perf_counter()
             last = now = seen(files)
             answer = built.build([])
             say(

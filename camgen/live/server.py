@@ -46,9 +46,12 @@ class Built:
     """Builds of one spec into OUT, one at a time; `folder` is that of the last, `number` counts them."""
 
     def __init__(self, spec: Path, out: Path) -> None:
-        self.spec, self.out = spec, out
+        self.spec = spec
+        self.out = out
         self.folder: Path | None = None
-        self.number, self.said, self.lock = 0, Answer(building=True), Lock()
+        self.number = 0
+        self.said = Answer(building=True)
+        self.lock = Lock()
 
     def build(self, settings: list[str]) -> Answer:
         """Build it with some keys set anew; the answer has its verdict, or why there is none."""
@@ -58,7 +61,8 @@ class Built:
                 report = build(self.spec, self.out, frozenset(KINDS), settings)
                 assert report.folder is not None, "a build writes a folder"
                 self.folder = Path(report.folder)
-                said, left = report.verdict, bool(report.not_judged)
+                said = report.verdict
+                left = bool(report.not_judged)
                 self.said = Answer(
                     ok=report.ok, open=left, verdict=said, errors=[], folder=str(self.folder)
                 )
@@ -96,7 +100,9 @@ class Explorer:
     """A spec with sliders: its file as it was read, previews of variants, and what is written back."""
 
     def __init__(self, spec: Path, out: Path) -> None:
-        self.spec, self.built, self.lock = spec, Built(spec, out), Lock()
+        self.spec = spec
+        self.built = Built(spec, out)
+        self.lock = Lock()
         self.read()
 
     def read(self) -> None:
@@ -200,10 +206,8 @@ def _app(
             return PlainTextResponse(str(error), 500)
         return Response(text, media_type="text/html", headers={"Content-Security-Policy": _POLICY})
 
-    script, style = (
-        Response(_asset("live.js"), media_type="text/javascript"),
-        Response(_asset("live.css"), media_type="text/css"),
-    )
+    script = Response(_asset("live.js"), media_type="text/javascript")
+    style = Response(_asset("live.css"), media_type="text/css")
     routes = [
         Route("/", shown),
         Route("/live.js", script),

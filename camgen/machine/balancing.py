@@ -80,7 +80,8 @@ def _circle_round(few: Sequence[complex]) -> tuple[complex, float]:
         return few[0], 0.0
     centres = [(a + b) / 2 for a, b in combinations(few, 2)]
     for a, b, c in combinations(few, 3):
-        b, c = b - a, c - a
+        b = b - a
+        c = c - a
         area = 2 * (b.conjugate() * c).imag
         if area:
             centres.append(a + 1j * (b * abs(c) ** 2 - c * abs(b) ** 2) / area)

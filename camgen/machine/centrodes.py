@@ -16,7 +16,8 @@ def centrodes(run: Run, body: str, size: float) -> tuple[Points, Points]:
     The place of no speed: z + i z' / w, of the body's origin z and its turning w, both to theta. nan where it is further off
     than FAR times the size, mm, or the body does not turn.
     """
-    (place, speed), (angle, turning) = run.point(body, 0j)[:2], run.angle(body)[:2]
+    place, speed = run.point(body, 0j)[:2]
+    angle, turning = run.angle(body)[:2]
     with np.errstate(all="ignore"):
         away = 1j * speed / turning
     away = np.where(np.abs(away) <= FAR * size, away, np.nan + 0j)  # nan compares as further off

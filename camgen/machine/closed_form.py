@@ -54,8 +54,10 @@ def four_bar(frame: float, crank: float, coupler: float, output: float) -> FourB
     lengths = sorted((frame, crank, coupler, output))
     margin = lengths[1] + lengths[2] - lengths[0] - lengths[3]
     # The distance of the coupler's and the output's far ends runs from |frame - crank| to frame + crank.
-    near, far = abs(frame - crank), frame + crank
-    least, most = abs(coupler - output), coupler + output
+    near = abs(frame - crank)
+    far = frame + crank
+    least = abs(coupler - output)
+    most = coupler + output
     slack = min(most - far, near - least)
     spans = []
     if slack < 0:
@@ -108,7 +110,8 @@ def refuse_gap(joint: str, gap: float, worst: float, edges: Sequence[float]) -> 
 
 def _corner(a: float, b: float, c: float) -> float:
     """Angle between sides a and b of the triangle whose third side is c, rad; nan where there is none."""
-    stretch, fold = (a + b - c) * (a + b + c), (c - a + b) * (c + a - b)
+    stretch = (a + b - c) * (a + b + c)
+    fold = (c - a + b) * (c + a - b)
     return (
         2 * math.atan2(math.sqrt(fold), math.sqrt(stretch))
         if stretch >= 0 and fold >= 0

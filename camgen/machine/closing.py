@@ -101,7 +101,8 @@ def _sign(slopes: Floats) -> Floats:
 def _followed(system: Constraints, theta: Floats) -> tuple[Floats, Floats]:
     """Guesses for all theta from angles closed one after the other, nan beyond where the chain ends; the
     determinant's sign that is to be found there, 0 where it changes."""
-    guess, signs = np.full((theta.size, system.width), np.nan), np.zeros(theta.size)
+    guess = np.full((theta.size, system.width), np.nan)
+    signs = np.zeros(theta.size)
     origin, slopes, lost = _newton(system, system.start[None], np.zeros(1))
     if lost[0]:
         return guess, signs
@@ -111,7 +112,9 @@ def _followed(system: Constraints, theta: Floats) -> tuple[Floats, Floats]:
             continue
         far = float(np.abs(theta[mine]).max())
         step = 2 * np.pi / FOLLOWED
-        here, q, sign_here = 0.0, origin, float(_sign(slopes)[0])
+        here = 0.0
+        q = origin
+        sign_here = float(_sign(slopes)[0])
         passed = False
         rows = [(0.0, q, *_derivatives(system, q, np.zeros(1), slopes))]
         while abs(here) < far and step > LEAST_STEP:

@@ -104,7 +104,8 @@ class Constraints:
     @cached_property
     def holds(self) -> NDArray[np.bool_]:
         """Which conditions hold which poses, (rows, 3 bodies)."""
-        rows, found = _Rows(), np.zeros((self.height, self.width), bool)
+        rows = _Rows()
+        found = np.zeros((self.height, self.width), bool)
         for each in self.conditions:
             self._write(each, self.start[None], np.zeros(1), None, rows)
         for row, slopes in enumerate(rows.slopes):
@@ -134,7 +135,8 @@ class Constraints:
         self, slide: Slide | Slot, q: Floats, rates: Floats | None
     ) -> tuple[Any, dict[int, Any], Any]:
         """Runner seen from the guide: complex, along + i across; its slopes by column and its second derivative, q'' = 0."""
-        guide, runner = self.place(slide.guide, q, rates), self.place(slide.runner, q, rates)
+        guide = self.place(slide.guide, q, rates)
+        runner = self.place(slide.runner, q, rates)
         back = np.exp(-1j * (self.angle(slide.guide.body, q) + slide.angle)) * np.ones(len(q))
         way = runner.where - guide.where
         slopes: dict[int, Any] = {}
@@ -170,13 +172,12 @@ class Constraints:
         for each in self.conditions:
             self._write(each, q, theta, rates, rows)
         n = len(q)
-        values, slopes, bends = (
-            np.zeros((n, self.height)),
-            np.zeros((self.height, self.width, n)),
-            np.zeros((n, self.height)),
-        )
+        values = np.zeros((n, self.height))
+        slopes = np.zeros((self.height, self.width, n))
+        bends = np.zeros((n, self.height))
         for r in range(self.height):
-            values[:, r], bends[:, r] = rows.values[r], rows.bends[r]
+            values[:, r] = rows.values[r]
+            bends[:, r] = rows.bends[r]
             for k, slope in rows.slopes[r].items():
                 slopes[r, k] = slope  # angles lie side by side: what stays empty costs nothing
         return values, np.moveaxis(slopes, -1, 0), bends
@@ -186,7 +187,8 @@ class Constraints:
     ) -> None:
         """Write down the conditions of one joint or drive."""
         if isinstance(each, Pin):
-            where, bend = np.zeros(len(q), complex), np.zeros(len(q), complex)
+            where = np.zeros(len(q), complex)
+            bend = np.zeros(len(q), complex)
             slopes: dict[int, Any] = {}
             for place, sign in ((each.a, 1.0), (each.b, -1.0)):
                 seen = self.place(place, q, rates)
@@ -211,7 +213,8 @@ class Constraints:
             rows.add(value, self._turns(*parts), 0.0)
         elif isinstance(each, Clutch):
             apart = each.apart(theta)
-            held, turned = np.isnan(apart), self.angle(each.b, q)
+            held = np.isnan(apart)
+            turned = self.angle(each.b, q)
             value = np.where(
                 held, turned - each.law(theta, 0), turned - self.angle(each.a, q) - apart
             )
@@ -227,7 +230,9 @@ class Constraints:
         if each.slide is not None:
             value, slopes, bend = self.along(each.slide, q, rates)
         else:
-            value, slopes, bend = self.angle(body, q), self._turns((body, 1.0)), 0.0
+            value = self.angle(body, q)
+            slopes = self._turns((body, 1.0))
+            bend = 0.0
         if isinstance(each, Drive):
             rows.add(
                 value - each.law(theta, 0),
@@ -357,9 +362,11 @@ class Constraints:
         found = np.swapaxes(
             solved(np.swapaxes(slopes, 1, 2), np.swapaxes(right, 1, 2), self.holds.T), 1, 2
         )
-        shares, first = [], 0
+        shares = []
+        first = 0
         for gradient in gradients:
-            mine, first = found[:, first : first + gradient.shape[1]], first + gradient.shape[1]
+            mine = found[:, first : first + gradient.shape[1]]
+            first = first + gradient.shape[1]
             parts = {each.name: mine[:, :, self.rows[each.name]] for each in self.conditions}
             sliding = {each.name for each in self.conditions if isinstance(each, Slide)}
             shares.append(
@@ -402,7 +409,8 @@ def _stretch(parts: Floats) -> Floats:
     if parts.shape[1] == 1 or parts.shape[2] == 1:
         return np.asarray(np.sqrt((parts**2).sum(axis=(1, 2))))
     (a, b), (c, d) = np.moveaxis(parts, 0, -1)
-    total, area = a * a + b * b + c * c + d * d, a * d - b * c
+    total = a * a + b * b + c * c + d * d
+    area = a * d - b * c
     return np.asarray(np.sqrt((total + np.sqrt(np.maximum(total**2 - 4 * area**2, 0))) / 2))
 
 

@@ -36,7 +36,8 @@ def signed_root(square: Floats, slack: float, branch: int) -> tuple[Floats, Floa
 def two_angles(known: Jet, r1: float, r2: float, branch: int) -> tuple[Spin, Spin]:
     """Spins of both legs, of these lengths: known + z1 = z2; branch +1 has z1 to the left of the way to the second's foot."""
     order = len(known) - 1
-    near, far = (r1 - r2) ** 2, (r1 + r2) ** 2
+    near = (r1 - r2) ** 2
+    far = (r1 + r2) ** 2
     q = np.square(known[0].real)
     q += np.square(known[0].imag)
     # Heron's formula in factors, which lose nothing to cancellation: the root is four times the triangle's area.
@@ -50,18 +51,22 @@ def two_angles(known: Jet, r1: float, r2: float, branch: int) -> tuple[Spin, Spi
     np.subtract(half, 0.5, out=z1.real)
     z1 *= known[0]
     z2 = z1 + known[0]
-    first, second = [z1], [z2]
+    first = [z1]
+    second = [z2]
     if order > 0:
         # z1 x z2 is half the signed root; inner products with z2 and z1 part the two rates.
         swing = np.divide(-2.0 * branch, divisor, out=half)
-        left, right = np.conj(z1), np.conj(z2)
-        w1, w2 = inner(right, known[1]) * swing, inner(left, known[1]) * swing
+        left = np.conj(z1)
+        right = np.conj(z2)
+        w1 = inner(right, known[1]) * swing
+        w2 = inner(left, known[1]) * swing
         first.append(w1)
         second.append(w2)
     if order > 1:
         q -= r1**2 + r2**2
         q *= -0.5  # z1 . z2
-        s1, s2 = np.square(w1), np.square(w2)
+        s1 = np.square(w1)
+        s2 = np.square(w2)
         for spin, other, share1, share2 in ((first, right, q, r2**2), (second, left, r1**2, q)):
             a = s2 * share2
             a -= s1 * share1
@@ -87,49 +92,51 @@ def slider(known: Jet, c: complex, d: Jet, branch: int) -> tuple[Spin, Jet]:
     np.negative(y, out=z.imag)
     z *= d[0]
     root = root + x.real
-    return _rates(known, z, d, [z], [np.negative(root, out=root)], divisor, inverted=False)
+    spin = [z]
+    length = [np.negative(root, out=root)]
+    if len(known) > 1:
+        u = length[0]
+        w, v = _rates(plus(known[1], times(u, d[1])), z, d[0], divisor)
+        spin.append(w)
+        length.append(v)
+    if len(known) > 2:
+        f = plus(known[2], -w * w * z)
+        f = plus(plus(f, times(u, d[2])), times(2 * v, d[1]))
+        a, b = _rates(f, z, d[0], divisor)
+        spin.append(a)
+        length.append(b)
+    return spin, length
 
 
 def inverted(known: Jet, c: complex, d: complex, branch: int) -> tuple[Spin, Jet]:
     """The spin of e and the length along d, which turns with e; branch +1 has the end ahead of c's foot."""
     foot = c * d.conjugate()
-    p, q = foot.real, foot.imag
+    p = foot.real
+    q = foot.imag
     far = np.abs(known[0])
     root, divisor = signed_root((far - q) * (far + q), JUST_CLOSES * q**2, branch)
     z = known[0] * -1.0
     e = z / (d * (root + 1j * q))
-    return _rates(known, z, [d * e], [e], [root - p], divisor, inverted=True)
-
-
-def _rates(
-    known: Jet, z: Any, d: Jet, angle: Jet, length: Jet, divisor: Any, inverted: bool
-) -> tuple[Jet, Jet]:
-    """Rates of an angle whose vector is z and a length along d; divisor is the cross product of their columns d and i z."""
-    order, u = len(known) - 1, length[0]
-    along = d[0]
-
-    def part(f: Any) -> tuple[Any, Any]:
-        """w, u' of i z w + d u' = -f, by Cramer."""
-        if vanishes(f):
-            return 0.0 * divisor, 0.0 * divisor
-        return cross(f, along) / divisor, dot(z, f) / -divisor
-
-    if order > 0:
-        f = known[1] if inverted else plus(known[1], times(u, d[1]))
-        w, v = part(f)
-        angle.append(w)
+    along = d * e
+    spin = [e]
+    length = [root - p]
+    if len(known) > 1:
+        w, v = _rates(known[1], z, along, divisor)
+        spin.append(w)
         length.append(v)
-    if order > 1:
-        f = plus(known[2], -w * w * z)
-        f = (
-            f + 2j * v * w * along
-            if inverted
-            else plus(plus(f, times(u, d[2])), times(2 * v, d[1]))
-        )
-        a, b = part(f)
-        angle.append(a)
+    if len(known) > 2:
+        f = plus(known[2], -w * w * z) + 2j * v * w * along
+        a, b = _rates(f, z, along, divisor)
+        spin.append(a)
         length.append(b)
-    return angle, length
+    return spin, length
+
+
+def _rates(f: Any, z: Any, d: Any, divisor: Any) -> tuple[Any, Any]:
+    """w, u' of i w z + u' d = -f, (n,) each, by Cramer; divisor is the cross product of the columns d and i z."""
+    if vanishes(f):
+        return 0.0 * divisor, 0.0 * divisor
+    return cross(f, d) / divisor, dot(z, f) / -divisor
 
 
 def two_lengths(known: Jet, d1: Jet, d2: Jet) -> tuple[Jet, Jet]:

@@ -81,7 +81,8 @@ class Forces:
 
     def __repr__(self) -> str:
         """The peaks alone."""
-        borne, given = peaks(self.reactions), peaks(self.drives)
+        borne = peaks(self.reactions)
+        given = peaks(self.drives)
         return f"Forces at {len(self.energy)} angles; reactions to {borne} N; drives to {given} N m or N"
 
 
@@ -98,10 +99,13 @@ def kinetostatics(
     system: Constraints, theta: Floats, q: Floats, first: Floats, second: Floats, speed: float
 ) -> Forces:
     """Forces at poses q and their derivatives to theta, (n, 3 bodies), theta growing steadily at `speed` rad/s."""
-    n, joints = len(q), system.machine.joints
-    rubs, locks = np.zeros(n), np.zeros(n, bool)
+    n = len(q)
+    joints = system.machine.joints
+    rubs = np.zeros(n)
+    locks = np.zeros(n, bool)
     with np.errstate(all="ignore"):
-        slopes, rates = system.evaluate(q, theta)[1], first * speed
+        slopes = system.evaluate(q, theta)[1]
+        rates = first * speed
         turned = np.swapaxes(slopes, 1, 2)
         wanted, energy, power, shaking = _inertia(system, q, rates, second * speed**2)
         acting = _acting(system, theta, q, rates)
@@ -176,12 +180,14 @@ def _touched(
     """By a unit of effort along s: force between cam and follower, (n,), inf where friction jams it, and what it does on the
     bodies besides that effort, (n, 3 bodies)."""
     row = system.rows[cam.name].start
-    effort, unit = multipliers[:, row], np.zeros(multipliers.shape)
+    effort = multipliers[:, row]
+    unit = np.zeros(multipliers.shape)
     unit[:, row] = 1.0
     gives = solve(slopes, unit)  # how all bodies move for a unit of s, the drives held
     column = system.column[cam.cam]
     angle = system.angle(cam.cam, q) + np.zeros(len(q))
-    force, acts = np.full(len(q), np.nan), np.zeros(q.shape)
+    force = np.full(len(q), np.nan)
+    acts = np.zeros(q.shape)
     for k, touch in enumerate(cam.touches[:2]):
         side = cam.leaves * (1 - 2 * k)  # the sense of s in which this one pushes
         bears = (
@@ -223,15 +229,19 @@ def _inertia(
     """M q'' with what the turning of centres adds, N and N mm; kinetic energy J, its rate W, the shaking force N."""
     n = len(q)
     wanted = np.zeros(q.shape)
-    energy, power, shaking = np.zeros(n), np.zeros(n), np.zeros(n, complex)
+    energy = np.zeros(n)
+    power = np.zeros(n)
+    shaking = np.zeros(n, complex)
     for body in system.machine.moving:
         k = system.column[body.name]
         arm = body.centre * np.exp(1j * q[:, k + 2])
-        w, alpha = v[:, k + 2], a[:, k + 2]
+        w = v[:, k + 2]
+        alpha = a[:, k + 2]
         speed = v[:, k] + 1j * v[:, k + 1] + 1j * w * arm
         pull = body.mass * (a[:, k] + 1j * a[:, k + 1] + (1j * alpha - w * w) * arm) * MM
         turn = body.inertia * alpha
-        wanted[:, k], wanted[:, k + 1] = pull.real, pull.imag
+        wanted[:, k] = pull.real
+        wanted[:, k + 1] = pull.imag
         wanted[:, k + 2] = (np.conj(arm) * pull).imag + turn / MM
         energy += 0.5 * (body.mass * np.abs(speed * MM) ** 2 + body.inertia * w * w)
         power += (np.conj(speed) * pull).real * MM + turn * w

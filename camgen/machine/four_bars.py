@@ -44,7 +44,8 @@ class Block:
     def transmission(self) -> tuple[Floats, Floats]:
         """Least and greatest angle between coupler and output crank over the angles, rad, (designs,); it grows with the span."""
         with np.errstate(invalid="ignore"):
-            sides, product = self.coupler**2 + self.output**2, 2 * self.coupler * self.output
+            sides = self.coupler**2 + self.output**2
+            product = 2 * self.coupler * self.output
             ends = (
                 np.fmin.reduce(self.span, axis=0),
                 np.fmax.reduce(self.span, axis=0),
@@ -88,21 +89,20 @@ def four_bars(
     output: ArrayLike,
     theta: ArrayLike,
     branch: ArrayLike = 1,
-    block: int = BLOCK,
 ) -> Iterator[Block]:
-    """Positions of many four-bars, block by block.
+    """Positions of many four-bars, BLOCK at a time.
 
     frame, crank, coupler, output: lengths > 0, mm, (n,) or numbers; theta: crank angles, (m,) rad; branch: +1 or -1, (n,).
     """
-    given = np.broadcast_arrays(
+    rows = np.broadcast_arrays(
         *(
             np.atleast_1d(np.asarray(each, float))
             for each in (frame, crank, coupler, output, branch)
         )
     )
     turn = np.exp(1j * np.asarray(theta, float))[:, None]
-    for first in range(0, given[0].size, block):
-        f, r, c, o, side = (each[first : first + block] for each in given)
+    for first in range(0, rows[0].size, BLOCK):
+        f, r, c, o, side = (each[first : first + BLOCK] for each in rows)
         a = turn * r.astype(complex)
         way = f.astype(complex) - a
         span = way.real**2

@@ -56,7 +56,8 @@ class Freedom:
 
 def freedoms(machine: Machine) -> Freedom:
     """Count and rank; the machine must be closed as drawn (see `drawn`)."""
-    system, counted = Constraints(machine), _counted(machine)
+    system = Constraints(machine)
+    counted = _counted(machine)
     best = _values(system, system.start)
     full = best[1] == min(system.width, system.height)
     for q in () if full else _elsewhere(system):  # no rank is higher
@@ -85,7 +86,8 @@ def freedoms(machine: Machine) -> Freedom:
 def _counted(machine: Machine) -> Freedom:
     """By Gruebler alone."""
     pairs = sum(isinstance(joint, Pin | Slide) for joint in machine.joints)
-    half, bodies = len(machine.joints) - pairs, len(machine.moving)
+    half = len(machine.joints) - pairs
+    bodies = len(machine.moving)
     return Freedom(
         bodies, pairs, half, len(machine.drives), 3 * bodies - 2 * pairs - half, 0, 0, (), ()
     )

@@ -63,7 +63,8 @@ def rubbing(system: Constraints, q: Floats, rates: Floats) -> list[Rubbing]:
     for joint in system.machine.joints:
         if not isinstance(joint, Pin | Slide | Slot) or not joint.friction:
             continue
-        acts, row = np.zeros(q.shape), system.rows[joint.name].start
+        acts = np.zeros(q.shape)
+        row = system.rows[joint.name].start
         if isinstance(joint, Pin):
             bodies = [
                 (system.column[place.body] + 2, sign)
@@ -89,7 +90,8 @@ def _sense(speed: Floats) -> Floats:
 def loads(rubs: Sequence[Rubbing], base: Floats, units: Floats) -> tuple[Floats, NDArray[np.bool_]]:
     """Load of each joint that rubs, (n, m) N, and where friction locks, or is near it; base: multipliers without friction,
     (n, rows); units: by a unit load of each, (n, rows, m)."""
-    free, per = _measured(rubs, base[:, :, None])[:, :, 0], _measured(rubs, units)
+    free = _measured(rubs, base[:, :, None])[:, :, 0]
+    per = _measured(rubs, units)
     found = np.abs(free)
     scale = np.max(found, axis=1, initial=0.0)
     near = _SAME * scale[:, None]

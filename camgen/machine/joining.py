@@ -174,7 +174,8 @@ class Module:
 
     def misfits(self, machine: Machine) -> list[str]:
         """Joints between a body that rides and one that moves by itself which are no pins: such cannot be carried over."""
-        riding, lost = {ride.body for ride in self.rides}, self.lost(machine)
+        riding = {ride.body for ride in self.rides}
+        lost = self.lost(machine)
         return [
             each.name
             for each in machine.joints
@@ -207,7 +208,8 @@ class Module:
 
     def mount(self, mount: Mount) -> Mount:
         """A part's place on its body."""
-        on, ride = self.place(Place(mount.body, mount.at)), self.ride(mount.body)
+        on = self.place(Place(mount.body, mount.at))
+        ride = self.ride(mount.body)
         turned = mount.turned + (ride.turned if ride else 0.0)
         return replace(
             mount,

@@ -52,8 +52,10 @@ def double_points(point: Curve, n: int = 3600) -> tuple[Floats, Points]:
     """
     theta = np.linspace(0.0, TURN, n + 1)
     p = point(theta, 0)
-    a, b = p[:-1], p[1:]
-    low, high = np.minimum(a.real, b.real), np.maximum(a.real, b.real)
+    a = p[:-1]
+    b = p[1:]
+    low = np.minimum(a.real, b.real)
+    high = np.maximum(a.real, b.real)
     by_x = np.argsort(low)
     met = np.searchsorted(low[by_x], high[by_x], side="right") - np.arange(
         1, n + 1
@@ -61,7 +63,8 @@ def double_points(point: Curve, n: int = 3600) -> tuple[Floats, Points]:
     met = np.maximum(met, 0)
     first = np.repeat(np.arange(n), met)
     second = first + 1 + np.arange(met.sum()) - np.repeat(np.cumsum(met) - met, met)
-    i, j = by_x[first], by_x[second]
+    i = by_x[first]
+    j = by_x[second]
 
     def side(of: NDArray[np.intp], end: Points) -> Floats:
         return (np.conj(b[of] - a[of]) * (end - a[of])).imag
@@ -72,12 +75,17 @@ def double_points(point: Curve, n: int = 3600) -> tuple[Floats, Points]:
     )  # not on one line
     apart = np.abs(i - j)
     i, j = np.sort(np.stack([i, j])[:, cross & (apart > 1) & (apart < n - 1)], axis=0)
-    t1, t2 = theta[i] + math.pi / n, theta[j] + math.pi / n
+    t1 = theta[i] + math.pi / n
+    t2 = theta[j] + math.pi / n
     for _ in range(30 if i.size else 0):
-        miss, d1, d2 = point(t1, 0) - point(t2, 0), point(t1, 1), point(t2, 1)
+        miss = point(t1, 0) - point(t2, 0)
+        d1 = point(t1, 1)
+        d2 = point(t2, 1)
         area = (np.conj(d1) * d2).imag
-        step1, step2 = (np.conj(d2) * miss).imag / area, (np.conj(d1) * miss).imag / area
-        t1, t2 = t1 + step1, t2 + step2
+        step1 = (np.conj(d2) * miss).imag / area
+        step2 = (np.conj(d1) * miss).imag / area
+        t1 = t1 + step1
+        t2 = t2 + step2
         if max(np.abs(step1).max(), np.abs(step2).max()) < SAME_ANGLE:
             break
     pairs = np.stack([t1, t2], axis=1)

@@ -94,7 +94,8 @@ class Chain:
 
     def _loops(self, machine: Machine, names: list[str], bodies: list[str]) -> list[Vectors]:
         """Place the block's bodies along its joints; each joint that is left over closes a loop."""
-        before, fresh = set(self.route), set(bodies) - set(self.route)
+        before = set(self.route)
+        fresh = set(bodies) - set(self.route)
         left = [machine.joint(name) for name in names]
         moved = True
         while moved:
@@ -138,7 +139,8 @@ class Chain:
                     )
                 continue
             roots: list[tuple[int, str]] = []
-            levers, along = dict[str, complex](), list[tuple[str, str, complex]]()
+            levers = dict[str, complex]()
+            along = list[tuple[str, str, complex]]()
             for sign, place in zip(
                 (-1, 1) if not isinstance(joint, Pin) else (1, -1), both, strict=True
             ):
@@ -160,7 +162,8 @@ class Chain:
 
     def _folded(self, vectors: Vectors) -> Vectors:
         """The same with all that stands still in one."""
-        still, roots = vectors.still + vectors.levers.get(GROUND, 0j), []
+        still = vectors.still + vectors.levers.get(GROUND, 0j)
+        roots = []
         for sign, body in vectors.roots:
             route = self.route[body]
             if route == Vectors(still=route.still):
@@ -247,14 +250,13 @@ class Chain:
 
     def trace(self, block: Block, low: float, high: float) -> newton.Trace:
         """What was followed of a larger block, over the range at least."""
-        low, high = min(low, 0.0), max(high, math.tau)
+        low = min(low, 0.0)
+        high = max(high, math.tau)
         if block.trace is None or not block.trace.covers(low, high):
             upto = self.steps.index(block)
             if block.trace is not None:
-                low, high = (
-                    min(low, math.floor(block.trace.theta[0])),
-                    max(high, math.ceil(block.trace.theta[-1])),
-                )
+                low = min(low, math.floor(block.trace.theta[0]))
+                high = max(high, math.ceil(block.trace.theta[-1]))
             block.trace = block.follow(
                 lambda theta: self.state(theta, 2, upto).known(block), low, high
             )
@@ -262,7 +264,8 @@ class Chain:
 
     def followed(self, group: str, low: float, high: float) -> tuple[Floats, Floats]:
         """A group's angle, continuous from the drawn position: angles theta and values, rad, over the range at least."""
-        low, high = min(low, 0.0), max(high, math.tau)
+        low = min(low, 0.0)
+        high = max(high, math.tau)
         kept = self._followed.get(group)
         if kept is None or kept[0][0] > low or kept[0][-1] < high:
             below, above = (math.ceil(abs(end) / math.tau * FOLLOWED - 1e-9) for end in (low, high))

@@ -116,7 +116,8 @@ class Trace:
         t = (theta - self.theta[k]) / h
         t = np.where((t < 0) | (t > 1), np.nan, t)
         s = 1 - t
-        t3, s3 = t**3, s**3
+        t3 = t**3
+        s3 = s**3
         rows = (
             (s3 * (1 + 3 * t + 6 * t * t), s3 * t * (1 + 3 * t) * h, s3 * t * t * 0.5 * h * h),
             (t3 * (1 + 3 * s + 6 * s * s), -t3 * s * (1 + 3 * s) * h, t3 * s * s * 0.5 * h * h),
@@ -126,6 +127,14 @@ class Trace:
             for jet, weight in zip(self.jets, weights, strict=True):
                 x += weight * jet[k + end].T
         return x
+
+
+@dataclass(frozen=True)
+class _Turning:
+    """What of a loop turns with the unknown angles."""
+
+    vectors: dict[int, Any]  # all that turns with each angle, by its column, complex mm
+    ways: list[tuple[str, int, int | None, Any]]  # slide, columns of angle and length, unit vector
 
 
 @dataclass(eq=False)
@@ -168,32 +177,28 @@ class Block:
             else [unit_turn(angle) for angle in angles]
         )
 
-    def _vectors(
-        self, x: Any, turns: list[Any], known: Known
-    ) -> tuple[list[dict[int, Any]], list[dict[int, Any]]]:
-        """For each loop the vector that turns with each unknown angle, and the way of each unknown length."""
-        turning: list[dict[int, Any]] = []
-        along: list[dict[int, Any]] = []
+    def _turning(self, x: Any, known: Known) -> list[_Turning]:
+        """Each loop's vectors that turn with an unknown angle."""
+        turns = self._turns(x)
+        loops = []
         for loop in self.loops:
             z = {
                 self.column["angle", g]: lever * turns[self.column["angle", g]]
                 for g, lever in loop.levers.items()
                 if ("angle", g) in self.column
             }
-            ways: dict[int, Any] = {}
+            ways = []
             for slide, group, way in loop.ways:
-                k, j = self.column.get(("angle", group)), self.column.get(("length", slide))
+                k = self.column.get(("angle", group))
+                j = self.column.get(("length", slide))
                 if k is None:
                     continue
                 vector = way * turns[k]
-                z[k] = plus(
-                    z.get(k, 0), (x[j] if j is not None else known.lengths[slide][0]) * vector
-                )
-                if j is not None:
-                    ways[j] = plus(ways.get(j, 0), vector)
-            turning.append(z)
-            along.append(ways)
-        return turning, along
+                length = x[j] if j is not None else known.lengths[slide][0]
+                z[k] = plus(z.get(k, 0), length * vector)
+                ways.append((slide, k, j, vector))
+            loops.append(_Turning(z, ways))
+        return loops
 
     def _filled(self, n: int, entries: dict[tuple[int, ...], Any], *shape: int) -> Floats:
         """The entries by row (and column) as an array, (n, *shape)."""
@@ -208,20 +213,24 @@ class Block:
         at, known = self._plain(x, known)
         residual: dict[tuple[int, ...], Any] = {}
         slope: dict[tuple[int, ...], Any] = {}
-        turning, along = self._vectors(at, self._turns(at), known)
-        for c, (z, ways) in enumerate(zip(turning, along, strict=True)):
+        for c, turning in enumerate(self._turning(at, known)):
             total = known.loops[c][0]
-            columns: dict[int, Any] = dict(ways)
-            for k, vector in z.items():
+            columns: dict[int, Any] = {}
+            for _, _, length, way in turning.ways:
+                if length is not None:
+                    columns[length] = plus(columns.get(length, 0), way)
+            for k, vector in turning.vectors.items():
                 total = total + vector
                 columns[k] = 1j * vector
             for loop, j, jet in known.ways:
                 if loop == c:
                     total = total + at[j] * jet[0]
                     columns[j] = plus(columns.get(j, 0), jet[0])
-            residual[2 * c,], residual[2 * c + 1,] = total.real, total.imag
+            residual[2 * c,] = total.real
+            residual[2 * c + 1,] = total.imag
             for k, column in columns.items():
-                slope[2 * c, k], slope[2 * c + 1, k] = column.real, column.imag
+                slope[2 * c, k] = column.real
+                slope[2 * c + 1, k] = column.imag
         for row, (relation, jet) in enumerate(
             zip(self.relations, known.relations, strict=True), 2 * len(self.loops)
         ):
@@ -240,34 +249,22 @@ class Block:
 
     def forcing(self, x: Floats, known: Known, rates: Floats | None) -> Floats:
         """The residual's next derivative, (n, m), with that of x at zero: the first, or with rates x', (m, n), the second."""
-        n, order = x.shape[1], 1 if rates is None else 2
+        n = x.shape[1]
+        order = 1 if rates is None else 2
         at, known = self._plain(x, known)
         speeds = None if rates is None else rates[:, 0].tolist() if n == 1 else rates
         right: dict[tuple[int, ...], Any] = {}
-        turns = self._turns(at)
-        turning, _ = self._vectors(at, turns, known)
-        for c, loop in enumerate(self.loops):
+        for c, turning in enumerate(self._turning(at, known)):
             total = known.loops[c][order]
-            for which, j, jet in known.ways:
-                if which == c:
+            for loop, j, jet in known.ways:
+                if loop == c:
                     total = plus(total, times(at[j], jet[order]))
                     if speeds is not None:
                         total = plus(total, times(2 * speeds[j], jet[1]))
-            if speeds is not None:
-                for k, z in turning[c].items():
-                    total = total - speeds[k] * speeds[k] * z
-            for slide, group, way in loop.ways:
-                turn, slid = self.column.get(("angle", group)), self.column.get(("length", slide))
-                if turn is None:
-                    continue
-                vector = way * turns[turn]
-                if slid is None:
-                    total = plus(total, times(known.lengths[slide][order], vector))
-                if speeds is not None:
-                    speed = known.lengths[slide][1] if slid is None else speeds[slid]
-                    total = plus(total, times(speed, 2j * speeds[turn] * vector))
+            total = _turning_forcing(total, turning, known.lengths, speeds)
             if not vanishes(total):
-                right[2 * c,], right[2 * c + 1,] = total.real, total.imag
+                right[2 * c,] = total.real
+                right[2 * c + 1,] = total.imag
         for row, (relation, jet) in enumerate(
             zip(self.relations, known.relations, strict=True), 2 * len(self.loops)
         ):
@@ -352,7 +349,9 @@ class Block:
         count = max(1, math.ceil(abs(end) / math.tau * KNOTS - 1e-9))
         grid = np.asarray(np.arange(1, count + 1) * (end / count), float)
         ahead = known_at(grid)
-        theta, share, k = 0.0, 1.0, 0  # share of the way to the next knot of the grid
+        theta = 0.0
+        share = 1.0  # of the way to the next knot of the grid
+        k = 0
         while k < count:
             to = float(theta + share * (grid[k] - theta)) if share < 1 else float(grid[k])
             here = ahead.at(k) if share == 1 else known_at(np.array([to]))
@@ -369,7 +368,9 @@ class Block:
                     return found, True
                 share /= 2
                 continue
-            theta, jets, sign = to, rows, now
+            theta = to
+            jets = rows
+            sign = now
             found.append((theta, jets, sign))
             if share == 1:
                 k += 1
@@ -402,6 +403,20 @@ class Block:
         return rows
 
 
+def _turning_forcing(total: Any, turning: _Turning, lengths: dict[str, Jet], speeds: Any) -> Any:
+    """A loop's forcing and what its turning vectors add; speeds: the unknowns' rates, or None for the first derivative."""
+    if speeds is not None:
+        for k, vector in turning.vectors.items():
+            total = total - speeds[k] * speeds[k] * vector
+    for slide, angle, length, way in turning.ways:
+        if length is None:
+            total = plus(total, times(lengths[slide][1 if speeds is None else 2], way))
+        if speeds is not None:
+            speed = lengths[slide][1] if length is None else speeds[length]
+            total = plus(total, times(speed, 2j * speeds[angle] * way))
+    return total
+
+
 def solved(matrices: Floats, right: Floats) -> Floats:
     """Solutions (n, m) of n systems; nan for a singular one."""
     m = right.shape[1]
@@ -409,7 +424,8 @@ def solved(matrices: Floats, right: Floats) -> Floats:
         if m == 1:
             return right / np.where(matrices[:, 0] == 0, np.nan, matrices[:, 0])
         if m == 2:
-            (a, b), (c, d) = matrices[:, 0].T, matrices[:, 1].T
+            a, b = matrices[:, 0].T
+            c, d = matrices[:, 1].T
             area = a * d - b * c
             area = np.where(area == 0, np.nan, area)
             return (

@@ -81,14 +81,18 @@ def group_bodies(machine: Machine) -> Groups:
     for joint in machine.joints:
         if not isinstance(joint, Slide):
             continue
-        a, b = joint.guide.body, joint.runner.body
+        a = joint.guide.body
+        b = joint.runner.body
         # angle of b = angle of a + turn: the later group is taken into the earlier one.
-        here, there, shift = of[a], of[b], excess[a] + joint.turn - excess[b]
+        here = of[a]
+        there = of[b]
+        shift = excess[a] + joint.turn - excess[b]
         if there == GROUND:
             here, there, shift = there, here, -shift
         if here != there:
             for body in [body for body in of if of[body] == there]:
-                of[body], excess[body] = here, excess[body] + shift
+                of[body] = here
+                excess[body] = excess[body] + shift
     return Groups(of, excess)
 
 
@@ -202,10 +206,8 @@ def components(machine: Machine, groups: Groups) -> Order:
         )
     owner = matched(table)  # the equation that each unknown is solved from
     solved = {equation: key for key, equation in owner.items()}
-    free, spare = (
-        [key for key in unknowns if key not in owner],
-        [equation for equation in table if equation not in solved],
-    )
+    free = [key for key in unknowns if key not in owner]
+    spare = [equation for equation in table if equation not in solved]
     if free or spare:
         holders: dict[Key, list[Key]] = {key: [] for key in unknowns}
         for equation, row in table.items():

@@ -13,7 +13,7 @@ that is off, the output goes with it.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,7 @@ from camgen.numerics import Floats, Points
 from camgen.tolerances import SAME_POINT
 
 ORDERS = 2, 4  # waves a turn of an outline's form, unless a spec says others
+AXES = 1 + 0j, 1j  # of a body's frame, along which a centre is off
 _STILL = 1e-9  # of an output, for a unit of a cam's s, that the cam does not move
 
 
@@ -125,86 +126,128 @@ def sensitivities(
 ) -> tuple[list[Mode], dict[str, Sensitivity]]:
     """All modes of a machine at the run's angles, and what they do to each output; exact: cams whose tip is no print; holes:
     what is made beside the joints, such as a pen's, by where its modes are."""
-    machine, theta = run.machine, run.theta
-    system, q = Constraints(machine), run.poses()
-    slopes = system.evaluate(q, theta)[1]
-    cams = [joint for joint in machine.joints if isinstance(joint, Cam) and joint.touches]
+    machine = run.machine
+    holes = holes or {}
+    system = Constraints(machine)
+    q = run.poses()
     contacts = [
-        _contact(cam, k, system, q, sizes.waves)
-        for cam in cams
-        for k in range(min(2, len(cam.touches)))
+        _contact(cam, side, system, q, sizes.waves)
+        for cam in machine.joints
+        if isinstance(cam, Cam)
+        for side in range(min(2, len(cam.touches)))
     ]
-    modes: list[Mode] = []
-    stands: list[
-        Floats
-    ] = []  # by how much the mode itself stands out at each contact, (contacts, n)
+    errors = _Errors((len(contacts), len(q)), (len(q), system.height))
+    _enter_outlines(errors, contacts, sizes, exact)
+    _enter_centres(errors, system, q, {contact.cam.cam for contact in contacts}, sizes.place)
+    for where in holes:
+        for axis in AXES:
+            errors.add(Mode(where, "centre", sizes.place, axis))
+    moves = _moves(errors, contacts, system, q, run.theta)
+    sensitivity_of = {}
+    for name, reach in zip(outputs, system.shares(outputs, q, run.theta), strict=True):
+        gradient = system.output(name, q)[1]
+        parts = np.moveaxis(gradient @ moves.bodies, 0, -1)  # (1 or 2, modes, n)
+        shifts: Any = parts[0] + 1j * parts[1] if len(parts) == 2 else parts[0]
+        for place, x, y in system.by_place(name, q):
+            hole = hole_at(machine, place, holes)
+            for k, mode in enumerate(errors.modes):
+                if (mode.where, mode.kind) == (hole, "centre"):
+                    shifts[k] += x if mode.along == 1 else y
+        plays = {joint.name: reach[joint.name] for joint in machine.joints if joint.clearance > 0}
+        sensitivity_of[name] = Sensitivity(shifts, plays, _held(gradient, moves, contacts))
+    return errors.modes, sensitivity_of
+
+
+@dataclass
+class _Errors:
+    """Modes as they are entered, with what each does while no body moves."""
+
+    contacts: tuple[int, int]  # contacts, n
+    conditions: tuple[int, int]  # n, conditions
+    modes: list[Mode] = field(default_factory=list)
+    bumps: list[Floats] = field(default_factory=list)  # material at each contact, (contacts, n) mm
+    shifts: list[Floats] = field(default_factory=list)  # of the conditions, (n, conditions)
+
+    def add(self, mode: Mode, shift: Floats | None = None) -> None:
+        """Enter one that stands out at no contact."""
+        self.modes.append(mode)
+        self.bumps.append(np.zeros(self.contacts))
+        self.shifts.append(np.zeros(self.conditions) if shift is None else shift)
+
+
+def _enter_outlines(
+    errors: _Errors, contacts: Sequence[_Contact], sizes: Sizes, exact: Collection[str]
+) -> None:
+    """The modes of each cam's outlines and tips."""
     for c, contact in enumerate(contacts):
         kinds = outline_modes(sizes)
         kinds += [] if contact.cam.name in exact else [("tip", sizes.offset)]
-        for (kind, size), out in zip(kinds, [*contact.outline, np.ones(len(q))], strict=False):
-            modes.append(Mode(f"{contact.cam.name}, {contact.side + 1}", kind, size))
-            stands.append(np.zeros((len(contacts), len(q))))
-            stands[-1][c] = out
-    shifts = [np.zeros((len(q), system.height)) for _ in modes]  # of the conditions
-    turning = {cam.cam for cam in cams}  # whose bores are modes of their outlines
-    for joint in machine.joints:
+        tip = np.ones(contact.outline.shape[1])
+        for (kind, size), bump in zip(kinds, [*contact.outline, tip], strict=False):
+            errors.add(Mode(f"{contact.cam.name}, {contact.side + 1}", kind, size))
+            errors.bumps[-1][c] = bump
+
+
+def _enter_centres(
+    errors: _Errors, system: Constraints, q: Floats, cams: Collection[str], size: float
+) -> None:
+    """The modes of the centres of all joints; cams: bodies whose bores are modes of their outlines."""
+    for joint in system.machine.joints:
         if isinstance(joint, Pin | Slot | Slide):
-            for body, along, shift in _centres(joint, system, q):
-                if not (isinstance(joint, Pin) and body in turning):
-                    modes.append(Mode(f"{joint.name}, {body}", "centre", sizes.place, along))
-                    stands.append(np.zeros((len(contacts), len(q))))
-                    shifts.append(shift)
-    for where in holes or ():
-        for axis in (1 + 0j, 1j):
-            modes.append(Mode(where, "centre", sizes.place, axis))
-            stands.append(np.zeros((len(contacts), len(q))))
-            shifts.append(np.zeros((len(q), system.height)))
-    gives = -solved(
-        slopes, np.stack(shifts, axis=2), system.holds
-    )  # (n, 3 bodies, modes), the cams' s held
-    units = np.zeros((len(q), system.height, len(cams)))
-    for c, cam in enumerate(cams):
-        units[:, system.rows[cam.name].start, c] = 1.0
-    per_s = solved(slopes, units, system.holds)  # (n, 3 bodies, cams): for a unit of s
-    ways = (
-        np.stack([contact.slopes for contact in contacts], axis=1)
-        if contacts
-        else np.zeros((len(q), 0, system.width))
-    )
-    open_ = ways @ gives - np.transpose(
-        np.array(stands), (2, 1, 0)
-    )  # (n, contacts, modes): air there
-    levers = ways @ per_s  # (n, contacts, cams)
+            for body, axis, shift in _centres(joint, system, q):
+                if not (isinstance(joint, Pin) and body in cams):
+                    errors.add(Mode(f"{joint.name}, {body}", "centre", size, axis), shift)
+
+
+@dataclass(frozen=True)
+class _Moves:
+    """What modes of unit size do, each cam's first contact closed again by its s."""
+
+    bodies: Floats  # (n, 3 bodies, modes)
+    air: Floats  # at each contact, (n, contacts, modes) mm
+    levers: Floats  # way of each contact along its normal for a unit of s, (n, contacts, cams)
+    per_s: Floats  # (n, 3 bodies, cams)
+
+
+def _moves(
+    errors: _Errors, contacts: Sequence[_Contact], system: Constraints, q: Floats, theta: Floats
+) -> _Moves:
+    slopes = system.evaluate(q, theta)[1]
     first = [c for c, contact in enumerate(contacts) if contact.side == 0]
-    if cams:  # each first contact closes again
-        slides = -solved(levers[:, first], open_[:, first], np.ones((len(cams), len(cams)), bool))
-        gives = gives + per_s @ slides
-        open_ = open_ + levers @ slides
-    found = {}
-    for name, reach in zip(outputs, system.shares(outputs, q, theta), strict=True):
-        gradient = system.output(name, q)[1]
-        parts = np.moveaxis(gradient @ gives, 0, -1)  # (1 or 2, modes, n)
-        steep = np.linalg.norm(gradient @ per_s, axis=1)  # (n, cams): of the output for a unit of s
-        held: dict[str, tuple[Floats, Floats]] = {}
-        for k, contact in enumerate(contacts):
-            c = cams.index(contact.cam)
-            if contact.side and np.any(steep[:, c] > _STILL):
-                one, two = np.abs(levers[:, first[c], c]), np.abs(levers[:, k, c])
-                held[contact.cam.name] = (
-                    (open_[:, k] * (steep[:, c] / two)[:, None]).T,
-                    (1 / one + 1 / two) * steep[:, c],
-                )
-        moved: Any = parts[0] + 1j * parts[1] if len(parts) == 2 else parts[0]
-        for place, x, y in system.by_place(name, q):
-            hole = hole_at(machine, place, holes or {})
-            for k in (
-                k for k, mode in enumerate(modes) if (mode.where, mode.kind) == (hole, "centre")
-            ):
-                moved[k] += x if modes[k].along == 1 else y
-        found[name] = Sensitivity(
-            moved, {j.name: reach[j.name] for j in machine.joints if j.clearance > 0}, held
-        )
-    return modes, found
+    bodies = -solved(slopes, np.stack(errors.shifts, axis=2), system.holds)  # the cams' s held
+    units = np.zeros((len(q), system.height, len(first)))
+    for k, c in enumerate(first):
+        units[:, system.rows[contacts[c].cam.name].start, k] = 1.0
+    per_s = solved(slopes, units, system.holds)
+    ways = np.zeros((len(q), 0, system.width))
+    if contacts:
+        ways = np.stack([contact.slopes for contact in contacts], axis=1)
+    air = ways @ bodies - np.transpose(np.array(errors.bumps), (2, 1, 0))
+    levers = ways @ per_s
+    if first:
+        s = -solved(levers[:, first], air[:, first], np.ones((len(first), len(first)), bool))
+        bodies = bodies + per_s @ s
+        air = air + levers @ s
+    return _Moves(bodies, air, levers, per_s)
+
+
+def _held(
+    gradient: Floats, moves: _Moves, contacts: Sequence[_Contact]
+) -> dict[str, tuple[Floats, Floats]]:
+    """`Sensitivity.held` of an output with this gradient."""
+    steep = np.linalg.norm(gradient @ moves.per_s, axis=1)  # (n, cams): for a unit of s
+    first = [c for c, contact in enumerate(contacts) if contact.side == 0]
+    held = {}
+    for k, contact in enumerate(contacts):
+        c = sum(each <= k for each in first) - 1  # number of its cam
+        if contact.side and np.any(steep[:, c] > _STILL):
+            one = np.abs(moves.levers[:, first[c], c])
+            two = np.abs(moves.levers[:, k, c])
+            held[contact.cam.name] = (
+                (moves.air[:, k] * (steep[:, c] / two)[:, None]).T,
+                (1 / one + 1 / two) * steep[:, c],
+            )
+    return held
 
 
 def _centres(
@@ -219,10 +262,11 @@ def _centres(
     )
     for side, sign in sides:
         turn = sign * np.exp(1j * (system.angle(side.body, q) + np.zeros(len(q))))
-        for axis in (1 + 0j, 1j):
+        for axis in AXES:
             shift = np.zeros((len(q), system.height))
             if isinstance(joint, Pin):
-                shift[:, row], shift[:, row + 1] = (axis * turn).real, (axis * turn).imag
+                shift[:, row] = (axis * turn).real
+                shift[:, row + 1] = (axis * turn).imag
             else:  # across the guide alone
                 along = np.exp(1j * (system.angle(joint.guide.body, q) + joint.angle))
                 shift[:, row] = np.imag(axis * turn / along)

@@ -82,9 +82,11 @@ def refuse_partial(machine: Machine, least: float = 0.0) -> None:
     found = reach(machine)
     if found.full:
         return
-    low, high = math.degrees(found.low), math.degrees(found.high)
+    low = math.degrees(found.low)
+    high = math.degrees(found.high)
     names = listed("joint", list(dict.fromkeys(name for joints in found.ends for name in joints)))
-    driven, within = machine.drives[0].body, _without_folds(machine, found)
+    driven = machine.drives[0].body
+    within = _without_folds(machine, found)
     cure = "change the lengths of its links"
     if within is not None:
         begin, end, short = _steep(machine, within, least)
@@ -107,7 +109,8 @@ def _without_folds(machine: Machine, found: Reach) -> tuple[float, float] | None
     """The range about the drawn position, rad, a degree within what closes and off every change point; None of a machine that
     is drawn at one."""
     spare = min(math.radians(1.0), (found.high - found.low) / 10)
-    low, high = found.low + spare, found.high - spare
+    low = found.low + spare
+    high = found.high - spare
     while low < 0 < high:
         places = [fold.theta for fold in folds(machine, low, high) if fold.change_point]
         if not places:
@@ -127,7 +130,8 @@ def _steep(machine: Machine, within: tuple[float, float], least: float) -> tuple
     theta = np.radians(np.linspace(low, high, LOOKED + 1))
     poor = np.min(list(transmission(machine, theta).values()), axis=0, initial=90.0) < least
     weak = np.degrees(theta[poor]).tolist()
-    begin, end = math.ceil(per * low), math.floor(per * high)
+    begin = math.ceil(per * low)
+    end = math.floor(per * high)
     whole = begin / per, end / per
     if not weak:
         return *whole, ""
@@ -171,14 +175,10 @@ def _grashof(lengths: dict[str, float] | None, driven: str) -> str:
     """Why a four-bar's crank does not turn fully, and the longest that would."""
     if lengths is None:
         return ""
-    bar, (shortest, *_, longest) = (
-        four_bar(*lengths.values()),
-        sorted(lengths, key=lambda name: lengths[name]),
-    )
-    short, long = (
-        f"{shortest} ({lengths[shortest]:.6g} mm)",
-        f"{longest} ({lengths[longest]:.6g} mm)",
-    )
+    bar = four_bar(*lengths.values())
+    shortest, *_, longest = sorted(lengths, key=lambda name: lengths[name])
+    short = f"{shortest} ({lengths[shortest]:.6g} mm)"
+    long = f"{longest} ({lengths[longest]:.6g} mm)"
     most = lengths[driven] + bar.slack
     cure = (
         f"; {driven} turns fully below {most:.6g} mm"
@@ -276,7 +276,9 @@ def _minima(value: Callable[[Floats], Floats], theta: Floats) -> list[tuple[floa
     at = safe(theta)
     inner = np.flatnonzero((at[1:-1] <= at[:-2]) & (at[1:-1] <= at[2:])) + 1
     inner = inner[at[inner] >= 0]
-    place, least, reach = theta[inner], at[inner], theta[1] - theta[0]
+    place = theta[inner]
+    least = at[inner]
+    reach = theta[1] - theta[0]
     for _ in range(
         ROUNDS if inner.size else 0
     ):  # all of a round at once: a call costs more than its angles
@@ -284,10 +286,8 @@ def _minima(value: Callable[[Floats], Floats], theta: Floats) -> list[tuple[floa
         grid = np.clip(grid, theta.min(), theta.max())
         seen = safe(np.ravel(grid)).reshape(grid.shape)
         best = np.argmin(seen, axis=1)[:, None]
-        place, least = (
-            np.take_along_axis(grid, best, 1)[:, 0],
-            np.take_along_axis(seen, best, 1)[:, 0],
-        )
+        place = np.take_along_axis(grid, best, 1)[:, 0]
+        least = np.take_along_axis(seen, best, 1)[:, 0]
         reach = reach / CLOSER
     k = int(np.nanargmin(np.where(at >= 0, at, np.inf)))
     return [(float(theta[k]), float(at[k])), *zip(place.tolist(), least.tolist(), strict=True)]
@@ -296,7 +296,8 @@ def _minima(value: Callable[[Floats], Floats], theta: Floats) -> list[tuple[floa
 def _end(chain: Chain, sign: int) -> tuple[float, tuple[str, ...]]:
     """How far the chain closes in one sense, up to a turn, and the joints of the step that opens there."""
     theta = np.linspace(0.0, sign * math.tau, LOOKED + 1)
-    nearest, by = sign * math.tau, tuple[str, ...]()
+    nearest = sign * math.tau
+    by = tuple[str, ...]()
     for number, step in enumerate(chain.steps):
         if isinstance(step, Direct):
             continue
@@ -304,7 +305,8 @@ def _end(chain: Chain, sign: int) -> tuple[float, tuple[str, ...]]:
             trace = chain.trace(step, min(0.0, sign * math.tau), max(0.0, sign * math.tau))
             end = float(trace.theta[-1 if sign > 0 else 0])
             if trace.ends[1 if sign > 0 else 0] and abs(end) < abs(nearest):
-                nearest, by = end, step.joints
+                nearest = end
+                by = step.joints
             continue
         closes = _closes(chain, number, step)
         open_at = np.flatnonzero(~closes(theta))
@@ -320,7 +322,8 @@ def _end(chain: Chain, sign: int) -> tuple[float, tuple[str, ...]]:
                 continue
             bad = min(gaps, key=abs)
             good = bad - sign * math.tau / LOOKED
-        low, high = np.array([min(good, bad)]), np.array([max(good, bad)])
+        low = np.array([min(good, bad)])
+        high = np.array([max(good, bad)])
         (edge,) = roots(
             lambda t, _, f=closes: (np.where(f(t), sign, -sign), np.zeros(1)),  # type: ignore[misc]
             low,
@@ -328,7 +331,8 @@ def _end(chain: Chain, sign: int) -> tuple[float, tuple[str, ...]]:
         ).tolist()
         edge -= sign * INSIDE
         if abs(edge) < abs(nearest):
-            nearest, by = edge, step.block.joints
+            nearest = edge
+            by = step.block.joints
     return nearest, by
 
 

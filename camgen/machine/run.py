@@ -71,7 +71,9 @@ class Lazy(Mapping[str, T]):
     """What belongs to some names, each worked out once, when it is asked for."""
 
     def __init__(self, names: Iterable[str], make: Callable[[str], T]) -> None:
-        self._names, self._make, self._made = tuple(names), make, dict[str, T]()
+        self._names = tuple(names)
+        self._make = make
+        self._made = dict[str, T]()
 
     def __getitem__(self, name: str) -> T:
         if name not in self._made:
@@ -105,7 +107,10 @@ class Run:
         order: int,
         loaded: Callable[[], Machine] | None = None,
     ) -> None:
-        self.machine, self.theta, self.order, self._loaded = machine, theta, order, loaded
+        self.machine = machine
+        self.theta = theta
+        self.order = order
+        self._loaded = loaded
         chain = chain_of(machine)
         self._states = [
             chain.state(theta[k : k + BLOCK], order) for k in range(0, max(theta.size, 1), BLOCK)
@@ -198,11 +203,9 @@ class Run:
         rows = np.empty((self.order + 1, self.theta.size, self._system.width))
         for k, body in enumerate(self._system.bodies):
             origin = self.point(body, 0j)
-            rows[:, :, 3 * k], rows[:, :, 3 * k + 1], rows[:, :, 3 * k + 2] = (
-                origin.real,
-                origin.imag,
-                self.angle(body),
-            )
+            rows[:, :, 3 * k] = origin.real
+            rows[:, :, 3 * k + 1] = origin.imag
+            rows[:, :, 3 * k + 2] = self.angle(body)
         return rows
 
     def forces(self) -> Forces:

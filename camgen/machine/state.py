@@ -80,7 +80,9 @@ class State:
     """
 
     def __init__(self, chain: Followed, theta: Floats, order: int) -> None:
-        self.chain, self.theta, self.order = chain, theta, order
+        self.chain = chain
+        self.theta = theta
+        self.order = order
         self.spins: dict[str, Spin] = {GROUND: [1.0, 0, 0][: order + 1]}
         self.levers: dict[
             str, complex
@@ -99,7 +101,8 @@ class State:
         self, group: str, spin: Spin, lever: complex = 1 + 0j, angle: Floats | None = None
     ) -> None:
         """Keep the spin of a lever of the group; its angle, where it is known before."""
-        self.spins[group], self.levers[group] = spin, lever
+        self.spins[group] = spin
+        self.levers[group] = lever
         if angle is not None:
             self._angle[group] = angle
 
@@ -209,7 +212,8 @@ class State:
             for key, share in relation.shares.items()
             if key not in unknown
         ]
-        constant, law = relation.constant, relation.law
+        constant = relation.constant
+        law = relation.law
         if law is not None and relation.argument not in unknown:
             argument: Jet = [np.zeros(self.theta.shape), 0, 0]
             if relation.argument is not None:
@@ -265,7 +269,8 @@ class State:
             total[0] = np.full(self.theta.shape, complex(total[0]))
         if step.kind == "angles":
             a, b = block.angles
-            near, far = loop.levers[a], -loop.levers[b]
+            near = loop.levers[a]
+            far = -loop.levers[b]
             first, second = dyads.two_angles(total, abs(near), abs(far), step.branch)
             self.hold(a, first, near)
             self.hold(b, second, far)
@@ -274,7 +279,8 @@ class State:
             a, b = block.lengths
             self.lengths[a], self.lengths[b] = dyads.two_lengths(total, along[0], along[1])
         else:
-            (a,), (b,) = block.angles, block.lengths
+            (a,) = block.angles
+            (b,) = block.lengths
             lever = loop.levers.get(a, 0j)
             if step.kind == "slider":
                 spin, self.lengths[b] = dyads.slider(total, lever, ways[0][1], step.branch)
@@ -304,7 +310,8 @@ class State:
 
     def output(self, output: Output, into: Any) -> None:
         """Put an output with derivatives to theta into an array, (order + 1, n): rad, mm or complex mm."""
-        of, groups = output.of, self.chain.groups
+        of = output.of
+        groups = self.chain.groups
         if isinstance(of, Path):
             self.point(of.of, into)
         elif isinstance(of, Angle):

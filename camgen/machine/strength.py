@@ -43,7 +43,8 @@ def line_contact(
     force: N; length: of the line, mm; curvature: of both together, 1/R1 + 1/R2, 1/mm, below 0 inside a hollow that fits
     (none is then left: 0). A force below 0 presses nothing.
     """
-    pressed, curved = np.maximum(force, 0.0), np.maximum(curvature, 0.0)
+    pressed = np.maximum(force, 0.0)
+    curved = np.maximum(curvature, 0.0)
     give = a.compliance + b.compliance
     pressure = np.sqrt(pressed * curved / (math.pi * length * give))
     with np.errstate(all="ignore"):
@@ -91,7 +92,8 @@ class Sliding:
 
 def sliding(force: Any, turning: Any, diameter: float, length: float, friction: float) -> Sliding:
     """A round plain bearing: force N, relative angular speed rad/s, (n,) each; mm."""
-    load, speed = np.abs(force), np.abs(turning) * diameter / 2 * 1e-3
+    load = np.abs(force)
+    speed = np.abs(turning) * diameter / 2 * 1e-3
     return Sliding(
         np.asarray(load / (diameter * length)),
         np.asarray(speed),

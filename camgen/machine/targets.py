@@ -57,12 +57,15 @@ class Course:
 
     def at(self, theta: Floats) -> Any:
         """The value there, (m,): cubic between the samples; of a whole turn at any angle."""
-        low, high = self.theta[0], self.theta[-1]
+        low = self.theta[0]
+        high = self.theta[-1]
         turns = np.floor((theta - low) / (high - low)) if self.whole else np.zeros(np.shape(theta))
         t = theta - turns * (high - low)
         k = np.clip(np.searchsorted(self.theta, t, side="right") - 1, 0, len(self.theta) - 2)
         h = self.theta[k + 1] - self.theta[k]
-        u, a, b = (t - self.theta[k]) / h, self.value[k], self.value[k + 1]
+        u = (t - self.theta[k]) / h
+        a = self.value[k]
+        b = self.value[k + 1]
         bend = (1 - u) * (h * self.slope[k] - (b - a)) - u * (h * self.slope[k + 1] - (b - a))
         return a + u * (b - a) + u * (1 - u) * bend + turns * (self.value[-1] - self.value[0])
 
@@ -76,7 +79,9 @@ class Course:
         """Corners on a path, (m,), and how far it is from the line through them, mm: no more than `error` where so many chords
         do. A chord of a cubic z lies within max |z''| / 8 of it, and z'' is greatest at an end."""
         h = np.diff(self.theta)
-        begin, end, way = h * self.slope[:-1], h * self.slope[1:], np.diff(self.value)
+        begin = h * self.slope[:-1]
+        end = h * self.slope[1:]
+        way = np.diff(self.value)
         bends = np.maximum(
             np.abs(6 * way - 4 * begin - 2 * end), np.abs(6 * way - 2 * begin - 4 * end)
         )
@@ -95,7 +100,8 @@ class Course:
         for j in {k - 1, k, *((0, last) if self.whole and k in (0, last + 1) else ())} & set(
             range(last + 1)
         ):
-            a, b = self.slope[j], self.slope[j + 1]
+            a = self.slope[j]
+            b = self.slope[j + 1]
             if a * b < 0:
                 t = float(self.theta[j] + a / (a - b) * (self.theta[j + 1] - self.theta[j]))
                 found.append((t, float(self.at(np.array([t]))[0])))
@@ -104,19 +110,23 @@ class Course:
     def nearest(self, place: complex) -> list[tuple[float, float]]:
         """theta and distance, mm, of each place of a path that is nearer to `place` than its neighbours; by theta."""
         away = np.abs(self.value[:-1] - place) if self.whole else np.abs(self.value - place)
-        before, after = np.roll(away, 1), np.roll(away, -1)
+        before = np.roll(away, 1)
+        after = np.roll(away, -1)
         if not self.whole:
             before[0] = after[-1] = math.inf
         k = np.flatnonzero((away <= before) & (away <= after))
         step = self.theta[1] - self.theta[0]
-        low, high = self.theta[k] - step, self.theta[k] + step
+        low = self.theta[k] - step
+        high = self.theta[k] + step
         if not self.whole:
-            low, high = np.maximum(low, self.theta[0]), np.minimum(high, self.theta[-1])
+            low = np.maximum(low, self.theta[0])
+            high = np.minimum(high, self.theta[-1])
         rows = np.arange(len(k))
         for _ in range(_NARROWER):
             t = low[:, None] + (high - low)[:, None] * _PARTS
             best = np.clip(np.argmin(np.abs(self.at(t) - place), axis=1), 1, len(_PARTS) - 2)
-            low, high = t[rows, best - 1], t[rows, best + 1]
+            low = t[rows, best - 1]
+            high = t[rows, best + 1]
         t = (low + high) / 2
         return sorted(zip(t.tolist(), np.abs(self.at(t) - place).tolist(), strict=True))
 
@@ -252,7 +262,8 @@ class Trace(Record):
     def finding(self, course: Course, where: Where) -> Finding:
         """PATH_ERROR: the farthest place of either line, by a bound that holds between all places looked at."""
         found = self.apart(course)
-        x, y = found.place.real, found.place.imag
+        x = found.place.real
+        y = found.place.imag
         said = f"path and wanted {'line' if self.joined else 'places'} are farthest apart at ({x:.4g}, {y:.4g}) of the "
         said += f"{'path' if found.of_path else 'wanted one'}, {found.seen:.6g} mm; proven for all of both, not only the corners"
         return at_most(self.code, found.proven, self.tolerance, "mm", where, said)
@@ -421,12 +432,11 @@ def apart(corners: Points, sag: float, wanted: Points, joined: bool, resolution:
 
     corners: of a line that is no farther than `sag`, mm, from the path; wanted: (n,) complex mm, joined by lines or by itself.
     """
-    made, asked = (
-        Edges.of_line(corners),
-        Edges.of_line(wanted) if joined else Edges.of_places(wanted),
-    )
+    made = Edges.of_line(corners)
+    asked = Edges.of_line(wanted) if joined else Edges.of_places(wanted)
     fine = max(resolution, _FINEST * max(made.length, asked.length))
-    there, back = stray(made, asked, fine), stray(asked, made, fine)
+    there = stray(made, asked, fine)
+    back = stray(asked, made, fine)
     far = there if there.seen >= back.seen else back
     return Apart(far.place, far.foot, far is there, max(there.proven, back.proven) + sag)
 
@@ -435,7 +445,8 @@ def advance(angle: Floats, lost: float) -> float:
     """How far a freewheel turns on in one period of its wheel's angle, (n,), both ends included: it locks where the wheel is
     `lost` further than it has been drawn back, and goes with it from there. In the unit of the angle."""
     ways = angle.tolist()
-    ahead, turned = math.inf, 0.0  # where it locks; how far it has come
+    ahead = math.inf  # where it locks
+    turned = 0.0  # how far it has come
     for k, place in enumerate([*ways, *ways]):  # the first time round it finds its places
         turned = 0.0 if k == len(ways) else turned
         ahead = min(ahead, place + lost)
@@ -453,7 +464,8 @@ def _in_order(
 
     def passed(limit: float) -> list[tuple[float, float]] | None:
         for start in (pair for pair in ways[0] if pair[1] <= limit):
-            chain, end = [start], start[0] + math.tau if whole else math.inf
+            chain = [start]
+            end = start[0] + math.tau if whole else math.inf
             for way in ways[1:]:
                 later = [
                     (t + turn, away)
@@ -525,15 +537,18 @@ def dwell(course: Course, band: float, at: float | None = None) -> tuple[float, 
     theta = np.linspace(course.theta[0], course.theta[-1], n + 1)
     if course.whole:
         theta = np.concatenate([theta, theta[1:] + (theta[-1] - theta[0])])
-    value, step = course.at(theta), theta[1] - theta[0]
-    best, begins = 0.0, float(theta[0])
+    value = course.at(theta)
+    step = theta[1] - theta[0]
+    best = 0.0
+    begins = float(theta[0])
     if at is not None:
         edges = np.flatnonzero(
             np.diff(np.concatenate([[False], np.abs(value - at) <= band / 2, [False]]))
         )
         for i, j in edges.reshape(-1, 2):
             if (j - 1 - i) * step > best:
-                best, begins = float((j - 1 - i) * step), float(theta[i])
+                best = float((j - 1 - i) * step)
+                begins = float(theta[i])
     else:
         low: list[int] = []  # of the window, growing values; high: falling ones
         high: list[int] = []
@@ -550,12 +565,14 @@ def dwell(course: Course, band: float, at: float | None = None) -> tuple[float, 
                 heads += low[heads] < first
                 tails += high[tails] < first
             if (k - first) * step > best:
-                best, begins = float((k - first) * step), float(theta[first])
+                best = float((k - first) * step)
+                begins = float(theta[first])
     return min(best, float(course.theta[-1] - course.theta[0])), begins
 
 
 def time_ratio(course: Course) -> tuple[float, float, float]:
     """Time of the slower stroke to that of the quicker, and theta of the least and the greatest place, rad."""
-    least, most = course.extreme(-1)[0], course.extreme(1)[0]
+    least = course.extreme(-1)[0]
+    most = course.extreme(1)[0]
     there = (most - least) % math.tau
     return max(there, math.tau - there) / max(min(there, math.tau - there), 1e-300), least, most

@@ -96,7 +96,8 @@ class Law:
 @lru_cache(maxsize=256)
 def reversed_law(law: Law) -> Law:
     """The law passed backwards: law(1) - law(1 - u), again from 0."""
-    top, breaks = float(law(1.0)), tuple(1 - b for b in reversed(law.breaks))
+    top = float(law(1.0))
+    breaks = tuple(1 - b for b in reversed(law.breaks))
 
     def formula(u: Floats, order: int) -> Floats:
         back = 1 - u
@@ -263,7 +264,9 @@ def blocks(ramp: float, hold: float, fall: float, coast: float = 0.0) -> Formula
             zone = (x, math.pi / share if sine or cosine else 1.0, constant, sine, cosine, v, s)
             zones.append(zone)
             end = np.asarray(x + share / 2)
-            x, v, s = float(end), float(_in_zone(zone, end, 1)), float(_in_zone(zone, end, 0))
+            x = float(end)
+            v = float(_in_zone(zone, end, 1))
+            s = float(_in_zone(zone, end, 0))
     begins = [zone[0] for zone in zones][1:]
 
     def formula(u: Floats, order: int) -> Floats:
@@ -338,20 +341,25 @@ def slider_crank(share: float) -> Law:
 
     def formula(u: Floats, order: int) -> Floats:
         x = math.pi * np.asarray(u, float)
-        sine, cosine = np.sin(x), np.cos(x)
+        sine = np.sin(x)
+        cosine = np.cos(x)
         q = np.sqrt(1 - share**2 * sine**2)
         both = sine * cosine
         if order == 0:
-            tilt, plain = share * sine**2 / (1 + q), 2 * np.sin(x / 2) ** 2
+            tilt = share * sine**2 / (1 + q)
+            plain = 2 * np.sin(x / 2) ** 2
         elif order == 1:
-            tilt, plain = share * both / q, sine
+            tilt = share * both / q
+            plain = sine
         elif order == 2:
-            tilt, plain = share * ((cosine**2 - sine**2) / q + share**2 * both**2 / q**3), cosine
+            tilt = share * ((cosine**2 - sine**2) / q + share**2 * both**2 / q**3)
+            plain = cosine
         else:
             turn = (
                 3 * share**2 * both * (cosine**2 - sine**2) / q**3 + 3 * share**4 * both**3 / q**5
             )
-            tilt, plain = share * (turn - 4 * both / q), -sine
+            tilt = share * (turn - 4 * both / q)
+            plain = -sine
         return np.asarray(math.pi**order * (plain + tilt) / 2)
 
     return measured(f"slider-crank-{share:g}", formula, "closed loop of crank and rod")
@@ -493,7 +501,8 @@ def tabulated(points: Sequence[tuple[float, float]], source: str, rest: bool = T
 
 # ---- the laws by name ------------------------------------------------------------------------------------------------
 
-_PI, _ROOT3 = math.pi, math.sqrt(3)
+_PI = math.pi
+_ROOT3 = math.sqrt(3)
 
 UNIFORM = Law("uniform", polynomial(0, 1), 0, 1.0, 0.0, 0.0, "VDI 2143: gerade Linie")
 _PARABOLIC = blocks(0.0, 1.0, 0.0)

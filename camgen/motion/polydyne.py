@@ -72,8 +72,10 @@ def _corrected(segment: Segment, lag: Lag) -> Segment:
     longer = replace(segment, start=whole * segment.start, scale=whole * segment.scale)
     if not segment.scale:
         return longer
-    first, second = lag.drag / segment.span / whole, lag.stretch / segment.span**2 / whole
-    law, said = segment.law, f"corrected by {first:.6g} of its speed and {second:.6g} of its bend"
+    first = lag.drag / segment.span / whole
+    second = lag.stretch / segment.span**2 / whole
+    law = segment.law
+    said = f"corrected by {first:.6g} of its speed and {second:.6g} of its bend"
     return replace(
         longer,
         law=measured(

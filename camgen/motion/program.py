@@ -48,7 +48,8 @@ class Segment:
 
     def reached(self, order: int) -> tuple[float, float]:
         """Displacement or its derivative at its beginning and end."""
-        rate, start = self.scale / self.span**order, 0.0 if order else self.start
+        rate = self.scale / self.span**order
+        start = 0.0 if order else self.start
         return rate * self.law.reached[order][0] + start, rate * self.law.reached[order][1] + start
 
     @property
@@ -196,7 +197,8 @@ def matched(
     At inner joints speed and acceleration are free and the jerk continues, too; so does the fourth derivative, except
     where the motion reverses: there the speed is 0.
     """
-    n, rises = len(spans), np.sign(np.diff(levels))
+    n = len(spans)
+    rises = np.sign(np.diff(levels))
     whole = before is None or after is None
     free = range(n) if whole else range(1, n)
     # Unknown speed and acceleration at joint k are x[2 k], x[2 k + 1].
@@ -216,10 +218,13 @@ def matched(
                 row[2 * which : 2 * which + 4] += sign * slopes
                 values[2 * k + jump] -= sign * known
     if whole:
-        rows[2 * n : 2 * n + 2, :2], rows[2 * n : 2 * n + 2, 2 * n :] = np.eye(2), -np.eye(2)
+        rows[2 * n : 2 * n + 2, :2] = np.eye(2)
+        rows[2 * n : 2 * n + 2, 2 * n :] = -np.eye(2)
     else:
-        rows[:2, :2], rows[2 * n :, 2 * n :] = np.eye(2), np.eye(2)
-        values[:2], values[2 * n :] = before, after
+        rows[:2, :2] = np.eye(2)
+        rows[2 * n :, 2 * n :] = np.eye(2)
+        values[:2] = before
+        values[2 * n :] = after
     x = solve(rows[None], values[None])[0].reshape(-1, 2)
     return [_quintic(spans[k], levels[k], levels[k + 1], x[k], x[k + 1]) for k in range(n)]
 

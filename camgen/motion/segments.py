@@ -133,7 +133,8 @@ def law_of(choice: str | LawChoice) -> Law:
     chosen = LawChoice(name=choice) if isinstance(choice, str) else choice
     if chosen.name in LAWS and chosen.model_fields_set == {"name"}:
         return LAWS[chosen.name]
-    name, given = chosen.name, chosen.parameters
+    name = chosen.name
+    given = chosen.parameters
     if name not in LAWS and name not in FAMILIES:
         raise SpecError([unknown(("name",) if given else (), name, NAMES)])
     allowed = FAMILIES.get(name, ())
@@ -241,9 +242,12 @@ def _levels(
     tables: Sequence[SegmentTable], path: Key, suffix: str, faults: list[Fault]
 ) -> list[float]:
     """Displacement at each joint, from 0; nan where a fault leaves it open. Adds the faults of lift and to."""
-    levels, (lift, goal) = [0.0], (f"lift{suffix}", f"to{suffix}")
+    levels = [0.0]
+    lift, goal = (f"lift{suffix}", f"to{suffix}")
     for k, table in enumerate(tables):
-        here, at, to = levels[-1], (*path, k), table.to
+        here = levels[-1]
+        at = (*path, k)
+        to = table.to
         sign = {"rise": 1, "dwell": 0, "return": -1}[table.kind]
         end = math.nan if to is None else to
         if sign == 0:
@@ -344,7 +348,8 @@ def _segments(
         if not free:
             continue
         ks = list(run)
-        before, after = made[ks[0] - 1], made[(ks[-1] + 1) % n]
+        before = made[ks[0] - 1]
+        after = made[(ks[-1] + 1) % n]
         assert before is not None and after is not None
         start = float(before.at(before.span, 1)), float(before.at(before.span, 2))
         end = float(after.at(0.0, 1)), float(after.at(0.0, 2))

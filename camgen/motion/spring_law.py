@@ -122,7 +122,8 @@ def synthesise(
     kappa = np.linspace(0, 0.5, _POSITIONS)
     w, z = harmonics(sines, cosines)
     # a = kappa + moves x, c = pulls x, linear in the coefficients x.
-    x_w, x_z = np.multiply.outer(kappa, w), np.multiply.outer(kappa, z)
+    x_w = np.multiply.outer(kappa, w)
+    x_z = np.multiply.outer(kappa, z)
     moves = np.hstack((-np.sin(x_w) / w**2, (1 - 2 * kappa[:, None] - np.cos(x_z)) / z**2))
     pulls = np.hstack((np.sin(x_w), np.cos(x_z)))
     closes = np.concatenate((1 / w, 2 / z**2))
@@ -136,18 +137,21 @@ def synthesise(
     def effort(x: Floats) -> tuple[Floats, Floats]:
         """G / size at the positions, and its slope over a."""
         a = np.clip(kappa + moves @ x[:n], 0.0, 0.5)
-        near, far = np.maximum(a - _SLOPE, 0), np.minimum(a + _SLOPE, 0.5)
+        near = np.maximum(a - _SLOPE, 0)
+        far = np.minimum(a + _SLOPE, 0.5)
         return torque(a) / size, (torque(far) - torque(near)) / size / (far - near)
 
     # Variables: coefficients, factor * size, C, Y; all margins are to be 0 or more.
     def margins(x: Floats) -> Floats:
-        c, left = pulls @ x[:n], pulls @ x[:n] - x[n] * effort(x)[0]
+        c = pulls @ x[:n]
+        left = pulls @ x[:n] - x[n] * effort(x)[0]
         return np.concatenate((x[n + 1] - c, x[n + 1] + c, x[n + 2] - left, x[n + 2] + left))
 
     def margin_slopes(x: Floats) -> Floats:
         g, slope = effort(x)
         left = np.hstack((pulls - x[n] * slope[:, None] * moves, -g[:, None]))
-        zero, one = np.zeros((_POSITIONS, 1)), np.ones((_POSITIONS, 1))
+        zero = np.zeros((_POSITIONS, 1))
+        one = np.ones((_POSITIONS, 1))
         return np.block(
             [[sign * pulls, zero, one, zero] for sign in (-1, 1)]
             + [[sign * left, zero, one] for sign in (-1, 1)]
@@ -213,7 +217,8 @@ def judged(
         from scipy.optimize import minimize_scalar
 
         kappa = np.linspace(0, 0.5, _POSITIONS)
-        c, g = law(kappa, 2), torque(law(kappa))
+        c = law(kappa, 2)
+        g = torque(law(kappa))
         about = float(c @ g / (g @ g))
         factor = float(minimize_scalar(rest, bracket=(0.9 * about, 1.1 * about), tol=1e-12).x)
     return Synthesis(law, tuple(sines), tuple(cosines), weight, law.c_a, rest(factor), factor)

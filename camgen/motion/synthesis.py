@@ -62,7 +62,8 @@ def search(
     from scipy.optimize import least_squares
 
     first = np.array([v.start for v in variables])
-    low, high = np.array([v.low for v in variables]), np.array([v.high for v in variables])
+    low = np.array([v.low for v in variables])
+    high = np.array([v.high for v in variables])
     unit = np.array([v.unit for v in variables])
 
     def residuals(values: Floats) -> Floats:
@@ -81,7 +82,8 @@ def search(
 
     around = np.maximum(low, first - 4 * unit), np.minimum(high, first + 4 * unit)
     starts = np.random.default_rng(_SEED).uniform(*around, (_STARTS, len(first)))
-    best, least = first, np.inf
+    best = first
+    least = np.inf
     for start in (first, *starts):
         fit = least_squares(
             residuals,
@@ -94,7 +96,8 @@ def search(
         found: Floats = fit.x
         missed = misses(found)
         if missed < least:
-            best, least = found, missed
+            best = found
+            least = missed
         if least <= 0.5:
             return np.asarray(best)
     figures, shortfalls = measure(best)

@@ -68,7 +68,8 @@ def read_table(
         else:
             cells = re.split(r"\s*,\s*|\s+", line.strip())
         try:
-            x, y = float(cells[0]), float(cells[1])
+            x = float(cells[0])
+            y = float(cells[1])
             if not math.isfinite(x + y):
                 raise ValueError
             points.append((x, y))
@@ -113,7 +114,8 @@ def load_table(path: Path) -> tuple[list[list[float]], str | None]:
     heading, points = read_table(path, "theta and force or torque")
     every = dict.fromkeys(_OTHERS) | _ANGLES | _FORCES | _TORQUES
     names = [unit_in(cell, every) for cell in heading] if len(heading) == 2 else ["", ""]
-    faults, scales = [], [1.0, 1.0]
+    faults = []
+    scales = [1.0, 1.0]
     columns = (
         (_ANGLES, "deg, rad or turns"),
         (_FORCES | _TORQUES, "a force in N, kN, kgf, lbf; a torque in N m, N mm, lbf in"),
@@ -152,7 +154,8 @@ def with_tables(data: Data, folder: Path, source: str = "spec") -> Data:
         except SpecError as error:
             faults += error.faults
             continue
-        table, name = each.table, each.table.pop(str(each.path[-1]))
+        table = each.table
+        name = each.table.pop(str(each.path[-1]))
         if each.kind == "law":
             table["points"] = [list(point) for point in read_points(file)]
         else:

@@ -106,7 +106,8 @@ class ArmBand:
         """One edge of the band; sense: 1 from a to b on the right, -1 back on the left."""
         if not self.bow:
             return Line(start, stop)
-        centre, side = self._centre, math.copysign(1, self.bow)
+        centre = self._centre
+        side = math.copysign(1, self.bow)
         sweep = cmath.phase((stop - centre) / (start - centre))
         if sweep * sense * side > 0:  # a half turn
             sweep -= math.copysign(math.tau, sweep)
@@ -116,7 +117,9 @@ class ArmBand:
 
     def _corner(self, end: int, side: int) -> complex:
         """Where an edge meets a hub, the second where `end`; side: 1 the left edge, -1 the right one."""
-        hub, radius, half = (self.a, self.b)[end], self.radii[end], self.width / 2
+        hub = (self.a, self.b)[end]
+        radius = self.radii[end]
+        half = self.width / 2
         if not self.bow:
             way = (self.b - self.a) / self._length
             return hub + way * (

@@ -81,10 +81,12 @@ def _banded(loops: Sequence[Points]) -> tuple[Points, Faces]:
     kept: list[Faces] = []
     tips: list[Points] = []
     fans: list[Faces] = []
-    begin, new = 0, size
+    begin = 0
+    new = size
     for loop in loops:
         n = len(loop)
-        chunk, start = np.arange(n) // step, np.arange(0, n, step)
+        chunk = np.arange(n) // step
+        start = np.arange(0, n, step)
         following = np.roll(loop, -1)
         stop = np.append(loop[start[1:]], loop[0])
         tip = ((loop[start] + stop) / 2 + 0.3j * (stop - loop[start])).astype(np.complex64).astype(
@@ -99,7 +101,8 @@ def _banded(loops: Sequence[Points]) -> tuple[Points, Faces]:
         place = np.concatenate([stays, start[good] + 0.5])
         kept.append(np.concatenate([begin + stays, number[good]])[np.argsort(place)])
         tips.append(tip[good])
-        begin, new = begin + n, new + int(np.count_nonzero(good))
+        begin = begin + n
+        new = new + int(np.count_nonzero(good))
     points = np.concatenate([*loops, *tips])
     _, inner = _earcut([points[index] for index in kept])
     return points, np.concatenate([*fans, np.concatenate(kept)[inner]])
@@ -141,7 +144,8 @@ def recapped(mesh: Mesh) -> Mesh:
 
 def _patches(faces: Faces) -> list[Faces]:
     """Level faces that edges join, together."""
-    a, b = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    a = faces.ravel()
+    b = np.roll(faces, -1, axis=1).ravel()
     key = np.minimum(a, b) * (int(faces.max(initial=0)) + 1) + np.maximum(a, b)
     order = np.argsort(key, kind="stable")
     joined = np.flatnonzero(np.diff(key[order]) == 0)
@@ -153,10 +157,12 @@ def _divided(mesh: Mesh, patch: Faces, side: float) -> Faces:
     """A patch's triangles anew; as they are where its outlines touch in a point, or there are points inside."""
     if len(patch) < 2:
         return patch
-    a, b = patch.ravel(), np.roll(patch, -1, axis=1).ravel()
+    a = patch.ravel()
+    b = np.roll(patch, -1, axis=1).ravel()
     if side < 0:
         a, b = b, a
-    there, back = a * len(mesh.vertices) + b, b * len(mesh.vertices) + a
+    there = a * len(mesh.vertices) + b
+    back = b * len(mesh.vertices) + a
     rim = ~among(there, np.sort(back))
     following = dict(zip(a[rim].tolist(), b[rim].tolist(), strict=True))
     if len(following) != np.count_nonzero(rim):

@@ -13,7 +13,7 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 
 @dataclass(frozen=True)
@@ -293,21 +293,12 @@ def next_dowel(diameter: float, shortest: float) -> float:
     )
 
 
-def _square(
-    name: str,
-    side: float,
-    spacing: float,
-    boss: float,
-    height: float,
-    thread: str,
-    shaft: float,
-    **holes: Any,
-) -> MotorFace:
+def _square(spacing: float) -> tuple[complex, ...]:
+    """Corners of a square of this side, mm."""
     half = spacing / 2
-    corners = tuple(
+    return tuple(
         complex(x, y) for x, y in ((half, half), (-half, half), (-half, -half), (half, -half))
     )
-    return MotorFace(name, boss, height, corners, SCREWS[thread], side / 2, shaft, **holes)
 
 
 def in_bar(
@@ -316,7 +307,8 @@ def in_bar(
     """A motor with a round can whose collar sits in the plate, and which a bar behind it holds by two screws; mm."""
     screw = SCREWS[thread]
     aside = 1j * (diameter / 2 + screw.clearance / 2 + 1)
-    places, half = (-aside, aside), diameter / 2
+    places = (-aside, aside)
+    half = diameter / 2
     return MotorFace(
         "can", boss, 0.0, places, screw, half, shaft, length + bar, True, "", length=length
     )
@@ -325,13 +317,12 @@ def in_bar(
 MOTOR_FACES = {
     face.name: face
     for face in (
-        _square("nema-8", 20.3, 16.0, 15.0, 1.5, "M2", 4.0),
-        _square("nema-11", 28.2, 23.0, 22.0, 2.0, "M2.5", 5.0, depth=3.0),
-        _square("nema-14", 35.2, 26.0, 22.0, 2.0, "M3", 5.0, depth=4.5),
-        _square(
-            "nema-17", 42.3, 31.0, 22.0, 2.0, "M3", 5.0, depth=4.5, flat=0.5
-        ),  # 4.5 over the flat: usual
-        _square("nema-23", 57.0, 47.14, 38.1, 1.6, "M5", 6.35, depth=4.8, plain=True),
+        MotorFace("nema-8", 15.0, 1.5, _square(16.0), SCREWS["M2"], 20.3 / 2, 4.0),
+        MotorFace("nema-11", 22.0, 2.0, _square(23.0), SCREWS["M2.5"], 28.2 / 2, 5.0, 3.0),
+        MotorFace("nema-14", 22.0, 2.0, _square(26.0), SCREWS["M3"], 35.2 / 2, 5.0, 4.5),
+        # 4.5 over the flat: usual
+        MotorFace("nema-17", 22.0, 2.0, _square(31.0), SCREWS["M3"], 42.3 / 2, 5.0, 4.5, flat=0.5),
+        MotorFace("nema-23", 38.1, 1.6, _square(47.14), SCREWS["M5"], 57.0 / 2, 6.35, 4.8, True),
     )
 }
 

@@ -51,7 +51,8 @@ class Sector:
     def least(self) -> float:
         """The smallest rim whose sector holds its pins, mm."""
         room = self.wall + (self.pin + self.press) / 2
-        low, high = self.hub + 2 * room, self.hub + 2 * room + (self.pins + 2) * 2 * room
+        low = self.hub + 2 * room
+        high = self.hub + 2 * room + (self.pins + 2) * 2 * room
         if not self.pins:
             return self.hub
 
@@ -101,7 +102,8 @@ def outline(hub: float, rim: float, half: float) -> Contour:
     """Edge of a hub about the origin with a sector along +x; a sector that hardly stands out is left away."""
     if rim - hub < 1e-6:
         return circle(0j, hub)
-    a, b = cmath.exp(-1j * half), cmath.exp(1j * half)
+    a = cmath.exp(-1j * half)
+    b = cmath.exp(1j * half)
     return Contour(
         (
             Arc(0j, rim, -half, 2 * half),
@@ -120,8 +122,10 @@ def counterweight(
     bore: of the hub, in the axes of `moment`, complex g mm: what the sector is to have. made: as of a part; note: how it is
     held. A sector that would stand out by less than 1 mm is made narrower and stands out by that.
     """
-    size, turn = abs(moment), moment / abs(moment) if moment else 1.0 + 0j
-    rim, half = asked.rim(size), asked.half
+    size = abs(moment)
+    turn = moment / abs(moment) if moment else 1.0 + 0j
+    rim = asked.rim(size)
+    half = asked.half
     if not asked.pins and rim < asked.hub + _LEAST:
         rim = asked.hub + _LEAST
         half = math.asin(min(1.0, size / asked.moment(rim) * math.sin(half)))
@@ -147,12 +151,11 @@ def counterweight(
     places = [z * turn for z in asked.places(rim)]
     if not places:
         return part, [], rim
-    pin = rod(
-        f"{NAME}-pin",
-        "Pin of the counterweight",
-        asked.pin,
-        asked.thickness,
-        asked.pins,
-        ("pressed and glued in",),
+    pin = replace(
+        rod(f"{NAME}-pin", "Pin of the counterweight", asked.pin, asked.thickness),
+        count=asked.pins,
+        notes=("pressed and glued in",),
+        made=TURNED,
+        role="counterweight",
     )
-    return part, [(replace(pin, made=TURNED, role="counterweight"), z) for z in places], rim
+    return part, [(pin, z) for z in places], rim

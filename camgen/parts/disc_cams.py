@@ -133,7 +133,8 @@ class CamParts(ShaftHole):
 
     def misfits(self) -> list[Fault]:
         """Keys that are no match for the bore, a hub that its set screw does not fit."""
-        found, hub = super().misfits(), self.hub(0.8)
+        found = super().misfits()
+        hub = self.hub(0.8)
         if hub is not None and self.shaft == "keyway":
             said = 'nothing here: it is square to a key; "d-flat" or "plain"'
             found.append(Fault(("parts", "set_screw"), repr(self.set_screw), said))
@@ -159,7 +160,8 @@ def holes_in(
 
     DesignError where bore, hub (its diameter, mm) or the others find no room.
     """
-    bore, reach = made.hole(), made.reach
+    bore = made.hole()
+    reach = made.reach
     rim = facet_contour(outline, LAYOUT)
     refuse_wide(name, float(np.min(point_to_ring(np.zeros(1, complex), rim))), reach, hub)
     holes = (bore, *more(rim, reach))
@@ -239,7 +241,8 @@ def _plates(
     made: CamParts, outline: Contour, wall: Contour, groove: tuple[float, float], min_wall: float
 ) -> tuple[Part, ...]:
     """Inner cam and outer ring, pinned to a back plate."""
-    bore, beside = made.hole(), pins_beside(made, min_wall)
+    bore = made.hole()
+    beside = pins_beside(made, min_wall)
     radius = float(np.max(np.abs(facet_contour(wall, LAYOUT)))) + made.rim
     inner = [circle(complex(side * beside), made.pin_diameter / 2) for side in (1, -1)]
     corners = [cmath.rect(radius - made.rim / 2, math.radians(45 + 90 * k)) for k in range(4)]

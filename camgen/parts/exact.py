@@ -12,8 +12,10 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +43,8 @@ class _Points:
 
     def number(self, z: complex) -> int:
         """Index of the point."""
-        column, row = math.floor(z.real / SAME), math.floor(z.imag / SAME)
+        column = math.floor(z.real / SAME)
+        row = math.floor(z.imag / SAME)
         for cell in ((column + i, row + j) for i in (0, -1, 1) for j in (0, -1, 1)):
             for k in self.cells.get(cell, ()):
                 if abs(self.at[k] - z) <= SAME:
@@ -156,67 +159,61 @@ def _outlines(layer: Layer, tolerance: float) -> list[list[_Stroke]]:
     return found
 
 
+@dataclass
+class _Strokes:
+    """Strokes, each once, between points that are theirs alone."""
+
+    ends: _Points
+    middles: _Points = field(default_factory=_Points)
+    strokes: list[_Stroke] = field(default_factory=list)
+    index: dict[tuple[int, int, int], int] = field(default_factory=dict)  # by ends and middle
+
+    def number(self, stroke: _Stroke) -> int:
+        """Number of a stroke, -1 - k where the k-th is this one run backwards."""
+        a = self.ends.number(stroke.a)
+        b = self.ends.number(stroke.b)
+        middle = self.middles.number(stroke.point(0.5))
+        if (b, a, middle) in self.index:
+            return -1 - self.index[b, a, middle]
+        if (a, b, middle) not in self.index:
+            self.index[a, b, middle] = len(self.strokes)
+            self.strokes.append(_Stroke(self.ends.at[a], self.ends.at[b], stroke.bulge))
+        return self.index[a, b, middle]
+
+
 def _divided(
     regions: Sequence[list[list[_Stroke]]],
 ) -> tuple[list[complex], list[_Stroke], list[list[Step]]]:
     """All outlines, divided by each other: the points where they end, the strokes between them, each once, and of each region
     the strokes that bound it, with whether they are run forwards."""
-    ends, middles = _Points(), _Points()
-    pieces: list[_Stroke] = []  # each once
-    known: dict[tuple[int, int, int], int] = {}
-    owners: list[set[tuple[int, int]]] = []  # contours that a piece belongs to
-    outlines: list[tuple[int, list[int]]] = []  # region, its pieces; -1 - k: run backwards
-
-    def enter(stroke: _Stroke, into: list[_Stroke], index: dict[tuple[int, int, int], int]) -> int:
-        """Number of a stroke, -1 - k where the k-th is this one run backwards."""
-        a, b, middle = (
-            ends.number(stroke.a),
-            ends.number(stroke.b),
-            middles.number(stroke.point(0.5)),
-        )
-        if (b, a, middle) in index:
-            return -1 - index[b, a, middle]
-        if (a, b, middle) not in index:
-            index[a, b, middle] = len(into)
-            into.append(_Stroke(ends.at[a], ends.at[b], stroke.bulge))
-        return index[a, b, middle]
-
+    ends = _Points()
+    pieces = _Strokes(ends)
+    owners: dict[int, set[tuple[int, int]]] = defaultdict(set)  # contours that a piece belongs to
+    outlines: list[list[int]] = []  # of each region its pieces; -1 - k: run backwards
     for k, region in enumerate(regions):
+        outline = []
         for number, contour in enumerate(region):
-            run = []
             for stroke in contour:
-                if ends.number(stroke.a) == ends.number(stroke.b):
-                    continue
-                run.append(enter(stroke, pieces, known))
-                piece = run[-1] if run[-1] >= 0 else -1 - run[-1]
-                if piece == len(owners):
-                    owners.append(set())
-                owners[piece].add((k, number))
-            outlines.append((k, run))
-    cuts = _cuts(pieces, owners, ends)
-    strokes: list[_Stroke] = []
-    index: dict[tuple[int, int, int], int] = {}
+                if ends.number(stroke.a) != ends.number(stroke.b):
+                    outline.append(pieces.number(stroke))
+                    owners[max(outline[-1], -1 - outline[-1])].add((k, number))
+        outlines.append(outline)
+    divided = _Strokes(ends, pieces.middles)
     parts: list[list[int]] = []
-    for whole, found in zip(pieces, cuts, strict=True):
-        places = [whole.a, *(ends.at[k] for k in found), whole.b]
-        parts.append(
-            [
-                enter(whole.part(a, b), strokes, index)
-                for a, b in zip(places, places[1:], strict=False)
-            ]
-        )
-    runs: list[list[Step]] = [[] for _ in regions]
-    for k, run in outlines:
-        for number in run:
-            for part in (
-                parts[number] if number >= 0 else [-1 - part for part in parts[-1 - number]]
-            ):
-                runs[k].append((part, True) if part >= 0 else (-1 - part, False))
-    return ends.at, strokes, runs
+    for piece, cuts in zip(pieces.strokes, _cuts(pieces.strokes, owners, ends), strict=True):
+        places = [piece.a, *(ends.at[k] for k in cuts), piece.b]
+        parts.append([divided.number(piece.part(a, b)) for a, b in pairwise(places)])
+    runs = []
+    for outline in outlines:
+        run = []
+        for number in outline:
+            run += parts[number] if number >= 0 else [-1 - part for part in parts[-1 - number]]
+        runs.append([(part, True) if part >= 0 else (-1 - part, False) for part in run])
+    return ends.at, divided.strokes, runs
 
 
 def _cuts(
-    pieces: Sequence[_Stroke], owners: Sequence[set[tuple[int, int]]], ends: _Points
+    pieces: Sequence[_Stroke], owners: Mapping[int, set[tuple[int, int]]], ends: _Points
 ) -> list[list[int]]:
     """Numbers of the points at which each piece is divided, in their order along it."""
     boxes = np.array([_box(piece) for piece in pieces])
@@ -258,7 +255,8 @@ def _length(stroke: _Stroke) -> float:
 def _box(stroke: _Stroke) -> tuple[float, float, float, float]:
     """Least x and y, greatest x and y, and a little more."""
     rise = abs(stroke.bulge) * abs(stroke.b - stroke.a) / 2 + SAME
-    a, b = stroke.a, stroke.b
+    a = stroke.a
+    b = stroke.b
     return (
         min(a.real, b.real) - rise,
         min(a.imag, b.imag) - rise,
@@ -270,16 +268,19 @@ def _box(stroke: _Stroke) -> tuple[float, float, float, float]:
 def _meetings(one: _Stroke, other: _Stroke) -> list[complex]:
     """Where the lines or circles of two strokes meet; where they all but touch, once; none where they are the same."""
     if one.bulge == 0 == other.bulge:
-        way, across = one.b - one.a, other.b - other.a
+        way = one.b - one.a
+        across = other.b - other.a
         turn = (np.conj(way) * across).imag
         if abs(turn) <= 1e-9 * abs(way) * abs(across):
             return []
         return [one.a + way * float((np.conj(other.a - one.a) * across).imag / turn)]
     if one.bulge and not other.bulge:
         one, other = other, one
-    centre, radius = other.centre, abs(other.a - other.centre)
+    centre = other.centre
+    radius = abs(other.a - other.centre)
     if one.bulge:
-        first, reach = one.centre, abs(one.a - one.centre)
+        first = one.centre
+        reach = abs(one.a - one.centre)
         apart = abs(centre - first)
         if apart <= SAME and abs(radius - reach) <= SAME:
             return []
@@ -311,7 +312,8 @@ def _sides(strokes: Sequence[_Stroke], runs: Sequence[Sequence[Step]]) -> tuple[
         bound = [strokes[stroke] for stroke, _ in run]
         left[k] = right[k] = _inside(middles, bound)
         for stroke, forward in run:
-            left[k, stroke], right[k, stroke] = forward, not forward
+            left[k, stroke] = forward
+            right[k, stroke] = not forward
     return left, right
 
 
@@ -319,7 +321,8 @@ def _inside(points: Points, bound: Sequence[_Stroke]) -> Bools:
     """Whether points, (n,), lie inside what strokes bound: by the chords, and the caps between chord and arc."""
     found = np.zeros(len(points), bool)
     for stroke in bound:
-        a, b = stroke.a - points, stroke.b - points
+        a = stroke.a - points
+        b = stroke.b - points
         turn = (np.conj(a) * b).imag
         found ^= ((a.imag > 0) != (b.imag > 0)) & ((turn > 0) == (b.imag > a.imag))
         if stroke.bulge:
@@ -352,73 +355,47 @@ class _Stack:
     left: Bools
     right: Bools
 
+    @cached_property
+    def ends(self) -> list[tuple[int, int]]:
+        """Points where each stroke begins and ends."""
+        index = {(z.real, z.imag): k for k, z in enumerate(self.points)}
+        return [(index[s.a.real, s.a.imag], index[s.b.real, s.b.imag]) for s in self.strokes]
+
     def brep(self) -> Brep:
         """The body, its parts in an order that depends on the outlines alone."""
-        index = {(z.real, z.imag): k for k, z in enumerate(self.points)}
-        ends = [(index[s.a.real, s.a.imag], index[s.b.real, s.b.imag]) for s in self.strokes]
-        faces: list[tuple[int, int, list[list[Step]]]] = []  # looks, level, loops
+        flats = []  # facing, level, loops
         for level in range(len(self.heights)):
-            for looks, (has, lacks) in ((1, (level, level + 1)), (-1, (level + 1, level))):
+            for facing, (has, lacks) in ((1, (level, level + 1)), (-1, (level + 1, level))):
                 sides = [side[has] & ~side[lacks] for side in (self.left, self.right)]
-                faces += [(looks, level, loops) for loops in self._loops(ends, *sides)]
+                flats += [(facing, level, loops) for loops in self._loops(*sides)]
         walls = self._walls()
-        levels: dict[int, set[int]] = defaultdict(set)
-        used = {(s, level) for _, level, loops in faces for loop in loops for s, _ in loop}
+        used = {(s, level) for _, level, loops in flats for loop in loops for s, _ in loop}
         used |= {(s, level) for s, _, low, high in walls for level in (low, high)}
-        for s, level in used:
-            for point in ends[s]:
-                levels[point].add(level)
-        corners: dict[tuple[int, int], int] = {}
-        edges: dict[tuple[str, int, int], int] = {}
-        made: list[Edge] = []
-
-        def corner(point: int, level: int) -> int:
-            return corners.setdefault((point, level), len(corners))
-
-        def along(s: int, level: int, forward: bool) -> Step:
-            a, b = (corner(point, level) for point in ends[s])
-            stroke = self.strokes[s]
-            if ("level", s, level) not in edges:
-                edges["level", s, level] = len(made)
-                arc = (stroke.centre, abs(stroke.a - stroke.centre)) if stroke.bulge else (0j, 0.0)
-                made.append(Edge(*((a, b) if stroke.bulge >= 0 else (b, a)), *arc))
-            return edges["level", s, level], forward == (stroke.bulge >= 0)
-
-        def upright(point: int, low: int, high: int) -> list[Step]:
-            """The edges over a point, from below."""
-            steps = sorted(level for level in levels[point] if low <= level <= high)
-            for a, b in zip(steps, steps[1:], strict=False):
-                if ("upright", point, a) not in edges:
-                    edges["upright", point, a] = len(made)
-                    made.append(Edge(corner(point, a), corner(point, b)))
-            return [(edges["upright", point, level], True) for level in steps[:-1]]
-
-        found = []
-        for looks, level, loops in faces:
+        edges = _Edges(self, used)
+        faces = []
+        for facing, level, loops in flats:
             rings: list[Loop] = []
             for loop in loops:
-                steps = [along(s, level, forward) for s, forward in loop]
-                rings.append(
-                    tuple(
-                        steps if looks > 0 else [(e, not forward) for e, forward in reversed(steps)]
-                    )
-                )
-            found.append(Face(looks, tuple(rings)))
+                ring = [edges.along(s, level, forward) for s, forward in loop]
+                if facing < 0:
+                    ring = [(edge, not forward) for edge, forward in reversed(ring)]
+                rings.append(tuple(ring))
+            faces.append(Face(facing, tuple(rings)))
         for s, forward, low, high in walls:
-            start, end = ends[s] if forward else ends[s][::-1]
-            down = [(edge, False) for edge, _ in reversed(upright(start, low, high))]
-            steps = [
-                along(s, low, forward),
-                *upright(end, low, high),
-                along(s, high, not forward),
+            start, end = self.ends[s] if forward else self.ends[s][::-1]
+            down = [(edge, False) for edge, _ in reversed(edges.upright(start, low, high))]
+            ring = [
+                edges.along(s, low, forward),
+                *edges.upright(end, low, high),
+                edges.along(s, high, not forward),
                 *down,
             ]
-            found.append(Face(0, (tuple(steps),)))
+            faces.append(Face(0, (tuple(ring),)))
         places = [
             (self.points[p].real + 0.0, self.points[p].imag + 0.0, self.heights[level] + 0.0)
-            for p, level in corners
+            for p, level in edges.corners
         ]
-        return Brep(np.array(places), made, found)
+        return Brep(np.array(places), edges.edges, faces)
 
     def _walls(self) -> list[tuple[int, bool, int, int]]:
         """Stroke, whether its left side is the material's, and the levels between which it is a wall."""
@@ -436,24 +413,23 @@ class _Stack:
                     begun = wall, slab - 1
         return walls
 
-    def _loops(
-        self, ends: Sequence[tuple[int, int]], left: Bools, right: Bools
-    ) -> list[list[list[Step]]]:
+    def _loops(self, left: Bools, right: Bools) -> list[list[list[Step]]]:
         """The level faces that lie to these sides of the strokes, each as its loops with the face on their left, the outer one
         first."""
         leaving: dict[int, list[Step]] = defaultdict(list)
         for s in np.flatnonzero(left != right).tolist():
-            leaving[ends[s][0 if left[s] else 1]].append((s, bool(left[s])))
+            leaving[self.ends[s][0 if left[s] else 1]].append((s, bool(left[s])))
         outer: list[tuple[float, list[list[Step]]]] = []
         holes: list[tuple[float, list[Step]]] = []
         for first in [step for steps in list(leaving.values()) for step in steps]:
-            if first not in leaving[ends[first[0]][0 if first[1] else 1]]:
+            if first not in leaving[self.ends[first[0]][0 if first[1] else 1]]:
                 continue  # run already
-            loop, step = [], first
-            while step in leaving[start := ends[step[0]][0 if step[1] else 1]]:
+            loop = []
+            step = first
+            while step in leaving[start := self.ends[step[0]][0 if step[1] else 1]]:
                 leaving[start].remove(step)
                 loop.append(step)
-                step = self._next(step, leaving[ends[step[0]][1 if step[1] else 0]]) or first
+                step = self._next(step, leaving[self.ends[step[0]][1 if step[1] else 0]]) or first
             area = self._area(loop)
             if area > 0:
                 outer.append((area, [loop]))
@@ -489,9 +465,46 @@ class _Stack:
         found = 0.0
         origin = self._run(loop[0]).a
         for stroke in map(self._run, loop):
-            a, b = stroke.a - origin, stroke.b - origin
+            a = stroke.a - origin
+            b = stroke.b - origin
             found += (a.conjugate() * b).imag / 2
             if stroke.bulge:
                 radius = abs(stroke.a - stroke.centre)
                 found += radius * radius * (stroke.sweep - math.sin(stroke.sweep)) / 2
         return found
+
+
+class _Edges:
+    """Corners and edges of a stack, each made where it is first needed; used: strokes and the levels at which they are edges."""
+
+    def __init__(self, stack: _Stack, used: set[tuple[int, int]]) -> None:
+        self.stack = stack
+        self.levels: dict[int, set[int]] = defaultdict(set)  # at which a point is a corner
+        for s, level in used:
+            for point in stack.ends[s]:
+                self.levels[point].add(level)
+        self.corners: dict[tuple[int, int], int] = {}  # by point and level
+        self.edges: list[Edge] = []
+        self.index: dict[tuple[str, int, int], int] = {}  # by kind, stroke or point, and level
+
+    def _corner(self, point: int, level: int) -> int:
+        return self.corners.setdefault((point, level), len(self.corners))
+
+    def along(self, s: int, level: int, forward: bool) -> Step:
+        """The edge of a stroke at a level, run as the stroke or backwards."""
+        a, b = (self._corner(point, level) for point in self.stack.ends[s])
+        stroke = self.stack.strokes[s]
+        if ("level", s, level) not in self.index:
+            self.index["level", s, level] = len(self.edges)
+            arc = (stroke.centre, abs(stroke.a - stroke.centre)) if stroke.bulge else (0j, 0.0)
+            self.edges.append(Edge(*((a, b) if stroke.bulge >= 0 else (b, a)), *arc))
+        return self.index["level", s, level], forward == (stroke.bulge >= 0)
+
+    def upright(self, point: int, low: int, high: int) -> list[Step]:
+        """The edges over a point, from below."""
+        levels = sorted(level for level in self.levels[point] if low <= level <= high)
+        for a, b in pairwise(levels):
+            if ("upright", point, a) not in self.index:
+                self.index["upright", point, a] = len(self.edges)
+                self.edges.append(Edge(self._corner(point, a), self._corner(point, b)))
+        return [(self.index["upright", point, level], True) for level in levels[:-1]]

@@ -138,7 +138,8 @@ def _raw(pieces: Sequence[Piece], e: float) -> list[Piece]:
     moved: list[Piece] = []
     for piece, following in zip(pieces, [*pieces[1:], pieces[0]], strict=True):
         moved += _parallel(piece, e)
-        last, first = _direction(piece, piece.t1), _direction(following, following.t0)
+        last = _direction(piece, piece.t1)
+        first = _direction(following, following.t0)
         turn = float(np.angle(first / last))
         if abs(turn) * max(e, 1.0) <= max(SAME_POINT, _TURN):
             continue
@@ -187,7 +188,8 @@ def parallel_curve(piece: Smooth, e: float) -> Smooth:
     parameter, inside the piece: curvature and sagittas do not depend on it.
     """
     inner = piece.function
-    low, high = min(piece.t0, piece.t1), max(piece.t0, piece.t1)
+    low = min(piece.t0, piece.t1)
+    high = max(piece.t0, piece.t1)
     side = e * (1 if piece.t1 > piece.t0 else -1)
     half = _SLOPE_STEP * (high - low)
 
@@ -202,7 +204,8 @@ def parallel_curve(piece: Smooth, e: float) -> Smooth:
         stretch = 1 + side * curvature(t)
         if order == 1:
             return np.asarray(d * stretch)
-        before, after = np.clip(t - half, low, high), np.clip(t + half, low, high)
+        before = np.clip(t - half, low, high)
+        after = np.clip(t + half, low, high)
         slope = (curvature(after) - curvature(before)) / (after - before)
         return np.asarray(inner(t, 2) * stretch + d * side * slope)
 
@@ -234,7 +237,8 @@ def compensated(part: Part, fit: Compensation) -> Part:
     for index, layer in enumerate(part.layers):
         floor = layer.z0
         if fit.foot > 0 and layer.z0 == bottom:
-            foot, thin = fit.foot_of(part), 2 * (layer.z1 - layer.z0)
+            foot = fit.foot_of(part)
+            thin = 2 * (layer.z1 - layer.z0)
             steps = max(1, math.ceil(foot / fit.layer - 1e-9))
             if not fit.foot < thin:
                 raise DesignError(

@@ -73,8 +73,10 @@ class Spur:
             self.thickness / 2 / self.pitch + math.tan(PRESSURE) - PRESSURE
         )  # of a tooth at the base circle
         foot = math.sqrt(max(self.root / self.base, 1.0) ** 2 - 1) if self.root > self.base else 0.0
-        begin, end = max(foot, _ROLL), math.sqrt((self.tip / self.base) ** 2 - 1)
-        spread, top = half - (begin - math.atan(begin)), half - (end - math.atan(end))
+        begin = max(foot, _ROLL)
+        end = math.sqrt((self.tip / self.base) ** 2 - 1)
+        spread = half - (begin - math.atan(begin))
+        top = half - (end - math.atan(end))
         if top <= 0:
             raise DesignError(
                 "tooth's tip", 2 * top * self.tip, 0, "mm", f"{self.teeth} teeth", "use more teeth"
@@ -85,11 +87,10 @@ class Spur:
         )
         for k in range(self.teeth):
             middle = math.tau * k / self.teeth
-            up, down = (
-                rise.moved(cmath.rect(1, middle)),
-                fall.moved(cmath.rect(1, middle)).reversed(),
-            )
-            low, high = complex(up.at(begin)), complex(down.at(begin))
+            up = rise.moved(cmath.rect(1, middle))
+            down = fall.moved(cmath.rect(1, middle)).reversed()
+            low = complex(up.at(begin))
+            high = complex(down.at(begin))
             feet = [self.root * z / abs(z) for z in (low, high)]
             if foot < begin:
                 pieces.append(Line(feet[0], low))

@@ -190,7 +190,8 @@ class Collet:
                 "wall of the collet", self.wall, min_wall, "mm", "thin end", "use a thicker wall"
             )
         region = plate("collet's flange", circle(0j, self.flange_diameter / 2), holes, min_wall)
-        layers, rise = [Layer(region, 0.0, self.flange)], self.length / self.steps
+        layers = [Layer(region, 0.0, self.flange)]
+        rise = self.length / self.steps
         for step in range(self.steps):
             z = self.flange + step * rise
             for k in range(self.slits):
@@ -214,7 +215,8 @@ class Collet:
 
     def ring(self) -> Part:
         """The clamp ring, wide end down; the origin is its axis."""
-        rise, first = self.length / self.steps, round(self.travel * self.steps / self.length)
+        rise = self.length / self.steps
+        first = round(self.travel * self.steps / self.length)
         if first >= self.steps:
             raise DesignError(
                 "travel of the clamp ring",
@@ -242,7 +244,8 @@ class Collet:
 
 def _sector(inner: float, outer: float, slit: float, start: float, end: float) -> Contour:
     """Finger between two slits of parallel walls whose middles lie at the angles start and end, rad."""
-    lean, low = math.asin(slit / 2 / outer), math.asin(slit / 2 / inner)
+    lean = math.asin(slit / 2 / outer)
+    low = math.asin(slit / 2 / inner)
     rim = Arc(0j, outer, start + lean, end - start - 2 * lean)
     bore = Arc(0j, inner, end - low, -(end - start - 2 * low))
     corners = [complex(piece.at(t)) for piece in (rim, bore) for t in (piece.t0, piece.t1)]
@@ -250,15 +253,7 @@ def _sector(inner: float, outer: float, slit: float, start: float, end: float) -
 
 
 def headed(
-    name: str,
-    title: str,
-    diameter: float,
-    length: float,
-    head_diameter: float,
-    head: float,
-    count: int = 1,
-    notes: tuple[str, ...] = (),
-    made: str = "printed",
+    name: str, title: str, diameter: float, length: float, head_diameter: float, head: float
 ) -> Part:
     """A round pin or axle, printed head down: so long above its head, which is so wide and high, mm."""
     if not head_diameter > diameter:
@@ -274,57 +269,28 @@ def headed(
         Layer(Region(circle(0j, head_diameter / 2)), 0.0, head),
         Layer(Region(circle(0j, diameter / 2)), head, head + length),
     )
-    return Part(name, title, layers, count, centres=(0j,), notes=notes, cut=1, made=made)
+    return Part(name, title, layers, centres=(0j,), cut=1)
 
 
-def grooved(
-    name: str,
-    title: str,
-    diameter: float,
-    length: float,
-    wide: float,
-    head: float,
-    groove: float,
-    count: int = 1,
-    notes: tuple[str, ...] = (),
-    made: str = "printed",
-) -> Part:
-    """A headed pin with a shoulder as wide and high as its head: between both a groove as high as asked for, mm."""
-    plain = headed(name, title, diameter, length, wide, head, count, notes, made)
-    (top, disc), (_, shank) = ((layer, layer.region) for layer in plain.layers)
-    ends = (head + groove, head + groove + head, head + length)
+def grooved(pin: Part, groove: float) -> Part:
+    """A headed pin with a shoulder as wide and high as its head: between both a groove so high, mm."""
+    head, shank = pin.layers
+    bottom = head.z1 + groove
+    top = bottom + head.z1
     layers = (
-        top,
-        Layer(shank, head, ends[0]),
-        Layer(disc, ends[0], ends[1]),
-        Layer(shank, ends[1], ends[2]),
+        head,
+        Layer(shank.region, head.z1, bottom),
+        Layer(head.region, bottom, top),
+        Layer(shank.region, top, shank.z1),
     )
-    return replace(plain, layers=layers, cut=3)
+    return replace(pin, layers=layers, cut=3)
 
 
 def spacer(
-    name: str,
-    title: str,
-    bore: float,
-    diameter: float,
-    thickness: float,
-    min_wall: float,
-    count: int = 1,
-    pins: Sequence[tuple[complex, float]] = (),
-    outer: Contour | None = None,
+    name: str, title: str, bore: float, diameter: float, thickness: float, min_wall: float
 ) -> Part:
-    """A washer, with further holes (place, diameter) where it sits on pins; the origin is its axis; outer: an edge not round."""
-    holes = {"bore": circle(0j, bore / 2)} | {
-        f"pin {k + 1}": circle(z, d / 2) for k, (z, d) in enumerate(pins)
-    }
-    region = plate(name, outer or circle(0j, diameter / 2), holes, min_wall)
-    centres = (0j, *(z for z, _ in pins))
+    """A washer; the origin is its axis."""
+    region = plate(name, circle(0j, diameter / 2), {"bore": circle(0j, bore / 2)}, min_wall)
     return Part(
-        name,
-        title,
-        (Layer(region, 0.0, thickness),),
-        count,
-        centres=centres,
-        bore=bore,
-        min_wall=min_wall,
+        name, title, (Layer(region, 0.0, thickness),), centres=(0j,), bore=bore, min_wall=min_wall
     )

@@ -30,7 +30,8 @@ def inertia_of(part: Part, density: float) -> float:
 
 def centre_of(part: Part) -> complex:
     """Centre of a part's volume in the plane, complex mm in its frame; by the same polygons."""
-    total, weight = 0j, 0.0
+    total = 0j
+    weight = 0.0
     for height, contour in _contours(part):
         z = facet_contour(contour, 0.01)
         w = np.roll(z, -1)
@@ -65,7 +66,8 @@ class Solids:
             if mount.body != body.name or part is None or part.made in _SHOWN:
                 continue
             heavy = self.density_of(part)
-            mass, centre = part.volume * heavy * MM**3, centre_of(part)
+            mass = part.volume * heavy * MM**3
+            centre = centre_of(part)
             inertia = inertia_of(part, heavy) - mass * abs(centre * MM) ** 2
             own.append(Body(part.name, mass=mass, centre=mount.place(centre), inertia=inertia))
         return together(replace(body, mass=0.0, inertia=0.0), *own)

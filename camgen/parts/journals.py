@@ -108,7 +108,9 @@ class _Places:
     """Eyes of features as they lie in the assembly."""
 
     def __init__(self, parts: Sequence[Part], mounts: Sequence[Mount], printed: str) -> None:
-        self.parts, self.mounts, self.printed = {part.name: part for part in parts}, mounts, printed
+        self.parts = {part.name: part for part in parts}
+        self.mounts = mounts
+        self.printed = printed
 
     def span(self, eye: Eye, sides: Sequence[Place]) -> tuple[float, float] | None:
         """Of the copy of the eye's part that is at the joint."""
@@ -141,7 +143,8 @@ def journals(
 
     A motor's own shaft runs in the motor's bearings and is none.
     """
-    places, found = _Places(parts, mounts, printed), dict[str, Journal]()
+    places = _Places(parts, mounts, printed)
+    found = dict[str, Journal]()
     for feature in features:
         if not isinstance(feature, PinEyes | SlotFaces):
             continue
@@ -180,12 +183,14 @@ def _in_slot(
     places: _Places,
     held: Sequence[tuple[Eye, tuple[Place, Place]]],
 ) -> Journal | None:
-    sides, shaft = (joint.guide, joint.runner), feature.pin or feature.eye
+    sides = (joint.guide, joint.runner)
+    shaft = feature.pin or feature.eye
     walls = places.slot(feature.walls, joint.guide.body)
     if walls is None:
         return None
     pin = places.span(shaft, sides) or walls
-    low, high = max(walls[0], pin[0]), min(walls[1], pin[1])
+    low = max(walls[0], pin[0])
+    high = min(walls[1], pin[1])
     if high - low <= _SAME:
         return None
     spans = [places.span(eye, at) for eye, at in held if not eye.shaft]
@@ -215,7 +220,8 @@ def _journal(feature: PinEyes, places: _Places, sides: Sequence[Place]) -> Journ
     if feature.pin is None:  # a disc that is itself the pin: what of it lies in the hole
         disc = places.span(shaft, sides)
         if disc is not None:
-            low, high = max(low, disc[0]), min(high, disc[1])
+            low = max(low, disc[0])
+            high = min(high, disc[1])
     else:
         faces = [
             face for eye in held if (span := places.span(eye, sides)) is not None for face in span

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgen.parts.level_rules import Axis, Band, Opening, Rule, Thing, Unlaid, Wall
+from camgen.parts.level_rules import Axis, Band, Opening, Rule, Thing, Things, Unlaid, Wall
 
 # what a level, a high link, a broken rule cost; a level of a pin costs 1
 LEVEL = 100.0
@@ -17,167 +17,209 @@ BROKEN = 1e5
 
 @dataclass(frozen=True)
 class Solution:
-    """Levels by name; upper: axis and link, of each link that an axis between two plates holds on its upper stub."""
+    """What the program finds."""
 
-    level: dict[str, int]
-    upper: set[tuple[str, str]]
-
-
-def integer_program(
-    bands: Sequence[Band],
-    axes: Sequence[Axis],
-    rules: Sequence[Rule],
-    given: Mapping[str, int],
-    over: Sequence[tuple[str, str]] = (),
-    strict: bool = False,
-) -> dict[str, int] | None:
-    """The same by branch and bound; rules that cannot be kept are broken at a price, or `strict`: None where one cannot be."""
-    found = program(bands, axes, rules, given, over, strict)
-    return None if found is None else found.level
+    level: dict[str, int]  # by name
+    upper: set[tuple[str, str]]  # axis and link, where an axis between two plates has it on top
 
 
-def program(
-    bands: Sequence[Band],
-    axes: Sequence[Axis],
-    rules: Sequence[Rule],
-    given: Mapping[str, int],
-    over: Sequence[tuple[str, str]] = (),
-    strict: bool = False,
-) -> Solution | None:
-    """Its solution; None only where `strict`."""
-    from scipy.optimize import Bounds, LinearConstraint, milp
+@dataclass(frozen=True)
+class _Span:
+    """Levels that a thing takes, from the value of column `low` + `below` to that of column `high` + `above`."""
 
-    least = least_levels(bands, axes)
-    most = max([2 * len(least) + 1, *given.values()])
-    cost, bounds = [LEVEL], [(0.0, float(most))]  # the first column is the highest level
-    rows: list[tuple[dict[int, float], float]] = []  # sum >= right
+    low: int
+    below: int
+    high: int
+    above: int
 
-    def column(price: float, low: float, high: float) -> int:
-        cost.append(price)
-        bounds.append((low, high))
-        return len(cost) - 1
 
-    level = {
-        name: column(LOW, given.get(name, low), given.get(name, most))
-        for name, low in least.items()
-    }
-    rows += [({0: 1, k: -1}, 0) for k in level.values()]
-    rows += [({level[upper]: 1, level[lower]: -1}, 1) for upper, lower in over]
-    axis_ends: dict[str, tuple[int, int]] = {}
-    uppers: dict[tuple[str, str], int] = {}
-    held: dict[
-        str, tuple[int, int]
-    ] = {}  # whether the lower plate holds an axis, and whether the upper one does
-    big, plate, bound = 2.0 * most + 4, column(0, 0, 0), bound_axes(axes, rules)
-    for axis in (
-        axis for axis in axes if axis.far
-    ):  # top of the lower stub, bottom of the upper one: others pass between
-        none = -1 if axis.name in bound and not axis.low else 0
-        low, high = axis_ends[axis.name] = column(0, none, most + 1), column(0, 0, most + 2)
-        rows.append(({high: 1, low: -1}, 0))
+class _Program:
+    """Columns, each with its cost and bounds, and rows: sums of columns that are at least so much.
+
+    Columns: the highest level, the level of each name, the ends of each axis, and choices of 0 or 1.
+    """
+
+    def __init__(self, things: Things, given: Mapping[str, int], strict: bool) -> None:
+        least = least_levels(things)
+        self.strict = strict
+        self.most = max([2 * len(least) + 1, *given.values()])
+        self.big = 2.0 * self.most + 4  # relaxes a row whose choice is not made
+        self.cost: list[float] = []
+        self.bounds: list[tuple[float, float]] = []
+        self.rows: list[tuple[dict[int, float], float]] = []
+        highest = self.column(LEVEL, 0, self.most)
+        self.level = {
+            name: self.column(LOW, given.get(name, low), given.get(name, self.most))
+            for name, low in least.items()
+        }
+        self.rows += [({highest: 1, k: -1}, 0) for k in self.level.values()]
+        self.rows += [
+            ({self.level[upper]: 1, self.level[lower]: -1}, 1) for upper, lower in things.over
+        ]
+        self.plate = self.column(0, 0, 0)
+        self.bound = bound_axes(things)
+        # by axis: its lowest and highest level; between two plates the top of its lower stub and the bottom of its upper one
+        self.ends: dict[str, tuple[int, int]] = {}
+        self.uppers: dict[tuple[str, str], int] = {}  # whether a link is on an axis's upper stub
+        self.held: dict[str, tuple[int, int]] = {}  # whether the lower, the upper plate holds it
+        for axis in things.axes:
+            if axis.far:
+                self._add_stubs(axis)
+        for axis in things.axes:
+            if not axis.far:
+                self._add_pin(axis)
+        for rule in things.rules:
+            self._add_rule(rule)
+
+    def column(self, cost: float, low: float, high: float) -> int:
+        """Number of a new column."""
+        self.cost.append(cost)
+        self.bounds.append((low, high))
+        return len(self.cost) - 1
+
+    def _add_stubs(self, axis: Axis) -> None:
+        """An axis between two plates: others pass between its stubs."""
+        bound = axis.name in self.bound
+        low = self.column(0, -1 if bound and not axis.low else 0, self.most + 1)
+        high = self.column(0, 0, self.most + 2)
+        self.ends[axis.name] = (low, high)
+        self.rows.append(({high: 1, low: -1}, 0))
+        uppers = []
         for link in axis.links:
-            upper = column(
-                LOW * (axis.name in bound), float(link in axis.high), float(link not in axis.low)
+            upper = self.column(LOW * bound, float(link in axis.high), float(link not in axis.low))
+            uppers.append(upper)
+            self.uppers[axis.name, link] = upper
+            self.rows.append(({low: 1, self.level[link]: -1, upper: self.big}, axis.over))
+            self.rows.append(
+                ({high: -1, self.level[link]: 1, upper: -self.big}, axis.over - self.big)
             )
-            uppers[axis.name, link] = upper
-            rows.append(({low: 1, level[link]: -1, upper: big}, axis.over))
-            rows.append(({high: -1, level[link]: 1, upper: -big}, axis.over - big))
-        if axis.name in bound:
-            below, above = held[axis.name] = column(0, 0, 1), column(0, 0, 1)
-            rows += [({below: 1, uppers[axis.name, link]: 1}, 1) for link in axis.links]
-            rows += [({above: 1, uppers[axis.name, link]: -1}, 0) for link in axis.links]
-            rows += [({below: -1, above: -1}, -1)] if axis.runs else []
-    for axis in (axis for axis in axes if not axis.far):
-        low, high = axis_ends[axis.name] = (
-            column(-1, 0, 0 if axis.ground else most),
-            column(1, 0, most + 1),
-        )
+        if bound:
+            below = self.column(0, 0, 1)
+            above = self.column(0, 0, 1)
+            self.held[axis.name] = (below, above)
+            self.rows += [({below: 1, upper: 1}, 1) for upper in uppers]
+            self.rows += [({above: 1, upper: -1}, 0) for upper in uppers]
+            self.rows += [({below: -1, above: -1}, -1)] if axis.runs else []
+
+    def _add_pin(self, axis: Axis) -> None:
+        """An axis from its lowest link, or the plate, to its highest."""
+        low = self.column(-1, 0, 0 if axis.ground else self.most)
+        high = self.column(1, 0, self.most + 1)
+        self.ends[axis.name] = (low, high)
         for link in axis.links:
-            rows.append(({high: 1, level[link]: -1}, axis.over))
-            rows.append(({level[link]: 1, low: -1}, axis.under))
+            self.rows.append(({high: 1, self.level[link]: -1}, axis.over))
+            self.rows.append(({self.level[link]: 1, low: -1}, axis.under))
 
-    def ends(thing: Thing) -> tuple[int, int, int, int]:
-        """Column of the lowest level and what is added to it, and the same of the highest."""
+    def _span(self, thing: Thing) -> _Span:
         if isinstance(thing, Wall):
-            return level.get(thing.on, plate), 1, level[thing.link], thing.over
+            return _Span(
+                self.level.get(thing.on, self.plate), 1, self.level[thing.link], thing.over
+            )
         if isinstance(thing, Opening):
-            return plate, 0, plate, 0
+            return _Span(self.plate, 0, self.plate, 0)
         if isinstance(thing, Band):
-            return level[thing.level], -thing.below, level[thing.level], 0
-        return axis_ends[thing.name][0], 0, axis_ends[thing.name][1], 0
+            level = self.level[thing.level]
+            return _Span(level, -thing.below, level, 0)
+        low, high = self.ends[thing.name]
+        return _Span(low, 0, high, 0)
 
-    for rule in rules:
-        (a0, a, a1, a_over), (b0, b, b1, b_over) = ends(rule.a), ends(rule.b)
+    def _add_rule(self, rule: Rule) -> None:
+        """Two things that share no level: one lies over the other, or both pass between stubs."""
         short = (rule.needed - rule.distance) / rule.needed
-        broken = column(BROKEN * (1 + max(0.0, short)), 0, 0 if strict else 1)
+        broken = self.column(BROKEN * (1 + max(0.0, short)), 0, 0 if self.strict else 1)
+        a = self._span(rule.a)
+        b = self._span(rule.b)
         far = [axis for axis in (rule.a, rule.b) if isinstance(axis, Axis) and axis.far]
         slotted = [thing.axis for thing in (rule.a, rule.b) if isinstance(thing, Opening)]
-        if len(far) == 2 or (slotted and held.keys() & set(slotted)):  # on no plate both of them
-            both = [held.get(name) for name in slotted or [axis.name for axis in far]]
-            sides = zip(*(each or (plate, plate) for each in both), strict=True)
-            there = sum(
-                each is None for each in both
-            )  # those that end on the lower plate in any case
-            for (one, other), fixed in zip(sides, (there, 0), strict=True):
-                rows.append(
-                    ({one: -1.0, broken: 1} | ({other: -1.0} if other != one else {}), fixed - 1)
-                )
+        if len(far) == 2 or (slotted and self.held.keys() & set(slotted)):
+            self._part_plates(slotted or [axis.name for axis in far], broken)
             if far:
-                rows.append(({b1: 1, a0: -1, broken: big}, 1))
-                rows.append(({a1: 1, b0: -1, broken: big}, 1))
-            continue
-        if far:
-            if far[0] is rule.a:
-                (a0, a, a1, a_over), (b0, b, b1, b_over) = (b0, b, b1, b_over), (a0, a, a1, a_over)
-            rows.append(
-                ({a0: 1, b0: -1, broken: big}, 1 - a)
-            )  # over the lower stub, and under the upper one
-            rows.append(({b1: 1, a1: -1, broken: big}, 1 + a_over))
-            continue
-        upper = column(0, 0, 1)
-        rows.append(
-            ({a0: 1, b1: -1, upper: big, broken: big}, 1 - a + b_over)
-        )  # a over b where `upper` is 0
-        rows.append(({b0: 1, a1: -1, upper: -big, broken: big}, 1 - b + a_over - big))
-    table = np.zeros((len(rows), len(cost)))
-    for k, (row, _) in enumerate(rows):
-        table[k, list(row)] = list(row.values())
-    found = milp(
-        cost,
-        integrality=np.ones(len(cost)),
-        bounds=Bounds(*np.array(bounds).T),
-        constraints=LinearConstraint(table, np.array([right for _, right in rows]), np.inf),
-        options={"time_limit": 10.0},
-    )
-    if found.x is None and strict:
-        return None
-    if found.x is None:
+                self.rows.append(({b.high: 1, a.low: -1, broken: self.big}, 1))
+                self.rows.append(({a.high: 1, b.low: -1, broken: self.big}, 1))
+        elif far:  # over the lower stub, and under the upper one
+            stubs, other = (a, b) if far[0] is rule.a else (b, a)
+            self.rows.append(({other.low: 1, stubs.low: -1, broken: self.big}, 1 - other.below))
+            self.rows.append(({stubs.high: 1, other.high: -1, broken: self.big}, 1 + other.above))
+        else:  # a over b where `under` is 0
+            under = self.column(0, 0, 1)
+            self.rows.append(
+                (
+                    {a.low: 1, b.high: -1, under: self.big, broken: self.big},
+                    1 - a.below + b.above,
+                )
+            )
+            self.rows.append(
+                (
+                    {b.low: 1, a.high: -1, under: -self.big, broken: self.big},
+                    1 - b.below + a.above - self.big,
+                )
+            )
+
+    def _part_plates(self, axes: Sequence[str], broken: int) -> None:
+        """No plate holds both axes."""
+        both = [self.held.get(name) for name in axes]
+        fixed = sum(each is None for each in both)  # end on the lower plate in any case
+        sides = zip(*(each or (self.plate, self.plate) for each in both), strict=True)
+        for (one, other), count in zip(sides, (fixed, 0), strict=True):
+            row = {one: -1.0, broken: 1} | ({other: -1.0} if other != one else {})
+            self.rows.append((row, count - 1))
+
+    def solution(self) -> Solution | None:
+        """The cheapest; None where the solver finds none."""
+        from scipy.optimize import Bounds, LinearConstraint, milp
+
+        table = np.zeros((len(self.rows), len(self.cost)))
+        for k, (row, _) in enumerate(self.rows):
+            table[k, list(row)] = list(row.values())
+        optimum = milp(
+            self.cost,
+            integrality=np.ones(len(self.cost)),
+            bounds=Bounds(*np.array(self.bounds, float).T),
+            constraints=LinearConstraint(
+                table, np.array([least for _, least in self.rows]), np.inf
+            ),
+            options={"time_limit": 10.0},
+        )
+        if optimum.x is None:
+            return None
+        return Solution(
+            {name: round(optimum.x[k]) for name, k in self.level.items()},
+            {pair for pair, k in self.uppers.items() if round(optimum.x[k])},
+        )
+
+
+def program(things: Things, given: Mapping[str, int], strict: bool = False) -> Solution | None:
+    """The best levels, those given kept; rules that cannot be kept are broken at a price, or `strict`: None then.
+
+    Raises Unlaid where no order has all that must lie over others over them.
+    """
+    solution = _Program(things, given, strict).solution()
+    if solution is None and not strict:
         raise _no_levels(given)
-    chosen = {name: round(found.x[k]) for name, k in level.items()}
-    return Solution(chosen, {pair for pair, k in uppers.items() if round(found.x[k])})
+    return solution
 
 
-def least_levels(bands: Sequence[Band], axes: Sequence[Axis]) -> dict[str, int]:
+def least_levels(things: Things) -> dict[str, int]:
     """Lowest level that each name may have."""
     least = {
-        band.level: 1 + max(each.below for each in bands if each.level == band.level)
-        for band in bands
+        band.level: 1 + max(each.below for each in things.bands if each.level == band.level)
+        for band in things.bands
     }
-    for axis in (axis for axis in axes if not axis.ground):
+    for axis in (axis for axis in things.axes if not axis.ground):
         least |= {link: max(least[link], 1 + axis.under) for link in axis.links}
     return least
 
 
-def bound_axes(axes: Sequence[Axis], rules: Sequence[Rule]) -> set[str]:
+def bound_axes(things: Things) -> set[str]:
     """Names of axes between two plates that may not be on whichever plate they like: they run in a slot of one, or meet what
     stands on the ground too."""
     met = {
         thing.name
-        for rule in rules
+        for rule in things.rules
         for thing in (rule.a, rule.b)
         if all(isinstance(each, Axis) and (each.far or each.ground) for each in (rule.a, rule.b))
     }
-    return {axis.name for axis in axes if axis.far and (axis.runs or axis.name in met)}
+    return {axis.name for axis in things.axes if axis.far and (axis.runs or axis.name in met)}
 
 
 def _no_levels(given: Mapping[str, int]) -> Unlaid:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import combinations
 
 import numpy as np
@@ -104,6 +105,29 @@ class Wall:
 Thing = Band | Axis | Wall | Opening
 
 
+@dataclass(frozen=True)
+class Things:
+    """What is to be laid."""
+
+    bands: Sequence[Band]
+    axes: Sequence[Axis]
+    gap: float = 0.0  # least air of what passes by on one level, mm
+    walls: Sequence[Wall] = ()
+    over: Sequence[tuple[str, str]] = ()  # levels, the first of which must lie over the second
+    openings: Sequence[Opening] = ()
+
+    @property
+    def every(self) -> list[Thing]:
+        """All of them."""
+        return [*self.bands, *self.axes, *self.walls, *self.openings]
+
+    @cached_property
+    def rules(self) -> list[Rule]:
+        """Those of all pairs that meet."""
+        ways = [_way(thing) for thing in self.every]
+        return [rule for a, b in combinations(ways, 2) if (rule := _meets(a, b, self.gap))]
+
+
 class Unlaid(DesignError):
     """No levels are free of collisions."""
 
@@ -116,14 +140,12 @@ class Crowded(Unlaid):
     def __init__(
         self, a: Thing, b: Thing, distance: float, needed: float, theta: float, more: int
     ) -> None:
-        self.a, self.b, self.distance, self.needed, self.theta, self.more = (
-            a,
-            b,
-            distance,
-            needed,
-            theta,
-            more,
-        )
+        self.a = a
+        self.b = b
+        self.distance = distance
+        self.needed = needed
+        self.theta = theta
+        self.more = more
         others = f", and {more} more such pair{'s' if more > 1 else ''}" if more else ""
         said = f"{a.name} and {b.name}, {math.degrees(theta):.1f} deg{others}"
         super().__init__(
@@ -180,7 +202,8 @@ def _way(thing: Thing) -> _Way:
 
 def _meets(one: _Way, other: _Way, gap: float) -> Rule | None:
     """The rule of two things that come nearer than `gap`, mm; None where they stay apart."""
-    a, b = one.thing, other.thing
+    a = one.thing
+    b = other.thing
     if isinstance(a, Opening) and isinstance(b, Opening):
         if a.axis == b.axis or (
             min(len(a.corners), len(b.corners)) > 1 and in_line(a.corners[:, 0], b.corners[:, 0])
@@ -198,7 +221,8 @@ def _meets(one: _Way, other: _Way, gap: float) -> Rule | None:
         isinstance(a, Wall) or {b.link, b.on} & set(a.links if isinstance(a, Axis) else (a.level,))
     ):
         return None
-    needed, steps = a.radius + b.radius + gap, one.step + other.step
+    needed = a.radius + b.radius + gap
+    steps = one.step + other.step
     if float((np.abs(other.centre - one.centre) - one.reach - other.reach - steps).min()) >= needed:
         return None  # not even their discs, as of most links of a long chain
     between = distance(one.corners, other.corners) - steps
@@ -224,12 +248,6 @@ def span(thing: Thing, level: Mapping[str, int]) -> tuple[int, int]:
         return 0, 0
     held = [level[link] for link in thing.links]
     return 0 if thing.ground else min(held) - thing.under, max(held) + thing.over
-
-
-def rules_of(things: Sequence[Thing], gap: float) -> list[Rule]:
-    """Those of all pairs that meet."""
-    ways = [_way(thing) for thing in things]
-    return [rule for a, b in combinations(ways, 2) if (rule := _meets(a, b, gap))]
 
 
 def cut(axis: Axis, rules: Sequence[Rule], level: Mapping[str, int]) -> int | None:
@@ -268,14 +286,17 @@ def plates_of(axis: Axis, at: int, level: Mapping[str, int]) -> tuple[bool, bool
 
 def kept(rule: Rule, level: Mapping[str, int], ends: Mapping[str, int | None]) -> bool:
     """Whether two things share no level; ends: the cuts of axes between two plates."""
-    a, b = rule.a, rule.b
+    a = rule.a
+    b = rule.b
     if isinstance(a, Opening) and isinstance(b, Opening):
         return bool(ends.get(a.axis, 1)) != bool(ends.get(b.axis, 1))
     if isinstance(a, Axis) and isinstance(b, Axis) and a.far and b.far:
-        cut_a, cut_b = ends[a.name], ends[b.name]
+        cut_a = ends[a.name]
+        cut_b = ends[b.name]
         if cut_a is None or cut_b is None:
             return False
-        (low_a, high_a), (low_b, high_b) = _gap(a, cut_a, level), _gap(b, cut_b, level)
+        low_a, high_a = _gap(a, cut_a, level)
+        low_b, high_b = _gap(b, cut_b, level)
         apart = not any(
             one and other
             for one, other in zip(
@@ -284,8 +305,10 @@ def kept(rule: Rule, level: Mapping[str, int], ends: Mapping[str, int | None]) -
         )
         return apart and low_a < high_b and low_b < high_a
     for axis in (thing for thing in (a, b) if isinstance(thing, Axis) and thing.far):
-        at, (one, other) = ends[axis.name], span(_others(rule, axis)[0], level)
+        at = ends[axis.name]
+        one, other = span(_others(rule, axis)[0], level)
         low, high = (math.inf, 0) if at is None else _gap(axis, at, level)
         return low < one and other < high
-    (a0, a1), (b0, b1) = span(a, level), span(b, level)
+    a0, a1 = span(a, level)
+    b0, b1 = span(b, level)
     return a1 < b0 or b1 < a0

@@ -21,11 +21,11 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import lru_cache
 
 from camgen.geometry.outlines import Floats
-from camgen.parts.level_program import LOW, bound_axes, integer_program, least_levels, program
+from camgen.parts.level_program import LOW, bound_axes, least_levels, program
 from camgen.parts.level_rules import (
     Axis,
     Band,
@@ -33,88 +33,73 @@ from camgen.parts.level_rules import (
     Opening,
     Rule,
     Thing,
-    Wall,
+    Things,
     cut,
     kept,
-    rules_of,
     span,
 )
 
 _NODES = 20_000  # of the search, some 0.5 s; then the integer program, which takes that to load
 
 
-def levels(
-    bands: Sequence[Band],
-    axes: Sequence[Axis],
-    theta: Floats,
-    gap: float,
-    given: Mapping[str, int] | None = None,
-    walls: Sequence[Wall] = (),
-    over: Sequence[tuple[str, str]] = (),
-    explain: bool = True,
-    searched: bool = False,
-    openings: Sequence[Opening] = (),
-) -> dict[str, int] | None:
-    """Levels by name, 1 the lowest; None where they are not found soon, or to `explain` a longer search and DesignError.
+def quick_levels(things: Things, given: Mapping[str, int] | None = None) -> dict[str, int] | None:
+    """Levels by name, 1 the lowest, those given kept; None where they are not found soon."""
+    given = given or {}
+    if any(axis.far for axis in things.axes):
+        solution = program(things, given, strict=True)
+        return None if solution is None else solution.level
+    if any(isinstance(rule.a, Opening) for rule in things.rules):
+        return None
+    level = search(
+        tuple(things.bands),
+        tuple(things.axes),
+        tuple(things.rules),
+        tuple(given.items()),
+        tuple(things.over),
+    )
+    return None if level is None else dict(level)
 
-    theta: (n,) rad, of the samples, for messages; gap: mm, least air of what passes by on one level; given: levels that are
-    to be kept; over: pairs of levels, the first of which must lie over the second; searched: soon was not soon enough.
+
+def levels(things: Things, theta: Floats, given: Mapping[str, int] | None = None) -> dict[str, int]:
+    """Levels by name, as `quick_levels`, by a longer search; Crowded, with what meets and at which theta, where there are none.
+
+    theta: (n,) rad, of the samples.
     """
     given = given or {}
-    rules = rules_of([*bands, *axes, *walls, *openings], gap)
-    crossed = any(isinstance(rule.a, Opening) for rule in rules)
-    found: dict[str, int] | None = None
-    if any(axis.far for axis in axes):
-        found = integer_program(bands, axes, rules, given, over, strict=True)
-    elif not searched and not crossed:
-        soon = search(tuple(bands), tuple(axes), tuple(rules), tuple(given.items()), tuple(over))
-        found = None if soon is None else dict(soon)
-    if found is not None or not explain:
-        return found
-    found = integer_program(bands, axes, rules, given, over)  # it says what cannot be, too
-    assert found is not None, "rules may be broken"
-    ends = _ends(bands, axes, rules, found)
-    broken = [rule for rule in rules if not kept(rule, found, ends)]
+    solution = None
+    if any(axis.far for axis in things.axes):
+        solution = program(things, given, strict=True)
+    solution = solution or program(things, given)
+    assert solution is not None, "rules may be broken"
+    ends = _ends(things, solution.level)
+    broken = [rule for rule in things.rules if not kept(rule, solution.level, ends)]
     if broken:
         rule = min(broken, key=lambda each: each.distance - each.needed)
         raise Crowded(
             rule.a, rule.b, rule.distance, rule.needed, float(theta[rule.k]), len(broken) - 1
         )
-    return found
+    return solution.level
 
 
-def cuts(
-    bands: Sequence[Band],
-    axes: Sequence[Axis],
-    walls: Sequence[Wall],
-    gap: float,
-    level: Mapping[str, int],
-    openings: Sequence[Opening] = (),
-) -> dict[str, int]:
+def cuts(things: Things, level: Mapping[str, int]) -> dict[str, int]:
     """Of each axis between two plates that does not go through, by its name, the highest level of its lower stub: 0 where all
     of its links are on the upper plate's, that of its highest link where all are on the lower plate's."""
-    rules = rules_of([*bands, *axes, *walls, *openings], gap)
-    return {name: at for name, at in _ends(bands, axes, rules, level).items() if at is not None}
+    return {name: end for name, end in _ends(things, level).items() if end is not None}
 
 
-def _ends(
-    bands: Sequence[Band], axes: Sequence[Axis], rules: Sequence[Rule], level: Mapping[str, int]
-) -> dict[str, int | None]:
+def _ends(things: Things, level: Mapping[str, int]) -> dict[str, int | None]:
     """The cut of each axis between two plates. What two such axes leave to each other decides the integer program: on which
     plate a link of theirs is held; that of any other axis lets most of what meets it pass."""
-    far, bound = {axis.name: axis for axis in axes if axis.far}, bound_axes(axes, rules)
-    found = {name: cut(axis, rules, level) for name, axis in far.items() if name not in bound}
+    far = {axis.name: axis for axis in things.axes if axis.far}
+    bound = bound_axes(things)
+    ends = {name: cut(axis, things.rules, level) for name, axis in far.items() if name not in bound}
     if bound:
-        solution = program(bands, axes, rules, level)
+        solution = program(things, level)
         assert solution is not None, "rules may be broken"
-        upper = solution.upper
-        found |= {
-            name: max(
-                [level[link] for link in far[name].links if (name, link) not in upper], default=0
-            )
-            for name in bound
-        }
-    return found
+        for name in bound:
+            lower = [link for link in far[name].links if (name, link) not in solution.upper]
+            ends[name] = max([level[link] for link in lower], default=0)
+    return ends
 
 
 @lru_cache(maxsize=8)  # variants of a machine mostly meet in the same places
@@ -122,12 +107,12 @@ def search(
     bands: tuple[Band, ...],
     axes: tuple[Axis, ...],
     rules: tuple[Rule, ...],
-    kept: tuple[tuple[str, int], ...],
+    fixed: tuple[tuple[str, int], ...],
     over: tuple[tuple[str, str], ...],
 ) -> Mapping[str, int] | None:
     """The best levels that keep all rules, by depth first on ever more levels; None where _NODES nodes do not find them."""
-    given = dict(kept)
-    least = least_levels(bands, axes)
+    given = dict(fixed)
+    least = least_levels(Things(bands, axes))
     about = Counter(name for rule in rules for thing in (rule.a, rule.b) for name in _on(thing))
     names = sorted(least, key=lambda name: (name not in given, -about[name]))
     touching = {
@@ -138,11 +123,13 @@ def search(
     pins = {name: [axis for axis in axes if name in axis.links] for name in names}
     level: dict[str, int] = {}
     best: dict[str, int] | None = None
-    cheapest, left = math.inf, _NODES
+    cheapest = math.inf
+    left = _NODES
 
     def sound(name: str) -> bool:
         for rule in touching[name]:
-            a, b = _so_far(rule.a, level), _so_far(rule.b, level)
+            a = _so_far(rule.a, level)
+            b = _so_far(rule.b, level)
             if a and b and not (a[1] < b[0] or b[1] < a[0]):
                 return False
         return all(
@@ -152,7 +139,8 @@ def search(
     def lay(k: int, highest: int, cost: float) -> None:
         nonlocal best, cheapest, left
         if k == len(names):
-            best, cheapest = dict(level), cost
+            best = dict(level)
+            cheapest = cost
             return
         name = names[k]
         for value in [given[name]] if name in given else range(least[name], highest + 1):

@@ -100,7 +100,8 @@ def _turned(outline: Points, cell: float, gap: float, angle: float) -> _Turned:
         cell * (np.arange(width) + 0.5), cell * (np.arange(height) + 0.5), indexing="ij"
     )
     mask = np.asarray(shapely.contains_xy(area, x, y))
-    columns, rows = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    columns = np.flatnonzero(mask.any(axis=1))
+    rows = np.flatnonzero(mask.any(axis=0))
     corner = cell * complex(columns[0], rows[0])
     return _Turned(angle, mask[columns[0] : columns[-1] + 1, rows[0] : rows[-1] + 1], -low - corner)
 

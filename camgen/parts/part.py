@@ -130,9 +130,11 @@ def d_bore(diameter: float, flat_depth: float) -> Contour:
 
 def keyed_bore(diameter: float, key_width: float, key_depth: float) -> Contour:
     """Bore with a keyway at its top: key_depth is the keyway's floor above the circle's top, mm (the hub's t2)."""
-    radius, half = diameter / 2, key_width / 2
+    radius = diameter / 2
+    half = key_width / 2
     lean = math.acos(half / radius)
-    foot, top = radius * math.sin(lean), radius + key_depth
+    foot = radius * math.sin(lean)
+    top = radius + key_depth
     return Contour(
         (
             Arc(0j, radius, math.pi - lean, math.pi + 2 * lean),
@@ -202,7 +204,9 @@ def windows(
         i, j = np.unravel_index(int(np.argmax(area)), area.shape)
         if area[i, j] < 0:
             continue
-        radius, spread, width = float(radii[i, 0, 0]), float(spreads[0, j, 0]), float(half[i, j])
+        radius = float(radii[i, 0, 0])
+        spread = float(spreads[0, j, 0])
+        width = float(half[i, j])
         if spread == 0:
             found.append(circle(cmath.rect(radius, direction), width))
         else:
@@ -336,7 +340,8 @@ def _crossings(
 ) -> list[tuple[float, float]]:
     """Where a line or arc crosses a line beside `at`: how far along that, mm, and the piece's parameter."""
     if isinstance(piece, Line):
-        a, b = (piece.a - at) / along, (piece.b - at) / along
+        a = (piece.a - at) / along
+        b = (piece.b - at) / along
         share = (aside - a.imag) / (b.imag - a.imag) if b.imag != a.imag else math.inf
         return [((a + share * (b - a)).real, share)] if 0 <= share <= 1 else []
     assert isinstance(piece, Arc)
@@ -367,26 +372,10 @@ def _part(piece: Piece, t0: float, t1: float) -> Piece:
     return Arc(piece.centre, piece.radius, t0, t1 - t0)
 
 
-def rod(
-    name: str,
-    title: str,
-    diameter: float,
-    length: float,
-    count: int = 1,
-    notes: tuple[str, ...] = (),
-    made: str = "printed",
-) -> Part:
-    """A round pin, upright on its end."""
-    return Part(
-        name,
-        title,
-        (Layer(Region(circle(0j, diameter / 2)), 0.0, length),),
-        count,
-        (),
-        (0j,),
-        notes,
-        made=made,
-    )
+def rod(name: str, title: str, diameter: float, length: float) -> Part:
+    """A round pin, upright on its end; mm."""
+    layer = Layer(Region(circle(0j, diameter / 2)), 0.0, length)
+    return Part(name, title, (layer,), centres=(0j,))
 
 
 def clearance(discs: Sequence[tuple[complex, float]], points: Points) -> np.ndarray:

@@ -40,7 +40,8 @@ def posed_scene(assembly: Assembly, solids: Mapping[str, Mesh], theta: float) ->
     graph: Any = scene.graph
     for name in (GROUND, *(body.name for body in run.machine.moving)):
         pose = run.pose(name)
-        angle, place = float(pose.angle[0]), complex(pose.place[0])
+        angle = float(pose.angle[0])
+        place = complex(pose.place[0])
         if not math.isfinite(angle + abs(place)):
             where = f"{assembly.cycle.name} {math.degrees(theta):.6g} deg"
             said = f"the machine does not close at {where}"

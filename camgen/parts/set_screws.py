@@ -97,7 +97,8 @@ class SetScrewHub:
                 f"{self.thread}, its nut",
                 "make it larger, or use a thinner set_screw",
             )
-        half, wide = self.screw.clearance / 2, (self.screw.flats + _ROOM) / 2
+        half = self.screw.clearance / 2
+        wide = (self.screw.flats + _ROOM) / 2
         if half >= 0.9 * self.bore / 2:
             raise DesignError(
                 "hole of the set screw",
@@ -110,7 +111,8 @@ class SetScrewHub:
         bore = d_bore(self.bore, self.flat) if self.flat else circle(0j, self.bore / 2)
         pocket = rectangle(complex(-wide, self.near), complex(wide, self.far))
         outer = circle(0j, radius)
-        plain, held = Region(outer, (bore,)), Region(outer, (bore, pocket))
+        plain = Region(outer, (bore,))
+        held = Region(outer, (bore, pocket))
         cut = Region(self._cut(radius, half, wide))
         heights = (0.0, self.thin, self.middle - half, self.middle + half, max(self.height, height))
         regions = (plain, held, cut, held)
@@ -121,7 +123,8 @@ class SetScrewHub:
 
     def _cut(self, radius: float, half: float, wide: float) -> Contour:
         """Where the screw's hole, as wide as it is high, leads from the edge through the pocket to the bore."""
-        top, inner = math.sqrt(radius**2 - half**2), self._inner(half)
+        top = math.sqrt(radius**2 - half**2)
+        inner = self._inner(half)
         first = cmath.phase(complex(-half, top))
         pieces: list[Piece] = [
             Arc(0j, radius, first, cmath.phase(complex(half, top)) + math.tau - first)
@@ -141,7 +144,8 @@ class SetScrewHub:
 
     def _inner(self, half: float) -> tuple[float, list[Piece]]:
         """Where the hole's walls meet the bore, and the bore from its right wall round below to its left one."""
-        radius, height = self.bore / 2, self.bore / 2 - self.flat
+        radius = self.bore / 2
+        height = self.bore / 2 - self.flat
         chord = math.sqrt(max(0.0, radius**2 - height**2)) if self.flat else 0.0
         if half >= chord:
             y = math.sqrt(radius**2 - half**2)

@@ -67,7 +67,8 @@ def _ring(contour: Contour, tolerance: float, outside: bool) -> Points:
     z = z.astype(np.complex64).astype(np.complex128) + 0  # + 0 turns -0 into 0
     while True:
         z = np.asarray(z[z != np.roll(z, 1)])
-        before, after = z - np.roll(z, 1), np.roll(z, -1) - z
+        before = z - np.roll(z, 1)
+        after = np.roll(z, -1) - z
         # Exact: differences of neighbours have under 27 bits, their products fit a float64.
         idle = (np.conj(before) * after).imag == 0
         idle &= ~np.roll(idle, 1)
@@ -131,10 +132,8 @@ def _combine(layers: Sequence[Mesh], pockets: Sequence[Mesh]) -> Mesh:
             [body, *map(_manifold, pockets)], manifold3d.OpType.Subtract
         )
     raw = body.to_mesh64()
-    vertices, faces = (
-        np.asarray(raw.vert_properties)[:, :3],
-        np.asarray(raw.tri_verts).astype(np.int64),
-    )
+    vertices = np.asarray(raw.vert_properties)[:, :3]
+    faces = np.asarray(raw.tri_verts).astype(np.int64)
     levels = distinct(*(m.vertices[:, 2] for m in (*layers, *pockets)))
     height = levels[np.argmin(np.abs(vertices[:, 2, None] - levels), axis=1)]
     known = distinct(*(m.vertices[:, 0] + 1j * m.vertices[:, 1] for m in (*layers, *pockets)))
@@ -170,7 +169,8 @@ def _cross(layers: Sequence[Mesh], part: Part, tolerance: float) -> Mesh:
     vertices = np.asarray(raw.vert_properties)[:, :3].astype(np.float32).astype(float) + 0.0
     faces = np.asarray(raw.tri_verts).astype(np.int64)
     # Where cuts nearly meet, edges are a few float32 steps long: no two readers agree on the normal of a face with one.
-    here, there = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    here = faces.ravel()
+    there = np.roll(faces, -1, axis=1).ravel()
     step = MERGED_STEPS * FLOAT32_ROUNDING * float(np.abs(vertices).max())
     for k in np.flatnonzero(
         (here < there) & (np.abs(vertices[here] - vertices[there]).max(axis=1) <= step)
@@ -196,7 +196,8 @@ def _split_flat(mesh: Mesh) -> Faces:
         if len(across) != 1:
             break
         far = next(v for v in faces[across[0]] if v not in (p, q))
-        faces[k], faces[across[0]] = (q, middle, far), (middle, p, far)
+        faces[k] = (q, middle, far)
+        faces[across[0]] = (middle, p, far)
     return faces
 
 
@@ -238,8 +239,11 @@ def _check(mesh: Mesh, name: str) -> None:
         raise DesignError(
             f"distinct vertices of {name}", len(place) - same, len(place), "", "float32"
         )
-    a, b, size = mesh.faces, np.roll(mesh.faces, -1, axis=1), len(mesh.vertices)
-    there, back = np.sort((a * size + b).ravel()), np.sort((b * size + a).ravel())
+    a = mesh.faces
+    b = np.roll(mesh.faces, -1, axis=1)
+    size = len(mesh.vertices)
+    there = np.sort((a * size + b).ravel())
+    back = np.sort((b * size + a).ravel())
     # closed: every edge is run once each way
     faults = int(np.count_nonzero(there != back)) + int(np.count_nonzero(there[1:] == there[:-1]))
     if faults or not mesh.volume > 0:

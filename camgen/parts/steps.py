@@ -146,11 +146,13 @@ def order(
         for ring in each.rings
     }
     fixing = replace(fixing, rings=frozenset(seats))
-    number, places = Counter[str](), {part.name: k for k, part in enumerate(parts)}
+    number = Counter[str]()
+    places = {part.name: k for k, part in enumerate(parts)}
     copies: dict[tuple[float, bool, int, bool, float], list[tuple[str, _Laid]]] = {}
     for mount in mounts:
         k = places[mount.part]
-        part, number[mount.part] = parts[k], number[mount.part] + 1
+        part = parts[k]
+        number[mount.part] = number[mount.part] + 1
         height = mount.z + (part.thickness if mount.flipped else 0.0)
         holders = seats.get(part.name, set())
         height = min(
@@ -168,11 +170,9 @@ def order(
         )
         stands = _laid(part, poses[part.name][number[part.name] - 1])
         copies.setdefault(step, []).append((f"{part.name}-{number[part.name]}", stands))
-    rows, below, by_height = (
-        list[tuple[object, ...]](),
-        list[_Laid](),
-        sorted(copies.items(), key=lambda each: each[0]),
-    )
+    rows = list[tuple[object, ...]]()
+    below = list[_Laid]()
+    by_height = sorted(copies.items(), key=lambda each: each[0])
     for count, ((_, _, k, over, z), laid) in enumerate(by_height, 1):
         where = "; ".join(
             dict.fromkeys(filter(None, (_where(each, below, fixing) for _, each in laid)))
@@ -309,7 +309,8 @@ def _laid(part: Part, pose: PartPose) -> _Laid:
 
 def _slot(part: Part, pose: PartPose, layer: Layer, a: complex, b: complex, radius: float) -> Slot:
     """A slot of a part's layer where a copy stands."""
-    one, other = standing(part, pose, layer, a, radius), standing(part, pose, layer, b, radius)
+    one = standing(part, pose, layer, a, radius)
+    other = standing(part, pose, layer, b, radius)
     return Slot(one.at, other.at, one.low, one.high, 2 * radius)
 
 

@@ -27,7 +27,8 @@ def bending_stiffness(part: Part, held: complex, pushed: complex, modulus: float
     """
     import shapely
 
-    length, turn = abs(pushed - held), cmath.exp(-1j * cmath.phase(pushed - held))
+    length = abs(pushed - held)
+    turn = cmath.exp(-1j * cmath.phase(pushed - held))
     shapes: list[tuple[float, Any]] = []
     for layer in part.layers:
         rings = [

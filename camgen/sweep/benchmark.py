@@ -47,7 +47,8 @@ from camgen.pipeline.reading import Read, judge_motion, judge_part
 from camgen.progress import Progress, silent
 
 TOLERANCES = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
-KINDS, JUDGED = USUAL, ("dxf", "stl")  # a 3MF holds the numbers of the STL
+KINDS = USUAL
+JUDGED = ("dxf", "stl")  # a 3MF holds the numbers of the STL
 STAGES = ("design", "arcs", "solids", "write", "judge dxf", "judge stl")
 _paid: list[str] = []
 _EXACT = 1e-6  # mm, chords of the sections that stand for the exact ones
@@ -112,10 +113,8 @@ def measure(
 
 def _subjects(mechanism: Mechanism) -> tuple[dict[str, Part], dict[str, Contour]]:
     """The measured parts, and the outlines by part."""
-    contacts, parts = (
-        mechanism.assembly.passing,
-        {part.name: part for part in mechanism.assembly.parts},
-    )
+    contacts = mechanism.assembly.passing
+    parts = {part.name: part for part in mechanism.assembly.parts}
     rolled = {cam.part for cam in _cams(mechanism)}
     passing = {name for contact in contacts for name in (contact.a, contact.b)}
     touching = parts_of(mechanism.assembly.features) | passing
@@ -148,7 +147,9 @@ def _row(spec: Path, tolerance: float, folder: Path) -> Row:
     with stage("design"):
         case = Case(read_mechanism(spec, [f"accuracy.chord_tolerance={tolerance!r}"]), folder)
         parts, outlines = _subjects(case.mechanism)
-    fit, meshes, faults = compensation(case.mechanism), dict[str, Mesh](), list[str]()
+    fit = compensation(case.mechanism)
+    meshes = dict[str, Mesh]()
+    faults = list[str]()
     with stage("arcs"):
         for contour in outlines.values():
             fit_arcs(contour, tolerance)
@@ -228,7 +229,8 @@ def _ring(sections: Sections, cam: CamOutline | None) -> Ring:
 
 def _together(case: Case, kind: str, read: Mapping[str, Read]) -> list[Finding]:
     """What only all files of a kind together tell: the motion, and the error of distances."""
-    mechanism, pairs = case.mechanism, case.mechanism.assembly.passing
+    mechanism = case.mechanism
+    pairs = case.mechanism.assembly.passing
     if mechanism.assembly.features:
         moved = judge_motion(mechanism, kind, read, judged_angles())
         return [] if moved is None else list(moved[0].findings)

@@ -75,12 +75,14 @@ def sentences(bench: Bench) -> list[str]:
         points = [(tolerance, error[kind]) for tolerance, error in errors if kind in error]
         if len(points) < 2:
             continue
-        worst, (finest, floor) = max(error for _, error in points), points[-1]
+        worst = max(error for _, error in points)
+        finest, floor = points[-1]
         # An error goes with the tolerance until something else sets it: the coarser half tells how.
         ratio = float(
             np.median([error / tolerance for tolerance, error in points[: (len(points) + 1) // 2]])
         )
-        file, least = kind.upper(), f"{_short(floor, 1)} {unit}"
+        file = kind.upper()
+        least = f"{_short(floor, 1)} {unit}"
         setter = f"the {FORMATS[kind].numbers} of {file}" if FORMATS[kind].rounding else "rounding"
         if worst < SAME_POINT:
             found.append(f"The {file} is exact at every tolerance.")

@@ -28,7 +28,8 @@ class Journal:
     """
 
     def __init__(self, path: Path, sweep: str, count: int) -> None:
-        self.path, self.strange = path, 0
+        self.path = path
+        self.strange = 0
         self.places = np.full(count, -1, dtype=np.int64)
         self._sweep = sweep
         head = json.dumps({"camgen": __version__, "sweep": sweep, "variants": count}) + "\n"

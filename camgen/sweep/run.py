@@ -108,9 +108,11 @@ def _row(task: Task, number: int, values: Sequence[str], made: Mechanism | Camge
             from camgen.pipeline.build import build
 
             report = build(made, task.out / f"{number:08d}", frozenset(task.build))
-            findings, numbers = report.findings, report.numbers
+            findings = report.findings
+            numbers = report.numbers
         else:
-            findings, numbers = made.forecast(), made.study().numbers
+            findings = made.forecast()
+            numbers = made.study().numbers
     except SpecError as error:
         return row | {"verdict": WRONG, "fails": "", "reason": "; ".join(map(str, error.faults))}
     except DesignError as error:
@@ -323,13 +325,16 @@ def sweep(
         size = int(
             min(max(_CHUNK / max(each, 1e-6), 1), _LARGEST, max(count / (4 * max(jobs, 1)), 1))
         )
-        done, told = journal.done, time.perf_counter()
+        done = journal.done
+        told = time.perf_counter()
         for rows in engine(task, _left(journal.places, size)):
             journal.add(rows)
             done += len(rows)
             rest = (time.perf_counter() - told) * (count - done) / max(done - before, 1)
             progress(f"{done} of {count} variants, {_span(rest)} to go", done / count)
-        verdicts, reasons, columns = Counter[str](), Counter[str](), dict[str, None]()
+        verdicts = Counter[str]()
+        reasons = Counter[str]()
+        columns = dict[str, None]()
         for row in journal.rows():
             verdicts[row["verdict"]] += 1
             reasons[row["fails"] or row["reason"].partition("\n")[0]] += 1
@@ -367,7 +372,8 @@ def sweep(
 
 def _pace(task: Task) -> tuple[list[Row], float]:
     """The first rows, and what each one takes, s of the processor: where several at once are quicker, in such a crowd."""
-    rows, each = list[Row](), math.inf
+    rows = list[Row]()
+    each = math.inf
     for many in (1, *(() if task.build else _CROWDS)):
         began = time.process_time()  # whatever else this machine does
         count = min(many, task.variants.count)
@@ -377,7 +383,8 @@ def _pace(task: Task) -> tuple[list[Row], float]:
         took = (time.process_time() - began) / len(rows)
         if many == 1:
             _refuse_unknown(task, rows[0])
-        quicker, each = took < 0.7 * each, min(each, took)
+        quicker = took < 0.7 * each
+        each = min(each, took)
         if not quicker:
             break
     return rows, each
@@ -406,7 +413,8 @@ def _refuse_unknown(task: Task, first: Row) -> None:
 
 def _wished(data: Mapping[str, Any], columns: Sequence[str]) -> list[str]:
     """Figures of a wish: a key of [wanted], or a table of an [[output]] such as stroke, by its name and the output's."""
-    wanted, outputs = data.get("wanted"), data.get("output")
+    wanted = data.get("wanted")
+    outputs = data.get("output")
     keys = [(key,) for key in wanted] if isinstance(wanted, Mapping) else []
     tables = (
         [each for each in outputs if isinstance(each, Mapping)] if isinstance(outputs, list) else []

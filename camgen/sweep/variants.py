@@ -57,7 +57,8 @@ def _text(low: float, high: float, u: float) -> str:
 def axis(text: str) -> Axis:
     """Read `KEY=A:B:N`, `KEY=A:B` or `KEY=a,b,c`; SpecError where it is none of them, empty or the wrong way round."""
     keys, values = split_setting(text)
-    key, values = dotted(keys), values.strip()
+    key = dotted(keys)
+    values = values.strip()
     if not (all(keys) and values):
         raise SpecError([Fault((), repr(text), _FORM, source="--vary")], "command line")
     found = _RANGE.fullmatch(values)
@@ -85,7 +86,9 @@ def axis(text: str) -> Axis:
                 [Fault((), repr(values), "each value once", source=f"--vary {key}")], "command line"
             )
         return Axis(key, tuple(listed))
-    low, high, count = float(found[1]), float(found[2]), int(found[3] or 0)
+    low = float(found[1])
+    high = float(found[2])
+    count = int(found[3] or 0)
     if not (math.isfinite(low) and math.isfinite(high) and low < high):
         raise SpecError(
             [
@@ -110,7 +113,9 @@ def axis(text: str) -> Axis:
 
 def _split(text: str) -> list[str]:
     """The text at its commas, but for those inside brackets and quotes."""
-    items, depth, quote = [""], 0, ""
+    items = [""]
+    depth = 0
+    quote = ""
     for c in text:
         if quote:
             quote = "" if c == quote else quote

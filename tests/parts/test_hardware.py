@@ -143,10 +143,10 @@ def test_headed_pin_and_spacer() -> None:
     assert made.volume == pytest.approx(math.pi * (36 * 2 + 9 * 19)) and made.thickness == 21
     with pytest.raises(DesignError, match="head of axle"):
         headed("axle", "Axle", 6.0, 19.0, 6.0, 2.0)
-    washer = spacer("spacer", "Spacer", 8.0, 24.0, 0.4, 0.8, pins=[(8.5 + 0j, 3.0)])
-    assert washer.volume == pytest.approx(0.4 * math.pi * (144 - 16 - 2.25))
-    with pytest.raises(DesignError, match="between bore and pin 1"):
-        spacer("spacer", "Spacer", 8.0, 24.0, 0.4, 0.8, pins=[(6.0 + 0j, 3.0)])
+    washer = spacer("spacer", "Spacer", 8.0, 24.0, 0.4, 0.8)
+    assert washer.volume == pytest.approx(0.4 * math.pi * (144 - 16))
+    with pytest.raises(DesignError, match="between edge and bore"):
+        spacer("spacer", "Spacer", 8.0, 9.5, 0.4, 0.8)
 
 
 # ---- standards -------------------------------------------------------------------------------------------------------

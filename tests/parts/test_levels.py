@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +15,10 @@ from camgen.parts import levels as lv
 
 THETA = np.linspace(0, math.tau, 360, endpoint=False)
 STILL = np.ones(len(THETA))
+
+
+def things(bands: Any, axes: Any, **more: Any) -> lr.Things:
+    return lr.Things(bands, axes, 0.2, **more)
 
 
 def four_bar() -> tuple[list[lr.Band], list[lr.Axis]]:
@@ -67,11 +72,11 @@ def test_distance_is_that_of_polygons() -> None:
 
 
 def test_four_bar_lies_on_two_levels() -> None:
-    assert lv.levels(*four_bar(), THETA, 0.2) == {"crank": 1, "coupler": 2, "rocker": 1}
+    assert lv.quick_levels(things(*four_bar())) == {"crank": 1, "coupler": 2, "rocker": 1}
 
 
 def test_levels_that_are_given_are_kept() -> None:
-    assert lv.levels(*four_bar(), THETA, 0.2, {"rocker": 4}) == {
+    assert lv.quick_levels(things(*four_bar()), {"rocker": 4}) == {
         "crank": 1,
         "coupler": 2,
         "rocker": 4,
@@ -79,8 +84,7 @@ def test_levels_that_are_given_are_kept() -> None:
 
 
 def test_what_must_lie_over_another_does() -> None:
-    bands, axes = four_bar()
-    assert lv.levels(bands, axes, THETA, 0.2, over=[("rocker", "coupler")]) == {
+    assert lv.quick_levels(things(*four_bar(), over=[("rocker", "coupler")])) == {
         "crank": 1,
         "coupler": 2,
         "rocker": 3,
@@ -88,17 +92,16 @@ def test_what_must_lie_over_another_does() -> None:
 
 
 @pytest.mark.parametrize("given", [{}, {"rocker": 2}, {"crank": 2}, {"coupler": 3}])
-def test_the_integer_program_finds_what_all_orders_give(
-    monkeypatch: pytest.MonkeyPatch, given: dict[str, int]
-) -> None:
-    every = lv.levels(*four_bar(), THETA, 0.2, given)
-    monkeypatch.setattr(lv, "search", lambda *_: None)
-    assert lv.levels(*four_bar(), THETA, 0.2, given) == every
+def test_the_integer_program_finds_what_all_orders_give(given: dict[str, int]) -> None:
+    machine = things(*four_bar())
+    every = lv.quick_levels(machine, given)
+    assert every is not None and lv.levels(machine, THETA, given) == every
 
 
 def test_spans_of_what_meets_never_share_a_level() -> None:
     bands, axes = four_bar()
-    found = lv.levels(bands, axes, THETA, 0.2)
+    found = lv.quick_levels(things(bands, axes))
+    assert found is not None
     for band in bands:
         for axis in axes:
             if (
@@ -110,21 +113,17 @@ def test_spans_of_what_meets_never_share_a_level() -> None:
 
 
 @pytest.mark.parametrize("over, level", [(0, 2), (1, 3), (2, 4)])
-def test_what_passes_a_cover_lies_over_it(
-    monkeypatch: pytest.MonkeyPatch, over: int, level: int
-) -> None:
+def test_what_passes_a_cover_lies_over_it(over: int, level: int) -> None:
     """A wall takes so many levels over its link on level 1; what crosses it lies on the next one, by both searches."""
     bands = [
         lr.Band("runner", np.array([0 * STILL, 10 * STILL]), 2),
         lr.Band("other", np.array([5j * STILL, 30j * STILL]), 2),
     ]
     walls = [lr.Wall("cover", np.array([5j * STILL]), 3, "runner", "", over)]
-    for _ in range(2):
-        assert lv.levels(bands, [], THETA, 0.2, {"runner": 1}, walls) == {
-            "runner": 1,
-            "other": level,
-        }
-        monkeypatch.setattr(lv, "search", lambda *_: None)
+    machine = things(bands, [], walls=walls)
+    lowest = {"runner": 1, "other": level}
+    assert lv.quick_levels(machine, {"runner": 1}) == lowest
+    assert lv.levels(machine, THETA, {"runner": 1}) == lowest
 
 
 def test_a_pin_in_the_way_is_named() -> None:
@@ -132,7 +131,7 @@ def test_a_pin_in_the_way_is_named() -> None:
     bands, axes = four_bar()
     post = lr.Axis("T", ("rocker",), 20 + 0j * STILL, 4, True)  # in the crank's and coupler's way
     with pytest.raises(DesignError, match=r"distance of what cannot pass.*T") as caught:
-        lv.levels(bands, [*axes, post], THETA, 0.2, {"rocker": 3, "crank": 1, "coupler": 2})
+        lv.levels(things(bands, [*axes, post]), THETA, {"rocker": 3, "crank": 1, "coupler": 2})
     assert caught.value.limit > caught.value.value
 
 
@@ -150,22 +149,22 @@ def crossed() -> tuple[list[lr.Band], list[lr.Axis]]:
 def test_a_pin_between_two_plates_leaves_out_where_a_link_passes() -> None:
     """A head on the lower stub, the link, a head under the upper stub."""
     bands, axes = crossed()
-    found = lv.levels(bands, axes, THETA, 0.2, over=[("across", "low"), ("high", "across")])
+    found = lv.quick_levels(things(bands, axes, over=[("across", "low"), ("high", "across")]))
     assert found == {"low": 1, "across": 3, "high": 5}
-    assert lv.cuts(bands, axes, (), 0.2, found) == {"C": 1}
-    assert lv.cuts(bands[:2], axes, (), 0.2, found) == {}  # it goes through
-    over = lv.levels(bands, axes, THETA, 0.2, over=[("low", "across"), ("high", "across")])
+    assert lv.cuts(things(bands, axes), found) == {"C": 1}
+    assert lv.cuts(things(bands[:2], axes), found) == {}  # it goes through
+    over = lv.quick_levels(things(bands, axes, over=[("low", "across"), ("high", "across")]))
     assert over is not None and over["across"] == 1 and min(over["low"], over["high"]) == 3
-    assert lv.cuts(bands, axes, (), 0.2, over) == {"C": 0}  # all hangs from the upper plate
+    assert lv.cuts(things(bands, axes), over) == {"C": 0}  # all hangs from the upper plate
 
 
 def test_a_shaft_that_must_stand_on_the_lower_plate_is_in_the_way() -> None:
     bands, (axis,) = crossed()
     shaft = lr.Axis("C", axis.links, axis.place, 4, True, 0, far=True, low=axis.links)
     with pytest.raises(DesignError, match="cannot pass.*across and C"):
-        lv.levels(bands, [shaft], THETA, 0.2, {"low": 2, "high": 3, "across": 1})
+        lv.levels(things(bands, [shaft]), THETA, {"low": 2, "high": 3, "across": 1})
     apart = lr.Axis("C", axis.links, axis.place, 4, True, 0, far=True, low=("low",), high=("high",))
-    assert lv.levels(bands, [apart], THETA, 0.2, over=[("high", "low")]) == {
+    assert lv.quick_levels(things(bands, [apart], over=[("high", "low")])) == {
         "low": 1,
         "across": 2,
         "high": 3,
@@ -187,19 +186,19 @@ def beside(far: bool = True) -> tuple[list[lr.Band], list[lr.Axis]]:
 
 def test_pins_side_by_side_are_held_by_a_plate_each() -> None:
     """O, a shaft, by the lower one, so C by the upper one, its head under its link and over the other's."""
-    found = lv.levels(*beside(), THETA, 0.2)
+    found = lv.quick_levels(things(*beside()))
     assert found is not None and found["high"] >= found["low"] + 2  # a level for the head of C
-    assert lv.cuts(*beside(), (), 0.2, found) == {"O": found["low"], "C": 0}
+    assert lv.cuts(things(*beside()), found) == {"O": found["low"], "C": 0}
     with pytest.raises(DesignError, match="cannot pass.*(O and C|C and O|low and C|high and O)"):
-        lv.levels(*beside(far=False), THETA, 0.2)
+        lv.levels(things(*beside(far=False)), THETA)
 
 
 def test_a_pin_beside_a_motors_own_shaft_hangs_from_the_upper_plate() -> None:
     """That shaft goes through the lower plate alone."""
     bands, (shaft, pin) = beside()
     axes = [lr.Axis("O", ("low",), shaft.place, 4, True), pin]
-    found = lv.levels(bands, axes, THETA, 0.2)
-    assert found is not None and lv.cuts(bands, axes, (), 0.2, found) == {"C": 0}
+    found = lv.quick_levels(things(bands, axes))
+    assert found is not None and lv.cuts(things(bands, axes), found) == {"C": 0}
 
 
 def running(
@@ -226,12 +225,13 @@ def running(
 
 def test_slots_that_cross_are_in_a_plate_each() -> None:
     bands, axes, openings = running(True)
-    found = lv.levels(bands, axes, THETA, 0.2, openings=openings)
+    found = lv.quick_levels(things(bands, axes, openings=openings))
     assert found is not None
-    ends = lv.cuts(bands, axes, (), 0.2, found, openings)
+    ends = lv.cuts(things(bands, axes, openings=openings), found)
     assert sorted(ends) == ["pin P", "pin Q"] and min(ends.values()) == 0 < max(ends.values())
     with pytest.raises(DesignError, match="slot 0 and slot 1"):
-        lv.levels(*running(False)[:2], THETA, 0.2, openings=running(False)[2])
+        bands, axes, openings = running(False)
+        lv.levels(things(bands, axes, openings=openings), THETA)
 
 
 def test_slots_on_one_line_are_one() -> None:
@@ -240,16 +240,14 @@ def test_slots_on_one_line_are_one() -> None:
     apart = [bands[0], lr.Band("b", bands[1].corners + 60, 3)]
     pins = [axes[0], lr.Axis("pin Q", ("b",), axes[1].place + 60, 4, True, runs=True)]
     joined = [openings[0], lr.Opening("slot 1", openings[1].corners + 35, 3.0, "pin Q")]
-    assert lv.levels(apart, pins, THETA, 0.2, openings=joined) == {"a": 1, "b": 1}
+    assert lv.levels(things(apart, pins, openings=joined), THETA) == {"a": 1, "b": 1}
     aside = [openings[0], lr.Opening("slot 1", openings[1].corners + 35 + 1j, 3.0, "pin Q")]
-    assert lv.levels(apart, pins, THETA, 0.2, openings=aside, explain=False) is None
+    assert lv.quick_levels(things(apart, pins, openings=aside)) is None
 
 
 def test_a_pin_in_a_slot_ends_in_one_plate() -> None:
     """Nothing is in its way: in the lower one, and it does not go through to the upper."""
     bands, axes, openings = running(True)
-    alone = bands[:1], axes[:1], openings[:1]
-    found = lv.levels(alone[0], alone[1], THETA, 0.2, openings=alone[2])
-    assert found == {"a": 1} and lv.cuts(alone[0], alone[1], (), 0.2, found, alone[2]) == {
-        "pin P": 1
-    }
+    alone = things(bands[:1], axes[:1], openings=openings[:1])
+    found = lv.quick_levels(alone)
+    assert found == {"a": 1} and lv.cuts(alone, found) == {"pin P": 1}

@@ -35,7 +35,8 @@ def residual(acceleration: Callable[[Floats], Floats], span: float, frequency: f
     """Amplitude of an undamped follower without a spring after a rise that takes `span` s; frequency: rad/s; acceleration: of s
     at t, (n,), its unit per s^2. In the unit of s."""
     edges = np.linspace(0.0, span, _STEPS + 1)
-    middle, half = (edges[1:] + edges[:-1]) / 2, span / _STEPS / 2
+    middle = (edges[1:] + edges[:-1]) / 2
+    half = span / _STEPS / 2
     points = np.concatenate(
         [middle - half * math.sqrt(0.6), middle, middle + half * math.sqrt(0.6)]
     )  # Gauss, three points
@@ -85,7 +86,10 @@ class Elastic:
 
     def response(self, cam: Excitation, speed: float) -> Response:
         """The mass over a turn; speed: of the cam, rad/s."""
-        m, k, spring, drag = self.mass, self.stiffness, self.spring, self.drag
+        m = self.mass
+        k = self.stiffness
+        spring = self.spring
+        drag = self.drag
         damping = 2 * max(self.damping_ratio, _LEAST) * math.sqrt(k * m)
         count = len(cam.acceleration)
         drive = speed**2 * np.fft.rfft(cam.acceleration)  # of s'' to time
@@ -117,7 +121,8 @@ class Elastic:
         for share in np.linspace(0.0, _FASTEST, _FINE + 1)[1:]:
             fast = float(share) * speed
             if self._lost(cam, fast, pressed, leaves):
-                low, high = before, fast
+                low = before
+                high = fast
                 while abs(high - low) > 1e-4 * abs(high):
                     middle = (low + high) / 2
                     low, high = (

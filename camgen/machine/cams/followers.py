@@ -196,9 +196,11 @@ class SwingingArm(RoundTip):
         Of the two such angles the one from which the tip leaves the point with s going in the sense `leaves`.
         """
         spoke = (np.asarray(point) - self.pivot) / self.arm
-        distance, reach = np.abs(spoke), self.tip_radius / abs(self.arm)
+        distance = np.abs(spoke)
+        reach = self.tip_radius / abs(self.arm)
         # half-angle form of the law of cosines: exact where the triangle is flat
-        near, far = reach**2 - (1 - distance) ** 2, (1 + distance) ** 2 - reach**2
+        near = reach**2 - (1 - distance) ** 2
+        far = (1 + distance) ** 2 - reach**2
         with np.errstate(invalid="ignore"):
             opening = 2 * np.arctan2(np.sqrt(near), np.sqrt(far))
         return np.asarray(np.angle(spoke) + self.leaves * opening)
@@ -372,11 +374,9 @@ class SwingingFace(FlatFace):
         s = [motion(theta, k) for k in range(order + 1)]
         turn = self.facing * np.exp(1j * s[0])
         lever = np.conj(turn) * self.pivot
-        p, p1 = (
-            lever.real,
-            lever.imag,
-        )  # h - ahead and its derivative to s; the second is -p, the third -p1
-        h = [p + self.ahead]
+        p = lever.real
+        p1 = lever.imag
+        h = [p + self.ahead]  # derivatives of h - ahead = p to s: p1, -p, -p1
         phi = [np.angle(self.facing) + s[0] - theta]
         if order > 0:
             h.append(p1 * s[1])

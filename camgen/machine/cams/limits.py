@@ -109,7 +109,9 @@ def cam_findings(
 
 def _profile(exact: ExactCam, limits: CamLimits, chord_tolerance: float | None) -> list[Finding]:
     """What is judged of each cam by itself."""
-    cam, where, advice = exact.cam, exact.where, exact.advice
+    cam = exact.cam
+    where = exact.where
+    advice = exact.advice
     unit, scale = unit_of(cam)
     shortfall = scale * max((cut.shortfall for cut in cam.undercuts), default=0.0)
     depth = max((cut.depth for cut in cam.undercuts), default=0.0)

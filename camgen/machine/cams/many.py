@@ -131,7 +131,8 @@ class _Kin:
         span, scale, start = (
             each[rows, k, None] for each in (self._spans, self._scales, self._starts)
         )
-        law, known = self.cams[0].program.segments[k].law, dict[int, Floats]()
+        law = self.cams[0].program.segments[k].law
+        known = dict[int, Floats]()
 
         def motion(theta: Any, order: int) -> Floats:
             if order not in known:
@@ -157,10 +158,8 @@ class _Kin:
                     np.linspace(a, b, _PANELS + 1), [x for x in law.breaks if a < x < b]
                 )
                 half = np.diff(edges)[:, None] / 2
-                inner, weigh = (
-                    (edges[:-1, None] + half * (1 + nodes)).ravel(),
-                    (half * weights).ravel(),
-                )
+                inner = (edges[:-1, None] + half * (1 + nodes)).ravel()
+                weigh = (half * weights).ravel()
                 ends = a + _BESIDE, b - _BESIDE
                 found.append(
                     _Stretch(
@@ -173,7 +172,8 @@ class _Kin:
 
     def seen(self) -> list[Seen | None]:
         """Figures of all of them."""
-        everyone, flat = slice(None), issubclass(type(self.cams[0].cutter), FlatFace)
+        everyone = slice(None)
+        flat = issubclass(type(self.cams[0].cutter), FlatFace)
         courses = [self._course(each.segment, each.nodes, everyone) for each in self._stretches]
         follower = self._follower(everyone)
         count = len(self.cams)
@@ -181,7 +181,9 @@ class _Kin:
         sine, clear = (np.full(count, math.inf) for _ in range(2))
         for stretch, course in zip(self._stretches, courses, strict=True):
             place, along = (follower.envelope(_GROUND, course, order) for order in (0, 1))
-            away, speed, swept = np.abs(place), np.abs(along), -np.imag(np.conj(place) * along)
+            away = np.abs(place)
+            speed = np.abs(along)
+            swept = -np.imag(np.conj(place) * along)
             weight = self._spans[:, stretch.segment, None] * stretch.weights
             length += np.sum(weight * speed, axis=1)
             area += np.sum(weight * swept, axis=1) / 2
@@ -234,23 +236,23 @@ class _Kin:
             rows, at = np.nonzero(top)
             if rows.size:
                 last = stretch.nodes.size - 1
-                low, high = (
-                    stretch.nodes[np.maximum(at - 1, 0)],
-                    stretch.nodes[np.minimum(at + 1, last)],
-                )
+                low = stretch.nodes[np.maximum(at - 1, 0)]
+                high = stretch.nodes[np.minimum(at + 1, last)]
                 np.maximum.at(best, rows, self._zoomed(figure, stretch.segment, rows, low, high))
         return np.asarray(best)
 
     def _zoomed(self, figure: Figure, k: int, rows: Indices, low: Floats, high: Floats) -> Floats:
         """Greatest value between two shares of segment k, of one cam a row."""
-        follower, best = self._follower(rows), np.full(rows.size, -np.inf)
+        follower = self._follower(rows)
+        best = np.full(rows.size, -np.inf)
         one = np.arange(rows.size)
         for _ in range(_TIMES):
             u = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, _ZOOM)
             value = np.broadcast_to(figure(follower, _GROUND, self._course(k, u, rows)), u.shape)
             top = np.argmax(value, axis=1)
             best = np.maximum(best, value[one, top])
-            low, high = u[one, np.maximum(top - 1, 0)], u[one, np.minimum(top + 1, _ZOOM - 1)]
+            low = u[one, np.maximum(top - 1, 0)]
+            high = u[one, np.minimum(top + 1, _ZOOM - 1)]
         return best
 
 

@@ -239,7 +239,8 @@ class DiscCam(Generic[F]):
 
     def _segment(self, a: float, b: float) -> tuple[Segment, float]:
         """The segment between two neighbouring breaks, and where it begins."""
-        joints, last = self.program.joints, len(self.program.segments) - 1
+        joints = self.program.joints
+        last = len(self.program.segments) - 1
         k = min(int(np.searchsorted(joints, (a + b) / 2)) - 1, last)
         return self.program.segments[k], float(joints[k])
 
@@ -387,7 +388,8 @@ class DiscCam(Generic[F]):
 
     def _resting(self, before: Piece, after: Piece, theta: float) -> Piece | None:
         """Where the speed jumps so that the follower's own surface is the profile: an arc of the tip, a line of the face."""
-        a, b = end_point(before), start_point(after)
+        a = end_point(before)
+        b = start_point(after)
         if isinstance(self.cutter, FlatFace):
             ahead = -1j * complex(self.cutter.normal(np.asarray(theta), self.program))
             return Line(a, b) if (ahead.conjugate() * (b - a)).real > SAME_POINT else None
@@ -395,7 +397,8 @@ class DiscCam(Generic[F]):
         if rho == 0:
             return None
         centre = complex(self.pitch(theta))
-        here, there = a - centre, b - centre
+        here = a - centre
+        there = b - centre
         turn = cmath.phase(there / here)
         # counter-clockwise about the tip's centre is to the left: concave
         return Arc(centre, rho, cmath.phase(here), turn) if turn > SAME_POINT / rho else None
@@ -426,7 +429,8 @@ def _roots(f: Callable[[Any], Floats], piece: Smooth) -> list[float]:
 
 def _continued(segment: Segment, begin: float, a: float, b: float) -> Motion:
     """The segment's motion between the breaks a and b, its derivatives at these those on the inside."""
-    low, high = a - begin, b - begin
+    low = a - begin
+    high = b - begin
     low += _BESIDE * segment.span if low > 0 else 0.0
     high -= _BESIDE * segment.span if high < (1 - _BESIDE) * segment.span else 0.0
 

@@ -46,7 +46,8 @@ class Survey:
 
 def survey(cam: DiscCam[Follower]) -> Survey:
     """A design's pressure angle and least radius, to some 1e-3 of a degree and of the radius, without its outline."""
-    grids, rows = [], []
+    grids = []
+    rows = []
     for segment, begin in zip(cam.program.segments, cam.program.joints, strict=False):
         # of a table's many knots none matters: its acceleration is continuous
         breaks = segment.law.breaks if segment.scale and len(segment.law.breaks) < _STEPS else ()
@@ -64,7 +65,8 @@ def survey(cam: DiscCam[Follower]) -> Survey:
         return orders[order]
 
     follower = cam.cutter
-    profile, normal = follower.envelope(theta, motion, 0), follower.normal(theta, motion)
+    profile = follower.envelope(theta, motion, 0)
+    normal = follower.normal(theta, motion)
     turn = np.exp(1j * theta)
     steep = follower.pressure_angle(orders[0], profile * turn, normal * turn)
     tip = follower.tip_radius if isinstance(follower, RoundTip) else None
@@ -124,7 +126,8 @@ def smallest(
     def at(size: float) -> float:
         return spare(make(size), pressure, least_radius)
 
-    size, value = low, at(low)
+    size = low
+    value = at(low)
     before = short = math.nan
     while not value >= 0:
         if size >= high:
@@ -137,7 +140,8 @@ def smallest(
                 f"the largest cam, {high:.6g} mm",
                 "no base_radius keeps to limits.pressure_angle_deg and limits.least_radius: allow more, or change the follower",
             )
-        before, short = size, value
+        before = size
+        short = value
         size = min(size * _GROWTH, high)
         value = at(size)
     # regula falsi; the weight of an end that stays twice is halved [the Illinois method]
@@ -147,7 +151,13 @@ def smallest(
             break
         found = at(middle := size - value * (size - before) / (value - short))
         if found >= 0:
-            size, value, short, last = middle, found, short / 2 if last > 0 else short, 1
+            size = middle
+            value = found
+            short = short / 2 if last > 0 else short
+            last = 1
         else:
-            before, short, value, last = middle, found, value / 2 if last < 0 else value, -1
+            before = middle
+            short = found
+            value = value / 2 if last < 0 else value
+            last = -1
     return size

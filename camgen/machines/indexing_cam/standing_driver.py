@@ -203,10 +203,9 @@ class StandingDriver:
             self._post,
             -low,
             self.min_wall,
-            _POSTS,
         )
         posts = [Mount("post", GROUND, place, z=round(low, 9)) for place in self.feet]
-        return [*parts, replace(post, notes=said)], [*mounts, *posts]
+        return [*parts, replace(post, count=_POSTS, notes=said)], [*mounts, *posts]
 
     @staticmethod
     def name(part: str) -> str:

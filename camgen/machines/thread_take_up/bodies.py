@@ -9,6 +9,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -170,7 +171,12 @@ class Bodies:
             *(self.weight.parts if self.weight else (collar,)),
             pin_a,
             pin_b,
-            rod("dowel", "Dowel", p.pin_diameter, p.thickness + level, 2, (_GLUED,), self._thin),
+            replace(
+                rod("dowel", "Dowel", p.pin_diameter, p.thickness + level),
+                count=2,
+                notes=(_GLUED,),
+                made=self._thin,
+            ),
             finger,
             self._post("guide", "Guide", p.guide_diameter, 4 * level - slide + p.thread_height, 2),
         )
@@ -254,18 +260,17 @@ class Bodies:
 
     def _pin(self, name: str, title: str, diameter: float, length: float, made: str) -> Part:
         """A round pin so long below its head, pressed and glued in."""
-        return headed(name, title, diameter, length, diameter + 2 * HEAD, HEAD, 1, (_GLUED,), made)
+        pin = headed(name, title, diameter, length, diameter + 2 * HEAD, HEAD)
+        return replace(pin, notes=(_GLUED,), made=made)
 
     def _post(self, name: str, title: str, diameter: float, length: float, count: int = 1) -> Part:
         """The same with a groove for the thread under its head."""
-        wide, groove = diameter + 2 * HEAD, self.sizes.groove
+        groove = self.sizes.groove
+        post = replace(self._pin(name, title, diameter, length, self._thin), count=count)
         if not groove:
-            return headed(name, title, diameter, length, wide, HEAD, count, (_GLUED,), self._thin)
-        notes = (
-            _GLUED,
-            f"the thread runs in the groove, {groove:g} high, between head and shoulder",
-        )
-        return grooved(name, title, diameter, length, wide, HEAD, groove, count, notes, self._thin)
+            return post
+        note = f"the thread runs in the groove, {groove:g} high, between head and shoulder"
+        return replace(grooved(post, groove), notes=(_GLUED, note))
 
     def _flat(self, name: str, title: str, thickness: float, notes: tuple[str, ...]) -> Part:
         """A band round hubs with holes; raises DesignError where two holes meet."""

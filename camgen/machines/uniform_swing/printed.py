@@ -18,16 +18,16 @@ import numpy as np
 
 from camgen.errors import DesignError
 from camgen.geometry.facets import facet_contour
-from camgen.geometry.outlines import Points
+from camgen.geometry.outlines import Points, circle
 from camgen.machine.features import Mount, StandIn
 from camgen.machine.model import GROUND
 from camgen.machines.uniform_swing.plates import Base, Frame, overlap, swept_box
 from camgen.machines.uniform_swing.room import LEAST_AXLE, washer_wall
 from camgen.parts.catalogue import DOWEL_STANDARD, SCREWS, TURNED, dowel
 from camgen.parts.disc_cams import LAYOUT
-from camgen.parts.hardware import Collet, headed, spacer
+from camgen.parts.hardware import Collet, headed, plate, spacer
 from camgen.parts.journals import Journal
-from camgen.parts.part import Part, hull, rod
+from camgen.parts.part import Layer, Part, hull, rod
 
 if TYPE_CHECKING:
     from camgen.machines.uniform_swing.mechanism import UniformSwing
@@ -342,24 +342,28 @@ class SwingMachine:
             self.cam_part,
             plate,
             self.base_plate.part(self.min_wall),
-            headed(
-                "axle",
-                "Axle with flange",
-                self.axle,
-                self.last + self.slide,
-                f.axle_flange,
-                f.flange_thickness,
-                2,
-                ("pressed and glued into the frames",),
+            replace(
+                headed(
+                    "axle",
+                    "Axle with flange",
+                    self.axle,
+                    self.last + self.slide,
+                    f.axle_flange,
+                    f.flange_thickness,
+                ),
+                count=2,
+                notes=("pressed and glued into the frames",),
             ),
-            spacer(
-                "axle-washer",
-                "Washer of an axle",
-                self.axle + self.slide,
-                min(f.axle_flange, -2 * self._inside.real),
-                self.foot - self.base.thickness,
-                self.min_wall,
-                2,
+            replace(
+                spacer(
+                    "axle-washer",
+                    "Washer of an axle",
+                    self.axle + self.slide,
+                    min(f.axle_flange, -2 * self._inside.real),
+                    self.foot - self.base.thickness,
+                    self.min_wall,
+                ),
+                count=2,
             ),
         ]
         if self.pair:
@@ -372,30 +376,12 @@ class SwingMachine:
         )
         if self.pins and self.cam_pin_length > self.thickness:
             diameter = self.pin - self.press
-            made.append(
-                rod(
-                    "cam-pin",
-                    "Pin of the cams",
-                    diameter,
-                    self.cam_pin_length,
-                    len(self.pins),
-                    glued,
-                    pins_made,
-                )
-            )
+            rods = rod("cam-pin", "Pin of the cams", diameter, self.cam_pin_length)
+            made.append(replace(rods, count=len(self.pins), notes=glued, made=pins_made))
         if self.pair and self.pin:
             length = 2 * self.thickness
-            made.append(
-                rod(
-                    "frame-pin",
-                    "Pin of the frames",
-                    self.pin - self.press,
-                    length,
-                    2,
-                    glued,
-                    pins_made,
-                )
-            )
+            rods = rod("frame-pin", "Pin of the frames", self.pin - self.press, length)
+            made.append(replace(rods, count=2, notes=glued, made=pins_made))
         return tuple(made)
 
     @property
@@ -409,22 +395,23 @@ class SwingMachine:
         hole, keep = self.room.washer
         reach = max([hole, *(abs(z) + self.pin / 2 for z in self.pins)])
         radius = min(reach + self.wall, float(np.min(np.abs(self._rim))) - keep)
-        outer = None
+        edge = circle(0j, radius)
         if (
             radius - reach < self.min_wall
         ):  # no round one has room, but one as wide as its holes need
             wall = min(self.wall, washer_wall(self._rim, hole, self.pins, self.pin, keep))
-            outer = hull([(0j, hole + wall), *((z, self.pin / 2 + wall) for z in self.pins)])
-        return spacer(
+            edge = hull([(0j, hole + wall), *((z, self.pin / 2 + wall) for z in self.pins)])
+        holes = {"bore": circle(0j, hole)} | {
+            f"pin {k}": circle(z, self.pin / 2) for k, z in enumerate(self.pins, 1)
+        }
+        region = plate("cam-spacer", edge, holes, self.min_wall)
+        return Part(
             "cam-spacer",
             "Spacer between the cams",
-            2 * hole,
-            2 * radius,
-            self.top - self.low - 2 * self.thickness,
-            self.min_wall,
-            1,
-            [(z, self.pin) for z in self.pins],
-            outer,
+            (Layer(region, 0.0, self.top - self.low - 2 * self.thickness),),
+            centres=(0j, *self.pins),
+            bore=2 * hole,
+            min_wall=self.min_wall,
         )
 
     # ---- mounting ---------------------------------------------------------------------------------------------------

@@ -95,9 +95,8 @@ def _discs(layout: Layout, tip: Tip) -> Iterator[tuple[Part, float, complex]]:
     for part in parts:
         yield replace(part, name=f"cam-{part.name}"), made.back if part.name == "back" else 0.0, 0j
         how = TURNED if s.pin == "dowel" else "printed"
-        pin = rod(
-            "cam-pin", "Pin of a groove cam's plates", s.pin_diameter, made.back + thick, made=how
-        )
+        pin = rod("cam-pin", "Pin of a groove cam's plates", s.pin_diameter, made.back + thick)
+        pin = replace(pin, made=how)
         yield from ((pin, made.back, place) for place in part.centres[1:] if part.name != "back")
 
 

@@ -139,8 +139,8 @@ def pin(layout: Layout, point: str, stub: Stub) -> Iterator[Placed]:
             ):  # its head reaches down to the inner ring, which lies a play below the link's upper side
                 grip, wide = grip - play, bearing.shoulder
                 notes.append(f"its head bears on the inner ring of the {bearing.name} alone")
-            made = headed("pin", "Pin", s.pin_diameter, grip, wide, s.head, notes=tuple(notes))
-            made = replace(made, role="pin")
+            made = headed("pin", "Pin", s.pin_diameter, grip, wide, s.head)
+            made = replace(made, notes=tuple(notes), role="pin")
             yield made, Mount("pin", body, at, 0.0, not hung, bottom - (play + s.head) * hung)
 
 
@@ -152,7 +152,7 @@ def _between(layout: Layout, point: str, stub: Stub) -> Placed:
         ("pressed and glued into both plates",),
     )
     if layout.kind(point) != "dowel":
-        return replace(rod("pin", "Pin", s.pin_diameter, whole, notes=notes), role="pin"), mount
+        return replace(rod("pin", "Pin", s.pin_diameter, whole), notes=notes, role="pin"), mount
     length = dowel(s.pin_diameter, whole)
     if length < whole - s.base_thickness / 2:
         raise _as_printed(
@@ -170,8 +170,8 @@ def _between(layout: Layout, point: str, stub: Stub) -> Placed:
     notes = (
         f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued into both plates",
     )
-    steel = rod("pin", "Pin", s.pin_diameter, length, notes=notes)
-    return replace(steel, made="bought", role="pin"), mount
+    steel = rod("pin", "Pin", s.pin_diameter, length)
+    return replace(steel, notes=notes, made="bought", role="pin"), mount
 
 
 def _as_printed(point: str, error: DesignError, kind: str = "printed") -> Unmade:
@@ -208,7 +208,7 @@ def _dowel(layout: Layout, grip: float, point: str) -> tuple[Part, Part]:
     out = round(length - grip - s.thickness, 2)
     over = f", stands {out:g} mm out of its cap" if out > 0 else ""
     notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued in{over}",)
-    steel = rod("pin", "Pin", s.pin_diameter, length, notes=notes)
+    steel = rod("pin", "Pin", s.pin_diameter, length)
     hole, wide = s.pin_diameter + layout.fits.press_clearance, s.pin_diameter + 2 * s.head
     cap = spacer(
         "cap",
@@ -218,7 +218,8 @@ def _dowel(layout: Layout, grip: float, point: str) -> tuple[Part, Part]:
         s.thickness if s.of_sheet else length - grip,
         layout.min_wall,
     )
-    return replace(steel, made="bought", role="pin"), replace(cap, role="cap")
+    steel = replace(steel, notes=notes, made="bought", role="pin")
+    return steel, replace(cap, role="cap")
 
 
 def _dowel_length(layout: Layout, grip: float) -> tuple[float, float, float]:
@@ -394,9 +395,8 @@ def hand_crank(layout: Layout) -> Iterator[Placed]:
         said = (
             f"dowel ISO 2338, {s.pin_diameter:g} m6 x {long:g}, pressed and glued in, flush with the crank's upper face",
         )
-        steel = replace(
-            rod("knob-pin", "Pin of the knob", s.pin_diameter, long, notes=said), made="bought"
-        )
+        steel = rod("knob-pin", "Pin of the knob", s.pin_diameter, long)
+        steel = replace(steel, notes=said, made="bought")
         yield steel, Mount("knob-pin", link, at + knob, z=z + s.thickness - long)
         return
     turns = spacer(
@@ -416,6 +416,6 @@ def hand_crank(layout: Layout) -> Iterator[Placed]:
         long + 2 * play + s.thickness,
         wide,
         s.head,
-        notes=("glued in",),
     )
+    pin = replace(pin, notes=("glued in",))
     yield pin, Mount("knob-pin", link, at + knob, z=z - 2 * play - long - s.head)

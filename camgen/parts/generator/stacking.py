@@ -17,7 +17,7 @@ from camgen.parts.generator.pins import refuse, tall
 from camgen.parts.generator.plates import columns, post_radius
 from camgen.parts.generator.things import things
 from camgen.parts.level_rules import Crowded, span
-from camgen.parts.levels import cuts, levels
+from camgen.parts.levels import cuts, levels, quick_levels
 
 
 def laid(layout: Layout, run: Run) -> Layout:
@@ -120,21 +120,19 @@ def covered(layout: Layout, run: Run) -> Layout:
         layout = replace(layout, fitted=own, feet=feet, hangs=bool(feet), kept=kept)
     if layout.sizes.plates < 2:
         return layout
-    t, gap = things(layout, run), layout.fits.slide_clearance
-    points = {axis.name: axis.point for axis in t.axes}
-    ends = {
-        points[name]: at
-        for name, at in cuts(t.bands, t.axes, t.walls, gap, layout.level, t.openings).items()
-    }
+    content = things(layout, run)
+    points = {axis.name: axis.point for axis in content.axes}
+    ends = {points[name]: level for name, level in cuts(content, layout.level).items()}
     places = columns(
-        t.every,
+        content.every,
         list(layout.points_of(GROUND).values()),
         post_radius(layout.sizes),
-        gap,
+        content.gap,
         layout.kept,
     )
     return replace(
-        layout, second=Second(ends, places, max(span(thing, layout.level)[1] for thing in t.every))
+        layout,
+        second=Second(ends, places, max(span(thing, layout.level)[1] for thing in content.every)),
     )
 
 
@@ -143,10 +141,10 @@ def found_levels(layout: Layout, run: Run, explain: bool) -> dict[str, int] | No
 
     Where there are none, or they are hard to find: None, or to `explain` a longer search and DesignError.
     """
-    t, gap = things(layout, run), layout.fits.slide_clearance
-    return levels(
-        t.bands, t.axes, run.theta, gap, layout.given, t.walls, t.over, explain, explain, t.openings
-    )
+    content = things(layout, run)
+    if explain:
+        return levels(content, run.theta, layout.given)
+    return quick_levels(content, layout.given)
 
 
 def lacking(layout: Layout) -> DesignError | None:

@@ -15,26 +15,10 @@ from camgen.parts.generator.cures import slimmer, slimmer_pin
 from camgen.parts.generator.joined import GROUND
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.plates import motor_holes
-from camgen.parts.level_rules import Axis, Band, Opening, Thing, Wall
+from camgen.parts.level_rules import Axis, Band, Opening, Things, Wall
 
 _PIECES = 4  # of the band of a link with a strap
 Over = list[tuple[str, str]]  # levels, of which the first must lie over the second
-
-
-@dataclass(frozen=True)
-class Things:
-    """What is to be laid, and pairs of levels of which the first must lie over the second."""
-
-    bands: list[Band]
-    axes: list[Axis]
-    walls: list[Wall]
-    over: Over
-    openings: list[Opening]
-
-    @property
-    def every(self) -> list[Thing]:
-        """All of them."""
-        return [*self.bands, *self.axes, *self.walls, *self.openings]
 
 
 def things(layout: Layout, run: Run) -> Things:
@@ -48,7 +32,8 @@ def things(layout: Layout, run: Run) -> Things:
     over = [*before, *over_axes, *over_walls]
     over += [(upper, lower) for lower, upper in pairwise(layout.webs)]
     bands = [*_links(courses), *cams, *_wheels(courses), *springs]
-    return Things(bands, axes, walls, over, _openings(layout, run.theta.size))
+    openings = _openings(layout, run.theta.size)
+    return Things(bands, axes, layout.fits.slide_clearance, walls, over, openings)
 
 
 @dataclass(frozen=True)
