@@ -88,12 +88,13 @@ def program(
             rows += [({above: 1, uppers[axis.name, link]: -1}, 0) for link in axis.links]
             rows += [({below: -1, above: -1}, -1)] if axis.runs else []
     for axis in (axis for axis in axes if not axis.far):
+        through = axis.over > most  # all levels over its links
         low, high = axis_ends[axis.name] = (
             column(-1, 0, 0 if axis.ground else most),
-            column(1, 0, most + 1),
+            column(1, most + 1 if through else 0, most + 1),
         )
         for link in axis.links:
-            rows.append(({high: 1, level[link]: -1}, axis.over))
+            rows += [] if through else [({high: 1, level[link]: -1}, axis.over)]
             rows.append(({level[link]: 1, low: -1}, axis.under))
 
     def ends(thing: Thing) -> tuple[int, int, int, int]:
