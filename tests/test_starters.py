@@ -31,6 +31,7 @@ INLINE = {
     "DriveSegment",
     "Applied",
     "Can",
+    "ThreadPosts",
 }
 OWN = {"source"}  # of an include: written by camgen, not by a person
 

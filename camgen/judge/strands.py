@@ -109,7 +109,7 @@ def _judged(
         )
         said = (
             f"over the groove {strand.low:.4g} to {strand.high:.4g} mm high: a head {above:.3g}, a shoulder {below:.3g} mm; a "
-            "plain post lets the thread slip: parts.groove makes a groove"
+            "plain post lets the thread slip: a groove holds it: parts.thread_posts.groove"
         )
         found.append(
             at_least(
@@ -163,7 +163,7 @@ def _clear(
                     angle="nearest at",
                     digits=2,
                 )
-    remark = "least of a turn; move guides or eye (geometry.guides, eye_distance), or raise the thread: parts.thread_height"
+    remark = "least of a turn; move the thread's points, or raise it: parts.thread_posts.height"
     return at_least("THREAD_CLEAR", best, strand.gap, "mm", there, remark)
 
 

@@ -72,6 +72,9 @@ class StandingCams(Mechanism):
         if self.bodies.discs:
             right = "nothing here: no link of this machine turns on an eccentric"
             faults.append(Fault(("parts", "discs"), "", right))
+        if self.bodies.thread_posts:
+            right = "nothing here: no thread is an output of this machine"
+            faults.append(Fault(("parts", "thread_posts"), "", right))
         found = [replace(fault, path=("bodies", *fault.path[1:])) for fault in faults]
         return [
             *found,

@@ -103,11 +103,13 @@ class _Program:
 
     def _add_pin(self, axis: Axis) -> None:
         """An axis from its lowest link, or the plate, to its highest."""
+        through = axis.over > self.most  # all levels over its links
         low = self.column(-1, 0, 0 if axis.ground else self.most)
-        high = self.column(1, 0, self.most + 1)
+        high = self.column(1, self.most + 1 if through else 0, self.most + 1)
         self.ends[axis.name] = (low, high)
         for link in axis.links:
-            self.rows.append(({high: 1, self.level[link]: -1}, axis.over))
+            if not through:
+                self.rows.append(({high: 1, self.level[link]: -1}, axis.over))
             self.rows.append(({self.level[link]: 1, low: -1}, axis.under))
 
     def _span(self, thing: Thing) -> _Span:

@@ -40,7 +40,17 @@ class Layer:
 
 
 Role = Literal[
-    "", "pin", "crank-pin", "shaft", "spacer", "cap", "nut", "cover", "keeper", "counterweight"
+    "",
+    "pin",
+    "crank-pin",
+    "shaft",
+    "spacer",
+    "cap",
+    "nut",
+    "cover",
+    "keeper",
+    "counterweight",
+    "thread-post",
 ]
 
 

@@ -26,6 +26,7 @@ ELSEWHERE = {
     "shaft_diameter": "geometry.shaft_diameter says it",
     "shaft_flat": "the motor's shaft is round",
     "discs": "geometry.eccentric_diameter says it",
+    "thread_posts": "it has no thread",
     "mount_diameter": "parts.screw says it",
     "make": "a slider with a groove is printed",
     **dict.fromkeys(("can", "motor", "set_screw", "hand_crank", "shaft"), "[motor] drives it"),

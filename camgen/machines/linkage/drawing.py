@@ -18,6 +18,7 @@ import numpy as np
 from camgen.errors import DesignError, Key
 from camgen.machine import freedom
 from camgen.machine import model as m
+from camgen.machine.jets import thread_length
 from camgen.machine.programs import Scaled
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.links import shape
@@ -311,10 +312,17 @@ class Drawing:
             sign,
         )
 
+    def _place(self, point: str, bodies: Mapping[str, m.Body]) -> m.Place:
+        """A point on the first link that has it."""
+        carrier = next(name for name, points in self.links.items() if point in points)
+        return bodies[carrier].at(point)
+
     def _output(self, output: t.Wanted, bodies: Mapping[str, m.Body]) -> m.Output:
         if output.point is not None:
-            carrier = next(name for name, points in self.links.items() if output.point in points)
-            return m.Output(output.name, m.Path(bodies[carrier].at(output.point)))
+            return m.Output(output.name, m.Path(self._place(output.point, bodies)))
+        if output.thread is not None:
+            places = tuple(self._place(point, bodies) for point in output.thread)
+            return m.Output(output.name, m.Function(places, thread_length))
         assert output.link is not None
         slide = self.slide_of(output.link)
         if slide is not None:

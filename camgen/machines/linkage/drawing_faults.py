@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from camgen.errors import Fault, Key, SpecError
 from camgen.machine.model import GROUND
@@ -285,14 +285,15 @@ def _cam_faults(drawing: Drawing, path: Key, cam: t.Cam) -> list[Fault]:
 
 def _output_faults(drawing: Drawing) -> Iterable[Fault]:
     for k, output in enumerate(drawing.outputs):
-        if (output.point is None) == (output.link is None):
-            yield Fault(("output", k), output.name, "either a point or a link")
+        if sum(each is not None for each in (output.point, output.link, output.thread)) != 1:
+            yield Fault(("output", k), output.name, "either a point, a link or a thread")
         elif output.point is not None and output.point not in drawing.points:
             yield unknown(("output", k, "point"), output.point, drawing.points)
         elif output.link is not None and output.link not in drawing.links:
             yield unknown(("output", k, "link"), output.link, drawing.links)
         elif output.link == GROUND:
             yield Fault(("output", k, "link"), repr(GROUND), "a link that moves")
+        yield from _thread_faults(drawing, ("output", k, "thread"), output.thread or ())
         if output.name in [other.name for other in drawing.outputs[:k]]:
             yield Fault(("output", k, "name"), repr(output.name), "a name of its own")
         yield from _target_faults(drawing, ("output", k), output)
@@ -303,11 +304,28 @@ def _output_faults(drawing: Drawing) -> Iterable[Fault]:
             )
 
 
+def _thread_faults(drawing: Drawing, path: Key, thread: Sequence[str]) -> Iterable[Fault]:
+    """Points that are not there, that no post can stand at, and a thread whose length never changes."""
+    for k, point in enumerate(thread):
+        links = [name for name, points in drawing.links.items() if point in points]
+        if point not in drawing.points:
+            yield unknown((*path, k), point, drawing.points)
+        elif len(links) > 1:
+            right = f"a point of one link alone: {point} is a pin of {' and '.join(links)}"
+            yield Fault((*path, k), repr(point), right)
+        elif k and point == thread[k - 1]:
+            yield Fault((*path, k), repr(point), "another point than the one before it")
+    for link, points in drawing.links.items():
+        if thread and {*thread} <= {*points}:
+            right = f"points of two links: between those of {link} its length stays"
+            yield Fault(path, ", ".join(thread), right)
+
+
 def _target_faults(drawing: Drawing, path: Key, output: t.Wanted) -> Iterable[Fault]:
     of_a_link = [
         key
         for key in ("points", "path", "straightness")
-        if output.link is not None and getattr(output, key)
+        if output.point is None and getattr(output, key)
     ]
     of_a_point = [
         key
@@ -315,11 +333,11 @@ def _target_faults(drawing: Drawing, path: Key, output: t.Wanted) -> Iterable[Fa
         if output.point is not None and getattr(output, key)
     ]
     yield from (
-        Fault((*path, key), "", "nothing here: it is asked of a point's path, not of a link")
+        Fault((*path, key), "", "nothing here: it is asked of a point's path alone")
         for key in of_a_link
     )
     yield from (
-        Fault((*path, key), "", "nothing here: it is asked of a link, not of a path")
+        Fault((*path, key), "", "nothing here: it is asked of a link or a thread, not of a path")
         for key in of_a_point
     )
     if output.points is not None:

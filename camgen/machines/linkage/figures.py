@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -164,7 +164,7 @@ def study(linkage: Moving, made: Made | None, angle: Callable[[], str]) -> Study
         {**numbers, **forces.numbers},
         Later(lambda: [*_plots(linkage, theta, run, angle), *forces.plots]),
         [*tables, *forces.tables],
-        Later(lambda: paths(linkage)),
+        Later(lambda: [*paths(linkage), *threads(linkage, made)]),
         [*notes, *_notes(linkage, made)],
     )
 
@@ -476,6 +476,24 @@ def paths(linkage: Moving) -> tuple[Sketch, ...]:
             )
         )
     return tuple(found)
+
+
+def threads(linkage: Moving, made: Made | None) -> list[Sketch]:
+    """Threads that are outputs, in the middle of their grooves."""
+    found = []
+    for name, thread in ((each.name, each.thread) for each in linkage.wanted if each.thread):
+        z = None if made is None else float(np.mean(made.layout.thread_heights))
+        found.append(Sketch(name, course=partial(_course, linkage, thread), z=z))
+    return found
+
+
+def _course(linkage: Moving, thread: Sequence[str], theta: Floats) -> Points:
+    """A thread from point to point at theta, (n,) rad; (n, points) complex mm."""
+    run = linkage.run(theta, 0)
+    bodies = linkage.chain.bodies
+    carriers = (next(body.name for body in bodies if point in body.points) for point in thread)
+    places = [run.point(body, point)[0] for body, point in zip(carriers, thread, strict=True)]
+    return np.stack(places, axis=-1)
 
 
 def _extreme_places(linkage: Moving) -> tuple[list[tuple[object, ...]], dict[str, float]]:

@@ -171,6 +171,12 @@ class Linkage(Mechanism):
             for name in self.making.discs or ()
             if name not in self.points
         ]
+        threaded = [point for each in self.wanted for point in each.thread or ()]
+        found += [
+            Fault(("parts", "thread_posts", "diameters", name), "", "a point of a thread")
+            for name in self.making.thread_post_sizes.diameters
+            if name not in threaded
+        ]
         if self.includes and self.drive.segments:
             right = "nothing here beside [[include]]: what is included turns evenly with the shaft"
             found.append(Fault(("drive", "segment"), f"{len(self.drive.segments)} segments", right))
@@ -355,6 +361,7 @@ class Linkage(Mechanism):
             features,
             asked=figures.asked(self._moving, self.allowed),
             stand_ins=bodies.stand_ins(),
+            strands=bodies.strands(),
             balances=() if self.counterweight is None else (self._balance(self.counterweight),),
             coils=coils_of(bodies.layout, bodies.parts, bodies.mounts),
             bought=[*bodies.bought(turning_text(self.drive.speed_rpm)), *sprung],

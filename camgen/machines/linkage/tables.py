@@ -232,12 +232,17 @@ class Spring(Record):
 
 
 class Wanted(Record):
-    """One output that is shown and judged: a point's path, a link's angle, or a sliding link's place; and its targets."""
+    """One output that is shown and judged: a point's path, a link's angle, a sliding link's place, or the length of a thread;
+    and its targets."""
 
     name: Name = Field(description="of the output")
     point: Name | None = Field(default=None, description="a point: its path")
     link: Name | None = Field(
         default=None, description="a link: its angle, or its place along its slide"
+    )
+    thread: Annotated[tuple[Name, ...], Field(min_length=2, max_length=50)] | None = Field(
+        default=None,
+        description="points in their order: the length of a thread over a post at each of them",
     )
     stroke: Stroke | None = Field(
         default=None, description="wanted: how far it goes; of a path the larger side of its box"

@@ -12,6 +12,7 @@ shaft    of a link that drives or carries wheels: its flat turns all of them; it
 gear     two wheels on shafts
 cam      over its follower, whose roller turns on a pin that is pressed into it; a groove's cam is three plates
 pen      a hole at a point that is an output and no pin
+thread   over posts that stand over all links: threads.py
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from itertools import pairwise
 from camgen.errors import listed
 from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine import model as m
-from camgen.machine.features import Feature, Mount, StandIn
+from camgen.machine.features import Feature, Mount, StandIn, Strand
 from camgen.parts.assembly import Shaft
 from camgen.parts.catalogue import Bought, nut, screw_for
 from camgen.parts.generator import plates
@@ -37,6 +38,7 @@ from camgen.parts.generator.pins import Placed, bearings, hand_crank, pin
 from camgen.parts.generator.plates import ground_plate, second
 from camgen.parts.generator.seats import seated
 from camgen.parts.generator.stubs import Stub, stubs
+from camgen.parts.generator.threads import strands, thread_posts
 from camgen.parts.generator.troughs import covers, rails
 from camgen.parts.generator.wheels import touched
 from camgen.parts.hardware import spacer
@@ -53,6 +55,7 @@ _NUMBERED: dict[Role, str] = {  # parts of which a machine has several unlike on
     "nut": "Nut {} of a pin",
     "cover": "Cover {} of a guide",
     "keeper": "Keeper {} of a disc",
+    "thread-post": "Post {} of a thread",
 }
 
 
@@ -93,6 +96,7 @@ class Bodies:
             *plates.motor_bar(layout),
             *second(layout),
             *self._counterweight(),
+            *thread_posts(layout),
             *own.placed,
         ]:
             if part not in names:  # what is alike is one part
@@ -121,6 +125,10 @@ class Bodies:
         """Copies of all parts with one of these roles."""
         names = {part.name for part in self.parts if part.role in roles}
         return [mount for mount in self.mounts if mount.part in names]
+
+    def strands(self) -> list[Strand]:
+        """Its threads."""
+        return strands(self.layout, self.of_role("thread-post"))
 
     @property
     def shaft_reach(self) -> float:

@@ -17,6 +17,7 @@ from camgen.errors import DesignError
 from camgen.geometry.outlines import Contour
 from camgen.machine import model as m
 from camgen.machine.features import Mount, StandIn
+from camgen.machine.jets import thread_length
 from camgen.parts.catalogue import Bearing, Bought
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.generator.webs import parted, throws, webs
@@ -328,6 +329,25 @@ class Joined:
         )
 
     @cached_property
+    def threads(self) -> dict[str, tuple[tuple[str, str], ...]]:
+        """Links and points of the posts that each thread passes, by the name of its output."""
+        found = {}
+        for output in self.machine.outputs:
+            if isinstance(output.of, m.Function) and output.of.value is thread_length:
+                found[output.name] = tuple(map(self._named, output.of.of))
+        return found
+
+    def _named(self, place: m.Place) -> tuple[str, str]:
+        """The body of a place, and which of its points that is."""
+        points = self.machine.body(place.body).points
+        return place.body, next(name for name, z in points.items() if z == place.at)
+
+    @cached_property
+    def thread_posts(self) -> dict[str, str]:
+        """The link of each point at which a thread has a post."""
+        return {point: link for thread in self.threads.values() for link, point in thread}
+
+    @cached_property
     def pens(self) -> dict[str, str]:
         """The link of each point that is an output and no pin."""
         found = {}
@@ -337,10 +357,9 @@ class Joined:
                 and self.sizes.pen_diameter
                 and output.of.of.body != GROUND
             ):
-                body = self.machine.body(output.of.of.body)
-                name = next(name for name, z in body.points.items() if z == output.of.of.at)
-                if name not in self.pivots:
-                    found[name] = body.name
+                body, name = self._named(output.of.of)
+                if name not in self.pivots and name not in self.thread_posts:
+                    found[name] = body
         return found
 
     @property

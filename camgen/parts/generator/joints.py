@@ -118,7 +118,8 @@ def features_of(layout: Layout, pins: Sequence[Mount]) -> Sequence[Feature]:
         found.append(GearTeeth(one.joint.name, one.teeth, other.teeth, turns))
     found += [outline for tip in layout.tips for outline in _outlines(layout, tip)]
     found += [*_keyed(layout), *_steady(layout, pins)]
-    return [*found, *(Mark(_eye(layout, point, link)) for point, link in layout.pens.items())]
+    marks = (*layout.pens.items(), *layout.thread_posts.items())
+    return [*found, *(Mark(_eye(layout, point, link)) for point, link in marks)]
 
 
 def _pin_of(layout: Layout, pins: Sequence[Mount], point: str, link: str, beside: str) -> str:

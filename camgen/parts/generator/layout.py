@@ -259,6 +259,8 @@ class Layout(Joined):
         """Diameter of a link's hole at a point, mm."""
         if point in self.pens:
             return self.sizes.pen_diameter
+        if point in self.thread_posts:
+            return self.sizes.thread_post_sizes.diameter_at(point) + self.fits.press_clearance
         if self.on_motor(point, link):
             return self.sizes.face.boss + self.fit(point, link)  # type: ignore[union-attr]
         bearing = self.bearing_in(point, link)
@@ -283,14 +285,15 @@ class Layout(Joined):
     def hub(self, point: str, link: str) -> float:
         """Radius of a link's hub, mm, whichever fit its hole gets."""
         wide = max(self.fits.press_clearance, self.fits.slide_clearance)
-        bearing = None if point in self.pens else self.bearing(point)
+        bare = point in self.pens or point in self.thread_posts
+        bearing = None if bare else self.bearing(point)
         turning = (
             bearing.outside
             if bearing is not None and link not in self._fixing(point)
             else self.turning(point)
         )
         hole = self.sizes.pen_diameter if point in self.pens else turning + wide
-        if self.on_motor(point, link):
+        if self.on_motor(point, link) or point in self.thread_posts:
             hole = self.hole(point, link)
         return (self.sizes.shape(link).hub_diameter or hole + 2 * self.rim) / 2
 
@@ -300,8 +303,15 @@ class Layout(Joined):
         return {
             name: complex(z)
             for name, z in points
-            if name in self.pivots or self.pens.get(name) == link
+            if name in self.pivots or link in (self.pens.get(name), self.thread_posts.get(name))
         }
+
+    @property
+    def thread_heights(self) -> tuple[float, float]:
+        """Between which heights threads lie on their posts, mm: their groove, up to the heads."""
+        sizes = self.sizes.thread_post_sizes
+        top = round(self.top(max(self.level.values())) + sizes.height, 9)
+        return top - (sizes.groove or sizes.height), top
 
     def slots_of(self, link: str) -> dict[str, tuple[complex, complex]]:
         """Both ends of a pin's way in each slot of a link, room included, in the link's axes."""

@@ -36,7 +36,8 @@ Placed = tuple[Part, Mount]
 
 
 def refuse(layout: Layout) -> None:
-    """Raise DesignError where a pin cannot be of its kind."""
+    """Raise DesignError where a pin cannot be of its kind, or a thread has no room for its posts."""
+    _refuse_threads(layout)
     for point in layout.sizes.discs or ():
         links = layout.pivots.get(point, ())
         said = {
@@ -95,6 +96,17 @@ def refuse(layout: Layout) -> None:
                 )
                 size = {"base_thickness": least} if shaft else {link: {"thickness": least}}
                 raise Unmade(error, "a thicker one", Change(f"{key} = {least:g}", size))
+
+
+def _refuse_threads(layout: Layout) -> None:
+    for point in layout.thread_posts:
+        said = {
+            "a pin is there": point in layout.pivots,
+            "a second plate lies over all links": layout.sizes.plates > 1,
+        }
+        for why in (why for why, wrong in said.items() if wrong):
+            remedy = "let the thread pass another point, or parts.plates = 1"
+            raise DesignError("posts of threads", 1, 0, "", f"point {point}: {why}", remedy)
 
 
 def pin(layout: Layout, point: str, stub: Stub) -> Iterator[Placed]:

@@ -115,7 +115,7 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
     points = {
         name: z
         for name, z in layout.points_of(GROUND).items()
-        if name in layout.pivots and layout.in_first(name)
+        if name in layout.thread_posts or (name in layout.pivots and layout.in_first(name))
     }
     holes = {
         f"hole {point}": circle(z, layout.hole(point, GROUND) / 2) for point, z in points.items()

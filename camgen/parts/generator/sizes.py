@@ -84,6 +84,39 @@ class Can(Record):
     )
 
 
+class ThreadPosts(Record):
+    """Posts over which threads run, one at each point of a thread, over all links."""
+
+    diameter: Length = Field(default=2.0, description="of the posts")
+    diameters: dict[Name, Length] = Field(
+        default={}, description="the same of single points: { M = 3 }"
+    )
+    height: Length = Field(default=6.0, description="above the highest link, up to their heads")
+    groove: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
+        default=2.0,
+        description="height of their groove, in which the thread is held; 0: plain posts, along which it "
+        "slips",
+    )
+    made: Literal["printed", "steel"] = Field(
+        default="printed", description='"printed"; or "steel": turned as drawn'
+    )
+
+    def diameter_at(self, point: str) -> float:
+        """Of the post at a point, mm."""
+        return self.diameters.get(point, self.diameter)
+
+    def faults(self, nozzle: float, head: float) -> Iterator[Fault]:
+        """Grooves that cannot be printed, posts whose thread would rub on the heads of pins; head: height of those, mm."""
+        path = ("parts", "thread_posts")
+        if 0 < self.groove < nozzle:
+            right = f"at least the nozzle, {nozzle:g} mm, or 0: none"
+            yield Fault((*path, "groove"), f"{self.groove:g}", right)
+        least = self.groove + 2 * head if self.groove else nozzle
+        if self.height < least:
+            right = f"at least {least:g} mm: groove, shoulder, and the heads of pins under it"
+            yield Fault((*path, "height"), f"{self.height:g}", right)
+
+
 class Parts(Record):
     """Sizes of the bodies; a further table by a link's name is the shape of that link."""
 
@@ -166,6 +199,9 @@ class Parts(Record):
     pen_diameter: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
         default=3.0, description="of the hole at a point that is an output and no pin; 0: none"
     )
+    thread_posts: ThreadPosts | None = Field(
+        default=None, description="posts over which threads run; as shown unless given"
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -188,6 +224,11 @@ class Parts(Record):
     def shape(self, link: str) -> Shape:
         """What is special to a link."""
         return self.shapes.get(link, Shape.model_validate({}))
+
+    @property
+    def thread_post_sizes(self) -> ThreadPosts:
+        """Of the posts over which threads run."""
+        return self.thread_posts or ThreadPosts.model_validate({})
 
     @property
     def shafts_made(self) -> str:
@@ -276,6 +317,7 @@ class Parts(Record):
             *self._motor_faults(nozzle),
             *self._post_faults(nozzle),
             *self._shaft_faults(),
+            *self.thread_post_sizes.faults(nozzle, self.head),
             *(
                 self._fault(key, f"at least the nozzle, {nozzle:g} mm")
                 for key in ("thickness", "wall", "head", "base_thickness", "rail_width")

@@ -17,6 +17,7 @@ from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.plates import motor_holes
 from camgen.parts.level_rules import Axis, Band, Opening, Things, Wall
 
+_ALL = 99  # levels: more than there are
 _PIECES = 4  # of the band of a link with a strap
 Over = list[tuple[str, str]]  # levels, of which the first must lie over the second
 
@@ -191,6 +192,12 @@ def _axes(courses: _Courses, before: Over) -> tuple[list[Axis], Over]:
                 shaft is not None,
             )
         )
+    for point, link in layout.thread_posts.items():
+        if link != GROUND:  # those of the ground pass all levels, whichever order these have
+            name, half = f"post {point}", layout.sizes.thread_post_sizes.diameter_at(point) / 2
+            found.append(
+                Axis(name, (link,), courses.way(link, point), half, over=_ALL, point=point)
+            )
     return found, over
 
 
