@@ -247,7 +247,6 @@ CIRCLES = {
     "machines.disc_cam": {"mechanism", "variants", "walls"},
     "machines.indexing_cam": {"comparison", "mechanism", "model"},
     "machines.thread_take_up": {"bodies", "mechanism"},
-    "machines.uniform_swing": {"mechanism", "printed", "room", "shopping"},
     "report": {"page", "report"},
 }
 

@@ -17,16 +17,14 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
 
-from camgen.errors import DesignError, Fault, Key
+from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, NotJudged
-from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
-from camgen.geometry.facets import facet_contour
-from camgen.geometry.outlines import Floats, Points, Region, circle
+from camgen.geometry.outlines import Floats
 from camgen.machine.cams.limits import (
     ARM_PRESSURE,
     Advice,
@@ -41,8 +39,11 @@ from camgen.machine.model import Machine
 from camgen.machines.cam_loads import lift_off, unweighed
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.pairs import air_faults
+from camgen.machines.uniform_swing.cam_plate import CamPlate
 from camgen.machines.uniform_swing.pictures import Model, pictures
-from camgen.machines.uniform_swing.room import Room, machine_checks, place_pins
+from camgen.machines.uniform_swing.printed import SwingMachine
+from camgen.machines.uniform_swing.room import Check, machine_checks
+from camgen.machines.uniform_swing.shopping import bought, screw_grip, steps
 from camgen.machines.uniform_swing.study import (
     NO_SPRING,
     blend_study,
@@ -61,22 +62,14 @@ from camgen.machines.uniform_swing.tables import (
     SwingLimits,
     SwingMotor,
     SwingParts,
+    SwingSizes,
 )
 from camgen.motion.program import uniform_swing
 from camgen.numerics import greatest
 from camgen.parts.assembly import Assembly, FollowerFacts, MotorSeat
-from camgen.parts.disc_cams import LAYOUT
 from camgen.parts.inertia import inertia_of
-from camgen.parts.part import Layer, Part, arrowhead, windows
 from camgen.parts.springs import to_wind, wished
 from camgen.study import Later, Plot, Sketch, Study, Table
-
-if TYPE_CHECKING:
-    from camgen.machines.uniform_swing.printed import SwingMachine
-
-# circumscribed radius of the direction mark, mm, and its most as a share of the bore
-_ARROW = 2.5
-_ARROW_SHARE = 0.3125
 
 
 class UniformSwing(Mechanism):
@@ -100,7 +93,7 @@ class UniformSwing(Mechanism):
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
         p, nozzle, blend = self.making, self.print.nozzle, self.geometry.reversal_blend_deg
-        checks: list[tuple[bool, Key, float, str]] = [
+        checks: list[Check] = [
             (
                 blend in (0, 180) or 0.01 <= blend <= 179.99,
                 ("geometry", "reversal_blend_deg"),
@@ -122,7 +115,7 @@ class UniformSwing(Mechanism):
             ),
         ]
         if p.make == "machine":
-            checks += machine_checks(self)
+            checks += machine_checks(self.sizes)
         deg = None if self.load is None else self.load.gravity_deg
         weight = (
             None
@@ -197,34 +190,29 @@ class UniformSwing(Mechanism):
         lever = f"; pulls square to a lever of {self.spring.lever:g} mm about the pivot, no eye is made for it"
         wound = [replace(each, size=each.size + lever) for each in to_wind(springs)]
         asked = (Asked("swing", lash=math.radians(self.allowed.lash_deg)),)
-        if self.making.make != "machine":
+        machine, facts = self.machine, FollowerFacts(wish=self._spring_wish)
+        if machine is None:
+            part = self.plate.part
             above = self.making.thickness + self.print.slide_clearance
-            mounts = (Mount("cam", "cam"), Mount("cam", "cam", flipped=True, z=above))[
-                : self.cam_part.count
-            ]
-            made = self._assembly((self.cam_part,), mounts, self._features)
-            seat, facts = MotorSeat(self.base.motor), FollowerFacts(wish=self._spring_wish)
+            mounts = (Mount("cam", "cam"), Mount("cam", "cam", flipped=True, z=above))
             return replace(
-                made,
+                self._assembly((part,), mounts[: part.count], self._features),
                 asked=asked,
                 bought=wound,
                 springs=springs,
                 journals={},
-                motor=seat,
+                motor=MotorSeat(self.base.motor),
                 follower=facts,
             )
-        from camgen.machines.uniform_swing.shopping import bought, steps
-
-        machine = self._machine
         return replace(
-            self._assembly(machine.parts(), machine.mounts, self._features),
+            self._assembly(machine.parts, machine.mounts, self._features),
             asked=asked,
             stand_ins=machine.stand_ins(),
             bought=(*bought(machine), *wound),
             springs=springs,
             journals=machine.journals(self.material.name),
             motor=MotorSeat(self.base.motor, machine.shaft_needed),
-            follower=FollowerFacts(roller=self.frame.bearing, wish=self._spring_wish),
+            follower=replace(facts, roller=self.frame.bearing),
             work=Later(lambda: [steps(machine)]),
         )
 
@@ -240,133 +228,45 @@ class UniformSwing(Mechanism):
             lever * math.radians(self.geometry.swing_deg),
         )
 
-    @property
-    def _frames(self) -> list[Part]:
-        """Those of a machine, which swing."""
-        made = self._machine.parts() if self.making.make == "machine" else ()
-        return [part for part in made if part.name == "frame"]
-
     @cached_property
-    def _machine(self) -> SwingMachine:
-        from camgen.machines.uniform_swing.printed import SwingMachine
-
-        self.cam  # noqa: B018  refuses a swing that is too large, before there is room for it
-        self.room.check()
-        return SwingMachine(self)
-
-    @cached_property
-    def _rim(self) -> Points:
-        """The cam's edge in facets, on which holes are placed."""
-        return facet_contour(self.cam.outline, LAYOUT * min(1.0, abs(self.cam.follower.arm) / 60))
-
-    @cached_property
-    def cam_part(self) -> Part:
-        """The cam as made."""
-        p, outline = self.making, self.cam.outline
-        rim = self._rim
-        bore, reach = p.hole(), p.reach
-        room = float(np.min(point_to_ring(np.zeros(1, complex), rim)))
-        if reach >= room:
-            said = "the bore leaves the cam: use a smaller one"
-            raise DesignError("parts.bore", p.bore, 2 * room, "mm", "the cam's nearest side", said)
-        holes, keep_clear = [bore], []
-        if p.pin_diameter:
-            place = self.pins[0]
-            keep_clear += [(z, p.pin_diameter / 2) for z in (place, -place.conjugate())]
-            holes += [circle(*pin) for pin in keep_clear]
-        mark = self._mark(rim, reach, keep_clear) if p.mark_depth else None
-        engraved = (
-            (Layer(Region(arrowhead(*mark)), p.thickness - p.mark_depth, p.thickness),)
-            if mark
-            else ()
-        )
-        pins = tuple(centre for centre, _ in keep_clear)
-        if mark:
-            keep_clear.append(mark[:2])
-        holes += windows(rim, reach, p.windows, p.wall, keep_clear)
-        # a hole smaller than the tolerance must not lose its corners
-        wall = thinnest_wall(
-            rim, [facet_contour(h, min(LAYOUT, 0.01 * math.sqrt(abs(h.area)))) for h in holes]
-        )
-        if not wall > 0:
-            raise DesignError(
-                "wall",
-                wall,
-                self.allowed.min_wall,
-                "mm",
-                ("the cam's holes", "its edge"),
-                "holes meet or leave the cam: use a smaller bore, key, pin_diameter or wall",
-            )
-        copies = 2 if self.geometry.closure == "conjugate" else 1
-        return Part(
-            "cam",
-            "Uniform-swing cam",
-            (Layer(Region(outline, tuple(holes)), 0.0, p.thickness),),
-            copies,
-            engraved,
-            (0j, *pins),
-            self._part_notes(bool(mark)),
-            p.bore,
+    def sizes(self) -> SwingSizes:
+        """The tables from which the parts follow."""
+        return SwingSizes(
+            self.geometry,
+            self.making,
+            self.base,
+            self.frame,
+            self.collet,
+            self.nozzle,
+            self.print,
             self.allowed.min_wall,
         )
 
     @cached_property
-    def pins(self) -> tuple[complex, float]:
-        """Place of one pin hole, the other being its mirror image in Oy, and the wall that they keep, mm."""
-        p = self.making
-        if p.make == "machine" and p.pin_diameter:
-            return self.room.pins(self._rim, p.pin_diameter, p.wall)
-        return place_pins(
-            self._rim, self.making.reach, p.pin_diameter, p.wall, self.allowed.min_wall, 0.0, None
-        )
+    def plate(self) -> CamPlate:
+        """The cam as a plate."""
+        return CamPlate(self.sizes, self.cam, self._sense)
 
     @cached_property
-    def room(self) -> Room:
-        """Room that the geometry leaves to the whole machine."""
-        return Room(self)
-
-    def _mark(
-        self, rim: Points, reach: float, holes: Sequence[tuple[complex, float]]
-    ) -> tuple[complex, float, complex] | None:
-        """Place, size and direction of the engraved arrow beside the bore, below it if there is room; None without any."""
-        free, size = self.making.wall / 2, min(_ARROW, _ARROW_SHARE * self.making.bore)
-        for turn in (-90, 90, -45, -135, 45, 135, 0, 180):
-            spoke = cmath.rect(1, math.radians(turn))
-            at = spoke * (reach + free + size)
-            room = (
-                float(point_to_ring(np.array([at]), rim)[0])
-                if inside(np.array([at]), rim)[0]
-                else 0.0
-            )
-            if min([room, *(abs(at - centre) - radius for centre, radius in holes)]) > size + free:
-                return at, size, self._sense * 1j * spoke
-        return None
-
-    def _part_notes(self, marked: bool) -> tuple[str, ...]:
-        """What the drawing says beside the numbers."""
-        p, notes = self.making, [*self.making.notes()]
-        if marked:
-            notes.append("engraved arrow: sense of turning of the cam that is not turned over")
-        elif p.mark_depth:
-            turns = "counter-clockwise" if self._sense > 0 else "clockwise"
-            notes.append(f"no room for the engraved arrow: turns {turns} as drawn")
-        if self.geometry.closure == "conjugate":
-            notes.append("two alike, one turned over about Oy, engraved faces together")
-            notes.append("the tip at -Y rides on this one, the tip at +Y on the other")
-        return tuple(notes)
+    def machine(self) -> SwingMachine | None:
+        """All that is made round the cam; None of cams alone. DesignError where there is no room for it."""
+        if self.making.make != "machine":
+            return None
+        plate = self.plate
+        plate.room.check()
+        return SwingMachine(plate, plate.part)
 
     # ---- assembly ---------------------------------------------------------------------------------------------------
 
     @cached_property
     def _features(self) -> Sequence[Feature]:
-        follower, p = self.cam.follower, self.making
-        own = None
-        if p.make == "machine":
-            seat = self._machine.tip_hole
+        follower, own = self.cam.follower, None
+        if self.machine is not None:
+            seat = self.sizes.tip_hole
             tip = Eye("frame", follower.arm, seat or 2 * follower.tip_radius, shaft=not seat)
-            bore = Eye("frame", 0j, next(part.bore or 0.0 for part in self._frames))
+            bore = Eye("frame", 0j, self.machine.frame_part.bore or 0.0)
             own = OwnTip("frame", tip, bore, follower.tip_radius if seat else None)
-        first = cam_outline(self.cam, "cam", self.allowed.cam_limits, p.bore, own=own)
+        first = cam_outline(self.cam, "cam", self.allowed.cam_limits, self.making.bore, own=own)
         if self.geometry.closure == "force":
             return (first,)
         tip = Eye(None, follower.arm.conjugate(), 2 * follower.tip_radius)
@@ -392,10 +292,8 @@ class UniformSwing(Mechanism):
         findings = cam_findings(
             cams, self.allowed.cam_limits, chord_tolerance=self.accuracy.chord_tolerance
         )
-        if self.making.make == "machine":
-            from camgen.machines.uniform_swing.shopping import screw_grip
-
-            findings.append(screw_grip(self._machine))
+        if self.machine is not None:
+            findings.append(screw_grip(self.machine))
         loaded = self._forces
         if loaded and self.geometry.closure == "force":
             less = "less inertia or a longer reversal_blend_deg"
@@ -415,9 +313,10 @@ class UniformSwing(Mechanism):
     @cached_property
     def _load(self) -> FollowerLoad:
         """Nozzle and frames about the pivot, and the spring of force closure."""
-        inertia = self.nozzle.inertia_kg_m2 + sum(
-            part.count * inertia_of(part, self._process.density) for part in self._frames
-        )
+        inertia = self.nozzle.inertia_kg_m2
+        if self.machine is not None:
+            frame = self.machine.frame_part
+            inertia += frame.count * inertia_of(frame, self._process.density)
         pushed = self.geometry.closure == "force"
         return FollowerLoad(
             inertia,
@@ -466,8 +365,8 @@ class UniformSwing(Mechanism):
             "pressure_angle_return_deg": self._pressure[1],
             **undercut_numbers([cam]),
         }
-        if self.making.make == "machine":
-            numbers["shaft_length_mm"] = self._machine.shaft_length
+        if self.machine is not None:
+            numbers["shaft_length_mm"] = self.machine.shaft_length
             # the frame shifts on its axle by half the clearance, which turns it until the tip is on the cam again
             across = abs(cam.follower.arm) * math.cos(math.radians(self.cam.steepest))
             numbers["swing_by_play_of_axle_deg"] = math.degrees(
@@ -531,7 +430,7 @@ class UniformSwing(Mechanism):
                 "the conjugate pair does not change that. Remedies: a smaller swing, another arm_offset / pivot_distance, or "
                 "a disc cam with its pivot placed so that the arm is square to the cam's radius in mid position."
             )
-        if self.making.make == "machine":
-            notes.append(self._machine.shaft_note)
-            notes += self._machine.smaller
+        if self.machine is not None:
+            notes.append(self.machine.shaft_note)
+            notes += self.machine.smaller
         return tuple(notes)

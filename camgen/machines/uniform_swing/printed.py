@@ -10,166 +10,157 @@ The frame's own origin is the follower's pivot; the second plate is the first tu
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from camgen.errors import DesignError
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Points, circle
+from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Mount, StandIn
 from camgen.machine.model import GROUND
+from camgen.machines.uniform_swing.cam_plate import CamPlate
 from camgen.machines.uniform_swing.plates import Base, Frame, overlap, swept_box
-from camgen.machines.uniform_swing.room import LEAST_AXLE, washer_wall
+from camgen.machines.uniform_swing.room import LEAST_AXLE
+from camgen.machines.uniform_swing.tables import SwingSizes
 from camgen.parts.catalogue import DOWEL_STANDARD, SCREWS, TURNED, dowel
 from camgen.parts.disc_cams import LAYOUT
 from camgen.parts.hardware import Collet, headed, plate, spacer
 from camgen.parts.journals import Journal
 from camgen.parts.part import Layer, Part, hull, rod
 
-if TYPE_CHECKING:
-    from camgen.machines.uniform_swing.mechanism import UniformSwing
-
 _TOUCHING = 0.1  # mm beyond the tip's own surface, where cam and finger may seem to overlap because the tip touches the cam
 _PLACES = 361  # cam angles at which it does; `gap` is there for what lies between
 
 
+@dataclass(frozen=True)
 class SwingMachine:
-    """All parts of the machine round a cam, and their mounting; lengths mm, pin_wall: kept round the cams' pins."""
+    """All parts of the machine round a cam, and their mounting; lengths mm."""
 
-    def __init__(self, spec: UniformSwing) -> None:
-        p = spec.making
-        self.spec, self.cam, self.cam_part, self.room, self.pin_wall = (
-            spec,
-            spec.cam,
-            spec.cam_part,
-            spec.room,
-            spec.pins[1],
-        )
-        self.base, self.frame, self.collet, self.nozzle = (
-            spec.base,
-            spec.frame,
-            spec.collet,
-            spec.nozzle,
-        )
-        self.bore, self.pin, self.wall, self.plain, self.pair = (
-            p.bore,
-            p.pin_diameter,
-            p.wall,
-            self.room.plain,
-            self.room.pair,
-        )
-        self.slide, self.press, self.min_wall = (
-            spec.print.slide_clearance,
-            spec.print.press_clearance,
-            spec.allowed.min_wall,
-        )
-
-    # ---- sizes ------------------------------------------------------------------------------------------------------
+    plate: CamPlate  # of the cam
+    cam_part: Part  # the same as made
 
     @property
-    def pins(self) -> tuple[complex, ...]:
-        """Places of the cam's pins."""
-        return self.cam_part.centres[1:] if self.pin else ()
+    def sizes(self) -> SwingSizes:
+        """The tables from which the parts follow."""
+        return self.plate.sizes
+
+    @property
+    def cam(self) -> DiscCam:
+        """The cam as designed."""
+        return self.plate.cam
+
+    # ---- heights ----------------------------------------------------------------------------------------------------
 
     @property
     def thickness(self) -> float:
         """Of cam and frame alike."""
-        return self.cam_part.thickness
+        return self.sizes.making.thickness
 
-    @cached_property
-    def seat(self) -> float:
-        """Diameter of the pin at the tip, 0 where the plate is the tip."""
-        return self.frame.seat(self.cam.follower.tip_radius)
+    @property
+    def play(self) -> float:
+        """Between what moves past each other, and of what turns in a hole."""
+        return self.sizes.fits.slide_clearance
 
     @property
     def _floor(self) -> float:
         """Height of what moves lowest."""
-        return self.base.thickness + self.base.gap
+        return self.sizes.base.thickness + self.sizes.base.gap
+
+    @property
+    def _beside(self) -> float:
+        """How much higher a frame lies than the cam beside it, or lower: nothing where the plate is the tip."""
+        return self.thickness + self.play if self.sizes.seat else 0.0
 
     @property
     def low(self) -> float:
         """Height of the first cam's underside."""
-        if not self.pair:
-            return self.foot + (self.thickness + self.slide if self.seat else 0.0)
-        return self._floor - (0.0 if self.seat else self.slide)
+        if not self.sizes.pair:
+            return self.foot + self._beside
+        return self._floor - (0.0 if self.sizes.seat else self.play)
 
     @property
     def foot(self) -> float:
         """Height of the first frame's underside."""
-        return self._floor + (self.thickness + self.slide if self.seat and self.pair else 0.0)
+        return self._floor + (self._beside if self.sizes.pair else 0.0)
 
     @property
     def last(self) -> float:
         """Height of the frames' upper side."""
-        return self.foot + (2 if self.pair else 1) * self.thickness
+        return self.foot + (2 if self.sizes.pair else 1) * self.thickness
 
     @property
     def top(self) -> float:
         """Height of the upper cam's upper side."""
-        if not self.pair:
+        if not self.sizes.pair:
             return self.low + self.thickness
-        return self.last + self.slide + (self.thickness if self.seat else 0.0)
+        return self.last + self.play + (self.thickness if self.sizes.seat else 0.0)
+
+    @property
+    def cam_pin_length(self) -> float:
+        """Length of the pins through the cams and the collet's flange; 0 where there are none."""
+        length = self.top - self.low + (self.sizes.collet.flange if self.sizes.plain else 0.0)
+        return length if self.plate.pins and length > self.thickness else 0.0
+
+    # ---- the shaft --------------------------------------------------------------------------------------------------
 
     @property
     def shaft_length(self) -> float:
         """Height of the collet's upper end, or of the upper cam, over the motor's face."""
-        return self.top + (self.collet.flange + self.collet.length if self.plain else 0.0)
+        c = self.sizes.collet
+        return self.top + (c.flange + c.length if self.sizes.plain else 0.0)
 
     @property
     def shaft_needed(self) -> float:
         """The least height at which it holds the upper cam."""
-        return self.shaft_length - (self._collet.travel if self.plain else 0.0)
+        return self.shaft_length - (self._collet.travel if self.sizes.plain else 0.0)
 
     @property
     def shaft_note(self) -> str:
         """What the motor's shaft has to be, and what it usually is."""
-        usual = self.base.face.shaft
-        known = (
-            f" On a {self.base.face.name.upper().replace('-', ' ')} frame {usual:g} mm is usual"
-            if usual
-            else ""
-        )
-        length = " and 24 mm long" if self.base.motor == "nema-17" else ""
+        base = self.sizes.base
+        usual = base.face.shaft
+        frame = base.face.name.upper().replace("-", " ")
+        known = f" On a {frame} frame {usual:g} mm is usual" if usual else ""
+        length = " and 24 mm long" if base.motor == "nema-17" else ""
         return f"The motor's shaft is to be {self.shaft_size}.{known}{length}{'.' if known else ''}"
 
     @property
     def shaft_size(self) -> str:
         """Diameter and length of the shaft."""
-        if not self.plain:
-            p = self.spec.making
-            flat = f", with a flat {p.flat_depth:g} deep," if p.shaft == "d-flat" else ""
-            return (
-                f"{self.bore:g} mm thick{flat} and to reach {self.shaft_length:g} mm over its face"
-            )
-        return f"{self.bore:g} mm thick and to reach {self.shaft_needed:g} to {self.shaft_length:g} mm over its face"
+        p = self.sizes.making
+        thick = f"{p.bore:g} mm thick"
+        reach = f"{self.shaft_length:g} mm over its face"
+        if self.sizes.plain:
+            return f"{thick} and to reach {self.shaft_needed:g} to {reach}"
+        flat = f", with a flat {p.flat_depth:g} deep," if p.shaft == "d-flat" else ""
+        return f"{thick}{flat} and to reach {reach}"
+
+    # ---- base and frame ---------------------------------------------------------------------------------------------
 
     @cached_property
-    def rims(self) -> np.ndarray:
-        """Edge of the cam at many cam angles, seen from the frame."""
-        theta = np.linspace(0, math.tau, _PLACES)[:, None]
-        rim = facet_contour(self.cam.outline, LAYOUT * min(1.0, abs(self.cam.follower.arm) / 60))
-        seen = (rim * np.exp(1j * theta) - self.cam.follower.pivot) * np.exp(
-            -1j * self.cam.reachable(theta)
-        )
-        return np.asarray(seen.ravel())
+    def rims(self) -> Points:
+        """Edge of the cam at many cam angles, seen from the frame, (n,)."""
+        follower, theta = self.cam.follower, np.linspace(0, math.tau, _PLACES)[:, None]
+        turned = self.plate.rim * np.exp(1j * theta) - follower.pivot
+        return np.asarray((turned * np.exp(-1j * self.cam.reachable(theta))).ravel())
 
     @cached_property
     def base_plate(self) -> Base:
         """The base as a shape."""
-        b, f = self.base, self.frame
+        b, f = self.sizes.base, self.sizes.frame
         return Base(
             b.face,
             self.cam.follower.pivot.real,
             self.axle,
             f.axle_flange,
             f.slide_at,
-            self.room.swing,
+            self.plate.room.swing,
             b.thickness,
             b.wall,
-            self.slide,
+            self.play,
             b.slot_room,
             b.window,
             SCREWS.get(b.mount),
@@ -178,83 +169,76 @@ class SwingMachine:
     @cached_property
     def _frame(self) -> Frame:
         """The frame; its finger, which widens towards the arm, is straight where the cam passes too near for that."""
-        wide, straight = self._frame_with(False), self._frame_with(True)
-        return straight if self._overlap(wide) else wide
+        wide = self._frame_with(False)
+        return self._frame_with(True) if self._overlap(wide) else wide
 
     def _overlap(self, frame: Frame) -> float:
         """How deep the cam comes into the plate that is itself the tip, mm, 0 if it does not."""
-        arm = self.cam.follower
-        tip = arm.arm, arm.tip_radius + min(self.frame.gap, _TOUCHING)
-        return 0.0 if self.seat else overlap(frame.part(self.min_wall).region, self.rims, tip)
+        s, arm = self.sizes, self.cam.follower
+        tip = arm.arm, arm.tip_radius + min(s.frame.gap, _TOUCHING)
+        return 0.0 if s.seat else overlap(frame.part(s.min_wall).region, self.rims, tip)
 
     def _frame_with(self, straight: bool) -> Frame:
-        f, follower = self.frame, self.cam.follower
-        screw = SCREWS[self.nozzle.screw]
+        s, screw = self.sizes, SCREWS[self.sizes.nozzle.screw]
         return Frame(
-            follower.arm,
-            self._boss if self.seat else follower.tip_radius,
+            self.cam.follower.arm,
+            s.boss,
             self._inside,
-            f.arm,
-            self.axle + self.press,
-            f.slide_at,
+            s.frame.arm,
+            self._axle_hole,
+            s.frame.slide_at,
             screw.clearance,
-            self.nozzle.spacing,
-            self.pin,
+            s.nozzle.spacing,
+            s.making.pin_diameter,
             self.thickness,
-            f.wall,
-            self.tip_hole,
-            (screw.flats + self.slide, screw.nut),
+            s.frame.wall,
+            s.tip_hole,
+            (screw.flats + self.play, screw.nut),
             self._hub,
             straight,
         )
-
-    @property
-    def tip_hole(self) -> float:
-        """Diameter of the hole for the tip's pin, 0: none."""
-        return self.seat + self.press if self.seat else 0.0
-
-    @property
-    def _boss(self) -> float:
-        """Radius of the plate round the tip's pin."""
-        return self.frame.boss(self.seat, self.press, self.min_wall)
 
     # ---- what is made smaller where there is no room -----------------------------------------------------------------
 
     @cached_property
     def _inside(self) -> complex:
         """How near the cam comes to the pivot and to the frame's arm, room included: see `Frame.inside`."""
-        return swept_box(self.rims) + complex(self.frame.gap, -self.frame.gap)
+        gap = self.sizes.frame.gap
+        return swept_box(self.rims) + complex(gap, -gap)
 
     @cached_property
     def axle(self) -> float:
         """Diameter of both axles, mm: as wanted, or what leaves the least wall between axle and cam."""
-        fit = max(self.press, self.slide)
-        room = math.floor(10 * (2 * (-self._inside.real - self.min_wall - LAYOUT) - fit)) / 10
-        least = min(self.frame.axle, LEAST_AXLE)
+        wanted, min_wall = self.sizes.frame.axle, self.sizes.min_wall
+        fit = max(self.sizes.fits.press_clearance, self.play)
+        room = math.floor(10 * (2 * (-self._inside.real - min_wall - LAYOUT) - fit)) / 10
+        least = min(wanted, LEAST_AXLE)
         if room < least:
             raise DesignError(
                 "room for the axle's hub",
                 -self._inside.real,
-                (least + fit) / 2 + self.min_wall + LAYOUT,
+                (least + fit) / 2 + min_wall + LAYOUT,
                 "mm",
                 f"the frame beside the pivot, for an axle of {least:g} mm with limits.min_wall",
-                f"the cam comes too near the pivot: {self.room.remedy()}",
+                f"the cam comes too near the pivot: {self.plate.room.remedy()}",
             )
-        return min(self.frame.axle, room)
+        return min(wanted, room)
+
+    @property
+    def _axle_hole(self) -> float:
+        return self.axle + self.sizes.fits.press_clearance
 
     @property
     def _hub(self) -> float:
         """Radius of the frame round the pivot's axle."""
-        return min((self.axle + self.press) / 2 + self.frame.wall, -self._inside.real)
+        return min(self._axle_hole / 2 + self.sizes.frame.wall, -self._inside.real)
 
     @property
     def _sleeve_wall(self) -> float:
         """Wall of the collet: as wanted, or what the pins leave."""
-        c, free = self.collet, min((abs(z) - self.pin / 2 for z in self.pins), default=math.inf)
-        return min(
-            c.wall,
-            c.wall + free - Collet(self.bore, self.slide, c.wall, c.length, c.flange, 0.0).radius,
-        )
+        wall, pin = self.sizes.collet.wall, self.sizes.making.pin_diameter
+        free = min((abs(z) - pin / 2 for z in self.plate.pins), default=math.inf)
+        return min(wall, wall + free - self.plate.room.collet(wall).radius)
 
     @cached_property
     def _rim(self) -> Points:
@@ -263,70 +247,57 @@ class SwingMachine:
     @property
     def smaller(self) -> tuple[str, ...]:
         """What is smaller than wanted, for people; nothing where all has room."""
+        s = self.sizes
         sizes = [
-            ("frame.axle", self.frame.axle, self.axle),
-            (
-                "frame.wall round the pivot",
-                self.frame.wall,
-                self._hub - (self.axle + self.press) / 2,
-            ),
-            ("parts.wall round the cams' pins", self.wall, self.pin_wall),
+            ("frame.axle", s.frame.axle, self.axle),
+            ("frame.wall round the pivot", s.frame.wall, self._hub - self._axle_hole / 2),
+            ("parts.wall round the cams' pins", s.making.wall, self.plate.pin_wall),
         ]
-        sizes += [("collet.wall", self.collet.wall, self._sleeve_wall)] if self.plain else []
+        sizes += [("collet.wall", s.collet.wall, self._sleeve_wall)] if s.plain else []
         less = [
             f"{name} {made:.3g} instead of {wanted:g}"
             for name, wanted, made in sizes
             if made < wanted - LAYOUT
         ]
-        return (
-            (f"Made smaller than usual, for there is no room, mm: {'; '.join(less)}.",)
-            if less
-            else ()
-        )
+        said = f"Made smaller than usual, for there is no room, mm: {'; '.join(less)}."
+        return (said,) if less else ()
 
     @cached_property
     def tip_pin(self) -> float:
         """Length of the dowel pin at the tip; DesignError where none is sold, or its bearing does not fit beside the plate."""
-        longest = 2 * self.thickness + self.slide
-        length, bearing = dowel(self.seat, longest), self.frame.bearing
-        needed = (
-            self.thickness + self.slide + max(self.thickness / 2, bearing.width if bearing else 0.0)
-        )
+        seat, bearing = self.sizes.seat, self.sizes.frame.bearing
+        longest = 2 * self.thickness + self.play
+        length = dowel(seat, longest)
+        held = max(self.thickness / 2, bearing.width if bearing else 0.0)
+        needed = self.thickness + self.play + held
         if length < needed:
             raise DesignError(
                 "dowel pin of the tip",
                 length,
                 needed,
                 "mm",
-                f"{DOWEL_STANDARD}, diameter {self.seat:g} mm, at most {longest:g} mm",
+                f"{DOWEL_STANDARD}, diameter {seat:g} mm, at most {longest:g} mm",
                 "use another parts.thickness or another frame.tip",
             )
         return length
 
     @cached_property
     def _collet(self) -> Collet:
-        c, wall = self.collet, self._sleeve_wall
-        plain = Collet(self.bore, self.slide, wall, c.length, c.flange, 0.0, (), c.slits, c.slit)
-        pins = tuple((z, self.pin) for z in self.pins)
-        reach = max((abs(z) + self.pin / 2 + self.wall for z in self.pins), default=0.0)
-        flange_diameter = max(plain.ring_diameter, 2 * reach)
-        return Collet(
-            self.bore, self.slide, wall, c.length, c.flange, flange_diameter, pins, c.slits, c.slit
+        pin = self.sizes.making.pin_diameter
+        reach = max(
+            (abs(z) + pin / 2 + self.sizes.making.wall for z in self.plate.pins), default=0.0
         )
+        plain = self.plate.room.collet(self._sleeve_wall)
+        flange = max(plain.ring_diameter, 2 * reach)
+        return replace(plain, flange_diameter=flange, pins=tuple((z, pin) for z in self.plate.pins))
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 
+    @cached_property
     def parts(self) -> tuple[Part, ...]:
         """Every printed part, the cam first; DesignError where sizes do not go together."""
-        return self._made
-
-    @cached_property
-    def _made(self) -> tuple[Part, ...]:
-        f, count = self.frame, 2 if self.pair else 1
-        plate = self._frame.part(self.min_wall, count)
-        if self.seat:
-            pin = f"hole at the tip for a dowel pin {self.seat:g} m6 x {self.tip_pin:g}, {DOWEL_STANDARD}"
-            plate = replace(plate, notes=(*plate.notes, pin))
+        s, f = self.sizes, self.sizes.frame
+        frame = self.frame_part
         deep = self._overlap(self._frame)
         if deep > 0:
             raise DesignError(
@@ -340,14 +311,14 @@ class SwingMachine:
             )
         made = [
             self.cam_part,
-            plate,
-            self.base_plate.part(self.min_wall),
+            frame,
+            self.base_plate.part(s.min_wall),
             replace(
                 headed(
                     "axle",
                     "Axle with flange",
                     self.axle,
-                    self.last + self.slide,
+                    self.last + self.play,
                     f.axle_flange,
                     f.flange_thickness,
                 ),
@@ -358,60 +329,70 @@ class SwingMachine:
                 spacer(
                     "axle-washer",
                     "Washer of an axle",
-                    self.axle + self.slide,
+                    self.axle + self.play,
                     min(f.axle_flange, -2 * self._inside.real),
-                    self.foot - self.base.thickness,
-                    self.min_wall,
+                    self.foot - s.base.thickness,
+                    s.min_wall,
                 ),
                 count=2,
             ),
         ]
-        if self.pair:
+        if s.pair:
             made.append(self._spacer())
-        if self.plain:
-            made += [self._collet.sleeve(self.min_wall), self._collet.ring()]
-        glued, pins_made = (
-            ("pressed and glued",),
-            TURNED if self.spec.making.pins == "steel" else "printed",
-        )
-        if self.pins and self.cam_pin_length > self.thickness:
-            diameter = self.pin - self.press
-            rods = rod("cam-pin", "Pin of the cams", diameter, self.cam_pin_length)
-            made.append(replace(rods, count=len(self.pins), notes=glued, made=pins_made))
-        if self.pair and self.pin:
-            length = 2 * self.thickness
-            rods = rod("frame-pin", "Pin of the frames", self.pin - self.press, length)
-            made.append(replace(rods, count=2, notes=glued, made=pins_made))
-        return tuple(made)
+        if s.plain:
+            made += [self._collet.sleeve(s.min_wall), self._collet.ring()]
+        return (*made, *self._pins())
 
-    @property
-    def cam_pin_length(self) -> float:
-        """Length of the pins through the cams and the collet's flange."""
-        return self.top - self.low + (self.collet.flange if self.plain else 0.0)
+    @cached_property
+    def frame_part(self) -> Part:
+        """One of the plates that swing; its origin is the pivot."""
+        s = self.sizes
+        plate = self._frame.part(s.min_wall, 2 if s.pair else 1)
+        if not s.seat:
+            return plate
+        pin = f"hole at the tip for a dowel pin {s.seat:g} m6 x {self.tip_pin:g}, {DOWEL_STANDARD}"
+        return replace(plate, notes=(*plate.notes, pin))
+
+    def _pins(self) -> list[Part]:
+        """Those of the cams and of the frames."""
+        s = self.sizes
+        wanted = [("cam-pin", "Pin of the cams", self.cam_pin_length)]
+        if s.pair and s.making.pin_diameter:
+            wanted.append(("frame-pin", "Pin of the frames", 2 * self.thickness))
+        diameter = s.making.pin_diameter - s.fits.press_clearance
+        made = TURNED if s.making.pins == "steel" else "printed"
+        return [
+            replace(
+                rod(name, title, diameter, length),
+                count=2,
+                notes=("pressed and glued",),
+                made=made,
+            )
+            for name, title, length in wanted
+            if length
+        ]
 
     def _spacer(self) -> Part:
         """Washer between the cams, small enough to pass between the tips."""
-        assert self.room.washer is not None, "a pair has one"
-        hole, keep = self.room.washer
-        reach = max([hole, *(abs(z) + self.pin / 2 for z in self.pins)])
-        radius = min(reach + self.wall, float(np.min(np.abs(self._rim))) - keep)
+        s, washer, pins = self.sizes, self.plate.room.washer, self.plate.pins
+        assert washer is not None, "a pair has one"
+        pin, wall = s.making.pin_diameter, s.making.wall
+        reach = max([washer.hole, *(abs(z) + pin / 2 for z in pins)])
+        radius = min(reach + wall, float(np.min(np.abs(self._rim))) - washer.inset)
         edge = circle(0j, radius)
-        if (
-            radius - reach < self.min_wall
-        ):  # no round one has room, but one as wide as its holes need
-            wall = min(self.wall, washer_wall(self._rim, hole, self.pins, self.pin, keep))
-            edge = hull([(0j, hole + wall), *((z, self.pin / 2 + wall) for z in self.pins)])
-        holes = {"bore": circle(0j, hole)} | {
-            f"pin {k}": circle(z, self.pin / 2) for k, z in enumerate(self.pins, 1)
-        }
-        region = plate("cam-spacer", edge, holes, self.min_wall)
+        if radius - reach < s.min_wall:  # no round one has room, but one as wide as its holes need
+            wall = min(wall, washer.wall(self._rim, pins, pin))
+            edge = hull([(0j, washer.hole + wall), *((z, pin / 2 + wall) for z in pins)])
+        holes = {"bore": circle(0j, washer.hole)}
+        holes |= {f"pin {k}": circle(z, pin / 2) for k, z in enumerate(pins, 1)}
+        region = plate("cam-spacer", edge, holes, s.min_wall)
         return Part(
             "cam-spacer",
             "Spacer between the cams",
             (Layer(region, 0.0, self.top - self.low - 2 * self.thickness),),
-            centres=(0j, *self.pins),
-            bore=2 * hole,
-            min_wall=self.min_wall,
+            centres=(0j, *pins),
+            bore=2 * washer.hole,
+            min_wall=s.min_wall,
         )
 
     # ---- mounting ---------------------------------------------------------------------------------------------------
@@ -419,54 +400,50 @@ class SwingMachine:
     @cached_property
     def mounts(self) -> tuple[Mount, ...]:
         """Every copy on cam, follower or ground."""
-        f, t, low = self.frame, self.thickness, self.low
-        beyond = complex(f.slide_at)
+        s, f, t, low = self.sizes, self.sizes.frame, self.thickness, self.low
         mounts = [
             Mount("base", GROUND),
             Mount("cam", "cam", z=low),
             Mount("frame", "follower", z=self.foot),
         ]
-        if self.pair:
+        if s.pair:
             mounts.append(Mount("cam", "cam", z=self.top - t, flipped=True))
             mounts.append(Mount("frame", "follower", z=self.foot + t, flipped=True, turned=math.pi))
             mounts.append(Mount("cam-spacer", "cam", z=low + t))
             mounts += [Mount("frame-pin", "follower", at=z, z=self.foot) for z in self._frame.pins]
-        for at in (0j, beyond):
-            mounts.append(
-                Mount("axle", "follower", at=at, z=-f.flange_thickness - self.slide)
-            )  # so much end float
-            mounts.append(Mount("axle-washer", "follower", at=at, z=self.base.thickness))
-        if self.plain:
+        for at in (0j, complex(f.slide_at)):
+            # so much end float
+            mounts.append(Mount("axle", "follower", at=at, z=-f.flange_thickness - self.play))
+            mounts.append(Mount("axle-washer", "follower", at=at, z=s.base.thickness))
+        if s.plain:
+            home = self.top + s.collet.flange + self._collet.travel
             mounts.append(Mount("collet", "cam", z=self.top))
-            mounts.append(
-                Mount("clamp-ring", "cam", z=self.top + self.collet.flange + self._collet.travel)
-            )
-        if self.cam_pin_length > t:
-            mounts += [Mount("cam-pin", "cam", at=z, z=low) for z in self.pins]
-        made = {part.name for part in self._made}
-        return tuple(mount for mount in mounts if mount.part in made)
+            mounts.append(Mount("clamp-ring", "cam", z=home))
+        if self.cam_pin_length:
+            mounts += [Mount("cam-pin", "cam", at=z, z=low) for z in self.plate.pins]
+        return tuple(mounts)
 
     def journals(self, printed: str) -> dict[str, Journal]:
         """The axle at the pivot: it turns in the base and is pressed into the frames."""
-        lever = self.foot - self.base.thickness / 2
-        return {"pivot": Journal("pivot", self.axle, self.base.thickness, lever, printed, printed)}
+        thick = self.sizes.base.thickness
+        lever = self.foot - thick / 2
+        return {"pivot": Journal("pivot", self.axle, thick, lever, printed, printed)}
 
     def stand_ins(self) -> tuple[StandIn, ...]:
         """Bought things as stacks of discs."""
-        face, screw = self.base.face, SCREWS[self.nozzle.screw]
-        floor = self.base.thickness - self.base_plate.pocket_depth
-        heads = [(z, sunk.head / 2, floor, floor + sunk.height) for z, sunk in self.base_plate.sunk]
-        last, middle = (
-            self.last,
-            self.foot + self.thickness if self.pair else self.foot + screw.nut / 2,
-        )
-        tail = complex(self.frame.slide_at, self.nozzle.spacing / 2)
+        s, screw = self.sizes, SCREWS[self.sizes.nozzle.screw]
+        p, face, base = s.making, s.base.face, self.base_plate
+        floor = base.thickness - base.pocket_depth
+        heads = [(z, sunk.head / 2, floor, floor + sunk.height) for z, sunk in base.sunk]
+        last, half = self.last, screw.nut / 2
+        middle = self.foot + (self.thickness if s.pair else half)
+        tail = complex(s.frame.slide_at, s.nozzle.spacing / 2)
         nozzle = [
             disc
             for z in (tail, tail.conjugate())
             for disc in (
                 (z, screw.nominal / 2, self.foot, last),
-                (z, screw.flats / 2, middle - screw.nut / 2, middle + screw.nut / 2),
+                (z, screw.flats / 2, middle - half, middle + half),
                 (z, screw.head / 2, last, last + screw.height),
             )
         ]
@@ -474,41 +451,32 @@ class SwingMachine:
             StandIn("screws of motor and base", GROUND, tuple(heads)),
             StandIn("nozzle screws", "follower", tuple(nozzle)),
         ]
-        boss = min(face.boss_height, self.base.thickness)
+        boss = min(face.boss_height, s.base.thickness)
         if boss:
             bought.append(StandIn("motor boss", GROUND, ((0j, face.boss / 2, 0.0, boss),)))
-        p = self.spec.making
         flat = p.flat_depth if p.shaft == "d-flat" else 0.0
-        round_part = (-0.5j * flat, (self.bore - flat) / 2)  # the largest disc beside a flat
+        round_part = (-0.5j * flat, (p.bore - flat) / 2)  # the largest disc beside a flat
         bought.append(StandIn("shaft", "cam", ((*round_part, boss, self.shaft_length),)))
-        return (
-            *bought,
-            *(
-                StandIn(f"tip-{k + 1}", "follower", discs, rolls=True)
-                for k, discs in enumerate(self._tips())
-            ),
+        tips = (
+            StandIn(f"tip-{k}", "follower", discs, rolls=True)
+            for k, discs in enumerate(self._tips(), 1)
         )
+        return (*bought, *tips)
 
     def _tips(self) -> list[tuple[tuple[complex, float, float, float], ...]]:
         """Pin, and bearing, of each tip that is not the plate itself, as discs on the follower."""
-        if not self.seat:
+        s, arm, t = self.sizes, self.cam.follower.arm, self.thickness
+        if not s.seat:
             return []
-        arm, t, length = self.cam.follower.arm, self.thickness, self.tip_pin
-        low, high = (
-            (self.foot + t - length, self.foot + t)
-            if self.pair
-            else (self.foot, self.foot + length)
-        )
-        spans, cams = [(arm, low, high, self.low)], (self.low, self.top - t)
-        if self.pair:
-            spans.append((arm.conjugate(), self.foot + t, self.foot + t + length, cams[1]))
+        low = self.foot + t - self.tip_pin if s.pair else self.foot
+        tips = [(arm, low, self.low)]  # place, height of its pin, height of its cam
+        if s.pair:
+            tips.append((arm.conjugate(), self.foot + t, self.top - t))
         found = []
-        for z, below, above, cam in spans:
-            discs = [(z, self.seat / 2, below, above)]
-            if self.frame.bearing:
-                half = self.frame.bearing.width / 2
-                discs.append(
-                    (z, self.frame.bearing.outside / 2, cam + t / 2 - half, cam + t / 2 + half)
-                )
+        for z, below, cam in tips:
+            discs = [(z, s.seat / 2, below, below + self.tip_pin)]
+            if s.frame.bearing:
+                half, middle = s.frame.bearing.width / 2, cam + t / 2
+                discs.append((z, s.frame.bearing.outside / 2, middle - half, middle + half))
             found.append(tuple(discs))
         return found

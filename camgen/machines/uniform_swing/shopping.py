@@ -12,7 +12,7 @@ _ENGAGED = 0.8  # diameters of thread that hold a screw in metal
 
 def screw_grip(machine: SwingMachine) -> Finding:
     """SCREW_GRIP: the motor's screws, of a length that is sold, hold by 0.8 diameters of thread or by a whole nut."""
-    face, plate = machine.base.face, machine.base_plate
+    face, plate = machine.sizes.base.face, machine.base_plate
     grip, screw = plate.thickness - plate.pocket_depth, face.screw
     length, least = face.screw_length(grip), screw.nut if face.plain else _ENGAGED * screw.nominal
     held = length - grip - (face.depth if face.plain else 0.0)
@@ -22,8 +22,9 @@ def screw_grip(machine: SwingMachine) -> Finding:
 
 def bought(machine: SwingMachine) -> tuple[Bought, ...]:
     """What is bought, by its standard."""
-    face, plate, tip = machine.base.face, machine.base_plate, machine.frame.bearing
-    nema, copies = face.name != "flange", 2 if machine.pair else 1
+    sizes, plate = machine.sizes, machine.base_plate
+    face, tip = sizes.base.face, sizes.frame.bearing
+    nema, copies = face.name != "flange", 2 if sizes.pair else 1
     name = f"{face.name.upper().replace('-', ' ')} frame" if nema else "with a plain flange"
     grip = plate.thickness - plate.pocket_depth
     length = face.screw_length(grip)
@@ -39,8 +40,8 @@ def bought(machine: SwingMachine) -> tuple[Bought, ...]:
     if plate.mount:
         size = f"{plate.mount.thread}, {grip:.3g} mm longer than what it takes below the base"
         found.append(Bought("screw of the base", plate.mount.standard, size, len(plate.mounts)))
-    screw, most = SCREWS[machine.nozzle.screw], machine.last - machine.foot
-    least = machine.thickness + screw.nut / 2 if machine.pair else most
+    screw, most = SCREWS[sizes.nozzle.screw], machine.last - machine.foot
+    least = machine.thickness + screw.nut / 2 if sizes.pair else most
     longer = f"{least:g} to {most:g}" if least < most else f"{most:g}"
     found += [
         Bought(
@@ -51,12 +52,12 @@ def bought(machine: SwingMachine) -> tuple[Bought, ...]:
         ),
         nut("nut of the nozzle", screw.thread, 2),
     ]
-    if machine.seat:
+    if sizes.seat:
         found.append(
             Bought(
                 "dowel pin of the tip",
                 DOWEL_STANDARD,
-                f"{machine.seat:g} m6 x {machine.tip_pin:g}",
+                f"{sizes.seat:g} m6 x {machine.tip_pin:g}",
                 copies,
             )
         )
@@ -79,21 +80,18 @@ _LAID = {  # what is made for each step
 
 def steps(machine: SwingMachine) -> Table:
     """In which order the machine goes together: from the base up, each part laid on from above."""
-    m, pins = machine, bool(machine.pins) and machine.cam_pin_length > machine.thickness
-    tip = "; dowel pin pressed in, flush with the side away from the cam" if m.seat else ""
-    tip += ", the bearing glued on it at half the cam's height" if m.frame.bearing else ""
-    nuts = "nozzle's nuts in their pockets" + ("" if m.pair else " below")
-    flush = f"pressed on until the axles end flush, which leaves them {m.slide:g} mm of end float"
+    m, sizes = machine, machine.sizes
+    tip = "; dowel pin pressed in, flush with the side away from the cam" if sizes.seat else ""
+    tip += ", the bearing glued on it at half the cam's height" if sizes.frame.bearing else ""
+    nuts = "nozzle's nuts in their pockets" + ("" if sizes.pair else " below")
+    flush = f"pressed on until the axles end flush, which leaves them {m.play:g} mm of end float"
+    over = f"{m.low - sizes.base.thickness:.3g} mm over the base"
     layers = [
-        (
-            m.low,
-            "cam",
-            f"on the shaft, arrow up, {m.low - m.base.thickness:.3g} mm over the base{'; its pins' if pins else ''}",
-        ),
+        (m.low, "cam", f"on the shaft, arrow up, {over}{'; its pins' if m.cam_pin_length else ''}"),
         (m.foot, "frame plate", f"as drawn, pressed and glued on both axles{tip}; {nuts}"),
     ]
-    if m.pair:
-        pinned = "; its pins" if m.pin else ""
+    if sizes.pair:
+        pinned = "; its pins" if sizes.making.pin_diameter else ""
         layers += [
             (
                 m.foot + m.thickness,
@@ -117,7 +115,7 @@ def steps(machine: SwingMachine) -> Table:
         *((what, how) for _, what, how in sorted(layers, key=lambda layer: layer[0])),
     ]
     if m.base_plate.mounts:
-        below = m.frame.flange_thickness + m.slide
+        below = sizes.frame.flange_thickness + m.play
         rows.insert(
             2,
             (
@@ -125,7 +123,7 @@ def steps(machine: SwingMachine) -> Table:
                 f"on its stand, {below:g} mm free below for the axles, before the frames cover the screws",
             ),
         )
-    if m.plain:
+    if sizes.plain:
         rows.append(
             (
                 "collet, clamp ring",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -10,7 +11,7 @@ from camgen.machines.loads.tables import Drives, SwingingCamBears
 from camgen.machines.pairs import Air
 from camgen.parts.catalogue import BEARINGS, MOTOR_FACES, Bearing, MotorFace, flange
 from camgen.parts.disc_cams import ShaftHole
-from camgen.spec import Length, MinWall, Record, Rpm, quantity, turning
+from camgen.spec import Length, MinWall, Print, Record, Rpm, quantity, turning
 
 Thread = Literal["M2", "M2.5", "M3", "M4", "M5", "M6"]
 Tip = Literal["plate", "pin", "MR63", "MR85", "MR105", "623", "624", "625", "626", "608"]
@@ -142,16 +143,6 @@ class FrameTable(Record):
         """The bearing that is the tip, if one is."""
         return BEARINGS.get(self.tip)
 
-    def seat(self, tip_radius: float) -> float:
-        """Diameter of the dowel pin that is pressed into the plate at the tip, mm; 0 where the plate itself is the tip."""
-        if self.bearing:
-            return float(self.bearing.bore)
-        return 2 * tip_radius if self.tip == "pin" else 0.0
-
-    def boss(self, seat: float, press: float, min_wall: float) -> float:
-        """Radius of the plate round a tip's pin of the diameter `seat`, mm."""
-        return (seat + press) / 2 + 2 * min_wall
-
 
 class ColletTable(Record):
     """Collet and clamp ring on a plain shaft."""
@@ -194,3 +185,45 @@ class SpringTable(Record):
         default=24.0,
         description="from the pivot to a straight spring: the report says what that has to be",
     )
+
+
+@dataclass(frozen=True)
+class SwingSizes:
+    """The tables from which the parts follow."""
+
+    geometry: SwingGeometry
+    making: SwingParts
+    base: BaseTable
+    frame: FrameTable
+    collet: ColletTable
+    nozzle: NozzleTable
+    fits: Print
+    min_wall: float  # mm
+
+    @property
+    def pair(self) -> bool:
+        """Whether there are two cams."""
+        return self.geometry.closure == "conjugate"
+
+    @property
+    def plain(self) -> bool:
+        """Whether a collet clamps the shaft."""
+        return self.making.shaft == "plain"
+
+    @property
+    def seat(self) -> float:
+        """Diameter of the dowel pin that is pressed into the plate at the tip, mm; 0 where the plate itself is the tip."""
+        bearing = self.frame.bearing
+        if bearing:
+            return float(bearing.bore)
+        return 2 * self.geometry.tip_radius if self.frame.tip == "pin" else 0.0
+
+    @property
+    def tip_hole(self) -> float:
+        """Diameter of the hole for that pin, mm; 0: none."""
+        return self.seat + self.fits.press_clearance if self.seat else 0.0
+
+    @property
+    def boss(self) -> float:
+        """Radius of the plate round that pin, mm; where the plate is the tip that of the tip."""
+        return self.tip_hole / 2 + 2 * self.min_wall if self.seat else self.geometry.tip_radius

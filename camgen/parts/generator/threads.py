@@ -30,10 +30,9 @@ def thread_posts(layout: Layout) -> Iterator[Placed]:
         foot = layout.floor(layout.level[link])
         wide = sizes.diameter_at(point)
         shape = wide, round(layout.thread_heights[1] - foot, 9), wide + 2 * head, head
+        post = headed("", "", *shape)
         if sizes.groove:
-            post = grooved("", "", *shape, sizes.groove)
-        else:
-            post = headed("", "", *shape)
+            post = grooved(post, sizes.groove)
         mount = Mount("", layout.carrier(link), layout.at(link, point), flipped=True, z=foot)
         made = TURNED if steel else "printed"
         yield replace(post, role="thread-post", notes=tuple(notes), made=made), mount
