@@ -1,25 +1,21 @@
 """A cam machine that stands on a bench: cam, follower and what holds them, as the parts of a linkage.
 
 tip    where the follower touches, as a point of it: a roller's centre, an edge, a place on a face
-post   of the return spring on the plate, in line with the pull, beyond the cam
-hook   the spring's other end: the roller's own pin, or a pin of the follower
 """
 
 from __future__ import annotations
 
-import cmath
 import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from camgen.errors import DesignError
 from camgen.machine.cams.followers import (
-    FlatFace,
     SlidingFace,
     SlidingTip,
     SwingingArm,
@@ -31,6 +27,7 @@ from camgen.machine.features import Feature, Mount, StandIn
 from camgen.machine.model import GROUND, Cam, Gravity, Machine, Place, Spring
 from camgen.machine.programs import Scaled
 from camgen.machine.run import Run, solve
+from camgen.machines.return_spring import SAMPLES, ReturnSpring
 from camgen.parts.catalogue import Bearing, Bought, turning_text
 from camgen.parts.coils import Coil
 from camgen.parts.generator.bodies import Bodies
@@ -44,18 +41,11 @@ from camgen.parts.generator.troughs import open_rails
 from camgen.parts.generator.wheels import Ridden
 from camgen.parts.journals import Post
 from camgen.parts.part import Part
-from camgen.parts.springs import EYE, ExtensionSpring, Mounted, extension_spring, pulling
+from camgen.parts.springs import ExtensionSpring, Mounted
 from camgen.spec import Print
 
 if TYPE_CHECKING:
     from camgen.machines.indexing_cam.standing_driver import StandingDriver
-
-_SAMPLES = np.linspace(0, math.tau, 1440, endpoint=False)
-_LEAST = 1.0  # N, that a spring pulls with at least: guides rub
-_OVER = 1.5  # of what keeps contact
-_STRETCHED = (0.4, 0.3, 0.5, 0.2, 0.6, 0.1)  # of a spring's length, where it is shortest
-_AIR = 1.0  # mm, between cam and post
-_BACK = 3.0  # radii of a hub, from an edge or face to the pin of the spring
 
 
 @dataclass(frozen=True)
@@ -161,7 +151,10 @@ class Bench:
             return self._bare
         layout = self._layout(self._named(True))
         spring = Stretched(
-            (GROUND, "post"), ("follower", self._hook), self.spring.outside, self.spring.wire
+            (GROUND, "post"),
+            ("follower", self.returning.hook_name),
+            self.spring.outside,
+            self.spring.wire,
         )
         return _made(replace(layout, springs={"spring": spring, **layout.springs}), self._run)
 
@@ -175,7 +168,11 @@ class Bench:
             given = (
                 self.load.rate or self.load.preload or self.gears
             )  # what a gear drives has no [spring]
-            found.append(told if given else replace(told, size=f"{told.size}; {self._of_a_shop()}"))
+            found.append(
+                told
+                if given
+                else replace(told, size=f"{told.size}; {self.returning.of_a_shop(self._least)}")
+            )
         return [*found, *(each.wire.bought(*each.way) for each in self.strung.values())]
 
     @cached_property
@@ -265,7 +262,7 @@ class Bench:
 
     @cached_property
     def _run(self) -> Run:
-        return solve(self._named(False), _SAMPLES, 1)
+        return solve(self._named(False), SAMPLES, 1)
 
     def _named(self, sprung: bool) -> Machine:
         """The machine with points where its joints are, those of the spring too."""
@@ -292,8 +289,8 @@ class Bench:
             found[GROUND]["pivot"], found["follower"]["pivot"] = follower.pivot, 0j
         found["follower"]["tip"] = tip
         if sprung:
-            found[GROUND]["post"] = self.post
-            found["follower"][self._hook] = self._hooked
+            found[GROUND]["post"] = self.returning.post
+            found["follower"][self.returning.hook_name] = self.returning.hooked
         return found
 
     @cached_property
@@ -323,146 +320,37 @@ class Bench:
 
     # ---- spring -----------------------------------------------------------------------------------------------------
 
-    @property
-    def _hook(self) -> str:
-        return "tip" if self.tip.shape == "roller" else "hook"
-
     @cached_property
-    def _hooked(self) -> complex:
-        """The spring's end in the follower's frame."""
-        follower, tip = self.cam.follower, self._touching
-        if self.tip.shape == "roller":
-            return tip
-        back = _BACK * (self.sizes.pin_diameter / 2 + self.sizes.wall)
-        if isinstance(follower, SlidingTip | SlidingFace):
-            return complex(tip + follower.leaves * follower.along * back)
-        if isinstance(follower, FlatFace):
-            raise DesignError(
-                "pins of a spring on the arm of a face",
-                1,
-                0,
-                "",
-                "the follower",
-                'give it a roller, or make the cams alone (parts.make = "cams")',
-            )
-        away = follower.trace(0.0)
-        return complex(tip + away / abs(away) * back)
-
-    @cached_property
-    def _middle(self) -> tuple[complex, complex]:
-        """The hook on the ground at mid stroke, and the unit way of it onto the cam."""
-        follower, s = self.cam.follower, self.cam.program(_SAMPLES)
-        middle = float(np.ptp(s) / 2 + np.min(s))
-        if isinstance(follower, SlidingTip | SlidingFace):
-            return self._hooked + middle * follower.along, -follower.leaves * follower.along
-        arm = self._hooked * cmath.exp(1j * middle)
-        return follower.pivot + arm, -follower.leaves * 1j * arm / abs(arm)
-
-    @cached_property
-    def post(self) -> complex:
-        """The spring's end on the plate: beyond the cam, in line with the pull."""
-        at, way = self._middle
-        rim = float(np.abs(self.cam.profile(_SAMPLES)).max())
-        clear = (
-            rim + self.sizes.pin_diameter / 2 + self.sizes.head + self.fits.slide_clearance + _AIR
-        )
-        beside = (at * way.conjugate()).imag
-        length = math.sqrt(max(0.0, clear**2 - beside**2)) - (at * way.conjugate()).real
-        return at + max(length, clear) * way
-
-    @cached_property
-    def _lengths(self) -> tuple[Any, Any]:
-        """Distance of the spring's eyes over the turn, mm, and its derivative to s, mm or mm/rad, (n,) each."""
-        follower, s = self.cam.follower, self.cam.program(_SAMPLES)
-        if isinstance(follower, SlidingTip | SlidingFace):
-            z, slope = (
-                self._hooked + s * follower.along - self.post,
-                np.full(s.shape, follower.along),
-            )
-        else:
-            arm = self._hooked * np.exp(1j * s)
-            z, slope = follower.pivot + arm - self.post, 1j * arm
-        return np.abs(z), (z.conj() * slope).real / np.abs(z)
+    def returning(self) -> ReturnSpring:
+        """Where the return spring hangs."""
+        load, play = self.load, self.fits.slide_clearance
+        rolls = self.tip.shape == "roller"
+        return ReturnSpring(self.cam, rolls, self.sizes, play, load.rate, load.preload)
 
     @property
     def way(self) -> tuple[float, float]:
         """Its shortest and longest, inside its eyes, mm."""
-        length, pin = self._lengths[0], self.sizes.pin_diameter
-        return float(length.min()) + pin, float(length.max()) + pin
+        return self.returning.way
 
     @cached_property
     def spring(self) -> ExtensionSpring | None:
         """The return spring; None where the closure needs none. DesignError where there is none such."""
         if self.tip.closure != "force":
             return None
-        eye, hook = EYE * self.sizes.pin_diameter, self.sizes.hook
-        shortest, longest = self.way
-        length, lever = self._lengths[0], self._lever
-        first, last = lever[np.argmin(length)], lever[np.argmax(length)]
-        if not self.load.rate:
-            low = self.load.preload / first or self._least()
-            return pulling(low, shortest, longest, eye, _STRETCHED, hook) or self._none_such(
-                f"{low:.4g} N at its shortest"
-            )
-        stroke = float(np.ptp(self.cam.program(_SAMPLES)))
-        low, high = self.load.preload / first, (self.load.preload + self.load.rate * stroke) / last
-        rate = (high - low) / (longest - shortest)
-        free = shortest - low / rate if rate > 0 else 0.0
-        found = extension_spring(rate, free, longest, eye, hook) if free > 0 else None
-        return found or self._none_such(f"{rate:.4g} N/mm, free length {free:.4g} mm")
-
-    def _of_a_shop(self) -> str:
-        """Which other springs do as well, and what [spring] is with one."""
-        shortest, longest = self.way
-        first, last = (
-            self._lever[np.argmin(self._lengths[0])],
-            self._lever[np.argmax(self._lengths[0])],
-        )
-        least, pull = self._least(), f"R ({shortest:.5g} - L)"
-        keys = f"preload = {pull}, rate = R"
-        if not isinstance(self.cam.follower, SlidingTip | SlidingFace):
-            stroke = float(np.ptp(self.cam.program(_SAMPLES)))
-            keys = f"preload = {first:.5g} {pull}, rate = ({last:.5g} R ({longest:.5g} - L) - preload) / {stroke:.5g}"
-        return (
-            f"or of a shop, R N/mm and L mm free inside its eyes: {pull} at least {least:.4g} N, and it may be stretched to "
-            f"{longest:.4g}; put it into [spring], beside a [load], and build again: {keys}"
-        )
-
-    def _none_such(self, asked: str) -> NoReturn:
-        shortest, longest = self.way
-        raise DesignError(
-            "return springs of round wire",
-            0,
-            1,
-            "",
-            f"{asked}, length from {shortest:.4g} to {longest:.4g} mm",
-            "ask for another spring ([spring], load.closing_n_m), less load or speed, or another closure",
-        )
-
-    @property
-    def _lever(self) -> Any:
-        """What a spring's newton is to the follower over the turn, N or N m, (n,)."""
-        unit = 1.0 if isinstance(self.cam.follower, SlidingTip | SlidingFace) else 1e-3
-        return np.abs(self._lengths[1]) * unit
+        return self.returning.spring(0.0 if self.returning.given else self._least)
 
     @property
     def closing(self) -> float:
         """What the spring presses the follower on its cam with at least, N or N m; 0 without one."""
-        pull = (
-            0.0
-            if self.spring is None
-            else self.spring.force(self._lengths[0] + self.sizes.pin_diameter)
-        )
-        return float(np.min(pull * self._lever))
+        return 0.0 if self.spring is None else self.returning.closing(self.spring)
 
+    @cached_property
     def _least(self) -> float:
         """Force, N, of a spring that keeps contact, with something over."""
-        leaves = self.cam.follower.leaves
-        effort = leaves * solve(self._weighed(self._bare), _SAMPLES).forces().contacts["contact"]
-        missing = float(np.nanmax(np.where(np.isfinite(effort), -effort, 0.0) / self._lever))
-        return max(_LEAST, _OVER * missing)
+        effort = solve(self._weighed(self._bare), SAMPLES).forces().contacts["contact"]
+        return self.returning.least_pull(self.cam.follower.leaves * effort)
 
     def _pull(self, spring: ExtensionSpring) -> Spring:
         """It between the middles of its pins."""
-        ends = Place(GROUND, self.post), Place("follower", self._hooked)
+        ends = Place(GROUND, self.returning.post), Place("follower", self.returning.hooked)
         return Spring("return spring", *ends, spring.rate, spring.free - self.sizes.pin_diameter)

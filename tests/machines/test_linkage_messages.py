@@ -78,6 +78,79 @@ def test_a_cam_that_follows_itself(at: str) -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        (
+            {"closure": "groove", "spring": {}},
+            ['cam.0.spring - nothing here: only closure "force" has a spring'],
+        ),
+        (
+            {"face_offset": 2.0},
+            [
+                "cam.0.face_offset: 2 - expected nothing here: where the face of a follower that swings lies"
+            ],
+        ),
+        (
+            {"polydyne": True},
+            [
+                "load.stiffness - missing: a cam with polydyne corrects for it",
+                "masses.rocker - mass_g of what slides, or inertia_kg_m2 of what swings: what moves behind the stiffness of cam "
+                "disc on rocker",
+                "cam.0.segment.0.law: 'cycloidal' - expected a polynomial whose first three derivatives are 0 at both ends: 4-5-6-7, or "
+                "one by conditions",
+                "cam.0.segment.1.law: 'cycloidal' - expected a polynomial whose first three derivatives are 0 at both ends: 4-5-6-7, or "
+                "one by conditions",
+            ],
+        ),
+    ],
+)
+def test_what_does_not_go_with_a_follower_is_told_by_its_key(
+    changes: dict[str, Any], said: list[str]
+) -> None:
+    assert faults(cam_machine(**changes)) == said
+
+
+def test_a_follower_that_carries_more_has_no_constant_inertia() -> None:
+    data = cam_machine(polydyne=True, spring={})
+    law = {"law": "4-5-6-7"}
+    data["cam"][0]["segment"] = [{**row, **law} for row in data["cam"][0]["segment"]]
+    data |= {
+        "load": {"stiffness": 300.0},
+        "masses": {"rocker": {"mass_g": 0, "inertia_kg_m2": 1e-4}},
+    }
+    data["points"]["D"], data["points"]["E"] = [70, 60], [120, 60]
+    data["links"] |= {"rod": ["T", "D"], "lever": ["D", "E"]}
+    data["links"]["ground"] = ["O", "C", "E"]
+    assert faults(data) == [
+        "cam.0.spring.rate: 0 - expected above 0 with polydyne: it corrects for the spring, which is else found by the cam",
+        "cam.0.polydyne: true - expected false: more than rocker moves with this cam, so its inertia is not constant",
+    ]
+
+
+def test_a_base_circle_that_no_follower_reaches_is_refused() -> None:
+    with pytest.raises(DesignError, match="cam disc on rocker: pivot, arm and pitch circle make"):
+        _ = validate(Linkage, cam_machine(base_radius=200.0)).chain
+
+
+def test_a_cam_of_a_wheel_runs_in_its_own_sense() -> None:
+    """Geared 1 : -1 to the drive, its program goes the other way round against the drive's angle."""
+    data = cam_machine()
+    segments = data["cam"][0]["segment"]
+    segments[0]["span_deg"], segments[1]["span_deg"] = 120, 240
+    data["points"] |= {"W": [-40, 0]}
+    data["links"] |= {"ground": ["O", "C", "W"], "wheel": ["W"]}
+    data["gear"] = [{"a": "wheel", "b": "disc", "ratio": -1}]
+    theta = np.radians([0, 30, 60, 120, 200])
+    straight = validate(Linkage, data).motion(theta)
+    data["drive"]["link"] = "wheel"
+    geared = validate(Linkage, data).motion(theta)
+    data["drive"]["speed_rpm"] = -30
+    back = validate(Linkage, data).motion(-theta)
+    assert geared == pytest.approx(straight, abs=1e-9)
+    assert back == pytest.approx(straight, abs=1e-9)
+
+
 def test_a_segment_is_told_by_the_keys_that_it_has(four_bar: dict[str, Any]) -> None:
     rise = {"kind": "rise", "span_deg": 180, "law": "cycloidal"}
     both = [{**rise, "lift_deg": 20}, {**rise, "kind": "return"}]

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import cmath
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import tomli_w
 
@@ -77,7 +79,8 @@ def cam_table(spec: Tables) -> Tables:
         {key + suffix * (key in ("lift", "to")): value for key, value in row.items()}
         for row in spec["segment"]
     ]
-    kept = {key: follower[key] for key in ("shape", "radius", "face_width") if key in follower}
+    keys = ("shape", "radius", "face_width", "face_offset")
+    kept = {key: follower[key] for key in keys if key in follower}
     closure = spec["geometry"]["closure"]
     return {
         "cam": "cam",
@@ -91,35 +94,37 @@ def cam_table(spec: Tables) -> Tables:
 
 
 def linkage_spec(spec: Tables, drive: DiscCamDrive, sprung: bool) -> Tables:
-    """The same machine as a linkage; sprung: with the bench's return spring."""
+    """The same machine as a linkage, its follower drawn off its base circle; sprung: with a return spring that is found."""
     tip, follower = touched_at(drive), drive.cam.follower
-    points, ground, carried, tables = {"shaft": 0j, "tip": tip}, ["shaft"], ["tip"], {}
+    points, ground, carried, tables = {"shaft": 0j}, ["shaft"], ["tip"], {}
     if isinstance(follower, SlidingTip | SlidingFace):
-        points |= {"foot": tip - 1j, "guide": tip + 40j}
+        points |= {"foot": tip - 1j, "guide": tip + 40j, "tip": tip + 2j}
         ground += ["foot", "guide"]
         tables["slide"] = [{"link": "follower", "along": ["foot", "guide"]}]
     else:
         points["pivot"] = follower.pivot
+        points["tip"] = follower.pivot + (tip - follower.pivot) * cmath.rect(1, 0.05)
         ground, carried = [*ground, "pivot"], ["pivot", "tip"]
-    spring = drive.bench.spring if sprung else None
-    if spring is not None:
-        bodies, hook = drive.bench.bodies.layout.bodies, drive.bench._hook
-        place = complex(bodies["follower"].points[hook])
-        points |= {
-            "post": drive.bench.post,
-            hook: place if "foot" in points else points["pivot"] + place,
-        }
-        ground, carried = [*ground, "post"], list(dict.fromkeys([*carried, hook]))
-        free = spring.free - drive.sizes.pin_diameter
-        tables["spring"] = [{"between": [hook, "post"], "rate": spring.rate, "free": free}]
+    cam = cam_table(spec) | {"base_radius": spec["geometry"].get("base_radius", "least")}
+    if sprung and cam["closure"] == "force":
+        cam["spring"] = spec.get("spring", {})
+    load = dict(spec.get("load", {}))
+    mass, inertia = load.pop("mass_kg", None), load.pop("inertia_kg_m2", None)
+    cam |= {key: load.pop(key) for key in ("damping", "resistance", "polydyne") if key in load}
+    if mass is not None:
+        tables["masses"] = {"follower": {"mass_g": 1e3 * mass}}
+    if inertia is not None:
+        still = {"mass_g": 0, "centre": [0, 0], "inertia_kg_m2": inertia}
+        tables["masses"] = {"follower": still}
     return {
         "mechanism": "linkage",
         "name": "one",
         "points": {name: [z.real, z.imag] for name, z in points.items()},
         "links": {"ground": ground, "cam": ["shaft"], "follower": carried},
-        "drive": {"link": "cam", "speed_rpm": 60},
-        "cam": [cam_table(spec)],
+        "drive": {"link": "cam", "speed_rpm": spec["motor"]["speed_rpm"]},
+        "cam": [cam],
         "output": [{"name": "out", "link": "follower"}],
+        **({"load": load} if load else {}),
         **tables,
     }
 
@@ -155,6 +160,7 @@ def assert_alike(
         (disc_spec(ARM), set()),
         (disc_spec(KNIFE_ARM), set()),
         (disc_spec(FLAT_ARM, lift=5), set()),
+        (disc_spec({**FLAT_ARM, "face_offset": -3}, lift=5), set()),
         (disc_spec(ARM, "groove"), set()),
         (disc_spec(ARM, "conjugate"), set()),
         (disc_spec(SLIDE, law="parabolic"), {"MOTION_JUMP"}),
@@ -175,15 +181,32 @@ def test_the_exact_cam_is_judged_alike(spec: Tables, failing: set[str]) -> None:
     assert_alike(rows(mine), rows(other))
 
 
+def loaded_spec(follower: Tables, rpm: float, law: str = "cycloidal", **tables: Any) -> Tables:
+    """A cam at a speed with [load] and [spring]; without a base radius where that is None."""
+    spec = disc_spec(follower, law=law)
+    base = tables.pop("base_radius", 30)
+    geometry = {key: value for key, value in spec["geometry"].items() if key != "base_radius"}
+    geometry |= {} if base is None else {"base_radius": base}
+    return {**spec, "geometry": geometry, "motor": {"speed_rpm": rpm}, **tables}
+
+
+HEAVY = {"mass_kg": 0.5, "damping": 0.05, "resistance": 3.0}
+TURNED = {"inertia_kg_m2": 2e-4, "damping": 0.01, "resistance": 0.1}
+ELASTIC = {"mass_kg": 0.2, "damping": 0.01, "stiffness": 200.0, "polydyne": True}
+
+
 @pytest.mark.parametrize(
     "spec",
     [
         disc_spec(SLIDE),
-        disc_spec({**SLIDE, "offset": 4}),
+        loaded_spec(SLIDE, 60, base_radius=None),
+        loaded_spec({**SLIDE, "offset": 4}, -60, load=HEAVY),
+        loaded_spec(SLIDE, 60, load=HEAVY, spring={"rate": 2.0, "preload": 30.0}),
+        loaded_spec(ARM, -60, load=TURNED, base_radius=None),
+        loaded_spec(SLIDE, -600, "4-5-6-7", load=ELASTIC, spring={"rate": 2.0, "preload": 60.0}),
         disc_spec(KNIFE),
         disc_spec(FLAT),
         disc_spec(SLIDE, "groove"),
-        disc_spec(ARM),
         disc_spec(KNIFE_ARM),
         disc_spec(ARM, "conjugate"),
     ],
@@ -204,6 +227,28 @@ def test_what_it_bears_is_judged_alike(spec: Tables) -> None:
     )
     left = [{each.code for each in found.not_judged} for found in assessed]
     assert left[0] == left[1]
+
+
+@pytest.mark.parametrize("follower", [SLIDE, ARM])
+def test_every_door_gives_the_same_findings(follower: Tables) -> None:
+    """A cam alone, as a machine, in a linkage and included in one; theta = 0 to 360 deg the other way round where it turns so."""
+    spec = loaded_spec(follower, -60)
+    alone = read_mechanism({**spec, "parts": {"make": "cams", "hub_height": 0, "bore": 4}}, ())
+    drive, linkage = both(spec, True)
+    host = read(SPECS / "linkage.toml")
+    host["drive"] = {"link": "crank", "speed_rpm": -60}
+    host["include"] = [{"spec": spec, "name": "one"}]
+    included = [each for each in read_mechanism(host, ()).limits() if each.where.module == "one"]
+    doors = [alone.limits(), drive.limits(), linkage.limits(), included]
+    mine, *others = ([each for each in door if each.code in SHARED] for door in doors)
+    assert {each.code for each in mine} == SHARED - {"FACE_WIDTH"}
+    for other in others:
+        assert_alike(rows(mine), rows(other))
+    theta = np.linspace(0, 2 * np.pi, 61)
+    wanted, given = (
+        np.abs(each.motion(theta) - each.motion(np.zeros(1))) for each in (alone, linkage)
+    )
+    assert np.max(np.abs(wanted - given)) < 1e-9 * np.max(wanted)
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,8 @@ h + d2h/dphi2.   [Norton, Cam Design and Manufacturing Handbook, ch. 7; formulas
 
 from __future__ import annotations
 
+import cmath
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -72,6 +74,17 @@ class Follower(ABC):
     @abstractmethod
     def resting_on(self, point: Any) -> Floats:
         """Displacement s at which the follower, coming in, first touches a point of the ground, (n,); nan out of reach."""
+
+    @abstractmethod
+    def on_base(self, radius: float) -> Self:
+        """The same moved along its way until it touches a circle about the axis at s = 0; radius: mm.
+
+        ValueError where it reaches no such circle.
+        """
+
+    @abstractmethod
+    def ahead_of(self, other: Self) -> float:
+        """Displacement from another one on the same way to this one, each at s = 0, mm or rad."""
 
     def pressure_angle(self, s: Any, point: Any, normal: Any) -> Floats:
         """Angle between the contact's normal and the follower's motion where it touches `point`, rad, (n,), 0 or more.
@@ -205,6 +218,19 @@ class SwingingArm(RoundTip):
             opening = 2 * np.arctan2(np.sqrt(near), np.sqrt(far))
         return np.asarray(np.angle(spoke) + self.leaves * opening)
 
+    def on_base(self, radius: float) -> Self:
+        """By the triangle of axis, pivot and trace point, on the side from which s goes off."""
+        far, arm = abs(self.pivot), abs(self.arm)
+        cosine = (far**2 + arm**2 - (radius + self.tip_radius) ** 2) / (2 * far * arm)
+        if not abs(cosine) < 1:
+            raise ValueError("pivot, arm and pitch circle make no triangle")
+        turn = cmath.rect(arm, self.leaves * math.acos(cosine))
+        return replace(self, arm=-self.pivot / far * turn)
+
+    def ahead_of(self, other: Self) -> float:
+        """Angle between both arms."""
+        return cmath.phase(self.arm / other.arm)
+
 
 @dataclass(frozen=True)
 class SlidingTip(RoundTip):
@@ -245,6 +271,18 @@ class SlidingTip(RoundTip):
         with np.errstate(invalid="ignore"):
             opening = np.sqrt((self.tip_radius - spoke.imag) * (self.tip_radius + spoke.imag))
         return np.asarray(spoke.real + self.leaves * opening)
+
+    def on_base(self, radius: float) -> Self:
+        """As far beside the axis as before."""
+        beside = (self.start * self.along.conjugate()).imag
+        room = (radius + self.tip_radius) ** 2 - beside**2
+        if room <= 0:
+            raise ValueError("the slide passes beside the pitch circle")
+        return replace(self, start=(self.leaves * math.sqrt(room) + 1j * beside) * self.along)
+
+    def ahead_of(self, other: Self) -> float:
+        """Along the slide."""
+        return ((self.start - other.start) * self.along.conjugate()).real
 
 
 # ---- flat faces ------------------------------------------------------------------------------------------------------
@@ -350,6 +388,15 @@ class SlidingFace(FlatFace):
         """Displacement at which the face touches a point of the ground, (n,) mm."""
         return np.asarray(np.real((np.asarray(point) - self.start) * self.along.conjugate()))
 
+    def on_base(self, radius: float) -> Self:
+        """Its stem as far beside the axis as before."""
+        beside = (self.start * self.along.conjugate()).imag
+        return replace(self, start=(self.leaves * radius + 1j * beside) * self.along)
+
+    def ahead_of(self, other: Self) -> float:
+        """Along the slide."""
+        return ((self.start - other.start) * self.along.conjugate()).real
+
 
 @dataclass(frozen=True)
 class SwingingFace(FlatFace):
@@ -405,3 +452,16 @@ class SwingingFace(FlatFace):
             opening = np.arccos(self.ahead / np.abs(spoke))
         # of both tangents the one on which the point lies on the cam's side of the foot
         return np.asarray(np.angle(spoke * np.exp(1j * self.leaves * opening)))
+
+    def on_base(self, radius: float) -> Self:
+        """The tangent of the circle on the side from which s goes off."""
+        far = abs(self.pivot)
+        cosine = (radius - self.ahead) / far
+        if not abs(cosine) < 1:
+            raise ValueError("the face touches no such circle from its pivot")
+        turn = cmath.rect(1, -self.leaves * math.acos(cosine))
+        return replace(self, facing=self.pivot / far * turn)
+
+    def ahead_of(self, other: Self) -> float:
+        """Angle between both normals."""
+        return cmath.phase(self.facing / other.facing)

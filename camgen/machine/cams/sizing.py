@@ -11,14 +11,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.machine.cams.followers import Follower, RoundTip
+from camgen.machine.cams.followers import Follower, RoundTip, SlidingTip, SwingingArm, SwingingFace
+from camgen.machine.cams.limits import CamLimits
 from camgen.machine.cams.profile import DiscCam
 from camgen.numerics import Floats, Points
 
@@ -161,3 +162,34 @@ def smallest(
             value = value / 2 if last < 0 else value
             last = -1
     return size
+
+
+def least_base_radius(cam: DiscCam[Any], limits: CamLimits, room: float) -> float:
+    """Base radius of the smallest cam that keeps to the limits, mm; DesignError where none does.
+
+    cam: of any size: its follower's way, shape and program; room: radius of a circle that the cam must hold, mm.
+    """
+    follower, radius, beside = cam.follower, 0.0, 0.0
+    if isinstance(follower, RoundTip):
+        radius = follower.tip_radius
+    if isinstance(follower, SlidingTip):
+        beside = (follower.start * follower.along.conjugate()).imag
+    stroke = float(np.ptp(cam.program.extremes))
+    match follower:
+        case SwingingFace(pivot, _, ahead):
+            low, high = radius + 1e-3 * abs(pivot), 0.999 * abs(pivot) + ahead
+        case SwingingArm(pivot, arm):
+            far, arm = abs(pivot), abs(arm)
+            low, high = max(1.001 * abs(far - arm), radius + 1e-3 * far), 0.999 * (far + arm)
+        case _:
+            low, high = radius + 1e-3 * stroke, 1e3 * (stroke + radius)
+
+    def base(size: float) -> float:
+        return math.hypot(size, beside) - radius
+
+    def make(size: float) -> DiscCam[Any]:
+        return replace(cam, follower=follower.on_base(base(size)))
+
+    low = min(max(low, math.sqrt(max(0.0, (room + radius) ** 2 - beside**2))), high)
+    steepest = math.radians(limits.steepest(cam))
+    return base(smallest(make, steepest, limits.least_radius, low, high))

@@ -14,6 +14,18 @@ from camgen.machines.disc_cam.tables import DiscCamGeometry
 _UP = 1j
 
 
+def drawn(geometry: DiscCamGeometry) -> Follower:
+    """The follower on some base circle that it can stand on."""
+    f = geometry.follower
+    if f.motion == "translating":
+        base = abs(f.offset) + 1
+    elif f.shape == "flat":
+        base = f.face_offset
+    else:
+        base = max(f.pivot_distance or 0.0, f.arm or 0.0) - (f.radius or 0.0)
+    return standing_on(base, geometry, 0.0)[0]
+
+
 def standing_on(base: float, geometry: DiscCamGeometry, top: float) -> Sequence[Follower]:
     """The follower on a base circle, mm; with conjugate closure also its second one, on the far side.
 

@@ -34,12 +34,12 @@ from camgen.machine.cams.machine import (
     loaded,
 )
 from camgen.machine.cams.profile import DiscCam, SwingingArm
-from camgen.machine.cams.sizing import smallest
+from camgen.machine.cams.sizing import least_base_radius
 from camgen.machine.features import Asked, CamOutline, Mount
 from camgen.machine.model import Machine
 from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of, polydyne_faults
 from camgen.machines.disc_cam.curves import plots, segments_table
-from camgen.machines.disc_cam.followers import standing_on
+from camgen.machines.disc_cam.followers import drawn, standing_on
 from camgen.machines.disc_cam.tables import (
     DiscCamGeometry,
     DiscCamLimits,
@@ -208,48 +208,10 @@ class DiscCamDrive(StandingCams):
     @cached_property
     def base_radius(self) -> float:
         """The spec's, or the smallest that keeps to the allowed pressure angle and least radius, with room for its holes."""
-        g, f = self.geometry, self.geometry.follower
-        if g.base_radius is not None:
-            return g.base_radius
-        radius = f.radius or 0.0
-
-        def make(size: float) -> DiscCam[Follower]:
-            """size: distance of the trace point, or of the face, from the axis at s = 0; in line with it where it slides."""
-            base = (
-                math.hypot(size, f.offset) - radius
-                if f.motion == "translating" and f.shape != "flat"
-                else size - radius
-            )
-            return self._cam(standing_on(base, self.geometry, self._highest[1])[0])
-
-        stroke = self._highest[1] - self._highest[0]
-        low, high = radius + 1e-3 * stroke, 1e3 * (stroke + radius)
-        if f.motion == "oscillating":
-            far, arm = f.pivot_distance or 0.0, f.arm or 0.0
-            low, high = (
-                (radius + 1e-3 * far, 0.999 * far + f.face_offset)
-                if f.shape == "flat"
-                else (max(1.001 * abs(far - arm), radius + 1e-3 * far), 0.999 * (far + arm))
-            )
-        held = self._room + radius
-        within = (
-            math.sqrt(max(0.0, held**2 - f.offset**2))
-            if f.motion == "translating" and f.shape != "flat"
-            else held
-        )
-        low = min(max(low, within), high)
-        size = smallest(
-            make,
-            math.radians(self.cam_limits.steepest(make(high))),
-            self.allowed.least_radius,
-            low,
-            high,
-        )
-        return (
-            math.hypot(size, f.offset) - radius
-            if f.motion == "translating" and f.shape != "flat"
-            else size - radius
-        )
+        if self.geometry.base_radius is not None:
+            return self.geometry.base_radius
+        cam = self._cam(drawn(self.geometry))
+        return least_base_radius(cam, self.cam_limits, self._room)
 
     @property
     def _room(self) -> float:

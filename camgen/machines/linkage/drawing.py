@@ -2,7 +2,7 @@
 
 drawn position   theta = 0; the driven link's angle, a cam follower's place and a cam's angle there are as drawn
 pin              a point that two links share; of more links each is pinned to the first, the ground before all
-cam              its program begins at theta = 0, where the follower stands on the base circle
+cam              its program begins at theta = 0, where the follower stands on the base circle, and runs in the sense of turning
 """
 
 from __future__ import annotations
@@ -10,7 +10,8 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -18,15 +19,20 @@ import numpy as np
 from camgen.errors import DesignError, Key
 from camgen.machine import freedom
 from camgen.machine import model as m
+from camgen.machine.cams.followers import Follower
+from camgen.machine.cams.profile import DiscCam
+from camgen.machine.cams.sizing import least_base_radius
 from camgen.machine.jets import thread_length
 from camgen.machine.programs import Scaled
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.links import shape
+from camgen.motion.polydyne import Lag, polydyne
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, program
-from camgen.parts.generator.wheels import SECOND, Ridden, level_of
+from camgen.parts.generator.wheels import SECOND, Ridden, follower_of, level_of, pivot
 
 GROUND = m.GROUND
+RETURN = "return_spring"
 
 
 @dataclass(frozen=True)
@@ -43,6 +49,9 @@ class Drawing:
     cams: Sequence[t.Cam] = ()
     outputs: Sequence[t.Wanted] = ()
     masses: Mapping[str, t.Masses] = ()  # type: ignore[assignment]
+    limits: t.LinkageLimits = t.LinkageLimits()
+    rooms: Mapping[str, float] = field(default_factory=dict)  # by closure: circle in a cam, mm
+    stiffness: float | None = None  # of a follower, N/mm or N m/rad
 
     # ---- names ----------------------------------------------------------------------------------------------------
 
@@ -134,8 +143,80 @@ class Drawing:
             None,
         )
 
+    @property
+    def named_cams(self) -> dict[str, t.Cam]:
+        """All cams by the names of their joints."""
+        return {self.cam_name(cam): cam for cam in self.cams}
+
+    @property
+    def returns(self) -> dict[str, tuple[str, str, str]]:
+        """Of each return spring its name and those of its points, on the ground and on the follower, by the cam's joint."""
+        held = [name for name, cam in self.named_cams.items() if cam.spring is not None]
+        found = {}
+        for name in held:
+            level, cam = level_of(name), self.named_cams[name]
+            names = f"{RETURN}_{level}", f"{level}_post", f"{level}_hook"
+            title, post, hook = (RETURN, "post", "hook") if len(held) == 1 else names
+            found[name] = title, post, cam.at if cam.shape == "roller" else hook
+        return found
+
+    def turns_of(self, link: str) -> float | None:
+        """Turns of a link for one of the driven one, by gears, below 0 against it; None where no gears join them."""
+        turns = {self.drive.link: 1.0}
+        for _ in self.gears:
+            for gear in self.gears:
+                if gear.a in turns:
+                    turns.setdefault(gear.b, turns[gear.a] * gear.ratio)
+                if gear.b in turns and gear.ratio:
+                    turns.setdefault(gear.a, turns[gear.b] / gear.ratio)
+        return turns.get(link)
+
+    def moves_alone(self, follower: str) -> bool:
+        """Whether no joint but its own hold on the ground and its cam holds a follower."""
+        others = {
+            point
+            for name, points in self.links.items()
+            if name not in (follower, GROUND)
+            for point in points
+        }
+        slots = {slot.pin for slot in self.slots} & {*self.links[follower]}
+        joined = [slot.link for slot in self.slots] + [each.on for each in self.slides]
+        joined += [name for gear in self.gears for name in (gear.a, gear.b)]
+        joined += [cam.cam for cam in self.cams]
+        return not (slots or others & {*self.links[follower]} or follower in joined)
+
+    def speed_of(self, cam: t.Cam) -> float:
+        """Speed of a cam, rad/s, below 0 where it turns clockwise; that of the drive where no gears join them."""
+        return self.drive.speed_rpm * math.tau / 60 * (self.turns_of(cam.cam) or 1.0)
+
+    def inertia_of(self, cam: t.Cam) -> float:
+        """Of a follower by [masses]: kg, or kg m^2 about its pivot."""
+        mass = dict(self.masses).get(cam.follower)
+        if mass is None:
+            return 0.0
+        if self.slide_of(cam.follower) is not None:
+            return mass.mass_g / 1e3
+        points = self.links[cam.follower]
+        exact = shape(self.drawn(points), self.lengths_of(points))[0]
+        first = (exact - exact[0]) * cmath.exp(-1j * cmath.phase(exact[1] - exact[0]))
+        pivot = complex(first[points.index(self.pivot(cam.follower) or "")])
+        centre = complex(*mass.centre) if mass.centre else complex(np.mean(first))
+        return mass.inertia_kg_m2 + mass.mass_g / 1e3 * abs((centre - pivot) * m.MM) ** 2
+
     def program_of(self, cam: t.Cam, path: Key = ("cam",)) -> Program:
-        """The cam's program, s in mm or rad, 0 at its beginning; SpecError with every fault."""
+        """The cam's program in its sense of turning, s in mm or rad, 0 at its beginning; SpecError with every fault."""
+        made = self.given(cam, path)
+        if cam.polydyne and self.stiffness is not None:
+            stiff, speed = self.stiffness, abs(self.speed_of(cam))
+            mass = self.inertia_of(cam) * (1.0 if self.slide_of(cam.follower) is None else m.MM)
+            rate = 0.0 if cam.spring is None else cam.spring.rate
+            lag = Lag(mass * speed**2 / stiff, cam.damping * speed / stiff, rate / stiff)
+            made = polydyne(made, lag)
+        turns = self.drive.range_deg is None
+        return made.backwards() if turns and self.speed_of(cam) < 0 else made
+
+    def given(self, cam: t.Cam, path: Key) -> Program:
+        """A cam's segments one after the other."""
         swings = self.slide_of(cam.follower) is None
         rows = tuple(
             SegmentTable(
@@ -150,7 +231,8 @@ class Drawing:
         unit, suffix = (math.radians(1), "_deg") if swings else (1.0, "")
         return program(rows, unit, (*path, "segment"), suffix=suffix)
 
-    def ridden(self, limits: t.LinkageLimits) -> dict[str, Ridden]:
+    @cached_property
+    def ridden(self) -> dict[str, Ridden]:
         """What touches each cam, and what of that is accepted, by its joint."""
         return {
             self.cam_name(cam): Ridden(
@@ -160,7 +242,8 @@ class Drawing:
                 cam.at,
                 cam.tip_clearance,
                 cam.face_width,
-                limits.of_follower(self.slide_of(cam.follower) is not None),
+                self.limits.of_follower(self.slide_of(cam.follower) is not None),
+                cam.face_offset,
             )
             for cam in self.cams
         }
@@ -178,6 +261,13 @@ class Drawing:
 
     def machine(self) -> m.Machine:
         """The model, closed at theta = 0; DesignError where it does not close, is loose or locked."""
+        machine = freedom.drawn(self._on_bases)
+        freedom.refuse_unsound(machine)
+        return machine
+
+    @cached_property
+    def _rough(self) -> m.Machine:
+        """The model as drawn, open where lengths are others than drawn."""
         bodies, start = self._bodies()
         joints = [*self._pins(bodies), *self._slides(bodies, start), *self._slots(bodies)]
         joints += [self._gear(gear, start) for gear in self.gears]
@@ -185,11 +275,75 @@ class Drawing:
         drive = m.Drive("drive", self.drive.link, m.Turning(1.0, start[self.drive.link].angle))
         outputs = tuple(self._output(each, bodies) for each in self.outputs)
         speed = self.drive.speed_rpm * math.tau / 60
-        machine = m.Machine(
-            tuple(bodies.values()), tuple(joints), (drive,), start, (), outputs, speed
+        made = {joint.name: joint for joint in joints}
+        loads = [self._load(cam, made[self.cam_name(cam)]) for cam in self.cams]  # type: ignore[arg-type]
+        return m.Machine(
+            tuple(bodies.values()),
+            tuple(joints),
+            (drive,),
+            start,
+            tuple(load for load in loads if load is not None),
+            outputs,
+            speed,
         )
-        machine = freedom.drawn(machine)
-        freedom.refuse_unsound(machine)
+
+    def _load(self, cam: t.Cam, joint: m.Cam) -> m.Resistance | None:
+        """What [[cam]] says that the follower bears."""
+        if not cam.damping and not cam.resistance:
+            return None
+        slide = joint.slide
+        of = m.Angle(cam.follower) if slide is None else m.Along(slide)
+        force = -joint.leaves * cam.resistance
+        return m.Resistance(f"load of {joint.name}", of, force, damping=cam.damping)
+
+    def _follower(self, cam: t.Cam) -> tuple[m.Cam, Follower]:
+        """A cam's joint, and its follower as drawn, about the cam's axis."""
+        name = self.cam_name(cam)
+        joint = self._rough.joint(name)
+        assert isinstance(joint, m.Cam)
+        sign: Literal[1, -1] = 1 if joint.leaves > 0 else -1
+        return joint, follower_of(self._rough, joint, self.ridden[name], cam.at, sign)
+
+    @cached_property
+    def bases(self) -> dict[str, float]:
+        """Base radius of each cam that says it, by its joint, mm; DesignError where none keeps to the limits."""
+        found = {}
+        for cam in self.cams:
+            if cam.base_radius is None:
+                continue
+            name, base = self.cam_name(cam), cam.base_radius
+            if base == "least":
+                joint, follower = self._follower(cam)
+                assert isinstance(joint.law, Scaled)
+                made = DiscCam(joint.law.signed, follower, cam.tip_clearance)
+                room = self.rooms.get(cam.closure, 0.0)
+                base = least_base_radius(made, self.ridden[name].limits, room)
+            found[name] = base
+        return found
+
+    @property
+    def _on_bases(self) -> m.Machine:
+        """The rough model, each follower that says its base radius on that; DesignError where it cannot stand there."""
+        machine = self._rough
+        for cam in self.cams:
+            name = self.cam_name(cam)
+            if name not in self.bases:
+                continue
+            joint, follower = self._follower(cam)
+            try:
+                ahead = follower.on_base(self.bases[name]).ahead_of(follower)
+            except ValueError as error:
+                remedy = "use another base_radius, or draw the follower elsewhere"
+                raise DesignError(
+                    "base_radius",
+                    self.bases[name],
+                    0,
+                    "mm",
+                    f"cam {name}",
+                    remedy,
+                    f"cam {name}: {error}",
+                ) from None
+            machine = _moved(machine, joint, ahead)
         return machine
 
     def _bodies(self) -> tuple[dict[str, m.Body], dict[str, m.Pose]]:
@@ -328,3 +482,19 @@ class Drawing:
         if slide is not None:
             return m.Output(output.name, m.Along(self.slide_name(slide)))
         return m.Output(output.name, m.Angle(output.link), "rad")
+
+
+def _moved(machine: m.Machine, joint: m.Cam, ahead: float) -> m.Machine:
+    """The machine with a cam's follower further along its way, mm or rad, as it stands at theta = 0."""
+    pose = machine.start_of(joint.follower)
+    if joint.slide is not None:
+        slide = machine.slide(joint.slide)
+        pose = replace(pose, place=pose.place + ahead * cmath.exp(1j * slide.angle))
+    else:
+        turn, hinge = cmath.exp(1j * ahead), pivot(machine, joint.follower)[1]
+        pose = m.Pose(hinge + (pose.place - hinge) * turn, pose.angle + ahead)
+    joints = tuple(
+        replace(joint, rest=joint.rest + ahead) if each.name == joint.name else each
+        for each in machine.joints
+    )
+    return replace(machine, joints=joints, start={**machine.start, joint.follower: pose})

@@ -10,6 +10,7 @@ from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.drawing import Drawing
 from camgen.machines.linkage.links import CLOSED, shape, too_long
 from camgen.machines.pairs import air_faults, still_faults
+from camgen.motion.polydyne import NEEDED, rough
 from camgen.spec import unknown
 from camgen.tolerances import SAME_POINT
 
@@ -261,6 +262,7 @@ def _cam_faults(drawing: Drawing, path: Key, cam: t.Cam) -> list[Fault]:
                 f"nothing here: a {cam.shape} has no face",
             )
         )
+    faults += _follower_faults(drawing, path, cam, slide is not None)
     faults += air_faults((*path, "tip_clearance"), cam.tip_clearance, cam.closure, cam.radius)
     wrong, right = (
         (("lift_deg", "to_deg"), ("lift", "to"))
@@ -276,11 +278,65 @@ def _cam_faults(drawing: Drawing, path: Key, cam: t.Cam) -> list[Fault]:
                 )
     faults += still_faults((*path, "segment"), [segment.kind for segment in cam.segment])
     if not faults:
+        faults += _polydyne_faults(drawing, path, cam) if cam.polydyne else []
         try:
-            drawing.program_of(cam, path)
+            drawing.given(cam, path)
         except SpecError as error:
             faults += error.faults
     return faults
+
+
+def _follower_faults(drawing: Drawing, path: Key, cam: t.Cam, slides: bool) -> list[Fault]:
+    """Of what holds and loads a follower."""
+    faults = []
+    if cam.face_offset and (slides or cam.shape != "flat"):
+        what = "nothing here: where the face of a follower that swings lies"
+        faults.append(Fault((*path, "face_offset"), f"{cam.face_offset:g}", what))
+    if cam.spring is not None and cam.closure != "force":
+        what = 'nothing here: only closure "force" has a spring'
+        faults.append(Fault((*path, "spring"), "", what))
+    taken = [*drawing.points, *drawing.links]
+    if cam.spring is not None:
+        _, post, hook = drawing.returns[drawing.cam_name(cam)]
+        own = [post] if cam.shape == "roller" else [post, hook]
+        what = "another name: the return spring of a cam has it"
+        faults += [Fault(("points", name), "", what) for name in own if name in taken]
+    return faults
+
+
+def _polydyne_faults(drawing: Drawing, path: Key, cam: t.Cam) -> list[Fault]:
+    """What a correction for the follower's elasticity lacks."""
+    faults = []
+    if drawing.stiffness is None:
+        faults.append(
+            Fault(("load", "stiffness"), "", "missing: a cam with polydyne corrects for it")
+        )
+    known = all(point in drawing.points for point in drawing.links[cam.follower])
+    if known and not drawing.inertia_of(cam):
+        what = f"mass_g of what slides, or inertia_kg_m2 of what swings: what moves behind the stiffness of cam {drawing.cam_name(cam)}"
+        faults.append(Fault(("masses", cam.follower), "", what))
+    if cam.spring is not None and not cam.spring.rate:
+        what = "above 0 with polydyne: it corrects for the spring, which is else found by the cam"
+        faults.append(Fault((*path, "spring", "rate"), "0", what))
+    if drawing.turns_of(cam.cam) is None or drawing.drive.segments or drawing.drive.range_deg:
+        what = "false: a corrected cam turns evenly, with the drive or by gears"
+        faults.append(Fault((*path, "polydyne"), "true", what))
+    if not drawing.moves_alone(cam.follower):
+        what = (
+            f"false: more than {cam.follower} moves with this cam, so its inertia is not constant"
+        )
+        faults.append(Fault((*path, "polydyne"), "true", what))
+    try:
+        segments = drawing.given(cam, path).segments
+    except SpecError:  # said of the program
+        return faults
+    return [
+        *faults,
+        *(
+            Fault((*path, "segment", k, "law"), repr(segments[k].law.name), NEEDED)
+            for k in rough(segments)
+        ),
+    ]
 
 
 def _output_faults(drawing: Drawing) -> Iterable[Fault]:

@@ -26,6 +26,7 @@ from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
 from camgen.machine.features import Balance, CamOutline
+from camgen.machine.forces import Forces
 from camgen.machine.joining import joined
 from camgen.machine.programs import Programmed
 from camgen.machine.reach import refuse_folds, refuse_partial
@@ -38,12 +39,14 @@ from camgen.machines.linkage.asked_range import refuse_range
 from camgen.machines.linkage.drawing import Drawing
 from camgen.machines.linkage.drawing_faults import drawing_faults
 from camgen.machines.linkage.weights import counterbalanced, weight_faults
+from camgen.machines.loads.applied import applied
 from camgen.machines.loads.bearing import Borne
 from camgen.machines.loads.counterweights import Counterweight, balance_of, found_moment
 from camgen.machines.loads.pressed import by_force, pressed
 from camgen.machines.loads.tables import Drives
 from camgen.machines.loads.weights import gravity
 from camgen.machines.mechanism import Mechanism, Remarks
+from camgen.machines.return_spring import SAMPLES
 from camgen.parts import assembly as assemblies
 from camgen.parts.assembly import Assembly, Cycle, Frame, MotorSeat
 from camgen.parts.catalogue import turning_text
@@ -140,7 +143,9 @@ class Linkage(Mechanism):
             self.springs, self.links, turning, [*self.links, *self._drawing.names_of_joints()]
         )
         webbed = webs.further(self.links, self.drive.link, self._slotted, self.making)
+        returns = [*self._drawing.returns.values()]
         lying = [*moving, *webbed, *self._drawing.levels_of_joints(), *coils.names(self.springs)]
+        lying += [title for title, *_ in returns]
         if self.counterweight is not None:
             found += weight_faults(self.counterweight, self.drive, self.masses, lying)
             lying.append(NAME)
@@ -161,10 +166,11 @@ class Linkage(Mechanism):
             and m.GROUND in self.links
         ):
             found += webs.faults(self.links, self.points, self.drive.link, self._slotted)
+        points = {*self.points, *(point for _, *both in returns for point in both)}
         found += [
-            unknown(("parts", "pins", name), name, self.points)
+            unknown(("parts", "pins", name), name, points)
             for name in self.making.pins
-            if name not in self.points
+            if name not in points
         ]
         found += [
             unknown(("parts", "discs", name), name, self.points)
@@ -211,7 +217,18 @@ class Linkage(Mechanism):
             self.cams,
             self.wanted,
             self.masses,
+            self.allowed,
+            self._rooms,
+            None if self.load is None else self.load.stiffness,
         )
+
+    @property
+    def _rooms(self) -> Mapping[str, float]:
+        """Radius of the circle that a cam must hold, by its closure, mm: its shaft, a groove's pins, with walls."""
+        sizes, wall = self.making, self.allowed.min_wall
+        shaft = (sizes.shaft_diameter + self.print.press_clearance) / 2 + 2 * wall
+        plain = dict.fromkeys(("force", "conjugate"), shaft)
+        return {**plain, "groove": shaft + wall + 1.5 * sizes.pin_diameter}
 
     def _unloaded(self) -> m.Machine:
         """The model with its parts' masses and the play of their fits, and what is included; DesignError where no such parts
@@ -245,10 +262,46 @@ class Linkage(Mechanism):
 
     @cached_property
     def sprung(self) -> Sequence[coils.Sprung]:
-        """Springs between links; DesignError where one of them cannot be made."""
+        """Springs between links, and those that return followers; DesignError where one of them cannot be made."""
+        return [
+            *self._hung,
+            *(
+                each.sprung(self.chain, 0.0 if each.spring.given else self._least_pull(each))
+                for each in self._returning
+            ),
+        ]
+
+    @cached_property
+    def _hung(self) -> Sequence[coils.Sprung]:
+        """Those of [[spring]]."""
         if not self.springs:
             return ()
         return coils.sprung(self.springs, self.run(self.cycle.theta(_SAMPLES), 0), self.making)
+
+    @cached_property
+    def _returning(self) -> Sequence[coils.Returning]:
+        """Where the springs hang that return followers."""
+        if not self._drawing.returns:
+            return ()
+        play = self.print.slide_clearance
+        return coils.returning(self._drawing.machine(), self._drawing, self.making, play)
+
+    def _least_pull(self, spring: coils.Returning) -> float:
+        """What a return spring must pull with, N, by what all but such springs do."""
+        contact = self._unreturned.contacts[spring.cam.name]
+        return spring.spring.least_pull(spring.cam.leaves * contact)
+
+    @cached_property
+    def _unreturned(self) -> Forces:
+        """Of the machine without its return springs, over the turns of its drive."""
+        bodies = Bodies(
+            laid(self._layout_with(self._hung), self.run(self.cycle.theta(_SAMPLES), 0))
+        )
+        machine = bodies.weighed(self._process.density, self.masses)
+        own = () if self.load is None else applied(self.load.on, machine)
+        pulls = [each.pull for each in self._hung]
+        machine = replace(machine, loads=(*machine.loads, *pulls, *gravity(self.load), *own))
+        return solve(machine, SAMPLES).forces()
 
     @cached_property
     def chain(self) -> m.Machine:
@@ -258,6 +311,8 @@ class Linkage(Mechanism):
         """
         play = self.print.slide_clearance + self.print.press_clearance
         chain = self._drawing.machine()
+        for spring in self._returning:
+            chain = spring.on(chain)
         kinds = m.Pin | m.Slot | m.Slide
         joints = tuple(
             replace(joint, clearance=play) if isinstance(joint, kinds) else joint
@@ -306,7 +361,7 @@ class Linkage(Mechanism):
     @cached_property
     def _moving(self) -> figures.Moving:
         """It without what is included, as figures see it."""
-        even, springs = not self.drive.segments, bool(self.springs)
+        even, springs = not self.drive.segments, bool(self.springs or self._returning)
         return figures.Moving(self.chain, self.cycle, self.drive.link, self.wanted, even, springs)
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
@@ -425,7 +480,10 @@ class Linkage(Mechanism):
 
     @property
     def _layout(self) -> Layout:
-        cams = self._drawing.ridden(self.allowed)
+        return self._layout_with(self.sprung)
+
+    def _layout_with(self, springs: Sequence[coils.Sprung]) -> Layout:
+        cams = self._drawing.ridden
         gears = {Drawing.gear_name(gear): gear.teeth for gear in self.gears}
         return Layout(
             self.chain,
@@ -437,7 +495,7 @@ class Linkage(Mechanism):
             {},
             cams,
             gears,
-            springs={each.name: each.stretched for each in self.sprung},
+            springs={each.name: each.stretched for each in springs},
             kept=inc.kept(self.includes, lambda: self._host),
             fitting=self.fitting,
         )
@@ -459,6 +517,11 @@ class Linkage(Mechanism):
         }
         weight = {} if self.counterweight is None else found_moment(self._balanced[1])
         tables, sizes = [inc.filled(each) for each in self.modules], self.bodies.layout.sizes
+        bases = self._drawing.bases
+        cams = self.model_dump(by_alias=True, exclude_none=True)["cam"]
+        for name, cam in zip(self._drawing.named_cams, cams, strict=True):
+            cam |= {"base_radius": bases[name]} if name in bases else {}
+        levels |= {"cam": cams} if bases else {}
         if sizes != self.making:  # a link is bent
             levels["parts"] = sizes.model_dump(by_alias=True, exclude_none=True)
         return {**super()._found(), **levels, **weight, **({"include": tables} if tables else {})}

@@ -1,4 +1,4 @@
-"""[[spring]]: extension springs between points of two links, as loads, on a level of their own, and bought.
+"""[[spring]] and [cam.spring]: extension springs between points of two links, as loads, on a level of their own, and bought.
 
 A spring's eyes sit on the pins of its points, so lengths between the points are those between the middles of its pins. A spring
 that is coiled close only pulls: one that would be shorter than its free length somewhere on the way is refused.
@@ -6,6 +6,7 @@ that is coiled close only pulls: one that would be shorter than its free length 
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,16 +17,20 @@ from camgen.errors import DesignError, Fault
 from camgen.machine import model as m
 from camgen.machine.run import Run
 from camgen.machines.linkage import tables as t
+from camgen.machines.linkage.drawing import RETURN, Drawing
+from camgen.machines.return_spring import ReturnSpring
 from camgen.parts.catalogue import Bought
 from camgen.parts.generator.joined import Stretched
 from camgen.parts.generator.sizes import Parts
+from camgen.parts.generator.wheels import pivot, tips
 from camgen.parts.springs import EYE, ExtensionSpring, Mounted, extension_spring
 from camgen.spec import unknown
 
 
 @dataclass(frozen=True)
 class Sprung:
-    """A spring in its machine. ends: body and point of each; pull: the load; shortest, longest: between its points, mm."""
+    """A spring in its machine. ends: body and point of each; pull: the load; shortest, longest: between its points, mm; note: of
+    its line in the list of parts."""
 
     name: str
     ends: tuple[tuple[str, str], tuple[str, str]]
@@ -33,6 +38,7 @@ class Sprung:
     spring: ExtensionSpring
     shortest: float
     longest: float
+    note: str = ""
 
     @property
     def stretched(self) -> Stretched:
@@ -42,7 +48,8 @@ class Sprung:
     @property
     def figure(self) -> str:
         """How the names of its figures begin."""
-        return self.name if self.name.startswith("spring") else f"spring_{self.name}"
+        known = self.name.startswith(("spring", RETURN))
+        return self.name if known else f"spring_{self.name}"
 
     def forces(self) -> tuple[float, float]:
         """Its least and greatest pull, N."""
@@ -57,7 +64,58 @@ class Sprung:
 
     def bought(self, pin: float) -> Bought:
         """Its line in the list of parts; pin: diameter, mm."""
-        return replace(self.mounted(pin, False).bought, name=f"extension spring, {self.name}")
+        found = self.mounted(pin, False).bought
+        return replace(found, name=f"extension spring, {self.name}", size=found.size + self.note)
+
+
+@dataclass(frozen=True)
+class Returning:
+    """The return spring of a cam's follower, before it is found. post, hook: names of its points; at: the cam's axis on the
+    ground."""
+
+    name: str
+    cam: m.Cam
+    spring: ReturnSpring
+    post: str
+    hook: str
+    at: complex
+
+    def on(self, machine: m.Machine) -> m.Machine:
+        """The machine with its points."""
+        pose = machine.start_of(self.cam.follower)
+        hook = (self.at + self.spring.hook - pose.place) * cmath.exp(-1j * pose.angle)
+        points = {
+            m.GROUND: {self.post: self.at + self.spring.post},
+            self.cam.follower: {self.hook: hook},
+        }
+        bodies = (
+            replace(body, points={**points.get(body.name, {}), **body.points})
+            for body in machine.bodies
+        )
+        return replace(machine, bodies=tuple(bodies))
+
+    def sprung(self, machine: m.Machine, least: float) -> Sprung:
+        """The spring that is wanted, or that pulls with `least` N at its shortest, in the machine with its points."""
+        found, pin = self.spring.spring(least), self.spring.sizes.pin_diameter
+        a = machine.body(m.GROUND).at(self.post)
+        b = machine.body(self.cam.follower).at(self.hook)
+        pull = m.Spring(self.name, a, b, found.rate, found.free - pin)
+        shortest, longest = (length - pin for length in self.spring.way)
+        note = "" if self.spring.given else f"; {self.spring.of_a_shop(least, '[cam.spring]')}"
+        ends = ((m.GROUND, self.post), (self.cam.follower, self.hook))
+        return Sprung(self.name, ends, pull, found, shortest, longest, note)
+
+
+def returning(machine: m.Machine, drawing: Drawing, sizes: Parts, play: float) -> list[Returning]:
+    """The return spring of each cam that has one, in the machine of a drawing; play: of what moves past each other, mm."""
+    found = []
+    first = {tip.joint.name: tip for tip in reversed(tips(machine, drawing.ridden, sizes, play))}
+    for name, (title, post, hook) in drawing.returns.items():
+        tip, wish = first[name], drawing.named_cams[name].spring or t.ReturnSpring()
+        spring = ReturnSpring(tip.cam, tip.rolls, sizes, play, wish.rate, wish.preload)
+        axis = pivot(machine, tip.joint.cam)[1]
+        found.append(Returning(title, tip.joint, spring, post, hook, axis))
+    return found
 
 
 def mounted(sprung: Sequence[Sprung], cams: Sequence[m.Cam], pin: float) -> dict[str, Mounted]:

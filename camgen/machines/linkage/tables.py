@@ -184,6 +184,17 @@ class CamSegment(Record):
     law: NamedLaw | None = Field(default=None, description="see camgen list; not of a dwell")
 
 
+class ReturnSpring(Record):
+    """The spring that presses a follower on its cam: what is not given is found."""
+
+    rate: Annotated[float, quantity("N/mm or N m/rad", ge=0, le=1e6)] = Field(
+        default=0.0, description="of its force on the follower; 0: found"
+    )
+    preload: Annotated[float, quantity("N or N m", ge=0, le=1e6)] = Field(
+        default=0.0, description="where the follower is lowest; 0: what keeps it on the cam"
+    )
+
+
 class Cam(Record):
     """A cam: the outline of link `cam` is made so that `follower` moves by the segments."""
 
@@ -203,6 +214,30 @@ class Cam(Record):
     )
     face_width: Length | None = Field(
         default=None, description="of a flat face; as wide as it is touched unless given"
+    )
+    face_offset: Coordinate = Field(
+        default=0.0,
+        description="of a flat face that swings: how far it lies ahead of its pivot, away from the cam",
+    )
+    base_radius: Length | Literal["least"] | None = Field(
+        default=None,
+        description='of the circle on which the follower stands at theta = 0; "least": the smallest that '
+        "keeps to\n[limits]; left out: as drawn",
+    )
+    damping: Annotated[float, quantity("N s/mm or N m s/rad", ge=0, le=1e6)] = Field(
+        default=0.0, description="of the follower, in proportion to its speed"
+    )
+    resistance: Annotated[float, quantity("N or N m", ge=0, le=1e6)] = Field(
+        default=0.0, description="constant against its lift"
+    )
+    spring: ReturnSpring | None = Field(
+        default=None,
+        description='closure "force": a return spring to a post beyond the cam; spring = {} finds all of it',
+    )
+    polydyne: bool = Field(
+        default=False,
+        description="whether the cam is corrected so that the follower, elastic by load.stiffness, does "
+        "the program at this speed",
     )
     tip_clearance: Air = 0.0
     name: Name | None = Field(default=None, description="of the joint; both links unless given")

@@ -17,9 +17,7 @@ from camgen.numerics import Floats
 
 _SLOW = 1e-6  # of the speed, at which inertia does nothing
 
-_NEEDS = (
-    "[[spring]], or [load] with gravity_deg or [[load.on]]: what presses the follower on its cam"
-)
+_NEEDS = "[cam.spring], [[spring]], or [load] with gravity_deg or [[load.on]]: what presses the follower on its cam"
 
 
 def by_force(machine: Machine) -> list[Cam]:
@@ -58,7 +56,7 @@ def pressed(
             if cam.name in kicked
             else (
                 f"a little over {least:.4g} {unit} more on {cam.follower} keep it, towards the cam at all angles: a spring "
-                "([[spring]], or its preload), a weight or a load ([load]) that pulls that way; less mass or speed lowers it"
+                "([cam.spring], [[spring]], or its preload), a weight or a load ([load]) that pulls that way; less mass or speed lowers it"
             )
         )
         borne.findings.append(

@@ -163,6 +163,16 @@ def lacking(layout: Layout) -> DesignError | None:
             f"cam {slid.joint.name}",
             'make the closure of a follower that slides "force" or "groove": between two rollers its bar meets the shaft',
         )
+    aside = next((tip for tip in layout.tips if tip.ridden.face_offset), None)
+    if aside is not None:
+        return DesignError(
+            "face_offset",
+            aside.ridden.face_offset,
+            0,
+            "mm",
+            f"cam {aside.joint.name}",
+            "its line goes through its pivot: use 0",
+        )
     held = next((tip for tip in layout.tips if not tip.rolls and tip.closure != "force"), None)
     if held is not None:
         return DesignError(

@@ -64,6 +64,7 @@ class Ridden:
     tip_clearance: float = 0.0  # of a pair, mm at each tip
     face_width: float | None = None  # of a flat face, mm; None: as wide as it is touched
     limits: CamLimits = CamLimits()
+    face_offset: float = 0.0  # of a flat face that swings, mm ahead of its pivot
 
 
 @dataclass(frozen=True)
@@ -225,7 +226,7 @@ def _second(machine: m.Machine, joint: m.Cam, spec: Ridden) -> complex:
     """Place of the second roller on the follower: as near to the shaft when it is out as the first is when it is in."""
     law, body = joint.law, machine.body(joint.follower)
     assert isinstance(law, Scaled)
-    top, first = law.highest, _follower(machine, joint, spec, spec.at, 1)
+    top, first = law.highest, follower_of(machine, joint, spec, spec.at, 1)
     if joint.slide is not None:
         slide = machine.slide(joint.slide)
         assert isinstance(slide, m.Slide) and isinstance(first, SlidingTip)
@@ -238,7 +239,7 @@ def _second(machine: m.Machine, joint: m.Cam, spec: Ridden) -> complex:
     return pivot(machine, joint.follower)[0] + mirrored * cmath.exp(-1j * joint.rest)
 
 
-def _follower(
+def follower_of(
     machine: m.Machine, joint: m.Cam, spec: Ridden, point: str, leaves: Literal[1, -1]
 ) -> Follower:
     """What touches the cam, about the cam's axis, as drawn."""
@@ -262,10 +263,11 @@ def _follower(
     held, hinge = pivot(machine, joint.follower)
     arm, far = cmath.exp(1j * joint.rest) * (at - held), hinge - centre
     if spec.shape == "flat":
-        facing = 1j * arm / abs(arm)
-        return SwingingFace(
-            far, facing * math.copysign(1, (facing.conjugate() * (far + arm)).real), 0.0
-        )
+        ahead = spec.face_offset
+        along = math.sqrt(max(0.0, abs(arm) ** 2 - ahead**2))
+        ways = [arm / complex(ahead, side * along) for side in (-1, 1)]
+        facing = max(ways, key=lambda way: (way.conjugate() * (far + arm)).real)
+        return SwingingFace(far, facing / abs(facing), ahead)
     return SwingingArm(far, arm, radius, leaves)
 
 
@@ -286,7 +288,7 @@ def tips(
                 (level_of(name) + SECOND, spec.at + SECOND, -1 if joint.law.sign > 0 else 1),
             ]
         for key, point, leaves in both:
-            follower = _follower(machine, joint, spec, point, leaves)
+            follower = follower_of(machine, joint, spec, point, leaves)
             if isinstance(follower, FlatFace) and follower.leaves != leaves:
                 raise DesignError(
                     "side of the face",
