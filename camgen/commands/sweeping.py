@@ -106,7 +106,7 @@ def sweep(
     table = out or Path("out") / f"{spec.stem}-sweep.csv"
     folder = table.with_suffix("").with_name(f"{table.stem}-files")
     kinds = sorted(only) if build_kinds else ()
-    task = sweeps.prepared(
+    task = sweeps.task_of(
         spec,
         variants(vary, zipped, latin or 0, seed, grid),
         settings,

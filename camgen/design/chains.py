@@ -22,10 +22,12 @@ from camgen.numerics import Floats, Points
 
 @dataclass(frozen=True)
 class Chain:
-    """grounds: points at rest besides O; pairs: of each further point, the two earlier points that bars join it to."""
+    """How bars join points."""
 
-    grounds: int
-    pairs: tuple[tuple[int, int], ...]
+    grounds: int  # points at rest besides O
+    pairs: tuple[
+        tuple[int, int], ...
+    ]  # of each further point, the two earlier ones that bars join it to
 
     @property
     def base(self) -> int:
@@ -40,37 +42,37 @@ class Chain:
     @cached_property
     def bodies(self) -> tuple[frozenset[int], ...]:
         """Rigid links by their points: ground, crank, then the others; a point held by two of one link is part of it."""
-        found = [{0, *range(2, self.base)}, {0, 1}]
+        bodies = [{0, *range(2, self.base)}, {0, 1}]
         for point, pair in enumerate(self.pairs, self.base):
-            holder = next((body for body in found if set(pair) <= body), None)
+            holder = next((body for body in bodies if set(pair) <= body), None)
             if holder is None:
-                found += [{each, point} for each in pair]
+                bodies += [{each, point} for each in pair]
             else:
                 holder.add(point)
-        return tuple(map(frozenset, found))
+        return tuple(map(frozenset, bodies))
 
-    def lengths(self, drawn: Points) -> Floats:
+    def lengths(self, points: Points) -> Floats:
         """Lengths of the bars of each design, (designs, bars): the crank, then two for each pair."""
         ends = [
             (0, 1),
             *((each, point) for point, pair in enumerate(self.pairs, self.base) for each in pair),
         ]
-        return np.stack([np.abs(drawn[:, b] - drawn[:, a]) for a, b in ends], axis=1)
+        return np.stack([np.abs(points[:, b] - points[:, a]) for a, b in ends], axis=1)
 
-    def trace(self, drawn: Points, steps: int) -> tuple[Points, Floats]:
+    def trace(self, points: Points, steps: int) -> tuple[Points, Floats]:
         """Paths of the last point over a turn, (steps, designs), and the least sine of an angle between two bars, (designs,).
 
         The sine is below 0 where the chain opens; the path is then worth nothing. Where a pair is rigid, as in a
         triangle of one link, its angle does not count.
         """
         turn = np.exp(2j * math.pi * np.arange(steps) / steps)[:, None]
-        places = [drawn[None, :, k] for k in range(self.base)]
+        places = [points[None, :, k] for k in range(self.base)]
         places[1] = places[0] + turn * (places[1] - places[0])
-        least = np.full(len(drawn), np.inf)
+        least = np.full(len(points), np.inf)
         for point, (i, j) in enumerate(self.pairs, self.base):
-            first, second = (np.abs(drawn[:, point] - drawn[:, k]) for k in (i, j))
-            way = drawn[:, j] - drawn[:, i]
-            side = np.sign((np.conj(way) * (drawn[:, point] - drawn[:, i])).imag)
+            first, second = (np.abs(points[:, point] - points[:, k]) for k in (i, j))
+            way = points[:, j] - points[:, i]
+            side = np.sign((np.conj(way) * (points[:, point] - points[:, i])).imag)
             way = places[j] - places[i]
             span = way.real**2 + way.imag**2
             square = ((first + second) ** 2 - span) * (
@@ -91,26 +93,26 @@ class Chain:
 
 def chains(pairs: int, grounds: int) -> list[Chain]:
     """All chains of so many pairs, of at most so many points at rest besides O, whose last point may trace more than an arc."""
-    found: dict[object, Chain] = {}
+    by_shape: dict[object, Chain] = {}
     for count in range(1, grounds + 1):
-        for chain in _grown(count, pairs):
-            found.setdefault(_shape(chain), chain)
-    return list(found.values())
+        for chain in _extensions(count, pairs):
+            by_shape.setdefault(_shape(chain), chain)
+    return list(by_shape.values())
 
 
-def _grown(grounds: int, pairs: int) -> Iterator[Chain]:
+def _extensions(grounds: int, pairs: int) -> Iterator[Chain]:
     base = 2 + grounds
     rest = {0, *range(2, base)}
     choices = (
         [pair for pair in itertools.combinations(range(base + k), 2) if not set(pair) <= rest]
         for k in range(pairs)
     )
-    for chosen in itertools.product(*choices):
-        used = [point for pair in chosen for point in pair]
-        order = list(dict.fromkeys(point for point in used if 2 <= point < base))
-        needed = {*range(2, base + pairs - 1)}
-        if needed <= set(used) and order == sorted(order) and not rest & set(chosen[-1]):
-            yield Chain(grounds, chosen)
+    for pairs_ in itertools.product(*choices):
+        points = [point for pair in pairs_ for point in pair]
+        order = list(dict.fromkeys(point for point in points if 2 <= point < base))
+        necessary = {*range(2, base + pairs - 1)}
+        if necessary <= set(points) and order == sorted(order) and not rest & set(pairs_[-1]):
+            yield Chain(grounds, pairs_)
 
 
 def _shape(chain: Chain) -> object:
@@ -122,7 +124,7 @@ def _shape(chain: Chain) -> object:
         return "(" + "".join(sorted(map(word, chain.pairs[point - chain.base]))) + ")"
 
     points = range(chain.base, chain.size)
-    held = (
+    dyads = (
         tuple(sorted(word(p) for p in points if at in chain.pairs[p - chain.base]))
         for at in range(2, chain.base)
     )
@@ -130,5 +132,5 @@ def _shape(chain: Chain) -> object:
         chain.grounds,
         word(chain.size - 1),
         tuple(sorted(map(word, points))),
-        tuple(sorted(held)),
+        tuple(sorted(dyads)),
     )

@@ -20,8 +20,8 @@ from typing import Any
 
 import numpy as np
 
+from camgen.design.prototype import Prototype, miss, rounded_up
 from camgen.design.wanted import FunctionWish
-from camgen.design.weighed import Weighed, miss, rounded_up
 from camgen.errors import DesignError
 from camgen.machine.targets import Function
 from camgen.numerics import Floats, solve
@@ -94,7 +94,7 @@ class Generator:
     def data(self, tolerance: float | None = None) -> Data:
         """Tables of the spec; tolerance: of FUNCTION_ERROR, deg, what it keeps and no more than is borne unless given."""
         pairs = self.wish.turns
-        borne = tolerance or min(self.reached, self.wish.borne)
+        limit = tolerance or min(self.reached, self.wish.allowance)
         links = {"ground": ["O", "C"], CRANK: ["O", "A"], "coupler": ["A", "B"], ROCKER: ["C", "B"]}
         drive = {
             "link": CRANK,
@@ -105,20 +105,20 @@ class Generator:
             {
                 "name": "function",
                 "link": ROCKER,
-                "function": {"at": [list(pair) for pair in pairs], "tolerance": borne},
+                "function": {"at": [list(pair) for pair in pairs], "tolerance": limit},
             }
         ]
-        found = {"points": self.points, "links": links, "drive": drive, "output": output}
-        return {**{key: value for key, value in self.tables.items() if key not in found}, **found}
+        tables = {"points": self.points, "links": links, "drive": drive, "output": output}
+        return {**{key: value for key, value in self.tables.items() if key not in tables}, **tables}
 
     @cached_property
-    def weighed(self) -> Weighed:
+    def prototype(self) -> Prototype:
         """Whether it can be made, and its play."""
-        missed = miss(Function.code, math.degrees(self.error), self.wish.borne, "deg")
-        return Weighed(self.data(self.reached), missed)
+        error = miss(Function.code, math.degrees(self.error), self.wish.allowance, "deg")
+        return Prototype(self.data(self.reached), error)
 
     @cached_property
-    def drawn(self) -> Drawn:
+    def sketch(self) -> Drawn:
         """What a sketch shows: the first position, and the way of the rocker's end."""
         turns = np.array([x for x, _ in self.wish.turns])
         psi = self._rocker(np.radians(np.linspace(turns.min(), turns.max(), 60)))
@@ -136,7 +136,7 @@ class Generator:
             "crank_mm": round(crank, 4),
             "coupler_mm": round(coupler, 4),
             "rocker_mm": round(rocker, 4),
-            **self.weighed.row,
+            **self.prototype.row,
         }
 
 
@@ -145,36 +145,36 @@ def search(wish: FunctionWish, tables: Data) -> list[Generator]:
     pairs = np.radians(np.array(wish.turns))
     least = math.radians(wish.transmission_deg)
     starts = _starts(pairs, wish)
-    pool = [_polished(begin, pairs, wish, angle=least) for begin in starts]
+    pool = [_polish(begin, pairs, wish, angle=least) for begin in starts]
     numbers = np.array(pool).T
-    error, transmission = _judged(numbers, pairs, wish)
+    error, transmission = _judge(numbers, pairs, wish)
     steep_enough = transmission >= least
     nearest = float(np.min(error[steep_enough] if steep_enough.any() else error))
-    borne = math.radians(wish.tolerance or 0)
+    allowance = math.radians(wish.tolerance or 0)
     useless = 0.5 * float(np.max(np.abs(pairs[:, 1])))  # a rocker that rests is off by twice that
-    if nearest > 0.98 * borne:  # none wanted, or none within it
-        borne = min(max(_WIDE, _TIMES * nearest), useless)
+    if nearest > 0.98 * allowance:  # none wanted, or none within it
+        allowance = min(max(_WIDE, _TIMES * nearest), useless)
     order = np.lexsort([error, np.maximum(0, least - transmission)])
     begins = [*numbers.T[order[: _STARTS // 2]], *starts[_STARTS:]]
-    steep = [_polished(begin, pairs, wish, error=0.98 * borne) for begin in begins]
-    _, angles = _judged(np.array(steep).T, pairs, wish)
+    steep = [_polish(begin, pairs, wish, error=0.98 * allowance) for begin in begins]
+    _, angles = _judge(np.array(steep).T, pairs, wish)
     pool += steep
     top = steep[int(np.argmax(angles))]
     first = max(least, float(transmission[order[0]]))
     for angle in np.linspace(max(angles), first, _LEVELS + 2)[
         1:-1
     ]:  # down from the best transmission angle
-        top = _polished(top, pairs, wish, angle=angle)
-        pool += [top, _polished(numbers[:, order[0]], pairs, wish, angle=angle)]
+        top = _polish(top, pairs, wish, angle=angle)
+        pool += [top, _polish(numbers[:, order[0]], pairs, wish, angle=angle)]
     numbers = np.array(pool).T
-    error, transmission = _judged(numbers, pairs, wish)
-    found: list[Generator] = []
+    error, transmission = _judge(numbers, pairs, wish)
+    front: list[Generator] = []
     useful = error <= useless
     fit = np.flatnonzero(useful & (transmission >= least))
     for k in sorted(fit, key=lambda k: (round(float(error[k]), 9), -transmission[k])):
-        if not found or transmission[k] > found[-1].transmission + math.radians(0.5):
+        if not front or transmission[k] > front[-1].transmission + math.radians(0.5):
             phi, side, *lengths = (float(each) for each in numbers[:, k])
-            found.append(
+            front.append(
                 Generator(
                     phi,
                     side,
@@ -191,7 +191,7 @@ def search(wish: FunctionWish, tables: Data) -> list[Generator]:
         raise DesignError(
             "error at the pairs", off, math.degrees(useless), "deg", "wanted.function", remedy
         )
-    if not found:
+    if not front:
         best = math.degrees(float(np.max(transmission[useful])))
         raise DesignError(
             "least transmission angle",
@@ -201,7 +201,7 @@ def search(wish: FunctionWish, tables: Data) -> list[Generator]:
             "wanted.function",
             remedy,
         )
-    return found
+    return front
 
 
 def _starts(pairs: Floats, wish: FunctionWish) -> list[Floats]:
@@ -211,31 +211,31 @@ def _starts(pairs: Floats, wish: FunctionWish) -> list[Floats]:
     lengths = np.clip(_freudenstein(phi0, psi0, pairs), *wish.shares)
     back = lengths[0] * np.exp(1j * phi0) - 1  # from C to the crank's end
     side = np.sign(np.imag(np.conj(back) * np.exp(1j * psi0)))
-    drawn = np.stack([phi0, np.where(side == 0, 1.0, side), *lengths])
-    error, transmission = _judged(drawn, pairs, wish)
+    drawings = np.stack([phi0, np.where(side == 0, 1.0, side), *lengths])
+    error, transmission = _judge(drawings, pairs, wish)
     short = np.maximum(0, math.radians(wish.transmission_deg) - transmission)
     near = error <= max(math.radians(wish.tolerance or 0), 2 * float(np.min(error)), 1e-9)
-    found: list[int] = []
+    starts: list[int] = []
     for worth, many in (
         (error + short, _STARTS),
         (np.where(near, -transmission, math.inf), _STARTS // 2),
     ):
         free = np.isfinite(worth)
-        free[found] = False
+        free[starts] = False
         for _ in range(many):
-            left = np.flatnonzero(free)
-            if not left.size:
+            candidates = np.flatnonzero(free)
+            if not candidates.size:
                 break
-            found.append(int(left[np.argmin(worth[left])]))
+            starts.append(int(candidates[np.argmin(worth[candidates])]))
             away = [
-                np.abs((each[found[-1]] - each + math.pi) % math.tau - math.pi)
+                np.abs((each[starts[-1]] - each + math.pi) % math.tau - math.pi)
                 for each in (phi0, psi0)
             ]
             free &= np.maximum(*away) > _APART * math.tau / _GRID
-    return [drawn[:, k] for k in found]
+    return [drawings[:, k] for k in starts]
 
 
-def _polished(
+def _polish(
     begin: Floats,
     pairs: Floats,
     wish: FunctionWish,
@@ -262,13 +262,15 @@ def _polished(
             [_wrapped(psi[1 : len(pairs)] - psi[:1] - pairs[1:, 1:]), cosine[len(pairs) :]]
         )
 
-    own = np.arange(len(pairs) - 1 + _COARSE) < len(pairs) - 1
-    limits = np.stack([own, ~own], axis=1).astype(float)  # which of error and cosine limits what
+    at_pairs = np.arange(len(pairs) - 1 + _COARSE) < len(pairs) - 1
+    limits = np.stack([at_pairs, ~at_pairs], axis=1).astype(
+        float
+    )  # which of error and cosine limits what
 
     def room(x: Floats) -> Floats:
         value = bounded(x[:4, None])[:, 0]
-        borne = limits @ x[4:]
-        return np.concatenate([borne - value, borne + value])
+        bounds_now = limits @ x[4:]
+        return np.concatenate([bounds_now - value, bounds_now + value])
 
     def slopes(x: Floats) -> Floats:
         step = 1e-6 * np.eye(4)
@@ -282,7 +284,9 @@ def _polished(
     bounds = [(None, None), *[(lengths[0], lengths[1])] * 3, (0.0, most), (0.0, flattest)]
     start = np.concatenate([begin[:1], np.clip(np.log(begin[2:]), *lengths)])
     values = np.abs(bounded(start[:, None])[:, 0])
-    start = np.append(start, [min(most, max(values[own])), min(flattest, max(values[~own]))])
+    start = np.append(
+        start, [min(most, max(values[at_pairs])), min(flattest, max(values[~at_pairs]))]
+    )
     within = {"type": "ineq", "fun": room, "jac": slopes}
     end = minimize(
         lambda x: x[goal],
@@ -338,7 +342,7 @@ def _wrapped(angle: Floats) -> Floats:
     return np.asarray(np.mod(angle + math.pi, math.tau) - math.pi)
 
 
-def _judged(numbers: Floats, pairs: Floats, wish: FunctionWish) -> tuple[Floats, Floats]:
+def _judge(numbers: Floats, pairs: Floats, wish: FunctionWish) -> tuple[Floats, Floats]:
     """Worst error at the pairs and least transmission angle over the range, rad, (n,); inf and -1 where a design is none."""
     sides = np.array([*numbers[2:], np.ones(numbers.shape[1])])
     least = wish.shares[0] - _ROUNDING
@@ -348,14 +352,14 @@ def _judged(numbers: Floats, pairs: Floats, wish: FunctionWish) -> tuple[Floats,
         & (sides.min(axis=0) >= least)
         & (sides.max(axis=0) <= greatest)
     )
-    found = np.flatnonzero(fit)
+    feasible = np.flatnonzero(fit)
     error = np.full(fit.size, math.inf)
     transmission = np.full(fit.size, -1.0)
-    psi, _ = _closed(numbers[:, found], pairs[:, 0])
-    error[found] = np.max(np.abs(_wrapped(psi - psi[:1] - pairs[:, 1:])), axis=0)
+    psi, _ = _closed(numbers[:, feasible], pairs[:, 0])
+    error[feasible] = np.max(np.abs(_wrapped(psi - psi[:1] - pairs[:, 1:])), axis=0)
     _, cosine = _closed(
-        numbers[:, found], np.linspace(pairs[:, 0].min(), pairs[:, 0].max(), _BETWEEN)
+        numbers[:, feasible], np.linspace(pairs[:, 0].min(), pairs[:, 0].max(), _BETWEEN)
     )
     flattest = np.max(np.abs(cosine), axis=0)
-    transmission[found] = np.where(flattest > 1, -1.0, np.arccos(np.minimum(flattest, 1)))
+    transmission[feasible] = np.where(flattest > 1, -1.0, np.arccos(np.minimum(flattest, 1)))
     return error, transmission

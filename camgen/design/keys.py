@@ -35,20 +35,20 @@ _DIGITS = 6  # of a value that is found
 
 @dataclass
 class Search:
-    """A machine's tables, with the keys that vary; settings: of the best so far, broken: what it does not keep."""
+    """A search for values of a machine's keys."""
 
-    data: Mapping[str, Any]
+    data: Mapping[str, Any]  # tables of its spec
     source: str
     folder: Path
     wish: KeyWish
-    told: Callable[[str], None]
-    reason: str = ""
-    best: float = math.inf
-    settings: Sequence[str] = ()
-    broken: Sequence[str] = ()
-    tried: int = 0
+    say: Callable[[str], None]  # takes a line for each better design
+    best: float = math.inf  # least cost so far
+    settings: Sequence[str] = ()  # of that design
+    violations: Sequence[str] = ()  # limits and wishes that it does not keep
+    count: int = 0  # designs so far
+    reason: str = ""  # why the first one that is refused is
 
-    def found(self) -> Sequence[str]:
+    def run(self) -> Sequence[str]:
         """Settings, KEY=VALUE, of the best design; DesignError where no limit-keeping one was met."""
         from scipy.optimize import differential_evolution, minimize
 
@@ -87,25 +87,27 @@ class Search:
             simplex = np.where(simplex > [high for _, high in ranges], 2 * begin - simplex, simplex)
             ends = {"initial_simplex": simplex, "maxfev": budget // 2, "xatol": 1e-4, "fatol": 1e-6}
             minimize(cost, begin, method="Nelder-Mead", bounds=ranges, options=ends)
-        if self.broken or not self.settings:
-            said = "; ".join(self.broken) or self.reason
+        if self.violations or not self.settings:
+            message = "; ".join(self.violations) or self.reason
             raise DesignError(
                 "designs that keep every limit",
                 0,
                 1,
                 "",
-                f"{self.tried} tried",
+                f"{self.count} tried",
                 "widen wanted.vary, or relax a limit",
-                f"none of {self.tried} designs keeps every limit; the nearest one: {said}",
+                f"none of {self.count} designs keeps every limit; the nearest one: {message}",
             )
         return self.settings
 
     def costs(self, designs: Floats) -> Floats:
         """Of some designs, (keys, n) -> (n,); the best is kept."""
         settings = [self._settings(values) for values in designs.T]
-        made = self._template.variants(settings)
-        prepare(made)
-        return np.array([self._cost(*each) for each in zip(designs.T, settings, made, strict=True)])
+        mechanisms = self._template.variants(settings)
+        prepare(mechanisms)
+        return np.array(
+            [self._cost(*each) for each in zip(designs.T, settings, mechanisms, strict=True)]
+        )
 
     @cached_property
     def _template(self) -> Template:
@@ -119,14 +121,14 @@ class Search:
         ]
 
     def _cost(
-        self, values: Floats, settings: Sequence[str], made: Mechanism | CamgenError
+        self, values: Floats, settings: Sequence[str], mechanism: Mechanism | CamgenError
     ) -> float:
-        self.tried += 1
+        self.count += 1
         try:
-            if isinstance(made, CamgenError):
-                raise made
-            findings = made.forecast()
-            figures = made.study().numbers
+            if isinstance(mechanism, CamgenError):
+                raise mechanism
+            findings = mechanism.forecast()
+            figures = mechanism.study().numbers
         except (DesignError, SpecError) as error:
             self.reason = self.reason or " ".join(str(error).split())
             return _REFUSED
@@ -139,19 +141,19 @@ class Search:
             if not isinstance(ends[0], str)
         }
         figures = {**figures, **numbers}
-        self._known(figures, name)
+        self._refuse_unknown(figures, name)
         failing = [finding for finding in findings if not finding.ok]
         short = sum(_short(finding) for finding in failing)
-        broken = [
+        violations = [
             f"{each.code} {each.measured:.4g} against {each.limit:.4g} {each.unit}"
             for each in failing
         ]
-        for wanted, (low, high) in self.wish.figures.items():
-            value = figures[wanted]
+        for wish, (low, high) in self.wish.figures.items():
+            value = figures[wish]
             if not low <= value <= high:
                 off = max(low - value, value - high) / max(abs(low), abs(high), 1e-9)
                 short += math.inf if math.isnan(off) else 0.01 + off
-                broken.append(f"{wanted} {value:.4g} outside {low:g} to {high:g}")
+                violations.append(f"{wish} {value:.4g} outside {low:g} to {high:g}")
         figure = sign * figures[name]
         cost = (
             figure
@@ -164,12 +166,12 @@ class Search:
         if cost < self.best:
             self.best = cost
             self.settings = settings
-            self.broken = broken
+            self.violations = violations
             if not short:
-                self.told(f"{name} {figures[name]:.6g} after {self.tried} designs")
+                self.say(f"{name} {figures[name]:.6g} after {self.count} designs")
         return cost
 
-    def _known(self, figures: Mapping[str, float], name: str) -> None:
+    def _refuse_unknown(self, figures: Mapping[str, float], name: str) -> None:
         keys: dict[Key, str] = {
             ("wanted", "least" if self.wish.least is not None else "most"): name
         }

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from camgen.design.chains import Chain
-from camgen.design.paths import Found
-from camgen.design.weighed import Weighed, miss, rounded_up
-from camgen.machine.targets import Trace, apart
+from camgen.design.paths import ChainDesign
+from camgen.design.prototype import Prototype, miss, rounded_up
+from camgen.machine.targets import Trace, path_distance
 from camgen.numerics import Points
 from camgen.reading import Data
 from camgen.report.sketches import Drawn
@@ -28,16 +28,16 @@ _DIGITS = 6  # of a coordinate, mm
 class Candidate:
     """A design and the wanted path, as a machine of some spec's other tables."""
 
-    found: Found
+    design: ChainDesign
     wanted: Points  # corners of the wanted path, or its places where no lines join them
     tables: Data  # of the spec, less what is found
-    borne: float  # mm, how far path and wanted one may be apart
+    allowance: float  # mm, how far path and wanted one may be apart
     joined: bool = True  # whether lines join the wanted points in their order
 
     @cached_property
     def path(self) -> Points:
         """What the last point traces over a turn, complex mm."""
-        return self.found.chain.trace(np.array([self.found.drawn]), _STEPS)[0][:, 0]
+        return self.design.chain.trace(np.array([self.design.points]), _STEPS)[0][:, 0]
 
     @cached_property
     def worst(self) -> float:
@@ -46,8 +46,8 @@ class Candidate:
         bend = np.abs(
             np.diff(corners, 2, append=corners[1])
         )  # twice what a second difference says of the way between
-        return apart(
-            corners, float(np.max(bend)) / 4, self.wanted, self.joined, _RESOLUTION * self.borne
+        return path_distance(
+            corners, float(np.max(bend)) / 4, self.wanted, self.joined, _RESOLUTION * self.allowance
         ).proven
 
     @property
@@ -57,7 +57,7 @@ class Candidate:
 
     def data(self, tolerance: float | None = None) -> Data:
         """Tables of the spec; tolerance: of PATH_ERROR, mm, what it keeps and no more than is borne unless given."""
-        tolerance = tolerance or min(self.reached, self.borne)
+        tolerance = tolerance or min(self.reached, self.allowance)
         trace = {
             "at": [_place(z) for z in self.wanted],
             "joined": self.joined,
@@ -65,19 +65,19 @@ class Candidate:
         }
         drive = {"link": CRANK, **self.tables.get("drive", {})}
         output = [{"name": "path", "point": TRACED, "path": trace}]
-        drawn = {"points": self.points, "links": self.links, "drive": drive, "output": output}
-        return {**{key: value for key, value in self.tables.items() if key not in drawn}, **drawn}
+        own = {"points": self.points, "links": self.links, "drive": drive, "output": output}
+        return {**{key: value for key, value in self.tables.items() if key not in own}, **own}
 
     @property
     def points(self) -> Mapping[str, list[float]]:
         """Points by name, as drawn."""
-        return dict(zip(names(self.found.chain), map(_place, self.found.drawn), strict=True))
+        return dict(zip(names(self.design.chain), map(_place, self.design.points), strict=True))
 
     @property
     def links(self) -> Mapping[str, list[str]]:
         """Points of each link."""
-        named = names(self.found.chain)
-        bodies = [[named[k] for k in sorted(body)] for body in self.found.chain.bodies]
+        points = names(self.design.chain)
+        bodies = [[points[k] for k in sorted(body)] for body in self.design.chain.bodies]
         return {
             "ground": bodies[0],
             CRANK: bodies[1],
@@ -85,44 +85,46 @@ class Candidate:
         }
 
     @cached_property
-    def weighed(self) -> Weighed:
+    def prototype(self) -> Prototype:
         """Whether it can be made, and its play."""
-        return Weighed(self.data(self.reached), miss(Trace.code, self.worst, self.borne, "mm"))
+        return Prototype(
+            self.data(self.reached), miss(Trace.code, self.worst, self.allowance, "mm")
+        )
 
     @cached_property
-    def drawn(self) -> Drawn:
+    def sketch(self) -> Drawn:
         """What a sketch shows."""
-        chain = self.found.chain
-        every = dict(zip(names(chain), self.found.drawn, strict=True))
+        chain = self.design.chain
+        every = dict(zip(names(chain), self.design.points, strict=True))
         still = [name for k, name in enumerate(every) if k == 0 or 2 <= k < chain.base]
         links = [points for name, points in self.links.items() if name != "ground"]
-        wanted = self.wanted if self.joined else self.wanted[:0]
+        line = self.wanted if self.joined else self.wanted[:0]
         return Drawn(
             every,
             links,
             still,
             self.path[:: _STEPS // 120],
-            wanted[:: max(1, len(self.wanted) // 200)],
+            line[:: max(1, len(self.wanted) // 200)],
         )
 
     def row(self, number: int) -> dict[str, Any]:
         """What a table of the front shows."""
-        chain = self.found.chain
+        chain = self.design.chain
         return {
             "design": number,
             "links": len(chain.bodies),
-            "mean_distance_mm": round(self.found.error / 2, 6),
+            "mean_distance_mm": round(self.design.error / 2, 6),
             "worst_distance_mm": round(self.worst, 6),
-            "bars_mm": round(self.found.bars, 4),
-            **self.weighed.row,
+            "bars_mm": round(self.design.bars, 4),
+            **self.prototype.row,
         }
 
 
 def names(chain: Chain) -> list[str]:
     """Names of a chain's points: O and A of the crank, C at rest, B held by pairs, P traced."""
     rest = ["C"] if chain.grounds == 1 else [f"C{k}" for k in range(1, chain.grounds + 1)]
-    held = [f"B{k}" if len(chain.pairs) > 2 else "B" for k in range(1, len(chain.pairs))]
-    return ["O", "A", *rest, *held, TRACED]
+    dyads = [f"B{k}" if len(chain.pairs) > 2 else "B" for k in range(1, len(chain.pairs))]
+    return ["O", "A", *rest, *dyads, TRACED]
 
 
 def _place(z: complex) -> list[float]:

@@ -19,7 +19,7 @@ from functools import partial
 import numpy as np
 
 from camgen.design.chains import Chain, chains
-from camgen.design.polish import Goal, normed, packed, polished, unpacked
+from camgen.design.polish import Goal, normed, packed, polish, unpacked
 from camgen.numerics import Floats, Indices, Points
 
 # drawings of a chain
@@ -48,11 +48,11 @@ _MEASURED = 2000  # angles of a turn at the end
 
 
 @dataclass(frozen=True)
-class Found:
+class ChainDesign:
     """A design: its chain, its drawing in the place of the wanted path, error and length of all bars in the path's unit."""
 
     chain: Chain
-    drawn: tuple[complex, ...]
+    points: tuple[complex, ...]
     error: float
     bars: float
 
@@ -63,11 +63,13 @@ class Task:
 
     chain: Chain
     seed: tuple[int, ...]
-    known: tuple[Found, ...] = ()
+    known: tuple[ChainDesign, ...] = ()
 
 
-Told = Callable[[str], None]
-Runner = Callable[[Callable[[Task], "list[Found]"], Sequence[Task]], Iterable["list[Found]"]]
+Say = Callable[[str], None]
+Runner = Callable[
+    [Callable[[Task], "list[ChainDesign]"], Sequence[Task]], Iterable["list[ChainDesign]"]
+]
 
 
 def kinds(most_pairs: int, grounds: int) -> list[Chain]:
@@ -81,30 +83,28 @@ def search(
     effort: int = 1,
     seed: int = 0,
     run: Runner = map,
-    told: Told = lambda text: None,
-) -> list[Found]:
+    say: Say = lambda text: None,
+) -> list[ChainDesign]:
     """Designs for a path, those on the front from the least error to the least length of bars and others; run: `map`, or that
     of several cores.
 
     effort: how long the designs near the front are shaken. The same call gives the same designs.
     """
-    solve = partial(solved, goal)
-    by_chain: dict[Chain, list[Found]] = {chain: [] for chain in kinds}
+    solve = partial(solve_task, goal)
+    by_chain: dict[Chain, list[ChainDesign]] = {chain: [] for chain in kinds}
 
     def take(tasks: Sequence[Task]) -> None:
         for task, designs in zip(tasks, run(solve, tasks), strict=True):
             by_chain[task.chain] += designs
 
-    def found() -> list[Found]:
+    def found() -> list[ChainDesign]:
         return [each for designs in by_chain.values() for each in designs]
 
     times = min(_TIMES, -(-_TASKS // len(kinds)))
     take([Task(chain, (seed, k, time)) for time in range(times) for k, chain in enumerate(kinds)])
     for again in range(effort * _ROUNDS):
         best = front(found())
-        told(
-            f"{len(best)} designs on the front; round {again + 1} of {effort * _ROUNDS} about them"
-        )
+        say(f"{len(best)} designs on the front; round {again + 1} of {effort * _ROUNDS} about them")
         close = [tuple(near(front(by_chain[chain], _APART), best, _NEAR)) for chain in kinds]
         take(
             [
@@ -116,7 +116,9 @@ def search(
     return found()
 
 
-def near(designs: Iterable[Found], best: Sequence[Found], share: float) -> Iterable[Found]:
+def near(
+    designs: Iterable[ChainDesign], best: Sequence[ChainDesign], share: float
+) -> Iterable[ChainDesign]:
     """Those that no design of a front beats in both error and bars by more than to such a share of them."""
     return (
         each
@@ -125,55 +127,58 @@ def near(designs: Iterable[Found], best: Sequence[Found], share: float) -> Itera
     )
 
 
-def apart(designs: Iterable[Found]) -> list[Found]:
+def apart(designs: Iterable[ChainDesign]) -> list[ChainDesign]:
     """Those whose points lie elsewhere than those of all nearer ones, by rising error."""
-    kept: list[Found] = []
-    drawn: list[Points] = []
+    distinct: list[ChainDesign] = []
+    points: list[Points] = []
     for each in sorted(designs, key=lambda each: (each.error, each.bars)):
-        z = np.array(each.drawn)
+        z = np.array(each.points)
         size = _ELSEWHERE * (np.ptp(z.real) + np.ptp(z.imag))
         if not any(
             one.chain == each.chain and np.abs(other - z).max() < size
-            for one, other in zip(kept, drawn, strict=True)
+            for one, other in zip(distinct, points, strict=True)
         ):
-            kept.append(each)
-            drawn.append(z)
-    return kept
+            distinct.append(each)
+            points.append(z)
+    return distinct
 
 
-def front(designs: Iterable[Found], step: float = 0.0) -> list[Found]:
+def front(designs: Iterable[ChainDesign], step: float = 0.0) -> list[ChainDesign]:
     """Those that no other one beats in both error and bars, by rising error; each with less bars by a share of them."""
-    kept: list[Found] = []
+    designs_: list[ChainDesign] = []
     for design in sorted(designs, key=lambda each: (each.error, each.bars)):
-        if not kept or design.bars < (1 - step) * kept[-1].bars:
-            kept.append(design)
-    return kept
+        if not designs_ or design.bars < (1 - step) * designs_[-1].bars:
+            designs_.append(design)
+    return designs_
 
 
-def area(designs: Iterable[Found], goal: Goal) -> float:
+def area(designs: Iterable[ChainDesign], goal: Goal) -> float:
     """Share of the field below (worst error, most bars) that a front dominates, 0 to 1."""
-    kept = [each for each in front(designs) if each.error < goal.worst and each.bars < goal.most]
-    if not kept:
+    dominant = [
+        each for each in front(designs) if each.error < goal.worst and each.bars < goal.most
+    ]
+    if not dominant:
         return 0.0
-    ends = [each.error for each in kept[1:]] + [goal.worst]
-    held = sum(
-        (end - each.error) * (goal.most - each.bars) for each, end in zip(kept, ends, strict=True)
+    ends = [each.error for each in dominant[1:]] + [goal.worst]
+    dominated = sum(
+        (end - each.error) * (goal.most - each.bars)
+        for each, end in zip(dominant, ends, strict=True)
     )
-    return held / (goal.worst * goal.most)
+    return dominated / (goal.worst * goal.most)
 
 
-def solved(goal: Goal, task: Task) -> list[Found]:
+def solve_task(goal: Goal, task: Task) -> list[ChainDesign]:
     """The front of one task."""
     rng = np.random.default_rng(task.seed)
     chain = task.chain
     if task.known:
         numbers = np.tile(
-            normed(packed(np.array([each.drawn for each in task.known]))), (_SHAKEN, 1)
+            normed(packed(np.array([each.points for each in task.known]))), (_SHAKEN, 1)
         )
         error, bars = np.tile([[each.error, each.bars] for each in task.known], (_SHAKEN, 1)).T
         numbers += _chance(rng, _SHARES, len(numbers))[:, None] * rng.normal(size=numbers.shape)
     else:
-        numbers, error, bars = _evolved(goal, chain, rng)
+        numbers, error, bars = _evolve(goal, chain, rng)
         best = _best(error, bars)
         best = np.tile(
             best[np.unique(np.linspace(0, len(best) - 1, min(len(best), _POLISHED)).astype(int))],
@@ -185,9 +190,9 @@ def solved(goal: Goal, task: Task) -> list[Found]:
     if not numbers.size:
         return []
     weight = _chance(rng, _WEIGHTS, len(numbers)) * (error / goal.worst) / (bars / goal.most)
-    better, error, bars = polished(chain, numbers, weight, goal)
-    drawn = unpacked(better)
-    return front(each for k in _best(error, bars) if (each := _measured(goal, chain, drawn[k])))
+    better, error, bars = polish(chain, numbers, weight, goal)
+    points = unpacked(better)
+    return front(each for k in _best(error, bars) if (each := _measured(goal, chain, points[k])))
 
 
 def _chance(rng: np.random.Generator, ends: tuple[float, float], count: int) -> Floats:
@@ -195,14 +200,16 @@ def _chance(rng: np.random.Generator, ends: tuple[float, float], count: int) -> 
     return np.exp(rng.uniform(math.log(ends[0]), math.log(ends[1]), count))
 
 
-def _measured(goal: Goal, chain: Chain, drawn: Points) -> Found | None:
+def _measured(goal: Goal, chain: Chain, points: Points) -> ChainDesign | None:
     """A design at full resolution, laid on the target; None where it opens between the angles of the search, or is too thin."""
-    path, least = chain.trace(drawn[None], _MEASURED)
+    path, least = chain.trace(points[None], _MEASURED)
     error, factor, shift = goal.target.measured(path[:, 0])
-    lengths = chain.lengths(drawn[None]) * abs(factor)
+    lengths = chain.lengths(points[None]) * abs(factor)
     if not goal.allows(lengths, least)[0]:
         return None
-    return Found(chain, tuple((drawn * factor + shift).tolist()), error, float(np.sum(lengths)))
+    return ChainDesign(
+        chain, tuple((points * factor + shift).tolist()), error, float(np.sum(lengths))
+    )
 
 
 def _best(error: Floats, bars: Floats) -> Indices:
@@ -214,34 +221,34 @@ def _best(error: Floats, bars: Floats) -> Indices:
     )
 
 
-def _glanced(goal: Goal, chain: Chain, numbers: Floats) -> tuple[Floats, Floats, Floats]:
+def _glance(goal: Goal, chain: Chain, numbers: Floats) -> tuple[Floats, Floats, Floats]:
     """Value, error and bars of designs by a fast look; one that cannot be made costs more the more it opens."""
-    drawn = unpacked(numbers)
-    paths, least = chain.trace(drawn, _GLANCED)
-    error = np.full(len(drawn), np.inf)
-    bars = np.full(len(drawn), np.inf)
-    closed = np.flatnonzero(least >= goal.sine)
-    if closed.size:
-        laid, factor, _ = goal.target.laid(paths[:, closed])
-        lengths = chain.lengths(drawn[closed]) * np.abs(factor)[:, None]
-        bars[closed] = np.sum(lengths, axis=1)
-        use = goal.allows(lengths, least[closed]) & (bars[closed] < goal.most)
-        error[closed[use]] = goal.target.glance(laid[:, use])
+    points = unpacked(numbers)
+    paths, least = chain.trace(points, _GLANCED)
+    error = np.full(len(points), np.inf)
+    bars = np.full(len(points), np.inf)
+    sound = np.flatnonzero(least >= goal.sine)
+    if sound.size:
+        placed, factor, _ = goal.target.on_target(paths[:, sound])
+        lengths = chain.lengths(points[sound]) * np.abs(factor)[:, None]
+        bars[sound] = np.sum(lengths, axis=1)
+        use = goal.allows(lengths, least[sound]) & (bars[sound] < goal.most)
+        error[sound[use]] = goal.target.glance(placed[:, use])
     value = goal.value(error, bars, 1.0)
     return np.where(np.isfinite(value), value, 50.0 - np.clip(least, -40.0, 1.0)), error, bars
 
 
-def _evolved(goal: Goal, chain: Chain, rng: np.random.Generator) -> tuple[Floats, Floats, Floats]:
+def _evolve(goal: Goal, chain: Chain, rng: np.random.Generator) -> tuple[Floats, Floats, Floats]:
     """Designs met on the way that were better than what they replaced, and the last population: numbers, error, bars."""
     size = _POPULATION
     sown = rng.normal(size=(_SOWN, chain.size)) + 1j * rng.normal(size=(_SOWN, chain.size))
     x = normed(packed(sown))
-    value, error, bars = _glanced(goal, chain, x)
+    value, error, bars = _glance(goal, chain, x)
     best = np.argsort(value, kind="stable")[:size]
     x = x[best]
     value = value[best]
-    met = [(x, error[best], bars[best])]
-    left = x[:0]
+    better_ones = [(x, error[best], bars[best])]
+    archive = x[:0]
     factor = 0.5
     crossing = 0.5
     numbers = np.arange(size)
@@ -249,23 +256,23 @@ def _evolved(goal: Goal, chain: Chain, rng: np.random.Generator) -> tuple[Floats
         rates = np.clip(rng.normal(crossing, 0.1, size), 0.0, 1.0)
         factors = np.clip(factor + 0.1 * rng.standard_cauchy(size), 0.05, 1.0)
         leaders = np.argsort(value, kind="stable")[: math.ceil(_BEST * size)]
-        pool = np.concatenate([x, left])
+        pool = np.concatenate([x, archive])
         leader = x[rng.choice(leaders, size)]
         one = x[rng.integers(size, size=size)]
         other = pool[rng.integers(len(pool), size=size)]
-        crossed = rng.random(x.shape) < rates[:, None]
-        crossed[numbers, rng.integers(x.shape[1], size=size)] = True
-        tried = np.where(crossed, x + factors[:, None] * (leader - x + one - other), x)
-        then, error, bars = _glanced(goal, chain, tried)
+        inherits = rng.random(x.shape) < rates[:, None]
+        inherits[numbers, rng.integers(x.shape[1], size=size)] = True
+        trial = np.where(inherits, x + factors[:, None] * (leader - x + one - other), x)
+        then, error, bars = _glance(goal, chain, trial)
         better = then < value
         if better.any():
-            left = np.concatenate([left, x[better]])[-size:]
-            met.append((tried[better], error[better], bars[better]))
-            x = normed(np.where(better[:, None], tried, x))
+            archive = np.concatenate([archive, x[better]])[-size:]
+            better_ones.append((trial[better], error[better], bars[better]))
+            x = normed(np.where(better[:, None], trial, x))
             value = np.where(better, then, value)
             factor = 0.9 * factor + 0.1 * float(
                 np.sum(factors[better] ** 2) / np.sum(factors[better])
             )
             crossing = 0.9 * crossing + 0.1 * float(np.mean(rates[better]))
-    numbers_, error, bars = (np.concatenate(parts) for parts in zip(*met, strict=True))
+    numbers_, error, bars = (np.concatenate(parts) for parts in zip(*better_ones, strict=True))
     return numbers_, error, bars

@@ -27,17 +27,13 @@ _THIN = 1e-3  # of the chord: bars below it
 
 @dataclass(frozen=True)
 class Goal:
-    """What a search asks for; lengths in units of the target's points.
-
-    worst, most: error and length of all bars beyond which a design is of no use; shortest: bar that can be made; sine: least
-    of the angle between two bars of a pair.
-    """
+    """What a search asks for; lengths in units of the target's points."""
 
     target: Target
-    worst: float
-    most: float
-    shortest: float = 0.0
-    sine: float = 1e-3
+    worst: float  # error beyond which a design is of no use
+    most: float  # length of all bars, likewise
+    shortest: float = 0.0  # bar that can be made
+    sine: float = 1e-3  # least, of the angle between two bars of a pair
 
     def value(self, error: Floats, bars: Floats, weight: Floats | float) -> Floats:
         """Less is better; (designs,)."""
@@ -48,10 +44,10 @@ class Goal:
         return np.asarray((least >= self.sine) & (np.min(lengths, axis=1) >= self.shortest))
 
 
-def packed(drawn: Points) -> Floats:
+def packed(points: Points) -> Floats:
     """A design's numbers, (designs, 2 points - 2): x and y of all points but O."""
-    moved = drawn[:, 1:] - drawn[:, :1]
-    return np.concatenate([moved.real, moved.imag], axis=1)
+    from_first = points[:, 1:] - points[:, :1]
+    return np.concatenate([from_first.real, from_first.imag], axis=1)
 
 
 def unpacked(numbers: Floats) -> Points:
@@ -62,10 +58,10 @@ def unpacked(numbers: Floats) -> Points:
 
 def normed(numbers: Floats) -> Floats:
     """The same designs with the crank along x and the points at a mean distance of 1 from O."""
-    drawn = unpacked(numbers)
-    size = np.mean(np.abs(drawn[:, 1:]), axis=1)[:, None]
-    along = drawn[:, 1:2] / np.maximum(np.abs(drawn[:, 1:2]), 1e-300)
-    return packed(drawn / (size * along))
+    points = unpacked(numbers)
+    size = np.mean(np.abs(points[:, 1:]), axis=1)[:, None]
+    along = points[:, 1:2] / np.maximum(np.abs(points[:, 1:2]), 1e-300)
+    return packed(points / (size * along))
 
 
 @dataclass(frozen=True)
@@ -73,8 +69,8 @@ class _State:
     """Designs as they lie on the target: paths (steps, designs) and the points that count for it, (4, designs); lengths
     (designs, bars), what is near, and what it costs."""
 
-    laid: Points
-    held: Indices
+    on_target: Points
+    anchors: Indices
     lengths: Floats
     near: Near
     value: Floats
@@ -82,12 +78,16 @@ class _State:
     def mixed(self, other: _State, take: Flags) -> _State:
         """The other's designs where they are taken."""
         lengths = np.where(take[:, None], other.lengths, self.lengths)
-        pairs = ((self.laid, other.laid), (self.held, other.held), (self.value, other.value))
-        laid, held, value = (np.where(take, b, a) for a, b in pairs)
-        return _State(laid, held, lengths, self.near.mixed(other.near, take), value)
+        pairs = (
+            (self.on_target, other.on_target),
+            (self.anchors, other.anchors),
+            (self.value, other.value),
+        )
+        paths, anchors, value = (np.where(take, b, a) for a, b in pairs)
+        return _State(paths, anchors, lengths, self.near.mixed(other.near, take), value)
 
 
-def polished(
+def polish(
     chain: Chain, numbers: Floats, weight: Floats, goal: Goal
 ) -> tuple[Floats, Floats, Floats]:
     """Better designs from given ones, (designs, numbers), each by its own weight: numbers, error, length of all bars."""
@@ -96,52 +96,52 @@ def polished(
     damping = np.full(len(x), 1e-2)
     unit = np.eye(x.shape[1])
     for _ in range(_ROUNDS):
-        slope, bend = _expanded(chain, x, weight, goal, state)
-        held = (
+        slope, bend = _expansion(chain, x, weight, goal, state)
+        damped = (
             bend
             + 1e-6 * unit
             + damping[:, None, None] * unit * np.einsum("ndd->nd", bend)[:, None, :]
         )
-        tried = x - np.linalg.solve(held, slope[:, :, None])[:, :, 0]
-        then = _state(chain, tried, weight, goal)
+        trial = x - np.linalg.solve(damped, slope[:, :, None])[:, :, 0]
+        then = _state(chain, trial, weight, goal)
         better = then.value < state.value
         damping = np.where(better, np.maximum(damping / 4, 1e-5), damping * 5)
-        x = np.where(better[:, None], tried, x)
+        x = np.where(better[:, None], trial, x)
         state = state.mixed(then, better)
     return x, state.near.error, np.sum(state.lengths, axis=1)
 
 
 def _state(chain: Chain, numbers: Floats, weight: Floats, goal: Goal) -> _State:
-    drawn = unpacked(numbers)
-    paths, least = chain.trace(drawn, _STEPS)
-    laid, factor, held = goal.target.laid(paths)
-    lengths = chain.lengths(drawn) * np.abs(factor)[:, None]
-    near = goal.target.near(laid)
+    points = unpacked(numbers)
+    paths, least = chain.trace(points, _STEPS)
+    placed, factor, anchors = goal.target.on_target(paths)
+    lengths = chain.lengths(points) * np.abs(factor)[:, None]
+    near = goal.target.near(placed)
     near = replace(near, error=np.where(goal.allows(lengths, least), near.error, np.inf))
     return _State(
-        laid, held, lengths, near, goal.value(near.error, np.sum(lengths, axis=1), weight)
+        placed, anchors, lengths, near, goal.value(near.error, np.sum(lengths, axis=1), weight)
     )
 
 
-def _expanded(
+def _expansion(
     chain: Chain, numbers: Floats, weight: Floats, goal: Goal, state: _State
 ) -> tuple[Floats, Floats]:
     """Slope (designs, numbers) and approximate second derivative of the value."""
     designs, count = numbers.shape
-    moved = np.repeat(numbers[:, None], count, axis=1)
-    moved[:, np.arange(count), np.arange(count)] += _SHARE
-    drawn = unpacked(moved.reshape(-1, count))
-    laid, factor = goal.target.laid_by(
-        chain.trace(drawn, _STEPS)[0], np.repeat(state.held, count, axis=1)
+    variants = np.repeat(numbers[:, None], count, axis=1)
+    variants[:, np.arange(count), np.arange(count)] += _SHARE
+    points = unpacked(variants.reshape(-1, count))
+    placed, factor = goal.target.by_anchors(
+        chain.trace(points, _STEPS)[0], np.repeat(state.anchors, count, axis=1)
     )
-    shift = ((laid.reshape(_STEPS, designs, count) - state.laid[:, :, None]) / _SHARE).transpose(
-        1, 0, 2
-    )
-    lengths = (chain.lengths(drawn) * np.abs(factor)[:, None]).reshape(designs, count, -1)
+    shift = (
+        (placed.reshape(_STEPS, designs, count) - state.on_target[:, :, None]) / _SHARE
+    ).transpose(1, 0, 2)
+    lengths = (chain.lengths(points) * np.abs(factor)[:, None]).reshape(designs, count, -1)
     longer = (lengths - state.lengths[:, None]) / _SHARE
 
     small = _SMALL * goal.target.chord
-    paths = state.laid.T
+    paths = state.on_target.T
     near = state.near
     slope = np.einsum("ndb->nd", longer) * (weight / goal.most)[:, None]
     # a length as the square of its root: the step's second derivative stays positive
@@ -153,9 +153,9 @@ def _expanded(
     moves = np.take_along_axis(shift, near.nearest[:, :, None], axis=1)
     for gap, move in ((paths - near.goal, shift), (back - near.wanted, moves)):
         distance = np.maximum(np.abs(gap), 1e-12)
-        grown = (np.conj(gap / distance)[:, :, None] * move).real  # slope of each distance
+        slopes = (np.conj(gap / distance)[:, :, None] * move).real  # slope of each distance
         share = 1 / (goal.worst * gap.shape[1])
-        heavy = (grown * (share / np.maximum(distance, small))[:, :, None]).transpose(0, 2, 1)
+        heavy = (slopes * (share / np.maximum(distance, small))[:, :, None]).transpose(0, 2, 1)
         slope += (heavy @ distance[:, :, None])[:, :, 0]
-        bend += heavy @ grown
+        bend += heavy @ slopes
     return slope, bend

@@ -18,9 +18,9 @@ from camgen import spec as specs
 from camgen.design.chains import chains
 from camgen.design.keys import Search
 from camgen.design.linkages import Candidate
-from camgen.design.paths import Found
+from camgen.design.paths import ChainDesign
+from camgen.design.prototype import Prototype
 from camgen.design.wanted import FunctionWish, KeyWish, PathWish, asked_for, wish, without
-from camgen.design.weighed import Weighed
 from camgen.edits import edited, with_tables
 from camgen.errors import DesignError, Fault, FileError, SpecError, counted, dotted, file_errors
 from camgen.machines.sources import Source, changed, read_mechanism, read_tables
@@ -32,9 +32,9 @@ from camgen.workers import Workers
 if TYPE_CHECKING:
     from camgen.parts.generator.sizes import Parts
 
-Told = Callable[[str], None]
+Say = Callable[[str], None]
 
-_FOUND = (
+_MADE = (
     "points",
     "links",
     "lengths",
@@ -47,7 +47,7 @@ _FOUND = (
 )  # tables that a search makes
 _STEP = 0.02  # least difference of bars of two designs of a front for a path, as a share
 _BEHIND = 0.8  # of the error and bars of a design that could be built: the front reaches to those at most so much worse
-_WEIGHED = 60  # designs for a path whose parts are made; a layer more at most
+_PROTOTYPES = 60  # designs for a path whose parts are made; a layer more at most
 # of the wanted path's longest chord: error, and length of all bars, that a front reaches to
 _WORST = 0.2
 _MOST = 10.0
@@ -57,11 +57,11 @@ class Design(Protocol):
     """A machine that a search found."""
 
     @property
-    def weighed(self) -> Weighed:
+    def prototype(self) -> Prototype:
         """Whether it can be made, and its play."""
 
     @property
-    def drawn(self) -> Drawn:
+    def sketch(self) -> Drawn:
         """What a sketch shows."""
 
     def data(self, tolerance: float | None = None) -> reading.Data:
@@ -76,17 +76,14 @@ D = TypeVar("D", bound=Design)
 
 @dataclass(frozen=True)
 class Front:
-    """Designs that no other one beats: a spec's text for each, the rows of a table, and what a sketch shows.
+    """Designs that no other one beats."""
 
-    title, summary: of the page; axes: the columns that are drawn, one over the other.
-    """
-
-    title: str
+    title: str  # of the page
     summary: str
-    axes: tuple[str, str]
-    texts: Sequence[str]
-    rows: Sequence[Mapping[str, Any]]
-    drawn: Sequence[Drawn]
+    axes: tuple[str, str]  # columns that are drawn, one over the other
+    texts: Sequence[str]  # a spec for each design
+    rows: Sequence[Mapping[str, Any]]  # of the table
+    sketches: Sequence[Drawn]
 
     def write(self, folder: Path) -> None:
         """01.toml, 02.toml, ..., front.csv and front.html; FileError where the folder exists."""
@@ -108,12 +105,13 @@ class Front:
             table.writerows(self.rows)
             (folder / "front.csv").write_text(stream.getvalue(), encoding="utf-8", newline="\n")
         across, up = self.axes
-        said = [
-            f"design {row['design']}: {_told(row, across)}, {_told(row, up)}, {row['verdict']}"
+        captions = [
+            f"design {row['design']}: {_figure_text(row, across)}, {_figure_text(row, up)}, {row['verdict']}"
             for row in self.rows
         ]
         pictures = [
-            (picture(each, words), words) for each, words in zip(self.drawn, said, strict=True)
+            (picture(each, words), words)
+            for each, words in zip(self.sketches, captions, strict=True)
         ]
         write_page(
             folder / "front.html",
@@ -128,7 +126,7 @@ class Front:
         )
 
 
-def _told(row: Mapping[str, Any], name: str) -> str:
+def _figure_text(row: Mapping[str, Any], name: str) -> str:
     """A figure of a row for people, its unit the last word of its name."""
     what, _, unit = name.rpartition("_")
     return f"{what.replace('_', ' ')} {row[name]:.4g} {unit}"
@@ -141,7 +139,7 @@ def design(
     spec: Source,
     settings: Sequence[str] = (),
     jobs: int = 1,
-    told: Told = lambda text: None,
+    say: Say = lambda text: None,
     keep: Keep = None,
 ) -> str:
     """Text of the spec that was found. keep: is handed the front of a search for a linkage, also where none of it will do.
@@ -167,16 +165,16 @@ def design(
         )
     if not kind:
         mechanism = read_mechanism(spec, settings)
-        own = getattr(mechanism, "designed", None)
-        if own is None:
+        designed = getattr(mechanism, "designed", None)
+        if designed is None:
             right = 'a table with path = "..." or function = [...] (a linkage for it), or vary = { key = [least, most] } and '
             raise SpecError(
                 [Fault(("wanted",), "", f'missing: {right}least = "figure"; camgen guide design')],
                 source,
             )
-        return specs.dump(own())
+        return specs.dump(designed())
     search = {"path": _for_path, "function": _for_function, "vary": _for_keys}[kind]
-    return search(Asked(data, source, folder, text, ends, jobs, told, keep))
+    return search(Request(data, source, folder, text, ends, jobs, say, keep))
 
 
 def _text_of(spec: str | Path) -> tuple[str, str]:
@@ -186,187 +184,200 @@ def _text_of(spec: str | Path) -> tuple[str, str]:
 
 
 @dataclass(frozen=True)
-class Asked:
-    """What is asked of a search: the spec's tables, its text where it is to be kept, what its lines end in, and who is told."""
+class Request:
+    """What a search is to do."""
 
-    data: reading.Data
+    data: reading.Data  # tables of the spec
     source: str
     folder: Path
-    text: str | None
-    ends: str
+    text: str | None  # of the spec, where it is to be kept
+    ends: str  # of its lines
     jobs: int
-    told: Told
-    keep: Keep
+    say: Say  # takes a line on how it goes
+    keep: Keep  # takes the front
 
     @cached_property
     def rest(self) -> reading.Data:
         """The tables less [wanted]."""
         return without(self.data)
 
-    def bearing(self, key: str, lash: float | None) -> reading.Data:
+    def with_lash(self, key: str, lash: float | None) -> reading.Data:
         """The tables less [wanted], with the play that a wish bears as limits.KEY."""
         if lash is None:
             return self.rest
         return {**self.rest, "limits": {key: lash, **self.rest.get("limits", {})}}
 
-    def all_right(self, *looks: Callable[[], object]) -> list[Any]:
+    def checked(self, *looks: Callable[[], object]) -> list[Any]:
         """What each look gives; SpecError with the faults of all of them."""
-        found = list[Any]()
+        results = list[Any]()
         faults = dict[Fault, None]()
         for look in looks:
             try:
-                found.append(look())
+                results.append(look())
             except SpecError as error:
                 faults |= dict.fromkeys(error.faults)
         if faults:
             raise SpecError(list(faults), self.source)
-        return found
+        return results
 
-    def handed_over(
-        self, front: Sequence[D], title: str, summary: str, axes: tuple[str, str], said: str
+    def front_rows(
+        self, front: Sequence[D], title: str, summary: str, axes: tuple[str, str], note: str
     ) -> list[dict[str, Any]]:
         """The rows of a front, which is kept where that is asked for."""
         rows = []
         for number, each in enumerate(front, 1):
-            self.told(f"parts of design {number} of {len(front)}")
+            self.say(f"parts of design {number} of {len(front)}")
             rows.append(each.row(number))
         if self.keep is not None:
-            texts = [self.spec_of(each, said, None) for each in front]
+            texts = [self.spec_of(each, note, None) for each in front]
             name = str(self.data.get("name"))
             self.keep(
                 Front(
-                    f"{title} of {name}", summary, axes, texts, rows, [each.drawn for each in front]
+                    f"{title} of {name}",
+                    summary,
+                    axes,
+                    texts,
+                    rows,
+                    [each.sketch for each in front],
                 )
             )
         return rows
 
-    def spec_of(self, each: Design, said: str, tolerance: float | None) -> str:
+    def spec_of(self, each: Design, note: str, tolerance: float | None) -> str:
         """The spec of a design: the text that was given with what was found, or one of its own."""
         from camgen.machines import MECHANISMS, load
 
         data = each.data(tolerance)
         if self.text is None:
             return specs.dump(specs.validate(load(specs.choose(data, MECHANISMS)), data))
-        added = (
+        keys = (
             "points",
             "links",
             "drive",
             "output",
             *(["limits"] if "lash" in self.data["wanted"] else []),
         )
-        return with_tables(self.text, {key: data[key] for key in added}, ["wanted"], said).replace(
+        return with_tables(self.text, {key: data[key] for key in keys}, ["wanted"], note).replace(
             "\n", self.ends
         )
 
 
-def _for_keys(asked: Asked) -> str:
+def _for_keys(request: Request) -> str:
     def keys() -> KeyWish:
-        found = wish(asked.data, asked.source)
-        assert isinstance(found, KeyWish)
-        wrong = [fault for key, ends in found.vary.items() for fault in _beyond(asked, key, ends)]
+        settings = wish(request.data, request.source)
+        assert isinstance(settings, KeyWish)
+        wrong = [
+            fault for key, ends in settings.vary.items() for fault in _beyond(request, key, ends)
+        ]
         if wrong:
-            raise SpecError(wrong, asked.source)
-        return found
+            raise SpecError(wrong, request.source)
+        return settings
 
-    *_, wanted = asked.all_right(lambda: changed(asked.rest, asked.source, asked.folder), keys)
-    found = Search(asked.rest, asked.source, asked.folder, wanted, asked.told).found()
-    if asked.text is not None:
-        return with_tables(edited(asked.text, found), {}, ["wanted"]).replace("\n", asked.ends)
-    rest = asked.rest
-    for setting in found:
+    *_, goal = request.checked(lambda: changed(request.rest, request.source, request.folder), keys)
+    settings = Search(request.rest, request.source, request.folder, goal, request.say).run()
+    if request.text is not None:
+        return with_tables(edited(request.text, settings), {}, ["wanted"]).replace(
+            "\n", request.ends
+        )
+    rest = request.rest
+    for setting in settings:
         rest = override(rest, setting)
-    return specs.dump(changed(rest, asked.source, asked.folder))
+    return specs.dump(changed(rest, request.source, request.folder))
 
 
-def _for_function(asked: Asked) -> str:
+def _for_function(request: Request) -> str:
     from camgen.design import functions
 
     def wanted() -> FunctionWish:
-        found = wish(asked.data, asked.source)
+        found = wish(request.data, request.source)
         assert isinstance(found, FunctionWish)
         return found
 
-    *_, found = asked.all_right(lambda: _found_tables(asked), lambda: _checked(asked), wanted)
-    front = functions.search(found, asked.bearing("lash_deg", found.lash))
-    said = "found by camgen design for a function; output.function: its pairs, and how far this machine may be off"
+    *_, found = request.checked(
+        lambda: _refuse_made_tables(request), lambda: _sizes(request), wanted
+    )
+    front = functions.search(found, request.with_lash("lash_deg", found.lash))
+    note = "found by camgen design for a function; output.function: its pairs, and how far this machine may be off"
     summary = (
         f"{len(front)} four-bars: each is nearer to the function than all of better transmission, or transmits better "
         "than all nearer. Design 1 is 01.toml, and so on; what is refused cannot be built as it stands."
     )
     axes = ("worst_error_deg", "transmission_deg")
-    rows = asked.handed_over(front, "Four-bars for the function", summary, axes, said)
+    rows = request.front_rows(front, "Four-bars for the function", summary, axes, note)
 
     def error(each: functions.Generator) -> float:
         return math.degrees(each.error)
 
-    goal = Aim(found, found.borne, "deg", "off at the pairs", "the rocker's swing")
-    best = chosen(front, goal, error, lambda each: each.transmission, lambda each: -each.error)
+    goal = Aim(found, found.allowance, "deg", "off at the pairs", "the rocker's swing")
+    best = choice(front, goal, error, lambda each: each.transmission, lambda each: -each.error)
     row = rows[front.index(best)]
-    asked.told(
+    request.say(
         f"design {row['design']} of {len(front)}: at most {row['worst_error_deg']:.4g} deg off at the pairs, "
         f"transmission angle {row['transmission_deg']:.4g} deg and more"
     )
-    return asked.spec_of(best, said, found.tolerance)
+    return request.spec_of(best, note, found.tolerance)
 
 
-def _for_path(asked: Asked) -> str:
+def _for_path(request: Request) -> str:
     from camgen.design import paths
     from camgen.design.polish import Goal
     from camgen.design.target import Target
 
     def path() -> tuple[PathWish, Points]:
-        found = wish(asked.data, asked.source)
+        found = wish(request.data, request.source)
         assert isinstance(found, PathWish)
-        return found, found.line(asked.folder)
+        return found, found.line(request.folder)
 
-    _, made, (wanted, line) = asked.all_right(
-        lambda: _found_tables(asked), lambda: _checked(asked), path
+    _, sizes, (wanted, line) = request.checked(
+        lambda: _refuse_made_tables(request), lambda: _sizes(request), path
     )
     target = Target(wanted.points(line))
-    aim = Aim(wanted, wanted.borne(target.chord), "mm", "from the path", "the path's longest chord")
-    shortest = wanted.shortest or made.pin_diameter + 2 * made.wall  # of a hub
+    aim = Aim(
+        wanted, wanted.allowance(target.chord), "mm", "from the path", "the path's longest chord"
+    )
+    shortest = wanted.shortest or sizes.pin_diameter + 2 * sizes.wall  # of a hub
     sine = math.sin(math.radians(max(wanted.transmission_deg, 0.1)))
     goal = Goal(target, _WORST * target.chord, _MOST * target.chord, shortest, sine)
     kinds = [
         chain for chain in paths.kinds(wanted.bars // 2, 2) if len(chain.bodies) <= wanted.bars
     ]
-    asked.told(
+    request.say(
         f"searched: {len(kinds)} chain" + ("s; this takes minutes" if len(kinds) > 1 else "")
     )
-    with Workers(asked.jobs) as workers:
-        found = paths.search(goal, kinds, wanted.effort, wanted.seed, workers.map, asked.told)
+    with Workers(request.jobs) as workers:
+        found = paths.search(goal, kinds, wanted.effort, wanted.seed, workers.map, request.say)
     if not found:
         raise DesignError("designs whose chain closes", 0, 1, "", "wanted", wanted.further)
-    tables = asked.bearing("lash", wanted.lash)
-    front = _weighed(
-        found, lambda each: Candidate(each, line, tables, aim.borne, wanted.joined), asked.told
+    tables = request.with_lash("lash", wanted.lash)
+    front = _buildable_front(
+        found, lambda each: Candidate(each, line, tables, aim.allowance, wanted.joined), request.say
     )
     name = wanted.path if isinstance(wanted.path, str) else f"{len(wanted.path)} points"
-    said = f"found by camgen design for the path {name}; output.path: that path, and how far this machine's may be from it"
+    note = f"found by camgen design for the path {name}; output.path: that path, and how far this machine's may be from it"
     summary = (
         f"{len(front)} designs: each is nearer to the path in the mean than all with less bar, or has less bar than all "
         "nearer, of all designs or of those that can be built. Design 1 is 01.toml, and so on; what is refused cannot be "
         "built as it stands."
     )
-    rows = asked.handed_over(
-        front, "Linkages for the path", summary, ("mean_distance_mm", "bars_mm"), said
+    rows = request.front_rows(
+        front, "Linkages for the path", summary, ("mean_distance_mm", "bars_mm"), note
     )
 
     def worth(each: Candidate) -> float:
-        return (1 - each.found.error / goal.worst) * (1 - each.found.bars / goal.most)
+        return (1 - each.design.error / goal.worst) * (1 - each.design.bars / goal.most)
 
-    best = chosen(front, aim, lambda each: each.worst, lambda each: -each.found.bars, worth)
+    best = choice(front, aim, lambda each: each.worst, lambda each: -each.design.bars, worth)
     row = rows[front.index(best)]
-    asked.told(
+    request.say(
         f"design {row['design']} of {len(front)}: at most {best.worst:.4g} mm from the path, "
-        f"{row['mean_distance_mm']:.3g} mm in the mean, bars of {best.found.bars:.4g} mm, "
-        f"play of {best.weighed.lash:.3g} mm"
+        f"{row['mean_distance_mm']:.3g} mm in the mean, bars of {best.design.bars:.4g} mm, "
+        f"play of {best.prototype.lash:.3g} mm"
     )
-    return asked.spec_of(best, said, wanted.tolerance)
+    return request.spec_of(best, note, wanted.tolerance)
 
 
-def _weighed(
-    found: Sequence[Found], made: Callable[[Found], Candidate], told: Told
+def _buildable_front(
+    designs: Sequence[ChainDesign], candidate: Callable[[ChainDesign], Candidate], say: Say
 ) -> list[Candidate]:
     """The front of all designs, that of those that can be made and that of those that are of use, by rising error.
 
@@ -374,76 +385,78 @@ def _weighed(
     """
     from camgen.design import paths
 
-    left = paths.apart(paths.near(found, paths.front(found), _BEHIND))
-    weighed: dict[Found, Candidate] = {}
-    useful: list[Found] = []
-    while left and len(weighed) < _WEIGHED:
-        layer = paths.front(left, _STEP)
-        weighed |= {each: made(each) for each in layer}
-        useful += [each for each in layer if weighed[each].weighed.of_use]
-        told(
-            f"{len(weighed)} designs weighed, {len(useful)} of them can be built and keep what is wanted"
+    remaining = paths.apart(paths.near(designs, paths.front(designs), _BEHIND))
+    candidates: dict[ChainDesign, Candidate] = {}
+    useful: list[ChainDesign] = []
+    while remaining and len(candidates) < _PROTOTYPES:
+        layer = paths.front(remaining, _STEP)
+        candidates |= {each: candidate(each) for each in layer}
+        useful += [each for each in layer if candidates[each].prototype.of_use]
+        say(
+            f"{len(candidates)} designs weighed, {len(useful)} of them can be built and keep what is wanted"
         )
-        left = [
+        remaining = [
             each
-            for each in left
+            for each in remaining
             if each not in layer
             and not any(one.error <= each.error and one.bars <= each.bars for one in useful)
         ]
-    buildable = [each for each in weighed if not weighed[each].weighed.unmade]
-    shown = {
-        *paths.front(weighed, _STEP),
+    buildable = [each for each in candidates if not candidates[each].prototype.obstacle]
+    front = {
+        *paths.front(candidates, _STEP),
         *paths.front(buildable, _STEP),
         *paths.front(useful, _STEP),
     }
-    return [weighed[each] for each in sorted(shown, key=lambda each: (each.error, each.bars))]
+    return [candidates[each] for each in sorted(front, key=lambda each: (each.error, each.bars))]
 
 
-def _found_tables(asked: Asked) -> None:
+def _refuse_made_tables(request: Request) -> None:
     """SpecError for tables that a search makes, and for another mechanism."""
     right = "nothing here: it is found, with [points], [links] and [[output]]"
-    faults = [Fault((key,), "a table", right) for key in _FOUND if key in asked.rest]
-    if asked.data.get("mechanism") != "linkage":
+    faults = [Fault((key,), "a table", right) for key in _MADE if key in request.rest]
+    if request.data.get("mechanism") != "linkage":
         faults.append(
             Fault(
                 ("mechanism",),
-                str(asked.data.get("mechanism")),
-                f'"linkage", for a {asked_for(asked.data)}',
+                str(request.data.get("mechanism")),
+                f'"linkage", for a {asked_for(request.data)}',
             )
         )
     if faults:
-        raise SpecError(faults, asked.source)
+        raise SpecError(faults, request.source)
 
 
-def _checked(asked: Asked) -> Parts:
+def _sizes(request: Request) -> Parts:
     """Sizes of the parts; SpecError with the faults of everything that is not found, before a search: seen with a four-bar."""
     from camgen.machines.linkage.mechanism import Linkage
 
-    drawn = (0j, 20 + 0j, 70 + 0j, 45 + 40j, 20 + 60j)
-    own = {key: value for key, value in asked.rest.items() if key not in _FOUND} | {
+    points = (0j, 20 + 0j, 70 + 0j, 45 + 40j, 20 + 60j)
+    tables = {key: value for key, value in request.rest.items() if key not in _MADE} | {
         "mechanism": "linkage"
     }
-    any_one = Candidate(Found(chains(2, 1)[0], drawn, 0.0, 0.0), np.array(drawn), own, 1.0)
-    return specs.validate(Linkage, any_one.data(1.0), asked.source).making
+    any_one = Candidate(
+        ChainDesign(chains(2, 1)[0], points, 0.0, 0.0), np.array(points), tables, 1.0
+    )
+    return specs.validate(Linkage, any_one.data(1.0), request.source).making
 
 
-def _beyond(asked: Asked, key: str, ends: Sequence[float | str]) -> list[Fault]:
+def _beyond(request: Request, key: str, ends: Sequence[float | str]) -> list[Fault]:
     """What is wrong with a key that varies, at both ends or each word by itself: no such key, or a value that it cannot have."""
     for value in ends:
         try:
-            changed(asked.rest, asked.source, asked.folder, [f"{key}={value!r}"])
+            changed(request.rest, request.source, request.folder, [f"{key}={value!r}"])
         except SpecError as error:
-            own = [fault for fault in error.faults if dotted(fault.path) == key or not value]
-            own = own or [
+            own_faults = [fault for fault in error.faults if dotted(fault.path) == key or not value]
+            own_faults = own_faults or [
                 fault
                 for fault in error.faults
                 if fault.unknown or fault.source == "--set" and not fault.path
             ]
-            if own:
-                shown = value if isinstance(value, str) else f"{value:g}"
+            if own_faults:
+                text = value if isinstance(value, str) else f"{value:g}"
                 return [
-                    Fault(("wanted", "vary", key), shown, fault.expected, fault.nearest)
-                    for fault in own
+                    Fault(("wanted", "vary", key), text, fault.expected, fault.nearest)
+                    for fault in own_faults
                 ]
     return []
 
@@ -453,13 +466,13 @@ class Aim:
     """What a design must keep to be chosen, and how that is said."""
 
     wish: PathWish | FunctionWish
-    borne: float  # how far it may be off
+    allowance: float  # how far it may be off
     unit: str  # of that
     off: str  # what an error is
     size: str  # that of which a twentieth is borne without a tolerance
 
 
-def chosen(
+def choice(
     front: Sequence[D],
     aim: Aim,
     error: Callable[[D], float],
@@ -470,8 +483,8 @@ def chosen(
     one the `best`; DesignError."""
     wanted = aim.wish
     unit = aim.unit
-    made = [each for each in front if not each.weighed.unmade]
-    if not made:
+    buildable = [each for each in front if not each.prototype.obstacle]
+    if not buildable:
         room = "a larger wanted.frame" if isinstance(wanted, FunctionWish) else wanted.further
         raise DesignError(
             "buildable designs",
@@ -480,45 +493,47 @@ def chosen(
             "",
             f"front of {len(front)}",
             f"{room}, or thinner parts",
-            f"none of {len(front)} designs can be built; the first: {front[0].weighed.unmade}",
+            f"none of {len(front)} designs can be built; the first: {front[0].prototype.obstacle}",
         )
     if wanted.lash is not None:
-        tight = [each for each in made if each.weighed.lash <= wanted.lash]
+        tight = [each for each in buildable if each.prototype.lash <= wanted.lash]
         if not tight:
-            least = min(each.weighed.lash for each in made)
+            least = min(each.prototype.lash for each in buildable)
             remedy = "a smaller print.slide_clearance, or more play"
             raise DesignError(
                 "wanted.lash", least, wanted.lash, unit, "the tightest buildable design", remedy
             )
-        made = tight
-    can = [each for each in made if not each.weighed.failing]
+        buildable = tight
+    can = [each for each in buildable if not each.prototype.failures]
     if not can:
-        nearest = min(made, key=error).weighed
-        many = counted(len(made), "buildable design")
-        only_play = {each.code for each in nearest.failing} == {"LASH"}
+        nearest = min(buildable, key=error).prototype
+        many = counted(len(buildable), "buildable design")
+        only_play = {each.code for each in nearest.failures} == {"LASH"}
         remedy = (
             "a smaller print.slide_clearance, or the wanted.lash that will do"
             if only_play
             else "wider [limits]"
         )
-        said = f"none of {many} keeps its limits; the nearest to what is wanted: {nearest.refused}"
-        raise DesignError("designs that keep their limits", 0, 1, "", many, remedy, said)
-    near = [each for each in can if error(each) <= aim.borne]
+        message = (
+            f"none of {many} keeps its limits; the nearest to what is wanted: {nearest.refusal}"
+        )
+        raise DesignError("designs that keep their limits", 0, 1, "", many, remedy, message)
+    near = [each for each in can if error(each) <= aim.allowance]
     least = min(map(error, can))
     if not near and wanted.tolerance is None:
         raise DesignError(
             f"distance {aim.off}",
             least,
-            aim.borne,
+            aim.allowance,
             unit,
             "the nearest buildable design",
             f"{wanted.further}, or the wanted.tolerance that will do",
             f"the nearest buildable design is {least:.4g} {unit} {aim.off}; without wanted.tolerance a twentieth of {aim.size} "
-            f"is borne, {aim.borne:.4g} {unit}",
+            f"is borne, {aim.allowance:.4g} {unit}",
         )
     if not near:
         remedy = f"{wanted.further}, or a wider wanted.tolerance"
         raise DesignError(
-            "wanted.tolerance", least, aim.borne, unit, "the nearest buildable design", remedy
+            "wanted.tolerance", least, aim.allowance, unit, "the nearest buildable design", remedy
         )
     return max(near, key=best if wanted.tolerance is None else within)

@@ -41,12 +41,12 @@ class Near:
 
     def mixed(self, other: Near, take: Flags) -> Near:
         """The other's paths where they are taken, (paths,)."""
-        aside = take[:, None]
+        column = take[:, None]
         return Near(
             np.where(take, other.error, self.error),
-            np.where(aside, other.goal, self.goal),
-            np.where(aside, other.wanted, self.wanted),
-            np.where(aside, other.nearest, self.nearest),
+            np.where(column, other.goal, self.goal),
+            np.where(column, other.wanted, self.wanted),
+            np.where(column, other.nearest, self.nearest),
         )
 
 
@@ -58,17 +58,17 @@ class Target:
 
         chord = _farthest(points)
         self.chord = abs(chord)
-        turned = points * np.conj(chord) / abs(chord)
-        self.senses = tuple(_to_corner(each) for each in (turned, -turned))
+        along_chord = points * np.conj(chord) / abs(chord)
+        self.senses = tuple(_to_corner(each) for each in (along_chord, -along_chord))
         turns = (chord / abs(chord), -chord / abs(chord))
         # how each sense goes back to the points as they were given: turn, and where its corner is
         self.placed = tuple(
             (turn, complex(points[0] - turn * sense[0]))
             for turn, sense in zip(turns, self.senses, strict=True)
         )
-        picked = _spread(points, min(_MANY, len(points)))
-        self.many = tuple(sense[picked] for sense in self.senses)
-        self.few = tuple(sense[picked[:_FEW]] for sense in self.senses)
+        sample = _spread(points, min(_MANY, len(points)))
+        self.many = tuple(sense[sample] for sense in self.senses)
+        self.few = tuple(sense[sample[:_FEW]] for sense in self.senses)
         self.trees = tuple(
             cKDTree(np.stack([sense.real, sense.imag], axis=-1)) for sense in self.senses
         )
@@ -82,66 +82,69 @@ class Target:
         distances = tree.query(np.stack(np.meshgrid(x, y), axis=-1))[0]  # type: ignore[attr-defined]
         return np.asarray(distances, dtype=np.float32)
 
-    def laid(self, paths: Points) -> tuple[Points, Points, Indices]:
+    def on_target(self, paths: Points) -> tuple[Points, Points, Indices]:
         """Paths (steps, designs) as they lie on the target, the complex factor that did it (scale and turn), (designs,), and
         the points that count for it, (4, designs): ends of the chord, least x, least y."""
         ends = _ends(paths)
-        turned = paths * self._factor(paths, ends)
-        held = np.stack([*ends, np.argmin(turned.real, axis=0), np.argmin(turned.imag, axis=0)])
-        return *self.laid_by(paths, held), held
+        oriented = paths * self._factor(paths, ends)
+        anchors = np.stack(
+            [*ends, np.argmin(oriented.real, axis=0), np.argmin(oriented.imag, axis=0)]
+        )
+        return *self.by_anchors(paths, anchors), anchors
 
-    def laid_by(self, paths: Points, held: Indices) -> tuple[Points, Points]:
+    def by_anchors(self, paths: Points, anchors: Indices) -> tuple[Points, Points]:
         """The same where it is known which points count, as for paths that hardly differ."""
-        factor = self._factor(paths, held[:2])
-        own = np.arange(paths.shape[1])
+        factor = self._factor(paths, anchors[:2])
+        number = np.arange(paths.shape[1])
         return paths * factor - (
-            (paths[held[2], own] * factor).real + 1j * (paths[held[3], own] * factor).imag
+            (paths[anchors[2], number] * factor).real
+            + 1j * (paths[anchors[3], number] * factor).imag
         ), factor
 
     def _factor(self, paths: Points, ends: Indices) -> Points:
-        own = np.arange(paths.shape[1])
-        chord = paths[ends[1], own] - paths[ends[0], own]
+        number = np.arange(paths.shape[1])
+        chord = paths[ends[1], number] - paths[ends[0], number]
         return np.asarray(
             np.conj(chord) * (self.chord / np.maximum(np.abs(chord) ** 2, 1e-300)), complex
         )
 
-    def glance(self, laid: Points) -> Floats:
+    def glance(self, paths: Points) -> Floats:
         """Error of each path, (designs,), by the grid and few points: within a few hundredths of the spacing of the points."""
-        found = np.empty(laid.shape[1])
-        ways = np.stack([self._looked_up(grid, laid) for grid in self.grids])
-        better = np.argmin(ways + [_from_points(few[:_FEWEST], laid) for few in self.few], axis=0)
+        error = np.empty(paths.shape[1])
+        ways = np.stack([self._look_up(grid, paths) for grid in self.grids])
+        better = np.argmin(ways + [_from_points(few[:_FEWEST], paths) for few in self.few], axis=0)
         for sense, few in enumerate(self.few):
-            own = np.flatnonzero(better == sense)
-            if own.size:
-                found[own] = ways[sense, own] + _from_points(few, laid[:, own])
-        return found
+            members = np.flatnonzero(better == sense)
+            if members.size:
+                error[members] = ways[sense, members] + _from_points(few, paths[:, members])
+        return error
 
-    def _looked_up(self, grid: Floats, laid: Points) -> Floats:
+    def _look_up(self, grid: Floats, paths: Points) -> Floats:
         column = np.clip(
-            np.rint(laid.real / self.cell).astype(np.int32) + _MARGIN, 0, grid.shape[1] - 1
+            np.rint(paths.real / self.cell).astype(np.int32) + _MARGIN, 0, grid.shape[1] - 1
         )
         row = np.clip(
-            np.rint(laid.imag / self.cell).astype(np.int32) + _MARGIN, 0, grid.shape[0] - 1
+            np.rint(paths.imag / self.cell).astype(np.int32) + _MARGIN, 0, grid.shape[0] - 1
         )
         return np.asarray(np.mean(grid[row, column], axis=0))
 
-    def near(self, laid: Points) -> Near:
+    def near(self, paths: Points) -> Near:
         """What lies next to what, for a refinement: of the better sense of each path."""
-        both = [self._near(sense, laid) for sense in (0, 1)]
+        both = [self._near(sense, paths) for sense in (0, 1)]
         return both[0].mixed(both[1], both[1].error < both[0].error)
 
-    def _near(self, sense: int, laid: Points) -> Near:
-        out, goal = self.trees[sense].query(np.stack([laid.real.T, laid.imag.T], axis=-1))
-        wanted = self.many[sense]
-        nearest = np.empty((laid.shape[1], len(wanted)), dtype=np.intp)
-        level = np.stack([-wanted.real, -wanted.imag, np.ones(len(wanted))], axis=1)
-        for k, path in enumerate(laid.T):  # half of the distance's square, less what all have
+    def _near(self, sense: int, paths: Points) -> Near:
+        out, goal = self.trees[sense].query(np.stack([paths.real.T, paths.imag.T], axis=-1))
+        places = self.many[sense]
+        nearest = np.empty((paths.shape[1], len(places)), dtype=np.intp)
+        level = np.stack([-places.real, -places.imag, np.ones(len(places))], axis=1)
+        for k, path in enumerate(paths.T):  # half of the distance's square, less what all have
             nearest[k] = np.argmin(
                 level @ np.stack([path.real, path.imag, 0.5 * np.abs(path) ** 2]), axis=1
             )
-        back = np.abs(wanted - np.take_along_axis(laid.T, nearest, axis=1))
+        back = np.abs(places - np.take_along_axis(paths.T, nearest, axis=1))
         error = np.mean(out, axis=1) + np.mean(back, axis=1)
-        return Near(error, self.senses[sense][goal], np.broadcast_to(wanted, back.shape), nearest)
+        return Near(error, self.senses[sense][goal], np.broadcast_to(places, back.shape), nearest)
 
     def measured(self, path: Points) -> tuple[float, complex, complex]:
         """Error of one path by all its points and all of the target's, nothing left out or taken from a grid; and how it lies
@@ -150,8 +153,8 @@ class Target:
 
         chord = _farthest(path)
         factor = np.conj(chord) / abs(chord) ** 2 * self.chord
-        laid = _to_corner(path * factor)
-        places = np.stack([laid.real, laid.imag], axis=-1)
+        placed = _to_corner(path * factor)
+        places = np.stack([placed.real, placed.imag], axis=-1)
         tree = cKDTree(places)
         errors = [
             float(
@@ -164,7 +167,7 @@ class Target:
         return (
             min(errors),
             complex(factor * turn),
-            complex(corner + turn * (laid[0] - path[0] * factor)),
+            complex(corner + turn * (placed[0] - path[0] * factor)),
         )
 
 
@@ -179,10 +182,10 @@ def _ends(paths: Points) -> Indices:
     angles = math.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
     directions = np.stack([np.cos(angles), np.sin(angles)]).astype(np.float32)
     reach = np.stack([paths.real.T, paths.imag.T], axis=-1).astype(np.float32) @ directions
-    own = np.arange(paths.shape[1])[:, None]
+    number = np.arange(paths.shape[1])[:, None]
     high = np.argmax(reach, axis=1)
     low = np.argmin(reach, axis=1)
-    chords = paths.T[own, high] - paths.T[own, low]
+    chords = paths.T[number, high] - paths.T[number, low]
     best = np.argmax(chords.real**2 + chords.imag**2, axis=1)[:, None]
     return np.stack([np.take_along_axis(each, best, axis=1)[:, 0] for each in (low, high)])
 
@@ -204,25 +207,25 @@ def _farthest(points: Points) -> complex:
 
 def _spread(points: Points, count: int) -> Indices:
     """Numbers of points far from each other: each next one is the farthest from those taken."""
-    taken = [0]
+    sample = [0]
     gap = np.abs(points - points[0])
-    while len(taken) < count:
-        taken.append(int(np.argmax(gap)))
-        gap = np.minimum(gap, np.abs(points - points[taken[-1]]))
-    return np.asarray(taken, dtype=np.intp)
+    while len(sample) < count:
+        sample.append(int(np.argmax(gap)))
+        gap = np.minimum(gap, np.abs(points - points[sample[-1]]))
+    return np.asarray(sample, dtype=np.intp)
 
 
-def _from_points(points: Points, laid: Points) -> Floats:
+def _from_points(points: Points, paths: Points) -> Floats:
     """Mean distance from the points to the nearest one of each path, (designs,)."""
-    x, y = (np.ascontiguousarray(part, dtype=np.float32) for part in (laid.real.T, laid.imag.T))
+    x, y = (np.ascontiguousarray(part, dtype=np.float32) for part in (paths.real.T, paths.imag.T))
     px, py = (part.astype(np.float32)[:, None, None] for part in (points.real, points.imag))
-    found = np.empty(laid.shape[1])
-    for first in range(0, len(found), _BLOCK):
-        own = slice(first, first + _BLOCK)
-        square = x[None, own] - px
+    distances = np.empty(paths.shape[1])
+    for first in range(0, len(distances), _BLOCK):
+        block = slice(first, first + _BLOCK)
+        square = x[None, block] - px
         square *= square
-        more = y[None, own] - py
+        more = y[None, block] - py
         more *= more
         square += more
-        found[own] = np.mean(np.sqrt(np.min(square, axis=2)), axis=0)
-    return found
+        distances[block] = np.mean(np.sqrt(np.min(square, axis=2)), axis=0)
+    return distances

@@ -60,7 +60,7 @@ class PathWish(Record):
         0, description="another one begins from other drawings"
     )
 
-    def borne(self, size: float) -> float:
+    def allowance(self, size: float) -> float:
         """How far path and points may be apart, mm; size: the longest chord of the path, mm."""
         return self.tolerance or float(f"{size / _OF_USE:.4g}")
 
@@ -71,8 +71,8 @@ class PathWish(Record):
 
     def line(self, folder: Path) -> Points:
         """Its corners in their order, or its places where no lines join them; SpecError or FileError where they are no path."""
-        given = _table(_named(self.path, folder)) if isinstance(self.path, str) else self.path
-        z = np.array([complex(*place) for place in given], complex)
+        corners = _table(_named(self.path, folder)) if isinstance(self.path, str) else self.path
+        z = np.array([complex(*place) for place in corners], complex)
         z = z[np.abs(np.diff(z, prepend=np.nan)) != 0] if self.joined else np.unique(z)
         box = max(np.ptp(z.real), np.ptp(z.imag)) if z.size else 0.0
         if z.size < 3 or box < 1e-3:
@@ -88,8 +88,8 @@ class PathWish(Record):
         steps = np.abs(np.diff(z)) if self.joined else np.zeros(1)
         if steps.sum() > _TWICE * 2 * (np.ptp(z.real) + np.ptp(z.imag)):
             right = "points in the order of the path, or wanted.joined = false for a cloud of them"
-            said = f"a line of {steps.sum():.6g} mm through all points in a box of {box:.6g}"
-            raise SpecError([Fault(("wanted", "path"), said, right)])
+            message = f"a line of {steps.sum():.6g} mm through all points in a box of {box:.6g}"
+            raise SpecError([Fault(("wanted", "path"), message, right)])
         return np.asarray(z)
 
     def points(self, line: Points) -> Points:
@@ -141,7 +141,7 @@ class FunctionWish(Record):
         return "a greater wanted.longest, a smaller wanted.shortest or wanted.transmission_deg"
 
     @property
-    def borne(self) -> float:
+    def allowance(self) -> float:
         """How far the rocker may be off, deg."""
         rocker = [b for _, b in self.function]
         return self.tolerance or (max(rocker) - min(rocker)) / _OF_USE
@@ -154,10 +154,10 @@ class FunctionWish(Record):
 
     def faults(self) -> list[Fault]:
         """What does not go together."""
-        found = []
+        faults = []
         crank = sorted(a for a, _ in self.function)
         near = [a for a, b in itertools.pairwise(crank) if b - a < 1e-6]
-        found += [
+        faults += [
             Fault(
                 ("wanted", "function"),
                 f"crank angle {a:g} twice",
@@ -166,7 +166,7 @@ class FunctionWish(Record):
             for a in near[:3]
         ]
         if crank[-1] - crank[0] > 360:
-            found.append(
+            faults.append(
                 Fault(
                     ("wanted", "function"),
                     f"a range of {crank[-1] - crank[0]:g} deg",
@@ -174,21 +174,21 @@ class FunctionWish(Record):
                 )
             )
         if len({b for _, b in self.function}) == 1:
-            found.append(Fault(("wanted", "function"), "the rocker rests", "a rocker that turns"))
+            faults.append(Fault(("wanted", "function"), "the rocker rests", "a rocker that turns"))
         sides = (
             ("shortest", self.shortest, self.shares[0] > 1),
             ("longest", self.longest, self.shares[1] < 1),
         )
         for key, value, wrong in sides:
             if wrong:
-                found.append(
+                faults.append(
                     Fault(
                         ("wanted", key),
                         f"{value:g}",
                         f"wanted.frame, {self.frame:g}, lies between both",
                     )
                 )
-        return found
+        return faults
 
 
 class KeyWish(Record):
@@ -213,31 +213,35 @@ class KeyWish(Record):
 
     def faults(self) -> list[Fault]:
         """What does not go together."""
-        found = []
+        faults = []
         for key, ends in self.vary.items():
             if isinstance(ends[0], str) and len(set(ends)) < len(ends):
-                found.append(
+                faults.append(
                     Fault(("wanted", "vary", key), ", ".join(map(str, ends)), "each word once")
                 )
             elif not isinstance(ends[0], str) and not ends[0] < ends[1]:
-                said = f"[{ends[0]:g}, {ends[1]:g}]"
-                found.append(
-                    Fault(("wanted", "vary", key), said, "the least value first, then the greatest")
+                ends_text = f"[{ends[0]:g}, {ends[1]:g}]"
+                faults.append(
+                    Fault(
+                        ("wanted", "vary", key),
+                        ends_text,
+                        "the least value first, then the greatest",
+                    )
                 )
-        found += [
+        faults += [
             Fault(("wanted", "vary", key), key, "a key of the spec, such as geometry.base_radius")
             for key in self.vary
             if not re.fullmatch(r"[\w.\-]+", key)
         ]
         if (self.least is None) == (self.most is None):
-            found.append(
+            faults.append(
                 Fault(
                     ("wanted", "least"),
                     "",
                     "one of wanted.least and wanted.most: what the search is for",
                 )
             )
-        found += [
+        faults += [
             Fault(
                 ("wanted", "figures", name),
                 f"[{low:g}, {high:g}]",
@@ -246,7 +250,7 @@ class KeyWish(Record):
             for name, (low, high) in self.figures.items()
             if not low <= high
         ]
-        return found
+        return faults
 
 
 class _AsksPath(Checked):
@@ -283,10 +287,10 @@ def wish(data: Mapping[str, Any], source: str) -> PathWish | FunctionWish | KeyW
     kind = asked_for(data)
     if not kind:
         return None
-    found: PathWish | FunctionWish | KeyWish = validate(
+    record: PathWish | FunctionWish | KeyWish = validate(
         _KINDS[kind], {"wanted": data["wanted"]}, source
     ).wanted
-    return found
+    return record
 
 
 def without(data: Data) -> Data:
@@ -296,8 +300,8 @@ def without(data: Data) -> Data:
 
 def _named(path: str, folder: Path) -> Path:
     """The file that a wish names, seen from the folder of its spec."""
-    (named,) = references({"wanted": {"path": path}})
-    return named.file(folder)
+    (reference,) = references({"wanted": {"path": path}})
+    return reference.file(folder)
 
 
 def _table(path: Path) -> Sequence[tuple[float, float]]:

@@ -76,22 +76,22 @@ class OnlyHere:
         length = headers.get("content-length", "0")
         first = scope["path"].removeprefix("/").partition("/")[0]
         if not _HERE.fullmatch(host):
-            said = "this page is for this machine alone: its address is 127.0.0.1"
+            message = "this page is for this machine alone: its address is 127.0.0.1"
             status = 403
         elif not secrets.compare_digest(first.encode("utf-8", "replace"), self.word.encode()):
-            said = "the address is another one: open the one that the terminal shows, which is new at each start"
+            message = "the address is another one: open the one that the terminal shows, which is new at each start"
             status = 403
         elif scope["method"] not in ("GET", "HEAD") and headers.get("origin") != f"http://{host}":
-            said = "only a page of camgen itself may ask for this"
+            message = "only a page of camgen itself may ask for this"
             status = 403
         elif not (
             length.isascii() and length.isdecimal() and len(length) < 10 and int(length) <= _MOST
         ):
-            said = f"at most {_MOST} bytes"
+            message = f"at most {_MOST} bytes"
             status = 413
         else:
             return None
-        return PlainTextResponse(said, status, {"Connection": "close"})
+        return PlainTextResponse(message, status, {"Connection": "close"})
 
 
 class _Answering:

@@ -23,20 +23,16 @@ _AT_ZERO = {"deg": 30.0}  # how far a slider goes from 0, by unit; else 10
 
 @dataclass(frozen=True)
 class Number:
-    """A value of the spec: its dotted key, as of `--set`, what it is now, and how it may change.
+    """A value of the spec, and how it may change."""
 
-    low, high: ends of the slider, within what the schema allows; step: to which it rounds; choices: instead of these, where
-    the value is one of a few.
-    """
-
-    key: str
-    value: float | str | bool
-    low: float = 0.0
+    key: str  # dotted, as of `--set`
+    value: float | str | bool  # what it is now
+    low: float = 0.0  # ends of the slider, within what the schema allows
     high: float = 0.0
-    step: float = 0.0
+    step: float = 0.0  # to which it rounds
     unit: str = ""
     about: str = ""
-    choices: Sequence[str] = ()
+    choices: Sequence[str] = ()  # in place of a slider, where the value is one of a few
 
 
 def numbers(data: Data, schema: Data) -> list[Number]:
@@ -123,10 +119,10 @@ def _slider(value: float, kind: Data, unit: str) -> tuple[float, float, float]:
     return low, high, step
 
 
-def overrides(settings: object, known: Sequence[Number]) -> list[str]:
+def overrides(settings: object, numbers: Sequence[Number]) -> list[str]:
     """Settings that a page sends, {key: text}, as those of `--set`; SpecError for keys that are none of the known ones, and for
     values that are no number and none of the words to choose from."""
-    names = {number.key: number.choices for number in known}
+    names = {number.key: number.choices for number in numbers}
     if not isinstance(settings, Mapping) or len(settings) > len(names):
         raise SpecError(
             [Fault(("settings",), "", f"a table of at most {len(names)} keys and values")], "page"

@@ -23,7 +23,7 @@ from camgen.reading import SPEC_FILE
 if TYPE_CHECKING:
     from starlette.applications import Starlette
 
-    from camgen.live.server import Built
+    from camgen.live.server import LastBuild
 
     Say = Callable[[str], None]
     App = Callable[[str], Starlette]  # of the word in its address
@@ -42,12 +42,14 @@ def explore(spec: Path, out: Path, port: int, browser: bool, say: Say) -> None:
 def watch(spec: Path, out: Path, port: int, browser: bool, say: Say) -> None:
     """Build the spec on each save and serve its report until Ctrl-C; errors as of `explore`."""
     _need()
-    from camgen.live.server import Built, watcher
+    from camgen.live.server import LastBuild, watcher
 
     bounded(spec, SPEC_FILE)
-    built = Built(spec, out)
-    beside = threading.Thread(target=rebuild, args=(built, say), daemon=True)
-    _serve(lambda word: watcher(built, word), port, spec.parent if browser else None, say, beside)
+    last_build = LastBuild(spec, out)
+    beside = threading.Thread(target=rebuild, args=(last_build, say), daemon=True)
+    _serve(
+        lambda word: watcher(last_build, word), port, spec.parent if browser else None, say, beside
+    )
 
 
 def _need() -> None:
@@ -59,43 +61,43 @@ def _need() -> None:
     assert starlette
 
 
-Seen = dict[Path, tuple[int, int, int] | None]
+FileStates = dict[Path, tuple[int, int, int] | None]
 
 
-def seen(files: Sequence[Path]) -> Seen:
+def states_of(files: Sequence[Path]) -> FileStates:
     """Of each file the time of its last change, ns, its bytes and its number on the disc; None where it is not there."""
-    found = Seen()
+    files_ = FileStates()
     for file in files:
         try:
             status = os.stat(file)
         except (OSError, ValueError):
-            found[file] = None
+            files_[file] = None
         else:
-            found[file] = status.st_mtime_ns, status.st_size, status.st_ino
-    return found
+            files_[file] = status.st_mtime_ns, status.st_size, status.st_ino
+    return files_
 
 
-def rebuild(built: Built, say: Say, ended: threading.Event | None = None) -> None:
+def rebuild(last_build: LastBuild, say: Say, stop: threading.Event | None = None) -> None:
     """Build at once, then each time a file that the spec is made of has changed and rests; an editor that replaces the spec is
     waited for."""
-    ended = ended or threading.Event()
-    files = files_of(built.spec)
-    last = Seen()
-    before = Seen()
-    while not ended.is_set():
-        now = seen(files)
-        if now != last and (not last or now == before and now[built.spec] is not None):
-            files = files_of(built.spec)
+    stop = stop or threading.Event()
+    files = files_of(last_build.spec)
+    last = FileStates()
+    before = FileStates()
+    while not stop.is_set():
+        now = states_of(files)
+        if now != last and (not last or now == before and now[last_build.spec] is not None):
+            files = files_of(last_build.spec)
             began = time.perf_counter()
-            last = now = seen(files)
-            answer = built.build([])
+            last = now = states_of(files)
+            answer = last_build.build([])
             say(
                 f"{time.strftime('%H:%M:%S')}  {answer['verdict']}  ({time.perf_counter() - began:.1f} s)"
             )
             for error in answer["errors"]:
                 say(f"  {error}")
         before = now
-        ended.wait(_EVERY)
+        stop.wait(_EVERY)
 
 
 def _serve(
@@ -116,12 +118,12 @@ def _serve(
             raise FileError(
                 f"127.0.0.1:{port}", f"{error.strerror}; choose another --port"
             ) from None
-        known = word()
-        address = f"http://127.0.0.1:{place.getsockname()[1]}/{known}/"
+        secret = word()
+        address = f"http://127.0.0.1:{place.getsockname()[1]}/{secret}/"
         say(f"{address}  (Ctrl-C ends it)")
         server = uvicorn.Server(
             uvicorn.Config(
-                app(known),
+                app(secret),
                 http=Few,
                 ws="none",
                 log_level="error",
@@ -131,9 +133,9 @@ def _serve(
         )
         if beside is not None:
             beside.start()
-        with ExitStack() as held:
+        with ExitStack() as stack:
             if way is not None:
-                page = held.enter_context(_leading_to(address, way))
+                page = stack.enter_context(_leading_to(address, way))
                 threading.Thread(target=webbrowser.open, args=(page.as_uri(),), daemon=True).start()
             try:
                 server.run(sockets=[place])

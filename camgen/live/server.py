@@ -42,7 +42,7 @@ _POLICY = (
 Answer = dict[str, Any]
 
 
-class Built:
+class LastBuild:
     """Builds of one spec into OUT, one at a time; `folder` is that of the last, `number` counts them."""
 
     def __init__(self, spec: Path, out: Path) -> None:
@@ -50,31 +50,31 @@ class Built:
         self.out = out
         self.folder: Path | None = None
         self.number = 0
-        self.said = Answer(building=True)
+        self.answer = Answer(building=True)
         self.lock = Lock()
 
     def build(self, settings: list[str]) -> Answer:
         """Build it with some keys set anew; the answer has its verdict, or why there is none."""
         with self.lock:
-            self.said = Answer(building=True)
+            self.answer = Answer(building=True)
             try:
                 report = build(self.spec, self.out, frozenset(KINDS), settings)
                 assert report.folder is not None, "a build writes a folder"
                 self.folder = Path(report.folder)
-                said = report.verdict
-                left = bool(report.not_judged)
-                self.said = Answer(
-                    ok=report.ok, open=left, verdict=said, errors=[], folder=str(self.folder)
+                verdict = report.verdict
+                open_ = bool(report.not_judged)
+                self.answer = Answer(
+                    ok=report.ok, open=open_, verdict=verdict, errors=[], folder=str(self.folder)
                 )
             except (CamgenError, OSError) as error:
-                self.said = reasons(explained(error))
+                self.answer = reasons(explained(error))
             except Exception as error:  # a fault of ours is told, and does not end the watch
-                self.said = told(
+                self.answer = told(
                     "internal error",
                     [f"{type(error).__name__}: {error}; please report it with the spec"],
                 )
             self.number += 1
-        return self.said
+        return self.answer
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve a file of the last build."""
@@ -101,7 +101,7 @@ class Explorer:
 
     def __init__(self, spec: Path, out: Path) -> None:
         self.spec = spec
-        self.built = Built(spec, out)
+        self.last_build = LastBuild(spec, out)
         self.lock = Lock()
         self.read()
 
@@ -115,34 +115,34 @@ class Explorer:
             reading.read(self.spec), specs.schema(load(kind), kind)
         )
 
-    def preview(self, asked: Answer) -> Answer:
+    def preview(self, request: Answer) -> Answer:
         """A variant's page; quick: without what takes long."""
         with self.lock:
             return preview(
                 self.data,
                 self.source,
                 self.folder,
-                self._settings(asked),
-                asked.get("quick") is True,
+                self._settings(request),
+                request.get("quick") is True,
             )
 
-    def build(self, asked: Answer) -> Answer:
+    def build(self, request: Answer) -> Answer:
         """All files of a variant."""
         self._unchanged()
-        return self.built.build(self._settings(asked))
+        return self.last_build.build(self._settings(request))
 
-    def save(self, asked: Answer) -> Answer:
+    def save(self, request: Answer) -> Answer:
         """Write a variant's values into the spec, which has to be as it was read."""
         with self.lock:
-            settings = self._settings(asked)
+            settings = self._settings(request)
             changed(self.data, self.source, self.folder, settings)
             raw = self._unchanged()
             write(self.spec, edited(raw.decode("utf-8-sig"), settings))
             self.read()
         return Answer(ok=True, verdict=f"saved in {self.spec.name}", errors=[])
 
-    def _settings(self, asked: Answer) -> list[str]:
-        return overrides(asked.get("settings"), self.numbers)
+    def _settings(self, request: Answer) -> list[str]:
+        return overrides(request.get("settings"), self.numbers)
 
     def _unchanged(self) -> bytes:
         raw = read_bytes(self.spec, reading.SPEC_FILE)
@@ -157,11 +157,11 @@ class Explorer:
         """The page, of the spec as it is now."""
         with self.lock:
             self.read()
-        listed = [vars(number) for number in self.numbers]
+        numbers = [vars(number) for number in self.numbers]
         return _page(
             "explore.html",
             self.spec,
-            data=json.dumps(listed, ensure_ascii=False).replace("<", "\\u003c"),
+            data=json.dumps(numbers, ensure_ascii=False).replace("<", "\\u003c"),
         )
 
     def app(self, word: str) -> Starlette:
@@ -169,18 +169,18 @@ class Explorer:
         return _app(
             word,
             self.page,
-            self.built,
+            self.last_build,
             {"/preview": self.preview, "/build": self.build, "/save": self.save},
         )
 
 
-def watcher(built: Built, word: str) -> Starlette:
+def watcher(last_build: LastBuild, word: str) -> Starlette:
     """What serves the report of a spec's last build, below the word, and says when there is a new one."""
 
-    def state(asked: Answer) -> Answer:
-        return {"number": built.number, **built.said}
+    def state(_request: Answer) -> Answer:
+        return {"number": last_build.number, **last_build.answer}
 
-    return _app(word, partial(_page, "watch.html", built.spec), built, {"/state": state})
+    return _app(word, partial(_page, "watch.html", last_build.spec), last_build, {"/state": state})
 
 
 def _page(file: str, spec: Path, **more: str) -> str:
@@ -194,7 +194,7 @@ def _asset(file: str) -> str:
 def _app(
     word: str,
     page: Callable[[], str],
-    built: Built,
+    last_build: LastBuild,
     answers: Mapping[str, Callable[[Answer], Answer]],
 ) -> Starlette:
     """A page, its script and style, the files of the last build, and what the page asks for: JSON to JSON."""
@@ -212,7 +212,7 @@ def _app(
         Route("/", shown),
         Route("/live.js", script),
         Route("/live.css", style),
-        Mount("/out", app=built),
+        Mount("/out", app=last_build),
     ]
     routes += [Route(path, _answering(reply), methods=["POST"]) for path, reply in answers.items()]
     return Starlette(routes=routes, middleware=[Middleware(OnlyHere, word=word)])
@@ -221,15 +221,15 @@ def _app(
 def _answering(reply: Callable[[Answer], Answer]) -> Callable[[Request], Awaitable[Response]]:
     async def answer(request: Request) -> Response:
         try:
-            asked = await request.json()
+            body = await request.json()
         except (ValueError, RecursionError):  # no JSON, or too deep
-            asked = None
-        if not isinstance(asked, dict):
+            body = None
+        if not isinstance(body, dict):
             return _json(
                 told("no valid request", [str(Fault(("request",), "", "a JSON object"))]), 400
             )
         try:
-            return _json(await run_in_threadpool(reply, asked))
+            return _json(await run_in_threadpool(reply, body))
         except (CamgenError, OSError) as error:
             return _json(reasons(explained(error)), 409)
 

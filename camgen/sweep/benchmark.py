@@ -33,7 +33,7 @@ from camgen.geometry.outlines import Contour, Floats, Line, Points, Region
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.cams import judged_angles
 from camgen.judge.measured import Sections, measure_bore
-from camgen.machine.features import Apart, CamOutline, parts_of
+from camgen.machine.features import CamOutline, Passing, parts_of
 from camgen.machine.model import unit_of
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
@@ -56,32 +56,31 @@ _EXACT = 1e-6  # mm, chords of the sections that stand for the exact ones
 
 @dataclass(frozen=True)
 class Row:
-    """One tolerance (mm). By kind of file ("dxf", "stl"): outline, the largest distance of the exact outline from the file's, mm;
-    motion, the largest error of the motion, or of the distances of bodies that pass each other; ripple, share of the greatest
-    speed. size: bytes; seconds: of one core, by stage; faults: what the judge refused. Figures that do not exist are left out.
-    """
+    """What one tolerance gives, by kind of file ("dxf", "stl"); figures that do not exist are left out."""
 
-    tolerance: float
+    tolerance: float  # mm
     vertices: int
     least_vertices: float
     arcs: int
     least_arcs: float
+    # largest distance of the exact outline from the file's, mm
     outline: Mapping[str, float] = field(default_factory=dict)
+    # largest error of the motion, or of the distances of bodies that pass each other
     motion: Mapping[str, float] = field(default_factory=dict)
-    ripple: Mapping[str, float] = field(default_factory=dict)
-    size: Mapping[str, int] = field(default_factory=dict)
-    seconds: Mapping[str, float] = field(default_factory=dict)
-    faults: Sequence[str] = ()
+    ripple: Mapping[str, float] = field(default_factory=dict)  # share of the greatest speed
+    size: Mapping[str, int] = field(default_factory=dict)  # bytes
+    seconds: Mapping[str, float] = field(default_factory=dict)  # of one core, by stage
+    faults: Sequence[str] = ()  # what the judge refused
 
 
 @dataclass(frozen=True)
 class Bench:
-    """The rows of one mechanism; motion: what their `motion` is, with its unit; parts: names of the measured ones."""
+    """The rows of one mechanism."""
 
     name: str
-    motion: str
-    unit: str
-    parts: Sequence[str]
+    motion: str  # what the rows' motion is
+    unit: str  # of that
+    parts: Sequence[str]  # names of those that are measured
     rows: Sequence[Row]
 
 
@@ -115,11 +114,11 @@ def _subjects(mechanism: Mechanism) -> tuple[dict[str, Part], dict[str, Contour]
     """The measured parts, and the outlines by part."""
     contacts = mechanism.assembly.passing
     parts = {part.name: part for part in mechanism.assembly.parts}
-    rolled = {cam.part for cam in _cams(mechanism)}
+    cam_parts = {cam.part for cam in _cams(mechanism)}
     passing = {name for contact in contacts for name in (contact.a, contact.b)}
     touching = parts_of(mechanism.assembly.features) | passing
     even = {name for name, part in parts.items() if part.crossed is None and len(part.layers) == 1}
-    flat = rolled | touching & even or even
+    flat = cam_parts | touching & even or even
     inside = {cam.part for cam in _cams(mechanism) if cam.inside}
     outlines = {}
     for name in (name for name in parts if name in flat):
@@ -173,12 +172,14 @@ def _row(spec: Path, tolerance: float, folder: Path) -> Row:
     ripple: dict[str, float] = {}
     cams = {cam.part: cam for cam in _cams(case.mechanism)}
     for kind in JUDGED:
-        made = meshes if FORMATS[kind].solid else parts
+        originals = meshes if FORMATS[kind].solid else parts
         with stage(f"judge {kind}"):
-            judged = {name: judge_part(case, name, [kind], dimensioned=False) for name in made}
-        read = {name: shapes for name, (_, shapes) in judged.items()}
-        findings = [finding for outcome, _ in judged.values() for finding in outcome.findings]
-        findings += _together(case, kind, read)
+            judgements = {
+                name: judge_part(case, name, [kind], dimensioned=False) for name in originals
+            }
+        shapes_of = {name: shapes for name, (_, shapes) in judgements.items()}
+        findings = [finding for outcome, _ in judgements.values() for finding in outcome.findings]
+        findings += _together(case, kind, shapes_of)
         faults += [
             f"{bad.code} ({bad.where}): {bad.measured:.3g} {bad.unit}, limit {bad.limit:.3g}; {bad.message}"
             for bad in findings
@@ -193,9 +194,9 @@ def _row(spec: Path, tolerance: float, folder: Path) -> Row:
         motion |= {kind: max(errors)} if errors else {}
         ripple |= {kind: max(ripples)} if ripples else {}
         rings = {
-            name: _ring(read[name][kind], cams.get(name))
+            name: _ring(shapes_of[name][kind], cams.get(name))
             for name in outlines
-            if kind in read.get(name, {})
+            if kind in shapes_of.get(name, {})
         }
         if rings and rings.keys() == outlines.keys():
             counts[kind] = sum(len(ring.points) for ring in rings.values())
@@ -227,19 +228,21 @@ def _ring(sections: Sections, cam: CamOutline | None) -> Ring:
     return shape.outer.moved(shift=-away)
 
 
-def _together(case: Case, kind: str, read: Mapping[str, Read]) -> list[Finding]:
+def _together(case: Case, kind: str, shapes_of: Mapping[str, Read]) -> list[Finding]:
     """What only all files of a kind together tell: the motion, and the error of distances."""
     mechanism = case.mechanism
     pairs = case.mechanism.assembly.passing
     if mechanism.assembly.features:
-        moved = judge_motion(mechanism, kind, read, judged_angles())
-        return [] if moved is None else list(moved[0].findings)
+        judgement = judge_motion(mechanism, kind, shapes_of, judged_angles())
+        return [] if judgement is None else list(judgement[0].findings)
     if any(
-        {pair.a, pair.b} - read.keys() for pair in pairs
+        {pair.a, pair.b} - shapes_of.keys() for pair in pairs
     ):  # a part of which no solid could be made
         return []
-    found = list(pass_by(case, [kind]).numbers.values()) if pairs and FORMATS[kind].solid else []
-    if not pairs or len(found) != len(pairs):
+    distances = (
+        list(pass_by(case, [kind]).numbers.values()) if pairs and FORMATS[kind].solid else []
+    )
+    if not pairs or len(distances) != len(pairs):
         return []
     return [
         Finding(
@@ -251,11 +254,11 @@ def _together(case: Case, kind: str, read: Mapping[str, Read]) -> list[Finding]:
             Where(pair.name, part=pair.a, other=pair.b),
             "",
         )
-        for distance, pair in zip(found, pairs, strict=True)
+        for distance, pair in zip(distances, pairs, strict=True)
     ]
 
 
-def _distance(case: Case, pair: Apart) -> float:
+def _distance(case: Case, pair: Passing) -> float:
     """Least distance over the turn of two bodies that shift, from their exact sections, mm."""
     from camgen.judge.clearance import least_distance, meeting
 
@@ -264,14 +267,14 @@ def _distance(case: Case, pair: Apart) -> float:
     def way(theta: Floats) -> Points:
         return np.asarray(poses(theta)[pair.b][0].place - poses(theta)[pair.a][0].place)
 
-    found = []
+    distances = []
     for plane in pair.planes:
         a, b = (
             _section(case.parts[name], plane - poses(np.zeros(1))[name][0].z)
             for name in (pair.a, pair.b)
         )
-        found.append(least_distance(meeting(a, b), way).distance)
-    return min(found)
+        distances.append(least_distance(meeting(a, b), way).distance)
+    return min(distances)
 
 
 def _section(part: Part, height: float) -> list[Points]:

@@ -56,13 +56,13 @@ def sentences(bench: Bench) -> list[str]:
     fine = [
         row for row in bench.rows if row.outline.get("stl", math.inf) <= _FLOOR * row.tolerance
     ]  # float32 takes no part
-    found = _growth(
+    lines = _growth(
         "vertices",
         "STL",
         "1/2",
         [(row.tolerance, row.vertices, row.least_vertices) for row in fine],
     )
-    found += _growth(
+    lines += _growth(
         "arcs",
         "DXF",
         "1/3",
@@ -85,27 +85,27 @@ def sentences(bench: Bench) -> list[str]:
         least = f"{_short(floor, 1)} {unit}"
         setter = f"the {FORMATS[kind].numbers} of {file}" if FORMATS[kind].rounding else "rounding"
         if worst < SAME_POINT:
-            found.append(f"The {file} is exact at every tolerance.")
+            lines.append(f"The {file} is exact at every tolerance.")
         elif worst < _FLAT * floor:
-            found.append(
+            lines.append(
                 f"The {what} of the {file} is {least}, whatever the tolerance: {setter} sets it."
             )
         elif floor <= _FLOOR * ratio * finest:
-            found.append(
+            lines.append(
                 f"The {what} of the {file} follows the tolerance down to {_short(finest, 1)} mm: {least}."
             )
         else:
-            found.append(
+            lines.append(
                 f"Below {_short(floor / ratio, 1)} mm {setter} sets the {what}, {least}: "
                 "a finer tolerance makes only larger files."
             )
     apart = [row.motion["stl"] for row in bench.rows if "stl" in row.motion]
     if apart and not by_motion:
         off = _short(max(apart), 1)
-        found.append(
+        lines.append(
             f"{bench.motion.capitalize()}s of bodies in the STL are within {off} {bench.unit} at every tolerance."
         )
-    return found
+    return lines
 
 
 def _growth(
@@ -138,10 +138,10 @@ def _short(value: float | None, digits: int = 2) -> str:
 
 def accuracy(bench: Bench) -> tuple[list[str], list[list[str]]]:
     """Columns and rows, as text, of what each tolerance gives: counts, and largest errors by kind of file."""
-    moved = f"{bench.motion}, {bench.unit}"
+    motion = f"{bench.motion}, {bench.unit}"
     columns = ["tolerance, mm", "vertices (least)", "arcs (least)"]
     columns += [
-        f"{what} {kind.upper()}" for what in ("outline, mm", moved, "ripple") for kind in JUDGED
+        f"{what} {kind.upper()}" for what in ("outline, mm", motion, "ripple") for kind in JUDGED
     ]
     return columns, [
         [
@@ -192,12 +192,12 @@ def to_text(bench: Bench) -> str:
         console.print(table)
     stream = console.file
     assert isinstance(stream, io.StringIO)
-    told = [
+    faults = [
         fault
         for row in bench.rows
         for fault in (f"at {row.tolerance:g} mm: {each}" for each in row.faults)
     ]
-    return "\n".join([stream.getvalue(), *sentences(bench), *told])
+    return "\n".join([stream.getvalue(), *sentences(bench), *faults])
 
 
 def to_markdown(bench: Bench) -> str:

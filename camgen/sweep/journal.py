@@ -49,13 +49,15 @@ class Journal:
                 self._file.write(head.encode())
             elif first != head.encode():
                 self._file.close()
-                said = "is the journal of another sweep; remove it, or choose another table with -o"
-                raise FileError(path, said)
+                message = (
+                    "is the journal of another sweep; remove it, or choose another table with -o"
+                )
+                raise FileError(path, message)
             else:
-                self._read()
+                self._lines()
             self._file.seek(0, os.SEEK_END)
 
-    def _read(self) -> None:
+    def _lines(self) -> None:
         """Find the rows; what a kill cut off at the end is dropped."""
         place = self._file.tell()
         for line in iter(self._file.readline, b""):
@@ -108,8 +110,8 @@ class Journal:
                     self._file.write(self._line(row))
             self._file.flush()
         except OSError as error:
-            said = f"{error.strerror or error}; {self.done} variants are in it: the same command goes on from there"
-            raise FileError(self.path, said) from None
+            message = f"{error.strerror or error}; {self.done} variants are in it: the same command goes on from there"
+            raise FileError(self.path, message) from None
 
     def rows(self, step: int = 1) -> Iterator[Row]:
         """All rows by the variants' numbers, or every second one, third one...; FileError where one is no longer as written."""
@@ -132,7 +134,7 @@ class Journal:
 
 def _whole(row: Row) -> bool:
     """Whether a row says what every row says, in texts and numbers."""
-    said = all(isinstance(row.get(name), str) for name in ("verdict", "fails", "reason"))
-    return said and all(
+    texts = all(isinstance(row.get(name), str) for name in ("verdict", "fails", "reason"))
+    return texts and all(
         value is None or isinstance(value, str | int | float) for value in row.values()
     )

@@ -47,7 +47,7 @@ LIMITS = "limits hold"
 FAILS = "fails"
 REFUSED = "refused"
 WRONG = "wrong"
-_TOLD = {
+_WORDS = {
     HOLDS: "hold",
     LIMITS: "hold their limits (no file made)",
     FAILS: "fail",
@@ -62,20 +62,18 @@ Chunk = Sequence[int]
 
 @dataclass(frozen=True)
 class Task:
-    """What every worker needs: the spec's tables and folder, the variants, and what is wanted of each.
+    """What every worker needs."""
 
-    settings: as of `--set`, for all variants; keep: names of the figures that are kept, all where it is empty; build: the
-    kinds of files that are made of each variant, in a folder of its own below `out`; none: closed-form limits and figures.
-    """
-
-    data: Mapping[str, Any]
+    data: Mapping[str, Any]  # tables of the spec
     source: str
     folder: Path
     variants: Variants
-    settings: tuple[str, ...] = ()
-    keep: tuple[str, ...] = ()
-    build: tuple[str, ...] = ()
-    out: Path = Path()
+    settings: tuple[str, ...] = ()  # as of `--set`, for all variants
+    keep: tuple[str, ...] = ()  # names of the figures of a row; empty: all
+    build: tuple[
+        str, ...
+    ] = ()  # kinds of files of each variant; none: closed-form limits and figures
+    out: Path = Path()  # above the folders of those files
 
     @property
     def digest(self) -> str:
@@ -83,36 +81,36 @@ class Task:
         data = with_tables(
             dict(self.data), self.folder
         )  # what is in the files of laws, not their names alone
-        asked = [__version__, data, self.variants, self.settings, self.keep, self.build]
-        return hashlib.sha256(repr(asked).encode()).hexdigest()[:16]
+        inputs = [__version__, data, self.variants, self.settings, self.keep, self.build]
+        return hashlib.sha256(repr(inputs).encode()).hexdigest()[:16]
 
 
-def judged(task: Task, numbers: Chunk) -> list[Row]:
+def rows_of(task: Task, numbers: Chunk) -> list[Row]:
     """A row of each variant: its keys, verdict, codes that fail, reason of refusal, and figures (None where one is no number)."""
     values = [task.variants.values(number) for number in numbers]
     template = Template(dict(task.data), task.source, task.folder, task.settings)
-    made = template.variants(map(task.variants.set_to, values))
+    mechanisms = template.variants(map(task.variants.set_to, values))
     if not task.build:
-        prepare(made)
-    return [_row(task, *each) for each in zip(numbers, values, made, strict=True)]
+        prepare(mechanisms)
+    return [_row(task, *each) for each in zip(numbers, values, mechanisms, strict=True)]
 
 
-def _row(task: Task, number: int, values: Sequence[str], made: Mechanism | CamgenError) -> Row:
+def _row(task: Task, number: int, values: Sequence[str], mechanism: Mechanism | CamgenError) -> Row:
     row: Row = {"variant": number}
     for each, value in zip(task.variants.axes, values, strict=True):
         row[each.key] = _plain(value)
     try:
-        if isinstance(made, CamgenError):
-            raise made
+        if isinstance(mechanism, CamgenError):
+            raise mechanism
         if task.build:
             from camgen.pipeline.build import build
 
-            report = build(made, task.out / f"{number:08d}", frozenset(task.build))
+            report = build(mechanism, task.out / f"{number:08d}", frozenset(task.build))
             findings = report.findings
             numbers = report.numbers
         else:
-            findings = made.forecast()
-            numbers = made.study().numbers
+            findings = mechanism.forecast()
+            numbers = mechanism.study().numbers
     except SpecError as error:
         return row | {"verdict": WRONG, "fails": "", "reason": "; ".join(map(str, error.faults))}
     except DesignError as error:
@@ -140,7 +138,7 @@ def _figure(value: float) -> float | None:
 
 def _judge_chunk(task: Task, numbers: Chunk) -> list[Row]:
     """What a worker does."""
-    return judged(task, numbers)
+    return rows_of(task, numbers)
 
 
 # ---- engines ---------------------------------------------------------------------------------------------------------
@@ -187,8 +185,8 @@ class Processes:
             for chunk in again:
                 self._tries[chunk[0]] += 1
                 if self._tries[chunk[0]] >= _TRIES:
-                    said = f"a worker died {_TRIES} times at variants {chunk[0]} to {chunk[-1]}"
-                    raise FileError(task.source, f"{said}; fewer --jobs need less memory")
+                    message = f"a worker died {_TRIES} times at variants {chunk[0]} to {chunk[-1]}"
+                    raise FileError(task.source, f"{message}; fewer --jobs need less memory")
 
 
 @dataclass(frozen=True)
@@ -217,12 +215,12 @@ class Cluster:
         cluster: Any = distributed  # without types
         try:
             with cluster.Client(self.address, timeout=self.patience) as client:
-                held = client.scatter(task, broadcast=True)
+                handle = client.scatter(task, broadcast=True)
 
                 def submit(chunk: Chunk) -> Any:
                     return client.submit(
                         _judge_chunk,
-                        held,
+                        handle,
                         chunk,
                         key=f"camgen-{task.digest}-{chunk[0]}-{chunk[-1]}",
                     )
@@ -237,35 +235,32 @@ class Cluster:
             raise
         except Exception as error:
             why = str(error).partition("\n")[0] or type(error).__name__
-            said = f"the scheduler cannot be reached or is lost, what is done is kept: {why}"
-            raise FileError(self.address, said) from None
+            message = f"the scheduler cannot be reached or is lost, what is done is kept: {why}"
+            raise FileError(self.address, message) from None
 
 
 # ---- the whole -------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
-class Swept:
-    """What a sweep came to: variants of each verdict, most frequent reasons, how many further ones, s, rows done before.
+class SweepResult:
+    """What a sweep came to."""
 
-    strange: lines of the journal that were not as this sweep wrote them.
-    """
-
-    count: int
-    verdicts: Mapping[str, int]
-    reasons: Sequence[tuple[str, int]]
-    further: int
+    count: int  # of variants
+    verdicts: Mapping[str, int]  # how many have each
+    reasons: Sequence[tuple[str, int]]  # the most frequent, and how often
+    further: int  # how many other reasons there are
     seconds: float
-    before: int
+    before: int  # rows that the journal had
     columns: Sequence[str]
-    strange: int = 0
+    strange: int = 0  # lines of the journal that were not as this sweep wrote them
 
     @property
-    def told(self) -> str:
+    def summary(self) -> str:
         """The verdicts in a sentence: the same for the same sweep."""
         parts = [
             f"{self.verdicts[name]} {word}"
-            for name, word in _TOLD.items()
+            for name, word in _WORDS.items()
             if self.verdicts.get(name)
         ]
         return f"{self.count} variant{'s' if self.count > 1 else ''}: {', '.join(parts)}."
@@ -281,7 +276,7 @@ class Swept:
         anew = f"{counted(self.strange, 'line')} of the journal not as this sweep wrote them: those variants are judged again"
         reasons = [f"  {n} x {reason}" for reason, n in self.reasons]
         return [
-            self.told,
+            self.summary,
             *reasons,
             *([more] if self.further else []),
             *([anew] if self.strange else []),
@@ -296,7 +291,7 @@ def sweep(
     jobs: int = 1,
     progress: Progress = silent,
     unit: Callable[[str], str] = lambda key: "",
-) -> Swept:
+) -> SweepResult:
     """Judge all variants that the journal does not have yet, then write the table and take the journal away.
 
     table: ends in .csv or .parquet. unit: of a key, for the page.
@@ -326,11 +321,11 @@ def sweep(
             min(max(_CHUNK / max(each, 1e-6), 1), _LARGEST, max(count / (4 * max(jobs, 1)), 1))
         )
         done = journal.done
-        told = time.perf_counter()
-        for rows in engine(task, _left(journal.places, size)):
+        start = time.perf_counter()
+        for rows in engine(task, _missing(journal.places, size)):
             journal.add(rows)
             done += len(rows)
-            rest = (time.perf_counter() - told) * (count - done) / max(done - before, 1)
+            rest = (time.perf_counter() - start) * (count - done) / max(done - before, 1)
             progress(f"{done} of {count} variants, {_span(rest)} to go", done / count)
         verdicts = Counter[str]()
         reasons = Counter[str]()
@@ -341,7 +336,7 @@ def sweep(
             columns |= dict.fromkeys(row)
         del reasons[""]
         write(table, list(columns), journal.rows())
-        found = Swept(
+        result = SweepResult(
             count,
             dict(verdicts),
             reasons.most_common(_REASONS),
@@ -352,22 +347,22 @@ def sweep(
             journal.strange,
         )
         keys = [axis.key for axis in task.variants.axes]
-        named = table.with_suffix(".html"), f"Sweep of {Path(task.source).stem}", found.told
+        page = table.with_suffix(".html"), f"Sweep of {Path(task.source).stem}", result.summary
         units = {key: unit(key) for key in keys}
-        shown = journal.rows(shown_step(count))
+        sample = journal.rows(shown_step(count))
         write_page(
-            *named,
-            found.columns,
+            *page,
+            result.columns,
             keys,
-            shown,
+            sample,
             count,
-            _wished(task.data, found.columns),
+            _wish_columns(task.data, result.columns),
             units=units,
         )
     finally:
         journal.close()
     journal.path.unlink()
-    return found
+    return result
 
 
 def _pace(task: Task) -> tuple[list[Row], float]:
@@ -377,7 +372,7 @@ def _pace(task: Task) -> tuple[list[Row], float]:
     for many in (1, *(() if task.build else _CROWDS)):
         began = time.process_time()  # whatever else this machine does
         count = min(many, task.variants.count)
-        rows = judged(
+        rows = rows_of(
             task, [k * task.variants.count // count for k in range(count)]
         )  # from all of the sweep
         took = (time.process_time() - began) / len(rows)
@@ -392,34 +387,39 @@ def _pace(task: Task) -> tuple[list[Row], float]:
 
 def _refuse_unknown(task: Task, first: Row) -> None:
     """SpecError for keys that no spec has, and for figures that the first variant has not."""
-    asked = dict(task.data), task.source, task.folder, [*task.settings, *task.variants.settings(0)]
+    first_variant = (
+        dict(task.data),
+        task.source,
+        task.folder,
+        [*task.settings, *task.variants.settings(0)],
+    )
     if first["verdict"] == WRONG:
         try:
-            changed(*asked)
+            changed(*first_variant)
         except SpecError as error:
             faults = [f for f in error.faults if f.unknown or f.source == "--set"]
             if faults:
                 raise SpecError(faults, task.source) from None
     elif first["verdict"] != REFUSED:
-        known = changed(*asked).study().numbers
+        figures = changed(*first_variant).study().numbers
         faults = [
-            replace(unknown((), name, known), source="--keep")
+            replace(unknown((), name, figures), source="--keep")
             for name in task.keep
-            if name not in known
+            if name not in figures
         ]
         if faults:
             raise SpecError(faults, "command line")
 
 
-def _wished(data: Mapping[str, Any], columns: Sequence[str]) -> list[str]:
+def _wish_columns(data: Mapping[str, Any], columns: Sequence[str]) -> list[str]:
     """Figures of a wish: a key of [wanted], or a table of an [[output]] such as stroke, by its name and the output's."""
-    wanted = data.get("wanted")
+    wish = data.get("wanted")
     outputs = data.get("output")
-    keys = [(key,) for key in wanted] if isinstance(wanted, Mapping) else []
+    keys = [(key,) for key in wish] if isinstance(wish, Mapping) else []
     tables = (
         [each for each in outputs if isinstance(each, Mapping)] if isinstance(outputs, list) else []
     )
-    asked = [
+    patterns = [
         *keys,
         *(
             (str(t.get("name", "")), key)
@@ -431,11 +431,11 @@ def _wished(data: Mapping[str, Any], columns: Sequence[str]) -> list[str]:
     return [
         column
         for column in columns
-        if any(all(word in column for word in words) for words in asked)
+        if any(all(word in column for word in words) for words in patterns)
     ]
 
 
-def _left(places: np.ndarray, size: int) -> Iterator[Chunk]:
+def _missing(places: np.ndarray, size: int) -> Iterator[Chunk]:
     """Chunks of the variants that have no row yet."""
     missing = np.flatnonzero(places < 0)
     for low in range(0, len(missing), size):
@@ -455,7 +455,7 @@ def _span(seconds: float) -> str:
     return f"{seconds / size:,.0f} {unit}"
 
 
-def prepared(
+def task_of(
     spec: Path,
     variants: Variants,
     settings: Sequence[str],

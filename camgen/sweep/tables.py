@@ -42,12 +42,12 @@ def _write_parquet(path: Path, columns: Sequence[str], rows: Iterator[Row]) -> N
     arrow = pyarrow_at(path)
     text = ("verdict", "fails", "reason")
     batch = list(islice(rows, 10_000))
-    mixed = {name for name in columns if any(isinstance(row.get(name), str) for row in batch)}
+    partly_text = {name for name in columns if any(isinstance(row.get(name), str) for row in batch)}
     kinds = {
         name: arrow.int64()
         if name == "variant"
         else arrow.string()
-        if name in mixed or name in text
+        if name in partly_text or name in text
         else arrow.float64()
         for name in columns
     }
@@ -59,7 +59,7 @@ def _write_parquet(path: Path, columns: Sequence[str], rows: Iterator[Row]) -> N
                 found = [
                     {
                         name: str(row[name])
-                        if name in mixed and row.get(name) is not None
+                        if name in partly_text and row.get(name) is not None
                         else row.get(name)
                         for name in columns
                     }

@@ -28,23 +28,23 @@ class Axis:
     """A key and its values: either listed, as texts, or a range from low to high of `count` values (0: of any number)."""
 
     key: str
-    listed: tuple[str, ...] = ()
+    options: tuple[str, ...] = ()
     low: float = 0.0
     high: float = 0.0
     count: int = 0
 
     def __len__(self) -> int:
-        return len(self.listed) or self.count
+        return len(self.options) or self.count
 
     def at(self, k: int) -> str:
         """The k-th value, as `--set` takes it; ends of a range to the last digit."""
-        return self.listed[k] if self.listed else _text(self.low, self.high, k / (self.count - 1))
+        return self.options[k] if self.options else _text(self.low, self.high, k / (self.count - 1))
 
     def share(self, u: float) -> str:
         """The value at a share u, 0 to 1, of the range or of the list."""
         return (
-            self.listed[min(int(u * len(self.listed)), len(self.listed) - 1)]
-            if self.listed
+            self.options[min(int(u * len(self.options)), len(self.options) - 1)]
+            if self.options
             else _text(self.low, self.high, u)
         )
 
@@ -61,15 +61,15 @@ def axis(text: str) -> Axis:
     values = values.strip()
     if not (all(keys) and values):
         raise SpecError([Fault((), repr(text), _FORM, source="--vary")], "command line")
-    found = _RANGE.fullmatch(values)
-    if not found:
-        listed = _split(values)
+    match = _RANGE.fullmatch(values)
+    if not match:
+        values_ = _split(values)
         if _LIKE_RANGE.fullmatch(values):
             right = f"A and B finite numbers, N a whole one; {_FORM}"
             raise SpecError(
                 [Fault((), repr(values), right, source=f"--vary {key}")], "command line"
             )
-        if not all(listed):
+        if not all(values_):
             raise SpecError(
                 [
                     Fault(
@@ -81,14 +81,14 @@ def axis(text: str) -> Axis:
                 ],
                 "command line",
             )
-        if len(set(listed)) < len(listed):
+        if len(set(values_)) < len(values_):
             raise SpecError(
                 [Fault((), repr(values), "each value once", source=f"--vary {key}")], "command line"
             )
-        return Axis(key, tuple(listed))
-    low = float(found[1])
-    high = float(found[2])
-    count = int(found[3] or 0)
+        return Axis(key, tuple(values_))
+    low = float(match[1])
+    high = float(match[2])
+    count = int(match[3] or 0)
     if not (math.isfinite(low) and math.isfinite(high) and low < high):
         raise SpecError(
             [
@@ -103,7 +103,7 @@ def axis(text: str) -> Axis:
             [Fault((), repr(values), f"N of at most 1e15; {_FORM}", source=f"--vary {key}")],
             "command line",
         )
-    if found[3] and count < 2:
+    if match[3] and count < 2:
         raise SpecError(
             [Fault((), repr(values), f"N of at least 2; {_FORM}", source=f"--vary {key}")],
             "command line",
@@ -131,14 +131,13 @@ def _split(text: str) -> list[str]:
 
 @dataclass(frozen=True)
 class Variants:
-    """All variants of some axes. Numbered from 0; of a grid the last axis changes fastest.
-
-    samples: of a Latin hypercube, in which each axis has every one of so many equal shares of its range once.
-    """
+    """All variants of some axes. Numbered from 0; of a grid the last axis changes fastest."""
 
     axes: tuple[Axis, ...]
     how: Literal["grid", "zip", "latin"] = "grid"
-    samples: int = 0
+    samples: int = (
+        0  # of a Latin hypercube: each axis has each of so many equal parts of its range once
+    )
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -158,11 +157,11 @@ class Variants:
                 for key in bare
             ]
         if self.how == "zip" and not faults and len({len(each) for each in self.axes}) > 1:
-            shown = ", ".join(f"{each.key} {len(each)}" for each in self.axes)
+            sizes = ", ".join(f"{each.key} {len(each)}" for each in self.axes)
             faults.append(
                 Fault(
                     (),
-                    f"values: {shown}",
+                    f"values: {sizes}",
                     "the same number of values for every key",
                     source="--zip",
                 )
@@ -188,16 +187,16 @@ class Variants:
         """The values of a variant's keys, in the order of the axes, as `--set` takes them."""
         if self.how == "latin":
             return [
-                each.share(float(share[number]))
-                for each, share in zip(self.axes, self._shares, strict=True)
+                each.share(float(fractions[number]))
+                for each, fractions in zip(self.axes, self._shares, strict=True)
             ]
         if self.how == "zip":
             return [each.at(number) for each in self.axes]
-        found = []
+        values = []
         for each in reversed(self.axes):
             number, k = divmod(number, len(each))
-            found.append(each.at(k))
-        return found[::-1]
+            values.append(each.at(k))
+        return values[::-1]
 
     def settings(self, number: int) -> list[str]:
         """The same as texts of `--set`."""

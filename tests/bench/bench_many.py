@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from camgen.machine.four_bars import four_bars
-from camgen.sweep.run import judged, prepared
+from camgen.sweep.run import rows_of, task_of
 from camgen.sweep.variants import variants
 
 COUNT = 1_000_000
@@ -48,13 +48,13 @@ def main() -> None:
     print(f"{what}: {took:.2f} s of one core (goal {GOAL:g} s)")
     print(f"  of them close over the turn and keep 40 deg: {closed:,}")
     for name, vary in VARY:
-        task = prepared(
+        task = task_of(
             SPECS / f"{name}.toml", variants(vary.split(), latin=CROWD), (), (), (), Path()
         )
         count = CROWD if name == "disc-cam" else 10
-        judged(task, range(2))
+        rows_of(task, range(2))
         begun = time.process_time()
-        judged(task, range(count))
+        rows_of(task, range(count))
         took = time.process_time() - begun
         print(f"sweep of {name}, {vary}: {count / took:.0f} variants a second on one core")
 

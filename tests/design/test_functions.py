@@ -127,7 +127,7 @@ def test_without_a_tolerance_a_useless_four_bar_is_none() -> None:
         DesignError, match=r"nearest buildable design is [12]\d\.\d+ deg off .*twentieth .*, 5 deg"
     ):
         design({**TABLES, "wanted": hardly})
-    assert FunctionWish(function=LOG).borne == pytest.approx((LOG[2][1] - LOG[0][1]) / 20)
+    assert FunctionWish(function=LOG).allowance == pytest.approx((LOG[2][1] - LOG[0][1]) / 20)
 
 
 def test_all_faults_of_wish_and_spec_at_once(tmp_path: Path) -> None:

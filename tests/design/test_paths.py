@@ -15,8 +15,8 @@ from scipy.spatial import cKDTree
 
 from camgen.design.chains import Chain, chains
 from camgen.design.linkages import Candidate
-from camgen.design.paths import Found, Task, area, front, search, solved
-from camgen.design.polish import Goal, packed, polished
+from camgen.design.paths import ChainDesign, Task, area, front, search, solve_task
+from camgen.design.polish import Goal, packed, polish
 from camgen.design.run import Front, design
 from camgen.design.target import Target
 from camgen.errors import DesignError
@@ -54,7 +54,7 @@ def test_a_chain_traces_what_the_machine_of_its_spec_does(chain: Chain) -> None:
         if least[0] > 0.2:
             break
     tables = {"mechanism": "linkage", "name": "found"}
-    data = Candidate(Found(chain, tuple(drawn[0]), 0.0, 0.0), path[:, 0], tables, 1.0).data()
+    data = Candidate(ChainDesign(chain, tuple(drawn[0]), 0.0, 0.0), path[:, 0], tables, 1.0).data()
     from camgen.machines.linkage.mechanism import Linkage
 
     run = solve(validate(Linkage, data).chain, 2 * np.pi * np.arange(36) / 36, 0)
@@ -68,7 +68,7 @@ def test_each_corner_of_the_wanted_path_counts_and_is_judged() -> None:
     own = FOUR_BAR.trace(DRAWN, 9)[0][:, 0]
     corners = np.append(own, own[:1]) * 1.02 + 0.3
     design = Candidate(
-        Found(FOUR_BAR, tuple(DRAWN[0]), 0.0, 0.0),
+        ChainDesign(FOUR_BAR, tuple(DRAWN[0]), 0.0, 0.0),
         corners,
         {"mechanism": "linkage", "name": "found"},
         1.2,
@@ -90,10 +90,10 @@ def test_each_corner_of_the_wanted_path_counts_and_is_judged() -> None:
     (finding,) = (each for each in validate(Linkage, data).limits() if each.code == "PATH_ERROR")
     assert finding.measured == pytest.approx(design.worst, abs=3e-3) and not finding.ok
     assert (
-        design.weighed.miss.startswith("PATH_ERROR")
-        and not replace(design, borne=worst + 1).weighed.miss
+        design.prototype.miss.startswith("PATH_ERROR")
+        and not replace(design, allowance=worst + 1).prototype.miss
     )
-    kept = validate(Linkage, replace(design, borne=worst + 1).data()).limits()
+    kept = validate(Linkage, replace(design, allowance=worst + 1).data()).limits()
     assert all(each.ok for each in kept if each.code == "PATH_ERROR")
 
 
@@ -147,7 +147,7 @@ def test_the_error_is_the_chamfer_distance() -> None:
 def test_a_fast_look_is_near_the_full_one() -> None:
     target = TARGET
     other = FOUR_BAR.trace(DRAWN + [[0, 0, 2, 0, 2j]], 64)[0]
-    assert target.glance(target.laid(other)[0])[0] == pytest.approx(
+    assert target.glance(target.on_target(other)[0])[0] == pytest.approx(
         target.measured(other[:, 0])[0], abs=0.02 * target.chord
     )
 
@@ -156,9 +156,9 @@ def test_polishing_only_betters_and_ends_at_a_known_linkage() -> None:
     goal = Goal(TARGET, 20.0, 2000.0)
     rng = np.random.default_rng(4)
     start = DRAWN + 1.5 * (rng.normal(size=(6, 5)) + 1j * rng.normal(size=(6, 5)))
-    laid = goal.target.laid(FOUR_BAR.trace(start, 128)[0])[0]
+    laid = goal.target.on_target(FOUR_BAR.trace(start, 128)[0])[0]
     before = goal.target.near(laid).error
-    _, error, _ = polished(FOUR_BAR, packed(start), np.full(6, 1e-6), goal)
+    _, error, _ = polish(FOUR_BAR, packed(start), np.full(6, 1e-6), goal)
     closed = FOUR_BAR.trace(start, 128)[1] > goal.sine
     assert (
         closed.sum() >= 4
@@ -170,7 +170,7 @@ def test_polishing_only_betters_and_ends_at_a_known_linkage() -> None:
 def test_a_front_and_its_area() -> None:
     goal = Goal(TARGET, 1.0, 10.0)
     points = [
-        Found(FOUR_BAR, (), *each)
+        ChainDesign(FOUR_BAR, (), *each)
         for each in ((0.5, 4.0), (0.2, 6.0), (0.5, 7.0), (0.1, 6.0), (0.9, 12.0), (2.0, 1.0))
     ]
     assert [(each.error, each.bars) for each in front(points)] == [
@@ -183,24 +183,24 @@ def test_a_front_and_its_area() -> None:
 
 
 def test_a_path_of_a_four_bar_is_found_again() -> None:
-    found = solved(GOAL, TASK)
-    assert found == solved(GOAL, TASK)  # the same task, the same front
+    found = solve_task(GOAL, TASK)
+    assert found == solve_task(GOAL, TASK)  # the same task, the same front
     assert min(each.error for each in found) < 0.02 * TARGET.chord
 
 
 def test_a_design_that_is_shaken_is_bettered() -> None:
     drawn = DRAWN[0] + [0, 0, 4, -3j, 3]
     error = TARGET.measured(FOUR_BAR.trace(drawn[None], 720)[0][:, 0])[0]
-    known = Found(
+    known = ChainDesign(
         FOUR_BAR, tuple(drawn.tolist()), error, float(FOUR_BAR.lengths(drawn[None]).sum())
     )
-    best = solved(GOAL, Task(FOUR_BAR, (1,), (known,)))[0]
+    best = solve_task(GOAL, Task(FOUR_BAR, (1,), (known,)))[0]
     assert best.error < 0.3 * error and error > 0.02 * TARGET.chord
 
 
 def test_shortest_bar_and_transmission_angle_are_kept() -> None:
-    for each in solved(replace(GOAL, shortest=15.0, sine=0.5), TASK):
-        drawn = np.array([each.drawn])
+    for each in solve_task(replace(GOAL, shortest=15.0, sine=0.5), TASK):
+        drawn = np.array([each.points])
         assert (
             FOUR_BAR.lengths(drawn).min() >= 15 - 1e-9
             and FOUR_BAR.trace(drawn, 720)[1][0] >= 0.5 - 1e-6

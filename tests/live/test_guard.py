@@ -25,7 +25,7 @@ from camgen.errors import SpecError
 from camgen.live import guard
 from camgen.live import run as live
 from camgen.live.numbers import numbers, overrides, write
-from camgen.live.server import Built, Explorer, watcher
+from camgen.live.server import Explorer, LastBuild, watcher
 
 HOME = "http://127.0.0.1:8000"
 WORD = "a-word-of-chance"
@@ -57,7 +57,7 @@ def test_whoever_does_not_know_the_word_is_refused(
     before = spec.read_bytes()
     for app in (
         Explorer(spec, tmp_path / "out").app(WORD),
-        watcher(Built(spec, tmp_path / "out"), WORD),
+        watcher(LastBuild(spec, tmp_path / "out"), WORD),
     ):
         asking = TestClient(app, base_url=HOME, headers=ORIGIN)
         posted = asking.post(f"/{word}/{path}", json={"settings": {"geometry.base_radius": "24"}})

@@ -22,7 +22,7 @@ from camgen.edits import edited
 from camgen.errors import SpecError
 from camgen.live import run as live
 from camgen.live.numbers import numbers, overrides
-from camgen.live.server import Built, Explorer, watcher
+from camgen.live.server import Explorer, LastBuild, watcher
 from camgen.machines import load
 from camgen.machines.sources import files_of
 from camgen.settings import override
@@ -329,7 +329,7 @@ def test_localhost_is_this_machine_and_a_long_request_is_refused(
 
 
 def test_a_save_builds_anew_and_an_error_is_shown(spec: Path, tmp_path: Path) -> None:
-    built, ended, said = Built(spec, tmp_path / "out"), threading.Event(), list[str]()
+    built, ended, said = LastBuild(spec, tmp_path / "out"), threading.Event(), list[str]()
     page = client(watcher(built, WORD))
     thread = threading.Thread(target=live.rebuild, args=(built, said.append, ended))
 
@@ -369,10 +369,10 @@ def test_a_save_builds_anew_and_an_error_is_shown(spec: Path, tmp_path: Path) ->
 
 
 def test_files_that_are_none_of_a_spec_are_not_looked_at(spec: Path) -> None:
-    before = live.seen(files_of(spec))
+    before = live.states_of(files_of(spec))
     for name in (".cam.toml.swp", "other.toml", "cam.toml~", "picture.png", "rise.csv"):
         spec.with_name(name).write_text("x", encoding="utf-8")
-    assert live.seen(files_of(spec)) == before and set(before) == {spec}
+    assert live.states_of(files_of(spec)) == before and set(before) == {spec}
 
 
 def test_a_file_that_the_spec_names_sets_off_a_build_and_no_other_one(tmp_path: Path) -> None:
@@ -386,7 +386,7 @@ def test_a_file_that_the_spec_names_sets_off_a_build_and_no_other_one(tmp_path: 
     )
     assert files_of(spec) == [spec, inner / "cam.toml", inner / "rise.csv"]
 
-    class Counted(Built):
+    class Counted(LastBuild):
         def build(self, settings: list[str]) -> dict[str, Any]:
             self.number += 1
             return {"verdict": str(self.number), "errors": []}

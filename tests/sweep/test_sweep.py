@@ -30,7 +30,7 @@ from camgen.settings import override
 from camgen.starters import unit_at
 from camgen.sweep import run as sweeps
 from camgen.sweep.journal import Journal
-from camgen.sweep.run import Cluster, Processes, Task, here, prepared, sweep
+from camgen.sweep.run import Cluster, Processes, Task, here, sweep, task_of
 from camgen.sweep.variants import variants
 
 SPEC = Path(__file__).resolve().parents[2] / "specs" / "disc-cam.toml"
@@ -38,7 +38,7 @@ VARY = ["geometry.base_radius=9:33:7", "segment.0.law=cycloidal,modified-sine"]
 
 
 def task(*vary: str, **further: object) -> Task:
-    return prepared(
+    return task_of(
         SPEC, variants(vary or VARY), (), ("pressure_angle_deg", "stroke_mm"), (), Path()
     )
 
@@ -148,7 +148,7 @@ def test_what_cannot_be_made_is_a_row_with_its_reason(tmp_path: Path) -> None:
     assert [verdict for verdict, _ in verdicts] == ["wrong", "wrong", "limits hold", "limits hold"]
     assert "geometry.base_radius: -5" in verdicts[0][1]
     spec = SPEC.parent / "uniform-swing.toml"
-    steep = prepared(spec, variants(["geometry.swing_deg=20,179"]), (), (), (), Path())
+    steep = task_of(spec, variants(["geometry.swing_deg=20,179"]), (), (), (), Path())
     sweep(steep, tmp_path / "u.csv")
     assert [row["verdict"] for row in rows(tmp_path / "u.csv")] == ["limits hold", "refused"]
     assert "swing" in rows(tmp_path / "u.csv")[1]["reason"]
@@ -168,17 +168,17 @@ def test_what_cannot_be_made_is_a_row_with_its_reason(tmp_path: Path) -> None:
 def test_bore_and_hub_that_leave_no_wall_are_told_without_files(
     key: str, values: str, verdicts: list[str]
 ) -> None:
-    asked = prepared(
+    asked = task_of(
         SPEC, variants([f"geometry.base_radius={values}"]), key.split(","), (), (), Path()
     )
-    found = sweeps.judged(asked, range(len(verdicts)))
+    found = sweeps.rows_of(asked, range(len(verdicts)))
     assert [row["verdict"] for row in found] == verdicts
     assert all(row["fails"] == "MIN_WALL" for row in found if row["verdict"] == "fails")
 
 
 def test_built_variants_are_those_of_build(tmp_path: Path) -> None:
     small = ("parts.thickness=4",)
-    asked = prepared(
+    asked = task_of(
         SPEC, variants(["geometry.base_radius=20,24"]), small, (), ("dxf",), tmp_path / "files"
     )
     sweep(asked, tmp_path / "t.csv")
@@ -202,7 +202,7 @@ def test_reasons_beyond_those_told_are_counted_and_the_page_begins_with_the_wish
     text = text.replace("# stroke = { value = 47.7", "stroke = { value = 47.7")
     (spec := tmp_path / "a.toml").write_text(text, encoding="utf-8")
     lengths = 'lengths."A-B"=1,2,3,4,5,6,60'
-    swept = sweep(prepared(spec, variants([lengths]), (), (), (), Path()), tmp_path / "t.csv")
+    swept = sweep(task_of(spec, variants([lengths]), (), (), (), Path()), tmp_path / "t.csv")
     assert (len(swept.reasons), swept.further) == (5, 1), swept.reasons
     page = (tmp_path / "t.html").read_text(encoding="utf-8")
     data = json.loads(page.partition('id="data">')[2].partition("</script>")[0])
@@ -247,7 +247,7 @@ def die_once(where: Task, numbers: range) -> list[sweeps.Row]:
     try:
         os.close(os.open(where.out / "dead", os.O_CREAT | os.O_EXCL))
     except FileExistsError:
-        return sweeps.judged(where, numbers)
+        return sweeps.rows_of(where, numbers)
     os.kill(os.getpid(), signal.SIGKILL)
     raise AssertionError
 
@@ -261,7 +261,7 @@ def die_always(where: Task, numbers: range) -> list[sweeps.Row]:
 def test_a_killed_worker_costs_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sweeps, "_CROWDS", ())
     monkeypatch.setattr(sweeps, "_judge_chunk", die_once)
-    asked = prepared(SPEC, variants(VARY), (), ("stroke_mm",), (), tmp_path)
+    asked = task_of(SPEC, variants(VARY), (), ("stroke_mm",), (), tmp_path)
     assert sweep(asked, tmp_path / "t.csv", Processes(2), 2).count == 14
     assert (tmp_path / "dead").exists() and [
         int(row["variant"]) for row in rows(tmp_path / "t.csv")
@@ -429,7 +429,7 @@ def begun(table: Path, work: Task, number: int) -> Path:
     """The journal of a sweep that was ended when it had one row."""
     path = table.with_name(f"{table.name}.journal")
     journal = Journal(path, work.digest, work.variants.count)
-    journal.add(sweeps.judged(work, [number]))
+    journal.add(sweeps.rows_of(work, [number]))
     journal.close()
     return path
 
@@ -483,7 +483,7 @@ def test_a_row_that_was_edited_is_judged_again(was: str, now: str, tmp_path: Pat
 def test_a_row_of_another_sweep_is_judged_again(tmp_path: Path) -> None:
     """The same variant of the same spec but for one key, its lines under this sweep's head."""
     two = task("geometry.base_radius=9,20")
-    other = prepared(SPEC, two.variants, ("geometry.offset=2",), two.keep, (), Path())
+    other = task_of(SPEC, two.variants, ("geometry.offset=2",), two.keep, (), Path())
     head, path = (
         begun(tmp_path / "t.csv", two, 1).read_bytes().splitlines()[0],
         begun(tmp_path / "u.csv", other, 1),
@@ -563,7 +563,7 @@ def test_a_law_s_file_that_was_changed_is_another_sweep(tmp_path: Path) -> None:
         (tmp_path / "law.csv").write_text(
             f"0,0\n0.25,0.15\n0.5,{middle}\n0.75,0.85\n1,1\n", encoding="utf-8"
         )
-        digests.append(prepared(spec, variants(VARY[:1]), (), (), (), Path()).digest)
+        digests.append(task_of(spec, variants(VARY[:1]), (), (), (), Path()).digest)
     assert digests[0] != digests[1]
 
 
@@ -591,9 +591,9 @@ def test_what_a_sweep_says_of_play_and_walls_is_what_the_files_say(
     settings: list[str], vary: str, fails: str, tmp_path: Path
 ) -> None:
     """Its arithmetic against the judge of the written parts: the first variant fails, or cannot be made; the second one holds."""
-    asked = prepared(SPEC, variants([vary]), settings, (), (), tmp_path)
-    told = sweeps.judged(asked, range(2))
-    (made,) = sweeps.judged(replace(asked, build=("dxf",)), range(1))
+    asked = task_of(SPEC, variants([vary]), settings, (), (), tmp_path)
+    told = sweeps.rows_of(asked, range(2))
+    (made,) = sweeps.rows_of(replace(asked, build=("dxf",)), range(1))
     assert [row["fails"] for row in told] == [made["fails"], ""] == [fails, ""]
     assert [row["verdict"] for row in told] == [made["verdict"], "limits hold"]
     assert made["verdict"] == ("fails" if fails else "refused")

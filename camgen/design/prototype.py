@@ -22,14 +22,14 @@ _ANGLES = 361  # at which the play is looked at
 
 
 @dataclass(frozen=True)
-class Weighed:
+class Prototype:
     """A design as a machine."""
 
     data: Data  # tables of its spec, whose first output is what was wanted
     miss: str  # what of the wish it does not keep; empty where it keeps it
 
     @cached_property
-    def _made(self) -> Mechanism | CamgenError:
+    def _mechanism(self) -> Mechanism | CamgenError:
         from camgen.machines import MECHANISMS, load
         from camgen.spec import choose, validate
 
@@ -41,41 +41,45 @@ class Weighed:
         return mechanism
 
     @property
-    def unmade(self) -> str:
+    def obstacle(self) -> str:
         """Why its parts cannot be made, or do not pass each other; empty where they do."""
-        return str(self._made).partition("\n")[0] if isinstance(self._made, CamgenError) else ""
+        return (
+            str(self._mechanism).partition("\n")[0]
+            if isinstance(self._mechanism, CamgenError)
+            else ""
+        )
 
     @cached_property
-    def failing(self) -> Sequence[Finding]:
+    def failures(self) -> Sequence[Finding]:
         """Limits that it does not keep, if its parts can be made."""
         return (
             []
-            if isinstance(self._made, CamgenError)
-            else [each for each in self._made.forecast() if not each.ok]
+            if isinstance(self._mechanism, CamgenError)
+            else [each for each in self._mechanism.forecast() if not each.ok]
         )
 
     @property
-    def refused(self) -> str:
+    def refusal(self) -> str:
         """Why it cannot be built as it stands: its parts, or the limits that it does not keep; empty where it can."""
-        return self.unmade or "; ".join(
-            beyond(each.code, each.measured, each.limit, each.unit) for each in self.failing
+        return self.obstacle or "; ".join(
+            beyond(each.code, each.measured, each.limit, each.unit) for each in self.failures
         )
 
     @cached_property
     def lash(self) -> float:
         """Free play of the output, mm or deg, by that of all joints at the worst angle, as LASH judges it; nan without parts."""
-        if isinstance(self._made, CamgenError):
+        if isinstance(self._mechanism, CamgenError):
             return math.nan
-        output = self._made.model.outputs[0]
-        play = self._made.solve(np.linspace(*self._made.assembly.cycle.range, _ANGLES), 1).play(
-            output.name
-        )
+        output = self._mechanism.model.outputs[0]
+        play = self._mechanism.solve(
+            np.linspace(*self._mechanism.assembly.cycle.range, _ANGLES), 1
+        ).play(output.name)
         return 2 * unit_of(output)[1] * float(np.max(play.total))
 
     @property
     def of_use(self) -> bool:
         """Whether it can be built and is what was wanted."""
-        return not self.refused and not self.miss
+        return not self.refusal and not self.miss
 
     @property
     def row(self) -> Mapping[str, Any]:
@@ -84,13 +88,13 @@ class Weighed:
         return {
             "lash": lash,
             "verdict": "holds" if self.of_use else "refused",
-            "reason": self.refused or self.miss,
+            "reason": self.refusal or self.miss,
         }
 
 
-def miss(code: str, error: float, borne: float, unit: str) -> str:
+def miss(code: str, error: float, limit: float, unit: str) -> str:
     """What to say of an error that is more than is borne; empty of one that is not."""
-    return beyond(code, error, borne, unit) if error > borne else ""
+    return beyond(code, error, limit, unit) if error > limit else ""
 
 
 def beyond(code: str, measured: float, limit: float, unit: str) -> str:
