@@ -58,8 +58,8 @@ class Biarcs:
         leg = v / (2 * np.cos((b - a) / 4)) * np.exp(0.25j * (a - b))
         sweeps = (-(3 * a + b) / 2, (3 * b + a) / 2)
         kappas = (2 * np.sin(sweeps[0] / 2) / np.abs(leg), 2 * np.sin(sweeps[1] / 2) / np.abs(leg))
-        turned = v / np.abs(v) * np.exp(-0.5j * (a + b))
-        return cls(z0, z0 + leg, z1, tangents[:-1], turned, sweeps, kappas)
+        middle_tangent = v / np.abs(v) * np.exp(-0.5j * (a + b))
+        return cls(z0, z0 + leg, z1, tangents[:-1], middle_tangent, sweeps, kappas)
 
 
 def _tangents(piece: Smooth, t: Floats) -> Points:
@@ -138,7 +138,7 @@ def _fit_smooth(piece: Smooth, tolerance: float) -> list[Piece]:
     t = fewest(track, lambda ends: deviations(piece, ends), tolerance, 1 / 3)
     z = piece.at(t)
     fit = Biarcs.through(z, _tangents(piece, t))
-    left = tolerance - deviations(piece, t)
+    allowance = tolerance - deviations(piece, t)
     limit = 1 / (_FLATTEST * max(np.abs(z - z[0]).max(), np.abs(z).max()))
     pieces: list[Piece] = []
     for i in range(t.size - 1):
@@ -148,7 +148,7 @@ def _fit_smooth(piece: Smooth, tolerance: float) -> list[Piece]:
         ]
         flat = [
             abs(kappa * (b - a)) * _FLAT < 1
-            and abs(b - a) / 2 * math.tan(abs(sweep) / 4) <= left[i]
+            and abs(b - a) / 2 * math.tan(abs(sweep) / 4) <= allowance[i]
             for a, b, sweep, kappa in spans
         ]
         if all(flat) or any(

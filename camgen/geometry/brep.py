@@ -36,10 +36,10 @@ Loop = tuple[tuple[int, bool], ...]  # edges, and whether each is run from a to 
 
 @dataclass(frozen=True)
 class Face:
-    """looks: +1 up, -1 down, 0 aside (a wall); loops: the outer one first."""
+    """A level face or a wall."""
 
-    looks: int
-    loops: tuple[Loop, ...]
+    looks: int  # +1 up, -1 down, 0 aside (a wall)
+    loops: tuple[Loop, ...]  # the outer one first
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,19 +92,19 @@ class Brep:
     @property
     def volume(self) -> float:
         """Volume, mm^3: of level faces each is its height times its area, and walls are upright."""
-        found = 0.0
+        volume = 0.0
         for face in self.faces:
             if face.looks:
                 height = float(self.corners[self.first(face.loops[0][0]), 2])
-                found += height * sum(self.ring(loop).area for loop in face.loops)
-        return found
+                volume += height * sum(self.ring(loop).area for loop in face.loops)
+        return volume
 
     @property
     def faults(self) -> int:
         """Edges that do not bound two faces, run once each way, and loops that do not close."""
-        used = Counter(step for face in self.faces for loop in face.loops for step in loop)
+        uses = Counter(step for face in self.faces for loop in face.loops for step in loop)
         count = sum(
-            used[edge, True] != 1 or used[edge, False] != 1 for edge in range(len(self.edges))
+            uses[edge, True] != 1 or uses[edge, False] != 1 for edge in range(len(self.edges))
         )
         for face in self.faces:
             for loop in face.loops:
@@ -138,13 +138,13 @@ class Brep:
                 continue
             (loop,) = face.loops
             ends = [(self.first(step), self.last(step)) for step in loop]
-            passed = [
+            upright = [
                 (a, b) for a, b in ends if (self.corners[a, 2] < z) != (self.corners[b, 2] < z)
             ]
-            if not passed:
+            if not upright:
                 continue
-            start = [self.plan[a] for a, b in passed if self.corners[a, 2] > z]
-            end = [self.plan[a] for a, b in passed if self.corners[a, 2] < z]
+            start = [self.plan[a] for a, b in upright if self.corners[a, 2] > z]
+            end = [self.plan[a] for a, b in upright if self.corners[a, 2] < z]
             level = [
                 step
                 for step, (a, b) in zip(loop, ends, strict=True)
@@ -156,15 +156,15 @@ class Brep:
             steps[start[0]] = end[0], self.bulge(lowest)
         rings = []
         while steps:
-            here = first = next(iter(steps))
+            point = first = next(iter(steps))
             points = []
             bulges = []
-            while here in steps:
-                after, bulge = steps.pop(here)
-                points.append(here)
+            while point in steps:
+                after, bulge = steps.pop(point)
+                points.append(point)
                 bulges.append(bulge)
-                here = after
-            if here != first:
+                point = after
+            if point != first:
                 raise ValueError(f"the section at z = {z:.6g} mm does not close")
             rings.append(Ring(np.array(points), np.array(bulges)))
         return rings

@@ -13,11 +13,11 @@ from camgen.tolerances import CHAIN_GAP, SAME_POINT
 
 @dataclass(frozen=True)
 class Chain:
-    """Edges from points[i] to points[i + 1], (n + 1,) complex; bulges (n,); closed: the last point is the first again."""
+    """Edges from points[i] to points[i + 1]."""
 
-    points: Points
-    bulges: Floats
-    closed: bool = False
+    points: Points  # (n + 1,) complex mm
+    bulges: Floats  # (n,) tan(sweep / 4)
+    closed: bool = False  # whether the last point is the first again
 
     def reversed(self) -> Chain:
         """The same edges, run the other way."""
@@ -51,42 +51,42 @@ def joined(chains: Sequence[Chain]) -> tuple[list[Ring], list[Chain]]:
     ends = np.array([z for chain in pieces for z in (chain.points[0], chain.points[-1])])
     places = np.column_stack([ends.real, ends.imag])
     apart, near = cKDTree(places).query(places, 3, distance_upper_bound=np.nextafter(CHAIN_GAP, 1))
-    paired = np.isfinite(apart).sum(axis=1) == 2  # each end and one other
-    own = np.arange(len(ends))
-    other = np.where(paired, np.where(near[:, 0] == own, near[:, 1], near[:, 0]), 0)
-    partner = np.where(paired & paired[other], other, -1).tolist()
-    used = [False] * len(pieces)
+    meets_one = np.isfinite(apart).sum(axis=1) == 2  # each end and one other
+    number = np.arange(len(ends))
+    other = np.where(meets_one, np.where(near[:, 0] == number, near[:, 1], near[:, 0]), 0)
+    partner = np.where(meets_one & meets_one[other], other, -1).tolist()
+    visited = [False] * len(pieces)
     loose = []
     # runs that begin at a free end first; what is left goes round
     for start in [k for k in range(len(ends)) if partner[k] < 0] + list(range(0, len(ends), 2)):
-        if used[start // 2]:
+        if visited[start // 2]:
             continue
-        run = []
+        members = []
         end = start
-        while end >= 0 and not used[end // 2]:
-            used[end // 2] = True
-            run.append(pieces[end // 2] if end % 2 == 0 else pieces[end // 2].reversed())
+        while end >= 0 and not visited[end // 2]:
+            visited[end // 2] = True
+            members.append(pieces[end // 2] if end % 2 == 0 else pieces[end // 2].reversed())
             end = partner[end ^ 1]
-        ring = _ring(run) if end >= 0 else None
+        ring = _ring(members) if end >= 0 else None
         if ring is not None:
             rings.append(ring)
         else:
             loose.append(
                 Chain(
-                    np.concatenate([*(c.points[:-1] for c in run), run[-1].points[-1:]]),
-                    np.concatenate([c.bulges for c in run]),
+                    np.concatenate([*(c.points[:-1] for c in members), members[-1].points[-1:]]),
+                    np.concatenate([c.bulges for c in members]),
                 )
             )
     return rings, loose
 
 
-def _ring(run: Sequence[Chain]) -> Ring | None:
+def _ring(chains: Sequence[Chain]) -> Ring | None:
     """Ring of chains end on end, less edges of no length; None where it bounds nothing."""
-    points = np.concatenate([chain.points[:-1] for chain in run])
-    bulges = np.concatenate([chain.bulges for chain in run])
-    kept = np.abs(np.roll(points, -1) - points) > SAME_POINT
-    points = points[kept]
-    bulges = bulges[kept]
+    points = np.concatenate([chain.points[:-1] for chain in chains])
+    bulges = np.concatenate([chain.bulges for chain in chains])
+    long = np.abs(np.roll(points, -1) - points) > SAME_POINT
+    points = points[long]
+    bulges = bulges[long]
     if len(points) < 2 or (len(points) == 2 and not bulges.any()):
         return None
     return Ring(points, bulges)

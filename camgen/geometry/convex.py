@@ -17,17 +17,17 @@ def hull_corners(points: Sequence[complex]) -> list[int]:
         return order
     size = max(abs(points[k] - points[order[0]]) for k in order)
 
-    def half(run: Sequence[int]) -> list[int]:
-        found: list[int] = []
-        for k in run:
-            while len(found) > 1:
-                a = points[found[-1]] - points[found[-2]]
-                b = points[k] - points[found[-2]]
+    def half(indices: Sequence[int]) -> list[int]:
+        chain: list[int] = []
+        for k in indices:
+            while len(chain) > 1:
+                a = points[chain[-1]] - points[chain[-2]]
+                b = points[k] - points[chain[-2]]
                 if (a.conjugate() * b).imag > 1e-9 * size * size:
                     break
-                found.pop()
-            found.append(k)
-        return found
+                chain.pop()
+            chain.append(k)
+        return chain
 
     corners = half(order)[:-1] + half(order[::-1])[:-1]
     if len(corners) > 2:
@@ -41,7 +41,7 @@ def hull_corners(points: Sequence[complex]) -> list[int]:
 
 def distance(a: Points, b: Points) -> Floats:
     """Distance of two convex polygons over a motion, (n,) mm, 0 where they meet; corners (k, n) complex, k >= 1."""
-    found = np.full(a.shape[1], np.inf)
+    least = np.full(a.shape[1], np.inf)
     sides = [(p, q) for p in _sides(a) for q in _sides(b)]
     for (p0, p1), (q0, q1) in sides:
         ends = [
@@ -53,12 +53,12 @@ def distance(a: Points, b: Points) -> Floats:
         apart = np.minimum.reduce(ends)
         cross = _side(p0, p1, q0) * _side(p0, p1, q1) < 0
         cross &= _side(q0, q1, p0) * _side(q0, q1, p1) < 0
-        found = np.minimum(found, np.where(cross, 0.0, apart))
+        least = np.minimum(least, np.where(cross, 0.0, apart))
     for one, other in ((a, b), (b, a)):
         if len(one) > 2:
             inside = np.all([_side(p0, p1, other[0]) >= 0 for p0, p1 in _sides(one)], axis=0)
-            found[inside] = 0.0
-    return found
+            least[inside] = 0.0
+    return least
 
 
 def _sides(corners: Points) -> list[tuple[Points, Points]]:
@@ -75,5 +75,5 @@ def _to_side(z: Points, a: Points, b: Points) -> Floats:
     way = b - a
     off = z - a
     square = np.abs(way) ** 2
-    share = np.clip((way.conj() * off).real / np.where(square > 0, square, 1.0), 0, 1)
-    return np.asarray(np.abs(off - share * way))
+    parameter = np.clip((way.conj() * off).real / np.where(square > 0, square, 1.0), 0, 1)
+    return np.asarray(np.abs(off - parameter * way))

@@ -32,14 +32,11 @@ _OUTSIDE = 0.3  # of the radius, by which the cutter of an edge stands off the c
 
 @dataclass(frozen=True)
 class Edge:
-    """A long edge, rounded: at each station (x, y, z, radius), mm, x growing and radius > 0, straight between them.
+    """A long edge, rounded; straight between its stations."""
 
-    up, out: +1 or -1, the sides of y and of z on which there is no material.
-    """
-
-    stations: tuple[tuple[float, float, float, float], ...]
-    up: int
-    out: int
+    stations: tuple[tuple[float, float, float, float], ...]  # x, growing, y, z, radius > 0, mm
+    up: int  # +1 or -1, the side of y on which there is no material
+    out: int  # +1 or -1, that of z
 
     @property
     def mirrored(self) -> Edge:
@@ -113,8 +110,8 @@ def chord(region: Region, x: Floats, low: float = -math.inf, high: float = math.
         for begin, end, piece, side in _runs(contour):
             mine = (x >= min(begin, end)) & (x < max(begin, end))
             if isinstance(piece, Line):
-                share = (x[mine] - begin) / (end - begin) if begin != end else x[mine]
-                y = piece.a.imag + share * (piece.b.imag - piece.a.imag)
+                parameter = (x[mine] - begin) / (end - begin) if begin != end else x[mine]
+                y = piece.a.imag + parameter * (piece.b.imag - piece.a.imag)
             else:
                 y = piece.centre.imag + side * np.sqrt(
                     np.maximum(piece.radius**2 - (x[mine] - piece.centre.real) ** 2, 0.0)
@@ -125,28 +122,28 @@ def chord(region: Region, x: Floats, low: float = -math.inf, high: float = math.
 
 def _marks(region: Region, levels: Iterable[float] = ()) -> set[float]:
     """All x at which a chord of the region bends, those where a contour crosses the given heights included."""
-    found: set[float] = set()
+    marks: set[float] = set()
     levels = [y for y in levels if math.isfinite(y)]
     for contour in (region.outer, *region.holes):
-        found |= {x for begin, end, _, _ in _runs(contour) for x in (begin, end)}
-        found |= {x for y in levels for x in _at_height(contour, y)}
-    return found
+        marks |= {x for begin, end, _, _ in _runs(contour) for x in (begin, end)}
+        marks |= {x for y in levels for x in _at_height(contour, y)}
+    return marks
 
 
 def _at_height(contour: Contour, y: float) -> list[float]:
     """All x at which a contour crosses the height y."""
-    found = []
+    places = []
     for piece in contour.pieces:
         a = start_point(piece)
         b = end_point(piece)
         if isinstance(piece, Line) and (a.imag <= y) != (b.imag <= y):
-            found.append(a.real + (y - a.imag) / (b.imag - a.imag) * (b.real - a.real))
+            places.append(a.real + (y - a.imag) / (b.imag - a.imag) * (b.real - a.real))
         elif isinstance(piece, Arc) and abs(y - piece.centre.imag) < piece.radius:
             up = math.asin((y - piece.centre.imag) / piece.radius)
             low = min(piece.t0, piece.t1)
             on = [t for t in (up, math.pi - up) if (t - low) % math.tau < abs(piece.sweep)]
-            found += [piece.centre.real + piece.radius * math.cos(t) for t in on]
-    return found
+            places += [piece.centre.real + piece.radius * math.cos(t) for t in on]
+    return places
 
 
 def _integral(marks: Iterable[float], *factors: tuple[Region, float, float]) -> float:
@@ -173,10 +170,12 @@ def volume(region: Region, crossed: Region, z0: float, z1: float) -> float:
     )
 
 
-def crossed_at(shape: Shape, crossed: Shape, z: float, taken: Sequence[Ring] = ()) -> list[Shape]:
+def crossed_at(
+    shape: Shape, crossed: Shape, z: float, rounding: Sequence[Ring] = ()
+) -> list[Shape]:
     """What a cut at height z leaves of a shape that is extruded and crossed with another one of the plane x + iz, by x.
 
-    taken: what the rounding of edges takes besides, rings at that height.
+    rounding: what the rounding of edges takes besides, rings at that height.
     """
     import shapely
 
@@ -196,7 +195,7 @@ def crossed_at(shape: Shape, crossed: Shape, z: float, taken: Sequence[Ring] = (
     level = shapely.LineString([(face.bounds[0] - 1, z), (face.bounds[2] + 1, z)])
     ways = [way for way in shapely.get_parts(face.intersection(level)) if way.length > 0]
     strips = [shapely.box(way.bounds[0], low - 1, way.bounds[2], high + 1) for way in ways]
-    body = area(shape).difference(shapely.union_all([area(Shape(each, ())) for each in taken]))
+    body = area(shape).difference(shapely.union_all([area(Shape(each, ())) for each in rounding]))
     left_over = [
         piece
         for strip in strips
@@ -255,13 +254,13 @@ def rounded(points: Sequence[complex], radii: Sequence[float]) -> Contour:
                 Arc(centre, radius, math.atan2(spoke.imag, spoke.real), turn),
             )
         )
-    made: list[Line | Arc] = []
+    pieces: list[Line | Arc] = []
     for k, (_, leave, arc) in enumerate(corners):
         arrive = corners[(k + 1) % n][0]
         way = points[(k + 1) % n] - points[k]
         gap = ((arrive - leave) * way.conjugate()).real / abs(way)
         if gap < 0:
             raise ValueError(k, abs(way) / (abs(way) - gap))
-        made += [arc] if arc is not None else []
-        made += [Line(leave, arrive)] if gap > 0 else []
-    return Contour(tuple(made))
+        pieces += [arc] if arc is not None else []
+        pieces += [Line(leave, arrive)] if gap > 0 else []
+    return Contour(tuple(pieces))

@@ -40,8 +40,8 @@ def outline_error(contour: Contour, ring: Ring) -> float:
     end = marks[1:]
     edge = edges[np.clip(np.searchsorted(feet, (begin + end) / 2, "right") - 1, 0, feet.size - 1)]
 
-    share = np.linspace(0, 1, _SAMPLES)
-    places = begin[:, None] + (end - begin)[:, None] * share
+    parameter = np.linspace(0, 1, _SAMPLES)
+    places = begin[:, None] + (end - begin)[:, None] * parameter
     piece = np.floor((begin + end) / 2).astype(int)
     off = _distance(ring, edge[:, None], _points(contour, places, piece[:, None]))
     worst = np.argmax(off, axis=1)
@@ -59,16 +59,16 @@ def outline_error(contour: Contour, ring: Ring) -> float:
 
 def _points(contour: Contour, places: Floats, piece: NDArray[np.int64], order: int = 0) -> Points:
     """Points at places (or derivatives to them), each on its own piece so that a joint may belong to either side."""
-    found = np.empty(places.shape, complex)
+    points = np.empty(places.shape, complex)
     piece = np.broadcast_to(piece, places.shape)
-    for k, own in enumerate(contour.pieces):
+    for k, curve in enumerate(contour.pieces):
         mine = piece % len(contour.pieces) == k
         if mine.any():
-            length = own.t1 - own.t0
-            found[mine] = length**order * own.at(
-                own.t0 + length * (places[mine] - piece[mine]), order
+            length = curve.t1 - curve.t0
+            points[mine] = length**order * curve.at(
+                curve.t0 + length * (places[mine] - piece[mine]), order
             )
-    return found
+    return points
 
 
 def _feet(contour: Contour, points: Points) -> Floats:

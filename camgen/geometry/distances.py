@@ -67,10 +67,10 @@ def segments_to_rings(a: Points, b: Points, rings: Sequence[Points]) -> Floats:
     ways = shapely.linestrings(
         np.stack([np.column_stack([a.real, a.imag]), np.column_stack([b.real, b.imag])], axis=1)
     )
-    found = np.full(len(a), np.inf)
+    least = np.full(len(a), np.inf)
     within = np.zeros(len(a), int)
     for ring in rings:
         polygon = _polygon(ring)
-        found = np.minimum(found, shapely.distance(ways, polygon.exterior))
+        least = np.minimum(least, shapely.distance(ways, polygon.exterior))
         within += shapely.contains_xy(polygon, a.real, a.imag)
-    return np.where(within % 2 == 1, 0.0, found)
+    return np.where(within % 2 == 1, 0.0, least)

@@ -74,13 +74,13 @@ class Track:
             t = np.insert(t, rough + 1, middle)
             nodes = np.insert(nodes, rough + 1, self._nodes(middle), axis=1)
             turn, share = self._panels(nodes, law)
-            left = rough + np.arange(rough.size)
-            change = np.abs(share[left] + share[left + 1] - whole)
+            first_half = rough + np.arange(rough.size)
+            change = np.abs(share[first_half] + share[first_half + 1] - whole)
             again = (change > _PANEL_ERROR * max(1.0, share.sum())) | (
-                turn[left] + turn[left + 1] > _PANEL_TURN
+                turn[first_half] + turn[first_half + 1] > _PANEL_TURN
             )
-            again &= np.diff(t)[left] > 1e-13 * (piece.t1 - piece.t0)
-            rough = np.sort(np.concatenate([left[again], left[again] + 1]))
+            again &= np.diff(t)[first_half] > 1e-13 * (piece.t1 - piece.t0)
+            rough = np.sort(np.concatenate([first_half[again], first_half[again] + 1]))
         self.t = t
         self.share = share
         self.turned = np.concatenate([[0.0], np.cumsum(turn)])
@@ -147,21 +147,21 @@ def fewest(
     Raises ValueError where rounding hides the tolerance.
     """
     n = max(1, math.ceil(track.share.sum()))
-    spent = 0
+    rounds = 0
     t = track.even(n)
     for attempt in range(20 * _ROUNDS):
-        measured = deviation(t)
-        if measured.max() <= tolerance:
+        deviations = deviation(t)
+        if deviations.max() <= tolerance:
             return t
-        share = np.maximum((measured / tolerance) ** power, track.least_share(t))
-        spent += 1
-        if spent == _ROUNDS or (spent >= _LEAST_ROUNDS and share.sum() > n):
+        share = np.maximum((deviations / tolerance) ** power, track.least_share(t))
+        rounds += 1
+        if rounds == _ROUNDS or (rounds >= _LEAST_ROUNDS and share.sum() > n):
             # One at a time; faster where rounding blurs very many, or nothing has helped for long.
             n = n + 1 + n * attempt // 1_000_000 + (n // 50 if attempt > 10 * _ROUNDS else 0)
-            spent = 0
+            rounds = 0
         t = _spread(t, share, n)
     raise ValueError(
-        f"no {n} stretches keep within {tolerance:.3g} mm; rounding leaves {measured.max():.3g} mm"
+        f"no {n} stretches keep within {tolerance:.3g} mm; rounding leaves {deviations.max():.3g} mm"
     )
 
 
@@ -181,7 +181,7 @@ def sagittas(track: Track, t: Floats) -> Floats:
     size = np.abs(chord)
     along = np.where(size > 0, chord / np.where(size > 0, size, 1), 1)
     edges = distinct(t, track.cuts)
-    own = np.clip(np.searchsorted(t, edges[:-1], "right") - 1, 0, size.size - 1)
+    chord_of = np.clip(np.searchsorted(t, edges[:-1], "right") - 1, 0, size.size - 1)
     tangents = piece.at(edges, 1)
 
     def extremes(axis: Points, spans: NDArray[np.intp]) -> tuple[NDArray[np.intp], Points]:
@@ -193,12 +193,12 @@ def sagittas(track: Track, t: Floats) -> Floats:
         def g(s: Floats, i: NDArray[np.intp]) -> tuple[Floats, Floats]:
             return dot(square[i], piece.at(s, 1)), dot(square[i], piece.at(s, 2))
 
-        facet = own[spans]
+        facet = chord_of[spans]
         s = roots(g, edges[spans], edges[spans + 1], LAST_STEP)
         return facet, (piece.at(s) - z[facet]) * np.conj(along[facet])
 
-    u = along[own]
-    facet, place = extremes(1j * u, np.arange(own.size))
+    u = along[chord_of]
+    facet, place = extremes(1j * u, np.arange(chord_of.size))
     height = np.zeros(size.size)
     np.maximum.at(height, facet, np.abs(place.imag))
 
@@ -208,7 +208,7 @@ def sagittas(track: Track, t: Floats) -> Floats:
         facet, place = extremes(u, back)
         for owner, where in (
             (facet, place),
-            (own[back], (piece.at(edges[back]) - z[own[back]]) * np.conj(u[back])),
+            (chord_of[back], (piece.at(edges[back]) - z[chord_of[back]]) * np.conj(u[back])),
         ):
             np.maximum.at(overhang, owner, np.maximum(-where.real, where.real - size[owner]))
         height = np.hypot(height, overhang)

@@ -49,8 +49,8 @@ class Edges:
         """Of each place the nearest one of its own edge, (n,)."""
         way = self.b - self.a
         square = np.abs(way) ** 2
-        share = np.real((places - self.a) * np.conj(way)) / np.where(square > 0, square, 1.0)
-        return np.asarray(self.a + np.clip(share, 0.0, 1.0) * way)
+        parameter = np.real((places - self.a) * np.conj(way)) / np.where(square > 0, square, 1.0)
+        return np.asarray(self.a + np.clip(parameter, 0.0, 1.0) * way)
 
     def away(self, places: Points) -> Floats:
         """Distance of each place from its own edge, (n,) mm."""
@@ -97,16 +97,16 @@ def stray(line: Edges, other: Edges, resolution: float) -> Stray:
     ends = np.unique(np.concatenate([line.a, line.b]))
     best = farthest(ends, facing(ends))
     proven = best.proven
-    left = line.some(np.flatnonzero(line.a != line.b))
-    while len(left.a):
-        middle = (left.a + left.b) / 2
+    pieces = line.some(np.flatnonzero(line.a != line.b))
+    while len(pieces.a):
+        middle = (pieces.a + pieces.b) / 2
         edges = facing(middle)
         best = max(best, farthest(middle, edges), key=lambda each: each.proven)
-        by_way = edges.away(middle) + np.abs(left.b - left.a) / 2
-        by_ends = np.maximum(edges.away(left.a), edges.away(left.b))
-        bound = np.minimum(by_way, by_ends)
-        in_question = bound > best.seen + resolution
-        proven = max(proven, best.seen, float(np.max(bound[~in_question], initial=0.0)))
-        begins = np.concatenate([left.a[in_question], middle[in_question]])
-        left = Edges(begins, np.concatenate([middle[in_question], left.b[in_question]]))
+        by_way = edges.away(middle) + np.abs(pieces.b - pieces.a) / 2
+        by_ends = np.maximum(edges.away(pieces.a), edges.away(pieces.b))
+        distance = np.minimum(by_way, by_ends)
+        in_question = distance > best.seen + resolution
+        proven = max(proven, best.seen, float(np.max(distance[~in_question], initial=0.0)))
+        begins = np.concatenate([pieces.a[in_question], middle[in_question]])
+        pieces = Edges(begins, np.concatenate([middle[in_question], pieces.b[in_question]]))
     return Stray(best.place, best.foot, proven)

@@ -19,14 +19,11 @@ MOST_TRIANGLES = (
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Triangle mesh: vertices (n, 3) mm, faces (m, 3) their indices, counter-clockwise seen from outside.
+    """Triangle mesh."""
 
-    normals: (m, 3) as a file stores them, None where it was not asked for them or a mesh has none.
-    """
-
-    vertices: Floats
-    faces: Ints
-    normals: Floats | None = None
+    vertices: Floats  # (n, 3) mm
+    faces: Ints  # (m, 3) indices of vertices, counter-clockwise seen from outside
+    normals: Floats | None = None  # (m, 3) as a file stores them, where it was read for them
 
     @cached_property
     def across(self) -> Floats:
@@ -36,12 +33,12 @@ class Mesh:
         first = rows[:, a]
         u = rows[:, b] - first
         v = rows[:, c] - first
-        found = np.empty(self.faces.shape)
+        normals = np.empty(self.faces.shape)
         for k, (i, j) in enumerate(
             ((1, 2), (2, 0), (0, 1))
         ):  # np.cross, which is slow on many short vectors
-            found[:, k] = u[i] * v[j] - u[j] * v[i]
-        return found
+            normals[:, k] = u[i] * v[j] - u[j] * v[i]
+        return normals
 
     @property
     def volume(self) -> float:
@@ -82,17 +79,17 @@ def welded(corners: Floats) -> Mesh:
     stand_in = np.empty(len(flat), np.int64)
     slots = 1 << max(len(flat).bit_length(), 4)
     slot_of = np.empty(slots, np.int64)
-    left = np.arange(len(flat))
+    open_rows = np.arange(len(flat))
     seed = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)
-    while len(left):
-        mine = bits[left]
-        mixed = mine[:, 0] * seed[0] ^ mine[:, 1] * seed[1] ^ mine[:, 2] * seed[2]
-        slot = ((mixed ^ mixed >> np.uint64(29)) * seed[0] >> np.uint64(20)) % np.uint64(slots)
-        slot_of[slot] = left
+    while len(open_rows):
+        mine = bits[open_rows]
+        hash_ = mine[:, 0] * seed[0] ^ mine[:, 1] * seed[1] ^ mine[:, 2] * seed[2]
+        slot = ((hash_ ^ hash_ >> np.uint64(29)) * seed[0] >> np.uint64(20)) % np.uint64(slots)
+        slot_of[slot] = open_rows
         winner = slot_of[slot]
         same = (bits[winner] == mine).all(axis=1)
-        stand_in[left[same]] = winner[same]
-        left = left[~same]
+        stand_in[open_rows[same]] = winner[same]
+        open_rows = open_rows[~same]
         seed = seed * seed[1] | np.uint64(1)
     first = np.zeros(len(flat), bool)
     first[stand_in] = True
@@ -153,22 +150,22 @@ def mesh_faults(mesh: Mesh) -> MeshFaults:
     uses = np.diff(starts, append=len(key))
     balance = np.add.reduceat(np.where(a < b, 1, -1)[order], starts) if len(key) else uses
     face = order // 3
-    joined = np.flatnonzero(np.diff(key[order]) == 0)
+    shared = np.flatnonzero(np.diff(key[order]) == 0)
     return MeshFaults(
         open_edges=int(np.count_nonzero(uses == 1)),
         flipped_edges=int(np.count_nonzero((uses == 2) & (balance != 0))),
         crowded_edges=int(np.count_nonzero(uses > 2)),
         degenerate=int(np.count_nonzero(~mesh.across.any(axis=1))),
         turned_normals=0 if mesh.normals is None else _turned(mesh.normals, mesh.across),
-        bodies=len(distinct(components(len(mesh.faces), face[joined], face[joined + 1]))),
+        bodies=len(distinct(components(len(mesh.faces), face[shared], face[shared + 1]))),
         volume=mesh.volume,
     )
 
 
-def _turned(stored: Floats, own: Floats) -> int:
-    """How many of the stored unit normals are not those of their triangles, which have the directions `own`, (m, 3)."""
-    size = np.linalg.norm(own, axis=1, keepdims=True)
-    off = np.linalg.norm(stored - own / np.where(size == 0, 1, size), axis=1)
+def _turned(normals: Floats, directions: Floats) -> int:
+    """How many of the stored unit normals are not those of their triangles, which have the directions `directions`, (m, 3)."""
+    size = np.linalg.norm(directions, axis=1, keepdims=True)
+    off = np.linalg.norm(normals - directions / np.where(size == 0, 1, size), axis=1)
     return int(np.count_nonzero(~(off <= NORMAL_ROUNDING) & (size[:, 0] > 0)))
 
 
@@ -193,13 +190,15 @@ def slice_mesh(mesh: Mesh, z: float) -> list[Ring]:
     above = mesh.vertices[:, 2] >= z
     side = above[mesh.faces]
     high = side.sum(axis=1)
-    cut = np.flatnonzero((high == 1) | (high == 2))
-    if not len(cut):
+    crossing_faces = np.flatnonzero((high == 1) | (high == 2))
+    if not len(crossing_faces):
         return []
-    top = high[cut] == 1
-    lone = np.argmax(side[cut] == top[:, None], axis=1)  # the corner that is alone on its side
-    faces = mesh.faces[cut]
-    row = np.arange(len(cut))
+    top = high[crossing_faces] == 1
+    lone = np.argmax(
+        side[crossing_faces] == top[:, None], axis=1
+    )  # the corner that is alone on its side
+    faces = mesh.faces[crossing_faces]
+    row = np.arange(len(crossing_faces))
     a, b, c = (faces[row, (lone + k) % 3] for k in range(3))
     # crossing runs from edge a-tail to edge a-head
     tail = np.where(top, b, c)
@@ -212,12 +211,12 @@ def slice_mesh(mesh: Mesh, z: float) -> list[Ring]:
     wrong = int(np.count_nonzero(start[by_start] != end[by_end]))
     if wrong or (np.diff(start[by_start]) == 0).any():
         raise ValueError(f"the section at z = {z:.6g} mm does not close")
-    following = np.empty(len(cut), np.int64)
+    following = np.empty(len(crossing_faces), np.int64)
     following[by_end] = by_start
     low = mesh.vertices[start // size]
     up = mesh.vertices[start % size]
-    share = (z - low[:, 2]) / (up[:, 2] - low[:, 2])
-    x, y = (low[:, k] + share * (up[:, k] - low[:, k]) for k in (0, 1))
+    parameter = (z - low[:, 2]) / (up[:, 2] - low[:, 2])
+    x, y = (low[:, k] + parameter * (up[:, k] - low[:, k]) for k in (0, 1))
     points = x + 1j * y
     return [ring for loop in _loops(following) if (ring := _without_idle(points[loop])) is not None]
 
@@ -226,14 +225,14 @@ def _loops(following: Ints) -> list[Ints]:
     """The cycles of a permutation, each as its members in order."""
     step = following.tolist()
     loops = []
-    seen = bytearray(len(step))
+    visited = bytearray(len(step))
     for first in range(len(step)):
-        if seen[first]:
+        if visited[first]:
             continue
         loop = []
         k = first
-        while not seen[k]:
-            seen[k] = 1
+        while not visited[k]:
+            visited[k] = 1
             loop.append(k)
             k = step[k]
         loops.append(np.array(loop))

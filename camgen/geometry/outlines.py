@@ -109,16 +109,16 @@ class Smooth:
     """Smooth piece: `function(t, order)` gives points and derivatives of order 0..2 for t between t0 and t1.
 
     The curvature has no jump inside; a joint with a jump belongs between two pieces. t1 < t0 runs backwards.
-    knots: growing parameters at which the slope of the curvature may jump; those outside of the piece count for nothing.
-    origin: the curve of which this one is a congruent image, None where it is its own; known: the facets found before on any
-    of its images, by t0, t1 and tolerance.
     """
 
     function: Callable[[Floats, int], Points]
     t0: float
     t1: float
+    # growing parameters at which the slope of the curvature may jump; those outside of the piece count for nothing
     knots: tuple[float, ...] = ()
+    # the curve of which this one is a congruent image; None where it is its own
     origin: Smooth | None = field(default=None, compare=False, repr=False)
+    # facets of any of its images, by t0, t1 and tolerance
     known: dict[tuple[float, float, float], Floats] = field(
         default_factory=dict, compare=False, repr=False
     )
@@ -225,10 +225,10 @@ class Contour:
 
     def __post_init__(self) -> None:
         size = max(1.0, *(abs(start_point(p)) for p in self.pieces))
-        for here, following in zip(self.pieces, self.pieces[1:] + self.pieces[:1], strict=True):
-            gap = abs(end_point(here) - start_point(following))
+        for piece, following in zip(self.pieces, self.pieces[1:] + self.pieces[:1], strict=True):
+            gap = abs(end_point(piece) - start_point(following))
             if not gap <= SAME_POINT * size:
-                raise ValueError(f"contour has a gap of {gap:.3g} mm at {end_point(here):.6g}")
+                raise ValueError(f"contour has a gap of {gap:.3g} mm at {end_point(piece):.6g}")
 
     @cached_property
     def area(self) -> float:

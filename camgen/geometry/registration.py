@@ -49,7 +49,7 @@ def straightened(w: Points, m: complex) -> Points:
 def lay(
     shape: Sequence[Points],
     others: Sequence[Sequence[Points]],
-    distorted: bool = False,
+    distortion: bool = False,
     start: float | None = None,
 ) -> tuple[complex, list[Laid]]:
     """Distortion m common to all shapes (0 unless it is asked for), and how the first, straightened, lies on each other one.
@@ -57,90 +57,90 @@ def lay(
     The origin of each is near one point of the body, the first of its edges the outline. start: a turn to begin with, rad;
     without one that at which the outlines' radii are most alike.
     """
-    laid = [
+    poses = [
         Laid(turned(shape[0], other[0]) if start is None else start, 0j, np.inf) for other in others
     ]
-    own = np.concatenate(shape)
-    own = own[:: max(1, len(own) // _MOST_POINTS)]
+    points = np.concatenate(shape)
+    points = points[:: max(1, len(points) // _MOST_POINTS)]
     targets = [_Target(other) for other in others]
     m = 0j
     for _ in range(_ROUNDS):
         blocks = []
         rights = []
-        found = []
-        for k, (target, each) in enumerate(zip(targets, laid, strict=True)):
+        misses = []
+        for k, (target, each) in enumerate(zip(targets, poses, strict=True)):
             spun = np.exp(1j * each.turn)
-            at = spun * straightened(own, m) + each.shift
+            at = spun * straightened(points, m) + each.shift
             near, normal, miss = target.nearest(at, m)
-            kept = _counting(miss)
-            moves = np.conj(target.shown[near]) - spun * np.conj(own)  # per m
-            columns = [moves, 1j * moves] if distorted else []
-            table = np.zeros((int(kept.sum()), 3 * len(laid) + len(columns)))
+            counting = _counting(miss)
+            moves = np.conj(target.shown[near]) - spun * np.conj(points)  # per m
+            columns = [moves, 1j * moves] if distortion else []
+            table = np.zeros((int(counting.sum()), 3 * len(poses) + len(columns)))
             own_columns = [
-                1j * spun * straightened(own, m),
-                np.ones(len(own)),
-                np.full(len(own), 1j),
+                1j * spun * straightened(points, m),
+                np.ones(len(points)),
+                np.full(len(points), 1j),
             ]
             for place, column in [
                 *enumerate(columns),
                 *enumerate(own_columns, len(columns) + 3 * k),
             ]:
-                table[:, place] = np.real(np.conj(normal) * column)[kept]
+                table[:, place] = np.real(np.conj(normal) * column)[counting]
             blocks.append(table)
-            rights.append(-miss[kept])
-            found.append(float(np.sqrt(np.mean(miss[kept] ** 2))))
+            rights.append(-miss[counting])
+            misses.append(float(np.sqrt(np.mean(miss[counting] ** 2))))
         step = np.asarray(least_squares(np.concatenate(blocks), np.concatenate(rights)))
-        common = complex(step[0], step[1]) if distorted else 0j
+        common = complex(step[0], step[1]) if distortion else 0j
         m += common
-        own_steps = step[2 if distorted else 0 :].reshape(-1, 3)
-        laid = [
+        own_steps = step[2 if distortion else 0 :].reshape(-1, 3)
+        poses = [
             Laid(each.turn + a, each.shift + complex(x, y), off)
-            for each, (a, x, y), off in zip(laid, own_steps, found, strict=True)
+            for each, (a, x, y), off in zip(poses, own_steps, misses, strict=True)
         ]
         if np.max(np.abs(step)) < 1e-8:
             break
-    return m, laid
+    return m, poses
 
 
 def lay_on_known(
-    outline: Points, known: Points, device: bool = False
+    outline: Points, reference: Points, device: bool = False
 ) -> tuple[Points, complex, float, Laid]:
     """A measured outline laid on one that is known, in the known one's frame: (n,) mm; m and scale of what measured it, found
     if device and otherwise 0 and 1; how it lay, seen from both centres of area.
     """
-    own = outline
-    target = _Target([known])
-    turn = turned(own, known)
+    points = outline
+    target = _Target([reference])
+    turn = turned(points, reference)
     shift = 0j
     m = 0j
     scale = 1.0
     off = np.inf
-    some = own[:: max(1, len(own) // _MOST_POINTS)]
+    some = points[:: max(1, len(points) // _MOST_POINTS)]
     for _ in range(_ROUNDS):
         spun = np.exp(1j * turn) / scale
         at = spun * straightened(some, m) + shift
         _, normal, miss = target.nearest(at, 0j)
-        kept = _counting(miss)
+        counting = _counting(miss)
         columns = [1j * (at - shift), np.ones(len(at)), np.full(len(at), 1j)]
         if device:
             columns += [shift - at, -spun * np.conj(some), -1j * spun * np.conj(some)]
         table = np.column_stack([np.real(np.conj(normal) * column) for column in columns])
-        a, x, y, *more = np.asarray(least_squares(table[kept], -miss[kept])).tolist()
+        a, x, y, *more = np.asarray(least_squares(table[counting], -miss[counting])).tolist()
         turn = turn + a
         shift = shift + complex(x, y)
-        off = float(np.sqrt(np.mean(miss[kept] ** 2)))
+        off = float(np.sqrt(np.mean(miss[counting] ** 2)))
         if device:
             scale = scale * (1 + more[0])
             m = m + complex(more[1], more[2])
         if max(map(abs, (a, x, y, *more))) < 1e-9:
             break
-    laid = np.exp(1j * turn) / scale * straightened(own, m) + shift
-    return np.asarray(laid), m, scale, Laid(turn, shift, off)
+    placed = np.exp(1j * turn) / scale * straightened(points, m) + shift
+    return np.asarray(placed), m, scale, Laid(turn, shift, off)
 
 
-def deviation(outline: Points, known: Points) -> Floats:
+def deviation(outline: Points, reference: Points) -> Floats:
     """How far points of an outline lie outside a known, counter-clockwise one, along its normal, (n,) mm."""
-    return _Target([known]).nearest(outline, 0j)[2]
+    return _Target([reference]).nearest(outline, 0j)[2]
 
 
 def dense(outline: Points, step: float) -> Points:
@@ -171,14 +171,14 @@ class _Target:
         """For points, (n,): the nearest of the shape's own, straightened; the unit normal there; the distance along it."""
         from scipy.spatial import cKDTree
 
-        own = straightened(self.shown, m)
+        shape = straightened(self.shown, m)
         along = straightened(self._along, m)
         if self._tree is None or abs(m - self._m) > 1e-6:
-            self._tree = cKDTree(np.column_stack([own.real, own.imag]))
+            self._tree = cKDTree(np.column_stack([shape.real, shape.imag]))
             self._m = m
         near = self._tree.query(np.column_stack([at.real, at.imag]))[1]
         normal = -1j * along[near] / np.abs(along[near])
-        return near, normal, np.real(np.conj(normal) * (at - own[near]))
+        return near, normal, np.real(np.conj(normal) * (at - shape[near]))
 
 
 def turned(outline: Points, other: Points) -> float:

@@ -27,13 +27,10 @@ _MOST_FACETS = 5_000_000  # of one ring: beyond it no memory serves
 
 @dataclass(frozen=True)
 class Ring:
-    """Closed outline: edge i runs from points[i] to points[i + 1], the last one back to points[0].
+    """Closed outline: edge i runs from points[i] to points[i + 1], the last one back to points[0]."""
 
-    points: (n,) complex, mm.  bulges: (n,) tan(sweep / 4), 0 for a straight edge, positive where it turns left.
-    """
-
-    points: Points
-    bulges: Floats
+    points: Points  # (n,) complex mm
+    bulges: Floats  # (n,) tan(sweep / 4), 0 for a straight edge, positive where it turns left
 
     @property
     def ends(self) -> Points:
@@ -76,8 +73,8 @@ class Ring:
         straight = np.abs(t) < 0.01
         safe = np.where(straight, 1.0, t)
         # Per chord^2; the series serves where the closed form would cancel.
-        closed = ((1 + safe**2) ** 2 * np.arctan(safe) - safe * (1 - safe**2)) / (8 * safe**2)
-        cap = np.where(straight, t / 3 + t**3 / 15 - t**5 / 105, closed)
+        exact = ((1 + safe**2) ** 2 * np.arctan(safe) - safe * (1 - safe**2)) / (8 * safe**2)
+        cap = np.where(straight, t / 3 + t**3 / 15 - t**5 / 105, exact)
         return np.asarray(cap * np.abs(self.ends - self.points) ** 2)
 
     @cached_property
@@ -97,9 +94,9 @@ class Ring:
         centre = (a + b) / 2 + 0.5j * (b - a) * (1 - t * t) / (2 * t)
         compass = np.array([1, 1j, -1, -1j])
         # An extreme of the circle lies on the arc when it is passed before the end is.
-        turned = np.angle(compass[:, None] / (a - centre)) * np.sign(t) % (2 * np.pi)
+        angle = np.angle(compass[:, None] / (a - centre)) * np.sign(t) % (2 * np.pi)
         extremes = (centre + compass[:, None] * np.abs(a - centre))[
-            turned <= 4 * np.arctan(np.abs(t))
+            angle <= 4 * np.arctan(np.abs(t))
         ]
         z = np.concatenate([self.points, extremes])
         return float(z.real.min()), float(z.imag.min()), float(z.real.max()), float(z.imag.max())
@@ -222,18 +219,18 @@ def fit_circle(points: Points, weights: Floats | None = None) -> tuple[complex, 
     """
     if len(points) < 3:
         return complex(np.nan, np.nan), np.nan, np.nan
-    share = np.ones(len(points)) if weights is None else np.sqrt(weights / weights.max())
+    root_weight = np.ones(len(points)) if weights is None else np.sqrt(weights / weights.max())
     origin = points.mean()
     z = points - origin
     table = np.column_stack([2 * z.real, 2 * z.imag, np.ones(len(z))])
-    x, y, c = least_squares(share[:, None] * table, share * np.abs(z) ** 2)
+    x, y, c = least_squares(root_weight[:, None] * table, root_weight * np.abs(z) ** 2)
     centre = complex(x, y)
     radius = float(np.sqrt(max(c + x * x + y * y, 0.0)))
     for _ in range(8):
         spoke = z - centre
         distance = np.abs(spoke)
         table = np.column_stack([spoke.real / distance, spoke.imag / distance, np.ones(len(z))])
-        dx, dy, dr = least_squares(share[:, None] * table, share * (distance - radius))
+        dx, dy, dr = least_squares(root_weight[:, None] * table, root_weight * (distance - radius))
         centre = centre + complex(dx, dy)
         radius = radius + float(dr)
         if abs(complex(dx, dy)) + abs(dr) < 1e-15 * radius:
@@ -268,9 +265,9 @@ def bore_circle(ring: Ring, nominal_diameter: float) -> Circle:
     weights = np.ones(len(points)) if ring.bulges.any() else edges + np.roll(edges, 1)
     centre = 0j
     radius = nominal_diameter / 2
-    for share in (0.1, 0.03, 0.01, 0.003, 0.001):
+    for fraction in (0.1, 0.03, 0.01, 0.003, 0.001):
         misfit = np.abs(np.abs(points - centre) - radius)
-        core = np.flatnonzero(misfit <= share * nominal_diameter)
+        core = np.flatnonzero(misfit <= fraction * nominal_diameter)
         if len(core) < 4:  # far from the nominal one: what lies best
             core = np.argsort(misfit, kind="stable")[: max(len(points) // 2, 4)]
         centre, radius, deviation = fit_circle(points[core], weights[core])

@@ -50,23 +50,23 @@ def trim(pieces: Sequence[Piece]) -> tuple[list[Piece], list[Cut]]:
     Consecutive pieces may be apart where their ends are to be cut away. Raises DesignError where no closed outline is left.
     """
     cuts = _outermost(pieces, [_cut(pieces, *crossing) for crossing in _crossings(pieces)])
-    kept: list[Piece] = []
+    outline: list[Piece] = []
     if not cuts:
-        kept = list(pieces)
-    for here, following in zip(cuts, cuts[1:] + cuts[:1], strict=True) if cuts else ():
-        first, t0 = here.end
+        outline = list(pieces)
+    for cut, following in zip(cuts, cuts[1:] + cuts[:1], strict=True) if cuts else ():
+        first, t0 = cut.end
         last, t1 = following.start
         if first == last and _fraction(pieces[first], t0) < _fraction(pieces[first], t1):
-            kept.append(_part(pieces[first], t0, t1))
+            outline.append(_part(pieces[first], t0, t1))
             continue
-        kept.append(_part(pieces[first], t0, pieces[first].t1))
+        outline.append(_part(pieces[first], t0, pieces[first].t1))
         k = (first + 1) % len(pieces)
         while k != last:
-            kept.append(pieces[k])
+            outline.append(pieces[k])
             k = (k + 1) % len(pieces)
-        kept.append(_part(pieces[last], pieces[last].t0, t1))
+        outline.append(_part(pieces[last], pieces[last].t0, t1))
     size = max(abs(start_point(p)) for p in pieces)
-    for here_piece, next_piece in zip(kept, kept[1:] + kept[:1], strict=True):
+    for here_piece, next_piece in zip(outline, outline[1:] + outline[:1], strict=True):
         gap = abs(end_point(here_piece) - start_point(next_piece))
         if gap > SAME_POINT * max(1.0, size):
             z = end_point(here_piece)
@@ -78,7 +78,7 @@ def trim(pieces: Sequence[Piece]) -> tuple[list[Piece], list[Cut]]:
                 f"x {z.real:.3f}, y {z.imag:.3f} mm",
                 "the tip cuts away more than the cam can lose: use a smaller tip_radius or a smaller swing",
             )
-    return kept, cuts
+    return outline, cuts
 
 
 def _fraction(piece: Piece, t: float) -> float:
@@ -108,10 +108,10 @@ def _outermost(pieces: Sequence[Piece], cuts: list[Cut]) -> list[Cut]:
         return mark[0] + _fraction(pieces[mark[0]], mark[1])
 
     def inside(mark: tuple[int, float], cut: Cut) -> bool:
-        here = place(mark)
+        at = place(mark)
         start = place(cut.start)
         end = place(cut.end)
-        return start < here < end if start < end else here > start or here < end
+        return start < at < end if start < end else at > start or at < end
 
     keep = []
     for cut in cuts:
@@ -130,8 +130,8 @@ def _samples(piece: Piece, least: float) -> tuple[Floats, Points]:
     if isinstance(piece, Smooth) and piece.knots:  # a loop may lie between any two of them
         knots = piece.spread(2)
         between = (
-            knots[:-1] + share * np.diff(knots)
-            for share in np.linspace(0, 1, _BETWEEN, endpoint=False)
+            knots[:-1] + fraction * np.diff(knots)
+            for fraction in np.linspace(0, 1, _BETWEEN, endpoint=False)
         )
         t = distinct(t, *between)[:: 1 if piece.t0 < piece.t1 else -1]
     z = piece.at(t)
@@ -148,7 +148,7 @@ def _crossings(pieces: Sequence[Piece]) -> list[tuple[int, float, int, float]]:
     b = np.concatenate([z[1:] for z in points])
     piece_of = np.concatenate([np.full(len(t) - 1, k) for k, t in enumerate(parameters)])
     chord_of = np.concatenate([np.arange(len(t) - 1) for t in parameters])
-    found = []
+    crossings = []
     for i, j in zip(*_crossing_chords(a, b), strict=True):
         p = int(piece_of[i])
         q = int(piece_of[j])
@@ -165,8 +165,8 @@ def _crossings(pieces: Sequence[Piece]) -> list[tuple[int, float, int, float]]:
             continue  # a joint or one point found twice, not a crossing
         if _grazes(pieces, p, ti, q, tj):
             continue
-        found.append((p, ti, q, tj))
-    return found
+        crossings.append((p, ti, q, tj))
+    return crossings
 
 
 def _grazes(pieces: Sequence[Piece], p: int, t: float, q: int, u: float) -> bool:

@@ -22,15 +22,15 @@ from camgen.geometry.rings import Floats, Points, Ring
 from camgen.judge.interference import Pair, interference, swept
 from camgen.judge.slabs import Body, Course, Slab, slabs_of
 from camgen.machine.features import (
-    Apart,
     CamOutline,
     Courses,
     GearTeeth,
-    Moved,
+    Passing,
     PinEyes,
     SlideFaces,
     StandIn,
     Steady,
+    SweptMachine,
 )
 from camgen.machine.model import Pose
 
@@ -47,7 +47,7 @@ _ENDS: Points = np.array([1.0 + 0j, -1.0])  # of a disc's two half circles
 _BAR = np.array([0.0, 1.0, 0.0, 1.0])  # bulges of a bar's sides and ends
 
 
-def standing(package: Package, machine: Moved) -> Iterator[tuple[str, Item, str]]:
+def standing(package: Package, machine: SweptMachine) -> Iterator[tuple[str, Item, str]]:
     """Of an assembly's file each copy, with its name and the body that it stands on; one too many is left out."""
     stands, number = defaultdict[str, list[str]](list), Counter[str]()
     for mount in machine.mounts:
@@ -58,7 +58,7 @@ def standing(package: Package, machine: Moved) -> Iterator[tuple[str, Item, str]
             yield f"{item.name}-{number[item.name]}", item, stands[item.name][number[item.name] - 1]
 
 
-def sweep(path: Path, machine: Moved) -> tuple[list[Finding], list[Row]]:
+def sweep(path: Path, machine: SweptMachine) -> tuple[list[Finding], list[Row]]:
     """Read an assembly file, set it in motion: INTERFERENCE findings, and rows (COLUMNS) of moving pairs that come nearest.
 
     The file shows theta = 0. A file that does not hold just the copies of the machine is a ROUND_TRIP that fails.
@@ -122,13 +122,13 @@ def sweep(path: Path, machine: Moved) -> tuple[list[Finding], list[Row]]:
     return findings, rows
 
 
-def _wholes(machine: Moved) -> list[set[str]]:
+def _wholes(machine: SweptMachine) -> list[set[str]]:
     """Pairs of stand-ins that are two ends of one thing, as of a spring: they always overlap, which says nothing."""
     things = [thing for thing in machine.stand_ins if thing.whole]
     return [{a.name, b.name} for a, b in itertools.combinations(things, 2) if a.whole == b.whole]
 
 
-def _touching(machine: Moved, parts: Mapping[str, str], spare: float) -> dict[Pair, float]:
+def _touching(machine: SweptMachine, parts: Mapping[str, str], spare: float) -> dict[Pair, float]:
     """Pairs of bodies that touch by intent as they move, and the overlap that this may show, mm; parts: that they are."""
     if not machine.gap > 0:  # no air is asked for: all may graze
         fits = {frozenset(pair): spare for pair in itertools.combinations(parts, 2)}
@@ -141,7 +141,7 @@ def _touching(machine: Moved, parts: Mapping[str, str], spare: float) -> dict[Pa
     return fits
 
 
-def _fits(machine: Moved, spare: float) -> Iterator[tuple[str, str, float]]:
+def _fits(machine: SweptMachine, spare: float) -> Iterator[tuple[str, str, float]]:
     """Parts and stand-ins that touch by intent, with the overlap that may show: fits that leave less air than `gap`, tips."""
     tips = [thing.name for thing in machine.stand_ins if thing.rolls]
     for piece, rest in itertools.combinations(
@@ -191,7 +191,7 @@ def _fits(machine: Moved, spare: float) -> Iterator[tuple[str, str, float]]:
                 rails.width - runner.width
             ) / 2 <= machine.gap + spare / 2:
                 yield runner.part, rails.part, spare
-            case Apart(a=a, b=b) if contact.gap <= machine.gap + spare / 2:
+            case Passing(a=a, b=b) if contact.gap <= machine.gap + spare / 2:
                 yield a, b, spare
 
 

@@ -13,7 +13,7 @@ from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, at_most, in_file
 from camgen.geometry.mesh import Mesh
 from camgen.judge.assembly import standing
-from camgen.machine.features import Balance, Moved
+from camgen.machine.features import Balance, SweptMachine
 
 
 def first_moment(mesh: Mesh) -> tuple[float, complex]:
@@ -24,7 +24,7 @@ def first_moment(mesh: Mesh) -> tuple[float, complex]:
     return float(volumes.sum()), complex(np.sum(volumes * place) / 4)
 
 
-def judge_balance(path: Path, machine: Moved, balance: Balance) -> Finding:
+def judge_balance(path: Path, machine: SweptMachine, balance: Balance) -> Finding:
     """The assembly's file against what is asked; it shows theta = 0."""
     pose = machine.courses(np.zeros(1))[balance.body]
     turn = cmath.exp(1j * float(pose.angle[0]))

@@ -23,7 +23,7 @@ from camgen.files.formats import FORMATS, read_drawing, read_solid
 from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.rings import Floats, Points
-from camgen.machine.features import Apart, Poses
+from camgen.machine.features import Passing, Poses
 from camgen.numerics import crests
 
 _CHORDS = 90  # of the turn, to begin with
@@ -221,7 +221,7 @@ def judge_clearance(
     kind: str,
     folder: Path,
     prefix: str,
-    pairs: Sequence[Apart],
+    pairs: Sequence[Passing],
     poses: Poses,
     chord_tolerance: float,
 ) -> Cleared:
@@ -279,7 +279,7 @@ def judge_clearance(
     return Cleared(tuple(findings), numbers, tuple(curves))
 
 
-def _way(pair: Apart, poses: Poses) -> Way:
+def _way(pair: Passing, poses: Poses) -> Way:
     """How b shifts as a sees it."""
 
     def way(theta: Floats) -> Points:
@@ -291,7 +291,7 @@ def _way(pair: Apart, poses: Poses) -> Way:
     return way
 
 
-def _finding(pair: Apart, least: Least, slack: float, where: Where) -> Finding:
+def _finding(pair: Passing, least: Least, slack: float, where: Where) -> Finding:
     degrees = math.degrees(least.theta)
     if least.distance < -slack:
         ranges = " and ".join(

@@ -189,7 +189,7 @@ def keyed(features: Sequence[Feature], mounts: Sequence[Mount], found: Readings)
         placed[n] = replace(
             placed[n],
             at=centre - cmath.exp(1j * turned) * found.eyes[feature.b].centre,
-            turned=turned,
+            angle=turned,
         )
     return placed
 
@@ -452,7 +452,7 @@ class _Builder:
         mount = mounts[feature.copy]
         if feature.bore is not None:
             own += mount.place(self.found.eyes[feature.bore].centre) - mount.place(feature.bore.at)
-        turn = cmath.exp(1j * mount.turned) * (-1 if mount.flipped else 1)
+        turn = cmath.exp(1j * mount.angle) * (-1 if mount.flipped else 1)
         turn, shift = (
             turn * cmath.exp(1j * joint.phase),
             (mount.at - own) * cmath.exp(1j * joint.phase),

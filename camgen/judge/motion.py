@@ -17,7 +17,7 @@ from camgen.judge.cams import judge_cams, named
 from camgen.judge.joints import Closable, Fit, Outline, assembled
 from camgen.judge.measured import Sections, read
 from camgen.judge.proof import Proof, with_laws
-from camgen.machine.features import Asked, CamOutline, Feature, Mount, judged_outputs, parts_of
+from camgen.machine.features import CamOutline, Demand, Feature, Mount, judged_outputs, parts_of
 from camgen.machine.model import Cam, Clutch, Machine, Output, bodies_of, unit_of
 from camgen.numerics import Floats
 from camgen.study import Table
@@ -51,7 +51,7 @@ def judge_machine(
     theta: Floats,
     chord_tolerance: float,
     slack: float = 0.0,
-    asked: Sequence[Asked] = (),
+    asked: Sequence[Demand] = (),
 ) -> Verdict:
     """Fits, and every output of the machine closed on the measured features, against the wanted ones.
 
@@ -157,7 +157,7 @@ class _Closing:
     theta: Floats
     chord_tolerance: float
     rounding: float
-    asked: Sequence[Asked]
+    asked: Sequence[Demand]
 
     @property
     def outputs(self) -> Sequence[Output]:
@@ -186,7 +186,7 @@ class _Closing:
         return [
             _Judged(
                 output,
-                wishes.get(output.name, Asked(output.name)),
+                wishes.get(output.name, Demand(output.name)),
                 proof,
                 self.theta,
                 self.chord_tolerance,
@@ -206,7 +206,7 @@ class _Judged:
     def __init__(
         self,
         output: Output,
-        asked: Asked,
+        asked: Demand,
         proof: Proof,
         theta: Floats,
         chord_tolerance: float,

@@ -22,7 +22,7 @@ from camgen.findings import Finding, Where, at_least, in_file
 from camgen.geometry.distances import segments_to_rings
 from camgen.geometry.mesh import Mesh, slice_mesh
 from camgen.judge.assembly import standing
-from camgen.machine.features import Moved, Strand
+from camgen.machine.features import Strand, SweptMachine
 from camgen.machine.model import Pose
 from camgen.numerics import Floats, Points
 
@@ -68,7 +68,7 @@ class _Copy:
         )
 
 
-def judge_strands(path: Path, machine: Moved, strands: Sequence[Strand]) -> list[Finding]:
+def judge_strands(path: Path, machine: SweptMachine, strands: Sequence[Strand]) -> list[Finding]:
     """Findings of all threads; the file shows theta = 0."""
     copies = {
         name: _Copy(
@@ -82,7 +82,7 @@ def judge_strands(path: Path, machine: Moved, strands: Sequence[Strand]) -> list
 
 
 def _judged(
-    strand: Strand, copies: Mapping[str, _Copy], machine: Moved, where: Where
+    strand: Strand, copies: Mapping[str, _Copy], machine: SweptMachine, where: Where
 ) -> list[Finding]:
     names = [f"{part}-{copy + 1}" for part, copy in strand.posts]
     lost = [name for name in names if name not in copies]
@@ -129,7 +129,7 @@ def _clear(
     posts: Sequence[_Copy],
     radius: float,
     copies: Mapping[str, _Copy],
-    machine: Moved,
+    machine: SweptMachine,
     where: Where,
 ) -> Finding:
     """The nearest of all that a thread passes, and at which angle it does."""
@@ -168,7 +168,10 @@ def _clear(
 
 
 def _nearest(
-    pair: tuple[_Copy, _Copy], copy: _Copy, sections: Sequence[Sequence[Points]], machine: Moved
+    pair: tuple[_Copy, _Copy],
+    copy: _Copy,
+    sections: Sequence[Sequence[Points]],
+    machine: SweptMachine,
 ) -> tuple[float, float]:
     """How near the line between two axes comes to a copy's sections in plan, mm, and at which angle, rad."""
     start = machine.courses(np.zeros(1))

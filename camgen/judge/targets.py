@@ -10,12 +10,12 @@ import numpy as np
 
 from camgen.findings import Finding, Where
 from camgen.judge.proof import Proof
-from camgen.machine.features import Asked
+from camgen.machine.features import Demand
 from camgen.machine.model import Floats, unit_of
 
 
 def judge_targets(
-    asked: Sequence[Asked], proof: Proof, theta: Floats, where: Where
+    asked: Sequence[Demand], proof: Proof, theta: Floats, where: Where
 ) -> list[Finding]:
     """A finding for each target of each output. theta: (n,) rad, even, both ends of the turn or range included."""
     findings = []

@@ -51,8 +51,8 @@ def crank_weight(force: Points, theta: Floats, speed: float) -> tuple[complex, f
     turn by theta) and the greatest remaining reaction, N. Seen from the crank the counterweight pulls with one
     constant force, so the best is the centre of the smallest circle round all reactions: no other weight does better.
     """
-    seen = force * np.exp(-1j * theta)
-    centre, radius = smallest_circle(seen[np.isfinite(seen)])
+    turning = force * np.exp(-1j * theta)
+    centre, radius = smallest_circle(turning[np.isfinite(turning)])
     return centre / (speed**2 * MM), radius
 
 
@@ -63,15 +63,15 @@ def smallest_circle(points: Points) -> tuple[complex, float]:
     than rounding counts as inside: points may all be one.
     """
     rounding = 1e-12 * float(np.abs(points).max(initial=0.0))
-    held = [complex(points[0])]
+    support = [complex(points[0])]
     while True:
-        centre, radius = _circle_round(held)
+        centre, radius = _circle_round(support)
         away = np.abs(points - centre)
         far = int(np.argmax(away))
         if away[far] <= radius * (1 + 1e-12) + rounding:
             return centre, radius
-        on_edge = [p for p in held if abs(p - centre) >= radius * (1 - 1e-9)]
-        held = [*on_edge, complex(points[far])]
+        on_edge = [p for p in support if abs(p - centre) >= radius * (1 - 1e-9)]
+        support = [*on_edge, complex(points[far])]
 
 
 def _circle_round(few: Sequence[complex]) -> tuple[complex, float]:

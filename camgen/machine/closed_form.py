@@ -35,18 +35,18 @@ def slider_travel(theta: ArrayLike, crank: float, rod: float, offset: float = 0.
 
 @dataclass(frozen=True)
 class FourBar:
-    """A four-bar's class by Grashof: kind and margin, mm (the two middle lengths less the shortest and the longest).
+    """A four-bar's class by Grashof.
 
     Some link turns fully where the margin is over 0; at 0 all fold into one line and the branch is lost (change point).
-    full_turn: the crank passes every angle. slack: what is to spare at the tighter of its two critical places, mm
-    (under 0: the gap). open_deg: crank angles, 0 to 180 and mirrored, over which the chain does not close.
     """
 
     kind: str
-    margin: float
-    full_turn: bool
-    slack: float
-    open_deg: tuple[tuple[float, float], ...]
+    margin: float  # mm, the two middle lengths less the shortest and the longest
+    full_turn: bool  # whether the crank passes every angle
+    slack: float  # mm, to spare at the tighter of its two critical places; below 0 the gap
+    open_deg: tuple[
+        tuple[float, float], ...
+    ]  # crank angles, 0 to 180 and mirrored, where it is open
 
 
 def four_bar(frame: float, crank: float, coupler: float, output: float) -> FourBar:

@@ -112,28 +112,28 @@ def _followed(system: Constraints, theta: Floats) -> tuple[Floats, Floats]:
             continue
         far = float(np.abs(theta[mine]).max())
         step = 2 * np.pi / FOLLOWED
-        here = 0.0
+        angle = 0.0
         q = origin
         sign_here = float(_sign(slopes)[0])
-        passed = False
+        crossing = False
         rows = [(0.0, q, *_derivatives(system, q, np.zeros(1), slopes))]
-        while abs(here) < far and step > LEAST_STEP:
-            to = np.array([here + sign * step])
+        while abs(angle) < far and step > LEAST_STEP:
+            to = np.array([angle + sign * step])
             _, at, first, second = rows[-1]
             h = sign * step
             aim = at + h * (first + 0.5 * h * second)
             new, steep, lost = _newton(system, aim, to)
-            turned = _sign(steep)[0] != sign_here
+            crossed = _sign(steep)[0] != sign_here
             v, a = _derivatives(system, new, to, steep)
             back = new - h * (v - 0.5 * h * a) - at
             away = np.abs(np.concatenate([new - aim, back]) / system.unit).max()
-            if lost[0] or not away < NEAR or (turned and step > PASSES):
+            if lost[0] or not away < NEAR or (crossed and step > PASSES):
                 step /= 2
                 continue
-            passed |= bool(turned)
-            sign_here = -sign_here if turned else sign_here
-            here = float(to[0])
-            rows.append((here, new, v, a))
+            crossing |= bool(crossed)
+            sign_here = -sign_here if crossed else sign_here
+            angle = float(to[0])
+            rows.append((angle, new, v, a))
             step = min(2 * step, 2 * np.pi / FOLLOWED)
         knots = np.array([abs(row[0]) for row in rows])
         q, first, second = (np.concatenate([row[k] for row in rows]) for k in (1, 2, 3))
@@ -141,5 +141,5 @@ def _followed(system: Constraints, theta: Floats) -> tuple[Floats, Floats]:
         h2 = (theta[mine] - sign * knots[nearest])[:, None]
         guess[mine] = q[nearest] + h2 * (first[nearest] + 0.5 * h2 * second[nearest])
         guess[mine[np.abs(theta[mine]) > knots[-1] + LEAST_STEP]] = np.nan
-        signs[mine] = 0.0 if passed else sign_here
+        signs[mine] = 0.0 if crossing else sign_here
     return guess, signs

@@ -105,12 +105,12 @@ class Constraints:
     def holds(self) -> NDArray[np.bool_]:
         """Which conditions hold which poses, (rows, 3 bodies)."""
         rows = _Rows()
-        found = np.zeros((self.height, self.width), bool)
+        pattern = np.zeros((self.height, self.width), bool)
         for each in self.conditions:
             self._write(each, self.start[None], np.zeros(1), None, rows)
         for row, slopes in enumerate(rows.slopes):
-            found[row, list(slopes)] = True
-        return found
+            pattern[row, list(slopes)] = True
+        return pattern
 
     # ---- conditions ----
 
@@ -137,25 +137,27 @@ class Constraints:
         """Runner seen from the guide: complex, along + i across; its slopes by column and its second derivative, q'' = 0."""
         guide = self.place(slide.guide, q, rates)
         runner = self.place(slide.runner, q, rates)
-        back = np.exp(-1j * (self.angle(slide.guide.body, q) + slide.angle)) * np.ones(len(q))
-        way = runner.where - guide.where
+        axes = np.exp(-1j * (self.angle(slide.guide.body, q) + slide.angle)) * np.ones(len(q))
+        offset = runner.where - guide.where
         slopes: dict[int, Any] = {}
-        for seen, sign in ((runner, 1.0), (guide, -1.0)):
-            if seen.column >= 0:
-                for k, part in enumerate((1.0, 1j, seen.swing)):
-                    slopes[seen.column + k] = slopes.get(seen.column + k, 0) + sign * back * part
+        for point, sign in ((runner, 1.0), (guide, -1.0)):
+            if point.column >= 0:
+                for k, part in enumerate((1.0, 1j, point.swing)):
+                    slopes[point.column + k] = slopes.get(point.column + k, 0) + sign * axes * part
         if guide.column >= 0:
-            slopes[guide.column + 2] = slopes[guide.column + 2] - 1j * back * way
-        bend: Any = 0.0
+            slopes[guide.column + 2] = slopes[guide.column + 2] - 1j * axes * offset
+        curvature: Any = 0.0
         if rates is not None:
             w = guide.rate
             speed = runner.speed - guide.speed
-            for seen, sign in ((runner, 1.0), (guide, -1.0)):
-                if seen.column >= 0:
-                    speed = speed + sign * (rates[:, seen.column] + 1j * rates[:, seen.column + 1])
-            pull = 1j * (runner.speed * runner.rate - guide.speed * guide.rate)
-            bend = back * (pull - 2j * w * speed - w * w * way)
-        return way * back, slopes, bend
+            for point, sign in ((runner, 1.0), (guide, -1.0)):
+                if point.column >= 0:
+                    speed = speed + sign * (
+                        rates[:, point.column] + 1j * rates[:, point.column + 1]
+                    )
+            centripetal = 1j * (runner.speed * runner.rate - guide.speed * guide.rate)
+            curvature = axes * (centripetal - 2j * w * speed - w * w * offset)
+        return offset * axes, slopes, curvature
 
     def along(
         self, name: str, q: Floats, rates: Floats | None = None
@@ -188,37 +190,37 @@ class Constraints:
         """Write down the conditions of one joint or drive."""
         if isinstance(each, Pin):
             where = np.zeros(len(q), complex)
-            bend = np.zeros(len(q), complex)
+            curvature = np.zeros(len(q), complex)
             slopes: dict[int, Any] = {}
             for place, sign in ((each.a, 1.0), (each.b, -1.0)):
-                seen = self.place(place, q, rates)
-                where = where + sign * seen.where
-                bend = bend + sign * 1j * seen.swing * seen.rate**2
-                if seen.column >= 0:
-                    for k, part in enumerate((1.0, 1j, seen.swing)):
-                        slopes[seen.column + k] = slopes.get(seen.column + k, 0) + sign * part
-            rows.add(where.real, {k: np.real(s) for k, s in slopes.items()}, bend.real)
-            rows.add(where.imag, {k: np.imag(s) for k, s in slopes.items()}, bend.imag)
+                point = self.place(place, q, rates)
+                where = where + sign * point.where
+                curvature = curvature + sign * 1j * point.swing * point.rate**2
+                if point.column >= 0:
+                    for k, part in enumerate((1.0, 1j, point.swing)):
+                        slopes[point.column + k] = slopes.get(point.column + k, 0) + sign * part
+            rows.add(where.real, {k: np.real(s) for k, s in slopes.items()}, curvature.real)
+            rows.add(where.imag, {k: np.imag(s) for k, s in slopes.items()}, curvature.imag)
         elif isinstance(each, Slide | Slot):
-            line, slopes, bend = self._line(each, q, rates)
-            rows.add(line.imag, {k: s.imag for k, s in slopes.items()}, np.imag(bend))
+            line, slopes, curvature = self._line(each, q, rates)
+            rows.add(line.imag, {k: s.imag for k, s in slopes.items()}, np.imag(curvature))
             if isinstance(each, Slide) and each.name in self._turn_said:
                 turn = self.angle(each.runner.body, q) - self.angle(each.guide.body, q) - each.turn
                 rows.add(turn, self._turns((each.runner.body, 1.0), (each.guide.body, -1.0)), 0.0)
         elif isinstance(each, Gear):
             parts = ((each.b, 1.0), (each.a, -each.ratio), (each.carrier, each.ratio - 1.0))
             value = np.full(len(q), -each.phase)
-            for body, share in parts:
-                value += share * self.angle(body, q)
+            for body, factor in parts:
+                value += factor * self.angle(body, q)
             rows.add(value, self._turns(*parts), 0.0)
         elif isinstance(each, Clutch):
             apart = each.apart(theta)
-            held = np.isnan(apart)
-            turned = self.angle(each.b, q)
+            locked = np.isnan(apart)
+            angle = self.angle(each.b, q)
             value = np.where(
-                held, turned - each.law(theta, 0), turned - self.angle(each.a, q) - apart
+                locked, angle - each.law(theta, 0), angle - self.angle(each.a, q) - apart
             )
-            rows.add(value, self._turns((each.b, 1.0), (each.a, np.where(held, 0.0, -1.0))), 0.0)
+            rows.add(value, self._turns((each.b, 1.0), (each.a, np.where(locked, 0.0, -1.0))), 0.0)
         else:
             self._write_law(each, q, theta, rates, rows)
 
@@ -251,10 +253,10 @@ class Constraints:
     def _turns(self, *parts: tuple[str, Any]) -> dict[int, Any]:
         """Slopes of a sum of angles."""
         slopes: dict[int, Any] = {}
-        for body, share in parts:
+        for body, factor in parts:
             if body != GROUND:
                 k = self.column[body] + 2
-                slopes[k] = slopes.get(k, 0.0) + share
+                slopes[k] = slopes.get(k, 0.0) + factor
         return slopes
 
     def drift(self, theta: Floats) -> Floats:
@@ -282,13 +284,13 @@ class Constraints:
         n = len(q)
         gradient = np.zeros((n, 2 if isinstance(of, Path) else 1, self.width))
         if isinstance(of, Path):
-            seen = self.place(of.of, q)
-            self._enter(gradient[:, 0], seen, np.ones(n, complex))
-            self._enter(gradient[:, 1], seen, np.full(n, 1j))
-            return seen.where, gradient
+            point = self.place(of.of, q)
+            self._enter(gradient[:, 0], point, np.ones(n, complex))
+            self._enter(gradient[:, 1], point, np.full(n, 1j))
+            return point.where, gradient
         if isinstance(of, Angle):
-            for k, share in self._turns((of.body, 1.0), (of.on, -1.0)).items():
-                gradient[:, 0, k] = share
+            for k, slope_of_angle in self._turns((of.body, 1.0), (of.on, -1.0)).items():
+                gradient[:, 0, k] = slope_of_angle
             return self.angle(of.body, q) - self.angle(of.on, q), gradient
         if isinstance(of, Along):
             value, slopes, _ = self.along(of.slide, q)
@@ -296,22 +298,22 @@ class Constraints:
                 gradient[:, 0, k] = slope
             return value, gradient
         places = [self.place(place, q) for place in of.of]
-        for seen, steep in zip(places, self._steep(of, places), strict=True):
-            self._enter(gradient[:, 0], seen, steep)
-        return of.value(*(np.asarray(seen.where)[None] for seen in places))[0], gradient
+        for point, steep in zip(places, self._steep(of, places), strict=True):
+            self._enter(gradient[:, 0], point, steep)
+        return of.value(*(np.asarray(point.where)[None] for point in places))[0], gradient
 
     def _steep(self, of: Function, places: Sequence[_Seen]) -> list[Points]:
         """How a function grows with each of its places, (n,) each: along x + i along y."""
-        still = [np.stack([seen.where, np.zeros(len(seen.where), complex)]) for seen in places]
-        found = []
+        still = [np.stack([point.where, np.zeros(len(point.where), complex)]) for point in places]
+        slopes = []
         for k in range(len(places)):
-            steep = np.zeros(still[k].shape[1], complex)
+            slope = np.zeros(still[k].shape[1], complex)
             for part in (1.0, 1j):
-                moved = [s.copy() for s in still]
-                moved[k][1] = part
-                steep += part * of.value(*moved)[1]
-            found.append(steep)
-        return found
+                jets = [s.copy() for s in still]
+                jets[k][1] = part
+                slope += part * of.value(*jets)[1]
+            slopes.append(slope)
+        return slopes
 
     def by_place(self, name: str, q: Floats) -> list[tuple[Place, Any, Any]]:
         """Of each place of an output what 1 mm of it along its body's x, and along y, does to the output, (n,), complex for a
@@ -320,13 +322,13 @@ class Constraints:
         if not isinstance(of, Path | Function):
             return []
         on = [of.of] if isinstance(of, Path) else list(of.of)
-        turned = [np.exp(1j * (self.angle(place.body, q) + np.zeros(len(q)))) for place in on]
+        axes = [np.exp(1j * (self.angle(place.body, q) + np.zeros(len(q)))) for place in on]
         if isinstance(of, Path):
-            return [(of.of, turned[0], 1j * turned[0])]
+            return [(of.of, axes[0], 1j * axes[0])]
         steep = self._steep(of, [self.place(place, q) for place in on])
         return [
             (place, np.real(s.conj() * t), np.real(s.conj() * 1j * t))
-            for place, s, t in zip(on, steep, turned, strict=True)
+            for place, s, t in zip(on, steep, axes, strict=True)
         ]
 
     def press(self, total: Floats, place: Place, q: Floats, force: Points) -> None:
@@ -343,12 +345,12 @@ class Constraints:
             total[:, c + 2] += sign * np.imag(np.conj(where - q[:, c] - 1j * q[:, c + 1]) * push)
         return total
 
-    def _enter(self, gradient: Floats, seen: _Seen, steep: Points) -> None:
+    def _enter(self, gradient: Floats, point: _Seen, slope: Points) -> None:
         """Add to a gradient, (n, 3 bodies), what Re(conj(steep) d where) is by the poses."""
-        if seen.column >= 0:
-            gradient[:, seen.column] += steep.real
-            gradient[:, seen.column + 1] += steep.imag
-            gradient[:, seen.column + 2] += np.real(np.conj(steep) * seen.swing)
+        if point.column >= 0:
+            gradient[:, point.column] += slope.real
+            gradient[:, point.column + 1] += slope.imag
+            gradient[:, point.column + 2] += np.real(np.conj(slope) * point.swing)
 
     def shares(self, names: Sequence[str], q: Floats, theta: Floats) -> list[dict[str, Floats]]:
         """Of each output, by joint and drive, (n,): its largest movement per mm (rad for what is an angle) of displacement there.
@@ -359,15 +361,15 @@ class Constraints:
         slopes = self.evaluate(q, theta)[1]
         gradients = [self.output(name, q)[1] for name in names]
         right = np.concatenate(gradients, axis=1)
-        found = np.swapaxes(
+        solution = np.swapaxes(
             solved(np.swapaxes(slopes, 1, 2), np.swapaxes(right, 1, 2), self.holds.T), 1, 2
         )
         shares = []
         first = 0
         for gradient in gradients:
-            mine = found[:, first : first + gradient.shape[1]]
+            rows = solution[:, first : first + gradient.shape[1]]
             first = first + gradient.shape[1]
-            parts = {each.name: mine[:, :, self.rows[each.name]] for each in self.conditions}
+            parts = {each.name: rows[:, :, self.rows[each.name]] for each in self.conditions}
             sliding = {each.name for each in self.conditions if isinstance(each, Slide)}
             shares.append(
                 {
@@ -396,12 +398,12 @@ def _forest(machine: Machine) -> set[str]:
             body = leader[body]
         return body
 
-    said = set()
+    independent = set()
     for joint in machine.joints:
         if isinstance(joint, Slide) and top(joint.guide.body) != top(joint.runner.body):
             leader[top(joint.runner.body)] = top(joint.guide.body)
-            said.add(joint.name)
-    return said
+            independent.add(joint.name)
+    return independent
 
 
 def _stretch(parts: Floats) -> Floats:
@@ -425,6 +427,6 @@ def solved(matrices: Floats, right: Floats, holds: NDArray[np.bool_] | None = No
     )
     if sound.all():
         return solve(matrices, right, holds)
-    found = np.full(right.shape, np.nan)
-    found[sound] = solve(matrices[sound], right[sound], holds)
-    return found
+    solutions = np.full(right.shape, np.nan)
+    solutions[sound] = solve(matrices[sound], right[sound], holds)
+    return solutions

@@ -1,10 +1,10 @@
-"""What a machine is to those that judge its files. Data alone: features that make its joints, parts on bodies, what is asked.
+"""What a machine is to those that judge its files. Data alone: features that make its joints, parts on bodies, demands.
 
     eye       a round feature of a part: a hole, or the rim of a disc that is itself the pin (`shaft`)
     faces     two parallel straight faces of a part: rails, the walls of a slot, a runner
     outline   what a cam's follower runs on
     teeth     of a wheel: where its outline crosses the pitch circle
-    mount     where a part stands on its body: body = at + exp(i turned) * part
+    mount     where a part stands on its body: body = at + exp(i angle) * part
     stand-in  a thing that is not made but in the way
 
 Places and diameters here are nominal, mm in the part's frame; the judge reads the true ones from each file.
@@ -44,113 +44,99 @@ def mapped(record: T, change: Callable[[str, Any], Any]) -> T:
 
 @dataclass(frozen=True)
 class Eye:
-    """A hole, or with `shaft` the rim of a disc or of a rounded end.
+    """A hole, or the rim of a disc or of a rounded end."""
 
-    part: its name, None for what no file shows and counts as exact, such as a bought motor's shaft; at: centre; diameter:
-    mm, 0 for a point of the part's frame, which no file shows either.
-    """
-
-    part: str | None
-    at: complex
-    diameter: float
-    shaft: bool = False
+    part: (
+        str | None
+    )  # None for what no file shows and counts as exact, such as a bought motor's shaft
+    at: complex  # centre
+    diameter: float  # mm, 0 for a point of the part's frame, which no file shows either
+    shaft: bool = False  # whether it is a rim
 
 
 @dataclass(frozen=True)
 class Faces:
-    """Two parallel faces `width` apart, mm, beside the line through `at` at `angle` (rad, part's frame).
-
-    drawn: whether the part's own drawing shows them; otherwise they count as meant in a DXF.
-    """
+    """Two parallel faces beside a line."""
 
     part: str
-    at: complex
-    angle: float
-    width: float
-    drawn: bool = True
+    at: complex  # on the line
+    angle: float  # of the line, rad
+    width: float  # between the faces, mm
+    drawn: bool = (
+        True  # whether the part's own drawing shows them; if not, they count as nominal in a DXF
+    )
 
 
 @dataclass(frozen=True)
 class Flat:
-    """One straight face of a follower, `width` long: its middle, and the direction out of its material (rad, part's frame).
+    """One straight face of a follower."""
 
-    part: None for a face that no file shows and counts as exact, in the follower's own frame.
-    """
-
-    part: str | None
-    at: complex
-    facing: float
-    width: float
+    part: (
+        str | None
+    )  # None for a face that no file shows and counts as exact, in the follower's own frame
+    at: complex  # its middle
+    facing: float  # direction out of its material, rad
+    width: float  # mm
 
 
 @dataclass(frozen=True)
 class Ring:
-    """A ball bearing that is pressed into a hole: its part, bore and outside diameter, mm."""
+    """A ball bearing that is pressed into a hole."""
 
     part: str
-    bore: float
-    outside: float
+    bore: float  # diameter, mm
+    outside: float  # diameter, mm
 
 
 @dataclass(frozen=True)
 class PinEyes:
-    """Of a Pin: its eyes, in either order. `pin`: the third that goes through both where both are holes.
-
-    rings: the bearings in the holes, in which the pin turns.
-    """
+    """Of a Pin: its eyes, in either order."""
 
     joint: str
     a: Eye
     b: Eye
-    pin: Eye | None = None
-    rings: tuple[Ring, ...] = ()
+    pin: Eye | None = None  # what goes through both where both are holes
+    rings: tuple[Ring, ...] = ()  # bearings in the holes, in which the pin turns
 
 
 @dataclass(frozen=True)
 class SlideFaces:
-    """Of a Slide: the faces of its rails, and those that run between (or round) them."""
+    """Of a Slide: its faces."""
 
     joint: str
     rails: Faces
-    runner: Faces
+    runner: Faces  # that run between the rails, or round them
 
 
 @dataclass(frozen=True)
 class SlotFaces:
-    """Of a Slot: its walls, and the eye whose centre runs between them; `pin`: what goes through where that is a hole."""
+    """Of a Slot: its walls and what runs between them."""
 
     joint: str
     walls: Faces
-    eye: Eye
-    pin: Eye | None = None
+    eye: Eye  # whose centre runs between the walls
+    pin: Eye | None = None  # what goes through the eye where that is a hole
 
 
 @dataclass(frozen=True)
 class OwnTip:
-    """A follower's tip as a part has it, beside the nominal one, and the part's hole on whose centre it swings.
-
-    radius: mm, of a roller whose seat the tip's eye is; None: the eye's own.
-    """
+    """A follower's tip as a part has it, beside the nominal one."""
 
     part: str
     tip: Eye
-    bore: Eye
-    radius: float | None = None
+    bore: Eye  # the part's hole on whose centre it swings
+    radius: float | None = None  # mm, of a roller whose seat the tip's eye is; None: the eye's own
 
 
 @dataclass(frozen=True, eq=False)
 class CamMeant:
-    """What one exact outline gives, and what of it the designer accepts; s in rad, or mm where the follower slides.
+    """What one exact outline gives, and what of it the designer accepts; s in rad, or mm where the follower slides."""
 
-    given: s over the cam's angle where that is not the joint's law, which the spec itself undercuts. lever: least way, mm per
-    unit of s, by which the follower moves off the contact's tangent; None: as measured. ripple: of the speed, as a share of
-    the greatest. undercut: loss of s.
-    """
-
-    given: Law | None = None
+    given: Law | None = None  # s over the cam's angle where the spec undercuts the joint's law
+    # least way of the follower off the contact's tangent, mm per unit of s; None: as measured
     lever: float | None = None
-    ripple: float = math.inf
-    undercut: float = math.inf
+    ripple: float = math.inf  # of the speed, as a share of the greatest
+    undercut: float = math.inf  # loss of s
 
 
 @dataclass(frozen=True)
@@ -158,76 +144,68 @@ class CamOutline:
     """Of a Cam: the part whose outline is touched, and the follower's tip. A joint's first outline drives; a further one, such
     as the other cam of a pair or the outer wall of a groove, limits its free play.
 
-    turns, swings: the Pins that hold cam and follower on the ground; swings is None for a follower that slides. tip: a round
-    one's eye, in the follower's own frame where no part is made; its radius counts as measured, or as the given one (mm) where
-    the eye is the seat of a roller; or a flat face. leaves: +1 or -1, the sense of s that takes the tip off the cam. inside:
-    it comes from within to the part's largest hole. free: mm, how far the outline lies off a tip that is where its s says: by
-    how much a groove is wider than the tip, the air of a pair on either side, below 0 its preload. copy: which of the part's
-    mounts on the cam's body it is. bore: the part's own hole on the shaft, where not a pin of the machine tells its place.
-    own: the tip as a part has it, judged by itself. roller: the part that runs there, where the tip is its seat.
+    free is by how much a groove is wider than its tip, the air of a pair on either side, below 0 its preload.
     """
 
     joint: str
     part: str
-    turns: str
-    swings: str | None
-    tip: Eye | Flat
-    radius: float | None = None
-    leaves: Literal[1, -1] = 1
-    inside: bool = False
-    free: float = 0.0
-    copy: int = 0
-    bore: Eye | None = None
-    own: OwnTip | None = None
-    roller: str | None = None
+    turns: str  # Pin that holds the cam on the ground
+    swings: str | None  # Pin that holds the follower on the ground; None for one that slides
+    tip: Eye | Flat  # an eye, in the follower's own frame where no part is made, or a flat face
+    radius: float | None = (
+        None  # mm, of a roller whose seat the eye is; None: the eye's, as measured
+    )
+    leaves: Literal[1, -1] = 1  # the sense of s that takes the tip off the cam
+    inside: bool = False  # whether the tip comes from within to the part's largest hole
+    free: float = 0.0  # mm, how far the outline lies off a tip that is where its s says
+    copy: int = 0  # which of the part's mounts on the cam's body it is
+    bore: Eye | None = (
+        None  # the part's own hole on the shaft, where no pin of the machine tells its place
+    )
+    own: OwnTip | None = None  # the tip as a part has it, judged by itself
+    roller: str | None = None  # the part that runs there, where the tip is its seat
     meant: CamMeant = CamMeant()
 
 
 @dataclass(frozen=True)
 class Teeth:
-    """The teeth of a wheel about its part's origin: how many, radius of the pitch circle, thickness there, mm.
-
-    tooth: direction of the middle of one of them, rad in the part's frame.
-    """
+    """The teeth of a wheel about its part's origin."""
 
     part: str
     count: int
-    radius: float
-    thickness: float
-    tooth: float = 0.0
+    radius: float  # of the pitch circle, mm
+    thickness: float  # of a tooth there, mm
+    tooth: float = 0.0  # direction of the middle of one of them, rad
 
 
 @dataclass(frozen=True)
 class GearTeeth:
-    """Of a Gear whose wheels mesh outside: their teeth, and the Pins about which they turn on the ground."""
+    """Of a Gear whose wheels mesh outside."""
 
     joint: str
     a: Teeth
     b: Teeth
-    turns: tuple[str, str]
+    turns: tuple[str, str]  # Pins about which they turn on the ground
 
 
 @dataclass(frozen=True)
 class Keyed:
-    """Two parts of one body on one pin with a flat: its hole in either, and where the flat faces, rad in both parts' frames.
+    """Two parts of one body on one pin with a flat: the first tells where the second stands, whatever its mount says."""
 
-    The first part tells where the second one stands, whatever its mount says: hole on hole, flat beside flat.
-    """
-
-    a: Eye
+    a: Eye  # its hole in either
     b: Eye
-    facing: float
+    facing: float  # where the flat faces, rad in both parts' frames
 
 
 @dataclass(frozen=True)
 class Steady:
-    """The other end of what a Pin of the ground turns on, in a second plate: the hole that its joint knows, this one, and what
-    goes through. webs: the driven body's eye on the axis, and that of the part which ends there, where it is not one piece."""
+    """The other end of what a Pin of the ground turns on, in a second plate."""
 
     joint: str
-    near: Eye
-    far: Eye
-    pin: Eye
+    near: Eye  # the hole that the joint knows
+    far: Eye  # the one in the second plate
+    pin: Eye  # what goes through
+    # the driven body's eye on the axis, and that of the part which ends there, where it is not one piece
     webs: tuple[Eye, Eye] | None = None
 
 
@@ -243,36 +221,30 @@ Feature = PinEyes | SlideFaces | SlotFaces | CamOutline | GearTeeth | Keyed | St
 
 @dataclass(frozen=True)
 class Mount:
-    """One copy of a part on a body: body = at + exp(i turned) * part, first turned over about its Oy where `flipped`.
-
-    z: height of its underside in the assembly, mm.
-    """
+    """One copy of a part on a body: body = at + exp(i angle) * part, first turned over about its Oy where `flipped`."""
 
     part: str
     body: str
-    at: complex = 0j
-    turned: float = 0.0
+    at: complex = 0j  # mm
+    angle: float = 0.0  # rad
     flipped: bool = False
-    z: float = 0.0
+    z: float = 0.0  # height of its underside in the assembly, mm
 
     def place(self, z: complex) -> complex:
         """A point of the part in the body's frame, complex mm."""
-        return self.at + cmath.exp(1j * self.turned) * (-z.conjugate() if self.flipped else z)
+        return self.at + cmath.exp(1j * self.angle) * (-z.conjugate() if self.flipped else z)
 
     def direction(self, angle: float) -> float:
         """A direction of the part in the body's frame, rad."""
-        return self.turned + (math.pi - angle if self.flipped else angle)
+        return self.angle + (math.pi - angle if self.flipped else angle)
 
 
 @dataclass(frozen=True)
 class PartPose(Pose):
-    """A part's pose in the assembly: ground = place + exp(i angle) * part, first turned over about its Oy where `flipped`.
+    """A part's pose in the assembly: ground = place + exp(i angle) * part, first turned over about its Oy where `flipped`."""
 
-    z: height of its underside, mm. Turned over, x is -x and z is thickness - z.
-    """
-
-    flipped: bool = False
-    z: float = 0.0
+    flipped: bool = False  # x is -x, z is thickness - z
+    z: float = 0.0  # height of its underside, mm
 
 
 def heights(stands: Mount | PartPose, part: float, low: float, high: float) -> tuple[float, float]:
@@ -282,86 +254,75 @@ def heights(stands: Mount | PartPose, part: float, low: float, high: float) -> t
 
 
 @dataclass(frozen=True)
-class Asked:
-    """What is asked of an output beside its motion.
-
-    motion(theta, order): the wanted one, (n,), order 0 and 1, mm (complex for a path) or rad; None: that of the machine with
-    all joints where they are meant. stroke: whether the difference of its extremes is judged; lash: free play that the
-    designer accepts, mm or rad, never more than half of its range; lash_of: what sets it, as a person reads it; targets: what
-    is wanted of it by value. judged: False for one that follows from another output by what no file shows.
-    """
+class Demand:
+    """What an output has to do."""
 
     output: str
+    # motion(theta, order), (n,), order 0 and 1, mm (complex for a path) or rad; None: that of the machine
+    # with all joints in their nominal places
     motion: Callable[[Floats, int], Any] | None = None
-    stroke: bool = False
-    lash: float = math.inf
-    lash_of: str = "limits.lash"
-    targets: tuple[Target | Advance, ...] = ()
-    judged: bool = True
+    stroke: bool = False  # whether the difference of its extremes is judged
+    lash: float = (
+        math.inf
+    )  # free play that is accepted, mm or rad, never more than half of its range
+    lash_of: str = "limits.lash"  # what sets it, as a person reads it
+    targets: tuple[Target | Advance, ...] = ()  # what is wanted of it by value
+    judged: bool = True  # False for one that follows from another output by what no file shows
 
 
 @dataclass(frozen=True)
 class StandIn:
-    """A thing that is not made but in the way of others: discs (centre, radius, z0, z1), mm, on a body of the model.
-
-    rolls: it is a tip that rolls on parts; bars: bands with round ends (both centres, radius, z0, z1), mm; whole: what it is
-    a piece of, such as one end of a spring: pieces of one thing may overlap.
-    """
+    """A thing that is not made but in the way of others."""
 
     name: str
-    body: str
-    discs: tuple[tuple[complex, float, float, float], ...]
-    rolls: bool = False
+    body: str  # of the model
+    discs: tuple[tuple[complex, float, float, float], ...]  # centre, radius, z0, z1, mm
+    rolls: bool = False  # whether it is a tip that rolls on parts
+    # bands with round ends: both centres, radius, z0, z1, mm
     bars: tuple[tuple[complex, complex, float, float, float], ...] = ()
-    whole: str = ""
+    whole: str = ""  # what it is a piece of, such as one end of a spring: its pieces may overlap
 
 
 @dataclass(frozen=True)
-class Apart:
-    """Two parts, one copy of each, that must not meet as theta goes round; they only shift, neither turns.
-
-    planes: heights z of the ground at which their sections are compared, mm; gap: least distance that is wanted, mm,
-    0 where they may graze: slide on each other. drawn: parts whose own drawing shows another section ->
-    the part whose drawing shows the one that is meant, and whether it is the mirror image in Oy.
-    """
+class Passing:
+    """Two parts, one copy of each, that must not meet as theta goes round; they only shift, neither turns."""
 
     name: str
     a: str
     b: str
-    planes: tuple[float, ...] = (0.0,)
-    gap: float = 0.0
+    planes: tuple[float, ...] = (
+        0.0,
+    )  # heights of the ground at which their sections are compared, mm
+    gap: float = 0.0  # least distance that is wanted, mm; 0 where they may slide on each other
+    # of a part whose own drawing shows another section, the part whose drawing shows this one, and whether
+    # it is the mirror image in Oy
     drawn: Mapping[str, tuple[str, bool]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Balance:
-    """The first moment that all solids on a body are to have together about the pin on which it turns, complex g mm in its axes.
-
-    about: the pin's place there, mm; density: of each part on the body, g/mm^3; tolerance: g mm, by which it may be off.
-    """
+    """The first moment that all solids on a body are to have together about the pin on which it turns."""
 
     body: str
     joint: str
-    about: complex
-    moment: complex
-    density: Mapping[str, float]
-    tolerance: float
+    about: complex  # the pin's place on the body, mm
+    moment: complex  # g mm in the body's axes
+    density: Mapping[str, float]  # of each part on the body, g/mm^3
+    tolerance: float  # of the moment, g mm
 
 
 @dataclass(frozen=True)
 class Strand:
-    """A thread that runs straight from post to post, between two heights of the assembly, mm.
-
-    posts: part and copy of each, round ones about their part's origin; held: how far each has to stand out over its groove
-    above and below those heights; gap: what the thread keeps from all else, mm.
-    """
+    """A thread that runs straight from post to post."""
 
     name: str
-    posts: tuple[tuple[str, int], ...]
-    low: float
+    posts: tuple[
+        tuple[str, int], ...
+    ]  # part and copy of each, round ones about their part's origin
+    low: float  # heights of the assembly between which it runs, mm
     high: float
-    held: float
-    gap: float
+    held: float  # how far each post has to stand out over its groove above and below them, mm
+    gap: float  # what the thread keeps from all else, mm
 
 
 Poses = Callable[[Floats], Mapping[str, Sequence[PartPose]]]
@@ -372,24 +333,21 @@ Courses = Callable[[Floats], Mapping[str, Pose]]
 
 
 @dataclass(frozen=True)
-class Moved:
-    """A machine as the sweep needs it: its parts' mounts, contacts and features, what else is in the way, courses of its bodies.
-
-    gap: what bodies keep that move past each other, mm; tolerance: how far facets lie off an arc, mm; angle: what theta is.
-    """
+class SweptMachine:
+    """A machine as the sweep of its solids needs it."""
 
     mounts: Sequence[Mount]
-    courses: Courses
-    contacts: Sequence[Apart | Feature]
+    courses: Courses  # of its bodies
+    contacts: Sequence[Passing | Feature]
     stand_ins: Sequence[StandIn]
-    gap: float
-    tolerance: float
-    angle: str = "cam angle"
+    gap: float  # what bodies keep that move past each other, mm
+    tolerance: float  # how far facets lie off an arc, mm
+    angle: str = "cam angle"  # what theta is
 
 
-def judged_outputs(outputs: Iterable[Output], asked: Iterable[Asked]) -> list[Output]:
+def judged_outputs(outputs: Iterable[Output], demands: Iterable[Demand]) -> list[Output]:
     """Those that are judged."""
-    left_out = {each.output for each in asked if not each.judged}
+    left_out = {each.output for each in demands if not each.judged}
     return [output for output in outputs if output.name not in left_out]
 
 

@@ -16,8 +16,8 @@ def energy_swing(theta: Floats, torque: Floats) -> float:
     """Greatest swing of the energy, J, about the mean torque; theta: (n,) rad over a whole period, both ends; torque: N m."""
     steps = np.diff(theta)
     work = np.concatenate([[0.0], np.cumsum((torque[1:] + torque[:-1]) / 2 * steps)])
-    stored = work - work[-1] * (theta - theta[0]) / (theta[-1] - theta[0])
-    return float(np.ptp(stored))
+    energy = work - work[-1] * (theta - theta[0]) / (theta[-1] - theta[0])
+    return float(np.ptp(energy))
 
 
 def mean_torque(theta: Floats, torque: Floats) -> float:
@@ -33,22 +33,22 @@ def inertia_for(energy: float, fluctuation: float, speed: float) -> float:
 
 def fluctuation_of(energy: float, inertia: float, speed: float) -> float:
     """Swing of the speed as a share of its mean; inf without inertia."""
-    stored = inertia * speed**2
-    return energy / stored if stored else float("inf")
+    twice_mean_energy = inertia * speed**2
+    return energy / twice_mean_energy if twice_mean_energy else float("inf")
 
 
-def spring_on_shaft(turned: Floats, torque: Floats) -> tuple[float, float, float]:
+def spring_on_shaft(angle: Floats, torque: Floats) -> tuple[float, float, float]:
     """The spring that evens the torque best: from a place on the ground to a pin of the evenly turning shaft.
 
-    turned: the shaft's angle, (n,) rad evenly over one turn, both ends; torque: that the drive gives, (n,) N m. A spring whose
+    angle: the shaft's angle, (n,) rad evenly over one turn, both ends; torque: that the drive gives, (n,) N m. A spring whose
     pull grows from nothing gives the shaft k e d sin(place - phi), with e and d from the axis to its ends, by its energy
     -k e d cos(phi - place): one harmonic, the turn's first, of which it takes all.
     Returns k e d, N m, `place` of its end on the ground, rad, where its pin is at phi, and the peak that is left, N m.
     """
-    first = 2 * np.mean((torque * np.exp(-1j * turned))[:-1])
-    left = torque - np.real(first * np.exp(1j * turned))
+    first = 2 * np.mean((torque * np.exp(-1j * angle))[:-1])
+    rest = torque - np.real(first * np.exp(1j * angle))
     return (
         float(np.abs(first)),
         float(np.angle(1j * np.conj(first)) % (2 * np.pi)),
-        float(np.max(np.abs(left))),
+        float(np.max(np.abs(rest))),
     )

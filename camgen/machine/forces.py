@@ -49,50 +49,43 @@ from camgen.numerics import Floats, Points, solve
 class Forces:
     """What a running machine bears, (n,) each; nan where it does not close or stands at a dead point.
 
-    reactions: of each pin, complex N, the force of b on a.
-    normals: of each slide and slot, N, on the runner, to the left of the line.
-    moments: of each slide, N m, on the runner.
-    gears: torque on b, N m; of a clutch that by which it turns b, or holds it.
-    contacts: of each cam along s, on the follower: N m where it swings, N where it slides.
-    pressing: of each cam that says how it is touched, N, between the two surfaces: below 0 it would have to pull, inf where
-    friction jams it.
-    drives: torque N m (or force N on a driven slide); power_in: what all drives give, W.
-    loads: what all loads give, W, springs and gravity too.
-    energy: kinetic, J; power: its rate of change, W; power = power_in + loads - rubs.
-    shaking: the inertia force of all bodies on the ground, complex N.
-    rubs: what friction of the joints takes, W; smooth: drives without it; locks: where it locks the machine, all else is nan.
+    power = power_in + loads - rubs
     """
 
-    reactions: Mapping[str, Points]
-    normals: Mapping[str, Floats]
-    moments: Mapping[str, Floats]
-    gears: Mapping[str, Floats]
-    contacts: Mapping[str, Floats]
-    pressing: Mapping[str, Floats]
-    drives: Mapping[str, Floats]
-    power_in: Floats
-    loads: Floats
-    energy: Floats
-    power: Floats
-    shaking: Points
-    rubs: Floats = field(default_factory=lambda: np.zeros(0))
-    smooth: Mapping[str, Floats] = field(default_factory=dict)
-    locks: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
+    reactions: Mapping[str, Points]  # of each pin, complex N, the force of b on a
+    normals: Mapping[str, Floats]  # of each slide and slot, N, on the runner, to the line's left
+    moments: Mapping[str, Floats]  # of each slide, N m, on the runner
+    gears: Mapping[str, Floats]  # torque on b, N m; of a clutch that by which it turns or holds b
+    contacts: Mapping[
+        str, Floats
+    ]  # of each cam on the follower along s, N m if it swings, N if it slides
+    pressing: Mapping[str, Floats]  # between cam and follower, N: < 0 it would pull, inf it jams
+    drives: Mapping[str, Floats]  # torque, N m, or on a slide force, N
+    power_in: Floats  # what all drives give, W
+    loads: Floats  # what all loads give, W, springs and gravity too
+    energy: Floats  # kinetic, J
+    power: Floats  # its rate of change, W
+    shaking: Points  # inertia force of all bodies on the ground, complex N
+    rubs: Floats = field(default_factory=lambda: np.zeros(0))  # what friction of joints takes, W
+    smooth: Mapping[str, Floats] = field(default_factory=dict)  # drives without friction of joints
+    locks: NDArray[np.bool_] = field(
+        default_factory=lambda: np.zeros(0, bool)
+    )  # where that friction locks the machine; all else is nan there
 
     def __repr__(self) -> str:
         """The peaks alone."""
-        borne = peaks(self.reactions)
-        given = peaks(self.drives)
-        return f"Forces at {len(self.energy)} angles; reactions to {borne} N; drives to {given} N m or N"
+        reactions = peaks(self.reactions)
+        drives = peaks(self.drives)
+        return f"Forces at {len(self.energy)} angles; reactions to {reactions} N; drives to {drives} N m or N"
 
 
 def peaks(values: Mapping[str, Points] | Mapping[str, Floats]) -> str:
     """The greatest size of each, (n,), by its name, as text."""
-    found = {
+    sizes = {
         name: round(float(np.max(np.nan_to_num(np.abs(rows)), initial=0.0)), 12)
         for name, rows in values.items()
     }
-    return ", ".join(f"{name} {peak:.4g}" for name, peak in found.items()) or "none"
+    return ", ".join(f"{name} {peak:.4g}" for name, peak in sizes.items()) or "none"
 
 
 def kinetostatics(
@@ -106,12 +99,12 @@ def kinetostatics(
     with np.errstate(all="ignore"):
         slopes = system.evaluate(q, theta)[1]
         rates = first * speed
-        turned = np.swapaxes(slopes, 1, 2)
-        wanted, energy, power, shaking = _inertia(system, q, rates, second * speed**2)
+        transposed = np.swapaxes(slopes, 1, 2)
+        inertial, energy, power, shaking = _inertia(system, q, rates, second * speed**2)
         acting = _acting(system, theta, q, rates)
         given = np.sum(acting * rates, axis=1) * MM
-        multipliers = solve(turned, wanted - acting)
-        touched = {
+        multipliers = solve(transposed, inertial - acting)
+        rows_of_cams = {
             joint.name: (
                 system.rows[joint.name].start,
                 *_touched(joint, system, q, rates, slopes, multipliers),
@@ -119,24 +112,24 @@ def kinetostatics(
             for joint in joints
             if isinstance(joint, Cam) and joint.touches
         }
-        efforts = {name: multipliers[:, row] for name, (row, _, _) in touched.items()}
-        for row, _, acts in touched.values():
-            multipliers = multipliers - multipliers[:, row, None] * solve(turned, acts)
+        efforts = {name: multipliers[:, row] for name, (row, _, _) in rows_of_cams.items()}
+        for row, _, acts in rows_of_cams.values():
+            multipliers = multipliers - multipliers[:, row, None] * solve(transposed, acts)
         smooth = multipliers
         if rubbing := friction.rubbing(system, q, rates):
-            units = solve(turned, -np.stack([each.acts for each in rubbing], axis=2))
-            for row, _, acts in touched.values():
-                units = units - units[:, row, None, :] * solve(turned, acts)[:, :, None]
+            units = solve(transposed, -np.stack([each.acts for each in rubbing], axis=2))
+            for row, _, acts in rows_of_cams.values():
+                units = units - units[:, row, None, :] * solve(transposed, acts)[:, :, None]
             loads, locks = friction.loads(rubbing, multipliers, units)
             multipliers = multipliers + np.sum(units * loads[:, None, :], axis=2)
             multipliers[locks] = np.nan
-            efforts = {name: multipliers[:, row] for name, (row, _, _) in touched.items()}
+            efforts = {name: multipliers[:, row] for name, (row, _, _) in rows_of_cams.items()}
             rubs = -MM * sum(
                 loads[:, k] * np.sum(each.acts * rates, axis=1) for k, each in enumerate(rubbing)
             )
         pressing = {
             name: np.where(efforts[name] == 0, 0.0, efforts[name] * per)
-            for name, (_, per, _) in touched.items()
+            for name, (_, per, _) in rows_of_cams.items()
         }
 
     def of(name: str, k: int = 0) -> Floats:
@@ -152,9 +145,9 @@ def kinetostatics(
         drive.name: smooth[:, system.rows[drive.name].start] * (1.0 if drive.slide else MM)
         for drive in system.machine.drives
     }
-    lost = ~np.isfinite(multipliers).all(axis=1)
+    singular = ~np.isfinite(multipliers).all(axis=1)
     for values in (given, energy, power, shaking, rubs):
-        values[lost] = np.nan
+        values[singular] = np.nan
     return Forces(
         {j.name: of(j.name) + 1j * of(j.name, 1) for j in joints if isinstance(j, Pin)},
         {j.name: of(j.name) for j in joints if isinstance(j, Slide | Slot)},
@@ -228,7 +221,7 @@ def _inertia(
 ) -> tuple[Floats, Floats, Floats, Points]:
     """M q'' with what the turning of centres adds, N and N mm; kinetic energy J, its rate W, the shaking force N."""
     n = len(q)
-    wanted = np.zeros(q.shape)
+    generalised = np.zeros(q.shape)
     energy = np.zeros(n)
     power = np.zeros(n)
     shaking = np.zeros(n, complex)
@@ -240,13 +233,13 @@ def _inertia(
         speed = v[:, k] + 1j * v[:, k + 1] + 1j * w * arm
         pull = body.mass * (a[:, k] + 1j * a[:, k + 1] + (1j * alpha - w * w) * arm) * MM
         turn = body.inertia * alpha
-        wanted[:, k] = pull.real
-        wanted[:, k + 1] = pull.imag
-        wanted[:, k + 2] = (np.conj(arm) * pull).imag + turn / MM
+        generalised[:, k] = pull.real
+        generalised[:, k + 1] = pull.imag
+        generalised[:, k + 2] = (np.conj(arm) * pull).imag + turn / MM
         energy += 0.5 * (body.mass * np.abs(speed * MM) ** 2 + body.inertia * w * w)
         power += (np.conj(speed) * pull).real * MM + turn * w
         shaking -= pull
-    return wanted, energy, power, shaking
+    return generalised, energy, power, shaking
 
 
 def _acting(system: Constraints, theta: Floats, q: Floats, rates: Floats) -> Floats:
@@ -316,5 +309,5 @@ def _torque(load: Torque | TorsionSpring, system: Constraints, q: Floats) -> Flo
     """Torque on the first body, (n,) N m."""
     if isinstance(load, Torque):
         return np.full(len(q), load.torque)
-    wound = system.angle(load.a, q) - system.angle(load.b, q) - load.free
-    return np.asarray(-load.rate * wound + np.zeros(len(q)))
+    twist = system.angle(load.a, q) - system.angle(load.b, q) - load.free
+    return np.asarray(-load.rate * twist + np.zeros(len(q)))

@@ -22,18 +22,15 @@ BLOCK = 1024  # designs whose 64 positions are a megabyte
 
 @dataclass(frozen=True)
 class Block:
-    """Some four-bars at all angles, (angles, designs); nan where the chain does not close.
+    """Some four-bars at all angles; nan where the chain does not close."""
 
-    first: number of the first design; a, b: ends of crank and output crank, complex mm; span: from A to C, squared, mm^2.
-    """
-
-    first: int
-    frame: Floats
+    first: int  # number of the first design
+    frame: Floats  # lengths, (designs,) mm
     coupler: Floats
     output: Floats
-    a: Points
+    a: Points  # ends of crank and output crank, (angles, designs) complex mm
     b: Points
-    span: Floats
+    span: Floats  # from A to C, squared, (angles, designs) mm^2
 
     @property
     def closes(self) -> Floats:
@@ -60,26 +57,26 @@ class Block:
         A full turn of the output counts as one: the angle is followed from each angle to the next.
         """
         arm = self.b - self.frame.astype(complex)
-        seen = arm * np.conj(
+        from_mean = arm * np.conj(
             np.sum(arm, axis=0)
         )  # from the mean direction: within a quarter turn most rockers stay
         with np.errstate(invalid="ignore", divide="ignore"):
-            slope = np.divide(seen.imag, seen.real)
-            found = np.arctan(np.max(slope, axis=0)) - np.arctan(np.min(slope, axis=0))
-            wide = np.flatnonzero(np.min(seen.real, axis=0) <= 0)
+            slope = np.divide(from_mean.imag, from_mean.real)
+            swing = np.arctan(np.max(slope, axis=0)) - np.arctan(np.min(slope, axis=0))
+            wide = np.flatnonzero(np.min(from_mean.real, axis=0) <= 0)
         if wide.size:
             arm = arm[:, wide]
             steps = arm[1:] * np.conj(arm[:-1])
-            turned = np.cumsum(np.arctan2(steps.imag, steps.real), axis=0)
-            found[wide] = np.maximum(np.max(turned, axis=0), 0.0) - np.minimum(
-                np.min(turned, axis=0), 0.0
+            angle = np.cumsum(np.arctan2(steps.imag, steps.real), axis=0)
+            swing[wide] = np.maximum(np.max(angle, axis=0), 0.0) - np.minimum(
+                np.min(angle, axis=0), 0.0
             )
-        return np.asarray(found)
+        return np.asarray(swing)
 
-    def coupler_point(self, along: ArrayLike, aside: ArrayLike) -> Points:
+    def coupler_point(self, along: ArrayLike, offset: ArrayLike) -> Points:
         """Path of a point of each coupler, complex mm, (angles, designs): so far from A towards B and to the left of that way."""
         unit = (self.b - self.a) / self.coupler
-        return np.asarray(self.a + unit * (np.asarray(along) + 1j * np.asarray(aside)))
+        return np.asarray(self.a + unit * (np.asarray(along) + 1j * np.asarray(offset)))
 
 
 def four_bars(

@@ -38,44 +38,41 @@ LONGEST = 0.3
 
 @dataclass(frozen=True)
 class Freedom:
-    """A machine's freedoms: count by Gruebler without the drives; moves: freedoms by rank with all drives held.
+    """A machine's freedoms."""
 
-    spare: conditions that repeat or contradict others. loose: bodies that move. bound: joints and drives of the spare ones.
-    """
-
-    bodies: int
-    pairs: int
-    half_pairs: int
+    bodies: int  # that move
+    pairs: int  # pins and slides
+    half_pairs: int  # slots, gears, cams
     drives: int
-    count: int
-    moves: int
-    spare: int
-    loose: tuple[str, ...]
-    bound: tuple[str, ...]
+    count: int  # freedoms by Gruebler, without the drives
+    moves: int  # freedoms by rank, with all drives held
+    spare: int  # conditions that repeat or contradict others
+    loose: tuple[str, ...]  # bodies that move with all drives held
+    bound: tuple[str, ...]  # joints and drives of the spare conditions
 
 
 def freedoms(machine: Machine) -> Freedom:
     """Count and rank; the machine must be closed as drawn (see `drawn`)."""
     system = Constraints(machine)
-    counted = _counted(machine)
+    by_count = _counted(machine)
     best = _values(system, system.start)
     full = best[1] == min(system.width, system.height)
     for q in () if full else _elsewhere(system):  # no rank is higher
         other = _values(system, q)
         if other[1] > best[1]:
             best = other
-    (left, _, right), rank = best
+    (null_rows, _, right), rank = best
     names = [body.name for body in machine.moving]
     loose = np.abs(right[rank:]).max(axis=0, initial=0).reshape(-1, 3).max(axis=1, initial=0)
-    bound = np.abs(left[:, rank:]).max(axis=1, initial=0)
+    dependent = np.abs(null_rows[:, rank:]).max(axis=1, initial=0)
     within = [
         each.name
         for each in system.conditions
-        if bound[system.rows[each.name]].max(initial=0) > TAKES_PART
+        if dependent[system.rows[each.name]].max(initial=0) > TAKES_PART
     ]
     loose_names = tuple(name for name, part in zip(names, loose, strict=True) if part > TAKES_PART)
     return replace(
-        counted,
+        by_count,
         moves=system.width - rank,
         spare=system.height - rank,
         loose=loose_names,
@@ -95,22 +92,22 @@ def _counted(machine: Machine) -> Freedom:
 
 def refuse_unsound(machine: Machine) -> Freedom:
     """The freedoms of a sound machine; raises DesignError that names what is loose, driven twice or locked."""
-    found = freedoms(machine)
-    if found.spare:
+    freedom = freedoms(machine)
+    if freedom.spare:
         second = [
             drive.name
             for drive in machine.drives
-            if drive.name in found.bound and _needless(machine, drive)
+            if drive.name in freedom.bound and _needless(machine, drive)
         ]
-        if second and found.drives > 1:
+        if second and freedom.drives > 1:
             raise DesignError(
                 "number of drives",
-                found.drives,
-                found.drives - found.spare,
+                freedom.drives,
+                freedom.drives - freedom.spare,
                 "",
-                _joints(found.bound),
+                _joints(freedom.bound),
                 f"take away {'one of the' if len(second) > 1 else 'the'} {listed('drive', second)}",
-                f"{found.drives} drives for {_degrees(found.drives - found.spare)} ({_tally(found)})",
+                f"{freedom.drives} drives for {_degrees(freedom.drives - freedom.spare)} ({_tally(freedom)})",
             )
         if second:
             raise DesignError(
@@ -118,49 +115,51 @@ def refuse_unsound(machine: Machine) -> Freedom:
                 0,
                 1,
                 "",
-                _joints(found.bound),
+                _joints(freedom.bound),
                 "take away a joint or a link",
-                f"the chain is rigid: {_joints(found.bound)} leave no degree of freedom to drive ({_tally(found)})",
+                f"the chain is rigid: {_joints(freedom.bound)} leave no degree of freedom to drive ({_tally(freedom)})",
             )
-        raise _locked(found)
-    if found.moves:
+        raise _locked(freedom)
+    if freedom.moves:
         remedy = (
             "join it to another link, or drive it"
-            if len(found.loose) == 1
+            if len(freedom.loose) == 1
             else "drive one of them, or join them"
         )
-        said = f"{_degrees(found.moves)} left over: {listed('link', found.loose, NAMED)} still "
-        said += (
-            f"{'moves' if len(found.loose) == 1 else 'move'} with the drive held ({_tally(found)})"
+        message = (
+            f"{_degrees(freedom.moves)} left over: {listed('link', freedom.loose, NAMED)} still "
         )
+        message += f"{'moves' if len(freedom.loose) == 1 else 'move'} with the drive held ({_tally(freedom)})"
         raise DesignError(
             "degrees of freedom left",
-            found.moves,
+            freedom.moves,
             0,
             "",
-            listed("link", found.loose, NAMED),
+            listed("link", freedom.loose, NAMED),
             remedy,
-            said,
+            message,
         )
-    return found
+    return freedom
 
 
-def _locked(found: Freedom) -> DesignError:
-    said = f"over-constrained: {_joints(found.bound)} hold the same links {counted(found.spare, 'time')} too often"
+def _locked(freedom: Freedom) -> DesignError:
+    message = f"over-constrained: {_joints(freedom.bound)} hold the same links {counted(freedom.spare, 'time')} too often"
     return DesignError(
         "excess conditions",
-        found.spare,
+        freedom.spare,
         0,
         "",
-        _joints(found.bound),
+        _joints(freedom.bound),
         "take away a link, or make one of its pins a slot",
-        f"{said} ({_tally(found)})",
+        f"{message} ({_tally(freedom)})",
     )
 
 
-def _tally(found: Freedom) -> str:
-    sum_ = f"3 x {found.bodies} - 2 x {found.pairs} - {found.half_pairs} = {found.count}"
-    return f"{sum_} degree{'' if found.count == 1 else 's'} of freedom, {found.drives} driven"
+def _tally(freedom: Freedom) -> str:
+    balance = f"3 x {freedom.bodies} - 2 x {freedom.pairs} - {freedom.half_pairs} = {freedom.count}"
+    return (
+        f"{balance} degree{'' if freedom.count == 1 else 's'} of freedom, {freedom.drives} driven"
+    )
 
 
 def _degrees(count: int) -> str:
@@ -190,7 +189,7 @@ def _values(system: Constraints, q: Floats) -> tuple[tuple[Floats, Floats, Float
 def _elsewhere(system: Constraints) -> list[Floats]:
     """Poses a little way from the drawn ones, the drives let go."""
     still = Constraints(replace(system.machine, drives=()))
-    found = []
+    poses = []
     for share in (AWAY, -0.7 * AWAY):
         (_, _, right), rank = _values(still, still.start)
         if rank == still.width:
@@ -198,8 +197,8 @@ def _elsewhere(system: Constraints) -> list[Floats]:
         ways = right[rank:] * np.sqrt(np.arange(1, still.width - rank + 1))[:, None]
         q, gap = _closest(still, still.start + share * still.unit * ways.sum(axis=0))
         if gap <= 1e3 * CLOSED * still.size:
-            found.append(q)
-    return found
+            poses.append(q)
+    return poses
 
 
 def _loop(machine: Machine, joints: Sequence[str]) -> str:
@@ -208,17 +207,17 @@ def _loop(machine: Machine, joints: Sequence[str]) -> str:
     bodies = dict.fromkeys(
         place.body for pin in pins if pin.name in joints for place in (pin.a, pin.b)
     )
-    told = []
+    lengths = []
     for body in bodies:
-        held = [
+        points = [
             (pin.name, place.at) for pin in pins for place in (pin.a, pin.b) if place.body == body
         ]
-        told += [
+        lengths += [
             f"{body} {a}-{b} {abs(z - w):.6g}"
-            for k, (a, z) in enumerate(held)
-            for b, w in held[k + 1 :]
+            for k, (a, z) in enumerate(points)
+            for b, w in points[k + 1 :]
         ]
-    return f" ({', '.join(told)})" if 0 < len(told) <= NAMED else ""
+    return f" ({', '.join(lengths)})" if 0 < len(lengths) <= NAMED else ""
 
 
 def _closest(system: Constraints, q: Floats) -> tuple[Floats, float]:
@@ -253,10 +252,12 @@ def drawn(machine: Machine) -> Machine:
             for each in system.conditions
             if misfit[system.rows[each.name]].max() > 0.01 * misfit.max()
         ]
-        found = _counted(machine)
-        if found.count < found.drives:  # no lengths will do
-            raise _locked(replace(found, spare=found.drives - found.count, bound=tuple(open_)))
-        said = f"the lengths contradict each other: {_joints(open_)} {'stays' if len(open_) == 1 else 'stay'} open"
+        freedom = _counted(machine)
+        if freedom.count < freedom.drives:  # no lengths will do
+            raise _locked(
+                replace(freedom, spare=freedom.drives - freedom.count, bound=tuple(open_))
+            )
+        message = f"the lengths contradict each other: {_joints(open_)} {'stays' if len(open_) == 1 else 'stay'} open"
         raise DesignError(
             "gap of the joints as drawn",
             gap,
@@ -264,7 +265,7 @@ def drawn(machine: Machine) -> Machine:
             "mm",
             _joints(open_),
             "change the lengths of the links in this loop, or draw their points nearer to where they meet",
-            f"{said} by {gap:.6g} mm{_loop(machine, open_)}",
+            f"{message} by {gap:.6g} mm{_loop(machine, open_)}",
         )
     rows = q.reshape(-1, 3)
     start = {

@@ -59,7 +59,7 @@ class Rubbing:
 
 def rubbing(system: Constraints, q: Floats, rates: Floats) -> list[Rubbing]:
     """All that rubs at poses q and their speeds, (n, 3 bodies)."""
-    found = []
+    rubbings = []
     for joint in system.machine.joints:
         if not isinstance(joint, Pin | Slide | Slot) or not joint.friction:
             continue
@@ -79,8 +79,8 @@ def rubbing(system: Constraints, q: Floats, rates: Floats) -> list[Rubbing]:
             slides = sum((slope * rates[:, k] for k, slope in slopes.items()), np.zeros(len(q)))
             for k, slope in slopes.items():
                 acts[:, k] -= joint.friction * _sense(slides) * slope
-        found.append(Rubbing(row, 2 if isinstance(joint, Pin) else 1, acts))
-    return found
+        rubbings.append(Rubbing(row, 2 if isinstance(joint, Pin) else 1, acts))
+    return rubbings
 
 
 def _sense(speed: Floats) -> Floats:
@@ -92,41 +92,41 @@ def loads(rubs: Sequence[Rubbing], base: Floats, units: Floats) -> tuple[Floats,
     (n, rows); units: by a unit load of each, (n, rows, m)."""
     free = _measured(rubs, base[:, :, None])[:, :, 0]
     per = _measured(rubs, units)
-    found = np.abs(free)
-    scale = np.max(found, axis=1, initial=0.0)
+    load = np.abs(free)
+    scale = np.max(load, axis=1, initial=0.0)
     near = _SAME * scale[:, None]
     sound = np.isfinite(base).all(axis=1)
     for share, steps in _SHARES.items():
         open_ = np.flatnonzero(sound)
         for _ in range(steps):
-            step = _step(free[open_], share * per[open_], found[open_])
-            found[open_] += step
+            step = _step(free[open_], share * per[open_], load[open_])
+            load[open_] += step
             open_ = open_[~(np.abs(step) <= near[open_]).all(axis=1)]
             if not open_.size:
                 break
-    off = np.abs(np.abs(_reactions(free, per, found)) - found)
-    kept = ((off <= 1e3 * near) & (found >= -near) & (found <= _MOST * scale[:, None])).all(axis=1)
-    return np.maximum(found, 0.0), sound & ~kept
+    off = np.abs(np.abs(_reactions(free, per, load)) - load)
+    valid = ((off <= 1e3 * near) & (load >= -near) & (load <= _MOST * scale[:, None])).all(axis=1)
+    return np.maximum(load, 0.0), sound & ~valid
 
 
-def _reactions(free: Points, per: Points, found: Floats) -> Points:
+def _reactions(free: Points, per: Points, load: Floats) -> Points:
     """Of all joints with loads, (n, m)."""
-    return np.asarray(free + np.einsum("nij,nj->ni", per, found))
+    return np.asarray(free + np.einsum("nij,nj->ni", per, load))
 
 
-def _step(free: Points, per: Points, found: Floats) -> Floats:
+def _step(free: Points, per: Points, load: Floats) -> Floats:
     """Of Newton's method, (n, m) N."""
-    reaction = _reactions(free, per, found)
+    reaction = _reactions(free, per, load)
     size = np.abs(reaction)
     with np.errstate(all="ignore"):
         toward = np.where(size > 0, np.conj(reaction) / size, 0.0)
-        return solve(np.eye(found.shape[1]) - np.real(toward[:, :, None] * per), size - found)
+        return solve(np.eye(load.shape[1]) - np.real(toward[:, :, None] * per), size - load)
 
 
 def _measured(rubs: Sequence[Rubbing], rows: Floats) -> Points:
     """The reaction that loads each joint, (n, m, k) complex, of multipliers, (n, rows, k)."""
-    found = [
+    reactions = [
         rows[:, each.row] + (1j * rows[:, each.row + 1] if each.count == 2 else 0.0)
         for each in rubs
     ]
-    return np.stack(found, axis=1).astype(complex)
+    return np.stack(reactions, axis=1).astype(complex)

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from camgen.machine.features import Asked, Eye, Faces, Flat, Mount, OwnTip, Ring, Teeth, mapped
+from camgen.machine.features import Demand, Eye, Faces, Flat, Mount, OwnTip, Ring, Teeth, mapped
 from camgen.machine.model import (
     GROUND,
     Along,
@@ -58,35 +58,34 @@ class _Shifted:
 
     def __call__(self, *jets: Any) -> Floats:
         """Value with its derivatives."""
-        found: Floats = self.value(
+        value: Floats = self.value(
             *(np.concatenate([np.asarray(jet[:1]) - self.at, jet[1:]]) for jet in jets)
         )
-        return found
+        return value
 
 
 @dataclass(frozen=True)
 class Ride:
-    """A body that is carried by a link of the host in place of its own joints: link = at + exp(i turned) * body."""
+    """A body that is carried by a link of the host in place of its own joints: link = at + exp(i angle) * body."""
 
     body: str
     link: str
-    at: complex
-    turned: float
+    at: complex  # mm
+    angle: float  # rad
 
 
 @dataclass(frozen=True)
 class Module:
     """How one machine stands in another: its names get the prefix and "_", its parts' names the prefix and "-".
 
-    at: its origin on the ground, complex mm; phase: how far it is ahead of the shaft, rad; z: how far it is raised, mm;
-    rides: bodies of it that links of the host carry. What joins these to the ground or to its own shaft is left out.
+    What joins bodies that ride to the ground or to its own shaft is left out.
     """
 
     prefix: str
-    at: complex = 0j
-    phase: float = 0.0
-    z: float = 0.0
-    rides: tuple[Ride, ...] = ()
+    at: complex = 0j  # its origin on the ground, mm
+    phase: float = 0.0  # how far it is ahead of the shaft, rad
+    z: float = 0.0  # how far it is raised, mm
+    rides: tuple[Ride, ...] = ()  # bodies of it that links of the host carry
 
     def name(self, name: str) -> str:
         """Of a joint, a drive or an output."""
@@ -108,27 +107,27 @@ class Module:
     def machine(self, machine: Machine) -> Machine:
         """The same machine as it is in the whole."""
         run = solve(machine, [self.phase], 0)
-        own = [body for body in machine.moving if self.ride(body.name) is None]
-        poses = {body.name: run.pose(body.name) for body in own}
-        lost = self.lost(machine)
+        moving = [body for body in machine.moving if self.ride(body.name) is None]
+        poses = {body.name: run.pose(body.name) for body in moving}
+        dropped = self.lost(machine)
         return Machine(
-            tuple(replace(body, name=self.name(body.name)) for body in own),
+            tuple(replace(body, name=self.name(body.name)) for body in moving),
             tuple(
                 self._ahead(self.renamed(joint))
                 for joint in machine.joints
-                if joint.name not in lost
+                if joint.name not in dropped
             ),
             tuple(
                 replace(self.renamed(d), law=Ahead(d.law, self.phase))
                 for d in machine.drives
-                if d.name not in lost
+                if d.name not in dropped
             ),
             {
                 self.name(name): Pose(complex(pose.place[0]) + self.at, float(pose.angle[0]))
                 for name, pose in poses.items()
             },
             tuple(self._loaded(load) for load in machine.loads),
-            tuple(self.renamed(output) for output in machine.outputs if output.name not in lost),
+            tuple(self.renamed(output) for output in machine.outputs if output.name not in dropped),
             machine.speed,
         )
 
@@ -153,11 +152,11 @@ class Module:
         riding = {ride.body for ride in self.rides}
         if not riding:
             return set()
-        held = riding | {GROUND, *(drive.body for drive in machine.drives)}
+        fixed = riding | {GROUND, *(drive.body for drive in machine.drives)}
         joints = {
             each.name
             for each in machine.joints
-            if riding & (bodies := set(bodies_of(each))) and bodies <= held
+            if riding & (bodies := set(bodies_of(each))) and bodies <= fixed
         }
         drives = {
             drive.name for drive in machine.drives if drive.body in riding or drive.slide in joints
@@ -175,11 +174,13 @@ class Module:
     def misfits(self, machine: Machine) -> list[str]:
         """Joints between a body that rides and one that moves by itself which are no pins: such cannot be carried over."""
         riding = {ride.body for ride in self.rides}
-        lost = self.lost(machine)
+        dropped = self.lost(machine)
         return [
             each.name
             for each in machine.joints
-            if each.name not in lost and riding & set(bodies_of(each)) and not isinstance(each, Pin)
+            if each.name not in dropped
+            and riding & set(bodies_of(each))
+            and not isinstance(each, Pin)
         ]
 
     def renamed(self, record: T) -> T:
@@ -201,7 +202,7 @@ class Module:
         """A point of a body, in the whole."""
         ride = self.ride(place.body)
         if ride is not None:
-            return Place(ride.link, ride.at + cmath.exp(1j * ride.turned) * place.at)
+            return Place(ride.link, ride.at + cmath.exp(1j * ride.angle) * place.at)
         return Place(
             self.body(place.body), place.at + self.at if place.body == GROUND else place.at
         )
@@ -210,20 +211,20 @@ class Module:
         """A part's place on its body."""
         on = self.place(Place(mount.body, mount.at))
         ride = self.ride(mount.body)
-        turned = mount.turned + (ride.turned if ride else 0.0)
+        angle = mount.angle + (ride.angle if ride else 0.0)
         return replace(
             mount,
             part=self.part(mount.part),
             body=on.body,
             at=on.at,
-            turned=turned,
+            angle=angle,
             z=mount.z + self.z,
         )
 
-    def asked(self, asked: Asked) -> Asked:
+    def demand(self, demand: Demand) -> Demand:
         """What is asked of an output."""
-        motion = None if asked.motion is None else Ahead(asked.motion, self.phase)
-        return replace(asked, output=self.name(asked.output), motion=motion)
+        motion = None if demand.motion is None else Ahead(demand.motion, self.phase)
+        return replace(demand, output=self.name(demand.output), motion=motion)
 
 
 # What a text is, by its key.
@@ -234,10 +235,10 @@ _NAMES: dict[str, Callable[[Module, str], str]] = {
 }
 
 
-def ride(body: str, link: str, own: Pose, host: Pose) -> Ride:
+def ride(body: str, link: str, pose: Pose, host: Pose) -> Ride:
     """A body that stays where it stands to a link at the poses of both."""
     back = cmath.exp(-1j * host.angle)
-    return Ride(body, link, (own.place - host.place) * back, own.angle - host.angle)
+    return Ride(body, link, (pose.place - host.place) * back, pose.angle - host.angle)
 
 
 def joined(host: Machine, modules: Mapping[Module, Machine]) -> Machine:

@@ -57,12 +57,14 @@ def double_points(point: Curve, n: int = 3600) -> tuple[Floats, Points]:
     low = np.minimum(a.real, b.real)
     high = np.maximum(a.real, b.real)
     by_x = np.argsort(low)
-    met = np.searchsorted(low[by_x], high[by_x], side="right") - np.arange(
+    overlaps = np.searchsorted(low[by_x], high[by_x], side="right") - np.arange(
         1, n + 1
     )  # later ones that start within
-    met = np.maximum(met, 0)
-    first = np.repeat(np.arange(n), met)
-    second = first + 1 + np.arange(met.sum()) - np.repeat(np.cumsum(met) - met, met)
+    overlaps = np.maximum(overlaps, 0)
+    first = np.repeat(np.arange(n), overlaps)
+    second = (
+        first + 1 + np.arange(overlaps.sum()) - np.repeat(np.cumsum(overlaps) - overlaps, overlaps)
+    )
     i = by_x[first]
     j = by_x[second]
 

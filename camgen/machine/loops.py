@@ -54,22 +54,22 @@ class Chain:
     # ---- parting into steps, once ----
 
     def _place_blocks(self, machine: Machine) -> None:
-        ordered = components(machine, self.groups)
-        if ordered.loose or ordered.over:
-            names = list(ordered.over) or list(dict.fromkeys(name for _, name in ordered.loose))
+        order = components(machine, self.groups)
+        if order.loose or order.over:
+            names = list(order.over) or list(dict.fromkeys(name for _, name in order.loose))
             short = (
-                "is held by more conditions than it needs" if ordered.over else "is held by nothing"
+                "is held by more conditions than it needs" if order.over else "is held by nothing"
             )
             raise DesignError(
                 "conditions less unknowns",
-                len(ordered.over) - len(ordered.loose),
+                len(order.over) - len(order.loose),
                 0,
                 "",
                 ", ".join(names),
                 short,
             )
         by_name = {relation.name: relation for relation in relations(machine, self.groups)}
-        for part in ordered.components:
+        for part in order.components:
             names = [name for axis, name in part.equations if axis == "x"]
             within = [by_name[name] for axis, name in part.equations if axis == "s"]
             bodies = [name for axis, name in part.unknowns if axis == "x"]
@@ -96,35 +96,35 @@ class Chain:
         """Place the block's bodies along its joints; each joint that is left over closes a loop."""
         before = set(self.route)
         fresh = set(bodies) - set(self.route)
-        left = [machine.joint(name) for name in names]
-        moved = True
-        while moved:
-            moved = False
-            for joint in list(left):
+        remaining = [machine.joint(name) for name in names]
+        progress = True
+        while progress:
+            progress = False
+            for joint in list(remaining):
                 both = places(joint)
                 assert both is not None
                 a, b = both
-                here, there = (a, b) if a.body in self.route else (b, a)
+                placed, next_place = (a, b) if a.body in self.route else (b, a)
                 if (
-                    here.body not in self.route
-                    or there.body in self.route
-                    or there.body not in fresh
+                    placed.body not in self.route
+                    or next_place.body in self.route
+                    or next_place.body not in fresh
                 ):
                     continue
-                base = _from(here.body) if here.body in before else self.route[here.body]
-                # origin of there = place on here - place on there, and the length between them
+                base = _from(placed.body) if placed.body in before else self.route[placed.body]
+                # origin of the next body = place on the placed one - place on the next, and the length between
                 levers = dict(base.levers)
-                _add(levers, self.groups.of[here.body], self.groups.turned(here))
-                _add(levers, self.groups.of[there.body], -self.groups.turned(there))
+                _add(levers, self.groups.of[placed.body], self.groups.turned(placed))
+                _add(levers, self.groups.of[next_place.body], -self.groups.turned(next_place))
                 ways = base.ways
                 if not isinstance(joint, Pin):
                     group, way = self._along(machine, joint.name)
-                    ways = (*ways, (joint.name, group, way if here is a else -way))
-                self.route[there.body] = Vectors(base.roots, levers, ways)
-                left.remove(joint)
-                moved = True
+                    ways = (*ways, (joint.name, group, way if placed is a else -way))
+                self.route[next_place.body] = Vectors(base.roots, levers, ways)
+                remaining.remove(joint)
+                progress = True
         loops = []
-        for joint in left:
+        for joint in remaining:
             both = places(joint)
             assert both is not None
             if any(place.body not in self.route for place in both):
@@ -208,17 +208,17 @@ class Chain:
         if len(loops) != 1 or within:
             return block
         (loop,) = loops
-        own = {slide: (group, way) for slide, group, way in loop.ways}
-        if len(own) < len(loop.ways) or any(
-            g in angles and s not in lengths for s, (g, _) in own.items()
+        ways = {slide: (group, way) for slide, group, way in loop.ways}
+        if len(ways) < len(loop.ways) or any(
+            g in angles and s not in lengths for s, (g, _) in ways.items()
         ):
             return block
         levers = [loop.levers.get(g, 0j) for g in angles]
         if len(angles) == 2 and all(levers):
             z1, z2 = (lever * np.exp(1j * x) for lever, x in zip(levers, start, strict=True))
             return Dyad("angles", block, 1 if (np.conj(z1 + z2) * z1).imag >= 0 else -1)
-        if len(angles) == 1 and lengths[0] in own:
-            group, way = own[lengths[0]]
+        if len(angles) == 1 and lengths[0] in ways:
+            group, way = ways[lengths[0]]
             if group == angles[0]:
                 foot = levers[0] * np.conj(way)
                 return Dyad("inverted", block, 1 if foot.real + start[1] >= 0 else -1)
@@ -229,7 +229,7 @@ class Chain:
                     block,
                     1 if (np.conj(facing) * levers[0] * np.exp(1j * start[0])).real >= 0 else -1,
                 )
-        if len(lengths) == 2 and set(lengths) == set(own):
+        if len(lengths) == 2 and set(lengths) == set(ways):
             return Dyad("lengths", block, 1)
         return block
 
@@ -237,16 +237,16 @@ class Chain:
 
     def state(self, theta: Floats, order: int, upto: int | None = None) -> State:
         """All unknowns, or those of the first steps alone."""
-        made = State(self, theta, order)
+        state = State(self, theta, order)
         with np.errstate(all="ignore"):
             for step in self.steps[:upto]:
                 if isinstance(step, Direct):
-                    made.take(step)
+                    state.take(step)
                 elif isinstance(step, Dyad):
-                    made.close(step)
+                    state.close(step)
                 else:
-                    made.converge(step)
-        return made
+                    state.converge(step)
+        return state
 
     def trace(self, block: Block, low: float, high: float) -> newton.Trace:
         """What was followed of a larger block, over the range at least."""
@@ -266,8 +266,8 @@ class Chain:
         """A group's angle, continuous from the drawn position: angles theta and values, rad, over the range at least."""
         low = min(low, 0.0)
         high = max(high, math.tau)
-        kept = self._followed.get(group)
-        if kept is None or kept[0][0] > low or kept[0][-1] < high:
+        course = self._followed.get(group)
+        if course is None or course[0][0] > low or course[0][-1] < high:
             below, above = (math.ceil(abs(end) / math.tau * FOLLOWED - 1e-9) for end in (low, high))
             theta = np.asarray(np.arange(-below, above + 1) * (math.tau / FOLLOWED), float)
             step = self.maker["angle", group]
@@ -277,13 +277,13 @@ class Chain:
             values = np.unwrap(angle[sound])
             if values.size:
                 origin = int(np.argmin(np.abs(theta[sound])))
-                made = self.steps[step]
-                assert not isinstance(made, Direct)
-                drawn = made.start if isinstance(made, Block) else made.block.start
-                names = made.angles if isinstance(made, Block) else made.block.angles
-                values += math.tau * round((drawn[names.index(group)] - values[origin]) / math.tau)
-            kept = self._followed[group] = (theta[sound], values)
-        return kept
+                maker = self.steps[step]
+                assert not isinstance(maker, Direct)
+                start = maker.start if isinstance(maker, Block) else maker.block.start
+                names = maker.angles if isinstance(maker, Block) else maker.block.angles
+                values += math.tau * round((start[names.index(group)] - values[origin]) / math.tau)
+            course = self._followed[group] = (theta[sound], values)
+        return course
 
 
 def _from(body: str) -> Vectors:

@@ -33,29 +33,29 @@ MM = 1e-3  # m
 
 @dataclass(frozen=True)
 class Place:
-    """A point of a body: `at` is complex mm in the body's frame."""
+    """A point of a body."""
 
     body: str
-    at: complex = 0j
+    at: complex = 0j  # mm in the body's frame
 
 
 @dataclass(frozen=True)
 class Pose:
-    """Where a body's frame is: place complex mm, angle rad; scalars, or (n,) each over the turn."""
+    """Where a body's frame is; scalars, or (n,) each over the turn."""
 
-    place: Any
-    angle: Any
+    place: Any  # complex mm
+    angle: Any  # rad
 
 
 @dataclass(frozen=True)
 class Body:
-    """A rigid link. mass: kg; centre: of mass, complex mm in its frame; inertia: about that centre, kg m^2."""
+    """A rigid link."""
 
     name: str
-    points: Mapping[str, complex] = field(default_factory=dict)
-    mass: float = 0.0
-    centre: complex = 0j
-    inertia: float = 0.0
+    points: Mapping[str, complex] = field(default_factory=dict)  # mm in its frame
+    mass: float = 0.0  # kg
+    centre: complex = 0j  # of mass, mm in its frame
+    inertia: float = 0.0  # about that centre, kg m^2
 
     def at(self, point: str) -> Place:
         """The named point as a place; ValueError where there is none."""
@@ -68,32 +68,29 @@ class Body:
 
 @dataclass(frozen=True)
 class Pin:
-    """A turning joint: both places coincide. Its reaction is the force of b on a, N. clearance: diametral, mm; friction:
-    radius of its friction circle, mm."""
+    """A turning joint: both places coincide. Its reaction is the force of b on a, N."""
 
     name: str
     a: Place
     b: Place
-    clearance: float = 0.0
-    friction: float = 0.0
+    clearance: float = 0.0  # diametral, mm
+    friction: float = 0.0  # radius of its friction circle, mm
 
 
 @dataclass(frozen=True)
 class Slide:
     """A straight guide on one body for another that does not turn in it.
 
-    The runner's place lies on the line through the guide's place at `angle` (rad, in the guide's frame); the runner's
-    frame stands at `turn` rad to the guide's. The length along the line from the guide's place is the slide's place.
-    clearance: across, mm; friction: its coefficient.
+    The runner's place lies on a line through the guide's place; its length along that line from there is the slide's place.
     """
 
     name: str
     guide: Place
     runner: Place
-    angle: float = 0.0
-    turn: float = 0.0
-    clearance: float = 0.0
-    friction: float = 0.0
+    angle: float = 0.0  # of the line in the guide's frame, rad
+    turn: float = 0.0  # of the runner's frame to the guide's, rad
+    clearance: float = 0.0  # across, mm
+    friction: float = 0.0  # coefficient
 
 
 @dataclass(frozen=True)
@@ -103,63 +100,54 @@ class Slot:
     name: str
     guide: Place
     runner: Place
-    angle: float = 0.0
-    clearance: float = 0.0
-    friction: float = 0.0
+    angle: float = 0.0  # of the line in the guide's frame, rad
+    clearance: float = 0.0  # across, mm
+    friction: float = 0.0  # coefficient
 
 
 @dataclass(frozen=True)
 class Gear:
-    """Turns in proportion, both seen from the carrier: angle of b = ratio * angle of a + phase (rad).
-
-    clearance: backlash as an angle of b, rad.
-    """
+    """Bodies that turn in proportion, both seen from the carrier: angle of b = ratio * angle of a + phase."""
 
     name: str
     a: str
     b: str
     ratio: float
-    phase: float = 0.0
+    phase: float = 0.0  # rad
     carrier: str = GROUND
-    clearance: float = 0.0
+    clearance: float = 0.0  # backlash as an angle of b, rad
 
 
 @dataclass(frozen=True)
 class Cam:
-    """A cam contact: the follower's angle (rad), or its place along `slide` (mm), = rest + law(cam's angle - phase).
-
-    Both angles are those to the ground. leaves: +1 or -1, the sense of s that takes it off the cam; with closure "force"
-    the cam can only push that way. clearance: lash of the follower, in the unit of s. touches: where known, how it is touched;
-    the first pushes that way, a second one back. friction: coefficient of what slides there.
-    """
+    """A cam contact: the follower's angle, or its place along a slide, is s = rest + law(cam's angle - phase); angles are those
+    to the ground."""
 
     name: str
     cam: str
     follower: str
-    law: Law
+    law: Law  # rad, or mm along the slide
     slide: str | None = None
-    phase: float = 0.0
-    rest: float = 0.0
-    closure: Literal["form", "force"] = "form"
-    leaves: int = 1
-    clearance: float = 0.0
-    touches: tuple[Touch, ...] = ()
-    friction: float = 0.0
+    phase: float = 0.0  # rad
+    rest: float = 0.0  # rad or mm
+    closure: Literal["form", "force"] = "form"  # force: the cam only pushes, the way it `leaves`
+    leaves: int = 1  # +1 or -1, the sense of s that takes the follower off the cam
+    clearance: float = 0.0  # lash of the follower, rad or mm
+    touches: tuple[
+        Touch, ...
+    ] = ()  # where known: the first pushes the way it leaves, a second back
+    friction: float = 0.0  # coefficient of what slides there
 
 
 @dataclass(frozen=True)
 class Clutch:
-    """Two freewheels on one shaft: b turns with a while a turns forwards, and is held on the ground while it does not.
-
-    law: the angle of b, rad, over theta, which grows from turn to turn; apart(theta): angle of b less that of a while they
-    turn together, (n,) rad, nan while b is held.
-    """
+    """Two freewheels on one shaft: b turns with a while a turns forwards, and is held on the ground while it does not."""
 
     name: str
     a: str
     b: str
-    law: Law
-    apart: Callable[[Floats], Floats]
+    law: Law  # angle of b over theta, which grows from turn to turn, rad
+    apart: Callable[[Floats], Floats]  # angle of b less that of a, (n,) rad; nan while b is held
     clearance: float = 0.0
 
 
@@ -182,60 +170,60 @@ class Turning:
 
 @dataclass(frozen=True)
 class Drive:
-    """Says the angle of a body to the ground (rad), or with `slide` the place along that slide or slot (mm)."""
+    """What moves the machine: the angle of a body to the ground, or its place along a slide or slot, as a law of theta."""
 
     name: str
     body: str
-    law: Law = field(default_factory=Turning)
+    law: Law = field(default_factory=Turning)  # rad, or mm along the slide
     slide: str | None = None
 
 
 @dataclass(frozen=True)
 class Force:
-    """A constant force on a place, complex N in the ground's frame."""
+    """A constant force on a place."""
 
     name: str
     on: Place
-    force: complex
+    force: complex  # N in the ground's frame
 
 
 @dataclass(frozen=True)
 class Torque:
-    """A constant torque on a body, N m, and its reverse on another."""
+    """A constant torque on a body, and its reverse on another."""
 
     name: str
     on: str
-    torque: float
+    torque: float  # N m
     by: str = GROUND
 
 
 @dataclass(frozen=True)
 class Spring:
-    """A spring between two places: rate N/mm, free length mm; it pulls where it is longer, pushes where shorter."""
+    """A spring between two places: it pulls where it is longer than free, pushes where shorter."""
 
     name: str
     a: Place
     b: Place
-    rate: float
-    free: float = 0.0
+    rate: float  # N/mm
+    free: float = 0.0  # length, mm
 
 
 @dataclass(frozen=True)
 class TorsionSpring:
-    """Torque rate * (angle of a - angle of b - free) draws a back: rate N m/rad, free rad."""
+    """Torque rate * (angle of a - angle of b - free) draws a back."""
 
     name: str
     a: str
     b: str
-    rate: float
-    free: float = 0.0
+    rate: float  # N m/rad
+    free: float = 0.0  # rad
 
 
 @dataclass(frozen=True)
 class Gravity:
-    """The same acceleration on all masses, complex m/s^2."""
+    """The same acceleration on all masses."""
 
-    acceleration: complex = -9.80665j
+    acceleration: complex = -9.80665j  # m/s^2
 
 
 @dataclass(frozen=True)
@@ -255,18 +243,15 @@ class Along:
 
 @dataclass(frozen=True)
 class Resistance:
-    """A force along a slide (N) or torque on an angle (N m), by the measure x: force + law(x) - rate x - damping v - friction
-    against v, its speed.
-
-    rate: N/mm or N m/rad; damping: N s/mm or N m s/rad; friction: N or N m, none at rest.
-    """
+    """A force along a slide or torque on an angle, by the measure x and its speed v: force + law(x) - rate x - damping v -
+    friction against v."""
 
     name: str
     of: Angle | Along
-    force: float = 0.0
-    rate: float = 0.0
-    damping: float = 0.0
-    friction: float = 0.0
+    force: float = 0.0  # N or N m, as law
+    rate: float = 0.0  # N/mm or N m/rad
+    damping: float = 0.0  # N s/mm or N m s/rad
+    friction: float = 0.0  # N or N m, none at rest
     law: Callable[[Floats], Floats] | None = None
 
 
@@ -291,18 +276,14 @@ class Function:
 
 @dataclass(frozen=True)
 class Effort:
-    """What acts on a measure as it grows, over theta: law(theta, 0), N, or N m on an angle.
-
-    On a path it is a force that way, a unit vector of the ground, or with `turns` of the path's body. moving: it acts the way
-    that the measure moves, below 0 against it, and not at rest.
-    """
+    """What acts on a measure as it grows, over theta."""
 
     name: str
     of: Angle | Along | Path | Function
-    law: Law
-    way: complex = 1 + 0j
-    turns: bool = False
-    moving: bool = False
+    law: Law  # of order 0, N, or N m on an angle
+    way: complex = 1 + 0j  # of the force on a path, unit vector of the ground
+    turns: bool = False  # whether that way turns with the path's body
+    moving: bool = False  # whether it acts the way that the measure moves, and not at rest
 
 
 Load = Force | Torque | Spring | TorsionSpring | Gravity | Resistance | Effort
@@ -398,15 +379,15 @@ def slide_of(each: Joint | Drive | Load | Output) -> str | None:
 
 
 def _named(name: str, among: Sequence[N], what: str) -> N:
-    found = next((each for each in among if each.name == name), None)
-    if found is None:
-        there = ", ".join(each.name for each in among) or "none"
-        raise ValueError(f"{name} is no {what} of this machine; there are: {there}")
-    return found
+    match = next((each for each in among if each.name == name), None)
+    if match is None:
+        names = ", ".join(each.name for each in among) or "none"
+        raise ValueError(f"{name} is no {what} of this machine; there are: {names}")
+    return match
 
 
 class NamedTwice(ValueError):
-    """Bodies, joints, loads or outputs of a model with one name; names: theirs."""
+    """Bodies, joints, loads or outputs of a model with one name."""
 
     def __init__(self, names: Sequence[str]) -> None:
         self.names = tuple(names)
@@ -417,23 +398,24 @@ class NamedTwice(ValueError):
 class Machine:
     """Bodies, joints, drives, loads, outputs; two machines are the same only where they are one object.
 
-    start: pose of each moving body at theta = 0, as drawn; it picks the branch of every dyad. speed: d theta / dt, rad/s.
     Raises ValueError for a name used twice, a body or slide that is not there, or a body without a start.
     """
 
     bodies: tuple[Body, ...]
     joints: tuple[Joint, ...]
     drives: tuple[Drive, ...]
-    start: Mapping[str, Pose]
+    start: Mapping[
+        str, Pose
+    ]  # of each moving body at theta = 0, as drawn: the branch of every dyad
     loads: tuple[Load, ...] = ()
     outputs: tuple[Output, ...] = ()
-    speed: float = 1.0
+    speed: float = 1.0  # d theta / dt, rad/s
 
     def __post_init__(self) -> None:
         bodies = [body.name for body in self.bodies]
         loads = [load for load in self.loads if not isinstance(load, Gravity)]
-        for named in (self.bodies, (*self.joints, *self.drives), loads, self.outputs):
-            names = [each.name for each in named]
+        for records in (self.bodies, (*self.joints, *self.drives), loads, self.outputs):
+            names = [each.name for each in records]
             if twice := {name for name in names if names.count(name) > 1}:
                 raise NamedTwice(sorted(twice))
         slides = [joint.name for joint in self.joints if isinstance(joint, Slide | Slot)]
@@ -444,9 +426,9 @@ class Machine:
             slide = slide_of(each)
             if slide is not None and slide not in slides:
                 raise ValueError(f"{each.name} is along {slide}, which is no slide or slot")
-        lost = [body.name for body in self.moving if body.name not in self.start]
-        if lost:
-            raise ValueError(f"without a start: {', '.join(lost)}")
+        without_start = [body.name for body in self.moving if body.name not in self.start]
+        if without_start:
+            raise ValueError(f"without a start: {', '.join(without_start)}")
 
     @property
     def moving(self) -> tuple[Body, ...]:

@@ -43,24 +43,23 @@ STRAY = 0.05
 
 @dataclass(frozen=True)
 class Vectors:
-    """A sum of vectors: signed origins of bodies, levers by group, lengths along ways that turn with a group, and what
-    stands still; of a loop 0."""
+    """A sum of vectors, complex mm; of a loop it is 0."""
 
-    roots: tuple[tuple[int, str], ...] = ()
-    levers: dict[str, complex] = field(default_factory=dict)
+    roots: tuple[tuple[int, str], ...] = ()  # sign and body: origins
+    levers: dict[str, complex] = field(default_factory=dict)  # by the group with which each turns
     ways: tuple[tuple[str, str, complex], ...] = ()  # slide, group, unit vector in the group's axes
     still: complex = 0j
 
 
 @dataclass(frozen=True)
 class Known:
-    """What earlier blocks give a block: jets by loop, of ways by (loop, unknown), of known lengths, of relations."""
+    """What earlier blocks give a block, as jets."""
 
-    loops: tuple[Jet, ...]
-    ways: tuple[tuple[int, int, Jet], ...]
-    lengths: dict[str, Jet]
+    loops: tuple[Jet, ...]  # the known part of each
+    ways: tuple[tuple[int, int, Jet], ...]  # loop, column of an unknown length, its way
+    lengths: dict[str, Jet]  # of slides whose way turns with an unknown angle
     relations: tuple[Jet, ...]
-    plain: bool = False
+    plain: bool = False  # whether they are numbers, not arrays
 
     def at(self, k: int) -> Known:
         """The same at the k-th angle alone, in plain numbers: a hundred times faster there than arrays."""
@@ -81,16 +80,14 @@ class Known:
 
 @dataclass(frozen=True)
 class Trace:
-    """A block followed from the drawn position: knots (k,) rad, sorted, and x, x', x'', (3, k, m), there.
+    """A block followed from the drawn position."""
 
-    signs: of the determinant, (k,): they change at a change point. ends: what lies beyond the first and last knot is out
-    of reach, where True.
-    """
-
-    theta: Floats
-    jets: Floats
-    signs: Floats
-    ends: tuple[bool, bool]
+    theta: Floats  # knots, (k,) rad, sorted
+    jets: Floats  # x, x', x'' there, (3, k, m)
+    signs: Floats  # of the determinant, (k,): they change at a change point
+    ends: tuple[
+        bool, bool
+    ]  # whether what lies before the first, beyond the last knot is out of reach
 
     def covers(self, low: float, high: float) -> bool:
         """Whether all that can be reached of the range is known."""
@@ -139,14 +136,14 @@ class _Turning:
 
 @dataclass(eq=False)
 class Block:
-    """Unknown angles (groups), then unknown lengths (slides), of loops and relations; joints name it to people."""
+    """Loops and relations that are solved together."""
 
-    angles: tuple[str, ...]
-    lengths: tuple[str, ...]
+    angles: tuple[str, ...]  # unknown ones: groups
+    lengths: tuple[str, ...]  # unknown ones: slides
     loops: tuple[Vectors, ...]
     relations: tuple[Relation, ...]
-    joints: tuple[str, ...]
-    start: Floats
+    joints: tuple[str, ...]  # that it is named by
+    start: Floats  # of angles, then lengths, as drawn
     trace: Trace | None = None
 
     def __post_init__(self) -> None:
@@ -282,18 +279,18 @@ class Block:
         with np.errstate(all="ignore"):
             slope = slope / np.linalg.norm(slope, axis=1, keepdims=True)
         sound = np.isfinite(slope).all(axis=(1, 2))
-        found = np.full(len(slope), np.nan)
-        found[sound] = np.linalg.det(slope[sound])
-        return found
+        determinant = np.full(len(slope), np.nan)
+        determinant[sound] = np.linalg.det(slope[sound])
+        return determinant
 
     # ---- solving ----
 
     def rates(self, x: Floats, known: Known, slope: Floats, order: int) -> list[Floats]:
         """x', x'' as far as the order asks, (m, n) each."""
-        found: list[Floats] = []
+        rates: list[Floats] = []
         for k in range(order):
-            found.append(solved(slope, -self.forcing(x, known, found[0] if k else None)).T)
-        return found
+            rates.append(solved(slope, -self.forcing(x, known, rates[0] if k else None)).T)
+        return rates
 
     def converge(self, x: Floats, known: Known, near: float = NEAR) -> tuple[Floats, Floats] | None:
         """A single position from a guess, (m, 1), with its slopes; None where the corrections do not shrink.
@@ -319,18 +316,19 @@ class Block:
     def _closed(self, residual: Floats, known: Known) -> NDArray[np.bool_]:
         loops = (np.abs(jet[0]) for jet in known.loops)
         size = self.scale + max(
-            (float(np.max(far, where=np.isfinite(far), initial=0.0)) for far in loops), default=0.0
+            (float(np.max(sizes, where=np.isfinite(sizes), initial=0.0)) for sizes in loops),
+            default=0.0,
         )
         closed: NDArray[np.bool_] = np.abs(residual).max(axis=1) <= 10 * CLOSED * size
         return closed
 
     def follow(self, known_at: Callable[[Floats], Known], low: float, high: float) -> Trace:
         """Knots from the drawn position at theta = 0 out to both ends of the range, or as far as the chain closes."""
-        here = known_at(np.zeros(1))
-        first = self.converge(self.start[:, None], here)
+        known = known_at(np.zeros(1))
+        first = self.converge(self.start[:, None], known)
         if first is None:
             return Trace(np.zeros(1), np.full((3, 1, self.size), np.nan), np.zeros(1), (True, True))
-        origin = np.stack([first[0], *self.rates(first[0], here, first[1], 2)])[:, :, 0]
+        origin = np.stack([first[0], *self.rates(first[0], known, first[1], 2)])[:, :, 0]
         sign = float(np.sign(np.linalg.det(first[1][0])))
         (low_side, below), (high_side, above) = (
             self._side(known_at, end, origin, sign) for end in (low, high)
@@ -343,9 +341,9 @@ class Block:
         self, known_at: Callable[[Floats], Known], end: float, jets: Floats, sign: float
     ) -> tuple[list[tuple[float, Floats, float]], bool]:
         """Knots (theta, jets, sign) from the drawn position towards one end, and whether the chain ends before it."""
-        found: list[tuple[float, Floats, float]] = []
+        knots: list[tuple[float, Floats, float]] = []
         if end == 0:
-            return found, False
+            return knots, False
         count = max(1, math.ceil(abs(end) / math.tau * KNOTS - 1e-9))
         grid = np.asarray(np.arange(1, count + 1) * (end / count), float)
         ahead = known_at(grid)
@@ -354,28 +352,36 @@ class Block:
         k = 0
         while k < count:
             to = float(theta + share * (grid[k] - theta)) if share < 1 else float(grid[k])
-            here = ahead.at(k) if share == 1 else known_at(np.array([to]))
+            known = ahead.at(k) if share == 1 else known_at(np.array([to]))
             h = to - theta
             # A whole step need not end on the last digit: where there are knots, all angles converge from them.
             near = ROUGH if share == 1 else NEAR
-            made = self.converge((jets[0] + h * (jets[1] + 0.5 * h * jets[2]))[:, None], here, near)
-            if made is not None:
-                rows = np.stack([made[0], *self.rates(made[0], here, made[1], 2)])[:, :, 0]
-                now = float(np.sign(np.linalg.det(made[1][0])))
-                back = np.abs(rows[0] - h * (rows[1] - 0.5 * h * rows[2]) - jets[0]) / self.unit
-            if made is None or not back.max() < STRAY or (now != sign and abs(h) > PASSES):
+            solution = self.converge(
+                (jets[0] + h * (jets[1] + 0.5 * h * jets[2]))[:, None], known, near
+            )
+            if solution is not None:
+                rows = np.stack([solution[0], *self.rates(solution[0], known, solution[1], 2)])[
+                    :, :, 0
+                ]
+                new_sign = float(np.sign(np.linalg.det(solution[1][0])))
+                error = np.abs(rows[0] - h * (rows[1] - 0.5 * h * rows[2]) - jets[0]) / self.unit
+            if (
+                solution is None
+                or not error.max() < STRAY
+                or (new_sign != sign and abs(h) > PASSES)
+            ):
                 if abs(h) < LEAST_STEP:
-                    return found, True
+                    return knots, True
                 share /= 2
                 continue
             theta = to
             jets = rows
-            sign = now
-            found.append((theta, jets, sign))
+            sign = new_sign
+            knots.append((theta, jets, sign))
             if share == 1:
                 k += 1
             share = min(1.0, 2 * share)
-        return found, False
+        return knots, False
 
     def solve(self, theta: Floats, known: Known, order: int) -> list[Floats]:
         """x and its derivatives, (m, n) each; nan where the block does not close."""
@@ -392,14 +398,14 @@ class Block:
                 if not np.any(size[:, ~open_] > NEAR):
                     break
             residual, slope = self.equations(x, known)
-            strayed = np.abs(x - guess) / self.unit[:, None]
-            found: NDArray[np.bool_] = self._closed(residual, known)
-            found &= strayed.max(axis=0) < STRAY
+            stray = np.abs(x - guess) / self.unit[:, None]
+            closed: NDArray[np.bool_] = self._closed(residual, known)
+            closed &= stray.max(axis=0) < STRAY
             if any(self.trace.ends):  # near a dead point both branches are near
-                found &= self.trace.same_branch(theta, np.linalg.det(slope))
+                closed &= self.trace.same_branch(theta, np.linalg.det(slope))
             rows = [x, *self.rates(x, known, slope, order)]
         for row in rows:
-            row[:, open_ | ~found] = np.nan
+            row[:, open_ | ~closed] = np.nan
         return rows
 
 

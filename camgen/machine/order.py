@@ -84,31 +84,31 @@ def group_bodies(machine: Machine) -> Groups:
         a = joint.guide.body
         b = joint.runner.body
         # angle of b = angle of a + turn: the later group is taken into the earlier one.
-        here = of[a]
-        there = of[b]
+        kept_group = of[a]
+        merged_group = of[b]
         shift = excess[a] + joint.turn - excess[b]
-        if there == GROUND:
-            here, there, shift = there, here, -shift
-        if here != there:
-            for body in [body for body in of if of[body] == there]:
-                of[body] = here
+        if merged_group == GROUND:
+            kept_group, merged_group, shift = merged_group, kept_group, -shift
+        if kept_group != merged_group:
+            for body in [body for body in of if of[body] == merged_group]:
+                of[body] = kept_group
                 excess[body] = excess[body] + shift
     return Groups(of, excess)
 
 
 def relations(machine: Machine, groups: Groups) -> list[Relation]:
     """The scalar equations of gears, cams and drives."""
-    found = []
+    equations = []
     for each in (*machine.joints, *machine.drives):
         shares: dict[Key, float] = {}
         constant = 0.0
 
-        def add(body: str, share: float, shares: dict[Key, float] = shares) -> float:
+        def add(body: str, factor: float, shares: dict[Key, float] = shares) -> float:
             """Enter a body's angle; what its excess adds."""
             key = ("angle", groups.of[body])
             if groups.of[body] != GROUND:
-                shares[key] = shares.get(key, 0.0) + share
-            return share * groups.excess[body]
+                shares[key] = shares.get(key, 0.0) + factor
+            return factor * groups.excess[body]
 
         if isinstance(each, Gear):
             constant = (
@@ -117,22 +117,22 @@ def relations(machine: Machine, groups: Groups) -> list[Relation]:
                 + add(each.carrier, each.ratio - 1.0)
                 - each.phase
             )
-            found.append(Relation(each.name, {k: v for k, v in shares.items() if v}, constant))
+            equations.append(Relation(each.name, {k: v for k, v in shares.items() if v}, constant))
         elif isinstance(each, Clutch):
             constant = add(each.b, 1.0)
-            found.append(Relation(each.name, shares, constant, each.law))
+            equations.append(Relation(each.name, shares, constant, each.law))
         elif isinstance(each, Cam | Drive):
             if each.slide is not None:
                 shares["length", each.slide] = 1.0
             else:
                 constant += add(each.follower if isinstance(each, Cam) else each.body, 1.0)
             if isinstance(each, Drive):
-                found.append(Relation(each.name, shares, constant, each.law))
+                equations.append(Relation(each.name, shares, constant, each.law))
                 continue
             constant -= each.rest
             turns = groups.of[each.cam]
             argument = None if turns == GROUND else ("angle", turns)
-            found.append(
+            equations.append(
                 Relation(
                     each.name,
                     shares,
@@ -142,7 +142,7 @@ def relations(machine: Machine, groups: Groups) -> list[Relation]:
                     groups.excess[each.cam] - each.phase,
                 )
             )
-    return found
+    return equations
 
 
 @dataclass(frozen=True)
@@ -159,14 +159,11 @@ class Component:
 
 @dataclass(frozen=True)
 class Order:
-    """All components in their order; what is left over where equations and unknowns do not match.
-
-    loose: unknowns that nothing decides; over: joints and drives whose equations say more than there is to decide.
-    """
+    """All components in their order; none where equations and unknowns do not match."""
 
     components: tuple[Component, ...]
-    loose: tuple[Key, ...]
-    over: tuple[str, ...]
+    loose: tuple[Key, ...]  # unknowns that nothing decides
+    over: tuple[str, ...]  # joints and drives whose equations say more than there is to decide
 
 
 def holds(machine: Machine, groups: Groups) -> dict[Key, set[Key]]:
@@ -205,9 +202,9 @@ def components(machine: Machine, groups: Groups) -> Order:
             if key[1] != GROUND
         )
     owner = matched(table)  # the equation that each unknown is solved from
-    solved = {equation: key for key, equation in owner.items()}
+    unknown_of = {equation: key for key, equation in owner.items()}
     free = [key for key in unknowns if key not in owner]
-    spare = [equation for equation in table if equation not in solved]
+    spare = [equation for equation in table if equation not in unknown_of]
     if free or spare:
         holders: dict[Key, list[Key]] = {key: [] for key in unknowns}
         for equation, row in table.items():
@@ -215,7 +212,10 @@ def components(machine: Machine, groups: Groups) -> Order:
                 holders[key].append(equation)
         # loose: unknowns that can move, those left over and those whose equations need them instead; over: likewise
         loose = _reached(
-            free, lambda key: [solved[equation] for equation in holders[key] if equation in solved]
+            free,
+            lambda key: [
+                unknown_of[equation] for equation in holders[key] if equation in unknown_of
+            ],
         )
         over = _reached(
             spare, lambda equation: [owner[key] for key in table[equation] if key in owner]
@@ -239,10 +239,11 @@ def components(machine: Machine, groups: Groups) -> Order:
     inside: dict[Key, list[Key]] = {}
     for equation in table:
         inside.setdefault(first[equation], []).append(equation)
-    ordered = [inside[which] for which in sorter.static_order()]
+    blocks = [inside[which] for which in sorter.static_order()]
     return Order(
         tuple(
-            Component(tuple(rows), tuple(solved[equation] for equation in rows)) for rows in ordered
+            Component(tuple(rows), tuple(unknown_of[equation] for equation in rows))
+            for rows in blocks
         ),
         (),
         (),
@@ -269,11 +270,11 @@ def matched(table: Mapping[Key, Iterable[Key]]) -> dict[Key, Key]:
 
 def _reached(start: Iterable[Key], step: Callable[[Key], Iterable[Key]]) -> list[Key]:
     """All that can be reached, the start included, in order."""
-    found = dict.fromkeys(start)
-    queue = list(found)
-    for here in queue:
-        for there in step(here):
-            if there not in found:
-                found[there] = None
-                queue.append(there)
+    reached = dict.fromkeys(start)
+    queue = list(reached)
+    for node in queue:
+        for neighbour in step(node):
+            if neighbour not in reached:
+                reached[neighbour] = None
+                queue.append(neighbour)
     return queue

@@ -31,15 +31,12 @@ _STILL = 1e-9  # of an output, for a unit of a cam's s, that the cam does not mo
 
 @dataclass(frozen=True)
 class Mode:
-    """An error: where it is ("contact, 1", or a joint and its body), its kind, and its standard deviation, mm.
+    """An error of making."""
 
-    along: of a centre, the axis of its body along which it is off.
-    """
-
-    where: str
+    where: str  # a cam and its side ("contact, 1"), or a joint and its body
     kind: str
-    size: float
-    along: complex = 0j
+    size: float  # standard deviation, mm
+    along: complex = 0j  # of a centre, the axis of its body along which it is off
 
 
 @dataclass(frozen=True)
@@ -80,29 +77,28 @@ def outline_modes(sizes: Sizes) -> list[tuple[str, float]]:
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Of one output over theta, (n,) each: by each mode how far 1 mm of it moves it, (modes, n), complex for a path; reach: by
-    joint with play, the most that 1 mm there moves it. held: by cam that is touched on both sides, how much more play 1 mm of
-    each mode gives the output, (modes, n), and 1 mm of air at both tips."""
+    """What errors do to one output over theta."""
 
-    modes: Any
-    reach: Mapping[str, Floats]
+    modes: Any  # how far 1 mm of each mode moves it, (modes, n), complex for a path
+    reach: Mapping[str, Floats]  # by joint with play, the most that 1 mm there moves it, (n,)
+    # by cam that is touched on both sides, how much more play 1 mm of each mode gives the output,
+    # (modes, n), and 1 mm of air at both tips, (n,)
     held: Mapping[str, tuple[Floats, Floats]]
 
 
 @dataclass(frozen=True)
 class _Contact:
-    """One side of a cam at the poses: slopes of the way along its normal to the poses, (n, 3 bodies); outline: what each outline
-    mode displaces there, (modes, n) mm."""
+    """One side of a cam at the poses."""
 
     cam: Cam
-    side: int
-    slopes: Floats
-    outline: Floats
+    side: int  # 0 or 1
+    slopes: Floats  # of the way along its normal to the poses, (n, 3 bodies)
+    outline: Floats  # what each outline mode displaces there, (modes, n) mm
 
 
 def hole_at(machine: Machine, place: Place, holes: Mapping[str, Place]) -> str | None:
     """Where the modes of the hole or pin that is at a place are, of its first joint; None where nothing is made there."""
-    made = [
+    holes_of_joints = [
         (f"{joint.name}, {side.body}", side)
         for joint in machine.joints
         for side in centres_of(joint)
@@ -110,8 +106,8 @@ def hole_at(machine: Machine, place: Place, holes: Mapping[str, Place]) -> str |
     return next(
         (
             where
-            for where, at in made
-            if at.body == place.body and abs(at.at - place.at) < SAME_POINT
+            for where, centre in holes_of_joints
+            if centre.body == place.body and abs(centre.at - place.at) < SAME_POINT
         ),
         None,
     )

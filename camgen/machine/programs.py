@@ -55,5 +55,5 @@ class Programmed:
         value = np.asarray(self.program(theta, order))
         if order:
             return value
-        turned = self.program.segments[-1].end
-        return self.start + value + turned * np.floor(np.asarray(theta, float) / math.tau)
+        advance = self.program.segments[-1].end
+        return self.start + value + advance * np.floor(np.asarray(theta, float) / math.tau)

@@ -39,15 +39,12 @@ FAR = 0.1
 
 @dataclass(frozen=True)
 class Fold:
-    """The nearest a block comes to a fold: least determinant (0 at a change or dead point) and theta, rad, where.
+    """The nearest a block comes to a fold."""
 
-    joints: names of the block's joints. passed: whether the determinant changes its sign there.
-    """
-
-    joints: tuple[str, ...]
-    theta: float
-    determinant: float
-    passed: bool = False
+    joints: tuple[str, ...]  # of the block
+    theta: float  # rad
+    determinant: float  # the least, 0 at a change or dead point
+    passed: bool = False  # whether its sign changes there
 
     @property
     def change_point(self) -> bool:
@@ -79,14 +76,14 @@ def reach(machine: Machine) -> Reach:
 def refuse_partial(machine: Machine, least: float = 0.0) -> None:
     """Raise DesignError where the machine cannot turn fully: the range that it can have with a transmission angle of at least
     so many degrees, and the joints that end it."""
-    found = reach(machine)
-    if found.full:
+    range_ = reach(machine)
+    if range_.full:
         return
-    low = math.degrees(found.low)
-    high = math.degrees(found.high)
-    names = listed("joint", list(dict.fromkeys(name for joints in found.ends for name in joints)))
-    driven = machine.drives[0].body
-    within = _without_folds(machine, found)
+    low = math.degrees(range_.low)
+    high = math.degrees(range_.high)
+    names = listed("joint", list(dict.fromkeys(name for joints in range_.ends for name in joints)))
+    crank = machine.drives[0].body
+    within = _without_folds(machine, range_)
     cure = "change the lengths of its links"
     if within is not None:
         begin, end, short = _steep(machine, within, least)
@@ -100,17 +97,17 @@ def refuse_partial(machine: Machine, least: float = 0.0) -> None:
         360,
         "deg",
         f"{names}: it closes from {low:.6g} to {high:.6g} deg",
-        cure + _grashof(four_bar_lengths(machine, driven), driven),
+        cure + _grashof(four_bar_lengths(machine, crank), crank),
         f"the drive cannot turn fully: {closes}",
     )
 
 
-def _without_folds(machine: Machine, found: Reach) -> tuple[float, float] | None:
+def _without_folds(machine: Machine, range_: Reach) -> tuple[float, float] | None:
     """The range about the drawn position, rad, a degree within what closes and off every change point; None of a machine that
     is drawn at one."""
-    spare = min(math.radians(1.0), (found.high - found.low) / 10)
-    low = found.low + spare
-    high = found.high - spare
+    spare = min(math.radians(1.0), (range_.high - range_.low) / 10)
+    low = range_.low + spare
+    high = range_.high - spare
     while low < 0 < high:
         places = [fold.theta for fold in folds(machine, low, high) if fold.change_point]
         if not places:
@@ -138,15 +135,17 @@ def _steep(machine: Machine, within: tuple[float, float], least: float) -> tuple
     while weak and begin < end and begin <= 0 <= end:
         begin = max([begin, *(math.ceil(per * place) + 1 for place in weak if place <= 0)])
         end = min([end, *(math.floor(per * place) - 1 for place in weak if place >= 0)])
-        judged = folds(machine, math.radians(begin / per), math.radians(end / per))
-        angles = ((each.theta, math.asin(min(1.0, abs(each.determinant)))) for each in judged)
+        folds_of_part = folds(machine, math.radians(begin / per), math.radians(end / per))
+        angles = (
+            (each.theta, math.asin(min(1.0, abs(each.determinant)))) for each in folds_of_part
+        )
         weak = [math.degrees(place) for place, angle in angles if math.degrees(angle) < least]
     if begin < end and begin <= 0 <= end:
         return begin / per, end / per, f" (with a transmission angle of {least:g} deg)"
     return *whole, f" (the transmission angle is below {least:g} deg as drawn)"
 
 
-def four_bar_lengths(machine: Machine, driven: str) -> dict[str, float] | None:
+def four_bar_lengths(machine: Machine, crank: str) -> dict[str, float] | None:
     """Lengths, mm, of frame, crank, coupler and output, in this order by their links, of a four-bar that is driven at a
     ground pivot; None of another machine."""
     pins = [joint for joint in machine.joints if isinstance(joint, Pin)]
@@ -163,15 +162,15 @@ def four_bar_lengths(machine: Machine, driven: str) -> dict[str, float] | None:
         place.body
         for pin in ground
         for place in (pin.a, pin.b)
-        if place.body not in (GROUND, driven)
+        if place.body not in (GROUND, crank)
     ]
     if len(output) != 1:
         return None
-    (coupler,) = set(lengths) - {GROUND, driven, output[0]}
-    return {name: lengths[name] for name in (GROUND, driven, coupler, output[0])}
+    (coupler,) = set(lengths) - {GROUND, crank, output[0]}
+    return {name: lengths[name] for name in (GROUND, crank, coupler, output[0])}
 
 
-def _grashof(lengths: dict[str, float] | None, driven: str) -> str:
+def _grashof(lengths: dict[str, float] | None, crank: str) -> str:
     """Why a four-bar's crank does not turn fully, and the longest that would."""
     if lengths is None:
         return ""
@@ -179,16 +178,16 @@ def _grashof(lengths: dict[str, float] | None, driven: str) -> str:
     shortest, *_, longest = sorted(lengths, key=lambda name: lengths[name])
     short = f"{shortest} ({lengths[shortest]:.6g} mm)"
     long = f"{longest} ({lengths[longest]:.6g} mm)"
-    most = lengths[driven] + bar.slack
+    most = lengths[crank] + bar.slack
     cure = (
-        f"; {driven} turns fully below {most:.6g} mm"
-        if lengths[driven] < lengths[GROUND] and most > 0
+        f"; {crank} turns fully below {most:.6g} mm"
+        if lengths[crank] < lengths[GROUND] and most > 0
         else ""
     )
     if bar.margin < 0:
         ends = f"the shortest, {short}, and the longest, {long}"
         return f": by Grashof {ends}, are {-bar.margin:.4g} mm more than the other two{cure}"
-    return f": by Grashof the shortest link turns fully, which is {short}, not {driven}{cure}"
+    return f": by Grashof the shortest link turns fully, which is {short}, not {crank}{cure}"
 
 
 @lru_cache(maxsize=4)  # a machine is the same object for its limits
@@ -196,7 +195,7 @@ def folds(machine: Machine, low: float = 0.0, high: float = math.tau) -> tuple[F
     """For each block the place of the range, rad, where it comes nearest to a fold, and each place where its sign changes."""
     chain = chain_of(machine)
     theta = np.linspace(low, high, LOOKED + 1)
-    found = []
+    all_folds = []
     for number, step in enumerate(chain.steps):
         if isinstance(step, Direct):
             continue
@@ -211,13 +210,13 @@ def folds(machine: Machine, low: float = 0.0, high: float = math.tau) -> tuple[F
         least = min(_minima(lambda t, f=sine: np.abs(f(t)), theta), key=lambda pair: pair[1])  # type: ignore[misc]
         signs = np.sign(values[np.isfinite(values)])
         places = theta[np.isfinite(values)][1:][signs[1:] * signs[:-1] < 0]
-        found.append(Fold(block.joints, least[0], max(least[1], 0.0), bool(places.size)))
-        found += [
+        all_folds.append(Fold(block.joints, least[0], max(least[1], 0.0), bool(places.size)))
+        all_folds += [
             Fold(block.joints, float(place), 0.0, True)
             for place in places
             if abs(place - least[0]) > 0.02
         ]
-    return tuple(found)
+    return tuple(all_folds)
 
 
 def refuse_folds(machine: Machine, low: float = 0.0, high: float = math.tau) -> None:
@@ -240,14 +239,14 @@ def transmission(machine: Machine, theta: Floats) -> dict[tuple[str, ...], Float
     """Transmission angle of each loop that is closed together, by its joints: 0 (a fold) to 90 deg at theta, (n,) rad; of a loop
     that is no dyad the same measure of its equations. nan where it does not close."""
     chain = chain_of(machine)
-    found = {}
+    angles = {}
     for number, step in enumerate(chain.steps):
         if not isinstance(step, Direct):
             joints = (step if isinstance(step, Block) else step.block).joints
-            found[joints] = np.degrees(
+            angles[joints] = np.degrees(
                 np.arcsin(np.minimum(np.abs(determinant(chain, number, theta)), 1.0))
             )
-    return found
+    return angles
 
 
 def determinant(chain: Chain, number: int, theta: Floats) -> Floats:
@@ -284,10 +283,10 @@ def _minima(value: Callable[[Floats], Floats], theta: Floats) -> list[tuple[floa
     ):  # all of a round at once: a call costs more than its angles
         grid = place[:, None] + reach * np.linspace(-1, 1, 2 * CLOSER + 1)
         grid = np.clip(grid, theta.min(), theta.max())
-        seen = safe(np.ravel(grid)).reshape(grid.shape)
-        best = np.argmin(seen, axis=1)[:, None]
+        values = safe(np.ravel(grid)).reshape(grid.shape)
+        best = np.argmin(values, axis=1)[:, None]
         place = np.take_along_axis(grid, best, 1)[:, 0]
-        least = np.take_along_axis(seen, best, 1)[:, 0]
+        least = np.take_along_axis(values, best, 1)[:, 0]
         reach = reach / CLOSER
     k = int(np.nanargmin(np.where(at >= 0, at, np.inf)))
     return [(float(theta[k]), float(at[k])), *zip(place.tolist(), least.tolist(), strict=True)]

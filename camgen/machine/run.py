@@ -135,12 +135,12 @@ class Run:
             self._outputs[name] = self._rows(lambda state, into: state.output(output, into), kind)
         return self._outputs[name]
 
-    def _rows(self, put: Callable[[State, Any], object], kind: type) -> Any:
+    def _rows(self, fill: Callable[[State, Any], object], kind: type) -> Any:
         """What each state puts into its columns of one array, (order + 1, n)."""
         rows: NDArray[Any] = np.empty((self.order + 1, self.theta.size), kind)
         with np.errstate(all="ignore"):
             for k, state in enumerate(self._states):
-                put(state, rows[:, k * BLOCK : (k + 1) * BLOCK])
+                fill(state, rows[:, k * BLOCK : (k + 1) * BLOCK])
         return rows
 
     @property
@@ -172,9 +172,9 @@ class Run:
 
     def length(self, slide: str) -> Floats:
         """Place along a slide or slot with derivatives to theta, (order + 1, n) mm."""
-        if slide not in (known := self._states[0].lengths):
+        if slide not in (lengths := self._states[0].lengths):
             raise ValueError(
-                f"{slide} is no slide or slot of this machine; there are: {', '.join(known) or 'none'}"
+                f"{slide} is no slide or slot of this machine; there are: {', '.join(lengths) or 'none'}"
             )
         return np.asarray(self._rows(lambda state, into: fill(into, state.lengths[slide]), float))
 

@@ -47,11 +47,11 @@ class Direct:
 
 @dataclass(frozen=True)
 class Dyad:
-    """A block of one loop and two unknowns in closed form; branch: the sign at the start."""
+    """A block of one loop and two unknowns in closed form."""
 
     kind: str  # "angles", "slider", "inverted", "lengths"
     block: Block
-    branch: int
+    branch: int  # the sign at the start
 
 
 Step = Direct | Dyad | Block
@@ -110,9 +110,9 @@ class State:
         """A group's angle but for whole turns."""
         z = self.spins[group][0]
         angle = np.arctan2(z.imag.copy(), z.real.copy())  # its loop is slow on a view
-        own = cmath.phase(self.levers[group])
-        if own:
-            angle -= own
+        phase = cmath.phase(self.levers[group])
+        if phase:
+            angle -= phase
         return np.asarray(angle)
 
     def angle(self, group: str) -> Jet:
@@ -153,12 +153,12 @@ class State:
         for sign in (1, -1):
             if (group, sign * lever) in self._arms:
                 return sign, self._arms[group, sign * lever]
-        own = self.levers[group]
-        if (group, own) not in self._arms:
+        spun = self.levers[group]
+        if (group, spun) not in self._arms:
             z, w, a = [*self.spins[group], 0, 0][:3]
-            self._arms[group, own] = turned(z, w, a, self.order)
+            self._arms[group, spun] = turned(z, w, a, self.order)
             return self.arm(group, lever)
-        self._arms[group, lever] = [times(lever / own, row) for row in self._arms[group, own]]
+        self._arms[group, lever] = [times(lever / spun, row) for row in self._arms[group, spun]]
         return 1, self._arms[group, lever]
 
     def origin(self, body: str) -> Jet:
@@ -234,10 +234,10 @@ class State:
             (c, len(block.angles) + j, jet) for c, (_, along) in enumerate(sums) for j, jet in along
         )
         unknown = tuple(block.column)
-        driven = {
+        turning = {
             slide for loop in block.loops for slide, group, _ in loop.ways if group in block.angles
         }
-        lengths = {slide: self.lengths[slide] for slide in driven if slide in self.lengths}
+        lengths = {slide: self.lengths[slide] for slide in turning if slide in self.lengths}
         about = tuple(self.relation(relation, unknown) for relation in block.relations)
         return Known(tuple(total for total, _ in sums), ways, lengths, about)
 

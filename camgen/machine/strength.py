@@ -43,14 +43,14 @@ def line_contact(
     force: N; length: of the line, mm; curvature: of both together, 1/R1 + 1/R2, 1/mm, below 0 inside a hollow that fits
     (none is then left: 0). A force below 0 presses nothing.
     """
-    pressed = np.maximum(force, 0.0)
-    curved = np.maximum(curvature, 0.0)
+    push = np.maximum(force, 0.0)
+    bend = np.maximum(curvature, 0.0)
     give = a.compliance + b.compliance
-    pressure = np.sqrt(pressed * curved / (math.pi * length * give))
+    pressure = np.sqrt(push * bend / (math.pi * length * give))
     with np.errstate(all="ignore"):
         width = np.where(
-            curved > 0,
-            np.sqrt(4 * pressed * give / (math.pi * length * np.where(curved > 0, curved, 1.0))),
+            bend > 0,
+            np.sqrt(4 * push * give / (math.pi * length * np.where(bend > 0, bend, 1.0))),
             np.inf,
         )
     return pressure, width

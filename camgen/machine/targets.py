@@ -46,14 +46,13 @@ Angle = Annotated[float, quantity("deg", ge=-36000, le=36000)]
 
 @dataclass(frozen=True)
 class Course:
-    """An output at theta, (n,) rad, growing, both ends of the range included: value in `unit` ("mm", complex for a path, or
-    "deg") and slope to theta, (n,). whole: whether the range is one turn, after which it goes on as before."""
+    """An output over a range of theta."""
 
-    theta: Floats
-    value: Any
-    slope: Any
-    unit: str
-    whole: bool
+    theta: Floats  # (n,) rad, growing, both ends of the range included
+    value: Any  # (n,), complex for a path
+    slope: Any  # to theta, (n,)
+    unit: str  # "mm" or "deg"
+    whole: bool  # whether the range is one turn, after which it goes on as before
 
     def at(self, theta: Floats) -> Any:
         """The value there, (m,): cubic between the samples; of a whole turn at any angle."""
@@ -96,7 +95,7 @@ class Course:
         """theta and value where a real output is greatest (sign 1) or least (-1): where its slope vanishes, or at an end."""
         k = int(np.argmax(sign * self.value))
         last = len(self.theta) - 2
-        found = [(float(self.theta[k]), float(self.value[k]))]
+        extremes = [(float(self.theta[k]), float(self.value[k]))]
         for j in {k - 1, k, *((0, last) if self.whole and k in (0, last + 1) else ())} & set(
             range(last + 1)
         ):
@@ -104,8 +103,8 @@ class Course:
             b = self.slope[j + 1]
             if a * b < 0:
                 t = float(self.theta[j] + a / (a - b) * (self.theta[j + 1] - self.theta[j]))
-                found.append((t, float(self.at(np.array([t]))[0])))
-        return max(found, key=lambda pair: sign * pair[1])
+                extremes.append((t, float(self.at(np.array([t]))[0])))
+        return max(extremes, key=lambda pair: sign * pair[1])
 
     def nearest(self, place: complex) -> list[tuple[float, float]]:
         """theta and distance, mm, of each place of a path that is nearer to `place` than its neighbours; by theta."""
@@ -149,9 +148,11 @@ class Stroke(Record):
 
     def finding(self, course: Course, where: Where) -> Finding:
         """STROKE_ERROR."""
-        made = stroke(course)
-        said = f"stroke {made:.6g} {course.unit}, {self.value:g} wanted; the limit is the tolerance of the spec"
-        return at_most(self.code, abs(made - self.value), self.tolerance, course.unit, where, said)
+        actual = stroke(course)
+        message = f"stroke {actual:.6g} {course.unit}, {self.value:g} wanted; the limit is the tolerance of the spec"
+        return at_most(
+            self.code, abs(actual - self.value), self.tolerance, course.unit, where, message
+        )
 
 
 class Through(Record):
@@ -209,7 +210,7 @@ class Through(Record):
 
     def finding(self, course: Course, where: Where) -> Finding:
         """PATH_ERROR: the place that the path misses most."""
-        met = self.met(course)
+        passes = self.met(course)
         how = (
             "in their order"
             if self.in_order
@@ -217,7 +218,7 @@ class Through(Record):
             if self.theta_deg is None
             else "at the angles given"
         )
-        if not met:
+        if not passes:
             return at_most(
                 self.code,
                 math.nan,
@@ -226,11 +227,11 @@ class Through(Record):
                 where,
                 "the path never passes them in this order",
             )
-        k = max(range(len(met)), key=lambda k: met[k][1])
+        k = max(range(len(passes)), key=lambda k: passes[k][1])
         x, y = self.at[k]
-        said = f"{len(met)} {'place' if len(met) == 1 else 'places'}, {how}: place {k + 1} ({x:g}, {y:g}) is missed most, "
-        said += f"theta {math.degrees(met[k][0]) % 360 if course.whole else math.degrees(met[k][0]):.2f} deg"
-        return at_most(self.code, met[k][1], self.tolerance, "mm", where, said)
+        message = f"{len(passes)} {'place' if len(passes) == 1 else 'places'}, {how}: place {k + 1} ({x:g}, {y:g}) is missed most, "
+        message += f"theta {math.degrees(passes[k][0]) % 360 if course.whole else math.degrees(passes[k][0]):.2f} deg"
+        return at_most(self.code, passes[k][1], self.tolerance, "mm", where, message)
 
 
 class Trace(Record):
@@ -249,10 +250,12 @@ class Trace(Record):
         description="how far the path may lie from the places and their lines, or these from the path"
     )
 
-    def apart(self, course: Course) -> Apart:
+    def distance(self, course: Course) -> PathDistance:
         """How far the path and the wanted one are apart at most."""
         resolution = _FINE_SHARE * self.tolerance
-        return apart(*course.chords(resolution), np.array(self.places), self.joined, resolution)
+        return path_distance(
+            *course.chords(resolution), np.array(self.places), self.joined, resolution
+        )
 
     @property
     def places(self) -> list[complex]:
@@ -261,12 +264,12 @@ class Trace(Record):
 
     def finding(self, course: Course, where: Where) -> Finding:
         """PATH_ERROR: the farthest place of either line, by a bound that holds between all places looked at."""
-        found = self.apart(course)
-        x = found.place.real
-        y = found.place.imag
-        said = f"path and wanted {'line' if self.joined else 'places'} are farthest apart at ({x:.4g}, {y:.4g}) of the "
-        said += f"{'path' if found.of_path else 'wanted one'}, {found.seen:.6g} mm; proven for all of both, not only the corners"
-        return at_most(self.code, found.proven, self.tolerance, "mm", where, said)
+        distance = self.distance(course)
+        x = distance.place.real
+        y = distance.place.imag
+        message = f"path and wanted {'line' if self.joined else 'places'} are farthest apart at ({x:.4g}, {y:.4g}) of the "
+        message += f"{'path' if distance.of_path else 'wanted one'}, {distance.seen:.6g} mm; proven for all of both, not only the corners"
+        return at_most(self.code, distance.proven, self.tolerance, "mm", where, message)
 
 
 class Function(Record):
@@ -283,13 +286,13 @@ class Function(Record):
 
     def finding(self, course: Course, where: Where) -> Finding:
         """FUNCTION_ERROR: the pair that is missed most."""
-        theta, wanted = np.array(self.at).T
-        made = course.at(np.radians(theta))
-        off = made - made[0] - (wanted - wanted[0])
+        theta, target = np.array(self.at).T
+        actual = course.at(np.radians(theta))
+        off = actual - actual[0] - (target - target[0])
         k = int(np.argmax(np.abs(off)))
-        said = f"{len(off)} pairs, counted from the first: at theta {theta[k]:g} deg {made[k] - made[0]:.6g} {course.unit}, "
-        said += f"{wanted[k] - wanted[0]:g} wanted"
-        return at_most(self.code, abs(float(off[k])), self.tolerance, course.unit, where, said)
+        message = f"{len(off)} pairs, counted from the first: at theta {theta[k]:g} deg {actual[k] - actual[0]:.6g} {course.unit}, "
+        message += f"{target[k] - target[0]:g} wanted"
+        return at_most(self.code, abs(float(off[k])), self.tolerance, course.unit, where, message)
 
 
 class Straight(Record):
@@ -334,8 +337,8 @@ class Straight(Record):
             if math.isnan(width):
                 way = course.at(course.theta[:: max(1, len(course.theta) // _WINDOWS)])
                 most = float(np.max(np.abs(way[:, None] - way)))
-                said = f"the path has no stretch of {self.length:g} mm, its places are at most {most:.4g} mm apart: ask for less"
-                return at_most(self.code, width, self.tolerance, "mm", where, said)
+                message = f"the path has no stretch of {self.length:g} mm, its places are at most {most:.4g} mm apart: ask for less"
+                return at_most(self.code, width, self.tolerance, "mm", where, message)
         return at_most(
             self.code, width, self.tolerance, "mm", where, f"strip that holds the path {over}"
         )
@@ -357,10 +360,10 @@ class Dwell(Record):
     def finding(self, course: Course, where: Where) -> Finding:
         """DWELL."""
         span, begins = dwell(course, self.band, self.at)
-        said = f"longest span within a band of {self.band:g} {course.unit}"
-        said += f" about {self.at:g}" if self.at is not None else ""
-        said += f", from {math.degrees(begins):.2f} deg" if span > 0 else ": it never is there"
-        return at_least(self.code, math.degrees(span), self.span_deg, "deg", where, said)
+        message = f"longest span within a band of {self.band:g} {course.unit}"
+        message += f" about {self.at:g}" if self.at is not None else ""
+        message += f", from {math.degrees(begins):.2f} deg" if span > 0 else ": it never is there"
+        return at_least(self.code, math.degrees(span), self.span_deg, "deg", where, message)
 
 
 class TimeRatio(Record):
@@ -379,9 +382,9 @@ class TimeRatio(Record):
         """TIME_RATIO."""
         if not course.strokes:
             return at_most(self.code, math.nan, self.tolerance, "1", where, NO_STROKES)
-        made, least, most = time_ratio(course)
-        said = f"ratio {made:.6g}, {self.value:g} wanted; extremes at {math.degrees(least):.2f} and {math.degrees(most):.2f} deg"
-        return at_most(self.code, abs(made - self.value), self.tolerance, "1", where, said)
+        actual, least, most = time_ratio(course)
+        message = f"ratio {actual:.6g}, {self.value:g} wanted; extremes at {math.degrees(least):.2f} and {math.degrees(most):.2f} deg"
+        return at_most(self.code, abs(actual - self.value), self.tolerance, "1", where, message)
 
 
 class Advance(Record):
@@ -401,19 +404,19 @@ class Advance(Record):
 
     def finding(self, course: Course, where: Where) -> Finding:
         """ADVANCE_ERROR."""
-        made = advance(self.forwards * course.value[:: self.time], self.lost)
-        said = (
-            f"{made:.6f} deg a turn, {self.value:g} wanted, with {self.lost:g} deg lost before the freewheel locks; what yours "
+        actual = advance(self.forwards * course.value[:: self.time], self.lost)
+        message = (
+            f"{actual:.6f} deg a turn, {self.value:g} wanted, with {self.lost:g} deg lost before the freewheel locks; what yours "
             "loses more or less is missing or over"
         )
-        return at_most(self.code, abs(made - self.value), self.tolerance, "deg", where, said)
+        return at_most(self.code, abs(actual - self.value), self.tolerance, "deg", where, message)
 
 
 Target = Stroke | Through | Trace | Function | Straight | Dwell | TimeRatio
 
 
 @dataclass(frozen=True)
-class Apart:
+class PathDistance:
     """How far a path and a wanted one are apart at most."""
 
     place: complex  # the farthest one that was seen, mm
@@ -427,18 +430,20 @@ class Apart:
         return abs(self.place - self.foot)
 
 
-def apart(corners: Points, sag: float, wanted: Points, joined: bool, resolution: float) -> Apart:
+def path_distance(
+    corners: Points, sag: float, wanted: Points, joined: bool, resolution: float
+) -> PathDistance:
     """The greatest distance between a path and a wanted one, either way, to the resolution, mm.
 
     corners: of a line that is no farther than `sag`, mm, from the path; wanted: (n,) complex mm, joined by lines or by itself.
     """
-    made = Edges.of_line(corners)
-    asked = Edges.of_line(wanted) if joined else Edges.of_places(wanted)
-    fine = max(resolution, _FINEST * max(made.length, asked.length))
-    there = stray(made, asked, fine)
-    back = stray(asked, made, fine)
-    far = there if there.seen >= back.seen else back
-    return Apart(far.place, far.foot, far is there, max(there.proven, back.proven) + sag)
+    path = Edges.of_line(corners)
+    target = Edges.of_line(wanted) if joined else Edges.of_places(wanted)
+    fine = max(resolution, _FINEST * max(path.length, target.length))
+    forth = stray(path, target, fine)
+    back = stray(target, path, fine)
+    far = forth if forth.seen >= back.seen else back
+    return PathDistance(far.place, far.foot, far is forth, max(forth.proven, back.proven) + sag)
 
 
 def advance(angle: Floats, lost: float) -> float:
@@ -446,14 +451,14 @@ def advance(angle: Floats, lost: float) -> float:
     `lost` further than it has been drawn back, and goes with it from there. In the unit of the angle."""
     ways = angle.tolist()
     ahead = math.inf  # where it locks
-    turned = 0.0  # how far it has come
+    angle_on = 0.0  # how far it has come
     for k, place in enumerate([*ways, *ways]):  # the first time round it finds its places
-        turned = 0.0 if k == len(ways) else turned
+        angle_on = 0.0 if k == len(ways) else angle_on
         ahead = min(ahead, place + lost)
         if place > ahead:
-            turned += place - ahead
+            angle_on += place - ahead
             ahead = place
-    return turned
+    return angle_on
 
 
 def _in_order(
@@ -482,8 +487,10 @@ def _in_order(
         return None
 
     limits = sorted(away for way in ways for _, away in way)
-    found = next((chain for limit in limits if (chain := passed(limit)) is not None), None)
-    return found or []
+    chain_of_passes = next(
+        (chain for limit in limits if (chain := passed(limit)) is not None), None
+    )
+    return chain_of_passes or []
 
 
 def strip(places: Points) -> float:
@@ -498,8 +505,8 @@ def rectangle(places: Points) -> tuple[float, float]:
         return float(np.max(np.abs(hull - hull[0]))), 0.0
     sides = []
     for a, b in pairwise([*hull, hull[0]]):
-        seen = (hull - a) * np.conj((b - a) / abs(b - a))
-        sides.append((float(np.ptp(seen.imag)), float(np.ptp(seen.real))))
+        along_edge = (hull - a) * np.conj((b - a) / abs(b - a))
+        sides.append((float(np.ptp(along_edge.imag)), float(np.ptp(along_edge.real))))
     width, length = min(sides)
     return length, width
 
@@ -511,13 +518,13 @@ def straightest(course: Course, length: float) -> tuple[float, float, float]:
     span = course.theta[-1] - course.theta[0]
     theta = course.theta[0] + np.arange(2 * n + 1 if course.whole else n + 1) * (span / n)
     z = course.at(theta)
-    found = []
+    strips = []
     for i in range(n):
         ahead = z[i : i + n + 1] - z[i]
         far = np.flatnonzero(np.abs(ahead) >= length)
         if far.size:
             end = int(far[0])
-            found.append(
+            strips.append(
                 (
                     float(np.ptp((ahead[: end + 1] * np.conj(ahead[end])).imag) / abs(ahead[end])),
                     i,
@@ -526,7 +533,7 @@ def straightest(course: Course, length: float) -> tuple[float, float, float]:
             )
     closer = [
         (strip(z[i : j + 1]), float(theta[i]), float(theta[j]))
-        for _, i, j in sorted(found)[:_CLOSER]
+        for _, i, j in sorted(strips)[:_CLOSER]
     ]
     return min(closer, default=(math.nan, math.nan, math.nan))
 
@@ -574,5 +581,5 @@ def time_ratio(course: Course) -> tuple[float, float, float]:
     """Time of the slower stroke to that of the quicker, and theta of the least and the greatest place, rad."""
     least = course.extreme(-1)[0]
     most = course.extreme(1)[0]
-    there = (most - least) % math.tau
-    return max(there, math.tau - there) / max(min(there, math.tau - there), 1e-300), least, most
+    forth = (most - least) % math.tau
+    return max(forth, math.tau - forth) / max(min(forth, math.tau - forth), 1e-300), least, most

@@ -14,7 +14,7 @@ import numpy as np
 from camgen.findings import Finding, Where, at_most
 from camgen.machine.cams.limits import unit_of as unit_of_lift
 from camgen.machine.cams.profile import DiscCam
-from camgen.machine.features import Asked
+from camgen.machine.features import Demand
 from camgen.machine.model import Cam, Machine, Output, unit_of
 from camgen.machine.run import Run
 from camgen.machine.targets import Course, rectangle, stroke
@@ -32,7 +32,7 @@ def pins_alone(machine: Machine) -> bool:
     return not formed and any(each.clearance for each in machine.joints)
 
 
-def of_pins(run: Run, wanted: Sequence[Asked]) -> list[Finding]:
+def of_pins(run: Run, wanted: Sequence[Demand]) -> list[Finding]:
     """LASH of each output that the machine's joints with clearance let move; run: at ANGLES over the motion."""
     outputs: dict[str, Output] = {each.name: each for each in run.machine.outputs}
     found = []

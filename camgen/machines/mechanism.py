@@ -187,7 +187,7 @@ class Mechanism(Spec, ABC):
         if not pins_alone(self.model):
             return limits
         run = self.solve(np.linspace(*self.assembly.cycle.range, ANGLES), 1)
-        return [*limits, *of_pins(run, self.assembly.asked)]
+        return [*limits, *of_pins(run, self.assembly.demands)]
 
     @abstractmethod
     def study(self) -> Study:

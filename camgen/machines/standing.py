@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import Field, model_validator
 
 from camgen.errors import Fault
-from camgen.machine.features import Asked, CamOutline, Mount
+from camgen.machine.features import CamOutline, Demand, Mount
 from camgen.machine.model import Machine
 from camgen.machines.linkage import sheets
 from camgen.machines.mechanism import Mechanism, Remarks
@@ -100,7 +100,7 @@ class StandingCams(Mechanism):
         """Where they are."""
 
     @abstractmethod
-    def _asked(self) -> Sequence[Asked]:
+    def _asked(self) -> Sequence[Demand]:
         """What is asked of the outputs."""
 
     @property
@@ -161,7 +161,7 @@ class StandingCams(Mechanism):
             bought=[*([] if hub is None else hub.bought(self._hub_radius)), *to_wind(spring)],
             motor=MotorSeat(hub=hub),
             follower=FollowerFacts(wish=self._spring_wish),
-            asked=self._asked(),
+            demands=self._asked(),
         )
 
     def _machine(self) -> Assembly:
@@ -182,7 +182,7 @@ class StandingCams(Mechanism):
             shaft=bench.bodies.shaft,
             follower=FollowerFacts(self._arm_stiffness),
             board=bench.bodies.stands,
-            asked=self._asked(),
+            demands=self._asked(),
         )
 
     @property

@@ -17,7 +17,7 @@ from functools import cached_property
 from typing import Any, Self
 
 from camgen.findings import Finding
-from camgen.machine.features import Asked
+from camgen.machine.features import Demand
 from camgen.machine.model import Machine
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.machines.mechanism import Mechanism, Remarks
@@ -44,7 +44,7 @@ class Template(Mechanism):
         """Numbers, curves and tables of its own."""
 
     @abstractmethod
-    def asked(self) -> tuple[Asked, ...]:
+    def asked(self) -> tuple[Demand, ...]:
         """What is asked of its outputs."""
 
     def refuse(self) -> None:
@@ -73,7 +73,7 @@ class Template(Mechanism):
         """That of the linkage, with what is asked here."""
         self.refuse()
         return replace(
-            self.linkage.assembly, asked=self.asked(), material_limits=self._material_limits
+            self.linkage.assembly, demands=self.asked(), material_limits=self._material_limits
         )
 
     def _found(self) -> Mapping[str, object]:

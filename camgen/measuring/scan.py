@@ -358,7 +358,7 @@ def _together(
     known = any(abs(math.sin(each.turn)) > _SAME_PLACE for each in laid)
     m = 0j
     if known:
-        m, laid = lay(shapes[0], shapes[1:], distorted=True)
+        m, laid = lay(shapes[0], shapes[1:], distortion=True)
         numbers["scanner_across_percent"], numbers["scanner_shear_percent"] = (
             200 * m.real,
             200 * m.imag,

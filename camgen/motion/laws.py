@@ -41,29 +41,29 @@ _BESIDE = 1e-12  # of a segment, from a break to the law on either side of it
 
 @dataclass(frozen=True)
 class Law:
-    """A normalised law of motion; ValueError where the formula does not end as smoothly as declared.
-
-    formula(u, order): (n,) u in 0..1 to the derivative of order 0..3, (n,); at a break the later side counts.
-    ends: displacement and derivatives of what the law joins, before and after; those not listed are 0.
-    smooth: whether only the third derivative jumps at the breaks, so that one smooth curve runs through all of them.
-    """
+    """A normalised law of motion; ValueError where the formula does not end as smoothly as declared."""
 
     name: str
+    # formula(u, order): u in 0..1, (n,), to the derivative of order 0..3, (n,); at a break the later side counts
     formula: Formula
-    smoothness: int
-    c_v: float
+    smoothness: int  # highest order up to which every derivative continues the ends
+    c_v: float  # greatest sizes of the first, second and third derivative
     c_a: float
     c_j: float
     source: str
     breaks: tuple[float, ...] = ()
-    ends: Ends = DWELLS
-    smooth: bool = False
+    ends: Ends = (
+        DWELLS  # displacement and derivatives of what it joins, before and after; the rest 0
+    )
+    smooth: bool = (
+        False  # whether at the breaks only the third derivative jumps: one curve runs through all
+    )
 
     def __post_init__(self) -> None:
-        reached = smoothness(self.formula, self.ends, (1.0, self.c_v, self.c_a, self.c_j))
-        if reached < self.smoothness:
+        order = smoothness(self.formula, self.ends, (1.0, self.c_v, self.c_a, self.c_j))
+        if order < self.smoothness:
             raise ValueError(
-                f"law {self.name}: smooth to order {reached}, {self.smoothness} is declared"
+                f"law {self.name}: smooth to order {order}, {self.smoothness} is declared"
             )
 
     def __call__(self, u: Any, order: int = 0) -> Floats:
@@ -122,23 +122,23 @@ def smoothness(formula: Formula, ends: Ends, peaks: Sequence[float]) -> int:
     for order in range(4):
         slack = LAW_CLOSES * max(1.0, peaks[order] if math.isfinite(peaks[order]) else 1.0)
         for u, side in zip((0.0, 1.0), ends, strict=True):
-            joined = side[order] if order < len(side) else 0.0
-            if not abs(float(formula(np.asarray(u), order)) - joined) <= slack:
+            beside = side[order] if order < len(side) else 0.0
+            if not abs(float(formula(np.asarray(u), order)) - beside) <= slack:
                 return order - 1
     return 3
 
 
 def largest(f: Callable[[Floats], Floats], breaks: Sequence[float] = ()) -> float:
     """Largest |f(u)| on 0..1 for f smooth between the breaks: even samples, zoomed in on the best of each stretch."""
-    found = 0.0
+    peak = 0.0
     marks = [0.0, *breaks, 1.0]
     for begin, end in zip(marks, marks[1:], strict=False):
         last = end if end == 1 else math.nextafter(end, begin)
-        found = max(
-            found,
+        peak = max(
+            peak,
             greatest(lambda u: np.abs(f(u)), begin, last, count=max(33, 4097 // len(marks)))[1],
         )
-    return found
+    return peak
 
 
 def measured(
@@ -254,16 +254,16 @@ def blocks(ramp: float, hold: float, fall: float, coast: float = 0.0) -> Formula
     """
     zones = []  # begin, rate of the sines, shares of constant, sine and cosine, speed and displacement at the beginning
     x = v = s = 0.0
-    for share, constant, sine, cosine in (
+    for width, constant, sine, cosine in (
         (ramp, 0, 1, 0),
         (hold, 1, 0, 0),
         (fall, 0, 0, 1),
         (coast, 0, 0, 0),
     ):
-        if share:
-            zone = (x, math.pi / share if sine or cosine else 1.0, constant, sine, cosine, v, s)
+        if width:
+            zone = (x, math.pi / width if sine or cosine else 1.0, constant, sine, cosine, v, s)
             zones.append(zone)
-            end = np.asarray(x + share / 2)
+            end = np.asarray(x + width / 2)
             x = float(end)
             v = float(_in_zone(zone, end, 1))
             s = float(_in_zone(zone, end, 0))
@@ -420,8 +420,8 @@ def fourier(sines: Sequence[float], cosines: Sequence[float] = (), source: str =
     """The Fourier law with these coefficients; SpecError where it does not start and end at rest."""
     leaves = end_speed(sines, cosines)
     if not abs(leaves) <= LAW_CLOSES:
-        expected = "coefficients that close: sum A_n/(2 pi n) + 2 sum B_m/((2m - 1) pi)^2 = 1"
-        raise SpecError([Fault(("sines",), f"speed {leaves:.6g} at both ends", expected)])
+        limit = "coefficients that close: sum A_n/(2 pi n) + 2 sum B_m/((2m - 1) pi)^2 = 1"
+        raise SpecError([Fault(("sines",), f"speed {leaves:.6g} at both ends", limit)])
     formula = fourier_formula(closed(sines, cosines), cosines)
     return measured(
         "fourier", formula, source or f"Fourier series of {len(sines) + len(cosines)} terms"
@@ -513,10 +513,10 @@ _DOUBLE_COSINE = (
 
 
 def _double_harmonic(u: Floats, order: int) -> Floats:
-    turned = _PI * u + order * _PI / 2  # each derivative turns a cosine by a quarter
+    phase = _PI * u + order * _PI / 2  # each derivative turns a cosine by a quarter
     if order == 0:
         return np.asarray(np.sin(_PI * u / 2) ** 2 - np.sin(_PI * u) ** 2 / 4)
-    return np.asarray(_PI**order * (2**order * np.cos(turned + _PI * u) / 8 - np.cos(turned) / 2))
+    return np.asarray(_PI**order * (2**order * np.cos(phase + _PI * u) / 8 - np.cos(phase) / 2))
 
 
 # The printed coefficients with the sign of A6 corrected; with the printed one the law leaves its ends with speed 1.6e-3.

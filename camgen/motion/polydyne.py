@@ -31,14 +31,14 @@ NEEDED = (
 
 @dataclass(frozen=True)
 class Polydyne(Program):
-    """A cam's program; wanted: what the mass does by it at the speed that it is made for."""
+    """A cam's program."""
 
-    wanted: Program = Program(())
+    wanted: Program = Program(())  # what the mass does by it at the speed that it is made for
 
     def backwards(self) -> Polydyne:
         """As of any program."""
-        made = super().backwards()
-        return Polydyne(made.segments, made.begin, self.wanted.backwards())
+        program = super().backwards()
+        return Polydyne(program.segments, program.begin, self.wanted.backwards())
 
 
 def rough(segments: Sequence[Segment]) -> list[int]:
@@ -58,12 +58,12 @@ class Lag:
     spring: float = 0.0  # K / k, of its displacement
 
 
-def polydyne(wanted: Program, lag: Lag) -> Polydyne:
+def polydyne(motion: Program, lag: Lag) -> Polydyne:
     """The cam's program for what the mass is to do. ValueError where a law is too rough."""
-    if rough(wanted.segments):
-        raise ValueError(f"segments {rough(wanted.segments)}: {NEEDED}")
+    if rough(motion.segments):
+        raise ValueError(f"segments {rough(motion.segments)}: {NEEDED}")
     return Polydyne(
-        tuple(_corrected(segment, lag) for segment in wanted.segments), wanted.begin, wanted
+        tuple(_corrected(segment, lag) for segment in motion.segments), motion.begin, motion
     )
 
 
@@ -75,15 +75,15 @@ def _corrected(segment: Segment, lag: Lag) -> Segment:
     first = lag.drag / segment.span / whole
     second = lag.stretch / segment.span**2 / whole
     law = segment.law
-    said = f"corrected by {first:.6g} of its speed and {second:.6g} of its bend"
+    note = f"corrected by {first:.6g} of its speed and {second:.6g} of its bend"
     return replace(
         longer,
         law=measured(
-            f"{law.name}-polydyne", partial(_sum, law, first, second), f"{law.source}, {said}"
+            f"{law.name}-polydyne", partial(_sum, law, first, second), f"{law.source}, {note}"
         ),
     )
 
 
 def _sum(law: Law, first: float, second: float, u: Floats, order: int) -> Floats:
-    found: Floats = law.formula(u, order) + second * law.formula(u, order + 2)
-    return found + first * law.formula(u, order + 1) if first else found
+    value: Floats = law.formula(u, order) + second * law.formula(u, order + 2)
+    return value + first * law.formula(u, order + 1) if first else value

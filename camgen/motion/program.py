@@ -144,8 +144,8 @@ class Program:
 
         A jump counts from LAW_CLOSES of the largest value that the order has in the program.
         """
-        found = [jump for order in range(highest + 1) for jump in self._jumps(order)]
-        return sorted(found, key=lambda jump: (jump.theta, jump.order))
+        jumps = [jump for order in range(highest + 1) for jump in self._jumps(order)]
+        return sorted(jumps, key=lambda jump: (jump.theta, jump.order))
 
     def _jumps(self, order: int) -> Sequence[Jump]:
         """Those of one order, looked for once."""
@@ -212,11 +212,11 @@ def matched(
                 continue
             for which, sign, end in ((k - 1, 1, 1.0), (k, -1, 0.0)):
                 which %= n
-                slopes, known = _quintic_end(
+                slopes, end_values = _quintic_end(
                     order, end, spans[which], levels[which], levels[which + 1]
                 )
                 row[2 * which : 2 * which + 4] += sign * slopes
-                values[2 * k + jump] -= sign * known
+                values[2 * k + jump] -= sign * end_values
     if whole:
         rows[2 * n : 2 * n + 2, :2] = np.eye(2)
         rows[2 * n : 2 * n + 2, 2 * n :] = -np.eye(2)

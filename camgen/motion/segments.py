@@ -130,39 +130,39 @@ class SegmentTable(Record):
 
 def law_of(choice: str | LawChoice) -> Law:
     """The law that a spec names; SpecError with paths below the law's where there is none."""
-    chosen = LawChoice(name=choice) if isinstance(choice, str) else choice
-    if chosen.name in LAWS and chosen.model_fields_set == {"name"}:
-        return LAWS[chosen.name]
-    name = chosen.name
-    given = chosen.parameters
+    law = LawChoice(name=choice) if isinstance(choice, str) else choice
+    if law.name in LAWS and law.model_fields_set == {"name"}:
+        return LAWS[law.name]
+    name = law.name
+    parameters = law.parameters
     if name not in LAWS and name not in FAMILIES:
-        raise SpecError([unknown(("name",) if given else (), name, NAMES)])
-    allowed = FAMILIES.get(name, ())
-    takes = f"nothing here: '{name}' takes {', '.join(allowed) or 'no parameters'}"
-    faults = [Fault((key,), "", takes) for key in given if key not in allowed]
-    needed = _NEEDED.get(name)
-    if needed and not any(key in given for key in needed):
-        faults.append(Fault((needed[0],), "", f"missing: '{name}' needs {' or '.join(needed)}"))
-    if "points" in given and "file" in given:
-        faults.append(Fault(("file",), given["file"], "either points or a file"))
+        raise SpecError([unknown(("name",) if parameters else (), name, NAMES)])
+    keys = FAMILIES.get(name, ())
+    takes = f"nothing here: '{name}' takes {', '.join(keys) or 'no parameters'}"
+    faults = [Fault((key,), "", takes) for key in parameters if key not in keys]
+    required = _NEEDED.get(name)
+    if required and not any(key in parameters for key in required):
+        faults.append(Fault((required[0],), "", f"missing: '{name}' needs {' or '.join(required)}"))
+    if "points" in parameters and "file" in parameters:
+        faults.append(Fault(("file",), parameters["file"], "either points or a file"))
     if faults:
         raise SpecError(faults)
     if name == "table":
         points = (
-            given["points"]
-            if "points" in given
-            else read_points(Reference(("file",), "law", given).file(Path()))
+            parameters["points"]
+            if "points" in parameters
+            else read_points(Reference(("file",), "law", parameters).file(Path()))
         )
         return tabulated(
             points,
-            given.get("source") or given.get("file") or "points of the spec",
-            given.get("rest", True),
+            parameters.get("source") or parameters.get("file") or "points of the spec",
+            parameters.get("rest", True),
         )
     if name == "fourier":
-        return fourier(given.get("sines", ()), given.get("cosines", ()))
+        return fourier(parameters.get("sines", ()), parameters.get("cosines", ()))
     if name == "polynomial":
-        return polynomial_law(given["conditions"])
-    return modified_sine(**given) if given else LAWS[name]
+        return polynomial_law(parameters["conditions"])
+    return modified_sine(**parameters) if parameters else LAWS[name]
 
 
 def program(
@@ -177,12 +177,12 @@ def program(
     unit: what one of the spec's lifts is in s, such as math.radians(1) for a follower that swings; turn: lift after which all is
     as at the beginning, such as 360 of what turns on and on; suffix: of the keys `lift` and `to` in the spec, such as "_deg".
     """
-    made = (
+    builder = (
         _program
         if all(table.law is None or table.law.file is None for table in tables)
         else _program.__wrapped__
     )
-    return made(tuple(tables), unit, path, turn, suffix)
+    return builder(tuple(tables), unit, path, turn, suffix)
 
 
 @lru_cache(
@@ -218,15 +218,15 @@ def _program(
     if faults:
         raise SpecError(faults)
     levels[-1] = whole
-    made = Program(tuple(_segments(tables, [unit * level for level in levels], laws)))
+    program = Program(tuple(_segments(tables, [unit * level for level in levels], laws)))
     faults = [
         fault
-        for k, segment in enumerate(made.segments)
+        for k, segment in enumerate(program.segments)
         if (fault := backwards(segment, (*path, k, "law")))
     ]
     if faults:
         raise SpecError(faults)
-    return made
+    return program
 
 
 def program_faults(tables: Sequence[SegmentTable], path: Key = ("segment",)) -> Sequence[Fault]:
@@ -245,7 +245,7 @@ def _levels(
     levels = [0.0]
     lift, goal = (f"lift{suffix}", f"to{suffix}")
     for k, table in enumerate(tables):
-        here = levels[-1]
+        level = levels[-1]
         at = (*path, k)
         to = table.to
         sign = {"rise": 1, "dwell": 0, "return": -1}[table.kind]
@@ -256,15 +256,15 @@ def _levels(
                 for key, value in ((lift, table.lift), ("law", table.law))
                 if value is not None
             ]
-            if to is not None and abs(to - here) > 0:
+            if to is not None and abs(to - level) > 0:
                 faults.append(
                     Fault(
                         (*at, goal),
                         f"{to:g}",
-                        f"{here:g}, where the segment before ends, or leave it out",
+                        f"{level:g}, where the segment before ends, or leave it out",
                     )
                 )
-            end = here
+            end = level
         elif (table.lift is None) == (to is None):
             faults.append(
                 Fault(
@@ -274,13 +274,13 @@ def _levels(
                 )
             )
         elif table.lift is not None:
-            end = here + sign * table.lift
-        elif sign * (end - here) <= 0:
+            end = level + sign * table.lift
+        elif sign * (end - level) <= 0:
             faults.append(
                 Fault(
                     (*at, goal),
                     f"{to:g}",
-                    f"{'more' if sign > 0 else 'less'} than {here:g}, where it begins",
+                    f"{'more' if sign > 0 else 'less'} than {level:g}, where it begins",
                 )
             )
             end = math.nan
@@ -331,34 +331,34 @@ def _segments(
 ) -> list[Segment]:
     """The segments; those without a law are matched to their neighbours."""
     spans = [math.radians(table.span_deg) for table in tables]
-    made = [
+    segments = [
         None if law is None else Segment(table.kind, span, begin, end - begin, law)
         for table, law, span, begin, end in zip(
             tables, laws, spans, levels, levels[1:], strict=False
         )
     ]
-    n = len(made)
-    if not any(made):
+    n = len(segments)
+    if not any(segments):
         return matched(spans, levels)
-    first = next(k for k, segment in enumerate(made) if segment is not None)
+    first = next(k for k, segment in enumerate(segments) if segment is not None)
     order = [
         (first + k) % n for k in range(n)
     ]  # begins with a segment that has a law, so no run crosses the end
-    for free, run in groupby(order, key=lambda k: made[k] is None):
+    for free, group in groupby(order, key=lambda k: segments[k] is None):
         if not free:
             continue
-        ks = list(run)
-        before = made[ks[0] - 1]
-        after = made[(ks[-1] + 1) % n]
+        ks = list(group)
+        before = segments[ks[0] - 1]
+        after = segments[(ks[-1] + 1) % n]
         assert before is not None and after is not None
         start = float(before.at(before.span, 1)), float(before.at(before.span, 2))
         end = float(after.at(0.0, 1)), float(after.at(0.0, 2))
-        found = matched(
+        quintics = matched(
             [spans[k] for k in ks], [*(levels[k] for k in ks), levels[ks[-1] + 1]], start, end
         )
-        for k, segment in zip(ks, found, strict=True):
-            made[k] = segment
-    return [segment for segment in made if segment is not None]
+        for k, segment in zip(ks, quintics, strict=True):
+            segments[k] = segment
+    return [segment for segment in segments if segment is not None]
 
 
 @lru_cache(maxsize=256)

@@ -144,17 +144,17 @@ def synthesise(
     # Variables: coefficients, factor * size, C, Y; all margins are to be 0 or more.
     def margins(x: Floats) -> Floats:
         c = pulls @ x[:n]
-        left = pulls @ x[:n] - x[n] * effort(x)[0]
-        return np.concatenate((x[n + 1] - c, x[n + 1] + c, x[n + 2] - left, x[n + 2] + left))
+        balance = pulls @ x[:n] - x[n] * effort(x)[0]
+        return np.concatenate((x[n + 1] - c, x[n + 1] + c, x[n + 2] - balance, x[n + 2] + balance))
 
     def margin_slopes(x: Floats) -> Floats:
         g, slope = effort(x)
-        left = np.hstack((pulls - x[n] * slope[:, None] * moves, -g[:, None]))
+        balance = np.hstack((pulls - x[n] * slope[:, None] * moves, -g[:, None]))
         zero = np.zeros((_POSITIONS, 1))
         one = np.ones((_POSITIONS, 1))
         return np.block(
             [[sign * pulls, zero, one, zero] for sign in (-1, 1)]
-            + [[sign * left, zero, one] for sign in (-1, 1)]
+            + [[sign * balance, zero, one] for sign in (-1, 1)]
         )
 
     # Q is scaled by a weight of its own, so that a search with a large q is as well conditioned as one with a small.
@@ -165,7 +165,7 @@ def synthesise(
         x[n] = x[n + 1] = x[n + 2] = 2 * math.pi
     else:
         x = np.array([*start.sines, *start.cosines, start.factor * size, start.peak, start.rest])
-    found: Any = minimize(
+    optimum: Any = minimize(
         lambda x: scale * (x[n + 1] ** 2 + weight * x[n + 2] ** 2),
         x,
         jac=lambda x: np.concatenate(
@@ -182,17 +182,19 @@ def synthesise(
         method="SLSQP",
         options={"ftol": 1e-12, "maxiter": 300},
     )
-    x = found.x
-    if not found.success or not np.all(np.isfinite(x)):
-        said = f"no law was found for the weight {weight:g} in {found.nit} steps: {found.message}"
+    x = optimum.x
+    if not optimum.success or not np.all(np.isfinite(x)):
+        message = (
+            f"no law was found for the weight {weight:g} in {optimum.nit} steps: {optimum.message}"
+        )
         raise DesignError(
             "steps of the search",
-            found.nit,
+            optimum.nit,
             300,
             "",
             f"weight {weight:g}",
             "use another weight",
-            said,
+            message,
         )
     best = [
         float(c) for c in x[:n] / (closes @ x[:n])
@@ -228,7 +230,7 @@ def trade_off(
     torque: Characteristic, weights: Sequence[float], sines: int = 5, cosines: int = 1
 ) -> list[Synthesis]:
     """The best law for each weight, in the order given: peak against rest, each search starting from the one before."""
-    found: list[Synthesis] = []
+    laws: list[Synthesis] = []
     for weight in weights:
-        found.append(synthesise(torque, weight, sines, cosines, found[-1] if found else None))
-    return found
+        laws.append(synthesise(torque, weight, sines, cosines, laws[-1] if laws else None))
+    return laws

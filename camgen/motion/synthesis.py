@@ -34,13 +34,13 @@ class Variable:
 
 @dataclass(frozen=True)
 class Wish:
-    """A figure wanted: `name` of the figure, value, tolerance (over 0) and unit; at_least: more is as good."""
+    """A wish for a figure."""
 
-    name: str
+    name: str  # of the figure
     wanted: float
-    tolerance: float
+    tolerance: float  # > 0
     unit: str
-    at_least: bool = False
+    at_least: bool = False  # whether more is as good
 
     def missed(self, value: float) -> float:
         """By how much a value misses the wish, signed, in tolerances."""
@@ -68,9 +68,9 @@ def search(
 
     def residuals(values: Floats) -> Floats:
         figures, shortfalls = measure(values)
-        missed = [wish.missed(figures[wish.name]) for wish in wishes]
+        misfits = [wish.missed(figures[wish.name]) for wish in wishes]
         # A design that does not exist is as bad as one that misses everything by far.
-        all_ = np.array([*missed, *shortfalls, *(_NEAR * (values - first) / unit)])
+        all_ = np.array([*misfits, *shortfalls, *(_NEAR * (values - first) / unit)])
         return np.asarray(np.nan_to_num(all_, nan=1e6))
 
     def misses(values: Floats) -> float:
@@ -93,11 +93,11 @@ def search(
             diff_step=1e-6,
             max_nfev=_EVALUATIONS,
         )
-        found: Floats = fit.x
-        missed = misses(found)
-        if missed < least:
-            best = found
-            least = missed
+        current: Floats = fit.x
+        misfits = misses(current)
+        if misfits < least:
+            best = current
+            least = misfits
         if least <= 0.5:
             return np.asarray(best)
     figures, shortfalls = measure(best)
@@ -107,7 +107,7 @@ def search(
     others = ", ".join(
         f"{wish.name} {figures[wish.name]:.6g}" for wish in wishes if wish is not worst
     )
-    kept = (
+    note = (
         ""
         if not any(abs(s) > 1 for s in shortfalls)
         else "; parts would not stay clear of each other"
@@ -117,6 +117,6 @@ def search(
         worst.wanted,
         figures[worst.name],
         worst.unit,
-        "the nearest design found" + (f" ({others})" if others else "") + kept,
+        "the nearest design found" + (f" ({others})" if others else "") + note,
         "the limit is what was reached; relax this wish, or start from other lengths",
     )

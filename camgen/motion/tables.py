@@ -95,15 +95,15 @@ def read_table(
     return heading[:2], tuple(points)
 
 
-def unit_in(cell: str, known: Mapping[str, Any]) -> str:
+def unit_in(cell: str, units: Mapping[str, Any]) -> str:
     """The unit that ends a column's heading: "force (N)", "theta_deg"; in plain letters, "" where there is none of those known
     and no other short word in brackets."""
     words = [word for word in re.split(r"[^a-z\u00b0]+", cell.lower()) if word]
     for count in range(min(_PARTS, len(words)), 0, -1):
-        if (name := "".join(words[-count:])) in known:
+        if (name := "".join(words[-count:])) in units:
             return name
-    bracketed = re.search(r"[\[(]([^])]{1,6})[])]\s*$", cell)
-    return bracketed[1].strip() if bracketed else ""
+    bracket = re.search(r"[\[(]([^])]{1,6})[])]\s*$", cell)
+    return bracket[1].strip() if bracket else ""
 
 
 def load_table(path: Path) -> tuple[list[list[float]], str | None]:
@@ -120,13 +120,13 @@ def load_table(path: Path) -> tuple[list[list[float]], str | None]:
         (_ANGLES, "deg, rad or turns"),
         (_FORCES | _TORQUES, "a force in N, kN, kgf, lbf; a torque in N m, N mm, lbf in"),
     )
-    for k, (name, (right, said)) in enumerate(zip(names, columns, strict=True)):
+    for k, (name, (right, shape)) in enumerate(zip(names, columns, strict=True)):
         if name and name not in right:
             faults.append(
                 Fault(
                     (),
                     repr(heading[k].strip()),
-                    said,
+                    shape,
                     source=f"{path.name}, heading of column {k + 1}",
                 )
             )

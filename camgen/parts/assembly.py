@@ -16,17 +16,17 @@ import numpy as np
 from camgen.findings import NotJudged
 from camgen.geometry.outlines import Floats
 from camgen.machine.features import (
-    Apart,
-    Asked,
     Balance,
     CamOutline,
+    Demand,
     Eye,
     Feature,
     Mount,
-    Moved,
     PartPose,
+    Passing,
     StandIn,
     Strand,
+    SweptMachine,
     heights,
 )
 from camgen.machine.joining import Module
@@ -126,8 +126,8 @@ class Assembly:
     cycle: Cycle = Cycle()
     mounts: Sequence[Mount] = ()  # where every copy of every part stands on the machine's bodies
     features: Sequence[Feature] = ()  # of parts, on which the joints are measured
-    passing: Sequence[Apart] = ()  # parts that pass by each other without a joint
-    asked: Sequence[Asked] = ()  # of the outputs
+    passing: Sequence[Passing] = ()  # parts that pass by each other without a joint
+    demands: Sequence[Demand] = ()  # on the outputs
     stand_ins: Sequence[StandIn] = ()  # what is not made but in the way
     strands: Sequence[Strand] = ()  # threads from post to post
     balances: Sequence[Balance] = ()  # what the solids of cranks with counterweights are held to
@@ -190,21 +190,21 @@ class Assembly:
     def poses(self, theta: Floats) -> Mapping[str, Sequence[PartPose]]:
         """Poses of each part's copies, in the order of their mounts, by name; theta: (n,) rad."""
         courses = self.courses(theta)
-        found: dict[str, list[PartPose]] = {part.name: [] for part in self.parts}
+        poses: dict[str, list[PartPose]] = {part.name: [] for part in self.parts}
         for mount in self.mounts:
             body = courses[mount.body]
             place = body.place + np.exp(1j * body.angle) * mount.at
-            found[mount.part].append(
-                PartPose(place, body.angle + mount.turned, mount.flipped, mount.z)
+            poses[mount.part].append(
+                PartPose(place, body.angle + mount.angle, mount.flipped, mount.z)
             )
-        return found
+        return poses
 
 
 def tips(
     features: Iterable[Feature], parts: Sequence[Part], mounts: Sequence[Mount], machine: Machine
 ) -> list[StandIn]:
     """Each cam's round tip that is not made, as high as the cam that it touches."""
-    found = []
+    tips_ = []
     for cam in features:
         if not (isinstance(cam, CamOutline) and isinstance(cam.tip, Eye) and cam.tip.diameter):
             continue
@@ -217,10 +217,10 @@ def tips(
         layer = part.layers[part.cut]
         high = heights(mount, part.thickness, layer.z0, layer.z1)
         disc = (cam.tip.at, cam.tip.diameter / 2, *high)
-        found.append(
+        tips_.append(
             StandIn(f"tip on {cam.part}-{1 + cam.copy}", joint.follower, (disc,), rolls=True)
         )
-    return found
+    return tips_
 
 
 def printed_parts(assembly: Assembly) -> list[Part]:
@@ -247,16 +247,16 @@ def renamed(assembly: Assembly, module: Module) -> Assembly:
     What is asked of joints and outputs that it has no more, since links of the other machine carry its bodies, is left out.
     Its journals follow from the whole, see `joined`.
     """
-    lost = module.lost(assembly.machine)
-    held = (each for each in assembly.features if getattr(each, "joint", None) not in lost)
+    dropped = module.lost(assembly.machine)
+    features = (each for each in assembly.features if getattr(each, "joint", None) not in dropped)
     return Assembly(
         module.machine(assembly.machine),
         [replace(part, name=module.part(part.name)) for part in assembly.parts],
         assembly.process,
         mounts=[module.mount(mount) for mount in assembly.mounts],
-        features=[module.renamed(each) for each in held],
+        features=[module.renamed(each) for each in features],
         passing=[_passing(each, module) for each in assembly.passing],
-        asked=[module.asked(each) for each in assembly.asked if each.output not in lost],
+        demands=[module.demand(each) for each in assembly.demands if each.output not in dropped],
         stand_ins=[_stand_in(each, module) for each in assembly.stand_ins],
         strands=[_strand(each, module) for each in assembly.strands],
         balances=[_balance(each, module) for each in assembly.balances],
@@ -271,13 +271,15 @@ def renamed(assembly: Assembly, module: Module) -> Assembly:
     )
 
 
-def _passing(pair: Apart, module: Module) -> Apart:
-    drawn = {
+def _passing(pair: Passing, module: Module) -> Passing:
+    sections = {
         module.part(name): (module.part(other), mirrored)
         for name, (other, mirrored) in pair.drawn.items()
     }
     planes = tuple(z + module.z for z in pair.planes)
-    return replace(pair, a=module.part(pair.a), b=module.part(pair.b), planes=planes, drawn=drawn)
+    return replace(
+        pair, a=module.part(pair.a), b=module.part(pair.b), planes=planes, drawn=sections
+    )
 
 
 def _stand_in(thing: StandIn, module: Module) -> StandIn:
@@ -322,7 +324,7 @@ def joined(host: Assembly, others: Sequence[Assembly], machine: Machine) -> Asse
         mounts=mounts,
         features=features,
         passing=[pair for each in all_ for pair in each.passing],
-        asked=[asked for each in all_ for asked in each.asked],
+        demands=[demand for each in all_ for demand in each.demands],
         stand_ins=[thing for each in all_ for thing in each.stand_ins],
         strands=[strand for each in all_ for strand in each.strands],
         balances=[balance for each in all_ for balance in each.balances],
@@ -338,13 +340,13 @@ def joined(host: Assembly, others: Sequence[Assembly], machine: Machine) -> Asse
 # ---- in the sweep ----------------------------------------------------------------------------------------------------
 
 
-def bodies_in_motion(assembly: Assembly) -> Moved:
+def bodies_in_motion(assembly: Assembly) -> SweptMachine:
     """What the sweep of all bodies needs; springs too, as bars from either end."""
     courses = coils.with_ends(assembly.courses, assembly.coils)
     things = [*assembly.stand_ins, *(bar for coil in assembly.coils for bar in coil.stand_ins())]
     pairs = (*assembly.passing, *assembly.features)
     process = assembly.process
-    return Moved(
+    return SweptMachine(
         assembly.mounts, courses, pairs, things, process.gap, process.tolerance, assembly.cycle.name
     )
 
@@ -366,9 +368,9 @@ def order_of_assembly(assembly: Assembly) -> Table:
     for coil in assembly.coils:
         row = (0, "extension spring", coil.stringing, "", 1, coil.eyes[0], "as bought")
         first = next(
-            (k for k, (_, laid) in enumerate(rows) if set(coil.heads) & set(laid)), len(rows)
+            (k for k, (_, copies) in enumerate(rows) if set(coil.heads) & set(copies)), len(rows)
         )
         rows.insert(first, (row, ()))
     rows.append(((0, "board", f"Stands on {assembly.board}", "", 1, 0.0, "as yours"), ()))
-    numbered = tuple((count, *row[1:]) for count, (row, _) in enumerate(rows, 1))
-    return replace(table, rows=numbered, copies=tuple(laid for _, laid in rows))
+    steps = tuple((count, *row[1:]) for count, (row, _) in enumerate(rows, 1))
+    return replace(table, rows=steps, copies=tuple(copies for _, copies in rows))

@@ -18,10 +18,10 @@ _NEAR = 0.05  # mm, between the middle line and the chords in its place
 
 @dataclass(frozen=True)
 class ArmBand:
-    """Two hubs, centre (complex mm) and radius, and the band of so much width between them, mm; link: its name, for messages."""
+    """Two hubs and the band between them; mm."""
 
-    link: str
-    a: complex
+    link: str  # its name, for messages
+    a: complex  # centres
     b: complex
     radii: tuple[float, float]
     width: float
@@ -39,8 +39,8 @@ class ArmBand:
     @property
     def _centre(self) -> complex:
         """Of the middle line's circle."""
-        left = 1j * (self.b - self.a) / self._length
-        return (self.a + self.b) / 2 + left * (self.bow - math.copysign(self.radius, self.bow))
+        normal = 1j * (self.b - self.a) / self._length
+        return (self.a + self.b) / 2 + normal * (self.bow - math.copysign(self.radius, self.bow))
 
     def middle(self) -> list[complex]:
         """Corners of chords of the middle line, which it leaves by no more than `sagitta`."""
@@ -126,6 +126,6 @@ class ArmBand:
                 math.sqrt(max(0.0, radius**2 - half**2)) * (-1 if end else 1) + side * 1j * half
             )
         edge = self.radius + side * math.copysign(half, self.bow)
-        share = (self.radius**2 + edge**2 - radius**2) / (2 * self.radius * edge)
-        turn = math.acos(min(1.0, share)) * (1 if end else -1) * math.copysign(1, self.bow)
+        cosine = (self.radius**2 + edge**2 - radius**2) / (2 * self.radius * edge)
+        turn = math.acos(min(1.0, cosine)) * (1 if end else -1) * math.copysign(1, self.bow)
         return self._centre + (hub - self._centre) * (edge / self.radius) * cmath.exp(1j * turn)

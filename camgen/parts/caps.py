@@ -39,18 +39,18 @@ def triangles(loops: Sequence[Points], fine: bool = True) -> tuple[Points, Faces
     import manifold3d
 
     z = np.concatenate(loops)
-    wanted = sum(area(loop) for loop in loops)
+    region_area = sum(area(loop) for loop in loops)
     tries = (_banded, _earcut) if len(z) > _LONG else (_delaunay, _earcut) if fine else (_earcut,)
     for attempt in tries:
         points, faces = attempt(loops)
         a, b, c = points[faces].T
-        doubled = (np.conj(b - a) * (c - a)).imag
+        twice_area = (np.conj(b - a) * (c - a)).imag
         # Neither makes a promise: earcut drops points that come in line on the way. All turned one way, as many as there must
         # be and of the right area, they lie side by side.
         complete = len(faces) == len(z) + 2 * (len(points) - len(z)) + 2 * (
             len(loops) - 1
-        ) - 2 and np.all(doubled > 0)
-        if complete and abs(np.sum(doubled) / 2 - wanted) <= 1e-9 * wanted:
+        ) - 2 and np.all(twice_area > 0)
+        if complete and abs(np.sum(twice_area) / 2 - region_area) <= 1e-9 * region_area:
             return points, faces
     corners = [np.column_stack([loop.real, loop.imag]) for loop in loops]
     return z, np.asarray(manifold3d.triangulate(corners), np.int64)
@@ -78,7 +78,7 @@ def _banded(loops: Sequence[Points]) -> tuple[Points, Faces]:
     """
     size = sum(len(loop) for loop in loops)
     step = -(-size // _CHUNKS)
-    kept: list[Faces] = []
+    inner_rings: list[Faces] = []
     tips: list[Points] = []
     fans: list[Faces] = []
     begin = 0
@@ -92,20 +92,20 @@ def _banded(loops: Sequence[Points]) -> tuple[Points, Faces]:
         tip = ((loop[start] + stop) / 2 + 0.3j * (stop - loop[start])).astype(np.complex64).astype(
             complex
         ) + 0
-        seen = (np.conj(following - loop) * (tip[chunk] - loop)).imag > 0
-        good = np.logical_and.reduceat(seen, start)
+        clear = (np.conj(following - loop) * (tip[chunk] - loop)).imag > 0
+        good = np.logical_and.reduceat(clear, start)
         number = new + np.cumsum(good) - 1
         edge = np.flatnonzero(good[chunk])
         fans.append(np.column_stack([begin + edge, begin + (edge + 1) % n, number[chunk[edge]]]))
         stays = np.flatnonzero(~good[chunk] | (np.arange(n) % step == 0))
         place = np.concatenate([stays, start[good] + 0.5])
-        kept.append(np.concatenate([begin + stays, number[good]])[np.argsort(place)])
+        inner_rings.append(np.concatenate([begin + stays, number[good]])[np.argsort(place)])
         tips.append(tip[good])
         begin = begin + n
         new = new + int(np.count_nonzero(good))
     points = np.concatenate([*loops, *tips])
-    _, inner = _earcut([points[index] for index in kept])
-    return points, np.concatenate([*fans, np.concatenate(kept)[inner]])
+    _, inner = _earcut([points[index] for index in inner_rings])
+    return points, np.concatenate([*fans, np.concatenate(inner_rings)[inner]])
 
 
 def _delaunay(loops: Sequence[Points]) -> tuple[Points, Faces]:
@@ -114,10 +114,10 @@ def _delaunay(loops: Sequence[Points]) -> tuple[Points, Faces]:
 
     z = np.concatenate(loops)
     outer, *holes = [np.column_stack([loop.real, loop.imag]) for loop in loops]
-    found = shapely.get_coordinates(
+    coordinates = shapely.get_coordinates(
         shapely.constrained_delaunay_triangles(shapely.Polygon(outer, holes))
     )
-    corners = (found[:, 0] + 1j * found[:, 1]).reshape(-1, 4)[:, :3]
+    corners = (coordinates[:, 0] + 1j * coordinates[:, 1]).reshape(-1, 4)[:, :3]
     order = np.argsort(z)
     faces = order[np.minimum(np.searchsorted(z[order], corners), len(z) - 1)]
     if not np.array_equal(z[faces], corners):
@@ -131,12 +131,12 @@ def recapped(mesh: Mesh) -> Mesh:
     corners = mesh.vertices[mesh.faces]
     level = np.all(corners[:, :, 2] == corners[:, :1, 2], axis=1)
     looks = np.where(level, np.sign(mesh.across[:, 2]), 0.0)
-    kept = [mesh.faces[~level]]
+    faces_ = [mesh.faces[~level]]
     for z in distinct(corners[level][:, 0, 2]):
         for side in (-1.0, 1.0):
-            here = mesh.faces[(looks == side) & (corners[:, 0, 2] == z)]
-            kept += [_divided(mesh, patch, side) for patch in _patches(here)]
-    faces = np.concatenate(kept)
+            cap = mesh.faces[(looks == side) & (corners[:, 0, 2] == z)]
+            faces_ += [_divided(mesh, patch, side) for patch in _patches(cap)]
+    faces = np.concatenate(faces_)
     first = np.argmin(faces, axis=1)
     faces = np.take_along_axis(faces, (first[:, None] + np.arange(3)) % 3, axis=1)
     return Mesh(mesh.vertices, faces[np.lexsort(faces.T[::-1])])
@@ -148,8 +148,8 @@ def _patches(faces: Faces) -> list[Faces]:
     b = np.roll(faces, -1, axis=1).ravel()
     key = np.minimum(a, b) * (int(faces.max(initial=0)) + 1) + np.maximum(a, b)
     order = np.argsort(key, kind="stable")
-    joined = np.flatnonzero(np.diff(key[order]) == 0)
-    label = components(len(faces), order[joined] // 3, order[joined + 1] // 3)
+    shared = np.flatnonzero(np.diff(key[order]) == 0)
+    label = components(len(faces), order[shared] // 3, order[shared + 1] // 3)
     return [faces[label == k] for k in distinct(label)]
 
 
@@ -161,9 +161,9 @@ def _divided(mesh: Mesh, patch: Faces, side: float) -> Faces:
     b = np.roll(patch, -1, axis=1).ravel()
     if side < 0:
         a, b = b, a
-    there = a * len(mesh.vertices) + b
+    forth = a * len(mesh.vertices) + b
     back = b * len(mesh.vertices) + a
-    rim = ~among(there, np.sort(back))
+    rim = ~among(forth, np.sort(back))
     following = dict(zip(a[rim].tolist(), b[rim].tolist(), strict=True))
     if len(following) != np.count_nonzero(rim):
         return patch
@@ -181,5 +181,5 @@ def _divided(mesh: Mesh, patch: Faces, side: float) -> Faces:
     z, faces = triangles([plan[ring] for ring in rings])
     if len(z) != size:
         return patch
-    found = np.concatenate(rings)[faces]
-    return found if side > 0 else found[:, ::-1]
+    faces_ = np.concatenate(rings)[faces]
+    return faces_ if side > 0 else faces_[:, ::-1]

@@ -18,15 +18,15 @@ from typing import Literal
 
 @dataclass(frozen=True)
 class Screw:
-    """A metric screw: clearance hole, head (diameter, height) and its standard, nut (across flats, height), mm."""
+    """A metric screw and its nut; mm."""
 
     thread: str
-    clearance: float
-    head: float
-    height: float
+    clearance: float  # diameter of its hole
+    head: float  # diameter
+    height: float  # of the head
     standard: str
-    flats: float
-    nut: float
+    flats: float  # of the nut, across them
+    nut: float  # height
 
     @property
     def nominal(self) -> float:
@@ -47,14 +47,14 @@ class Screw:
 
 @dataclass(frozen=True)
 class Bearing:
-    """A deep groove ball bearing: bore, outside diameter and width, mm; rating: dynamic, C, kN, None: not published."""
+    """A deep groove ball bearing; mm."""
 
     name: str
     bore: float
-    outside: float
+    outside: float  # diameter
     width: float
     standard: str = "ISO 15"
-    rating: float | None = None  # dynamic, kN
+    rating: float | None = None  # dynamic, C, kN; None: not published
 
     @property
     def shoulder(self) -> float:
@@ -74,15 +74,15 @@ class Bearing:
 
 @dataclass(frozen=True)
 class ShoulderScrew:
-    """A shoulder screw: shoulder's diameter, thread and its length, head (diameter, height), nut (across flats, height), mm."""
+    """A shoulder screw and its nut; mm."""
 
-    diameter: float
+    diameter: float  # of the shoulder
     thread: str
     thread_length: float
-    head: float
-    height: float
-    flats: float
-    nut: float
+    head: float  # diameter
+    height: float  # of the head
+    flats: float  # of the nut, across them
+    nut: float  # height
 
     @property
     def nominal(self) -> float:
@@ -101,24 +101,21 @@ class ShoulderScrew:
 
 @dataclass(frozen=True)
 class MotorFace:
-    """Face of a motor about its shaft: centring boss (diameter, height), places of its screw holes, complex mm.
-
-    half: half the body's width across, mm; shaft: usual diameter, 0 where the frame sets none; flat: usual depth of its flat, 0
-    where none is known; depth: of the thread in its
-    holes, mm, or where they are plain the thickness of its flange, behind which nuts sit; standard: "" where it has none.
-    """
+    """Face of a motor about its shaft; mm."""
 
     name: str
-    boss: float
+    boss: float  # diameter of the centring boss
     boss_height: float
-    screws: tuple[complex, ...]
+    screws: tuple[complex, ...]  # places of their holes
     screw: Screw
-    half: float
-    shaft: float
-    depth: float = math.inf
-    plain: bool = False
-    standard: str = "NEMA ICS 16"
-    flat: float = 0.0
+    half: float  # of the body's width across
+    shaft: float  # usual diameter, 0 where the frame sets none
+    depth: float = (
+        math.inf
+    )  # of the thread in the holes; of plain ones thickness of the flange, nuts behind
+    plain: bool = False  # whether the holes have no thread
+    standard: str = "NEMA ICS 16"  # "" where it has none
+    flat: float = 0.0  # usual depth of the shaft's flat, 0 where none is known
     length: float = 0.0  # of a round can between its face and the bar that holds it, mm; 0: square
 
     @property
@@ -249,8 +246,8 @@ SHOULDER_SCREWS = (
 
 def narrowest(bore: float) -> Bearing | None:
     """The narrowest ball bearing of a bore, mm, of these the smallest outside."""
-    found = (each for each in BEARINGS.values() if each.bore == bore)
-    return min(found, key=lambda each: (each.width, each.outside), default=None)
+    fitting = (each for each in BEARINGS.values() if each.bore == bore)
+    return min(fitting, key=lambda each: (each.width, each.outside), default=None)
 
 
 DOWEL_STANDARD = "ISO 2338"
@@ -306,8 +303,8 @@ def in_bar(
 ) -> MotorFace:
     """A motor with a round can whose collar sits in the plate, and which a bar behind it holds by two screws; mm."""
     screw = SCREWS[thread]
-    aside = 1j * (diameter / 2 + screw.clearance / 2 + 1)
-    places = (-aside, aside)
+    offset = 1j * (diameter / 2 + screw.clearance / 2 + 1)
+    places = (-offset, offset)
     half = diameter / 2
     return MotorFace(
         "can", boss, 0.0, places, screw, half, shaft, length + bar, True, "", length=length

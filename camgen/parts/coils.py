@@ -76,16 +76,18 @@ class Coil:
 
 def with_ends(courses: Courses, coils: Sequence[Coil]) -> Courses:
     """Courses of the bodies, and of both ends of each spring that the sweep sees, which lie along it."""
-    swept = [coil for coil in coils if coil.reach is not None]
-    if not swept:
+    visible = [coil for coil in coils if coil.reach is not None]
+    if not visible:
         return courses
 
     def found(theta: Floats) -> dict[str, Pose]:
         poses = dict(courses(theta))
-        for coil in swept:
+        for coil in visible:
             one, other = (_place(poses, end) for end in coil.ends)
-            for half, here, there in zip(coil.halves, (one, other), (other, one), strict=True):
-                poses[half] = Pose(here, np.unwrap(np.angle(there - here)))
+            for half, near_end, far_end in zip(
+                coil.halves, (one, other), (other, one), strict=True
+            ):
+                poses[half] = Pose(near_end, np.unwrap(np.angle(far_end - near_end)))
         return poses
 
     return found

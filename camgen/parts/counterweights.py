@@ -25,19 +25,17 @@ _LEAST = 1.0  # mm, by which a sector stands out of its hub: a lighter one is na
 
 @dataclass(frozen=True)
 class Sector:
-    """What of a counterweight is asked. hub: radius, mm; thickness, mm; half: of its angle, rad; heavy: its density, g/mm^3;
-    pins: how many of steel, of which diameter, mm, each in a hole so much wider, `steel` g/mm^3 heavy; wall: round them, mm.
-    """
+    """A counterweight's shape: a sector, with pins of steel where it has them."""
 
-    hub: float
-    thickness: float
-    half: float
-    heavy: float
+    hub: float  # radius, mm
+    thickness: float  # mm
+    half: float  # of its angle, rad
+    heavy: float  # density, g/mm^3
     pins: int = 0
-    pin: float = 0.0
-    press: float = 0.0
-    steel: float = 0.0
-    wall: float = 0.0
+    pin: float = 0.0  # diameter, mm
+    press: float = 0.0  # by how much a pin's hole is wider, mm
+    steel: float = 0.0  # density, g/mm^3
+    wall: float = 0.0  # round the pins, mm
 
     def places(self, rim: float) -> list[complex]:
         """The pins of a sector along +x, as near to the rim as the wall allows, side by side, mm."""
@@ -115,7 +113,7 @@ def outline(hub: float, rim: float, half: float) -> Contour:
 
 
 def counterweight(
-    asked: Sector, bore: Contour, moment: complex, made: str, min_wall: float, note: str
+    sector: Sector, bore: Contour, moment: complex, made: str, min_wall: float, note: str
 ) -> tuple[Part, list[tuple[Part, complex]], float]:
     """A counterweight on a shaft through the origin, its pins with their places, and its radius, mm.
 
@@ -124,36 +122,36 @@ def counterweight(
     """
     size = abs(moment)
     turn = moment / abs(moment) if moment else 1.0 + 0j
-    rim = asked.rim(size)
-    half = asked.half
-    if not asked.pins and rim < asked.hub + _LEAST:
-        rim = asked.hub + _LEAST
-        half = math.asin(min(1.0, size / asked.moment(rim) * math.sin(half)))
-    edge = outline(asked.hub, rim if half > 1e-6 else asked.hub, half).moved(turn)
+    rim = sector.rim(size)
+    half = sector.half
+    if not sector.pins and rim < sector.hub + _LEAST:
+        rim = sector.hub + _LEAST
+        half = math.asin(min(1.0, size / sector.moment(rim) * math.sin(half)))
+    edge = outline(sector.hub, rim if half > 1e-6 else sector.hub, half).moved(turn)
     holes: Mapping[str, Contour] = {
         "bore": bore,
         **{
-            f"pin {k}": circle(z * turn, (asked.pin + asked.press) / 2)
-            for k, z in enumerate(asked.places(rim), 1)
+            f"pin {k}": circle(z * turn, (sector.pin + sector.press) / 2)
+            for k, z in enumerate(sector.places(rim), 1)
         },
     }
-    said = f"{size:.4g} g mm at {math.degrees(cmath.phase(turn)):.4g} deg about the shaft, hub and bore left out"
+    moment_note = f"{size:.4g} g mm at {math.degrees(cmath.phase(turn)):.4g} deg about the shaft, hub and bore left out"
     part = Part(
         NAME,
         "Counterweight",
-        (Layer(plate(NAME, edge, holes, min_wall), 0.0, asked.thickness),),
+        (Layer(plate(NAME, edge, holes, min_wall), 0.0, sector.thickness),),
         centres=(0j,),
-        notes=(note, said),
+        notes=(note, moment_note),
         min_wall=min_wall,
         made=made,
         role="counterweight",
     )
-    places = [z * turn for z in asked.places(rim)]
+    places = [z * turn for z in sector.places(rim)]
     if not places:
         return part, [], rim
     pin = replace(
-        rod(f"{NAME}-pin", "Pin of the counterweight", asked.pin, asked.thickness),
-        count=asked.pins,
+        rod(f"{NAME}-pin", "Pin of the counterweight", sector.pin, sector.thickness),
+        count=sector.pins,
         notes=("pressed and glued in",),
         made=TURNED,
         role="counterweight",

@@ -64,13 +64,13 @@ class ShaftHole(Record):
 
     def misfits(self) -> list[Fault]:
         """Keys or flats that are no match for the bore."""
-        expected = f"less than the bore, {self.bore:g} mm"
-        found = []
+        limit = f"less than the bore, {self.bore:g} mm"
+        faults = []
         if self.shaft == "d-flat" and self.flat_depth >= self.bore:
-            found.append(Fault(("parts", "flat_depth"), f"{self.flat_depth:g}", expected))
+            faults.append(Fault(("parts", "flat_depth"), f"{self.flat_depth:g}", limit))
         if self.shaft == "keyway" and self.key_width >= self.bore:
-            found.append(Fault(("parts", "key_width"), f"{self.key_width:g}", expected))
-        return found
+            faults.append(Fault(("parts", "key_width"), f"{self.key_width:g}", limit))
+        return faults
 
     @property
     def reach(self) -> float:
@@ -133,15 +133,15 @@ class CamParts(ShaftHole):
 
     def misfits(self) -> list[Fault]:
         """Keys that are no match for the bore, a hub that its set screw does not fit."""
-        found = super().misfits()
+        faults = super().misfits()
         hub = self.hub(0.8)
         if hub is not None and self.shaft == "keyway":
-            said = 'nothing here: it is square to a key; "d-flat" or "plain"'
-            found.append(Fault(("parts", "set_screw"), repr(self.set_screw), said))
+            expected = 'nothing here: it is square to a key; "d-flat" or "plain"'
+            faults.append(Fault(("parts", "set_screw"), repr(self.set_screw), expected))
         elif hub is not None and self.hub_height < hub.height:
-            said = f"at least {hub.height:.4g} mm: its nut stands in it"
-            found.append(Fault(("parts", "hub_height"), f"{self.hub_height:g}", said))
-        return found
+            expected = f"at least {hub.height:.4g} mm: its nut stands in it"
+            faults.append(Fault(("parts", "hub_height"), f"{self.hub_height:g}", expected))
+        return faults
 
 
 def turning_note(sense: int) -> str:
@@ -150,7 +150,7 @@ def turning_note(sense: int) -> str:
 
 
 def holes_in(
-    made: ShaftHole,
+    shaft_hole: ShaftHole,
     name: str,
     outline: Contour,
     more: Callable[[Points, float], Sequence[Contour]],
@@ -160,8 +160,8 @@ def holes_in(
 
     DesignError where bore, hub (its diameter, mm) or the others find no room.
     """
-    bore = made.hole()
-    reach = made.reach
+    bore = shaft_hole.hole()
+    reach = shaft_hole.reach
     rim = facet_contour(outline, LAYOUT)
     refuse_wide(name, float(np.min(point_to_ring(np.zeros(1, complex), rim))), reach, hub)
     holes = (bore, *more(rim, reach))
@@ -178,9 +178,9 @@ def holes_in(
     return holes
 
 
-def pins_beside(made: CamParts, min_wall: float) -> float:
+def pins_beside(sizes: CamParts, min_wall: float) -> float:
     """Distance from the axis of the pins that hold a groove's inner cam, mm."""
-    return made.reach + min_wall + made.pin_diameter
+    return sizes.reach + min_wall + sizes.pin_diameter
 
 
 def refuse_wide(name: str, room: float, reach: float, hub: float = 0.0) -> None:
@@ -198,7 +198,7 @@ def refuse_wide(name: str, room: float, reach: float, hub: float = 0.0) -> None:
 
 
 def disc_parts(
-    made: CamParts,
+    sizes: CamParts,
     outlines: Sequence[Contour],
     wall: Contour | None,
     groove: tuple[float, float],
@@ -209,46 +209,50 @@ def disc_parts(
     groove: its width and its roller's diameter, mm. DesignError where bore, hub or pins find no room.
     """
     if wall is not None:
-        return _plates(made, outlines[0], wall, groove, min_wall)
+        return _plates(sizes, outlines[0], wall, groove, min_wall)
     names = (
         [("cam", "Disc cam")]
         if len(outlines) == 1
         else [("cam-1", "Disc cam, outward"), ("cam-2", "Disc cam, back")]
     )
     return tuple(
-        _cam(made, *name, outline, [], min_wall)
+        _cam(sizes, *name, outline, [], min_wall)
         for name, outline in zip(names, outlines, strict=True)
     )
 
 
 def _cam(
-    made: CamParts, name: str, title: str, outline: Contour, pins: list[Contour], min_wall: float
+    sizes: CamParts, name: str, title: str, outline: Contour, pins: list[Contour], min_wall: float
 ) -> Part:
-    hub = made.hub_diameter if made.hub_height else 0.0
-    holes = holes_in(made, name, outline, lambda rim, reach: pins, hub)
-    layers = [Layer(Region(outline, holes), 0.0, made.thickness)]
-    if made.hub_height:
-        held = made.hub(min_wall)
+    hub = sizes.hub_diameter if sizes.hub_height else 0.0
+    holes = holes_in(sizes, name, outline, lambda rim, reach: pins, hub)
+    layers = [Layer(Region(outline, holes), 0.0, sizes.thickness)]
+    if sizes.hub_height:
+        clamp = sizes.hub(min_wall)
         plain = Layer(
-            Region(circle(0j, hub / 2), holes[:1]), made.thickness, made.thickness + made.hub_height
+            Region(circle(0j, hub / 2), holes[:1]),
+            sizes.thickness,
+            sizes.thickness + sizes.hub_height,
         )
-        layers += [plain] if held is None else held.layers(hub / 2, made.thickness, made.hub_height)
+        layers += (
+            [plain] if clamp is None else clamp.layers(hub / 2, sizes.thickness, sizes.hub_height)
+        )
     centres = (0j, *(pin.centroid for pin in pins))
-    return Part(name, title, tuple(layers), 1, (), centres, made.notes(), made.bore, min_wall)
+    return Part(name, title, tuple(layers), 1, (), centres, sizes.notes(), sizes.bore, min_wall)
 
 
 def _plates(
-    made: CamParts, outline: Contour, wall: Contour, groove: tuple[float, float], min_wall: float
+    sizes: CamParts, outline: Contour, wall: Contour, groove: tuple[float, float], min_wall: float
 ) -> tuple[Part, ...]:
     """Inner cam and outer ring, pinned to a back plate."""
-    bore = made.hole()
-    beside = pins_beside(made, min_wall)
-    radius = float(np.max(np.abs(facet_contour(wall, LAYOUT)))) + made.rim
-    inner = [circle(complex(side * beside), made.pin_diameter / 2) for side in (1, -1)]
-    corners = [cmath.rect(radius - made.rim / 2, math.radians(45 + 90 * k)) for k in range(4)]
-    outer = [circle(corner, made.pin_diameter / 2) for corner in corners]
+    bore = sizes.hole()
+    beside = pins_beside(sizes, min_wall)
+    radius = float(np.max(np.abs(facet_contour(wall, LAYOUT)))) + sizes.rim
+    inner = [circle(complex(side * beside), sizes.pin_diameter / 2) for side in (1, -1)]
+    corners = [cmath.rect(radius - sizes.rim / 2, math.radians(45 + 90 * k)) for k in range(4)]
+    outer = [circle(corner, sizes.pin_diameter / 2) for corner in corners]
     notes = (
-        *made.notes(),
+        *sizes.notes(),
         f"with the inner wall a groove {groove[0]:g} wide, for a roller of {groove[1]:g}",
     )
 
@@ -257,11 +261,11 @@ def _plates(
     ) -> Part:
         layer = Layer(Region(circle(0j, radius), tuple(holes)), 0.0, height)
         pins = [pin.centroid for pin in (*inner, *outer) if pin in holes]
-        said = notes if bore is None else made.notes()
-        return Part(name, title, (layer,), 1, (), (0j, *pins), said, bore, min_wall)
+        part_notes = notes if bore is None else sizes.notes()
+        return Part(name, title, (layer,), 1, (), (0j, *pins), part_notes, bore, min_wall)
 
     return (
-        _cam(made, "inner", "Groove cam, inner wall", outline, inner, min_wall),
-        plate("outer", "Groove cam, outer wall", (wall, *outer), made.thickness, None),
-        plate("back", "Groove cam, back plate", (bore, *inner, *outer), made.back, made.bore),
+        _cam(sizes, "inner", "Groove cam, inner wall", outline, inner, min_wall),
+        plate("outer", "Groove cam, outer wall", (wall, *outer), sizes.thickness, None),
+        plate("back", "Groove cam, back plate", (bore, *inner, *outer), sizes.back, sizes.bore),
     )

@@ -71,11 +71,11 @@ class _Stroke:
         t = self.bulge
         return (self.a + self.b) / 2 + 0.5j * (self.b - self.a) * (1 - t * t) / (2 * t)
 
-    def point(self, share: float) -> complex:
+    def point(self, fraction: float) -> complex:
         """Point at a share of its length."""
         if not self.bulge:
-            return self.a + share * (self.b - self.a)
-        return self.centre + (self.a - self.centre) * complex(np.exp(1j * share * self.sweep))
+            return self.a + fraction * (self.b - self.a)
+        return self.centre + (self.a - self.centre) * complex(np.exp(1j * fraction * self.sweep))
 
     def share(self, z: complex) -> float:
         """The share of its length at which it passes nearest to a point near it."""
@@ -127,27 +127,27 @@ def exact(part: Part, tolerance: float) -> Brep:
         heights,
         *(_filled(side, layers, len(part.layers), heights) for side in (left, right)),
     )
-    found = body.brep()
-    if found.faults or found.bodies != 1:
+    solid = body.brep()
+    if solid.faults or solid.bodies != 1:
         value, what = (
-            (found.faults, "edges with more than two faces")
-            if found.faults
-            else (found.bodies, "bodies and cavities")
+            (solid.faults, "edges with more than two faces")
+            if solid.faults
+            else (solid.bodies, "bodies and cavities")
         )
         raise DesignError(
             f"{what} of {part.name}",
             value,
-            int(not found.faults),
+            int(not solid.faults),
             "",
             "",
             "let the layers overlap, or part them",
         )
-    return found
+    return solid
 
 
 def _outlines(layer: Layer, tolerance: float) -> list[list[_Stroke]]:
     """A layer's contours as strokes, material on their left."""
-    found = []
+    outlines = []
     for k, contour in enumerate((layer.region.outer, *layer.region.holes)):
         contour = contour.counter_clockwise()
         z, bulge = bulges(fit_arcs(contour, tolerance))
@@ -155,8 +155,8 @@ def _outlines(layer: Layer, tolerance: float) -> list[list[_Stroke]]:
             _Stroke(a, b, t)
             for a, b, t in zip(z.tolist(), np.roll(z, -1).tolist(), bulge.tolist(), strict=True)
         ]
-        found.append([_Stroke(s.b, s.a, -s.bulge) for s in reversed(strokes)] if k else strokes)
-    return found
+        outlines.append([_Stroke(s.b, s.a, -s.bulge) for s in reversed(strokes)] if k else strokes)
+    return outlines
 
 
 @dataclass
@@ -231,12 +231,12 @@ def _cuts(
                 ends.number(z)
     places = np.array(ends.at)
     cuts = []
-    for piece, (left, low, right, high) in zip(pieces, boxes, strict=True):
+    for piece, (west, south, east, north) in zip(pieces, boxes, strict=True):
         near = (
-            (places.real >= left)
-            & (places.real <= right)
-            & (places.imag >= low)
-            & (places.imag <= high)
+            (places.real >= west)
+            & (places.real <= east)
+            & (places.imag >= south)
+            & (places.imag <= north)
         )
         on = [
             (piece.share(z), k)
@@ -309,50 +309,50 @@ def _sides(strokes: Sequence[_Stroke], runs: Sequence[Sequence[Step]]) -> tuple[
     left = np.zeros((len(runs), len(strokes)), bool)
     right = left.copy()
     for k, run in enumerate(runs):
-        bound = [strokes[stroke] for stroke, _ in run]
-        left[k] = right[k] = _inside(middles, bound)
+        boundary = [strokes[stroke] for stroke, _ in run]
+        left[k] = right[k] = _inside(middles, boundary)
         for stroke, forward in run:
             left[k, stroke] = forward
             right[k, stroke] = not forward
     return left, right
 
 
-def _inside(points: Points, bound: Sequence[_Stroke]) -> Bools:
-    """Whether points, (n,), lie inside what strokes bound: by the chords, and the caps between chord and arc."""
-    found = np.zeros(len(points), bool)
-    for stroke in bound:
+def _inside(points: Points, boundary: Sequence[_Stroke]) -> Bools:
+    """Whether points, (n,), lie inside what strokes boundary: by the chords, and the caps between chord and arc."""
+    inside = np.zeros(len(points), bool)
+    for stroke in boundary:
         a = stroke.a - points
         b = stroke.b - points
         turn = (np.conj(a) * b).imag
-        found ^= ((a.imag > 0) != (b.imag > 0)) & ((turn > 0) == (b.imag > a.imag))
+        inside ^= ((a.imag > 0) != (b.imag > 0)) & ((turn > 0) == (b.imag > a.imag))
         if stroke.bulge:
             cap = (np.abs(points - stroke.centre) < abs(stroke.a - stroke.centre)) & (
                 turn * stroke.bulge < 0
             )
-            found ^= cap
-    return found
+            inside ^= cap
+    return inside
 
 
-def _filled(side: Bools, layers: Sequence[Layer], made: int, heights: Sequence[float]) -> Bools:
+def _filled(side: Bools, layers: Sequence[Layer], count: int, heights: Sequence[float]) -> Bools:
     """Whether there is material in each slab, (m, n), to one side of each stroke, and none under and over them all; the first
-    `made` layers are material, the others are taken away."""
-    found = np.zeros((len(heights) + 1, side.shape[1]), bool)
+    `count` layers are material, the others are taken away."""
+    material = np.zeros((len(heights) + 1, side.shape[1]), bool)
     for k, (low, high) in enumerate(zip(heights, heights[1:], strict=False), 1):
         middle = (low + high) / 2
-        there = [j for j, layer in enumerate(layers) if layer.z0 < middle < layer.z1]
-        solid = np.any(side[[j for j in there if j < made]], axis=0)
-        found[k] = solid & ~np.any(side[[j for j in there if j >= made]], axis=0)
-    return found
+        present = [j for j, layer in enumerate(layers) if layer.z0 < middle < layer.z1]
+        solid = np.any(side[[j for j in present if j < count]], axis=0)
+        material[k] = solid & ~np.any(side[[j for j in present if j >= count]], axis=0)
+    return material
 
 
 @dataclass
 class _Stack:
-    """Faces, edges and corners of a stack, shared; left, right: (slabs + 2, strokes)."""
+    """Faces, edges and corners of a stack, shared."""
 
     points: list[complex]
     strokes: list[_Stroke]
     heights: list[float]
-    left: Bools
+    left: Bools  # whether there is material to the left of each stroke, (slabs + 2, strokes)
     right: Bools
 
     @cached_property
@@ -401,16 +401,16 @@ class _Stack:
         """Stroke, whether its left side is the material's, and the levels between which it is a wall."""
         walls = []
         for s in range(len(self.strokes)):
-            begun: tuple[bool, int] | None = None
+            open_wall: tuple[bool, int] | None = None
             for slab in range(1, len(self.heights) + 1):
                 wall = None
                 if self.left[slab, s] != self.right[slab, s]:
                     wall = bool(self.left[slab, s])
-                if begun is not None and begun[0] != wall:
-                    walls.append((s, begun[0], begun[1], slab - 1))
-                    begun = None
-                if begun is None and wall is not None:
-                    begun = wall, slab - 1
+                if open_wall is not None and open_wall[0] != wall:
+                    walls.append((s, open_wall[0], open_wall[1], slab - 1))
+                    open_wall = None
+                if open_wall is None and wall is not None:
+                    open_wall = wall, slab - 1
         return walls
 
     def _loops(self, left: Bools, right: Bools) -> list[list[list[Step]]]:
@@ -452,8 +452,8 @@ class _Stack:
 
     def _next(self, step: Step, leaving: Sequence[Step]) -> Step | None:
         """Of the steps that leave where one ends, the one that turns most to the left: so faces that meet in a point are two."""
-        here = self._run(step)
-        back = _Stroke(here.b, here.a, -here.bulge).leaves()
+        stroke = self._run(step)
+        back = _Stroke(stroke.b, stroke.a, -stroke.bulge).leaves()
         return min(
             leaving,
             key=lambda other: float(np.angle(back / self._run(other).leaves())) % math.tau,
@@ -462,16 +462,16 @@ class _Stack:
 
     def _area(self, loop: Sequence[Step]) -> float:
         """Signed area of a loop, mm^2."""
-        found = 0.0
+        area = 0.0
         origin = self._run(loop[0]).a
         for stroke in map(self._run, loop):
             a = stroke.a - origin
             b = stroke.b - origin
-            found += (a.conjugate() * b).imag / 2
+            area += (a.conjugate() * b).imag / 2
             if stroke.bulge:
                 radius = abs(stroke.a - stroke.centre)
-                found += radius * radius * (stroke.sweep - math.sin(stroke.sweep)) / 2
-        return found
+                area += radius * radius * (stroke.sweep - math.sin(stroke.sweep)) / 2
+        return area
 
 
 class _Edges:

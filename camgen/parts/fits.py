@@ -45,18 +45,16 @@ _TURN = 1e-9  # rad, a joint that turns by less is smooth
 
 @dataclass(frozen=True)
 class Compensation:
-    """What the printer does, and is to be undone: lengths in mm.
+    """What the printer does, and is to be undone: lengths in mm."""
 
-    hole: how far every hole's wall comes inwards (holes print small); profile: how far the outer wall comes outwards;
-    shrinkage: share by which the plastic shrinks in the plane, about the part's datum; foot: height and width of the
-    chamfer that takes up the swelling of the first layers (elephant's foot), in steps of `layer`; 0 leaves it out.
-    """
-
-    hole: float = 0.0
-    profile: float = 0.0
-    shrinkage: float = 0.0
+    hole: float = 0.0  # how far every hole's wall comes inwards (holes print small)
+    profile: float = 0.0  # how far the outer wall comes outwards
+    shrinkage: float = (
+        0.0  # share by which the plastic shrinks in the plane, about the part's datum
+    )
+    # height and width of the chamfer that takes up the swelling of the first layers (elephant's foot); 0: none
     foot: float = 0.0
-    layer: float = 0.2
+    layer: float = 0.2  # steps of that chamfer
 
     def foot_of(self, part: Part) -> float:
         """Height of a part's chamfer, mm: at most half of its lowest layer."""
@@ -77,19 +75,19 @@ def offset(contour: Contour, distance: float, name: str = "outline") -> Contour:
         return contour
     clockwise = contour.area < 0
     away = contour.counter_clockwise() if distance > 0 else contour.counter_clockwise().reversed()
-    wanted, slack = _expected(contour, distance, name)
+    area, slack = _expected(contour, distance, name)
     pieces = _raw(away.pieces, abs(distance))
-    made = Contour(tuple(trim(pieces)[0])).counter_clockwise()
-    if not abs(made.area - wanted) <= slack:
+    parallel = Contour(tuple(trim(pieces)[0])).counter_clockwise()
+    if not abs(parallel.area - area) <= slack:
         raise DesignError(
             f"area of the {name} moved by {distance:g} mm",
-            made.area,
-            wanted,
+            parallel.area,
+            area,
             "mm^2",
             "",
             "a loop of the parallel curve could not be cut off: use a smaller compensation",
         )
-    return made.reversed() if clockwise else made
+    return parallel.reversed() if clockwise else parallel
 
 
 def _expected(contour: Contour, distance: float, name: str) -> tuple[float, float]:
@@ -100,8 +98,8 @@ def _expected(contour: Contour, distance: float, name: str) -> tuple[float, floa
     tolerance = _CHECK * size
     ring = facet_contour(contour, tolerance)
     face = shapely.Polygon(np.column_stack([ring.real, ring.imag]))
-    grown = face.buffer(distance, quad_segs=128)
-    if grown.is_empty:
+    outline = face.buffer(distance, quad_segs=128)
+    if outline.is_empty:
         room = shapely.length(shapely.maximum_inscribed_circle(face))
         raise DesignError(
             f"compensation of the {name}",
@@ -111,9 +109,9 @@ def _expected(contour: Contour, distance: float, name: str) -> tuple[float, floa
             _at(contour),
             "no material is left: use a smaller one",
         )
-    if grown.geom_type != "Polygon" or grown.interiors:
-        count = shapely.get_num_geometries(grown) + sum(
-            len(p.interiors) for p in shapely.get_parts(grown)
+    if outline.geom_type != "Polygon" or outline.interiors:
+        count = shapely.get_num_geometries(outline) + sum(
+            len(p.interiors) for p in shapely.get_parts(outline)
         )
         raise DesignError(
             f"pieces of the {name} moved by {distance:g} mm",
@@ -123,8 +121,8 @@ def _expected(contour: Contour, distance: float, name: str) -> tuple[float, floa
             _at(contour),
             "use a smaller compensation",
         )
-    return float(grown.area), float(
-        2 * tolerance * max(face.length, grown.length) + 3e-4 * distance**2
+    return float(outline.area), float(
+        2 * tolerance * max(face.length, outline.length) + 3e-4 * distance**2
     )
 
 
@@ -223,11 +221,11 @@ def compensated(part: Part, fit: Compensation) -> Part:
     walls lean to the plane in which a printer shrinks and swells it, so no outline of it can be compensated by itself.
     """
     if part.crossed is not None:
-        said = (
+        message = (
             f"{part.name} is made of two crossed outlines and cannot be compensated for the print"
         )
         remedy = "leave its keys of [print] at 0, and let the slicer compensate"
-        raise DesignError("print fits of a crossed part", 1, 0, "", part.name, remedy, said)
+        raise DesignError("print fits of a crossed part", 1, 0, "", part.name, remedy, message)
     if not -0.5 < fit.shrinkage < 0.5:
         raise DesignError("shrinkage", fit.shrinkage, 0.5, "", part.name, "a share such as 0.003")
     scale = 1 / (1 - fit.shrinkage)

@@ -75,7 +75,7 @@ class Spur:
         foot = math.sqrt(max(self.root / self.base, 1.0) ** 2 - 1) if self.root > self.base else 0.0
         begin = max(foot, _ROLL)
         end = math.sqrt((self.tip / self.base) ** 2 - 1)
-        spread = half - (begin - math.atan(begin))
+        half_angle = half - (begin - math.atan(begin))
         top = half - (end - math.atan(end))
         if top <= 0:
             raise DesignError(
@@ -98,7 +98,9 @@ class Spur:
             if foot < begin:
                 pieces.append(Line(high, feet[1]))
             radius = self.root if foot < begin else abs(high)
-            pieces.append(Arc(0j, radius, middle + spread, math.tau / self.teeth - 2 * spread))
+            pieces.append(
+                Arc(0j, radius, middle + half_angle, math.tau / self.teeth - 2 * half_angle)
+            )
         return Contour(tuple(pieces))
 
 
@@ -116,24 +118,24 @@ def pair(
 
     least: module that can be made, mm; teeth: of a, None to find them. DesignError, with `where`, if there is no such pair.
     """
-    share = Fraction(abs(ratio)).limit_denominator(_MOST)
+    fraction = Fraction(abs(ratio)).limit_denominator(_MOST)
 
     def refused(
-        quantity: str, value: float, limit: float, unit: str, remedy: str, said: str = ""
+        quantity: str, value: float, limit: float, unit: str, remedy: str, message: str = ""
     ) -> DesignError:
-        return DesignError(quantity, value, limit, unit, where, remedy, said)
+        return DesignError(quantity, value, limit, unit, where, remedy, message)
 
     if ratio > 0:
         remedy = "put a link with a wheel between, and two gears, each with a ratio below 0"
-        said = f"gear.ratio {ratio:g} at {where}: wheels side by side turn against each other, and no inner teeth are made"
-        raise refused("ratio of wheels", ratio, 0, "", remedy, said)
-    if abs(share - abs(ratio)) > _WHOLE * abs(ratio) or not share:
-        share = (
-            share if abs(ratio) < 1 else 1 / Fraction(1 / abs(ratio)).limit_denominator(_MOST)
+        message = f"gear.ratio {ratio:g} at {where}: wheels side by side turn against each other, and no inner teeth are made"
+        raise refused("ratio of wheels", ratio, 0, "", remedy, message)
+    if abs(fraction - abs(ratio)) > _WHOLE * abs(ratio) or not fraction:
+        fraction = (
+            fraction if abs(ratio) < 1 else 1 / Fraction(1 / abs(ratio)).limit_denominator(_MOST)
         ) or Fraction(1, _MOST)
-        remedy = f"take one of whole teeth, such as -{share.numerator}/{share.denominator} = {-float(share):.12g}"
-        said = f"ratio {ratio:.12g} at {where} is none of wheels of at most {_MOST} teeth"
-        raise refused("ratio", ratio, -float(share), "", remedy, said)
+        remedy = f"take one of whole teeth, such as -{fraction.numerator}/{fraction.denominator} = {-float(fraction):.12g}"
+        message = f"ratio {ratio:.12g} at {where} is none of wheels of at most {_MOST} teeth"
+        raise refused("ratio", ratio, -float(fraction), "", remedy, message)
     if not distance > 0:
         raise refused(
             "distance of the axes",
@@ -142,12 +144,12 @@ def pair(
             "mm",
             "pin both links to the ground at different points",
         )
-    parts = share.numerator + share.denominator
-    if teeth is not None and teeth % share.numerator:
-        remedy = f"take a multiple of {share.numerator}, so that the other wheel has whole ones"
-        raise refused("teeth", teeth, share.numerator, "", remedy)
+    parts = fraction.numerator + fraction.denominator
+    if teeth is not None and teeth % fraction.numerator:
+        remedy = f"take a multiple of {fraction.numerator}, so that the other wheel has whole ones"
+        raise refused("teeth", teeth, fraction.numerator, "", remedy)
     counts = (
-        [teeth // share.numerator]
+        [teeth // fraction.numerator]
         if teeth is not None
         else range(math.ceil(2 * distance / _LARGE / parts) or 1, _MOST)
     )
@@ -155,7 +157,8 @@ def pair(
     for k in counts:
         module = 2 * distance / (k * parts)
         a, b = (
-            Spur(k * each, module, backlash / 2) for each in (share.numerator, share.denominator)
+            Spur(k * each, module, backlash / 2)
+            for each in (fraction.numerator, fraction.denominator)
         )
         if min(a.least_roll(b), b.least_roll(a)) >= _ROLL:
             break

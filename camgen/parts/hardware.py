@@ -85,7 +85,7 @@ def _check_simple(name: str, rim: Points) -> None:
     reason = shapely.is_valid_reason(shapely.Polygon(np.column_stack([rim.real, rim.imag])))
     if reason != "Valid Geometry":
         place = reason.replace("[", " at (").replace("]", ") mm")
-        said = f"the edge of the {name} crosses itself: {place}"
+        message = f"the edge of the {name} crosses itself: {place}"
         raise DesignError(
             f"crossings in the edge of the {name}",
             1,
@@ -93,7 +93,7 @@ def _check_simple(name: str, rim: Points) -> None:
             "",
             place,
             "its sizes do not go together",
-            said,
+            message,
         )
 
 
@@ -104,21 +104,19 @@ def _check_simple(name: str, rim: Points) -> None:
 class Collet:
     """A slit sleeve on a flange and the ring that is pushed over it, both tapered 1 : 20, for a plain shaft; mm.
 
-    shaft: diameter; fit: of the bore; wall: of the sleeve at its thin end and of the ring; length: of the sleeve;
-    slits, slit: how many and how wide; flange: thickness; flange_diameter; pins: (place, hole diameter) in the flange.
     The taper is a stack of steps of 0.05 mm, which a printer makes of any taper. The ring first touches with `travel`
     left to go; pushed home it closes the sleeve by travel / 10 in diameter, which must be more than the fit.
     """
 
-    shaft: float
-    fit: float
-    wall: float
-    length: float
-    flange: float
+    shaft: float  # diameter
+    fit: float  # of the bore
+    wall: float  # of the sleeve at its thin end, and of the ring
+    length: float  # of the sleeve
+    flange: float  # thickness
     flange_diameter: float
-    pins: tuple[tuple[complex, float], ...] = ()
+    pins: tuple[tuple[complex, float], ...] = ()  # places and hole diameters in the flange
     slits: int = 4
-    slit: float = 1.0
+    slit: float = 1.0  # width
 
     @property
     def steps(self) -> int:

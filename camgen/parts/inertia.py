@@ -60,7 +60,7 @@ class Solids:
 
     def body(self, body: Body) -> Body:
         """The body with mass, centre and inertia of all that is mounted on it."""
-        own = []
+        masses = []
         for mount in self.mounts:
             part = self.by_name.get(mount.part)
             if mount.body != body.name or part is None or part.made in _SHOWN:
@@ -69,8 +69,8 @@ class Solids:
             mass = part.volume * heavy * MM**3
             centre = centre_of(part)
             inertia = inertia_of(part, heavy) - mass * abs(centre * MM) ** 2
-            own.append(Body(part.name, mass=mass, centre=mount.place(centre), inertia=inertia))
-        return together(replace(body, mass=0.0, inertia=0.0), *own)
+            masses.append(Body(part.name, mass=mass, centre=mount.place(centre), inertia=inertia))
+        return together(replace(body, mass=0.0, inertia=0.0), *masses)
 
 
 def printed_density(material: Material) -> float:

@@ -22,21 +22,17 @@ _SAME = 1e-6  # mm
 
 @dataclass(frozen=True)
 class Journal:
-    """A bearing of a Pin or a Slot: diameter and length, mm; lever: mm, 0 where nothing bends; the plastics or "steel" of both.
-
-    ball: the ball bearing on the pin; None of a plain one. part: what the pin or shaft is in the list of parts. slot: whether
-    it is the walls of a slot.
-    """
+    """A bearing of a Pin or a Slot."""
 
     joint: str
-    diameter: float
-    length: float
-    lever: float
-    shaft: str
-    hole: str
-    ball: Bearing | None = None
-    part: str = ""
-    slot: bool = False
+    diameter: float  # mm
+    length: float  # mm
+    lever: float  # mm, 0 where nothing bends
+    shaft: str  # plastic or "steel"
+    hole: str  # likewise
+    ball: Bearing | None = None  # on the pin; None of a plain bearing
+    part: str = ""  # what the pin or shaft is in the list of parts
+    slot: bool = False  # whether it is the walls of a slot
 
 
 @dataclass(frozen=True)
@@ -53,18 +49,15 @@ class MaterialLimits:
 
 @dataclass(frozen=True)
 class Post:
-    """A pin of one link that a spring or a cam's roller bends: diameter and lever, mm; what it is of; pull: N, 0 by a cam.
-
-    by: the spring, or the joint of the cam; part: as of a Journal.
-    """
+    """A pin of one link that a spring or a cam's roller bends."""
 
     name: str
-    by: str
-    diameter: float
-    lever: float
+    by: str  # the spring, or the joint of the cam
+    diameter: float  # mm
+    lever: float  # mm
     material: str
-    pull: float = 0.0
-    part: str = ""
+    pull: float = 0.0  # of a spring, N
+    part: str = ""  # what it is in the list of parts
 
 
 def _round(contour: Contour, eye: Eye) -> bool:
@@ -144,7 +137,7 @@ def journals(
     A motor's own shaft runs in the motor's bearings and is none.
     """
     places = _Places(parts, mounts, printed)
-    found = dict[str, Journal]()
+    bearings = dict[str, Journal]()
     for feature in features:
         if not isinstance(feature, PinEyes | SlotFaces):
             continue
@@ -152,14 +145,14 @@ def journals(
         if feature.pin is not None and feature.pin.part is None:
             continue
         if isinstance(feature, SlotFaces) and isinstance(joint, Slot):
-            made = _in_slot(feature, joint, places, _held(machine, features, feature))
+            bearing = _in_slot(feature, joint, places, _held(machine, features, feature))
         elif isinstance(feature, PinEyes) and isinstance(joint, Pin):
-            made = _journal(feature, places, (joint.a, joint.b))
+            bearing = _journal(feature, places, (joint.a, joint.b))
         else:
             continue
-        if made is not None:
-            found[joint.name] = made
-    return found
+        if bearing is not None:
+            bearings[joint.name] = bearing
+    return bearings
 
 
 def _held(
@@ -168,20 +161,20 @@ def _held(
     """Holes in which the pin of a slot is pressed, with the places of their joint: its own, or another's through which it goes."""
     joint = machine.joint(slot.joint)
     assert isinstance(joint, Slot)
-    found = [(slot.eye, (joint.guide, joint.runner))]
+    eyes = [(slot.eye, (joint.guide, joint.runner))]
     for each in features:
         other = machine.joint(each.joint) if isinstance(each, PinEyes) else None
         if isinstance(each, PinEyes) and isinstance(other, Pin) and slot.eye in (each.a, each.b):
             eye = each.b if slot.eye == each.a else each.a
-            found.append((eye, (other.a, other.b)))
-    return [each for each in found if each[0].diameter < slot.walls.width - _SAME]
+            eyes.append((eye, (other.a, other.b)))
+    return [each for each in eyes if each[0].diameter < slot.walls.width - _SAME]
 
 
 def _in_slot(
     feature: SlotFaces,
     joint: Slot,
     places: _Places,
-    held: Sequence[tuple[Eye, tuple[Place, Place]]],
+    pin_holes: Sequence[tuple[Eye, tuple[Place, Place]]],
 ) -> Journal | None:
     sides = (joint.guide, joint.runner)
     shaft = feature.pin or feature.eye
@@ -193,7 +186,7 @@ def _in_slot(
     high = min(walls[1], pin[1])
     if high - low <= _SAME:
         return None
-    spans = [places.span(eye, at) for eye, at in held if not eye.shaft]
+    spans = [places.span(eye, at) for eye, at in pin_holes if not eye.shaft]
     faces = [face for span in spans if span is not None for face in span]
     lever = min((abs((low + high) / 2 - face) for face in faces), default=0.0)
     materials = places.material(shaft.part), places.material(feature.walls.part)
@@ -211,7 +204,7 @@ def _journal(feature: PinEyes, places: _Places, sides: Sequence[Place]) -> Journ
         return None
     widest = max(eye.diameter for eye in holes)
     turning = [eye for eye in holes if eye.diameter > widest - _SAME]
-    held = [eye for eye in holes if eye not in turning]
+    fixed_eyes = [eye for eye in holes if eye not in turning]
     spans = [span for eye in turning if (span := places.span(eye, sides)) is not None]
     if not spans:
         return None
@@ -224,7 +217,10 @@ def _journal(feature: PinEyes, places: _Places, sides: Sequence[Place]) -> Journ
             high = min(high, disc[1])
     else:
         faces = [
-            face for eye in held if (span := places.span(eye, sides)) is not None for face in span
+            face
+            for eye in fixed_eyes
+            if (span := places.span(eye, sides)) is not None
+            for face in span
         ]
         lever = min((abs((low + high) / 2 - face) for face in faces), default=0.0)
     if high - low <= _SAME:

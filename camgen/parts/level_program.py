@@ -215,13 +215,13 @@ def least_levels(things: Things) -> dict[str, int]:
 def bound_axes(things: Things) -> set[str]:
     """Names of axes between two plates that may not be on whichever plate they like: they run in a slot of one, or meet what
     stands on the ground too."""
-    met = {
+    blocked = {
         thing.name
         for rule in things.rules
         for thing in (rule.a, rule.b)
         if all(isinstance(each, Axis) and (each.far or each.ground) for each in (rule.a, rule.b))
     }
-    return {axis.name for axis in things.axes if axis.far and (axis.runs or axis.name in met)}
+    return {axis.name for axis in things.axes if axis.far and (axis.runs or axis.name in blocked)}
 
 
 def _no_levels(given: Mapping[str, int]) -> Unlaid:

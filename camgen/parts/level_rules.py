@@ -20,19 +20,16 @@ _WAY = 1.1  # of a chord: the way between two samples
 
 @dataclass(frozen=True)
 class Band:
-    """A link: corners of its hull over the motion, (k, n) complex mm on the ground, and the radius of band and hubs.
-
-    on: name of its level, where several bands share one; below: how many levels under it are taken too; slim, move: which keys
-    do so, for messages. Equal, as axes, walls and rules are, to what takes the same levels wherever it lies.
-    """
+    """A link. Equal, as axes, walls and rules are, to what takes the same levels wherever it lies."""
 
     name: str
+    # of its hull over the motion, (k, n) complex mm on the ground
     corners: Points = field(compare=False)
-    radius: float = field(compare=False)
-    on: str = ""
-    below: int = 0
-    slim: str = field(default="", compare=False)
-    move: str = field(default="", compare=False)
+    radius: float = field(compare=False)  # of band and hubs, mm
+    on: str = ""  # name of its level, where several bands share one
+    below: int = 0  # how many levels under it are taken too
+    slim: str = field(default="", compare=False)  # key that makes it slimmer, for messages
+    move: str = field(default="", compare=False)  # key that moves it
     link: str = field(default="", compare=False)  # that it is; "" of what is none
 
     @property
@@ -43,28 +40,22 @@ class Band:
 
 @dataclass(frozen=True)
 class Axis:
-    """A pin through links (two or more, the ground's plate one of them where `ground`): its place, (n,) complex mm.
-
-    links: names of their levels; radius: of its head and spacers, mm; over: how many levels its head takes over its highest
-    link; under: the same of what is under its lowest; far: whether there is a second plate over all, low, high: links that
-    must be on the lower, on the upper one of two stubs; runs: whether it is a pin that runs in a slot of one plate; about: name
-    of the axis that goes through it, where it is a disc.
-    """
+    """A pin through two links or more."""
 
     name: str
-    links: tuple[str, ...]
-    place: Points = field(compare=False)
-    radius: float = field(compare=False)
-    ground: bool = False
-    over: int = 1
-    under: int = 0
-    slim: str = field(default="", compare=False)
+    links: tuple[str, ...]  # names of their levels
+    place: Points = field(compare=False)  # (n,) complex mm
+    radius: float = field(compare=False)  # of its head and spacers, mm
+    ground: bool = False  # whether the ground's plate is one of the links
+    over: int = 1  # how many levels its head takes over its highest link
+    under: int = 0  # the same of what is under its lowest
+    slim: str = field(default="", compare=False)  # as of a Band
     move: str = field(default="", compare=False)
-    far: bool = False
-    low: tuple[str, ...] = ()
-    high: tuple[str, ...] = ()
-    runs: bool = False
-    about: str = ""
+    far: bool = False  # whether there is a second plate over all
+    low: tuple[str, ...] = ()  # links that must be on the lower one of two stubs
+    high: tuple[str, ...] = ()  # on the upper one
+    runs: bool = False  # whether it is a pin that runs in a slot of one plate
+    about: str = ""  # name of the axis that goes through it, where it is a disc
     point: str = field(default="", compare=False)  # of the spec
     shaft: bool = field(default=False, compare=False)  # that a link is fixed on
 
@@ -73,32 +64,30 @@ class Axis:
 class Opening:
     """A hole of a plate of the ground that is wider than what its axis takes of it: a slot in which a pin runs, a motor's boss.
 
-    corners: both ends of its middle line, (2, n) complex mm, or its centre, (1, n); radius: half of what it takes of the plate
-    across, half of a wall included, mm; axis: the name of that axis. Two slots on one line are one.
+    Two slots on one line are one.
     """
 
     name: str
+    # both ends of its middle line, (2, n) complex mm, or its centre, (1, n)
     corners: Points = field(compare=False)
+    # half of what it takes of the plate across, half of a wall included, mm
     radius: float = field(compare=False)
-    axis: str
-    slim: str = field(default="", compare=False)
+    axis: str  # name of its axis
+    slim: str = field(default="", compare=False)  # as of a Band
     move: str = field(default="", compare=False)
 
 
 @dataclass(frozen=True)
 class Wall:
-    """A wall as high as a link that it guides, on the ground plate or the link `on`: corners of its hull, (k, n) complex mm.
-
-    over: how many levels it takes over that link too.
-    """
+    """A wall as high as a link that it guides."""
 
     name: str
-    corners: Points = field(compare=False)
-    radius: float = field(compare=False)
-    link: str
-    on: str = ""
-    over: int = 0
-    slim: str = field(default="", compare=False)
+    corners: Points = field(compare=False)  # of its hull, (k, n) complex mm
+    radius: float = field(compare=False)  # mm
+    link: str  # that it guides
+    on: str = ""  # link on which it stands; "" of the ground plate
+    over: int = 0  # how many levels it takes over the link that it guides
+    slim: str = field(default="", compare=False)  # as of a Band
     move: str = field(default="", compare=False)
 
 
@@ -147,13 +136,13 @@ class Crowded(Unlaid):
         self.theta = theta
         self.more = more
         others = f", and {more} more such pair{'s' if more > 1 else ''}" if more else ""
-        said = f"{a.name} and {b.name}, {math.degrees(theta):.1f} deg{others}"
+        names = f"{a.name} and {b.name}, {math.degrees(theta):.1f} deg{others}"
         super().__init__(
             "distance of what cannot pass on any level",
             distance,
             needed,
             "mm",
-            said,
+            names,
             self.room(slimmer=distance >= needed / 2),
         )
 
@@ -246,8 +235,8 @@ def span(thing: Thing, level: Mapping[str, int]) -> tuple[int, int]:
         return level.get(thing.on, 0) + 1, level[thing.link] + thing.over
     if isinstance(thing, Opening):
         return 0, 0
-    held = [level[link] for link in thing.links]
-    return 0 if thing.ground else min(held) - thing.under, max(held) + thing.over
+    levels = [level[link] for link in thing.links]
+    return 0 if thing.ground else min(levels) - thing.under, max(levels) + thing.over
 
 
 def cut(axis: Axis, rules: Sequence[Rule], level: Mapping[str, int]) -> int | None:
@@ -255,10 +244,10 @@ def cut(axis: Axis, rules: Sequence[Rule], level: Mapping[str, int]) -> int | No
     spans = [span(other, level) for rule in rules for other in _others(rule, axis)]
     if not spans and not axis.high:
         return None
-    held = [level[link] for link in axis.links]
+    levels = [level[link] for link in axis.links]
     least = max((level[link] for link in axis.low), default=0)
-    most = min((level[link] for link in axis.high), default=max(held) + 1)
-    ways = sorted(at for at in {0, *held} if least <= at < most)
+    most = min((level[link] for link in axis.high), default=max(levels) + 1)
+    ways = sorted(at for at in {0, *levels} if least <= at < most)
 
     def passing(at: int) -> int:
         low, high = _gap(axis, at, level)
@@ -280,8 +269,10 @@ def _gap(axis: Axis, at: int, level: Mapping[str, int]) -> tuple[float, float]:
 
 def plates_of(axis: Axis, at: int, level: Mapping[str, int]) -> tuple[bool, bool]:
     """Whether the lower plate holds an axis whose lower stub ends so high, and whether the upper one does."""
-    held = [level[link] for link in axis.links]
-    return bool(axis.low) or any(value <= at for value in held), any(value > at for value in held)
+    levels = [level[link] for link in axis.links]
+    return bool(axis.low) or any(value <= at for value in levels), any(
+        value > at for value in levels
+    )
 
 
 def kept(rule: Rule, level: Mapping[str, int], ends: Mapping[str, int | None]) -> bool:

@@ -119,12 +119,12 @@ def search(
         name: [rule for rule in rules if name in _on(rule.a) or name in _on(rule.b)]
         for name in names
     }
-    ordered = {name: [pair for pair in over if name in pair] for name in names}
+    orders = {name: [pair for pair in over if name in pair] for name in names}
     pins = {name: [axis for axis in axes if name in axis.links] for name in names}
     level: dict[str, int] = {}
     best: dict[str, int] | None = None
     cheapest = math.inf
-    left = _NODES
+    nodes = _NODES
 
     def sound(name: str) -> bool:
         for rule in touching[name]:
@@ -133,19 +133,19 @@ def search(
             if a and b and not (a[1] < b[0] or b[1] < a[0]):
                 return False
         return all(
-            level.get(upper, math.inf) > level.get(lower, 0) for upper, lower in ordered[name]
+            level.get(upper, math.inf) > level.get(lower, 0) for upper, lower in orders[name]
         )
 
     def lay(k: int, highest: int, cost: float) -> None:
-        nonlocal best, cheapest, left
+        nonlocal best, cheapest, nodes
         if k == len(names):
             best = dict(level)
             cheapest = cost
             return
         name = names[k]
         for value in [given[name]] if name in given else range(least[name], highest + 1):
-            left -= 1
-            if left < 0:
+            nodes -= 1
+            if nodes < 0:
                 return
             before = sum(_length(axis, level) for axis in pins[name])
             level[name] = value
@@ -156,7 +156,7 @@ def search(
 
     for highest in range(max([1, *least.values(), *given.values()]), 2 * len(names) + 2):
         lay(0, highest, 0.0)
-        if best is not None or left < 0:
+        if best is not None or nodes < 0:
             break
     return {name: best[name] for name in least} if best is not None else None
 
@@ -177,14 +177,14 @@ def _on(thing: Thing) -> tuple[str, ...]:
 def _so_far(thing: Thing, level: Mapping[str, int]) -> tuple[int, int] | None:
     """Levels that a thing takes at least, some of its names being laid; None where nothing is known."""
     if isinstance(thing, Axis):
-        held = [level[link] for link in thing.links if link in level]
+        levels = [level[link] for link in thing.links if link in level]
         return (
-            (0 if thing.ground else min(held) - thing.under, max(held) + thing.over)
-            if held
+            (0 if thing.ground else min(levels) - thing.under, max(levels) + thing.over)
+            if levels
             else None
         )
-    known = all(name in level for name in _on(thing))
-    return span(thing, level) if known else None
+    complete = all(name in level for name in _on(thing))
+    return span(thing, level) if complete else None
 
 
 def _length(axis: Axis, level: Mapping[str, int]) -> int:

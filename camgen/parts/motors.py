@@ -43,11 +43,11 @@ SHAFTS = {
 
 @dataclass(frozen=True)
 class Motor:
-    """Torque, N m, at standstill and what is said of it; no_load: speed without load, rad/s, inf where it is not told."""
+    """How much torque a motor gives."""
 
-    stall: float
-    no_load: float = math.inf
-    said: str = ""
+    stall: float  # torque at standstill, N m
+    no_load: float = math.inf  # speed without load, rad/s; inf where none is given
+    said: str = ""  # what a message says of the torque
 
     def torque(self, speed: float) -> float:
         """What it gives at a speed, rad/s, N m; below 0 beyond its speed without load."""

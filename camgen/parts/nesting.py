@@ -55,24 +55,24 @@ def nest(outlines: Sequence[Points], sheet: tuple[float, float], gap: float) -> 
     cell = max(_FINEST, max(sheet) / _CELLS)
     size = tuple(math.floor(side / cell) for side in sheet)
     spots: list[Spot | None] = [None] * len(outlines)
-    known: dict[bytes, list[_Turned]] = {}
+    choices: dict[bytes, list[_Turned]] = {}
     sheets: list[Mask] = []
     order = sorted(range(len(outlines)), key=lambda k: (-_area(outlines[k]), k))
     for k in order:
         key = outlines[k].tobytes()
-        if key not in known:
-            turned = [_turned(outlines[k], cell, gap, math.tau * a / ANGLES) for a in range(ANGLES)]
-            known[key] = [
-                t for t in turned if all(m <= n for m, n in zip(t.mask.shape, size, strict=True))
+        if key not in choices:
+            masks = [_turned(outlines[k], cell, gap, math.tau * a / ANGLES) for a in range(ANGLES)]
+            choices[key] = [
+                t for t in masks if all(m <= n for m, n in zip(t.mask.shape, size, strict=True))
             ]
-        if not known[key]:
+        if not choices[key]:
             continue
         for number in range(len(sheets) + 1):
             if number == len(sheets):
                 sheets.append(np.zeros(size, bool))
-            found = _first(sheets[number], known[key])
-            if found is not None:
-                (x, y), best = found
+            spot = _first(sheets[number], choices[key])
+            if spot is not None:
+                (x, y), best = spot
                 width, height = best.mask.shape
                 sheets[number][x : x + width, y : y + height] |= best.mask
                 spots[k] = Spot(number, best.angle, cell * complex(x, y) + best.origin)
@@ -106,24 +106,24 @@ def _turned(outline: Points, cell: float, gap: float, angle: float) -> _Turned:
     return _Turned(angle, mask[columns[0] : columns[-1] + 1, rows[0] : rows[-1] + 1], -low - corner)
 
 
-def _first(taken: Mask, choices: Sequence[_Turned]) -> tuple[tuple[int, int], _Turned] | None:
+def _first(sheet: Mask, choices: Sequence[_Turned]) -> tuple[tuple[int, int], _Turned] | None:
     """The cell where one of the masks goes to end soonest, and which; None where none fits."""
     from scipy import fft
 
-    used = int(np.flatnonzero(taken.any(axis=1))[-1]) + 1 if taken.any() else 0
-    width = min(len(taken), used + max(choice.mask.shape[0] for choice in choices))
-    there = taken[:width]
-    shape = [fft.next_fast_len(side, real=True) for side in there.shape]
-    spectrum = fft.rfft2(there, shape)
+    reach = int(np.flatnonzero(sheet.any(axis=1))[-1]) + 1 if sheet.any() else 0
+    width = min(len(sheet), reach + max(choice.mask.shape[0] for choice in choices))
+    window = sheet[:width]
+    shape = [fft.next_fast_len(side, real=True) for side in window.shape]
+    spectrum = fft.rfft2(window, shape)
     best: tuple[tuple[float, ...], tuple[int, int], Any] | None = None
     for k, choice in enumerate(choices):
         m, n = choice.mask.shape
         if m > width:
             continue
-        shared = fft.irfft2(spectrum * np.conj(fft.rfft2(choice.mask, shape)), shape)[
-            : width - m + 1, : there.shape[1] - n + 1
+        overlap = fft.irfft2(spectrum * np.conj(fft.rfft2(choice.mask, shape)), shape)[
+            : width - m + 1, : window.shape[1] - n + 1
         ]
-        free = shared < 0.5
+        free = overlap < 0.5
         place = int(np.argmax(free))
         x, y = divmod(place, free.shape[1])
         if free[x, y] and (best is None or (x + m, y + n, k) < best[0]):

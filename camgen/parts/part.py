@@ -62,29 +62,26 @@ class Held(str):
 class Part:
     """One distinct part: `layers` of material, `engraved` layers taken away, and how many are needed.
 
-    Frame: the part's own datum at the origin, z from 0 up. `centres` are the points that get a centre mark (complex, mm);
-    `title` and `notes` are for people. bore: diameter of the hole on whose centre the part turns, None if it has none;
-    min_wall: the thinnest wall that its designer accepts, mm; cut: the layer that a laser cuts and the drawing shows, which
-    is the one with the joints. Layers of one height are separate pieces with the same z0 and z1.
-    crossed: a region of the plane (x, z), as x + iz, that is extruded along y: only what lies in it as well is material;
-    edges: of a crossed part, those that are rounded, none meeting another one's arc. made: how, for the list of parts.
-    points: of the spec with their places, mm; a drawing calls holes there by their names.
+    Frame: the part's own datum at the origin, z from 0 up. Layers of one height are separate pieces with the same z0 and z1.
     """
 
     name: str
-    title: str
+    title: str  # for people
     layers: tuple[Layer, ...]
     count: int = 1
     engraved: tuple[Layer, ...] = ()
-    centres: tuple[complex, ...] = ()
-    notes: tuple[str, ...] = ()
-    bore: float | None = None
-    min_wall: float = 0.0
-    cut: int = 0
+    centres: tuple[complex, ...] = ()  # points that get a centre mark, mm
+    notes: tuple[str, ...] = ()  # for people
+    bore: float | None = None  # diameter of the hole on whose centre the part turns, if it has one
+    min_wall: float = 0.0  # thinnest that its designer accepts, mm
+    cut: int = 0  # the layer that a laser cuts and the drawing shows, which has the joints
+    # region of the plane (x, z), as x + iz, that is extruded along y: only what lies in it too is material
     crossed: Region | None = None
-    edges: tuple[Edge, ...] = ()
-    made: str = "printed"
-    points: tuple[tuple[str, complex], ...] = ()
+    edges: tuple[
+        Edge, ...
+    ] = ()  # of a crossed part, those that are rounded, none meeting another's arc
+    made: str = "printed"  # how, for the list of parts
+    points: tuple[tuple[str, complex], ...] = ()  # of the spec, mm, which a drawing calls by name
     role: Role = ""  # what it is in a machine, where a machine has many of its kind
 
     @property
@@ -119,11 +116,11 @@ class Part:
     @property
     def walls(self) -> float:
         """Area of the upright walls, mm^2, or more: facets within a tolerance cost at most so much volume per mm of it."""
-        found = sum(layer.region.length * (layer.z1 - layer.z0) for layer in self.layers)
+        area = sum(layer.region.length * (layer.z1 - layer.z0) for layer in self.layers)
         if self.crossed is not None:
             low, high = zip(*(spread(layer.region) for layer in self.layers), strict=True)
-            found += self.crossed.length * (max(high) - min(low))
-        return found
+            area += self.crossed.length * (max(high) - min(low))
+        return area
 
 
 def d_bore(diameter: float, flat_depth: float) -> Contour:
@@ -174,9 +171,9 @@ def windows(
     half width of an arc, so its wall is the distance of the obstacles from that arc less the half width: exact.
     A window that would be narrower than the wall is left out.
     """
-    found: list[Contour] = []
+    slots: list[Contour] = []
     if count == 0:
-        return found
+        return slots
     first = _direction(complex(rim[np.argmax(np.abs(rim))]))
     sector = math.pi / count
     radii = np.linspace(hub + wall, float(np.max(np.abs(rim))), 48)[:, None, None]
@@ -218,10 +215,10 @@ def windows(
         spread = float(spreads[0, j, 0])
         width = float(half[i, j])
         if spread == 0:
-            found.append(circle(cmath.rect(radius, direction), width))
+            slots.append(circle(cmath.rect(radius, direction), width))
         else:
-            found.append(kidney(0j, radius, width, direction - spread, 2 * spread))
-    return found
+            slots.append(kidney(0j, radius, width, direction - spread, 2 * spread))
+    return slots
 
 
 def _direction(z: complex) -> float:
@@ -291,7 +288,7 @@ def with_bar(
         pieces[(last + k) % len(pieces)]
         for k in range(1, (first - last) % len(pieces) or len(pieces))
     ]
-    kept = [
+    rest_of_edge = [
         _part(pieces[last], s, pieces[last].t1),
         *rest,
         _part(pieces[first], pieces[first].t0, t),
@@ -299,7 +296,7 @@ def with_bar(
     if (
         first == last and (t - s) * (pieces[last].t1 - pieces[last].t0) > 0
     ):  # round from one side to the other
-        kept = [_part(pieces[last], s, t)]
+        rest_of_edge = [_part(pieces[last], s, t)]
     straight = length - 2 * half * pointed
     tip, corner, end = (
         at + z * along for z in (length, straight - 1j * half, straight + 1j * half)
@@ -316,7 +313,11 @@ def with_bar(
     )
     return Contour(
         (
-            *(piece for piece in kept if abs(piece.at(piece.t1) - piece.at(piece.t0)) > SAME_POINT),
+            *(
+                piece
+                for piece in rest_of_edge
+                if abs(piece.at(piece.t1) - piece.at(piece.t0)) > SAME_POINT
+            ),
             *bar,
         )
     )
@@ -346,32 +347,32 @@ def _sides(
 
 
 def _crossings(
-    piece: Piece, at: complex, along: complex, aside: float
+    piece: Piece, at: complex, along: complex, offset: float
 ) -> list[tuple[float, float]]:
     """Where a line or arc crosses a line beside `at`: how far along that, mm, and the piece's parameter."""
     if isinstance(piece, Line):
         a = (piece.a - at) / along
         b = (piece.b - at) / along
-        share = (aside - a.imag) / (b.imag - a.imag) if b.imag != a.imag else math.inf
-        return [((a + share * (b - a)).real, share)] if 0 <= share <= 1 else []
+        parameter = (offset - a.imag) / (b.imag - a.imag) if b.imag != a.imag else math.inf
+        return [((a + parameter * (b - a)).real, parameter)] if 0 <= parameter <= 1 else []
     assert isinstance(piece, Arc)
     centre = (piece.centre - at) / along
-    rise = (aside - centre.imag) / piece.radius
+    rise = (offset - centre.imag) / piece.radius
     if abs(rise) > 1:
         return []
-    found = []
+    crossings = []
     for angle in (math.asin(rise), math.pi - math.asin(rise)):
-        turned = (
+        angle_on = (
             (angle + _direction(along) - piece.start) * math.copysign(1, piece.sweep) % math.tau
         )
-        if turned <= abs(piece.sweep):
-            found.append(
+        if angle_on <= abs(piece.sweep):
+            crossings.append(
                 (
                     centre.real + piece.radius * math.cos(angle),
-                    piece.start + math.copysign(turned, piece.sweep),
+                    piece.start + math.copysign(angle_on, piece.sweep),
                 )
             )
-    return found
+    return crossings
 
 
 def _part(piece: Piece, t0: float, t1: float) -> Piece:

@@ -44,8 +44,8 @@ def posed_scene(assembly: Assembly, solids: Mapping[str, Mesh], theta: float) ->
         place = complex(pose.place[0])
         if not math.isfinite(angle + abs(place)):
             where = f"{assembly.cycle.name} {math.degrees(theta):.6g} deg"
-            said = f"the machine does not close at {where}"
-            raise DesignError(f"place of {name}", math.nan, math.nan, "mm", where, said=said)
+            message = f"the machine does not close at {where}"
+            raise DesignError(f"place of {name}", math.nan, math.nan, "mm", where, said=message)
         graph.update(frame_from="world", frame_to=name, matrix=_square(placing(angle, place, 0, 0)))
     for name, solid in solids.items():
         scene.geometry[name] = Trimesh(solid.vertices, solid.faces, process=False)
@@ -54,7 +54,7 @@ def posed_scene(assembly: Assembly, solids: Mapping[str, Mesh], theta: float) ->
     for mount in assembly.mounts:
         part = assembly.by_name[mount.part]
         copies[part.name] += 1
-        stands = placing(mount.turned, complex(mount.at), mount.z, part.thickness, mount.flipped)
+        stands = placing(mount.angle, complex(mount.at), mount.z, part.thickness, mount.flipped)
         graph.update(
             frame_from=mount.body,
             frame_to=f"{part.name}-{copies[part.name]}",

@@ -112,10 +112,10 @@ class SetScrewHub:
         pocket = rectangle(complex(-wide, self.near), complex(wide, self.far))
         outer = circle(0j, radius)
         plain = Region(outer, (bore,))
-        held = Region(outer, (bore, pocket))
-        cut = Region(self._cut(radius, half, wide))
+        with_nut = Region(outer, (bore, pocket))
+        with_screw = Region(self._cut(radius, half, wide))
         heights = (0.0, self.thin, self.middle - half, self.middle + half, max(self.height, height))
-        regions = (plain, held, cut, held)
+        regions = (plain, with_nut, with_screw, with_nut)
         return [
             Layer(region, z + low, z + high)
             for region, low, high in zip(regions, heights, heights[1:], strict=False)
@@ -139,8 +139,8 @@ class SetScrewHub:
         ]
         pieces += [Line(a, b) for a, b in zip(right, right[1:], strict=False)]
         pieces += inner[1]
-        left = [-z.conjugate() for z in reversed(right)]
-        return Contour((*pieces, *(Line(a, b) for a, b in zip(left, left[1:], strict=False))))
+        mirror = [-z.conjugate() for z in reversed(right)]
+        return Contour((*pieces, *(Line(a, b) for a, b in zip(mirror, mirror[1:], strict=False))))
 
     def _inner(self, half: float) -> tuple[float, list[Piece]]:
         """Where the hole's walls meet the bore, and the bore from its right wall round below to its left one."""

@@ -89,12 +89,12 @@ def _prism(layer: Layer, tolerance: float, name: str, pocket: bool, fine: bool =
     ceiling = np.column_stack([z.real, z.imag, np.full(n, np.float32(layer.z1))])
 
     sizes = np.array([len(loop) for loop in loops])
-    here = np.arange(sizes.sum())
-    following = here + 1
+    corner = np.arange(sizes.sum())
+    following = corner + 1
     following[np.cumsum(sizes) - 1] -= sizes
     walls = [
-        np.column_stack([here, following, following + n]),
-        np.column_stack([here, following + n, here + n]),
+        np.column_stack([corner, following, following + n]),
+        np.column_stack([corner, following + n, corner + n]),
     ]
     return Mesh(
         np.concatenate([floor, ceiling]) + 0.0, np.concatenate([cap[:, ::-1], cap + n, *walls])
@@ -136,8 +136,8 @@ def _combine(layers: Sequence[Mesh], pockets: Sequence[Mesh]) -> Mesh:
     faces = np.asarray(raw.tri_verts).astype(np.int64)
     levels = distinct(*(m.vertices[:, 2] for m in (*layers, *pockets)))
     height = levels[np.argmin(np.abs(vertices[:, 2, None] - levels), axis=1)]
-    known = distinct(*(m.vertices[:, 0] + 1j * m.vertices[:, 1] for m in (*layers, *pockets)))
-    plan = _upright(vertices[:, 0] + 1j * vertices[:, 1], known)
+    vertices_ = distinct(*(m.vertices[:, 0] + 1j * m.vertices[:, 1] for m in (*layers, *pockets)))
+    plan = _upright(vertices[:, 0] + 1j * vertices[:, 1], vertices_)
 
     return recapped(_ordered(np.column_stack([plan.real, plan.imag, height]), faces))
 
@@ -169,13 +169,13 @@ def _cross(layers: Sequence[Mesh], part: Part, tolerance: float) -> Mesh:
     vertices = np.asarray(raw.vert_properties)[:, :3].astype(np.float32).astype(float) + 0.0
     faces = np.asarray(raw.tri_verts).astype(np.int64)
     # Where cuts nearly meet, edges are a few float32 steps long: no two readers agree on the normal of a face with one.
-    here = faces.ravel()
-    there = np.roll(faces, -1, axis=1).ravel()
+    start = faces.ravel()
+    end = np.roll(faces, -1, axis=1).ravel()
     step = MERGED_STEPS * FLOAT32_ROUNDING * float(np.abs(vertices).max())
     for k in np.flatnonzero(
-        (here < there) & (np.abs(vertices[here] - vertices[there]).max(axis=1) <= step)
+        (start < end) & (np.abs(vertices[start] - vertices[end]).max(axis=1) <= step)
     ):
-        vertices[there[k]] = vertices[here[k]]
+        vertices[end[k]] = vertices[start[k]]
     mesh = _ordered(vertices, faces)
     return _ordered(mesh.vertices, _split_flat(mesh))
 
@@ -185,8 +185,8 @@ def _split_flat(mesh: Mesh) -> Faces:
     faces = mesh.faces.copy()
     for _ in range(len(faces)):
         corners = mesh.vertices[faces]
-        crossed = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        flat = np.flatnonzero(~crossed.any(axis=1))
+        areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        flat = np.flatnonzero(~areas.any(axis=1))
         if not len(flat):
             break
         k = int(flat[0])
@@ -211,21 +211,21 @@ def _ordered(vertices: Floats, faces: Faces) -> Mesh:
     return Mesh(vertices, faces[np.lexsort(faces.T[::-1])])
 
 
-def _upright(plan: Points, known: Points) -> Points:
+def _upright(plan: Points, reference: Points) -> Points:
     """Plan points (x + iy) as float32 numbers, those that differ by rounding alone made equal.
 
     Points of the rings stay as they are; a crossing of two rings, computed once for each height, takes the first value.
     """
-    new = np.flatnonzero(~among(plan, known))
+    new = np.flatnonzero(~among(plan, reference))
     same = 4 * FLOAT32_ROUNDING * max(1.0, float(np.max(np.abs(plan))))
     result = plan.copy()
-    settled: list[complex] = []
+    new_points: list[complex] = []
     for k in new:
-        near = [z for z in settled if abs(z - plan[k]) <= same]
+        near = [z for z in new_points if abs(z - plan[k]) <= same]
         if not near:
-            closest = known[np.argmin(np.abs(known - plan[k]))]
+            closest = reference[np.argmin(np.abs(reference - plan[k]))]
             near = [closest if abs(closest - plan[k]) <= same else complex(np.complex64(plan[k]))]
-            settled += near
+            new_points += near
         result[k] = near[0]
     return result + 0
 
@@ -242,10 +242,10 @@ def _check(mesh: Mesh, name: str) -> None:
     a = mesh.faces
     b = np.roll(mesh.faces, -1, axis=1)
     size = len(mesh.vertices)
-    there = np.sort((a * size + b).ravel())
+    forth = np.sort((a * size + b).ravel())
     back = np.sort((b * size + a).ravel())
     # closed: every edge is run once each way
-    faults = int(np.count_nonzero(there != back)) + int(np.count_nonzero(there[1:] == there[:-1]))
+    faults = int(np.count_nonzero(forth != back)) + int(np.count_nonzero(forth[1:] == forth[:-1]))
     if faults or not mesh.volume > 0:
         raise DesignError(
             f"volume of {name}",

@@ -103,14 +103,14 @@ def extension_spring(
         for wire in WIRES:
             mean = wider * eye + wire
             coils = _SHEAR * wire**4 / (8 * mean**3 * rate)
-            found = ExtensionSpring(wire, mean + wire, coils, free, rate)
-            wound = (
+            spring = ExtensionSpring(wire, mean + wire, coils, free, rate)
+            windable = (
                 coils >= _LEAST_COILS
                 and _INDEX[0] <= mean / wire <= _INDEX[1]
-                and found.least_free(hook) <= free
+                and spring.least_free(hook) <= free
             )
-            if wound and found.stress(longest) <= found.strength:
-                return found
+            if windable and spring.stress(longest) <= spring.strength:
+                return spring
     return None
 
 
@@ -124,12 +124,12 @@ def pulling(
 ) -> ExtensionSpring | None:
     """A spring that pulls with a force, N, at its shortest, where it is stretched by the first of these shares of its length
     for which there is one."""
-    for share in shares:
-        found = extension_spring(
-            force / (share * shortest), (1 - share) * shortest, longest, eye, hook
+    for stretch in shares:
+        spring = extension_spring(
+            force / (stretch * shortest), (1 - stretch) * shortest, longest, eye, hook
         )
-        if found is not None:
-            return found
+        if spring is not None:
+            return spring
     return None
 
 
@@ -153,7 +153,7 @@ def wound(rate: float, low: float, travel: float) -> Mounted | None:
     """A spring to be wound that pulls with `low` N at its shortest and by `rate` N/mm more over its travel, mm; the shortest
     whose stress its wire bears; None where none can be. Without a rate it grows by a third over its travel."""
     stiff = rate or low / 3 / travel
-    found: list[Mounted] = []
+    springs: list[Mounted] = []
     for index in (6.0, 8.0, 10.0, 12.0):
         for wire in WIRES:
             mean = index * wire
@@ -162,8 +162,8 @@ def wound(rate: float, low: float, travel: float) -> Mounted | None:
             spring = ExtensionSpring(wire, mean + wire, coils, spring.least_free(), stiff)
             shortest = spring.free + low / stiff
             if coils >= _LEAST_COILS and spring.stress(shortest + travel) <= spring.strength:
-                found.append(Mounted(spring, shortest, shortest + travel, False))
-    return min(found, key=lambda each: each.shortest, default=None)
+                springs.append(Mounted(spring, shortest, shortest + travel, False))
+    return min(springs, key=lambda each: each.shortest, default=None)
 
 
 def wished(wish: tuple[float, float, float] | None) -> dict[str, Mounted]:

@@ -87,8 +87,8 @@ def _common(hole: Round | Slot, outline: Round) -> bool:
 
 def standing(part: Part, pose: PartPose, layer: Layer, at: complex, radius: float) -> Round:
     """A circle of a part's layer, its centre and radius in the part's frame, mm, where a copy stands."""
-    own = -at.conjugate() if pose.flipped else at
-    place = complex(pose.place[0]) + cmath.exp(1j * float(pose.angle[0])) * own
+    centre = -at.conjugate() if pose.flipped else at
+    place = complex(pose.place[0]) + cmath.exp(1j * float(pose.angle[0])) * centre
     name = next((name for name, point in part.points if abs(point - at) < SAME_POINT), "")
     return Round(place, *heights(pose, part.thickness, layer.z0, layer.z1), 2 * radius, name)
 
@@ -111,12 +111,11 @@ class _Laid:
 
 @dataclass(frozen=True)
 class Fixing:
-    """What of two parts that go through each other is fixed: play: of a hole that is tight, at most, mm; said: how, in words;
-    rings: names of ball bearings, which are pressed and not glued."""
+    """What of two parts that go through each other is fixed."""
 
-    play: float
-    said: str = "pressed and glued"
-    rings: frozenset[str] = frozenset()
+    play: float  # greatest of a hole that is tight, mm
+    said: str = "pressed and glued"  # how, in words
+    rings: frozenset[str] = frozenset()  # names of ball bearings, which are pressed and not glued
 
     def words(self, hole: Round | Slot, holder: Part, outline: Round, held: Part) -> str:
         """How an outline is fixed in a hole; "" where it goes through with play, or both are bought to go together."""
@@ -189,8 +188,8 @@ def order(
             )
         )
         below += [each for _, each in laid]
-    named = [[name for name, _ in laid] for _, laid in by_height]
-    return Table("Assembly from the bottom up, by height", COLUMNS, rows, named)
+    names = [[name for name, _ in laid] for _, laid in by_height]
+    return Table("Assembly from the bottom up, by height", COLUMNS, rows, names)
 
 
 def _held(part: Part) -> str:
@@ -205,13 +204,13 @@ def _where(copy: _Laid, below: Sequence[_Laid], fixing: Fixing) -> str:
         return _pinned(copy, below, fixing) or (
             "by itself, until what is fixed on it comes" if copy.outlines else ""
         )
-    said = []
+    places = []
     for hole in copy.holes:
         shaft, outline = next(
             ((other, each) for other in below for each in other.outlines if hole.holds(each)),
             (None, None),
         )
-        own = (
+        of_copy = (
             f"{hole.name} " if hole.name and (shaft is None or hole.name != shaft.part.name) else ""
         )
         if shaft is not None and outline is not None:
@@ -220,8 +219,8 @@ def _where(copy: _Laid, below: Sequence[_Laid], fixing: Fixing) -> str:
                 if shaft.slender
                 else ""
             )
-            fixed = fixing.words(hole, copy.part, outline, shaft.part)
-            said.append(f"{own}{f'{fixed} on' if fixed else 'on'} {shaft.part.name}{far}")
+            how = fixing.words(hole, copy.part, outline, shaft.part)
+            places.append(f"{of_copy}{f'{how} on' if how else 'on'} {shaft.part.name}{far}")
             continue
         under = [
             (each.high, other.part.name, each.name)
@@ -231,20 +230,22 @@ def _where(copy: _Laid, below: Sequence[_Laid], fixing: Fixing) -> str:
         ]
         if under:
             _, name, point = max(under)
-            said.append(f"{own}over {f'{point} of ' if point and point != hole.name else ''}{name}")
+            places.append(
+                f"{of_copy}over {f'{point} of ' if point and point != hole.name else ''}{name}"
+            )
             continue
-        slotted = [
+        slots = [
             (slot.high, other.part.name)
             for other in below
             for slot in other.slots
             if slot.in_line(hole)
         ]
-        if slotted:
-            said.append(f"{own}over the slot of {max(slotted)[1]}")
+        if slots:
+            places.append(f"{of_copy}over the slot of {max(slots)[1]}")
     for slot in copy.slots:
         pins = [other.part.name for other in below if any(map(slot.holds, other.outlines))]
-        said += [f"its slot over {pin}" for pin in pins]
-    return ", ".join(dict.fromkeys(said))
+        places += [f"its slot over {pin}" for pin in pins]
+    return ", ".join(dict.fromkeys(places))
 
 
 def _pinned(copy: _Laid, below: Sequence[_Laid], fixing: Fixing) -> str:
@@ -259,20 +260,20 @@ def _pinned(copy: _Laid, below: Sequence[_Laid], fixing: Fixing) -> str:
     point = next((f"{hole.name} of " for hole, _, _ in round_holes if hole.name), "")
     words: dict[str, list[str]] = {}
     for hole, other, outline in round_holes:
-        fixed = fixing.words(hole, other.part, outline, copy.part)
-        names = words.setdefault(f"{fixed} into" if fixed else "through", [])
+        fit = fixing.words(hole, other.part, outline, copy.part)
+        names = words.setdefault(f"{fit} into" if fit else "through", [])
         names += [other.part.name] if other.part.name not in names else []
-    said: list[str] = []
+    ways: list[str] = []
     for how, names in sorted(words.items(), key=lambda each: each[0] != "through"):
-        said.append(
-            f"{how} {point if not said else ''}{' and '.join(filter(None, (', '.join(names[:-1]), names[-1])))}"
+        ways.append(
+            f"{how} {point if not ways else ''}{' and '.join(filter(None, (', '.join(names[:-1]), names[-1])))}"
         )
-    slotted = dict.fromkeys(
+    slots = dict.fromkeys(
         other.part.name
         for other in reversed(below)
         if any(slot.holds(outline) for slot in other.slots for outline in copy.outlines)
     )
-    return ", ".join([*said, *(f"in the slot of {name}" for name in slotted)])
+    return ", ".join([*ways, *(f"in the slot of {name}" for name in slots)])
 
 
 def _laid(part: Part, pose: PartPose) -> _Laid:

@@ -20,19 +20,19 @@ _CUTS = 200  # along the arm
 _FACETS = 0.02  # mm
 
 
-def bending_stiffness(part: Part, held: complex, pushed: complex, modulus: float) -> float:
-    """N/mm at `pushed`, across the line from `held`, mm in the part's frame; modulus: Young's, MPa.
+def bending_stiffness(part: Part, root: complex, tip: complex, modulus: float) -> float:
+    """N/mm at `tip`, across the line from `root`, mm in the part's frame; modulus: Young's, MPa.
 
     0 where a cut meets nothing.
     """
     import shapely
 
-    length = abs(pushed - held)
-    turn = cmath.exp(-1j * cmath.phase(pushed - held))
+    length = abs(tip - root)
+    turn = cmath.exp(-1j * cmath.phase(tip - root))
     shapes: list[tuple[float, Any]] = []
     for layer in part.layers:
         rings = [
-            (facet_contour(contour, _FACETS) - held) * turn
+            (facet_contour(contour, _FACETS) - root) * turn
             for contour in (layer.region.outer, *layer.region.holes)
         ]
         outer, *holes = ([(z.real, z.imag) for z in ring] for ring in rings)
@@ -53,18 +53,20 @@ def _pieces(shape: Any, x: float, reach: float) -> list[tuple[float, float]]:
     """From where to where a cut at x meets material, mm."""
     import shapely
 
-    met = shape.intersection(shapely.LineString([(x, -reach - 1), (x, reach + 1)]))
-    return [(each.bounds[1], each.bounds[3]) for each in shapely.get_parts(met) if each.length > 0]
+    chord = shape.intersection(shapely.LineString([(x, -reach - 1), (x, reach + 1)]))
+    return [
+        (each.bounds[1], each.bounds[3]) for each in shapely.get_parts(chord) if each.length > 0
+    ]
 
 
-def _second_moment(cut: list[tuple[float, float, float]]) -> float:
+def _second_moment(pieces: list[tuple[float, float, float]]) -> float:
     """Of rectangles (thickness, from, to) about their common middle, mm^4."""
-    areas = [high * (b - a) for high, a, b in cut]
+    areas = [high * (b - a) for high, a, b in pieces]
     middle = math.fsum(
-        area * (a + b) / 2 for area, (_, a, b) in zip(areas, cut, strict=True)
+        area * (a + b) / 2 for area, (_, a, b) in zip(areas, pieces, strict=True)
     ) / math.fsum(areas)
-    own = (
+    middles = (
         high * (b - a) ** 3 / 12 + area * ((a + b) / 2 - middle) ** 2
-        for area, (high, a, b) in zip(areas, cut, strict=True)
+        for area, (high, a, b) in zip(areas, pieces, strict=True)
     )
-    return math.fsum(own)
+    return math.fsum(middles)

@@ -133,7 +133,7 @@ def _profile(
     for cut in () if touch.outer else cam.undercuts:
         rides = np.mod(theta - cut.begin, math.tau) < cut.end - cut.begin
         place[rides], normal[rides], curvature[rides] = cut.corner_cam, np.nan, np.nan
-    turn = np.exp(-1j * mount.turned)
+    turn = np.exp(-1j * mount.angle)
     place, normal = (place - mount.at) * turn, normal * turn
     columns = (
         np.degrees(theta),

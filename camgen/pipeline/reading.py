@@ -138,7 +138,7 @@ def judge_motion(
         theta,
         mechanism.accuracy.chord_tolerance + more,
         slack,
-        mechanism.assembly.asked,
+        mechanism.assembly.demands,
     )
     return verdict, features
 
@@ -157,7 +157,7 @@ def moved_by(
         return Outcome(), {}, Study()
     (low, high), wishes = (
         mechanism.assembly.cycle.range,
-        {each.output: each for each in mechanism.assembly.asked},
+        {each.output: each for each in mechanism.assembly.demands},
     )
     theta = np.linspace(low, high, math.ceil((ROWS - 1) * (high - low) / math.tau - 1e-9) + 1)
     judged = low + judged_angles() * ((high - low) / math.tau)
@@ -186,7 +186,7 @@ def moved_by(
             for curve in curves:
                 curve.add(kind, verdict.proof)
             findings += judge_targets(
-                mechanism.assembly.asked, verdict.proof, theta, files_of(mechanism, kind)
+                mechanism.assembly.demands, verdict.proof, theta, files_of(mechanism, kind)
             )
     columns = {"theta_deg": np.degrees(theta)} if any(curve.columns for curve in curves) else {}
     for curve in curves:

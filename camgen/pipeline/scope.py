@@ -83,7 +83,7 @@ def of_parts(mechanism: Mechanism) -> list[Stage]:
     if any(isinstance(cam.tip, Flat) and math.isfinite(cam.tip.width) for cam in cams):
         stages.append(Stage(("FACE_WIDTH",), "where the face is touched", READ))
     if len(cams) < len(features):
-        asked = mechanism.assembly.asked
+        asked = mechanism.assembly.demands
         more = dict.fromkeys(target.code for each in asked for target in each.targets)
         more |= {"STROKE_ERROR": None} if any(each.stroke for each in asked) else {}
         stages.append(

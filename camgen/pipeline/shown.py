@@ -106,9 +106,7 @@ def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
     for mount in mechanism.assembly.mounts:
         copies[mount.part] += 1
         k = number[mount.part]
-        stands = placing(
-            mount.turned, complex(mount.at), mount.z, parts[k].thickness, mount.flipped
-        )
+        stands = placing(mount.angle, complex(mount.at), mount.z, parts[k].thickness, mount.flipped)
         bodies.setdefault(mount.body, []).append((f"{mount.part}-{copies[mount.part]}", k, stands))
     frames = mechanism.assembly.cycle.turns * _FRAMES_3D
     moving = [Moving(name, *_over(courses[name], frames), held) for name, held in bodies.items()]

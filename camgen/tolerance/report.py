@@ -202,7 +202,7 @@ def _quantiles(spread: Spread, copies: Copies, numbers: dict[str, float]) -> Tab
 
 def _yields(spread: Spread, copies: Copies, numbers: dict[str, float]) -> list[Table]:
     """Share of copies that hold each finding which play and fits decide."""
-    limits = {each.output: each.lash for each in spread.mechanism.assembly.asked}
+    limits = {each.output: each.lash for each in spread.mechanism.assembly.demands}
     good = np.ones(len(copies.tight), bool) & ~copies.tight
     rows: list[tuple[object, ...]] = []
     if any(joint.clearance > 0 for joint in spread.mechanism.model.joints):

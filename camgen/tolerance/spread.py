@@ -148,7 +148,7 @@ class Spread:
 def spread_of(mechanism: Mechanism) -> Spread:
     """Modes of a mechanism's model, cams that say how they are touched among them."""
     machine, sizes = mechanism.model, sizes_of(mechanism)
-    outputs = judged_outputs(machine.outputs, mechanism.assembly.asked)
+    outputs = judged_outputs(machine.outputs, mechanism.assembly.demands)
     theta = np.linspace(
         *mechanism.assembly.cycle.range, max(_ANGLES, _PER_WAVE * sizes.orders[1] + 1)
     )
@@ -342,7 +342,7 @@ def laws_of(
         ahead = np.roll(points, -1) - np.roll(points, 1)
         normals = -1j * ahead / np.abs(ahead)
         places = np.array([mount.place(z) for z in points])
-        turned = np.exp(1j * mount.turned) * (-normals.conjugate() if mount.flipped else normals)
+        turned = np.exp(1j * mount.angle) * (-normals.conjugate() if mount.flipped else normals)
         amounts = [*own["offset"], *own["bore"], *own["form"]]
         off = np.asarray(amounts) @ waviness(places, turned, spread.sizes.waves)
         ring = Ring(points + off * normals, np.zeros(len(points)))

@@ -40,7 +40,7 @@ class Kept:
 
 def targets(spread: Spread, errors: Floats) -> list[Kept]:
     """All targets of the judged outputs; errors: of copies, (copies, modes) mm."""
-    wanted = {each.output: each.targets for each in spread.mechanism.assembly.asked}
+    wanted = {each.output: each.targets for each in spread.mechanism.assembly.demands}
     outputs = [output for output in spread.outputs if wanted.get(output.name)]
     if not outputs:
         return []

@@ -15,7 +15,7 @@ import numpy as np
 
 from camgen.geometry.mesh import Mesh, slice_mesh
 from camgen.judge.clearance import meeting, signed_distances
-from camgen.machine.features import Apart, PartPose
+from camgen.machine.features import PartPose, Passing
 from camgen.machine.model import Slide
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Points
@@ -80,7 +80,7 @@ def _shifts(pose: PartPose) -> bool:
 
 
 def _sections(
-    mechanism: Mechanism, pair: Apart, solids: Mapping[str, Mesh], plane: float
+    mechanism: Mechanism, pair: Passing, solids: Mapping[str, Mesh], plane: float
 ) -> list[list[Points]]:
     """Outlines of both bodies at a height of the ground, of their solids."""
     rest, found = mechanism.assembly.poses(np.zeros(1)), []

@@ -17,18 +17,18 @@ from camgen.geometry.mesh import Mesh, placing
 from camgen.geometry.rings import Floats
 from camgen.judge.assembly import _slabs, _touching, sweep
 from camgen.machine.features import (
-    Apart,
     CamOutline,
     Eye,
     Faces,
     Feature,
     GearTeeth,
-    Moved,
     OwnTip,
+    Passing,
     PinEyes,
     SlideFaces,
     StandIn,
     Steady,
+    SweptMachine,
     Teeth,
 )
 from camgen.machine.features import Ring as FeatureRing
@@ -190,10 +190,10 @@ OWN = OwnTip("arm", TIP, PLATE)
 
 
 def touching(
-    *contacts: Apart | Feature, gap: float = GAP, stand_ins: Sequence[StandIn] = ()
+    *contacts: Passing | Feature, gap: float = GAP, stand_ins: Sequence[StandIn] = ()
 ) -> dict[str, float]:
     """What may overlap, of one copy of each part and two of the arm."""
-    machine = Moved((), lambda theta: {}, contacts, stand_ins, gap, SPARE / 4)
+    machine = SweptMachine((), lambda theta: {}, contacts, stand_ins, gap, SPARE / 4)
     parts = {f"{name}-1": name for name in ("plate", "arm", "pin", "cam", "roller", "ring")}
     parts |= {"arm-2": "arm", **{thing.name: thing.name for thing in stand_ins}}
     fits = _touching(machine, parts, SPARE)
@@ -202,7 +202,9 @@ def touching(
 
 def test_a_copy_is_of_its_part_whatever_both_are_called() -> None:
     """The first copy of a pin has the name of another part: only copies of that one may touch."""
-    machine = Moved((), lambda theta: {}, (Apart("x", "pin-1", "plate"),), (), GAP, SPARE / 4)
+    machine = SweptMachine(
+        (), lambda theta: {}, (Passing("x", "pin-1", "plate"),), (), GAP, SPARE / 4
+    )
     parts = {"pin-1": "pin", "pin-1-1": "pin-1", "plate-1": "plate"}
     assert list(_touching(machine, parts, SPARE)) == [frozenset(("pin-1-1", "plate-1"))]
 
@@ -226,7 +228,7 @@ def test_fits_with_no_more_air_than_the_gap_may_touch(air: float, overlap: float
     assert touching(Steady("P", Eye("cam", 0j, 9), hole, PIN)) == pytest.approx(expected)
     rails = SlideFaces("guide", Faces("plate", 0j, 0.0, 8 + 2 * air), Faces("arm", 0j, 0.0, 8))
     assert touching(rails) == arms("plate-1", SPARE)
-    assert touching(Apart("x", "arm", "plate", gap=air)) == arms("plate-1", SPARE)
+    assert touching(Passing("x", "arm", "plate", gap=air)) == arms("plate-1", SPARE)
 
 
 def test_fits_with_more_air_must_keep_their_distance() -> None:
@@ -236,7 +238,7 @@ def test_fits_with_more_air_must_keep_their_distance() -> None:
         PinEyes("P", hole, PIN),
         Steady("P", PLATE, hole, PIN),
         rails,
-        Apart("x", "arm", "plate", gap=0.21),
+        Passing("x", "arm", "plate", gap=0.21),
     ):
         assert touching(wide) == {}
     assert (

@@ -154,7 +154,7 @@ def test_an_outline_is_seen_about_its_bore(bored: bool, phase: float) -> None:
     )
     off = 2 - 3j
     bore = Eye("cam", axis, 5.0) if bored else None
-    mounts = [Mount("cam", "cam"), Mount("stem", "follower", turned=math.pi)]
+    mounts = [Mount("cam", "cam"), Mount("stem", "follower", angle=math.pi)]
     theta = np.linspace(0, math.tau, 50)
     tips = Eye("stem", 0j, 6.0, shaft=True), Flat("stem", 0j, 0.0, 30.0)
     for tip, more in zip(tips, (3.0, 0.0), strict=True):

@@ -31,7 +31,7 @@ from camgen.judge.clearance import (
     meeting,
     signed_distances,
 )
-from camgen.machine.features import Apart, PartPose
+from camgen.machine.features import PartPose, Passing
 from camgen.machines.chain_stitch_looper.mechanism import ChainStitchLooper
 from camgen.parts.part import Layer, Part
 from camgen.parts.solids import solid
@@ -175,7 +175,7 @@ def test_what_outlines_may_be_off_is_grazing(
     """Of both by 0.01 mm; in a solid by what float32 leaves of the larger one as well."""
     blocks(tmp_path, kind, (width, 90.0))
     found = judge_clearance(
-        kind, tmp_path, "x", [Apart("A/B", "a", "b", planes=(5.0,))], still, 0.01
+        kind, tmp_path, "x", [Passing("A/B", "a", "b", planes=(5.0,))], still, 0.01
     )
     (finding,) = found.findings
     assert (
@@ -197,7 +197,7 @@ def test_of_large_solids_float32_leaves_more_than_the_tolerance(
 ) -> None:
     """0.03 mm of overlap beside 90 m, of which 24 bits are 0.02 mm: at every height the larger size counts."""
     blocks(tmp_path, kind, (20.03, 90e3))
-    pair = Apart("A/B", "a", "b", planes=(4.5, 5.0))
+    pair = Passing("A/B", "a", "b", planes=(4.5, 5.0))
     (finding,) = judge_clearance(kind, tmp_path, "x", [pair], still, 0.01).findings
     assert finding.ok is ok
 
@@ -207,7 +207,7 @@ def test_what_cannot_be_compared_is_told(tmp_path: Path) -> None:
     blocks(tmp_path, "stl", (19.0, 10.0))
     for height, lacks in ((2.0, "b"), (8.0, "a")):
         (finding,) = judge_clearance(
-            "stl", tmp_path, "x", [Apart("A/B", "a", "b", planes=(5.0, height))], still, 0.01
+            "stl", tmp_path, "x", [Passing("A/B", "a", "b", planes=(5.0, height))], still, 0.01
         ).findings
         assert (
             math.isnan(finding.measured)
@@ -220,7 +220,7 @@ def test_what_cannot_be_compared_is_told(tmp_path: Path) -> None:
             drawing.modelspace().add_line((0, 0), (5, 0))
         drawing.saveas(tmp_path / "x-b.dxf")
         (finding,) = judge_clearance(
-            "dxf", tmp_path, "x", [Apart("A/B", "a", "b")], still, 0.01
+            "dxf", tmp_path, "x", [Passing("A/B", "a", "b")], still, 0.01
         ).findings
         assert math.isnan(finding.measured) and said in finding.message
 
@@ -245,7 +245,7 @@ def test_only_bodies_that_shift_are_compared(turned: str, angle: float, flipped:
         }
 
     theta = np.linspace(0, math.tau, 9)
-    way = _way(Apart("x", "a", "b"), poses)
+    way = _way(Passing("x", "a", "b"), poses)
     if angle or flipped:
         with pytest.raises(ValueError, match="x: only bodies that shift are compared"):
             way(theta)

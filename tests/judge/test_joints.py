@@ -156,7 +156,7 @@ SIZE = st.floats(-0.2, 0.2)
 
 def drawn(mount: Mount, place: complex) -> complex:
     """The point of a part, as drawn, that stands on a place of its body: turned back, and over."""
-    z = (place - mount.at) * cmath.exp(-1j * mount.turned)
+    z = (place - mount.at) * cmath.exp(-1j * mount.angle)
     return -z.conjugate() if mount.flipped else z
 
 
@@ -205,7 +205,7 @@ def test_a_pin_is_where_its_eyes_are(
     (joint,) = closable.machine.joints
     assert isinstance(joint, Pin)
     for side, place, mount, shift in zip((joint.a, joint.b), PLACES, mounts, shifts, strict=True):
-        spin = cmath.exp(1j * mount.turned)
+        spin = cmath.exp(1j * mount.angle)
         assert side.at == pytest.approx(
             place + spin * (-shift.conjugate() if mount.flipped else shift), abs=1e-9
         )
@@ -247,7 +247,7 @@ def test_of_two_copies_the_one_at_the_joint_counts() -> None:
     eyes = Eye("a", 1 + 0j, 4.0), Eye(None, PLACES[1], 0.0)
     mounts = [
         Mount("a", "crank", -PLACES[0] - 1),
-        Mount("a", "crank", PLACES[0] - 1j, turned=math.pi / 2),
+        Mount("a", "crank", PLACES[0] - 1j, angle=math.pi / 2),
         Mount("a", "rod"),
     ]
     found = Readings({eyes[0]: Measured(1.1 + 0j, 4.0), eyes[1]: Measured(PLACES[1], 0.0)})
@@ -344,7 +344,7 @@ def test_places_of_outputs_go_with_what_they_are_of(
     made = assembled(
         replace(machine(pin), outputs=outputs), features, [*mounts, Mount("b", "crank", 99j)], found
     ).machine
-    spin = cmath.exp(1j * mounts[1].turned)
+    spin = cmath.exp(1j * mounts[1].angle)
     ways = [spin * (-shift.conjugate() if mounts[1].flipped else shift) for shift in shifts]
     wanted = PLACES[1] + ways[0], guide + ways[1], guide + 1, guide
     assert [output.of.of.at for output in made.outputs] == [
@@ -407,7 +407,7 @@ def test_a_slide_is_the_middle_line_of_its_faces(
     along = angle, angle - turn  # in the frames of guide and runner
     faces, found = [], Readings()
     for k, (mount, place) in enumerate(zip(mounts, PLACES, strict=True)):
-        own = along[k] - mount.turned
+        own = along[k] - mount.angle
         own = math.pi - own if mount.flipped else own
         one = Faces(
             mount.part,
@@ -458,7 +458,7 @@ def test_a_slot_is_the_middle_line_of_its_walls(
 ) -> None:
     """With a pin in it that goes through the rod's hole: between walls and hole it is looser by what both are wider."""
     mounts = [Mount("a", "crank", *standing), Mount("b", "rod")]
-    own = math.pi - angle + mounts[0].turned if mounts[0].flipped else angle - mounts[0].turned
+    own = math.pi - angle + mounts[0].angle if mounts[0].flipped else angle - mounts[0].angle
     walls, eye = Faces("a", drawn(mounts[0], PLACES[0]), own, 4.3), Eye("b", PLACES[1], 4.2)
     pin = Eye(None, 0j, 4.0, shaft=True)
     found = Readings(

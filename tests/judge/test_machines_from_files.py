@@ -36,9 +36,9 @@ from camgen.machine import (
     solve,
 )
 from camgen.machine.features import (
-    Asked,
     CamMeant,
     CamOutline,
+    Demand,
     Eye,
     Faces,
     Feature,
@@ -96,7 +96,7 @@ class Case:
     mounts: tuple[Mount, ...] = ()
 
     def judged(
-        self, kind: str, folder: Path, asked: Sequence[Asked] = (), **damage: object
+        self, kind: str, folder: Path, asked: Sequence[Demand] = (), **damage: object
     ) -> Verdict:
         regions = self.regions(**damage)
         files = {name: sections(name, region, kind, folder) for name, region in regions.items()}
@@ -113,14 +113,14 @@ class Case:
             asked=asked,
         )  # type: ignore[arg-type]
 
-    def wanted(self) -> list[Asked]:
+    def wanted(self) -> list[Demand]:
         """Its outputs by the other route, in closed form."""
 
         def motion(name: str) -> Callable[[Floats, int], Floats]:
             return lambda theta, order: solve(self.machine, theta, 1).derivatives(name)[order]  # type: ignore[return-value]
 
         return [
-            Asked(output.name, motion(output.name), stroke=True) for output in self.machine.outputs
+            Demand(output.name, motion(output.name), stroke=True) for output in self.machine.outputs
         ]
 
 
@@ -536,7 +536,7 @@ def flat_faced(phase: float = 0.0) -> Case:
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_flat_face_and_gears_from_their_files(kind: str, tmp_path: Path) -> None:
     case = flat_faced()
-    lift = Asked(
+    lift = Demand(
         "lift", lambda theta, order: Lift()(theta, order) + DISC * (order == 0), stroke=True
     )
     sound = case.judged(kind, tmp_path, [lift])

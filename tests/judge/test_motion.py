@@ -16,8 +16,8 @@ from camgen.geometry.rings import Ring, Shape
 from camgen.judge.measured import measure, measure_faces
 from camgen.judge.motion import Verdict, _nominal, judge_machine
 from camgen.machine.features import (
-    Asked,
     CamOutline,
+    Demand,
     Eye,
     Faces,
     Feature,
@@ -165,7 +165,7 @@ def files(**changed: object) -> dict[str, list[list[Shape]]]:
 
 
 def judged(mounts: tuple[Mount, ...] = LINKS, **changed: object) -> Verdict:
-    asked = [Asked("way", place, stroke=True)]
+    asked = [Demand("way", place, stroke=True)]
     return judge_machine(
         "dxf",
         Where(file="file"),
@@ -246,10 +246,10 @@ def test_a_link_that_is_turned_over_has_its_holes_mirrored() -> None:
     features = (FEATURES[0], *eyes, FEATURES[3])
     for mount, fine in (
         (Mount("rod", "rod", flipped=True), True),
-        (Mount("rod", "rod", turned=math.pi), True),
+        (Mount("rod", "rod", angle=math.pi), True),
     ):
         mounts = (LINKS[0], mount, *LINKS[2:])
-        asked = [Asked("way", partial(place))]
+        asked = [Demand("way", partial(place))]
         found = judge_machine(
             "dxf",
             Where(file="file"),

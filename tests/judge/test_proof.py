@@ -33,7 +33,7 @@ from camgen.machine import (
     Place,
     Pose,
 )
-from camgen.machine.features import Asked
+from camgen.machine.features import Demand
 from camgen.machine.model import Floats, Turning
 from camgen.machine.targets import Dwell, Stroke
 
@@ -195,9 +195,9 @@ def test_targets_are_measured_in_their_units_where_the_machine_closes(
     """Degrees of an arm and of a wheel, over a turn or a part of it; an output that does not close has told so."""
     theta = np.linspace(0, reach, 721)
     asked = [
-        Asked("arm", targets=(Stroke(value=50.0, tolerance=1.0),)),
-        Asked("end"),
-        Asked("wheel", targets=(Stroke(value=high, tolerance=1.0),)),
+        Demand("arm", targets=(Stroke(value=50.0, tolerance=1.0),)),
+        Demand("end"),
+        Demand("wheel", targets=(Stroke(value=high, tolerance=1.0),)),
     ]
     first, second = judge_targets(asked, proof(machine(size=0.41), theta), theta, Where(file="x"))
     stroke = 0.82 if reach > 6 else float(np.ptp(arm(np.linspace(0, 2, 9001), 0.41)))
@@ -222,6 +222,6 @@ def test_a_dwell_goes_on_over_the_end_of_a_turn(more: float, ok: bool) -> None:
     band = 2 * size * (1 - math.cos(0.4))  # either way of `at`
     wish = Dwell(span_deg=math.degrees(0.8) + more, band=band, at=math.degrees(0.1) + size)
     (finding,) = judge_targets(
-        [Asked("arm", targets=(wish,))], proof(machine(size=0.41), theta), theta, Where(file="x")
+        [Demand("arm", targets=(wish,))], proof(machine(size=0.41), theta), theta, Where(file="x")
     )
     assert finding.ok is ok

@@ -463,7 +463,7 @@ def judged(folder: Path, first: float = 3.0, second: float = 3.0, **twin: object
         mounts,
         judged_angles(),
         0.001,
-        asked=mechanism.assembly.asked,
+        asked=mechanism.assembly.demands,
     )
     return {f.code for f in found.findings if not f.ok}
 
@@ -474,8 +474,8 @@ def test_the_wrong_tip_radius(folder: Path) -> None:
 
 
 def test_a_twin_turned_by_one_degree_jams(folder: Path) -> None:
-    assert judged(folder, turned=np.radians(1.0)) == {"INTERFERENCE"}
-    assert judged(folder, turned=np.radians(-1.0)) == {"INTERFERENCE"}
+    assert judged(folder, angle=np.radians(1.0)) == {"INTERFERENCE"}
+    assert judged(folder, angle=np.radians(-1.0)) == {"INTERFERENCE"}
 
 
 def test_a_twin_that_is_not_turned_over(folder: Path) -> None:

@@ -318,7 +318,7 @@ def between(
         tip = replace(second.tip, diameter=2 * radius)
         second = replace(second, tip=tip, free=second.free + second.tip.diameter / 2 - radius)
     mounts = [
-        replace(mount, turned=turned) if mount.part == parts[1] else mount
+        replace(mount, angle=turned) if mount.part == parts[1] else mount
         for mount in mechanism.assembly.mounts
     ]
     found = judge_machine(
@@ -330,7 +330,7 @@ def between(
         mounts,
         judged_angles(),
         0.001,
-        asked=mechanism.assembly.asked,
+        asked=mechanism.assembly.demands,
     )
     return {finding.code for finding in found.findings if not finding.ok}
 

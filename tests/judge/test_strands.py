@@ -15,7 +15,7 @@ from camgen.findings import Finding
 from camgen.geometry.mesh import placing
 from camgen.geometry.outlines import Region, circle, polygon
 from camgen.judge.strands import judge_strands
-from camgen.machine.features import Mount, Moved, Strand
+from camgen.machine.features import Mount, Strand, SweptMachine
 from camgen.machine.model import GROUND, Floats, Pose
 from camgen.parts.part import Layer, Part
 from camgen.parts.solids import solid
@@ -71,7 +71,7 @@ def judged(
         folder / "x.3mf", {name: solid(part, FINE) for name, part in parts.items()}, items, "key"
     )
     mounts = [Mount(name, body) for name, all_ in places.items() for body, _ in all_]
-    machine = Moved(mounts, Swinging(centre, start), (), (), 0.2, FINE)
+    machine = SweptMachine(mounts, Swinging(centre, start), (), (), 0.2, FINE)
     return judge_strands(folder / "x.3mf", machine, [Strand("thread", posts, LOW, HIGH, held, gap)])
 
 

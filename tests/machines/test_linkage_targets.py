@@ -143,13 +143,13 @@ def test_the_play_of_a_path_is_borne_to_a_quarter_of_its_smaller_side() -> None:
     machine = validate(Linkage, spec(**HOEKEN, output=[{"name": "pen", "point": "P"}]))
     course = np.asarray(machine.run(np.linspace(0, math.tau, 721), 0)["pen"])
     widths = [np.ptp((course * np.exp(1j * turn)).imag) for turn in np.linspace(0, math.pi, 2001)]
-    (asked,) = machine.assembly.asked
+    (asked,) = machine.assembly.demands
     assert (
         asked.lash == pytest.approx(min(widths) / 4, rel=1e-3) and "smaller side" in asked.lash_of
     )
     (asked,) = validate(
         Linkage, spec(**HOEKEN, output=[{"name": "pen", "point": "P"}], limits={"lash": 3.0})
-    ).assembly.asked
+    ).assembly.demands
     assert (asked.lash, asked.lash_of) == (3.0, "limits.lash")
     slider = {
         "points": {"O": [0, 0], "A": [10, 0], "B": [50, 0], "K": [20, 0], "R": [80, 0]},
@@ -158,7 +158,7 @@ def test_the_play_of_a_path_is_borne_to_a_quarter_of_its_smaller_side() -> None:
     }
     (asked,) = validate(
         Linkage, spec(**slider, output=[{"name": "end", "point": "B"}])
-    ).assembly.asked
+    ).assembly.demands
     assert (
         asked.lash == pytest.approx(20 / 4, rel=1e-6) and "length" in asked.lash_of
     )  # a line has one side: twice the crank

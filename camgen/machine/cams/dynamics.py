@@ -109,30 +109,32 @@ class Elastic:
 
     def push(self, cam: Excitation, speed: float) -> Floats:
         """By how much more the mass presses on the cam than one that is rigid and still, (n,), in the sense of s."""
-        found = self.response(cam, speed)
+        response = self.response(cam, speed)
         return np.asarray(
-            self.mass * found.acceleration + self.drag * found.velocity + self.spring * found.behind
+            self.mass * response.acceleration
+            + self.drag * response.velocity
+            + self.spring * response.behind
         )
 
-    def loses_contact(self, cam: Excitation, speed: float, pressed: Floats, leaves: int) -> float:
+    def loses_contact(self, cam: Excitation, speed: float, preload: Floats, leaves: int) -> float:
         """Least speed, rad/s, at which the mass is pulled off what presses it on, (n,) N or N m; inf up to 20 times the given
         speed, in its sense. leaves: +1 or -1, the sense of s that takes it off the cam."""
         before = 0.0
-        for share in np.linspace(0.0, _FASTEST, _FINE + 1)[1:]:
-            fast = float(share) * speed
-            if self._lost(cam, fast, pressed, leaves):
+        for fraction in np.linspace(0.0, _FASTEST, _FINE + 1)[1:]:
+            fast = float(fraction) * speed
+            if self._lost(cam, fast, preload, leaves):
                 low = before
                 high = fast
                 while abs(high - low) > 1e-4 * abs(high):
                     middle = (low + high) / 2
                     low, high = (
                         (low, middle)
-                        if self._lost(cam, middle, pressed, leaves)
+                        if self._lost(cam, middle, preload, leaves)
                         else (middle, high)
                     )
                 return abs(high)
             before = fast
         return math.inf
 
-    def _lost(self, cam: Excitation, speed: float, pressed: Floats, leaves: int) -> bool:
-        return bool(np.any(pressed + leaves * self.push(cam, speed) < 0))
+    def _lost(self, cam: Excitation, speed: float, preload: Floats, leaves: int) -> bool:
+        return bool(np.any(preload + leaves * self.push(cam, speed) < 0))

@@ -189,15 +189,15 @@ class SwingingArm(RoundTip):
         centre = self.pivot * np.exp(-1j * theta)
         s = [motion(theta, k) for k in range(order + 1)]
         arm = self.arm * np.exp(1j * (s[0] - theta))
-        found = [centre + arm]
+        rows = [centre + arm]
         if order > 0:
             q1 = s[1] - 1
-            found.append(-1j * centre + 1j * q1 * arm)
+            rows.append(-1j * centre + 1j * q1 * arm)
         if order > 1:
-            found.append(-centre + (1j * s[2] - q1**2) * arm)
+            rows.append(-centre + (1j * s[2] - q1**2) * arm)
         if order > 2:
-            found.append(1j * centre + (1j * s[3] - 3 * q1 * s[2] - 1j * q1**3) * arm)
-        return found
+            rows.append(1j * centre + (1j * s[3] - 3 * q1 * s[2] - 1j * q1**3) * arm)
+        return rows
 
     def velocity(self, s: Any, point: Any = 0) -> Points:
         """Motion of the trace point, length |arm|."""
@@ -253,13 +253,13 @@ class SlidingTip(RoundTip):
             self.trace(motion(theta, 0)),
             *(self.along * motion(theta, k) for k in range(1, order + 1)),
         ]
-        found = [place[0]]
+        rows = [place[0]]
         while (
-            len(found) <= order
+            len(rows) <= order
         ):  # each pass is a derivative of place * exp(-i theta), and of what follows from it
-            place = [further - 1j * here for here, further in pairwise(place)]
-            found.append(place[0])
-        return [np.asarray(each * turn) for each in found]
+            place = [further - 1j * value for value, further in pairwise(place)]
+            rows.append(place[0])
+        return [np.asarray(each * turn) for each in rows]
 
     def velocity(self, s: Any, point: Any = 0) -> Points:
         """The slide's direction."""
@@ -306,12 +306,12 @@ class FlatFace(Follower):
         normal, h, phi = self.line(theta, motion, order + 1)
         q = phi[1]
         with np.errstate(divide="ignore", invalid="ignore"):
-            found = [h[0], h[1] / q]
+            slopes = [h[0], h[1] / q]
             if order > 0:
-                found.append((h[2] - found[1] * phi[2]) / q)
+                slopes.append((h[2] - slopes[1] * phi[2]) / q)
             if order > 1:
-                found.append((h[3] - 2 * found[2] * phi[2] - found[1] * phi[3]) / q)
-        return normal, found, np.asarray([h[1], q, phi[2] if order else q])
+                slopes.append((h[3] - 2 * slopes[2] * phi[2] - slopes[1] * phi[3]) / q)
+        return normal, slopes, np.asarray([h[1], q, phi[2] if order else q])
 
     def envelope(self, theta: Any, motion: Motion, order: int) -> Points:
         """Envelope of the face: (h + i g) exp(i phi), and i (q h + g') exp(i phi) along it, q = dphi/dtheta."""

@@ -153,7 +153,7 @@ def _profile(exact: ExactCam, limits: CamLimits, chord_tolerance: float | None) 
     if chord_tolerance is not None and swings(cam):
         axle = abs(cam.follower.pivot)
         reach = float(np.max(np.abs(facet_contour(cam.outline, chord_tolerance))))
-        said = f"the cam reaches {reach:.2f} mm from its shaft, the axle stands at {axle:g} mm"
+        message = f"the cam reaches {reach:.2f} mm from its shaft, the axle stands at {axle:g} mm"
         findings.append(
             at_least(
                 "INTERFERENCE",
@@ -161,7 +161,7 @@ def _profile(exact: ExactCam, limits: CamLimits, chord_tolerance: float | None) 
                 0.0,
                 "mm",
                 Where(f"{where} and the follower's axle"),
-                said,
+                message,
             )
         )
     return findings
@@ -169,13 +169,13 @@ def _profile(exact: ExactCam, limits: CamLimits, chord_tolerance: float | None) 
 
 def _face_width(cams: Sequence[ExactCam], width: float) -> Finding:
     """FACE_WIDTH: a face that slides reaches as far to either side of its stem, one on an arm lies about what is touched."""
-    needed = 0.0
+    necessary = 0.0
     for each in cams:
         low, high = each.cam.face_contact
-        needed = max(needed, high - low if swings(each.cam) else 2 * max(-low, high))
+        necessary = max(necessary, high - low if swings(each.cam) else 2 * max(-low, high))
     return at_most(
         "FACE_WIDTH",
-        needed,
+        necessary,
         width,
         "mm",
         Where(cams[0].where),
@@ -188,12 +188,12 @@ def _jumps(exact: ExactCam, highest: int, where: str) -> Finding:
     unit, scale = unit_of(exact.cam)
     units = (unit, f"{unit}/rad", f"{unit}/rad^2", f"{unit}/rad^3")
     jumps = exact.cam.program.discontinuities(highest)
-    listed = "; ".join(
+    places = "; ".join(
         f"{_ORDERS[jump.order]} at {math.degrees(jump.theta):.3f} deg by {jump.size * scale:.4g} {units[jump.order]}"
         for jump in jumps[:_MOST_JUMPS]
     )
     more = f"; and {len(jumps) - _MOST_JUMPS} more" if len(jumps) > _MOST_JUMPS else ""
     lower = ", ".join(_ORDERS[:highest])
     orders = f"{lower} and {_ORDERS[highest]}" if lower else _ORDERS[highest]
-    said = f"{listed}{more}; {exact.advice.smoother}" if jumps else f"no jump of {orders}"
-    return at_most("MOTION_JUMP", len(jumps), 0, "jumps", Where(where), said)
+    message = f"{places}{more}; {exact.advice.smoother}" if jumps else f"no jump of {orders}"
+    return at_most("MOTION_JUMP", len(jumps), 0, "jumps", Where(where), message)

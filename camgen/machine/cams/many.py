@@ -39,7 +39,7 @@ _PLAIN = 0.02  # least sine between the profile and its radius, and least share 
 
 
 @dataclass(frozen=True)
-class Seen:
+class Figures:
     """Of one cam: pressure angle, deg; least radius, length, farthest and nearest point, between where and where a face is
     touched, mm; area, mm^2.
     """
@@ -54,9 +54,9 @@ class Seen:
     face_to: float
 
 
-def seen(cams: Sequence[DiscCam[Any]]) -> list[Seen | None]:
+def figures_of(cams: Sequence[DiscCam[Any]]) -> list[Figures | None]:
     """Figures of each cam; None for one that has to be looked at by itself."""
-    found: list[Seen | None] = [None] * len(cams)
+    figures: list[Figures | None] = [None] * len(cams)
     kin: dict[Hashable, list[int]] = {}
     for k, cam in enumerate(cams):
         if not cam.program.discontinuities(1):
@@ -64,9 +64,9 @@ def seen(cams: Sequence[DiscCam[Any]]) -> list[Seen | None]:
     for alike in kin.values():
         for first in range(0, len(alike), _BLOCK):
             block = alike[first : first + _BLOCK]
-            for k, one in zip(block, _Kin([cams[k] for k in block]).seen(), strict=True):
-                found[k] = one
-    return found
+            for k, one in zip(block, _Kin([cams[k] for k in block]).figures(), strict=True):
+                figures[k] = one
+    return figures
 
 
 def _kind(cam: DiscCam[Any]) -> Hashable:
@@ -120,11 +120,11 @@ class _Kin:
         return columns
 
     def _follower(self, rows: Any) -> Any:
-        picked = {
+        columns = {
             name: value[rows] if isinstance(value, np.ndarray) else value
             for name, value in self._columns.items()
         }
-        return replace(self.cams[0].cutter, **picked)
+        return replace(self.cams[0].cutter, **columns)
 
     def _course(self, k: int, u: Floats, rows: Any) -> Motion:
         """Motion of some cams at shares u of their segment k: (n,) for all of them, or (rows, n); at whatever theta is asked."""
@@ -132,24 +132,24 @@ class _Kin:
             each[rows, k, None] for each in (self._spans, self._scales, self._starts)
         )
         law = self.cams[0].program.segments[k].law
-        known = dict[int, Floats]()
+        values = dict[int, Floats]()
 
         def motion(theta: Any, order: int) -> Floats:
-            if order not in known:
-                known[order] = scale / span**order * law(u.ravel(), order).reshape(u.shape) + (
+            if order not in values:
+                values[order] = scale / span**order * law(u.ravel(), order).reshape(u.shape) + (
                     0 if order else start
                 )
-            return known[order]
+            return values[order]
 
         return motion
 
     @cached_property
     def _stretches(self) -> list[_Stretch]:
         nodes, weights = _GAUSS
-        found = []
+        stretches = []
         for k, segment in enumerate(self.cams[0].program.segments):
             if not segment.scale:
-                found.append(_Stretch(k, np.array([0.5]), np.array([1.0])))
+                stretches.append(_Stretch(k, np.array([0.5]), np.array([1.0])))
                 continue
             law = segment.law
             corners = [0.0, *(() if law.smooth else law.breaks), 1.0]
@@ -161,16 +161,16 @@ class _Kin:
                 inner = (edges[:-1, None] + half * (1 + nodes)).ravel()
                 weigh = (half * weights).ravel()
                 ends = a + _BESIDE, b - _BESIDE
-                found.append(
+                stretches.append(
                     _Stretch(
                         k,
                         np.concatenate([ends[:1], inner, ends[1:]]),
                         np.concatenate([[0.0], weigh, [0.0]]),
                     )
                 )
-        return found
+        return stretches
 
-    def seen(self) -> list[Seen | None]:
+    def figures(self) -> list[Figures | None]:
         """Figures of all of them."""
         everyone = slice(None)
         flat = issubclass(type(self.cams[0].cutter), FlatFace)
@@ -183,12 +183,12 @@ class _Kin:
             place, along = (follower.envelope(_GROUND, course, order) for order in (0, 1))
             away = np.abs(place)
             speed = np.abs(along)
-            swept = -np.imag(np.conj(place) * along)
+            sector = -np.imag(np.conj(place) * along)
             weight = self._spans[:, stretch.segment, None] * stretch.weights
             length += np.sum(weight * speed, axis=1)
-            area += np.sum(weight * swept, axis=1) / 2
+            area += np.sum(weight * sector, axis=1) / 2
             farthest = np.maximum(farthest, np.max(away, axis=1))
-            sine = np.minimum(sine, np.min(swept / (away * speed), axis=1))
+            sine = np.minimum(sine, np.min(sector / (away * speed), axis=1))
             clear = np.minimum(clear, np.min(follower.clear(_GROUND, course), axis=1))
         steepest = np.degrees(self._peak(steepness, courses))
         least = -self._peak(sharpness, courses)
@@ -197,8 +197,8 @@ class _Kin:
             if flat
             else (np.zeros(count), np.zeros(count))
         )
-        rounded = flat or bool(np.any(follower.tip_radius))
-        plain = (sine > _PLAIN) & (clear > _PLAIN * farthest) & ((least > 0) | (not rounded))
+        has_radius = flat or bool(np.any(follower.tip_radius))
+        plain = (sine > _PLAIN) & (clear > _PLAIN * farthest) & ((least > 0) | (not has_radius))
         lifts = np.array([cam.program.extremes for cam in self.cams]).T[..., None]
         nearest = np.min([follower.clear(_GROUND, partial(still, lift)) for lift in lifts], axis=0)[
             :, 0
@@ -206,7 +206,7 @@ class _Kin:
         rows = np.stack([steepest, least, length, area, farthest, nearest, *ends]).T
         plain &= ~np.isnan(rows).any(axis=1)
         return [
-            Seen(*row) if fine else None for fine, row in zip(plain, rows.tolist(), strict=True)
+            Figures(*row) if fine else None for fine, row in zip(plain, rows.tolist(), strict=True)
         ]
 
     def _peak(self, figure: Figure, courses: Sequence[Motion]) -> Floats:

@@ -42,17 +42,14 @@ _ASIDE = 1e-9  # rad, to either side of where the pressure angle jumps
 
 @dataclass(frozen=True)
 class Undercut:
-    """Cam angles begin..end (rad, end > begin) over which the follower rides on the corner at `corner_cam`, not on a profile.
+    """Cam angles over which the follower rides on a corner, not on a profile."""
 
-    shortfall: largest missing displacement (rad or mm) at cam angle `worst`; depth: the same along the contact's path, mm.
-    """
-
-    begin: float
-    end: float
-    corner_cam: complex
-    shortfall: float
-    worst: float
-    depth: float
+    begin: float  # rad
+    end: float  # rad, > begin
+    corner_cam: complex  # mm
+    shortfall: float  # largest missing displacement, rad or mm
+    worst: float  # cam angle of that, rad
+    depth: float  # the same along the contact's path, mm
 
 
 # What a follower and a motion make, for one cam, (n,), or for many, (cams, n).
@@ -214,7 +211,7 @@ class DiscCam(Generic[F]):
                 "the groove's outer wall is undercut there: use a smaller tip",
             )
         pieces = [whole.reversed() for whole, _ in reversed(other._stretches())]
-        kept, cuts = trim(pieces)
+        wall, cuts = trim(pieces)
         if cuts:
             raise DesignError(
                 "crossings of the groove's outer wall",
@@ -225,17 +222,17 @@ class DiscCam(Generic[F]):
                 "use a smaller tip or a larger base_radius",
                 "the groove's outer wall crosses itself",
             )
-        return Contour(tuple(kept)).counter_clockwise()
+        return Contour(tuple(wall)).counter_clockwise()
 
     def greatest(self, f: Callable[[Any], Floats]) -> tuple[float, float]:
         """Place and value of the largest f(theta) over the turn, looked for between the program's breaks; even in a dwell."""
-        found = []
+        peaks = []
         for a, b in pairwise(float(x) for x in self.program.corners):
             if self._segment(a, b)[0].scale == 0:
-                found.append(((a + b) / 2, float(f(np.array([(a + b) / 2]))[0])))
+                peaks.append(((a + b) / 2, float(f(np.array([(a + b) / 2]))[0])))
             else:
-                found.append(greatest(f, a + 1e-9, b - 1e-9, self.program.knots(a, b)))
-        return max(found, key=lambda each: each[1])
+                peaks.append(greatest(f, a + 1e-9, b - 1e-9, self.program.knots(a, b)))
+        return max(peaks, key=lambda each: each[1])
 
     def _segment(self, a: float, b: float) -> tuple[Segment, float]:
         """The segment between two neighbouring breaks, and where it begins."""
@@ -308,8 +305,8 @@ class DiscCam(Generic[F]):
                 raw.append(piece)
                 places.append((piece.t0, 1.0) if isinstance(piece, Smooth) else (begin, -1.0))
         trims = not isinstance(self.cutter, RoundTip) or self.cutter.tip_radius > 0
-        kept, cuts = trim(raw) if trims else (raw, [])
-        outline = Contour(tuple(kept)).reversed()
+        pieces, cuts = trim(raw) if trims else (raw, [])
+        outline = Contour(tuple(pieces)).reversed()
         if not outline.area > 0:
             raise DesignError(
                 "cam area",
@@ -358,7 +355,7 @@ class DiscCam(Generic[F]):
 
     def _stretches(self) -> list[tuple[Piece, Motion]]:
         """Untrimmed profile between neighbouring corners, with the motion there; a dwell's is an arc about the axis."""
-        found: list[tuple[Piece, Motion]] = []
+        stretches: list[tuple[Piece, Motion]] = []
         for a, b in pairwise(float(x) for x in self.program.corners):
             segment, begin = self._segment(a, b)
             motion = _continued(segment, begin, a, b)
@@ -367,8 +364,8 @@ class DiscCam(Generic[F]):
             if segment.scale == 0:
                 first = complex(whole.at(a))
                 whole = Arc(0j, abs(first), cmath.phase(first), a - b)
-            found.append((whole, motion))
-        return found
+            stretches.append((whole, motion))
+        return stretches
 
     def _forward(self, whole: Piece, motion: Motion) -> list[Piece]:
         """Stretches of a raw piece that run forwards: where the follower fits into the curve's bend."""
@@ -397,11 +394,11 @@ class DiscCam(Generic[F]):
         if rho == 0:
             return None
         centre = complex(self.pitch(theta))
-        here = a - centre
-        there = b - centre
-        turn = cmath.phase(there / here)
+        from_a = a - centre
+        to_b = b - centre
+        turn = cmath.phase(to_b / from_a)
         # counter-clockwise about the tip's centre is to the left: concave
-        return Arc(centre, rho, cmath.phase(here), turn) if turn > SAME_POINT / rho else None
+        return Arc(centre, rho, cmath.phase(from_a), turn) if turn > SAME_POINT / rho else None
 
     def _undercut(self, begin: float, stop: float, at: complex) -> Undercut:
         stop += 2 * math.pi if stop < begin else 0.0
@@ -414,17 +411,17 @@ class DiscCam(Generic[F]):
         worst, shortfall = greatest(
             missing, begin, stop, corners[(begin <= corners) & (corners <= stop)]
         )
-        there = at * np.exp(1j * worst)
-        travel = np.abs(self.cutter.velocity(self.cutter.resting_on(there), there))
+        corner = at * np.exp(1j * worst)
+        travel = np.abs(self.cutter.velocity(self.cutter.resting_on(corner), corner))
         return Undercut(begin, stop, at, shortfall, worst, shortfall * float(travel))
 
 
 def _roots(f: Callable[[Any], Floats], piece: Smooth) -> list[float]:
     """Places along a piece (t0 < t1) where f changes sign: looked for at its knots, even samples, the lowest place."""
-    spread = piece.spread(1025)
-    lowest, _ = greatest(lambda x: -f(x), piece.t0, piece.t1, spread)
-    found: list[float] = sign_changes(f, distinct(spread, [lowest])).tolist()
-    return found
+    samples = piece.spread(1025)
+    lowest, _ = greatest(lambda x: -f(x), piece.t0, piece.t1, samples)
+    roots: list[float] = sign_changes(f, distinct(samples, [lowest])).tolist()
+    return roots
 
 
 def _continued(segment: Segment, begin: float, a: float, b: float) -> Motion:

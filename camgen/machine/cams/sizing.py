@@ -32,17 +32,13 @@ _INSIDE = 1e-9  # of a segment, from its ends to the first and last place that i
 
 @dataclass(frozen=True)
 class Survey:
-    """What a quick look at a design shows, the profile untrimmed.
+    """What a quick look at a design shows, the profile untrimmed."""
 
-    pressure: largest pressure angle, rad; least_radius: of the convex profile, mm (below 0: undercut, inf: none);
-    clear: least distance of the follower from the shaft's axis, mm; profile: (n,) complex, cam's frame, at angles theta.
-    """
-
-    pressure: float
-    least_radius: float
-    clear: float
-    theta: Floats
-    profile: Points
+    pressure: float  # largest pressure angle, rad
+    least_radius: float  # of the convex profile, mm; below 0: undercut, inf: none
+    clear: float  # least distance of the follower from the shaft's axis, mm
+    theta: Floats  # (n,) rad
+    profile: Points  # there, (n,) complex mm, cam's frame
 
 
 def survey(cam: DiscCam[Follower]) -> Survey:
@@ -95,9 +91,9 @@ def _peak(y: Floats, grids: list[Floats]) -> float:
         begin += len(grid)
     if not begin < k < begin + len(grid) - 1:
         return float(y[k])
-    before, here, after = (float(value) for value in y[k - 1 : k + 2])
-    bow = before - 2 * here + after
-    return here - (after - before) ** 2 / (8 * bow) if bow < 0 else here
+    before, middle, after = (float(value) for value in y[k - 1 : k + 2])
+    bow = before - 2 * middle + after
+    return middle - (after - before) ** 2 / (8 * bow) if bow < 0 else middle
 
 
 def spare(cam: DiscCam[Follower], pressure: float, least_radius: float) -> float:
@@ -150,15 +146,15 @@ def smallest(
     for _ in range(_STEPS):
         if not short < 0 or size - before <= _SETTLED * size or value == 0:
             break
-        found = at(middle := size - value * (size - before) / (value - short))
-        if found >= 0:
+        margin = at(middle := size - value * (size - before) / (value - short))
+        if margin >= 0:
             size = middle
-            value = found
+            value = margin
             short = short / 2 if last > 0 else short
             last = 1
         else:
             before = middle
-            short = found
+            short = margin
             value = value / 2 if last < 0 else value
             last = -1
     return size

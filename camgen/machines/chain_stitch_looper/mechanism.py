@@ -23,7 +23,7 @@ from pydantic import Field
 from camgen.errors import DesignError, Fault, Key, SpecError
 from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.outlines import Floats
-from camgen.machine.features import Apart, Mount
+from camgen.machine.features import Mount, Passing
 from camgen.machine.model import (
     GROUND,
     Along,
@@ -309,7 +309,7 @@ class ChainStitchLooper(Mechanism):
         made = self._assembly(self.bodies.parts, (*spreaders, *needles, plate))
         return replace(made, passing=self._passing(), process=replace(made.process, gap=0.0))
 
-    def _passing(self) -> Sequence[Apart]:
+    def _passing(self) -> Sequence[Passing]:
         """Needles against spreaders in the needles' plane, the spreaders against each other there and beside it."""
         gap, t1, t5 = self.allowed.clearance, *self.bodies.plan[::4]
         beside = (t1.imag + t5.imag) / 2
@@ -320,12 +320,12 @@ class ChainStitchLooper(Mechanism):
         }
         pairs = ("N1/P1", "N2/P1", "N2/P2", "N1/P2")
         found = [
-            Apart(name, spreaders[name[3:]], f"needle-{name[1]}", (0.0,), gap, drawn)
+            Passing(name, spreaders[name[3:]], f"needle-{name[1]}", (0.0,), gap, drawn)
             for name in pairs
         ]
         return (
             *found,
-            Apart(
+            Passing(
                 "P1/P2", "lower-spreader", "upper-spreader", (0.0, beside), self.making.running_gap
             ),
         )

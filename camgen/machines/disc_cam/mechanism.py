@@ -35,7 +35,7 @@ from camgen.machine.cams.machine import (
 )
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.cams.sizing import least_base_radius
-from camgen.machine.features import Asked, CamOutline, Mount
+from camgen.machine.features import CamOutline, Demand, Mount
 from camgen.machine.model import Machine
 from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of, polydyne_faults
 from camgen.machines.disc_cam.curves import plots, segments_table
@@ -350,9 +350,9 @@ class DiscCamDrive(StandingCams):
         }
         return [Mount(part.name, "cam", z=heights.get(part.name, 0.0)) for part in self._plates]
 
-    def _asked(self) -> Sequence[Asked]:
+    def _asked(self) -> Sequence[Demand]:
         """The play that is borne."""
-        return (Asked(self.model.outputs[0].name, lash=self.allowed.lash / self._unit[1]),)
+        return (Demand(self.model.outputs[0].name, lash=self.allowed.lash / self._unit[1]),)
 
     # ---- checks and study -------------------------------------------------------------------------------------------
 

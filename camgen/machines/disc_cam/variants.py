@@ -8,7 +8,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from camgen.errors import DesignError
-from camgen.machine.cams.many import Seen, seen
+from camgen.machine.cams.many import Figures, figures_of
 from camgen.machine.cams.profile import DiscCam
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ def prepare(many: Sequence[DiscCamDrive]) -> None:
         if each.geometry.base_radius is not None and not each.standing and each.load is None:
             with suppress(DesignError):  # told when its limits are asked for
                 alone.append((each, each.cams))
-    found = iter(seen([cam for _, cams in alone for cam in cams]))
+    found = iter(figures_of([cam for _, cams in alone for cam in cams]))
     for each, cams in alone:
         mine = [next(found) for _ in cams]
         known = [
@@ -47,7 +47,7 @@ def prepare(many: Sequence[DiscCamDrive]) -> None:
         vars(each).update(_clears_axle=True)
 
 
-def _decides(drive: DiscCamDrive, cam: DiscCam[Any], one: Seen) -> bool:
+def _decides(drive: DiscCamDrive, cam: DiscCam[Any], one: Figures) -> bool:
     """Whether no rounding can turn a verdict on what is seen of a cam, and it clears its follower's axle in any case."""
     f, limits = drive.geometry.follower, drive.allowed
     width = (

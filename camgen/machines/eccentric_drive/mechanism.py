@@ -25,7 +25,7 @@ from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.outlines import Floats
 from camgen.machine.closed_form import refuse_gap, slider_travel
-from camgen.machine.features import Asked
+from camgen.machine.features import Demand
 from camgen.machines.eccentric_drive.needle import Needle, rim
 from camgen.machines.eccentric_drive.study import study
 from camgen.machines.eccentric_drive.tables import (
@@ -218,9 +218,9 @@ class EccentricDrive(Template):
             self.linkage.run(theta, order).derivatives("travel")[order], float
         ).reshape(np.shape(theta))
 
-    def asked(self) -> tuple[Asked, ...]:
+    def asked(self) -> tuple[Demand, ...]:
         """The slider's way."""
-        return (Asked("travel", self.motion, stroke=True, lash=self.allowed.lash),)
+        return (Demand("travel", self.motion, stroke=True, lash=self.allowed.lash),)
 
     def refuse(self) -> None:
         """Raise DesignError where the disc has no wall."""

@@ -29,7 +29,7 @@ from camgen.geometry.outlines import Floats, Region
 from camgen.machine.cams.limits import Advice, ExactCam, cam_findings, undercut_numbers
 from camgen.machine.cams.machine import cam_outline
 from camgen.machine.cams.profile import DiscCam, SwingingArm
-from camgen.machine.features import Asked, CamOutline, Mount
+from camgen.machine.features import CamOutline, Demand, Mount
 from camgen.machine.model import Machine
 from camgen.machine.run import solve
 from camgen.machine.targets import advance
@@ -438,22 +438,22 @@ class IndexingCam(StandingCams):
         beside = self.making.thickness + self.print.slide_clearance
         return [Mount(name, "cam", z=0.0 if name == "cam" else beside) for name in self.cams]
 
-    def _asked(self) -> Sequence[Asked]:
+    def _asked(self) -> Sequence[Demand]:
         """The play of the follower that is borne; the link of cams alone follows by gears that are not made."""
         swing, link = (
             math.radians(self.allowed.lash_deg),
             math.radians(self.allowed.lash_deg) * self.geometry.gear_ratio,
         )
         found = [
-            Asked("swing", lash=swing),
-            Asked("link", lash=link) if self.standing else Asked("link", judged=False),
+            Demand("swing", lash=swing),
+            Demand("link", lash=link) if self.standing else Demand("link", judged=False),
         ]
         if self.stepping is not None:
             wanted = self.stepping.wanted(self.allowed.advance_deg)
             found.append(
-                Asked("wheel", lash=link, targets=(wanted,))
+                Demand("wheel", lash=link, targets=(wanted,))
                 if self.standing
-                else Asked("wheel", judged=False)
+                else Demand("wheel", judged=False)
             )
         return found
 

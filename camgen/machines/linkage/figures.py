@@ -17,7 +17,7 @@ from camgen.geometry.outlines import Floats, Points
 from camgen.machine import model as m
 from camgen.machine.centrodes import centrodes
 from camgen.machine.closed_form import four_bar
-from camgen.machine.features import Asked
+from camgen.machine.features import Demand
 from camgen.machine.landmarks import double_points
 from camgen.machine.reach import folds, four_bar_lengths, transmission
 from camgen.machine.run import Run, solve
@@ -255,7 +255,7 @@ def _wanted_places(linkage: Moving, name: str) -> list[tuple[str, Floats, Floats
             ("missed by", _one_line(np.column_stack([places, passed]))),
         ]
     if wanted.path is not None:
-        apart = wanted.path.apart(course)
+        apart = wanted.path.distance(course)
         found.append(
             ("wanted path" if wanted.path.joined else "wanted", np.array(wanted.path.places))
         )
@@ -313,12 +313,12 @@ def targets(linkage: Moving) -> list[Finding]:
     ]
 
 
-def asked(linkage: Moving, allowed: LinkageLimits) -> tuple[Asked, ...]:
+def asked(linkage: Moving, allowed: LinkageLimits) -> tuple[Demand, ...]:
     """What is asked of each output: its targets, and the play that is borne."""
     found = []
     for wanted, course in zip(linkage.wanted, linkage.courses, strict=True):
         lash, of = accepted(course, allowed.lash, allowed.lash_deg)
-        found.append(Asked(wanted.name, lash=lash, lash_of=of, targets=wanted.targets))
+        found.append(Demand(wanted.name, lash=lash, lash_of=of, targets=wanted.targets))
     return tuple(found)
 
 

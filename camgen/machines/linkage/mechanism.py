@@ -414,7 +414,7 @@ class Linkage(Mechanism):
             self.cycle,
             bodies.mounts,
             features,
-            asked=figures.asked(self._moving, self.allowed),
+            demands=figures.asked(self._moving, self.allowed),
             stand_ins=bodies.stand_ins(),
             strands=bodies.strands(),
             balances=() if self.counterweight is None else (self._balance(self.counterweight),),

@@ -27,7 +27,7 @@ from pydantic import Field
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, Where, at_least, at_most
 from camgen.machine.closed_form import four_bar, refuse_gap, transmission_extremes
-from camgen.machine.features import Asked
+from camgen.machine.features import Demand
 from camgen.machine.model import Floats, Machine, Points
 from camgen.machines.loads.counterweights import Counterweight, found_moment
 from camgen.machines.mechanism import Mechanism, refuse_failing
@@ -229,7 +229,7 @@ class ThreadTakeUp(Mechanism):
         made = self._assembly(bodies.parts, bodies.mounts, features_of(self))
         return replace(
             made,
-            asked=(Asked("feed", self.motion, stroke=True, lash=self.allowed.lash),),
+            demands=(Demand("feed", self.motion, stroke=True, lash=self.allowed.lash),),
             balances=(bodies.weight.balance(made.solids),) if bodies.weight else (),
             strands=(bodies.strand,),
             bought=self._bought(),

@@ -34,7 +34,7 @@ from camgen.machine.cams.limits import (
 )
 from camgen.machine.cams.machine import CamTouch, FollowerLoad, Loaded, cam_machine, cam_outline
 from camgen.machine.cams.profile import DiscCam, SwingingArm
-from camgen.machine.features import Asked, Eye, Feature, Mount, OwnTip
+from camgen.machine.features import Demand, Eye, Feature, Mount, OwnTip
 from camgen.machine.model import Machine
 from camgen.machines.cam_loads import lift_off, unweighed
 from camgen.machines.mechanism import Mechanism
@@ -189,7 +189,7 @@ class UniformSwing(Mechanism):
         springs = wished(self._spring_wish)
         lever = f"; pulls square to a lever of {self.spring.lever:g} mm about the pivot, no eye is made for it"
         wound = [replace(each, size=each.size + lever) for each in to_wind(springs)]
-        asked = (Asked("swing", lash=math.radians(self.allowed.lash_deg)),)
+        demands = (Demand("swing", lash=math.radians(self.allowed.lash_deg)),)
         machine, facts = self.machine, FollowerFacts(wish=self._spring_wish)
         if machine is None:
             part = self.plate.part
@@ -197,7 +197,7 @@ class UniformSwing(Mechanism):
             mounts = (Mount("cam", "cam"), Mount("cam", "cam", flipped=True, z=above))
             return replace(
                 self._assembly((part,), mounts[: part.count], self._features),
-                asked=asked,
+                demands=demands,
                 bought=wound,
                 springs=springs,
                 journals={},
@@ -206,7 +206,7 @@ class UniformSwing(Mechanism):
             )
         return replace(
             self._assembly(machine.parts, machine.mounts, self._features),
-            asked=asked,
+            demands=demands,
             stand_ins=machine.stand_ins(),
             bought=(*bought(machine), *wound),
             springs=springs,

@@ -408,7 +408,7 @@ class SwingMachine:
         ]
         if s.pair:
             mounts.append(Mount("cam", "cam", z=self.top - t, flipped=True))
-            mounts.append(Mount("frame", "follower", z=self.foot + t, flipped=True, turned=math.pi))
+            mounts.append(Mount("frame", "follower", z=self.foot + t, flipped=True, angle=math.pi))
             mounts.append(Mount("cam-spacer", "cam", z=low + t))
             mounts += [Mount("frame-pin", "follower", at=z, z=self.foot) for z in self._frame.pins]
         for at in (0j, complex(f.slide_at)):

@@ -7,11 +7,11 @@ from typing import Any
 
 import pytest
 
-from camgen.machine.cams.many import seen
+from camgen.machine.cams.many import figures_of
 from camgen.machine.cams.profile import DiscCam
 from camgen.machines.disc_cam.mechanism import DiscCamDrive
 from camgen.machines.sources import read_mechanism
-from camgen.sweep.run import Row, Task, judged, prepared
+from camgen.sweep.run import Row, Task, rows_of, task_of
 from camgen.sweep.variants import variants
 
 SPEC = Path(__file__).resolve().parents[3] / "specs" / "disc-cam.toml"
@@ -71,9 +71,9 @@ KINDS = {
 @pytest.mark.parametrize("kind", KINDS)
 def test_variants_in_a_crowd_say_what_each_says_by_itself(kind: str) -> None:
     settings, vary = KINDS[kind]
-    task = prepared(SPEC, variants(vary, latin=8, seed=3), settings, (), (), Path())
+    task = task_of(SPEC, variants(vary, latin=8, seed=3), settings, (), (), Path())
     for together, row in zip(
-        judged(task, range(8)), (judged_alone(task, k) for k in range(8)), strict=True
+        rows_of(task, range(8)), (judged_alone(task, k) for k in range(8)), strict=True
     ):
         assert together.keys() == row.keys() and [
             together[key] for key in ("verdict", "fails", "reason")
@@ -87,7 +87,7 @@ def test_variants_in_a_crowd_say_what_each_says_by_itself(kind: str) -> None:
 def judged_alone(task: Task, number: int) -> Row:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(DiscCamDrive, "prepare", classmethod(lambda cls, many: None))
-        return judged(task, [number])[0]
+        return rows_of(task, [number])[0]
 
 
 def test_what_takes_more_than_formulas_is_left_to_each_cam() -> None:
@@ -103,7 +103,7 @@ def test_what_takes_more_than_formulas_is_left_to_each_cam() -> None:
     )
     kicked = cam("segment.0.law='uniform'")
     assert undercut.undercuts
-    found = seen([usual, undercut, kicked, usual])
+    found = figures_of([usual, undercut, kicked, usual])
     assert [one is not None for one in found] == [True, False, False, True] and found[0] == found[3]
 
 
