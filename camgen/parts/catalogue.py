@@ -119,6 +119,14 @@ class MotorFace:
     length: float = 0.0  # of a round can between its face and the bar that holds it, mm; 0: square
 
     @property
+    def title(self) -> str:
+        """What it is, as a list of parts says it."""
+        if self.length:
+            return f"can {2 * self.half:g} x {self.length:g}, collar {self.boss:g}"
+        nema = self.name.upper().replace("-", " ")
+        return f"{nema} frame" if self.standard else f"with a plain {self.name}"
+
+    @property
     def reach(self) -> float:
         """Greatest radius of it and of what holds it, mm."""
         if not self.length:
@@ -359,6 +367,18 @@ def screw_for(core: float) -> str:
 def nut(name: str, thread: str, count: int) -> Bought:
     """Nuts of a thread."""
     return Bought(name, "ISO 4032", thread, count)
+
+
+def fixed_motor(name: str, face: MotorFace, shaft: str, grip: float) -> list[Bought]:
+    """A motor with a shaft that is so described, and what fixes it through a grip, mm: screws, and nuts where its holes are plain."""
+    screw, length, count = face.screw, face.screw_length(grip), len(face.screws)
+    held = "with a nut" if face.plain else f"{length - grip:.3g} mm of it in the motor"
+    size = f"{screw.thread} x {length:g}, {held}"
+    return [
+        Bought(name, face.standard, f"{face.title}, {shaft}", 1, "drive"),
+        Bought("screw of the motor", screw.standard, size, count),
+        *([nut("nut of the motor", screw.thread, count)] if face.plain else []),
+    ]
 
 
 def fastener(name: str, thread: str, through: float, count: int) -> Bought:

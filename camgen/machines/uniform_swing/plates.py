@@ -66,10 +66,8 @@ class Base:
     @property
     def slot(self) -> Contour:
         """The arc slot in which the second axle travels."""
-        half = self.swing / 2 + self.end_room / self.slide_at
-        return kidney(
-            complex(self.pivot), self.slide_at, (self.axle + self.slide) / 2, -half, 2 * half
-        )
+        half = self._half_slot
+        return kidney(complex(self.pivot), self.slide_at, self._axle_hole, -half, 2 * half)
 
     @property
     def pocket_depth(self) -> float:
@@ -78,18 +76,57 @@ class Base:
 
     def part(self, min_wall: float) -> Part:
         """The plate, motor below; its origin is the motor's shaft. Two layers: the upper one has the pockets."""
-        motor, wall = self.motor, self.wall
+        motor, pivot = self.motor, complex(self.pivot)
         floor = self.thickness - self.pocket_depth
-        if floor < min_wall:
+        self._refuse(min_wall)
+        outer, boss = self._outline(), motor.boss + self.slide
+        fixed = {
+            "boss": circle(0j, boss / 2),
+            "axle": circle(pivot, self._axle_hole),
+            "slot": self.slot,
+        }
+        opening = self._window(facet_contour(outer, FACETS))
+        if opening:
+            fixed["window"] = opening
+        screws = {f"screw {k}": each for k, each in enumerate(self.sunk, 1)}
+        through = {name: circle(z, screw.clearance / 2) for name, (z, screw) in screws.items()}
+        pockets = {name: circle(z, _pocket(screw)) for name, (z, screw) in screws.items()}
+        return Part(
+            "base",
+            "Base plate",
+            (
+                Layer(plate("base", outer, fixed | through, min_wall), 0.0, floor),
+                Layer(plate("base", outer, fixed | pockets, min_wall), floor, self.thickness),
+            ),
+            centres=(0j, pivot, *(z for z, _ in self.sunk)),
+            notes=(f"pockets {self.pocket_depth:g} deep for the screws' heads, this side up",),
+            bore=boss,
+            min_wall=min_wall,
+        )
+
+    @property
+    def _axle_hole(self) -> float:
+        """Radius of an axle's hole, and half the width of the slot."""
+        return (self.axle + self.slide) / 2
+
+    @property
+    def _half_slot(self) -> float:
+        """Half the angle of the slot's middle line about the pivot."""
+        return self.swing / 2 + self.end_room / self.slide_at
+
+    def _refuse(self, min_wall: float) -> None:
+        """Raise DesignError where the plate is too thin, or motor or slot have no room."""
+        least = self.pocket_depth + min_wall
+        if self.thickness < least:
             raise DesignError(
                 "thickness of the base",
                 self.thickness,
-                self.pocket_depth + min_wall,
+                least,
                 "mm",
                 "under the heads of the screws",
                 "use a thicker base or smaller screws",
             )
-        room = self.pivot - self.axle_flange / 2 - motor.half
+        room = self.pivot - self.axle_flange / 2 - self.motor.half
         if room < 0:
             raise DesignError(
                 "room for the axle's flange",
@@ -99,82 +136,55 @@ class Base:
                 "under the base, beside the motor",
                 f"use a smaller base.motor or frame.axle_flange, or geometry.pivot_distance = {self.pivot - room:g} or more",
             )
-        radius, slot = (self.axle + self.slide) / 2, self.slot
-        half = self.swing / 2 + self.end_room / self.slide_at
-        if half >= math.pi - (2 * radius + wall) / self.slide_at:
+        if self._half_slot >= math.pi - (2 * self._axle_hole + self.wall) / self.slide_at:
             raise DesignError(
                 "arc slot",
-                math.degrees(2 * half),
+                math.degrees(2 * self._half_slot),
                 360,
                 "deg",
                 "base",
                 "its ends meet: use a smaller swing or a larger slide_at",
             )
-        sunk = {
-            f"screw {k}": (z, screw.clearance / 2, (screw.head + HEAD_ROOM) / 2)
-            for k, (z, screw) in enumerate(self.sunk, 1)
-        }
+
+    def _outline(self) -> Contour:
+        """The edge, a wall round all that the plate has."""
+        radius, wall, half = self._axle_hole, self.wall, self._half_slot
         # discs along the slot, so close that the chords between them take no more than 0.1 mm of its wall
-        count = max(
-            1, math.ceil(half / math.acos(max(-1.0, 1 - 0.1 / (self.slide_at + radius + wall))))
-        )
+        chord = math.acos(max(-1.0, 1 - 0.1 / (self.slide_at + radius + wall)))
+        count = max(1, math.ceil(half / chord))
         along = self.pivot + self.slide_at * np.exp(1j * np.linspace(-half, half, 2 * count + 1))
-        discs = [(complex(z), radius + wall + 0.1) for z in along]
-        discs += [(z, head + wall) for z, _, head in sunk.values()]
-        discs += [(0j, (motor.boss + self.slide) / 2 + wall), (complex(self.pivot), radius + wall)]
-        outer = hull(discs)
-        fixed = {
-            "boss": circle(0j, (motor.boss + self.slide) / 2),
-            "axle": circle(complex(self.pivot), radius),
-            "slot": slot,
-        }
-        screws = {name: circle(z, through) for name, (z, through, _) in sunk.items()}
-        pockets = {name: circle(z, head) for name, (z, _, head) in sunk.items()}
-        opening = self._window(
-            facet_contour(outer, FACETS), (motor.screw.head + HEAD_ROOM) / 2, radius
-        )
-        if opening:
-            fixed["window"] = opening
-        return Part(
-            "base",
-            "Base plate",
-            (
-                Layer(plate("base", outer, fixed | screws, min_wall), 0.0, floor),
-                Layer(plate("base", outer, fixed | pockets, min_wall), floor, self.thickness),
-            ),
-            centres=(0j, complex(self.pivot), *(z for z, _ in self.sunk)),
-            notes=(f"pockets {self.pocket_depth:g} deep for the screws' heads, this side up",),
-            bore=motor.boss + self.slide,
-            min_wall=min_wall,
+        return hull(
+            [
+                *((complex(z), radius + wall + 0.1) for z in along),
+                *((z, _pocket(screw) + wall) for z, screw in self.sunk),
+                (0j, (self.motor.boss + self.slide) / 2 + wall),
+                (complex(self.pivot), radius + wall),
+            ]
         )
 
-    def _window(self, rim: Points, head: float, axle: float) -> Contour | None:
+    def _window(self, rim: Points) -> Contour | None:
         """A rounded opening between motor and pivot, two walls from the edge and one from everything else; None: no room."""
         motor, corner = self.motor, self.wall
+        head = _pocket(motor.screw)
         begin = max([motor.boss / 2, *(z.real + head for z in motor.screws)]) + self.wall + corner
-        end = self.pivot - axle - self.wall - corner
+        end = self.pivot - self._axle_hole - self.wall - corner
         if not self.window or end - begin < corner:
             return None
         upper = rim[rim.imag > 0]
         upper = upper[np.argsort(upper.real)]
-        heights = np.interp(
-            [begin - corner, begin, begin + corner, end - corner, end, end + corner],
-            upper.real,
-            upper.imag,
-        )
-        left, right = (
-            float(np.min(heights[part])) - 2 * self.wall - corner
-            for part in (slice(3), slice(3, 6))
-        )
-        if min(left, right) <= 0:
+        corners = []
+        for x in (begin, end):
+            heights = np.interp([x - corner, x, x + corner], upper.real, upper.imag)
+            corners.append(complex(x, float(np.min(heights)) - 2 * self.wall - corner))
+        left, right = corners
+        if min(left.imag, right.imag) <= 0:
             return None
-        places = (
-            complex(begin, left),
-            complex(begin, -left),
-            complex(end, -right),
-            complex(end, right),
-        )
-        return rounded([(z, corner) for z in places])
+        return rounded([(z, corner) for z in (left, left.conjugate(), right.conjugate(), right)])
+
+
+def _pocket(screw: Screw) -> float:
+    """Radius of the pocket of a screw's head, mm."""
+    return (screw.head + HEAD_ROOM) / 2
 
 
 # ---- frame -----------------------------------------------------------------------------------------------------------
@@ -264,84 +274,76 @@ class Frame:
             ]
         )
 
+    @property
+    def screws(self) -> tuple[complex, complex]:
+        """Places of the nozzle's screws."""
+        tail = complex(self.slide_at, self.spacing / 2)
+        return tail, tail.conjugate()
+
     def part(self, min_wall: float, count: int = 2) -> Part:
         """The plate; its origin is the pivot. Turned over about its x axis it fits the other one hole by hole."""
+        both = "two alike: turn one over about the line of both axles (y to -y)"
+        notes = [both] if count == 2 else []
+        flats, height = self.nut
+        depth = height / count + _HEAD_DEPTH / 2
+        layers = self._layers(min_wall, count, depth if flats else 0.0)
+        if flats:
+            notes.append(f"pockets {flats:g} across flats for the nozzle's nuts, {depth:g} deep")
+        tip = (self.tip,) if self.seat else ()
+        return Part(
+            "frame",
+            "Frame plate",
+            layers,
+            count,
+            (),
+            (0j, complex(self.slide_at), *self.screws, *self.pins, *tip),
+            tuple(notes),
+            self.axle,
+            min_wall,
+            1 if flats and count == 1 else 0,
+        )
+
+    def _layers(self, min_wall: float, count: int, depth: float) -> tuple[Layer, ...]:
+        """The plate from below; depth: of the nuts' pockets, above of two plates, below of one; 0: none."""
+        thick, outer, holes = self.thickness, self._edge, self._holes()
+        plain = plate("frame", outer, holes, min_wall)
+        if not depth:
+            return (Layer(plain, 0.0, thick),)
+        if thick - depth < min_wall:
+            raise DesignError(
+                "thickness of the frame",
+                thick,
+                depth + min_wall,
+                "mm",
+                "at the pockets of the nozzle's nuts",
+                "use a thicker frame (parts.thickness) or a smaller nozzle.screw",
+            )
+        nuts = {f"nozzle screw {k}": _hexagon(z, self.nut[0]) for k, z in enumerate(self.screws, 1)}
+        pocketed = plate("frame", outer, holes | nuts, min_wall)
+        if count == 2:
+            return Layer(plain, 0.0, thick - depth), Layer(pocketed, thick - depth, thick)
+        return Layer(pocketed, 0.0, depth), Layer(plain, depth, thick)
+
+    @property
+    def _edge(self) -> Contour:
+        """Its outline; DesignError where its sizes do not go together."""
+        try:
+            return self.outline
+        except ValueError as error:
+            remedy = "use a wider arm or a smaller wall"
+            raise DesignError("arm of the frame", self.arm, 0, "mm", str(error), remedy) from None
+
+    def _holes(self) -> dict[str, Contour]:
+        """Of axles, screws, pins and the tip's pin, by name."""
         holes = {
             "axle": circle(0j, self.axle / 2),
             "sliding axle": circle(complex(self.slide_at), self.axle / 2),
         }
-        tail = complex(self.slide_at, self.spacing / 2)
         holes |= {
-            f"nozzle screw {k + 1}": circle(z, self.screw / 2)
-            for k, z in enumerate((tail, tail.conjugate()))
+            f"nozzle screw {k}": circle(z, self.screw / 2) for k, z in enumerate(self.screws, 1)
         }
-        holes |= {f"pin {k + 1}": circle(z, self.pin / 2) for k, z in enumerate(self.pins)}
-        if self.seat:
-            holes["seat"] = circle(self.tip, self.seat / 2)
-        try:
-            outer = self.outline
-        except ValueError as error:
-            raise DesignError(
-                "arm of the frame",
-                self.arm,
-                0,
-                "mm",
-                str(error),
-                "use a wider arm or a smaller wall",
-            ) from None
-        layers, cut = [Layer(plate("frame", outer, holes, min_wall), 0.0, self.thickness)], 0
-        flats, height = self.nut
-        if flats:
-            depth = height / count + _HEAD_DEPTH / 2
-            if self.thickness - depth < min_wall:
-                raise DesignError(
-                    "thickness of the frame",
-                    self.thickness,
-                    depth + min_wall,
-                    "mm",
-                    "at the pockets of the nozzle's nuts",
-                    "use a thicker frame (parts.thickness) or a smaller nozzle.screw",
-                )
-            pockets = {
-                f"nozzle screw {k + 1}": _hexagon(z, flats)
-                for k, z in enumerate((tail, tail.conjugate()))
-            }
-            pocketed = plate("frame", outer, holes | pockets, min_wall)
-            split = self.thickness - depth if count == 2 else depth
-            lower, upper = (
-                (layers[0].region, pocketed) if count == 2 else (pocketed, layers[0].region)
-            )
-            layers, cut = (
-                [Layer(lower, 0.0, split), Layer(upper, split, self.thickness)],
-                0 if count == 2 else 1,
-            )
-        centres = (
-            0j,
-            complex(self.slide_at),
-            tail,
-            tail.conjugate(),
-            *self.pins,
-            *((self.tip,) if self.seat else ()),
-        )
-        both = (
-            ("two alike: turn one over about the line of both axles (y to -y)",)
-            if count == 2
-            else ()
-        )
-        if flats:
-            both = (*both, f"pockets {flats:g} across flats for the nozzle's nuts, {depth:g} deep")
-        return Part(
-            "frame",
-            "Frame plate",
-            tuple(layers),
-            count,
-            (),
-            centres,
-            both,
-            self.axle,
-            min_wall,
-            cut,
-        )
+        holes |= {f"pin {k}": circle(z, self.pin / 2) for k, z in enumerate(self.pins, 1)}
+        return holes | ({"seat": circle(self.tip, self.seat / 2)} if self.seat else {})
 
 
 def _hexagon(centre: complex, flats: float) -> Contour:

@@ -30,6 +30,7 @@ from camgen.parts.disc_cams import LAYOUT
 from camgen.parts.hardware import Collet, headed, plate, spacer
 from camgen.parts.journals import Journal
 from camgen.parts.part import Layer, Part, hull, rod
+from camgen.study import Study
 
 _TOUCHING = 0.1  # mm beyond the tip's own surface, where cam and finger may seem to overlap because the tip touches the cam
 _PLACES = 361  # cam angles at which it does; `gap` is there for what lies between
@@ -122,8 +123,7 @@ class SwingMachine:
         """What the motor's shaft has to be, and what it usually is."""
         base = self.sizes.base
         usual = base.face.shaft
-        frame = base.face.name.upper().replace("-", " ")
-        known = f" On a {frame} frame {usual:g} mm is usual" if usual else ""
+        known = f" On a {base.face.title} {usual:g} mm is usual" if usual else ""
         length = " and 24 mm long" if base.motor == "nema-17" else ""
         return f"The motor's shaft is to be {self.shaft_size}.{known}{length}{'.' if known else ''}"
 
@@ -290,6 +290,16 @@ class SwingMachine:
         plain = self.plate.room.collet(self._sleeve_wall)
         flange = max(plain.ring_diameter, 2 * reach)
         return replace(plain, flange_diameter=flange, pins=tuple((z, pin) for z in self.plate.pins))
+
+    def study(self) -> Study:
+        """The shaft's length, what the axle's play is to the swing, and what is to be said of sizes."""
+        # the frame shifts on its axle by half the clearance, which turns it until the tip is on the cam again
+        across = abs(self.cam.follower.arm) * math.cos(math.radians(self.cam.steepest))
+        numbers = {
+            "shaft_length_mm": self.shaft_length,
+            "swing_by_play_of_axle_deg": math.degrees(self.play / 2 / across),
+        }
+        return Study(numbers, notes=(self.shaft_note, *self.smaller))
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 

@@ -9,12 +9,13 @@ hub         the frame's plate round the follower's axle, which the cam passes
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from camgen.errors import DesignError, Key
+from camgen.errors import DesignError, Fault
 from camgen.geometry.distances import inside, point_to_ring, thinnest_wall
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats, Points
@@ -23,8 +24,6 @@ from camgen.parts.catalogue import DOWELS
 from camgen.parts.disc_cams import LAYOUT
 from camgen.parts.hardware import Collet
 from camgen.parts.part import hull
-
-Check = tuple[bool, Key, float, str]  # holds, path, value, what would be right
 
 # mm, diameter down to which an axle of less room is made: a thinner one breaks in print
 LEAST_AXLE = 3.0
@@ -241,87 +240,66 @@ class Room:
 # ---- what a spec may not say ----------------------------------------------------------------------------------------
 
 
-def machine_checks(sizes: SwingSizes) -> list[Check]:
-    """Checks between keys of the machine."""
-    p, base, frame, collet = sizes.making, sizes.base, sizes.frame, sizes.collet
-    nozzle, slide, press = (
-        sizes.fits.nozzle,
-        sizes.fits.slide_clearance,
-        sizes.fits.press_clearance,
-    )
-    motor, pin, tip_radius = base.face, p.pin_diameter, sizes.geometry.tip_radius
-    measured = p.shaft == "d-flat" and p.bore == motor.shaft and motor.flat
-    rollers = [frame.bearing.outside / 2] if frame.bearing else [d / 2 for d in DOWELS]
-    sold = ", ".join(f"{radius:g}" for radius in rollers)
-    thin: dict[Key, float] = {
-        ("parts", "pin_diameter"): pin or sizes.min_wall,
-        ("frame", "arm"): frame.arm,
-        ("frame", "axle"): frame.axle,
-        ("frame", "flange_thickness"): frame.flange_thickness,
-        ("collet", "flange"): collet.flange,
-    }
-    return [
-        *(
-            (
-                size >= sizes.min_wall,
-                path,
-                size,
-                f"at least limits.min_wall, {sizes.min_wall:g} mm",
-            )
-            for path, size in thin.items()
-        ),
+def faults(sizes: SwingSizes) -> list[Fault]:
+    """What is wrong between keys that are right one by one."""
+    p, min_wall = sizes.making, sizes.min_wall
+    nozzle, blend = sizes.fits.nozzle, sizes.geometry.reversal_blend_deg
+    printed = f"at least the nozzle, {nozzle:g} mm"
+    checks = [
         (
-            not measured or p.flat_depth == motor.flat,
-            ("parts", "flat_depth"),
-            p.flat_depth,
-            f'{motor.flat:g}, the flat of the shaft of base.motor = "{base.motor}", {motor.shaft - motor.flat:g} over its flat',
+            blend in (0, 180) or 0.01 <= blend <= 179.99,  # a stretch of less would be rounding
+            "geometry",
+            "reversal_blend_deg",
+            "0 (sharp), 0.01 to 179.99, or 180",
         ),
+        (p.wall >= nozzle, "parts", "wall", printed),
+        (min_wall >= nozzle, "limits", "min_wall", printed),
         (
-            pin > 0 or not (sizes.plain and sizes.pair),
-            ("parts", "pin_diameter"),
-            pin,
-            "more than 0: pins join the two cams on a plain shaft",
+            p.mark_depth < p.thickness,
+            "parts",
+            "mark_depth",
+            f"less than the thickness, {p.thickness:g} mm",
         ),
-        (
-            collet.slit >= nozzle,
-            ("collet", "slit"),
-            collet.slit,
-            f"at least the nozzle, {nozzle:g} mm, or it closes in print",
-        ),
-        (
-            frame.tip == "plate" or tip_radius in rollers,
-            ("geometry", "tip_radius"),
-            tip_radius,
-            f'that of frame.tip = "{frame.tip}": {sold} mm',
-        ),
-        (
-            slide > 0,
-            ("print", "slide_clearance"),
-            slide,
-            "more than 0: the cams and frames of a machine turn past each other",
-        ),
-        (
-            base.gap > slide,
-            ("base", "gap"),
-            base.gap,
-            f"more than print.slide_clearance, {slide:g} mm",
-        ),
-        (
-            press < pin or not pin,
-            ("print", "press_clearance"),
-            press,
-            f"less than parts.pin_diameter, {pin:g} mm",
-        ),
-        (
-            frame.axle_flange > frame.axle + slide,
-            ("frame", "axle_flange"),
-            frame.axle_flange,
-            f"more than the axle and its clearance, {frame.axle + slide:g} mm",
-        ),
-        (
-            base.motor != "flange" or base.screw_circle > base.boss,
-            ("base", "screw_circle"),
-            base.screw_circle,
-            f"more than base.boss, {base.boss:g} mm",
-        ),
+        *(_machine_checks(sizes) if p.make == "machine" else ()),
     ]
+    return [
+        Fault((table, key), f"{sizes.value(table, key):g}", right)
+        for holds, table, key, right in checks
+        if not holds
+    ]
+
+
+def _machine_checks(sizes: SwingSizes) -> Iterator[tuple[bool, str, str, str]]:
+    """Checks between keys of the machine: whether it holds, table, key, what would be right."""
+    p, base, frame, collet = sizes.making, sizes.base, sizes.frame, sizes.collet
+    slide, nozzle = sizes.fits.slide_clearance, sizes.fits.nozzle
+    pin, radius, motor = p.pin_diameter, sizes.geometry.tip_radius, base.face
+    for table, key in (
+        ("parts", "pin_diameter"),
+        ("frame", "arm"),
+        ("frame", "axle"),
+        ("frame", "flange_thickness"),
+        ("collet", "flange"),
+    ):
+        said = f"at least limits.min_wall, {sizes.min_wall:g} mm"
+        thick = sizes.value(table, key)
+        yield not thick or thick >= sizes.min_wall, table, key, said
+    measured = p.shaft == "d-flat" and p.bore == motor.shaft and motor.flat
+    said = f'{motor.flat:g}, the flat of the shaft of base.motor = "{base.motor}", {motor.shaft - motor.flat:g} over its flat'
+    yield not measured or p.flat_depth == motor.flat, "parts", "flat_depth", said
+    said = "more than 0: pins join the two cams on a plain shaft"
+    yield pin > 0 or not (sizes.plain and sizes.pair), "parts", "pin_diameter", said
+    said = f"at least the nozzle, {nozzle:g} mm, or it closes in print"
+    yield collet.slit >= nozzle, "collet", "slit", said
+    rollers = [frame.bearing.outside / 2] if frame.bearing else [d / 2 for d in DOWELS]
+    said = f'that of frame.tip = "{frame.tip}": {", ".join(f"{each:g}" for each in rollers)} mm'
+    yield frame.tip == "plate" or radius in rollers, "geometry", "tip_radius", said
+    said = "more than 0: the cams and frames of a machine turn past each other"
+    yield slide > 0, "print", "slide_clearance", said
+    yield base.gap > slide, "base", "gap", f"more than print.slide_clearance, {slide:g} mm"
+    said = f"less than parts.pin_diameter, {pin:g} mm"
+    yield sizes.fits.press_clearance < pin or not pin, "print", "press_clearance", said
+    said = f"more than the axle and its clearance, {frame.axle + slide:g} mm"
+    yield frame.axle_flange > frame.axle + slide, "frame", "axle_flange", said
+    said = f"more than base.boss, {base.boss:g} mm"
+    yield base.motor != "flange" or base.screw_circle > base.boss, "base", "screw_circle", said

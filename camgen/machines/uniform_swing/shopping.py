@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from camgen.findings import Finding, Where, at_least
 from camgen.machines.uniform_swing.printed import SwingMachine
-from camgen.parts.catalogue import DOWEL_STANDARD, SCREWS, Bought, nut
+from camgen.parts.catalogue import DOWEL_STANDARD, SCREWS, Bought, fixed_motor, nut
 from camgen.study import Table
 
 _ENGAGED = 0.8  # diameters of thread that hold a screw in metal
@@ -24,19 +24,9 @@ def bought(machine: SwingMachine) -> tuple[Bought, ...]:
     """What is bought, by its standard."""
     sizes, plate = machine.sizes, machine.base_plate
     face, tip = sizes.base.face, sizes.frame.bearing
-    nema, copies = face.name != "flange", 2 if sizes.pair else 1
-    name = f"{face.name.upper().replace('-', ' ')} frame" if nema else "with a plain flange"
+    copies = 2 if sizes.pair else 1
     grip = plate.thickness - plate.pocket_depth
-    length = face.screw_length(grip)
-    into = f"{face.screw.thread} x {length:g}, " + (
-        "with a nut" if face.plain else f"{length - grip:.3g} mm of it in the motor"
-    )
-    found = [
-        Bought("motor", face.standard, f"{name}, shaft {machine.shaft_size}", 1, "drive"),
-        Bought("screw of the motor", face.screw.standard, into, len(face.screws)),
-    ]
-    if face.plain:
-        found.append(nut("nut of the motor", face.screw.thread, len(face.screws)))
+    found = fixed_motor("motor", face, f"shaft {machine.shaft_size}", grip)
     if plate.mount:
         size = f"{plate.mount.thread}, {grip:.3g} mm longer than what it takes below the base"
         found.append(Bought("screw of the base", plate.mount.standard, size, len(plate.mounts)))
@@ -62,20 +52,9 @@ def bought(machine: SwingMachine) -> tuple[Bought, ...]:
             )
         )
     if tip:
-        size = f"{tip.name}, {tip.bore:g} x {tip.outside:g} x {tip.width:g}"
+        size = f"{tip.name}, {tip.size}"
         found.append(Bought("bearing of the tip", tip.standard, size, copies))
     return (*found, Bought("glue", "", "for all that is pressed", 1))
-
-
-_LAID = {  # what is made for each step
-    "base, motor": ("base",),
-    "axles, washers": ("axle", "axle-washer"),
-    "cam": ("cam-1", "cam-pin"),
-    "frame plate": ("frame-1",),
-    "second frame plate": ("frame-2", "frame-pin"),
-    "spacer, second cam": ("cam-spacer", "cam-2"),
-    "collet, clamp ring": ("collet", "clamp-ring"),
-}
 
 
 def steps(machine: SwingMachine) -> Table:
@@ -85,56 +64,49 @@ def steps(machine: SwingMachine) -> Table:
     tip += ", the bearing glued on it at half the cam's height" if sizes.frame.bearing else ""
     nuts = "nozzle's nuts in their pockets" + ("" if sizes.pair else " below")
     flush = f"pressed on until the axles end flush, which leaves them {m.play:g} mm of end float"
-    over = f"{m.low - sizes.base.thickness:.3g} mm over the base"
-    layers = [
-        (m.low, "cam", f"on the shaft, arrow up, {over}{'; its pins' if m.cam_pin_length else ''}"),
-        (m.foot, "frame plate", f"as drawn, pressed and glued on both axles{tip}; {nuts}"),
+    cam = f"on the shaft, arrow up, {m.low - sizes.base.thickness:.3g} mm over the base"
+    cam += "; its pins" if m.cam_pin_length else ""
+    frame = f"as drawn, pressed and glued on both axles{tip}; {nuts}"
+    # height, what, how, what of the parts is laid
+    layers: list[tuple[float, str, str, tuple[str, ...]]] = [
+        (m.low, "cam", cam, ("cam-1", "cam-pin")),
+        (m.foot, "frame plate", frame, ("frame-1",)),
     ]
     if sizes.pair:
-        pinned = "; its pins" if sizes.making.pin_diameter else ""
+        over = "turned over about the line of the axles"
+        over += "; its pins" if sizes.making.pin_diameter else ""
+        second = "on the first cam and its pins, turned over about Oy, arrow down"
         layers += [
             (
                 m.foot + m.thickness,
                 "second frame plate",
-                f"turned over about the line of the axles{pinned}; {flush}",
+                f"{over}; {flush}",
+                ("frame-2", "frame-pin"),
             ),
-            (
-                m.top - m.thickness,
-                "spacer, second cam",
-                "on the first cam and its pins, turned over about Oy, arrow down",
-            ),
+            (m.top - m.thickness, "spacer, second cam", second, ("cam-spacer", "cam-2")),
         ]
     else:
-        layers.append((m.foot + 1e-3, "axles", flush))
+        layers.append((m.foot + 1e-3, "axles", flush, ()))
     rows = [
-        ("base, motor", "motor below, its screws' heads in the pockets"),
+        ("base, motor", "motor below, its screws' heads in the pockets", ("base",)),
         (
             "axles, washers",
             "from below, held by a tape, one through the hole, one through the arc slot; a washer on each",
+            ("axle", "axle-washer"),
         ),
-        *((what, how) for _, what, how in sorted(layers, key=lambda layer: layer[0])),
     ]
     if m.base_plate.mounts:
-        below = sizes.frame.flange_thickness + m.play
-        rows.insert(
-            2,
-            (
-                "base",
-                f"on its stand, {below:g} mm free below for the axles, before the frames cover the screws",
-            ),
-        )
+        free = f"{sizes.frame.flange_thickness + m.play:g} mm free below for the axles"
+        said = f"on its stand, {free}, before the frames cover the screws"
+        rows.append(("base", said, ()))
+    rows += [(what, how, laid) for _, what, how, laid in sorted(layers)]
     if sizes.plain:
-        rows.append(
-            (
-                "collet, clamp ring",
-                "collet glued on the upper cam; ring over it, wide end first, pushed home",
-            )
-        )
-    rows.append(("nozzle", "on the frames, its screws from above into the nuts"))
-    numbered = [(k, *row) for k, row in enumerate(rows, 1)]
+        ring = "collet glued on the upper cam; ring over it, wide end first, pushed home"
+        rows.append(("collet, clamp ring", ring, ("collet", "clamp-ring")))
+    rows.append(("nozzle", "on the frames, its screws from above into the nuts", ()))
     return Table(
         "Assembly, step by step",
         ("step", "what", "how"),
-        numbered,
-        [_LAID.get(what, ()) for what, _ in rows],
+        [(k, what, how) for k, (what, how, _) in enumerate(rows, 1)],
+        [laid for *_, laid in rows],
     )

@@ -1,21 +1,27 @@
-"""What follows from a uniform swing: the canvas that it lays, the choice of the reversal blend, forces and lift-off."""
+"""What follows from a uniform swing: the canvas that it lays, the choice of the reversal blend, its figures, forces and lift-off."""
 
 from __future__ import annotations
 
 import cmath
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
 from camgen.errors import DesignError
+from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
-from camgen.machine.cams.machine import FollowerLoad, Loaded, loaded
+from camgen.machine.cams.followers import SwingingArm
+from camgen.machine.cams.limits import ARM_PRESSURE, undercut_numbers
+from camgen.machine.cams.machine import FollowerLoad, Loaded
 from camgen.machine.cams.profile import DiscCam
-from camgen.machine.model import Machine
-from camgen.machines.cam_loads import force_plots
+from camgen.machines.cam_loads import force_plots, lift_off
+from camgen.machines.uniform_swing.pictures import Model, pictures
+from camgen.machines.uniform_swing.tables import SwingGeometry
 from camgen.machines.uniform_swing.web_thickness import BAND, STRIPS, blend_choice, canvas
-from camgen.study import ROWS, Plot, Study, Table
+from camgen.numerics import greatest
+from camgen.study import ROWS, Plot, Sketch, Study, Table
 
 _BLENDS = (
     0.0,
@@ -34,7 +40,10 @@ _BLENDS = (
 )  # deg, at which the choice is shown
 _MIDDLE = 0.9  # share of the width over which the spread is stated: at the very edge it depends on how wide a strip is
 _JET = 100  # strips in which thickness is drawn and its spread stated: a jet is no finer
-NO_SPRING = "A sharp reversal needs an infinite force, so no spring keeps the follower on the cam: use a reversal_blend_deg."
+_NO_SPRING = "A sharp reversal needs an infinite force, so no spring keeps the follower on the cam: use a reversal_blend_deg."
+
+
+# ---- canvas ----------------------------------------------------------------------------------------------------------
 
 
 def canvas_study(theta: Floats, motion: Mapping[str, Floats]) -> Study:
@@ -115,46 +124,72 @@ def blend_study(cam: DiscCam, blend: float) -> Study:
     )
 
 
-def forces(machine: Machine, cam: DiscCam, load: FollowerLoad) -> Loaded:
-    """What tip and motor bear over the turn."""
-    return loaded(machine, cam, load, np.linspace(0, 2 * math.pi, ROWS))
+# ---- figures ---------------------------------------------------------------------------------------------------------
 
 
-def force_study(found: Loaded, load: FollowerLoad, lever: float | None) -> Study:
-    """Curves and figures of the forces; with a lever, mm, also the spring there that keeps contact (force closure)."""
+def figures(cam: DiscCam, g: SwingGeometry, rpm: float) -> Study:
+    """The source's angles, speeds at so many turns a minute, sizes of the cam, its pressure angle, undercut and figures 2 to 5."""
+    theta = np.linspace(0, math.tau, ROWS)
+    swing = math.radians(g.swing_deg)
+    speed = float(np.max(np.abs(cam.program(theta, 1))))
+    radius = np.abs(cam.pitch(theta))
+    rise, back = pressure_angles(cam)
     numbers = {
-        "inertia_kg_m2": load.inertia,
-        "peak_contact_force_n": float(np.nanmax(found.force)),
-        "peak_torque_n_m": float(np.nanmax(np.abs(found.torque))),
+        "swing_deg": g.swing_deg,
+        "speed_ratio": 1 / speed,
+        **source_figures(g.pivot_distance, g.arm_offset, swing),
+        "uniform_share_percent": 100 * (1 - g.reversal_blend_deg / 180),
+        "follower_speed_deg_s": math.degrees(speed) * rpm * math.tau / 60,
+        "peak_speed_mm_s": abs(cam.follower.arm) * speed * rpm * math.tau / 60,
+        "pitch_radius_min_mm": float(np.min(radius)),
+        "pitch_radius_max_mm": float(np.max(radius)),
+        "pitch_curvature_radius_min_mm": 1 / greatest(cam.curvature, 0.0, math.tau)[1],
+        "profile_length_mm": cam.outline.length,
+        "profile_area_mm2": cam.outline.area,
+        "pressure_angle_rise_deg": rise,
+        "pressure_angle_return_deg": back,
+        **undercut_numbers([cam]),
     }
-    notes = []
-    if found.kick:
-        numbers["reversal_kick_n_m_s"] = found.kick
-        notes.append(
-            f"A sharp reversal gives the follower a kick of {found.kick:.3g} N m s; the curves of force and torque leave it "
-            "out. A reversal_blend_deg spreads it."
-        )
-    if lever is not None:
-        preload, rate = found.spring_needed(load)
-        numbers |= {
-            "spring_preload_needed_n_m": preload,
-            "spring_rate_needed_n_m_per_rad": rate,
-            "spring_force_needed_n": preload / lever * 1e3,
-            "spring_rate_needed_n_mm": rate / lever**2 * 1e3,
-        }
-        ways = [
-            f"pulls with {preload / lever * 1e3:.3g} N where the tip is nearest to the shaft (spring.preload)"
-        ]
-        if math.isfinite(rate):
-            ways.append(f"has a rate of {rate / lever**2 * 1e3:.3g} N/mm (spring.rate)")
-        notes.append(
-            NO_SPRING
-            if math.isinf(preload)
-            else f"What keeps contact: a straight spring on a lever of {lever:g} mm that {' or, the other as given, '.join(ways)}."
-        )
+    steep = ("exact profile", np.degrees(theta), np.degrees(cam.pressure_angle(theta)))
+    drawn = pictures(Model(g.pivot_distance, g.arm_offset, swing, cam))
     return Study(
-        numbers, force_plots(found, "tip on cam") if np.any(found.effort) else (), notes=notes
+        numbers,
+        [Plot("Pressure angle", "cam angle, deg", "deg", [steep]), *drawn],
+        _undercuts(cam),
+        notes=_notes(cam),
     )
+
+
+def pressure_angles(cam: DiscCam) -> tuple[float, float]:
+    """Largest pressure angle over the rise and over the return, less the undercut, deg."""
+    return (
+        cam.steepest_between(0.0, math.pi, riding=False),
+        cam.steepest_between(math.pi, math.tau, riding=False),
+    )
+
+
+def _undercuts(cam: DiscCam) -> list[Table]:
+    columns = ("from, deg", "to, deg", "largest shortfall, deg", "at, deg", "at the tip, mm")
+    rows = [
+        (*np.degrees([cut.begin, cut.end, cut.shortfall, cut.worst]).tolist(), cut.depth)
+        for cut in cam.undercuts
+    ]
+    return [Table("Undercut of the exact profile", columns, rows)] if rows else []
+
+
+def _notes(cam: DiscCam) -> list[str]:
+    notes = [
+        "Source: Sentyakov et al., Vestnik TGTU 2018, 24(4), 698-706, which gives no lengths: these are the spec's own.",
+        "MOTION_ERROR compares with the wanted motion less the undercut that the spec implies; UNDERCUT states that loss.",
+    ]
+    if cam.steepest > ARM_PRESSURE:
+        tilt = math.degrees(cmath.phase(-cam.follower.arm))
+        notes.append(
+            f"The tip's path is tilted by {tilt:.1f} deg against the radius, which helps the rise and harms the return; "
+            "the conjugate pair does not change that. Remedies: a smaller swing, another arm_offset / pivot_distance, or "
+            "a disc cam with its pivot placed so that the arm is square to the cam's radius in mid position."
+        )
+    return notes
 
 
 def source_figures(pivot: float, offset: float, swing: float) -> dict[str, float]:
@@ -169,3 +204,69 @@ def source_figures(pivot: float, offset: float, swing: float) -> dict[str, float
             f"source_beta_{k}_deg": math.degrees(math.atan2(abs(tip.real), -tip.imag)),
         }
     return numbers
+
+
+def sketches(arm: SwingingArm, pair: bool, shaft: float) -> tuple[Sketch, Sketch]:
+    """Follower and shafts, as the moving picture shows cams alone; pair: of cams; shaft: radius, mm."""
+    tip = arm.arm
+    strokes = [np.array([0, 1j * tip.imag, tip])]
+    circles = [(tip, arm.tip_radius)] if arm.tip_radius else []
+    if pair:
+        strokes.append(np.conj(strokes[0]))
+        circles += [(z.conjugate(), r) for z, r in circles]
+    ground = Sketch("ground", (), [(0j, shaft), (arm.pivot, shaft)])
+    return Sketch("follower", strokes, circles, "follower"), ground
+
+
+# ---- forces ----------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class SwingForces:
+    """What tip and motor bear over the turn."""
+
+    loaded: Loaded
+    load: FollowerLoad
+    lever: float | None  # mm, from the pivot to a straight spring that closes the cam; None: a pair
+
+    def findings(self) -> list[Finding]:
+        """LIFT_OFF, where a spring closes the cam."""
+        less = "less inertia or a longer reversal_blend_deg"
+        if self.lever is None:
+            return []
+        return [lift_off(self.loaded, self.load, False, _NO_SPRING, less)]
+
+    def study(self) -> Study:
+        """Curves and figures; where a spring closes the cam also the one that keeps contact."""
+        loaded = self.loaded
+        numbers = {
+            "inertia_kg_m2": self.load.inertia,
+            "peak_contact_force_n": float(np.nanmax(loaded.force)),
+            "peak_torque_n_m": float(np.nanmax(np.abs(loaded.torque))),
+        }
+        notes = []
+        if loaded.kick:
+            numbers["reversal_kick_n_m_s"] = loaded.kick
+            notes.append(
+                f"A sharp reversal gives the follower a kick of {loaded.kick:.3g} N m s; the curves of force and torque leave "
+                "it out. A reversal_blend_deg spreads it."
+            )
+        plots = force_plots(loaded, "tip on cam") if np.any(loaded.effort) else []
+        if self.lever is None:
+            return Study(numbers, plots, notes=notes)
+        preload, rate = loaded.spring_needed(self.load)
+        force = preload / self.lever * 1e3
+        stiff = rate / self.lever**2 * 1e3
+        numbers |= {
+            "spring_preload_needed_n_m": preload,
+            "spring_rate_needed_n_m_per_rad": rate,
+            "spring_force_needed_n": force,
+            "spring_rate_needed_n_mm": stiff,
+        }
+        kept = f"What keeps contact: a straight spring on a lever of {self.lever:g} mm that pulls with {force:.3g} N where "
+        kept += "the tip is nearest to the shaft (spring.preload)"
+        if math.isfinite(rate):
+            kept += f" or, the other as given, has a rate of {stiff:.3g} N/mm (spring.rate)"
+        return Study(
+            numbers, plots, notes=[*notes, _NO_SPRING if math.isinf(preload) else f"{kept}."]
+        )

@@ -200,6 +200,16 @@ class SwingSizes:
     fits: Print
     min_wall: float  # mm
 
+    def value(self, table: str, key: str) -> float:
+        """That of a key, by the names of a spec."""
+        if table == "limits":
+            return self.min_wall
+        return float(
+            getattr(
+                {"parts": self.making, "print": self.fits}.get(table) or getattr(self, table), key
+            )
+        )
+
     @property
     def pair(self) -> bool:
         """Whether there are two cams."""

@@ -28,7 +28,7 @@ from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine import model as m
 from camgen.machine.features import Feature, Mount, StandIn, Strand
 from camgen.parts.assembly import Shaft
-from camgen.parts.catalogue import Bought, nut, screw_for
+from camgen.parts.catalogue import Bought, fixed_motor, screw_for
 from camgen.parts.generator import plates
 from camgen.parts.generator.discs import cam_parts, disc_layer, gear_part, keeper
 from camgen.parts.generator.joined import GROUND
@@ -159,22 +159,8 @@ class Bodies:
         if face is not None:
             known = face.flat or not p.shaft_flat
             shaft += "" if known else " (that of your motor is to be looked up: shaft_flat)"
-            frame = f"{face.name.upper().replace('-', ' ')} frame"
-            if face.length:
-                frame = f"can {2 * face.half:g} x {face.length:g}, collar {face.boss:g}"
-            frame += f", {turning}, {shaft}, at least {self.shaft_reach:.4g} long from its face"
-            length = face.screw_length(p.base_thickness - p.pocket)
-            motors = [
-                Bought("drive", face.standard, frame, 1, "drive"),
-                Bought(
-                    "screw of the motor",
-                    face.screw.standard,
-                    f"{face.screw.thread} x {length:g}",
-                    len(face.screws),
-                ),
-            ]
-            nuts = [nut("nut of the motor", face.screw.thread, len(face.screws))]
-            motors += nuts if face.plain else []
+            said = f"{turning}, {shaft}, at least {self.shaft_reach:.4g} long from its face"
+            motors = fixed_motor("drive", face, said, p.base_thickness - p.pocket)
         covers = len(self.of_role("cover"))
         screws = self.layout.cover.bought(covers) if self.layout.cover else []
         screws += [] if self.collar is None else self.collar.bought(self.collar.least_radius)

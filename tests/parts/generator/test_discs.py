@@ -133,7 +133,10 @@ def test_a_motor_with_a_can_sits_by_its_boss_and_is_held_by_a_bar() -> None:
     bar = next(mount for mount in machine.assembly.mounts if mount.part == "motor-bar")
     assert bar.z == -25 - 5 and parts["motor-bar"].thickness == 5
     # through 5 less a head of 2 sunk by 0.2, the can, the bar, and a nut of 1.6
-    assert lines["screw of the motor"].size == "M2 x 35" and lines["nut of the motor"].count == 2
+    assert (
+        lines["screw of the motor"].size == "M2 x 35, with a nut"
+        and lines["nut of the motor"].count == 2
+    )
     # plate, crank, rod and the keeper of 1.5, a play under each
     assert machine.assembly.motor.reach == pytest.approx(5 + 4.2 + 4.2 + 1.7)
 
