@@ -238,7 +238,8 @@ def sprung(springs: Mapping[str, Mounted], speed: float) -> Borne:
             borne.findings.append(
                 at_least("SURGE", surge, _SURGE * turns, "Hz", Where(where), said)
             )
-        key = "spring" if where == "return spring" else re.sub("[^a-z0-9]+", "_", where.lower())
+        returns = where == "return spring" or not mounted.made
+        key = "spring" if returns else re.sub("[^a-z0-9]+", "_", where.lower())
         numbers = {
             f"{key}_rate_n_mm": spring.rate,
             f"{key}_stress_mpa": stress,
