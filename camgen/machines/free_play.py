@@ -52,12 +52,17 @@ def accepted(course: Course, lash: float | None, lash_deg: float | None) -> tupl
     """The play of an output that its limits bear, mm or rad, and what sets it; unless given by its stroke, or of a path by its
     smaller side, so that its shape is left. A path narrower than a twentieth of its length is a line, which has one side."""
     if course.unit == "deg":
-        given, key, scale = lash_deg, "limits.lash_deg", math.radians(1)
+        given = lash_deg
+        key = "limits.lash_deg"
+        scale = math.radians(1)
     else:
-        given, key, scale = lash, "limits.lash", 1.0
+        given = lash
+        key = "limits.lash"
+        scale = 1.0
     if given is not None:
         return scale * given, key
-    size, of = stroke(course), "stroke"
+    size = stroke(course)
+    of = "stroke"
     if np.iscomplexobj(course.value):
         length, width = rectangle(course.value)
         size, of = (
@@ -86,7 +91,8 @@ def between(cams: Sequence[DiscCam[Any]], air: float, lash: float) -> list[Findi
         return []
     theta = np.linspace(0, math.tau, ANGLES)
     play: Floats = sum((air / _leaving(cam, theta) for cam in cams), np.zeros(theta.size))
-    worst, (unit, scale) = int(np.argmax(play)), unit_of_lift(cams[0])
+    worst = int(np.argmax(play))
+    unit, scale = unit_of_lift(cams[0])
     limit, said = borne(lash, cams[0].program(theta))
     where = Where("follower", theta=float(theta[worst]), digits=1)
     remark = f"by {air:g} mm of air at each contact; {said}"
@@ -95,6 +101,7 @@ def between(cams: Sequence[DiscCam[Any]], air: float, lash: float) -> list[Findi
 
 def _leaving(cam: DiscCam[Any], theta: Floats) -> Floats:
     """How fast the follower leaves the cam along the normal of their contact, for 1 of its motion, (n,)."""
-    turn, s = np.exp(1j * theta), cam.program(theta)
+    turn = np.exp(1j * theta)
+    s = cam.program(theta)
     velocity = cam.cutter.leaves * cam.cutter.velocity(s, cam.profile(theta) * turn)
     return np.asarray(np.abs(velocity) * np.cos(cam.steepness(theta)))

@@ -219,9 +219,12 @@ def _rides(
     ]
     if wrong:
         raise SpecError(wrong)
-    run, host, found = mechanism.solve([module.phase], 0), solve(chain, [0.0], 0), []
+    run = mechanism.solve([module.phase], 0)
+    host = solve(chain, [0.0], 0)
+    found = []
     for body, link in each.ride.items():
-        own, carrier = run.pose(body), host.pose(link)
+        own = run.pose(body)
+        carrier = host.pose(link)
         there = Pose(complex(own.place[0]) + module.at, float(own.angle[0]))
         found.append(
             ride(body, link, there, Pose(complex(carrier.place[0]), float(carrier.angle[0])))
@@ -275,7 +278,8 @@ def _names(made: Assembly) -> set[str]:
 
 def filled(each: Included) -> Mapping[str, Any]:
     """Its own [[include]], with everything filled in."""
-    module, table = each.module, each.table
+    module = each.module
+    table = each.table
     return {
         "name": module.prefix,
         "at": (module.at.real, module.at.imag),
@@ -299,7 +303,8 @@ def limits(each: Included, chain: Machine) -> Sequence[Finding]:
 
 def _followed(each: Included, ride: Ride, chain: Machine) -> Finding:
     """PROGRAM_ERROR: how far a body that rides is from where its own machine has it."""
-    theta, module = np.linspace(0, math.tau, _ANGLES, endpoint=False), each.module
+    theta = np.linspace(0, math.tau, _ANGLES, endpoint=False)
+    module = each.module
     link = solve(chain, theta, 0).pose(ride.link)
     own = each.mechanism.solve(theta + module.phase, 0).pose(ride.body)
     off = np.abs(link.place + ride.at * np.exp(1j * link.angle) - own.place - module.at)
@@ -317,7 +322,8 @@ def _followed(each: Included, ride: Ride, chain: Machine) -> Finding:
 
 def study(each: Included) -> Study:
     """Its figures, curves and tables, which are those of its own spec; angles in them are its own."""
-    found, module = each.mechanism.study(), each.module
+    found = each.mechanism.study()
+    module = each.module
     prefix = module.prefix
     return Study(
         {module.name(name): value for name, value in found.numbers.items()},
@@ -348,7 +354,9 @@ def _ahead(course: Callable[[Floats], Points], module: Module, theta: Floats) ->
 
 def _fastened(each: Included) -> list[str]:
     """What a builder joins: a body that rides has no hole or post of its own for it."""
-    name, module, stand = each.module.prefix, each.module, each.stand
+    name = each.module.prefix
+    module = each.module
+    stand = each.stand
     shaft = each.mechanism.assembly.shaft
     said: list[str] = []
     if stand is not None and stand.merged is not None:
@@ -385,7 +393,8 @@ def _origin(each: Included) -> list[str]:
 
 def faults(includes: Sequence[Include], host: Host) -> Sequence[Fault]:
     """What is wrong with included specs, by the key of each."""
-    found, names = [], [_name(each) for each in includes]
+    found = []
+    names = [_name(each) for each in includes]
     for k, each in enumerate(includes):
         path = ("include", k)
         if each.mounted and host.tables["parts"]["plates"] < 2:

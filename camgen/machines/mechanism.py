@@ -142,11 +142,9 @@ class Mechanism(Spec, ABC):
     @property
     def _process(self) -> Process:
         """The play on a side less what a coarse print leaves and facets take is what bodies keep that move past each other."""
-        press, slide, tolerance = (
-            self.print.press_clearance,
-            self.print.slide_clearance,
-            self.accuracy.chord_tolerance,
-        )
+        press = self.print.press_clearance
+        slide = self.print.slide_clearance
+        tolerance = self.accuracy.chord_tolerance
         sheet = None if self.laser is None else self.laser.thickness
         fixing = Fixing((press + slide) / 2 if press < slide else -math.inf, self.fixed)
         return Process(

@@ -92,16 +92,22 @@ def rows() -> Iterator[Row]:
 
 def _swing() -> Iterator[Row]:
     """The source gives formulas without lengths: they are tried at L = 60, H = 30, Delta = 15 deg, phi = 50 deg."""
-    pivot, width, half = 60.0, 30.0, math.radians(15)
-    reach, middle = math.hypot(pivot, width), math.atan2(width, pivot)
-    phi, ratio = math.radians(50), math.pi / (2 * half)
+    pivot = 60.0
+    width = 30.0
+    half = math.radians(15)
+    reach = math.hypot(pivot, width)
+    middle = math.atan2(width, pivot)
+    phi = math.radians(50)
+    ratio = math.pi / (2 * half)
 
     def tip(alpha: float) -> complex:
         return pivot - reach * cmath.exp(1j * alpha)
 
     def steps(sign: float) -> complex:
         """The point of the profile by (8) and (11), x sin with this sign in the row of y."""
-        d, a, angle = tip(middle - half) - pivot, -phi / ratio, phi - phi / ratio
+        d = tip(middle - half) - pivot
+        a = -phi / ratio
+        angle = phi - phi / ratio
         x = d.real * math.cos(angle) + d.imag * math.sin(angle) + pivot * math.cos(phi)
         y = d.imag * math.cos(angle) + sign * (d.real * math.sin(angle) + pivot * math.sin(phi))
         assert math.isclose(angle, phi + a)
@@ -161,7 +167,8 @@ def _swing() -> Iterator[Row]:
 
 
 def _eccentric() -> Iterator[Row]:
-    crank, rod = 1.5, 48.0
+    crank = 1.5
+    rod = 48.0
     printed = "13000 / 60 is revolutions a second, the formula wants rpm: 1361 rad/s"
     yield Row("E crank speed, rad/s", "22.6", math.pi * 13000 / 30, refuted=printed)
     yield Row("E strokes a second at the printed 22.6 rad/s", "3 to 4", PAPER_SPEED / math.tau)
@@ -233,7 +240,8 @@ def _fastest(share: float) -> float:
 
 
 def _stitch() -> Iterator[Row]:
-    g, d = SOURCE, SOURCE.design()
+    g = SOURCE
+    d = SOURCE.design()
     thread = thread_per_stitch(2.5, 3.0, 4.0)
     yield Row("S thread of a stitch, new, mm", "46", thread["new"])
     yield Row("S thread of a stitch, type 406, mm", "47", thread["406"])
@@ -301,7 +309,8 @@ def _stitch() -> Iterator[Row]:
         at * way / (16.5 - g.rise[1]),
         refuted=f"{lost}, and 0.03 is 0.003",
     )
-    new, wrong = 41.7 / 34, "dS/dL taken for dL/dS"
+    new = 41.7 / 34
+    wrong = "dS/dL taken for dL/dS"
     yield Row("S new l1, mm", "8.1", max(g.reach) * new, refuted=wrong)
     yield Row("S new l2, mm", "2.8", g.height * new, refuted=wrong)
     yield Row("S new A, mm", "10.9", (max(g.reach) + g.height) * new, refuted=wrong)
@@ -321,8 +330,10 @@ def _stitch() -> Iterator[Row]:
 
 
 def _indexing() -> Iterator[Row]:
-    law, kappa = LAWS["mr-13"], np.arange(61) / 60
-    b, c = law(kappa, 1), law(kappa, 2)
+    law = LAWS["mr-13"]
+    kappa = np.arange(61) / 60
+    b = law(kappa, 1)
+    c = law(kappa, 2)
     printed = (*MR_13_SINES[:-1], -MR_13_SINES[-1])
     yield Row(
         "I speed at the ends, A6 as printed",
@@ -389,7 +400,8 @@ def _take_up() -> Iterator[Row]:
         refuted="the squares are lost, and l0 l1 stands for l2",
     )
     yield Row("T eq. 1 with both: gap at B, mm", "0.000000000", gap(right))
-    beta, arm = math.radians(90), 52.0
+    beta = math.radians(90)
+    arm = 52.0
 
     def at(x: float, y: float) -> Points:
         """D by formula (2) from its place in the coupler's axes."""
@@ -440,16 +452,14 @@ def _take_up() -> Iterator[Row]:
     yield Row(
         "T a longer frame turns BC less evenly, of 4 steps", "4", float(np.sum(np.diff(spread) > 0))
     )
-    speed, masses = (
-        math.tau * 5000 / 60,
-        Masses(
-            coupler_g=6.3,
-            output_crank_g=8.3,
-            coupler_kg_m2=5.1e-6,
-            output_crank_kg_m2=2.5e-6,
-            coupler_centre=(15.0, -10.0),
-            output_crank_centre=9.5,
-        ),
+    speed = math.tau * 5000 / 60
+    masses = Masses(
+        coupler_g=6.3,
+        output_crank_g=8.3,
+        coupler_kg_m2=5.1e-6,
+        output_crank_kg_m2=2.5e-6,
+        coupler_centre=(15.0, -10.0),
+        output_crank_centre=9.5,
     )
     bodies = masses.bodies(printed)
     found = balance_numbers(printed, masses, speed)

@@ -108,7 +108,8 @@ def _mr_13() -> Iterator[Row]:
     )
     yield Row("mr-13 c(0)", "2.550126", float(law(0.0, 2)))
     kappa = np.arange(61) / 60
-    b, c = law(kappa, 1), law(kappa, 2)
+    b = law(kappa, 1)
+    c = law(kappa, 2)
     for label, text, curve in (
         ("|b|", "1.8917", b),
         ("|c|", "6.1487", c),
@@ -146,10 +147,8 @@ def to_text(found: Sequence[Row]) -> str:
         ours = 0.0 if abs(row.ours) < 1e-12 else row.ours  # rounding
         lines.append(f"{row.what:<52}{row.published:>14}{ours:>16.10g}  {row.verdict}")
     off = sum(not row.ok for row in found)
-    refuted, undecided = (
-        sum(bool(row.refuted) for row in found),
-        sum(bool(row.undecided) for row in found),
-    )
+    refuted = sum(bool(row.refuted) for row in found)
+    undecided = sum(bool(row.undecided) for row in found)
     sources = (
         f"{refuted} printed values are refuted, {undecided} cannot be decided from their sources"
     )

@@ -35,9 +35,13 @@ def read_tables(spec: Source) -> tuple[reading.Data, str, Path]:
     """The tables of a spec with those of the specs that it includes, what it is called in errors, and its folder."""
     assert not isinstance(spec, Mechanism), "has no tables of its own"
     if isinstance(spec, Mapping):
-        data, source, folder = reading.tables(spec), "spec", Path()
+        data = reading.tables(spec)
+        source = "spec"
+        folder = Path()
     else:
-        data, source, folder = reading.read(Path(spec)), str(spec), Path(spec).parent
+        data = reading.read(Path(spec))
+        source = str(spec)
+        folder = Path(spec).parent
     if "include" in data:
         from camgen.machines.included import opened
 

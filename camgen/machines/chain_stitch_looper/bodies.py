@@ -82,10 +82,12 @@ class Bodies:
 
         behind: shank beyond the blade's end; foot: depth of the underside, l_H unless said. DesignError where arcs do not fit.
         """
-        d, g = self.design, self.design.given
+        d = self.design
+        g = self.design.given
         low = g.protrusion if foot is None else foot
         lean = low / math.tan(self.tau) * (1 if self.making.lean == "nose" else -1)
-        end, b = self.blade + behind, g.height
+        end = self.blade + behind
+        b = g.height
         points = [
             0j,
             complex(d.l3, 0),
@@ -100,7 +102,9 @@ class Bodies:
 
     def section_outline(self, behind: float = 0.0, foot: float | None = None) -> Contour:
         """Outline in (u, y) of what stands in the needles' plane: B, C and the body behind them; sharp."""
-        d, end, b = self.design, self.blade + behind, self.design.given.height
+        d = self.design
+        end = self.blade + behind
+        b = self.design.given.height
         low = self.design.given.protrusion if foot is None else foot
         return polygon(
             [
@@ -121,11 +125,11 @@ class Bodies:
     @property
     def plan(self) -> tuple[complex, complex, complex, complex, complex]:
         """T1 to T5."""
-        d, p, end = self.design, self.making, self.blade
-        gap, widening = (
-            self.design.given.needle / 2 + p.side_gap,
-            math.tan(math.radians(p.shed_deg)),
-        )
+        d = self.design
+        p = self.making
+        end = self.blade
+        gap = self.design.given.needle / 2 + p.side_gap
+        widening = math.tan(math.radians(p.shed_deg))
         return (
             complex(d.l3, gap + p.nose_width),
             complex(end, gap + p.nose_width + (end - d.l3) * widening),
@@ -137,7 +141,10 @@ class Bodies:
     @property
     def _sizes(self) -> tuple[str, ...]:
         """What to measure, for the drawings."""
-        d, g, p, tau = self.design, self.design.given, self.making, math.degrees(self.tau)
+        d = self.design
+        g = self.design.given
+        p = self.making
+        tau = math.degrees(self.tau)
         tip = (
             math.degrees(math.atan2(g.height, d.nose)),
             math.degrees(math.atan2(p.nose_width, d.l3)),
@@ -162,17 +169,17 @@ class Bodies:
 
         Across the stroke all are arcs of edge_radius; the nose's grow from nothing at the tip and run out before the seat.
         """
-        d, p, radius, b = (
-            self.design,
-            self.making,
-            self.making.edge_radius,
-            self.design.given.height,
-        )
+        d = self.design
+        p = self.making
+        radius = self.making.edge_radius
+        b = self.design.given.height
         _, _, t3, t4, t5 = self.plan
         if radius == 0:
             return ()
         back = seat_back(self.tau, p.lean)
-        steep, wide = b / d.nose, p.nose_width / d.l3  # growth of the nose's height and width
+        # growth of the nose's height and width
+        steep = b / d.nose
+        wide = p.nose_width / d.l3
         whole = 1 / (_ROUND * min(steep, wide))
         room = d.l3 / (whole + _RUN_OUT + back)
         if radius > room:
@@ -216,7 +223,8 @@ class Bodies:
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         """Both spreaders, needles and plate as dummies, gauges of the outlines and of the section."""
-        radius, upper = self.making.edge_radius, self.upper
+        radius = self.making.edge_radius
+        upper = self.upper
         mirrored = [
             Layer(layer.region.moved(-1, mirror=True), layer.z0, layer.z1) for layer in upper.layers
         ]
@@ -246,7 +254,9 @@ class Bodies:
     @cached_property
     def upper(self) -> Part:
         """The upper spreader: body and flank one above the other in z, crossed with the outline from above and the shank."""
-        g, d, p = self.design.given, self.design, self.making
+        g = self.design.given
+        d = self.design
+        p = self.making
         t1, t2, t3, t4, t5 = self.plan
         if not d.nose < self.blade:
             raise DesignError(
@@ -257,7 +267,9 @@ class Bodies:
                 "the nose alone",
                 "use a longer blade or a smaller velocity_ratio",
             )
-        foot, floor, end = g.protrusion - p.running_gap, t3.imag, self.blade + p.shank_length
+        foot = g.protrusion - p.running_gap
+        floor = t3.imag
+        end = self.blade + p.shank_length
         hole_at = complex(self.blade + p.shank_length / 2, (self.design.given.height - foot) / 2)
         height = self.design.given.height + foot
         wall = (min(height, p.shank_length) - p.clamp_hole) / 2
@@ -315,7 +327,8 @@ class Bodies:
     @cached_property
     def _needles(self) -> tuple[Part, Part]:
         """Needles, upright in the drawing's plane: round above, the point a wedge whose section here is the cone's."""
-        g, r = self.design.given, self.design.given.needle / 2
+        g = self.design.given
+        r = self.design.given.needle / 2
         top = max(self.design.given.depths) + g.thickness + _BEYOND
 
         def needle(k: int) -> Part:
@@ -338,14 +351,16 @@ class Bodies:
     @cached_property
     def plate(self) -> Part:
         """Dummy of the needle plate, its top at y = 0."""
-        g, p = self.design.given, self.making
-        z, half = g.spacing, max(self.upper.thickness, 6.0)
+        g = self.design.given
+        p = self.making
+        z = g.spacing
+        half = max(self.upper.thickness, 6.0)
         r = g.needle / 2 + min(0.4, (z - g.needle) / 4)
-        left, right, t = -_BEYOND, z + _BEYOND, p.plate_thickness
-        outline, top = (
-            rectangle(complex(left, -t), complex(right)),
-            rectangle(complex(left), complex(right, 2 * half)),
-        )
+        left = -_BEYOND
+        right = z + _BEYOND
+        t = p.plate_thickness
+        outline = rectangle(complex(left, -t), complex(right))
+        top = rectangle(complex(left), complex(right, 2 * half))
         holes = tuple(circle(complex(x, half), r) for x in (0.0, z))
         return Part(
             "needle-plate",
@@ -364,8 +379,11 @@ def seat_back(tau: float, lean: str) -> float:
 
 def room_on_nose(s: Stitch, p: SpreaderParts, back: float) -> list[Condition]:
     """What a velocity ratio must keep for the nose's rounded edges, as `Bodies` makes them."""
-    seat, ends, far = s.setback - s.needle, p.edge_radius * (_RUN_OUT + back), max(s.reach)
-    wide, steep = p.edge_radius / (_ROUND * p.nose_width), p.edge_radius / (_ROUND * s.height)
+    seat = s.setback - s.needle
+    ends = p.edge_radius * (_RUN_OUT + back)
+    far = max(s.reach)
+    wide = p.edge_radius / (_ROUND * p.nose_width)
+    steep = p.edge_radius / (_ROUND * s.height)
     return [
         linear(
             "room for edge_radius beside nose_width", seat * (1 - wide) - ends, far * (1 - wide)

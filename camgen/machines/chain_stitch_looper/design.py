@@ -42,7 +42,9 @@ class Room:
 
 def clearances(g: Stitch) -> list[float]:
     """The six distances of a stitch with laws in step, mm: N1/P1, N2/P1, N2/P2, N1/P2 to P6, nose 1 and nose 2."""
-    (in1, in2), (s1, s2), square = g.entry, g.rise, math.hypot(1.0, g.ratio)
+    in1, in2 = g.entry
+    s1, s2 = g.rise
+    square = math.hypot(1.0, g.ratio)
     ways = [min(c0 + c1 * g.ratio for c0, c1 in lines) / square for lines in fronts(g).values()]
     return [*ways, *(way * g.ratio - g.spacing - g.needle / 2 for way in (in1 - s1, in2 - s2))]
 
@@ -146,10 +148,8 @@ def best_clearance(start: Stitch, bounds: Mapping[str, Pair], room: Room) -> Sti
         name, (value, limit) = max(
             kept(best, room).items(), key=lambda each: each[1][0] - each[1][1]
         )
-        unit, where = (
-            "deg" if name.endswith("deg") else "mm",
-            "the design within [wanted] that comes nearest",
-        )
+        unit = "deg" if name.endswith("deg") else "mm"
+        where = "the design within [wanted] that comes nearest"
         raise DesignError(
             name, abs(value), abs(limit), unit, where, "widen the ranges in [wanted], or this limit"
         )

@@ -100,7 +100,9 @@ class ChainStitchLooper(Mechanism):
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
-        g, p, t = self.geometry, self.making, self.timing
+        g = self.geometry
+        p = self.making
+        t = self.timing
         found = [
             fault
             for name, choice, tables in self._moves()
@@ -201,7 +203,8 @@ class ChainStitchLooper(Mechanism):
     @cached_property
     def stitch(self) -> Stitch:
         """What the spec gives, in the source's terms."""
-        g, t = self.geometry, self.timing
+        g = self.geometry
+        t = self.timing
         needle, spreader = (_program(choice, tables) for _, choice, tables in self._moves())
         if any(t.distortion):
             needle, spreader = map(crank_driven, t.distortion)
@@ -241,7 +244,8 @@ class ChainStitchLooper(Mechanism):
 
     def _unloaded(self) -> Machine:
         """Needles and spreaders on their guides, by laws of the shaft; outputs "spreader" and "needle", mm."""
-        d, g = self.design, self.stitch
+        d = self.design
+        g = self.stitch
         still = np.zeros(1)
         moves = {
             "needle-1": (complex(0, -d.given.depths[0]), 1j, d.risen),
@@ -302,7 +306,8 @@ class ChainStitchLooper(Mechanism):
         Spreaders and needles stand on their guides, the plate still; gauges stand nowhere. What passes by may graze, or keeps
         the gap of its contact.
         """
-        floor, needle = self.bodies.plan[2].imag, -self.stitch.needle / 2
+        floor = self.bodies.plan[2].imag
+        needle = -self.stitch.needle / 2
         spreaders = [Mount(name, name, z=floor) for name in ("lower-spreader", "upper-spreader")]
         needles = [Mount(name, name, z=needle) for name in ("needle-1", "needle-2")]
         plate = Mount("needle-plate", GROUND, z=-self.bodies.plate.thickness / 2)
@@ -336,7 +341,9 @@ class ChainStitchLooper(Mechanism):
 
     def limits(self) -> Sequence[Finding]:
         """Ranges of the source, loops, needles out of the fabric while it moves, blade, velocity ratio."""
-        d, g, p = self.design, self.geometry, self.making
+        d = self.design
+        g = self.geometry
+        p = self.making
         one, two = (math.degrees(angle) for angle in d.pierce_angles)
         found = [
             *(self._range(key) for key in ALLOWED),
@@ -409,7 +416,8 @@ class ChainStitchLooper(Mechanism):
         )
 
     def _ratio(self) -> Finding:
-        ratio, works = self.geometry.velocity_ratio, self.ratio_range
+        ratio = self.geometry.velocity_ratio
+        works = self.ratio_range
         if works is None:
             at_fault = min(self._conditions, key=lambda condition: condition.spare(ratio)).name
             remark = f"no ratio works; at this one what fails is: {at_fault}"
@@ -434,7 +442,9 @@ class ChainStitchLooper(Mechanism):
     @cached_property
     def _conditions(self) -> list[Condition]:
         """All that the velocity ratio must keep for every finding to hold; laws in step."""
-        g, limits, s = self.geometry, self.allowed, self.stitch
+        g = self.geometry
+        limits = self.allowed
+        s = self.stitch
         found = ratio_conditions(
             s.design(), g.blade_length, limits.clearance, math.radians(limits.loop_angle_deg)
         )
@@ -489,8 +499,10 @@ class ChainStitchLooper(Mechanism):
             ("spreader", "simple-harmonic", ()),
         ]:
             return ()
-        data, own = self.model_dump(by_alias=True, exclude_none=True), self.timing.distortion
-        pairs, turn = dict.fromkeys([(0.0, 0.0), SOURCE_DISTORTION, own]), data["timing"]
+        data = self.model_dump(by_alias=True, exclude_none=True)
+        own = self.timing.distortion
+        pairs = dict.fromkeys([(0.0, 0.0), SOURCE_DISTORTION, own])
+        turn = data["timing"]
         return [
             self if p == own else validate(type(self), data | {"timing": turn | {"distortion": p}})
             for p in pairs
@@ -515,7 +527,8 @@ class ChainStitchLooper(Mechanism):
                     )
                 ]
             )
-        w, p = self.wanted or Wanted(), self.making
+        w = self.wanted or Wanted()
+        p = self.making
         bounds = {
             name: getattr(w, name)
             for name in ("nose_over_eye", "loop_rise", "protrusion", "plate_to_spreader")

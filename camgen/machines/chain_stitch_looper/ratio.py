@@ -30,8 +30,10 @@ def ratio_conditions(
     blade: length of the spreaders' blade, mm; clearance: of needles and P6, mm; loop_angle: greatest difference of the
     loops' angles at the pierce, rad.
     """
-    g, far = design.given, max(design.given.reach)
-    (in1, in2), (s1, s2) = g.entry, g.rise
+    g = design.given
+    far = max(design.given.reach)
+    in1, in2 = g.entry
+    s1, s2 = g.rise
     found = [
         linear("nose 1 past needle 2 when that comes down to it", -g.spacing, in1 - s1),
         linear("nose 2 past needle 1 when that comes down to it", -g.spacing, in2 - s2),
@@ -47,17 +49,16 @@ def ratio_conditions(
         for name, (c0, c1) in zip(("tip", "shoulder"), lines, strict=True):
             found.append(_apart(f"{pair}: the needle's {name} before P6", c0, c1, clearance))
     # gamma'1 - gamma'2 is the angle between (x1, y1) and (x2, y2), x = z + (b + L_C/r) r
-    (y1, y2), (b1, b2) = (
-        (g.height + g.plate, g.height + g.pitch + g.plate),
-        (g.height, g.height + g.between),
-    )
+    y1, y2 = (g.height + g.plate, g.height + g.pitch + g.plate)
+    b1, b2 = (g.height, g.height + g.between)
 
     def alike(r: float) -> float:
         return loop_angle - abs(
             math.atan2(g.spacing + b1 * r, y1) - math.atan2(g.spacing + b2 * r, y2)
         )
 
-    slope, z = math.tan(min(loop_angle, math.pi / 2 - VANISHING)), g.spacing
+    slope = math.tan(min(loop_angle, math.pi / 2 - VANISHING))
+    z = g.spacing
     ends = [
         root
         for sign in (1, -1)
@@ -72,7 +73,10 @@ def ratio_conditions(
 
 def fronts(g: Stitch) -> dict[str, tuple[Pair, Pair]]:
     """How far a needle's tip and its shoulder stay before P6 along the stroke, laws in step: c0 + c1 r each; by "N1/P2"."""
-    far, (own1, own2), (in1, in2), (s1, s2) = max(g.reach), g.reach, g.entry, g.rise
+    far = max(g.reach)
+    own1, own2 = g.reach
+    in1, in2 = g.entry
+    s1, s2 = g.rise
     ways = {
         "N1/P1": (own1, 0.0, 0),
         "N2/P1": (in1 - s1, g.spacing, 1),

@@ -119,7 +119,9 @@ class Stitch:
     @property
     def depths(self) -> Pair:
         """How far below the plate's top each needle's tip is at its lowest."""
-        (one, two), (up1, up2), (s1, s2) = self.levels, self.reach, self.rise
+        one, two = self.levels
+        up1, up2 = self.reach
+        s1, s2 = self.rise
         return one + up1 + s1, two + up2 + s2
 
     @property
@@ -129,7 +131,8 @@ class Stitch:
 
     def in_fabric(self, plate: float) -> Pair:
         """S_m, way of each needle from its lowest point out of the fabric, for e = plate."""
-        (up1, up2), (s1, s2) = self.reach, self.rise
+        up1, up2 = self.reach
+        s1, s2 = self.rise
         return (
             up1 + s1 + 2 * self.pitch + plate + self.thickness,
             up2 + s2 + self.height + plate + self.thickness,
@@ -248,12 +251,14 @@ class Design:
 
     def tips(self, phi: Floats) -> tuple[Floats, Floats]:
         """Height of each needle's tip above the plate's top, mm; (n,) each."""
-        s, (one, two) = self.risen(phi), self.given.depths
+        s = self.risen(phi)
+        one, two = self.given.depths
         return s - one, s - two
 
     def noses(self, phi: Floats) -> tuple[Floats, Floats]:
         """Way of each spreader's nose beyond its own needle, towards the other one, mm; (n,) each."""
-        moved, (one, two) = self.moved(phi), self.before
+        moved = self.moved(phi)
+        one, two = self.before
         return moved - one, moved - two
 
     def angle(self, risen: float, falling: bool = False) -> float:
@@ -316,8 +321,11 @@ class Design:
 
     def offsets(self) -> dict[str, float]:
         """Needle's tip before P6, along the stroke at nose level, mm, when both move in step; by "N1/P2"."""
-        g, r = self.given, self.spreader_stroke / self.needle_stroke
-        (own1, own2), (in1, in2), (s1, s2) = g.reach, g.entry, g.rise
+        g = self.given
+        r = self.spreader_stroke / self.needle_stroke
+        own1, own2 = g.reach
+        in1, in2 = g.entry
+        s1, s2 = g.rise
         ways = {
             "N1/P1": own1 * r,
             "N2/P1": (in1 - s1) * r - g.spacing,
@@ -347,7 +355,8 @@ def _angle(program: Program, share: float, falling: bool) -> float:
         grid = np.linspace(low, high, _PARTS + 1)
         past = program(grid) <= share if falling else program(grid) >= share
         k = max(1, int(np.argmax(past))) if past.any() else _PARTS
-        low, high = float(grid[k - 1]), float(grid[k])
+        low = float(grid[k - 1])
+        high = float(grid[k])
     return (low + high) / 2
 
 
@@ -383,8 +392,10 @@ def _within(stroke: float, pierces: Pair, captures: Pair) -> None:
 
 
 def _corrected(g: Stitch) -> Design:
-    r, in_fabric = g.ratio, g.in_fabric(g.plate)
-    l1, l2 = max(g.reach) * r + g.setback, g.height * r
+    r = g.ratio
+    in_fabric = g.in_fabric(g.plate)
+    l1 = max(g.reach) * r + g.setback
+    l2 = g.height * r
     _seat(l1, g.needle)
     stroke = g.needle_stroke(in_fabric)
     rises = (g.reach[0] + g.rise[0] + 2 * g.pitch, g.reach[1] + g.rise[1] + g.height)
@@ -440,7 +451,8 @@ def _published(g: Stitch) -> Design:
     """The source's own way, its errors and its rounding included."""
     in_fabric = g.in_fabric(_USUAL_E)  # erratum 1
     stroke = g.needle_stroke(in_fabric)
-    l1, l2 = max(g.reach) * g.ratio, g.height * g.ratio
+    l1 = max(g.reach) * g.ratio
+    l2 = g.height * g.ratio
     _seat(l1, g.needle)
     rises = (  # erratum 3: H + l_H too much
         g.reach[0] + g.rise[0] + 2 * g.pitch,
@@ -469,7 +481,8 @@ def _published(g: Stitch) -> Design:
     turned = (
         math.floor(100 * stroke / moved) / 100
     )  # erratum 5: dS/dL in place of dL/dS, cut off after two places
-    new1, new2 = round(max(g.reach) * turned, 1), round(g.height * turned, 1)
+    new1 = round(max(g.reach) * turned, 1)
+    new2 = round(g.height * turned, 1)
     _seat(new1, g.needle)
     opening = g.needle * (g.spacing + max(behind)) / g.spacing
     return Design(

@@ -41,7 +41,8 @@ def study(
     """Numbers, plots and tables. made: what the parts follow; length: of a stitch; conditions: of the velocity ratio."""
     tables = [_events(made)]
     if given.of_source:
-        printed, right = given.design(True), given.design()
+        printed = given.design(True)
+        right = given.design()
         tables += [_beside(printed, right), _errata(given, printed)]
     else:
         tables.append(Table("Figures of the design", ("quantity", "value"), _figures(made)))
@@ -140,7 +141,8 @@ def timing_study(clock: Clock) -> Study:
 def _columns(d: Design) -> dict[str, Floats]:
     """Positions over the turn, every quarter degree, for motion.csv."""
     phi = np.linspace(0, math.tau, ROWS)
-    tips, noses = d.tips(phi), d.noses(phi)
+    tips = d.tips(phi)
+    noses = d.noses(phi)
     return {
         "theta_deg": np.degrees(phi),
         "needle_mm": d.risen(phi),
@@ -178,7 +180,8 @@ def _deg(angles: Sequence[float]) -> list[float]:
 def _numbers(
     given: Stitch, d: Design, length: float, conditions: Sequence[Condition], rpm: float
 ) -> dict[str, float]:
-    phi, per_second = np.linspace(0, math.tau, ROWS), rpm * math.tau / 60
+    phi = np.linspace(0, math.tau, ROWS)
+    per_second = rpm * math.tau / 60
     numbers = {
         "spreader_height_mm": given.height,
         "nose_pitch_mm": given.pitch,
@@ -222,13 +225,16 @@ def _numbers(
 
 def _synchrogram(d: Design) -> list[Plot]:
     phi = np.linspace(0, math.tau, ROWS)
-    degrees, label, g = np.degrees(phi), "shaft angle, deg", d.given
+    degrees = np.degrees(phi)
+    label = "shaft angle, deg"
+    g = d.given
     marks = [
         (event, angle)
         for event, angle, *_ in _rows(d)
         if isinstance(angle, float) and not math.isnan(angle)
     ]
-    tips, noses = d.tips(phi), d.noses(phi)
+    tips = d.tips(phi)
+    noses = d.noses(phi)
     return [
         Plot(
             "Synchrogram",
@@ -271,7 +277,8 @@ def _rows(d: Design) -> list[tuple[str, float, float, float]]:
     events += [(f"shedding {k + 1}", angle) for k, angle in enumerate(d.shed)]
     events += [("feed begins", math.pi - g.feed / 2), ("feed ends", math.pi + g.feed / 2)]
     angles = np.array([angle for _, angle in events])
-    s, moved = d.risen(np.nan_to_num(angles)), d.moved(np.nan_to_num(angles))
+    s = d.risen(np.nan_to_num(angles))
+    moved = d.moved(np.nan_to_num(angles))
     rows = [
         (
             name,
@@ -359,9 +366,11 @@ def _errata(g: Stitch, d: Design) -> Table:
     thread = thread_per_stitch(*_EXAMPLE)
     wrong6 = 100 * (_PRINTED_FOUR - thread["new"]) / thread["new"]
     right6 = 100 * (_PRINTED_FOUR - thread["new"]) / _PRINTED_FOUR
-    (in1, in2), (s1, s2) = g.entry, g.rise
+    in1, in2 = g.entry
+    s1, s2 = g.rise
     slide = [g.spacing / way if way > 0 else math.inf for way in (in1 - s1, in2 - s2)]
-    s_x, true = d.needle_stroke, g.in_fabric(g.plate)
+    s_x = d.needle_stroke
+    true = g.in_fabric(g.plate)
     way = g.spacing + d.first[2]
     strokes = (
         s_x * (d.behind[1] + way) / (d.rises[1] - s1),

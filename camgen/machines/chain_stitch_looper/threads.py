@@ -44,12 +44,11 @@ def entered(d: Design) -> tuple[float, float]:
 
 def taken(d: Design, k: int, phi: Floats) -> Floats:
     """How far the nose of spreader k (0, 1) has taken its loop towards the other needle, (n,) mm; phi: 0 to 2 pi."""
-    nose, way = d.noses(phi)[k], d.noses(_ROUND)[k]
-    far, most, missed = (
-        float(_ROUND[int(np.argmax(way))]),
-        float(way.max()),
-        not d.margins[k] >= d.l1,
-    )
+    nose = d.noses(phi)[k]
+    way = d.noses(_ROUND)[k]
+    far = float(_ROUND[int(np.argmax(way))])
+    most = float(way.max())
+    missed = not d.margins[k] >= d.l1
     seat = (
         d.l1 if not missed else min(d.l1, max(0.0, most - d.given.spacing - d.given.needle))
     )  # where it takes the loop along
@@ -60,8 +59,10 @@ def taken(d: Design, k: int, phi: Floats) -> Floats:
 def loop(d: Design, k: int, phi: Floats) -> tuple[Floats, Floats]:
     """How far the loop of needle k (0, 1) reaches towards the other needle, and how deep, mm, (n,) each; phi: 0 to 2 pi."""
     g = d.given
-    level, depth = g.levels[k], g.point[k] + d.tips(phi)[k]
-    begin, end = d.capture[k], d.shed[k]
+    level = g.levels[k]
+    depth = g.point[k] + d.tips(phi)[k]
+    begin = d.capture[k]
+    end = d.shed[k]
     pierced = entered(d)[k]
     end = math.tau - begin if math.isnan(end) or end < _HALF else end
     on = (phi >= begin) & (phi < end)
@@ -78,10 +79,14 @@ def course(d: Design, k: int, theta: Floats) -> Points:
 
     The loops are that of the needle on its way down, the one that is being made, and the finished one of the last stitch.
     """
-    phi, g, x, side = np.mod(theta, math.tau), d.given, needles_at(d)[k], 1 - 2 * k
+    phi = np.mod(theta, math.tau)
+    g = d.given
+    x = needles_at(d)[k]
+    side = 1 - 2 * k
     eye = d.tips(phi)[k] + g.point[k]
     top = float(d.needle_stroke - g.depths[k] + g.point[k] + _OVER)
-    hole, rising = np.full(phi.shape, x + 0j), phi < _HALF
+    hole = np.full(phi.shape, x + 0j)
+    rising = phi < _HALF
     out, deep = loop(d, k, phi)
     dip = x + 1j * np.minimum(eye, 0.0)
     rows = (
@@ -107,7 +112,8 @@ def sketches(d: Design) -> tuple[Sketch, Sketch]:
 
 def lengths(d: Design) -> tuple[Mapping[str, float], Table]:
     """Of both loops at capture, at the pierce and at shedding: two legs each, mm."""
-    rows, numbers = [], {}
+    rows = []
+    numbers = {}
     for k, name in enumerate(("1", "2")):
         for what, phi in (
             ("capture", d.capture[k]),
@@ -141,7 +147,8 @@ def lengths(d: Design) -> tuple[Mapping[str, float], Table]:
 
 def seam(d: Design, stitch: float) -> Plot:
     """Figure 1, e: the finished seam from below: thread on top along the feed, loops from hole to hole under the fabric."""
-    (one, two), rows = needles_at(d), np.arange(STITCHES + 1) * stitch
+    one, two = needles_at(d)
+    rows = np.arange(STITCHES + 1) * stitch
     gap = complex(math.nan, math.nan)
 
     def under(a: float, b: float, aside: float) -> list[complex]:
@@ -181,7 +188,8 @@ def moments(d: Design) -> Sequence[Plot]:
                 for a, b in (d.tips(np.array([phi])), d.noses(np.array([phi])))
             ),
         )
-        g, threads = d.given, [course(d, k, at)[0] for k in (0, 1)]
+        g = d.given
+        threads = [course(d, k, at)[0] for k in (0, 1)]
         series = [(f"thread {k}", z.real, z.imag) for k, z in enumerate(threads, 1)]
         low, high = g.levels
         noses = (

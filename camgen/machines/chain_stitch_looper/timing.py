@@ -87,11 +87,14 @@ class Clock:
 
     def _gaps(self, phi: Floats, lag: float, anew: bool) -> Floats:
         """Least of the four gaps at each angle, (n,) mm: below 0 they overlap; apart, at most their distance."""
-        g, tips, noses = self.design.given, self.design.tips(phi), self.noses(phi, lag, anew)
+        g = self.design.given
+        tips = self.design.tips(phi)
+        noses = self.noses(phi, lag, anew)
         gaps: Floats = np.full(phi.shape, np.inf)
         for k, (nose, level) in enumerate(zip(noses, g.levels, strict=True)):
             for i, (tip, (normals, limits)) in enumerate(zip(tips, self._slabs, strict=True)):
-                u, y = nose - (0.0 if i == k else g.spacing), tip + level
+                u = nose - (0.0 if i == k else g.spacing)
+                y = tip + level
                 # a row for each edge: the largest of a column is found on many angles at once
                 apart = u * normals.real[:, None] + y * normals.imag[:, None] - limits[:, None]
                 gaps = np.minimum(gaps, np.max(apart, axis=0))
@@ -152,7 +155,8 @@ class Clock:
 
 def _first(spare: Callable[[float, bool], float], sign: int, speed: float, anew: bool) -> float:
     """The last lag, rad, before `spare` (mm, changing by at most `speed` a rad) is used up; inf beyond FARTHEST."""
-    lag, kept = 0.0, 0.0
+    lag = 0.0
+    kept = 0.0
     while lag <= FARTHEST:
         left = spare(sign * lag, anew)
         if not left > 0:

@@ -75,7 +75,8 @@ def coverage(freedom: int) -> float:
 def least_squares(rows: Floats, sizes: Floats, least: float = 0.0) -> Fit:
     """Values x with rows x = sizes, rows (n, p) of rank p; least: the smallest standard deviation that is believed, mm."""
     values = np.asarray(np.linalg.lstsq(rows, sizes, rcond=None)[0], float)
-    left, freedom = sizes - rows @ values, len(sizes) - rows.shape[1]
+    left = sizes - rows @ values
+    freedom = len(sizes) - rows.shape[1]
     scatter = math.sqrt(float(left @ left) / freedom) if freedom else 0.0
     believed = max(scatter, least)
     spread = np.asarray(believed**2 * np.linalg.inv(rows.T @ rows), float)
@@ -163,7 +164,8 @@ def calibrated(
             )
     if all(name in sizes for name in disc):
         foot, middle = (float(np.mean(sizes[name])) for name in disc)
-        value, wide = printed.foot + (foot - middle) / 2, coverage(0) * caliper / math.sqrt(2)
+        value = printed.foot + (foot - middle) / 2
+        wide = coverage(0) * caliper / math.sqrt(2)
         found.append(
             Value(
                 "elephant_foot",

@@ -129,7 +129,9 @@ class Coupon(Mechanism):
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
-        g, m, found = self.geometry, self.measured, list[Fault]()
+        g = self.geometry
+        m = self.measured
+        found = list[Fault]()
         for key in ("holes", "gaps", "pins", "clearances"):
             values = getattr(g, key)
             if any(not float(f"{a:g}") < float(f"{b:g}") for a, b in pairwise(values)):
@@ -203,7 +205,9 @@ class Coupon(Mechanism):
     @cached_property
     def calibrated(self) -> Calibrated:
         """What follows from [measured]."""
-        p, m, named = self.print, self.measured, {each.name: each for each in self.sizes}
+        p = self.print
+        m = self.measured
+        named = {each.name: each for each in self.sizes}
         given = {
             name: size if isinstance(size, tuple) else (size,) for name, size in m.sizes.items()
         }
@@ -332,7 +336,9 @@ class Coupon(Mechanism):
 
     @cached_property
     def _made(self) -> Sequence[Part]:
-        g, p, least = self.geometry, self.making, self.allowed.min_wall
+        g = self.geometry
+        p = self.making
+        least = self.allowed.min_wall
         datum = g.datum_hole / 2
         holes: dict[str, tuple[complex, Contour]] = {
             name: (z, circle(z, datum))
@@ -352,12 +358,10 @@ class Coupon(Mechanism):
             (name, complex(x, y[3]), d)
             for name, x, d in self._row("pin", g.pins, datum, g.length + datum)
         ]
-        left, right, low, high = (
-            -datum,
-            g.length + datum,
-            -max(datum, _SLOT),
-            g.width + max(datum, max(g.pins) / 2),
-        )
+        left = -datum
+        right = g.length + datum
+        low = -max(datum, _SLOT)
+        high = g.width + max(datum, max(g.pins) / 2)
         corners = (
             complex(left, low),
             complex(right, low),

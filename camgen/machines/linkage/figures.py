@@ -92,7 +92,8 @@ class Moving:
     def courses(self) -> Sequence[Course]:
         """Of each output its course."""
         theta = np.linspace(*self.cycle.range, ROWS)
-        run, found = self.run(theta, 1), list[Course]()
+        run = self.run(theta, 1)
+        found = list[Course]()
         for wanted in self.wanted:
             turns = isinstance(self.chain.output(wanted.name).of, m.Angle)
             unit, scale = ("deg", math.degrees(1)) if turns else ("mm", 1.0)
@@ -123,13 +124,15 @@ def study(linkage: Moving, made: Made | None, angle: Callable[[], str]) -> Study
     angle: what theta is called.
     """
     theta = np.linspace(*linkage.cycle.range, ROWS)
-    run, speed = linkage.run(theta), linkage.chain.speed
+    run = linkage.run(theta)
+    speed = linkage.chain.speed
     numbers: dict[str, float] = {}
     rows = []
     for signal in linkage.signals:
         value, first, second = signal.scale * signal.rows(run)
         low, high = _extremes(linkage, signal, theta, value)
-        fast, hard = float(np.abs(first).max() * abs(speed)), float(np.abs(second).max() * speed**2)
+        fast = float(np.abs(first).max() * abs(speed))
+        hard = float(np.abs(second).max() * speed**2)
         unit = signal.unit
         numbers |= {
             f"{signal.name}_least_{unit}": low,
@@ -247,7 +250,8 @@ def _wanted_places(linkage: Moving, name: str) -> list[tuple[str, Floats, Floats
     wanted, course = next((wanted, course) for wanted, course in pairs if wanted.name == name)
     found = list[tuple[str, Points]]()
     if wanted.points is not None:
-        places, met = np.array(wanted.points.places), wanted.points.met(course)
+        places = np.array(wanted.points.places)
+        met = wanted.points.met(course)
         passed = course.at(np.array([theta for theta, _ in met])) if met else places
         found += [
             ("wanted", places),
@@ -287,7 +291,8 @@ def _one_line(pieces: Iterable[Points]) -> Points:
 
 def _longer_slots(made: Made) -> list[str]:
     """What to say of slots whose pin passes their drawn ends."""
-    found, layout = [], made.layout
+    found = []
+    layout = made.layout
     for slot in made.slots:
         low, high = layout.strokes[layout.slots[slot.pin].name]
         a, b = (layout.at(slot.link, point) for point in slot.along)
@@ -406,7 +411,8 @@ def timing(run: Run, driven: str) -> Study:
             else (("", np.real(values)),)
         )
         for name, value in both:
-            least, span = float(value.min()), float(np.ptp(value))
+            least = float(value.min())
+            span = float(np.ptp(value))
             series.append(
                 (
                     output.name + name,
@@ -414,7 +420,8 @@ def timing(run: Run, driven: str) -> Study:
                     (value - least) / span if span else value - least,
                 )
             )
-    title, label = "Timing of the whole machine", f"{driven}, deg"
+    title = "Timing of the whole machine"
+    label = f"{driven}, deg"
     return Study(plots=[Plot(title, label, "share of its stroke", series)])
 
 
@@ -530,7 +537,8 @@ def _path_table(linkage: Moving, theta: Floats, run: Run) -> list[tuple[object, 
     whole = not linkage.cycle.to_and_fro
     for output in (each for each in linkage.chain.outputs if isinstance(each.of, m.Path)):
         _, first, second = np.asarray(run.derivatives(output.name), complex)
-        speed, bend = np.abs(first), (np.conj(first) * second).imag
+        speed = np.abs(first)
+        bend = (np.conj(first) * second).imag
         length = float(np.sum((speed[1:] + speed[:-1]) / 2 * np.diff(theta)))
         if not length > 0:
             continue

@@ -26,14 +26,17 @@ def shape(drawn: Points, lengths: Mapping[tuple[int, int], float]) -> tuple[Poin
     fixed = [k for k, each in enumerate(pairs) if each in lengths]
     free = [k for k, each in enumerate(pairs) if each not in lengths]
     wanted = np.array([lengths.get(each, abs(drawn[each[1]] - drawn[each[0]])) for each in pairs])
-    z, size = drawn.astype(complex), float(wanted.max(initial=1e-300))
-    best, missed = z, np.inf
+    z = drawn.astype(complex)
+    size = float(wanted.max(initial=1e-300))
+    best = z
+    missed = np.inf
     for _ in range(STEPS if fixed else 0):
         off, slope = _distances(z, pairs)
         off = off - wanted
         worst = float(np.abs(off[fixed]).max())
         if worst < missed:
-            best, missed = z, worst
+            best = z
+            missed = worst
         met = worst <= CLOSED * size
         step = -np.linalg.pinv(slope[fixed], rcond=1e-9) @ off[fixed]
         if free:  # along what leaves the given lengths alone
@@ -57,7 +60,8 @@ def shape(drawn: Points, lengths: Mapping[tuple[int, int], float]) -> tuple[Poin
 
 def _distances(z: Points, pairs: Sequence[tuple[int, int]]) -> tuple[Floats, Floats]:
     """Distances of pairs of points, (m,), and their slopes to all coordinates x0, y0, x1, ..., (m, 2 n)."""
-    off, slope = np.zeros(len(pairs)), np.zeros((len(pairs), 2 * len(z)))
+    off = np.zeros(len(pairs))
+    slope = np.zeros((len(pairs), 2 * len(z)))
     for k, (a, b) in enumerate(pairs):
         way = z[b] - z[a]
         off[k] = abs(way)
@@ -71,7 +75,8 @@ def too_long(
     points: Sequence[str], drawn: Points, lengths: Mapping[tuple[int, int], float]
 ) -> tuple[str, str] | None:
     """The worst of three points whose longest side is longer than the others together, in words; None where all can be."""
-    worst, told = 0.0, None
+    worst = 0.0
+    told = None
     for three in combinations(range(len(points)), 3):
         sides = {
             pair: lengths.get(pair, abs(drawn[pair[1]] - drawn[pair[0]]))
@@ -87,5 +92,6 @@ def too_long(
             }
             short = " and ".join(shown[pair] for pair in sides if pair != long)
             right = f"less than {short} together: it is {over:.4g} mm too long; change a length or redraw a point"
-            worst, told = over, (f"{names[long]} = {sides[long]:.6g}", right)
+            worst = over
+            told = (f"{names[long]} = {sides[long]:.6g}", right)
     return told

@@ -144,7 +144,8 @@ def faults(
     taken: Collection[str],
 ) -> list[Fault]:
     """What is wrong with them. turning: links on shafts; taken: names of links, joints and levels."""
-    found, called = [], names(springs)
+    found = []
+    called = names(springs)
     points = {point for held in links.values() for point in held}
     shafts = {
         point
@@ -203,7 +204,8 @@ def _sprung(spec: t.Spring, name: str, run: Run, sizes: Parts) -> Sprung:
     ends = tuple((_carrier(run.machine, point), point) for point in spec.between)
     places = [run.point(*end)[0] for end in ends]
     length = np.abs(places[1] - places[0])
-    shortest, longest = float(length.min()), float(length.max())
+    shortest = float(length.min())
+    longest = float(length.max())
     free = shortest - (spec.preload or 0.0) / spec.rate if spec.free is None else spec.free
     where = f"spring {name}, {math.degrees(float(run.theta[int(np.argmin(length))])):.2f} deg"
     if not free > 0:

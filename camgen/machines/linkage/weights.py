@@ -55,7 +55,8 @@ def counterbalanced(
     run: samples over the whole motion; density: of what is printed, kg/m^3; weighed: the machine of some bodies with all masses.
     """
     link = layout.driven
-    bodies, radius = Bodies(laid(layout, run)), 0.0
+    bodies = Bodies(laid(layout, run))
+    radius = 0.0
     for _ in range(_PASSES):
         whole = (
             spec.given
@@ -75,7 +76,8 @@ def counterbalanced(
         made = spec.fitted(whole - spec.other, own, seat, density)
         if bodies.layout.weights and abs(made[2] - radius) <= _SAME:
             break
-        radius, kept = made[2], bodies.layout.given if bodies.layout.weights else layout.given
+        radius = made[2]
+        kept = bodies.layout.given if bodies.layout.weights else layout.given
         wheel = Wheel(NAME, link, radius + _ROOM, NAME, made[0].thickness)
         bodies = Bodies(laid(replace(layout, weights=(wheel,), given=kept), run))
     return Bodies(bodies.layout, made[:2]), whole

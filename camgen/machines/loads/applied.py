@@ -121,7 +121,8 @@ class Table:
         """At theta, (n,) rad."""
         if len(self.theta) == 1:
             return np.full(np.shape(theta), self.values[0] if order == 0 else 0.0)
-        first, last = self.theta[0], self.theta[-1]
+        first = self.theta[0]
+        last = self.theta[-1]
         at = np.asarray(theta, float)
         within = first + np.mod(at - first, math.tau)
         within = np.where(
@@ -131,7 +132,8 @@ class Table:
 
     def jumps(self, name: str) -> list[str]:
         """A sentence where it jumps from one turn to the next, or from 0 and to 0 outside its rows."""
-        first, last = self.values[0], self.values[-1]
+        first = self.values[0]
+        last = self.values[-1]
         begin, end = (math.degrees(each) for each in (self.theta[0], self.theta[-1]))
         if end - begin > 360 - 1e-6:
             return (
@@ -160,7 +162,8 @@ def applied(given: Sequence[Applied], machine: Machine) -> tuple[Effort, ...]:
     faults: list[Fault] = []
     taken = {getattr(load, "name", "") for load in machine.loads}
     for k, each in enumerate(given):
-        path, count = ("load", "on", k), len(faults)
+        path = ("load", "on", k)
+        count = len(faults)
         name = each.name or f"load {k + 1}"
         if name in taken:
             faults.append(Fault((*path, "name"), repr(name), "a name of its own"))

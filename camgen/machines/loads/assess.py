@@ -57,7 +57,8 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
     motor = given if isinstance(given, Drives) else None
     held: list[Finding] = []
     left: list[NotJudged] = [*assembly.unjudged]
-    seat, facts = assembly.motor, assembly.follower
+    seat = assembly.motor
+    facts = assembly.follower
     if seat.reach is not None:
         told = drive.reach(motor, seat.frame, seat.reach)
         (held if isinstance(told, Finding) else left).append(told)  # type: ignore[arg-type]

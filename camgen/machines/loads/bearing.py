@@ -68,7 +68,9 @@ def plain_bearings(
 
     limits: what the spec says of a joint; load: of its friction.
     """
-    borne, speed, rows = Borne(), run.machine.speed, list[tuple[object, ...]]()
+    borne = Borne()
+    speed = run.machine.speed
+    rows = list[tuple[object, ...]]()
     usual = materials.PV_MOST
     found: list[tuple[float, Journal, strength.Sliding]] = []
     for name, journal in journals.items():
@@ -190,15 +192,19 @@ def contacts(run: Run, forces: Forces, assembly: Assembly) -> Borne:
 
     A tip that is no bearing is of the cam's own plastic.
     """
-    borne, theta = Borne(), run.theta
-    outlines, parts, roller = assembly.outlines, assembly.by_name, assembly.follower.roller
+    borne = Borne()
+    theta = run.theta
+    outlines = assembly.outlines
+    parts = assembly.by_name
+    roller = assembly.follower.roller
     own = materials.of(assembly.process.plastic)
     tip = materials.STEEL if roller else own
     for joint in run.machine.joints:
         outline = outlines.get(joint.name)
         if not isinstance(joint, Cam) or not joint.touches or outline is None:
             continue
-        force, limits = _finite(forces.pressing[joint.name]), assembly.limits_of(joint.name)
+        force = _finite(forces.pressing[joint.name])
+        limits = assembly.limits_of(joint.name)
         if not np.any(force > STILL):
             if np.any(force < -STILL):
                 why = f"nothing presses the follower on its cam at {joint.name}: it leaves it"
@@ -211,7 +217,8 @@ def contacts(run: Run, forces: Forces, assembly: Assembly) -> Borne:
             borne.left.append(NotJudged("HERTZ", why, "a roller or a flat face"))
             continue
         layer = parts[outline.part].layers[parts[outline.part].cut]
-        length, angle = layer.z1 - layer.z0, _angle(run, joint.cam) - joint.phase
+        length = layer.z1 - layer.z0
+        angle = _angle(run, joint.cam) - joint.phase
         effort = forces.contacts[joint.name] * joint.leaves
         pressure = np.zeros(len(theta))
         for k, touch in enumerate(joint.touches[:2]):
@@ -271,7 +278,8 @@ def contacts(run: Run, forces: Forces, assembly: Assembly) -> Borne:
 
 def _life(borne: Borne, rolling: Rolling, least: float | None) -> None:
     """BEARING_LIFE of a ball bearing; one that goes to and fro wears by the way that it goes. least: h, that is asked for."""
-    name, ball = rolling.joint, rolling.ball
+    name = rolling.joint
+    ball = rolling.ball
     if not ball.rating:
         if least is not None:
             why = f"{name}: no load rating of the ball bearing {ball.name} is known"

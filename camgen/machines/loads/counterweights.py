@@ -165,7 +165,8 @@ class Counterweight(Record):
         asked: moment of all parts that turn with the crank; own: that of those that there are without it, complex g mm.
         density: of what is printed, kg/m^3.
         """
-        heavy, high = self.heavy(density), self.thickness or seat.thickness
+        heavy = self.heavy(density)
+        high = self.thickness or seat.thickness
         disc = Part(NAME, "", (Layer(Region(circle(0j, seat.hub), (seat.bore,)), 0.0, high),))
         sector = Sector(
             seat.hub,
@@ -193,7 +194,8 @@ class ShaftWeight:
     def __init__(
         self, spec: Counterweight, body: str, solids: Solids, machine: Machine, seat: ShaftSeat
     ) -> None:
-        self.spec, self.body = spec, body
+        self.spec = spec
+        self.body = body
         self.moment = spec.whole(machine, body, "O")
         own = first_moment(body, 0j, solids)
         self.part, self.pins, self.radius = spec.fitted(
@@ -285,7 +287,8 @@ def study(made: Assembly, spec: Counterweight | None, machine: Machine) -> Study
             f"counterweight_{key}_before_n": peaks[name][0],
             f"counterweight_{key}_after_n": peaks[name][1],
         }
-    degrees, label = np.degrees(theta), f"{made.cycle.name}, deg"
+    degrees = np.degrees(theta)
+    label = f"{made.cycle.name}, deg"
     plots = [
         Plot(
             f"Counterweight: {name}",

@@ -67,17 +67,19 @@ def driven(
 
     freed: of a machine that locks says by which friction, and which it would bear.
     """
-    borne, speed, theta = Borne(), run.machine.speed, run.theta
+    borne = Borne()
+    speed = run.machine.speed
+    theta = run.theta
     drive = run.machine.drives[0]
-    torque, asked = _on_shaft(run, forces.smooth), _on_shaft(run, forces.drives)
+    torque = _on_shaft(run, forces.smooth)
+    asked = _on_shaft(run, forces.drives)
     if np.max(np.abs(asked)) <= max(_NOTHING, _ROUNDING * _could(run, forces)):
-        torque, asked = np.zeros_like(torque), np.zeros_like(asked)
+        torque = np.zeros_like(torque)
+        asked = np.zeros_like(asked)
     rate = np.abs(drive.law(theta, 1)) * abs(speed)
     if np.any(forces.locks):
-        locked, turn = (
-            float(np.mean(forces.locks)) * math.degrees(float(np.ptp(theta))),
-            math.degrees(float(np.ptp(theta))),
-        )
+        locked = float(np.mean(forces.locks)) * math.degrees(float(np.ptp(theta)))
+        turn = math.degrees(float(np.ptp(theta)))
         said = (
             f"{freed()}. Friction grows with what it holds back: no torque turns it on there, or one that "
             "loads them tenfold; use a lower load.friction, a ball bearing, a steeper transmission angle"
@@ -131,7 +133,8 @@ def driven(
         borne.findings.append(
             at_most("SPEED_FLUCTUATION", swing, drives.fluctuation, "share", Where("drive"), said)
         )
-    motor, peak = motor_of(drives), float(np.abs(asked[worst]))
+    motor = motor_of(drives)
+    peak = float(np.abs(asked[worst]))
     if motor is None and peak < _NOTHING:
         why = "nothing is known of what the drive moves: there is no part, mass or load"
         return borne, [NotJudged("DRIVE_TORQUE", why, "a load, or parts with mass")]
@@ -198,7 +201,8 @@ def gripped(hub: SetScrewHub | None, torque: float, plastic: str) -> Borne:
 def _on_shaft(run: Run, drives: Mapping[str, Floats]) -> Floats:
     """Torque of all drives on the first one, (n,) N m, by the power that each gives; 0 where it is not known."""
     first, *others = run.machine.drives
-    total, rate = drives[first.name], first.law(run.theta, 1)
+    total = drives[first.name]
+    rate = first.law(run.theta, 1)
     for each in others:
         power = drives[each.name] * each.law(run.theta, 1) * (MM if each.slide else 1.0)
         total = total + np.where(rate != 0, power / np.where(rate != 0, rate, 1.0), 0.0)

@@ -47,7 +47,9 @@ def elastic(run: Run, load: Weight | None) -> Borne:
     from camgen.machine.cams.dynamics import Elastic, Excitation
     from camgen.motion.polydyne import Polydyne
 
-    (cam,), theta, speed = cams, run.theta[:-1], run.machine.speed
+    (cam,) = cams
+    theta = run.theta[:-1]
+    speed = run.machine.speed
     mass = effective_inertia(run, cam)
     rate, drag = held_by(run, cam)
     if not mass or load.stiffness + rate <= 0:
@@ -56,7 +58,8 @@ def elastic(run: Run, load: Weight | None) -> Borne:
     heavy = mass * MM if cam.slide else mass  # with s in mm and k in N/mm
     model = Elastic(heavy, load.stiffness, load.damping_ratio, rate, drag)
     turned = run.angle(cam.cam)[:, :-1]
-    program, angle = program_of(cam), turned[0] - cam.phase
+    program = program_of(cam)
+    angle = turned[0] - cam.phase
     # where it jumps, the mean of both sides: so a sum over even angles is its integral
     bend = (cam.law(angle - _AT_JOINT, 2) + cam.law(angle + _AT_JOINT, 2)) / 2
     excited = Excitation(cam.law(angle, 0), bend * turned[1] ** 2 + cam.law(angle, 1) * turned[2])
@@ -151,7 +154,9 @@ class Displaced:
 def held_by(run: Run, cam: Cam) -> tuple[float, float]:
     """What holds back all that moves with a cam's s, mean over the motion: force for 1 of s (N/mm, or N m/rad), and for 1 of
     its speed (N s/mm, or N m s/rad), by what the cam exerts where s, or its speed, is a little larger and smaller."""
-    theta, machine, speed = run.theta, smooth(run.machine), run.machine.speed
+    theta = run.theta
+    machine = smooth(run.machine)
+    speed = run.machine.speed
     size = _STEP * float(np.ptp(cam.law(run.angle(cam.cam)[0] - cam.phase, 0)))
 
     def exerted(order: int, by: float, machine: Machine) -> Floats:
@@ -182,7 +187,8 @@ def _slow(run: Run) -> Machine:
 
 def effective_inertia(run: Run, cam: Cam) -> float:
     """Of all that moves with a cam's s, the drives held: kg, or kg m^2 where it swings; mean over the motion."""
-    system, q = Constraints(run.machine), run.poses()
+    system = Constraints(run.machine)
+    q = run.poses()
     unit = np.zeros((len(q), system.height))
     unit[:, system.rows[cam.name].start] = 1.0
     moves = solved(system.evaluate(q, run.theta)[1], unit, system.holds)
@@ -204,7 +210,8 @@ def _laws(program: Program | None, model: Elastic, speed: float) -> list[Table]:
         return []
     from camgen.machine.cams.dynamics import residual
 
-    time, rows = rise.span / speed, list[tuple[object, ...]]()
+    time = rise.span / speed
+    rows = list[tuple[object, ...]]()
     for name, law in LAWS.items():
         left = residual(lambda t, law=law: law(t / time, 2) / time**2, time, model.frequency)  # type: ignore[misc]
         rows.append(
@@ -223,8 +230,10 @@ def sprung(springs: Mapping[str, Mounted], speed: float) -> Borne:
     """SPRING_STRESS of each spring, SURGE of what holds a follower on its cam; by their names; speed: rad/s."""
     borne = Borne()
     for where, mounted in springs.items():
-        spring, turns = mounted.spring, abs(speed) / math.tau
-        stress, surge = spring.stress(mounted.longest), spring.surge
+        spring = mounted.spring
+        turns = abs(speed) / math.tau
+        stress = spring.stress(mounted.longest)
+        surge = spring.surge
         coils = f"outside diameter {spring.outside:.4g}, {spring.coils:.3g} coils"
         size = f"wire {spring.wire:g}, {coils}, free length {spring.free:.4g} mm, stretched to {mounted.longest:.4g} mm"
         borne.findings.append(

@@ -93,7 +93,8 @@ def overstated(pins: Sequence[Bent]) -> tuple[str, ...]:
 
 def stronger(limits: MaterialLimits, pin: Journal) -> str:
     """What makes a pin or a shaft bear more, by the keys that its table of sizes has."""
-    table, keys = limits.table, limits.keys
+    table = limits.table
+    keys = limits.keys
     kind = next((kind for kind in ("shaft", "crank-pin", "pin") if kind in pin.part), "")
     diameter = f"{kind.removeprefix('crank-')}_diameter"
     wide = f" ({table}.{diameter})" if diameter in keys else ""

@@ -45,7 +45,8 @@ def rough(machine: Machine, journals: Mapping[str, Journal], load: Weight | None
     for joint in machine.joints:
         if isinstance(joint, Pin) and joint.name in journals:
             journal = journals[joint.name]
-            radius, mu = journal.diameter / 2, coefficient(journal, load)
+            radius = journal.diameter / 2
+            mu = coefficient(journal, load)
             joint = replace(joint, friction=mu * radius if journal.ball else circle(radius, mu))
         elif isinstance(joint, Slide | Slot):
             joint = replace(joint, friction=guides)
@@ -62,7 +63,8 @@ def freed(
     slides = any(isinstance(joint, Slide | Slot) for joint in machine.joints)
     plain = [coefficient(journal, load) for journal in journals.values() if not journal.ball]
     used = sorted({*plain, *([guide(load)] if slides else [])})
-    low, high = 0.0, used[-1]
+    low = 0.0
+    high = used[-1]
     while high - low > _STEP:
         mu = (low + high) / 2
         locks = (
