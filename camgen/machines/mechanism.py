@@ -28,10 +28,10 @@ from camgen.machine.features import CamOutline, Feature, Mount
 from camgen.machine.model import Machine
 from camgen.machine.run import Run, solve
 from camgen.machines.free_play import ANGLES, of_pins, pins_alone
-from camgen.machines.loads.applied import applied
-from camgen.machines.loads.rubbing import rough
+from camgen.machines.loads.applied import efforts
+from camgen.machines.loads.rubbing import with_friction
 from camgen.machines.loads.tables import Bears, Weight
-from camgen.machines.loads.weights import pulled, weighed
+from camgen.machines.loads.weights import with_gravity, with_masses
 from camgen.parts.assembly import Assembly, Cycle, Process, tips
 from camgen.parts.catalogue import DENSITY
 from camgen.parts.inertia import printed_density
@@ -74,7 +74,7 @@ class Mechanism(Spec, ABC):
         machine = self._unloaded()
         if self.load is None or not self.load.on:
             return machine
-        return replace(machine, loads=(*machine.loads, *applied(self.load.on, machine)))
+        return replace(machine, loads=(*machine.loads, *efforts(self.load.on, machine)))
 
     def solve(self, theta: ArrayLike, order: int = 2) -> Run:
         """The machine at theta, (n,) rad, with derivatives up to the order: outputs, rates, poses, forces, play.
@@ -88,8 +88,8 @@ class Mechanism(Spec, ABC):
 
         DesignError where a linkage's solids cannot be made.
         """
-        return rough(
-            weighed(self.model, self.assembly.solids, self.load).machine,
+        return with_friction(
+            with_masses(self.model, self.assembly.solids, self.load).machine,
             self.assembly.journals,
             self.load,
         )
@@ -97,7 +97,7 @@ class Mechanism(Spec, ABC):
     @property
     def _pulled(self) -> Machine:
         """The model as it is, or where [load] has gravity with it and with the masses of the solids."""
-        return pulled(self.model, self.load, lambda: self.assembly.solids)
+        return with_gravity(self.model, self.load, lambda: self.assembly.solids)
 
     @abstractmethod
     def motion(self, theta: Floats, order: int = 0) -> Floats:

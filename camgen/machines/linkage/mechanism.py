@@ -39,8 +39,8 @@ from camgen.machines.linkage.asked_range import refuse_range
 from camgen.machines.linkage.drawing import Drawing
 from camgen.machines.linkage.drawing_faults import drawing_faults
 from camgen.machines.linkage.weights import counterbalanced, weight_faults
-from camgen.machines.loads.applied import applied
-from camgen.machines.loads.bearing import Borne
+from camgen.machines.loads.applied import efforts
+from camgen.machines.loads.bearing import LoadCheck
 from camgen.machines.loads.counterweights import Counterweight, balance_of, found_moment
 from camgen.machines.loads.pressed import by_force, pressed
 from camgen.machines.loads.tables import Drives
@@ -298,7 +298,7 @@ class Linkage(Mechanism):
             laid(self._layout_with(self._hung), self.run(self.cycle.theta(_SAMPLES), 0))
         )
         machine = bodies.weighed(self._process.density, self.masses)
-        own = () if self.load is None else applied(self.load.on, machine)
+        own = () if self.load is None else efforts(self.load.on, machine)
         pulls = [each.pull for each in self._hung]
         machine = replace(machine, loads=(*machine.loads, *pulls, *gravity(self.load), *own))
         return solve(machine, SAMPLES).forces()
@@ -430,7 +430,7 @@ class Linkage(Mechanism):
             shaft=bodies.shaft,
             board=bodies.stands,
             material_limits=self._material_limits,
-            unjudged=Later(lambda: self._pressed.left),
+            unjudged=Later(lambda: self._pressed.not_judged),
             texts={"chain.svg": bridges.svg(self.chain), "chain.pmks": bridges.pmks(self.chain)},
         )
 
@@ -557,11 +557,11 @@ class Linkage(Mechanism):
         ]
 
     @cached_property
-    def _pressed(self) -> Borne:
+    def _pressed(self) -> LoadCheck:
         """What holds its own cams' followers; those of what is included are judged there."""
         cams = by_force(self.chain)
         if not cams or lacking(self._layout) is not None:
-            return Borne()
+            return LoadCheck()
         theta = np.linspace(*self.cycle.range, len(_SAMPLES) + 1)
         return pressed(self._pulled, cams, self._drawing.kicked(), theta, self.assembly.cycle.name)
 
