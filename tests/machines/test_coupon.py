@@ -55,7 +55,7 @@ def test_least_squares_and_their_uncertainty_are_the_gums() -> None:
         round(float(at_30 @ fit.values), 4) == -0.1494
         and round(float(np.sqrt(at_30 @ fit.covariance @ at_30)), 4) == 0.0041
     )
-    assert fit.freedom == 9 and fit.wide(at_30) == pytest.approx(
+    assert fit.freedom == 9 and fit.uncertainty(at_30) == pytest.approx(
         2.262 * 0.0041386, rel=1e-4
     )  # t of 95 %, 9: GUM, table G.2
 
@@ -105,7 +105,7 @@ def test_a_printer_is_found_again(sent: dict[str, float]) -> None:
         assert found[key].value == pytest.approx(
             max(0.0, sizes[named] - sizes["fit pin"]), abs=1e-9
         )
-    assert found["slide_clearance"].wide == pytest.approx(
+    assert found["slide_clearance"].uncertainty == pytest.approx(
         0.05, abs=1e-4
     )  # half a step of the holes
 
@@ -147,7 +147,7 @@ def test_the_interval_holds_the_truth_as_often_as_it_says() -> None:
             ("profile_compensation", 0.08),
             ("shrinkage", 0.002),
         ):
-            inside.append(abs(found[key].value - truth) <= found[key].wide)
+            inside.append(abs(found[key].value - truth) <= found[key].uncertainty)
     assert 0.93 < np.mean(inside) < 0.97
     assert found["size_error"].value == pytest.approx(0.04, rel=0.4)
 
@@ -158,7 +158,7 @@ def test_short_sizes_do_not_tell_shrinkage_and_one_hole_tells_holes_alone() -> N
     assert [each.key for each in found] == ["hole_compensation", "profile_compensation"]
     (alone,) = coupon(measured={"sizes": {"hole 5": (4.70, 4.74)}}).calibration.values
     assert (alone.key, alone.value) == ("hole_compensation", pytest.approx(0.14))
-    assert alone.wide == pytest.approx(0.0196, rel=1e-3)
+    assert alone.uncertainty == pytest.approx(0.0196, rel=1e-3)
     assert (
         coupon().calibration.values == ()
         and coupon().limits() == []
