@@ -31,7 +31,7 @@ from camgen.machines.thread_take_up.study import Masses, balance_numbers
 from camgen.machines.uniform_swing.pictures import Model, pictures
 from camgen.motion.laws import LAWS, MR_13_COSINES, MR_13_SINES, end_speed
 from camgen.motion.program import uniform_swing
-from camgen.numerics import Points
+from camgen.numerics import Points, peak
 
 _CUT = "cut off, not rounded"
 _NO_LENGTHS = "its lengths are not printed, this is of one of the same feed"
@@ -69,13 +69,9 @@ class Row:
         """In a few words."""
         if not self.ok:
             return "OFF"
-        return (
-            f"refuted: {self.refuted}"
-            if self.refuted
-            else f"not decidable: {self.undecided}"
-            if self.undecided
-            else "agrees"
-        )
+        if self.refuted:
+            return f"refuted: {self.refuted}"
+        return f"not decidable: {self.undecided}" if self.undecided else "agrees"
 
 
 def rows() -> Iterator[Row]:
@@ -346,16 +342,16 @@ def _indexing() -> Iterator[Row]:
         "0.000000",
         abs(end_speed(MR_13_SINES, MR_13_COSINES)),
     )
-    yield Row("I B, greatest |b| of 61 positions", "1.891", float(np.max(np.abs(b))), refuted=_CUT)
-    yield Row("I C, greatest |c| of 61 positions", "6.149", float(np.max(np.abs(c))))
-    yield Row("I D, greatest |b c| of 61 positions", "8.020", float(np.max(np.abs(b * c))))
+    yield Row("I B, greatest |b| of 61 positions", "1.891", peak(b), refuted=_CUT)
+    yield Row("I C, greatest |c| of 61 positions", "6.149", peak(c))
+    yield Row("I D, greatest |b c| of 61 positions", "8.020", peak(b * c))
     fine = np.linspace(0, 1, 200_001)
     for label, text, order in (("C", "6.149", 2), ("D", "8.020", 0)):
         curve = law(fine, 2) if order else law(fine, 1) * law(fine, 2)
         yield Row(
             f"I {label} of the law itself",
             text,
-            float(np.max(np.abs(curve))),
+            peak(curve),
             refuted="the peak of its table",
         )
     yield Row("I B1 = c(0)", "2.550126", float(law(0.0, 2)))
@@ -425,12 +421,12 @@ def _take_up() -> Iterator[Row]:
     yield Row(
         "T eq. 2, y' right of AB: eye off the chain's, mm",
         "0.000000000",
-        float(np.max(np.abs(at(*meant) - printed.path(theta)))),
+        peak(at(*meant) - printed.path(theta)),
     )
     yield Row(
         "T eq. 2, y' left of it, as in any axes: the same, mm",
         "0.000",
-        float(np.max(np.abs(at(meant[0], -meant[1]) - printed.path(theta)))),
+        peak(at(meant[0], -meant[1]) - printed.path(theta)),
         refuted="it is a reflection, no turn: y' counts to the other side",
     )
     yield Row(
@@ -468,8 +464,7 @@ def _take_up() -> Iterator[Row]:
     )
     before = printed.forces(ANGLES, bodies, speed)
     grown = sum(
-        found[f"balanced_reaction_{x.lower()}_n"] > float(np.abs(before.reactions[x]).max())
-        for x in "ABC"
+        found[f"balanced_reaction_{x.lower()}_n"] > peak(before.reactions[x]) for x in "ABC"
     )
     yield Row("T reactions that grow by it, of A, B and C", "3", float(grown))
     single = balance_numbers(printed.interchanged(), masses, speed)["crank_counterweight_g_mm"]
@@ -480,7 +475,7 @@ def _take_up() -> Iterator[Row]:
         undecided="its shape and size are left to further work, and masses' centres not printed",
     )
     rocker, _ = against(printed, bodies, speed, None)
-    ratio = rocker["rocker_reaction_c_n"] / float(np.abs(before.reactions["C"]).max())
+    ratio = rocker["rocker_reaction_c_n"] / peak(before.reactions["C"])
     wear = 3 * rocker["rocker_wear_n_rad_s"] / sum(printed.wear(ANGLES, before, speed).values())
     for what, text, ours, why in (
         (

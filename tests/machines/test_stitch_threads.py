@@ -13,9 +13,9 @@ from camgen.machines.chain_stitch_looper.threads import (
     course,
     lengths,
     loop,
+    loop_shift,
     moments,
     seam,
-    taken,
 )
 
 TURN = np.linspace(0, 2 * math.pi - 1e-9, 3601)
@@ -53,7 +53,7 @@ def test_a_loop_that_is_held_at_the_root_has_the_angle_of_the_table(design: Desi
         assert math.atan2(past - d.l1, d.given.levels[level]) == pytest.approx(angle)
         rising = np.linspace(d.capture[k], math.pi, 2001)
         nose = d.noses(rising)[k]
-        assert taken(d, k, rising) == pytest.approx(np.maximum(nose - d.l1, 0.0), abs=1e-9)
+        assert loop_shift(d, k, rising) == pytest.approx(np.maximum(nose - d.l1, 0.0), abs=1e-9)
 
 
 def test_a_loop_is_where_its_nose_and_needles_are(design: Design) -> None:

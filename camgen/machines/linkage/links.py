@@ -10,7 +10,7 @@ from itertools import combinations
 
 import numpy as np
 
-from camgen.numerics import Floats, Points
+from camgen.numerics import Floats, Points, peak
 
 STEPS = 200  # of the search for a shape; three or four suffice unless the points lie on one line
 CLOSED = 1e-13  # of its size: lengths that are met
@@ -33,11 +33,10 @@ def shape(drawn: Points, lengths: Mapping[tuple[int, int], float]) -> tuple[Poin
     for _ in range(STEPS if fixed else 0):
         off, slope = _distances(z, pairs)
         off = off - wanted
-        worst = float(np.abs(off[fixed]).max())
+        worst = peak(off[fixed])
         if worst < missed:
             best = z
             missed = worst
-        met = worst <= CLOSED * size
         step = -np.linalg.pinv(slope[fixed], rcond=1e-9) @ off[fixed]
         if free:  # along what leaves the given lengths alone
             _, values, ways = np.linalg.svd(slope[fixed])
@@ -45,11 +44,10 @@ def shape(drawn: Points, lengths: Mapping[tuple[int, int], float]) -> tuple[Poin
             way = ways[rank:].T
             rest = off[free] + slope[free] @ step
             step = step - way @ (np.linalg.pinv(slope[free] @ way, rcond=1e-9) @ rest)
-        if met and np.abs(step).max() <= 1e-9 * size:
+        longest = peak(step)
+        if worst <= CLOSED * size and longest <= 1e-9 * size:
             break
-        z = z + (step[0::2] + 1j * step[1::2]) * min(
-            1.0, 0.5 * size / max(float(np.abs(step).max()), 1e-300)
-        )
+        z = z + (step[0::2] + 1j * step[1::2]) * min(1.0, 0.5 * size / max(longest, 1e-300))
     if not fixed:
         missed = 0.0
     if len(drawn) > 1 and best[1] != best[0]:
@@ -76,7 +74,7 @@ def too_long(
 ) -> tuple[str, str] | None:
     """The worst of three points whose longest side is longer than the others together, in words; None where all can be."""
     worst = 0.0
-    told = None
+    words = None
     for three in combinations(range(len(points)), 3):
         sides = {
             pair: lengths.get(pair, abs(drawn[pair[1]] - drawn[pair[0]]))
@@ -86,12 +84,12 @@ def too_long(
         over = 2 * sides[long] - sum(sides.values())
         if over > worst:
             names = {pair: "-".join(points[k] for k in pair) for pair in sides}
-            shown = {
-                pair: f"{names[pair]} ({'' if pair in lengths else 'drawn '}{side:.6g})"
+            short = " and ".join(
+                f"{names[pair]} ({'' if pair in lengths else 'drawn '}{side:.6g})"
                 for pair, side in sides.items()
-            }
-            short = " and ".join(shown[pair] for pair in sides if pair != long)
+                if pair != long
+            )
             right = f"less than {short} together: it is {over:.4g} mm too long; change a length or redraw a point"
             worst = over
-            told = (f"{names[long]} = {sides[long]:.6g}", right)
-    return told
+            words = (f"{names[long]} = {sides[long]:.6g}", right)
+    return words

@@ -236,14 +236,14 @@ class Linkage(Mechanism):
         return joined(self._fitted, {each.module: each.mechanism.model for each in self.modules})
 
     @cached_property
-    def modules(self) -> Sequence[inc.Included]:
+    def modules(self) -> Sequence[inc.IncludedMachine]:
         """The machines of other specs, each above those before it."""
         if not self.includes:
             return ()
         bare = self._bare
         top = max(high for _, high in inc.heights(bare.parts, bare.mounts))
         play, end = self.print.slide_clearance, upper_end(bare.layout)
-        found = inc.stacked(self.includes, self._host, self.chain, top, play, end)
+        found = inc.stack(self.includes, self._host, self.chain, top, play, end)
         inc.distinct(
             found,
             bare.parts,
@@ -261,7 +261,7 @@ class Linkage(Mechanism):
         return replace(machine, loads=(*machine.loads, *(each.pull for each in self.sprung)))
 
     @cached_property
-    def sprung(self) -> Sequence[coils.Sprung]:
+    def sprung(self) -> Sequence[coils.MountedSpring]:
         """Springs between links, and those that return followers; DesignError where one of them cannot be made."""
         return [
             *self._hung,
@@ -272,7 +272,7 @@ class Linkage(Mechanism):
         ]
 
     @cached_property
-    def _hung(self) -> Sequence[coils.Sprung]:
+    def _hung(self) -> Sequence[coils.MountedSpring]:
         """Those of [[spring]]."""
         if not self.springs:
             return ()
@@ -359,10 +359,13 @@ class Linkage(Mechanism):
         return solve(self.chain, theta, order)
 
     @cached_property
-    def _moving(self) -> figures.Moving:
+    def _moving(self) -> figures.LinkageMotion:
         """It without what is included, as figures see it."""
-        even, springs = not self.drive.segments, bool(self.springs or self._returning)
-        return figures.Moving(self.chain, self.cycle, self.drive.link, self.wanted, even, springs)
+        even = not self.drive.segments
+        springs = bool(self.springs or self._returning)
+        return figures.LinkageMotion(
+            self.chain, self.cycle, self.drive.link, self.wanted, even, springs
+        )
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """The first signal over a period, rad or mm; its derivatives are to theta."""
@@ -414,7 +417,7 @@ class Linkage(Mechanism):
             self.cycle,
             bodies.mounts,
             features,
-            demands=figures.asked(self._moving, self.allowed),
+            demands=figures.demands(self._moving, self.allowed),
             stand_ins=bodies.stand_ins(),
             strands=bodies.strands(),
             balances=() if self.counterweight is None else (self._balance(self.counterweight),),
@@ -482,7 +485,7 @@ class Linkage(Mechanism):
     def _layout(self) -> Layout:
         return self._layout_with(self.sprung)
 
-    def _layout_with(self, springs: Sequence[coils.Sprung]) -> Layout:
+    def _layout_with(self, springs: Sequence[coils.MountedSpring]) -> Layout:
         cams = self._drawing.ridden
         gears = {Drawing.gear_name(gear): gear.teeth for gear in self.gears}
         return Layout(
@@ -496,7 +499,7 @@ class Linkage(Mechanism):
             cams,
             gears,
             springs={each.name: each.stretched for each in springs},
-            kept=inc.kept(self.includes, lambda: self._host),
+            kept=inc.clearings(self.includes, lambda: self._host),
             fitting=self.fitting,
         )
 
@@ -516,7 +519,8 @@ class Linkage(Mechanism):
             f"layers.{link}": level for link, level in self.bodies.layout.given.items()
         }
         weight = {} if self.counterweight is None else found_moment(self._balanced[1])
-        tables, sizes = [inc.filled(each) for each in self.modules], self.bodies.layout.sizes
+        tables = [inc.resolved_table(each) for each in self.modules]
+        sizes = self.bodies.layout.sizes
         bases = self._drawing.bases
         cams = self.model_dump(by_alias=True, exclude_none=True)["cam"]
         for name, cam in zip(self._drawing.named_cams, cams, strict=True):
@@ -579,9 +583,9 @@ class Linkage(Mechanism):
         return together([own, *map(inc.study, self.modules), timing])
 
     @property
-    def _made(self) -> figures.Made | None:
+    def _made(self) -> figures.Build | None:
         """What is made; None where there are joints of which no bodies are made."""
         if lacking(self._layout) is not None:
             return None
         machine = replace(self.model, loads=(*self.model.loads, *gravity(self.load)))
-        return figures.Made(self.bodies.layout, machine, self.sprung, self.slots)
+        return figures.Build(self.bodies.layout, machine, self.sprung, self.slots)

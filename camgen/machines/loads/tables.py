@@ -154,7 +154,7 @@ class CamBears(Bears):
 
 
 class SwingingCamBears(CamBears):
-    """The same of machines whose followers all swing."""
+    """What the designer accepts of cams whose followers all swing."""
 
     undercut_deg: Annotated[float, quantity("deg", ge=0, le=180)] = Field(
         default=0.0,

@@ -63,7 +63,7 @@ def with_masses(model: Machine, solids: Solids, load: Weight | None) -> Masses:
 
 
 def gravity(load: Weight | None) -> tuple[Gravity, ...]:
-    """That of [load]; none where it says nothing of it."""
+    """Gravity of [load]; none where it says nothing of it."""
     deg = None if load is None else load.gravity_deg
     return () if deg is None else (Gravity(cmath.rect(PULL, cmath.pi * deg / 180)),)
 
