@@ -20,7 +20,7 @@ from camgen.machine.features import Mount, StandIn
 from camgen.machine.jets import thread_length
 from camgen.parts.catalogue import Bearing, Bought
 from camgen.parts.generator.sizes import Parts
-from camgen.parts.generator.webs import parted, throws, webs
+from camgen.parts.generator.webs import throws, webs, with_webs
 from camgen.parts.generator.wheels import Ridden, Tip, Toothed, Wheel, tips, toothed, with_seconds
 from camgen.parts.hardware import FACETS
 from camgen.parts.part import Layer, Part
@@ -161,7 +161,7 @@ class Joined:
     @cached_property
     def bodies(self) -> dict[str, m.Body]:
         """Of the machine by their names, the driven link as its webs, each in that link's axes."""
-        return {body.name: body for body in parted(self.machine.bodies, self.driven, self.webs)}
+        return {body.name: body for body in with_webs(self.machine.bodies, self.driven, self.webs)}
 
     @property
     def moving(self) -> list[str]:
