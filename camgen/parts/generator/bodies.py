@@ -40,7 +40,7 @@ from camgen.parts.generator.seats import link_layers
 from camgen.parts.generator.stubs import Stub, stubs
 from camgen.parts.generator.threads import strands, thread_posts
 from camgen.parts.generator.troughs import covers, rails
-from camgen.parts.generator.wheels import touched
+from camgen.parts.generator.wheels import with_touches
 from camgen.parts.hardware import spacer
 from camgen.parts.inertia import Solids
 from camgen.parts.part import Layer, Part, Role, d_bore
@@ -418,7 +418,7 @@ class Bodies:
                     joint, clearance=self.layout.fit(point, a) + self.layout.fit(point, b)
                 )
             elif isinstance(joint, m.Cam):
-                joint = touched(
+                joint = with_touches(
                     joint,
                     self.layout.tips,
                     self.layout.at(joint.cam, self.layout.shaft_of(joint.cam)),

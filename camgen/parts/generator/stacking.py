@@ -116,7 +116,8 @@ def covered(layout: Layout, run: Run) -> Layout:
     whole motion."""
     if layout.fitting is not None:
         own = layout.fitting(layout)
-        feet, kept = (*layout.feet, *own.feet), (*layout.kept, *own.kept)
+        feet = (*layout.feet, *own.feet)
+        kept = (*layout.kept, *own.kept)
         layout = replace(layout, fitted=own, feet=feet, hangs=bool(feet), kept=kept)
     if layout.sizes.plates < 2:
         return layout
