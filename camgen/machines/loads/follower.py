@@ -222,7 +222,8 @@ def springs(mounted: Mapping[str, Mounted], speed: float) -> LoadCheck:
                 "it; a thicker wire on fewer coils is faster"
             )
             check.findings.append(at_least("SURGE", surge, _SURGE * turns, "Hz", where, remark))
-        key = "spring" if name == "return spring" else figure_key(name)
+        of_cam = name.partition(",")[0] == "return spring"
+        key = "spring" if of_cam else figure_key(name)
         numbers = {
             f"{key}_rate_n_mm": spring.rate,
             f"{key}_stress_mpa": stress,
