@@ -495,19 +495,12 @@ class ChainStitchLooper(Mechanism):
         }
         low, high = bounds["protrusion"]
         # the arcs at V1 and V2 need room on the protrusion's front
-        needed = (
-            2 * p.edge_radius * self._back * math.sin(math.radians(self.geometry.protrusion_deg))
-            + p.running_gap
-        )
+        lean = math.radians(self.geometry.protrusion_deg)
+        needed = 2 * p.edge_radius * self._back * math.sin(lean) + p.running_gap
         if not needed <= high:
-            raise DesignError(
-                "wanted.protrusion",
-                high,
-                needed,
-                "mm",
-                "its greatest value",
-                "edge_radius and running_gap need more: allow more, or make them smaller",
-            )
+            where = "its greatest value"
+            remedy = "edge_radius and running_gap need more: allow more, or make them smaller"
+            raise DesignError("wanted.protrusion", high, needed, "mm", where, remedy)
         bounds["protrusion"] = (max(low, math.ceil(1e4 * needed) / 1e4), high)
         pitch = p.clamp_hole + 2 * self.allowed.min_wall + p.running_gap
         room = Room(
@@ -517,18 +510,20 @@ class ChainStitchLooper(Mechanism):
             self.allowed.clearance,
             self.allowed.loop_angle_deg,
         )
-        found = best_clearance(self.stitch, bounds, room)
-        made = found.design()
+        best = best_clearance(self.stitch, bounds, room)
+        design = best.design()
         data = self.model_dump(by_alias=True, exclude_none=True)
         data["geometry"] |= {
-            "nose_over_eye": found.over_eye,
-            "loop_rise": found.rise,
-            "protrusion": found.protrusion,
+            "nose_over_eye": best.over_eye,
+            "loop_rise": best.rise,
+            "protrusion": best.protrusion,
             "mode": "corrected",
-            "plate_to_spreader": found.plate,
-            "velocity_ratio": found.ratio,
-            "p6_setback": found.setback,
-            "blade_length": math.ceil(max(made.spreader_stroke - min(made.before), made.nose + 2)),
+            "plate_to_spreader": best.plate,
+            "velocity_ratio": best.ratio,
+            "p6_setback": best.setback,
+            "blade_length": math.ceil(
+                max(design.spreader_stroke - min(design.before), design.nose + 2)
+            ),
         }
         result = validate(type(self), data, "design")
         _ = result.assembly  # refused where it cannot be made
