@@ -25,6 +25,11 @@ _DEPENDENT = (
 )
 
 
+def peak(values: ArrayLike) -> float:
+    """Largest magnitude of real or complex values, those that are nan left out; 0 of none."""
+    return float(np.nanmax(np.abs(values), initial=0.0))
+
+
 def product(a: Floats, b: Floats) -> Floats:
     """The matrix product a b, (n, k) times (k, m) -> (n, m)."""
     total = a[:, :1] * b[:1]

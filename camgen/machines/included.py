@@ -20,7 +20,7 @@ from camgen.geometry.outlines import Arc
 from camgen.machine.features import Mount
 from camgen.machine.joining import Module, Ride, ride
 from camgen.machine.model import GROUND, Gravity, Machine, NamedTwice, Pose
-from camgen.machine.run import solve
+from camgen.machine.run import Run, solve
 from camgen.machines import MECHANISMS, load
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.tables import with_tables
@@ -49,7 +49,7 @@ class Host:
 
 
 @dataclass(frozen=True)
-class Included:
+class IncludedMachine:
     """A machine as it stands in another one."""
 
     table: Include  # its [[include]]
@@ -62,21 +62,21 @@ class Included:
 # ---- what they are ---------------------------------------------------------------------------------------------------
 
 
-def stacked(
+def stack(
     includes: Sequence[Include],
     host: Host,
     chain: Machine,
     top: float,
     gap: float,
     end: UpperEnd | None,
-) -> tuple[Included, ...]:
+) -> tuple[IncludedMachine, ...]:
     """The included machines, each so far above the highest part before it as the gap says unless its z is given; mm.
 
     chain: the host's own model; top: height of its highest part; end: of its shaft, where it has a second plate.
     """
-    found: list[Included] = []
+    modules: list[IncludedMachine] = []
     for k, each in enumerate(includes):
-        mechanism = _made(each, host)
+        mechanism = _resolved(each, host)
         own = mechanism.assembly
         levels = heights(own.parts, own.mounts)
         low = min(low for low, _ in levels)
@@ -89,16 +89,14 @@ def stacked(
             module = module if joint is None else replace(module, z=joint.z)
             _refuse_height(("include", k, "z"), each.z, joint, module.z, end.top + gap - low)
         top = max(top, module.z + max(high for _, high in levels))
-        module = replace(
-            module, rides=_rides(("include", k, "ride"), each, module, mechanism, chain)
-        )
-        found.append(_included(each, module, mechanism, joint))
-    return tuple(found)
+        rides = _rides(("include", k, "ride"), each, module, mechanism, chain)
+        modules.append(_included(each, replace(module, rides=rides), mechanism, joint))
+    return tuple(modules)
 
 
 def _included(
     table: Include, module: Module, mechanism: Mechanism, joint: InLine | None
-) -> Included:
+) -> IncludedMachine:
     """A machine in its place; joint: what joins it to the host's shaft."""
     own = mechanism.assembly
     stand = None
@@ -113,43 +111,42 @@ def _included(
         )
     own = replace(own, bought=_bought(own, table.mounted, joint is not None))
     if joint is None or joint.merging is None:
-        return Included(table, module, mechanism, renamed(own, module), stand)
-    return Included(table, module, mechanism, merged(own, module, joint.merging), stand)
+        own = renamed(own, module)
+    else:
+        own = merged(own, module, joint.merging)
+    return IncludedMachine(table, module, mechanism, own, stand)
 
 
 def _bought(own: Assembly, mounted: bool, turned: bool) -> Sequence[Bought]:
     """What is bought for it; what turns the shaft is bought once. turned: whether the machine's shaft turns it."""
-    coupling = Bought(
-        "coupling or toothed belt 1 : 1", "", "turns its shaft with the machine's; not made", 1
-    )
-    left = [
-        each
-        for each in own.bought
-        if each.role != "drive" and not (mounted and each.role == "mount")  # posts hold it
-    ]
-    return left if own.shaft is None or turned else [coupling, *left]
+    left_out = {"drive", "mount"} if mounted else {"drive"}  # posts hold it
+    bought = [each for each in own.bought if each.role not in left_out]
+    if own.shaft is None or turned:
+        return bought
+    size = "turns its shaft with the machine's; not made"
+    return [Bought("coupling or toothed belt 1 : 1", "", size, 1), *bought]
 
 
-def _made(each: Include, host: Host) -> Mechanism:
+def _resolved(each: Include, host: Host) -> Mechanism:
     """The mechanism of an included spec, with everything filled in; DesignError names the include."""
     try:
-        found = _mechanism(each, host).resolved()
-        _ = found.assembly.parts
+        mechanism = _mechanism(each, host).resolved()
+        _ = mechanism.assembly.parts
     except DesignError as e:
-        said = f"{_name(each)}{f' ({each.source})' if each.source else ''}: {e.sentence}"
-        raise DesignError(
-            f"{_name(each)}: {e.quantity}", e.value, e.limit, e.unit, e.where, e.remedy, said
-        ) from None
-    return found
+        name = _name(each)
+        said = f"{name}{f' ({each.source})' if each.source else ''}: {e.sentence}"
+        quantity = f"{name}: {e.quantity}"
+        raise DesignError(quantity, e.value, e.limit, e.unit, e.where, e.remedy, said) from None
+    return mechanism
 
 
 def _mechanism(each: Include, host: Host) -> Mechanism:
     """The mechanism of an included spec, printed as the host is and at the host's speed; SpecError with its faults."""
-    assert not isinstance(each.spec, str), "faults() tells it"
+    assert not isinstance(each.spec, str), "a fault of the spec"
     data = {**each.spec, **{key: host.tables[key] for key in _WHOLE}}
-    for table in ("drive",) if "drive" in data else ("motor",):
-        if isinstance(data.get(table), Mapping):
-            data[table] = {**data[table], "speed_rpm": host.speed_rpm}
+    table = "drive" if "drive" in data else "motor"
+    if isinstance(data.get(table), Mapping):
+        data[table] = {**data[table], "speed_rpm": host.speed_rpm}
     return specs.validate(load(specs.choose(data, MECHANISMS)), data)
 
 
@@ -165,17 +162,19 @@ def heights(parts: Sequence[Part], mounts: Sequence[Mount]) -> list[tuple[float,
     return [(mount.z, mount.z + thick[mount.part]) for mount in mounts]
 
 
-def kept(
+def clearings(
     includes: Sequence[Include], host: Callable[[], Host]
 ) -> tuple[tuple[complex, float], ...]:
     """Discs about the holes in the frames of machines that are mounted, on the host's ground, mm."""
-    found: list[tuple[complex, float]] = []
-    for each in (each for each in includes if each.mounted):
-        made = _mechanism(each, host()).assembly
-        holes = () if made.frame is None else made.by_name[made.frame.part].layers[0].region.holes
+    discs: list[tuple[complex, float]] = []
+    for each in includes:
+        own = _mechanism(each, host()).assembly if each.mounted else None
+        if own is None or own.frame is None:
+            continue
+        holes = own.by_name[own.frame.part].layers[0].region.holes
         arcs = (piece for hole in holes for piece in hole.pieces if isinstance(piece, Arc))
-        found += [(arc.centre + complex(*each.at), 2 * arc.radius) for arc in arcs]
-    return tuple(found)
+        discs += [(arc.centre + complex(*each.at), 2 * arc.radius) for arc in arcs]
+    return tuple(discs)
 
 
 def _refuse_unfixed(key: Key, own: Assembly, core: float) -> None:
@@ -198,11 +197,13 @@ def _refuse_height(
 
     z: where it stands; least: where a frame may that nothing joins to the shaft.
     """
-    if given is None or (abs(given - z) <= SAME_POINT and (joint is not None or z >= least)):
+    if given is None or (abs(given - z) <= SAME_POINT and (joint or z >= least)):
         return
-    right = f"at least {least:.6g}, or nothing"
-    if joint is not None:
-        right = f"{z:.6g}, or nothing: both shafts are one"
+    right = (
+        f"{z:.6g}, or nothing: both shafts are one"
+        if joint
+        else f"at least {least:.6g}, or nothing"
+    )
     raise SpecError([Fault(key, f"{given:g}", f"{right}: its frame stands on the second plate")])
 
 
@@ -211,71 +212,71 @@ def _rides(
 ) -> tuple[Ride, ...]:
     """Bodies that links of the host carry, as they stand to each other at theta = 0; SpecError, by the key, where they cannot."""
     bodies, links = ([body.name for body in machine.moving] for machine in (mechanism.model, chain))
-    wrong = [specs.unknown((*key, body), body, bodies) for body in each.ride if body not in bodies]
-    wrong += [
+    lost = [specs.unknown((*key, body), body, bodies) for body in each.ride if body not in bodies]
+    lost += [
         specs.unknown((*key, body), link, links)
         for body, link in each.ride.items()
         if link not in links
     ]
-    if wrong:
-        raise SpecError(wrong)
-    run, host, found = mechanism.solve([module.phase], 0), solve(chain, [0.0], 0), []
-    for body, link in each.ride.items():
-        own, carrier = run.pose(body), host.pose(link)
-        there = Pose(complex(own.place[0]) + module.at, float(own.angle[0]))
-        found.append(
-            ride(body, link, there, Pose(complex(carrier.place[0]), float(carrier.angle[0])))
-        )
-    misfits = replace(module, rides=tuple(found)).misfits(mechanism.model)
+    if lost:
+        raise SpecError(lost)
+    run = mechanism.solve([module.phase], 0)
+    host = solve(chain, [0.0], 0)
+
+    def pose(run: Run, body: str, origin: complex) -> Pose:
+        """Of a body at the first angle."""
+        first = run.pose(body)
+        return Pose(complex(first.place[0]) + origin, float(first.angle[0]))
+
+    rides = tuple(
+        ride(body, link, pose(run, body, module.at), pose(host, link, 0j))
+        for body, link in each.ride.items()
+    )
+    misfits = replace(module, rides=rides).misfits(mechanism.model)
     if misfits:
-        raise SpecError(
-            [Fault(key, misfits[0], "bodies that only pins join to others that move by themselves")]
-        )
-    return tuple(found)
+        right = "bodies that only pins join to others that move by themselves"
+        raise SpecError([Fault(key, misfits[0], right)])
+    return rides
 
 
 def distinct(
-    found: Sequence[Included], parts: Sequence[Part], machine: Callable[[], Machine]
+    modules: Sequence[IncludedMachine], parts: Sequence[Part], machine: Callable[[], Machine]
 ) -> None:
     """Raise SpecError where a name of an included machine is one of another machine, of its parts or in the model.
 
     parts: of the machine that includes them.
     """
 
-    def refused(name: str, said: str) -> SpecError:
-        own = [k for k, each in enumerate(found) if name in _names(each.assembly)]
+    def refusal(name: str, said: str) -> SpecError:
+        own = [k for k, each in enumerate(modules) if name in _names(each.assembly)]
+        right = "a name of its own in front of each included machine's names: give the include another one"
         return SpecError([Fault(("include", own[-1] if own else 0, "name"), said, right)])
 
-    right = (
-        "a name of its own in front of each included machine's names: give the include another one"
-    )
-    count = Counter(
-        part.name.lower()
-        for part in (*parts, *(part for each in found for part in each.assembly.parts))
-    )
-    twice = [name for name, number in count.items() if number > 1]
-    if twice:
-        raise refused(twice[0], f"part {twice[0]} twice")
+    every = [*parts, *(part for each in modules for part in each.assembly.parts)]
+    for name, number in Counter(part.name.lower() for part in every).items():
+        if number > 1:
+            raise refusal(name, f"part {name} twice")
     try:
         machine()
     except NamedTwice as error:
-        raise refused(error.names[0], str(error)) from None
+        raise refusal(error.names[0], str(error)) from None
 
 
-def _names(made: Assembly) -> set[str]:
+def _names(assembly: Assembly) -> set[str]:
     """Of its parts, in small letters, and of all in its model."""
-    model = made.machine
+    model = assembly.machine
     loads = [load for load in model.loads if not isinstance(load, Gravity)]
-    held = (*model.bodies, *model.joints, *model.drives, *loads, *model.outputs)
-    return {part.name.lower() for part in made.parts} | {each.name for each in held}
+    every = (*model.bodies, *model.joints, *model.drives, *loads, *model.outputs)
+    return {part.name.lower() for part in assembly.parts} | {each.name for each in every}
 
 
 # ---- what they answer in the whole -----------------------------------------------------------------------------------
 
 
-def filled(each: Included) -> Mapping[str, Any]:
+def resolved_table(each: IncludedMachine) -> Mapping[str, Any]:
     """Its own [[include]], with everything filled in."""
-    module, table = each.module, each.table
+    module = each.module
+    table = each.table
     return {
         "name": module.prefix,
         "at": (module.at.real, module.at.imag),
@@ -288,18 +289,19 @@ def filled(each: Included) -> Mapping[str, Any]:
     }
 
 
-def limits(each: Included, chain: Machine) -> Sequence[Finding]:
+def limits(each: IncludedMachine, chain: Machine) -> Sequence[Finding]:
     """Its design checks, and how well the links of the host's chain that carry bodies of it follow its own motion."""
     own = [
         replace(finding, where=replace(finding.where, module=each.module.prefix))
         for finding in each.mechanism.limits()
     ]
-    return [*own, *(_followed(each, ride, chain) for ride in each.module.rides)]
+    return [*own, *(_ride_error(each, ride, chain) for ride in each.module.rides)]
 
 
-def _followed(each: Included, ride: Ride, chain: Machine) -> Finding:
+def _ride_error(each: IncludedMachine, ride: Ride, chain: Machine) -> Finding:
     """PROGRAM_ERROR: how far a body that rides is from where its own machine has it."""
-    theta, module = np.linspace(0, math.tau, _ANGLES, endpoint=False), each.module
+    theta = np.linspace(0, math.tau, _ANGLES, endpoint=False)
+    module = each.module
     link = solve(chain, theta, 0).pose(ride.link)
     own = each.mechanism.solve(theta + module.phase, 0).pose(ride.body)
     off = np.abs(link.place + ride.at * np.exp(1j * link.angle) - own.place - module.at)
@@ -311,20 +313,22 @@ def _followed(each: Included, ride: Ride, chain: Machine) -> Finding:
         digits=2,
         module=module.prefix,
     )
-    said = "from where its own machine has it; what follows from it, such as clearances, is judged where it really goes"
-    return at_most("PROGRAM_ERROR", float(off[worst]), each.table.ride_tolerance, "mm", where, said)
+    remark = "from where its own machine has it; what follows from it, such as clearances, is judged where it really goes"
+    limit = each.table.ride_tolerance
+    return at_most("PROGRAM_ERROR", float(off[worst]), limit, "mm", where, remark)
 
 
-def study(each: Included) -> Study:
+def study(each: IncludedMachine) -> Study:
     """Its figures, curves and tables, which are those of its own spec; angles in them are its own."""
-    found, module = each.mechanism.study(), each.module
+    own = each.mechanism.study()
+    module = each.module
     prefix = module.prefix
     return Study(
-        {module.name(name): value for name, value in found.numbers.items()},
-        Later(lambda: [replace(plot, title=f"{prefix}: {plot.title}") for plot in found.plots]),
-        Later(lambda: [replace(table, title=f"{prefix}: {table.title}") for table in found.tables]),
-        Later(lambda: [_sketch(sketch, module) for sketch in found.sketches]),
-        [*_origin(each), *_fastened(each), *(f"{prefix}: {note}" for note in found.notes)],
+        {module.name(name): value for name, value in own.numbers.items()},
+        Later(lambda: [replace(plot, title=f"{prefix}: {plot.title}") for plot in own.plots]),
+        Later(lambda: [replace(table, title=f"{prefix}: {table.title}") for table in own.tables]),
+        Later(lambda: [_sketch(sketch, module) for sketch in own.sketches]),
+        [*_origin(each), *_fastening(each), *(f"{prefix}: {note}" for note in own.notes)],
     )
 
 
@@ -342,37 +346,38 @@ def _sketch(sketch: Sketch, module: Module) -> Sketch:
 
 
 def _ahead(course: Callable[[Floats], Points], module: Module, theta: Floats) -> Points:
-    """The course of what changes its shape, at the host's theta and where the module stands."""
+    """Course of a sketch that changes its shape, (n, k) complex mm on the host's ground; theta: the host's, (n,) rad."""
     return course(theta + module.phase) + module.at
 
 
-def _fastened(each: Included) -> list[str]:
+def _fastening(each: IncludedMachine) -> list[str]:
     """What a builder joins: a body that rides has no hole or post of its own for it."""
-    name, module, stand = each.module.prefix, each.module, each.stand
+    module = each.module
+    name = module.prefix
+    stand = each.stand
     shaft = each.mechanism.assembly.shaft
-    said: list[str] = []
+    notes = [f"{name}: {ride.body} rides on {ride.link}; fasten it there." for ride in module.rides]
     if stand is not None and stand.merged is not None:
-        said.append(
+        frame = (
             f"{name} has no frame and no shaft of its own: the second plate holds what its frame would, and the machine's shaft "
             "turns it."
         )
-    elif stand is not None and shaft is not None:
-        turned = "its shaft is turned by a belt or coupling."
+    elif shaft is None:
+        return notes
+    elif stand is not None:
+        by = "its shaft is turned by a belt or coupling."
         if stand.sleeve is not None:
-            turned = "a sleeve joins both shafts."
-        said.append(
-            f"{name} stands on the second plate: posts screwed on from below, studs in their tops that hold its frame; {turned}"
-        )
-    elif shaft is not None:
-        said.append(
+            by = "a sleeve joins both shafts."
+        frame = f"{name} stands on the second plate: posts screwed on from below, studs in their tops that hold its frame; {by}"
+    else:
+        frame = (
             f"{name} stands by itself, {module.z:g} mm up, its origin at ({module.at.real:g}, {module.at.imag:g}): nothing is "
             "made that joins its plate and shaft to the rest. Screw both frames on one board, this one so much higher."
         )
-    rides = [f"{name}: {ride.body} rides on {ride.link}; fasten it there." for ride in module.rides]
-    return [*said, *rides]
+    return [frame, *notes]
 
 
-def _origin(each: Included) -> list[str]:
+def _origin(each: IncludedMachine) -> list[str]:
     """Where it was read, if not beside the spec."""
     source = each.table.source
     if source is None or ".." not in PurePosixPath(source).parts:
@@ -385,49 +390,41 @@ def _origin(each: Included) -> list[str]:
 
 def faults(includes: Sequence[Include], host: Host) -> Sequence[Fault]:
     """What is wrong with included specs, by the key of each."""
-    found, names = [], [_name(each) for each in includes]
-    for k, each in enumerate(includes):
+    faults = []
+    names = [_name(each) for each in includes]
+    for k, (each, name) in enumerate(zip(includes, names, strict=True)):
         path = ("include", k)
         if each.mounted and host.tables["parts"]["plates"] < 2:
             right = "nothing here, or parts.plates = 2 beside it: it stands on the second plate"
-            found.append(Fault((*path, "mounted"), "true", right))
-        if names[k] in names[:k]:
-            found.append(Fault((*path, "name"), names[k], "a name of its own for each"))
-        if isinstance(each.spec, str):
-            found.append(
-                Fault(
-                    (*path, "spec"),
-                    each.spec,
-                    "its tables: only a spec in a file can name another file",
-                )
-            )
-            continue
-        if each.spec.get("include"):
-            own = each.spec["include"]
-            specs_of = [
-                str(one["spec"])
-                for one in own
-                if isinstance(one, Mapping) and isinstance(one.get("spec"), str)
-            ]
-            which = f" of {', '.join(specs_of)}" if specs_of else ""
-            right = f"a spec without [[include]], so that none includes itself: take the [[include]]{which} out of it, and write "
-            found.append(
-                Fault(
-                    (*path, "spec"),
-                    f"{each.source or names[k]}, which has [[include]]",
-                    right + "it in this spec",
-                )
-            )
-            continue
-        try:
-            _mechanism(each, host)
-        except SpecError as error:
-            file = f" (in {each.source})" if each.source else ""
-            found += [
-                replace(fault, path=(*path, "spec", *fault.path), expected=fault.expected + file)
-                for fault in error.faults
-            ]
-    return found
+            faults.append(Fault((*path, "mounted"), "true", right))
+        if name in names[:k]:
+            faults.append(Fault((*path, "name"), name, "a name of its own for each"))
+        faults += _spec_faults((*path, "spec"), each, host)
+    return faults
+
+
+def _spec_faults(path: Key, each: Include, host: Host) -> list[Fault]:
+    """What is wrong with one included spec."""
+    if isinstance(each.spec, str):
+        right = "its tables: only a spec in a file can name another file"
+        return [Fault(path, each.spec, right)]
+    if each.spec.get("include"):
+        own = [one.get("spec") for one in each.spec["include"] if isinstance(one, Mapping)]
+        files = ", ".join(name for name in own if isinstance(name, str))
+        right = (
+            f"a spec without [[include]], so that none includes itself: take the [[include]]{files and ' of '}{files} out of it, "
+            "and write it in this spec"
+        )
+        return [Fault(path, f"{each.source or _name(each)}, which has [[include]]", right)]
+    try:
+        _mechanism(each, host)
+    except SpecError as error:
+        file = f" (in {each.source})" if each.source else ""
+        return [
+            replace(fault, path=(*path, *fault.path), expected=fault.expected + file)
+            for fault in error.faults
+        ]
+    return []
 
 
 def opened(data: reading.Data, folder: Path) -> reading.Data:
@@ -435,14 +432,12 @@ def opened(data: reading.Data, folder: Path) -> reading.Data:
 
     SpecError where the path is not a relative one; FileError where it cannot be read.
     """
-    read = dict[int, reading.Data]()
+    includes = dict[int, reading.Data]()
     for each in reading.references(data):
         if each.kind == "spec":
             file = each.file(folder)
             tables = with_tables(reading.read(file), file.parent, str(file))
-            read[id(each.table)] = {**each.table, "spec": tables, "source": each.name}
-    return (
-        {**data, "include": [read.get(id(each), each) for each in data["include"]]}
-        if read
-        else data
-    )
+            includes[id(each.table)] = {**each.table, "spec": tables, "source": each.name}
+    if not includes:
+        return data
+    return {**data, "include": [includes.get(id(each), each) for each in data["include"]]}

@@ -28,10 +28,10 @@ from camgen.machine.features import CamOutline, Feature, Mount
 from camgen.machine.model import Machine
 from camgen.machine.run import Run, solve
 from camgen.machines.free_play import ANGLES, of_pins, pins_alone
-from camgen.machines.loads.applied import applied
-from camgen.machines.loads.rubbing import rough
+from camgen.machines.loads.applied import efforts
+from camgen.machines.loads.rubbing import with_friction
 from camgen.machines.loads.tables import Bears, Weight
-from camgen.machines.loads.weights import pulled, weighed
+from camgen.machines.loads.weights import with_gravity, with_masses
 from camgen.parts.assembly import Assembly, Cycle, Process, tips
 from camgen.parts.catalogue import DENSITY
 from camgen.parts.inertia import printed_density
@@ -70,11 +70,11 @@ class Mechanism(Spec, ABC):
 
     @cached_property
     def model(self) -> Machine:
-        """The same with the loads that the spec applies, made once."""
+        """Its bodies, joints, drive, outputs, and the loads that the spec applies; made once."""
         machine = self._unloaded()
         if self.load is None or not self.load.on:
             return machine
-        return replace(machine, loads=(*machine.loads, *applied(self.load.on, machine)))
+        return replace(machine, loads=(*machine.loads, *efforts(self.load.on, machine)))
 
     def solve(self, theta: ArrayLike, order: int = 2) -> Run:
         """The machine at theta, (n,) rad, with derivatives up to the order: outputs, rates, poses, forces, play.
@@ -88,16 +88,13 @@ class Mechanism(Spec, ABC):
 
         DesignError where a linkage's solids cannot be made.
         """
-        return rough(
-            weighed(self.model, self.assembly.solids, self.load).machine,
-            self.assembly.journals,
-            self.load,
-        )
+        machine = with_masses(self.model, self.assembly.solids, self.load).machine
+        return with_friction(machine, self.assembly.journals, self.load)
 
     @property
     def _pulled(self) -> Machine:
         """The model as it is, or where [load] has gravity with it and with the masses of the solids."""
-        return pulled(self.model, self.load, lambda: self.assembly.solids)
+        return with_gravity(self.model, self.load, lambda: self.assembly.solids)
 
     @abstractmethod
     def motion(self, theta: Floats, order: int = 0) -> Floats:
@@ -112,9 +109,8 @@ class Mechanism(Spec, ABC):
         self, parts: Sequence[Part], mounts: Sequence[Mount] = (), features: Sequence[Feature] = ()
     ) -> Assembly:
         """These parts as a machine: pins as bearings, tips that are not made in the way of others."""
-        turning = (
-            "cam angle" if any(isinstance(each, CamOutline) for each in features) else "crank angle"
-        )
+        cams = any(isinstance(each, CamOutline) for each in features)
+        turning = "cam angle" if cams else "crank angle"
         return Assembly(
             self.model,
             parts,
@@ -142,20 +138,16 @@ class Mechanism(Spec, ABC):
     @property
     def _process(self) -> Process:
         """The play on a side less what a coarse print leaves and facets take is what bodies keep that move past each other."""
-        press, slide, tolerance = (
-            self.print.press_clearance,
-            self.print.slide_clearance,
-            self.accuracy.chord_tolerance,
-        )
-        sheet = None if self.laser is None else self.laser.thickness
-        fixing = Fixing((press + slide) / 2 if press < slide else -math.inf, self.fixed)
+        press = self.print.press_clearance
+        slide = self.print.slide_clearance
+        tolerance = self.accuracy.chord_tolerance
         return Process(
             tolerance,
             max(0.0, 0.8 * slide / 2 - 2 * tolerance),
-            fixing,
+            Fixing((press + slide) / 2 if press < slide else -math.inf, self.fixed),
             self.material.name,
             printed_density(self.material),
-            sheet,
+            None if self.laser is None else self.laser.thickness,
         )
 
     def scene(self, theta: float) -> Scene:
@@ -182,7 +174,7 @@ class Mechanism(Spec, ABC):
         """Closed-form design checks; raises DesignError where no such mechanism exists."""
 
     def forecast(self) -> Sequence[Finding]:
-        """The same, and what else is known of the files before they are made; DesignError where they cannot be."""
+        """Design checks, and what else is known of the files before they are made; DesignError where they cannot be."""
         limits = self.limits()
         if not pins_alone(self.model):
             return limits
@@ -209,11 +201,11 @@ class Mechanism(Spec, ABC):
         return -1 if self._speed < 0 else 1
 
     def _found(self) -> Mapping[str, object]:
-        """What the spec leaves open and camgen found, by dotted keys; DesignError where there is nothing to be found."""
+        """What the spec leaves open and camgen works out, by dotted keys; DesignError where nothing fits."""
         return {"material.density": self.material.density or DENSITY[self.material.name]}
 
     def resolved(self) -> Self:
-        """The same with everything filled in that was found: a spec that makes the same files."""
+        """A spec that makes the same files, with everything filled in that camgen works out."""
         data = self.model_dump(by_alias=True, exclude_none=True)
         for key, value in self._found().items():
             *tables, last = key.split(".")

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -43,33 +42,24 @@ def air_faults(path: Key, air: float, closure: str, radius: float | None) -> lis
     if air and closure != "conjugate":
         return [Fault(path, f"{air:g}", 'nothing here: only closure "conjugate" has two tips')]
     if radius is not None and air < -radius:
-        return [
-            Fault(
-                path,
-                f"{air:g}",
-                f"at least {0.0 - radius:g}: a preload that the tip's radius can give way by",
-            )
-        ]
+        right = f"at least {0.0 - radius:g}: a preload that the tip's radius can give way by"
+        return [Fault(path, f"{air:g}", right)]
     return []
 
 
-@dataclass(frozen=True)
-class Told:
-    """What to know of pairs with air or preload, and what of them is not judged."""
-
-    notes: list[str] = field(default_factory=list)
-    left: list[NotJudged] = field(default_factory=list)
-
-
-def told(
+def remarks(
     forces: Forces,
     machine: Machine,
     outlines: Mapping[str, CamOutline],
     stiffness: float | None = None,
-) -> Told:
-    """Which cam of a pair leads for how much of the turn by the forces, or that it is pressed; outlines: by joint, the first;
-    stiffness: of a follower's arm, N m/rad, where it is known."""
-    found = Told()
+) -> tuple[list[str], list[NotJudged]]:
+    """What to know of pairs with air or preload, and what of them is not judged.
+
+    Which cam of a pair leads for how much of the turn by the forces, or that it is pressed. outlines: by joint, the first;
+    stiffness: of a follower's arm, N m/rad, where it is known.
+    """
+    notes = []
+    not_judged = []
     for joint in machine.joints:
         outline = outlines.get(joint.name)
         if not isinstance(joint, Cam) or outline is None or not outline.free:
@@ -77,43 +67,29 @@ def told(
         if outline.free < 0:
             why = f"how hard the preload at {joint.name} presses follows from the stiffness of its parts, which is not known"
             most = _most(joint, -outline.free, stiffness or 0.0)
-            why += (
-                f" ({most:.3g} N at a tip at most: so much if arms alone gave way, not tips, cams and pins)"
-                if most
-                else ""
-            )
-            found.left.append(
-                NotJudged(
-                    "HERTZ", f"{why}: it is in no force here", "a torque measured on the machine"
-                )
-            )
+            if most:
+                why += f" ({most:.3g} N at a tip at most: so much if arms alone gave way, not tips, cams and pins)"
+            why += ": it is in no force here"
+            not_judged.append(NotJudged("HERTZ", why, "a torque measured on the machine"))
             continue
         effort = forces.contacts[joint.name] * joint.leaves
+        leads = "on which is not known: it bears no load"
         if np.any(effort):
             leads = f"by its forces on the first one for {100 * float(np.mean(effort > 0)):.0f} % of the turn, else on the second"
-        else:
-            leads = "on which is not known: it bears no load"
         middle = "MOTION_ERROR is that of the middle between both cams"
-        found.notes.append(
-            f"{joint.name}: {middle}; the follower lies half of LASH beside it, {leads}."
-        )
-    return found
+        notes.append(f"{joint.name}: {middle}; the follower lies half of LASH beside it, {leads}.")
+    return notes, not_judged
 
 
 def _most(joint: Cam, preload: float, stiffness: float) -> float:
-    """Largest force at a tip of a pair, N, where only its two arms, each so stiff (N m/rad), give way by the preload, mm; 0 where
-    that is not known. Both turn until what they give is what both tips overlap: the same moment is in both."""
-    followers = [touch.cam.follower for touch in joint.touches[:2]]  # type: ignore[attr-defined]
-    if (
-        joint.slide is not None
-        or len(followers) < 2
-        or not all(hasattr(each, "arm") for each in followers)
-    ):
+    """Largest force at a tip of a pair, N, where only its two arms give way by the preload, mm; 0 where that is not known.
+
+    Both arms turn until what they give is what both tips overlap: the same moment is in both. stiffness: of each, N m/rad.
+    """
+    cams: list[Any] = [touch.cam for touch in joint.touches[:2]]  # type: ignore[attr-defined]
+    if joint.slide or len(cams) < 2 or not all(hasattr(cam.follower, "arm") for cam in cams):
         return 0.0
     theta = np.linspace(0, math.tau, 721)
-    levers = [
-        abs(touch.cam.follower.arm) * np.cos(touch.cam.steepness(theta))  # type: ignore[attr-defined]
-        for touch in joint.touches[:2]
-    ]
+    levers = [abs(cam.follower.arm) * np.cos(cam.steepness(theta)) for cam in cams]
     moment = 1e3 * stiffness * sum(preload / lever for lever in levers) / 2
     return float(max(np.nanmax(moment / lever) for lever in levers))

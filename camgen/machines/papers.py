@@ -31,7 +31,7 @@ from camgen.machines.thread_take_up.study import Masses, balance_numbers
 from camgen.machines.uniform_swing.pictures import Model, pictures
 from camgen.motion.laws import LAWS, MR_13_COSINES, MR_13_SINES, end_speed
 from camgen.motion.program import uniform_swing
-from camgen.numerics import Points
+from camgen.numerics import Points, peak
 
 _CUT = "cut off, not rounded"
 _NO_LENGTHS = "its lengths are not printed, this is of one of the same feed"
@@ -69,13 +69,9 @@ class Row:
         """In a few words."""
         if not self.ok:
             return "OFF"
-        return (
-            f"refuted: {self.refuted}"
-            if self.refuted
-            else f"not decidable: {self.undecided}"
-            if self.undecided
-            else "agrees"
-        )
+        if self.refuted:
+            return f"refuted: {self.refuted}"
+        return f"not decidable: {self.undecided}" if self.undecided else "agrees"
 
 
 def rows() -> Iterator[Row]:
@@ -92,16 +88,22 @@ def rows() -> Iterator[Row]:
 
 def _swing() -> Iterator[Row]:
     """The source gives formulas without lengths: they are tried at L = 60, H = 30, Delta = 15 deg, phi = 50 deg."""
-    pivot, width, half = 60.0, 30.0, math.radians(15)
-    reach, middle = math.hypot(pivot, width), math.atan2(width, pivot)
-    phi, ratio = math.radians(50), math.pi / (2 * half)
+    pivot = 60.0
+    width = 30.0
+    half = math.radians(15)
+    reach = math.hypot(pivot, width)
+    middle = math.atan2(width, pivot)
+    phi = math.radians(50)
+    ratio = math.pi / (2 * half)
 
     def tip(alpha: float) -> complex:
         return pivot - reach * cmath.exp(1j * alpha)
 
     def steps(sign: float) -> complex:
         """The point of the profile by (8) and (11), x sin with this sign in the row of y."""
-        d, a, angle = tip(middle - half) - pivot, -phi / ratio, phi - phi / ratio
+        d = tip(middle - half) - pivot
+        a = -phi / ratio
+        angle = phi - phi / ratio
         x = d.real * math.cos(angle) + d.imag * math.sin(angle) + pivot * math.cos(phi)
         y = d.imag * math.cos(angle) + sign * (d.real * math.sin(angle) + pivot * math.sin(phi))
         assert math.isclose(angle, phi + a)
@@ -161,7 +163,8 @@ def _swing() -> Iterator[Row]:
 
 
 def _eccentric() -> Iterator[Row]:
-    crank, rod = 1.5, 48.0
+    crank = 1.5
+    rod = 48.0
     printed = "13000 / 60 is revolutions a second, the formula wants rpm: 1361 rad/s"
     yield Row("E crank speed, rad/s", "22.6", math.pi * 13000 / 30, refuted=printed)
     yield Row("E strokes a second at the printed 22.6 rad/s", "3 to 4", PAPER_SPEED / math.tau)
@@ -233,7 +236,8 @@ def _fastest(share: float) -> float:
 
 
 def _stitch() -> Iterator[Row]:
-    g, d = SOURCE, SOURCE.design()
+    g = SOURCE
+    d = SOURCE.design()
     thread = thread_per_stitch(2.5, 3.0, 4.0)
     yield Row("S thread of a stitch, new, mm", "46", thread["new"])
     yield Row("S thread of a stitch, type 406, mm", "47", thread["406"])
@@ -301,7 +305,8 @@ def _stitch() -> Iterator[Row]:
         at * way / (16.5 - g.rise[1]),
         refuted=f"{lost}, and 0.03 is 0.003",
     )
-    new, wrong = 41.7 / 34, "dS/dL taken for dL/dS"
+    new = 41.7 / 34
+    wrong = "dS/dL taken for dL/dS"
     yield Row("S new l1, mm", "8.1", max(g.reach) * new, refuted=wrong)
     yield Row("S new l2, mm", "2.8", g.height * new, refuted=wrong)
     yield Row("S new A, mm", "10.9", (max(g.reach) + g.height) * new, refuted=wrong)
@@ -321,8 +326,10 @@ def _stitch() -> Iterator[Row]:
 
 
 def _indexing() -> Iterator[Row]:
-    law, kappa = LAWS["mr-13"], np.arange(61) / 60
-    b, c = law(kappa, 1), law(kappa, 2)
+    law = LAWS["mr-13"]
+    kappa = np.arange(61) / 60
+    b = law(kappa, 1)
+    c = law(kappa, 2)
     printed = (*MR_13_SINES[:-1], -MR_13_SINES[-1])
     yield Row(
         "I speed at the ends, A6 as printed",
@@ -335,16 +342,16 @@ def _indexing() -> Iterator[Row]:
         "0.000000",
         abs(end_speed(MR_13_SINES, MR_13_COSINES)),
     )
-    yield Row("I B, greatest |b| of 61 positions", "1.891", float(np.max(np.abs(b))), refuted=_CUT)
-    yield Row("I C, greatest |c| of 61 positions", "6.149", float(np.max(np.abs(c))))
-    yield Row("I D, greatest |b c| of 61 positions", "8.020", float(np.max(np.abs(b * c))))
+    yield Row("I B, greatest |b| of 61 positions", "1.891", peak(b), refuted=_CUT)
+    yield Row("I C, greatest |c| of 61 positions", "6.149", peak(c))
+    yield Row("I D, greatest |b c| of 61 positions", "8.020", peak(b * c))
     fine = np.linspace(0, 1, 200_001)
     for label, text, order in (("C", "6.149", 2), ("D", "8.020", 0)):
         curve = law(fine, 2) if order else law(fine, 1) * law(fine, 2)
         yield Row(
             f"I {label} of the law itself",
             text,
-            float(np.max(np.abs(curve))),
+            peak(curve),
             refuted="the peak of its table",
         )
     yield Row("I B1 = c(0)", "2.550126", float(law(0.0, 2)))
@@ -389,7 +396,8 @@ def _take_up() -> Iterator[Row]:
         refuted="the squares are lost, and l0 l1 stands for l2",
     )
     yield Row("T eq. 1 with both: gap at B, mm", "0.000000000", gap(right))
-    beta, arm = math.radians(90), 52.0
+    beta = math.radians(90)
+    arm = 52.0
 
     def at(x: float, y: float) -> Points:
         """D by formula (2) from its place in the coupler's axes."""
@@ -413,12 +421,12 @@ def _take_up() -> Iterator[Row]:
     yield Row(
         "T eq. 2, y' right of AB: eye off the chain's, mm",
         "0.000000000",
-        float(np.max(np.abs(at(*meant) - printed.path(theta)))),
+        peak(at(*meant) - printed.path(theta)),
     )
     yield Row(
         "T eq. 2, y' left of it, as in any axes: the same, mm",
         "0.000",
-        float(np.max(np.abs(at(meant[0], -meant[1]) - printed.path(theta)))),
+        peak(at(meant[0], -meant[1]) - printed.path(theta)),
         refuted="it is a reflection, no turn: y' counts to the other side",
     )
     yield Row(
@@ -440,16 +448,14 @@ def _take_up() -> Iterator[Row]:
     yield Row(
         "T a longer frame turns BC less evenly, of 4 steps", "4", float(np.sum(np.diff(spread) > 0))
     )
-    speed, masses = (
-        math.tau * 5000 / 60,
-        Masses(
-            coupler_g=6.3,
-            output_crank_g=8.3,
-            coupler_kg_m2=5.1e-6,
-            output_crank_kg_m2=2.5e-6,
-            coupler_centre=(15.0, -10.0),
-            output_crank_centre=9.5,
-        ),
+    speed = math.tau * 5000 / 60
+    masses = Masses(
+        coupler_g=6.3,
+        output_crank_g=8.3,
+        coupler_kg_m2=5.1e-6,
+        output_crank_kg_m2=2.5e-6,
+        coupler_centre=(15.0, -10.0),
+        output_crank_centre=9.5,
     )
     bodies = masses.bodies(printed)
     found = balance_numbers(printed, masses, speed)
@@ -458,8 +464,7 @@ def _take_up() -> Iterator[Row]:
     )
     before = printed.forces(ANGLES, bodies, speed)
     grown = sum(
-        found[f"balanced_reaction_{x.lower()}_n"] > float(np.abs(before.reactions[x]).max())
-        for x in "ABC"
+        found[f"balanced_reaction_{x.lower()}_n"] > peak(before.reactions[x]) for x in "ABC"
     )
     yield Row("T reactions that grow by it, of A, B and C", "3", float(grown))
     single = balance_numbers(printed.interchanged(), masses, speed)["crank_counterweight_g_mm"]
@@ -470,7 +475,7 @@ def _take_up() -> Iterator[Row]:
         undecided="its shape and size are left to further work, and masses' centres not printed",
     )
     rocker, _ = against(printed, bodies, speed, None)
-    ratio = rocker["rocker_reaction_c_n"] / float(np.abs(before.reactions["C"]).max())
+    ratio = rocker["rocker_reaction_c_n"] / peak(before.reactions["C"])
     wear = 3 * rocker["rocker_wear_n_rad_s"] / sum(printed.wear(ANGLES, before, speed).values())
     for what, text, ours, why in (
         (

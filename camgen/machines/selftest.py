@@ -21,6 +21,7 @@ from camgen.motion.laws import (
     modified_sine,
 )
 from camgen.motion.program import Program, Segment, uniform_swing
+from camgen.numerics import peak
 
 # C_v, C_a, C_j inside the segment, jerk at the crossover, largest |v a|.   [VDI 2143; Norton]
 _LAWS = {
@@ -49,10 +50,9 @@ def rows() -> Iterator[Row]:
     """Every constant, in groups, recomputed from the formulas; of a law that no table prints, what its own record claims."""
     for name in dict.fromkeys((*_LAWS, *LAWS)):
         law = LAWS[name] if name in LAWS else modified_sine(0.2)
-        claimed = " ".join(
-            f"{claim:.4f}" if math.isfinite(claim) else "-" for claim in (law.c_v, law.c_a, law.c_j)
-        )
-        published = _LAWS.get(name, claimed)
+        claims = (law.c_v, law.c_a, law.c_j)
+        own = " ".join(f"{claim:.4f}" if math.isfinite(claim) else "-" for claim in claims)
+        published = _LAWS.get(name, own)
         labels = ("C_v", "C_a", "C_j", "j(1/2)", "|v a|")
         values = (*(_peak(law, order) for order in (1, 2, 3)), float(law(0.5, 3)), _power(law))
         for label, text, value in zip(labels, published.split(), values, strict=False):
@@ -60,11 +60,8 @@ def rows() -> Iterator[Row]:
                 yield Row(f"{name} {label}", text, value)
     for name, published in _DOUBLE_DWELL.items():
         for order, text in enumerate(published.split(), start=1):
-            yield Row(
-                f"double dwell, {name} {'vaj'[order - 1]}",
-                text,
-                _double_dwell_peak(LAWS[name], order),
-            )
+            value = _double_dwell_peak(LAWS[name], order)
+            yield Row(f"double dwell, {name} {'vaj'[order - 1]}", text, value)
     yield from _mr_13()
     yield from _linkages()
     yield from papers.rows()
@@ -89,11 +86,8 @@ def _double_dwell_peak(law: Law, order: int) -> float:
             Segment("return", quarter, 1.0, -1.0, law),
         )
     )
-    joints = program.joints / (2 * math.pi)
-    return (
-        largest(lambda u: program(2 * math.pi * u, order), [float(j) for j in joints[1:-1]])
-        * (2 * math.pi) ** order
-    )
+    joints = [float(j) for j in (program.joints / math.tau)[1:-1]]
+    return largest(lambda u: program(math.tau * u, order), joints) * math.tau**order
 
 
 def _mr_13() -> Iterator[Row]:
@@ -101,57 +95,46 @@ def _mr_13() -> Iterator[Row]:
     law = LAWS["mr-13"]
     misprinted = (*MR_13_SINES[:-1], -MR_13_SINES[-1])
     yield Row("mr-13 speed at its ends", "2.8e-8", abs(end_speed(MR_13_SINES, MR_13_COSINES)))
-    yield Row(
-        "mr-13 speed at its ends, A6 as printed",
-        "1.6e-3",
-        abs(end_speed(misprinted, MR_13_COSINES)),
-    )
+    off = abs(end_speed(misprinted, MR_13_COSINES))
+    yield Row("mr-13 speed at its ends, A6 as printed", "1.6e-3", off)
     yield Row("mr-13 c(0)", "2.550126", float(law(0.0, 2)))
     kappa = np.arange(61) / 60
-    b, c = law(kappa, 1), law(kappa, 2)
+    b = law(kappa, 1)
+    c = law(kappa, 2)
     for label, text, curve in (
         ("|b|", "1.8917", b),
         ("|c|", "6.1487", c),
         ("|b c|", "8.0202", b * c),
     ):
-        yield Row(f"mr-13 {label} of 61 positions", text, float(np.max(np.abs(curve))))
+        yield Row(f"mr-13 {label} of 61 positions", text, peak(curve))
     yield Row("mr-13 |b c|", "8.0491", _power(law))
 
 
 def _linkages() -> Iterator[Row]:
     """Closed forms of the eccentric (e = 1.5, rod 48) and of the thread take-up's four-bar (9, 30, 19, 30)."""
     for angle, text in ((30, "0.206821627"), (90, "1.523443225"), (180, "3.000000000")):
-        yield Row(
-            f"eccentric, travel at {angle} deg",
-            text,
-            float(slider_travel(math.radians(angle), 1.5, 48.0)),
-        )
-    least, greatest = (
-        math.degrees(angle) for angle in transmission_extremes(9.0, 30.0, 19.0, 30.0)
-    )
+        travel = float(slider_travel(math.radians(angle), 1.5, 48.0))
+        yield Row(f"eccentric, travel at {angle} deg", text, travel)
+    bars = (9.0, 30.0, 19.0, 30.0)
+    least, greatest = (math.degrees(angle) for angle in transmission_extremes(*bars))
     yield Row("four-bar, transmission angle at 0 deg", "44.0034273489", least)
     yield Row("four-bar, transmission angle at 180 deg", "103.1834814862", greatest)
-    yield Row("four-bar, Grashof margin", "10.000", four_bar(9.0, 30.0, 19.0, 30.0).margin)
-    yield Row(
-        "uniform swing of 30 deg, speed ratio",
-        "6.000",
-        1 / float(uniform_swing(math.radians(30))(1.0, 1)),
-    )
+    yield Row("four-bar, Grashof margin", "10.000", four_bar(*bars).margin)
+    speed = float(uniform_swing(math.radians(30))(1.0, 1))
+    yield Row("uniform swing of 30 deg, speed ratio", "6.000", 1 / speed)
 
 
-def to_text(found: Sequence[Row]) -> str:
+def to_text(results: Sequence[Row]) -> str:
     """The rows as a table, and what they come to."""
     lines = [f"{'constant':<52}{'published':>14}{'here':>16}  verdict"]
-    for row in found:
+    for row in results:
         ours = 0.0 if abs(row.ours) < 1e-12 else row.ours  # rounding
         lines.append(f"{row.what:<52}{row.published:>14}{ours:>16.10g}  {row.verdict}")
-    off = sum(not row.ok for row in found)
-    refuted, undecided = (
-        sum(bool(row.refuted) for row in found),
-        sum(bool(row.undecided) for row in found),
+    off = sum(not row.ok for row in results)
+    refuted = sum(bool(row.refuted) for row in results)
+    undecided = sum(bool(row.undecided) for row in results)
+    agree = (
+        f"{len(results) - refuted - undecided} constants agree; {refuted} printed values are refuted, "
+        f"{undecided} cannot be decided from their sources"
     )
-    sources = (
-        f"{refuted} printed values are refuted, {undecided} cannot be decided from their sources"
-    )
-    agree = f"{len(found) - refuted - undecided} constants agree; {sources}"
-    return "\n".join([*lines, f"{off} of {len(found)} constants are OFF" if off else agree])
+    return "\n".join([*lines, f"{off} of {len(results)} constants are OFF" if off else agree])

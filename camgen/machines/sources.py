@@ -35,9 +35,13 @@ def read_tables(spec: Source) -> tuple[reading.Data, str, Path]:
     """The tables of a spec with those of the specs that it includes, what it is called in errors, and its folder."""
     assert not isinstance(spec, Mechanism), "has no tables of its own"
     if isinstance(spec, Mapping):
-        data, source, folder = reading.tables(spec), "spec", Path()
+        data = reading.tables(spec)
+        source = "spec"
+        folder = Path()
     else:
-        data, source, folder = reading.read(Path(spec)), str(spec), Path(spec).parent
+        data = reading.read(Path(spec))
+        source = str(spec)
+        folder = Path(spec).parent
     if "include" in data:
         from camgen.machines.included import opened
 
@@ -46,22 +50,24 @@ def read_tables(spec: Source) -> tuple[reading.Data, str, Path]:
 
 
 def files_of(spec: Path) -> list[Path]:
-    """A spec's file, those that it names, and those that included specs name, whether they are there or not; of what is no spec
-    itself alone."""
-    named = _named_in(spec)
-    included = [file for kind, file in named if kind == "spec"]  # which include none
-    theirs = [file for other in included for kind, file in _named_in(other) if kind != "spec"]
-    return [spec, *(file for _, file in named), *theirs]
+    """A spec's file, those that it names, and those that included specs name, whether they are there or not.
+
+    Of what is no spec itself alone.
+    """
+    own = _references(spec)
+    included = [file for kind, file in own if kind == "spec"]  # which include none
+    theirs = [file for other in included for kind, file in _references(other) if kind != "spec"]
+    return [spec, *(file for _, file in own), *theirs]
 
 
-def _named_in(spec: Path) -> list[tuple[str, Path]]:
+def _references(spec: Path) -> list[tuple[str, Path]]:
     """What each file that a spec names holds, and where it is; nothing of what is no spec."""
-    found = list[tuple[str, Path]]()
+    files: list[tuple[str, Path]] = []
     with suppress(CamgenError):
         for each in reading.references(reading.read(spec)):
             with suppress(SpecError):
-                found.append((each.kind, each.file(spec.parent)))
-    return found
+                files.append((each.kind, each.file(spec.parent)))
+    return files
 
 
 def changed(
@@ -74,18 +80,19 @@ def changed(
     """The mechanism of some tables with some keys set anew; like: see `validate`."""
     for setting in overrides:
         data = override(data, setting)
-    left = [each for each in reading.references(data) if each.kind != "spec" and each.outside]
     hints = tuple(
-        f"{dotted(each.path)} was read from {each.name}, outside the spec's folder" for each in left
+        f"{dotted(each.path)} was read from {each.name}, outside the spec's folder"
+        for each in reading.references(data)
+        if each.kind != "spec" and each.outside
     )
     data = with_tables(data, folder, source)
-    made = specs.validate(load(specs.choose(data, MECHANISMS, source)), data, source, hints, like)
-    if (
-        made.load is not None and made.load.on
-    ):  # that they are on what is there; a design that does not exist is told later
+    kind = load(specs.choose(data, MECHANISMS, source))
+    mechanism = specs.validate(kind, data, source, hints, like)
+    if mechanism.load is not None and mechanism.load.on:
+        # faults of loads on what is not there; a design that does not exist is refused later
         with suppress(DesignError):
-            made.model  # noqa: B018
-    return made
+            mechanism.model  # noqa: B018
+    return mechanism
 
 
 @dataclass(frozen=True)
@@ -110,20 +117,20 @@ class Template:
 
     def variants(self, several: Iterable[Sequence[str]]) -> list[Mechanism | CamgenError]:
         """The mechanism of each list of settings, or why there is none; those of one kind find together what they need."""
-        made: list[Mechanism | CamgenError] = []
+        variants: list[Mechanism | CamgenError] = []
         for each in several:
             try:
-                made.append(changed(self._tables, self.source, self.folder, each, self._like))
+                variants.append(changed(self._tables, self.source, self.folder, each, self._like))
             except (DesignError, SpecError) as error:
-                made.append(error)
-        return made
+                variants.append(error)
+        return variants
 
 
-def prepare(made: Iterable[object]) -> None:
+def prepare(variants: Iterable[object]) -> None:
     """Let mechanisms of one kind find together what each of them needs; what is no mechanism is passed over."""
-    alike: dict[type[Mechanism], list[Mechanism]] = {}
-    for each in made:
+    kinds: dict[type[Mechanism], list[Mechanism]] = {}
+    for each in variants:
         if isinstance(each, Mechanism):
-            alike.setdefault(type(each), []).append(each)
-    for kind, several in alike.items():
-        kind.prepare(several)
+            kinds.setdefault(type(each), []).append(each)
+    for kind, alike in kinds.items():
+        kind.prepare(alike)

@@ -28,7 +28,7 @@ from camgen.machine.reach import folds
 from camgen.machine.run import solve
 from camgen.machines.loads.assess import assess
 from camgen.machines.loads.pressed import by_force
-from camgen.machines.loads.weights import pulled
+from camgen.machines.loads.weights import with_gravity
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats
 from camgen.tolerance.spread import Spread, laws_of, shifted_by
@@ -179,7 +179,7 @@ def _of_model(
     if "LIFT_OFF" in asked and forced:
         theta = np.linspace(*mechanism.assembly.cycle.range, 1441)
         pressing = (
-            solve(pulled(machine, mechanism.load, lambda: mechanism.assembly.solids), theta)
+            solve(with_gravity(machine, mechanism.load, lambda: mechanism.assembly.solids), theta)
             .forces()
             .pressing
         )

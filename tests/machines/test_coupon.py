@@ -11,7 +11,7 @@ import pytest
 
 from camgen import starters
 from camgen.errors import DesignError, SpecError
-from camgen.machines.coupon.calibration import Feature, Printed, calibrated, least_squares
+from camgen.machines.coupon.calibration import Feature, Printed, calibrate, least_squares
 from camgen.machines.coupon.mechanism import Coupon
 from camgen.machines.sources import read_mechanism
 from camgen.parts.assembly import printed_parts
@@ -55,7 +55,7 @@ def test_least_squares_and_their_uncertainty_are_the_gums() -> None:
         round(float(at_30 @ fit.values), 4) == -0.1494
         and round(float(np.sqrt(at_30 @ fit.covariance @ at_30)), 4) == 0.0041
     )
-    assert fit.freedom == 9 and fit.wide(at_30) == pytest.approx(
+    assert fit.freedom == 9 and fit.uncertainty(at_30) == pytest.approx(
         2.262 * 0.0041386, rel=1e-4
     )  # t of 95 %, 9: GUM, table G.2
 
@@ -93,7 +93,7 @@ def test_a_printer_is_found_again(sent: dict[str, float]) -> None:
     sizes = printed_by(made, 0.003, 0.14, 0.09)
     sizes["disc foot"] += 0.3
     measured = {"caliper": 1e-6, "sizes": sizes, "runs": 0.6, "holds": 0.5}
-    found = {each.key: each for each in coupon(print=sent, measured=measured).calibrated.values}
+    found = {each.key: each for each in coupon(print=sent, measured=measured).calibration.values}
     assert found["hole_compensation"].value == pytest.approx(0.14, abs=1e-9)
     assert found["profile_compensation"].value == pytest.approx(0.09, abs=1e-9)
     assert found["shrinkage"].value == pytest.approx(0.003, abs=1e-9)
@@ -105,7 +105,7 @@ def test_a_printer_is_found_again(sent: dict[str, float]) -> None:
         assert found[key].value == pytest.approx(
             max(0.0, sizes[named] - sizes["fit pin"]), abs=1e-9
         )
-    assert found["slide_clearance"].wide == pytest.approx(
+    assert found["slide_clearance"].uncertainty == pytest.approx(
         0.05, abs=1e-4
     )  # half a step of the holes
 
@@ -141,26 +141,26 @@ def test_the_interval_holds_the_truth_as_often_as_it_says() -> None:
         sizes = {
             name: (size,) for name, size in printed_by(made, 0.002, 0.12, 0.08, 0.04, seed).items()
         }
-        found = {v.key: v for v in calibrated(made.sizes, sizes, Printed(), 1e-6).values}
+        found = {v.key: v for v in calibrate(made.sizes, sizes, Printed(), 1e-6).values}
         for key, truth in (
             ("hole_compensation", 0.12),
             ("profile_compensation", 0.08),
             ("shrinkage", 0.002),
         ):
-            inside.append(abs(found[key].value - truth) <= found[key].wide)
+            inside.append(abs(found[key].value - truth) <= found[key].uncertainty)
     assert 0.93 < np.mean(inside) < 0.97
     assert found["size_error"].value == pytest.approx(0.04, rel=0.4)
 
 
 def test_short_sizes_do_not_tell_shrinkage_and_one_hole_tells_holes_alone() -> None:
     few = {"hole 3": 2.72, "hole 5": 4.70, "pin 3": 3.2}
-    found = coupon(measured={"sizes": few}).calibrated.values
+    found = coupon(measured={"sizes": few}).calibration.values
     assert [each.key for each in found] == ["hole_compensation", "profile_compensation"]
-    (alone,) = coupon(measured={"sizes": {"hole 5": (4.70, 4.74)}}).calibrated.values
+    (alone,) = coupon(measured={"sizes": {"hole 5": (4.70, 4.74)}}).calibration.values
     assert (alone.key, alone.value) == ("hole_compensation", pytest.approx(0.14))
-    assert alone.wide == pytest.approx(0.0196, rel=1e-3)
+    assert alone.uncertainty == pytest.approx(0.0196, rel=1e-3)
     assert (
-        coupon().calibrated.values == ()
+        coupon().calibration.values == ()
         and coupon().limits() == []
         and "nothing is measured" in coupon().remarks().printed[0]
     )

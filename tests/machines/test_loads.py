@@ -21,7 +21,7 @@ from camgen.machines.loads.assess import Assessment, assess
 from camgen.machines.loads.bearing import plain_bearings, rubbing_in_slot
 from camgen.machines.loads.drive import motor_of
 from camgen.machines.loads.follower import effective_inertia
-from camgen.machines.loads.rubbing import rough
+from camgen.machines.loads.rubbing import with_friction
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
 from camgen.parts.catalogue import BEARINGS
@@ -40,8 +40,8 @@ def made(name: str, *settings: str) -> Mechanism:
     return read_mechanism(SPECS / f"{name}.toml", settings).resolved()
 
 
-def weighed(machine: Mechanism) -> weights.Weighed:
-    return weights.weighed(machine.model, machine.assembly.solids, machine.load)
+def weighed(machine: Mechanism) -> weights.Masses:
+    return weights.with_masses(machine.model, machine.assembly.solids, machine.load)
 
 
 def judged(name: str, *settings: str) -> Assessment:
@@ -531,7 +531,8 @@ def test_ball_bearings_roll() -> None:
         str(f.where) for f in given.findings if f.code == "PIN_STRESS"
     }
     run = solve(
-        rough(weighed(drive).machine, drive.assembly.journals, None), np.linspace(0, math.tau, 1441)
+        with_friction(weighed(drive).machine, drive.assembly.journals, None),
+        np.linspace(0, math.tau, 1441),
     )
     forces, heat = run.forces(), 0.0
     speed = 300 * math.tau / 60

@@ -16,7 +16,7 @@ from camgen import build
 from camgen.errors import SpecError
 from camgen.machine.model import Cam
 from camgen.machine.run import solve
-from camgen.machines.pairs import told
+from camgen.machines.pairs import remarks
 from camgen.pipeline import build as pipeline
 from camgen.tolerance.report import tolerance
 
@@ -67,7 +67,7 @@ def test_what_a_preload_presses_with_at_most() -> None:
         SPECS / "uniform-swing.toml", ["geometry.tip_clearance=-0.1"]
     ).resolved()
     forces = solve(found.model, np.linspace(0, math.tau, 9)).forces()
-    (left,) = told(forces, found.model, found.assembly.outlines, 100.0).left
+    _, (left,) = remarks(forces, found.model, found.assembly.outlines, 100.0)
     said = float(left.why.partition("(")[2].partition(" N")[0])
     (cam,) = (joint for joint in found.model.joints if isinstance(joint, Cam))
     arm, steep = (
@@ -76,7 +76,7 @@ def test_what_a_preload_presses_with_at_most() -> None:
     )
     least = 100e3 * 0.1 / arm**2
     assert least < said <= 1.01 * least / math.cos(math.radians(steep)) ** 2
-    assert "N at a tip" not in told(forces, found.model, found.assembly.outlines).left[0].why
+    assert "N at a tip" not in remarks(forces, found.model, found.assembly.outlines)[1][0].why
 
 
 def test_air_of_a_pair_in_a_linkage(tmp_path: Path) -> None:

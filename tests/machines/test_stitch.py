@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from scipy.optimize import differential_evolution
 
 from camgen.errors import DesignError
-from camgen.machines.chain_stitch_looper.design import Room, best_clearance, clearances, kept
+from camgen.machines.chain_stitch_looper.design import Room, best_clearance, clearances, limits_of
 from camgen.machines.chain_stitch_looper.ratio import (
     Condition,
     linear,
@@ -201,7 +201,7 @@ def test_loops_held_at_the_root_are_never_both_pierced(point, over, rise, protru
         d = given.design()
     except DesignError:
         return
-    assert not min(d.held) > 0
+    assert not min(d.seat_margins) > 0
 
 
 def test_range_of_the_ratio_is_where_findings_turn() -> None:
@@ -306,7 +306,7 @@ ROOM = Room(40.0, 16.0, 4.0)
 def test_search_beats_chance_and_another_search() -> None:
     best = best_clearance(example(), BOUNDS, ROOM)
     worst = min(clearances(best))
-    assert all(value <= limit for value, limit in kept(best, ROOM).values())
+    assert all(value <= limit for value, limit in limits_of(best, ROOM).values())
     assert best.design().spreader_stroke <= 40 and best.design().nose <= 16
     assert clearances(best)[:4] == pytest.approx(
         [gap / math.hypot(1, best.ratio) for gap in best.design().offsets().values()], abs=1e-12
@@ -326,7 +326,7 @@ def test_search_beats_chance_and_another_search() -> None:
             setback=v[6],
             ratio=v[7],
         )
-        lack = sum(max(value - limit, 0.0) for value, limit in kept(g, ROOM).values())
+        lack = sum(max(value - limit, 0.0) for value, limit in limits_of(g, ROOM).values())
         return -min(clearances(g)) + 50 * lack
 
     chance = np.random.default_rng(6)

@@ -11,12 +11,11 @@ import pytest
 from camgen.machines.chain_stitch_looper.stitch import SOURCE, Design, thread_per_stitch
 from camgen.machines.chain_stitch_looper.threads import (
     course,
-    entered,
     lengths,
     loop,
+    loop_shift,
     moments,
     seam,
-    taken,
 )
 
 TURN = np.linspace(0, 2 * math.pi - 1e-9, 3601)
@@ -54,18 +53,18 @@ def test_a_loop_that_is_held_at_the_root_has_the_angle_of_the_table(design: Desi
         assert math.atan2(past - d.l1, d.given.levels[level]) == pytest.approx(angle)
         rising = np.linspace(d.capture[k], math.pi, 2001)
         nose = d.noses(rising)[k]
-        assert taken(d, k, rising) == pytest.approx(np.maximum(nose - d.l1, 0.0), abs=1e-9)
+        assert loop_shift(d, k, rising) == pytest.approx(np.maximum(nose - d.l1, 0.0), abs=1e-9)
 
 
 def test_a_loop_is_where_its_nose_and_needles_are(design: Design) -> None:
     d = design
     for k in (0, 1):
         out, deep = loop(
-            d, k, np.array([d.capture[k], entered(d)[k], d.shed[k] - 1e-9, 2 * math.pi - 1e-9])
+            d, k, np.array([d.capture[k], d.entries[k], d.shed[k] - 1e-9, 2 * math.pi - 1e-9])
         )
         assert out[0] == 0 and deep[0] == pytest.approx(d.given.levels[k])
         # pierced: beyond the other needle, on the nose; shed: at that needle, then pulled up to the fabric
-        assert d.given.spacing <= out[1] <= d.noses(np.array([entered(d)[k]]))[k][0] + 1e-9
+        assert d.given.spacing <= out[1] <= d.noses(np.array([d.entries[k]]))[k][0] + 1e-9
         assert out[2:] == pytest.approx(d.given.spacing, abs=1e-6) and deep[3] == pytest.approx(
             0, abs=1e-6
         )

@@ -65,13 +65,13 @@ class SpreaderParts(Record):
 
 @dataclass(frozen=True)
 class Bodies:
-    """All bodies of a design. tau: lean of the protrusion's front, rad; blade: nose's tip to the shank, mm."""
+    """All bodies of a design."""
 
     design: Design
     making: SpreaderParts
-    tau: float
-    blade: float
-    min_wall: float
+    tau: float  # rad, lean of the protrusion's front
+    blade: float  # mm, nose's tip to the shank
+    min_wall: float  # mm
 
     # ---- outlines ----------------------------------------------------------------------------------------------------
 
@@ -82,10 +82,12 @@ class Bodies:
 
         behind: shank beyond the blade's end; foot: depth of the underside, l_H unless said. DesignError where arcs do not fit.
         """
-        d, g = self.design, self.design.given
+        d = self.design
+        g = self.design.given
         low = g.protrusion if foot is None else foot
         lean = low / math.tan(self.tau) * (1 if self.making.lean == "nose" else -1)
-        end, b = self.blade + behind, g.height
+        end = self.blade + behind
+        b = g.height
         points = [
             0j,
             complex(d.l3, 0),
@@ -100,17 +102,12 @@ class Bodies:
 
     def section_outline(self, behind: float = 0.0, foot: float | None = None) -> Contour:
         """Outline in (u, y) of what stands in the needles' plane: B, C and the body behind them; sharp."""
-        d, end, b = self.design, self.blade + behind, self.design.given.height
-        low = self.design.given.protrusion if foot is None else foot
-        return polygon(
-            [
-                complex(d.l1, 0),
-                complex(d.l1, -low),
-                complex(end, -low),
-                complex(end, b),
-                complex(d.nose, b),
-            ]
-        )
+        d = self.design
+        end = self.blade + behind
+        b = d.given.height
+        low = d.given.protrusion if foot is None else foot
+        front = [complex(d.l1, 0), complex(d.l1, -low)]
+        return polygon([*front, complex(end, -low), complex(end, b), complex(d.nose, b)])
 
     def top_outline(self, radius: float = 0.0) -> Contour:
         """Outline in (u, w), counter-clockwise: T0 nose, then T5 to T1; T1 rounded."""
@@ -121,37 +118,40 @@ class Bodies:
     @property
     def plan(self) -> tuple[complex, complex, complex, complex, complex]:
         """T1 to T5."""
-        d, p, end = self.design, self.making, self.blade
-        gap, widening = (
-            self.design.given.needle / 2 + p.side_gap,
-            math.tan(math.radians(p.shed_deg)),
-        )
+        d = self.design
+        p = self.making
+        end = self.blade
+        gap = d.given.needle / 2 + p.side_gap
+        outer = gap + p.nose_width
+        inner = gap - d.opening
+        widening = math.tan(math.radians(p.shed_deg))
         return (
-            complex(d.l3, gap + p.nose_width),
-            complex(end, gap + p.nose_width + (end - d.l3) * widening),
-            complex(end, gap - d.opening - (end - d.nose) * widening),
-            complex(d.nose, gap - d.opening),
+            complex(d.l3, outer),
+            complex(end, outer + (end - d.l3) * widening),
+            complex(end, inner - (end - d.nose) * widening),
+            complex(d.nose, inner),
             complex(d.nose, gap),
         )
 
     @property
     def _sizes(self) -> tuple[str, ...]:
         """What to measure, for the drawings."""
-        d, g, p, tau = self.design, self.design.given, self.making, math.degrees(self.tau)
-        tip = (
-            math.degrees(math.atan2(g.height, d.nose)),
-            math.degrees(math.atan2(p.nose_width, d.l3)),
-        )
-        edges = (
-            f"R{p.edge_radius:g} across the stroke, from nothing at the tip, run out before V1"
-            if p.edge_radius
-            else "sharp"
-        )
+        d = self.design
+        g = self.design.given
+        p = self.making
+        tau = math.degrees(self.tau)
+        high = math.degrees(math.atan2(g.height, d.nose))
+        wide = math.degrees(math.atan2(p.nose_width, d.l3))
+        edges = "sharp"
+        if p.edge_radius:
+            edges = (
+                f"R{p.edge_radius:g} across the stroke, from nothing at the tip, run out before V1"
+            )
         return (
             f"from the nose's tip V0: seat V1 at l3 = {d.l3:.4f}, front B at l1 = {d.l1:.4f}, crest C at A = {d.nose:.4f}",
             f"l2 = {d.l2:.4f}, height b = {g.height:.4f}, protrusion l_H = {g.protrusion:g} less running gap {p.running_gap:g}",
             f"front P6 at alpha = {math.degrees(d.slope):.4f} deg, protrusion at tau = {tau:g} deg to the {p.lean}",
-            f"nose {tip[0]:.4f} deg high, {tip[1]:.4f} deg wide; {p.nose_width:g} wide at l3; opening f = {d.opening:.4f}",
+            f"nose {high:.4f} deg high, {wide:.4f} deg wide; {p.nose_width:g} wide at l3; opening f = {d.opening:.4f}",
             f"nose stands {g.needle / 2 + p.side_gap:.4f} beside the needles' plane; shed angle {p.shed_deg:g} deg",
             f"corners V1, V2, V5, T1 R{p.edge_radius:g}; long edges of the nose and far edge of P6 {edges}",
             "B and C stay sharp: needles pass them; break the other edges, polish where the thread runs",
@@ -162,40 +162,33 @@ class Bodies:
 
         Across the stroke all are arcs of edge_radius; the nose's grow from nothing at the tip and run out before the seat.
         """
-        d, p, radius, b = (
-            self.design,
-            self.making,
-            self.making.edge_radius,
-            self.design.given.height,
-        )
+        d = self.design
+        p = self.making
+        radius = p.edge_radius
+        b = d.given.height
         _, _, t3, t4, t5 = self.plan
         if radius == 0:
             return ()
         back = seat_back(self.tau, p.lean)
-        steep, wide = b / d.nose, p.nose_width / d.l3  # growth of the nose's height and width
+        # growth of the nose's height and width
+        steep = b / d.nose
+        wide = p.nose_width / d.l3
         whole = 1 / (_ROUND * min(steep, wide))
         room = d.l3 / (whole + _RUN_OUT + back)
         if radius > room:
             seat = f"the nose, {p.nose_width:g} mm wide and {steep * d.l3:.4g} mm high at the thread's seat"
-            raise DesignError(
-                "edge_radius",
-                radius,
-                room,
-                "mm",
-                seat,
-                "its four rounded edges need room beside each other: use a smaller one or a greater nose_width",
-            )
+            remedy = "its four rounded edges need room beside each other: use a smaller one or a greater nose_width"
+            raise DesignError("edge_radius", radius, room, "mm", seat, remedy)
         end = d.l3 - back * radius
-        radii = [(whole * r, r) for r in (_THIN, radius)] + [
-            (end - _RUN_OUT * r, r) for r in (radius, _THIN)
-        ]
+        radii = [(whole * r, r) for r in (_THIN, radius)]
+        radii += [(end - _RUN_OUT * r, r) for r in (radius, _THIN)]
 
-        def along(top: int, outer: int) -> Edge:
+        def edge(top: int, outer: int) -> Edge:
             """The edge where the nose's underside or top meets its inner or outer flank."""
             places = ((u, steep * u * top, t5.imag - floor + wide * u * outer, r) for u, r in radii)
             return Edge(tuple(places), 2 * top - 1, 2 * outer - 1)
 
-        nose = [along(top, outer) for top in (0, 1) for outer in (0, 1)]
+        nose = [edge(top, outer) for top in (0, 1) for outer in (0, 1)]
         sink = (t4 - t3).imag / (t4 - t3).real
         run = min(_RUN_OUT * radius, d.l2 / 2, (t3 - t4).real / 2)
         short = run * _THIN / radius
@@ -216,10 +209,11 @@ class Bodies:
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         """Both spreaders, needles and plate as dummies, gauges of the outlines and of the section."""
-        radius, upper = self.making.edge_radius, self.upper
-        mirrored = [
-            Layer(layer.region.moved(-1, mirror=True), layer.z0, layer.z1) for layer in upper.layers
-        ]
+        radius = self.making.edge_radius
+        upper = self.upper
+        mirrored = (
+            replace(layer, region=layer.region.moved(-1, mirror=True)) for layer in upper.layers
+        )
         assert upper.crossed is not None
         lower = replace(
             upper,
@@ -230,46 +224,43 @@ class Bodies:
             crossed=upper.crossed.moved(-1, mirror=True),
             edges=tuple(edge.mirrored for edge in upper.edges),
         )
-        gauge = "Gauge, no part of the machine: "
-        outlines = [
-            ("side-outline", "side outline", self.side_outline(radius)),
-            ("top-outline", "outline from above, at the height of C", self.top_outline(radius)),
-            ("needle-section", "section in the needles' plane", self.section_outline()),
-        ]
         notes = (*self._sizes, "to check a spreader by; not to be built in")
-        gauges = [
-            Part(name, gauge + title, (Layer(Region(outline), 0.0, _GAUGE),), notes=notes)
-            for name, title, outline in outlines
-        ]
-        return (lower, upper, *self._needles, self.plate, *gauges)
+
+        def gauge(name: str, title: str, outline: Contour) -> Part:
+            layer = Layer(Region(outline), 0.0, _GAUGE)
+            return Part(name, f"Gauge, no part of the machine: {title}", (layer,), notes=notes)
+
+        side = self.side_outline(radius)
+        top = self.top_outline(radius)
+        return (
+            lower,
+            upper,
+            *self._needles,
+            self.plate,
+            gauge("side-outline", "side outline", side),
+            gauge("top-outline", "outline from above, at the height of C", top),
+            gauge("needle-section", "section in the needles' plane", self.section_outline()),
+        )
 
     @cached_property
     def upper(self) -> Part:
         """The upper spreader: body and flank one above the other in z, crossed with the outline from above and the shank."""
-        g, d, p = self.design.given, self.design, self.making
+        d = self.design
+        g = d.given
+        p = self.making
         t1, t2, t3, t4, t5 = self.plan
         if not d.nose < self.blade:
-            raise DesignError(
-                "blade_length",
-                self.blade,
-                d.nose,
-                "mm",
-                "the nose alone",
-                "use a longer blade or a smaller velocity_ratio",
-            )
-        foot, floor, end = g.protrusion - p.running_gap, t3.imag, self.blade + p.shank_length
-        hole_at = complex(self.blade + p.shank_length / 2, (self.design.given.height - foot) / 2)
-        height = self.design.given.height + foot
-        wall = (min(height, p.shank_length) - p.clamp_hole) / 2
-        if not wall > 0:
-            raise DesignError(
-                "clamp_hole",
-                p.clamp_hole,
-                min(height, p.shank_length),
-                "mm",
-                "the shank's height and length",
-                "use a smaller hole: the shank may be no higher than the blade, for the other spreader passes it",
-            )
+            remedy = "use a longer blade or a smaller velocity_ratio"
+            raise DesignError("blade_length", self.blade, d.nose, "mm", "the nose alone", remedy)
+        foot = g.protrusion - p.running_gap
+        floor = t3.imag
+        end = self.blade + p.shank_length
+        hole_at = complex(self.blade + p.shank_length / 2, (g.height - foot) / 2)
+        room = min(g.height + foot, p.shank_length)
+        if not room > p.clamp_hole:
+            where = "the shank's height and length"
+            remedy = "use a smaller hole: the shank may be no higher than the blade, for the other spreader passes it"
+            raise DesignError("clamp_hole", p.clamp_hole, room, "mm", where, remedy)
         hole = circle(hole_at, p.clamp_hole / 2)
         body = Region(self.section_outline(p.shank_length, foot), (hole,))
         flank = Region(self.side_outline(p.edge_radius, p.shank_length, foot), (hole,))
@@ -281,9 +272,7 @@ class Bodies:
         points += [complex(t2.real, ceiling)] if ceiling > t2.imag else []
         points += [t2, t1, side]
         radii = [p.edge_radius if z == t1 else 0.0 for z in points]
-        plan = _rounded(points, radii, ["T1" if z == t1 else "shank" for z in points]).moved(
-            shift=-1j * floor
-        )
+        plan = _rounded(points, radii, ["T1" if z == t1 else "shank" for z in points])
         middle = t5.imag - floor
         return Part(
             "upper-spreader",
@@ -296,16 +285,16 @@ class Bodies:
             None,
             self.min_wall,
             1,
-            Region(plan),
+            Region(plan.moved(shift=-1j * floor)),
             self._edges(floor),
         )
 
     @cached_property
     def clock(self) -> Clock:
         """Needles and the section that they can strike, over the turn at any lag."""
-        section = self.section_outline(
-            self.making.shank_length, self.design.given.protrusion - self.making.running_gap
-        )
+        p = self.making
+        foot = self.design.given.protrusion - p.running_gap
+        section = self.section_outline(p.shank_length, foot)
         outlines = (section, *(needle.region.outer for needle in self._needles))
         body, one, two = (
             np.array([start_point(piece) for piece in outline.pieces]) for outline in outlines
@@ -315,8 +304,9 @@ class Bodies:
     @cached_property
     def _needles(self) -> tuple[Part, Part]:
         """Needles, upright in the drawing's plane: round above, the point a wedge whose section here is the cone's."""
-        g, r = self.design.given, self.design.given.needle / 2
-        top = max(self.design.given.depths) + g.thickness + _BEYOND
+        g = self.design.given
+        r = g.needle / 2
+        top = max(g.depths) + g.thickness + _BEYOND
 
         def needle(k: int) -> Part:
             h = g.point[k]
@@ -338,14 +328,16 @@ class Bodies:
     @cached_property
     def plate(self) -> Part:
         """Dummy of the needle plate, its top at y = 0."""
-        g, p = self.design.given, self.making
-        z, half = g.spacing, max(self.upper.thickness, 6.0)
+        g = self.design.given
+        p = self.making
+        z = g.spacing
+        half = max(self.upper.thickness, 6.0)
         r = g.needle / 2 + min(0.4, (z - g.needle) / 4)
-        left, right, t = -_BEYOND, z + _BEYOND, p.plate_thickness
-        outline, top = (
-            rectangle(complex(left, -t), complex(right)),
-            rectangle(complex(left), complex(right, 2 * half)),
-        )
+        left = -_BEYOND
+        right = z + _BEYOND
+        t = p.plate_thickness
+        outline = rectangle(complex(left, -t), complex(right))
+        top = rectangle(complex(left), complex(right, 2 * half))
         holes = tuple(circle(complex(x, half), r) for x in (0.0, z))
         return Part(
             "needle-plate",
@@ -364,17 +356,15 @@ def seat_back(tau: float, lean: str) -> float:
 
 def room_on_nose(s: Stitch, p: SpreaderParts, back: float) -> list[Condition]:
     """What a velocity ratio must keep for the nose's rounded edges, as `Bodies` makes them."""
-    seat, ends, far = s.setback - s.needle, p.edge_radius * (_RUN_OUT + back), max(s.reach)
-    wide, steep = p.edge_radius / (_ROUND * p.nose_width), p.edge_radius / (_ROUND * s.height)
+    seat = s.setback - s.needle
+    ends = p.edge_radius * (_RUN_OUT + back)
+    far = max(s.reach)
+    rest = 1 - p.edge_radius / (_ROUND * p.nose_width)
+    steep = p.edge_radius / (_ROUND * s.height)
+    on_height = (seat - steep * s.setback - ends, far - steep * (far + s.height))
     return [
-        linear(
-            "room for edge_radius beside nose_width", seat * (1 - wide) - ends, far * (1 - wide)
-        ),
-        linear(
-            "room for edge_radius on the nose's height",
-            seat - steep * s.setback - ends,
-            far - steep * (far + s.height),
-        ),
+        linear("room for edge_radius beside nose_width", seat * rest - ends, far * rest),
+        linear("room for edge_radius on the nose's height", *on_height),
     ]
 
 
@@ -384,14 +374,8 @@ def _rounded(points: Sequence[complex], radii: Sequence[float], names: Sequence[
         return rounded(points, radii)
     except ValueError as error:
         corner, share = error.args
-        side = (
-            f"the side from {names[corner]} to {names[(corner + 1) % len(points)]} of the outline"
-        )
-        raise DesignError(
-            "edge_radius",
-            max(radii),
-            max(radii) * share,
-            "mm",
-            side,
-            "arcs need room beside each other: use a smaller one, a longer blade, or more protrusion beyond the running_gap",
-        ) from None
+        end = names[(corner + 1) % len(points)]
+        where = f"the side from {names[corner]} to {end} of the outline"
+        remedy = "arcs need room beside each other: use a smaller one, a longer blade, or more protrusion beyond the running_gap"
+        radius = max(radii)
+        raise DesignError("edge_radius", radius, radius * share, "mm", where, remedy) from None

@@ -30,30 +30,26 @@ _STEP = 1e-7  # of a difference quotient, mm
 
 @dataclass(frozen=True)
 class Room:
-    """What the search has to keep: greatest L_X and A, least H (the shank's height), least clearance, all mm; greatest
-    difference of the loops' angles at the pierce, deg; all under the names of the keys that set them."""
+    """What the search has to keep."""
 
-    stroke: float
-    nose: float
-    pitch: float
-    clearance: float = 0.0
-    loop_angle: float = 1.0
+    stroke: float  # mm, greatest L_X: wanted.spreader_stroke
+    nose: float  # mm, greatest A: wanted.nose_length
+    pitch: float  # mm, least H: the shank's height
+    clearance: float = 0.0  # mm, least: limits.clearance
+    loop_angle: float = 1.0  # deg, greatest difference of the loops' angles at the pierce
 
 
 def clearances(g: Stitch) -> list[float]:
     """The six distances of a stitch with laws in step, mm: N1/P1, N2/P1, N2/P2, N1/P2 to P6, nose 1 and nose 2."""
-    (in1, in2), (s1, s2), square = g.entry, g.rise, math.hypot(1.0, g.ratio)
+    square = math.hypot(1.0, g.ratio)
     ways = [min(c0 + c1 * g.ratio for c0, c1 in lines) / square for lines in fronts(g).values()]
-    return [*ways, *(way * g.ratio - g.spacing - g.needle / 2 for way in (in1 - s1, in2 - s2))]
+    return [*ways, *(way * g.ratio - g.spacing - g.needle / 2 for way in g.approach)]
 
 
-def kept(g: Stitch, room: Room) -> dict[str, tuple[float, float]]:
-    """What else counts: (value, limit) by key, no value above its limit; what has a least value is counted negative."""
-    depths = (g.height + g.plate, g.height + g.pitch + g.plate)
-    angles = [
-        math.atan2(g.spacing + (g.height + c) * g.ratio, y)
-        for c, y in zip((0.0, g.between), depths, strict=True)
-    ]
+def limits_of(g: Stitch, room: Room) -> dict[str, tuple[float, float]]:
+    """What else counts: (value, limit), mm or deg, by key; no value above its limit, what has a least value is negative."""
+    angle = math.atan2(g.spacing + g.height * g.ratio, g.height + g.plate)
+    other = math.atan2(g.spacing + (g.height + g.between) * g.ratio, g.height + g.pitch + g.plate)
     needed = max(g.in_fabric(g.plate)) / g.free_share
     return {
         "wanted.spreader_stroke": (
@@ -61,7 +57,7 @@ def kept(g: Stitch, room: Room) -> dict[str, tuple[float, float]]:
             room.stroke,
         ),
         "wanted.nose_length": ((max(g.reach) + g.height) * g.ratio + g.setback, room.nose),
-        "limits.loop_angle_deg": (math.degrees(abs(angles[0] - angles[1])), room.loop_angle),
+        "limits.loop_angle_deg": (math.degrees(abs(angle - other)), room.loop_angle),
         "timing.needle_stroke": (needed, needed if g.stroke is None else g.stroke),
         "room for the shank, H": (-g.pitch, -room.pitch),
         "height b": (-g.height, -_SPARE),
@@ -71,12 +67,10 @@ def kept(g: Stitch, room: Room) -> dict[str, tuple[float, float]]:
 
 def _spares(g: Stitch, room: Room) -> Floats:
     """How much is left of each limit, mm and deg; without one of needle_stroke where that is free."""
-    found = [
-        limit - value
-        for name, (value, limit) in kept(g, room).items()
-        if g.stroke is not None or "needle" not in name
-    ]
-    return np.array(found)
+    limits = limits_of(g, room)
+    if g.stroke is None:
+        del limits["timing.needle_stroke"]
+    return np.array([limit - value for value, limit in limits.values()])
 
 
 def best_clearance(start: Stitch, bounds: Mapping[str, Pair], room: Room) -> Stitch:
@@ -88,14 +82,12 @@ def best_clearance(start: Stitch, bounds: Mapping[str, Pair], room: Room) -> Sti
     from scipy.optimize import minimize
     from scipy.stats.qmc import LatinHypercube
 
-    a, s, p, e = (
-        bounds[name] for name in ("nose_over_eye", "loop_rise", "protrusion", "plate_to_spreader")
-    )
-    widest = room.stroke / max(
-        start.in_fabric(e[0])
-    )  # strokes are longer than the way in the fabric
-    places = [a, a, s, s, p, e, (0.0, room.nose), (0.0, max(widest, 2 * start.spacing / e[0]))]
-    low, high = np.array(places).T
+    keys = ("nose_over_eye", "loop_rise", "protrusion", "plate_to_spreader")
+    a, s, p, e = (bounds[key] for key in keys)
+    # strokes are longer than the way in the fabric
+    widest = room.stroke / max(start.in_fabric(e[0]))
+    ratios = (0.0, max(widest, 2 * start.spacing / e[0]))
+    low, high = np.array([a, a, s, s, p, e, (0.0, room.nose), ratios]).T
 
     def stitch(x: Floats) -> Stitch:
         v = [float(value) for value in x[:8]]
@@ -108,6 +100,10 @@ def best_clearance(start: Stitch, bounds: Mapping[str, Pair], room: Room) -> Sti
             setback=v[6],
             ratio=max(v[7], 1e-6),
         )
+
+    def lacks(g: Stitch) -> float:
+        """What a stitch misses its limits by, mm or deg."""
+        return max(0.0, -float(np.min(_spares(g, room))))
 
     def constraints(x: Floats) -> Floats:
         """Clearances above the unknown one, x[8]; the rest of each limit above the unknown lack, x[9]."""
@@ -124,32 +120,30 @@ def best_clearance(start: Stitch, bounds: Mapping[str, Pair], room: Room) -> Sti
     spread = low + (high - low) * LatinHypercube(8, rng=np.random.default_rng(_SEED)).random(
         _STARTS
     )
-    found: list[tuple[float, float, Stitch]] = []
+    designs: list[tuple[float, float, Stitch]] = []
     for x in [np.clip(first, low, high), *spread]:
-        lack = max(0.0, -float(np.min(_spares(stitch(x), room))))
+        here = stitch(x)
         # the lack weighs more than any clearance: limits come first
-        done = minimize(
+        best = minimize(
             lambda y: 100 * y[9] - y[8],
-            [*x, min(clearances(stitch(x))), lack],
+            [*x, min(clearances(here)), lacks(here)],
             jac=lambda y: np.array([0.0] * 8 + [-1, 100]),
             method="SLSQP",
             bounds=[*zip(low, high, strict=True), (None, None), (0, None)],
             constraints=[{"type": "ineq", "fun": constraints, "jac": slopes}],
             options={"maxiter": 200, "ftol": 1e-9},
         )
-        if not np.all(np.isfinite(done.x)):
+        if not np.all(np.isfinite(best.x)):
             continue
-        g = stitch(np.clip(np.round(done.x[:8], _DIGITS), low, high))
-        found.append((max(0.0, -float(np.min(_spares(g, room)))), min(clearances(g)), g))
-    lack, least, best = min(found, key=lambda each: (each[0], -each[1]))
+        g = stitch(np.clip(np.round(best.x[:8], _DIGITS), low, high))
+        designs.append((lacks(g), min(clearances(g)), g))
+    lack, least, chosen = min(designs, key=lambda each: (each[0], -each[1]))
     if lack > 0:
         name, (value, limit) = max(
-            kept(best, room).items(), key=lambda each: each[1][0] - each[1][1]
+            limits_of(chosen, room).items(), key=lambda each: each[1][0] - each[1][1]
         )
-        unit, where = (
-            "deg" if name.endswith("deg") else "mm",
-            "the design within [wanted] that comes nearest",
-        )
+        unit = "deg" if name.endswith("deg") else "mm"
+        where = "the design within [wanted] that comes nearest"
         raise DesignError(
             name, abs(value), abs(limit), unit, where, "widen the ranges in [wanted], or this limit"
         )
@@ -162,4 +156,4 @@ def best_clearance(start: Stitch, bounds: Mapping[str, Pair], room: Room) -> Sti
             "the best design within [wanted]",
             "widen [wanted], above all spreader_stroke and nose_length, take longer points, or lower limits.clearance",
         )
-    return best
+    return chosen

@@ -55,8 +55,8 @@ from camgen.machines.chain_stitch_looper.stitch import (
 )
 from camgen.machines.chain_stitch_looper.study import (
     SOURCE_DISTORTION,
-    distorted,
-    driven_table,
+    distortion_row,
+    distortion_table,
     study,
     timing_study,
 )
@@ -100,7 +100,9 @@ class ChainStitchLooper(Mechanism):
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
-        g, p, t = self.geometry, self.making, self.timing
+        g = self.geometry
+        p = self.making
+        t = self.timing
         found = [
             fault
             for name, choice, tables in self._moves()
@@ -110,31 +112,15 @@ class ChainStitchLooper(Mechanism):
                 else _law_faults(choice, ("timing", name))
             )
         ]
-        plain = all(
-            choice == "simple-harmonic" and not tables for _, choice, tables in self._moves()
-        )
-        if any(self.timing.distortion) and not plain:
-            given = f"{list(self.timing.distortion)}"
-            found.append(
-                Fault(
-                    ("timing", "distortion"), given, "[0, 0] with other laws than simple-harmonic"
-                )
-            )
+        if any(t.distortion) and not self._harmonic:
+            right = "[0, 0] with other laws than simple-harmonic"
+            found.append(Fault(("timing", "distortion"), f"{list(t.distortion)}", right))
         if not found:
             for name, _, tables in self._moves():
-                top = (
-                    max((float(s.start) for s in program(tables).segments), default=1.0)
-                    if tables
-                    else 1.0
-                )
+                top = max(float(s.start) for s in program(tables).segments) if tables else 1.0
                 if abs(top - 1) > 1e-9:
-                    found.append(
-                        Fault(
-                            ("timing", f"{name}_segment"),
-                            f"rises to {top:g}",
-                            "a program from 0 up to 1",
-                        )
-                    )
+                    path = ("timing", f"{name}_segment")
+                    found.append(Fault(path, f"rises to {top:g}", "a program from 0 up to 1"))
         checks = [
             (
                 p.plate_thickness < g.plate_to_spreader,
@@ -169,25 +155,22 @@ class ChainStitchLooper(Mechanism):
         ]
         for key in ("hole_compensation", "profile_compensation", "shrinkage", "elephant_foot"):
             value = getattr(self.print, key)
-            said = "0: spreaders and needles are crossed outlines, which have no print fits; set them in the slicer"
-            checks.append((value == 0, ("print", key), value, said))
+            right = "0: spreaders and needles are crossed outlines, which have no print fits; set them in the slicer"
+            checks.append((value == 0, ("print", key), value, right))
         if self.wanted is not None:
             for key in ("nose_over_eye", "loop_rise", "protrusion", "plate_to_spreader"):
                 low, high = getattr(self.wanted, key)
-                checks.append(
-                    (
-                        low <= high,
-                        ("wanted", key),
-                        low,
-                        f"the least value first, then the greatest; {high:g} is less",
-                    )
-                )
+                right = f"the least value first, then the greatest; {high:g} is less"
+                checks.append((low <= high, ("wanted", key), low, right))
         found += [
-            Fault(path, f"{value:g}", expected)
-            for fine, path, value, expected in checks
-            if not fine
+            Fault(path, f"{value:g}", right) for fine, path, value, right in checks if not fine
         ]
         return found
+
+    @property
+    def _harmonic(self) -> bool:
+        """Whether both laws are the source's."""
+        return all(move == "simple-harmonic" and not tables for _, move, tables in self._moves())
 
     def _moves(self) -> list[tuple[str, str | LawChoice, tuple[SegmentTable, ...]]]:
         t = self.timing
@@ -201,7 +184,8 @@ class ChainStitchLooper(Mechanism):
     @cached_property
     def stitch(self) -> Stitch:
         """What the spec gives, in the source's terms."""
-        g, t = self.geometry, self.timing
+        g = self.geometry
+        t = self.timing
         needle, spreader = (_program(choice, tables) for _, choice, tables in self._moves())
         if any(t.distortion):
             needle, spreader = map(crank_driven, t.distortion)
@@ -241,7 +225,8 @@ class ChainStitchLooper(Mechanism):
 
     def _unloaded(self) -> Machine:
         """Needles and spreaders on their guides, by laws of the shaft; outputs "spreader" and "needle", mm."""
-        d, g = self.design, self.stitch
+        d = self.design
+        g = self.stitch
         still = np.zeros(1)
         moves = {
             "needle-1": (complex(0, -d.given.depths[0]), 1j, d.risen),
@@ -302,7 +287,8 @@ class ChainStitchLooper(Mechanism):
         Spreaders and needles stand on their guides, the plate still; gauges stand nowhere. What passes by may graze, or keeps
         the gap of its contact.
         """
-        floor, needle = self.bodies.plan[2].imag, -self.stitch.needle / 2
+        floor = self.bodies.plan[2].imag
+        needle = -self.stitch.needle / 2
         spreaders = [Mount(name, name, z=floor) for name in ("lower-spreader", "upper-spreader")]
         needles = [Mount(name, name, z=needle) for name in ("needle-1", "needle-2")]
         plate = Mount("needle-plate", GROUND, z=-self.bodies.plate.thickness / 2)
@@ -311,32 +297,27 @@ class ChainStitchLooper(Mechanism):
 
     def _passing(self) -> Sequence[Passing]:
         """Needles against spreaders in the needles' plane, the spreaders against each other there and beside it."""
-        gap, t1, t5 = self.allowed.clearance, *self.bodies.plan[::4]
+        gap = self.allowed.clearance
+        t1, *_, t5 = self.bodies.plan
         beside = (t1.imag + t5.imag) / 2
-        spreaders = {"P1": "lower-spreader", "P2": "upper-spreader"}
-        drawn = {
-            "lower-spreader": ("needle-section", True),
-            "upper-spreader": ("needle-section", False),
-        }
-        pairs = ("N1/P1", "N2/P1", "N2/P2", "N1/P2")
-        found = [
-            Passing(name, spreaders[name[3:]], f"needle-{name[1]}", (0.0,), gap, drawn)
-            for name in pairs
-        ]
+        lower = "lower-spreader"
+        upper = "upper-spreader"
+        drawn = {lower: ("needle-section", True), upper: ("needle-section", False)}
         return (
-            *found,
-            Passing(
-                "P1/P2", "lower-spreader", "upper-spreader", (0.0, beside), self.making.running_gap
-            ),
+            Passing("N1/P1", lower, "needle-1", (0.0,), gap, drawn),
+            Passing("N2/P1", lower, "needle-2", (0.0,), gap, drawn),
+            Passing("N2/P2", upper, "needle-2", (0.0,), gap, drawn),
+            Passing("N1/P2", upper, "needle-1", (0.0,), gap, drawn),
+            Passing("P1/P2", lower, upper, (0.0, beside), self.making.running_gap),
         )
-
-    # ---- assembly ----------------------------------------------------------------------------------------------------
 
     # ---- checks and study --------------------------------------------------------------------------------------------
 
     def limits(self) -> Sequence[Finding]:
         """Ranges of the source, loops, needles out of the fabric while it moves, blade, velocity ratio."""
-        d, g, p = self.design, self.geometry, self.making
+        d = self.design
+        g = self.geometry
+        p = self.making
         one, two = (math.degrees(angle) for angle in d.pierce_angles)
         found = [
             *(self._range(key) for key in ALLOWED),
@@ -391,25 +372,19 @@ class ChainStitchLooper(Mechanism):
         return [*found, self._ratio()] if g.mode == "corrected" and self._in_step else found
 
     def _loop(self, k: int, margin: float) -> Finding:
-        said = (
+        pierced = margin > SAME_POINT
+        remark = (
             f"the tip of needle {2 - k} never comes down to nose level {k + 1}: use less protrusion, or raise its loop_rise"
             if math.isnan(margin)
             else "nose past the other needle's axis when its tip comes down to nose level: a loop that slides along the nose is "
-            f"{'pierced' if margin > SAME_POINT else 'missed'}; the seat is {-self.design.held[k]:.3f} mm short of that axis"
+            f"{'pierced' if pierced else 'missed'}; the seat is {-self.design.seat_margins[k]:.3f} mm short of that axis"
         )
-        return Finding(
-            "LOOP",
-            margin > SAME_POINT,
-            margin,
-            0.0,
-            "mm",
-            Where(f"spreader {k + 1} and needle {2 - k}"),
-            said,
-            True,
-        )
+        where = Where(f"spreader {k + 1} and needle {2 - k}")
+        return Finding("LOOP", pierced, margin, 0.0, "mm", where, remark, True)
 
     def _ratio(self) -> Finding:
-        ratio, works = self.geometry.velocity_ratio, self.ratio_range
+        ratio = self.geometry.velocity_ratio
+        works = self.ratio_range
         if works is None:
             at_fault = min(self._conditions, key=lambda condition: condition.spare(ratio)).name
             remark = f"no ratio works; at this one what fails is: {at_fault}"
@@ -434,7 +409,9 @@ class ChainStitchLooper(Mechanism):
     @cached_property
     def _conditions(self) -> list[Condition]:
         """All that the velocity ratio must keep for every finding to hold; laws in step."""
-        g, limits, s = self.geometry, self.allowed, self.stitch
+        g = self.geometry
+        limits = self.allowed
+        s = self.stitch
         found = ratio_conditions(
             s.design(), g.blade_length, limits.clearance, math.radians(limits.loop_angle_deg)
         )
@@ -462,10 +439,11 @@ class ChainStitchLooper(Mechanism):
             abs(self.motor.speed_rpm),
         )
         timing = timing_study(self.bodies.clock)
-        driven = [
-            distorted(each.timing.distortion, each.design, each.bodies.clock)
-            for each in self._driven()
+        rows = [
+            distortion_row(each.timing.distortion, each.bodies.clock)
+            for each in self._crank_driven()
         ]
+        rods = [distortion_table(rows)] if rows else []
         published = self.geometry.mode == "published" and self.geometry.p6_setback
         left_out = ["Left out: p6_setback, for the published design has none."] if published else []
         loops, table = lengths(self.design)
@@ -473,7 +451,7 @@ class ChainStitchLooper(Mechanism):
             found,
             numbers={**found.numbers, **timing.numbers, **loops},
             sketches=sketches(self.design),
-            tables=[*timing.tables, *driven_table(driven), *found.tables, table],
+            tables=[*timing.tables, *rods, *found.tables, table],
             plots=[
                 *found.plots,
                 *moments(self.design),
@@ -482,18 +460,19 @@ class ChainStitchLooper(Mechanism):
             notes=[*found.notes, *timing.notes, *left_out],
         )
 
-    def _driven(self) -> Sequence[ChainStitchLooper]:
+    def _crank_driven(self) -> Sequence[ChainStitchLooper]:
         """This machine, and the same driven by cranks and rods as the source has them; none with other laws or lag."""
-        if self._moves() != [
-            ("needle", "simple-harmonic", ()),
-            ("spreader", "simple-harmonic", ()),
-        ]:
+        if not self._harmonic:
             return ()
-        data, own = self.model_dump(by_alias=True, exclude_none=True), self.timing.distortion
-        pairs, turn = dict.fromkeys([(0.0, 0.0), SOURCE_DISTORTION, own]), data["timing"]
+        data = self.model_dump(by_alias=True, exclude_none=True)
+        own = self.timing.distortion
+        pairs = dict.fromkeys([(0.0, 0.0), SOURCE_DISTORTION, own])
+        timing = data["timing"]
         return [
-            self if p == own else validate(type(self), data | {"timing": turn | {"distortion": p}})
-            for p in pairs
+            self
+            if pair == own
+            else validate(type(self), data | {"timing": timing | {"distortion": pair}})
+            for pair in pairs
         ]
 
     # ---- synthesis ---------------------------------------------------------------------------------------------------
@@ -506,35 +485,22 @@ class ChainStitchLooper(Mechanism):
         from camgen.machines.chain_stitch_looper.design import Room, best_clearance
 
         if not self._in_step:
-            raise SpecError(
-                [
-                    Fault(
-                        ("timing",),
-                        "",
-                        "simple-harmonic laws without lag: only for these there is a search",
-                    )
-                ]
-            )
-        w, p = self.wanted or Wanted(), self.making
+            right = "simple-harmonic laws without lag: only for these there is a search"
+            raise SpecError([Fault(("timing",), "", right)])
+        w = self.wanted or Wanted()
+        p = self.making
         bounds = {
             name: getattr(w, name)
             for name in ("nose_over_eye", "loop_rise", "protrusion", "plate_to_spreader")
         }
         low, high = bounds["protrusion"]
         # the arcs at V1 and V2 need room on the protrusion's front
-        needed = (
-            2 * p.edge_radius * self._back * math.sin(math.radians(self.geometry.protrusion_deg))
-            + p.running_gap
-        )
+        lean = math.radians(self.geometry.protrusion_deg)
+        needed = 2 * p.edge_radius * self._back * math.sin(lean) + p.running_gap
         if not needed <= high:
-            raise DesignError(
-                "wanted.protrusion",
-                high,
-                needed,
-                "mm",
-                "its greatest value",
-                "edge_radius and running_gap need more: allow more, or make them smaller",
-            )
+            where = "its greatest value"
+            remedy = "edge_radius and running_gap need more: allow more, or make them smaller"
+            raise DesignError("wanted.protrusion", high, needed, "mm", where, remedy)
         bounds["protrusion"] = (max(low, math.ceil(1e4 * needed) / 1e4), high)
         pitch = p.clamp_hole + 2 * self.allowed.min_wall + p.running_gap
         room = Room(
@@ -544,18 +510,20 @@ class ChainStitchLooper(Mechanism):
             self.allowed.clearance,
             self.allowed.loop_angle_deg,
         )
-        found = best_clearance(self.stitch, bounds, room)
-        made = found.design()
+        best = best_clearance(self.stitch, bounds, room)
+        design = best.design()
         data = self.model_dump(by_alias=True, exclude_none=True)
         data["geometry"] |= {
-            "nose_over_eye": found.over_eye,
-            "loop_rise": found.rise,
-            "protrusion": found.protrusion,
+            "nose_over_eye": best.over_eye,
+            "loop_rise": best.rise,
+            "protrusion": best.protrusion,
             "mode": "corrected",
-            "plate_to_spreader": found.plate,
-            "velocity_ratio": found.ratio,
-            "p6_setback": found.setback,
-            "blade_length": math.ceil(max(made.spreader_stroke - min(made.before), made.nose + 2)),
+            "plate_to_spreader": best.plate,
+            "velocity_ratio": best.ratio,
+            "p6_setback": best.setback,
+            "blade_length": math.ceil(
+                max(design.spreader_stroke - min(design.before), design.nose + 2)
+            ),
         }
         result = validate(type(self), data, "design")
         _ = result.assembly  # refused where it cannot be made

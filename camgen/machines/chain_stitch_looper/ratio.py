@@ -30,11 +30,11 @@ def ratio_conditions(
     blade: length of the spreaders' blade, mm; clearance: of needles and P6, mm; loop_angle: greatest difference of the
     loops' angles at the pierce, rad.
     """
-    g, far = design.given, max(design.given.reach)
-    (in1, in2), (s1, s2) = g.entry, g.rise
-    found = [
-        linear("nose 1 past needle 2 when that comes down to it", -g.spacing, in1 - s1),
-        linear("nose 2 past needle 1 when that comes down to it", -g.spacing, in2 - s2),
+    g = design.given
+    far = max(g.reach)
+    conditions = [
+        linear("nose 1 past needle 2 when that comes down to it", -g.spacing, g.approach[0]),
+        linear("nose 2 past needle 1 when that comes down to it", -g.spacing, g.approach[1]),
         linear("a thread's seat behind the nose, l3 > 0", g.setback - g.needle, far),
         linear(
             "blade as long as the stroke beyond the capture",
@@ -45,19 +45,19 @@ def ratio_conditions(
     ]
     for pair, lines in fronts(g).items():
         for name, (c0, c1) in zip(("tip", "shoulder"), lines, strict=True):
-            found.append(_apart(f"{pair}: the needle's {name} before P6", c0, c1, clearance))
+            conditions.append(_apart(f"{pair}: the needle's {name} before P6", c0, c1, clearance))
     # gamma'1 - gamma'2 is the angle between (x1, y1) and (x2, y2), x = z + (b + L_C/r) r
-    (y1, y2), (b1, b2) = (
-        (g.height + g.plate, g.height + g.pitch + g.plate),
-        (g.height, g.height + g.between),
-    )
+    y2, y1 = g.levels
+    b1 = g.height
+    b2 = g.height + g.between
 
     def alike(r: float) -> float:
         return loop_angle - abs(
             math.atan2(g.spacing + b1 * r, y1) - math.atan2(g.spacing + b2 * r, y2)
         )
 
-    slope, z = math.tan(min(loop_angle, math.pi / 2 - VANISHING)), g.spacing
+    slope = math.tan(min(loop_angle, math.pi / 2 - VANISHING))
+    z = g.spacing
     ends = [
         root
         for sign in (1, -1)
@@ -67,17 +67,20 @@ def ratio_conditions(
             sign * slope * (z * z + y1 * y2) - z * (y2 - y1),
         )
     ]
-    return [*found, Condition("both loops lean alike within loop_angle_deg", alike, tuple(ends))]
+    return [
+        *conditions,
+        Condition("both loops lean alike within loop_angle_deg", alike, tuple(ends)),
+    ]
 
 
 def fronts(g: Stitch) -> dict[str, tuple[Pair, Pair]]:
     """How far a needle's tip and its shoulder stay before P6 along the stroke, laws in step: c0 + c1 r each; by "N1/P2"."""
-    far, (own1, own2), (in1, in2), (s1, s2) = max(g.reach), g.reach, g.entry, g.rise
+    far = max(g.reach)
     ways = {
-        "N1/P1": (own1, 0.0, 0),
-        "N2/P1": (in1 - s1, g.spacing, 1),
-        "N2/P2": (own2, 0.0, 1),
-        "N1/P2": (in2 - s2, g.spacing, 0),
+        "N1/P1": (g.reach[0], 0.0, 0),
+        "N2/P1": (g.approach[0], g.spacing, 1),
+        "N2/P2": (g.reach[1], 0.0, 1),
+        "N1/P2": (g.approach[1], g.spacing, 0),
     }
     # the point widens by d/2 over its height h while the needle retreats by r h
     return {
@@ -90,7 +93,7 @@ def fronts(g: Stitch) -> dict[str, tuple[Pair, Pair]]:
 
 
 def linear(name: str, c0: float, c1: float) -> Condition:
-    """That c0 + c1 r is not negative."""
+    """Condition that c0 + c1 r is not negative."""
     return Condition(name, lambda r: c0 + c1 * r, (-c0 / c1,) if c1 else ())
 
 
@@ -106,9 +109,11 @@ def _apart(name: str, c0: float, c1: float, least: float) -> Condition:
 
 def _roots(a: float, b: float, c: float) -> tuple[float, ...]:
     """Real roots of a r^2 + b r + c, the one without cancellation first."""
+    if a == 0:
+        return (-c / b,) if b else ()
     square = b * b - 4 * a * c
-    if a == 0 or square < 0:
-        return (-c / b,) if a == 0 and b else ()
+    if square < 0:
+        return ()
     q = -(b + math.copysign(math.sqrt(square), b)) / 2
     return (q / a, c / q) if q else (0.0,)
 

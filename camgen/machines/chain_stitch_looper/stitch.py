@@ -9,12 +9,13 @@
     P6                the slanting front of the spreader's body, from B (l1, 0) up to C (A, b)
 
 A pair is always (of needle or spreader 1, of 2). Lengths mm, angles rad.
-[Horobets, Manoilenko: New method of forming a flat chain stitch; its seven errors are told apart and corrected]
+[Horobets, Manoilenko: New method of forming a flat chain stitch; its seven errors are corrected]
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -28,9 +29,7 @@ from camgen.numerics import Floats, roots
 Pair = tuple[float, float]
 
 HOLDS = (0.4, 0.8)  # rad, up to which a loop stays where it is on a cylinder, by thread and surface
-_USUAL_E = (
-    4.0  # mm, the middle of the usual 3 to 5, which the source puts into S_m in place of its own e
-)
+_USUAL_E = 4.0  # mm, middle of the usual 3 to 5, which the source puts into S_m in place of its own
 _STEPS = 7200  # of the turn, between which a position is bracketed
 # into which a bracket is cut, and how often: to the last bit
 _PARTS = 256
@@ -50,7 +49,7 @@ def to_and_fro(law: Law, back: Law | None = None) -> Program:
 
 
 def crank_driven(distortion: float) -> Program:
-    """The same by crank and rod, crank over rod = distortion: the return is the rise passed backwards."""
+    """Rise by 1 and return by crank and rod, crank over rod = distortion: the return is the rise passed backwards."""
     law = slider_crank(distortion)
     return to_and_fro(law, reversed_law(law)) if distortion else HARMONIC
 
@@ -119,7 +118,9 @@ class Stitch:
     @property
     def depths(self) -> Pair:
         """How far below the plate's top each needle's tip is at its lowest."""
-        (one, two), (up1, up2), (s1, s2) = self.levels, self.reach, self.rise
+        one, two = self.levels
+        up1, up2 = self.reach
+        s1, s2 = self.rise
         return one + up1 + s1, two + up2 + s2
 
     @property
@@ -127,13 +128,23 @@ class Stitch:
         """Rise of the other needle (2 for spreader 1) when its tip is at a spreader's nose level."""
         return self.depths[1] - self.levels[0], self.depths[0] - self.levels[1]
 
+    @property
+    def approach(self) -> Pair:
+        """Way of the needles from a spreader's capture until the other needle's tip is at its nose level."""
+        return self.entry[0] - self.rise[0], self.entry[1] - self.rise[1]
+
+    @property
+    def pierce_rises(self) -> Pair:
+        """S_B, rise of the needles when each enters the other spreader's loop."""
+        return (
+            self.reach[0] + self.rise[0] + 2 * self.pitch,
+            self.reach[1] + self.rise[1] + self.height,
+        )
+
     def in_fabric(self, plate: float) -> Pair:
         """S_m, way of each needle from its lowest point out of the fabric, for e = plate."""
-        (up1, up2), (s1, s2) = self.reach, self.rise
-        return (
-            up1 + s1 + 2 * self.pitch + plate + self.thickness,
-            up2 + s2 + self.height + plate + self.thickness,
-        )
+        one, two = self.pierce_rises
+        return one + plate + self.thickness, two + plate + self.thickness
 
     def needle_stroke(self, in_fabric: Pair) -> float:
         """S_X at which the needle that is longer in the fabric is out of it while the feed moves."""
@@ -146,10 +157,8 @@ class Stitch:
             return math.cos(self.feed / 4) ** 2  # half of 1 - cos phi_m, without cancellation
 
         def longer(share: float) -> float:
-            way = _angle(self.needle_program, share, True) - _angle(
-                self.needle_program, share, False
-            )
-            return float(np.nan_to_num(way)) - self.feed
+            up, down = (_angle(self.needle_program, share, falling) for falling in (False, True))
+            return float(np.nan_to_num(down - up)) - self.feed
 
         if longer(1 - HAIR) >= 0:  # a dwell at the top, as long as the feed
             return 1 - HAIR
@@ -195,11 +204,10 @@ SOURCE = Stitch(
 
 @dataclass(frozen=True)
 class Design:
-    """Figures that follow. ratio: what l1 and l2 are made with; needed: strokes for a loop held at the nose's root."""
+    """Figures that follow."""
 
     given: Stitch
-    published: bool
-    ratio: float
+    ratio: float  # r that l1 and l2 are made with
     l1: float
     l2: float
     opening: float  # f
@@ -210,7 +218,7 @@ class Design:
     capture: Pair  # phi3
     pierce: Pair  # phi4
     behind: Pair  # L_C
-    needed: Pair  # L_X1, L_X2
+    needed: Pair  # L_X1, L_X2, strokes for a loop held at the nose's root
     first: tuple[float, float, float]  # l1, l2, A that the strokes are made with
 
     @property
@@ -248,12 +256,14 @@ class Design:
 
     def tips(self, phi: Floats) -> tuple[Floats, Floats]:
         """Height of each needle's tip above the plate's top, mm; (n,) each."""
-        s, (one, two) = self.risen(phi), self.given.depths
+        s = self.risen(phi)
+        one, two = self.given.depths
         return s - one, s - two
 
     def noses(self, phi: Floats) -> tuple[Floats, Floats]:
         """Way of each spreader's nose beyond its own needle, towards the other one, mm; (n,) each."""
-        moved, (one, two) = self.moved(phi), self.before
+        moved = self.moved(phi)
+        one, two = self.before
         return moved - one, moved - two
 
     def angle(self, risen: float, falling: bool = False) -> float:
@@ -262,36 +272,43 @@ class Design:
 
     # ---- loops -------------------------------------------------------------------------------------------------------
 
-    @property
-    def margins(self) -> Pair:
+    @cached_property
+    def entries(self) -> Pair:
+        """phi at which the other needle's tip comes down to the nose level of spreader 1, of 2; nan where it never does."""
+        one, two = (self.angle(s, falling=True) for s in self.given.entry)
+        return one, two
+
+    def margins_of(self, noses: Callable[[Floats], tuple[Floats, Floats]]) -> Pair:
         """How far each nose is past the other needle's axis when that needle's tip comes down to nose level, mm.
 
-        Positive: a loop that slides along the nose is pierced. nan: the tip is never there.
+        noses: way of each nose beyond its own needle at phi, (n,) rad -> (n,) mm each. Positive: a loop that slides along the
+        nose is pierced. nan: the tip is never there.
         """
-        phi = np.array([self.angle(s, falling=True) for s in self.given.entry])
-        one, two = self.noses(np.nan_to_num(phi))
-        gap = np.where(np.isnan(phi), math.nan, [one[0], two[1]]) - self.given.spacing
+        one, two = noses(np.nan_to_num(self.entries))
+        gap = np.where(np.isnan(self.entries), math.nan, [one[0], two[1]]) - self.given.spacing
         return float(gap[0]), float(gap[1])
 
     @property
-    def held(self) -> Pair:
-        """The same for the seat at l3, where a loop held at the nose's root lies."""
+    def margins(self) -> Pair:
+        """How far each nose is past the other needle's axis when that comes down to it, as `margins_of` has it."""
+        return self.margins_of(self.noses)
+
+    @property
+    def seat_margins(self) -> Pair:
+        """How far each seat at l3 is past that axis, mm: there lies a loop held at the nose's root."""
         one, two = self.margins
         return one - self.l3, two - self.l3
 
     @property
     def pierce_angles(self) -> Pair:
         """gamma', of the loops' legs to the vertical at the pierce, rad; they should be equal."""
-        g = self.given
-        depths = (g.height + g.plate, g.height + g.pitch + g.plate)
-        one, two = (
-            math.atan2(g.spacing + self.l2 + c, y) for c, y in zip(self.behind, depths, strict=True)
-        )
-        return one, two
+        way = self.given.spacing + self.l2
+        lower, upper = self.given.levels
+        return math.atan2(way + self.behind[0], upper), math.atan2(way + self.behind[1], lower)
 
     @property
     def shed_angles(self) -> Pair:
-        """gamma'', the same at shedding: from the own needle's line down to the nose's tip under the other's."""
+        """gamma'', of the loops' legs to the vertical at shedding, rad: from the own needle's line down to the nose's tip under the other's."""
         one, two = (math.atan2(self.given.spacing, level) for level in self.given.levels)
         return one, two
 
@@ -316,13 +333,13 @@ class Design:
 
     def offsets(self) -> dict[str, float]:
         """Needle's tip before P6, along the stroke at nose level, mm, when both move in step; by "N1/P2"."""
-        g, r = self.given, self.spreader_stroke / self.needle_stroke
-        (own1, own2), (in1, in2), (s1, s2) = g.reach, g.entry, g.rise
+        g = self.given
+        r = self.spreader_stroke / self.needle_stroke
         ways = {
-            "N1/P1": own1 * r,
-            "N2/P1": (in1 - s1) * r - g.spacing,
-            "N2/P2": own2 * r,
-            "N1/P2": (in2 - s2) * r - g.spacing,
+            "N1/P1": g.reach[0] * r,
+            "N2/P1": g.approach[0] * r - g.spacing,
+            "N2/P2": g.reach[1] * r,
+            "N1/P2": g.approach[1] * r - g.spacing,
         }
         return {pair: self.l1 - way for pair, way in ways.items()}
 
@@ -331,23 +348,21 @@ def _angle(program: Program, share: float, falling: bool) -> float:
     """phi at which a program passes `share`, bracketed on even steps, then on finer ones; nan where it never does."""
     if not 0 <= share <= 1:
         return math.nan
+    sign = -1 if falling else 1
     phi = np.linspace(0, math.tau, _STEPS + 1)[:-1]
-    s = program(phi)
-    here = (
-        (s >= share) & (np.roll(s, -1) <= share) & (s > np.roll(s, -1))
-        if falling
-        else ((s <= share) & (np.roll(s, -1) >= share) & (s < np.roll(s, -1)))
-    )
-    found = np.flatnonzero(here)
-    if not len(found):
+    over = sign * (program(phi) - share)
+    after = np.roll(over, -1)
+    steps = np.flatnonzero((over <= 0) & (after >= 0) & (over < after))
+    if not len(steps):
         return math.nan
-    low = float(phi[found[-1 if falling else 0]])
+    low = float(phi[steps[-1 if falling else 0]])
     high = low + math.tau / _STEPS
     for _ in range(_ROUNDS):
         grid = np.linspace(low, high, _PARTS + 1)
-        past = program(grid) <= share if falling else program(grid) >= share
+        past = sign * (program(grid) - share) >= 0
         k = max(1, int(np.argmax(past))) if past.any() else _PARTS
-        low, high = float(grid[k - 1]), float(grid[k])
+        low = float(grid[k - 1])
+        high = float(grid[k])
     return (low + high) / 2
 
 
@@ -383,29 +398,22 @@ def _within(stroke: float, pierces: Pair, captures: Pair) -> None:
 
 
 def _corrected(g: Stitch) -> Design:
-    r, in_fabric = g.ratio, g.in_fabric(g.plate)
-    l1, l2 = max(g.reach) * r + g.setback, g.height * r
+    r = g.ratio
+    in_fabric = g.in_fabric(g.plate)
+    l1 = max(g.reach) * r + g.setback
+    l2 = g.height * r
     _seat(l1, g.needle)
     stroke = g.needle_stroke(in_fabric)
-    rises = (g.reach[0] + g.rise[0] + 2 * g.pitch, g.reach[1] + g.rise[1] + g.height)
+    rises = g.pierce_rises
     _within(stroke, rises, g.rise)
-    capture = (
-        _angle(g.needle_program, g.rise[0] / stroke, False),
-        _angle(g.needle_program, g.rise[1] / stroke, False),
-    )
-    pierce = (
-        _angle(g.needle_program, rises[0] / stroke, True),
-        _angle(g.needle_program, rises[1] / stroke, True),
-    )
+    capture1, capture2 = (_angle(g.needle_program, s / stroke, False) for s in g.rise)
+    pierce1, pierce2 = (_angle(g.needle_program, s / stroke, True) for s in rises)
     behind = (0.0, g.between * r)
     opening = (g.needle + g.side_gap) * (g.spacing + max(behind)) / g.spacing
-    share = g.spreader_program(np.array([*capture, *pierce]) - g.lag)
-    needed = _strokes(
-        g.spacing + l1 + l2, behind, (float(share[3] - share[0]), float(share[2] - share[1]))
-    )
+    share = g.spreader_program(np.array([capture1, capture2, pierce1, pierce2]) - g.lag)
+    left = (float(share[3] - share[0]), float(share[2] - share[1]))
     return Design(
         g,
-        False,
         r,
         l1,
         l2,
@@ -414,10 +422,10 @@ def _corrected(g: Stitch) -> Design:
         stroke,
         r * stroke,
         rises,
-        capture,
-        pierce,
+        (capture1, capture2),
+        (pierce1, pierce2),
         behind,
-        needed,
+        _strokes(g.spacing + l1 + l2, behind, left),
         (l1, l2, l1 + l2),
     )
 
@@ -440,7 +448,8 @@ def _published(g: Stitch) -> Design:
     """The source's own way, its errors and its rounding included."""
     in_fabric = g.in_fabric(_USUAL_E)  # erratum 1
     stroke = g.needle_stroke(in_fabric)
-    l1, l2 = max(g.reach) * g.ratio, g.height * g.ratio
+    l1 = max(g.reach) * g.ratio
+    l2 = g.height * g.ratio
     _seat(l1, g.needle)
     rises = (  # erratum 3: H + l_H too much
         g.reach[0] + g.rise[0] + 2 * g.pitch,
@@ -456,32 +465,29 @@ def _published(g: Stitch) -> Design:
     behind = (0.0, g.between * g.ratio)
 
     def cosine(angle: float) -> float:
-        return round(
-            math.cos(math.radians(round(math.degrees(angle), 1))), 3
-        )  # as far as it is printed
+        # as far as it is printed
+        return round(math.cos(math.radians(round(math.degrees(angle), 1))), 3)
 
     slipped = 0.1 * cosine(pierce[0])  # 0.003 for 0.03
     shares = cosine(capture[0]) - cosine(pierce[1]), cosine(capture[1]) - slipped
-    needed = _strokes(
-        g.spacing + l1 + l2, behind, shares
-    )  # erratum 4: f2 is 1 - cos, so half of it is the share
-    moved = round(max(needed), 1)
-    turned = (
-        math.floor(100 * stroke / moved) / 100
-    )  # erratum 5: dS/dL in place of dL/dS, cut off after two places
-    new1, new2 = round(max(g.reach) * turned, 1), round(g.height * turned, 1)
+    # erratum 4: f2 is 1 - cos, so half of it is the share
+    needed = _strokes(g.spacing + l1 + l2, behind, shares)
+    spreader_stroke = round(max(needed), 1)
+    # erratum 5: dS/dL in place of dL/dS, cut off after two places
+    inverse = math.floor(100 * stroke / spreader_stroke) / 100
+    new1 = round(max(g.reach) * inverse, 1)
+    new2 = round(g.height * inverse, 1)
     _seat(new1, g.needle)
     opening = g.needle * (g.spacing + max(behind)) / g.spacing
     return Design(
         g,
-        True,
-        turned,
+        inverse,
         new1,
         new2,
         opening,
         in_fabric,
         stroke,
-        moved,
+        spreader_stroke,
         rises,
         capture,
         pierce,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,13 +12,11 @@ from camgen.geometry.outlines import Floats
 from camgen.machines.chain_stitch_looper.ratio import Condition, ratio_range
 from camgen.machines.chain_stitch_looper.stitch import HOLDS, Design, Stitch, thread_per_stitch
 from camgen.machines.chain_stitch_looper.timing import FARTHEST, Clock
+from camgen.numerics import peak
 from camgen.study import ROWS, Plot, Study, Table
 
-_EXAMPLE = (
-    2.5,
-    3.0,
-    4.0,
-)  # thickness, length and width of the stitch whose thread the source compares
+# thickness, length and width of the stitch whose thread the source compares
+_EXAMPLE = (2.5, 3.0, 4.0)
 _PRINTED_FOUR = 66.0  # mm, its four-thread stitch
 _SOURCE = (
     "Source: Horobets, Manoilenko, New method of forming a flat chain stitch. Nose and shank, gaps, radii and the shed angle "
@@ -41,7 +40,8 @@ def study(
     """Numbers, plots and tables. made: what the parts follow; length: of a stitch; conditions: of the velocity ratio."""
     tables = [_events(made)]
     if given.of_source:
-        printed, right = given.design(True), given.design()
+        printed = given.design(True)
+        right = given.design()
         tables += [_beside(printed, right), _errata(given, printed)]
     else:
         tables.append(Table("Figures of the design", ("quantity", "value"), _figures(made)))
@@ -53,21 +53,20 @@ def study(
     return Study(numbers, _synchrogram(made), tables, (), notes, _columns(made))
 
 
-SOURCE_DISTORTION = (
-    0.1,
-    0.2,
-)  # crank over rod of the source's needles and spreaders, which it then leaves out
+# crank over rod of the source's needles and spreaders, which it then leaves out
+SOURCE_DISTORTION = (0.1, 0.2)
 
 
-def distorted(distortion: tuple[float, float], d: Design, clock: Clock) -> tuple[object, ...]:
-    """A row: crank over rod of needles and spreaders, and what they make of stroke, timing and clearance."""
+def distortion_row(distortion: tuple[float, float], clock: Clock) -> tuple[object, ...]:
+    """Crank over rod of needles and spreaders, and what they make of stroke, timing and clearance."""
+    d = clock.design
     t = clock.timing()
     strike = math.degrees(min(t.strike_lag, t.strike_lead))
     return (*distortion, d.needle_stroke, *_deg(d.capture), *_deg(d.pierce), clock.gap(), strike)
 
 
-def driven_table(rows: Sequence[tuple[object, ...]]) -> list[Table]:
-    """What the rods' lengths do; empty without rows."""
+def distortion_table(rows: Sequence[tuple[object, ...]]) -> Table:
+    """What the rods' lengths do."""
     columns = (
         "needles' crank / rod",
         "spreaders'",
@@ -79,25 +78,20 @@ def driven_table(rows: Sequence[tuple[object, ...]]) -> list[Table]:
         "least clearance, mm",
         "strikes when off by, deg",
     )
-    return (
-        [
-            Table(
-                "Driven by cranks and rods: harmonic, as the source has them, and as here",
-                columns,
-                rows,
-            )
-        ]
-        if rows
-        else []
-    )
+    title = "Driven by cranks and rods: harmonic, as the source has them, and as here"
+    return Table(title, columns, rows)
 
 
 def timing_study(clock: Clock) -> Study:
     """How many degrees the spreaders may run late or early: of a finished machine, and of designs with another lag_deg."""
     rows: list[tuple[object, ...]] = []
     numbers: dict[str, float] = {}
-    beyond = f"over {math.degrees(FARTHEST):g}"
-    for anew, name, said in (
+
+    def text(angle: float, digits: int) -> str:
+        beyond = f"over {math.degrees(FARTHEST):g}"
+        return f"{angle:.{digits}f}" if math.isfinite(angle) else beyond
+
+    for anew, name, of in (
         (False, "timing", "finished machine, spreaders late (lag) or early (lead)"),
         (
             True,
@@ -106,41 +100,31 @@ def timing_study(clock: Clock) -> Study:
         ),
     ):
         t = clock.timing(anew)
-        ends = {
-            "strike": (t.strike_lag, t.strike_lead),
-            "missed_loop": (t.missed_lag, t.missed_lead),
-        }
-        for what, pair in ends.items():
+        for key, until, pair in (
+            ("strike", "a needle strikes", (t.strike_lag, t.strike_lead)),
+            ("missed_loop", "a needle misses its loop", (t.missed_lag, t.missed_lead)),
+        ):
             lag, lead = _deg(pair)
-            meant = "a needle strikes" if what == "strike" else "a needle misses its loop"
-            rows.append(
-                (said, meant, *(f"{x:.3f}" if math.isfinite(x) else beyond for x in (lag, lead)))
-            )
-            numbers |= {f"{name}_lag_to_{what}_deg": lag, f"{name}_lead_to_{what}_deg": lead}
+            rows.append((of, until, text(lag, 3), text(lead, 3)))
+            numbers |= {f"{name}_lag_to_{key}_deg": lag, f"{name}_lead_to_{key}_deg": lead}
         if not anew:
             numbers["timing_tolerance_deg"] = math.degrees(t.least)
-    table = Table(
-        "Timing: what the spreaders may be off", ("of", "until", "lag, deg", "lead, deg"), rows
-    )
-    late, early = (
-        f"{least:.2f}" if math.isfinite(least := numbers[f"timing_{way}_to_strike_deg"]) else beyond
-        for way in ("lag", "lead")
-    )
+    columns = ("of", "until", "lag, deg", "lead, deg")
+    table = Table("Timing: what the spreaders may be off", columns, rows)
+    late, early = (text(numbers[f"timing_{way}_to_strike_deg"], 2) for way in ("lag", "lead"))
     note = (
         f"Timing: a needle strikes a spreader that runs late by {late} deg of the shaft or early by {early} deg; with "
         f"the loops, which a needle must not miss, either way {numbers['timing_tolerance_deg']:.2f} deg are left."
     )
-    return Study(
-        {key: value for key, value in numbers.items() if math.isfinite(value)},
-        tables=[table],
-        notes=[note],
-    )
+    numbers = {key: value for key, value in numbers.items() if math.isfinite(value)}
+    return Study(numbers, tables=[table], notes=[note])
 
 
 def _columns(d: Design) -> dict[str, Floats]:
     """Positions over the turn, every quarter degree, for motion.csv."""
     phi = np.linspace(0, math.tau, ROWS)
-    tips, noses = d.tips(phi), d.noses(phi)
+    tips = d.tips(phi)
+    noses = d.noses(phi)
     return {
         "theta_deg": np.degrees(phi),
         "needle_mm": d.risen(phi),
@@ -154,7 +138,6 @@ def _columns(d: Design) -> dict[str, Floats]:
 
 def _positions(d: Design) -> Table:
     """The synchrogram as a table; motion.csv has it every quarter degree."""
-    columns = {name: column[:: ROWS // 24] for name, column in _columns(d).items()}
     heads = (
         "shaft angle, deg",
         "needles S, mm",
@@ -164,11 +147,8 @@ def _positions(d: Design) -> Table:
         "nose 1 beyond its needle, mm",
         "nose 2, mm",
     )
-    return Table(
-        "Synchrogram",
-        heads,
-        [tuple(float(value) for value in row) for row in zip(*columns.values(), strict=True)],
-    )
+    columns = (column[:: ROWS // 24].tolist() for column in _columns(d).values())
+    return Table("Synchrogram", heads, list(zip(*columns, strict=True)))
 
 
 def _deg(angles: Sequence[float]) -> list[float]:
@@ -178,7 +158,8 @@ def _deg(angles: Sequence[float]) -> list[float]:
 def _numbers(
     given: Stitch, d: Design, length: float, conditions: Sequence[Condition], rpm: float
 ) -> dict[str, float]:
-    phi, per_second = np.linspace(0, math.tau, ROWS), rpm * math.tau / 60
+    phi = np.linspace(0, math.tau, ROWS)
+    per_second = rpm * math.tau / 60
     numbers = {
         "spreader_height_mm": given.height,
         "nose_pitch_mm": given.pitch,
@@ -191,8 +172,8 @@ def _numbers(
         "needle_stroke_mm": d.needle_stroke,
         "spreader_stroke_mm": d.spreader_stroke,
         "between_pierces_mm": given.between,
-        "needle_peak_speed_mm_s": float(np.max(np.abs(d.risen(phi, 1)))) * per_second,
-        "spreader_peak_speed_mm_s": float(np.max(np.abs(d.moved(phi, 1)))) * per_second,
+        "needle_peak_speed_mm_s": peak(d.risen(phi, 1)) * per_second,
+        "spreader_peak_speed_mm_s": peak(d.moved(phi, 1)) * per_second,
     }
     pairs = {
         "in_fabric_{}_mm": d.in_fabric,
@@ -213,74 +194,45 @@ def _numbers(
     }
     thread = thread_per_stitch(given.thickness, length, given.spacing)
     numbers |= {f"thread_{name.replace('-', '_')}_mm": value for name, value in thread.items()}
-    if conditions:
-        works = ratio_range(conditions, given.ratio)
-        ends = zip(("min", "max"), works or (), strict=False)
-        numbers |= {f"velocity_ratio_{name}": end for name, (end, _) in ends if math.isfinite(end)}
+    works = ratio_range(conditions, given.ratio) if conditions else None
+    for name, (end, _) in zip(("min", "max"), works or (), strict=False):
+        if math.isfinite(end):
+            numbers[f"velocity_ratio_{name}"] = end
     return {name: value for name, value in numbers.items() if not math.isnan(value)}
 
 
 def _synchrogram(d: Design) -> list[Plot]:
     phi = np.linspace(0, math.tau, ROWS)
-    degrees, label, g = np.degrees(phi), "shaft angle, deg", d.given
-    marks = [
-        (event, angle)
-        for event, angle, *_ in _rows(d)
-        if isinstance(angle, float) and not math.isnan(angle)
-    ]
-    tips, noses = d.tips(phi), d.noses(phi)
+    marks = [(event, angle) for event, angle, *_ in _rows(d) if not math.isnan(angle)]
+    motion = {"needles S": d.risen(phi), "spreaders L": d.moved(phi)}
+    tips = {f"tip of needle {k}": y for k, y in enumerate(d.tips(phi), 1)}
+    tips |= {f"nose level {k}": np.full(phi.shape, -y) for k, y in enumerate(d.given.levels, 1)}
+    noses = {f"nose {k}": way for k, way in enumerate(d.noses(phi), 1)}
+    noses["other needle"] = np.full(phi.shape, d.given.spacing)
+
+    def plot(title: str, unit: str, curves: Mapping[str, Floats]) -> Plot:
+        series = [(name, np.degrees(phi), y) for name, y in curves.items()]
+        return Plot(title, "shaft angle, deg", unit, series)
+
     return [
-        Plot(
-            "Synchrogram",
-            label,
-            "mm",
-            [("needles S", degrees, d.risen(phi)), ("spreaders L", degrees, d.moved(phi))],
-            marks,
-        ),
-        Plot(
-            "Tips and nose levels",
-            label,
-            "mm above the plate's top",
-            [
-                ("tip of needle 1", degrees, tips[0]),
-                ("tip of needle 2", degrees, tips[1]),
-                *(
-                    (f"nose level {k + 1}", degrees, np.full(phi.shape, -y))
-                    for k, y in enumerate(g.levels)
-                ),
-            ],
-        ),
-        Plot(
-            "Noses past their own needle",
-            label,
-            "mm",
-            [
-                ("nose 1", degrees, noses[0]),
-                ("nose 2", degrees, noses[1]),
-                ("other needle", degrees, np.full(phi.shape, g.spacing)),
-            ],
-        ),
+        replace(plot("Synchrogram", "mm", motion), marks=marks),
+        plot("Tips and nose levels", "mm above the plate's top", tips),
+        plot("Noses past their own needle", "mm", noses),
     ]
 
 
 def _rows(d: Design) -> list[tuple[str, float, float, float]]:
     """Events: name, angle in deg, S and L there, in the order of the turn."""
-    g = d.given
-    events = [(f"capture {k + 1}", angle) for k, angle in enumerate(d.capture)]
-    events += [(f"pierce {k + 1}", angle) for k, angle in enumerate(d.pierce)]
-    events += [(f"shedding {k + 1}", angle) for k, angle in enumerate(d.shed)]
-    events += [("feed begins", math.pi - g.feed / 2), ("feed ends", math.pi + g.feed / 2)]
-    angles = np.array([angle for _, angle in events])
-    s, moved = d.risen(np.nan_to_num(angles)), d.moved(np.nan_to_num(angles))
-    rows = [
-        (
-            name,
-            math.degrees(angle),
-            float(s[k]) if angle == angle else math.nan,
-            float(moved[k]) if angle == angle else math.nan,
-        )
-        for k, (name, angle) in enumerate(events)
-    ]
+    pairs = {"capture": d.capture, "pierce": d.pierce, "shedding": d.shed}
+    events = {f"{name} {k}": phi for name, pair in pairs.items() for k, phi in enumerate(pair, 1)}
+    half = d.given.feed / 2
+    events |= {"feed begins": math.pi - half, "feed ends": math.pi + half}
+    rows = []
+    for name, phi in events.items():
+        s, moved = (math.nan, math.nan)
+        if not math.isnan(phi):
+            s, moved = (float(f(np.array([phi]))[0]) for f in (d.risen, d.moved))
+        rows.append((name, math.degrees(phi), s, moved))
     return sorted(rows, key=lambda row: (math.isnan(row[1]), row[1]))
 
 
@@ -292,18 +244,13 @@ def _events(d: Design) -> Table:
     }
     rows = []
     for name, *figures in _rows(d):
-        kind, _, number = name.partition(" ")
-        said = (
-            what[kind].format(number, {"1": 2, "2": 1}[number])
-            if kind in what
-            else "the fabric moves in between"
-        )
+        event, _, number = name.partition(" ")
+        said = "the fabric moves in between"
+        if event in what:
+            said = what[event].format(number, {"1": 2, "2": 1}[number])
         rows.append((name, *figures, said))
-    return Table(
-        "Events of a turn",
-        ("event", "shaft angle, deg", "needles S, mm", "spreaders L, mm", "what happens"),
-        rows,
-    )
+    heads = ("event", "shaft angle, deg", "needles S, mm", "spreaders L, mm", "what happens")
+    return Table("Events of a turn", heads, rows)
 
 
 def _figures(d: Design) -> list[tuple[str, float]]:
@@ -343,10 +290,8 @@ def _figures(d: Design) -> list[tuple[str, float]]:
 
 def _beside(printed: Design, right: Design) -> Table:
     """Every figure as the source finds it, and corrected."""
-    rows = [
-        (name, value, fine)
-        for (name, value), (_, fine) in zip(_figures(printed), _figures(right), strict=True)
-    ]
+    figures = zip(_figures(printed), _figures(right), strict=True)
+    rows = [(name, value, corrected) for (name, value), (_, corrected) in figures]
     return Table("Published and corrected", ("quantity", "published", "corrected"), rows)
 
 
@@ -359,9 +304,10 @@ def _errata(g: Stitch, d: Design) -> Table:
     thread = thread_per_stitch(*_EXAMPLE)
     wrong6 = 100 * (_PRINTED_FOUR - thread["new"]) / thread["new"]
     right6 = 100 * (_PRINTED_FOUR - thread["new"]) / _PRINTED_FOUR
-    (in1, in2), (s1, s2) = g.entry, g.rise
-    slide = [g.spacing / way if way > 0 else math.inf for way in (in1 - s1, in2 - s2)]
-    s_x, true = d.needle_stroke, g.in_fabric(g.plate)
+    s1, s2 = g.rise
+    slide = [g.spacing / way if way > 0 else math.inf for way in g.approach]
+    s_x = d.needle_stroke
+    true = g.in_fabric(g.plate)
     way = g.spacing + d.first[2]
     strokes = (
         s_x * (d.behind[1] + way) / (d.rises[1] - s1),
@@ -389,7 +335,7 @@ def _errata(g: Stitch, d: Design) -> Table:
             3,
             "S_B2, mm",
             shown(d.rises[1]),
-            shown(g.reach[1] + s2 + g.height),
+            shown(g.pierce_rises[1]),
             "too high by H + l_H",
         ),
         (
@@ -434,14 +380,10 @@ def _loops(d: Design) -> Table:
         return "stays" if angle <= HOLDS[0] else "may slide" if angle <= HOLDS[1] else "slides"
 
     rows = [
-        (
-            k + 1,
-            d.margins[k],
-            d.held[k],
-            *_deg([d.pierce_angles[k], d.shed_angles[k]]),
-            holds(d.shed_angles[k]),
+        (k, margin, seat, math.degrees(pierce), math.degrees(shed), holds(shed))
+        for k, margin, seat, pierce, shed in zip(
+            (1, 2), d.margins, d.seat_margins, d.pierce_angles, d.shed_angles, strict=True
         )
-        for k in (0, 1)
     ]
     columns = (
         "loop",
@@ -458,11 +400,8 @@ def _tips(d: Design) -> Table:
     """Where tips are to P6 along the stroke, at nose level and at the height of C; below 0 inside the spreader."""
     r = d.spreader_stroke / d.needle_stroke
     rows = [(pair, gap, gap + d.l2 - r * d.given.height) for pair, gap in d.offsets().items()]
-    return Table(
-        "Needle's tip before P6, along the stroke",
-        ("pair", "at nose level, mm", "at the height of C, mm"),
-        rows,
-    )
+    heads = ("pair", "at nose level, mm", "at the height of C, mm")
+    return Table("Needle's tip before P6, along the stroke", heads, rows)
 
 
 def _thread(g: Stitch, length: float) -> Table:
@@ -484,6 +423,5 @@ def _ratios(conditions: Sequence[Condition], ratio: float) -> Table:
     for each in conditions:
         roots = " and ".join(f"{root:.9g}" for root in sorted(each.roots) if root > 0)
         rows.append((each.name, "yes" if each.spare(ratio) >= -1e-12 else "no", roots or "-"))
-    return Table(
-        "Velocity ratio, laws in step", ("so that", f"kept at {ratio:.9g}", "changes at"), rows
-    )
+    heads = ("so that", f"kept at {ratio:.9g}", "changes at")
+    return Table("Velocity ratio, laws in step", heads, rows)

@@ -31,42 +31,32 @@ _HALF = math.pi
 _ROUND = np.linspace(0, math.tau, 7201)
 
 
-def needles_at(d: Design) -> tuple[float, float]:
-    """Both needles' lines, x mm."""
-    return 0.0, d.given.spacing
-
-
-def entered(d: Design) -> tuple[float, float]:
-    """phi at which the other needle's tip comes down to the nose level of spreader 1, of 2; nan where it never does."""
-    one, two = (d.angle(s, falling=True) for s in d.given.entry)
-    return one, two
-
-
-def taken(d: Design, k: int, phi: Floats) -> Floats:
+def loop_shift(d: Design, k: int, phi: Floats) -> Floats:
     """How far the nose of spreader k (0, 1) has taken its loop towards the other needle, (n,) mm; phi: 0 to 2 pi."""
-    nose, way = d.noses(phi)[k], d.noses(_ROUND)[k]
-    far, most, missed = (
-        float(_ROUND[int(np.argmax(way))]),
-        float(way.max()),
-        not d.margins[k] >= d.l1,
-    )
-    seat = (
-        d.l1 if not missed else min(d.l1, max(0.0, most - d.given.spacing - d.given.needle))
-    )  # where it takes the loop along
-    held = np.maximum(nose - seat, 0.0)
-    return np.asarray(np.where((phi > far) & missed, np.clip(nose, 0.0, most - seat), held))
+    nose = d.noses(phi)[k]
+    way = d.noses(_ROUND)[k]
+    most = float(way.max())
+    shift = np.maximum(nose - d.l1, 0.0)
+    if d.margins[k] >= d.l1:
+        return shift
+    # where it takes the loop along
+    seat = min(d.l1, max(0.0, most - d.given.spacing - d.given.needle))
+    back = phi > float(_ROUND[int(np.argmax(way))])
+    slides = np.clip(nose, 0.0, most - seat)
+    return np.asarray(np.where(back, slides, np.maximum(nose - seat, 0.0)))
 
 
 def loop(d: Design, k: int, phi: Floats) -> tuple[Floats, Floats]:
     """How far the loop of needle k (0, 1) reaches towards the other needle, and how deep, mm, (n,) each; phi: 0 to 2 pi."""
     g = d.given
-    level, depth = g.levels[k], g.point[k] + d.tips(phi)[k]
-    begin, end = d.capture[k], d.shed[k]
-    pierced = entered(d)[k]
+    level = g.levels[k]
+    depth = g.point[k] + d.tips(phi)[k]
+    begin = d.capture[k]
+    end = d.shed[k]
     end = math.tau - begin if math.isnan(end) or end < _HALF else end
     on = (phi >= begin) & (phi < end)
-    out = np.where(on, taken(d, k, phi), 0.0)
-    out = np.where(on & (phi >= pierced), np.maximum(out, g.spacing), out)
+    out = np.where(on, loop_shift(d, k, phi), 0.0)
+    out = np.where(on & (phi >= d.entries[k]), np.maximum(out, g.spacing), out)
     left = np.clip((math.tau - phi) / (math.tau - end), 0.0, 1.0)  # of what is to be pulled up
     out = np.where(phi >= end, g.spacing, out)
     deep = np.where(on, level, np.where(phi >= end, level * left, np.clip(-depth, 0.0, level)))
@@ -78,10 +68,14 @@ def course(d: Design, k: int, theta: Floats) -> Points:
 
     The loops are that of the needle on its way down, the one that is being made, and the finished one of the last stitch.
     """
-    phi, g, x, side = np.mod(theta, math.tau), d.given, needles_at(d)[k], 1 - 2 * k
+    phi = np.mod(theta, math.tau)
+    g = d.given
+    x = k * g.spacing
+    side = 1 - 2 * k
     eye = d.tips(phi)[k] + g.point[k]
     top = float(d.needle_stroke - g.depths[k] + g.point[k] + _OVER)
-    hole, rising = np.full(phi.shape, x + 0j), phi < _HALF
+    hole = np.full(phi.shape, x + 0j)
+    rising = phi < _HALF
     out, deep = loop(d, k, phi)
     dip = x + 1j * np.minimum(eye, 0.0)
     rows = (
@@ -98,36 +92,27 @@ def course(d: Design, k: int, theta: Floats) -> Points:
     return np.stack(rows, axis=-1)
 
 
-def sketches(d: Design) -> tuple[Sketch, Sketch]:
+def sketches(d: Design) -> list[Sketch]:
     """Both threads for the moving picture."""
-    return Sketch("thread 1", course=partial(course, d, 0)), Sketch(
-        "thread 2", course=partial(course, d, 1)
-    )
+    return [Sketch(f"thread {k + 1}", course=partial(course, d, k)) for k in (0, 1)]
 
 
 def lengths(d: Design) -> tuple[Mapping[str, float], Table]:
     """Of both loops at capture, at the pierce and at shedding: two legs each, mm."""
-    rows, numbers = [], {}
-    for k, name in enumerate(("1", "2")):
-        for what, phi in (
-            ("capture", d.capture[k]),
-            ("pierce", entered(d)[k]),
-            ("shedding", d.shed[k]),
-        ):
+    rows = []
+    numbers = {}
+    events = {"capture": d.capture, "pierce": d.entries, "shedding": d.shed}
+    for k in (0, 1):
+        for event, angles in events.items():
+            phi = angles[k]
             if math.isnan(phi):
                 continue
             out, deep = (float(each[0]) for each in loop(d, k, np.array([phi])))
-            numbers[f"loop_length_{what}_{name}_mm"] = length = 2 * math.hypot(out, deep)
-            rows.append(
-                (
-                    f"loop {name}, {what}",
-                    math.degrees(phi),
-                    out,
-                    deep,
-                    length,
-                    math.degrees(math.atan2(out, deep)),
-                )
-            )
+            length = 2 * math.hypot(out, deep)
+            numbers[f"loop_length_{event}_{k + 1}_mm"] = length
+            name = f"loop {k + 1}, {event}"
+            tilt = math.degrees(math.atan2(out, deep))
+            rows.append((name, math.degrees(phi), out, deep, length, tilt))
     columns = (
         "loop",
         "shaft angle, deg",
@@ -141,24 +126,25 @@ def lengths(d: Design) -> tuple[Mapping[str, float], Table]:
 
 def seam(d: Design, stitch: float) -> Plot:
     """Figure 1, e: the finished seam from below: thread on top along the feed, loops from hole to hole under the fabric."""
-    (one, two), rows = needles_at(d), np.arange(STITCHES + 1) * stitch
+    one = 0.0
+    two = d.given.spacing
+    rows = np.arange(STITCHES + 1) * stitch
     gap = complex(math.nan, math.nan)
 
-    def under(a: float, b: float, aside: float) -> list[complex]:
+    aside = 0.03 * stitch  # by which the two legs of a loop are drawn apart
+
+    def under(a: float, b: float) -> Points:
         legs: list[complex] = []
         for y in rows[:-1]:
             legs += [complex(a, y + aside), complex(b, y + stitch), complex(a, y - aside), gap]
-        return legs
+        return np.array(legs)
 
-    thin = 0.03 * stitch  # by which the two legs of a loop are drawn apart
-    series = [
-        (name, np.real(z), np.imag(z))
-        for name, z in (
-            ("loops of thread 1", np.array(under(one, two, thin))),
-            ("loops of thread 2", np.array(under(two, one, thin))),
-            ("on top, both", np.concatenate([one + 1j * rows, [gap], two + 1j * rows])),
-        )
-    ]
+    curves = {
+        "loops of thread 1": under(one, two),
+        "loops of thread 2": under(two, one),
+        "on top, both": np.concatenate([one + 1j * rows, [gap], two + 1j * rows]),
+    }
+    series = [(name, np.real(z), np.imag(z)) for name, z in curves.items()]
     points = [
         (f"{name}{k}", x, float(y))
         for name, x in (("N1.", one), ("N2.", two))
@@ -170,18 +156,15 @@ def seam(d: Design, stitch: float) -> Plot:
 
 def moments(d: Design) -> Sequence[Plot]:
     """Figure 4: needles and both threads at the capture of loop 1 and at its pierce."""
-    found = []
-    for which, what, phi in (("a", "capture", d.capture[0]), ("b", "pierce", entered(d)[0])):
+    plots = []
+    g = d.given
+    for which, event, phi in (("a", "capture", d.capture[0]), ("b", "pierce", d.entries[0])):
         if math.isnan(phi):
             continue
-        at, (tip1, tip2), (nose1, nose2) = (
-            np.array([phi]),
-            *(
-                (float(a[0]), float(b[0]))
-                for a, b in (d.tips(np.array([phi])), d.noses(np.array([phi])))
-            ),
-        )
-        g, threads = d.given, [course(d, k, at)[0] for k in (0, 1)]
+        theta = np.array([phi])
+        tip1, tip2 = (float(height[0]) for height in d.tips(theta))
+        nose1, nose2 = (float(way[0]) for way in d.noses(theta))
+        threads = [course(d, k, theta)[0] for k in (0, 1)]
         series = [(f"thread {k}", z.real, z.imag) for k, z in enumerate(threads, 1)]
         low, high = g.levels
         noses = (
@@ -195,8 +178,8 @@ def moments(d: Design) -> Sequence[Plot]:
             ("P1", nose1, -low),
             ("P2", g.spacing - nose2, -high),
         ]
-        title = f"Source, figure 4, {which}: {what} of loop 1, {math.degrees(phi):.1f} deg"
-        found.append(
+        title = f"Source, figure 4, {which}: {event} of loop 1, {math.degrees(phi):.1f} deg"
+        plots.append(
             Plot(title, "across, mm", "over the plate, mm", series, equal=True, points=points)
         )
-    return found
+    return plots

@@ -20,6 +20,7 @@ import numpy as np
 
 from camgen.geometry.outlines import Floats, Points
 from camgen.machines.chain_stitch_looper.stitch import Design
+from camgen.numerics import peak
 from camgen.tolerances import BOUND_SPARE
 
 _ANGLES = 240  # of the turn, to begin with
@@ -69,29 +70,29 @@ class Clock:
     @cached_property
     def _slabs(self) -> tuple[tuple[Points, Floats], tuple[Points, Floats]]:
         """For each needle at p the gap is the largest of Re(conj(normal) p) - limit: normals and limits, (k,)."""
-        found = []
-        for needle in self.needles:
+
+        def slab(needle: Points) -> tuple[Points, Floats]:
             edges = np.concatenate(
                 [np.roll(self.section, -1) - self.section, needle - np.roll(needle, -1)]
             )
             normals = -1j * edges / np.abs(edges)
             across = np.conj(normals)[:, None]
-            found.append(
-                (
-                    normals,
-                    np.max((across * self.section).real, axis=1)
-                    - np.min((across * needle).real, axis=1),
-                )
-            )
-        return found[0], found[1]
+            high = np.max((across * self.section).real, axis=1)
+            return normals, high - np.min((across * needle).real, axis=1)
+
+        one, two = self.needles
+        return slab(one), slab(two)
 
     def _gaps(self, phi: Floats, lag: float, anew: bool) -> Floats:
         """Least of the four gaps at each angle, (n,) mm: below 0 they overlap; apart, at most their distance."""
-        g, tips, noses = self.design.given, self.design.tips(phi), self.noses(phi, lag, anew)
+        g = self.design.given
+        tips = self.design.tips(phi)
+        noses = self.noses(phi, lag, anew)
         gaps: Floats = np.full(phi.shape, np.inf)
         for k, (nose, level) in enumerate(zip(noses, g.levels, strict=True)):
             for i, (tip, (normals, limits)) in enumerate(zip(tips, self._slabs, strict=True)):
-                u, y = nose - (0.0 if i == k else g.spacing), tip + level
+                u = nose - (0.0 if i == k else g.spacing)
+                y = tip + level
                 # a row for each edge: the largest of a column is found on many angles at once
                 apart = u * normals.real[:, None] + y * normals.imag[:, None] - limits[:, None]
                 gaps = np.minimum(gaps, np.max(apart, axis=0))
@@ -113,9 +114,7 @@ class Clock:
     def _speeds(self) -> tuple[float, float]:
         """Greatest speeds of needles and spreaders, mm/rad."""
         phi = np.linspace(0, math.tau, 48 * _ANGLES + 1)
-        needles, spreaders = (
-            float(np.max(np.abs(f(phi, 1)))) for f in (self.design.risen, self.design.moved)
-        )
+        needles, spreaders = (peak(f(phi, 1)) for f in (self.design.risen, self.design.moved))
         return needles * (1 + BOUND_SPARE), spreaders * (1 + BOUND_SPARE)
 
     @property
@@ -127,17 +126,7 @@ class Clock:
 
         nan where a tip never comes down to a nose.
         """
-        one, two = self.noses(np.nan_to_num(self._entries), lag, anew)
-        past: Floats = (
-            np.where(np.isnan(self._entries), math.nan, [one[0], two[1]])
-            - self.design.given.spacing
-        )
-        return float(np.min(past))
-
-    @cached_property
-    def _entries(self) -> Floats:
-        """Angles at which each spreader's other needle comes down to nose level, (2,) rad."""
-        return np.array([self.design.angle(s, falling=True) for s in self.design.given.entry])
+        return float(np.min(self.design.margins_of(lambda phi: self.noses(phi, lag, anew))))
 
     def timing(self, anew: bool = False) -> Timing:
         """Lag and lead to the first strike and to the first loop that is missed."""
@@ -152,7 +141,8 @@ class Clock:
 
 def _first(spare: Callable[[float, bool], float], sign: int, speed: float, anew: bool) -> float:
     """The last lag, rad, before `spare` (mm, changing by at most `speed` a rad) is used up; inf beyond FARTHEST."""
-    lag, kept = 0.0, 0.0
+    lag = 0.0
+    kept = 0.0
     while lag <= FARTHEST:
         left = spare(sign * lag, anew)
         if not left > 0:

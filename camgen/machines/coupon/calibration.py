@@ -19,29 +19,29 @@ import numpy as np
 
 from camgen.numerics import Floats
 
-_SHRINKAGE_KNOWN = 1e-3  # share, to which a shrinkage has to be known to be told: 0.1 mm in 100
-_SCATTER_FROM = 3  # degrees of freedom from which the scatter is told as the printer's own
+_SHRINKAGE_KNOWN = 1e-3  # share, to which a shrinkage has to be known: 0.1 mm in 100
+_SCATTER_FROM = 3  # degrees of freedom from which the scatter counts as the printer's own
 _SURE = 0.975  # quantile: so many of 100 lie below it, 95 between it and its reverse
 
 
 @dataclass(frozen=True)
 class Feature:
-    """A size of the coupon: nominal, mm, and how the walls of holes and outlines come into it."""
+    """A size of the coupon."""
 
     name: str
-    nominal: float
-    holes: float
-    outlines: float
+    nominal: float  # mm
+    holes: float  # how often walls of holes come into it, c_h
+    outlines: float  # how often outlines do, c_p
 
 
 @dataclass(frozen=True)
 class Printed:
-    """What the coupon was printed with: the keys of [print], mm, share."""
+    """Keys of [print] that the coupon was printed with."""
 
-    hole: float = 0.0
-    profile: float = 0.0
-    shrinkage: float = 0.0
-    foot: float = 0.0
+    hole: float = 0.0  # mm
+    profile: float = 0.0  # mm
+    shrinkage: float = 0.0  # share
+    foot: float = 0.0  # mm
 
     def sent(self, feature: Feature) -> float:
         """A size in the file that was printed, mm."""
@@ -51,16 +51,15 @@ class Printed:
 
 @dataclass(frozen=True)
 class Fit:
-    """Least squares: values (p,), their covariance (p, p), what is left of each row (n,), the standard deviation of one row and
-    its degrees of freedom."""
+    """Least squares."""
 
-    values: Floats
-    covariance: Floats
-    left: Floats
-    scatter: float
-    freedom: int
+    values: Floats  # (p,)
+    covariance: Floats  # of the values, (p, p)
+    residuals: Floats  # of the rows, (n,)
+    scatter: float  # standard deviation of one row
+    freedom: int  # degrees of freedom
 
-    def wide(self, row: Floats) -> float:
+    def uncertainty(self, row: Floats) -> float:
         """Half of the interval that holds 95 % of what the values give by a row, (p,)."""
         return coverage(self.freedom) * math.sqrt(max(float(row @ self.covariance @ row), 0.0))
 
@@ -75,24 +74,24 @@ def coverage(freedom: int) -> float:
 def least_squares(rows: Floats, sizes: Floats, least: float = 0.0) -> Fit:
     """Values x with rows x = sizes, rows (n, p) of rank p; least: the smallest standard deviation that is believed, mm."""
     values = np.asarray(np.linalg.lstsq(rows, sizes, rcond=None)[0], float)
-    left, freedom = sizes - rows @ values, len(sizes) - rows.shape[1]
-    scatter = math.sqrt(float(left @ left) / freedom) if freedom else 0.0
+    residuals = sizes - rows @ values
+    freedom = len(sizes) - rows.shape[1]
+    scatter = math.sqrt(float(residuals @ residuals) / freedom) if freedom else 0.0
     believed = max(scatter, least)
     spread = np.asarray(believed**2 * np.linalg.inv(rows.T @ rows), float)
-    return Fit(values, spread, left, scatter, freedom if believed == scatter else 0)
+    return Fit(values, spread, residuals, scatter, freedom if believed == scatter else 0)
 
 
 @dataclass(frozen=True)
 class Value:
-    """A key of [print]: what the sizes give for it, half of its interval of 95 %, unit, and what it is from; below_0: what to do
-    where they give less than 0 and the key cannot hold that, "" where it can."""
+    """A key of [print] as the sizes give it."""
 
     key: str
     measured: float
-    wide: float
+    uncertainty: float  # half of its interval of 95 %
     unit: str
-    said: str
-    below_0: str = ""
+    basis: str  # what it is from
+    below_0: str = ""  # what to do where the sizes give less than 0; "" where the key can hold that
 
     @property
     def value(self) -> float:
@@ -103,124 +102,100 @@ class Value:
     def source(self) -> str:
         """What it is from, and that it was cut off at 0."""
         if self.value == self.measured:
-            return self.said
-        return f"{self.said}; print.{self.key} cannot be below 0: {self.below_0}"
+            return self.basis
+        return f"{self.basis}; print.{self.key} cannot be below 0: {self.below_0}"
 
     @property
     def line(self) -> str:
         """As a spec holds it."""
-        told = f"{self.value:.5f}" if self.unit == "1" else f"{self.value:.3f}"
-        wide = f"{self.wide:.1g}" if self.unit == "1" else f"{self.wide:.3f}"
-        known = "" if self.value == self.measured else f"would be {self.measured:.3f} "
-        unit = "share" if self.unit == "1" else self.unit
-        return (
-            f"{self.key} = {told}".ljust(36) + f"# {unit}, {known}+- {wide} (95 %): {self.source}"
-        )
+        value = f"{self.value:.3f}"
+        uncertainty = f"{self.uncertainty:.3f}"
+        unit = self.unit
+        if unit == "1":
+            value = f"{self.value:.5f}"
+            uncertainty = f"{self.uncertainty:.1g}"
+            unit = "share"
+        full = "" if self.value == self.measured else f"would be {self.measured:.3f} "
+        setting = f"{self.key} = {value}".ljust(36)
+        return f"{setting}# {unit}, {full}+- {uncertainty} (95 %): {self.source}"
 
 
 @dataclass(frozen=True)
-class Calibrated:
-    """Values of [print]; of each feature that was measured its size, its size by the fit and what is left, mm."""
+class Calibration:
+    """What the sizes of a coupon give."""
 
-    values: Sequence[Value]
-    rows: Sequence[tuple[str, float, float, float]]
+    values: Sequence[Value] = ()  # of [print]
+    rows: Sequence[tuple[str, float, float, float]] = ()  # feature, its size, by the fit, rest; mm
 
 
-def calibrated(
+def calibrate(
     features: Sequence[Feature],
     sizes: Mapping[str, Sequence[float]],
     printed: Printed,
     caliper: float,
     ladder: tuple[Feature, Feature | None, Feature | None, float] | None = None,
     disc: tuple[str, str] = ("", ""),
-) -> Calibrated:
+) -> Calibration:
     """What [print] has to be.
 
     sizes: measured, mm, by feature; caliper: standard deviation of one reading; ladder: the pin, the tightest hole in which it
     turns, the widest in which it holds, and the step of the holes; disc: features whose difference is the elephant's foot.
     """
-    seen = [each for each in features if each.name in sizes]
-    if not seen:
-        return Calibrated((), ())
-    means = np.array([float(np.mean(sizes[each.name])) for each in seen])
-    table = np.array([[printed.sent(each), each.holes, each.outlines] for each in seen])
+    measured = [each for each in features if each.name in sizes]
+    if not measured:
+        return Calibration()
+    means = np.array([float(np.mean(sizes[each.name])) for each in measured])
+    table = np.array([[printed.sent(each), each.holes, each.outlines] for each in measured])
     known = [k for k in (1, 2) if np.any(table[:, k])]
-    fit, free = _fitted(table, means, known, printed, caliper)
+    fit, free = _fit(table, means, known, printed, caliper)
     theta = np.array([1 - printed.shrinkage, printed.hole, printed.profile])
     theta[free] = fit.values
-    found: list[Value] = []
-
-    named = {
+    values: list[Value] = []
+    sources = {
         1: ("hole_compensation", "mm", "from the walls of holes"),
         2: ("profile_compensation", "mm", "from outlines"),
         0: ("shrinkage", "1", "from long sizes"),
     }
-    for k, (key, unit, said) in named.items():
+    for k, (key, unit, basis) in sources.items():
         if k in free:
             value = 1 - theta[0] if k == 0 else theta[k]
-            found.append(
-                Value(key, float(value), fit.wide(np.eye(len(free))[free.index(k)]), unit, said)
-            )
+            uncertainty = fit.uncertainty(np.eye(len(free))[free.index(k)])
+            values.append(Value(key, float(value), uncertainty, unit, basis))
     if all(name in sizes for name in disc):
         foot, middle = (float(np.mean(sizes[name])) for name in disc)
-        value, wide = printed.foot + (foot - middle) / 2, coverage(0) * caliper / math.sqrt(2)
-        found.append(
-            Value(
-                "elephant_foot",
-                value,
-                wide,
-                "mm",
-                "the disc at its foot and above",
-                "no chamfer is needed",
-            )
+        value = printed.foot + (foot - middle) / 2
+        uncertainty = coverage(0) * caliper / math.sqrt(2)
+        basis = "the disc at its foot and above"
+        values.append(
+            Value("elephant_foot", value, uncertainty, "mm", basis, "no chamfer is needed")
         )
     if ladder is not None and set(known) == {1, 2}:
         pin, runs, holds, step = ladder
-        fits = (
-            (
-                "slide_clearance",
-                runs,
-                "the tightest hole in which the pin turns",
-                "pins turn more loosely than felt",
-            ),
-            (
-                "press_clearance",
-                holds,
-                "the widest hole in which the pin holds",
-                "glue what has to hold",
-            ),
-        )
-        for key, hole, said, below_0 in fits:
+        loose = ("the tightest hole in which the pin turns", "pins turn more loosely than felt")
+        tight = ("the widest hole in which the pin holds", "glue what has to hold")
+        fits = {"slide_clearance": (runs, loose), "press_clearance": (holds, tight)}
+        for key, (hole, words) in fits.items():
             if hole is not None:
                 row = np.array([printed.sent(hole) - printed.sent(pin), hole.holes, -pin.outlines])
-                wide = math.hypot(fit.wide(row[free]), step / 2)
-                found.append(Value(key, float(row @ theta), wide, "mm", said, below_0))
+                uncertainty = math.hypot(fit.uncertainty(row[free]), step / 2)
+                values.append(Value(key, float(row @ theta), uncertainty, "mm", *words))
     if fit.freedom >= _SCATTER_FROM:
-        wide = fit.scatter * coverage(fit.freedom) / math.sqrt(2 * fit.freedom)
-        found.append(
-            Value(
-                "size_error", fit.scatter, wide, "mm", "scatter of the sizes, the caliper's in it"
-            )
-        )
-    rows = zip(
-        (each.name for each in seen),
-        means.tolist(),
-        (means - fit.left).tolist(),
-        fit.left.tolist(),
-        strict=True,
-    )
-    return Calibrated(found, list(rows))
+        uncertainty = fit.scatter * coverage(fit.freedom) / math.sqrt(2 * fit.freedom)
+        basis = "scatter of the sizes, the caliper's in it"
+        values.append(Value("size_error", fit.scatter, uncertainty, "mm", basis))
+    columns = (means.tolist(), (means - fit.residuals).tolist(), fit.residuals.tolist())
+    names = [each.name for each in measured]
+    return Calibration(values, list(zip(names, *columns, strict=True)))
 
 
-def _fitted(
+def _fit(
     table: Floats, means: Floats, known: list[int], printed: Printed, caliper: float
 ) -> tuple[Fit, list[int]]:
     """The fit, and which of k, h, p it gives: k only where the sizes tell it well enough, else it stays as printed."""
     free = [0, *known]
     if len(means) >= len(free) and np.linalg.matrix_rank(table[:, free]) == len(free):
         fit = least_squares(table[:, free], means, caliper)
-        if fit.wide(np.eye(len(free))[0]) <= _SHRINKAGE_KNOWN:
+        if fit.uncertainty(np.eye(len(free))[0]) <= _SHRINKAGE_KNOWN:
             return fit, free
-    return least_squares(
-        table[:, known], means - table[:, 0] * (1 - printed.shrinkage), caliper
-    ), known
+    rest = means - table[:, 0] * (1 - printed.shrinkage)
+    return least_squares(table[:, known], rest, caliper), known

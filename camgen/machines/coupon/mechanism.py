@@ -21,10 +21,10 @@ from pydantic import Field, model_validator
 
 from camgen.errors import DesignError, Fault
 from camgen.findings import Finding, Where, at_most
-from camgen.geometry.outlines import Contour, Floats, Region, circle, rectangle
+from camgen.geometry.outlines import Floats, Region, circle, rectangle
 from camgen.machine.features import Mount
 from camgen.machine.model import GROUND, Machine
-from camgen.machines.coupon.calibration import Calibrated, Feature, Printed, calibrated
+from camgen.machines.coupon.calibration import Calibration, Feature, Printed, calibrate
 from camgen.machines.mechanism import Mechanism, Remarks
 from camgen.parts.assembly import Assembly
 from camgen.parts.hardware import headed, plate, rounded
@@ -93,9 +93,8 @@ class Measured(Record):
     @model_validator(mode="before")
     @classmethod
     def _sizes_below(cls, data: Any) -> Any:
-        stray = (
-            [key for key in data if " " in key or key == "disc"] if isinstance(data, dict) else []
-        )
+        keys = data if isinstance(data, dict) else ()
+        stray = [key for key in keys if " " in key or key == "disc"]
         if stray:
             raise ValueError(f"below the line [measured.sizes]: {', '.join(stray)}")
         return data
@@ -129,54 +128,48 @@ class Coupon(Mechanism):
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
-        g, m, found = self.geometry, self.measured, list[Fault]()
+        g = self.geometry
+        m = self.measured
+        nozzle = self.print.nozzle
+        faults: list[Fault] = []
         for key in ("holes", "gaps", "pins", "clearances"):
             values = getattr(g, key)
             if any(not float(f"{a:g}") < float(f"{b:g}") for a, b in pairwise(values)):
-                found.append(
-                    Fault(
-                        ("geometry", key), str(list(values)), "sizes from small to large, each once"
-                    )
-                )
-        if g.fit_pin + g.clearances[0] < self.print.nozzle:
-            said = f"more than {self.print.nozzle - g.fit_pin:g}: a hole is left"
-            found.append(Fault(("geometry", "clearances", 0), f"{g.clearances[0]:g}", said))
-        if self.making.wall < self.print.nozzle:
-            found.append(
-                Fault(
-                    ("parts", "wall"),
-                    f"{self.making.wall:g}",
-                    f"at least the nozzle, {self.print.nozzle:g} mm",
-                )
-            )
+                right = "sizes from small to large, each once"
+                faults.append(Fault(("geometry", key), str(list(values)), right))
+        tightest = g.clearances[0]
+        if g.fit_pin + tightest < nozzle:
+            right = f"more than {nozzle - g.fit_pin:g}: a hole is left"
+            faults.append(Fault(("geometry", "clearances", 0), f"{tightest:g}", right))
+        wall = self.making.wall
+        if wall < nozzle:
+            right = f"at least the nozzle, {nozzle:g} mm"
+            faults.append(Fault(("parts", "wall"), f"{wall:g}", right))
         for key in ("runs", "holds"):
             value = getattr(m, key)
             if value is not None and value not in g.clearances:
-                found.append(
-                    Fault(
-                        ("measured", key),
-                        f"{value:g}",
-                        f"one of geometry.clearances: {list(g.clearances)}",
-                    )
-                )
+                right = f"one of geometry.clearances: {list(g.clearances)}"
+                faults.append(Fault(("measured", key), f"{value:g}", right))
         if m.runs is not None and m.holds is not None and m.holds >= m.runs:
-            found.append(
-                Fault(
-                    ("measured", "holds"),
-                    f"{m.holds:g}",
-                    f"less than measured.runs, {m.runs:g}: the pin is tight there",
-                )
-            )
+            right = f"less than measured.runs, {m.runs:g}: the pin is tight there"
+            faults.append(Fault(("measured", "holds"), f"{m.holds:g}", right))
         nominal = {each.name: each.nominal for each in self.sizes}
-        for name, size in m.sizes.items():
+        for name, readings in self._readings.items():
+            path = ("measured", "sizes", name)
             if name not in nominal:
-                found.append(unknown(("measured", "sizes", name), name, nominal))
+                faults.append(unknown(path, name, nominal))
                 continue
-            for value in size if isinstance(size, tuple) else (size,):
+            right = f"within {_OFF:g} mm of {nominal[name]:g}; was another size measured?"
+            for value in readings:
                 if abs(value - nominal[name]) > _OFF:
-                    said = f"within {_OFF:g} mm of {nominal[name]:g}; was another size measured?"
-                    found.append(Fault(("measured", "sizes", name), f"{value:g}", said))
-        return found
+                    faults.append(Fault(path, f"{value:g}", right))
+        return faults
+
+    @property
+    def _readings(self) -> dict[str, tuple[float, ...]]:
+        """What was measured, mm, by feature."""
+        sizes = self.measured.sizes
+        return {name: size if isinstance(size, tuple) else (size,) for name, size in sizes.items()}
 
     # ---- sizes ------------------------------------------------------------------------------------------------------
 
@@ -184,38 +177,36 @@ class Coupon(Mechanism):
     def sizes(self) -> Sequence[Feature]:
         """All that can be measured; walls of holes come in, outlines come out."""
         g = self.geometry
-        found = [Feature(f"hole {d:g}", d, -2, 0) for d in g.holes]
-        found += [Feature(f"gap {w:g}", w, -2, 0) for w in g.gaps]
-        found += [Feature(f"pin {d:g}", d, 0, 2) for d in g.pins]
-        found += [Feature(f"fit {c:g}", g.fit_pin + c, -2, 0) for c in g.clearances]
-        found += [
+        return [
+            *(Feature(f"hole {d:g}", d, -2, 0) for d in g.holes),
+            *(Feature(f"gap {w:g}", w, -2, 0) for w in g.gaps),
+            *(Feature(f"pin {d:g}", d, 0, 2) for d in g.pins),
+            *(Feature(f"fit {c:g}", g.fit_pin + c, -2, 0) for c in g.clearances),
             Feature("fit pin", g.fit_pin, 0, 2),
             Feature("disc", g.disc, 0, 2),
             Feature("disc bore", g.datum_hole, -2, 0),
+            Feature("over x", g.length + g.datum_hole, -2, 0),
+            Feature("between x", g.length - g.datum_hole, 2, 0),
+            Feature("over y", g.width + g.datum_hole, -2, 0),
+            Feature("between y", g.width - g.datum_hole, 2, 0),
+            Feature("disc foot", g.disc, 0, 2),
         ]
-        for axis, way in (("x", g.length), ("y", g.width)):
-            found += [
-                Feature(f"over {axis}", way + g.datum_hole, -2, 0),
-                Feature(f"between {axis}", way - g.datum_hole, 2, 0),
-            ]
-        return [*found, Feature("disc foot", g.disc, 0, 2)]
 
     @cached_property
-    def calibrated(self) -> Calibrated:
+    def calibration(self) -> Calibration:
         """What follows from [measured]."""
-        p, m, named = self.print, self.measured, {each.name: each for each in self.sizes}
-        given = {
-            name: size if isinstance(size, tuple) else (size,) for name, size in m.sizes.items()
-        }
-        fits = [None if c is None else named[f"fit {c:g}"] for c in (m.runs, m.holds)]
+        p = self.print
+        m = self.measured
+        features = {each.name: each for each in self.sizes}
+        fits = [None if c is None else features[f"fit {c:g}"] for c in (m.runs, m.holds)]
         step = min(b - a for a, b in pairwise(self.geometry.clearances))
         printed = Printed(p.hole_compensation, p.profile_compensation, p.shrinkage, p.elephant_foot)
-        return calibrated(
+        return calibrate(
             [each for each in self.sizes if each.name != "disc foot"],
-            given,
+            self._readings,
             printed,
             m.caliper,
-            (named["fit pin"], fits[0], fits[1], step),
+            (features["fit pin"], fits[0], fits[1], step),
             ("disc foot", "disc"),
         )
 
@@ -231,44 +222,41 @@ class Coupon(Mechanism):
 
     def limits(self) -> Sequence[Finding]:
         """CALIBRATION of each value in mm, CALIBRATION_FIT of the size that is farthest off the fit."""
-        self._made  # noqa: B018  refuses what cannot be made
-        found = [
+        self._bodies  # noqa: B018  refuses what cannot be made
+        findings = [
             at_most(
                 "CALIBRATION",
-                value.wide,
+                value.uncertainty,
                 self.allowed.uncertainty,
                 "mm",
                 Where(f"print.{value.key}"),
                 f"{value.value:.4g} mm, known to so much (95 %): measure more sizes, or each one several times",
             )
-            for value in self.calibrated.values
+            for value in self.calibration.values
             if value.key in ("hole_compensation", "profile_compensation")
         ]
-        if self.calibrated.rows:
-            name, measured, meant, left = max(self.calibrated.rows, key=lambda row: abs(row[3]))
-            said = f"measured {measured:.4g} mm, {meant:.4g} by the values found; measure it again, or print it for itself"
-            found.append(
-                at_most(
-                    "CALIBRATION_FIT", abs(left), self.allowed.departure, "mm", Where(name), said
-                )
-            )
-        return found
+        if self.calibration.rows:
+            name, measured, fit, rest = max(self.calibration.rows, key=lambda row: abs(row[3]))
+            remark = f"measured {measured:.4g} mm, {fit:.4g} by the values found; measure it again, or print it for itself"
+            limit = self.allowed.departure
+            findings.append(at_most("CALIBRATION_FIT", abs(rest), limit, "mm", Where(name), remark))
+        return findings
 
     def study(self) -> Study:
         """The values and how well they fit, or what to measure."""
-        done = self.calibrated
-        numbers = {
-            f"print_{each.key}_{'share' if each.unit == '1' else each.unit}": each.value
-            for each in done.values
-        }
-        if not done.rows:
+        calibration = self.calibration
+        if not calibration.rows:
             return Study(notes=self.remarks().printed)
-        values = [
-            (each.key, each.value, each.measured, each.wide, each.unit, each.source)
-            for each in done.values
-        ]
+        numbers = {}
+        values = []
+        for each in calibration.values:
+            unit = "share" if each.unit == "1" else each.unit
+            numbers[f"print_{each.key}_{unit}"] = each.value
+            values.append(
+                (each.key, each.value, each.measured, each.uncertainty, each.unit, each.source)
+            )
         nominal = {each.name: each.nominal for each in self.sizes}
-        rows = [(name, nominal[name], *row) for name, *row in done.rows]
+        rows = [(name, nominal[name], *row) for name, *row in calibration.rows]
         series = ("sizes", np.array([row[1] for row in rows]), np.array([row[-1] for row in rows]))
         plot = Plot("What is left of each size", "nominal, mm", "mm", [series], dots=("sizes",))
         tables = [
@@ -287,15 +275,11 @@ class Coupon(Mechanism):
 
     def remarks(self) -> Remarks:
         """What to paste, line by line, or what to do first."""
-        if not self.calibrated.values:
-            return Remarks(
-                [
-                    "nothing is measured yet: print it, measure it, type the sizes into [measured.sizes] and build again"
-                ]
-            )
-        return Remarks(
-            ["for [print] of your specs:", *(each.line for each in self.calibrated.values)]
-        )
+        if not self.calibration.values:
+            first = "nothing is measured yet: print it, measure it, type the sizes into [measured.sizes] and build again"
+            return Remarks([first])
+        lines = (each.line for each in self.calibration.values)
+        return Remarks(["for [print] of your specs:", *lines])
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 
@@ -305,14 +289,11 @@ class Coupon(Mechanism):
         g = self.geometry
         low = -max(g.datum_hole / 2, _SLOT) - self.making.wall - _APART - g.disc / 2
         beside = complex(g.disc / 2 + _APART + g.fit_pin / 2 + self.making.wall, low)
-        mounts = (
-            Mount("gauge", GROUND),
-            Mount("disc", GROUND, 1j * low),
-            Mount("pin", GROUND, beside),
-        )
-        lines = [each.line for each in self.calibrated.values]
+        mounts = [Mount("gauge", GROUND), Mount("disc", GROUND, 1j * low)]
+        mounts.append(Mount("pin", GROUND, beside))
+        lines = [each.line for each in self.calibration.values]
         texts = {"print.toml": "\n".join(["[print]", *lines, ""])} if lines else {}
-        return replace(self._assembly(self._made, mounts), texts=texts, work=[self._measuring()])
+        return replace(self._assembly(self._bodies, mounts), texts=texts, work=[self._measuring()])
 
     def _measuring(self) -> Table:
         """What to measure, and how."""
@@ -322,57 +303,47 @@ class Coupon(Mechanism):
             "pin": "its shank: fit pin; runs: the tightest hole in which it turns, holds: the widest in which it holds",
             "disc": "disc in the middle of its height, disc foot at its lowest layer, disc bore",
         }
-        rows = [(k, part.name, how[part.name]) for k, part in enumerate(self._made, 1)]
-        return Table(
-            "What to measure, cold",
-            ("step", "part", "how"),
-            rows,
-            [[f"{part.name}-1"] for part in self._made],
-        )
+        names = [part.name for part in self._bodies]
+        rows = [(k, name, how[name]) for k, name in enumerate(names, 1)]
+        copies = [[f"{name}-1"] for name in names]
+        return Table("What to measure, cold", ("step", "part", "how"), rows, copies)
 
     @cached_property
-    def _made(self) -> Sequence[Part]:
-        g, p, least = self.geometry, self.making, self.allowed.min_wall
+    def _bodies(self) -> Sequence[Part]:
+        g = self.geometry
+        p = self.making
+        least = self.allowed.min_wall
         datum = g.datum_hole / 2
-        holes: dict[str, tuple[complex, Contour]] = {
-            name: (z, circle(z, datum))
-            for name, z in (("A", 0j), ("B", complex(g.length)), ("C", 1j * g.width))
-        }
+        left = -datum
+        right = g.length + datum
+        points = {"A": 0j, "B": complex(g.length), "C": 1j * g.width}
+        holes = {name: circle(z, datum) for name, z in points.items()}
         y = self._heights()
         for name, x, w in self._row("gap", g.gaps, datum, g.length - datum):
-            holes[name] = (
-                complex(x, y[0]),
-                rectangle(complex(x - w / 2, y[0] - _SLOT), complex(x + w / 2, y[0] + _SLOT)),
-            )
-        for name, x, d in self._row("hole", g.holes, -datum, g.length + datum):
-            holes[name] = complex(x, y[1]), circle(complex(x, y[1]), d / 2)
-        for name, x, d in self._row("fit", g.clearances, -datum, g.length + datum, g.fit_pin):
-            holes[name] = complex(x, y[2]), circle(complex(x, y[2]), d / 2)
-        pins = [
-            (name, complex(x, y[3]), d)
-            for name, x, d in self._row("pin", g.pins, datum, g.length + datum)
+            z = points[name] = complex(x, y[0])
+            half = complex(w / 2, _SLOT)
+            holes[name] = rectangle(z - half, z + half)
+        round_holes = [
+            *self._row("hole", g.holes, left, right),
+            *self._row("fit", g.clearances, left, right, g.fit_pin),
         ]
-        left, right, low, high = (
-            -datum,
-            g.length + datum,
-            -max(datum, _SLOT),
-            g.width + max(datum, max(g.pins) / 2),
-        )
-        corners = (
-            complex(left, low),
-            complex(right, low),
-            complex(right, high),
-            complex(left, high),
-        )
+        for k, (name, x, d) in enumerate(round_holes):
+            z = points[name] = complex(x, y[1 if k < len(g.holes) else 2])
+            holes[name] = circle(z, d / 2)
+        low = -max(datum, _SLOT)
+        high = g.width + max(datum, max(g.pins) / 2)
+        corners = [
+            complex(x, y) for x, y in ((left, low), (right, low), (right, high), (left, high))
+        ]
         outer = rounded([(z, p.wall) for z in corners])
-        region = plate(
-            "coupon", outer, {name: contour for name, (_, contour) in holes.items()}, least
-        )
-        stand = (
-            Layer(Region(circle(z, d / 2)), p.thickness, p.thickness + p.pin_height)
-            for _, z, d in pins
-        )
-        named = tuple((name, z) for name, (z, _) in holes.items())
+        region = plate("coupon", outer, holes, least)
+        stand = []
+        pins = []
+        for name, x, d in self._row("pin", g.pins, datum, right):
+            z = complex(x, y[3])
+            pins.append((name, z))
+            top = p.thickness + p.pin_height
+            stand.append(Layer(Region(circle(z, d / 2)), p.thickness, top))
         over = [
             f"{axis}: {way + 2 * datum:g} over the far walls of A and {to}, {way - 2 * datum:g} between the near ones"
             for axis, way, to in (("x", g.length, "B"), ("y", g.width, "C"))
@@ -381,9 +352,9 @@ class Coupon(Mechanism):
             "gauge",
             "Plate with holes and pins",
             (Layer(region, 0.0, p.thickness), *stand),
-            centres=tuple(z for _, z in named),
+            centres=tuple(points.values()),
             min_wall=least,
-            points=(*named, *((name, z) for name, z, _ in pins)),
+            points=(*points.items(), *pins),
             notes=tuple(over),
         )
         pin = headed(

@@ -17,7 +17,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from html import escape
-from itertools import count
+from itertools import combinations, count
 from pathlib import Path
 from typing import Any
 
@@ -33,16 +33,16 @@ _COLOURS = ("#0b62a8", "#b5541c", "#2c7a4b", "#7a3e9d", "#8a6d00", "#a8326e")
 
 
 @dataclass
-class Chain:
-    """A chain as it was read: places by name, links by their points, what slides and runs in slots, what drives."""
+class ForeignChain:
+    """A chain as it was read."""
 
-    points: dict[str, complex] = field(default_factory=dict)
-    links: dict[str, list[str]] = field(default_factory=lambda: {m.GROUND: []})
+    points: dict[str, complex] = field(default_factory=dict)  # mm
+    links: dict[str, list[str]] = field(default_factory=lambda: {m.GROUND: []})  # their points
     slots: list[tuple[str, str, tuple[str, str]]] = field(default_factory=list)  # pin, link, along
     slides: list[tuple[str, str, tuple[str, str]]] = field(default_factory=list)  # link, on, along
-    driven: str = ""
-    range_deg: tuple[float, float] | None = None
-    traced: list[str] = field(default_factory=list)
+    driven: str = ""  # link that drives
+    range_deg: tuple[float, float] | None = None  # of the drive; None where it turns all round
+    traced: list[str] = field(default_factory=list)  # points whose paths are outputs
     remarks: list[str] = field(default_factory=list)
 
     def point(self, name: str, at: complex, links: Iterable[str]) -> str:
@@ -60,20 +60,18 @@ class Chain:
         return self.point(f"{name}1", ends[0], [link]), self.point(f"{name}2", ends[1], [link])
 
 
-def read_chain(path: Path) -> Chain:
+def read_chain(path: Path) -> ForeignChain:
     """The chain in a file; FileError where it cannot be read, SpecError with every fault where it is none."""
     try:
         text = read_bytes(path, _SIZE).decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise SpecError(
-            [Fault((), "", "text: PMKS lines or pylinkage's JSON", source=path.name)], str(path)
-        ) from None
+        fault = Fault((), "", "text: PMKS lines or pylinkage's JSON", source=path.name)
+        raise SpecError([fault], str(path)) from None
     faults: list[Fault] = []
     chain = _pylinkage(text, faults) if text.lstrip().startswith("{") else _pmks(text, faults)
     if not faults and not chain.driven:
-        faults.append(
-            Fault(("joints",), "", "a link that is pinned to the ground: none can be driven")
-        )
+        right = "a link that is pinned to the ground: none can be driven"
+        faults.append(Fault(("joints",), "", right))
     if faults:
         raise SpecError(faults, str(path))
     return chain
@@ -89,8 +87,8 @@ class _Joint:
     links: tuple[str, ...]
 
 
-def _pmks(text: str, faults: list[Fault]) -> Chain:
-    chain = Chain()
+def _pmks(text: str, faults: list[Fault]) -> ForeignChain:
+    chain = ForeignChain()
     names = _letters()
     joints = list(_pmks_joints(text, faults))
     for joint in joints:
@@ -139,7 +137,7 @@ def _pmks_joint(match: re.Match[str], links: _Names) -> _Joint:
     return _Joint(kind, complex(x, y), angle, joined)
 
 
-def _pin(chain: Chain, name: str, joint: _Joint) -> None:
+def _pin(chain: ForeignChain, name: str, joint: _Joint) -> None:
     """A pin of all its links; on one that moves alone a place that is traced."""
     point = chain.point(name, joint.place, joint.links)
     moving = [link for link in joint.links if link != m.GROUND]
@@ -149,7 +147,7 @@ def _pin(chain: Chain, name: str, joint: _Joint) -> None:
         chain.driven = moving[0]
 
 
-def _guide(chain: Chain, names: Iterator[str], joint: _Joint) -> None:
+def _guide(chain: ForeignChain, names: Iterator[str], joint: _Joint) -> None:
     """A slot or a slide of the first link, at a point that the others have there or get."""
     base, *riders = joint.links
     shared = (
@@ -170,65 +168,59 @@ def _guide(chain: Chain, names: Iterator[str], joint: _Joint) -> None:
         chain.slides.append((riders[0], base, along))
 
 
-def _pylinkage(text: str, faults: list[Fault]) -> Chain:
-    chain, links = Chain(), _Names()
+def _pylinkage(text: str, faults: list[Fault]) -> ForeignChain:
+    chain = ForeignChain()
+    names = _Names()
     try:
         data = json.loads(text)
-        rows, carried = list(data["joints"]), list(data["links"])
-        at = {row["id"]: complex(*map(float, row["position"])) for row in rows}
-        kinds = {row["id"]: row.get("type", "revolute") for row in rows}
-        ends = {str(each["id"]): [str(joint) for joint in each["joints"]] for each in carried}
-        lost = [joint for joints in ends.values() for joint in joints if joint not in at]
-        if lost or not all(map(cmath.isfinite, at.values())):
+        joints = list(data["joints"])
+        links = list(data["links"])
+        places = {joint["id"]: complex(*map(float, joint["position"])) for joint in joints}
+        ends = {str(link["id"]): [str(joint) for joint in link["joints"]] for link in links}
+        lost = [joint for ids in ends.values() for joint in ids if joint not in places]
+        if lost or not all(map(cmath.isfinite, places.values())):
             raise ValueError
     except (ValueError, KeyError, TypeError, RecursionError):
-        faults.append(
-            Fault(
-                ("JSON",),
-                "",
-                "what pylinkage's mechanism_to_dict writes: joints with positions, links with joints",
-            )
+        right = (
+            "what pylinkage's mechanism_to_dict writes: joints with positions, links with joints"
         )
+        faults.append(Fault(("JSON",), "", right))
         return chain
-    ground = {str(each["id"]) for each in carried if each.get("type") == "ground"}
-    for row in rows:
-        joint = row["id"]
-        on = [
-            m.GROUND if link in ground else links(link)
-            for link, joints in ends.items()
-            if joint in joints
-        ]
-        if kinds[joint] == "tracker":
-            held = {row.get("ref_joint1_id"), row.get("ref_joint2_id")}
-            on = on or [links(link) for link, joints in ends.items() if held <= set(joints)][:1]
-        if kinds[joint] == "ground" and m.GROUND not in on:
+    ground = {str(link["id"]) for link in links if link.get("type") == "ground"}
+    for joint in joints:
+        key = joint["id"]
+        kind = joint.get("type", "revolute")
+        place = places[key]
+        on = [m.GROUND if link in ground else names(link) for link in ends if key in ends[link]]
+        if kind == "tracker":
+            pair = {joint.get("ref_joint1_id"), joint.get("ref_joint2_id")}
+            on = on or [names(link) for link, ids in ends.items() if pair <= set(ids)][:1]
+        if kind == "ground" and m.GROUND not in on:
             on.insert(0, m.GROUND)
-        name = chain.point(str(row.get("name", joint)), at[joint], on)
-        if kinds[joint] == "tracker" or (len(on) == 1 and kinds[joint] == "revolute"):
+        name = chain.point(str(joint.get("name", key)), place, on)
+        if kind == "tracker" or (len(on) == 1 and kind == "revolute"):
             chain.traced.append(name)
-        if kinds[joint] == "prismatic":
-            axis, through = (
-                complex(*row.get("axis", (1, 0))),
-                complex(*row.get("line_point", (0, 0))),
-            )
-            foot = through + axis * ((at[joint] - through) / axis).real
-            chain.slots.append(
-                (name, m.GROUND, chain.line(f"S{name}", foot, cmath.phase(axis), m.GROUND))
-            )
-    for each in carried:
-        if each.get("type") in ("driver", "arc_driver") and not chain.driven:
-            chain.driven = links(str(each["id"]))
-            if each["type"] == "arc_driver":
-                first = float(each.get("initial_angle") or each.get("arc_start", 0.0))
-                low, high = sorted(
-                    math.degrees(float(each.get(key, 0.0)) - first)
+        if kind == "prismatic":
+            axis = complex(*joint.get("axis", (1, 0)))
+            origin = complex(*joint.get("line_point", (0, 0)))
+            foot = origin + axis * ((place - origin) / axis).real
+            along = chain.line(f"S{name}", foot, cmath.phase(axis), m.GROUND)
+            chain.slots.append((name, m.GROUND, along))
+    for link in links:
+        if link.get("type") in ("driver", "arc_driver") and not chain.driven:
+            chain.driven = names(str(link["id"]))
+            if link["type"] == "arc_driver":
+                first = float(link.get("initial_angle") or link.get("arc_start", 0.0))
+                ends_deg = (
+                    math.degrees(float(link.get(key, 0.0)) - first)
                     for key in ("arc_start", "arc_end")
                 )
+                low, high = sorted(ends_deg)
                 chain.range_deg = low, high
     return chain
 
 
-def spec_text(chain: Chain, name: str, source: str) -> str:
+def spec_text(chain: ForeignChain, name: str, source: str) -> str:
     """A spec of the chain with its remarks; drawn distances count, as no length is given."""
     driven = chain.driven
     fixed = set(chain.links[m.GROUND])
@@ -238,31 +230,21 @@ def spec_text(chain: Chain, name: str, source: str) -> str:
         if link not in (m.GROUND, driven) and set(points) & fixed
     ]
     rows = [
-        f"# Read from {source}: places as they were there, in mm. Drawn distances count; give exact ones in [lengths]."
-    ]
-    rows += [f"# {remark}" for remark in chain.remarks]
-    rows += [
+        f"# Read from {source}: places as they were there, in mm. Drawn distances count; give exact ones in [lengths].",
+        *(f"# {remark}" for remark in chain.remarks),
         "",
         'mechanism = "linkage"',
         f'name = "{name}"',
         "",
         "[points]                            # mm, at theta = 0",
-    ]
-    rows += [
-        f"{point} = [{_number(z.real)}, {_number(z.imag)}]" for point, z in chain.points.items()
-    ]
-    rows += [
+        *(f"{point} = {_pair(z.real, z.imag)}" for point, z in chain.points.items()),
         "",
         "[links]                             # bodies by their points; two that share a point are pinned there",
+        *(f"{link} = {json.dumps(points)}" for link, points in chain.links.items() if points),
+        "",
+        "# [lengths]                         # mm, exact, between two points of one link",
     ]
-    rows += [f"{link} = {json.dumps(points)}" for link, points in chain.links.items() if points]
-    rows += ["", "# [lengths]                         # mm, exact, between two points of one link"]
-    pairs = [
-        (a, b)
-        for points in chain.links.values()
-        for k, a in enumerate(points)
-        for b in points[k + 1 :]
-    ]
+    pairs = [pair for points in chain.links.values() for pair in combinations(points, 2)]
     rows += [f'# "{a}-{b}" = {abs(chain.points[a] - chain.points[b]):.6g}' for a, b in pairs[:40]]
     rows += [
         "",
@@ -270,11 +252,8 @@ def spec_text(chain: Chain, name: str, source: str) -> str:
         f'link = "{driven}"',
         "speed_rpm = 60                      # below 0: clockwise",
     ]
-    rows += (
-        [f"range_deg = [{_number(chain.range_deg[0])}, {_number(chain.range_deg[1])}]"]
-        if chain.range_deg
-        else []
-    )
+    if chain.range_deg:
+        rows.append(f"range_deg = {_pair(*chain.range_deg)}")
     for link, on, along in chain.slides:
         rows += [
             "",
@@ -291,78 +270,61 @@ def spec_text(chain: Chain, name: str, source: str) -> str:
             f'link = "{link}"',
             f"along = {json.dumps(along)}",
         ]
-    wanted = [(point, "point") for point in chain.traced] or [
-        (link, "link") for link in swung[:1] or [driven]
-    ]
-    for one, key in wanted:
-        rows += [
-            "",
-            "[[output]]                          # what is judged and shown",
-            f'name = "{one}"',
-            f'{key} = "{one}"',
-        ]
+    outputs = [(point, "point") for point in chain.traced]
+    head = "[[output]]                          # what is judged and shown"
+    for output, key in outputs or [((*swung, driven)[0], "link")]:
+        rows += ["", head, f'name = "{output}"', f'{key} = "{output}"']
     return "\n".join(rows) + "\n"
 
 
 def pmks(machine: m.Machine) -> str:
     """The chain as drawn in PMKS lines, the driven link's pin first; what they cannot say is named in lines after a #."""
-    at = _placed(machine)
+    at = _places(machine)
     driven = {drive.body for drive in machine.drives}
+
+    def drives(pin: m.Pin) -> bool:
+        pair = {pin.a.body, pin.b.body}
+        return m.GROUND in pair and not pair.isdisjoint(driven)
+
     pins = [joint for joint in machine.joints if isinstance(joint, m.Pin)]
     groups: list[tuple[complex, list[str]]] = []
-    for pin in sorted(
-        pins,
-        key=lambda pin: (
-            not ({pin.a.body, pin.b.body} & driven and m.GROUND in (pin.a.body, pin.b.body))
-        ),
-    ):
-        z, both = at(pin.a), (pin.a.body, pin.b.body)
-        here = next(
-            (
-                bodies
-                for each, bodies in groups
-                if abs(each - z) <= 1e-6 and set(bodies) & set(both)
-            ),
-            None,
-        )
-        if here is None:
-            here = []
-            groups.append((z, here))
-        here += [body for body in both if body not in here]
+    for pin in sorted(pins, key=drives, reverse=True):
+        z = at(pin.a)
+        pair = (pin.a.body, pin.b.body)
+        for place, bodies in groups:
+            if abs(place - z) <= 1e-6 and not set(pair).isdisjoint(bodies):
+                bodies += [body for body in pair if body not in bodies]
+                break
+        else:
+            groups.append((z, list(pair)))
     rows = [_line("R", z, bodies) for z, bodies in groups]
     for joint in machine.joints:
-        if isinstance(joint, m.Slot):
-            links = joint.guide.body, joint.runner.body
-            rows.append(
-                _line("RP", at(joint.runner), links, _turned(machine, joint.guide) + joint.angle)
-            )
-        elif isinstance(joint, m.Slide):
-            links = joint.guide.body, joint.runner.body
-            rows.append(
-                _line("P", at(joint.runner), links, _turned(machine, joint.guide) + joint.angle)
-            )
+        if isinstance(joint, m.Slot | m.Slide):
+            kind = "RP" if isinstance(joint, m.Slot) else "P"
+            links = (joint.guide.body, joint.runner.body)
+            angle = float(machine.start_of(joint.guide.body).angle) + joint.angle
+            rows.append(_line(kind, at(joint.runner), links, angle))
         elif not isinstance(joint, m.Pin):
             rows.append(f"# not said in PMKS: {type(joint).__name__.lower()} {joint.name}")
-    traced = [output.of.of for output in machine.outputs if isinstance(output.of, m.Path)]
-    rows += [
-        _line("R", at(place), [place.body])
-        for place in traced
-        if all(abs(at(place) - z) > 1e-6 for z, _ in groups)
-    ]
+    for output in machine.outputs:
+        if isinstance(output.of, m.Path):
+            z = at(output.of.of)
+            if all(abs(z - pin) > 1e-6 for pin, _ in groups):
+                rows.append(_line("R", z, [output.of.of.body]))
     return "\n".join(rows) + "\n"
 
 
 def _line(kind: str, z: complex, links: Iterable[str], angle: float | None = None) -> str:
-    turned = "" if angle is None else f" A[{_number(math.degrees(angle))}],"
-    return f"J[{kind},{turned} P[{_number(z.real)}, {_number(z.imag)}], L[{', '.join(links)}]]"
+    slope = "" if angle is None else f" A[{_number(math.degrees(angle))}],"
+    return f"J[{kind},{slope} P{_pair(z.real, z.imag)}, L[{', '.join(links)}]]"
 
 
 def svg(machine: m.Machine) -> str:
     """The chain as drawn: each link as the shape between its points, pins as circles, with the names of both."""
-    placed = _placed(machine)
+    place_of = _places(machine)
 
     def at(place: m.Place) -> complex:  # y downwards, as in pictures, and to a nanometre
-        z = placed(place)
+        z = place_of(place)
         return complex(round(z.real, 6) + 0.0, round(-z.imag, 6) + 0.0)
 
     shapes = {body.name: [at(body.at(point)) for point in body.points] for body in machine.bodies}
@@ -372,8 +334,9 @@ def svg(machine: m.Machine) -> str:
         complex(end(z.real for z in every), end(z.imag for z in every)) for end in (min, max)
     )
     size = max(abs(high - low), 1.0)
-    edge = 0.12 * size
-    corner, wide = low - edge * (1 + 1j), high - low + 2 * edge * (1 + 1j)
+    edge = 0.12 * size * (1 + 1j)
+    corner = low - edge
+    wide = high - low + 2 * edge
     box = " ".join(f"{value:.6g}" for value in (corner.real, corner.imag, wide.real, wide.imag))
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{box}" width="640" font-family="sans-serif"'
     rows = [f'{head} font-size="{size / 40:.4g}">']
@@ -382,9 +345,9 @@ def svg(machine: m.Machine) -> str:
             continue
         colour = "#39424e" if name == m.GROUND else _COLOURS[k % len(_COLOURS)]
         path = " ".join(f"{z.real:.6g},{z.imag:.6g}" for z in corners)
-        dashed = f' stroke-dasharray="{size / 60:.4g}"' if name == m.GROUND else ""
+        dashes = f' stroke-dasharray="{size / 60:.4g}"' if name == m.GROUND else ""
         stroke = (
-            f'stroke="{colour}" stroke-width="{size / 150:.4g}" stroke-linejoin="round"{dashed}'
+            f'stroke="{colour}" stroke-width="{size / 150:.4g}" stroke-linejoin="round"{dashes}'
         )
         rows.append(f'<polygon points="{path}" fill="{colour}" fill-opacity="0.12" {stroke}/>')
         middle = sum(corners) / len(corners)
@@ -402,7 +365,7 @@ def svg(machine: m.Machine) -> str:
     return "\n".join([*rows, "</svg>"]) + "\n"
 
 
-def _placed(machine: m.Machine) -> Callable[[m.Place], complex]:
+def _places(machine: m.Machine) -> Callable[[m.Place], complex]:
     def at(place: m.Place) -> complex:
         pose = machine.start_of(place.body)
         return complex(pose.place + cmath.exp(1j * pose.angle) * place.at)
@@ -410,16 +373,16 @@ def _placed(machine: m.Machine) -> Callable[[m.Place], complex]:
     return at
 
 
-def _turned(machine: m.Machine, place: m.Place) -> float:
-    return float(machine.start_of(place.body).angle)
-
-
 def _number(value: float) -> str:
     return f"{value:z.12g}" if abs(value) > 1e-12 else "0"
 
 
+def _pair(a: float, b: float) -> str:
+    return f"[{_number(a)}, {_number(b)}]"
+
+
 class _Names:
-    """Names of links as a spec may have them, each the same whenever it is asked for again."""
+    """Names of links as a spec may have them, by the names in a file."""
 
     def __init__(self) -> None:
         self._given: dict[str, str] = {m.GROUND: m.GROUND}
@@ -434,11 +397,11 @@ def _fresh(name: str, taken: Iterable[str] | Mapping[str, Any]) -> str:
     """The name with what no spec allows left out, and numbered where it is taken."""
     plain = re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_")[:30] or "P"
     plain = plain if plain[0].isalpha() else f"P{plain}"
-    return (
-        plain
-        if plain not in taken
-        else next(f"{plain}_{k}" for k in count(2) if f"{plain}_{k}" not in taken)
-    )
+    name = plain
+    numbers = count(2)
+    while name in taken:
+        name = f"{plain}_{next(numbers)}"
+    return name
 
 
 def _letters() -> Iterator[str]:

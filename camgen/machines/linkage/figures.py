@@ -24,8 +24,9 @@ from camgen.machine.run import Run, solve
 from camgen.machine.targets import NO_STROKES, Course, Through, Trace, time_ratio
 from camgen.machines.free_play import accepted
 from camgen.machines.linkage.signals import Signal, signals_of
-from camgen.machines.linkage.springs import Sprung
+from camgen.machines.linkage.springs import MountedSpring
 from camgen.machines.linkage.tables import LinkageLimits, Slot, Wanted
+from camgen.numerics import peak
 from camgen.parts.assembly import Cycle
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.plates import steps
@@ -69,8 +70,8 @@ _STILL = 1e-6
 
 
 @dataclass(frozen=True)
-class Moving:
-    """A linkage as it moves, without what is included."""
+class LinkageMotion:
+    """A linkage and how it moves, without what is included."""
 
     chain: m.Machine  # closed as drawn
     cycle: Cycle
@@ -90,15 +91,16 @@ class Moving:
 
     @cached_property
     def courses(self) -> Sequence[Course]:
-        """Of each output its course."""
+        """Course of each output."""
         theta = np.linspace(*self.cycle.range, ROWS)
-        run, found = self.run(theta, 1), list[Course]()
+        run = self.run(theta, 1)
+        courses = []
         for wanted in self.wanted:
             turns = isinstance(self.chain.output(wanted.name).of, m.Angle)
             unit, scale = ("deg", math.degrees(1)) if turns else ("mm", 1.0)
             value, slope = scale * run.derivatives(wanted.name)
-            found.append(Course(theta, value, slope, unit, not self.cycle.to_and_fro))
-        return found
+            courses.append(Course(theta, value, slope, unit, not self.cycle.to_and_fro))
+        return courses
 
     @property
     def pressed(self) -> list[m.Cam]:
@@ -108,43 +110,43 @@ class Moving:
 
 
 @dataclass(frozen=True)
-class Made:
-    """What is made of a linkage."""
+class Build:
+    """What is made of a linkage, as its figures need it."""
 
     layout: Layout
     machine: m.Machine  # of all, with masses and loads
-    sprung: Sequence[Sprung]
+    sprung: Sequence[MountedSpring]
     slots: Sequence[Slot]
 
 
-def study(linkage: Moving, made: Made | None, angle: Callable[[], str]) -> Study:
+def study(linkage: LinkageMotion, made: Build | None, angle: Callable[[], str]) -> Study:
     """Numbers, plots and tables of a linkage over its turn or range; made: None of one of which no bodies are made.
 
     angle: what theta is called.
     """
     theta = np.linspace(*linkage.cycle.range, ROWS)
-    run, speed = linkage.run(theta), linkage.chain.speed
+    run = linkage.run(theta)
+    speed = linkage.chain.speed
     numbers: dict[str, float] = {}
     rows = []
     for signal in linkage.signals:
         value, first, second = signal.scale * signal.rows(run)
         low, high = _extremes(linkage, signal, theta, value)
-        fast, hard = float(np.abs(first).max() * abs(speed)), float(np.abs(second).max() * speed**2)
+        peak_speed = peak(first) * abs(speed)
+        peak_acceleration = peak(second) * speed**2
+        name = signal.name
         unit = signal.unit
         numbers |= {
-            f"{signal.name}_least_{unit}": low,
-            f"{signal.name}_greatest_{unit}": high,
-            f"{signal.name}_stroke_{unit}": high - low,
-            f"{signal.name}_peak_speed_{unit}_s": fast,
-            f"{signal.name}_peak_acceleration_{unit}_s2": hard,
+            f"{name}_least_{unit}": low,
+            f"{name}_greatest_{unit}": high,
+            f"{name}_stroke_{unit}": high - low,
+            f"{name}_peak_speed_{unit}_s": peak_speed,
+            f"{name}_peak_acceleration_{unit}_s2": peak_acceleration,
         }
-        rows.append((signal.name, unit, low, high, high - low, fast, hard))
+        rows.append((name, unit, low, high, high - low, peak_speed, peak_acceleration))
     paths_of = _path_table(linkage, theta, run)
     for name, length, radius, *_ in paths_of:
-        numbers |= {
-            f"{name}_length_mm": float(str(length)),
-            f"{name}_least_radius_mm": float(str(radius)),
-        }
+        numbers |= {f"{name}_length_mm": length, f"{name}_least_radius_mm": radius}
     places, ratios = _extreme_places(linkage)
     numbers |= ratios
     tables = [Table("Outputs", _OUTPUTS, rows)]
@@ -169,36 +171,33 @@ def study(linkage: Moving, made: Made | None, angle: Callable[[], str]) -> Study
     )
 
 
-def _notes(linkage: Moving, made: Made | None) -> list[str]:
+def _notes(linkage: LinkageMotion, made: Build | None) -> list[str]:
     """What a person should know of its springs, rails, slots and links."""
-    found = []
+    notes = []
     for cam in linkage.pressed:
-        figure = f"hold_{cam.name.replace(' ', '_')}"
-        least = (
-            "is the least that it needs beyond the springs of the spec"
-            if linkage.springs
-            else "is the least that it needs"
-        )
-        none = "" if linkage.springs else "no spring is made for it; "
-        found.append(f"{cam.name} is held by force: {none}{figure} {least}.")
+        figure = f"hold_{cam.name.replace(' ', '_')} is the least that it needs"
+        least = f"no spring is made for it; {figure}"
+        if linkage.springs:
+            least = f"{figure} beyond the springs of the spec"
+        notes.append(f"{cam.name} is held by force: {least}.")
     if linkage.springs:
-        found.append(
+        notes.append(
             "Springs are bought. Each has a level of its own, free over the whole motion along the line between its "
             "pins; they are not in the sweep."
         )
     if made is not None:
-        found += open_rails(made.layout)
-        found += _longer_slots(made)
-        found += _bows(made.layout)
-        found += steps(made.layout)
+        notes += open_rails(made.layout)
+        notes += _longer_slots(made)
+        notes += _bows(made.layout)
+        notes += steps(made.layout)
     if linkage.cycle.to_and_fro:
-        found.append(
+        notes.append(
             "The drive goes to and fro over its range; speeds are those of an even turn of it."
         )
-    return found
+    return notes
 
 
-def _plots(linkage: Moving, theta: Floats, run: Run, angle: Callable[[], str]) -> list[Plot]:
+def _plots(linkage: LinkageMotion, theta: Floats, run: Run, angle: Callable[[], str]) -> list[Plot]:
     """Paths, centrodes and transmission angles."""
     plots = []
     for output in linkage.chain.outputs:
@@ -215,14 +214,8 @@ def _plots(linkage: Moving, theta: Floats, run: Run, angle: Callable[[], str]) -
     bends = transmission(linkage.chain, theta)
     if bends:
         series = [(", ".join(joints), np.degrees(theta), angle) for joints, angle in bends.items()]
-        plots.append(
-            Plot(
-                "Transmission angle",
-                f"{angle()}, deg",
-                "deg",
-                series[:_MOST_SERIES],
-            )
-        )
+        label = f"{angle()}, deg"
+        plots.append(Plot("Transmission angle", label, "deg", series[:_MOST_SERIES]))
     return plots
 
 
@@ -241,29 +234,30 @@ def _path_of(name: str, first: str = "p") -> str:
     return f"{first}ath" if name == "path" else f"{first}ath of {name}"
 
 
-def _wanted_places(linkage: Moving, name: str) -> list[tuple[str, Floats, Floats]]:
+def _wanted_places(linkage: LinkageMotion, name: str) -> list[tuple[str, Floats, Floats]]:
     """Of a path the places that it shall pass, or the line that it shall draw, how far off it may be, and by how much it is."""
     pairs = zip(linkage.wanted, linkage.courses, strict=True)
     wanted, course = next((wanted, course) for wanted, course in pairs if wanted.name == name)
-    found = list[tuple[str, Points]]()
-    if wanted.points is not None:
-        places, met = np.array(wanted.points.places), wanted.points.met(course)
+    curves: list[tuple[str, Points]] = []
+    points = wanted.points
+    if points is not None:
+        places = np.array(points.places)
+        met = points.met(course)
         passed = course.at(np.array([theta for theta, _ in met])) if met else places
-        found += [
+        curves += [
             ("wanted", places),
-            (f"within {wanted.points.tolerance:g} mm", _one_line(_within(wanted.points))),
+            (f"within {points.tolerance:g} mm", _one_line(_within(points))),
             ("missed by", _one_line(np.column_stack([places, passed]))),
         ]
-    if wanted.path is not None:
-        apart = wanted.path.distance(course)
-        found.append(
-            ("wanted path" if wanted.path.joined else "wanted", np.array(wanted.path.places))
-        )
-        found.append(
-            (f"within {wanted.path.tolerance:g} mm of it", _one_line(_within(wanted.path)))
-        )
-        found.append(("farthest apart", np.array([apart.place, apart.foot])))
-    return [(label, z.real, z.imag) for label, z in found]
+    path = wanted.path
+    if path is not None:
+        apart = path.distance(course)
+        curves += [
+            ("wanted path" if path.joined else "wanted", np.array(path.places)),
+            (f"within {path.tolerance:g} mm of it", _one_line(_within(path))),
+            ("farthest apart", np.array([apart.place, apart.foot])),
+        ]
+    return [(label, z.real, z.imag) for label, z in curves]
 
 
 def _within(wanted: Through | Trace) -> list[Points]:
@@ -285,20 +279,22 @@ def _one_line(pieces: Iterable[Points]) -> Points:
     return np.concatenate([np.append(piece, complex(math.nan, math.nan)) for piece in pieces])
 
 
-def _longer_slots(made: Made) -> list[str]:
+def _longer_slots(made: Build) -> list[str]:
     """What to say of slots whose pin passes their drawn ends."""
-    found, layout = [], made.layout
+    notes = []
+    layout = made.layout
     for slot in made.slots:
         low, high = layout.strokes[layout.slots[slot.pin].name]
         a, b = (layout.at(slot.link, point) for point in slot.along)
         for end, over in zip(slot.along, (-low, high - abs(b - a)), strict=True):
             if over > SAME_POINT:
-                said = f"Slot of {slot.link}: pin {slot.pin} passes its drawn end {end} by {over:.4g} mm"
-                found.append(f"{said}; the slot is made longer.")
-    return found
+                notes.append(
+                    f"Slot of {slot.link}: pin {slot.pin} passes its drawn end {end} by {over:.4g} mm; the slot is made longer."
+                )
+    return notes
 
 
-def targets(linkage: Moving) -> list[Finding]:
+def targets(linkage: LinkageMotion) -> list[Finding]:
     """What is wanted of outputs by value, on the model as designed; DesignError of what no such output can have."""
     pairs = list(zip(linkage.wanted, linkage.courses, strict=True))
     for wanted, course in pairs:
@@ -313,16 +309,16 @@ def targets(linkage: Moving) -> list[Finding]:
     ]
 
 
-def asked(linkage: Moving, allowed: LinkageLimits) -> tuple[Demand, ...]:
-    """What is asked of each output: its targets, and the play that is borne."""
-    found = []
+def demands(linkage: LinkageMotion, allowed: LinkageLimits) -> tuple[Demand, ...]:
+    """What is asked of each output: its targets, and the play that is accepted."""
+    made = []
     for wanted, course in zip(linkage.wanted, linkage.courses, strict=True):
         lash, of = accepted(course, allowed.lash, allowed.lash_deg)
-        found.append(Demand(wanted.name, lash=lash, lash_of=of, targets=wanted.targets))
-    return tuple(found)
+        made.append(Demand(wanted.name, lash=lash, lash_of=of, targets=wanted.targets))
+    return tuple(made)
 
 
-def transmission_angles(linkage: Moving, least_deg: float) -> list[Finding]:
+def transmission_angles(linkage: LinkageMotion, least_deg: float) -> list[Finding]:
     """How near each loop comes to a fold, on the model as designed."""
     return [
         at_least(
@@ -343,151 +339,113 @@ def transmission_angles(linkage: Moving, least_deg: float) -> list[Finding]:
     ]
 
 
-def _forces(linkage: Moving, made: Made, theta: Floats, angle: Callable[[], str]) -> Study:
+def _forces(linkage: LinkageMotion, made: Build, theta: Floats, angle: Callable[[], str]) -> Study:
     """Torque of the drive and reactions of the joints at an even turn, by the masses of the parts."""
-    found = solve(made.machine, theta).forces()
-    torque = next(iter(found.drives.values()))
-    loads = {**found.reactions, **found.normals}
+    forces = solve(made.machine, theta).forces()
+    torque = next(iter(forces.drives.values()))
     numbers = {
-        "peak_torque_n_m": float(np.abs(torque).max()),
-        "peak_kinetic_energy_j": float(found.energy.max()),
+        "peak_torque_n_m": peak(torque),
+        "peak_kinetic_energy_j": float(forces.energy.max()),
     }
-    numbers |= {
-        f"reaction_{name.lower().replace(' ', '_')}_n": float(np.abs(load).max())
-        for name, load in loads.items()
-    }
-    for cam in linkage.pressed:
-        unit = (
-            "n_m" if cam.slide is None else "n"
-        )  # what a spring must give at least, along the follower's motion
-        numbers[f"hold_{cam.name.replace(' ', '_')}_{unit}"] = max(
-            0.0, -float((cam.leaves * found.contacts[cam.name]).min())
-        )
-    rows = [
-        (name, float(np.abs(load).max()), math.degrees(theta[int(np.abs(load).argmax())]))
-        for name, load in loads.items()
-    ]
-    tables = [
-        Table("Loads of the joints, without friction", ("joint", "greatest, N", "at, deg"), rows)
-    ]
+    rows = []
+    for name, load in {**forces.reactions, **forces.normals}.items():
+        greatest = peak(load)
+        numbers[f"reaction_{name.lower().replace(' ', '_')}_n"] = greatest
+        rows.append((name, greatest, math.degrees(theta[int(np.abs(load).argmax())])))
+    heads = ("joint", "greatest, N", "at, deg")
+    tables = [Table("Loads of the joints, without friction", heads, rows)]
+    for cam in linkage.pressed:  # what a spring must give at least, along the follower's motion
+        unit = "n_m" if cam.slide is None else "n"
+        push = (cam.leaves * forces.contacts[cam.name]).min()
+        numbers[f"hold_{cam.name.replace(' ', '_')}_{unit}"] = max(0.0, -float(push))
+    of_springs = []
     for each in made.sprung:
-        numbers |= dict(
-            zip((f"{each.figure}_least_n", f"{each.figure}_greatest_n"), each.forces(), strict=True)
+        least, greatest = each.forces()
+        numbers |= {f"{each.figure}_least_n": least, f"{each.figure}_greatest_n": greatest}
+        pull = each.pull
+        of_springs.append(
+            (each.name, pull.rate, pull.free, each.shortest, each.longest, least, greatest)
         )
-    if made.sprung:
-        of_springs = [
-            (each.name, each.pull.rate, each.pull.free, each.shortest, each.longest, *each.forces())
-            for each in made.sprung
-        ]
+    if of_springs:
         tables.append(Table("Springs, between their points", _SPRINGS, of_springs))
 
     def plots() -> list[Plot]:
-        return [
-            Plot(
-                "Torque of the drive, without friction",
-                f"{angle()}, deg",
-                "N m",
-                [("torque", np.degrees(theta), torque)],
-            )
-        ]
+        curve = [("torque", np.degrees(theta), torque)]
+        return [Plot("Torque of the drive, without friction", f"{angle()}, deg", "N m", curve)]
 
     return Study(numbers, Later(plots), tables)
 
 
 def timing(run: Run, driven: str) -> Study:
     """All outputs of a machine over one turn of its shaft, each from its least to its greatest; driven: link that turns."""
-    theta = run.theta
     series: list[tuple[str, Floats, Floats]] = []
     for output in run.machine.outputs:
         values = np.asarray(run[output.name])
-        both = (
-            (("_x", values.real), ("_y", values.imag))
-            if np.iscomplexobj(values)
-            else (("", np.real(values)),)
-        )
-        for name, value in both:
-            least, span = float(value.min()), float(np.ptp(value))
-            series.append(
-                (
-                    output.name + name,
-                    np.degrees(theta),
-                    (value - least) / span if span else value - least,
-                )
-            )
-    title, label = "Timing of the whole machine", f"{driven}, deg"
-    return Study(plots=[Plot(title, label, "share of its stroke", series)])
+        curves = {output.name: np.real(values)}
+        if np.iscomplexobj(values):
+            curves = {f"{output.name}_x": values.real, f"{output.name}_y": values.imag}
+        for name, value in curves.items():
+            share = (value - value.min()) / (np.ptp(value) or 1.0)
+            series.append((name, np.degrees(run.theta), share))
+    title = "Timing of the whole machine"
+    return Study(plots=[Plot(title, f"{driven}, deg", "share of its stroke", series)])
 
 
-def _centrodes(linkage: Moving, run: Run) -> list[Plot]:
+def _centrodes(linkage: LinkageMotion, run: Run) -> list[Plot]:
     """Of each link that draws a path and is pinned nowhere on the ground: where its instant centre runs."""
-    held = {
-        body
-        for joint in linkage.chain.joints
-        if isinstance(joint, m.Pin)
-        for body in (joint.a.body, joint.b.body)
-        if m.GROUND in (joint.a.body, joint.b.body)
-    }
-    drawing = dict.fromkeys(
-        each.of.of.body for each in linkage.chain.outputs if isinstance(each.of, m.Path)
-    )
-    found = []
-    for body in (body for body in drawing if body not in held):
+    pins = [{pin.a.body, pin.b.body} for pin in linkage.chain.joints if isinstance(pin, m.Pin)]
+    pinned = set().union(*(pair for pair in pins if m.GROUND in pair))
+    paths = [each.of for each in linkage.chain.outputs if isinstance(each.of, m.Path)]
+    plots = []
+    for body in dict.fromkeys(path.of.body for path in paths):
+        if body in pinned:
+            continue
         levers = [abs(z) for z in linkage.chain.body(body).points.values()]
         fixed, moving = centrodes(run, body, max(levers, default=0.0))
-        series = [
-            (name, each.real, each.imag)
-            for name, each in (("on the ground", fixed), (f"on {body}, in its axes", moving))
-        ]
         if np.count_nonzero(np.isfinite(fixed)) > 1:
-            found.append(
-                Plot(
-                    f"Centrodes of {body}: one rolls on the other",
-                    "x, mm",
-                    "y, mm",
-                    series,
-                    equal=True,
-                )
-            )
-    return found
+            series = [
+                ("on the ground", fixed.real, fixed.imag),
+                (f"on {body}, in its axes", moving.real, moving.imag),
+            ]
+            title = f"Centrodes of {body}: one rolls on the other"
+            plots.append(Plot(title, "x, mm", "y, mm", series, equal=True))
+    return plots
 
 
-def paths(linkage: Moving) -> tuple[Sketch, ...]:
+def paths(linkage: LinkageMotion) -> tuple[Sketch, ...]:
     """Paths of points, on the ground, and the places that they shall pass, with the room that they have."""
     run = linkage.run(np.linspace(*linkage.cycle.range, ROWS // 2), 0)
     outputs = [output for output in linkage.chain.outputs if isinstance(output.of, m.Path)]
-    found = [
+    sketches = [
         Sketch(_path_of(each.name), (np.asarray(run[each.name], complex),)) for each in outputs
     ]
-    asked = [
-        (each.name, goal)
-        for each in linkage.wanted
-        for goal in (each.points, each.path)
-        if goal is not None
-    ]
-    for name, goal in asked:
-        dot = float(np.ptp(np.array(goal.places).real) + np.ptp(np.array(goal.places).imag)) / 250
-        line = isinstance(goal, Trace) and goal.joined
-        strokes = [*_within(goal), *([np.array(goal.places)] if line else [])]
-        found.append(
-            Sketch(
-                f"{name}: wanted",
-                strokes,
-                [] if line else [(z, max(dot, SAME_POINT)) for z in goal.places],
-            )
-        )
-    return tuple(found)
+    for wanted in linkage.wanted:
+        for goal in (wanted.points, wanted.path):
+            if goal is None:
+                continue
+            z = np.array(goal.places)
+            strokes = _within(goal)
+            dots = []
+            if isinstance(goal, Trace) and goal.joined:
+                strokes.append(z)
+            else:
+                radius = max(float(np.ptp(z.real) + np.ptp(z.imag)) / 250, SAME_POINT)
+                dots = [(place, radius) for place in goal.places]
+            sketches.append(Sketch(f"{wanted.name}: wanted", strokes, dots))
+    return tuple(sketches)
 
 
-def threads(linkage: Moving, made: Made | None) -> list[Sketch]:
+def threads(linkage: LinkageMotion, made: Build | None) -> list[Sketch]:
     """Threads that are outputs, in the middle of their grooves."""
-    found = []
-    for name, thread in ((each.name, each.thread) for each in linkage.wanted if each.thread):
-        z = None if made is None else float(np.mean(made.layout.thread_heights))
-        found.append(Sketch(name, course=partial(_course, linkage, thread), z=z))
-    return found
+    sketches = []
+    for each in linkage.wanted:
+        if each.thread:
+            z = None if made is None else float(np.mean(made.layout.thread_heights))
+            sketches.append(Sketch(each.name, course=partial(_course, linkage, each.thread), z=z))
+    return sketches
 
 
-def _course(linkage: Moving, thread: Sequence[str], theta: Floats) -> Points:
+def _course(linkage: LinkageMotion, thread: Sequence[str], theta: Floats) -> Points:
     """A thread from point to point at theta, (n,) rad; (n, points) complex mm."""
     run = linkage.run(theta, 0)
     bodies = linkage.chain.bodies
@@ -496,41 +454,38 @@ def _course(linkage: Moving, thread: Sequence[str], theta: Floats) -> Points:
     return np.stack(places, axis=-1)
 
 
-def _extreme_places(linkage: Moving) -> tuple[list[tuple[object, ...]], dict[str, float]]:
+def _extreme_places(linkage: LinkageMotion) -> tuple[list[tuple[object, ...]], dict[str, float]]:
     """Where angles and places turn back: there the output could not drive; the time ratio of each that goes to and fro."""
     rows: list[tuple[object, ...]] = []
     ratios = {}
     for wanted, course in zip(linkage.wanted, linkage.courses, strict=True):
-        if np.iscomplexobj(course.value) or abs(
-            course.value[-1] - course.value[0]
-        ) > _RETURNS * np.ptp(course.value):
+        values = course.value
+        if np.iscomplexobj(values) or abs(values[-1] - values[0]) > _RETURNS * np.ptp(values):
             continue
         dead = "turns back: a dead point for a force at the output"
         for sign in (-1, 1):
             theta, value = course.extreme(sign)
             inside = course.whole or course.theta[0] < theta < course.theta[-1]
-            rows.append(
-                (
-                    wanted.name,
-                    course.unit,
-                    value,
-                    math.degrees(theta),
-                    dead if inside else "end of the range",
-                )
-            )
+            kind = dead if inside else "end of the range"
+            rows.append((wanted.name, course.unit, value, math.degrees(theta), kind))
         if course.strokes:
             ratios[f"{wanted.name}_time_ratio"] = time_ratio(course)[0]
     return rows, ratios
 
 
-def _path_table(linkage: Moving, theta: Floats, run: Run) -> list[tuple[object, ...]]:
-    """Of each path its length, its sharpest place, where it is straight for a moment, where it has cusps, where it crosses
-    itself. A cusp is a place where the point stands still for a moment."""
-    rows: list[tuple[object, ...]] = []
+def _path_table(
+    linkage: LinkageMotion, theta: Floats, run: Run
+) -> list[tuple[str, float, float, float, str, str, str]]:
+    """Length of each path, its sharpest place, where it is straight for a moment, where it has cusps and crosses itself.
+
+    A cusp is a place where the point stands still for a moment.
+    """
+    rows = []
     whole = not linkage.cycle.to_and_fro
     for output in (each for each in linkage.chain.outputs if isinstance(each.of, m.Path)):
         _, first, second = np.asarray(run.derivatives(output.name), complex)
-        speed, bend = np.abs(first), (np.conj(first) * second).imag
+        speed = np.abs(first)
+        bend = (np.conj(first) * second).imag
         length = float(np.sum((speed[1:] + speed[:-1]) / 2 * np.diff(theta)))
         if not length > 0:
             continue
@@ -538,35 +493,42 @@ def _path_table(linkage: Moving, theta: Floats, run: Run) -> list[tuple[object, 
             radius = np.where(speed > 0, speed**3 / np.abs(bend), np.inf)
         sharp = int(np.argmin(radius))
         stops = _stops(linkage, output.name, theta, speed, whole)
-        turns = np.flatnonzero(
-            (np.signbit(bend[1:]) != np.signbit(bend[:-1])) & (speed[1:] > _STILL * speed.max())
-        )
+        turns = np.signbit(bend[1:]) != np.signbit(bend[:-1])
         straight = [
-            math.degrees(theta[k])
-            for k in turns
+            f"{math.degrees(theta[k]):.1f}"
+            for k in np.flatnonzero(turns & (speed[1:] > _STILL * speed.max()))
             if all(abs(theta[k] - stop) > 0.02 for stop in stops)
         ]
-        crossed = []
+        crossings = []
         if whole and not stops and linkage.even:
             pairs, _ = double_points(
                 lambda t, order, name=output.name: _jet(linkage, name, t)[order],  # type: ignore[misc]
                 720,
             )
-            crossed = [" and ".join(f"{math.degrees(t) % 360:.1f}" for t in pair) for pair in pairs]
-        least = 0.0 if stops else float(radius[sharp])
-        at = math.degrees(stops[0] if stops else theta[sharp])
-        told = [", ".join(f"{math.degrees(t):.2f}" for t in stops), "; ".join(crossed)]
+            crossings = [
+                " and ".join(f"{math.degrees(t) % 360:.1f}" for t in pair) for pair in pairs
+            ]
         rows.append(
-            (output.name, length, least, at, ", ".join(f"{t:.1f}" for t in straight), *told)
+            (
+                output.name,
+                length,
+                0.0 if stops else float(radius[sharp]),
+                math.degrees(stops[0] if stops else theta[sharp]),
+                ", ".join(straight),
+                ", ".join(f"{math.degrees(t):.2f}" for t in stops),
+                "; ".join(crossings),
+            )
         )
     return rows
 
 
-def _jet(linkage: Moving, name: str, theta: Floats) -> Any:
+def _jet(linkage: LinkageMotion, name: str, theta: Floats) -> Any:
     return linkage.run(theta).derivatives(name)
 
 
-def _stops(linkage: Moving, name: str, theta: Floats, speed: Floats, whole: bool) -> list[float]:
+def _stops(
+    linkage: LinkageMotion, name: str, theta: Floats, speed: Floats, whole: bool
+) -> list[float]:
     """Angles at which a path's point stands still for a moment, rad: the least speeds, by Newton's method from the samples."""
     near = np.flatnonzero(
         (speed <= np.roll(speed, 1)) & (speed <= np.roll(speed, -1)) & (speed < _SLOW * speed.max())
@@ -583,7 +545,9 @@ def _stops(linkage: Moving, name: str, theta: Floats, speed: Floats, whole: bool
     return sorted({round(float(x % math.tau if whole else x), 9) for x in t[still]})
 
 
-def _extremes(linkage: Moving, signal: Signal, theta: Floats, value: Floats) -> tuple[float, float]:
+def _extremes(
+    linkage: LinkageMotion, signal: Signal, theta: Floats, value: Floats
+) -> tuple[float, float]:
     """Least and greatest of a signal, in its unit: the sample's, refined between its neighbours."""
     ends = [int(np.argmin(value)), int(np.argmax(value))]
     near = [np.linspace(theta[max(k - 1, 0)], theta[min(k + 1, len(theta) - 1)], 257) for k in ends]

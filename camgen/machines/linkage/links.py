@@ -10,7 +10,7 @@ from itertools import combinations
 
 import numpy as np
 
-from camgen.numerics import Floats, Points
+from camgen.numerics import Floats, Points, peak
 
 STEPS = 200  # of the search for a shape; three or four suffice unless the points lie on one line
 CLOSED = 1e-13  # of its size: lengths that are met
@@ -26,15 +26,17 @@ def shape(drawn: Points, lengths: Mapping[tuple[int, int], float]) -> tuple[Poin
     fixed = [k for k, each in enumerate(pairs) if each in lengths]
     free = [k for k, each in enumerate(pairs) if each not in lengths]
     wanted = np.array([lengths.get(each, abs(drawn[each[1]] - drawn[each[0]])) for each in pairs])
-    z, size = drawn.astype(complex), float(wanted.max(initial=1e-300))
-    best, missed = z, np.inf
+    z = drawn.astype(complex)
+    size = float(wanted.max(initial=1e-300))
+    best = z
+    missed = np.inf
     for _ in range(STEPS if fixed else 0):
         off, slope = _distances(z, pairs)
         off = off - wanted
-        worst = float(np.abs(off[fixed]).max())
+        worst = peak(off[fixed])
         if worst < missed:
-            best, missed = z, worst
-        met = worst <= CLOSED * size
+            best = z
+            missed = worst
         step = -np.linalg.pinv(slope[fixed], rcond=1e-9) @ off[fixed]
         if free:  # along what leaves the given lengths alone
             _, values, ways = np.linalg.svd(slope[fixed])
@@ -42,11 +44,10 @@ def shape(drawn: Points, lengths: Mapping[tuple[int, int], float]) -> tuple[Poin
             way = ways[rank:].T
             rest = off[free] + slope[free] @ step
             step = step - way @ (np.linalg.pinv(slope[free] @ way, rcond=1e-9) @ rest)
-        if met and np.abs(step).max() <= 1e-9 * size:
+        longest = peak(step)
+        if worst <= CLOSED * size and longest <= 1e-9 * size:
             break
-        z = z + (step[0::2] + 1j * step[1::2]) * min(
-            1.0, 0.5 * size / max(float(np.abs(step).max()), 1e-300)
-        )
+        z = z + (step[0::2] + 1j * step[1::2]) * min(1.0, 0.5 * size / max(longest, 1e-300))
     if not fixed:
         missed = 0.0
     if len(drawn) > 1 and best[1] != best[0]:
@@ -57,7 +58,8 @@ def shape(drawn: Points, lengths: Mapping[tuple[int, int], float]) -> tuple[Poin
 
 def _distances(z: Points, pairs: Sequence[tuple[int, int]]) -> tuple[Floats, Floats]:
     """Distances of pairs of points, (m,), and their slopes to all coordinates x0, y0, x1, ..., (m, 2 n)."""
-    off, slope = np.zeros(len(pairs)), np.zeros((len(pairs), 2 * len(z)))
+    off = np.zeros(len(pairs))
+    slope = np.zeros((len(pairs), 2 * len(z)))
     for k, (a, b) in enumerate(pairs):
         way = z[b] - z[a]
         off[k] = abs(way)
@@ -71,7 +73,8 @@ def too_long(
     points: Sequence[str], drawn: Points, lengths: Mapping[tuple[int, int], float]
 ) -> tuple[str, str] | None:
     """The worst of three points whose longest side is longer than the others together, in words; None where all can be."""
-    worst, told = 0.0, None
+    worst = 0.0
+    words = None
     for three in combinations(range(len(points)), 3):
         sides = {
             pair: lengths.get(pair, abs(drawn[pair[1]] - drawn[pair[0]]))
@@ -81,11 +84,12 @@ def too_long(
         over = 2 * sides[long] - sum(sides.values())
         if over > worst:
             names = {pair: "-".join(points[k] for k in pair) for pair in sides}
-            shown = {
-                pair: f"{names[pair]} ({'' if pair in lengths else 'drawn '}{side:.6g})"
+            short = " and ".join(
+                f"{names[pair]} ({'' if pair in lengths else 'drawn '}{side:.6g})"
                 for pair, side in sides.items()
-            }
-            short = " and ".join(shown[pair] for pair in sides if pair != long)
+                if pair != long
+            )
             right = f"less than {short} together: it is {over:.4g} mm too long; change a length or redraw a point"
-            worst, told = over, (f"{names[long]} = {sides[long]:.6g}", right)
-    return told
+            worst = over
+            words = (f"{names[long]} = {sides[long]:.6g}", right)
+    return words

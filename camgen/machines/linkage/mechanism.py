@@ -39,8 +39,8 @@ from camgen.machines.linkage.asked_range import refuse_range
 from camgen.machines.linkage.drawing import Drawing
 from camgen.machines.linkage.drawing_faults import drawing_faults
 from camgen.machines.linkage.weights import counterbalanced, weight_faults
-from camgen.machines.loads.applied import applied
-from camgen.machines.loads.bearing import Borne
+from camgen.machines.loads.applied import efforts
+from camgen.machines.loads.bearing import LoadCheck
 from camgen.machines.loads.counterweights import Counterweight, balance_of, found_moment
 from camgen.machines.loads.pressed import by_force, pressed
 from camgen.machines.loads.tables import Drives
@@ -236,14 +236,14 @@ class Linkage(Mechanism):
         return joined(self._fitted, {each.module: each.mechanism.model for each in self.modules})
 
     @cached_property
-    def modules(self) -> Sequence[inc.Included]:
+    def modules(self) -> Sequence[inc.IncludedMachine]:
         """The machines of other specs, each above those before it."""
         if not self.includes:
             return ()
         bare = self._bare
         top = max(high for _, high in inc.heights(bare.parts, bare.mounts))
         play, end = self.print.slide_clearance, upper_end(bare.layout)
-        found = inc.stacked(self.includes, self._host, self.chain, top, play, end)
+        found = inc.stack(self.includes, self._host, self.chain, top, play, end)
         inc.distinct(
             found,
             bare.parts,
@@ -261,7 +261,7 @@ class Linkage(Mechanism):
         return replace(machine, loads=(*machine.loads, *(each.pull for each in self.sprung)))
 
     @cached_property
-    def sprung(self) -> Sequence[coils.Sprung]:
+    def sprung(self) -> Sequence[coils.MountedSpring]:
         """Springs between links, and those that return followers; DesignError where one of them cannot be made."""
         return [
             *self._hung,
@@ -272,7 +272,7 @@ class Linkage(Mechanism):
         ]
 
     @cached_property
-    def _hung(self) -> Sequence[coils.Sprung]:
+    def _hung(self) -> Sequence[coils.MountedSpring]:
         """Those of [[spring]]."""
         if not self.springs:
             return ()
@@ -298,7 +298,7 @@ class Linkage(Mechanism):
             laid(self._layout_with(self._hung), self.run(self.cycle.theta(_SAMPLES), 0))
         )
         machine = bodies.weighed(self._process.density, self.masses)
-        own = () if self.load is None else applied(self.load.on, machine)
+        own = () if self.load is None else efforts(self.load.on, machine)
         pulls = [each.pull for each in self._hung]
         machine = replace(machine, loads=(*machine.loads, *pulls, *gravity(self.load), *own))
         return solve(machine, SAMPLES).forces()
@@ -359,10 +359,13 @@ class Linkage(Mechanism):
         return solve(self.chain, theta, order)
 
     @cached_property
-    def _moving(self) -> figures.Moving:
+    def _moving(self) -> figures.LinkageMotion:
         """It without what is included, as figures see it."""
-        even, springs = not self.drive.segments, bool(self.springs or self._returning)
-        return figures.Moving(self.chain, self.cycle, self.drive.link, self.wanted, even, springs)
+        even = not self.drive.segments
+        springs = bool(self.springs or self._returning)
+        return figures.LinkageMotion(
+            self.chain, self.cycle, self.drive.link, self.wanted, even, springs
+        )
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """The first signal over a period, rad or mm; its derivatives are to theta."""
@@ -414,7 +417,7 @@ class Linkage(Mechanism):
             self.cycle,
             bodies.mounts,
             features,
-            demands=figures.asked(self._moving, self.allowed),
+            demands=figures.demands(self._moving, self.allowed),
             stand_ins=bodies.stand_ins(),
             strands=bodies.strands(),
             balances=() if self.counterweight is None else (self._balance(self.counterweight),),
@@ -430,7 +433,7 @@ class Linkage(Mechanism):
             shaft=bodies.shaft,
             board=bodies.stands,
             material_limits=self._material_limits,
-            unjudged=Later(lambda: self._pressed.left),
+            unjudged=Later(lambda: self._pressed.not_judged),
             texts={"chain.svg": bridges.svg(self.chain), "chain.pmks": bridges.pmks(self.chain)},
         )
 
@@ -482,7 +485,7 @@ class Linkage(Mechanism):
     def _layout(self) -> Layout:
         return self._layout_with(self.sprung)
 
-    def _layout_with(self, springs: Sequence[coils.Sprung]) -> Layout:
+    def _layout_with(self, springs: Sequence[coils.MountedSpring]) -> Layout:
         cams = self._drawing.ridden
         gears = {Drawing.gear_name(gear): gear.teeth for gear in self.gears}
         return Layout(
@@ -496,7 +499,7 @@ class Linkage(Mechanism):
             cams,
             gears,
             springs={each.name: each.stretched for each in springs},
-            kept=inc.kept(self.includes, lambda: self._host),
+            kept=inc.clearings(self.includes, lambda: self._host),
             fitting=self.fitting,
         )
 
@@ -516,7 +519,8 @@ class Linkage(Mechanism):
             f"layers.{link}": level for link, level in self.bodies.layout.given.items()
         }
         weight = {} if self.counterweight is None else found_moment(self._balanced[1])
-        tables, sizes = [inc.filled(each) for each in self.modules], self.bodies.layout.sizes
+        tables = [inc.resolved_table(each) for each in self.modules]
+        sizes = self.bodies.layout.sizes
         bases = self._drawing.bases
         cams = self.model_dump(by_alias=True, exclude_none=True)["cam"]
         for name, cam in zip(self._drawing.named_cams, cams, strict=True):
@@ -557,11 +561,11 @@ class Linkage(Mechanism):
         ]
 
     @cached_property
-    def _pressed(self) -> Borne:
+    def _pressed(self) -> LoadCheck:
         """What holds its own cams' followers; those of what is included are judged there."""
         cams = by_force(self.chain)
         if not cams or lacking(self._layout) is not None:
-            return Borne()
+            return LoadCheck()
         theta = np.linspace(*self.cycle.range, len(_SAMPLES) + 1)
         return pressed(self._pulled, cams, self._drawing.kicked(), theta, self.assembly.cycle.name)
 
@@ -579,9 +583,9 @@ class Linkage(Mechanism):
         return together([own, *map(inc.study, self.modules), timing])
 
     @property
-    def _made(self) -> figures.Made | None:
+    def _made(self) -> figures.Build | None:
         """What is made; None where there are joints of which no bodies are made."""
         if lacking(self._layout) is not None:
             return None
         machine = replace(self.model, loads=(*self.model.loads, *gravity(self.load)))
-        return figures.Made(self.bodies.layout, machine, self.sprung, self.slots)
+        return figures.Build(self.bodies.layout, machine, self.sprung, self.slots)

@@ -20,34 +20,27 @@ _STEEL = ("dowel", "shoulder")
 
 def filled(data: Any, table: str) -> Any:
     """The tables of a spec with what the sheet decides where `table`, of parts, asks for it and leaves it open."""
-    if not (
-        isinstance(data, Mapping)
-        and isinstance(data.get(table), Mapping)
-        and data[table].get("make") == "laser"
-    ):
+    parts = data.get(table) if isinstance(data, Mapping) else None
+    if not isinstance(parts, Mapping) or parts.get("make") != "laser":
         return data
     laser = data.get("laser")
-    if not isinstance(laser, Mapping | Laser):
+    if isinstance(laser, Mapping):
+        thickness = laser.get("thickness", Laser().thickness)
+    else:
+        thickness = getattr(laser, "thickness", None)
+    if not isinstance(thickness, int | float):
         return data
-    thick = (
-        laser.get("thickness", Laser().thickness) if isinstance(laser, Mapping) else laser.thickness
-    )
-    if not isinstance(thick, int | float):
-        return data
-    sold = [
-        diameter
-        for diameter, (shortest, _) in DOWELS.items()
-        if diameter <= _PIN and shortest <= 3 * thick
-    ]
-    own = {
-        "thickness": thick,
-        "base_thickness": thick,
+    # through two sheets and a cap
+    dowels = [wide for wide, (shortest, _) in DOWELS.items() if shortest <= 3 * thickness]
+    of_sheet = {
+        "thickness": thickness,
+        "base_thickness": thickness,
         "pin": "dowel",
         "shaft_made": "steel",
-        "head": min(_HEAD, thick),
+        "head": min(_HEAD, thickness),
+        "pin_diameter": max((wide for wide in dowels if wide <= _PIN), default=_PIN),
     }
-    own["pin_diameter"] = max(sold, default=_PIN)  # through two sheets and a cap
-    return {**data, table: own | data[table]}
+    return {**data, table: {**of_sheet, **parts}}
 
 
 def faults(
@@ -57,57 +50,63 @@ def faults(
     if sizes.make != "laser":
         return []
     if laser is None:
-        return [
-            Fault(
-                (table, "make"),
-                "'laser'",
-                "a table [laser] beside it: kerf, thickness, sheet, gap",
-            )
-        ]
-    found = []
+        right = "a table [laser] beside it: kerf, thickness, sheet, gap"
+        return [Fault((table, "make"), "'laser'", right)]
     same = f"{laser.thickness:g}, as thick as laser.thickness: all is cut of one sheet"
-    thick: dict[Key, float] = {
-        (table, key): getattr(sizes, key) for key in ("thickness", "base_thickness")
+    thicknesses: dict[Key, float | None] = {
+        (table, "thickness"): sizes.thickness,
+        (table, "base_thickness"): sizes.base_thickness,
+        **{(table, link, "thickness"): shape.thickness for link, shape in sizes.shapes.items()},
     }
-    thick |= {
-        (table, link, "thickness"): shape.thickness
-        for link, shape in sizes.shapes.items()
-        if shape.thickness is not None
-    }
-    found += [
-        Fault(key, f"{value:g}", same) for key, value in thick.items() if value != laser.thickness
-    ]
     kinds: dict[Key, str] = {
         (table, "pin"): sizes.pin,
         **{(table, "pins", point): kind for point, kind in sizes.pins.items()},
     }
-    steel = '"dowel" or "shoulder": with make = "laser" pins are bought'
-    found += [Fault(key, repr(kind), steel) for key, kind in kinds.items() if kind not in _STEEL]
-    if sizes.shaft_made != "steel":
-        found.append(
-            Fault((table, "shaft_made"), repr(sizes.shaft_made), '"steel": no sheet is a shaft')
-        )
-    if sizes.motor != "none":
-        right = '"none": the heads of its screws lie in pockets of the plate, and a laser cuts none'
-        found.append(Fault((table, "motor"), repr(sizes.motor), right))
-    if sizes.plates > 1:
-        found.append(
-            Fault(
-                (table, "plates"),
-                f"{sizes.plates}",
-                "1: a second one is screwed on printed posts, heads in pockets",
-            )
-        )
-    if sizes.shaft != "through":
-        found.append(
-            Fault(
-                (table, "shaft"), repr(sizes.shaft), '"through": crank pins with flats are printed'
-            )
-        )
-    if slides:
-        right = "slots and pins in place of it, of a cam a follower that swings: rails stand on plates, and no sheet does"
-        found.append(Fault(("slide",), f"{slides} with {table}.make = 'laser'", right))
-    if grooves:
-        right = '"force" or "conjugate": the back plate of a groove is as thick as a level and its play, which no sheet is'
-        found.append(Fault(("cam", "closure"), "'groove'", right))
-    return found
+    bought = '"dowel" or "shoulder": with make = "laser" pins are bought'
+    others: list[tuple[bool, Key, str, str]] = [
+        (
+            sizes.shaft_made != "steel",
+            (table, "shaft_made"),
+            repr(sizes.shaft_made),
+            '"steel": no sheet is a shaft',
+        ),
+        (
+            sizes.motor != "none",
+            (table, "motor"),
+            repr(sizes.motor),
+            '"none": the heads of its screws lie in pockets of the plate, and a laser cuts none',
+        ),
+        (
+            sizes.plates > 1,
+            (table, "plates"),
+            f"{sizes.plates}",
+            "1: a second one is screwed on printed posts, heads in pockets",
+        ),
+        (
+            sizes.shaft != "through",
+            (table, "shaft"),
+            repr(sizes.shaft),
+            '"through": crank pins with flats are printed',
+        ),
+        (
+            slides > 0,
+            ("slide",),
+            f"{slides} with {table}.make = 'laser'",
+            "slots and pins in place of it, of a cam a follower that swings: rails stand on plates, and no sheet does",
+        ),
+        (
+            grooves > 0,
+            ("cam", "closure"),
+            "'groove'",
+            '"force" or "conjugate": the back plate of a groove is as thick as a level and its play, which no sheet is',
+        ),
+    ]
+    return [
+        *(
+            Fault(key, f"{value:g}", same)
+            for key, value in thicknesses.items()
+            if value not in (None, laser.thickness)
+        ),
+        *(Fault(key, repr(kind), bought) for key, kind in kinds.items() if kind not in _STEEL),
+        *(Fault(key, value, right) for wrong, key, value, right in others if wrong),
+    ]

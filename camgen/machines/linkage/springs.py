@@ -28,17 +28,16 @@ from camgen.spec import unknown
 
 
 @dataclass(frozen=True)
-class Sprung:
-    """A spring in its machine. ends: body and point of each; pull: the load; shortest, longest: between its points, mm; note: of
-    its line in the list of parts."""
+class MountedSpring:
+    """A spring in its machine."""
 
     name: str
-    ends: tuple[tuple[str, str], tuple[str, str]]
-    pull: m.Spring
+    ends: tuple[tuple[str, str], tuple[str, str]]  # body and point of each
+    pull: m.Spring  # as a load
     spring: ExtensionSpring
-    shortest: float
-    longest: float
-    note: str = ""
+    shortest: float  # mm, between its points
+    longest: float  # mm
+    note: str = ""  # of its line in the list of parts
 
     @property
     def stretched(self) -> Stretched:
@@ -70,15 +69,14 @@ class Sprung:
 
 @dataclass(frozen=True)
 class Returning:
-    """The return spring of a cam's follower, before it is found. post, hook: names of its points; at: the cam's axis on the
-    ground."""
+    """The return spring of a cam's follower, before it is found."""
 
     name: str
     cam: m.Cam
     spring: ReturnSpring
-    post: str
-    hook: str
-    at: complex
+    post: str  # name of its point on the ground
+    hook: str  # name of its point on the follower
+    at: complex  # mm, the cam's axis on the ground
 
     def on(self, machine: m.Machine) -> m.Machine:
         """The machine with its points."""
@@ -94,36 +92,40 @@ class Returning:
         )
         return replace(machine, bodies=tuple(bodies))
 
-    def sprung(self, machine: m.Machine, least: float) -> Sprung:
+    def sprung(self, machine: m.Machine, least: float) -> MountedSpring:
         """The spring that is wanted, or that pulls with `least` N at its shortest, in the machine with its points."""
-        found, pin = self.spring.spring(least), self.spring.sizes.pin_diameter
+        spring = self.spring.spring(least)
+        pin = self.spring.sizes.pin_diameter
         a = machine.body(m.GROUND).at(self.post)
         b = machine.body(self.cam.follower).at(self.hook)
-        pull = m.Spring(self.name, a, b, found.rate, found.free - pin)
+        pull = m.Spring(self.name, a, b, spring.rate, spring.free - pin)
         shortest, longest = (length - pin for length in self.spring.way)
         note = "" if self.spring.given else f"; {self.spring.of_a_shop(least, '[cam.spring]')}"
         ends = ((m.GROUND, self.post), (self.cam.follower, self.hook))
-        return Sprung(self.name, ends, pull, found, shortest, longest, note)
+        return MountedSpring(self.name, ends, pull, spring, shortest, longest, note)
 
 
 def returning(machine: m.Machine, drawing: Drawing, sizes: Parts, play: float) -> list[Returning]:
     """The return spring of each cam that has one, in the machine of a drawing; play: of what moves past each other, mm."""
-    found = []
+    springs = []
     first = {tip.joint.name: tip for tip in reversed(tips(machine, drawing.ridden, sizes, play))}
     for name, (title, post, hook) in drawing.returns.items():
-        tip, wish = first[name], drawing.named_cams[name].spring or t.ReturnSpring()
+        tip = first[name]
+        wish = drawing.named_cams[name].spring or t.ReturnSpring()
         spring = ReturnSpring(tip.cam, tip.rolls, sizes, play, wish.rate, wish.preload)
         axis = pivot(machine, tip.joint.cam)[1]
-        found.append(Returning(title, tip.joint, spring, post, hook, axis))
-    return found
+        springs.append(Returning(title, tip.joint, spring, post, hook, axis))
+    return springs
 
 
-def mounted(sprung: Sequence[Sprung], cams: Sequence[m.Cam], pin: float) -> dict[str, Mounted]:
+def mounted(
+    sprung: Sequence[MountedSpring], cams: Sequence[m.Cam], pin: float
+) -> dict[str, Mounted]:
     """Where they work, by their names in findings; cams: that only a force keeps closed; pin: diameter, mm."""
     followers = {cam.follower for cam in cams}
     return {
         each.figure.replace("_", " "): each.mounted(
-            pin, any(end[0] in followers for end in each.ends)
+            pin, any(body in followers for body, _ in each.ends)
         )
         for each in sprung
     }
@@ -144,97 +146,67 @@ def faults(
     taken: Collection[str],
 ) -> list[Fault]:
     """What is wrong with them. turning: links on shafts; taken: names of links, joints and levels."""
-    found, called = [], names(springs)
-    points = {point for held in links.values() for point in held}
-    shafts = {
-        point
-        for link in turning
-        for point in links.get(link, ())
-        if point in links.get(m.GROUND, ())
-    }
-    for k, each in enumerate(springs):
+    faults = []
+    own_names = names(springs)
+    points = {point for ends in links.values() for point in ends}
+    on_shafts = {point for link in turning for point in links.get(link, ())}
+    shafts = on_shafts.intersection(links.get(m.GROUND, ()))
+    for k, (each, name) in enumerate(zip(springs, own_names, strict=True)):
         path = ("spring", k)
-        if called[k] in (*taken, *called[:k]):
-            found.append(
-                Fault(
-                    (*path, "name"),
-                    repr(called[k]),
-                    "a name of its own, which no link, joint or other spring has",
-                )
-            )
+        if name in (*taken, *own_names[:k]):
+            right = "a name of its own, which no link, joint or other spring has"
+            faults.append(Fault((*path, "name"), repr(name), right))
         if (each.free is None) == (each.preload is None):
-            found.append(Fault(path, "", "either free or preload"))
-        wrong = [
-            unknown((*path, "between", n), point, points)
-            for n, point in enumerate(each.between)
-            if point not in points
-        ]
-        wrong += [
-            Fault(
-                (*path, "between", n),
-                repr(point),
-                "a point that is no shaft: its eye would sit on what turns there",
-            )
-            for n, point in enumerate(each.between)
-            if point in shafts
-        ]
-        both = next((name for name, held in links.items() if set(each.between) <= set(held)), None)
-        if not wrong and both is not None:
-            wrong.append(
-                Fault(
-                    (*path, "between"),
-                    ", ".join(each.between),
-                    f"points of two links: {both} carries both",
-                )
-            )
-        found += wrong
-    return found
+            faults.append(Fault(path, "", "either free or preload"))
+        between = (*path, "between")
+        lost = [(n, point) for n, point in enumerate(each.between) if point not in points]
+        faults += [unknown((*between, n), point, points) for n, point in lost]
+        right = "a point that is no shaft: its eye would sit on what turns there"
+        turns = [(n, point) for n, point in enumerate(each.between) if point in shafts]
+        faults += [Fault((*between, n), repr(point), right) for n, point in turns]
+        both = next((link for link, ends in links.items() if set(each.between) <= set(ends)), None)
+        if both is not None and not lost and not turns:
+            right = f"points of two links: {both} carries both"
+            faults.append(Fault(between, ", ".join(each.between), right))
+    return faults
 
 
-def sprung(springs: Sequence[t.Spring], run: Run, sizes: Parts) -> list[Sprung]:
+def sprung(springs: Sequence[t.Spring], run: Run, sizes: Parts) -> list[MountedSpring]:
     """The springs in their machine; run: samples over the whole motion. DesignError where none can be made."""
     return [
-        _sprung(each, name, run, sizes) for each, name in zip(springs, names(springs), strict=True)
+        _mounted(each, name, run, sizes) for each, name in zip(springs, names(springs), strict=True)
     ]
 
 
-def _sprung(spec: t.Spring, name: str, run: Run, sizes: Parts) -> Sprung:
+def _mounted(spec: t.Spring, name: str, run: Run, sizes: Parts) -> MountedSpring:
     pin = sizes.pin_diameter
     ends = tuple((_carrier(run.machine, point), point) for point in spec.between)
     places = [run.point(*end)[0] for end in ends]
     length = np.abs(places[1] - places[0])
-    shortest, longest = float(length.min()), float(length.max())
+    shortest = float(length.min())
+    longest = float(length.max())
     free = shortest - (spec.preload or 0.0) / spec.rate if spec.free is None else spec.free
     where = f"spring {name}, {math.degrees(float(run.theta[int(np.argmin(length))])):.2f} deg"
     if not free > 0:
-        raise DesignError(
-            "free length", free, 0, "mm", where, "ask for a smaller preload or a greater rate"
-        )
+        remedy = "ask for a smaller preload or a greater rate"
+        raise DesignError("free length", free, 0, "mm", where, remedy)
     if shortest < free - 1e-9:
         said = f"{where}: its points come as near as {shortest:.6g} mm, its free length is {free:.6g} mm, and it only pulls"
-        raise DesignError(
-            "length", shortest, free, "mm", where, "ask for a shorter one, or for a preload", said
-        )
-    found = extension_spring(spec.rate, free + pin, longest + pin, EYE * pin, sizes.hook)
-    if found is None:
-        said = f"no spring of round wire has {spec.rate:.4g} N/mm, {free:.4g} mm free between pins of {pin:g} mm and bears "
+        remedy = "ask for a shorter one, or for a preload"
+        raise DesignError("length", shortest, free, "mm", where, remedy, said)
+    spring = extension_spring(spec.rate, free + pin, longest + pin, EYE * pin, sizes.hook)
+    if spring is None:
+        where = f"spring {name}"
+        said = f"{where}: no spring of round wire has {spec.rate:.4g} N/mm, {free:.4g} mm free between pins of {pin:g} mm and bears "
         remedy = "ask for another rate or free length, draw its points further apart, or take thinner pins"
-        raise DesignError(
-            "length",
-            longest,
-            free,
-            "mm",
-            f"spring {name}",
-            remedy,
-            f"spring {name}: {said}{longest:.4g} mm",
-        )
+        raise DesignError("length", longest, free, "mm", where, remedy, f"{said}{longest:.4g} mm")
     a, b = (m.Place(body, complex(run.machine.body(body).points[point])) for body, point in ends)
-    return Sprung(
-        name, (ends[0], ends[1]), m.Spring(name, a, b, spec.rate, free), found, shortest, longest
+    return MountedSpring(
+        name, (ends[0], ends[1]), m.Spring(name, a, b, spec.rate, free), spring, shortest, longest
     )
 
 
 def _carrier(machine: m.Machine, point: str) -> str:
     """The link whose point it is, of several the ground or the first: its pin takes the pull."""
-    held = [body.name for body in machine.bodies if point in body.points]
-    return m.GROUND if m.GROUND in held else held[0]
+    carriers = [body.name for body in machine.bodies if point in body.points]
+    return m.GROUND if m.GROUND in carriers else carriers[0]

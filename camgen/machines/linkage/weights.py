@@ -28,19 +28,19 @@ _ROOM = 0.5  # mm, about it where levels are looked for: what hangs on a level m
 
 
 def weight_faults(
-    spec: Counterweight, drive: Drive, masses: Collection[str], lying: Collection[str]
+    spec: Counterweight, drive: Drive, masses: Collection[str], levels: Collection[str]
 ) -> list[Fault]:
-    """What does not go with the other tables; masses: links whose mass is given; lying: names of all else that has a level."""
-    found = spec.faults()
+    """What does not go with the other tables; masses: links whose mass is given; levels: names of all else that has one."""
+    faults = spec.faults()
     if drive.link in masses:
         right = "nothing here beside [counterweight]: it is sized for the solids that turn with this link"
-        found.append(Fault(("masses", drive.link), "", right))
-    if NAME in lying:
-        found.append(Fault(("links", NAME), "", "another name: that of the counterweight's level"))
+        faults.append(Fault(("masses", drive.link), "", right))
+    if NAME in levels:
+        faults.append(Fault(("links", NAME), "", "another name: that of the counterweight's level"))
     if spec.given is None and (drive.range_deg is not None or drive.segments):
         right = "moment_g_mm and at_deg too: this drive does not turn evenly, so none is the best"
-        found.append(Fault(("counterweight",), "", right))
-    return found
+        faults.append(Fault(("counterweight",), "", right))
+    return faults
 
 
 def counterbalanced(
@@ -55,13 +55,10 @@ def counterbalanced(
     run: samples over the whole motion; density: of what is printed, kg/m^3; weighed: the machine of some bodies with all masses.
     """
     link = layout.driven
-    bodies, radius = Bodies(laid(layout, run)), 0.0
+    bodies = Bodies(laid(layout, run))
+    radius = 0.0
     for _ in range(_PASSES):
-        whole = (
-            spec.given
-            if spec.given is not None
-            else spec.whole(weighed(bodies), link, pivot_of(bodies.layout, link))
-        )
+        whole = spec.given or spec.whole(weighed(bodies), link, pivot_of(bodies.layout, link))
         at = bodies.layout.at(link, bodies.layout.shaft_of(link))
         own = first_moment(link, at, bodies.solids(density))
         seat = ShaftSeat(
@@ -72,10 +69,12 @@ def counterbalanced(
             layout.fits,
             f"pressed and glued on the shaft of {link}",
         )
-        made = spec.fitted(whole - spec.other, own, seat, density)
-        if bodies.layout.weights and abs(made[2] - radius) <= _SAME:
+        part, pins, reach = spec.fitted(whole - spec.other, own, seat, density)
+        placed = bodies.layout.weights
+        if placed and abs(reach - radius) <= _SAME:
             break
-        radius, kept = made[2], bodies.layout.given if bodies.layout.weights else layout.given
-        wheel = Wheel(NAME, link, radius + _ROOM, NAME, made[0].thickness)
-        bodies = Bodies(laid(replace(layout, weights=(wheel,), given=kept), run))
-    return Bodies(bodies.layout, made[:2]), whole
+        radius = reach
+        given = bodies.layout.given if placed else layout.given
+        wheel = Wheel(NAME, link, radius + _ROOM, NAME, part.thickness)
+        bodies = Bodies(laid(replace(layout, weights=(wheel,), given=given), run))
+    return Bodies(bodies.layout, (part, pins)), whole

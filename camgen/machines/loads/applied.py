@@ -83,23 +83,21 @@ class Applied(Record):
             wrong.append("one of value, points and file: how large the load is")
         if self.points is not None:
             degrees = [row[0] for row in self.points]
-            back = next((k for k, (a, b) in enumerate(pairwise(degrees), 1) if not a < b), None)
-            if back is not None:
-                wrong.append(
-                    f"points by growing angles: row {back} has {degrees[back]:g} deg after {degrees[back - 1]:g}"
-                )
-            elif degrees[-1] - degrees[0] > 360 + 1e-9:
-                wrong.append(f"points within one turn: they span {degrees[-1] - degrees[0]:g} deg")
-        if self.direction_deg is not None and (
-            self.acts == "along" or (self.body is not None and self.point is None)
-        ):
+            for k, (before, here) in enumerate(pairwise(degrees), 1):
+                if not before < here:
+                    wrong.append(
+                        f"points by growing angles: row {k} has {here:g} deg after {before:g}"
+                    )
+                    break
+            else:
+                span = degrees[-1] - degrees[0]
+                if span > 360 + 1e-9:
+                    wrong.append(f"points within one turn: they span {span:g} deg")
+        aimed = self.direction_deg is not None
+        if aimed and (self.acts == "along" or (self.body is not None and self.point is None)):
             wrong.append("no direction_deg: its motion, or the torque, says the way")
-        if (
-            self.body is not None
-            and self.point is not None
-            and self.acts != "along"
-            and self.direction_deg is None
-        ):
+        on_point = self.body is not None and self.point is not None
+        if on_point and self.acts != "along" and not aimed:
             wrong.append('direction_deg: the direction of the force; or acts = "along"')
         if self.acts == "with the body" and self.point is None:
             wrong.append(
@@ -121,110 +119,86 @@ class Table:
         """At theta, (n,) rad."""
         if len(self.theta) == 1:
             return np.full(np.shape(theta), self.values[0] if order == 0 else 0.0)
-        first, last = self.theta[0], self.theta[-1]
-        at = np.asarray(theta, float)
-        within = first + np.mod(at - first, math.tau)
-        within = np.where(
-            (at > first) & (within == first) & (last >= first + math.tau - 1e-12), last, within
-        )  # a turn's end
+        first = self.theta[0]
+        last = self.theta[-1]
+        angle = np.asarray(theta, float)
+        within = first + np.mod(angle - first, math.tau)
+        if last >= first + math.tau - 1e-12:  # a turn's end
+            within = np.where((angle > first) & (within == first), last, within)
         return np.asarray(np.interp(within, self.theta, self.values, right=0.0))
 
     def jumps(self, name: str) -> list[str]:
         """A sentence where it jumps from one turn to the next, or from 0 and to 0 outside its rows."""
-        first, last = self.values[0], self.values[-1]
-        begin, end = (math.degrees(each) for each in (self.theta[0], self.theta[-1]))
+        first = self.values[0]
+        last = self.values[-1]
+        begin = math.degrees(self.theta[0])
+        end = math.degrees(self.theta[-1])
         if end - begin > 360 - 1e-6:
-            return (
-                [
-                    f"Load {name} jumps at {begin % 360:g} deg: its table ends with {last:g} and begins with {first:g}."
-                ]
-                if first != last
-                else []
-            )
-        where = [
-            f"at {at % 360:g} deg {how}"
-            for at, value, how in (
-                (begin, first, f"from 0 to {first:g}"),
-                (end, last, f"from {last:g} to 0"),
-            )
-            if value
-        ]
-        return (
-            [f"Load {name} jumps {' and '.join(where)}: outside its rows it is 0."] if where else []
-        )
+            if first == last:
+                return []
+            return [
+                f"Load {name} jumps at {begin % 360:g} deg: its table ends with {last:g} and begins with {first:g}."
+            ]
+        steps = []
+        if first:
+            steps.append(f"at {begin % 360:g} deg from 0 to {first:g}")
+        if last:
+            steps.append(f"at {end % 360:g} deg from {last:g} to 0")
+        return [f"Load {name} jumps {' and '.join(steps)}: outside its rows it is 0."] * bool(steps)
 
 
-def applied(given: Sequence[Applied], machine: Machine) -> tuple[Effort, ...]:
+def efforts(loads: Sequence[Applied], machine: Machine) -> tuple[Effort, ...]:
     """Loads of a spec on a model of it; SpecError with all that is on what is not there."""
-    found: list[Effort] = []
+    made: list[Effort] = []
     faults: list[Fault] = []
-    taken = {getattr(load, "name", "") for load in machine.loads}
-    for k, each in enumerate(given):
-        path, count = ("load", "on", k), len(faults)
+    names = {getattr(load, "name", "") for load in machine.loads}
+    for k, each in enumerate(loads):
+        path = ("load", "on", k)
+        count = len(faults)
         name = each.name or f"load {k + 1}"
-        if name in taken:
+        if name in names:
             faults.append(Fault((*path, "name"), repr(name), "a name of its own"))
-        taken.add(name)
+        names.add(name)
         of = _measure(each, machine, path, faults)
         if each.file is not None:
-            faults.append(
-                Fault(
-                    (*path, "file"),
-                    repr(each.file),
-                    "read beside a spec file; tables of Python have points",
-                )
-            )
+            right = "read beside a spec file; tables of Python have points"
+            faults.append(Fault((*path, "file"), repr(each.file), right))
         if of is None or len(faults) > count:
             continue
-        right = "N m" if isinstance(of, Angle) else "N"
-        if each.unit not in (None, right):
-            faults.append(
-                Fault(
-                    (*path, "unit"),
-                    repr(each.unit),
-                    f"{right} on {'an angle' if right == 'N m' else 'a way'}",
-                )
-            )
+        unit, what = ("N m", "an angle") if isinstance(of, Angle) else ("N", "a way")
+        if each.unit not in (None, unit):
+            faults.append(Fault((*path, "unit"), repr(each.unit), f"{unit} on {what}"))
+        degrees = each.direction_deg
+        direction = (*path, "direction_deg")
+        if isinstance(of, Path) and each.acts != "along" and degrees is None:
+            right = 'missing: the direction of the force; or acts = "along"'
+            faults.append(Fault(direction, "", right))
+        if not isinstance(of, Path) and degrees is not None:
+            right = "nothing here: the output has its own way"
+            faults.append(Fault(direction, f"{degrees:g}", right))
         rows = each.points or ((0.0, each.value or 0.0),)
         law = Table(tuple(math.radians(deg) for deg, _ in rows), tuple(value for _, value in rows))
-        if isinstance(of, Path) and each.acts != "along" and each.direction_deg is None:
-            faults.append(
-                Fault(
-                    (*path, "direction_deg"),
-                    "",
-                    'missing: the direction of the force; or acts = "along"',
-                )
-            )
-            continue
-        if not isinstance(of, Path) and each.direction_deg is not None:
-            faults.append(
-                Fault(
-                    (*path, "direction_deg"),
-                    f"{each.direction_deg:g}",
-                    "nothing here: the output has its own way",
-                )
-            )
-            continue
-        way = cmath.rect(1.0, math.radians(each.direction_deg or 0.0))
-        found.append(Effort(name, of, law, way, each.acts == "with the body", each.acts == "along"))
+        way = cmath.rect(1.0, math.radians(degrees or 0.0))
+        made.append(Effort(name, of, law, way, each.acts == "with the body", each.acts == "along"))
     if faults:
         raise SpecError(faults)
-    return tuple(found)
+    return tuple(made)
 
 
 def jumps(machine: Machine) -> list[str]:
     """What to know of tables over theta that do not end as they begin: from turn to turn such a load jumps."""
-    said = []
-    for load in machine.loads:
-        if isinstance(load, Effort) and isinstance(load.law, Table) and len(load.law.theta) > 1:
-            said += load.law.jumps(load.name)
-    return said
+    return [
+        sentence
+        for load in machine.loads
+        if isinstance(load, Effort) and isinstance(load.law, Table) and len(load.law.theta) > 1
+        for sentence in load.law.jumps(load.name)
+    ]
 
 
 def _measure(
     each: Applied, machine: Machine, path: Key, faults: list[Fault]
 ) -> Angle | Along | Path | Function | None:
-    """What it acts on; None with a fault where there is no such thing."""
+    """What a load acts on; None with a fault where there is no such thing."""
     if each.output is not None:
         outputs = {output.name: output.of for output in machine.outputs}
         if each.output not in outputs:

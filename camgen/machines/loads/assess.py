@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -16,10 +15,12 @@ from camgen.machine.run import solve
 from camgen.machines import pairs
 from camgen.machines.loads import bearing, counterweights, drive, follower
 from camgen.machines.loads.applied import jumps
+from camgen.machines.loads.bearing import LoadCheck
 from camgen.machines.loads.pins import overstated
-from camgen.machines.loads.rubbing import freed, rough
+from camgen.machines.loads.rubbing import locking_friction, with_friction
 from camgen.machines.loads.tables import Drives
-from camgen.machines.loads.weights import Weighed, weighed
+from camgen.machines.loads.weights import Masses, with_masses
+from camgen.numerics import peak
 from camgen.study import Study, Table, together
 
 if TYPE_CHECKING:
@@ -51,97 +52,81 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
     if not model.drives:
         return Assessment()
     assembly = mechanism.assembly
-    found = weighed(model, assembly.solids, mechanism.load)
-    machine = found.machine
-    given = getattr(mechanism, "motor", None)
-    motor = given if isinstance(given, Drives) else None
-    held: list[Finding] = []
-    left: list[NotJudged] = [*assembly.unjudged]
-    seat, facts = assembly.motor, assembly.follower
-    if seat.reach is not None:
-        told = drive.reach(motor, seat.frame, seat.reach)
-        (held if isinstance(told, Finding) else left).append(told)  # type: ignore[arg-type]
+    load = mechanism.load
+    masses = with_masses(model, assembly.solids, load)
+    machine = masses.machine
+    motor = getattr(mechanism, "motor", None)
+    motor = motor if isinstance(motor, Drives) else None
+    reach = drive.reach(motor, assembly.motor)
     if not (math.isfinite(machine.speed) and machine.speed):
         why = "nothing says how fast the machine turns"
-        lost = [
-            NotJudged(code, why, "motor.speed_rpm") for code in ("DRIVE_TORQUE", "PV", "PIN_STRESS")
-        ]
-        return Assessment(held, Study(tables=[_masses(found)]), (*left, *lost))
+        codes = ("DRIVE_TORQUE", "PV", "PIN_STRESS")
+        speedless = [NotJudged(code, why, "motor.speed_rpm") for code in codes]
+        study = Study(tables=[_mass_table(masses)])
+        left_out = (*assembly.unjudged, *reach.not_judged, *speedless)
+        return Assessment(reach.findings, study, left_out)
     theta = np.linspace(*assembly.cycle.range, _MANY if len(machine.bodies) <= _BODIES else _FEW)
     journals = assembly.journals
-    run = solve(rough(machine, journals, mechanism.load), theta)
+    run = solve(with_friction(machine, journals, load), theta)
     forces = run.forces()
     # friction may spare a pin, and may be less than its table says
     smooth = solve(machine, theta).forces()
-    borne_by_pins = replace(
+    on_pins = replace(
         forces,
         reactions=_worse(smooth.reactions, forces.reactions),
         normals=_worse(smooth.normals, forces.normals),
     )
-    plain = bearing.plain_bearings(run, borne_by_pins, journals, assembly.limits_of, mechanism.load)
-    touched = bearing.contacts(run, forces, assembly)
-    turned, more = drive.driven(
-        run, forces, motor, lambda: freed(machine, journals, mechanism.load, theta)
+    pins = bearing.plain_bearings(run, on_pins, journals, assembly.limits_of, load)
+    posts = bearing.bent_posts(on_pins, assembly.posts, assembly.limits_of, not machine.loads)
+    cams = bearing.contacts(run, forces, assembly)
+    lives = {each.code for check in (pins, cams) for each in check.findings}
+    lives |= {each.code for check in (pins, cams) for each in check.not_judged}
+    asked = any(assembly.limits_of(joint.name).bearing_life is not None for joint in machine.joints)
+    if asked and "BEARING_LIFE" not in lives:
+        why = "no ball bearing of the machine is loaded"
+        cams.not_judged.append(NotJudged("BEARING_LIFE", why, "a ball bearing"))
+    torque = drive.torque(
+        run, forces, motor, lambda: locking_friction(machine, journals, load, theta)
     )
-    shaken = np.abs(forces.shaking)
-    numbers = {"shaking_force_n": float(np.nanmax(shaken, initial=0.0))}
-    numbers |= {
-        f"reaction_{re.sub('[^a-z0-9]+', '_', name.lower())}_n": float(
-            np.nanmax(np.abs(load), initial=0.0)
-        )
-        for name, load in forces.reactions.items()
-    }
-    numbers |= follower.balance(run, forces)
-    swung = follower.elastic(run, mechanism.load)
-    if facts.arm_stiffness:
-        numbers["follower_arm_stiffness_n_m_per_rad"] = facts.arm_stiffness
-    grip = drive.gripped(
-        seat.hub, turned.numbers.get("drive_torque_n_m", 0.0), mechanism.material.name
+    hub = drive.hub_slip(
+        assembly.motor.hub, torque.numbers.get("drive_torque_n_m", 0.0), mechanism.material.name
     )
-    posts = bearing.bent_posts(borne_by_pins, assembly.posts, assembly.limits_of, not machine.loads)
-    paired = pairs.told(forces, machine, assembly.outlines, facts.arm_stiffness)
-    left += paired.left
+    elastic = follower.elastic(run, load)
+    springs = follower.springs(assembly.springs, machine.speed)
+    facts = assembly.follower
+    notes, not_judged = pairs.remarks(forces, machine, assembly.outlines, facts.arm_stiffness)
     if facts.wish is not None and not assembly.springs:
         from camgen.parts.springs import WIRES
 
         rate, least, _ = facts.wish
         why = f"no wire up to {WIRES[-1]:g} mm can be wound to pull {least:.4g} N and {rate:.4g} N/mm more without yielding"
-        left.append(
-            NotJudged(
-                "SPRING_STRESS",
-                why,
-                "another spring.preload or spring.rate, or a spring of another kind",
-            )
-        )
-    for borne in (
-        plain,
-        posts,
-        touched,
-        turned,
-        grip,
-        swung,
-        follower.sprung(assembly.springs, machine.speed),
-    ):
-        held += borne.findings
-        left += borne.left
-        numbers |= borne.numbers
-    asked = any(assembly.limits_of(joint.name).bearing_life is not None for joint in machine.joints)
-    if asked and "BEARING_LIFE" not in {each.code for each in held} | {each.code for each in left}:
-        left.append(
-            NotJudged("BEARING_LIFE", "no ball bearing of the machine is loaded", "a ball bearing")
-        )
-    kept = {name: value for name, value in numbers.items() if math.isfinite(value)}
-    plots = [*turned.plots, *touched.plots, *swung.plots]
-    tables = [_masses(found), *plain.tables, *swung.tables]
-    study = Study(kept, plots, tables, notes=[*paired.notes, *jumps(machine)])
+        needs = "another spring.preload or spring.rate, or a spring of another kind"
+        not_judged.append(NotJudged("SPRING_STRESS", why, needs))
+    tips = LoadCheck(not_judged=not_judged)
+    checks = (reach, tips, pins, posts, cams, torque, hub, elastic, springs)
+    numbers = {"shaking_force_n": peak(forces.shaking)}
+    for name, reaction in forces.reactions.items():
+        numbers[f"reaction_{bearing.figure_key(name)}_n"] = peak(reaction)
+    numbers |= follower.balance(run, forces)
+    if facts.arm_stiffness:
+        numbers["follower_arm_stiffness_n_m_per_rad"] = facts.arm_stiffness
+    for check in checks:
+        numbers |= check.numbers
+    study = Study(
+        {name: value for name, value in numbers.items() if math.isfinite(value)},
+        [*torque.plots, *cams.plots, *elastic.plots],
+        [_mass_table(masses), *pins.tables, *elastic.tables],
+        notes=[*notes, *jumps(machine)],
+    )
     if assembly.balances:
-        study = together(
-            [
-                study,
-                counterweights.study(assembly, getattr(mechanism, "counterweight", None), machine),
-            ]
-        )
-    return Assessment(held, study, (*left, *more), overstated([*plain.bent, *posts.bent]))
+        counterweight = getattr(mechanism, "counterweight", None)
+        study = together([study, counterweights.study(assembly, counterweight, machine)])
+    return Assessment(
+        [finding for check in checks for finding in check.findings],
+        study,
+        [*assembly.unjudged, *(each for check in checks for each in check.not_judged)],
+        overstated([*pins.pins, *posts.pins]),
+    )
 
 
 def _worse(smooth: Mapping[str, Loads], rough: Mapping[str, Loads]) -> dict[str, Loads]:
@@ -152,20 +137,12 @@ def _worse(smooth: Mapping[str, Loads], rough: Mapping[str, Loads]) -> dict[str,
     }
 
 
-def _masses(found: Weighed) -> Table:
+def _mass_table(masses: Masses) -> Table:
     """Mass, centre and inertia of each body, and where they come from."""
-    rows = [
-        (
-            body.name,
-            1e3 * body.mass,
-            ", ".join(f"{round(x, 6) + 0.0:.4g}" for x in (body.centre.real, body.centre.imag)),
-            body.inertia,
-            found.sources[body.name],
-        )
-        for body in found.machine.moving
-    ]
-    return Table(
-        "Masses",
-        ("body", "mass, g", "centre in its frame, mm", "inertia about it, kg m^2", "from"),
-        rows,
-    )
+    rows = []
+    for body in masses.machine.moving:
+        centre = (round(x, 6) + 0.0 for x in (body.centre.real, body.centre.imag))
+        place = ", ".join(f"{x:.4g}" for x in centre)
+        rows.append((body.name, 1e3 * body.mass, place, body.inertia, masses.sources[body.name]))
+    heads = ("body", "mass, g", "centre in its frame, mm", "inertia about it, kg m^2", "from")
+    return Table("Masses", heads, rows)

@@ -1,8 +1,9 @@
 """[counterweight]: a body on an evenly turning crank's shaft that gives the whole crank a wanted first moment.
 
-    asked     of all that turns with the crank, about its shaft: g mm and where, in the crank's own axes. Unless the spec says
-              it, what least loads the crank's bearing, or least shakes the ground; less what `other_g_mm` says sits on the shaft
-    made      asked less what the crank's own parts have: the sector's; so pins, hubs and holes count
+    wanted    moment of all that turns with the crank, about its shaft: g mm and where, in the crank's own axes. Unless the spec
+              says it, what least loads the crank's bearing, or least shakes the ground; less what `other_g_mm` says sits on
+              the shaft
+    sector's  wanted less what the crank's own parts have; so pins, hubs and holes count
 
 Against the bearing or the frame: seen from the crank a counterweight pulls with one constant force, so the best is the centre
 of the smallest circle round all forces, as the crank sees them, and what remains is its radius.
@@ -26,6 +27,7 @@ from camgen.machine.features import Balance, Mount
 from camgen.machine.model import Body, Machine, Pin
 from camgen.machine.run import solve
 from camgen.machines.loads.tables import Direction
+from camgen.numerics import peak
 from camgen.parts.assembly import Assembly
 from camgen.parts.catalogue import CUT, STEEL
 from camgen.parts.counterweights import NAME, Sector, counterweight
@@ -35,7 +37,7 @@ from camgen.parts.part import Layer, Part
 from camgen.spec import Length, Print, Record, quantity
 from camgen.study import Plot, Study, Table
 
-_SHARE = 0.01  # of the moment asked for, or the counterweight's own, by which that of the written solids may be off
+_SHARE = 0.01  # of the wanted moment, or the counterweight's own, by which that of the written solids may be off
 _G = 1e3  # g in a kg
 _ARM = 10.0  # mm, at which what else sits on the shaft counts as a point: on an even crank it could be any
 _TURN = np.linspace(0, math.tau, 1441)
@@ -92,9 +94,8 @@ class Counterweight(Record):
     def faults(self) -> list[Fault]:
         """What does not go together."""
         if (self.moment_g_mm is None) != (self.at_deg is None):
-            return [
-                Fault(("counterweight",), "", "moment_g_mm and at_deg together: how much and where")
-            ]
+            right = "moment_g_mm and at_deg together: how much and where"
+            return [Fault(("counterweight",), "", right)]
         return []
 
     @property
@@ -139,13 +140,11 @@ class Counterweight(Record):
                 "give the motor's speed, or counterweight.moment_g_mm and at_deg",
             )
         forces = run.forces()
-        joint = machine.joint(pin)
-        assert isinstance(joint, Pin), f"{pin} is no pin"
-        pull = (
-            -forces.shaking
-            if self.against == "frame"
-            else forces.reactions[pin] * (1 if joint.a.body == link else -1)
-        )
+        pull = -forces.shaking
+        if self.against == "bearing":
+            joint = machine.joint(pin)
+            assert isinstance(joint, Pin), f"{pin} is no pin"
+            pull = forces.reactions[pin] * (1 if joint.a.body == link else -1)
         return _G * crank_weight(pull, angle, machine.speed * float(rate[0]))[0]
 
     @property
@@ -153,25 +152,22 @@ class Counterweight(Record):
         """Of what else sits on the shaft, complex g mm."""
         return cmath.rect(self.other_g_mm, math.radians(self.other_deg))
 
-    def heavy(self, density: float) -> float:
-        """Density of what it is made of, g/mm^3; density: of what is printed, kg/m^3."""
-        return (1e3 * STEEL if self.made == "steel" else density) * 1e-6
-
     def fitted(
-        self, asked: complex, own: complex, seat: ShaftSeat, density: float
+        self, wanted: complex, own: complex, seat: ShaftSeat, density: float
     ) -> tuple[Part, list[tuple[Part, complex]], float]:
         """The counterweight, its pins with their places, and its radius, mm, in the crank's axes, the shaft at the origin.
 
-        asked: moment of all parts that turn with the crank; own: that of those that there are without it, complex g mm.
+        wanted: moment of all parts that turn with the crank; own: that of those that there are without it, complex g mm.
         density: of what is printed, kg/m^3.
         """
-        heavy, high = self.heavy(density), self.thickness or seat.thickness
-        disc = Part(NAME, "", (Layer(Region(circle(0j, seat.hub), (seat.bore,)), 0.0, high),))
+        of_sector = (1e3 * STEEL if self.made == "steel" else density) * 1e-6  # g/mm^3
+        thickness = self.thickness or seat.thickness
+        disc = Part(NAME, "", (Layer(Region(circle(0j, seat.hub), (seat.bore,)), 0.0, thickness),))
         sector = Sector(
             seat.hub,
-            high,
+            thickness,
             math.radians(self.half_angle_deg),
-            heavy,
+            of_sector,
             self.pins,
             self.pin_diameter,
             seat.fits.press_clearance,
@@ -179,8 +175,8 @@ class Counterweight(Record):
             max(seat.min_wall, seat.fits.nozzle) + 2 * FACETS,
         )
         made = "printed" if self.made == "printed" else CUT
-        left = asked - own - heavy * disc.volume * centre_of(disc)
-        return counterweight(sector, seat.bore, left, made, seat.min_wall, seat.note)
+        moment = wanted - own - of_sector * disc.volume * centre_of(disc)
+        return counterweight(sector, seat.bore, moment, made, seat.min_wall, seat.note)
 
 
 class ShaftWeight:
@@ -193,7 +189,8 @@ class ShaftWeight:
     def __init__(
         self, spec: Counterweight, body: str, solids: Solids, machine: Machine, seat: ShaftSeat
     ) -> None:
-        self.spec, self.body = spec, body
+        self.spec = spec
+        self.body = body
         self.moment = spec.whole(machine, body, "O")
         own = first_moment(body, 0j, solids)
         self.part, self.pins, self.radius = spec.fitted(
@@ -233,67 +230,63 @@ def found_moment(whole: complex) -> dict[str, object]:
 
 def balance_of(body: str, joint: str, about: complex, moment: complex, solids: Solids) -> Balance:
     """What the written solids of a crank are held to."""
-    on = {mount.part for mount in solids.mounts if mount.body == body}
-    heavy = {part.name: 1e-6 * solids.density_of(part) for part in solids.parts if part.name in on}
+    parts = {mount.part for mount in solids.mounts if mount.body == body}
+    density = {
+        part.name: 1e-6 * solids.density_of(part) for part in solids.parts if part.name in parts
+    }
     weights = [part for part in solids.parts if part.name.startswith(NAME)]
     own = first_moment(body, about, replace(solids, parts=weights))
-    return Balance(body, joint, about, moment, heavy, _SHARE * max(abs(moment), abs(own)))
+    return Balance(body, joint, about, moment, density, _SHARE * max(abs(moment), abs(own)))
 
 
-def study(made: Assembly, spec: Counterweight | None, machine: Machine) -> Study:
+def study(assembly: Assembly, spec: Counterweight | None, machine: Machine) -> Study:
     """Loads on the crank's bearing and on the frame, without the counterweight and with it; machine: with all its masses."""
-    if spec is None or not made.balances:
+    if spec is None:
         return Study()
-    balance = made.balances[0]  # its own; those of included machines follow
-    rest = [part for part in made.parts if part.role != "counterweight"]
+    balance = assembly.balances[0]  # its own; those of included machines follow
+    rest = [part for part in assembly.parts if part.role != "counterweight"]
     other = spec.other / _G / _ARM
 
     def laden(body: Body) -> Machine:
-        loaded = with_weight(
-            body, abs(other), balance.about + (_ARM * other / abs(other) if other else 0)
-        )
-        return replace(
-            machine,
-            bodies=tuple(loaded if each.name == balance.body else each for each in machine.bodies),
-        )
+        place = balance.about + (_ARM * other / abs(other) if other else 0)
+        loaded = with_weight(body, abs(other), place)
+        bodies = (loaded if each.name == balance.body else each for each in machine.bodies)
+        return replace(machine, bodies=tuple(bodies))
 
-    theta = np.linspace(*made.cycle.range, len(_TURN))
+    theta = np.linspace(*assembly.cycle.range, len(_TURN))
     full = machine.body(balance.body)
-    bodies = replace(made.solids, parts=rest).body(full), full
-    forces = [solve(laden(body), theta).forces() for body in bodies]
+    bare = replace(assembly.solids, parts=rest).body(full)
+    forces = [solve(laden(body), theta).forces() for body in (bare, full)]
+    reaction = f"reaction at {balance.joint}"
     curves = {
-        f"reaction at {balance.joint}": [np.abs(each.reactions[balance.joint]) for each in forces],
+        reaction: [np.abs(each.reactions[balance.joint]) for each in forces],
         "shaking force": [np.abs(each.shaking) for each in forces],
     }
-    peaks = {name: [float(np.nanmax(value)) for value in values] for name, values in curves.items()}
+    peaks = {name: [peak(value) for value in values] for name, values in curves.items()}
     drive = machine.drives[0].name
-    torque = [float(np.nanmax(np.abs(each.drives[drive]))) for each in forces]
-    weight = bodies[1].mass - bodies[0].mass
-    moment = _G * (
-        bodies[1].mass * (bodies[1].centre - balance.about)
-        - bodies[0].mass * (bodies[0].centre - balance.about)
-    )
+    torque = [peak(each.drives[drive]) for each in forces]
+    with_it, without = (body.mass * (body.centre - balance.about) for body in (full, bare))
+    moment = _G * (with_it - without)
     numbers = {
-        "counterweight_g": _G * weight,
+        "counterweight_g": _G * (full.mass - bare.mass),
         "counterweight_g_mm": abs(moment),
         "counterweight_at_deg": math.degrees(cmath.phase(moment)),
         "crank_moment_asked_g_mm": abs(balance.moment),
         "crank_moment_asked_at_deg": math.degrees(cmath.phase(balance.moment)),
+        "counterweight_shaking_before_n": peaks["shaking force"][0],
+        "counterweight_shaking_after_n": peaks["shaking force"][1],
+        "counterweight_bearing_before_n": peaks[reaction][0],
+        "counterweight_bearing_after_n": peaks[reaction][1],
     }
-    for name, key in (("shaking force", "shaking"), (f"reaction at {balance.joint}", "bearing")):
-        numbers |= {
-            f"counterweight_{key}_before_n": peaks[name][0],
-            f"counterweight_{key}_after_n": peaks[name][1],
-        }
-    degrees, label = np.degrees(theta), f"{made.cycle.name}, deg"
+    degrees = np.degrees(theta)
     plots = [
         Plot(
             f"Counterweight: {name}",
-            label,
+            f"{assembly.cycle.name}, deg",
             "N",
-            [("without", degrees, values[0]), ("with", degrees, values[1])],
+            [("without", degrees, before), ("with", degrees, after)],
         )
-        for name, values in curves.items()
+        for name, (before, after) in curves.items()
     ]
     rows = [(f"{name}, N", *values) for name, values in peaks.items()]
     rows.append(("torque of the drive, N m", *torque))

@@ -7,15 +7,16 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from camgen.findings import Finding, NotJudged, Where, at_least, at_most
+from camgen.findings import NotJudged, Where, at_least, at_most
 from camgen.machine import flywheel
 from camgen.machine.forces import Forces
 from camgen.machine.model import GROUND, MM, Pin, Turning
 from camgen.machine.run import Run
-from camgen.machines.loads.bearing import Borne
+from camgen.machines.loads.bearing import LoadCheck
 from camgen.machines.loads.tables import Drives
-from camgen.numerics import Floats
+from camgen.numerics import Floats, peak
 from camgen.parts import materials
+from camgen.parts.assembly import MotorSeat
 from camgen.parts.motors import SHAFTS, STEPPERS, Motor
 from camgen.parts.set_screws import HOLDS, TURNED, SetScrewHub
 from camgen.study import Plot
@@ -23,7 +24,7 @@ from camgen.study import Plot
 _LEAST_SAID = 1e-4  # N m; of what is less no motor's maker speaks
 _NOTHING = 1e-12  # N m
 _ROUNDING = 1e-9  # of what the forces in the pins could do at the longest lever: a torque below that is rounding, and 0
-_SHOWN = (0.02, 0.1)  # swings of the speed for which the flywheel is told
+_SHOWN = (0.02, 0.1)  # swings of the speed whose flywheels are figures
 
 
 def motor_of(drives: Drives | None) -> Motor | None:
@@ -31,10 +32,8 @@ def motor_of(drives: Drives | None) -> Motor | None:
     if drives is None:
         return None
     if drives.model is not None:
-        return Motor(
-            STEPPERS[drives.model].holding,
-            said=f"{drives.model} holds so much and gives less as it turns",
-        )
+        said = f"{drives.model} holds so much and gives less as it turns"
+        return Motor(STEPPERS[drives.model].holding, said=said)
     if drives.torque_n_m is not None:
         return Motor(drives.torque_n_m, said="motor.torque_n_m")
     if drives.stall_torque_n_m is not None and drives.no_load_rpm is not None:
@@ -46,166 +45,159 @@ def motor_of(drives: Drives | None) -> Motor | None:
     return None
 
 
-def reach(drives: Drives | None, frame: str, needed: float) -> Finding | NotJudged:
-    """SHAFT_REACH: the motor's shaft over its face against what the parts need, mm; frame: its size, "" where it has none."""
-    given = None if drives is None else drives.shaft_length
-    usual = SHAFTS.get(frame)
-    if given is None and usual is None:
-        why = f"the shaft has to reach {needed:.4g} mm over the motor's face, and nothing says how far it does"
-        return NotJudged("SHAFT_REACH", why, "motor.shaft_length")
-    length = given if given is not None else usual[1] if usual else math.nan
-    usually = f"the usual shaft of a {frame.upper().replace('-', ' ')} frame: measure yours"
-    said = "motor.shaft_length" if given is not None else usually
-    message = f"over the motor's face; {said}; thinner parts need less"
-    return at_least("SHAFT_REACH", length, needed, "mm", Where("motor"), message, 1e-9)
+def reach(drives: Drives | None, seat: MotorSeat) -> LoadCheck:
+    """SHAFT_REACH: the motor's shaft over its face against what the parts need."""
+    if seat.reach is None:
+        return LoadCheck()
+    length = None if drives is None else drives.shaft_length
+    said = "motor.shaft_length"
+    if length is None and seat.frame in SHAFTS:
+        length = SHAFTS[seat.frame][1]
+        said = f"the usual shaft of a {seat.frame.upper().replace('-', ' ')} frame: measure yours"
+    if length is None:
+        why = f"the shaft has to reach {seat.reach:.4g} mm over the motor's face, and nothing says how far it does"
+        return LoadCheck(not_judged=[NotJudged("SHAFT_REACH", why, said)])
+    remark = f"over the motor's face; {said}; thinner parts need less"
+    return LoadCheck(
+        [at_least("SHAFT_REACH", length, seat.reach, "mm", Where("motor"), remark, 1e-9)]
+    )
 
 
-def driven(
-    run: Run, forces: Forces, drives: Drives | None, freed: Callable[[], str] = str
-) -> tuple[Borne, list[NotJudged]]:
+def torque(
+    run: Run, forces: Forces, drives: Drives | None, locking: Callable[[], str] = str
+) -> LoadCheck:
     """SELF_LOCKING, torque, power and evenness of the machine's drives, which are one shaft: seen from the first of them.
 
-    freed: of a machine that locks says by which friction, and which it would bear.
+    locking: of a machine that locks says by which friction, and which it would bear.
     """
-    borne, speed, theta = Borne(), run.machine.speed, run.theta
+    check = LoadCheck()
+    speed = run.machine.speed
+    theta = run.theta
+    turn = float(np.ptp(theta))
     drive = run.machine.drives[0]
-    torque, asked = _on_shaft(run, forces.smooth), _on_shaft(run, forces.drives)
-    if np.max(np.abs(asked)) <= max(_NOTHING, _ROUNDING * _could(run, forces)):
-        torque, asked = np.zeros_like(torque), np.zeros_like(asked)
-    rate = np.abs(drive.law(theta, 1)) * abs(speed)
+    needed = _on_shaft(run, forces.drives)
+    smooth = _on_shaft(run, forces.smooth)
+    if peak(needed) <= max(_NOTHING, _ROUNDING * _torque_of_pins(run, forces)):
+        needed = np.zeros_like(needed)
+        smooth = needed
     if np.any(forces.locks):
-        locked, turn = (
-            float(np.mean(forces.locks)) * math.degrees(float(np.ptp(theta))),
-            math.degrees(float(np.ptp(theta))),
-        )
-        said = (
-            f"{freed()}. Friction grows with what it holds back: no torque turns it on there, or one that "
+        locked = float(np.mean(forces.locks)) * math.degrees(turn)
+        remark = (
+            f"{locking()}. Friction grows with what it holds back: no torque turns it on there, or one that "
             "loads them tenfold; use a lower load.friction, a ball bearing, a steeper transmission angle"
         )
-        at = float(theta[int(np.argmax(forces.locks))])
-        borne.findings.append(
-            at_most(
-                "SELF_LOCKING",
-                min(locked, turn),
-                0.0,
-                "deg",
-                Where("drive", theta=at, angle="from", digits=1),
-                said,
-            )
+        first = float(theta[int(np.argmax(forces.locks))])
+        where = Where("drive", theta=first, angle="from", digits=1)
+        check.findings.append(
+            at_most("SELF_LOCKING", min(locked, math.degrees(turn)), 0.0, "deg", where, remark)
         )
-    worst = int(np.argmax(np.abs(asked)))
-    energy = flywheel.energy_swing(theta, asked * np.sign(speed))
-    inertia = _turning(run, drive.body) + (0.0 if drives is None else drives.flywheel_kg_m2)
-    swing = min(1.0, flywheel.fluctuation_of(energy, inertia, speed)) if energy else 0.0
-    borne.numbers |= {
-        "drive_torque_n_m": float(np.max(np.abs(asked))),
-        "drive_torque_mean_n_m": flywheel.mean_torque(theta, asked),
-        "drive_power_w": flywheel.mean_torque(theta, asked * drive.law(theta, 1) * speed),
+    most = peak(needed)
+    energy = flywheel.energy_swing(theta, needed * np.sign(speed))
+    flywheel_given = 0.0 if drives is None else drives.flywheel_kg_m2
+    inertia = _inertia(run, drive.body) + flywheel_given
+
+    def flywheel_for(share: float) -> float:
+        """Inertia, kg m^2, of a flywheel for a swing of the speed."""
+        return max(0.0, flywheel.inertia_for(energy, share, speed) - inertia)
+
+    check.numbers |= {
+        "drive_torque_n_m": most,
+        "drive_torque_mean_n_m": flywheel.mean_torque(theta, needed),
+        "drive_power_w": flywheel.mean_torque(theta, needed * drive.law(theta, 1) * speed),
         "energy_swing_j": energy,
         "turning_inertia_kg_m2": inertia,
-        **{
-            f"flywheel_for_{100 * share:g}_percent_kg_m2": max(
-                0.0, flywheel.inertia_for(energy, share, speed) - inertia
-            )
-            for share in _SHOWN
-        },
+        **{f"flywheel_for_{100 * x:g}_percent_kg_m2": flywheel_for(x) for x in _SHOWN},
     }
-    if isinstance(drive.law, Turning) and abs(float(np.ptp(theta)) - math.tau) < 1e-9 and energy:
-        size, place, left = flywheel.spring_on_shaft(drive.law(theta, 0), asked)
-        told = {
-            "balance_spring_n_m": size,
-            "balance_spring_at_deg": math.degrees(place),
-            "drive_torque_balanced_n_m": left,
-        }
-        peak = float(np.max(np.abs(asked)))
-        borne.numbers |= told if left < peak and size > _ROUNDING * peak else {}
-    curves: list[tuple[str, Floats, Floats]] = [("with friction", np.degrees(theta), asked)]
-    curves += [("without", np.degrees(theta), torque)]
+    if isinstance(drive.law, Turning) and abs(turn - math.tau) < 1e-9 and energy:
+        size, place, left = flywheel.spring_on_shaft(drive.law(theta, 0), needed)
+        if left < most and size > _ROUNDING * most:
+            check.numbers |= {
+                "balance_spring_n_m": size,
+                "balance_spring_at_deg": math.degrees(place),
+                "drive_torque_balanced_n_m": left,
+            }
+    degrees = np.degrees(theta)
+    curves = [("with friction", degrees, needed), ("without", degrees, smooth)]
     title = "Torque that the motor gives, with friction in the joints and without"
-    borne.plots.append(Plot(title, "angle of the drive, deg", "N m", curves))
-    if drives is not None and (drives.flywheel_kg_m2 or drives.fluctuation):
-        borne.numbers["speed_fluctuation"] = swing
-    if drives is not None and drives.fluctuation is not None:
-        more = max(0.0, flywheel.inertia_for(energy, drives.fluctuation, speed) - inertia)
-        said = f"by {energy:.4g} J on {inertia:.4g} kg m^2 that turn; a flywheel of {more:.4g} kg m^2 more keeps to it"
-        borne.findings.append(
-            at_most("SPEED_FLUCTUATION", swing, drives.fluctuation, "share", Where("drive"), said)
+    check.plots.append(Plot(title, "angle of the drive, deg", "N m", curves))
+    fluctuation = None if drives is None else drives.fluctuation
+    swing = min(1.0, flywheel.fluctuation_of(energy, inertia, speed)) if energy else 0.0
+    if flywheel_given or fluctuation:
+        check.numbers["speed_fluctuation"] = swing
+    if fluctuation is not None:
+        remark = (
+            f"by {energy:.4g} J on {inertia:.4g} kg m^2 that turn; "
+            f"a flywheel of {flywheel_for(fluctuation):.4g} kg m^2 more keeps to it"
         )
-    motor, peak = motor_of(drives), float(np.abs(asked[worst]))
-    if motor is None and peak < _NOTHING:
+        check.findings.append(
+            at_most("SPEED_FLUCTUATION", swing, fluctuation, "share", Where("drive"), remark)
+        )
+    motor = motor_of(drives)
+    if motor is None and most < _NOTHING:
         why = "nothing is known of what the drive moves: there is no part, mass or load"
-        return borne, [NotJudged("DRIVE_TORQUE", why, "a load, or parts with mass")]
-    if motor is None:
-        torque_said = f"{peak:.3g}" if peak >= _LEAST_SAID else f"less than {_LEAST_SAID:g}"
-        why = f"{torque_said} N m are needed at {abs(speed) * 60 / math.tau:.6g} rpm, and nothing says what the motor gives"
-        return borne, [NotJudged("DRIVE_TORQUE", why, "motor.torque_n_m or motor.model")]
-    fast = float(rate[worst])
-    said = f"needed at {fast * 60 / math.tau:.6g} rpm with the friction of all joints; {motor.said}"
-    where = Where("drive", theta=float(theta[worst]), angle="", digits=1)
-    borne.findings.append(
-        at_most("DRIVE_TORQUE", peak, max(0.0, motor.torque(fast)), "N m", where, said)
-    )
-    return borne, []
+        check.not_judged.append(NotJudged("DRIVE_TORQUE", why, "a load, or parts with mass"))
+    elif motor is None:
+        least = f"{most:.3g}" if most >= _LEAST_SAID else f"less than {_LEAST_SAID:g}"
+        why = f"{least} N m are needed at {abs(speed) * 60 / math.tau:.6g} rpm, and nothing says what the motor gives"
+        check.not_judged.append(NotJudged("DRIVE_TORQUE", why, "motor.torque_n_m or motor.model"))
+    else:
+        worst = int(np.argmax(np.abs(needed)))
+        rate = float(abs(drive.law(theta, 1)[worst] * speed))
+        remark = f"needed at {rate * 60 / math.tau:.6g} rpm with the friction of all joints; {motor.said}"
+        where = Where("drive", theta=float(theta[worst]), angle="", digits=1)
+        check.findings.append(
+            at_most("DRIVE_TORQUE", most, max(0.0, motor.torque(rate)), "N m", where, remark)
+        )
+    return check
 
 
-def _could(run: Run, forces: Forces) -> float:
+def _torque_of_pins(run: Run, forces: Forces) -> float:
     """Peak forces in all pins at the longest lever to one, N m: what they would ask of the drive if none met another."""
     pins = [joint for joint in run.machine.joints if isinstance(joint, Pin)]
-    lever = max(
-        (abs(place.at) for pin in pins for place in (pin.a, pin.b) if place.body != GROUND),
-        default=0.0,
-    )
-    return (
-        lever
-        * MM
-        * sum(float(np.nanmax(np.abs(force), initial=0.0)) for force in forces.reactions.values())
-    )
+    places = [place for pin in pins for place in (pin.a, pin.b) if place.body != GROUND]
+    lever = max((abs(place.at) for place in places), default=0.0)
+    return lever * MM * sum(peak(force) for force in forces.reactions.values())
 
 
-def gripped(hub: SetScrewHub | None, torque: float, plastic: str) -> Borne:
-    """HUB_SLIP of a hub on a round shaft: what its set screw holds against the drive's peak torque, N m; where the shaft has a
-    flat that turns the hub, by how much it is held along the shaft alone."""
-    borne = Borne()
+def hub_slip(hub: SetScrewHub | None, torque: float, plastic: str) -> LoadCheck:
+    """HUB_SLIP of a hub on a round shaft: what its set screw holds against the drive's peak torque, N m.
+
+    Where the shaft has a flat that turns the hub, by how much it is held along the shaft alone.
+    """
+    check = LoadCheck()
     if hub is None:
-        return borne
+        return check
     bears = materials.of(plastic).bears
     force = hub.force(bears)
-    seat = TURNED * force * hub.screw.nominal * MM
-    holds = HOLDS * force * hub.bore / 2 * MM
-    borne.numbers |= {
-        "set_screw_tightened_n_m": seat,
+    tightened = TURNED * force * hub.screw.nominal * MM
+    check.numbers |= {
+        "set_screw_tightened_n_m": tightened,
         "set_screw_holds_along_shaft_n": HOLDS * force,
     }
     if not hub.flat:
-        borne.numbers["set_screw_holds_n_m"] = holds
-        said = (
-            f"{hub.thread} tightened with {seat:.3g} N m, {force:.4g} N, as hard as its nut's wall of {plastic} bears "
+        holds = HOLDS * force * hub.bore / 2 * MM
+        check.numbers["set_screw_holds_n_m"] = holds
+        remark = (
+            f"{hub.thread} tightened with {tightened:.3g} N m, {force:.4g} N, as hard as its nut's wall of {plastic} bears "
             f"({bears:g} MPa); a shaft with a flat, or a thicker screw, holds more"
         )
-        borne.findings.append(
-            at_most(
-                "HUB_SLIP",
-                torque,
-                holds,
-                "N m",
-                Where(f"set screw, shaft of {hub.bore:g} mm"),
-                said,
-            )
-        )
-    return borne
+        where = Where(f"set screw, shaft of {hub.bore:g} mm")
+        check.findings.append(at_most("HUB_SLIP", torque, holds, "N m", where, remark))
+    return check
 
 
 def _on_shaft(run: Run, drives: Mapping[str, Floats]) -> Floats:
     """Torque of all drives on the first one, (n,) N m, by the power that each gives; 0 where it is not known."""
     first, *others = run.machine.drives
-    total, rate = drives[first.name], first.law(run.theta, 1)
+    total = drives[first.name]
+    rate = first.law(run.theta, 1)
     for each in others:
         power = drives[each.name] * each.law(run.theta, 1) * (MM if each.slide else 1.0)
         total = total + np.where(rate != 0, power / np.where(rate != 0, rate, 1.0), 0.0)
     return np.where(np.isfinite(total), total, 0.0)
 
 
-def _turning(run: Run, body: str) -> float:
+def _inertia(run: Run, body: str) -> float:
     """Inertia of the driven body about where it turns, its frame's origin, kg m^2."""
     own = run.machine.body(body)
     return own.inertia + own.mass * abs(own.centre * MM) ** 2

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -18,104 +17,96 @@ from camgen.machine.forces import Forces
 from camgen.machine.friction import smooth
 from camgen.machine.model import MM, Cam, Law, Machine, Turning
 from camgen.machine.run import Run, solve
-from camgen.machines.loads.bearing import Borne
+from camgen.machines.loads.bearing import LoadCheck, figure_key
+from camgen.machines.loads.pressed import slow
 from camgen.machines.loads.tables import Weight
 from camgen.motion.laws import LAWS
 from camgen.motion.program import Program
-from camgen.numerics import Floats
+from camgen.numerics import Floats, peak
 from camgen.study import Plot, Table
 
 if TYPE_CHECKING:
     from camgen.machine.cams.dynamics import Elastic
     from camgen.parts.springs import Mounted
 
-_SURGE = (
-    15.0  # times the cam's turns, that a spring's own frequency is to be; 15 to 20 is usual advice
-)
+# times the cam's turns, that a spring's own frequency is to be; 15 to 20 is usual advice
+_SURGE = 15.0
 _AT_JOINT = 1e-9  # rad, to either side of a dwell's ends
-_SLOW = 1e-6  # of the speed, at which inertia does nothing
 _STEP = 1e-3  # of the stroke, by which a follower is displaced to see what holds it
 _ROUNDING = 1e-9  # of the contact's force, that is none
 
 
-def elastic(run: Run, load: Weight | None) -> Borne:
+def elastic(run: Run, load: Weight | None) -> LoadCheck:
     """LIFT_OFF, vibration and the speed without contact of each cam whose follower's stiffness is given."""
-    borne = Borne()
+    check = LoadCheck()
     cams = [joint for joint in run.machine.joints if isinstance(joint, Cam)]
     if load is None or load.stiffness is None or len(cams) != 1:
-        return borne
+        return check
     from camgen.machine.cams.dynamics import Elastic, Excitation
     from camgen.motion.polydyne import Polydyne
 
-    (cam,), theta, speed = cams, run.theta[:-1], run.machine.speed
+    cam = cams[0]
+    theta = run.theta[:-1]
+    speed = run.machine.speed
     mass = effective_inertia(run, cam)
-    rate, drag = held_by(run, cam)
+    rate, drag = restraint(run, cam)
     if not mass or load.stiffness + rate <= 0:
-        return borne
+        return check
     unit, scale = ("mm", 1.0) if cam.slide else ("deg", math.degrees(1))
     heavy = mass * MM if cam.slide else mass  # with s in mm and k in N/mm
     model = Elastic(heavy, load.stiffness, load.damping_ratio, rate, drag)
     turned = run.angle(cam.cam)[:, :-1]
-    program, angle = program_of(cam), turned[0] - cam.phase
+    program = program_of(cam)
+    angle = turned[0] - cam.phase
     # where it jumps, the mean of both sides: so a sum over even angles is its integral
     bend = (cam.law(angle - _AT_JOINT, 2) + cam.law(angle + _AT_JOINT, 2)) / 2
     excited = Excitation(cam.law(angle, 0), bend * turned[1] ** 2 + cam.law(angle, 1) * turned[2])
-    found = model.response(excited, speed)
+    response = model.response(excited, speed)
     key = cam.name.replace(" ", "_")
-    peak = float(np.max(np.abs(excited.acceleration))) * speed**2
-    borne.numbers |= {
+    rigid = peak(excited.acceleration) * speed**2
+    check.numbers |= {
         f"follower_frequency_{key}_hz": model.frequency / math.tau,
-        f"vibration_{key}_{unit}": scale * float(np.max(np.abs(found.vibration))),
-        f"acceleration_factor_{key}": float(np.max(np.abs(found.acceleration))) / peak
-        if peak
-        else 1.0,
+        f"vibration_{key}_{unit}": scale * peak(response.vibration),
+        f"acceleration_factor_{key}": peak(response.acceleration) / rigid if rigid else 1.0,
     }
     if program is not None:
-        resting = np.abs(found.vibration[dwelling(program, angle)])
-        borne.numbers[f"vibration_in_dwells_{key}_{unit}"] = scale * float(
-            np.max(resting, initial=0.0)
-        )
+        resting = response.vibration[in_dwells(program, angle)]
+        check.numbers[f"vibration_in_dwells_{key}_{unit}"] = scale * peak(resting)
     if rate:
-        bent = (1 - model.share) * float(np.max(np.abs(excited.displacement)))
-        borne.numbers[f"vibration_bent_by_spring_{key}_{unit}"] = scale * abs(bent)
+        bent = (1 - model.share) * peak(excited.displacement)
+        check.numbers[f"vibration_bent_by_spring_{key}_{unit}"] = scale * abs(bent)
     if isinstance(program, Polydyne):
         wanted = getattr(cam.law, "sign", 1) * program.wanted(angle)
-        off = excited.displacement + found.behind - wanted
-        borne.numbers[f"off_wanted_{key}_{unit}"] = scale * float(np.max(np.abs(off)))
+        off = excited.displacement + response.behind - wanted
+        check.numbers[f"off_wanted_{key}_{unit}"] = scale * peak(off)
     degrees = np.degrees(theta)
-    borne.plots.append(
-        Plot(
-            f"Vibration of the follower, {cam.name}",
-            "cam angle, deg",
-            unit,
-            [
-                ("vibration", degrees, scale * found.vibration),
-                ("y - s", degrees, scale * found.behind),
-            ],
-        )
-    )
-    by_cam = scale * excited.acceleration * speed**2
-    borne.plots.append(
-        Plot(
-            f"Acceleration of the follower, {cam.name}",
-            "cam angle, deg",
-            f"{unit}/s^2",
-            [("elastic", degrees, scale * found.acceleration), ("by the cam", degrees, by_cam)],
-        )
-    )
+    vibration = [
+        ("vibration", degrees, scale * response.vibration),
+        ("y - s", degrees, scale * response.behind),
+    ]
+    acceleration = [
+        ("elastic", degrees, scale * response.acceleration),
+        ("by the cam", degrees, scale * excited.acceleration * speed**2),
+    ]
+    label = "cam angle, deg"
+    check.plots += [
+        Plot(f"Vibration of the follower, {cam.name}", label, unit, vibration),
+        Plot(f"Acceleration of the follower, {cam.name}", label, f"{unit}/s^2", acceleration),
+    ]
     if cam.closure == "force":
-        still = solve(_slow(run), theta).forces().contacts[cam.name] * cam.leaves
+        still = solve(slow(smooth(run.machine)), theta).forces().contacts[cam.name] * cam.leaves
         push = still + cam.leaves * model.push(excited, speed)
-        fast = model.loses_contact(excited, speed, still, cam.leaves) * 60 / math.tau
-        said = f"with an elastic follower of {model.frequency / math.tau:.4g} Hz"
-        said += f"; contact is lost from {fast:.6g} rpm" if math.isfinite(fast) else ""
-        borne.findings.append(
-            lift_off(theta, push, "N" if cam.slide else "N m", Where(joint=cam.name), said, said)
+        rpm = model.loses_contact(excited, speed, still, cam.leaves) * 60 / math.tau
+        remark = f"with an elastic follower of {model.frequency / math.tau:.4g} Hz"
+        if math.isfinite(rpm):
+            remark += f"; contact is lost from {rpm:.6g} rpm"
+            check.numbers[f"lift_off_speed_{key}_rpm"] = rpm
+        push_unit = "N" if cam.slide else "N m"
+        check.findings.append(
+            lift_off(theta, push, push_unit, Where(joint=cam.name), remark, remark)
         )
-        if math.isfinite(fast):
-            borne.numbers[f"lift_off_speed_{key}_rpm"] = fast
-    borne.tables += _laws(program, model, abs(speed))
-    return borne
+    check.tables += _laws(program, model, abs(speed))
+    return check
 
 
 def program_of(cam: Cam) -> Program | None:
@@ -124,13 +115,13 @@ def program_of(cam: Cam) -> Program | None:
     return law if isinstance(law, Program) else None
 
 
-def dwelling(program: Program, angle: Floats) -> Any:
+def in_dwells(program: Program, angle: Floats) -> Any:
     """Mask of the cam angles at which the program dwells, both ends included, (n,)."""
-    turned = np.mod(angle - program.begin, math.tau)
-    inside = np.zeros(turned.shape, bool)
+    since = np.mod(angle - program.begin, math.tau)
+    inside = np.zeros(since.shape, bool)
     for segment, begin in zip(program.segments, program.joints - program.begin, strict=False):
         if not segment.scale:
-            inside |= (turned >= begin - _AT_JOINT) & (turned <= begin + segment.span + _AT_JOINT)
+            inside |= (since >= begin - _AT_JOINT) & (since <= begin + segment.span + _AT_JOINT)
     return inside
 
 
@@ -148,41 +139,39 @@ class Displaced:
         return value + self.by if order == self.order else value
 
 
-def held_by(run: Run, cam: Cam) -> tuple[float, float]:
-    """What holds back all that moves with a cam's s, mean over the motion: force for 1 of s (N/mm, or N m/rad), and for 1 of
-    its speed (N s/mm, or N m s/rad), by what the cam exerts where s, or its speed, is a little larger and smaller."""
-    theta, machine, speed = run.theta, smooth(run.machine), run.machine.speed
+def restraint(run: Run, cam: Cam) -> tuple[float, float]:
+    """Stiffness, N/mm or N m/rad, and damping, N s/mm or N m s/rad, that hold back all that moves with a cam's s.
+
+    Means over the motion, by what the cam exerts where s, or its speed, is a little larger and smaller.
+    """
+    machine = smooth(run.machine)
+    speed = machine.speed
     size = _STEP * float(np.ptp(cam.law(run.angle(cam.cam)[0] - cam.phase, 0)))
 
     def exerted(order: int, by: float, machine: Machine) -> Floats:
         moved = replace(cam, law=Displaced(cam.law, order, by), friction=0.0)
         joints = tuple(moved if each.name == cam.name else each for each in machine.joints)
-        return solve(replace(machine, joints=joints), theta).forces().contacts[cam.name]
+        return solve(replace(machine, joints=joints), run.theta).forces().contacts[cam.name]
 
     def slope(order: int, by: float, machine: Machine) -> float:
-        return float(np.nanmean(exerted(order, by, machine) - exerted(order, -by, machine))) / (
-            2 * by
-        )
+        change = exerted(order, by, machine) - exerted(order, -by, machine)
+        return float(np.nanmean(change)) / (2 * by)
 
     if not size:
         return 0.0, 0.0
-    found = slope(0, size, replace(machine, speed=_SLOW * speed)), slope(1, size, machine) / speed
-    scale = float(np.nanmax(np.abs(run.forces().contacts[cam.name])))
-    least = _ROUNDING * scale / size, _ROUNDING * scale / (size * abs(speed))
-    rate, drag = (
-        value if abs(value) > each else 0.0 for value, each in zip(found, least, strict=True)
+    stiffness = slope(0, size, slow(machine))
+    damping = slope(1, size, machine) / speed
+    rounding = _ROUNDING * peak(run.forces().contacts[cam.name]) / size
+    return (
+        stiffness if abs(stiffness) > rounding else 0.0,
+        damping if abs(damping) > rounding / abs(speed) else 0.0,
     )
-    return rate, drag
-
-
-def _slow(run: Run) -> Machine:
-    """The same so slow that inertia does nothing, and without friction in its joints."""
-    return replace(smooth(run.machine), speed=_SLOW * run.machine.speed)
 
 
 def effective_inertia(run: Run, cam: Cam) -> float:
     """Of all that moves with a cam's s, the drives held: kg, or kg m^2 where it swings; mean over the motion."""
-    system, q = Constraints(run.machine), run.poses()
+    system = Constraints(run.machine)
+    q = run.poses()
     unit = np.zeros((len(q), system.height))
     unit[:, system.rows[cam.name].start] = 1.0
     moves = solved(system.evaluate(q, run.theta)[1], unit, system.holds)
@@ -204,73 +193,64 @@ def _laws(program: Program | None, model: Elastic, speed: float) -> list[Table]:
         return []
     from camgen.machine.cams.dynamics import residual
 
-    time, rows = rise.span / speed, list[tuple[object, ...]]()
+    time = rise.span / speed
+    rows = []
     for name, law in LAWS.items():
         left = residual(lambda t, law=law: law(t / time, 2) / time**2, time, model.frequency)  # type: ignore[misc]
-        rows.append(
-            (
-                name,
-                100 * model.share * left,
-                "this one" if name == getattr(rise.law, "name", "") else "",
-            )
-        )
-    rows.sort(key=lambda row: float(str(row[1])))
+        note = "this one" if name == getattr(rise.law, "name", "") else ""
+        rows.append((name, 100 * model.share * left, note))
+    rows.sort(key=lambda row: row[1])
     title = f"Laws compared after the first rise, undamped, {model.frequency * time / math.tau:.3g} periods long"
     return [Table(title, ("law", "vibration left, % of the lift", ""), rows)]
 
 
-def sprung(springs: Mapping[str, Mounted], speed: float) -> Borne:
+def springs(mounted: Mapping[str, Mounted], speed: float) -> LoadCheck:
     """SPRING_STRESS of each spring, SURGE of what holds a follower on its cam; by their names; speed: rad/s."""
-    borne = Borne()
-    for where, mounted in springs.items():
-        spring, turns = mounted.spring, abs(speed) / math.tau
-        stress, surge = spring.stress(mounted.longest), spring.surge
+    check = LoadCheck()
+    turns = abs(speed) / math.tau
+    for name, each in mounted.items():
+        spring = each.spring
+        stress = spring.stress(each.longest)
+        surge = spring.surge
         coils = f"outside diameter {spring.outside:.4g}, {spring.coils:.3g} coils"
-        size = f"wire {spring.wire:g}, {coils}, free length {spring.free:.4g} mm, stretched to {mounted.longest:.4g} mm"
-        borne.findings.append(
-            at_most("SPRING_STRESS", stress, spring.strength, "MPa", Where(where), size)
-        )
-        if mounted.on_cam:
-            said = (
+        size = f"wire {spring.wire:g}, {coils}, free length {spring.free:.4g} mm, stretched to {each.longest:.4g} mm"
+        where = Where(name)
+        check.findings.append(at_most("SPRING_STRESS", stress, spring.strength, "MPa", where, size))
+        if each.on_cam:
+            remark = (
                 f"its own coils swing {surge / turns:.4g} times a turn; from {_SURGE:g} on no strong harmonic reaches "
                 "it; a thicker wire on fewer coils is faster"
             )
-            borne.findings.append(
-                at_least("SURGE", surge, _SURGE * turns, "Hz", Where(where), said)
-            )
-        returns = where == "return spring" or not mounted.made
-        key = "spring" if returns else re.sub("[^a-z0-9]+", "_", where.lower())
+            check.findings.append(at_least("SURGE", surge, _SURGE * turns, "Hz", where, remark))
+        returns = name == "return spring" or not each.made
+        key = "spring" if returns else figure_key(name)
         numbers = {
             f"{key}_rate_n_mm": spring.rate,
             f"{key}_stress_mpa": stress,
             f"{key}_surge_hz": surge,
-            f"{key}_force_least_n": spring.force(mounted.shortest),
-            f"{key}_force_greatest_n": spring.force(mounted.longest),
+            f"{key}_force_least_n": spring.force(each.shortest),
+            f"{key}_force_greatest_n": spring.force(each.longest),
         }
-        borne.numbers |= {
-            name: value for name, value in numbers.items() if name not in borne.numbers
-        }
-    return borne
+        check.numbers = check.numbers | numbers | check.numbers  # the first of one name counts
+    return check
 
 
 def balance(run: Run, forces: Forces) -> Mapping[str, float]:
     """One counterweight on the driven body that least shakes the ground: mass times radius, where, and the force left."""
     drive = run.machine.drives[0]
-    shaken = forces.shaking
+    shaking = forces.shaking
     if (
         not isinstance(drive.law, Turning)
         or drive.slide
-        or not np.all(np.isfinite(shaken))
-        or not np.any(np.abs(shaken) > 0)
+        or not np.all(np.isfinite(shaking))
+        or not np.any(shaking)
+        or abs(float(np.ptp(run.theta)) - math.tau) > 1e-9
     ):
         return {}
-    if abs(float(np.ptp(run.theta)) - math.tau) > 1e-9:
-        return {}
-    turned = drive.law(run.theta, 0)
-    moment, left = crank_weight(shaken, turned, run.machine.speed * drive.law.rate)
-    best = float(np.max(np.abs(shaken)))
+    angle = drive.law(run.theta, 0)
+    moment, left = crank_weight(shaking, angle, run.machine.speed * drive.law.rate)
     return {
         "balance_weight_g_mm": 1e3 * abs(moment),
         "balance_weight_at_deg": math.degrees(float(np.angle(-moment))),
-        "shaking_force_balanced_n": min(left, best),
+        "shaking_force_balanced_n": min(left, peak(shaking)),
     }

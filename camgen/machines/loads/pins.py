@@ -21,90 +21,92 @@ _STEEL_BY = {  # keys that make them of steel, and their value there
 
 
 @dataclass(frozen=True)
-class Bent:
-    """A pin under its greatest force, by what it bears least of: bending, or shear as bending as bad."""
+class PinLoad:
+    """A pin under its greatest force."""
 
     name: str
     journal: Journal
     force: float  # N
-    bending: float  # MPa
-    shear: float  # MPa
     limits: MaterialLimits  # of its spec
-    fast: bool  # inertia alone loads it
+    inertia_alone: bool  # nothing else loads it
 
     @property
-    def given(self) -> float | None:
-        """The limit of the spec, MPa."""
-        return self.limits.pin_stress
+    def bending(self) -> float:
+        """Stress of bending, MPa."""
+        return float(strength.pin_bending(self.force, self.journal.lever, self.journal.diameter))
+
+    @property
+    def shear(self) -> float:
+        """Shear stress, MPa."""
+        return float(strength.pin_shear(self.force, self.journal.diameter))
 
     @property
     def stress(self) -> float:
-        """The worse, MPa."""
+        """What it bears least of, MPa: bending, or the bending that is as bad as its shear."""
         return max(self.bending, self.shear / strength.SHEAR)
-
-    @property
-    def how(self) -> str:
-        """How it comes about."""
-        bent = f"bent on an arm of {self.journal.lever:.4g} mm"
-        return max((self.bending, bent), (self.shear / strength.SHEAR, "sheared"))[1]
 
     @property
     def overstated(self) -> bool:
         """Whether it holds by the spec's word alone, for it is printed and its plastic does not bear this."""
-        own = (
-            self.journal.shaft != materials.STEEL.name
-            and self.stress > materials.of(self.journal.shaft).bears
+        limit = self.limits.pin_stress
+        shaft = self.journal.shaft
+        return (
+            limit is not None
+            and shaft != materials.STEEL.name
+            and materials.of(shaft).bears < self.stress <= limit
         )
-        return own and self.given is not None and self.stress <= self.given
 
     def finding(self) -> Finding:
         """PIN_STRESS."""
         row = materials.of(self.journal.shaft)
-        limit = self.given or row.bears
-        by = "limits.pin_stress_mpa" if self.given else f"{row.name} bears {row.bears:g} MPa"
-        remark = f"by {self.force:.4g} N, {self.how}; {by}"
-        remark += "" if self.stress <= limit else f"; {stronger(self.limits, self.journal)}"
-        holds = math.sqrt(limit / self.stress) if self.stress else math.inf
-        remark += (
-            f", by inertia alone: {holds:.3g} times the speed holds"
-            if self.fast and math.isfinite(holds)
-            else ""
-        )
-        return at_most("PIN_STRESS", self.stress, limit, "MPa", Where(f"pin {self.name}"), remark)
+        stress = self.stress
+        limit = self.limits.pin_stress or row.bears
+        how = "sheared"
+        if self.bending > self.shear / strength.SHEAR:
+            how = f"bent on an arm of {self.journal.lever:.4g} mm"
+        by = f"{row.name} bears {row.bears:g} MPa"
+        if self.limits.pin_stress:
+            by = "limits.pin_stress_mpa"
+        remark = f"by {self.force:.4g} N, {how}; {by}"
+        if stress > limit:
+            remark += f"; {stronger(self.limits, self.journal)}"
+        if self.inertia_alone and stress:
+            remark += f", by inertia alone: {math.sqrt(limit / stress):.3g} times the speed holds"
+        return at_most("PIN_STRESS", stress, limit, "MPa", Where(f"pin {self.name}"), remark)
 
 
-def overstated(pins: Sequence[Bent]) -> tuple[str, ...]:
+def overstated(pins: Sequence[PinLoad]) -> tuple[str, ...]:
     """Sentences on printed pins that hold by the spec's limit alone, one for each limit."""
     groups: dict[tuple[str, float], dict[str, float]] = {}
-    for pin in (pin for pin in pins if pin.overstated):
+    for pin in pins:
+        if not pin.overstated:
+            continue
         part = pin.journal.part
         what = f"{part} (pin {pin.name})" if part not in ("", pin.name) else pin.name
-        groups.setdefault((pin.journal.shaft, pin.given or 0.0), {})[what] = pin.stress
-    found = []
+        groups.setdefault((pin.journal.shaft, pin.limits.pin_stress or 0.0), {})[what] = pin.stress
+    sentences = []
     for (plastic, limit), stresses in groups.items():
-        told = ", ".join(f"{what} {stress:.3g} MPa" for what, stress in stresses.items())
+        stressed = ", ".join(f"{what} {stress:.3g} MPa" for what, stress in stresses.items())
         own = f"{plastic} bears {materials.of(plastic).bears:g} MPa"
-        found.append(
-            f"limits.pin_stress_mpa = {limit:g} lets parts hold that are printed, and {own}: {told}; "
+        sentences.append(
+            f"limits.pin_stress_mpa = {limit:g} lets parts hold that are printed, and {own}: {stressed}; "
             f"make {'it' if len(stresses) == 1 else 'each'} of steel, for the parts list has it as printed"
         )
-    return tuple(found)
+    return tuple(sentences)
 
 
 def stronger(limits: MaterialLimits, pin: Journal) -> str:
     """What makes a pin or a shaft bear more, by the keys that its table of sizes has."""
-    table, keys = limits.table, limits.keys
+    table = limits.table
+    keys = limits.keys
     kind = next((kind for kind in ("shaft", "crank-pin", "pin") if kind in pin.part), "")
     diameter = f"{kind.removeprefix('crank-')}_diameter"
     wide = f" ({table}.{diameter})" if diameter in keys else ""
     if pin.shaft == materials.STEEL.name:
         return f"make it thicker{wide} or shorter"
-    key, value = next(
-        ((key, value) for key, value in _STEEL_BY.get(kind, {}).items() if key in keys), ("", "")
-    )
-    say = (
-        f'or of steel ({table}.{key} = "{value}")'
-        if key
-        else f"or of steel and say so (limits.pin_stress_mpa = {_STEEL})"
-    )
-    return f"make it thicker{wide} or shorter, {say}"
+    steel = f" and say so (limits.pin_stress_mpa = {_STEEL})"
+    for key, value in _STEEL_BY.get(kind, {}).items():
+        if key in keys:
+            steel = f' ({table}.{key} = "{value}")'
+            break
+    return f"make it thicker{wide} or shorter, or of steel{steel}"

@@ -11,12 +11,11 @@ from camgen.findings import NotJudged, Where
 from camgen.machine.cams.machine import keeps_contact
 from camgen.machine.model import Cam, Machine
 from camgen.machine.run import solve
-from camgen.machines.loads.bearing import Borne
+from camgen.machines.loads.bearing import LoadCheck
 from camgen.machines.loads.pins import STILL
 from camgen.numerics import Floats
 
 _SLOW = 1e-6  # of the speed, at which inertia does nothing
-
 _NEEDS = "[cam.spring], [[spring]], or [load] with gravity_deg or [[load.on]]: what presses the follower on its cam"
 
 
@@ -27,41 +26,40 @@ def by_force(machine: Machine) -> list[Cam]:
     ]
 
 
+def slow(machine: Machine) -> Machine:
+    """A machine that turns so slowly that inertia does nothing."""
+    return replace(machine, speed=_SLOW * machine.speed)
+
+
 def pressed(
     machine: Machine, cams: Sequence[Cam], kicked: Collection[str], theta: Floats, angle: str
-) -> Borne:
-    """LIFT_OFF of some of its cams, or what was left out where no spring, weight or load acts on the follower.
+) -> LoadCheck:
+    """LIFT_OFF of some of its cams, not judged where no spring, weight or load acts on the follower.
 
     machine: with its masses and loads, without friction in its pins; kicked: joints whose follower's speed jumps; theta: (n,)
     rad; angle: what theta is called.
     """
-    borne = Borne()
+    check = LoadCheck()
     if not cams:
-        return borne
-    runs, still = (
-        solve(each, theta).forces()
-        for each in (machine, replace(machine, speed=_SLOW * machine.speed))
-    )
+        return check
+    forces = solve(machine, theta).forces()
+    still = solve(slow(machine), theta).forces()
     for cam in cams:
-        effort = cam.leaves * runs.contacts[cam.name]
-        force = runs.pressing.get(cam.name, effort)
+        effort = cam.leaves * forces.contacts[cam.name]
+        force = forces.pressing.get(cam.name, effort)
         if not np.any(np.abs(still.contacts[cam.name]) > STILL):
             why = f"no spring, weight or load acts on the follower of {cam.name}"
-            borne.left.append(NotJudged("LIFT_OFF", why, _NEEDS))
+            check.not_judged.append(NotJudged("LIFT_OFF", why, _NEEDS))
             continue
         unit = "N" if cam.slide else "N m"
         least = max(0.0, -float(np.nanmin(effort)))
+        jumps = cam.name in kicked
         remedy = (
-            "its speed jumps, which no spring bears: use a law that ends smoothly"
-            if cam.name in kicked
-            else (
-                f"a little over {least:.4g} {unit} more on {cam.follower} keep it, towards the cam at all angles: a spring "
-                "([cam.spring], [[spring]], or its preload), a weight or a load ([load]) that pulls that way; less mass or speed lowers it"
-            )
+            f"a little over {least:.4g} {unit} more on {cam.follower} keep it, towards the cam at all angles: a spring "
+            "([cam.spring], [[spring]], or its preload), a weight or a load ([load]) that pulls that way; less mass or speed lowers it"
         )
-        borne.findings.append(
-            keeps_contact(
-                theta, force, cam.name in kicked, Where(joint=cam.name, angle=angle), remedy
-            )
-        )
-    return borne
+        if jumps:
+            remedy = "its speed jumps, which no spring bears: use a law that ends smoothly"
+        where = Where(joint=cam.name, angle=angle)
+        check.findings.append(keeps_contact(theta, force, jumps, where, remedy))
+    return check

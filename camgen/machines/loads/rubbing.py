@@ -16,7 +16,7 @@ from camgen.numerics import Floats
 from camgen.parts import materials
 from camgen.parts.journals import Journal
 
-_STEP = 0.005  # of a coefficient of friction, to which it is told
+_STEP = 0.005  # of a coefficient of friction
 
 
 def coefficient(journal: Journal, load: Weight | None) -> float:
@@ -25,11 +25,8 @@ def coefficient(journal: Journal, load: Weight | None) -> float:
         return materials.FRICTION_BALL
     if journal.slot or (load is not None and load.friction is not None):
         return guide(load)
-    return (
-        materials.FRICTION_STEEL
-        if "steel" in (journal.shaft, journal.hole)
-        else materials.FRICTION_PRINTED
-    )
+    steel = "steel" in (journal.shaft, journal.hole)
+    return materials.FRICTION_STEEL if steel else materials.FRICTION_PRINTED
 
 
 def guide(load: Weight | None) -> float:
@@ -37,7 +34,9 @@ def guide(load: Weight | None) -> float:
     return materials.FRICTION_PRINTED if load is None or load.friction is None else load.friction
 
 
-def rough(machine: Machine, journals: Mapping[str, Journal], load: Weight | None) -> Machine:
+def with_friction(
+    machine: Machine, journals: Mapping[str, Journal], load: Weight | None
+) -> Machine:
     """The machine with friction in its pins, as far as their bearings are known, its guides and its cams' contacts."""
     guides = guide(load)
     touching = 0.0 if load is None else load.contact_friction
@@ -45,7 +44,8 @@ def rough(machine: Machine, journals: Mapping[str, Journal], load: Weight | None
     for joint in machine.joints:
         if isinstance(joint, Pin) and joint.name in journals:
             journal = journals[joint.name]
-            radius, mu = journal.diameter / 2, coefficient(journal, load)
+            radius = journal.diameter / 2
+            mu = coefficient(journal, load)
             joint = replace(joint, friction=mu * radius if journal.ball else circle(radius, mu))
         elif isinstance(joint, Slide | Slot):
             joint = replace(joint, friction=guides)
@@ -55,34 +55,25 @@ def rough(machine: Machine, journals: Mapping[str, Journal], load: Weight | None
     return replace(machine, joints=tuple(joints))
 
 
-def freed(
+def locking_friction(
     machine: Machine, journals: Mapping[str, Journal], load: Weight | None, theta: Floats
 ) -> str:
     """Of a machine that friction locks somewhere at theta, (n,) rad: with which coefficients, and which it would bear."""
-    slides = any(isinstance(joint, Slide | Slot) for joint in machine.joints)
-    plain = [coefficient(journal, load) for journal in journals.values() if not journal.ball]
-    used = sorted({*plain, *([guide(load)] if slides else [])})
-    low, high = 0.0, used[-1]
+    used = {coefficient(journal, load) for journal in journals.values() if not journal.ball}
+    if any(isinstance(joint, Slide | Slot) for joint in machine.joints):
+        used.add(guide(load))
+    low = 0.0
+    high = max(used)
     while high - low > _STEP:
         mu = (low + high) / 2
-        locks = (
-            solve(
-                rough(machine, journals, (load or Weight()).model_copy(update={"friction": mu})),
-                theta,
-            )
-            .forces()
-            .locks
-        )
+        trial = (load or Weight()).model_copy(update={"friction": mu})
+        locks = solve(with_friction(machine, journals, trial), theta).forces().locks
         low, high = (low, mu) if np.any(locks) else (mu, high)
-    by = (
-        "load.friction"
-        if load is not None and load.friction is not None
-        else "usual for its materials"
-    )
-    least = math.floor(low * 100) / 100
-    said = f"locks at a friction of {' to '.join(f'{mu:g}' for mu in dict.fromkeys((used[0], used[-1])))} ({by}); "
-    return said + (
-        f"it turns with up to {least:g} in all joints"
-        if least
-        else "even 0.01 in all joints locks it"
-    )
+    given = load is not None and load.friction is not None
+    by = "load.friction" if given else "usual for its materials"
+    ends = " to ".join(f"{mu:g}" for mu in dict.fromkeys((min(used), max(used))))
+    most = math.floor(low * 100) / 100
+    turns = f"it turns with up to {most:g} in all joints"
+    if not most:
+        turns = "even 0.01 in all joints locks it"
+    return f"locks at a friction of {ends} ({by}); {turns}"

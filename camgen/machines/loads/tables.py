@@ -51,11 +51,8 @@ class Drives(Record):
 
     @model_validator(mode="after")
     def _one(self) -> Self:
-        given = [
-            key
-            for key in ("torque_n_m", "model", "stall_torque_n_m")
-            if getattr(self, key) is not None
-        ]
+        keys = ("torque_n_m", "model", "stall_torque_n_m")
+        given = [key for key in keys if getattr(self, key) is not None]
         if len(given) > 1:
             raise ValueError(
                 f"one of {' and '.join(given)}: each says by itself what the motor gives"
@@ -157,7 +154,7 @@ class CamBears(Bears):
 
 
 class SwingingCamBears(CamBears):
-    """The same of machines whose followers all swing."""
+    """What the designer accepts of cams whose followers all swing."""
 
     undercut_deg: Annotated[float, quantity("deg", ge=0, le=180)] = Field(
         default=0.0,

@@ -15,14 +15,14 @@ _SAME = 1e-6  # share by which a mass may differ and be the solids'
 
 
 @dataclass(frozen=True)
-class Weighed:
-    """The machine with its masses; of each body where they come from."""
+class Masses:
+    """A machine with its masses."""
 
     machine: Machine
-    sources: Mapping[str, str]
+    sources: Mapping[str, str]  # where they come from, by body
 
 
-def weighed(model: Machine, solids: Solids, load: Weight | None) -> Weighed:
+def with_masses(model: Machine, solids: Solids, load: Weight | None) -> Masses:
     """The model with the masses of its solids where the spec gives none, and with gravity where [load] has it.
 
     A body whose inertia about its own origin is given, such as a follower's about its pivot, keeps that; only its mass and
@@ -31,40 +31,43 @@ def weighed(model: Machine, solids: Solids, load: Weight | None) -> Weighed:
     bodies: list[Body] = []
     sources: dict[str, str] = {}
     for body in model.bodies:
-        own = solids.body(body) if body.name != GROUND else body
-        if body.name == GROUND or not own.mass:
+        if body.name == GROUND:
             bodies.append(body)
-            sources[body.name] = (
-                "given" if body.mass or body.inertia else "none: nothing is made of it"
-            )
+            continue
+        own = solids.body(body)
+        source = "given"
+        if not own.mass:
+            own = body
+            if not (body.mass or body.inertia):
+                source = "none: nothing is made of it"
         elif body.mass:
-            bodies.append(body)
-            sources[body.name] = (
-                "solids" if abs(body.mass - own.mass) <= _SAME * own.mass else "given"
-            )
+            if abs(body.mass - own.mass) <= _SAME * own.mass:
+                source = "solids"
+            own = body
         elif not body.inertia:
-            bodies.append(own)
-            sources[body.name] = "solids"
+            source = "solids"
         else:
             rest = body.inertia - own.mass * abs(own.centre * MM) ** 2
-            fits = rest >= 0 or bool(
-                gravity(load)
-            )  # a weight counts, even where a little inertia does not
-            bodies.append(replace(own, inertia=max(rest, 0.0)) if fits else body)
-            sources[body.name] = "inertia given, mass of the solids" if fits else "inertia given"
-    sources.pop(GROUND, None)
+            if rest >= 0 or gravity(load):  # a weight counts, even where a little inertia does not
+                own = replace(own, inertia=max(rest, 0.0))
+                source = "inertia given, mass of the solids"
+            else:
+                own = body
+                source = "inertia given"
+        bodies.append(own)
+        sources[body.name] = source
     loads = model.loads
     if not any(isinstance(load, Gravity) for load in loads):
         loads = (*loads, *gravity(load))
-    return Weighed(replace(model, bodies=tuple(bodies), loads=loads), sources)
+    return Masses(replace(model, bodies=tuple(bodies), loads=loads), sources)
 
 
 def gravity(load: Weight | None) -> tuple[Gravity, ...]:
-    """That of [load]; none where it says nothing of it."""
+    """Gravity of [load]; none where it says nothing of it."""
     deg = None if load is None else load.gravity_deg
     return () if deg is None else (Gravity(cmath.rect(PULL, cmath.pi * deg / 180)),)
 
 
-def pulled(model: Machine, load: Weight | None, solids: Callable[[], Solids]) -> Machine:
+def with_gravity(model: Machine, load: Weight | None, solids: Callable[[], Solids]) -> Machine:
     """The model as it is, or where [load] has gravity with it and with the masses of the solids, made only for that."""
-    return weighed(model, solids(), load).machine if gravity(load) else model
+    return with_masses(model, solids(), load).machine if gravity(load) else model

@@ -18,7 +18,7 @@ from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine.features import Eye, Feature, Mark, Mount, PinEyes, Strand
 from camgen.machine.model import GROUND
 from camgen.machines.loads.counterweights import ShaftSeat, ShaftWeight
-from camgen.machines.loads.weights import weighed
+from camgen.machines.loads.weights import with_masses
 from camgen.parts.catalogue import TURNED
 from camgen.parts.hardware import grooved, headed
 from camgen.parts.inertia import Solids, printed_density
@@ -332,7 +332,7 @@ class Bodies:
             return None
         rest = [part for part in (*self._turning, *self._carried) if part.name != "collar"]
         solids = Solids(rest, mounts_of(self.spec), printed_density(self.spec.material))
-        machine = weighed(self.spec.model, solids, self.spec.load).machine
+        machine = with_masses(self.spec.model, solids, self.spec.load).machine
         seat = ShaftSeat(
             self._collar,
             self._bore,

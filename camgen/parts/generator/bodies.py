@@ -36,11 +36,11 @@ from camgen.parts.generator.joints import features_of, part_name, point_of
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.pins import Placed, bearings, hand_crank, pin
 from camgen.parts.generator.plates import ground_plate, second
-from camgen.parts.generator.seats import seated
+from camgen.parts.generator.seats import link_layers
 from camgen.parts.generator.stubs import Stub, stubs
 from camgen.parts.generator.threads import strands, thread_posts
 from camgen.parts.generator.troughs import covers, rails
-from camgen.parts.generator.wheels import touched
+from camgen.parts.generator.wheels import with_touches
 from camgen.parts.hardware import spacer
 from camgen.parts.inertia import Solids
 from camgen.parts.part import Layer, Part, Role, d_bore
@@ -222,7 +222,7 @@ class Bodies:
         bore = next((layout.hole(point, link) for point, z in points.items() if z == 0), None)
         if link in layout.marks:
             holes["mark"] = circle(layout.marks[link], self.sizes.pen_diameter / 2)
-        layers, notes = seated(layout, link, holes)
+        layers, notes = link_layers(layout, link, holes)
         layers += [disc_layer(layout, point) for point in discs]
         notes = [
             f"level {layout.level[link]} of the machine, from the plate",
@@ -418,7 +418,7 @@ class Bodies:
                     joint, clearance=self.layout.fit(point, a) + self.layout.fit(point, b)
                 )
             elif isinstance(joint, m.Cam):
-                joint = touched(
+                joint = with_touches(
                     joint,
                     self.layout.tips,
                     self.layout.at(joint.cam, self.layout.shaft_of(joint.cam)),

@@ -12,47 +12,40 @@ from camgen.parts.generator.sizes import Parts
 
 @dataclass(frozen=True)
 class Change:
-    """A change of a spec, in words; sizes: keys of [parts] that it sets, of a link or of pins some; free: whether it leaves
-    [layers] out."""
+    """A change of a spec."""
 
     words: str
-    sizes: Mapping[str, Any] = field(default_factory=dict)
-    free: bool = False
+    sizes: Mapping[str, Any] = field(default_factory=dict)  # keys of [parts] that it sets
+    free: bool = False  # whether it leaves [layers] out
 
     def of(self, sizes: Parts) -> Parts:
-        """The sizes so changed."""
+        """Sizes with this change."""
         return type(sizes).model_validate(_set(sizes.model_dump(exclude_none=True), self.sizes))
 
     def also(self, other: Change) -> Change:
         """Both."""
-        return Change(
-            f"{self.words} and {other.words}",
-            _set(self.sizes, other.sizes),
-            self.free or other.free,
-        )
+        words = f"{self.words} and {other.words}"
+        return Change(words, _set(self.sizes, other.sizes), self.free or other.free)
 
     def tables(self, spec: Mapping[str, Any]) -> dict[str, Any]:
-        """The tables of a spec so changed."""
-        found = {**spec, "parts": _set(spec.get("parts", {}), self.sizes)}
-        return {**found, "layers": {}} if self.free else found
+        """Tables of a spec with this change."""
+        tables = {**spec, "parts": _set(spec.get("parts", {}), self.sizes)}
+        return {**tables, "layers": {}} if self.free else tables
 
 
 class Unmade(DesignError):
-    """What cannot be made of one size or kind, and a change that may mend it; kind: how it is named where it does not; guess:
-    what may mend it too."""
+    """What cannot be made of one size or kind.
+
+    kind: name of the change that may mend it, where it does not; guess: what may mend it too.
+    """
 
     def __init__(self, error: DesignError, kind: str, change: Change) -> None:
         remedy = f"{error.remedy}, or set {change.words}"
-        super().__init__(
-            error.quantity,
-            error.value,
-            error.limit,
-            error.unit,
-            error.where,
-            remedy,
-            error.sentence,
-        )
-        self.kind, self.change, self.guess = kind, change, error.remedy
+        values = (error.quantity, error.value, error.limit, error.unit, error.where)
+        super().__init__(*values, remedy, error.sentence)
+        self.kind = kind
+        self.change = change
+        self.guess = error.remedy
 
 
 def _set(table: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:

@@ -22,17 +22,20 @@ def coils_of(
     titles: Mapping[str, str] = MappingProxyType({}),
     ways: Mapping[str, tuple[float, float]] = MappingProxyType({}),
 ) -> list[Coil]:
-    """From below; titles: of springs that have one; ways: shortest and longest, inside their eyes, mm, of those that the sweep
-    sees."""
-    found = []
+    """Coils from below.
+
+    titles: of springs that have one; ways: shortest and longest, inside their eyes, mm, of those that the sweep sees.
+    """
+    coils = []
     for name, spring in sorted(layout.springs.items(), key=lambda each: layout.level[each[0]]):
         usual = "Extension spring" if name == "spring" else f"Extension spring {name}"
-        (_, one), (_, other) = spring.a, spring.b
+        _, one = spring.a
+        _, other = spring.b
         heads = [each for point in (one, other) for each in _heads(layout, parts, mounts, point)]
         ends = (_end(layout, *spring.a), _end(layout, *spring.b))
         reach = _reach(layout, name, *ways[name]) if name in ways else None
         title = titles.get(name, usual)
-        found.append(
+        coils.append(
             Coil(
                 name,
                 title,
@@ -45,7 +48,7 @@ def coils_of(
                 reach,
             )
         )
-    return found
+    return coils
 
 
 def _end(layout: Layout, link: str, point: str) -> Place:
@@ -55,12 +58,10 @@ def _end(layout: Layout, link: str, point: str) -> Place:
 
 def _reach(layout: Layout, name: str, shortest: float, longest: float) -> tuple[float, float]:
     """From beside the wider head over its eyes to its middle where it is longest, mm from either pin."""
-    spring, pin = layout.springs[name], layout.sizes.pin_diameter
-    start = (
-        max(layout.head_radius(point) for _, point in (spring.a, spring.b))
-        + HOOK_ROOM
-        + spring.diameter / 2
-    )
+    spring = layout.springs[name]
+    pin = layout.sizes.pin_diameter
+    head = max(layout.head_radius(point) for _, point in (spring.a, spring.b))
+    start = head + HOOK_ROOM + spring.diameter / 2
     return start, min((longest - pin) / 2, shortest - pin - start)
 
 
@@ -68,14 +69,14 @@ def _heads(
     layout: Layout, parts: Sequence[Part], mounts: Sequence[Mount], point: str
 ) -> Iterator[tuple[str, bool]]:
     """Copies of a pin with a head on top, or of caps, at a point, and whether each is a cap."""
-    link, role = layout.pressed_in(point), {part.name: part.role for part in parts}
+    link = layout.pressed_in(point)
+    body = layout.carrier(link)
+    place = layout.at(link, point)
+    roles = {part.name: part.role for part in parts}
     number = Counter[str]()
     for mount in mounts:
         number[mount.part] += 1
-        there = (
-            mount.body == layout.carrier(link)
-            and abs(mount.at - layout.at(link, point)) < SAME_POINT
-        )
-        cap = role[mount.part] == "cap"
-        if there and (cap or role[mount.part] == "pin" and mount.flipped):
-            yield f"{mount.part}-{number[mount.part]}", cap
+        role = roles[mount.part]
+        head = role == "cap" or (role == "pin" and mount.flipped)
+        if head and mount.body == body and abs(mount.at - place) < SAME_POINT:
+            yield f"{mount.part}-{number[mount.part]}", role == "cap"

@@ -27,15 +27,14 @@ Ends = tuple[complex, complex]
 
 @dataclass(frozen=True)
 class Cover:
-    """Screws of all covers; length: of a screw, radius: of a cover's corner about each, mm; levels: how many a cover takes;
-    thickness: of a cover, grip: under a screw's head, mm."""
+    """Sizes of all covers; mm."""
 
     screw: Screw
-    length: float
-    radius: float
-    levels: int
+    length: float  # of a screw
+    radius: float  # of a cover's corner about each screw
+    levels: int  # how many a cover takes
     thickness: float
-    grip: float
+    grip: float  # under a screw's head
 
     @property
     def core(self) -> float:
@@ -51,7 +50,7 @@ class Cover:
         return 2 * (self.inset(rail_width) + self.radius)
 
     def places(self, rails: Sequence[Ends], rail_width: float) -> list[complex]:
-        """Of the screws in the rails under one cover, in the guide's axes."""
+        """Places of the screws in the rails under one cover, complex mm in the guide's axes."""
         inset = self.inset(rail_width)
         ways = [(a, b, (b - a) / abs(b - a)) for a, b in rails]
         return [z for a, b, way in ways for z in (a + inset * way, b - inset * way)]
@@ -61,26 +60,21 @@ class Cover:
         middle = sum(places) / len(places)
         own = [(z - middle) / along for z in places]
         outer = hull([(z, self.radius) for z in own])
-        low, high = (
-            plate(
-                "cover",
-                outer,
-                {f"screw {k}": circle(z, wide / 2) for k, z in enumerate(own, 1)},
-                min_wall,
-            )
-            for wide in (self.screw.clearance, self.screw.head + HEAD_ROOM)
-        )
+
+        def region(wide: float) -> Region:
+            holes = {f"screw {k}": circle(z, wide / 2) for k, z in enumerate(own, 1)}
+            return plate("cover", outer, holes, min_wall)
+
+        low = Layer(region(self.screw.clearance), 0.0, self.grip)
+        high = Layer(region(self.screw.head + HEAD_ROOM), self.grip, self.thickness)
+        screws = f"{len(own)} screws {self.screw.thread} x {self.length:g}"
         return Part(
             "cover",
             "Cover of a guide",
-            (Layer(low, 0.0, self.grip), Layer(high, self.grip, self.thickness)),
+            (low, high),
             centres=tuple(own),
             min_wall=min_wall,
-            notes=(
-                Held(
-                    f"held on its rails by {len(own)} screws {self.screw.thread} x {self.length:g}, heads sunk"
-                ),
-            ),
+            notes=(Held(f"held on its rails by {screws}, heads sunk"),),
             role="cover",
         )
 
@@ -94,25 +88,23 @@ def cover(sizes: Parts, fits: Print, min_wall: float) -> Cover | None:
     """With the largest screws that the rails hold; None where none is wanted. DesignError where they hold none."""
     if not sizes.cover:
         return None
-    step, play = sizes.thickness + fits.slide_clearance, fits.slide_clearance
-    for screw in (SCREWS[thread] for thread in _THREADS):
+    step = sizes.thickness + fits.slide_clearance
+    play = fits.slide_clearance
+    for thread in _THREADS:
+        screw = SCREWS[thread]
+        core = CORE_HOLES[thread]
         levels = math.ceil((screw.height + SUNK + 2 * fits.nozzle + play) / step - 1e-9)
         thickness = levels * step - play
         grip = thickness - screw.height - SUNK
         length = screw.length(grip, sizes.thickness + 2 * play)
-        wall = (sizes.rail_width - CORE_HOLES[screw.thread]) / 2
+        wall = (sizes.rail_width - core) / 2
         if wall >= min_wall and length >= grip + screw.nominal / 2:
             radius = (screw.head + HEAD_ROOM) / 2 + 1.25 * max(min_wall, 2 * fits.nozzle)
             return Cover(screw, length, radius, levels, thickness, grip)
-    needed = CORE_HOLES[_THREADS[-1]] + 2 * min_wall
-    error = DesignError(
-        "parts.rail_width",
-        sizes.rail_width,
-        needed,
-        "mm",
-        "screws of the covers",
-        "make the rails wider and as high as half a screw's diameter",
-    )
+    needed = core + 2 * min_wall
+    where = "screws of the covers"
+    remedy = "make the rails wider and as high as half a screw's diameter"
+    error = DesignError("parts.rail_width", sizes.rail_width, needed, "mm", where, remedy)
     raise Unmade(error, "rails without covers", Change("parts.cover = false", {"cover": False}))
 
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice, zip_longest
+from itertools import islice, product, zip_longest
 
 from camgen.errors import DesignError
 from camgen.parts.generator.changes import Change, Unmade
@@ -25,21 +25,20 @@ from camgen.parts.level_rules import Axis, Band, Crowded, Unlaid
 BOUGHT = ("dowel", "shoulder")  # pins that are sold in some lengths
 _BOWS = (1.1, 2.0, 4.0)  # of the room that is lacking
 _SMALLER = (0.8, 0.6)  # of all sizes
-_SMALL, _SLIM = "smaller parts", "slimmer parts"  # kinds of changes
-_MOST = 3  # cures that are told
+# kinds of changes
+_SMALL = "smaller parts"
+_SLIM = "slimmer parts"
+_MOST = 3  # cures that are named
 _WIDEST = 1e5  # mm, bow that is worth a try
 
 
 @dataclass(frozen=True)
 class Kind:
-    """Changes of one kind, from slight to great, of which the first that mends is told.
+    """Changes of one kind, from slight to great, of which the first that mends is named."""
 
-    name: what is said to have been tried; frame: whether links may be short of room again, elsewhere.
-    """
-
-    name: str
+    name: str  # what is said to have been tried
     changes: Sequence[Change]
-    frame: bool = False
+    frame: bool = False  # whether links may be short of room again, elsewhere
 
 
 def slimmer(layout: Layout, link: str) -> tuple[str, str]:
@@ -52,17 +51,13 @@ def slimmer(layout: Layout, link: str) -> tuple[str, str]:
 
 def slimmer_pin(layout: Layout, point: str) -> tuple[str, str]:
     """What makes a pin or shaft slimmer, and what moves it, by the keys."""
-    move = (
-        f"points.{point} elsewhere"
-        if layout.pivots[point][0] == GROUND
-        else f"other lengths to points.{point}"
-    )
+    move = f"other lengths to points.{point}"
+    if layout.pivots[point][0] == GROUND:
+        move = f"points.{point} elsewhere"
     if layout.kind(point) == "shoulder":
         return f'another kind of parts.pins.{point} than "shoulder"', move
-    return (
-        f"a smaller parts.{'shaft' if point in layout.shafts else 'pin'}_diameter or parts.head",
-        move,
-    )
+    what = "shaft" if point in layout.shafts else "pin"
+    return f"a smaller parts.{what}_diameter or parts.head", move
 
 
 def with_cures(
@@ -77,45 +72,39 @@ def with_cures(
     why_not: why a change does not mend it; attempts: what was tried before.
     """
     kinds = list(_kinds(layout, refused))
-    mends = _first(kinds, makes)
-    for change in (change for kind in kinds if kind.frame and not mends for change in kind.changes):
-        again, other = why_not(change), layout.changed(change)
-        more = (
-            () if again is None else _kinds(other, again) if change.free else _of_room(other, again)
-        )
-        mends += _first(
-            [replace(kind, changes=[change.also(each) for each in kind.changes]) for kind in more],
-            makes,
-        )
+    cures = _first(kinds, makes)
+    for change in (change for kind in kinds if kind.frame and not cures for change in kind.changes):
+        again = why_not(change)
+        if again is None:
+            continue
+        other = layout.changed(change)
+        more = _kinds(other, again) if change.free else _of_room(other, again)
+        both = (replace(kind, changes=list(map(change.also, kind.changes))) for kind in more)
+        cures += _first(both, makes)
+    by = f"mended by {', or by '.join(cures)}"
     if not isinstance(refused, Unlaid | Unmade):  # what it asks for is no guess
-        return (
-            refused.mended(f"mended by {', or by '.join(mends)}; else {refused.remedy}")
-            if mends
-            else refused
-        )
+        return refused.mended(f"{by}; else {refused.remedy}") if cures else refused
     remedy = refused.guess if isinstance(refused, Unmade) else refused.remedy
     tried = list(dict.fromkeys(kind.name for kind in kinds))
-    if isinstance(refused, Crowded) and not mends and {_SMALL, _SLIM} & set(tried):
+    if isinstance(refused, Crowded) and not cures and {_SMALL, _SLIM} & set(tried):
         remedy = refused.room(slimmer=False)  # no guess of what was tried in vain
     guess = f"a guess: {remedy}" if remedy else ""
-    if mends:
-        return refused.mended(
-            f"mended by {', or by '.join(mends)}{f'; else {guess}' if guess else ''}"
-        )
+    if cures:
+        return refused.mended(f"{by}; else {guess}" if guess else by)
     vain = f"tried in vain: {', '.join([*attempts, *tried])}"
     return refused.mended("; ".join(filter(None, (guess, vain))))
 
 
 def _first(kinds: Iterable[Kind], makes: Callable[[Change], bool]) -> list[str]:
     """In words the first change of each kind that mends, of the first kinds that do."""
-    found = (next((change.words for change in kind.changes if makes(change)), "") for kind in kinds)
-    return list(islice(filter(None, found), _MOST))
+    words = (next((change.words for change in kind.changes if makes(change)), "") for kind in kinds)
+    return list(islice(filter(None, words), _MOST))
 
 
-def bent(layout: Layout, refused: Crowded) -> Iterator[Layout]:
+def with_bows(layout: Layout, refused: Crowded) -> Iterator[Layout]:
     """Layouts in which one of the two that cannot pass is bent, from slight to wide; of links whose bow the spec leaves open."""
     ways = (
-        _bent(link, refused.needed - refused.distance)
+        _bows(link, refused.needed - refused.distance)
         for link in _bendable(layout, refused)
         if layout.sizes.shape(link).bow is None
     )
@@ -125,13 +114,12 @@ def bent(layout: Layout, refused: Crowded) -> Iterator[Layout]:
 
 def _links(refused: Crowded) -> list[str]:
     """Links of the two that cannot pass."""
-    return [
-        thing.link for thing in (refused.a, refused.b) if isinstance(thing, Band) and thing.link
-    ]
+    pair = (refused.a, refused.b)
+    return [thing.link for thing in pair if isinstance(thing, Band) and thing.link]
 
 
 def _bendable(layout: Layout, refused: Crowded) -> list[str]:
-    """Of these those with two hubs that are straight."""
+    """Links of the two that cannot pass with two hubs, straight."""
     return [
         link
         for link in _links(refused)
@@ -153,85 +141,58 @@ def _kinds(layout: Layout, refused: DesignError) -> Iterator[Kind]:
         return
     if s.pin in BOUGHT:
         yield Kind("pins that are printed", [Change('parts.pin = "printed"', {"pin": "printed"})])
+    two = Change("parts.plates = 2", {"plates": 2})
+    interrupted = Change('parts.shaft = "interrupted"', {"shaft": "interrupted"})
+    through = Change('parts.shaft = "through"', {"shaft": "through"})
     if s.plates == 1:
-        two = [Change("parts.plates = 2", {"plates": 2})]
-        if s.shaft == "through":
-            two.append(
-                Change(
-                    'parts.plates = 2 and parts.shaft = "interrupted"',
-                    {"plates": 2, "shaft": "interrupted"},
-                )
-            )
-        yield Kind("two plates", two, True)
+        both = [two.also(interrupted)] if s.shaft == "through" else []
+        yield Kind("two plates", [two, *both], True)
     else:
         yield Kind("one plate", [Change("parts.plates = 1", {"plates": 1})], True)
     if s.shaft == "interrupted":
-        through = [Change('parts.shaft = "through"', {"shaft": "through"})]
-        if s.plates == 1:
-            through.append(
-                Change(
-                    'parts.shaft = "through" and parts.plates = 2',
-                    {"shaft": "through", "plates": 2},
-                )
-            )
-        yield Kind("a shaft that goes through", through, True)
+        both = [through.also(two)] if s.plates == 1 else []
+        yield Kind("a shaft that goes through", [through, *both], True)
     elif s.plates > 1:
-        yield Kind(
-            "an interrupted shaft",
-            [Change('parts.shaft = "interrupted"', {"shaft": "interrupted"})],
-            True,
-        )
+        yield Kind("an interrupted shaft", [interrupted], True)
 
 
 def _of_room(layout: Layout, refused: DesignError) -> Iterator[Kind]:
     """What makes room for two things, where they cannot pass."""
     if not isinstance(refused, Crowded):
         return
-    s, short = layout.sizes, refused.needed - refused.distance
+    s = layout.sizes
+    short = refused.needed - refused.distance
     for link in _bendable(layout, refused):
         if s.shape(link).bow is not None:
-            yield Kind("bows", list(_bent(link, short)))
-    for link in (
-        link
-        for link in _links(refused)
-        if short <= s.wall - layout.min_wall and s.shape(link).hub_diameter is None
-    ):
-        wide = round(2 * (min(radius for _, radius in layout.hubs(link)) - short) - 0.05, 1)
-        yield Kind(
-            _SLIM,
-            [Change(f"parts.{link}.hub_diameter = {wide:g}", {link: {"hub_diameter": wide}})],
-        )
+            yield Kind("bows", list(_bows(link, short)))
+    for link in _links(refused):
+        if short <= s.wall - layout.min_wall and s.shape(link).hub_diameter is None:
+            wide = round(2 * (min(radius for _, radius in layout.hubs(link)) - short) - 0.05, 1)
+            words = f"parts.{link}.hub_diameter = {wide:g}"
+            yield Kind(_SLIM, [Change(words, {link: {"hub_diameter": wide}})])
     least = layout.min_wall + layout.fits.slide_clearance / 2 + 0.05  # of a head: a spacer's wall
-    share = s.head - short / max(
-        1, sum(isinstance(thing, Axis) for thing in (refused.a, refused.b))
-    )
-    head = math.floor(10 * share) / 10
+    axes = [thing for thing in (refused.a, refused.b) if isinstance(thing, Axis)]
+    head = math.floor(10 * (s.head - short / max(1, len(axes)))) / 10
     if head >= least:
         yield Kind(_SLIM, [Change(f"parts.head = {head:g}", {"head": head})])
+    if s.pin != "printed":
+        return
     keys: list[tuple[str, ...]] = [("pin_diameter", "wall", "head")]
-    shaft = any(isinstance(thing, Axis) and thing.shaft for thing in (refused.a, refused.b))
-    if shaft and s.face is None:
+    if s.face is None and any(axis.shaft for axis in axes):
         keys.append((*keys[0], "shaft_diameter"))
-    sizes = (
-        {key: round(factor * getattr(s, key), 2) for key in each}
-        for each in keys
-        for factor in _SMALLER
-    )
-    if s.pin == "printed":
-        smaller = [
-            Change(" and ".join(f"parts.{key} = {size:g}" for key, size in each.items()), each)
-            for each in sizes
-            if each["wall"] >= layout.min_wall and each["head"] >= least
-        ]
-        yield from [Kind(_SMALL, smaller)] if smaller else []
+    smaller = []
+    for each, factor in product(keys, _SMALLER):
+        sizes = {key: round(factor * getattr(s, key), 2) for key in each}
+        if sizes["wall"] >= layout.min_wall and sizes["head"] >= least:
+            words = " and ".join(f"parts.{key} = {size:g}" for key, size in sizes.items())
+            smaller.append(Change(words, sizes))
+    if smaller:
+        yield Kind(_SMALL, smaller)
 
 
-def _bent(link: str, short: float) -> Iterator[Change]:
+def _bows(link: str, short: float) -> Iterator[Change]:
     """A link with bows, to either side, from slight to wide."""
-    for bow in (
-        float(f"{side * factor * short:.2g}")
-        for factor in _BOWS
-        for side in (1, -1)
-        if factor * short < _WIDEST
-    ):
-        yield Change(f"parts.{link}.bow = {bow:g}", {link: {"bow": bow}})
+    for factor, side in product(_BOWS, (1, -1)):
+        if factor * short < _WIDEST:
+            bow = float(f"{side * factor * short:.2g}")
+            yield Change(f"parts.{link}.bow = {bow:g}", {link: {"bow": bow}})

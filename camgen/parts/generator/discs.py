@@ -20,7 +20,7 @@ from camgen.parts.disc_cams import CamParts as Disc
 from camgen.parts.disc_cams import disc_parts
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.pins import Placed
-from camgen.parts.generator.wheels import Tip, Toothed, groove_rim, groove_wall, named, outline
+from camgen.parts.generator.wheels import GearWheel, Tip, groove_rim, groove_wall, named, outline
 from camgen.parts.hardware import plate, spacer
 from camgen.parts.part import Held, Layer, Part, d_bore, rod
 from camgen.tolerances import SAME_POINT
@@ -100,7 +100,7 @@ def _discs(layout: Layout, tip: Tip) -> Iterator[tuple[Part, float, complex]]:
         yield from ((pin, made.back, place) for place in part.centres[1:] if part.name != "back")
 
 
-def gear_part(layout: Layout, wheel: Toothed) -> Placed:
+def gear_part(layout: Layout, wheel: GearWheel) -> Placed:
     """A gear's wheel on its link's shaft, as drawn at theta = 0."""
     spur, sizes, press = wheel.spur, layout.sizes, layout.fits.press_clearance
     start = float(layout.machine.start_of(wheel.link).angle)

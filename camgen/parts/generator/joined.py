@@ -20,8 +20,16 @@ from camgen.machine.features import Mount, StandIn
 from camgen.machine.jets import thread_length
 from camgen.parts.catalogue import Bearing, Bought
 from camgen.parts.generator.sizes import Parts
-from camgen.parts.generator.webs import parted, throws, webs
-from camgen.parts.generator.wheels import Ridden, Tip, Toothed, Wheel, tips, toothed, with_seconds
+from camgen.parts.generator.webs import throws, webs, with_webs
+from camgen.parts.generator.wheels import (
+    GearWheel,
+    Ridden,
+    Tip,
+    Wheel,
+    gear_wheels,
+    tips,
+    with_seconds,
+)
 from camgen.parts.hardware import FACETS
 from camgen.parts.part import Layer, Part
 from camgen.spec import Print
@@ -161,7 +169,7 @@ class Joined:
     @cached_property
     def bodies(self) -> dict[str, m.Body]:
         """Of the machine by their names, the driven link as its webs, each in that link's axes."""
-        return {body.name: body for body in parted(self.machine.bodies, self.driven, self.webs)}
+        return {body.name: body for body in with_webs(self.machine.bodies, self.driven, self.webs)}
 
     @property
     def moving(self) -> list[str]:
@@ -228,9 +236,11 @@ class Joined:
         return tips(self.machine, self.cams, self.sizes, self.fits.slide_clearance)
 
     @cached_property
-    def toothed(self) -> list[Toothed]:
+    def toothed(self) -> list[GearWheel]:
         """Wheels of gears; their backlash is the clearance of what slides, their least module two nozzles."""
-        return toothed(self.machine, self.gears, self.fits.slide_clearance, 2 * self.fits.nozzle)
+        return gear_wheels(
+            self.machine, self.gears, self.fits.slide_clearance, 2 * self.fits.nozzle
+        )
 
     @cached_property
     def wheels(self) -> list[Wheel]:

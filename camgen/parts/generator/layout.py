@@ -20,7 +20,7 @@ from camgen.parts.generator.changes import Change
 from camgen.parts.generator.covers import Cover, cover
 from camgen.parts.generator.guides import COVERED, STEMS, Guide, Rails, Runner, Way, guide
 from camgen.parts.generator.joined import GROUND, Joined, Stretched
-from camgen.parts.generator.slotted import Slotted, one_by_one
+from camgen.parts.generator.slotted import SlotHole, one_by_one
 from camgen.parts.generator.wheels import NOSE, Tip, pivot
 from camgen.parts.part import d_bore, hull, with_bar
 from camgen.parts.set_screws import SetScrewHub
@@ -332,7 +332,7 @@ class Layout(Joined):
     def slot_holes(self, link: str, points: Collection[str]) -> dict[str, Contour]:
         """Holes of a link's slots for the pins of these points."""
         ways = {point: ends for point, ends in self.slots_of(link).items() if point in points}
-        slots = (Slotted(*ends, self.slot_width(point) / 2, point) for point, ends in ways.items())
+        slots = (SlotHole(*ends, self.slot_width(point) / 2, point) for point, ends in ways.items())
         return {f"slot {slot.name}": slot.contour for slot in one_by_one(slots, self.min_wall)}
 
     def round_hubs(self, link: str) -> list[tuple[complex, float]]:

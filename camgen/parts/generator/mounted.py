@@ -86,7 +86,8 @@ def in_line(made: Assembly, module: Module, host: UpperEnd, gap: float) -> InLin
     (pose,) = made.poses(np.array([module.phase]))[made.shaft.part]
     if abs(complex(pose.place[0]) + module.at - host.axis) > SAME_POINT:
         return None
-    own, sizes = made.shaft, host.sizes
+    own = made.shaft
+    sizes = host.sizes
     turn = float(pose.angle[0]) - host.angle
     if (own.diameter, own.flat) == (sizes.shaft_diameter, sizes.shaft_flat):
         found = _merged(made, own, pose, module.at, host)
@@ -97,36 +98,29 @@ def in_line(made: Assembly, module: Module, host: UpperEnd, gap: float) -> InLin
     room = min(mount.z for mount in made.mounts if mount.part != own.part) - pose.z - gap
     up = min(SLEEVE * own.diameter, room)
     if up < own.diameter / 2:
-        raise DesignError(
-            "room for a sleeve on the shaft",
-            up,
-            own.diameter / 2,
-            "mm",
-            module.prefix,
-            "let it stand out further under its frame: a longer parts.shaft_length there",
-        )
+        remedy = "let it stand out further under its frame: a longer parts.shaft_length there"
+        quantity = "room for a sleeve on the shaft"
+        raise DesignError(quantity, up, own.diameter / 2, "mm", module.prefix, remedy)
     return InLine(host.end - pose.z, Sleeve(own.diameter, own.flat, turn, up))
 
 
 def _merged(
     made: Assembly, own: Shaft, pose: PartPose, shift: complex, host: UpperEnd
 ) -> tuple[float, Merged] | None:
-    """How high the upper side of a machine's frame is over its underside, mm, and what the host's plate takes; None where
-    something lies under the frame but shaft and collar, or where it is thicker than the plate.
+    """How high the upper side of a machine's frame is over its underside, mm, and what the host's plate takes.
 
-    own, pose: its shaft, and where that is; shift: of its ground in the host's, mm.
+    None where something lies under the frame but shaft and collar, or where it is thicker than the plate. own, pose: its shaft, and where that is; shift: of its ground in the host's, mm.
     """
     if made.frame is None or made.stand_ins:
         return None
     frame = next(each for each in made.mounts if each.part == made.frame.part)
     if frame != Mount(frame.part, frame.body):
         return None
-    others = [
-        mount for mount in made.mounts if mount.part not in (frame.part, own.part, own.collar)
-    ]
+    own_parts = (frame.part, own.part, own.collar)
+    lowest = min(mount.z for mount in made.mounts if mount.part not in own_parts)
     plate = made.by_name[frame.part]
     floor = plate.layers[plate.cut].z1
-    if min(mount.z for mount in others) < 0 or floor > host.sizes.base_thickness or plate.cut:
+    if lowest < 0 or floor > host.sizes.base_thickness or plate.cut:
         return None
     screws = [z for z, _ in made.frame.fixings]
     left_out = (complex(pose.place[0]), *screws)
@@ -166,21 +160,19 @@ def _middle(hole: Contour) -> complex:
 
 def merged(made: Assembly, module: Module, merging: Merging) -> Assembly:
     """A machine as it stands in another one, on that one's second plate and shaft: without frame, shaft and collar."""
-    assert made.shaft is not None and made.frame is not None, "in_line() has looked"
-    plate, shaft = made.frame.part, made.shaft.part
-    gone = (plate, shaft, made.shaft.collar)
+    assert made.shaft is not None and made.frame is not None, "as in_line() gives them"
+    plate = made.frame.part
+    shaft = made.shaft.part
+    left_out = (plate, shaft, made.shaft.collar)
     driven = next(mount.body for mount in made.mounts if mount.part == shaft)
     on_shaft = {mount.part: mount for mount in made.mounts if mount.body == driven}
-    left = replace(
-        made,
-        parts=[
-            _turned(part, on_shaft[part.name], merging.turn) if part.name in on_shaft else part
-            for part in made.parts
-            if part.name not in gone
-        ],
-        mounts=[mount for mount in made.mounts if mount.part not in gone],
-    )
-    found = renamed(left, module)
+    parts = [
+        _with_bore(part, on_shaft[part.name], merging.turn) if part.name in on_shaft else part
+        for part in made.parts
+        if part.name not in left_out
+    ]
+    mounts = [mount for mount in made.mounts if mount.part not in left_out]
+    own = renamed(replace(made, parts=parts, mounts=mounts), module)
 
     def on_host(_: str, value: Any) -> Any:
         if isinstance(value, Eye | Faces) and value.part == module.part(plate):
@@ -189,11 +181,11 @@ def merged(made: Assembly, module: Module, merging: Merging) -> Assembly:
             return replace(value, part=merging.shaft)
         return value
 
-    features: list[Feature] = [mapped(each, on_host) for each in found.features]
-    return replace(found, features=features)
+    features: list[Feature] = [mapped(each, on_host) for each in own.features]
+    return replace(own, features=features)
 
 
-def _turned(part: Part, mount: Mount, turn: float) -> Part:
+def _with_bore(part: Part, mount: Mount, turn: float) -> Part:
     """A part with its flat bore turned, where it has one: its holes about its own origin are those on the shaft; rad."""
     way = cmath.exp(1j * turn * (-1 if mount.flipped else 1))
 
@@ -201,9 +193,8 @@ def _turned(part: Part, mount: Mount, turn: float) -> Part:
         holes = (hole.moved(way) if _keyed(hole) else hole for hole in region.holes)
         return Region(region.outer, tuple(holes))
 
-    return replace(
-        part, layers=tuple(replace(layer, region=bored(layer.region)) for layer in part.layers)
-    )
+    layers = (replace(layer, region=bored(layer.region)) for layer in part.layers)
+    return replace(part, layers=tuple(layers))
 
 
 def _keyed(hole: Contour) -> bool:

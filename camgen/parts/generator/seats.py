@@ -34,17 +34,19 @@ def seat_floor(layout: Layout, point: str, link: str) -> float:
     return round(layout.thickness(link) - layout.fits.slide_clearance - bearing.width, 9)
 
 
-def seated(
+def link_layers(
     layout: Layout, link: str, holes: Mapping[str, Contour]
 ) -> tuple[list[Layer], list[str]]:
-    """A link's body with its holes, their seats and the lips under them, the seats' layer last; what its drawing says of them.
+    """Layers of a link with its holes, their seats and the lips under them, the seats' last; what its drawing says of them.
 
     All bearings of a link that moves are alike, for its pins are.
     """
-    outline, thick, points = layout.outline(link), layout.thickness(link), layout.points_of(link)
+    outline = layout.outline(link)
+    thick = layout.thickness(link)
+    points = layout.points_of(link)
     region = plate(f"link {link}", outline, holes, layout.min_wall)
-    found = {point: layout.bearing_in(point, link) for point in points if point in layout.pivots}
-    seats = {point: bearing for point, bearing in found.items() if bearing is not None}
+    bearings = {point: layout.bearing_in(point, link) for point in points if point in layout.pivots}
+    seats = {point: bearing for point, bearing in bearings.items() if bearing is not None}
     if not seats:
         return [Layer(region, 0.0, thick)], []
     lips = {

@@ -14,29 +14,27 @@ from camgen.tolerances import SAME_POINT
 
 
 @dataclass(frozen=True)
-class Slotted:
-    """A slot: both ends of its middle line, complex mm, half its width, mm, and the point whose pin runs in it, or points."""
+class SlotHole:
+    """A slot as a hole."""
 
-    low: complex
-    high: complex
-    half: float
-    name: str
+    low: complex  # mm, one end of its middle line
+    high: complex  # the other
+    half: float  # mm, half its width
+    name: str  # of the point whose pin runs in it, or of several
 
-    def joined(self, other: Slotted, wall: float) -> Slotted | None:
+    def joined(self, other: SlotHole, wall: float) -> SlotHole | None:
         """Both as one slot; None where they lie on two lines, differ in width, or a wall of so much, mm, is left between."""
+        ends = [self.low, self.high]
+        others = [other.low, other.high]
         same = abs(self.half - other.half) < SAME_POINT
-        if not same or not in_line(
-            np.array([self.low, self.high]), np.array([other.low, other.high])
-        ):
+        if not same or not in_line(np.array(ends), np.array(others)):
             return None
-        way = (self.high - self.low) / abs(self.high - self.low)
-        row = sorted(
-            (self.low, self.high, other.low, other.high), key=lambda z: (z * way.conjugate()).real
-        )
-        between = abs(row[-1] - row[0]) - abs(self.high - self.low) - abs(other.high - other.low)
-        if between >= 2 * self.half + wall:
+        length = abs(self.high - self.low)
+        way = (self.high - self.low) / length
+        low, *_, high = sorted(ends + others, key=lambda z: (z * way.conjugate()).real)
+        if abs(high - low) - length - abs(other.high - other.low) >= 2 * self.half + wall:
             return None
-        return Slotted(row[0], row[-1], self.half, f"{self.name}, {other.name}")
+        return SlotHole(low, high, self.half, f"{self.name}, {other.name}")
 
     @property
     def contour(self) -> Contour:
@@ -44,15 +42,15 @@ class Slotted:
         return hull([(self.low, self.half), (self.high, self.half)])
 
 
-def one_by_one(slots: Iterable[Slotted], wall: float) -> list[Slotted]:
+def one_by_one(slots: Iterable[SlotHole], wall: float) -> list[SlotHole]:
     """Slots with those joined that leave no wall of so much, mm, between them."""
-    found: list[Slotted] = []
+    apart: list[SlotHole] = []
     for slot in slots:
         whole = slot
-        for other in tuple(found):
+        for other in tuple(apart):
             both = whole.joined(other, wall)
             if both is not None:
-                found.remove(other)
+                apart.remove(other)
                 whole = both
-        found.append(whole)
-    return found
+        apart.append(whole)
+    return apart

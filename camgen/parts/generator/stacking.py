@@ -9,7 +9,7 @@ from itertools import product
 from camgen.errors import DesignError
 from camgen.machine import model as m
 from camgen.machine.run import Run
-from camgen.parts.generator.cures import bent
+from camgen.parts.generator.cures import with_bows
 from camgen.parts.generator.guides import STEMS
 from camgen.parts.generator.joined import GROUND, Second
 from camgen.parts.generator.layout import Layout
@@ -41,7 +41,7 @@ def laid(layout: Layout, run: Run) -> Layout:
     assert refused is not None
     if not isinstance(refused, Crowded):
         raise refused
-    for choice in bent(tries[0], refused):
+    for choice in with_bows(tries[0], refused):
         with suppress(DesignError):
             best = _lowest(choice, run, False)
             if best is not None:
@@ -116,7 +116,8 @@ def covered(layout: Layout, run: Run) -> Layout:
     whole motion."""
     if layout.fitting is not None:
         own = layout.fitting(layout)
-        feet, kept = (*layout.feet, *own.feet), (*layout.kept, *own.kept)
+        feet = (*layout.feet, *own.feet)
+        kept = (*layout.kept, *own.kept)
         layout = replace(layout, fitted=own, feet=feet, hangs=bool(feet), kept=kept)
     if layout.sizes.plates < 2:
         return layout

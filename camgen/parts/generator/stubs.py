@@ -9,12 +9,11 @@ from camgen.parts.generator.layout import Layout
 
 @dataclass(frozen=True)
 class Stub:
-    """A pin or shaft, or a piece of one. held: lower and upper side of what sits on it, plates included, from below, mm; far:
-    whether the second plate holds it; hangs: from that alone."""
+    """A pin or shaft, or a piece of one."""
 
-    held: list[tuple[float, float]]
-    far: bool = False
-    hangs: bool = False
+    held: list[tuple[float, float]]  # mm, sides of what sits on it, plates included, from below
+    far: bool = False  # whether the second plate holds it
+    hangs: bool = False  # whether that alone holds it
 
     @property
     def through(self) -> bool:
@@ -23,26 +22,28 @@ class Stub:
 
 
 def stubs(layout: Layout, point: str) -> list[Stub]:
-    """Of a point, from below."""
+    """Stubs of a point, from below."""
     levels = layout.on(point)
     held = [(low, top) for _, low, top in levels]
     if layout.second is None or not layout.between_plates(point):
         return [_inside(layout, point, Stub(held))]
-    end, at = (layout.ceiling, layout.ceiling + layout.sizes.base_thickness), layout.cut(point)
+    end = (layout.ceiling, layout.ceiling + layout.sizes.base_thickness)
+    at = layout.cut(point)
     if at is None:
         return [Stub([*held, end], far=True)]
     low = [each for each, (level, *_) in zip(held, levels, strict=True) if level <= at]
     high = held[len(low) :]
-    found = [Stub(low)] if len(low) > 1 else []  # more than the plate
-    found += [Stub([*high, end], far=True, hangs=True)] if high else []
-    return [_inside(layout, point, stub) for stub in found]
+    pieces = [Stub(low)] if len(low) > 1 else []  # more than the plate
+    pieces += [Stub([*high, end], far=True, hangs=True)] if high else []
+    return [_inside(layout, point, stub) for stub in pieces]
 
 
 def _inside(layout: Layout, point: str, stub: Stub) -> Stub:
     """A pin that runs in a slot of a plate ends a play inside it, so that it rubs on nothing behind; any other stub is itself."""
     if point not in layout.channels:
         return stub
-    play, (low, *between, high) = layout.fits.slide_clearance, stub.held
+    play = layout.fits.slide_clearance
+    low, *between, high = stub.held
     if stub.hangs:
         high = high[0], high[1] - play
     else:
@@ -54,9 +55,8 @@ def in_upper(layout: Layout, point: str, link: str) -> bool:
     """Whether the pin of a point of the ground, where a link turns on it, is held by the second plate more than by the other."""
     if layout.second is None or not layout.between_plates(point) or point in layout.shafts:
         return False
-    at, floor = layout.cut(point), layout.floor(layout.level[link])
-    return (
-        layout.level[link] > at
-        if at is not None
-        else 2 * floor > layout.ceiling + layout.sizes.base_thickness
-    )
+    level = layout.level[link]
+    cut = layout.cut(point)
+    if cut is not None:
+        return level > cut
+    return 2 * layout.floor(level) > layout.ceiling + layout.sizes.base_thickness

@@ -20,7 +20,8 @@ HELD = 0.5  # of what a head and a shoulder stand out, which is enough to hold a
 
 def thread_posts(layout: Layout) -> Iterator[Placed]:
     """The posts of all threads."""
-    head, sizes = layout.sizes.head, layout.sizes.thread_post_sizes
+    head = layout.sizes.head
+    sizes = layout.sizes.thread_post_sizes
     steel = sizes.made == "steel" or layout.sizes.of_sheet
     notes = ["pressed and glued in"]
     if sizes.groove:

@@ -14,23 +14,29 @@ from camgen.parts.part import Layer, Part
 
 def rails(layout: Layout, link: str, floor: float) -> list[Layer]:
     """Rails and saddles on a link or the ground's plate, from a height of it, mm; in steps, as some are higher than others."""
-    width, base, found = layout.sizes.rail_width, layout.floor(layout.level[link]), list[Layer]()
+    width = layout.sizes.rail_width
+    base = layout.floor(layout.level[link])
+    layers: list[Layer] = []
     for runner, guide in layout.guides.items():
         if guide.joint.guide.body != link:
             continue
-        level, cover = layout.level[runner], layout.cover if guide.covered else None
-        low, top = floor, layout.top(level) - base
+        level = layout.level[runner]
+        cover = layout.cover if guide.covered else None
+        low = floor
+        top = layout.top(level) - base
         if cover is not None:
-            low, top = max(floor, layout.top(level - 1) - base), layout.floor(level + 1) - base
+            low = max(floor, layout.top(level - 1) - base)
+            top = layout.floor(level + 1) - base
         for pair in guide.pairs:
             screws, core = ([], 0.0) if cover is None else (cover.places(pair, width), cover.core)
-            found += [Layer(saddle(pair, width), floor, low)] if low > floor else []
-            found += [Layer(drilled(rail, width, screws, core), low, top) for rail in pair]
-    heights = sorted({round(z, 9) for layer in found for z in (layer.z0, layer.z1)})
+            if low > floor:
+                layers.append(Layer(saddle(pair, width), floor, low))
+            layers += [Layer(drilled(rail, width, screws, core), low, top) for rail in pair]
+    heights = sorted({round(z, 9) for layer in layers for z in (layer.z0, layer.z1)})
     return [
         Layer(layer.region, low, high)
         for low, high in pairwise(heights)
-        for layer in found
+        for layer in layers
         if layer.z0 < (low + high) / 2 < layer.z1
     ]
 
@@ -41,18 +47,12 @@ def covers(layout: Layout) -> Iterator[tuple[Part, Mount]]:
         if layout.cover is None or not guide.covered:
             continue
         for pair in guide.pairs:
-            places, joint = layout.cover.places(pair, layout.sizes.rail_width), guide.joint
+            places = layout.cover.places(pair, layout.sizes.rail_width)
+            joint = guide.joint
             part = layout.cover.part(places, cmath.exp(1j * joint.angle), layout.min_wall)
-            yield (
-                part,
-                Mount(
-                    "cover",
-                    joint.guide.body,
-                    sum(places) / len(places),
-                    joint.angle,
-                    z=layout.floor(layout.level[runner] + 1),
-                ),
-            )
+            middle = sum(places) / len(places)
+            z = layout.floor(layout.level[runner] + 1)
+            yield part, Mount("cover", joint.guide.body, middle, joint.angle, z=z)
 
 
 def open_rails(layout: Layout) -> list[str]:

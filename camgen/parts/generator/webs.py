@@ -26,7 +26,7 @@ def web_name(link: str, k: int) -> str:
 
 def throws(links: Mapping[str, Sequence[str]], link: str, pins: Sequence[str] = ()) -> list[str]:
     """Points of a link on which others turn, in its order; pins: those that run in a slot."""
-    others = {point for name, points in links.items() if name != link for point in points} | set(
+    others = {point for name, points in links.items() if name != link for point in points}.union(
         pins
     )
     return [point for point in links[link] if point in others and point not in links[m.GROUND]]
@@ -47,25 +47,21 @@ def further(
     return [web_name(link, k) for k in range(1, len(throws(links, link, pins)) + sizes.plates - 1)]
 
 
-def parted(
-    bodies: Sequence[m.Body], link: str, found: Mapping[str, tuple[str, ...]]
+def with_webs(
+    bodies: Sequence[m.Body], link: str, webs: Mapping[str, tuple[str, ...]]
 ) -> list[m.Body]:
     """The bodies with the webs in place of the link; points that no web joins are on the first."""
+    joined = {point for points in webs.values() for point in points}
     parts: list[m.Body] = []
     for body in bodies:
-        if body.name != link or not found:
+        if body.name != link or not webs:
             parts.append(body)
             continue
-        joined = {point for points in found.values() for point in points}
-        for k, (name, points) in enumerate(found.items()):
-            held = [
-                point
-                for point in body.points
-                if point in points or (k == 0 and point not in joined)
-            ]
-            parts.append(
-                replace(body, name=name, points={point: body.points[point] for point in held})
-            )
+        free = body.points.keys() - joined
+        for name, points in webs.items():
+            own = {point: z for point, z in body.points.items() if point in free.union(points)}
+            parts.append(replace(body, name=name, points=own))
+            free = set()
     return parts
 
 
@@ -76,30 +72,19 @@ def faults(
     pins: Sequence[str],
 ) -> list[Fault]:
     """Why a link's shaft cannot be interrupted."""
-    thrown, key = throws(links, link, pins), ("parts", "shaft")
+    thrown = throws(links, link, pins)
+    key = ("parts", "shaft")
     if not thrown:
-        return [
-            Fault(
-                key,
-                "interrupted",
-                f'"through": no other link turns on a point of {link}, which drives',
-            )
-        ]
-    taken = [name for k in range(1, len(thrown) + 1) if (name := web_name(link, k)) in links]
-    found = [
-        Fault(("links", name), "", f"another name: a web of the interrupted shaft of {link} has it")
-        for name in taken
-    ]
+        right = f'"through": no other link turns on a point of {link}, which drives'
+        return [Fault(key, "interrupted", right)]
+    right = f"another name: a web of the interrupted shaft of {link} has it"
+    names = [web_name(link, k) for k in range(1, len(thrown) + 1)]
+    faults = [Fault(("links", name), "", right) for name in names if name in links]
     for a, b in pairwise(thrown):
         if a in points and b in points and points[a] == points[b]:
-            found.append(
-                Fault(
-                    key,
-                    "interrupted",
-                    f"throws that follow each other apart: {a} and {b} lie at one place",
-                )
-            )
-    return found
+            right = f"throws that follow each other apart: {a} and {b} lie at one place"
+            faults.append(Fault(key, "interrupted", right))
+    return faults
 
 
 def keyed_pin(
@@ -110,25 +95,24 @@ def keyed_pin(
     head: tuple[float, float],
     made: str = "printed",
 ) -> Part:
-    """A crank pin from its lower end up, mm: a flat as long as its web, round between them, a flat; or, where the upper end is
-    0, a head (radius, height) over what turns on it."""
+    """A crank pin from its lower end up, mm: a flat as long as its web, round between them, a flat.
+
+    Where the upper end is 0 a head (radius, height) lies over what turns on it.
+    """
     keyed: Contour = d_bore(diameter, flat)
     low, high = ends
-    layers = [
-        Layer(Region(keyed), 0.0, low),
-        Layer(Region(circle(0j, diameter / 2)), low, low + between),
-    ]
-    if high:
-        layers.append(Layer(Region(keyed), low + between, low + between + high))
-    else:
-        layers.append(Layer(Region(circle(0j, head[0])), low + between, low + between + head[1]))
-    said = "its flats turn the webs: pressed and glued in"
+    radius, height = head
+    top = low + between
+    end = Layer(Region(keyed), top, top + high)
+    if not high:
+        end = Layer(Region(circle(0j, radius)), top, top + height)
+    round_ = Layer(Region(circle(0j, diameter / 2)), low, top)
     return Part(
         "crank-pin",
         "Crank pin",
-        tuple(layers),
+        (Layer(Region(keyed), 0.0, low), round_, end),
         centres=(0j,),
-        notes=(said,),
+        notes=("its flats turn the webs: pressed and glued in",),
         cut=1,
         made=made,
         role="crank-pin",

@@ -34,6 +34,7 @@ from camgen.machine.cams.machine import CamTouch
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Teeth
 from camgen.machine.programs import Scaled
+from camgen.numerics import peak
 from camgen.parts.gears import Spur, pair
 from camgen.parts.generator.sizes import Parts
 
@@ -69,27 +70,24 @@ class Ridden:
 
 @dataclass(frozen=True)
 class Wheel:
-    """A disc on a link's shaft: its level, the link, the greatest radius, mm, and what touches it, for messages.
+    """A disc on a link's shaft."""
 
-    high: its thickness, mm, where it is not that of the link's wheels.
-    """
-
-    level: str
+    level: str  # its name there
     link: str
-    radius: float
-    about: str
-    high: float | None = None
+    radius: float  # mm, the greatest
+    about: str  # what it is, for messages
+    high: float | None = None  # mm, its thickness; None: that of the link's wheels
 
 
 @dataclass(frozen=True)
-class Toothed:
-    """A gear's wheel: its level, joint, link, teeth, and the direction of a tooth as drawn, rad on the ground."""
+class GearWheel:
+    """A gear's wheel."""
 
     level: str
     joint: m.Gear
     link: str
     spur: Spur
-    tooth: float
+    tooth: float  # rad on the ground, direction of a tooth as drawn
 
     @property
     def part(self) -> str:
@@ -187,10 +185,9 @@ class Tip:
     @cached_property
     def wheel(self) -> Wheel:
         """Its disc, or what a groove's plates cover."""
-        reach = (
-            float(np.abs(self.cam.profile(_ROUND)).max())
-            + (2 * self.radius + self.rim) * self.grooved
-        )
+        reach = peak(self.cam.profile(_ROUND))
+        if self.grooved:
+            reach += 2 * self.radius + self.rim
         return Wheel(self.level, self.joint.cam, reach, f"cam {self.joint.name}")
 
 
@@ -199,14 +196,8 @@ def pivot(machine: m.Machine, link: str) -> tuple[complex, complex]:
     for joint in machine.joints:
         if isinstance(joint, m.Pin) and {joint.a.body, joint.b.body} == {m.GROUND, link}:
             return (joint.a.at, joint.b.at) if joint.a.body == link else (joint.b.at, joint.a.at)
-    raise DesignError(
-        "pivots on the ground",
-        0,
-        1,
-        "",
-        f"link {link}",
-        "what carries a cam or gear turns on the ground",
-    )
+    remedy = "what carries a cam or gear turns on the ground"
+    raise DesignError("pivots on the ground", 0, 1, "", f"link {link}", remedy)
 
 
 def with_seconds(machine: m.Machine, cams: Mapping[str, Ridden]) -> m.Machine:
@@ -224,16 +215,17 @@ def with_seconds(machine: m.Machine, cams: Mapping[str, Ridden]) -> m.Machine:
 
 def _second(machine: m.Machine, joint: m.Cam, spec: Ridden) -> complex:
     """Place of the second roller on the follower: as near to the shaft when it is out as the first is when it is in."""
-    law, body = joint.law, machine.body(joint.follower)
+    law = joint.law
+    body = machine.body(joint.follower)
     assert isinstance(law, Scaled)
-    top, first = law.highest, follower_of(machine, joint, spec, spec.at, 1)
+    top = law.highest
+    first = follower_of(machine, joint, spec, spec.at, 1)
     if joint.slide is not None:
         slide = machine.slide(joint.slide)
         assert isinstance(slide, m.Slide) and isinstance(first, SlidingTip)
         way = law.sign * first.along
-        return complex(body.points[spec.at]) - (
-            2 * (first.start / way).real + top
-        ) * way * cmath.exp(-1j * slide.turn)
+        shift = (2 * (first.start / way).real + top) * way
+        return complex(body.points[spec.at]) - shift * cmath.exp(-1j * slide.turn)
     assert isinstance(first, SwingingArm)
     mirrored = (first.arm / first.pivot).conjugate() * first.pivot * cmath.exp(-1j * law.sign * top)
     return pivot(machine, joint.follower)[0] + mirrored * cmath.exp(-1j * joint.rest)
@@ -244,24 +236,20 @@ def follower_of(
 ) -> Follower:
     """What touches the cam, about the cam's axis, as drawn."""
     at = complex(machine.body(joint.follower).points[point])
-    centre, radius = pivot(machine, joint.cam)[1], spec.radius or 0.0
+    centre = pivot(machine, joint.cam)[1]
+    radius = spec.radius or 0.0
     if joint.slide is not None:
         slide = machine.slide(joint.slide)
         assert isinstance(slide, m.Slide)
         way = cmath.exp(1j * slide.angle)
-        start = (
-            slide.guide.at
-            + way * joint.rest
-            + cmath.exp(1j * slide.turn) * (at - slide.runner.at)
-            - centre
-        )
-        return (
-            SlidingFace(start, way, leaves)
-            if spec.shape == "flat"
-            else SlidingTip(start, way, radius, leaves)
-        )
-    held, hinge = pivot(machine, joint.follower)
-    arm, far = cmath.exp(1j * joint.rest) * (at - held), hinge - centre
+        tip = cmath.exp(1j * slide.turn) * (at - slide.runner.at)
+        start = slide.guide.at + way * joint.rest + tip - centre
+        if spec.shape == "flat":
+            return SlidingFace(start, way, leaves)
+        return SlidingTip(start, way, radius, leaves)
+    own, hinge = pivot(machine, joint.follower)
+    arm = cmath.exp(1j * joint.rest) * (at - own)
+    far = hinge - centre
     if spec.shape == "flat":
         ahead = spec.face_offset
         along = math.sqrt(max(0.0, abs(arm) ** 2 - ahead**2))
@@ -275,85 +263,72 @@ def tips(
     machine: m.Machine, cams: Mapping[str, Ridden], sizes: Parts, clearance: float
 ) -> list[Tip]:
     """What runs on each cam; of a conjugate pair both. clearance: of a groove, mm."""
-    found = []
+    made = []
+    rim = groove_rim(sizes) + clearance
     for name, spec in cams.items():
         joint = machine.joint(name)
         assert isinstance(joint, m.Cam) and isinstance(joint.law, Scaled)
-        both: Sequence[tuple[str, str, Literal[1, -1]]] = [
-            (level_of(name), spec.at, 1 if joint.law.sign > 0 else -1)
-        ]
-        if spec.closure == "conjugate" and spec.shape == "roller":
-            both = [
-                *both,
-                (level_of(name) + SECOND, spec.at + SECOND, -1 if joint.law.sign > 0 else 1),
-            ]
-        for key, point, leaves in both:
+        senses: tuple[Literal[1, -1], ...] = (1, -1) if joint.law.sign > 0 else (-1, 1)
+        two = spec.closure == "conjugate" and spec.shape == "roller"
+        for leaves, suffix in zip(senses, ("", SECOND)[: 1 + two], strict=False):
+            key = level_of(name) + suffix
+            point = spec.at + suffix
             follower = follower_of(machine, joint, spec, point, leaves)
             if isinstance(follower, FlatFace) and follower.leaves != leaves:
-                raise DesignError(
-                    "side of the face",
-                    follower.leaves,
-                    leaves,
-                    "",
-                    f"cam {name}",
-                    "draw `at` on the cam's side of the hinge",
-                )
-            cam, rim = (
-                DiscCam(joint.law.signed, follower, spec.tip_clearance),
-                groove_rim(sizes) + clearance,
-            )
+                remedy = "draw `at` on the cam's side of the hinge"
+                where = f"cam {name}"
+                raise DesignError("side of the face", follower.leaves, leaves, "", where, remedy)
+            cam = DiscCam(joint.law.signed, follower, spec.tip_clearance)
             level = key if spec.shape == "roller" else joint.follower
-            second = point != spec.at
-            found.append(Tip(level, joint, cam, point, leaves, key, spec, rim, second))
-    return found
+            made.append(Tip(level, joint, cam, point, leaves, key, spec, rim, bool(suffix)))
+    return made
 
 
-def touched(joint: m.Cam, tips: Sequence[Tip], at: complex) -> m.Cam:
-    """The joint with what it is touched by, unless it says so itself; at: its shaft on the cam's link, mm."""
-    mine = [tip for tip in tips if tip.joint.name == joint.name]
-    if joint.touches or not mine:
+def with_touches(joint: m.Cam, tips: Sequence[Tip], at: complex) -> m.Cam:
+    """The joint with what touches it, unless it says so itself; at: its shaft on the cam's link, mm."""
+    own = [tip for tip in tips if tip.joint.name == joint.name]
+    if joint.touches or not own:
         return joint
-    touches = [CamTouch(tip.cam, turn=tip.turn, at=at) for tip in mine]
-    touches += [CamTouch(tip.cam, outer=True, turn=tip.turn, at=at) for tip in mine if tip.grooved]
-    return replace(joint, touches=tuple(touches), leaves=mine[0].leaves)
+    touches = [CamTouch(tip.cam, turn=tip.turn, at=at) for tip in own]
+    touches += [CamTouch(tip.cam, outer=True, turn=tip.turn, at=at) for tip in own if tip.grooved]
+    return replace(joint, touches=tuple(touches), leaves=own[0].leaves)
 
 
-def toothed(
+def gear_wheels(
     machine: m.Machine, gears: Mapping[str, int | None], backlash: float, least: float
-) -> list[Toothed]:
-    """Both wheels of each gear, a's tooth in b's gap on the line of their axes; gears: teeth of a, None where they are to be
-    found; least: module that can be made, mm."""
-    found = []
+) -> list[GearWheel]:
+    """Both wheels of each gear, a's tooth in b's gap on the line of their axes.
+
+    gears: teeth of a, None where they are open; least: module that can be made, mm.
+    """
+    wheels = []
     for name, teeth in gears.items():
-        joint, where = machine.joint(name), name if name.startswith("gear") else f"gear {name}"
+        joint = machine.joint(name)
+        where = name if name.startswith("gear") else f"gear {name}"
         assert isinstance(joint, m.Gear)
         if joint.carrier != m.GROUND:
             remedy = "let both links of this [[gear]] turn on the ground"
             said = f"the axes of {where} lie on link {joint.carrier}, which moves, and no wheels are made on such"
             raise DesignError("carriers that move", 1, 0, "", where, remedy, said)
-        a, b = pivot(machine, joint.a)[1], pivot(machine, joint.b)[1]
-        first, second = pair(abs(b - a), joint.ratio, backlash, least, teeth, where)
-        line = cmath.phase(b - a)
-        found.append(Toothed(level_of(name), joint, joint.a, first, line))
-        found.append(
-            Toothed(level_of(name), joint, joint.b, second, line + math.pi + math.pi / second.teeth)
-        )
-    return found
+        way = pivot(machine, joint.b)[1] - pivot(machine, joint.a)[1]
+        first, second = pair(abs(way), joint.ratio, backlash, least, teeth, where)
+        line = cmath.phase(way)
+        opposite = line + math.pi + math.pi / second.teeth
+        level = level_of(name)
+        wheels.append(GearWheel(level, joint, joint.a, first, line))
+        wheels.append(GearWheel(level, joint, joint.b, second, opposite))
+    return wheels
 
 
 def limits(tips: Iterable[Tip]) -> list[Finding]:
     """What is judged of each cam as designed; DesignError names the cam where there is none."""
-    found = []
-    for name, joined in groupby(tips, lambda tip: tip.joint.name):
-        of_joint = [*joined]
-        ridden = of_joint[0].ridden
-        found += cam_findings(
-            [exact(tip) for tip in of_joint],
-            ridden.limits,
-            f"program of cam {name}",
-            ridden.face_width,
-        )
-    return found
+    findings = []
+    for name, group in groupby(tips, lambda tip: tip.joint.name):
+        own = list(group)
+        ridden = own[0].ridden
+        cams = [exact(tip) for tip in own]
+        findings += cam_findings(cams, ridden.limits, f"program of cam {name}", ridden.face_width)
+    return findings
 
 
 def exact(tip: Tip) -> ExactCam:
@@ -363,11 +338,8 @@ def exact(tip: Tip) -> ExactCam:
     further = "a follower drawn further from the shaft"
     flatter = f"largest at cam angle {math.degrees(worst):.2f} deg; {further}, or a longer span,"
     second = ", second of the pair" if tip.second else ""
-    return ExactCam(
-        f"cam {tip.joint.name}{second}",
-        tip.cam,
-        Advice(flatter, f"{further}, or a smaller radius,"),
-    )
+    advice = Advice(flatter, f"{further}, or a smaller radius,")
+    return ExactCam(f"cam {tip.joint.name}{second}", tip.cam, advice)
 
 
 def outline(tip: Tip) -> Contour:
@@ -394,15 +366,9 @@ def groove_rim(sizes: Parts) -> float:
 
 
 def named(error: DesignError, thing: str, remedy: str) -> DesignError:
-    """The same error, of a named thing, in the words of a linkage."""
+    """An error of a cam as one of a named thing, in the words of a linkage."""
     where = thing + (f", {error.where}" if error.where else "")
     for word, own in _WORDS.items():
         remedy = remedy.replace(word, own)
-    return DesignError(
-        _WORDS.get(error.quantity, error.quantity),
-        error.value,
-        error.limit,
-        error.unit,
-        where,
-        remedy,
-    )
+    quantity = _WORDS.get(error.quantity, error.quantity)
+    return DesignError(quantity, error.value, error.limit, error.unit, where, remedy)
