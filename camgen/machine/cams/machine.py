@@ -22,7 +22,7 @@ from camgen.findings import Finding, Where
 from camgen.machine.cams.followers import SlidingFace, SlidingTip, SwingingArm, SwingingFace
 from camgen.machine.cams.limits import CamLimits
 from camgen.machine.cams.profile import DiscCam
-from camgen.machine.features import CamMeant, CamOutline, Eye, Flat, OwnTip
+from camgen.machine.features import CamMeant, CamOutline, Eye, Flat
 from camgen.machine.forces import Forces
 from camgen.machine.model import (
     GROUND,
@@ -180,7 +180,6 @@ def cam_outline(
     bore: float | None = None,
     width: float | None = None,
     free: float | None = None,
-    own: OwnTip | None = None,
 ) -> CamOutline:
     """What of a part is measured for "contact" in a machine made by `cam_machine`.
 
@@ -216,7 +215,6 @@ def cam_outline(
         inside=outer,
         free=cam.air if free is None else free,
         bore=None if bore is None else Eye(part, 0j, bore),
-        own=own,
         meant=cam_meant(cam, limits, outer),
     )
 

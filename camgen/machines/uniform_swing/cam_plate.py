@@ -72,7 +72,9 @@ class CamPlate:
     @cached_property
     def part(self) -> Part:
         """The plate; its origin is the shaft's axis."""
-        p, rim, reach = self.sizes.making, self.rim, self.sizes.making.reach
+        p = self.sizes.making
+        rim = self.rim
+        reach = p.reach
         room = float(np.min(point_to_ring(np.zeros(1, complex), rim)))
         if reach >= room:
             remedy = "the bore leaves the cam: use a smaller one"
@@ -119,7 +121,8 @@ class CamPlate:
     def _mark(self, pins: Sequence[Disc]) -> tuple[complex, float, complex] | None:
         """Place, size and direction of the engraved arrow beside the bore, below it if there is room; None without any."""
         p = self.sizes.making
-        size, free = min(_ARROW, _ARROW_SHARE * p.bore), p.wall / 2
+        size = min(_ARROW, _ARROW_SHARE * p.bore)
+        free = p.wall / 2
         for turn in (-90, 90, -45, -135, 45, 135, 0, 180):
             spoke = cmath.rect(1, math.radians(turn))
             at = spoke * (p.reach + free + size)

@@ -87,7 +87,8 @@ class UniformSwing(Mechanism):
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
-        g, p = self.geometry, self.making
+        g = self.geometry
+        p = self.making
         found = faults(self.sizes)
         found += air_faults(("geometry", "tip_clearance"), g.tip_clearance, g.closure, g.tip_radius)
         deg = None if self.load is None else self.load.gravity_deg
@@ -155,7 +156,8 @@ class UniformSwing(Mechanism):
         lever = f"; pulls square to a lever of {self.spring.lever:g} mm about the pivot, no eye is made for it"
         wound = [replace(each, size=each.size + lever) for each in to_wind(springs)]
         demands = (Demand("swing", lash=math.radians(self.allowed.lash_deg)),)
-        machine, facts = self.machine, FollowerFacts(wish=self._spring_wish)
+        machine = self.machine
+        facts = FollowerFacts(wish=self._spring_wish)
         if machine is None:
             part = self.plate.part
             above = self.making.thickness + self.print.slide_clearance
@@ -184,7 +186,8 @@ class UniformSwing(Mechanism):
     @property
     def _spring_wish(self) -> tuple[float, float, float] | None:
         """Of force closure: a straight one on the spec's lever, as [spring] asks: N/mm, least N, travel, mm."""
-        spring, lever = self.spring, self.spring.lever
+        spring = self.spring
+        lever = spring.lever
         if self.sizes.pair or not spring.preload:
             return None
         return (
@@ -225,13 +228,15 @@ class UniformSwing(Mechanism):
 
     @cached_property
     def _features(self) -> Sequence[Feature]:
-        follower, own = self.cam.follower, None
+        follower = self.cam.follower
+        own = None
         if self.machine is not None:
             seat = self.sizes.tip_hole
             tip = Eye("frame", follower.arm, seat or 2 * follower.tip_radius, shaft=not seat)
             bore = Eye("frame", 0j, self.machine.frame_part.bore or 0.0)
             own = OwnTip("frame", tip, bore, follower.tip_radius if seat else None)
-        first = cam_outline(self.cam, "cam", self.allowed.cam_limits, self.making.bore, own=own)
+        first = cam_outline(self.cam, "cam", self.allowed.cam_limits, self.making.bore)
+        first = replace(first, own=own)
         if not self.sizes.pair:
             return (first,)
         tip = Eye(None, follower.arm.conjugate(), 2 * follower.tip_radius)

@@ -100,7 +100,8 @@ def _plot(
 def _model(model: Model, phi: float, which: str) -> Plot:
     """Figure 2: the cam turned by phi, rad, and the follower on it."""
     alpha = model.alpha(np.array([phi]))[0]
-    b, c = complex(model.corner(alpha)), complex(model.tip(alpha))
+    b = complex(model.corner(alpha))
+    c = complex(model.tip(alpha))
     cam = model.profile() * cmath.exp(1j * phi)
     series = [_line("cam", cam), _line("follower ABC", [model.pivot, b, c])]
     words = "at the beginning" if which == "a" else "half a turn on"
@@ -112,7 +113,8 @@ def _vectors(model: Model) -> Plot:
     """Figure 3."""
     ends = model.alpha_1, model.alpha_1 + model.swing
     tips = [complex(model.tip(alpha)) for alpha in ends]
-    pivot, radius = complex(model.pivot), 0.35 * model.pivot
+    pivot = complex(model.pivot)
+    radius = 0.35 * model.pivot
     arcs: list[Points] = []
     named: list[Named] = [
         ("O", 0),
@@ -140,8 +142,11 @@ def _rolled(model: Model, back: bool) -> Plot:
     """Figures 4 and 5: the follower rolled round the cam, which is held."""
     begin = math.pi if back else 0.0
     phi = begin + np.linspace(0, math.pi, _STEPS + 1)
-    alpha, turn = model.alpha(phi), np.exp(-1j * phi)
-    a, b, c = model.pivot * turn, model.corner(alpha) * turn, model.tip(alpha) * turn
+    alpha = model.alpha(phi)
+    turn = np.exp(-1j * phi)
+    a = model.pivot * turn
+    b = model.corner(alpha) * turn
+    c = model.tip(alpha) * turn
     follower = np.concatenate(
         [[x, y, z, complex(math.nan, math.nan)] for x, y, z in zip(a, b, c, strict=True)]
     )

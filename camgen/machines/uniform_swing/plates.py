@@ -76,10 +76,12 @@ class Base:
 
     def part(self, min_wall: float) -> Part:
         """The plate, motor below; its origin is the motor's shaft. Two layers: the upper one has the pockets."""
-        motor, pivot = self.motor, complex(self.pivot)
+        motor = self.motor
+        pivot = complex(self.pivot)
         floor = self.thickness - self.pocket_depth
         self._refuse(min_wall)
-        outer, boss = self._outline(), motor.boss + self.slide
+        outer = self._outline()
+        boss = motor.boss + self.slide
         fixed = {
             "boss": circle(0j, boss / 2),
             "axle": circle(pivot, self._axle_hole),
@@ -148,7 +150,9 @@ class Base:
 
     def _outline(self) -> Contour:
         """The edge, a wall round all that the plate has."""
-        radius, wall, half = self._axle_hole, self.wall, self._half_slot
+        radius = self._axle_hole
+        wall = self.wall
+        half = self._half_slot
         # discs along the slot, so close that the chords between them take no more than 0.1 mm of its wall
         chord = math.acos(max(-1.0, 1 - 0.1 / (self.slide_at + radius + wall)))
         count = max(1, math.ceil(half / chord))
@@ -164,7 +168,8 @@ class Base:
 
     def _window(self, rim: Points) -> Contour | None:
         """A rounded opening between motor and pivot, two walls from the edge and one from everything else; None: no room."""
-        motor, corner = self.motor, self.wall
+        motor = self.motor
+        corner = self.wall
         head = _pocket(motor.screw)
         begin = max([motor.boss / 2, *(z.real + head for z in motor.screws)]) + self.wall + corner
         end = self.pivot - self._axle_hole - self.wall - corner
@@ -243,7 +248,8 @@ class Frame:
                 "frame, beside the pivot",
                 "the cam comes too near the pivot: use a smaller frame.axle or frame.wall, or a smaller geometry.arm_offset",
             )
-        half, fillet = self.arm / 2, min(self.arm / 2, (post - self.tip.real - root) / 4)
+        half = self.arm / 2
+        fillet = min(self.arm / 2, (post - self.tip.real - root) / 4)
         if fillet <= 0:
             raise DesignError(
                 "room between tip and post",
@@ -305,7 +311,9 @@ class Frame:
 
     def _layers(self, min_wall: float, count: int, depth: float) -> tuple[Layer, ...]:
         """The plate from below; depth: of the nuts' pockets, above of two plates, below of one; 0: none."""
-        thick, outer, holes = self.thickness, self._edge, self._holes()
+        thick = self.thickness
+        outer = self._edge
+        holes = self._holes()
         plain = plate("frame", outer, holes, min_wall)
         if not depth:
             return (Layer(plain, 0.0, thick),)

@@ -143,14 +143,16 @@ class SwingMachine:
     @cached_property
     def rims(self) -> Points:
         """Edge of the cam at many cam angles, seen from the frame, (n,)."""
-        follower, theta = self.cam.follower, np.linspace(0, math.tau, _PLACES)[:, None]
+        follower = self.cam.follower
+        theta = np.linspace(0, math.tau, _PLACES)[:, None]
         turned = self.plate.rim * np.exp(1j * theta) - follower.pivot
         return np.asarray((turned * np.exp(-1j * self.cam.reachable(theta))).ravel())
 
     @cached_property
     def base_plate(self) -> Base:
         """The base as a shape."""
-        b, f = self.sizes.base, self.sizes.frame
+        b = self.sizes.base
+        f = self.sizes.frame
         return Base(
             b.face,
             self.cam.follower.pivot.real,
@@ -174,12 +176,14 @@ class SwingMachine:
 
     def _overlap(self, frame: Frame) -> float:
         """How deep the cam comes into the plate that is itself the tip, mm, 0 if it does not."""
-        s, arm = self.sizes, self.cam.follower
+        s = self.sizes
+        arm = self.cam.follower
         tip = arm.arm, arm.tip_radius + min(s.frame.gap, _TOUCHING)
         return 0.0 if s.seat else overlap(frame.part(s.min_wall).region, self.rims, tip)
 
     def _frame_with(self, straight: bool) -> Frame:
-        s, screw = self.sizes, SCREWS[self.sizes.nozzle.screw]
+        s = self.sizes
+        screw = SCREWS[s.nozzle.screw]
         return Frame(
             self.cam.follower.arm,
             s.boss,
@@ -209,7 +213,8 @@ class SwingMachine:
     @cached_property
     def axle(self) -> float:
         """Diameter of both axles, mm: as wanted, or what leaves the least wall between axle and cam."""
-        wanted, min_wall = self.sizes.frame.axle, self.sizes.min_wall
+        wanted = self.sizes.frame.axle
+        min_wall = self.sizes.min_wall
         fit = max(self.sizes.fits.press_clearance, self.play)
         room = math.floor(10 * (2 * (-self._inside.real - min_wall - LAYOUT) - fit)) / 10
         least = min(wanted, LEAST_AXLE)
@@ -236,7 +241,8 @@ class SwingMachine:
     @property
     def _sleeve_wall(self) -> float:
         """Wall of the collet: as wanted, or what the pins leave."""
-        wall, pin = self.sizes.collet.wall, self.sizes.making.pin_diameter
+        wall = self.sizes.collet.wall
+        pin = self.sizes.making.pin_diameter
         free = min((abs(z) - pin / 2 for z in self.plate.pins), default=math.inf)
         return min(wall, wall + free - self.plate.room.collet(wall).radius)
 
@@ -265,7 +271,8 @@ class SwingMachine:
     @cached_property
     def tip_pin(self) -> float:
         """Length of the dowel pin at the tip; DesignError where none is sold, or its bearing does not fit beside the plate."""
-        seat, bearing = self.sizes.seat, self.sizes.frame.bearing
+        seat = self.sizes.seat
+        bearing = self.sizes.frame.bearing
         longest = 2 * self.thickness + self.play
         length = dowel(seat, longest)
         held = max(self.thickness / 2, bearing.width if bearing else 0.0)
@@ -306,7 +313,8 @@ class SwingMachine:
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         """Every printed part, the cam first; DesignError where sizes do not go together."""
-        s, f = self.sizes, self.sizes.frame
+        s = self.sizes
+        f = s.frame
         frame = self.frame_part
         deep = self._overlap(self._frame)
         if deep > 0:
@@ -384,9 +392,12 @@ class SwingMachine:
 
     def _spacer(self) -> Part:
         """Washer between the cams, small enough to pass between the tips."""
-        s, washer, pins = self.sizes, self.plate.room.washer, self.plate.pins
+        s = self.sizes
+        washer = self.plate.room.washer
+        pins = self.plate.pins
         assert washer is not None, "a pair has one"
-        pin, wall = s.making.pin_diameter, s.making.wall
+        pin = s.making.pin_diameter
+        wall = s.making.wall
         reach = max([washer.hole, *(abs(z) + pin / 2 for z in pins)])
         radius = min(reach + wall, float(np.min(np.abs(self._rim))) - washer.inset)
         edge = circle(0j, radius)
@@ -410,7 +421,10 @@ class SwingMachine:
     @cached_property
     def mounts(self) -> tuple[Mount, ...]:
         """Every copy on cam, follower or ground."""
-        s, f, t, low = self.sizes, self.sizes.frame, self.thickness, self.low
+        s = self.sizes
+        f = s.frame
+        t = self.thickness
+        low = self.low
         mounts = [
             Mount("base", GROUND),
             Mount("cam", "cam", z=low),
@@ -441,11 +455,15 @@ class SwingMachine:
 
     def stand_ins(self) -> tuple[StandIn, ...]:
         """Bought things as stacks of discs."""
-        s, screw = self.sizes, SCREWS[self.sizes.nozzle.screw]
-        p, face, base = s.making, s.base.face, self.base_plate
+        s = self.sizes
+        screw = SCREWS[s.nozzle.screw]
+        p = s.making
+        face = s.base.face
+        base = self.base_plate
         floor = base.thickness - base.pocket_depth
         heads = [(z, sunk.head / 2, floor, floor + sunk.height) for z, sunk in base.sunk]
-        last, half = self.last, screw.nut / 2
+        last = self.last
+        half = screw.nut / 2
         middle = self.foot + (self.thickness if s.pair else half)
         tail = complex(s.frame.slide_at, s.nozzle.spacing / 2)
         nozzle = [
@@ -475,7 +493,9 @@ class SwingMachine:
 
     def _tips(self) -> list[tuple[tuple[complex, float, float, float], ...]]:
         """Pin, and bearing, of each tip that is not the plate itself, as discs on the follower."""
-        s, arm, t = self.sizes, self.cam.follower.arm, self.thickness
+        s = self.sizes
+        arm = self.cam.follower.arm
+        t = self.thickness
         if not s.seat:
             return []
         low = self.foot + t - self.tip_pin if s.pair else self.foot
@@ -486,7 +506,8 @@ class SwingMachine:
         for z, below, cam in tips:
             discs = [(z, s.seat / 2, below, below + self.tip_pin)]
             if s.frame.bearing:
-                half, middle = s.frame.bearing.width / 2, cam + t / 2
+                half = s.frame.bearing.width / 2
+                middle = cam + t / 2
                 discs.append((z, s.frame.bearing.outside / 2, middle - half, middle + half))
             found.append(tuple(discs))
         return found

@@ -92,7 +92,8 @@ class Pins:
             return complex(places[best]), float(walls[best])
         widest = complex(places[best]), -math.inf
         for k in np.flatnonzero(walls >= self.least):
-            z, wall = complex(places[k]), float(walls[k])
+            z = complex(places[k])
+            wall = float(walls[k])
             if wall > widest[1]:
                 kept = min(wall, self.washer.wall(rim, (z, -z.conjugate()), self.diameter))
                 widest = max(widest, (z, kept), key=lambda each: each[1])
@@ -109,7 +110,8 @@ def near_far(pivot: Any, offset: Any, swing: Any, tip: float) -> tuple[Floats, F
 
     pivot, offset: mm; swing: peak to peak, rad; tip: its radius, mm; arrays of one shape, or numbers.
     """
-    arm, lean = np.hypot(pivot, offset), np.arctan2(offset, pivot)
+    arm = np.hypot(pivot, offset)
+    lean = np.arctan2(offset, pivot)
     inner, outer = (
         np.sqrt(
             np.maximum(pivot**2 + arm**2 - 2 * pivot * arm * np.cos(lean + side * swing / 2), 0.0)
@@ -134,7 +136,8 @@ class Room:
     def washer(self) -> Washer | None:
         """Of a pair; where tips are pins in bosses of the frames, it has to pass the bosses."""
         s = self.sizes
-        slide, beyond = s.fits.slide_clearance, s.boss - s.geometry.tip_radius
+        slide = s.fits.slide_clearance
+        beyond = s.boss - s.geometry.tip_radius
         return Washer((s.making.bore + slide) / 2, slide + beyond) if s.pair else None
 
     @property
@@ -146,7 +149,8 @@ class Room:
 
     def check(self) -> None:
         """Raise DesignError where the cam comes too near to its shaft, or to the pivot."""
-        g, bore = self.sizes.geometry, self.sizes.making.bore
+        g = self.sizes.geometry
+        bore = self.sizes.making.bore
         near, far = map(float, near_far(g.pivot_distance, g.arm_offset, self.swing, g.tip_radius))
         if far >= g.pivot_distance:
             where = "the follower's pivot, which it would sweep over"
@@ -175,7 +179,8 @@ class Room:
 
         The collet's wall gives way before the pins'. DesignError where they have no room.
         """
-        p, collet = self.sizes.making, self.sizes.collet
+        p = self.sizes.making
+        collet = self.sizes.collet
         least = self.sizes.min_wall + 2 * LAYOUT
         tries = []
         for wall in (collet.wall, min(collet.wall, least)):
@@ -196,7 +201,8 @@ class Room:
 
     def collet(self, wall: float) -> Collet:
         """The collet with a sleeve of this wall, mm, without flange and pins."""
-        c, slide = self.sizes.collet, self.sizes.fits.slide_clearance
+        c = self.sizes.collet
+        slide = self.sizes.fits.slide_clearance
         bore = self.sizes.making.bore
         return Collet(bore, slide, wall, c.length, c.flange, 0.0, (), c.slits, c.slit)
 
@@ -206,7 +212,9 @@ class Room:
         One key is changed, the others stay. more: mm that the cam needs beyond its walls.
         """
         s = self.sizes
-        g, frame, fits = s.geometry, s.frame, s.fits
+        g = s.geometry
+        frame = s.frame
+        fits = s.fits
         axle = min(frame.axle, LEAST_AXLE) + max(fits.press_clearance, fits.slide_clearance)
         hub = frame.gap + axle / 2 + s.min_wall + 5 * LAYOUT
         motor = s.base.face.half + frame.axle_flange / 2
@@ -242,8 +250,10 @@ class Room:
 
 def faults(sizes: SwingSizes) -> list[Fault]:
     """What is wrong between keys that are right one by one."""
-    p, min_wall = sizes.making, sizes.min_wall
-    nozzle, blend = sizes.fits.nozzle, sizes.geometry.reversal_blend_deg
+    p = sizes.making
+    min_wall = sizes.min_wall
+    nozzle = sizes.fits.nozzle
+    blend = sizes.geometry.reversal_blend_deg
     printed = f"at least the nozzle, {nozzle:g} mm"
     checks = [
         (
@@ -271,9 +281,15 @@ def faults(sizes: SwingSizes) -> list[Fault]:
 
 def _machine_checks(sizes: SwingSizes) -> Iterator[tuple[bool, str, str, str]]:
     """Checks between keys of the machine: whether it holds, table, key, what would be right."""
-    p, base, frame, collet = sizes.making, sizes.base, sizes.frame, sizes.collet
-    slide, nozzle = sizes.fits.slide_clearance, sizes.fits.nozzle
-    pin, radius, motor = p.pin_diameter, sizes.geometry.tip_radius, base.face
+    p = sizes.making
+    base = sizes.base
+    frame = sizes.frame
+    collet = sizes.collet
+    slide = sizes.fits.slide_clearance
+    nozzle = sizes.fits.nozzle
+    pin = p.pin_diameter
+    radius = sizes.geometry.tip_radius
+    motor = base.face
     for table, key in (
         ("parts", "pin_diameter"),
         ("frame", "arm"),

@@ -12,9 +12,12 @@ _ENGAGED = 0.8  # diameters of thread that hold a screw in metal
 
 def screw_grip(machine: SwingMachine) -> Finding:
     """SCREW_GRIP: the motor's screws, of a length that is sold, hold by 0.8 diameters of thread or by a whole nut."""
-    face, plate = machine.sizes.base.face, machine.base_plate
-    grip, screw = plate.thickness - plate.pocket_depth, face.screw
-    length, least = face.screw_length(grip), screw.nut if face.plain else _ENGAGED * screw.nominal
+    face = machine.sizes.base.face
+    plate = machine.base_plate
+    grip = plate.thickness - plate.pocket_depth
+    screw = face.screw
+    length = face.screw_length(grip)
+    least = screw.nut if face.plain else _ENGAGED * screw.nominal
     held = length - grip - (face.depth if face.plain else 0.0)
     said = f"{screw.thread} x {length:g} through {grip:.4g} mm of the base; another base.thickness suits lengths that are sold"
     return at_least("SCREW_GRIP", held, least, "mm", Where("screws of the motor"), said)
@@ -22,15 +25,18 @@ def screw_grip(machine: SwingMachine) -> Finding:
 
 def bought(machine: SwingMachine) -> tuple[Bought, ...]:
     """What is bought, by its standard."""
-    sizes, plate = machine.sizes, machine.base_plate
-    face, tip = sizes.base.face, sizes.frame.bearing
+    sizes = machine.sizes
+    plate = machine.base_plate
+    face = sizes.base.face
+    tip = sizes.frame.bearing
     copies = 2 if sizes.pair else 1
     grip = plate.thickness - plate.pocket_depth
     found = fixed_motor("motor", face, f"shaft {machine.shaft_size}", grip)
     if plate.mount:
         size = f"{plate.mount.thread}, {grip:.3g} mm longer than what it takes below the base"
         found.append(Bought("screw of the base", plate.mount.standard, size, len(plate.mounts)))
-    screw, most = SCREWS[sizes.nozzle.screw], machine.last - machine.foot
+    screw = SCREWS[sizes.nozzle.screw]
+    most = machine.last - machine.foot
     least = machine.thickness + screw.nut / 2 if sizes.pair else most
     longer = f"{least:g} to {most:g}" if least < most else f"{most:g}"
     found += [
@@ -59,7 +65,8 @@ def bought(machine: SwingMachine) -> tuple[Bought, ...]:
 
 def steps(machine: SwingMachine) -> Table:
     """In which order the machine goes together: from the base up, each part laid on from above."""
-    m, sizes = machine, machine.sizes
+    m = machine
+    sizes = machine.sizes
     tip = "; dowel pin pressed in, flush with the side away from the cam" if sizes.seat else ""
     tip += ", the bearing glued on it at half the cam's height" if sizes.frame.bearing else ""
     nuts = "nozzle's nuts in their pockets" + ("" if sizes.pair else " below")

@@ -56,7 +56,8 @@ def canvas_study(theta: Floats, motion: Mapping[str, Floats]) -> Study:
             continue
         for name, flat in (("round", False), ("flat", True)):
             laid = canvas(theta, s, flat, _JET)
-            share, middle = 100 * canvas(theta, s, flat, STRIPS).share, 100 * laid.spread(_MIDDLE)
+            share = 100 * canvas(theta, s, flat, STRIPS).share
+            middle = 100 * laid.spread(_MIDDLE)
             numbers[f"canvas_share_{name}_{kind}_percent"] = share
             rows.append((f"{name} collector, from {kind.upper()}", share, middle))
             series.append((f"{name}, {kind.upper()}", laid.place, laid.thickness))
@@ -93,7 +94,8 @@ def blend_study(cam: DiscCam, blend: float) -> Study:
     undercut, acceleration, share_round, share_flat = table
     undercut = np.degrees(undercut)
     finite = np.where(np.isfinite(acceleration), acceleration, math.nan)
-    label, here = "reversal blend, deg", [("this spec", math.degrees(blend))]
+    label = "reversal blend, deg"
+    here = [("this spec", math.degrees(blend))]
     shares = [("round collector", x, 100 * share_round), ("flat collector", x, 100 * share_flat)]
     columns = (
         "blend, deg",
@@ -194,7 +196,8 @@ def _notes(cam: DiscCam) -> list[str]:
 
 def source_figures(pivot: float, offset: float, swing: float) -> dict[str, float]:
     """R, and at both ends of the swing alpha (angle OAC), r = OC and beta (of OC from Oy), by equations 2 to 5 of the source."""
-    reach, middle = math.hypot(pivot, offset), math.atan2(offset, pivot)
+    reach = math.hypot(pivot, offset)
+    middle = math.atan2(offset, pivot)
     numbers = {"source_r_mm": reach}
     for k, alpha in ((1, middle - swing / 2), (2, middle + swing / 2)):
         tip = pivot - cmath.rect(reach, alpha)

@@ -48,7 +48,8 @@ def time_below(levels: Floats, theta: Floats, s: Floats) -> Floats:
 
     theta, s: (n,) over one whole turn, theta increasing, both ends included. A stretch at rest counts from its level on.
     """
-    low, high = np.minimum(s[:-1], s[1:]), np.maximum(s[:-1], s[1:])
+    low = np.minimum(s[:-1], s[1:])
+    high = np.maximum(s[:-1], s[1:])
     spans = np.diff(theta)
     moving = high - low > 1e-9 * (
         np.max(high) - np.min(low)
@@ -57,7 +58,8 @@ def time_below(levels: Floats, theta: Floats, s: Floats) -> Floats:
     slopes = spans[moving] / (high - low)[moving]
     places = np.concatenate((low[moving], high[moving]))
     order = np.argsort(places, kind="stable")
-    places, steps = places[order], np.concatenate((slopes, -slopes))[order]
+    places = places[order]
+    steps = np.concatenate((slopes, -slopes))[order]
     grown = np.concatenate(([0.0], np.cumsum(np.cumsum(steps)[:-1] * np.diff(places))))
     rests = np.sort(low[~moving])
     weight = np.concatenate(([0.0], np.cumsum(spans[~moving][np.argsort(low[~moving])])))
@@ -72,7 +74,8 @@ def canvas(theta: Floats, s: Floats, flat: bool = False, strips: int = STRIPS) -
 
     A flat collector needs |s| below pi/2: ValueError otherwise.
     """
-    low, high = float(np.min(s)), float(np.max(s))
+    low = float(np.min(s))
+    high = float(np.max(s))
     if flat and max(-low, high) >= math.pi / 2:
         raise ValueError("the jet does not reach a flat collector at a right angle and beyond")
     edges = (
@@ -80,7 +83,8 @@ def canvas(theta: Floats, s: Floats, flat: bool = False, strips: int = STRIPS) -
         if flat
         else np.linspace(low, high, strips + 1)
     )
-    edges[0], edges[-1] = -np.inf, np.inf
+    edges[0] = -np.inf
+    edges[-1] = np.inf
     time = np.diff(time_below(edges, theta, s))
     middle = np.mean(
         np.sort(time)[[(strips - 1) // 2, strips // 2]]
