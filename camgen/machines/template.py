@@ -10,22 +10,38 @@ All else, such as parts, levels, pins, forces, limits of joints, is that of any 
 
 from __future__ import annotations
 
+import re
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
 from typing import Any, Self
 
+from camgen.errors import DesignError
 from camgen.findings import Finding
 from camgen.machine.features import Demand
 from camgen.machine.model import Machine
-from camgen.machines.linkage.mechanism import Linkage
+from camgen.machines.linkage.mechanism import Additions, Linkage
 from camgen.machines.mechanism import Mechanism, Remarks
 from camgen.parts.assembly import Assembly
 from camgen.parts.generator.joined import Fitting
 from camgen.parts.generator.layout import Layout
 from camgen.spec import validate
 from camgen.study import Study, together
+
+
+@contextmanager
+def in_bodies() -> Iterator[None]:
+    """A DesignError names the keys of [bodies], where those sizes are, in place of [parts]."""
+    try:
+        yield
+    except DesignError as error:
+        of, where, remedy, said = (
+            re.sub(r"\bparts\.(?!make)", "bodies.", words)
+            for words in (error.quantity, error.where, error.remedy, error.sentence)
+        )
+        raise DesignError(of, error.value, error.limit, error.unit, where, remedy, said) from None
 
 
 class Template(Mechanism):
@@ -54,6 +70,10 @@ class Template(Mechanism):
         """Parts of its own on a linkage that is laid out."""
         return Fitting()
 
+    def additions(self) -> Additions:
+        """What is said of the linkage beside its tables."""
+        return Additions(self.fitting)
+
     @cached_property
     def linkage(self) -> Linkage:
         """The linkage that it is."""
@@ -62,7 +82,8 @@ class Template(Mechanism):
         load = {} if self.load is None else {"load": self.load}
         base = {"mechanism": "linkage", "name": self.name, **shared, **more, **load}
         found = validate(Linkage, {**base, **self.tables()})
-        vars(found)["fitting"] = self.fitting
+        vars(found)["additions"] = self.additions()
+        vars(found).pop("_drawing", None)  # validated without them
         return found
 
     def _unloaded(self) -> Machine:

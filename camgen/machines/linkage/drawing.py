@@ -20,10 +20,13 @@ from camgen.errors import DesignError, Key
 from camgen.machine import freedom
 from camgen.machine import model as m
 from camgen.machine.cams.followers import Follower
+from camgen.machine.cams.limits import Advice
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.cams.sizing import least_base_radius
+from camgen.machine.freewheels import Ratchet
 from camgen.machine.jets import thread_length
 from camgen.machine.programs import Scaled
+from camgen.machine.run import solve
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.links import shape
 from camgen.motion.polydyne import Lag, polydyne
@@ -52,6 +55,9 @@ class Drawing:
     limits: t.LinkageLimits = t.LinkageLimits()
     rooms: Mapping[str, float] = field(default_factory=dict)  # by closure: circle in a cam, mm
     stiffness: float | None = None  # of a follower, N/mm or N m/rad
+    freewheels: Sequence[t.Freewheel] = ()
+    programs: Mapping[str, Program] = field(default_factory=dict)  # of cams, by their joints
+    advice: Advice | None = None  # on cams, in the words of a template
 
     # ---- names ----------------------------------------------------------------------------------------------------
 
@@ -75,6 +81,11 @@ class Drawing:
         """Name of its joint."""
         return cam.name or f"{cam.cam} on {cam.follower}"
 
+    @staticmethod
+    def freewheel_name(freewheel: t.Freewheel) -> str:
+        """Name of its joint."""
+        return freewheel.name or f"{freewheel.wheel} to {freewheel.link}"
+
     def joints(self) -> Iterable[tuple[str, str]]:
         """Path and name of each joint that has a table."""
         for kind, names in (
@@ -82,6 +93,7 @@ class Drawing:
             ("slot", map(self.slot_name, self.slots)),
             ("gear", map(self.gear_name, self.gears)),
             ("cam", map(self.cam_name, self.cams)),
+            ("freewheel", map(self.freewheel_name, self.freewheels)),
         ):
             yield from ((f"{kind}.{k}", name) for k, name in enumerate(names))
 
@@ -205,6 +217,9 @@ class Drawing:
 
     def program_of(self, cam: t.Cam, path: Key = ("cam",)) -> Program:
         """The cam's program in its sense of turning, s in mm or rad, 0 at its beginning; SpecError with every fault."""
+        known = self.programs.get(self.cam_name(cam))
+        if known is not None:
+            return known
         made = self.given(cam, path)
         if cam.polydyne and self.stiffness is not None:
             stiff, speed = self.stiffness, abs(self.speed_of(cam))
@@ -244,6 +259,7 @@ class Drawing:
                 cam.face_width,
                 self.limits.of_follower(self.slide_of(cam.follower) is not None),
                 cam.face_offset,
+                self.advice,
             )
             for cam in self.cams
         }
@@ -277,10 +293,14 @@ class Drawing:
         speed = self.drive.speed_rpm * math.tau / 60
         made = {joint.name: joint for joint in joints}
         loads = [self._load(cam, made[self.cam_name(cam)]) for cam in self.cams]  # type: ignore[arg-type]
+        held = [
+            m.Drive(self.freewheel_name(f), f.link, m.Turning(0.0, start[f.link].angle))
+            for f in self.freewheels
+        ]
         return m.Machine(
             tuple(bodies.values()),
             tuple(joints),
-            (drive,),
+            (drive, *held),
             start,
             tuple(load for load in loads if load is not None),
             outputs,
@@ -345,6 +365,32 @@ class Drawing:
                 ) from None
             machine = _moved(machine, joint, ahead)
         return machine
+
+    def released(self, machine: m.Machine) -> m.Machine:
+        """The machine with its freewheels; what they turn on is held still by drives of their names until then."""
+        clutches = tuple(self._clutch(freewheel, machine) for freewheel in self.freewheels)
+        if not clutches:
+            return machine
+        joints = (*machine.joints, *clutches)
+        return replace(machine, joints=joints, drives=machine.drives[: -len(clutches)])
+
+    def _clutch(self, freewheel: t.Freewheel, held: m.Machine) -> m.Clutch:
+        """The joint of wheel and link; held: the machine, its freewheels' links held."""
+        wheel = m.Output("wheel", m.Angle(freewheel.wheel), "rad")
+        seen = replace(held, outputs=(wheel,))
+
+        def turned(theta: m.Floats, order: int) -> m.Floats:
+            return np.asarray(solve(seen, theta, order).derivatives("wheel")[order], float)
+
+        law = Ratchet(
+            turned,
+            math.radians(freewheel.lost_deg),
+            1 if freewheel.turns == "counter-clockwise" else -1,
+            -1 if held.speed < 0 else 1,
+            held.start[freewheel.link].angle,
+        )
+        name = self.freewheel_name(freewheel)
+        return m.Clutch(name, freewheel.wheel, freewheel.link, law, law.apart)
 
     def _bodies(self) -> tuple[dict[str, m.Body], dict[str, m.Pose]]:
         bodies, start = {}, {}

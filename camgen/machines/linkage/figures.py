@@ -182,8 +182,7 @@ def _notes(linkage: LinkageMotion, made: Build | None) -> list[str]:
         notes.append(f"{cam.name} is held by force: {least}.")
     if linkage.springs:
         notes.append(
-            "Springs are bought. Each has a level of its own, free over the whole motion along the line between its "
-            "pins; they are not in the sweep."
+            "Springs are bought. Each has a level of its own, free over the whole motion along the line between its pins."
         )
     if made is not None:
         notes += open_rails(made.layout)
@@ -283,7 +282,7 @@ def _longer_slots(made: Build) -> list[str]:
     """What to say of slots whose pin passes their drawn ends."""
     notes = []
     layout = made.layout
-    for slot in made.slots:
+    for slot in (slot for slot in made.slots if slot.pin in layout.slots):
         low, high = layout.strokes[layout.slots[slot.pin].name]
         a, b = (layout.at(slot.link, point) for point in slot.along)
         for end, over in zip(slot.along, (-low, high - abs(b - a)), strict=True):

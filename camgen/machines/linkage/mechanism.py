@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Annotated, Any, Self
 
@@ -25,14 +25,16 @@ from camgen.errors import DesignError, Fault
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats
 from camgen.machine import model as m
+from camgen.machine.cams.limits import Advice
 from camgen.machine.features import Balance, CamOutline
 from camgen.machine.forces import Forces
+from camgen.machine.freewheels import Ratchet
 from camgen.machine.joining import joined
 from camgen.machine.programs import Programmed
 from camgen.machine.reach import refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
 from camgen.machines import included as inc
-from camgen.machines.linkage import bridges, figures, sheets
+from camgen.machines.linkage import bridges, figures, freewheels, sheets
 from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.asked_range import refuse_range
@@ -47,16 +49,19 @@ from camgen.machines.loads.tables import Drives
 from camgen.machines.loads.weights import gravity
 from camgen.machines.mechanism import Mechanism, Remarks
 from camgen.machines.return_spring import SAMPLES
+from camgen.motion.program import Program
 from camgen.parts import assembly as assemblies
-from camgen.parts.assembly import Assembly, Cycle, Frame, MotorSeat
-from camgen.parts.catalogue import turning_text
+from camgen.parts import materials
+from camgen.parts.assembly import Assembly, Cycle, FollowerFacts, Frame, MotorSeat
+from camgen.parts.catalogue import CLUTCHES, Bearing, turning_text
 from camgen.parts.counterweights import NAME
 from camgen.parts.generator import webs, wheels
+from camgen.parts.generator.beneath import Beneath
 from camgen.parts.generator.bodies import Bodies
 from camgen.parts.generator.changes import Change
 from camgen.parts.generator.coils import coils_of
 from camgen.parts.generator.joined import Fitting
-from camgen.parts.generator.joints import pivot_of
+from camgen.parts.generator.joints import part_name, pivot_of
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.mounted import upper_end
 from camgen.parts.generator.posts import posts
@@ -65,12 +70,28 @@ from camgen.parts.generator.stacking import first_choice, lacking, laid
 from camgen.parts.generator.trials import with_cures
 from camgen.parts.journals import journals
 from camgen.parts.part import Part
+from camgen.parts.stiffness import bending_stiffness
 from camgen.spec import unknown, validate
 from camgen.study import ROWS, Later, Study, together
 
 _SAMPLES = np.linspace(
     0, math.tau, 1440, endpoint=False
 )  # of a period, at which links are looked at for their levels
+
+
+_MARK = 0.8  # of a hub's radius, to the hole that shows how what turns on stands
+
+
+@dataclass(frozen=True)
+class Additions:
+    """What a template says of its linkage beside the tables."""
+
+    fitting: Callable[[Layout], Fitting] | None = None  # parts beside those of the joints
+    programs: Mapping[str, Program] = field(default_factory=dict)  # of cams, by their joints
+    loads: tuple[m.Load, ...] = ()
+    advice: Advice | None = None  # on its cams
+    drive: m.Law | None = None  # angle of the driven link, over theta
+    beneath: str | None = None  # link that hangs under the plate with what drives it
 
 
 class Linkage(Mechanism):
@@ -96,6 +117,9 @@ class Linkage(Mechanism):
     cams: Annotated[tuple[t.Cam, ...], Field(alias="cam")] = Field(
         default=(),
         description="the outline of `cam` is made so that `follower` moves by the segments",
+    )
+    freewheels: Annotated[tuple[t.Freewheel, ...], Field(alias="freewheel", max_length=20)] = Field(
+        default=(), description="a link that turns on, by a wheel that goes to and fro"
     )
     springs: Annotated[tuple[t.Spring, ...], Field(alias="spring", max_length=20)] = Field(
         default=(),
@@ -128,7 +152,7 @@ class Linkage(Mechanism):
     @model_validator(mode="before")
     @classmethod
     def _of_sheet(cls, data: Any) -> Any:
-        return sheets.filled(data, "parts")
+        return freewheels.filled(sheets.filled(data, "parts"))
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
@@ -153,6 +177,8 @@ class Linkage(Mechanism):
             unknown(("layers", name), name, lying) for name in self.layers if name not in lying
         ]
         found += self.making.faults(self.links, self.print.nozzle, self.allowed.min_wall)
+        turning_on = self.freewheels, self.links, self.gears, self.drive, self.making
+        found += freewheels.faults(*turning_on)
         found += sheets.faults(
             self.making,
             self.laser,
@@ -220,6 +246,9 @@ class Linkage(Mechanism):
             self.allowed,
             self._rooms,
             None if self.load is None else self.load.stiffness,
+            self.freewheels,
+            self.additions.programs,
+            self.additions.advice,
         )
 
     @property
@@ -257,8 +286,21 @@ class Linkage(Mechanism):
 
     def _weighed(self, bodies: Bodies) -> m.Machine:
         """The machine of some bodies with their masses and springs."""
+        return self._weighed_with(bodies, self.sprung)
+
+    def _weighed_with(self, bodies: Bodies, springs: Sequence[coils.MountedSpring]) -> m.Machine:
         machine = bodies.weighed(self._process.density, self.masses)
-        return replace(machine, loads=(*machine.loads, *(each.pull for each in self.sprung)))
+        if self._beneath is not None:
+            machine = self._beneath.joined(machine, self._process.density)
+        pulls = (each.pull for each in springs)
+        return replace(machine, loads=(*machine.loads, *self.additions.loads, *pulls))
+
+    @property
+    def closing(self) -> float:
+        """What return springs press followers on their cams with at least, N or N m; inf without any."""
+        pulls = {each.name: each.spring for each in self.sprung}
+        found = (each.spring.closing(pulls[each.name]) for each in self._returning)
+        return min(found, default=math.inf)
 
     @cached_property
     def sprung(self) -> Sequence[coils.MountedSpring]:
@@ -297,10 +339,9 @@ class Linkage(Mechanism):
         bodies = Bodies(
             laid(self._layout_with(self._hung), self.run(self.cycle.theta(_SAMPLES), 0))
         )
-        machine = bodies.weighed(self._process.density, self.masses)
+        machine = self._weighed_with(bodies, self._hung)
         own = () if self.load is None else efforts(self.load.on, machine)
-        pulls = [each.pull for each in self._hung]
-        machine = replace(machine, loads=(*machine.loads, *pulls, *gravity(self.load), *own))
+        machine = replace(machine, loads=(*machine.loads, *gravity(self.load), *own))
         return solve(machine, SAMPLES).forces()
 
     @cached_property
@@ -319,9 +360,11 @@ class Linkage(Mechanism):
             for joint in chain.joints
         )
         chain = replace(chain, joints=joints)
+        law: m.Law | None
         program = self.drive.program()
         if program is None:
-            law, reach = None, None if self.drive.range_deg is None else self.cycle.range
+            law = None
+            reach = None if self.drive.range_deg is None else self.cycle.range
         else:
             law = Programmed(program, chain.start[self.drive.link].angle)
             reach = law.reach
@@ -330,7 +373,11 @@ class Linkage(Mechanism):
         else:
             refuse_range(chain, self.drive, *reach)
         refuse_folds(chain, *(reach or (0.0, math.tau)))
-        return chain if law is None else replace(chain, drives=(replace(chain.drives[0], law=law),))
+        law = self.additions.drive or law
+        if law is not None:
+            drive, *held = chain.drives
+            chain = replace(chain, drives=(replace(drive, law=law), *held))
+        return self._drawing.released(chain)
 
     @property
     def _speed(self) -> float:
@@ -394,23 +441,33 @@ class Linkage(Mechanism):
         even = self.drive.range_deg is None and not self.drive.segments
         cams = any(isinstance(each, CamOutline) for each in whole.features)
         name = ("cam angle" if cams else "crank angle") if even else "drive angle"
-        return replace(whole, cycle=replace(self.cycle, name=name))
+        return replace(whole, cycle=replace(self.cycle, name=name, turns=self.turns))
+
+    @property
+    def turns(self) -> int:
+        """Of the drive, that bring round what turns on by freewheels; 1 where eight do not."""
+        laws = [each.law for each in self.chain.joints if isinstance(each, m.Clutch)]
+        steps = [law.advance / math.tau for law in laws if isinstance(law, Ratchet)]
+        whole = (n for n in range(1, 9) if all(abs(n * s - round(n * s)) < 1e-9 for s in steps))
+        return next(whole, 1)
 
     @property
     def _own(self) -> Assembly:
         """What is made without what is included."""
-        bodies, sizes, plastic = self.bodies, self.making, self.material.name
-        features = bodies.features()
+        bodies, plastic = self.bodies, self.material.name
+        sizes, features = bodies.sizes, bodies.features()
         frame = sizes.motor if sizes.can is None else ""
         motor = (
             MotorSeat()
             if sizes.face is None
             else MotorSeat(frame, bodies.shaft_reach, bodies.collar)
         )
-        screws = () if bodies.layout.fitted.feet else bodies.parts[0].centres[-2:]
+        feet = len(bodies.layout.feet)
+        screws = () if bodies.layout.hangs else bodies.parts[0].centres[-2 - feet :][:2]
         fixings = tuple((z, sizes.mount_diameter) for z in screws)
         sprung = [each.bought(sizes.pin_diameter) for each in self.sprung]
-        return Assembly(
+        ways = {each.name: each.way(sizes.pin_diameter) for each in self.sprung}
+        made = Assembly(
             self.model,
             bodies.parts,
             self._process,
@@ -421,7 +478,7 @@ class Linkage(Mechanism):
             stand_ins=bodies.stand_ins(),
             strands=bodies.strands(),
             balances=() if self.counterweight is None else (self._balance(self.counterweight),),
-            coils=coils_of(bodies.layout, bodies.parts, bodies.mounts),
+            coils=coils_of(bodies.layout, bodies.parts, bodies.mounts, ways=ways),
             bought=[*bodies.bought(turning_text(self.drive.speed_rpm)), *sprung],
             springs=coils.mounted(self.sprung, by_force(self.chain), sizes.pin_diameter),
             journals=journals(self.model, features, bodies.parts, bodies.mounts, plastic),
@@ -435,7 +492,26 @@ class Linkage(Mechanism):
             material_limits=self._material_limits,
             unjudged=Later(lambda: self._pressed.not_judged),
             texts={"chain.svg": bridges.svg(self.chain), "chain.pmks": bridges.pmks(self.chain)},
+            follower=FollowerFacts(self._arm_stiffness),
         )
+        return made if self._beneath is None else self._beneath.added(made)
+
+    @property
+    def _arm_stiffness(self) -> float | None:
+        """Of the follower that swings on the one cam of the machine, N m/rad; None of another, or where there are several."""
+        swinging = [cam for cam in self.cams if self._drawing.slide_of(cam.follower) is None]
+        if len(self.cams) != 1 or not swinging:
+            return None
+        (cam,) = swinging
+        points = self.bodies.layout.points_of(cam.follower)
+        pivot = self._drawing.pivot(cam.follower) or ""
+        if not {pivot, cam.at} <= points.keys():
+            return None
+        name = part_name(cam.follower)
+        arm = next(part for part in self.bodies.parts if part.name == name)
+        held, pushed = points[pivot], points[cam.at]
+        modulus = materials.of(self.material.name).elastic.modulus
+        return bending_stiffness(arm, held, pushed, modulus) * abs(pushed - held) ** 2 * 1e-3
 
     def _balance(self, weight: Counterweight) -> Balance:
         """What the solids of the driven link with its counterweight are held to."""
@@ -468,7 +544,7 @@ class Linkage(Mechanism):
     def _parts_with(self, change: Change) -> Sequence[Part]:
         """Those of the spec so changed, on the same chain, by no further cures; DesignError or SpecError where it has none."""
         other = validate(type(self), change.tables(self._whole_spec()))
-        vars(other).update(chain=self.chain, fitting=self.fitting)
+        vars(other).update(chain=self.chain, additions=self.additions)
         vars(other)["_balanced"] = other._laid
         return other.assembly.parts
 
@@ -486,6 +562,22 @@ class Linkage(Mechanism):
         return self._layout_with(self.sprung)
 
     def _layout_with(self, springs: Sequence[coils.MountedSpring]) -> Layout:
+        """What is over the plate, with these springs."""
+        whole = self._whole_layout(springs)
+        if self._beneath is None:
+            return whole
+        return replace(self._beneath.above, springs=whole.springs)
+
+    @cached_property
+    def _beneath(self) -> Beneath | None:
+        """What hangs under the plate."""
+        arm = self.additions.beneath
+        if arm is None:
+            return None
+        run = self.run(self.cycle.theta(_SAMPLES), 0)
+        return Beneath(self._whole_layout(()), arm, run)
+
+    def _whole_layout(self, springs: Sequence[coils.MountedSpring]) -> Layout:
         cams = self._drawing.ridden
         gears = {Drawing.gear_name(gear): gear.teeth for gear in self.gears}
         return Layout(
@@ -499,14 +591,25 @@ class Linkage(Mechanism):
             cams,
             gears,
             springs={each.name: each.stretched for each in springs},
+            freewheels={each.wheel: (each.link, self._clutch) for each in self.freewheels},
+            marks={
+                each.link: complex(_MARK * hub / 2)
+                for each in self.freewheels
+                if (hub := self.making.shape(each.link).hub_diameter)
+            },
             kept=inc.clearings(self.includes, lambda: self._host),
-            fitting=self.fitting,
+            fitting=self.additions.fitting,
         )
 
+    @property
+    def _clutch(self) -> Bearing:
+        """In wheel and plate, of each freewheel."""
+        return CLUTCHES[self.making.shaft_diameter][0]
+
     @cached_property
-    def fitting(self) -> Callable[[Layout], Fitting] | None:
-        """What a template fits to its linkage beside what follows from the joints."""
-        return None
+    def additions(self) -> Additions:
+        """What a template says beside its linkage's tables."""
+        return Additions()
 
     @cached_property
     def sketched(self) -> Layout:
@@ -536,7 +639,7 @@ class Linkage(Mechanism):
         # cached: nothing that they depend on was filled in
         same = vars(self).keys() & {
             "chain",
-            "fitting",
+            "additions",
             "bodies",
             "_bare",
             "_balanced",

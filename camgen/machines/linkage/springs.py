@@ -57,9 +57,13 @@ class MountedSpring:
         )
         return least, most
 
+    def way(self, pin: float) -> tuple[float, float]:
+        """Its shortest and longest inside its eyes, mm; pin: diameter, mm."""
+        return self.shortest + pin, self.longest + pin
+
     def mounted(self, pin: float, on_cam: bool) -> Mounted:
         """Where it works; pin: diameter, mm; on_cam: whether it keeps a follower on its cam."""
-        return Mounted(self.spring, self.shortest + pin, self.longest + pin, on_cam=on_cam)
+        return Mounted(self.spring, *self.way(pin), on_cam=on_cam)
 
     def bought(self, pin: float) -> Bought:
         """Its line in the list of parts; pin: diameter, mm."""

@@ -160,6 +160,20 @@ class Gear(Record):
     name: Name | None = Field(default=None, description="of the joint; both links unless given")
 
 
+class Freewheel(Record):
+    """A link that turns on: a one-way clutch in a wheel that goes to and fro takes it along, one in the plate holds it."""
+
+    wheel: Name = Field(description="a link on the same shaft, which a gear rocks to and fro")
+    link: Name = Field(description="the link that turns on")
+    turns: Literal["counter-clockwise", "clockwise"] = Field(
+        default="counter-clockwise", description="the way in which it turns on"
+    )
+    lost_deg: Annotated[float, quantity("deg", ge=0, le=45)] = Field(
+        default=1.0, description="of the wheel, before its clutch locks"
+    )
+    name: Name | None = Field(default=None, description="of the joint; both links unless given")
+
+
 class CamSegment(Record):
     """One segment of a cam's program; lift_deg and to_deg for a follower that swings, lift and to for one that slides."""
 

@@ -66,6 +66,7 @@ class Ridden:
     face_width: float | None = None  # of a flat face, mm; None: as wide as it is touched
     limits: CamLimits = CamLimits()
     face_offset: float = 0.0  # of a flat face that swings, mm ahead of its pivot
+    advice: Advice | None = None  # in the words of the spec; None: those of a linkage
 
 
 @dataclass(frozen=True)
@@ -338,8 +339,8 @@ def exact(tip: Tip) -> ExactCam:
     further = "a follower drawn further from the shaft"
     flatter = f"largest at cam angle {math.degrees(worst):.2f} deg; {further}, or a longer span,"
     second = ", second of the pair" if tip.second else ""
-    advice = Advice(flatter, f"{further}, or a smaller radius,")
-    return ExactCam(f"cam {tip.joint.name}{second}", tip.cam, advice)
+    usual = Advice(flatter, f"{further}, or a smaller radius,")
+    return ExactCam(f"cam {tip.joint.name}{second}", tip.cam, tip.ridden.advice or usual)
 
 
 def outline(tip: Tip) -> Contour:
