@@ -6,11 +6,10 @@ tip    where the follower touches, as a point of it: a roller's centre, an edge,
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -28,7 +27,8 @@ from camgen.machine.model import GROUND, Cam, Gravity, Machine, Place, Spring
 from camgen.machine.programs import Scaled
 from camgen.machine.run import Run, solve
 from camgen.machines.return_spring import SAMPLES, ReturnSpring
-from camgen.parts.catalogue import Bearing, Bought, turning_text
+from camgen.machines.template import in_bodies
+from camgen.parts.catalogue import Bought, turning_text
 from camgen.parts.coils import Coil
 from camgen.parts.generator.bodies import Bodies
 from camgen.parts.generator.coils import coils_of
@@ -44,39 +44,13 @@ from camgen.parts.part import Part
 from camgen.parts.springs import ExtensionSpring, Mounted
 from camgen.spec import Print
 
-if TYPE_CHECKING:
-    from camgen.machines.indexing_cam.standing_driver import StandingDriver
-
-
-@dataclass(frozen=True)
-class Strung:
-    """A further spring between a body's point and another's, body and point each; way: its shortest and longest inside its
-    eyes, mm."""
-
-    title: str
-    a: tuple[str, str]
-    b: tuple[str, str]
-    wire: ExtensionSpring
-    way: tuple[float, float]
-
 
 def _made(layout: Layout, run: Run) -> Bodies:
     """The bodies of a layout, with their parts; DesignError with the keys of a bench, whose sizes are in [bodies]."""
-    try:
+    with in_bodies():
         found = Bodies(laid(layout, run))
         _ = found.parts  # here, not when they are asked for: their errors too get these keys
         return found
-    except DesignError as error:
-        of, where, remedy, said = (
-            re.sub(r"\bparts\.(?!make)", "bodies.", words)
-            for words in (
-                error.quantity,
-                error.where,
-                error.remedy,
-                error.sentence,
-            )
-        )
-        raise DesignError(of, error.value, error.limit, error.unit, where, remedy, said) from None
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,9 +58,7 @@ class Bench:
     """The machine of `cams.machine` as one that is made.
 
     drawn: without a spring; tip: its follower's; density: kg/m^3; heavy: bodies whose masses are given; load: with the spring
-    that is wanted, its rate and preload 0 where one is to be found; gears: as a layout has them; more: points of what they
-    drive, by body; strung: further springs, by name; gravity: what weight pulls with, or nothing; freewheels, marks: as a
-    layout has them; driven: what drives the cam; beneath: what hangs under the plate and drives that.
+    that is wanted, its rate and preload 0 where one is to be found; gravity: what weight pulls with, or nothing.
     """
 
     drawn: Machine
@@ -98,14 +70,7 @@ class Bench:
     density: float
     load: FollowerLoad = FollowerLoad()
     heavy: Sequence[str] = ()
-    gears: Mapping[str, int | None] = field(default_factory=dict)
-    more: Mapping[str, Mapping[str, complex]] = field(default_factory=dict)
-    strung: Mapping[str, Strung] = field(default_factory=dict)
     gravity: Sequence[Gravity] = ()
-    freewheels: Mapping[str, tuple[str, Bearing]] = field(default_factory=dict)
-    marks: Mapping[str, complex] = field(default_factory=dict)
-    driven: str = "cam"
-    beneath: StandingDriver | None = None
 
     @cached_property
     def machine(self) -> Machine:
@@ -118,26 +83,9 @@ class Bench:
         )
 
     def _weighed(self, bodies: Bodies) -> Machine:
-        """With masses of its solids and their weight, and all springs but that which returns the follower."""
+        """With masses of its solids and their weight, without the spring."""
         machine = bodies.weighed(self.density, self.heavy)
-        machine = machine if self.beneath is None else self.beneath.joined(machine)
-        return replace(machine, loads=(*machine.loads, *self.pulls, *self.gravity))
-
-    @property
-    def pulls(self) -> list[Spring]:
-        """The further springs, between the middles of their pins."""
-        points, pin = (
-            {body.name: body.points for body in self._named(False).bodies},
-            self.sizes.pin_diameter,
-        )
-
-        def place(body: str, point: str) -> Place:
-            return Place(body, complex(points[body][point]))
-
-        return [
-            Spring(each.title, place(*each.a), place(*each.b), each.wire.rate, each.wire.free - pin)
-            for each in self.strung.values()
-        ]
+        return replace(machine, loads=(*machine.loads, *self.gravity))
 
     @property
     def notes(self) -> list[str]:
@@ -156,73 +104,60 @@ class Bench:
             self.spring.outside,
             self.spring.wire,
         )
-        return _made(replace(layout, springs={"spring": spring, **layout.springs}), self._run)
+        return _made(replace(layout, springs={"spring": spring}), self._run)
 
     def bought(self) -> list[Bought]:
         """Drive, screws, spring."""
         found = self.bodies.bought(turning_text(self.drawn.speed * 60 / math.tau))
-        if self.beneath is not None:
-            found = [*self.beneath.bought(), *(each for each in found if each.role != "drive")]
         if self.spring is not None:
             told = self.spring.bought(*self.way)
-            given = (
-                self.load.rate or self.load.preload or self.gears
-            )  # what a gear drives has no [spring]
             found.append(
                 told
-                if given
+                if self.returning.given
                 else replace(told, size=f"{told.size}; {self.returning.of_a_shop(self._least)}")
             )
-        return [*found, *(each.wire.bought(*each.way) for each in self.strung.values())]
+        return found
 
     @cached_property
     def parts(self) -> Sequence[Part]:
-        """Of the machine, and what hangs under it."""
-        return [*self.bodies.parts, *([] if self.beneath is None else self.beneath.parts)]
+        """Of the machine."""
+        return self.bodies.parts
 
     @property
     def mounts(self) -> Sequence[Mount]:
         """All copies of them on their bodies."""
-        return [*self.bodies.mounts, *([] if self.beneath is None else self.beneath.mounts)]
+        return self.bodies.mounts
 
     def features(self) -> Sequence[Feature]:
         """Of all joints."""
-        return [*self.bodies.features(), *([] if self.beneath is None else self.beneath.features())]
+        return self.bodies.features()
 
     def stand_ins(self) -> Sequence[StandIn]:
         """The motor."""
-        return self.bodies.stand_ins() if self.beneath is None else self.beneath.stand_ins()
+        return self.bodies.stand_ins()
 
     # ---- springs ----------------------------------------------------------------------------------------------------
 
     @property
     def coils(self) -> list[Coil]:
         """Its springs on their pins."""
-        titles = {
-            "spring": "Return spring",
-            **{name: each.title for name, each in self.strung.items()},
-        }
+        titles = {"spring": "Return spring"}
         return coils_of(self.bodies.layout, self.parts, self.mounts, titles, self.ways)
 
     @property
     def springs(self) -> dict[str, Mounted]:
-        """The return spring, and what hangs on other bodies, by their names in findings."""
-        own = {} if self.spring is None else {"return spring": Mounted(self.spring, *self.way)}
-        return own | {
-            each.title: Mounted(each.wire, *each.way, on_cam=False) for each in self.strung.values()
-        }
+        """The return spring, by its name in findings."""
+        return {} if self.spring is None else {"return spring": Mounted(self.spring, *self.way)}
 
     def posts(self, plastic: str) -> list[Post]:
-        """The pins of its springs and its roller."""
-        pulls = {name: each.wire.force(each.way[1]) for name, each in self.strung.items()}
-        pulls |= {} if self.spring is None else {"spring": self.spring.force(self.way[1])}
+        """The pins of its spring and its roller."""
+        pulls = {} if self.spring is None else {"spring": self.spring.force(self.way[1])}
         return list(posts(self.bodies, pulls, plastic))
 
     @property
     def ways(self) -> dict[str, tuple[float, float]]:
-        """Shortest and longest of each spring, inside its eyes, mm."""
-        own = {} if self.spring is None else {"spring": self.way}
-        return own | {name: each.way for name, each in self.strung.items()}
+        """Shortest and longest of its spring, inside its eyes, mm."""
+        return {} if self.spring is None else {"spring": self.way}
 
     # ---- layout -----------------------------------------------------------------------------------------------------
 
@@ -236,29 +171,8 @@ class Bench:
         return _made(layout, self._run)
 
     def _layout(self, machine: Machine) -> Layout:
-        springs = {
-            name: Stretched(each.a, each.b, each.wire.outside, each.wire.wire)
-            for name, each in self.strung.items()
-        }
-        sizes, feet = self.sizes, list[tuple[complex, float]]()
-        if self.beneath is not None:
-            machine, sizes = self.beneath.above(machine), self.beneath.upper(sizes)
-            feet = [(place, sizes.mount_diameter) for place in self.beneath.feet]
-        return Layout(
-            machine,
-            self.driven,
-            sizes,
-            self.fits,
-            self.min_wall,
-            {},
-            {},
-            {"contact": self.tip},
-            self.gears,
-            springs=springs,
-            freewheels=self.freewheels,
-            marks=self.marks,
-            feet=feet,
-        )
+        touched = {"contact": self.tip}
+        return Layout(machine, "cam", self.sizes, self.fits, self.min_wall, {}, {}, touched)
 
     @cached_property
     def _run(self) -> Run:
@@ -278,9 +192,8 @@ class Bench:
         return replace(self.drawn, bodies=bodies, joints=joints)
 
     def _places(self, sprung: bool) -> dict[str, dict[str, complex]]:
-        found = {name: dict(points) for name, points in self.more.items()}
-        found |= {
-            GROUND: {"shaft": 0j, **found.get(GROUND, {})},
+        found: dict[str, dict[str, complex]] = {
+            GROUND: {"shaft": 0j},
             "cam": {"shaft": 0j},
             "follower": {},
         }

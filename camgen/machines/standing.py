@@ -33,8 +33,8 @@ class Sizes(Parts):
     """Sizes of the parts of a machine, as [parts] of a linkage has them."""
 
 
-class StandingCams(Mechanism):
-    """Base of mechanisms that say their cams alone, with the underscored methods, and what they stand on."""
+class CamTables(Mechanism):
+    """Base of mechanisms whose spec makes the cams alone, by [parts], or a whole machine, by [bodies]."""
 
     bodies: Sizes | None = Field(
         default=None,
@@ -81,6 +81,42 @@ class StandingCams(Mechanism):
             *sheets.faults(self.bodies, self.laser, "bodies", int(slides), int(grooves)),
         ]
 
+    def remarks(self) -> Remarks:
+        """Keys of [parts] that are set, not as the starter sets them, and that those of [bodies] replace."""
+        making = getattr(self, "making", None)
+        if making is None or not self.standing:
+            return Remarks()
+        fields = {
+            key: (getattr(making, key), field)
+            for key, field in type(making).model_fields.items()
+            if key != "make"
+        }
+        unused = [
+            f"parts.{key}"
+            for key, (value, field) in fields.items()
+            if value not in (field.default, *(field.examples or ()))
+        ]
+        return Remarks(unused=unused)
+
+    @property
+    def _material_limits(self) -> MaterialLimits:
+        """With the keys of [bodies] of a machine."""
+        found = super()._material_limits
+        if not self.standing:
+            return found
+        return replace(found, table="bodies", keys=frozenset(type(self.sizes).model_fields))
+
+    def _found(self) -> Mapping[str, object]:
+        """Sizes of a machine's bodies, and what every mechanism fills in."""
+        return {
+            **super()._found(),
+            **({"bodies": self.sizes.model_dump()} if self.standing else {}),
+        }
+
+
+class StandingCams(CamTables):
+    """Base of those that say their cams alone, with the underscored methods, and what they stand on."""
+
     # ---- the cams alone ---------------------------------------------------------------------------------------------
 
     @abstractmethod
@@ -121,23 +157,6 @@ class StandingCams(Mechanism):
     def bench(self) -> Bench:
         """The same, made once."""
         return self._stood()
-
-    def remarks(self) -> Remarks:
-        """Keys of [parts] that are set, not as the starter sets them, and that those of [bodies] replace."""
-        making = getattr(self, "making", None)
-        if making is None or not self.standing:
-            return Remarks()
-        fields = {
-            key: (getattr(making, key), field)
-            for key, field in type(making).model_fields.items()
-            if key != "make"
-        }
-        unused = [
-            f"parts.{key}"
-            for key, (value, field) in fields.items()
-            if value not in (field.default, *(field.examples or ()))
-        ]
-        return Remarks(unused=unused)
 
     # ---- either -----------------------------------------------------------------------------------------------------
 
@@ -211,18 +230,3 @@ class StandingCams(Mechanism):
         """Of a cam alone, mm."""
         making = getattr(self, "making", None)
         return making.hub_diameter / 2 if isinstance(making, CamParts) else 0.0
-
-    @property
-    def _material_limits(self) -> MaterialLimits:
-        """With the keys of [bodies] of a machine."""
-        found = super()._material_limits
-        if not self.standing:
-            return found
-        return replace(found, table="bodies", keys=frozenset(type(self.sizes).model_fields))
-
-    def _found(self) -> Mapping[str, object]:
-        """Sizes of a machine's bodies, and what every mechanism fills in."""
-        return {
-            **super()._found(),
-            **({"bodies": self.sizes.model_dump()} if self.standing else {}),
-        }

@@ -111,7 +111,7 @@ def test_torque_on_the_cams_shaft_is_that_of_the_machine() -> None:
     )
     theta = np.linspace(0, math.tau, 1441)[1:-1]
     run = solve(made.model, theta)
-    taken = 2 * run.forces().drives["motor"] / run.angle("cam")[1]
+    taken = 2 * run.forces().drives["drive"] / run.angle("cam")[1]
     turning = np.abs(run.derivatives("swing")[1]) > 1e-6
     assert np.max(np.abs(taken[turning])) == pytest.approx(own[8], rel=1e-3)
 
@@ -202,7 +202,7 @@ def test_crank_and_arm_hang_under_the_plate(made: IndexingCam) -> None:
     assert parts["post"].count == 4 and parts["driver-crank"].made == "printed"
     bought = {each.name: each for each in made.assembly.bought}
     assert bought["screw of a post"].count == 4 and "60" in bought["drive"].size
-    assert {"crank's shaft", "turning block", "arm's axle", "2 to 1"} <= {
+    assert {"motor", "block", "arm", "two_to_one"} <= {
         getattr(each, "joint", "") for each in made.assembly.features
     }
     total = sum(mount.body == "arm" for mount in made.assembly.mounts)

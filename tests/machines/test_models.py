@@ -119,7 +119,7 @@ def test_the_indexing_cams_forces_are_its_torques(overrides: list[str]) -> None:
     )
     np.testing.assert_allclose(forces.contacts["contact"], torques.follower + closing, atol=1e-12)
     np.testing.assert_allclose(
-        forces.drives["motor"], torques.shaft + closing * made.program(theta, 1), atol=1e-12
+        forces.drives["drive"], torques.shaft + closing * made.program(theta, 1), atol=1e-12
     )
     cams = list(made.cams.values())
     effort = torques.follower + closing

@@ -77,6 +77,21 @@ def test_the_link_turns_on_by_half_a_turn_and_stands(sense: int) -> None:
     assert np.degrees(np.abs(wheel[:5])) == pytest.approx([0, 90.5, 181, 90.5, 0], abs=1e-9)
 
 
+@pytest.mark.parametrize("sense", [1, -1])
+def test_the_linkage_that_it_is_moves_by_its_closed_forms(sense: int) -> None:
+    """Program of the cam and steps of the link, by the tables of a linkage alone."""
+    spec = design(motor={"speed_rpm": 30.0 * sense})
+    theta = np.radians(np.arange(0.5, 720.0, 1.0))
+    run = spec.linkage.run(theta)
+    assert spec.stepping is not None
+    for order in range(3):
+        assert run.derivatives("swing")[order] == pytest.approx(
+            spec.program(theta, order), abs=1e-9
+        )
+        link = spec.stepping(theta, order)
+        assert run.derivatives("link")[order] == pytest.approx(link, abs=1e-9)
+
+
 def test_the_judges_route_and_the_makers_agree(made: IndexingCam) -> None:
     """All joints closed at once, from the drawn position, against the chain of closed forms; and rates by differences."""
     theta = np.radians(np.arange(0.5, 360.0, 3.0))
@@ -194,30 +209,32 @@ def test_shaft_and_wheel_run_in_clutches(made: IndexingCam) -> None:
     parts = {part.name: part for part in made.assembly.parts}
     clutch = parts["bearing-hfl0615"]
     assert (clutch.count, clutch.made, clutch.thickness) == (2, "bought", 15.0)
-    assert parts["ground"].thickness == parts["gear-gears-drive-wheel"].thickness == 15.0
-    rod, flat = parts["shaft-driven-link"].layers
+    assert parts["ground"].thickness == parts["gear-gears-drive_wheel"].thickness == 15.0
+    rod, flat = parts["shaft-driven_link"].layers
     assert len(rod.region.outer.pieces) < len(flat.region.outer.pieces)
     assert (
-        parts["shaft-driven-link"].made == "bought"
-        and parts["collar-driven-link"].bore == parts["collar"].bore
+        parts["shaft-driven_link"].made == "bought"
+        and parts["collar-driven_link"].bore == parts["collar"].bore
     )
     ways = {mount.part: mount for mount in made.assembly.mounts}
-    top = ways["shaft-driven-link"].z + flat.z0
+    top = ways["shaft-driven_link"].z + flat.z0
     assert (
-        top >= ways["gear-gears-drive-wheel"].z + 15
-        and ways["gear-unloader_gears-driven-link"].z >= top
+        top >= ways["gear-gears-drive_wheel"].z + 15
+        and ways["gear-unloader_gears-driven_link"].z >= top
     )
     pin = next(
-        f for f in made.assembly.features if isinstance(f, PinEyes) and f.joint == "wheel's axle"
+        f
+        for f in made.assembly.features
+        if isinstance(f, PinEyes) and f.joint == "axle of drive_wheel"
     )
-    assert len(pin.rings) == 2 and pin.pin is not None and pin.pin.part == "shaft-driven-link"
-    assert len(parts["driven-link"].layers[0].region.holes) == 2  # shaft and mark
+    assert len(pin.rings) == 2 and pin.pin is not None and pin.pin.part == "shaft-driven_link"
+    assert len(parts["driven_link"].layers[0].region.holes) == 2  # shaft and mark
     gear = next(
         f for f in made.assembly.features if isinstance(f, GearTeeth) and f.joint == "gears"
     )
-    assert "wheel's axle" in gear.turns
+    assert "axle of drive_wheel" in gear.turns
     rows = [row[1] for row in order_of_assembly(made.assembly).rows]
-    assert rows.index("bearing-hfl0615") < rows.index("gear-gears-drive-wheel")
+    assert rows.index("bearing-hfl0615") < rows.index("gear-gears-drive_wheel")
 
 
 @pytest.mark.parametrize(
@@ -225,10 +242,10 @@ def test_shaft_and_wheel_run_in_clutches(made: IndexingCam) -> None:
     [
         ("", 0.0, 0.0, None),
         (
-            "gear-gears-drive-wheel",
+            "gear-gears-drive_wheel",
             math.pi / 22,
             0.0,
-            {"gear-gears-follower-1", "gear-gears-drive-wheel-1"},
+            {"gear-gears-follower-1", "gear-gears-drive_wheel-1"},
         ),
     ],
 )
@@ -344,7 +361,7 @@ def test_the_picture_goes_on_over_two_turns(made: IndexingCam) -> None:
     """Frames of two turns, after which the table is where it was; of a link that goes to and fro those of one."""
     shown = animation(made, ())
     assert (len(shown.theta), shown.turns) == (240, 2)
-    table = next(body for body in shown.bodies if body.name == "driven-link").poses[0]
+    table = next(body for body in shown.bodies if body.name == "driven_link").poses[0]
     assert np.degrees(table.angle)[[0, 60, 119, 180, 239]] == pytest.approx(
         [0, -180, -180, -360, -360]
     )
@@ -360,5 +377,5 @@ def test_as_a_module_it_is_so_far_ahead(made: IndexingCam) -> None:
     theta = np.radians(np.arange(0.5, 720.0, 31.0))
     run = solve(machine, theta, 0)
     assert np.abs(Constraints(machine).evaluate(run.poses(), theta)[0]).max() < 1e-9
-    table = next(body.name for body in machine.bodies if body.name.endswith("driven-link"))
+    table = next(body.name for body in machine.bodies if body.name.endswith("driven_link"))
     assert run.angle(table)[0] == pytest.approx(made.solve(theta + math.radians(90), 0)["link"])

@@ -1,33 +1,25 @@
 """The even drive of the cam beside two-crank chains before it: the same motion of the link in time, other cams.
 
-Size and ratio are those at which the pressure angle reaches what is allowed; speeds, accelerations and torques come from the
-machine with its chain, solved over the turn.
+Size and ratio are those at which the pressure angle reaches what is allowed.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from camgen.errors import DesignError
 from camgen.machine.cams.followers import Follower
-from camgen.machine.cams.machine import cam_machine
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.cams.sizing import survey
-from camgen.machine.run import solve
-from camgen.machines.indexing_cam.driver import TwoCranks, driver_faults
-from camgen.machines.indexing_cam.tables import Driver
+from camgen.machines.indexing_cam.driver import TwoCranks
 from camgen.motion.laws import Floats
 from camgen.motion.program import Program
 from camgen.numerics import halved
 from camgen.study import Table
-
-if TYPE_CHECKING:
-    from camgen.machines.indexing_cam.mechanism import IndexingCam
 
 _SHARES = (0.0, 0.2, 0.3, 0.4)
 # deg of a turn that are tried; halvings; sizes of a cam to begin with
@@ -81,10 +73,9 @@ class Comparison:
         """Figures of one chain; "none" where nothing keeps to the pressure angle."""
         chain = self.chain(share, self.rise)
         cam = DiscCam(self.program(chain, self.rise), self.follower(self.base))
-        machine = cam_machine([cam], self.speed)
-        run = solve(machine if chain is None else chain.before(machine), self.theta, 2)
-        rate = run.angle("cam")[1]
-        swing = run.derivatives("swing")
+        even = self.program(None, self.rise)  # so the link moves in time by any chain
+        swing = [even(self.theta, order) for order in range(3)]
+        rate = np.ones(self.theta.size) if chain is None else chain.cam(self.theta, 1)
         turning = np.abs(swing[1]) > 1e-9
         torques = [
             float(np.max(np.abs(effort * swing[1] / rate)[turning])) for effort in self.efforts
@@ -135,41 +126,3 @@ class Comparison:
             return _NONE
         rise = halved(fits, _SHORTEST, _LONGEST, _STEPS)
         return rise / (180 - rise)
-
-
-def compared(spec: IndexingCam) -> Sequence[Table]:
-    """The even drive of a spec beside uneven ones; nothing of a program that no chain of two turns to one of the cam serves."""
-    g, f = spec.geometry, spec.geometry.follower
-    if driver_faults(Driver(crank=1.0, offset=0.1), (g.rise_deg, g.dwell_deg, spec.return_deg)):
-        return []
-    theta, own = np.linspace(0, math.tau, 1441), spec.two_cranks
-    torques, (low, high) = (
-        spec.indexing.at(theta),
-        (abs(f.pivot_distance - f.arm), f.pivot_distance + f.arm),
-    )
-
-    def program(chain: TwoCranks | None, rise: float) -> Program:
-        return (
-            spec.turns(spec.law, rise, 180 - rise, rise)
-            if chain is None
-            else spec.paced(chain, False)
-        )
-
-    def chain(share: float, rise: float) -> TwoCranks | None:
-        return spec.chain(1.0, share, rise) if share else None
-
-    found = Comparison(
-        program,
-        spec.arm,
-        chain,
-        g.rise_deg,
-        g.base_radius,
-        f.roller_radius,
-        spec.allowed.cam_limits.steepest(spec.cams["cam"]),
-        (max(1.001 * low, 1.05 * f.roller_radius), 0.999 * high),
-        g.gear_ratio,
-        spec.cam_drive.speed,
-        theta,
-        (torques.follower_bare, torques.follower),
-    )
-    return [found.table(None if own is None else own.share)]

@@ -14,13 +14,13 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from camgen.errors import Fault
-from camgen.machine.model import GROUND, Body, Drive, Gear, Machine, Pin, Place, Slot, Turning
-from camgen.machine.model import Pose as Start
+from camgen.machine.model import Turning
 from camgen.machines.indexing_cam.tables import Driver
 from camgen.motion.laws import Floats, Law, measured
 from camgen.study import Sketch
@@ -76,9 +76,11 @@ class TwoCranks:
         """Angle of the arm at one of the crank, -pi..pi, rad."""
         return cmath.phase(cmath.exp(1j * tau) - self.share)
 
-    def cam(self, theta: Floats) -> Floats:
-        """Cam angle at theta, which grows evenly with the time and once while the cam turns once, (n,) rad."""
+    def cam(self, theta: Floats, order: int = 0) -> Floats:
+        """Cam angle at theta, which grows evenly with the time and once while the cam turns once, or its slope, (n,) rad."""
         spin = np.exp(1j * (2 * np.asarray(theta, float) - self.sense * self.half))
+        if order == 1:
+            return np.asarray((spin / (spin - self.share)).real)
         return np.asarray(
             theta
             + (np.angle((spin - self.share) / spin) + self.sense * (self.turn - self.half)) / 2
@@ -114,26 +116,35 @@ class TwoCranks:
             return measured(name, formula, law.source, breaks, law.ends)
         return Law(name, formula, -1, math.nan, math.nan, math.nan, law.source, breaks, law.ends)
 
-    def before(self, machine: Machine) -> Machine:
-        """The machine with this chain before its body "cam"; theta turns once while the cam does, evenly, as before."""
-        way = -1 if self.against else 1
-        tau, psi = -way * self.sense * self.half, -way * self.sense * self.turn
-        pin, start = self.at - self.offset, self.crank * cmath.exp(1j * tau)
-        bodies = (Body(CRANK, {"motor": 0j, "pin": complex(self.crank)}), Body(ARM, {"arm": 0j}))
-        joints = (
-            Pin("crank's shaft", Place(CRANK), Place(GROUND, pin)),
-            Pin("arm's axle", Place(ARM), Place(GROUND, self.at)),
-            Slot("turning block", Place(ARM), Place(CRANK, complex(self.crank))),
-            Gear("2 to 1", ARM, "cam", way / 2, -way * psi / 2),
-        )
-        assert abs(cmath.phase((pin + start - self.at) / cmath.exp(1j * psi))) < 1e-9
-        return replace(
-            machine,
-            bodies=(*machine.bodies, *bodies),
-            joints=(*joints, *machine.joints),
-            drives=(Drive("motor", CRANK, Turning(2.0 * way, tau)),),
-            start={**machine.start, CRANK: Start(pin, tau), ARM: Start(self.at, psi)},
-        )
+    @property
+    def _way(self) -> int:
+        """-1 where the arm turns against the cam."""
+        return -1 if self.against else 1
+
+    @property
+    def drive(self) -> Turning:
+        """Angle of the crank, over theta: evenly, twice while the cam turns once."""
+        return Turning(2.0 * self._way, -self._way * self.sense * self.half)
+
+    def draw(
+        self,
+        points: dict[str, complex],
+        links: dict[str, list[str]],
+        gears: list[dict[str, Any]],
+        tables: dict[str, Any],
+    ) -> None:
+        """Add crank and arm, which then drive, to the tables of a linkage."""
+        points["motor"] = self.at - self.offset
+        points["pin"] = points["motor"] + self.crank * cmath.exp(1j * self.drive.start)
+        points["arm"] = self.at
+        psi = -self._way * self.sense * self.turn
+        points["end"] = self.at + (self.crank + self.offset) * cmath.exp(1j * psi)
+        links["ground"] += ["motor", "arm"]
+        links[CRANK] = ["motor", "pin"]
+        links[ARM] = ["arm", "end"]
+        gears.append({"name": "two_to_one", "a": ARM, "b": "cam", "ratio": self._way / 2})
+        tables["slot"] = [{"name": "block", "pin": "pin", "link": ARM, "along": ("arm", "end")}]
+        tables["drive"] = {**tables["drive"], "link": CRANK}
 
     @property
     def numbers(self) -> dict[str, float]:

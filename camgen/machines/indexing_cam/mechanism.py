@@ -18,7 +18,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import Field
@@ -26,39 +26,36 @@ from pydantic import Field
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding
 from camgen.geometry.outlines import Floats, Region
+from camgen.machine import model as m
 from camgen.machine.cams.limits import Advice, ExactCam, cam_findings, undercut_numbers
-from camgen.machine.cams.machine import cam_outline
+from camgen.machine.cams.machine import CamTouch, cam_outline
 from camgen.machine.cams.profile import DiscCam, SwingingArm
-from camgen.machine.features import CamOutline, Demand, Mount
-from camgen.machine.model import Machine
+from camgen.machine.features import Demand, Mount
 from camgen.machine.run import solve
 from camgen.machine.targets import advance
 from camgen.machines.free_play import between
 from camgen.machines.indexing_cam import tables as t
-from camgen.machines.indexing_cam.comparison import compared
-from camgen.machines.indexing_cam.driver import CHAIN, MADE, NOT_MADE, TwoCranks, driver_faults
-from camgen.machines.indexing_cam.model import (
-    LINK,
-    cam_drive,
-    drawn,
-    made_unloader,
-    stepping,
-    stood,
-)
-from camgen.machines.indexing_cam.standing_driver import room
+from camgen.machines.indexing_cam.comparison import Comparison
+from camgen.machines.indexing_cam.driver import ARM, CHAIN, MADE, NOT_MADE, TwoCranks, driver_faults
 from camgen.machines.indexing_cam.stepping import Stepping
 from camgen.machines.indexing_cam.study import IndexingStudy
 from camgen.machines.indexing_cam.unloader import (
+    LINK,
     CrankSpring,
     Load,
+    OnLink,
     SpringTorque,
     antisymmetric,
     fitting,
     law_torque,
     peak,
 )
+from camgen.machines.indexing_cam.unloader_crank import UnloaderCrank
+from camgen.machines.linkage.mechanism import Additions
+from camgen.machines.linkage.tables import LinkageLimits
 from camgen.machines.pairs import air_faults
-from camgen.machines.standing import Sizes, StandingCams
+from camgen.machines.standing import CamTables, Sizes
+from camgen.machines.template import Template, in_bodies
 from camgen.motion.laws import Law
 from camgen.motion.program import Program, Segment
 from camgen.motion.segments import law_of
@@ -66,20 +63,24 @@ from camgen.motion.spring_law import characteristic, trade_off
 from camgen.parts.assembly import Assembly
 from camgen.parts.catalogue import CLUTCHES
 from camgen.parts.disc_cams import holes_in, turning_note
+from camgen.parts.generator.beneath import room
 from camgen.parts.part import Layer, Part, windows
 from camgen.spec import validate
-from camgen.study import Later, Plot, Sketch, Study
+from camgen.study import Later, Plot, Sketch, Study, Table
 
-if TYPE_CHECKING:
-    from camgen.machines.bench import Bench
-    from camgen.machines.indexing_cam.standing_unloader import StandingUnloader
-
+FOLLOWER = "follower"
+WHEEL = "drive_wheel"
 _EVEN = "angle of the even drive", "even drive, once a turn of the cam"
 _NOT_MADE = 'The unloader is not made, and the driven link goes without it: unloader.torque = "crank" is one that can be made.'
 _SPRING_POINTS = 101  # of a table that stands for a spring
+_ADVICE = Advice(
+    "a larger base_radius, gear_ratio or rise_deg",
+    "a larger base_radius or a smaller roller",
+    "a geometry.law that ends smoother joins them",
+)
 
 
-class IndexingCam(StandingCams):
+class IndexingCam(CamTables, Template):
     """Spec and answers of an indexing cam; the output is the follower's angle s, rad, 0 in the inner dwell."""
 
     geometry: t.IndexingGeometry
@@ -176,7 +177,7 @@ class IndexingCam(StandingCams):
         found += air_faults(
             ("geometry", "tip_clearance"), g.tip_clearance, g.closure, g.follower.roller_radius
         )
-        return [*found, *p.misfits(), *self.size_faults("follower", LINK), *g.law_faults()]
+        return [*found, *p.misfits(), *self.size_faults(FOLLOWER, "driven-link"), *g.law_faults()]
 
     def designed(self) -> Self:
         """This spec with the law that [synthesis] finds for its spring and its last weight; a spring of the old law stays,
@@ -270,6 +271,132 @@ class IndexingCam(StandingCams):
         at = far / 2 if self.standing else -far
         return TwoCranks(crank, offset, math.radians(rise_deg), self._sense, at, self.standing)
 
+    # ---- what it is as a linkage ------------------------------------------------------------------------------------
+
+    def tables(self) -> Mapping[str, Any]:
+        """Cams, follower, gears and driven link; the chain before them, freewheels and unloader where there are such."""
+        g, f = self.geometry, self.geometry.follower
+        first = self.arm(g.base_radius)
+        turned = LINK if self.freewheel is None else WHEEL
+        points = {
+            "shaft": 0j,
+            "pivot": first.pivot,
+            "level": first.pivot + f.arm,  # the follower's angle is 0 in the inner dwell
+            "tip": first.pivot + first.arm,
+            "axle": self.link_centre,
+        }
+        links = {
+            "ground": ["shaft", "pivot", "axle"],
+            "cam": ["shaft"],
+            FOLLOWER: ["pivot", "level", "tip"],
+            LINK: ["axle"],
+        }
+        gears = [{"name": "gears", "a": FOLLOWER, "b": turned, "ratio": -g.gear_ratio}]
+        inertia = {
+            LINK: self.load.inertia_kg_m2,
+            FOLLOWER: self.load.follower_inertia_kg_m2,
+        }
+        shapes = {LINK: {"hub_diameter": f.arm}}
+        sizes = self.sizes.model_dump(exclude_none=True)
+        found: dict[str, Any] = {
+            "drive": {"link": "cam", "speed_rpm": self.motor.speed_rpm},
+            "cam": [self._cam_table()],
+            "output": [{"name": "swing", "link": FOLLOWER}, {"name": "link", "link": LINK}],
+            "masses": {
+                link: {"mass_g": 0.0, "centre": (0.0, 0.0), "inertia_kg_m2": value}
+                for link, value in inertia.items()
+                if value
+            },
+            "parts": {**shapes, **{key.replace("-", "_"): value for key, value in sizes.items()}},
+            "limits": self.allowed.model_dump(include={*LinkageLimits.model_fields}),
+        }
+        if self.freewheel is not None:
+            links[WHEEL] = ["axle"]
+            found["output"].append({"name": "wheel", "link": WHEEL})
+            own = {"name": "freewheels", "wheel": WHEEL, "link": LINK, "turns": "clockwise"}
+            found["freewheel"] = [{**own, "lost_deg": self.freewheel.lost_deg}]
+        if self.two_cranks is not None:
+            self.two_cranks.draw(points, links, gears, found)
+        if self.standing and self.unloader_crank is not None:
+            self.unloader_crank.draw(points, links, gears, found)
+        places = {name: (z.real, z.imag) for name, z in points.items()}
+        return {"points": places, "links": links, "gear": gears, **found}
+
+    def _cam_table(self) -> dict[str, Any]:
+        """[[cam]]; behind a chain its program is given beside the tables."""
+        g = self.geometry
+        returned = self.standing and g.closure == "force"
+        moving = {"lift_deg": math.degrees(self.swing), "law": g.law}
+        forward = self.program if self._sense > 0 else self.program.backwards()
+        return {
+            "name": "contact",
+            "cam": "cam",
+            "follower": FOLLOWER,
+            "at": "tip",
+            "radius": g.follower.roller_radius,
+            "closure": g.closure,
+            "tip_clearance": g.tip_clearance,
+            **({"spring": {"preload": self.load.closing_n_m}} if returned else {}),
+            "segment": [
+                {
+                    "kind": each.kind,
+                    "span_deg": math.degrees(each.span),
+                    **(moving if each.scale else {}),
+                }
+                for each in forward.segments
+            ],
+        }
+
+    def additions(self) -> Additions:
+        """What loads the link; with a chain the cams' program behind it, and the law of its crank."""
+        found = Additions(loads=self._loads, advice=_ADVICE)
+        if self.two_cranks is None:
+            return found
+        programs = {"contact": self.cam_program}
+        beneath = ARM if self.standing else None
+        return replace(found, programs=programs, drive=self.two_cranks.drive, beneath=beneath)
+
+    @property
+    def _loads(self) -> tuple[m.Load, ...]:
+        """Friction of the link, torque of an unloader that is not made, and of a spring that closes cams alone."""
+        made = self.standing and self.unloader_crank is not None
+        law = None
+        if self.unloading is not None and not made:
+            way = -math.radians(self.geometry.index_deg)
+            law = OnLink(self.unloading, way)
+        name = "unloader and friction"
+        borne = m.Resistance(name, m.Angle(LINK), friction=self.load.friction_n_m, law=law)
+        if self.standing or not self.load.closing_n_m:
+            return (borne,)
+        return borne, m.Resistance("load", m.Angle(FOLLOWER), -self.load.closing_n_m)
+
+    @cached_property
+    def unloader_crank(self) -> UnloaderCrank | None:
+        """The unloader of a machine that is made; None where its spring is none that can be."""
+        if not isinstance(self.unloading, CrankSpring):
+            return None
+        f, ratio = self.geometry.follower, self.geometry.gear_ratio
+        wheel = (self.link_centre.real - f.pivot_distance) * ratio / (1 + ratio)
+        cams = [*self.cams.values()]
+        return UnloaderCrank(
+            self.unloading, self.link_centre, f.arm / 2, wheel, cams, self.swing, self.sizes
+        )
+
+    def _unloaded(self) -> m.Machine:
+        """Of what is made, or where that is the cams alone as designed: exact, without play."""
+        if self.standing:
+            with in_bodies():
+                return super()._unloaded()
+        chain = self.linkage.chain
+        touches = tuple(CamTouch(cam) for cam in self.cams.values())
+        joints = tuple(
+            replace(joint, touches=touches)
+            if isinstance(joint, m.Cam)
+            else replace(joint, clearance=0.0)
+            for joint in chain.joints
+        )
+        return replace(chain, joints=joints, loads=self._loads)
+
     def _found(self) -> Mapping[str, object]:
         """The span of the return and the spring by the law, and what every mechanism fills in."""
         steepest = self.allowed.cam_limits.steepest(self.cams["cam"])
@@ -313,7 +440,20 @@ class IndexingCam(StandingCams):
     def arm(self, base: float) -> SwingingArm:
         """The follower on a base circle; DesignError where it cannot stand or swing there."""
         f = self.geometry.follower
-        inner, _ = self._opening(base + f.roller_radius, "geometry.base_radius", "the inner dwell")
+        low, high = abs(f.pivot_distance - f.arm), f.pivot_distance + f.arm
+        radius = base + f.roller_radius
+        if not low < radius < high:
+            raise DesignError(
+                "geometry.base_radius and roller_radius together",
+                radius,
+                low if radius <= low else high,
+                "mm",
+                "the inner dwell",
+                "arm and pivot_distance make no triangle with it: change one of them",
+            )
+        drawn = SwingingArm(complex(f.pivot_distance), complex(f.arm), f.roller_radius, leaves=1)
+        found = drawn.on_base(base)
+        inner = cmath.phase(-found.arm)
         if inner + self.swing >= math.pi:
             raise DesignError(
                 "the follower's swing",
@@ -323,37 +463,12 @@ class IndexingCam(StandingCams):
                 "the outer dwell",
                 "the arm would pass the line of shaft and axle: use a larger gear_ratio or a smaller index_deg",
             )
-        return SwingingArm(
-            complex(f.pivot_distance),
-            f.arm * cmath.exp(1j * (math.pi + inner)),
-            f.roller_radius,
-            leaves=1,
-        )
-
-    def _opening(self, radius: float, quantity: str, where: str) -> tuple[float, float]:
-        """Angle OAC and the distance OC for a roller centre so far from the shaft."""
-        f = self.geometry.follower
-        low, high = abs(f.pivot_distance - f.arm), f.pivot_distance + f.arm
-        if not low < radius < high:
-            limit = low if radius <= low else high
-            raise DesignError(
-                f"{quantity} and roller_radius together",
-                radius,
-                limit,
-                "mm",
-                where,
-                "arm and pivot_distance make no triangle with it: change one of them",
-            )
-        cosine = (f.pivot_distance**2 + f.arm**2 - radius**2) / (2 * f.pivot_distance * f.arm)
-        return math.acos(cosine), radius
+        return found
 
     @property
     def standing(self) -> bool:
         """Whether the whole machine is made."""
         return self.making.make == "machine"
-
-    def _stood(self) -> Bench:
-        return stood(self)
 
     @cached_property
     def sizes(self) -> Sizes:
@@ -370,29 +485,18 @@ class IndexingCam(StandingCams):
     @cached_property
     def stepping(self) -> Stepping | None:
         """How the link turns on; None where it goes to and fro."""
-        return stepping(self)
-
-    @cached_property
-    def assembly(self) -> Assembly:
-        """What is made, shown for as many turns as bring a link that turns on round once, eight at most."""
-        made = super().assembly
         if self.freewheel is None:
-            return made
-        whole = (n for n in range(1, 9) if (n * self.geometry.index_deg) % 360 < 1e-9)
-        return replace(made, cycle=replace(made.cycle, turns=next(whole, 1)))
-
-    @cached_property
-    def cam_drive(self) -> Machine:
-        """Cams and follower alone."""
-        return cam_drive(self, self.load.closing_n_m)
-
-    @cached_property
-    def made_unloader(self) -> StandingUnloader | None:
-        """The unloader of a machine that is made; None where its spring is none that can be."""
-        return made_unloader(self)
-
-    def _alone(self) -> Machine:
-        return drawn(self, self.load.closing_n_m)
+            return None
+        g = self.geometry
+        return Stepping(
+            self.program,
+            math.radians(g.rise_deg),
+            g.gear_ratio,
+            math.radians(g.index_deg),
+            math.radians(self.freewheel.lost_deg),
+            self._sense,
+            CLUTCHES[self.sizes.shaft_diameter][1],
+        )
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """Wanted angle s of the follower (rad) or its derivative to theta, (n,)."""
@@ -428,34 +532,32 @@ class IndexingCam(StandingCams):
         f = self.geometry.follower
         return complex(f.pivot_distance + 0.75 * f.arm)
 
-    def _outlines(self) -> Sequence[CamOutline]:
-        """The outline of each cam."""
+    @cached_property
+    def assembly(self) -> Assembly:
+        """The whole machine, or the cams alone."""
+        if self.standing:
+            with in_bodies():
+                return super().assembly
         limits, bore = self.allowed.cam_limits, self.making.bore
-        return [cam_outline(cam, name, limits, bore) for name, cam in self.cams.items()]
-
-    def _beside(self) -> Sequence[Mount]:
-        """The cams beside each other."""
+        outlines = [cam_outline(cam, name, limits, bore) for name, cam in self.cams.items()]
         beside = self.making.thickness + self.print.slide_clearance
-        return [Mount(name, "cam", z=0.0 if name == "cam" else beside) for name in self.cams]
+        mounts = [Mount(name, "cam", z=0.0 if name == "cam" else beside) for name in self.cams]
+        made = self._assembly(self._cams(), mounts, outlines)
+        cycle = replace(made.cycle, turns=self.linkage.turns)
+        return replace(made, demands=self.asked(), cycle=cycle)
 
-    def _asked(self) -> Sequence[Demand]:
+    def asked(self) -> tuple[Demand, ...]:
         """The play of the follower that is borne; the link of cams alone follows by gears that are not made."""
-        swing, link = (
-            math.radians(self.allowed.lash_deg),
-            math.radians(self.allowed.lash_deg) * self.geometry.gear_ratio,
-        )
-        found = [
-            Demand("swing", lash=swing),
-            Demand("link", lash=link) if self.standing else Demand("link", judged=False),
-        ]
-        if self.stepping is not None:
-            wanted = self.stepping.wanted(self.allowed.advance_deg)
-            found.append(
-                Demand("wheel", lash=link, targets=(wanted,))
-                if self.standing
-                else Demand("wheel", judged=False)
-            )
-        return found
+        swing = math.radians(self.allowed.lash_deg)
+        link = swing * self.geometry.gear_ratio
+        driven = Demand("link", lash=link) if self.standing else Demand("link", judged=False)
+        if self.stepping is None:
+            return Demand("swing", lash=swing), driven
+        wanted = (self.stepping.wanted(self.allowed.advance_deg),)
+        wheel = Demand("wheel", judged=False)
+        if self.standing:
+            wheel = Demand("wheel", lash=link, targets=wanted)
+        return Demand("swing", lash=swing), driven, wheel
 
     # ---- checks and study -------------------------------------------------------------------------------------------
 
@@ -478,15 +580,18 @@ class IndexingCam(StandingCams):
             given,
             spring,
             load.dwell_torque_n_m,
-            None
-            if self.geometry.closure != "force"
-            else self.bench.closing
-            if self.standing
-            else load.closing_n_m,
+            self._closing,
             self._ideal,
             *(("cam angle", "cam shaft") if self.driver is None else _EVEN),
             self.stepping,
         )
+
+    @property
+    def _closing(self) -> float | None:
+        """Least torque at the follower's axle of the spring that presses it on its cam, N m; None of a pair of cams."""
+        if self.geometry.closure != "force":
+            return None
+        return self.linkage.closing if self.standing else self.load.closing_n_m
 
     @cached_property
     def unloading(self) -> SpringTorque | None:
@@ -527,19 +632,19 @@ class IndexingCam(StandingCams):
         """A spring, which cannot be built, that does by itself what the law asks."""
         return law_torque(self.law, self._balance * self._unit)
 
+    def findings(self) -> Sequence[Finding]:
+        """Jumps at the joints; residual torque and force closure."""
+        return self.indexing.findings(self.allowed.acceleration_jump, self.allowed.residual)
+
     def limits(self) -> Sequence[Finding]:
-        """Pressure angle, undercut, room at the axle; jumps at the joints; residual torque and force closure."""
-        advice = Advice(
-            "a larger base_radius, gear_ratio or rise_deg",
-            "a larger base_radius or a smaller roller",
-            "a geometry.law that ends smoother joins them",
-        )
-        cams = [ExactCam(f"exact {name}", cam, advice) for name, cam in self.cams.items()]
-        facets = None if self.standing else self.accuracy.chord_tolerance
-        findings = cam_findings(cams, self.allowed.cam_limits, chord_tolerance=facets)
+        """Pressure angle, undercut, of cams alone room at the axle; and its own."""
+        if self.standing:
+            return super().limits()
+        cams = [ExactCam(f"exact {name}", cam, _ADVICE) for name, cam in self.cams.items()]
+        facets = self.accuracy.chord_tolerance
         return [
-            *findings,
-            *self.indexing.findings(self.allowed.acceleration_jump, self.allowed.residual),
+            *cam_findings(cams, self.allowed.cam_limits, chord_tolerance=facets),
+            *self.findings(),
         ]
 
     def forecast(self) -> Sequence[Finding]:
@@ -556,6 +661,10 @@ class IndexingCam(StandingCams):
         ]
 
     def study(self) -> Study:
+        """Its own figures, and of a machine those of a linkage."""
+        return super().study() if self.standing else self.figures()
+
+    def figures(self) -> Study:
         """Torques with and without the unloader, the law's curves, and what was taken from the source."""
         numbers = {
             "index_deg": self.geometry.index_deg,
@@ -603,7 +712,7 @@ class IndexingCam(StandingCams):
             *found.notes,
             *(
                 [_NOT_MADE]
-                if self.standing and self.unloading and self.made_unloader is None
+                if self.standing and self.unloading and self.unloader_crank is None
                 else []
             ),
         ]
@@ -612,9 +721,44 @@ class IndexingCam(StandingCams):
             notes.append(CHAIN + (MADE if self.standing else NOT_MADE))
         plots, tables = (
             Later(lambda: [*found.plots, drawn]),
-            Later(lambda: [*found.tables, *compared(self)]),
+            Later(lambda: [*found.tables, *self._compared()]),
         )
         return Study(numbers, plots, tables, sketches, notes)
+
+    def _compared(self) -> Sequence[Table]:
+        """The even drive beside uneven ones; nothing of a program that no chain of two turns to one of the cam serves."""
+        g, f = self.geometry, self.geometry.follower
+        spans = g.rise_deg, g.dwell_deg, self.return_deg
+        if driver_faults(t.Driver(crank=1.0, offset=0.1), spans):
+            return []
+        theta = np.linspace(0, math.tau, 1441)
+        torques = self.indexing.at(theta)
+        low = abs(f.pivot_distance - f.arm)
+        high = f.pivot_distance + f.arm
+
+        def program(chain: TwoCranks | None, rise: float) -> Program:
+            if chain is None:
+                return self.turns(self.law, rise, 180 - rise, rise)
+            return self.paced(chain, False)
+
+        def chain(share: float, rise: float) -> TwoCranks | None:
+            return self.chain(1.0, share, rise) if share else None
+
+        found = Comparison(
+            program,
+            self.arm,
+            chain,
+            g.rise_deg,
+            g.base_radius,
+            f.roller_radius,
+            self.allowed.cam_limits.steepest(self.cams["cam"]),
+            (max(1.001 * low, 1.05 * f.roller_radius), 0.999 * high),
+            g.gear_ratio,
+            self._speed,
+            theta,
+            (torques.follower_bare, torques.follower),
+        )
+        return [found.table(None if self.two_cranks is None else self.two_cranks.share)]
 
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """The driven link's turn as the files give it."""
@@ -633,7 +777,7 @@ class IndexingCam(StandingCams):
         strokes = [np.array([0j, arm]) for arm, _ in rollers]
         size = self.geometry.follower.arm / 2
         arrow = [np.array([-size + 0j, size]), np.array([0.5j * size, size, -0.5j * size])]
-        table = Sketch("driven-link", arrow, [(0j, size)], "driven-link")
+        table = Sketch("driven-link", arrow, [(0j, size)], LINK)
         bore, pivot = self.making.bore / 4, complex(self.geometry.follower.pivot_distance)
         chain = () if self.two_cranks is None else self.two_cranks.sketches()
         return (

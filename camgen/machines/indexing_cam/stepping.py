@@ -19,7 +19,6 @@ from typing import Any, Literal
 import numpy as np
 
 from camgen.findings import Finding, Where, at_least, at_most
-from camgen.machine.model import Clutch
 from camgen.machine.targets import Advance
 from camgen.machines.indexing_cam.unloader import Load, SpringTorque, Torques, torques
 from camgen.motion.laws import Floats
@@ -27,7 +26,6 @@ from camgen.motion.program import Program
 from camgen.numerics import halved
 from camgen.study import Plot, Table
 
-WHEEL = "drive-wheel"
 FORWARDS: Literal[
     -1
 ] = -1  # sense of the wheel's angle as the follower swings out: it is geared to it
@@ -50,7 +48,7 @@ class Stepping:
     """The link's turn, by the follower's program.
 
     rise: span of theta in which it swings out, rad; ratio: wheel to follower; index: turn of the link, lost: as above, rad;
-    sense: -1 where theta runs backwards; start: angle of the wheel at theta = 0, rad; limit: torque of one freewheel, N m.
+    sense: -1 where theta runs backwards; limit: torque of one freewheel, N m.
     """
 
     program: Program
@@ -59,7 +57,6 @@ class Stepping:
     index: float
     lost: float
     sense: int
-    start: float
     limit: float
 
     def taken(self, theta: Floats) -> tuple[Floats, Floats, Any]:
@@ -79,15 +76,6 @@ class Stepping:
         return np.asarray(
             np.where(engaged, FORWARDS * self.ratio * self.program(theta, order), 0.0)
         )
-
-    def apart(self, theta: Floats) -> Floats:
-        """Angle of the link less that of its wheel while they turn together, nan while it is held, (n,) rad."""
-        turns, _, engaged = self.taken(theta)
-        return np.where(engaged, FORWARDS * (self.index * turns - self.lost) - self.start, np.nan)
-
-    def clutch(self, link: str) -> Clutch:
-        """The joint of wheel and link."""
-        return Clutch("freewheels", WHEEL, link, self, self.apart)
 
     @cached_property
     def locks(self) -> float:

@@ -20,6 +20,7 @@ import numpy as np
 
 from camgen.motion.laws import Floats, Law
 
+LINK = "driven_link"
 SpringTorque = Callable[[Floats], Floats]
 _FITTED = 1001  # shares of the time of a run-up at which a spring is fitted to its law
 _INVERSE = 20_001  # positions at which a law is tabulated to find its time from its displacement: 1e-9 of the turn

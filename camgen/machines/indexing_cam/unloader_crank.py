@@ -14,19 +14,17 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from camgen.errors import DesignError
 from camgen.geometry.convex import hull_corners
 from camgen.machine.cams.profile import DiscCam, SwingingArm
-from camgen.machine.model import GROUND, Body, Gear, Machine, Pin, Place
-from camgen.machine.model import Pose as Start
-from camgen.machines.bench import Strung
-from camgen.machines.indexing_cam.unloader import CrankSpring
+from camgen.machines.indexing_cam.unloader import LINK, CrankSpring
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.springs import EYE, extension_spring
 
@@ -42,7 +40,7 @@ Disc = tuple[complex, float]
 
 
 @dataclass(frozen=True)
-class StandingUnloader:
+class UnloaderCrank:
     """Where crank and post are, mm on the ground: beside the cams about the origin and their follower, which swings so far, rad.
 
     link: axle of the driven link, table: radius that its parts take; wheel: pitch radius of the follower's wheel.
@@ -182,33 +180,33 @@ class StandingUnloader:
         """Of the spring, on the ground, mm."""
         return self._places[1]
 
-    # ---- as parts of the machine ------------------------------------------------------------------------------------
+    # ---- as links ---------------------------------------------------------------------------------------------------
 
-    def added(self, machine: Machine, link: str) -> Machine:
-        """The machine with the crank; its spring is no load of it yet."""
-        start = self.ratio * machine.start_of(link).angle
-        return replace(
-            machine,
-            bodies=(*machine.bodies, Body(CRANK)),
-            joints=(
-                *machine.joints,
-                Pin("unloader's axle", Place(CRANK), Place(GROUND, self.axle)),
-                Gear("unloader gears", link, CRANK, self.ratio),
-            ),
-            start={**machine.start, CRANK: Start(self.axle, start)},
-        )
+    def draw(
+        self,
+        points: dict[str, complex],
+        links: dict[str, list[str]],
+        gears: list[dict[str, Any]],
+        tables: dict[str, Any],
+    ) -> None:
+        """Add the crank, its wheels and its spring to the tables of a linkage; DesignError where no wire makes the spring."""
+        s = self.spring
+        points["crank"] = self.axle
+        points["anchor"] = self.post
+        points["hook"] = self.axle + self._pin(self.axle, self.post) * cmath.exp(1j * s.begin)
+        links["ground"] += ["crank", "anchor"]
+        links[CRANK] = ["crank", "hook"]
+        gears.append({"name": "unloader_gears", "a": LINK, "b": CRANK, "ratio": self.ratio})
+        self._refuse_wire()
+        spring = {"name": "unloader_spring", "between": ("hook", "anchor"), "rate": s.stiffness}
+        tables.setdefault("spring", []).append({**spring, "free": s.guide - s.crank - s.stretch})
 
-    def hook(self, start: float) -> complex:
-        """The pin in the crank's axes, mm; start: the angle of these at the begin of the stroke, rad."""
-        return self._pin(self.axle, self.post) * cmath.exp(1j * (self.spring.begin - start))
-
-    def strung(self) -> Strung:
-        """The spring; DesignError where no wire makes it."""
+    def _refuse_wire(self) -> None:
         s, pin = self.spring, self.sizes.pin_diameter
-        free, shortest = s.guide - s.crank - s.stretch + pin, s.guide - s.crank + pin
+        free = s.guide - s.crank - s.stretch + pin
+        shortest = s.guide - s.crank + pin
         longest = s.farthest + pin
-        wire = extension_spring(s.stiffness, free, longest, EYE * pin, self.sizes.hook)
-        if wire is None:
+        if extension_spring(s.stiffness, free, longest, EYE * pin, self.sizes.hook) is None:
             raise DesignError(
                 "springs of round wire for the unloader",
                 0,
@@ -217,9 +215,6 @@ class StandingUnloader:
                 f"{s.stiffness:.4g} N/mm, free length {free:.4g} mm, length from {shortest:.4g} to {longest:.4g} mm",
                 "use another unloader.stiffness_n_mm, a longer unloader.guide or shorter unloader.crank, or parts.make = 'cams'",
             )
-        return Strung(
-            "Unloader's spring", (CRANK, "hook"), (GROUND, "anchor"), wire, (shortest, longest)
-        )
 
 
 def _around(points: Sequence[complex]) -> float:
