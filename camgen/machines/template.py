@@ -2,6 +2,7 @@
 
 tables     of a spec, with the words of `mechanism = "linkage"`: points, links, drive, joints, sizes
 fitting    parts of its own beside those that follow from the joints
+additions  what else is said of the linkage: programs of cams that no table says, loads, advice in the spec's own words
 findings   its own checks as designed
 figures    its own numbers, curves and tables
 

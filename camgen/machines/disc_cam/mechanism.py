@@ -38,6 +38,7 @@ from camgen.machine.cams.sizing import least_base_radius
 from camgen.machine.features import CamOutline, Demand, Mount
 from camgen.machine.model import Machine
 from camgen.machines.cam_loads import force_study, lift_off, load_faults, load_of, polydyne_faults
+from camgen.machines.cam_tables import CamTables
 from camgen.machines.disc_cam.curves import plots, segments_table
 from camgen.machines.disc_cam.followers import drawn, standing_on
 from camgen.machines.disc_cam.tables import (
@@ -52,7 +53,6 @@ from camgen.machines.free_play import between
 from camgen.machines.loads.tables import CamBears
 from camgen.machines.loads.weights import gravity
 from camgen.machines.pairs import air_faults, still_faults
-from camgen.machines.standing import CamTables
 from camgen.machines.template import Template, in_bodies
 from camgen.motion.polydyne import polydyne
 from camgen.motion.program import Program

@@ -33,6 +33,7 @@ from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.features import Demand, Mount
 from camgen.machine.run import solve
 from camgen.machine.targets import advance
+from camgen.machines.cam_tables import CamTables, Sizes
 from camgen.machines.free_play import between
 from camgen.machines.indexing_cam import tables as t
 from camgen.machines.indexing_cam.comparison import Comparison
@@ -54,7 +55,6 @@ from camgen.machines.indexing_cam.unloader_crank import UnloaderCrank
 from camgen.machines.linkage.mechanism import Additions
 from camgen.machines.linkage.tables import LinkageLimits
 from camgen.machines.pairs import air_faults
-from camgen.machines.standing import CamTables, Sizes
 from camgen.machines.template import Template, in_bodies
 from camgen.motion.laws import Law
 from camgen.motion.program import Program, Segment

@@ -1,4 +1,4 @@
-"""What cam mechanisms share whose spec makes the cams alone, or with parts.make = "machine" all that it takes to turn them."""
+"""Tables of mechanisms whose cams are made alone, or with parts.make = "machine" all that it takes to turn them on a bench."""
 
 from __future__ import annotations
 
@@ -60,9 +60,6 @@ class CamTables(Mechanism):
         if self.bodies.discs:
             right = "nothing here: no link of this machine turns on an eccentric"
             faults.append(Fault(("parts", "discs"), "", right))
-        if self.bodies.thread_post_sizes.diameters:
-            right = "nothing here: no thread runs in this machine"
-            faults.append(Fault(("parts", "thread_posts", "diameters"), "", right))
         found = [replace(fault, path=("bodies", *fault.path[1:])) for fault in faults]
         return [
             *found,
