@@ -17,10 +17,12 @@ from camgen.errors import DesignError
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Contour
 from camgen.machine.features import CamOutline, Eye
+from camgen.machines.linkage.mechanism import Linkage
 from camgen.machines.sources import read_mechanism
 from camgen.machines.uniform_swing.mechanism import UniformSwing
 from camgen.machines.uniform_swing.pictures import Model, pictures
 from camgen.pipeline.shown import animation
+from camgen.spec import validate
 
 SHAFTS = ["plain", "keyway", "d-flat"]
 
@@ -305,6 +307,68 @@ def test_figures_of_the_source() -> None:
         assert numbers[f"source_r_{k}_mm"] == pytest.approx(r, rel=1e-12)
         beta = math.degrees(math.acos(math.sqrt(4500) / r * math.sin(alpha)))
         assert numbers[f"source_beta_{k}_deg"] == pytest.approx(beta, rel=1e-12)
+
+
+# ---- as a linkage with [[cam]] ----------------------------------------------------------------------------------------
+
+# From rest to a speed that nothing changes up to the jerk, and the other way round: half a reversal.
+OFF = ((0, 0, 0), (0, 1, 0), (0, 3, 0), (0, 5, 0), (1, 0, 1), (1, 2, 0), (1, 3, 0))
+ON = tuple((1 - u, order, 0 if order else 1 - value) for u, order, value in OFF)
+
+
+def as_linkage(m: UniformSwing) -> Linkage:
+    """The same in the words of a linkage: the law as segments, the follower drawn at the inner end of its swing."""
+    g, blend, swing = m.geometry, m.geometry.reversal_blend_deg, m.geometry.swing_deg
+    turn = float(swing / 2 - np.degrees(m.motion(np.array([math.pi - math.radians(blend / 2)])))[0])
+    start = cmath.exp(-0.5j * math.radians(swing))
+    points = {
+        "shaft": 0j,
+        "pivot": complex(g.pivot_distance),
+        "level": g.pivot_distance + 10 * start,  # its angle is s
+        "tip": g.pivot_distance - complex(g.pivot_distance, g.arm_offset) * start,
+    }
+    halves = [{"name": "polynomial", "conditions": each} for each in (OFF, ON)]
+    spans = ((blend / 2, halves[0]), (180 - blend, "uniform"), (blend / 2, halves[1]))
+    ends = {"rise": (turn, swing - turn, swing), "return": (swing - turn, turn, 0.0)}
+    segments = [
+        {"kind": kind, "span_deg": span, "to_deg": to, "law": law}
+        for kind, levels in ends.items()
+        for (span, law), to in zip(spans, levels, strict=True)
+        if span
+    ]
+    cam = {"name": "contact", "cam": "cam", "follower": "follower", "at": "tip"}
+    cam |= {"radius": g.tip_radius, "closure": g.closure, "segment": tuple(segments)}
+    tables = {
+        "mechanism": "linkage",
+        "name": "swing",
+        "points": {name: (z.real, z.imag) for name, z in points.items()},
+        "links": {
+            "ground": ("shaft", "pivot"),
+            "cam": ("shaft",),
+            "follower": ("pivot", "level", "tip"),
+        },
+        "drive": {"link": "cam", "speed_rpm": 30.0},
+        "cam": (cam,),
+        "output": ({"name": "swing", "link": "follower"},),
+    }
+    return validate(Linkage, tables)
+
+
+@pytest.mark.parametrize("blend_deg", [0.0, 20.0, 180.0])
+@pytest.mark.parametrize("closure", ["conjugate", "force"])
+def test_a_linkage_with_a_cam_moves_alike(blend_deg: float, closure: str) -> None:
+    """The same motion, and the same cams; the second one of a pair is the first turned over about Oy."""
+    m = design(geometry__reversal_blend_deg=blend_deg, geometry__closure=closure)
+    linkage = as_linkage(m)
+    theta = np.linspace(0, 2 * math.pi, 721) + 1e-3
+    for order in range(3):
+        off = linkage.motion(theta, order) - m.motion(theta, order)
+        assert np.max(np.abs(off)) < 1e-9
+    touches = m.model.joint("contact").touches
+    tips = linkage.sketched.tips
+    assert len(tips) == len(touches) == (2 if closure == "conjugate" else 1)
+    for tip, touch in zip(tips, touches, strict=True):
+        assert np.max(np.abs(tip.turn * tip.cam.profile(theta) - touch(theta)[0])) < 1e-9
 
 
 # ---- the source's figures --------------------------------------------------------------------------------------------
