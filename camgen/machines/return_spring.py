@@ -149,7 +149,7 @@ class ReturnSpring:
         found = extension_spring(rate, free, longest, eye, hook) if free > 0 else None
         return found or self._none_such(f"{rate:.4g} N/mm, free length {free:.4g} mm")
 
-    def of_a_shop(self, least: float, table: str = "[spring], beside a [load]") -> str:
+    def of_a_shop(self, least: float) -> str:
         """Which other springs do as well, and what the table of the spring is with one."""
         shortest, longest = self.way
         first, last = self._ends
@@ -160,7 +160,7 @@ class ReturnSpring:
             keys = f"preload = {first:.5g} {pull}, rate = ({last:.5g} R ({longest:.5g} - L) - preload) / {stroke:.5g}"
         return (
             f"or of a shop, R N/mm and L mm free inside its eyes: {pull} at least {least:.4g} N, and it may be stretched to "
-            f"{longest:.4g}; put it into {table}, and build again: {keys}"
+            f"{longest:.4g}; put it into [spring] beside a [load], of a linkage into [cam.spring], and build again: {keys}"
         )
 
     def closing(self, spring: ExtensionSpring) -> float:

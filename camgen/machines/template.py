@@ -99,14 +99,15 @@ class Template(Mechanism):
 
     def _found(self) -> Mapping[str, object]:
         """The moment of a counterweight, and what every mechanism fills in."""
-        weight = self.linkage._found() if self.linkage.counterweight else {}
+        weighed = getattr(self, "counterweight", None) is not None
+        weight = self.linkage._found() if weighed else {}
         own = {key: value for key, value in weight.items() if key.startswith("counterweight.")}
         return {**super()._found(), **own}
 
     def resolved(self) -> Self:
         """The same with everything filled in, on the same linkage."""
         found = super().resolved()
-        if self.linkage.counterweight is None:
+        if "linkage" in vars(self) and self.linkage.counterweight is None:
             vars(found)["linkage"] = self.linkage
         return found
 

@@ -640,7 +640,9 @@ def test_the_post_of_a_return_spring_by_hand() -> None:
         next(part.thickness for part in drive.assembly.parts if part.name == "pin-1") - 1.5
     )  # of its head, the plate's side is 0
     force = report.study.numbers["spring_force_greatest_n"]
-    (post,) = (each for each in report.findings if str(each.where) == "pin post, under spring")
+    (post,) = (
+        each for each in report.findings if str(each.where) == "pin post, under return_spring"
+    )
     assert post.measured == pytest.approx(32 * force * (head - 0.2 - 5) / (math.pi * 125), rel=1e-6)
     assert post.ok
     heavy = judged("disc-cam", *PRESSED, "spring.preload=35")
@@ -649,7 +651,7 @@ def test_the_post_of_a_return_spring_by_hand() -> None:
         for each in heavy.findings
         if each.code == "PIN_STRESS" and not each.ok
     }
-    assert "pin post, under spring" in broken
+    assert "pin post, under return_spring" in broken
     assert {str(each.where) for each in heavy.findings if str(each.where).startswith("pin tip")}
     steel = judged("disc-cam", *PRESSED, "spring.preload=35", "bodies.pin='dowel'")
     assert all(

@@ -307,7 +307,7 @@ def loaded(machine: Machine, cam: DiscCam[Any], load: FollowerLoad, theta: Float
     leaves = cam.follower.leaves
     lift = leaves * cam.program(theta)
     riding = np.array([cam.riding(angle) for angle in theta])
-    force, torque = found.pressing["contact"], found.drives["motor"]
+    force, torque = found.pressing["contact"], *found.drives.values()
     force, torque = (
         np.where(riding, math.nan, values)
         for values in (force, np.where(np.isinf(force), math.inf, torque))

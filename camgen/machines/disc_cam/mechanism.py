@@ -15,12 +15,12 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import Field
 
-from camgen.errors import Fault, SpecError
+from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, NotJudged
 from camgen.geometry.outlines import Floats
 from camgen.machine.cams.followers import Follower, SlidingFace, SlidingTip, SwingingFace
@@ -49,21 +49,23 @@ from camgen.machines.disc_cam.tables import (
 )
 from camgen.machines.disc_cam.walls import walls
 from camgen.machines.free_play import between
+from camgen.machines.loads.tables import CamBears
 from camgen.machines.loads.weights import gravity
 from camgen.machines.pairs import air_faults, still_faults
-from camgen.machines.standing import StandingCams
+from camgen.machines.standing import CamTables
+from camgen.machines.template import Template, in_bodies
 from camgen.motion.polydyne import polydyne
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, program
+from camgen.parts.assembly import Assembly, FollowerFacts, MotorSeat
 from camgen.parts.disc_cams import CamParts, disc_parts, turning_note
+from camgen.parts.generator.troughs import open_rails
 from camgen.parts.part import Part
+from camgen.parts.springs import to_wind, wished
 from camgen.study import Later, Plot, Sketch, Study
 
-if TYPE_CHECKING:
-    from camgen.machines.bench import Bench
 
-
-class DiscCamDrive(StandingCams):
+class DiscCamDrive(CamTables, Template):
     """Spec and answers of a disc cam; the output is the follower's displacement s, mm or rad, 0 on the base circle."""
 
     geometry: DiscCamGeometry
@@ -250,49 +252,105 @@ class DiscCamDrive(StandingCams):
         """The cam that drives outwards."""
         return self.cams[0]
 
-    def _alone(self) -> Machine:
-        """Cam and follower; output "lift", mm, or "swing", rad."""
-        return self._drawn(self._load)
-
     @property
     def standing(self) -> bool:
         """Whether the whole machine is made."""
         return self.making.make == "machine"
 
-    def _stood(self) -> Bench:
-        from camgen.machines.bench import Bench
-        from camgen.parts.generator.wheels import Ridden
-
-        g, f, load = self.geometry, self.geometry.follower, self._load or FollowerLoad()
-        tip = Ridden(
-            f.shape,
-            f.radius,
-            g.closure,
-            tip_clearance=g.tip_clearance,
-            face_width=f.face_width,
-            limits=self.cam_limits,
-        )
-        return Bench(
-            self._drawn(replace(load, rate=0.0, preload=0.0)),
-            self.cam,
-            tip,
-            self.sizes,
-            self.print,
-            self.allowed.min_wall,
-            self._process.density,
-            load,
-            ["follower"] if load.inertia else [],
-            gravity=gravity(self.load),
-        )
-
-    def _drawn(self, load: FollowerLoad | None) -> Machine:
+    def _alone(self) -> Machine:
+        """Cam and follower; output "lift", mm, or "swing", rad."""
         closed: Literal["form", "force"] = "force" if self.geometry.closure == "force" else "form"
         groove = (
             (CamTouch(self.cam), CamTouch(self.cam, outer=True))
             if self.geometry.closure == "groove"
             else ()
         )
-        return cam_machine(self.cams, self._speed, load, closed, groove)
+        return cam_machine(self.cams, self._speed, self._load, closed, groove)
+
+    def _unloaded(self) -> Machine:
+        if not self.standing:
+            return self._alone()
+        with in_bodies():
+            return super()._unloaded()
+
+    # ---- what it is as a linkage ------------------------------------------------------------------------------------
+
+    def tables(self) -> Mapping[str, Any]:
+        """Cam and follower, which stands on its base circle; a spring where that is what holds it."""
+        f, suffix = self.geometry.follower, "" if self._unit[0] == "mm" else "_deg"
+        tip, follower = self._touching, self.cam.follower
+        points, links = {"shaft": 0j, "tip": tip}, {"ground": ["shaft"], "cam": ["shaft"]}
+        found: dict[str, Any] = {}
+        if isinstance(follower, SlidingTip | SlidingFace):
+            points |= {"rest": tip, "above": tip + follower.along}
+            links |= {"ground": ["shaft", "rest", "above"], "follower": ["tip"]}
+            found["slide"] = ({"name": "guide", "link": "follower", "along": ("rest", "above")},)
+        else:
+            pivot = complex(self.geometry.follower.pivot_distance or 0.0)
+            points |= {"pivot": pivot, "level": 2 * pivot}  # its angle is 0 at s = 0
+            links |= {"ground": ["shaft", "pivot"], "follower": ["pivot", "level", "tip"]}
+        cam = {
+            "name": "contact",
+            "cam": "cam",
+            "follower": "follower",
+            "at": "tip",
+            "segment": tuple(self._segment(row, suffix) for row in self.segment),
+            "closure": self.geometry.closure,
+            "tip_clearance": self.geometry.tip_clearance,
+            **f.model_dump(include={"shape", "radius", "face_width"}),
+        }
+        if self.geometry.closure == "force":
+            cam["spring"] = self.spring.model_dump() if self.spring else {}
+        if self.load is not None:
+            cam |= self.load.model_dump(include={"damping", "resistance", "polydyne"})
+            found["masses"] = self.load.of_follower()
+        bears = self.allowed.model_dump(include={*CamBears.model_fields, "min_wall"})
+        own = {f"{key}{suffix}": getattr(self.allowed, key) for key in ("undercut", "lash")}
+        return {
+            "points": {name: (z.real, z.imag) for name, z in points.items()},
+            "links": links,
+            "drive": {"link": "cam", "speed_rpm": self.motor.speed_rpm},
+            "cam": (cam,),
+            "output": ({"name": "swing" if suffix else "lift", "link": "follower"},),
+            "parts": self.sizes.model_dump(by_alias=True, exclude_none=True),
+            "limits": bears | own,
+            **found,
+        }
+
+    @staticmethod
+    def _segment(row: SegmentTable, suffix: str) -> dict[str, Any]:
+        """As a [[cam.segment]]."""
+        given = ((key, value) for key, value in row if value is not None)
+        return {f"{key}{suffix}" if key in ("lift", "to") else key: value for key, value in given}
+
+    @property
+    def _touching(self) -> complex:
+        """Where the follower touches at s = 0, on a face in the middle of its way, on the ground."""
+        match self.cam.follower:
+            case SwingingArm(pivot, arm):
+                return pivot + arm
+            case SlidingTip(start) | SlidingFace(start):
+                return start
+            case SwingingFace(pivot, facing, ahead):
+                if ahead:
+                    raise DesignError(
+                        "geometry.follower.face_offset",
+                        ahead,
+                        0,
+                        "mm",
+                        "the arm of a face",
+                        'its line goes through its pivot: use 0, or make the cams alone (parts.make = "cams")',
+                    )
+                return pivot + facing * 0.5j * sum(self.cam.face_contact)
+        raise TypeError(f"no machine for {type(self.cam.follower).__name__}")
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """The cams, or the whole machine."""
+        if not self.standing:
+            return self._bare()
+        with in_bodies():
+            return super().assembly
 
     @cached_property
     def _load(self) -> FollowerLoad | None:
@@ -310,13 +368,28 @@ class DiscCamDrive(StandingCams):
     @property
     def _spring_wish(self) -> tuple[float, float, float] | None:
         """Of a cam alone beside a sliding stem, as [spring] says."""
-        if self.standing or self.spring is None or not self.spring.preload or self._unit[0] != "mm":
+        if self.spring is None or not self.spring.preload or self._unit[0] != "mm":
             return None
         return self.spring.rate, self.spring.preload, self._highest[1] - self._highest[0]
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 
-    def _cams(self) -> Sequence[Part]:
+    def _bare(self) -> Assembly:
+        """The cams alone."""
+        made = self._assembly(self._plates, self._beside(), self._outlines())
+        spring, hub = wished(self._spring_wish), self.making.hub(self.allowed.min_wall)
+        screw = [] if hub is None else hub.bought(self.making.hub_diameter / 2)
+        return replace(
+            made,
+            springs=spring,
+            bought=[*screw, *to_wind(spring)],
+            motor=MotorSeat(hub=hub),
+            follower=FollowerFacts(wish=self._spring_wish),
+            demands=self.asked(),
+        )
+
+    @cached_property
+    def _plates(self) -> Sequence[Part]:
         """The cam; both cams of a conjugate pair; or inner cam, outer ring and back plate of a groove."""
         outlines, clearance = [cam.outline for cam in self.cams], self.print.slide_clearance
         wall = self.cam.groove(clearance) if self.geometry.closure == "groove" else None
@@ -350,7 +423,7 @@ class DiscCamDrive(StandingCams):
         }
         return [Mount(part.name, "cam", z=heights.get(part.name, 0.0)) for part in self._plates]
 
-    def _asked(self) -> Sequence[Demand]:
+    def asked(self) -> tuple[Demand, ...]:
         """The play that is borne."""
         return (Demand(self.model.outputs[0].name, lash=self.allowed.lash / self._unit[1]),)
 
@@ -372,6 +445,10 @@ class DiscCamDrive(StandingCams):
         from camgen.machines.disc_cam.variants import prepare
 
         prepare(many)
+
+    def findings(self) -> Sequence[Finding]:
+        """None beside those of its cams, which `limits` has."""
+        return ()
 
     def limits(self) -> Sequence[Finding]:
         """Pressure angle, undercut, curvature, face width and jumps of the motion against the spec's limits."""
@@ -432,6 +509,10 @@ class DiscCamDrive(StandingCams):
         ]
 
     def study(self) -> Study:
+        """Its own figures: those of a linkage say the same."""
+        return self.figures()
+
+    def figures(self) -> Study:
         """Figures of the cam, motion and its derivatives, pressure angle, curvature and the profile coloured by the former."""
         return Study(
             self._figures(),
@@ -497,7 +578,7 @@ class DiscCamDrive(StandingCams):
             notes.append(
                 "The velocity jumps, so the acceleration has no finite peak; its curve leaves the jumps out."
             )
-        notes += self.bench.notes if self.standing else []
+        notes += open_rails(self.linkage.bodies.layout) if self.standing else []
         if self.allowed.continuous < 0:
             notes.append("Whether the motion jumps is not judged: limits.continuous = -1.")
         return notes

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -105,6 +105,14 @@ class LoadTable(Weight):
         description="whether the cam is corrected so that what moves behind the stiffness does the "
         "program at this speed",
     )
+
+    def of_follower(self) -> dict[str, Any]:
+        """[masses] of the linkage, where they are given; what swings has its inertia about its pivot."""
+        if self.inertia_kg_m2:
+            turned = {"mass_g": 0.0, "centre": (0.0, 0.0), "inertia_kg_m2": self.inertia_kg_m2}
+            return {"follower": turned}
+        still = {"mass_g": 1e3 * self.mass_kg, "centre": (0.0, 0.0)}
+        return {"follower": still} if self.mass_kg else {}
 
     def lag(self, speed: float, rate: float) -> Lag:
         """What a cam has to be ahead of this follower; speed: rad/s; rate: of the spring on it, N/mm or N m/rad."""

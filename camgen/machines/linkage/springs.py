@@ -68,7 +68,8 @@ class MountedSpring:
     def bought(self, pin: float) -> Bought:
         """Its line in the list of parts; pin: diameter, mm."""
         found = self.mounted(pin, False).bought
-        return replace(found, name=f"extension spring, {self.name}", size=found.size + self.note)
+        name = found.name if self.name == RETURN else f"{found.name}, {self.name}"
+        return replace(found, name=name, size=found.size + self.note)
 
 
 @dataclass(frozen=True)
@@ -88,10 +89,10 @@ class Returning:
         hook = (self.at + self.spring.hook - pose.place) * cmath.exp(-1j * pose.angle)
         points = {
             m.GROUND: {self.post: self.at + self.spring.post},
-            self.cam.follower: {self.hook: hook},
+            self.cam.follower: {} if self.spring.rolls else {self.hook: hook},
         }
         bodies = (
-            replace(body, points={**points.get(body.name, {}), **body.points})
+            replace(body, points={**body.points, **points.get(body.name, {})})
             for body in machine.bodies
         )
         return replace(machine, bodies=tuple(bodies))
@@ -104,7 +105,7 @@ class Returning:
         b = machine.body(self.cam.follower).at(self.hook)
         pull = m.Spring(self.name, a, b, spring.rate, spring.free - pin)
         shortest, longest = (length - pin for length in self.spring.way)
-        note = "" if self.spring.given else f"; {self.spring.of_a_shop(least, '[cam.spring]')}"
+        note = "" if self.spring.given else f"; {self.spring.of_a_shop(least)}"
         ends = ((m.GROUND, self.post), (self.cam.follower, self.hook))
         return MountedSpring(self.name, ends, pull, spring, shortest, longest, note)
 

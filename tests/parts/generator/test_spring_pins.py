@@ -184,7 +184,7 @@ def test_springs_are_drawn_between_their_pins() -> None:
     assert there.z - drawn.z == pytest.approx(
         min(tops) - min(mount.z for mount in own.assembly.mounts)
     )
-    assert "spring" in [body.name for body in animation(own).bodies]
+    assert "return_spring" in [body.name for body in animation(own).bodies]
 
 
 def test_coils_lie_clear_of_what_is_beneath() -> None:
