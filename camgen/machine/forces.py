@@ -107,7 +107,7 @@ def kinetostatics(
         rows_of_cams = {
             joint.name: (
                 system.rows[joint.name].start,
-                *_touched(joint, system, q, rates, slopes, multipliers),
+                *_contact(joint, system, q, rates, slopes, multipliers),
             )
             for joint in joints
             if isinstance(joint, Cam) and joint.touches
@@ -167,7 +167,7 @@ def kinetostatics(
     )
 
 
-def _touched(
+def _contact(
     cam: Cam, system: Constraints, q: Floats, rates: Floats, slopes: Floats, multipliers: Floats
 ) -> tuple[Floats, Floats]:
     """By a unit of effort along s: force between cam and follower, (n,), inf where friction jams it, and what it does on the
@@ -199,7 +199,7 @@ def _touched(
             )
             slides = np.real(np.conj(across) * past)
             push = push + cam.friction * np.sign(slides) * across
-        wrench = system.pressed(cam, q, where, push)
+        wrench = system.wrench(cam, q, where, push)
         lever = np.sum(wrench * gives, axis=1)
         size = np.where(lever * side > 0, 1 / lever, np.inf * np.sign(effort))
         force = np.where(bears, size, force)
@@ -247,7 +247,7 @@ def _acting(system: Constraints, theta: Floats, q: Floats, rates: Floats) -> Flo
     acting = np.zeros(q.shape)
     for load in system.machine.loads:
         if isinstance(load, Force):
-            system.press(acting, load.on, q, np.full(len(q), complex(load.force)))
+            system.add_force(acting, load.on, q, np.full(len(q), complex(load.force)))
         elif isinstance(load, Gravity):
             for body in system.machine.moving:
                 k = system.column[body.name]
@@ -257,13 +257,13 @@ def _acting(system: Constraints, theta: Floats, q: Floats, rates: Floats) -> Flo
                 acting[:, k + 1] += weight.imag
                 acting[:, k + 2] += (np.conj(arm) * weight).imag
         elif isinstance(load, Spring):
-            way = system.place(load.b, q).where - system.place(load.a, q).where
+            way = system.place(load.b, q).position - system.place(load.a, q).position
             length = np.abs(way)
             pull = load.rate * (length - load.free) * way / length
-            system.press(acting, load.a, q, pull)
-            system.press(acting, load.b, q, -pull)
+            system.add_force(acting, load.a, q, pull)
+            system.add_force(acting, load.b, q, -pull)
         elif isinstance(load, Resistance):
-            value, gradient = system.measured(load.of, q)
+            value, gradient = system.measure(load.of, q)
             speed = np.sum(gradient[:, 0] * rates, axis=1)
             force = (
                 load.force
@@ -289,7 +289,7 @@ def _acting(system: Constraints, theta: Floats, q: Floats, rates: Floats) -> Flo
 
 def _effort(load: Effort, system: Constraints, theta: Floats, q: Floats, rates: Floats) -> Floats:
     """What an effort does on the bodies, (n, 3 bodies)."""
-    gradient = system.measured(load.of, q)[1]
+    gradient = system.measure(load.of, q)[1]
     speed = np.sum(gradient * rates[:, None, :], axis=2)
     force = np.asarray(load.law(theta, 0))[:, None] / (MM if isinstance(load.of, Angle) else 1.0)
     if load.moving:

@@ -57,7 +57,7 @@ class Dyad:
 Step = Direct | Dyad | Block
 
 
-class Followed(Protocol):
+class ChainData(Protocol):
     """What a state asks of its chain: who turns with whom, the ways to all bodies, a lever of each group, the driven, and what
     was followed from the drawn position."""
 
@@ -66,7 +66,7 @@ class Followed(Protocol):
     levers: dict[str, float]
     driven: set[str]
 
-    def followed(self, group: str, low: float, high: float) -> tuple[Floats, Floats]:
+    def course(self, group: str, low: float, high: float) -> tuple[Floats, Floats]:
         """A group's angle at angles theta over the range."""
 
     def trace(self, block: Block, low: float, high: float) -> Trace:
@@ -79,7 +79,7 @@ class State:
     Made with numpy's warnings off, as all that is asked of it later is to be.
     """
 
-    def __init__(self, chain: Followed, theta: Floats, order: int) -> None:
+    def __init__(self, chain: ChainData, theta: Floats, order: int) -> None:
         self.chain = chain
         self.theta = theta
         self.order = order
@@ -119,7 +119,7 @@ class State:
         """A group's angle with derivatives, continuous from the drawn position."""
         if group not in self._angle:
             angle = self.direction(group)
-            turns = self._nearest(*self.chain.followed(group, *self._range))
+            turns = self._nearest(*self.chain.course(group, *self._range))
             turns -= angle
             turns *= 1 / math.tau
             np.rint(turns, out=turns)

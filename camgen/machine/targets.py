@@ -196,7 +196,7 @@ class Through(Record):
         """Where the path shall pass, mm."""
         return [complex(*place) for place in self.at]
 
-    def met(self, course: Course) -> list[tuple[float, float]]:
+    def passes(self, course: Course) -> list[tuple[float, float]]:
         """theta and distance, mm, at which the path passes each place; none where it never passes them in their order."""
         if self.theta_deg is not None:
             t = np.radians(self.theta_deg)
@@ -210,7 +210,7 @@ class Through(Record):
 
     def finding(self, course: Course, where: Where) -> Finding:
         """PATH_ERROR: the place that the path misses most."""
-        passes = self.met(course)
+        passes = self.passes(course)
         how = (
             "in their order"
             if self.in_order

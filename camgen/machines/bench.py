@@ -24,7 +24,7 @@ from camgen.machine.cams.machine import FollowerLoad
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Feature, Mount, StandIn
 from camgen.machine.model import GROUND, Cam, Gravity, Machine, Place, Spring
-from camgen.machine.programs import Scaled
+from camgen.machine.programs import CamLaw
 from camgen.machine.run import Run, solve
 from camgen.machines.return_spring import SAMPLES, ReturnSpring
 from camgen.machines.template import in_bodies
@@ -186,7 +186,7 @@ class Bench:
             for body in self.drawn.bodies
         )
         joints = tuple(
-            replace(joint, law=Scaled(self.cam.program, 1)) if isinstance(joint, Cam) else joint
+            replace(joint, law=CamLaw(self.cam.program, 1)) if isinstance(joint, Cam) else joint
             for joint in self.drawn.joints
         )
         return replace(self.drawn, bodies=bodies, joints=joints)
