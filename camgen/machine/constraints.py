@@ -327,14 +327,14 @@ class Constraints:
         """Add to generalised forces, (n, 3 bodies), what a force (complex) on a place does: N and N mm."""
         self._enter(total, self.place(place, q), force)
 
-    def wrench(self, cam: Cam, q: Floats, where: Points, push: Points) -> Floats:
+    def wrench(self, cam: Cam, q: Floats, point: Points, force: Points) -> Floats:
         """What a force on a cam's follower, and its reverse on the cam, do at a place: as `press`, (n, 3 bodies)."""
         total = np.zeros(q.shape)
         for body, sign in ((cam.follower, 1.0), (cam.cam, -1.0)):
             c = self.column[body]
-            total[:, c] += sign * push.real
-            total[:, c + 1] += sign * push.imag
-            total[:, c + 2] += sign * np.imag(np.conj(where - q[:, c] - 1j * q[:, c + 1]) * push)
+            total[:, c] += sign * force.real
+            total[:, c + 1] += sign * force.imag
+            total[:, c + 2] += sign * np.imag(np.conj(point - q[:, c] - 1j * q[:, c + 1]) * force)
         return total
 
     def _enter(self, gradient: Floats, point: _Point, slope: Points) -> None:

@@ -176,43 +176,43 @@ def _contact(
     effort = multipliers[:, row]
     unit = np.zeros(multipliers.shape)
     unit[:, row] = 1.0
-    gives = solve(slopes, unit)  # how all bodies move for a unit of s, the drives held
+    per_s = solve(slopes, unit)  # how all bodies move for a unit of s, the drives held
     column = system.column[cam.cam]
     angle = system.angle(cam.cam, q) + np.zeros(len(q))
     force = np.full(len(q), np.nan)
-    acts = np.zeros(q.shape)
+    wrenches = np.zeros(q.shape)
     for k, touch in enumerate(cam.touches[:2]):
         side = cam.leaves * (1 - 2 * k)  # the sense of s in which this one pushes
-        bears = (
+        active = (
             np.ones(len(q), bool)
             if len(cam.touches) == 1
             else (effort * cam.leaves >= 0) == (k == 0)
         )
         place, normal = touch(angle - cam.phase)
         turn = np.exp(1j * angle)
-        where = q[:, column] + 1j * q[:, column + 1] + place * turn
+        point = q[:, column] + 1j * q[:, column + 1] + place * turn
         push = normal * turn
         if cam.friction:
             across = 1j * push
-            past = _speed(system, cam.cam, where, q, rates) - _speed(
-                system, cam.follower, where, q, rates
+            sliding_speed = _speed(system, cam.cam, point, q, rates) - _speed(
+                system, cam.follower, point, q, rates
             )
-            slides = np.real(np.conj(across) * past)
+            slides = np.real(np.conj(across) * sliding_speed)
             push = push + cam.friction * np.sign(slides) * across
-        wrench = system.wrench(cam, q, where, push)
-        lever = np.sum(wrench * gives, axis=1)
+        wrench = system.wrench(cam, q, point, push)
+        lever = np.sum(wrench * per_s, axis=1)
         size = np.where(lever * side > 0, 1 / lever, np.inf * np.sign(effort))
-        force = np.where(bears, size, force)
-        acts += np.where(
-            (bears & (effort != 0))[:, None], size[:, None] * wrench - slopes[:, row], 0.0
+        force = np.where(active, size, force)
+        wrenches += np.where(
+            (active & (effort != 0))[:, None], size[:, None] * wrench - slopes[:, row], 0.0
         )
-    return force, acts
+    return force, wrenches
 
 
-def _speed(system: Constraints, body: str, where: Points, q: Floats, rates: Floats) -> Points:
+def _speed(system: Constraints, body: str, point: Points, q: Floats, rates: Floats) -> Points:
     """Of the body's point that is at a place of the ground, (n,) complex."""
     c = system.column[body]
-    arm = where - q[:, c] - 1j * q[:, c + 1]
+    arm = point - q[:, c] - 1j * q[:, c + 1]
     return np.asarray(rates[:, c] + 1j * rates[:, c + 1] + 1j * rates[:, c + 2] * arm)
 
 
@@ -293,8 +293,8 @@ def _effort(load: Effort, system: Constraints, theta: Floats, q: Floats, rates: 
     speed = np.sum(gradient * rates[:, None, :], axis=2)
     force = np.asarray(load.law(theta, 0))[:, None] / (MM if isinstance(load.of, Angle) else 1.0)
     if load.moving:
-        fast = np.sqrt(np.sum(speed**2, axis=1, keepdims=True))
-        force = np.where(fast > 0, force * speed / np.where(fast > 0, fast, 1.0), 0.0)
+        size = np.sqrt(np.sum(speed**2, axis=1, keepdims=True))
+        force = np.where(size > 0, force * speed / np.where(size > 0, size, 1.0), 0.0)
     elif isinstance(load.of, Path):
         way = (
             load.way

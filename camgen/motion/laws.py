@@ -5,7 +5,7 @@
     smoothness  highest derivative that is continuous where the law joins what it is made to join, mostly a dwell
     break       place inside the segment where a derivative of order 0..3 jumps
 
-Laws without a parameter stand in LAWS; `modified_sine`, `fourier`, `polynomial_law` and `tabulated` make the others.
+Laws without a parameter stand in LAWS; `modified_sine`, `fourier`, `polynomial_law` and `table_law` make the others.
 [VDI 2143: names and constants]
 """
 
