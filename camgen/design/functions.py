@@ -269,8 +269,8 @@ def _polish(
 
     def room(x: Floats) -> Floats:
         value = bounded(x[:4, None])[:, 0]
-        bounds_now = limits @ x[4:]
-        return np.concatenate([bounds_now - value, bounds_now + value])
+        reach = limits @ x[4:]
+        return np.concatenate([reach - value, reach + value])
 
     def slopes(x: Floats) -> Floats:
         step = 1e-6 * np.eye(4)

@@ -145,11 +145,11 @@ def apart(designs: Iterable[ChainDesign]) -> list[ChainDesign]:
 
 def front(designs: Iterable[ChainDesign], step: float = 0.0) -> list[ChainDesign]:
     """Those that no other one beats in both error and bars, by rising error; each with less bars by a share of them."""
-    designs_: list[ChainDesign] = []
+    best: list[ChainDesign] = []
     for design in sorted(designs, key=lambda each: (each.error, each.bars)):
-        if not designs_ or design.bars < (1 - step) * designs_[-1].bars:
-            designs_.append(design)
-    return designs_
+        if not best or design.bars < (1 - step) * best[-1].bars:
+            best.append(design)
+    return best
 
 
 def area(designs: Iterable[ChainDesign], goal: Goal) -> float:

@@ -279,8 +279,8 @@ class Constraints:
             self._enter(gradient[:, 1], point, np.full(n, 1j))
             return point.position, gradient
         if isinstance(of, Angle):
-            for k, slope_of_angle in self._turns((of.body, 1.0), (of.on, -1.0)).items():
-                gradient[:, 0, k] = slope_of_angle
+            for k, factor in self._turns((of.body, 1.0), (of.on, -1.0)).items():
+                gradient[:, 0, k] = factor
             return self.angle(of.body, q) - self.angle(of.on, q), gradient
         if isinstance(of, Along):
             value, slopes, _ = self.along(of.slide, q)

@@ -84,14 +84,14 @@ def group_bodies(machine: Machine) -> Groups:
         a = joint.guide.body
         b = joint.runner.body
         # angle of b = angle of a + turn: the later group is taken into the earlier one.
-        kept_group = of[a]
-        merged_group = of[b]
+        group = of[a]
+        other = of[b]
         shift = excess[a] + joint.turn - excess[b]
-        if merged_group == GROUND:
-            kept_group, merged_group, shift = merged_group, kept_group, -shift
-        if kept_group != merged_group:
-            for body in [body for body in of if of[body] == merged_group]:
-                of[body] = kept_group
+        if other == GROUND:
+            group, other, shift = other, group, -shift
+        if group != other:
+            for body in [body for body in of if of[body] == other]:
+                of[body] = group
                 excess[body] = excess[body] + shift
     return Groups(of, excess)
 

@@ -153,12 +153,14 @@ class State:
         for sign in (1, -1):
             if (group, sign * lever) in self._arms:
                 return sign, self._arms[group, sign * lever]
-        spun = self.levers[group]
-        if (group, spun) not in self._arms:
+        spin_lever = self.levers[group]
+        if (group, spin_lever) not in self._arms:
             z, w, a = [*self.spins[group], 0, 0][:3]
-            self._arms[group, spun] = turned(z, w, a, self.order)
+            self._arms[group, spin_lever] = turned(z, w, a, self.order)
             return self.arm(group, lever)
-        self._arms[group, lever] = [times(lever / spun, row) for row in self._arms[group, spun]]
+        self._arms[group, lever] = [
+            times(lever / spin_lever, row) for row in self._arms[group, spin_lever]
+        ]
         return 1, self._arms[group, lever]
 
     def origin(self, body: str) -> Jet:

@@ -205,7 +205,7 @@ def tips(
     features: Iterable[Feature], parts: Sequence[Part], mounts: Sequence[Mount], machine: Machine
 ) -> list[StandIn]:
     """Each cam's round tip that is not made, as high as the cam that it touches."""
-    tips_ = []
+    stand_ins = []
     for cam in features:
         if not (isinstance(cam, CamOutline) and isinstance(cam.tip, Eye) and cam.tip.diameter):
             continue
@@ -218,10 +218,10 @@ def tips(
         layer = part.layers[part.cut]
         high = heights(mount, part.thickness, layer.z0, layer.z1)
         disc = (cam.tip.at, cam.tip.diameter / 2, *high)
-        tips_.append(
+        stand_ins.append(
             StandIn(f"tip on {cam.part}-{1 + cam.copy}", joint.follower, (disc,), rolls=True)
         )
-    return tips_
+    return stand_ins
 
 
 def printed_parts(assembly: Assembly) -> list[Part]:

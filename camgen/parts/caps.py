@@ -131,12 +131,12 @@ def recap(mesh: Mesh) -> Mesh:
     corners = mesh.vertices[mesh.faces]
     level = np.all(corners[:, :, 2] == corners[:, :1, 2], axis=1)
     looks = np.where(level, np.sign(mesh.across[:, 2]), 0.0)
-    faces_ = [mesh.faces[~level]]
+    new_faces = [mesh.faces[~level]]
     for z in distinct(corners[level][:, 0, 2]):
         for side in (-1.0, 1.0):
             cap = mesh.faces[(looks == side) & (corners[:, 0, 2] == z)]
-            faces_ += [_redivide(mesh, patch, side) for patch in _patches(cap)]
-    faces = np.concatenate(faces_)
+            new_faces += [_redivide(mesh, patch, side) for patch in _patches(cap)]
+    faces = np.concatenate(new_faces)
     first = np.argmin(faces, axis=1)
     faces = np.take_along_axis(faces, (first[:, None] + np.arange(3)) % 3, axis=1)
     return Mesh(mesh.vertices, faces[np.lexsort(faces.T[::-1])])
@@ -181,5 +181,5 @@ def _redivide(mesh: Mesh, patch: Faces, side: float) -> Faces:
     z, faces = triangles([plan[ring] for ring in rings])
     if len(z) != size:
         return patch
-    faces_ = np.concatenate(rings)[faces]
-    return faces_ if side > 0 else faces_[:, ::-1]
+    new_faces = np.concatenate(rings)[faces]
+    return new_faces if side > 0 else new_faces[:, ::-1]

@@ -136,8 +136,10 @@ def _combine(layers: Sequence[Mesh], pockets: Sequence[Mesh]) -> Mesh:
     faces = np.asarray(raw.tri_verts).astype(np.int64)
     levels = distinct(*(m.vertices[:, 2] for m in (*layers, *pockets)))
     height = levels[np.argmin(np.abs(vertices[:, 2, None] - levels), axis=1)]
-    vertices_ = distinct(*(m.vertices[:, 0] + 1j * m.vertices[:, 1] for m in (*layers, *pockets)))
-    plan = _upright(vertices[:, 0] + 1j * vertices[:, 1], vertices_)
+    known_points = distinct(
+        *(m.vertices[:, 0] + 1j * m.vertices[:, 1] for m in (*layers, *pockets))
+    )
+    plan = _upright(vertices[:, 0] + 1j * vertices[:, 1], known_points)
 
     return recap(_canonical(np.column_stack([plan.real, plan.imag, height]), faces))
 
