@@ -93,7 +93,7 @@ def test_it_shares_nothing_with_the_maker_but_the_model() -> None:
 # Imports inside the kernel go to its earlier rows only.
 ROWS = (
     {"model", "strength", "flywheel"},
-    {"jets", "constraints", "targets", "balancing", "programs"},
+    {"jets", "constraints", "targets", "balancing", "programs", "freewheels"},
     {"friction"},
     {
         "closing",
