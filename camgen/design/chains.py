@@ -107,12 +107,12 @@ def _extensions(grounds: int, pairs: int) -> Iterator[Chain]:
         [pair for pair in itertools.combinations(range(base + k), 2) if not set(pair) <= rest]
         for k in range(pairs)
     )
-    for pairs_ in itertools.product(*choices):
-        points = [point for pair in pairs_ for point in pair]
+    for choice in itertools.product(*choices):
+        points = [point for pair in choice for point in pair]
         order = list(dict.fromkeys(point for point in points if 2 <= point < base))
         necessary = {*range(2, base + pairs - 1)}
-        if necessary <= set(points) and order == sorted(order) and not rest & set(pairs_[-1]):
-            yield Chain(grounds, pairs_)
+        if necessary <= set(points) and order == sorted(order) and not rest & set(choice[-1]):
+            yield Chain(grounds, choice)
 
 
 def _shape(chain: Chain) -> object:

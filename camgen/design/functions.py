@@ -83,18 +83,18 @@ class Generator:
     def _rocker(self, turns: Floats) -> Floats:
         """Its angle after turns of the crank, (m,) rad."""
         return np.asarray(
-            _closed(np.array([self.phi0, self.side, *self.lengths])[:, None], turns)[0][:, 0]
+            _close(np.array([self.phi0, self.side, *self.lengths])[:, None], turns)[0][:, 0]
         )
 
     @property
-    def reached(self) -> float:
+    def least_tolerance(self) -> float:
         """A tolerance that it keeps, deg: its own error and a fiftieth."""
         return max(rounded_up(1.02 * math.degrees(self.error)), 0.01)
 
     def data(self, tolerance: float | None = None) -> Data:
         """Tables of the spec; tolerance: of FUNCTION_ERROR, deg, what it keeps and no more than is borne unless given."""
         pairs = self.wish.turns
-        limit = tolerance or min(self.reached, self.wish.allowance)
+        limit = tolerance or min(self.least_tolerance, self.wish.allowance)
         links = {"ground": ["O", "C"], CRANK: ["O", "A"], "coupler": ["A", "B"], ROCKER: ["C", "B"]}
         drive = {
             "link": CRANK,
@@ -115,7 +115,7 @@ class Generator:
     def prototype(self) -> Prototype:
         """Whether it can be made, and its play."""
         error = miss(Function.code, math.degrees(self.error), self.wish.allowance, "deg")
-        return Prototype(self.data(self.reached), error)
+        return Prototype(self.data(self.least_tolerance), error)
 
     @cached_property
     def sketch(self) -> Drawn:
@@ -257,9 +257,9 @@ def _polish(
     def bounded(x: Floats) -> Floats:
         """What lies within plus and minus the error, and within plus and minus the cosine, (k, n), of unknowns (4, n)."""
         numbers = np.stack([x[0], np.full(x.shape[1], begin[1]), *np.exp(x[1:])])
-        psi, cosine = _closed(numbers, turns)
+        psi, cosine = _close(numbers, turns)
         return np.concatenate(
-            [_wrapped(psi[1 : len(pairs)] - psi[:1] - pairs[1:, 1:]), cosine[len(pairs) :]]
+            [_wrap(psi[1 : len(pairs)] - psi[:1] - pairs[1:, 1:]), cosine[len(pairs) :]]
         )
 
     at_pairs = np.arange(len(pairs) - 1 + _COARSE) < len(pairs) - 1
@@ -269,8 +269,8 @@ def _polish(
 
     def room(x: Floats) -> Floats:
         value = bounded(x[:4, None])[:, 0]
-        bounds_now = limits @ x[4:]
-        return np.concatenate([bounds_now - value, bounds_now + value])
+        reach = limits @ x[4:]
+        return np.concatenate([reach - value, reach + value])
 
     def slopes(x: Floats) -> Floats:
         step = 1e-6 * np.eye(4)
@@ -321,7 +321,7 @@ def _freudenstein(phi0: Floats, psi0: Floats, pairs: Floats) -> Floats:
         return np.where((crank > 0) & (rocker > 0), np.stack([crank, coupler, rocker]), math.nan)
 
 
-def _closed(numbers: Floats, turns: Floats) -> tuple[Floats, Floats]:
+def _close(numbers: Floats, turns: Floats) -> tuple[Floats, Floats]:
     """Rocker's angle, and cosine of the transmission angle, (m, n), of designs (5, n) after turns of the crank, (m,).
 
     The rocker stays to one side of the way from its pivot to the crank's end: +1 counter-clockwise of it. A cosine beyond
@@ -337,7 +337,7 @@ def _closed(numbers: Floats, turns: Floats) -> tuple[Floats, Floats]:
     return psi, (rocker**2 + coupler**2 - span**2) / (2 * rocker * coupler)
 
 
-def _wrapped(angle: Floats) -> Floats:
+def _wrap(angle: Floats) -> Floats:
     """Within half a turn, rad."""
     return np.asarray(np.mod(angle + math.pi, math.tau) - math.pi)
 
@@ -355,9 +355,9 @@ def _judge(numbers: Floats, pairs: Floats, wish: FunctionWish) -> tuple[Floats, 
     feasible = np.flatnonzero(fit)
     error = np.full(fit.size, math.inf)
     transmission = np.full(fit.size, -1.0)
-    psi, _ = _closed(numbers[:, feasible], pairs[:, 0])
-    error[feasible] = np.max(np.abs(_wrapped(psi - psi[:1] - pairs[:, 1:])), axis=0)
-    _, cosine = _closed(
+    psi, _ = _close(numbers[:, feasible], pairs[:, 0])
+    error[feasible] = np.max(np.abs(_wrap(psi - psi[:1] - pairs[:, 1:])), axis=0)
+    _, cosine = _close(
         numbers[:, feasible], np.linspace(pairs[:, 0].min(), pairs[:, 0].max(), _BETWEEN)
     )
     flattest = np.max(np.abs(cosine), axis=0)

@@ -51,13 +51,13 @@ class Candidate:
         ).proven
 
     @property
-    def reached(self) -> float:
+    def least_tolerance(self) -> float:
         """A tolerance that it keeps, mm: its worst distance and a fiftieth."""
         return rounded_up(1.02 * self.worst + 1e-3)
 
     def data(self, tolerance: float | None = None) -> Data:
         """Tables of the spec; tolerance: of PATH_ERROR, mm, what it keeps and no more than is borne unless given."""
-        tolerance = tolerance or min(self.reached, self.allowance)
+        tolerance = tolerance or min(self.least_tolerance, self.allowance)
         trace = {
             "at": [_place(z) for z in self.wanted],
             "joined": self.joined,
@@ -88,7 +88,7 @@ class Candidate:
     def prototype(self) -> Prototype:
         """Whether it can be made, and its play."""
         return Prototype(
-            self.data(self.reached), miss(Trace.code, self.worst, self.allowance, "mm")
+            self.data(self.least_tolerance), miss(Trace.code, self.worst, self.allowance, "mm")
         )
 
     @cached_property

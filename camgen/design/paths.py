@@ -19,7 +19,7 @@ from functools import partial
 import numpy as np
 
 from camgen.design.chains import Chain, chains
-from camgen.design.polish import Goal, normed, packed, polish, unpacked
+from camgen.design.polish import Goal, normalise, pack, polish, unpack
 from camgen.numerics import Floats, Indices, Points
 
 # drawings of a chain
@@ -145,11 +145,11 @@ def apart(designs: Iterable[ChainDesign]) -> list[ChainDesign]:
 
 def front(designs: Iterable[ChainDesign], step: float = 0.0) -> list[ChainDesign]:
     """Those that no other one beats in both error and bars, by rising error; each with less bars by a share of them."""
-    designs_: list[ChainDesign] = []
+    best: list[ChainDesign] = []
     for design in sorted(designs, key=lambda each: (each.error, each.bars)):
-        if not designs_ or design.bars < (1 - step) * designs_[-1].bars:
-            designs_.append(design)
-    return designs_
+        if not best or design.bars < (1 - step) * best[-1].bars:
+            best.append(design)
+    return best
 
 
 def area(designs: Iterable[ChainDesign], goal: Goal) -> float:
@@ -173,7 +173,7 @@ def solve_task(goal: Goal, task: Task) -> list[ChainDesign]:
     chain = task.chain
     if task.known:
         numbers = np.tile(
-            normed(packed(np.array([each.points for each in task.known]))), (_SHAKEN, 1)
+            normalise(pack(np.array([each.points for each in task.known]))), (_SHAKEN, 1)
         )
         error, bars = np.tile([[each.error, each.bars] for each in task.known], (_SHAKEN, 1)).T
         numbers += _chance(rng, _SHARES, len(numbers))[:, None] * rng.normal(size=numbers.shape)
@@ -191,7 +191,7 @@ def solve_task(goal: Goal, task: Task) -> list[ChainDesign]:
         return []
     weight = _chance(rng, _WEIGHTS, len(numbers)) * (error / goal.worst) / (bars / goal.most)
     better, error, bars = polish(chain, numbers, weight, goal)
-    points = unpacked(better)
+    points = unpack(better)
     return front(each for k in _best(error, bars) if (each := _measured(goal, chain, points[k])))
 
 
@@ -223,7 +223,7 @@ def _best(error: Floats, bars: Floats) -> Indices:
 
 def _glance(goal: Goal, chain: Chain, numbers: Floats) -> tuple[Floats, Floats, Floats]:
     """Value, error and bars of designs by a fast look; one that cannot be made costs more the more it opens."""
-    points = unpacked(numbers)
+    points = unpack(numbers)
     paths, least = chain.trace(points, _GLANCED)
     error = np.full(len(points), np.inf)
     bars = np.full(len(points), np.inf)
@@ -242,7 +242,7 @@ def _evolve(goal: Goal, chain: Chain, rng: np.random.Generator) -> tuple[Floats,
     """Designs met on the way that were better than what they replaced, and the last population: numbers, error, bars."""
     size = _POPULATION
     sown = rng.normal(size=(_SOWN, chain.size)) + 1j * rng.normal(size=(_SOWN, chain.size))
-    x = normed(packed(sown))
+    x = normalise(pack(sown))
     value, error, bars = _glance(goal, chain, x)
     best = np.argsort(value, kind="stable")[:size]
     x = x[best]
@@ -268,7 +268,7 @@ def _evolve(goal: Goal, chain: Chain, rng: np.random.Generator) -> tuple[Floats,
         if better.any():
             archive = np.concatenate([archive, x[better]])[-size:]
             better_ones.append((trial[better], error[better], bars[better]))
-            x = normed(np.where(better[:, None], trial, x))
+            x = normalise(np.where(better[:, None], trial, x))
             value = np.where(better, then, value)
             factor = 0.9 * factor + 0.1 * float(
                 np.sum(factors[better] ** 2) / np.sum(factors[better])

@@ -44,24 +44,24 @@ class Goal:
         return np.asarray((least >= self.sine) & (np.min(lengths, axis=1) >= self.shortest))
 
 
-def packed(points: Points) -> Floats:
+def pack(points: Points) -> Floats:
     """A design's numbers, (designs, 2 points - 2): x and y of all points but O."""
     from_first = points[:, 1:] - points[:, :1]
     return np.concatenate([from_first.real, from_first.imag], axis=1)
 
 
-def unpacked(numbers: Floats) -> Points:
+def unpack(numbers: Floats) -> Points:
     """The drawing of a design's numbers, O at 0."""
     x, y = np.split(numbers, 2, axis=1)
     return np.concatenate([np.zeros((len(numbers), 1), complex), x + 1j * y], axis=1)
 
 
-def normed(numbers: Floats) -> Floats:
+def normalise(numbers: Floats) -> Floats:
     """The same designs with the crank along x and the points at a mean distance of 1 from O."""
-    points = unpacked(numbers)
+    points = unpack(numbers)
     size = np.mean(np.abs(points[:, 1:]), axis=1)[:, None]
     along = points[:, 1:2] / np.maximum(np.abs(points[:, 1:2]), 1e-300)
-    return packed(points / (size * along))
+    return pack(points / (size * along))
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ def polish(
     chain: Chain, numbers: Floats, weight: Floats, goal: Goal
 ) -> tuple[Floats, Floats, Floats]:
     """Better designs from given ones, (designs, numbers), each by its own weight: numbers, error, length of all bars."""
-    x = normed(numbers)
+    x = normalise(numbers)
     state = _state(chain, x, weight, goal)
     damping = np.full(len(x), 1e-2)
     unit = np.eye(x.shape[1])
@@ -112,7 +112,7 @@ def polish(
 
 
 def _state(chain: Chain, numbers: Floats, weight: Floats, goal: Goal) -> _State:
-    points = unpacked(numbers)
+    points = unpack(numbers)
     paths, least = chain.trace(points, _STEPS)
     placed, factor, anchors = goal.target.on_target(paths)
     lengths = chain.lengths(points) * np.abs(factor)[:, None]
@@ -130,7 +130,7 @@ def _expansion(
     designs, count = numbers.shape
     variants = np.repeat(numbers[:, None], count, axis=1)
     variants[:, np.arange(count), np.arange(count)] += _SHARE
-    points = unpacked(variants.reshape(-1, count))
+    points = unpack(variants.reshape(-1, count))
     placed, factor = goal.target.by_anchors(
         chain.trace(points, _STEPS)[0], np.repeat(state.anchors, count, axis=1)
     )

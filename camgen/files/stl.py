@@ -10,7 +10,7 @@ import numpy as np
 from camgen.bounds import read_bytes
 from camgen.errors import FileError
 from camgen.files.formats import FORMATS, Job
-from camgen.geometry.mesh import MOST_TRIANGLES, Mesh, welded
+from camgen.geometry.mesh import MOST_TRIANGLES, Mesh, weld
 
 _ROW = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
@@ -80,5 +80,5 @@ def read_stl(path: str | Path, normals: bool = False) -> Mesh:
         )
     if not np.isfinite(corners).all():
         raise FileError(path, "a vertex is not finite")
-    mesh = welded(corners)
+    mesh = weld(corners)
     return Mesh(mesh.vertices, mesh.faces, stored)

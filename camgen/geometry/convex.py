@@ -73,7 +73,7 @@ def _side(a: Points, b: Points, z: Points) -> Floats:
 
 def _to_side(z: Points, a: Points, b: Points) -> Floats:
     way = b - a
-    off = z - a
+    offset = z - a
     square = np.abs(way) ** 2
-    parameter = np.clip((way.conj() * off).real / np.where(square > 0, square, 1.0), 0, 1)
-    return np.asarray(np.abs(off - parameter * way))
+    parameter = np.clip((way.conj() * offset).real / np.where(square > 0, square, 1.0), 0, 1)
+    return np.asarray(np.abs(offset - parameter * way))

@@ -68,7 +68,7 @@ def placing(
     return np.column_stack([product(turn, over), shift]) + 0.0
 
 
-def welded(corners: Floats) -> Mesh:
+def weld(corners: Floats) -> Mesh:
     """Mesh of (m, 3, 3) corners, vertices unique by exact bits.
 
     A hash table by scatter and gather: all corners write their number to the slot of their hash, the one that stays
@@ -156,13 +156,13 @@ def mesh_faults(mesh: Mesh) -> MeshFaults:
         flipped_edges=int(np.count_nonzero((uses == 2) & (balance != 0))),
         crowded_edges=int(np.count_nonzero(uses > 2)),
         degenerate=int(np.count_nonzero(~mesh.across.any(axis=1))),
-        turned_normals=0 if mesh.normals is None else _turned(mesh.normals, mesh.across),
+        turned_normals=0 if mesh.normals is None else _wrong_normals(mesh.normals, mesh.across),
         bodies=len(distinct(components(len(mesh.faces), face[shared], face[shared + 1]))),
         volume=mesh.volume,
     )
 
 
-def _turned(normals: Floats, directions: Floats) -> int:
+def _wrong_normals(normals: Floats, directions: Floats) -> int:
     """How many of the stored unit normals are not those of their triangles, which have the directions `directions`, (m, 3)."""
     size = np.linalg.norm(directions, axis=1, keepdims=True)
     off = np.linalg.norm(normals - directions / np.where(size == 0, 1, size), axis=1)

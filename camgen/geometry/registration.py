@@ -41,7 +41,7 @@ class Laid:
         return np.asarray((z - self.shift) * np.exp(-1j * self.turn))
 
 
-def straightened(w: Points, m: complex) -> Points:
+def straighten(w: Points, m: complex) -> Points:
     """The places that a device with the distortion m shows as w."""
     return np.asarray((w - m * np.conj(w)) / (1 - abs(m) ** 2))
 
@@ -58,7 +58,8 @@ def lay(
     without one that at which the outlines' radii are most alike.
     """
     poses = [
-        Laid(turned(shape[0], other[0]) if start is None else start, 0j, np.inf) for other in others
+        Laid(turn_between(shape[0], other[0]) if start is None else start, 0j, np.inf)
+        for other in others
     ]
     points = np.concatenate(shape)
     points = points[:: max(1, len(points) // _MOST_POINTS)]
@@ -70,14 +71,14 @@ def lay(
         misses = []
         for k, (target, each) in enumerate(zip(targets, poses, strict=True)):
             spun = np.exp(1j * each.turn)
-            at = spun * straightened(points, m) + each.shift
+            at = spun * straighten(points, m) + each.shift
             near, normal, miss = target.nearest(at, m)
             counting = _counting(miss)
             moves = np.conj(target.shown[near]) - spun * np.conj(points)  # per m
             columns = [moves, 1j * moves] if distortion else []
             table = np.zeros((int(counting.sum()), 3 * len(poses) + len(columns)))
             own_columns = [
-                1j * spun * straightened(points, m),
+                1j * spun * straighten(points, m),
                 np.ones(len(points)),
                 np.full(len(points), 1j),
             ]
@@ -110,7 +111,7 @@ def lay_on_known(
     """
     points = outline
     target = _Target([reference])
-    turn = turned(points, reference)
+    turn = turn_between(points, reference)
     shift = 0j
     m = 0j
     scale = 1.0
@@ -118,7 +119,7 @@ def lay_on_known(
     some = points[:: max(1, len(points) // _MOST_POINTS)]
     for _ in range(_ROUNDS):
         spun = np.exp(1j * turn) / scale
-        at = spun * straightened(some, m) + shift
+        at = spun * straighten(some, m) + shift
         _, normal, miss = target.nearest(at, 0j)
         counting = _counting(miss)
         columns = [1j * (at - shift), np.ones(len(at)), np.full(len(at), 1j)]
@@ -134,7 +135,7 @@ def lay_on_known(
             m = m + complex(more[1], more[2])
         if max(map(abs, (a, x, y, *more))) < 1e-9:
             break
-    placed = np.exp(1j * turn) / scale * straightened(points, m) + shift
+    placed = np.exp(1j * turn) / scale * straighten(points, m) + shift
     return np.asarray(placed), m, scale, Laid(turn, shift, off)
 
 
@@ -171,8 +172,8 @@ class _Target:
         """For points, (n,): the nearest of the shape's own, straightened; the unit normal there; the distance along it."""
         from scipy.spatial import cKDTree
 
-        shape = straightened(self.shown, m)
-        along = straightened(self._along, m)
+        shape = straighten(self.shown, m)
+        along = straighten(self._along, m)
         if self._tree is None or abs(m - self._m) > 1e-6:
             self._tree = cKDTree(np.column_stack([shape.real, shape.imag]))
             self._m = m
@@ -181,7 +182,7 @@ class _Target:
         return near, normal, np.real(np.conj(normal) * (at - shape[near]))
 
 
-def turned(outline: Points, other: Points) -> float:
+def turn_between(outline: Points, other: Points) -> float:
     """Turn about the origin, rad, that lays an outline on another one best, to a fraction of a degree."""
     a, b = (np.fft.rfft(radii(z) - np.mean(radii(z))) for z in (outline, other))
     return float(np.argmax(np.fft.irfft(np.conj(a) * b))) * 2 * np.pi / _ANGLES

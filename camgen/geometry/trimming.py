@@ -186,13 +186,13 @@ def _crossing_chords(a: Points, b: Points) -> tuple[Floats, Floats]:
 
     starts = np.arange(0, len(a), _BLOCK)
 
-    def boxed(low: Floats, pick: np.ufunc) -> Floats:
+    def extremes(low: Floats, pick: np.ufunc) -> Floats:
         return np.asarray(pick.reduceat(low, starts))
 
-    x0 = boxed(np.minimum(a.real, b.real), np.minimum)
-    x1 = boxed(np.maximum(a.real, b.real), np.maximum)
-    y0 = boxed(np.minimum(a.imag, b.imag), np.minimum)
-    y1 = boxed(np.maximum(a.imag, b.imag), np.maximum)
+    x0 = extremes(np.minimum(a.real, b.real), np.minimum)
+    x1 = extremes(np.maximum(a.real, b.real), np.maximum)
+    y0 = extremes(np.minimum(a.imag, b.imag), np.minimum)
+    y1 = extremes(np.maximum(a.imag, b.imag), np.maximum)
     boxes = shapely.box(x0, y0, x1, y1)
     first, second = np.sort(shapely.STRtree(boxes).query(boxes), axis=0)
     first, second = np.divmod(distinct(first * len(boxes) + second), len(boxes))

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from camgen.judge.cams import judged_angles
 from camgen.judge.joints import Closable, Rolled
-from camgen.machine.closing import Closed, close
+from camgen.machine.closing import LoopClosure, close
 from camgen.machine.constraints import Constraints
 from camgen.machine.model import Cam, Law, Machine
 from camgen.numerics import Floats
@@ -213,7 +213,7 @@ def _joined(parts: Sequence[Moved]) -> Moved:
 
 
 def _outcome(
-    system: Constraints, output: str, closed: Closed
+    system: Constraints, output: str, closed: LoopClosure
 ) -> tuple[Any, Any, NDArray[np.bool_]]:
     """An output, its slope to theta, and where it is lost, (n,)."""
     value, gradient = system.output(output, closed.q)

@@ -32,9 +32,9 @@ def preview(
         plots = [] if quick else [*as_designed(mechanism), *study.plots]
         shown = animation(mechanism, study.sketches)
     except SpecError as error:
-        return told("no valid spec", [str(fault) for fault in error.faults])
+        return failure("no valid spec", [str(fault) for fault in error.faults])
     except DesignError as error:
-        return told("cannot be made", [str(error)])
+        return failure("cannot be made", [str(error)])
     report = Report(
         mechanism.name,
         mechanism.mechanism,
@@ -55,6 +55,6 @@ def preview(
     }
 
 
-def told(verdict: str, errors: Sequence[str]) -> dict[str, Any]:
+def failure(verdict: str, errors: Sequence[str]) -> dict[str, Any]:
     """The answer where there is no machine to show."""
     return {"ok": False, "verdict": verdict, "errors": list(errors)}

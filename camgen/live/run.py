@@ -66,15 +66,15 @@ FileStates = dict[Path, tuple[int, int, int] | None]
 
 def states_of(files: Sequence[Path]) -> FileStates:
     """Of each file the time of its last change, ns, its bytes and its number on the disc; None where it is not there."""
-    files_ = FileStates()
+    states = FileStates()
     for file in files:
         try:
             status = os.stat(file)
         except (OSError, ValueError):
-            files_[file] = None
+            states[file] = None
         else:
-            files_[file] = status.st_mtime_ns, status.st_size, status.st_ino
-    return files_
+            states[file] = status.st_mtime_ns, status.st_size, status.st_ino
+    return states
 
 
 def rebuild(last_build: LastBuild, say: Say, stop: threading.Event | None = None) -> None:

@@ -29,7 +29,7 @@ from camgen.edits import edited
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, explained
 from camgen.live.guard import OnlyHere
 from camgen.live.numbers import Number, numbers, overrides, write
-from camgen.live.preview import preview, told
+from camgen.live.preview import failure, preview
 from camgen.machines import MECHANISMS, load
 from camgen.machines.sources import changed, read_tables
 from camgen.pipeline.build import KINDS, build
@@ -69,7 +69,7 @@ class LastBuild:
             except (CamgenError, OSError) as error:
                 self.answer = reasons(explained(error))
             except Exception as error:  # a fault of ours is told, and does not end the watch
-                self.answer = told(
+                self.answer = failure(
                     "internal error",
                     [f"{type(error).__name__}: {error}; please report it with the spec"],
                 )
@@ -89,8 +89,8 @@ class LastBuild:
 def reasons(error: CamgenError) -> Answer:
     """The answer that stands for an error."""
     if isinstance(error, SpecError):
-        return told("no valid spec", [str(fault) for fault in error.faults])
-    return told(
+        return failure("no valid spec", [str(fault) for fault in error.faults])
+    return failure(
         "cannot be made" if isinstance(error, DesignError) else "cannot be read or written",
         [str(error)],
     )
@@ -128,7 +128,7 @@ class Explorer:
 
     def build(self, request: Answer) -> Answer:
         """All files of a variant."""
-        self._unchanged()
+        self._unchanged_text()
         return self.last_build.build(self._settings(request))
 
     def save(self, request: Answer) -> Answer:
@@ -136,7 +136,7 @@ class Explorer:
         with self.lock:
             settings = self._settings(request)
             changed(self.data, self.source, self.folder, settings)
-            raw = self._unchanged()
+            raw = self._unchanged_text()
             write(self.spec, edited(raw.decode("utf-8-sig"), settings))
             self.read()
         return Answer(ok=True, verdict=f"saved in {self.spec.name}", errors=[])
@@ -144,7 +144,7 @@ class Explorer:
     def _settings(self, request: Answer) -> list[str]:
         return overrides(request.get("settings"), self.numbers)
 
-    def _unchanged(self) -> bytes:
+    def _unchanged_text(self) -> bytes:
         raw = read_bytes(self.spec, reading.SPEC_FILE)
         if sha256(raw).hexdigest() != self.digest:
             raise FileError(
@@ -226,7 +226,7 @@ def _answering(reply: Callable[[Answer], Answer]) -> Callable[[Request], Awaitab
             body = None
         if not isinstance(body, dict):
             return _json(
-                told("no valid request", [str(Fault(("request",), "", "a JSON object"))]), 400
+                failure("no valid request", [str(Fault(("request",), "", "a JSON object"))]), 400
             )
         try:
             return _json(await run_in_threadpool(reply, body))

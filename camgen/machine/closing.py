@@ -28,7 +28,7 @@ NEAR = 0.1
 
 
 @dataclass(frozen=True)
-class Closed:
+class LoopClosure:
     """Poses and their derivatives to theta, (n, 3 bodies) each; nan where the machine does not close."""
 
     theta: Floats
@@ -39,7 +39,7 @@ class Closed:
 
 def close(
     system: Constraints, theta: Floats, guess: Floats | None = None, order: int = 2
-) -> Closed:
+) -> LoopClosure:
     """The machine closed at theta, (n,) rad, from guessed poses, (n, 3 bodies), or followed from the drawn ones.
 
     order: 2, or 1 to leave the second derivatives nan.
@@ -47,7 +47,7 @@ def close(
     system.refuse_unequal()
     theta = np.asarray(theta, float)
     if guess is None:
-        guess, signs = _followed(system, theta)
+        guess, signs = _follow(system, theta)
         q, slopes, open_ = _newton(system, guess, theta)
         open_ |= signs * _sign(slopes) < 0
     else:
@@ -56,7 +56,7 @@ def close(
     first, second = _derivatives(system, q, theta, slopes, order)
     for rows in (q, first, second):
         rows[open_] = np.nan
-    return Closed(theta, q, first, second)
+    return LoopClosure(theta, q, first, second)
 
 
 def _derivatives(
@@ -67,8 +67,8 @@ def _derivatives(
         first = solved(slopes, -system.drift(theta), system.holds)
         if order < 2:
             return first, np.full(first.shape, np.nan)
-        bends = system.evaluate(q, theta, first)[2]
-        return first, solved(slopes, -bends, system.holds)
+        curvatures = system.evaluate(q, theta, first)[2]
+        return first, solved(slopes, -curvatures, system.holds)
 
 
 def _newton(
@@ -98,7 +98,7 @@ def _sign(slopes: Floats) -> Floats:
         return np.asarray(np.linalg.slogdet(slopes)[0])
 
 
-def _followed(system: Constraints, theta: Floats) -> tuple[Floats, Floats]:
+def _follow(system: Constraints, theta: Floats) -> tuple[Floats, Floats]:
     """Guesses for all theta from angles closed one after the other, nan beyond where the chain ends; the
     determinant's sign that is to be found there, 0 where it changes."""
     guess = np.full((theta.size, system.width), np.nan)

@@ -42,28 +42,27 @@ from camgen.numerics import Floats, Points, solve
 
 @dataclass
 class _Rows:
-    """Conditions as they are written down: values, slopes by column, and second derivatives with q'' = 0."""
+    """Conditions as they are written down: values, slopes by column, curvatures: second derivatives with q'' = 0."""
 
     values: list[Floats] = field(default_factory=list)
     slopes: list[dict[int, Any]] = field(default_factory=list)
-    bends: list[Any] = field(default_factory=list)
+    curvatures: list[Any] = field(default_factory=list)
 
-    def add(self, value: Any, slopes: dict[int, Any], bend: Any) -> None:
+    def add(self, value: Any, slopes: dict[int, Any], curvature: Any) -> None:
         """Write one down."""
         self.values.append(value)
         self.slopes.append(slopes)
-        self.bends.append(bend)
+        self.curvatures.append(curvature)
 
 
 @dataclass(frozen=True)
-class _Seen:
-    """A place at the poses: where it is, how that changes with its body's angle, its body's first column, and the angle's
-    rate; column -1 is the ground's."""
+class _Point:
+    """A place at the poses."""
 
-    where: Any
-    swing: Any
-    column: int
-    rate: Any
+    position: Any  # complex mm
+    swing: Any  # its slope to its body's angle
+    column: int  # its body's first, -1 of the ground
+    rate: Any  # of its body's angle
 
     @property
     def speed(self) -> Any:
@@ -80,14 +79,14 @@ class Constraints:
         self.column = {name: 3 * k for k, name in enumerate(self.bodies)} | {GROUND: -1}
         self.width = 3 * len(self.bodies)
         self.rows: dict[str, slice] = {}
-        self._turn_said = _forest(machine)
+        self._turning_slides = _forest(machine)
         self.conditions: tuple[Joint | Drive, ...] = (*machine.joints, *machine.drives)
         row = 0
         for each in self.conditions:
             count = (
                 2
                 if isinstance(each, Pin)
-                or (isinstance(each, Slide) and each.name in self._turn_said)
+                or (isinstance(each, Slide) and each.name in self._turning_slides)
                 else 1
             )
             self.rows[each.name] = slice(row, row + count)
@@ -118,13 +117,13 @@ class Constraints:
         """A body's angle, (n,) rad."""
         return 0.0 if body == GROUND else q[:, self.column[body] + 2]
 
-    def place(self, place: Place, q: Floats, rates: Floats | None = None) -> _Seen:
+    def place(self, place: Place, q: Floats, rates: Floats | None = None) -> _Point:
         """A place at the poses."""
         k = self.column[place.body]
         if k < 0:
-            return _Seen(np.full(len(q), complex(place.at)), 0j, -1, 0.0)
+            return _Point(np.full(len(q), complex(place.at)), 0j, -1, 0.0)
         spoke = place.at * np.exp(1j * q[:, k + 2])
-        return _Seen(
+        return _Point(
             q[:, k] + 1j * q[:, k + 1] + spoke,
             1j * spoke,
             k,
@@ -138,12 +137,8 @@ class Constraints:
         guide = self.place(slide.guide, q, rates)
         runner = self.place(slide.runner, q, rates)
         axes = np.exp(-1j * (self.angle(slide.guide.body, q) + slide.angle)) * np.ones(len(q))
-        offset = runner.where - guide.where
-        slopes: dict[int, Any] = {}
-        for point, sign in ((runner, 1.0), (guide, -1.0)):
-            if point.column >= 0:
-                for k, part in enumerate((1.0, 1j, point.swing)):
-                    slopes[point.column + k] = slopes.get(point.column + k, 0) + sign * axes * part
+        offset = runner.position - guide.position
+        slopes = _slopes(runner, guide, axes)
         if guide.column >= 0:
             slopes[guide.column + 2] = slopes[guide.column + 2] - 1j * axes * offset
         curvature: Any = 0.0
@@ -163,8 +158,8 @@ class Constraints:
         self, name: str, q: Floats, rates: Floats | None = None
     ) -> tuple[Any, dict[int, Any], Any]:
         """Place along a slide or slot, mm, its slopes and its second derivative with q'' = 0."""
-        value, slopes, bend = self._line(self.machine.slide(name), q, rates)
-        return value.real, {k: slope.real for k, slope in slopes.items()}, np.real(bend)
+        value, slopes, curvature = self._line(self.machine.slide(name), q, rates)
+        return value.real, {k: slope.real for k, slope in slopes.items()}, np.real(curvature)
 
     def evaluate(
         self, q: Floats, theta: Floats, rates: Floats | None = None
@@ -176,35 +171,30 @@ class Constraints:
         n = len(q)
         values = np.zeros((n, self.height))
         slopes = np.zeros((self.height, self.width, n))
-        bends = np.zeros((n, self.height))
+        curvatures = np.zeros((n, self.height))
         for r in range(self.height):
             values[:, r] = rows.values[r]
-            bends[:, r] = rows.bends[r]
+            curvatures[:, r] = rows.curvatures[r]
             for k, slope in rows.slopes[r].items():
                 slopes[r, k] = slope  # angles lie side by side: what stays empty costs nothing
-        return values, np.moveaxis(slopes, -1, 0), bends
+        return values, np.moveaxis(slopes, -1, 0), curvatures
 
     def _write(
         self, each: Joint | Drive, q: Floats, theta: Floats, rates: Floats | None, rows: _Rows
     ) -> None:
         """Write down the conditions of one joint or drive."""
         if isinstance(each, Pin):
-            where = np.zeros(len(q), complex)
-            curvature = np.zeros(len(q), complex)
-            slopes: dict[int, Any] = {}
-            for place, sign in ((each.a, 1.0), (each.b, -1.0)):
-                point = self.place(place, q, rates)
-                where = where + sign * point.where
-                curvature = curvature + sign * 1j * point.swing * point.rate**2
-                if point.column >= 0:
-                    for k, part in enumerate((1.0, 1j, point.swing)):
-                        slopes[point.column + k] = slopes.get(point.column + k, 0) + sign * part
-            rows.add(where.real, {k: np.real(s) for k, s in slopes.items()}, curvature.real)
-            rows.add(where.imag, {k: np.imag(s) for k, s in slopes.items()}, curvature.imag)
+            a = self.place(each.a, q, rates)
+            b = self.place(each.b, q, rates)
+            gap = a.position - b.position
+            curvature = 1j * (a.swing * a.rate**2 - b.swing * b.rate**2)
+            slopes = _slopes(a, b)
+            rows.add(gap.real, {k: np.real(s) for k, s in slopes.items()}, np.real(curvature))
+            rows.add(gap.imag, {k: np.imag(s) for k, s in slopes.items()}, np.imag(curvature))
         elif isinstance(each, Slide | Slot):
             line, slopes, curvature = self._line(each, q, rates)
             rows.add(line.imag, {k: s.imag for k, s in slopes.items()}, np.imag(curvature))
-            if isinstance(each, Slide) and each.name in self._turn_said:
+            if isinstance(each, Slide) and each.name in self._turning_slides:
                 turn = self.angle(each.runner.body, q) - self.angle(each.guide.body, q) - each.turn
                 rows.add(turn, self._turns((each.runner.body, 1.0), (each.guide.body, -1.0)), 0.0)
         elif isinstance(each, Gear):
@@ -230,16 +220,16 @@ class Constraints:
         """A cam's or a drive's condition: follower - rest - law."""
         body = each.follower if isinstance(each, Cam) else each.body
         if each.slide is not None:
-            value, slopes, bend = self.along(each.slide, q, rates)
+            value, slopes, curvature = self.along(each.slide, q, rates)
         else:
             value = self.angle(body, q)
             slopes = self._turns((body, 1.0))
-            bend = 0.0
+            curvature = 0.0
         if isinstance(each, Drive):
             rows.add(
                 value - each.law(theta, 0),
                 slopes,
-                bend - (0.0 if rates is None else each.law(theta, 2)),
+                curvature - (0.0 if rates is None else each.law(theta, 2)),
             )
             return
         angle = self.angle(each.cam, q) - each.phase + np.zeros(len(q))
@@ -247,8 +237,8 @@ class Constraints:
             k = self.column[each.cam] + 2
             slopes = {**slopes, k: slopes.get(k, 0.0) - each.law(angle, 1)}
             if rates is not None:
-                bend = bend - each.law(angle, 2) * rates[:, k] ** 2
-        rows.add(value - each.rest - each.law(angle, 0), slopes, bend)
+                curvature = curvature - each.law(angle, 2) * rates[:, k] ** 2
+        rows.add(value - each.rest - each.law(angle, 0), slopes, curvature)
 
     def _turns(self, *parts: tuple[str, Any]) -> dict[int, Any]:
         """Slopes of a sum of angles."""
@@ -277,9 +267,9 @@ class Constraints:
 
     def output(self, name: str, q: Floats) -> tuple[Any, Floats]:
         """An output's value, (n,), complex mm for a path, and its slopes to the poses, (n, 1 or 2, 3 bodies)."""
-        return self.measured(self.machine.output(name).of, q)
+        return self.measure(self.machine.output(name).of, q)
 
-    def measured(self, of: Angle | Along | Path | Function, q: Floats) -> tuple[Any, Floats]:
+    def measure(self, of: Angle | Along | Path | Function, q: Floats) -> tuple[Any, Floats]:
         """What an output measures, as `output`."""
         n = len(q)
         gradient = np.zeros((n, 2 if isinstance(of, Path) else 1, self.width))
@@ -287,10 +277,10 @@ class Constraints:
             point = self.place(of.of, q)
             self._enter(gradient[:, 0], point, np.ones(n, complex))
             self._enter(gradient[:, 1], point, np.full(n, 1j))
-            return point.where, gradient
+            return point.position, gradient
         if isinstance(of, Angle):
-            for k, slope_of_angle in self._turns((of.body, 1.0), (of.on, -1.0)).items():
-                gradient[:, 0, k] = slope_of_angle
+            for k, factor in self._turns((of.body, 1.0), (of.on, -1.0)).items():
+                gradient[:, 0, k] = factor
             return self.angle(of.body, q) - self.angle(of.on, q), gradient
         if isinstance(of, Along):
             value, slopes, _ = self.along(of.slide, q)
@@ -300,11 +290,13 @@ class Constraints:
         places = [self.place(place, q) for place in of.of]
         for point, steep in zip(places, self._steep(of, places), strict=True):
             self._enter(gradient[:, 0], point, steep)
-        return of.value(*(np.asarray(point.where)[None] for point in places))[0], gradient
+        return of.value(*(np.asarray(point.position)[None] for point in places))[0], gradient
 
-    def _steep(self, of: Function, places: Sequence[_Seen]) -> list[Points]:
+    def _steep(self, of: Function, places: Sequence[_Point]) -> list[Points]:
         """How a function grows with each of its places, (n,) each: along x + i along y."""
-        still = [np.stack([point.where, np.zeros(len(point.where), complex)]) for point in places]
+        still = [
+            np.stack([point.position, np.zeros(len(point.position), complex)]) for point in places
+        ]
         slopes = []
         for k in range(len(places)):
             slope = np.zeros(still[k].shape[1], complex)
@@ -331,21 +323,21 @@ class Constraints:
             for place, s, t in zip(on, steep, axes, strict=True)
         ]
 
-    def press(self, total: Floats, place: Place, q: Floats, force: Points) -> None:
+    def add_force(self, total: Floats, place: Place, q: Floats, force: Points) -> None:
         """Add to generalised forces, (n, 3 bodies), what a force (complex) on a place does: N and N mm."""
         self._enter(total, self.place(place, q), force)
 
-    def pressed(self, cam: Cam, q: Floats, where: Points, push: Points) -> Floats:
+    def wrench(self, cam: Cam, q: Floats, point: Points, force: Points) -> Floats:
         """What a force on a cam's follower, and its reverse on the cam, do at a place: as `press`, (n, 3 bodies)."""
         total = np.zeros(q.shape)
         for body, sign in ((cam.follower, 1.0), (cam.cam, -1.0)):
             c = self.column[body]
-            total[:, c] += sign * push.real
-            total[:, c + 1] += sign * push.imag
-            total[:, c + 2] += sign * np.imag(np.conj(where - q[:, c] - 1j * q[:, c + 1]) * push)
+            total[:, c] += sign * force.real
+            total[:, c + 1] += sign * force.imag
+            total[:, c + 2] += sign * np.imag(np.conj(point - q[:, c] - 1j * q[:, c + 1]) * force)
         return total
 
-    def _enter(self, gradient: Floats, point: _Seen, slope: Points) -> None:
+    def _enter(self, gradient: Floats, point: _Point, slope: Points) -> None:
         """Add to a gradient, (n, 3 bodies), what Re(conj(steep) d where) is by the poses."""
         if point.column >= 0:
             gradient[:, point.column] += slope.real
@@ -387,6 +379,16 @@ class Constraints:
             for body, k in self.column.items()
             if k >= 0
         }
+
+
+def _slopes(a: _Point, b: _Point, factor: Any = 1.0) -> dict[int, Any]:
+    """Slopes of factor * (a - b), complex, by column."""
+    slopes: dict[int, Any] = {}
+    for point, sign in ((a, 1.0), (b, -1.0)):
+        if point.column >= 0:
+            for k, part in enumerate((1.0, 1j, point.swing)):
+                slopes[point.column + k] = slopes.get(point.column + k, 0) + sign * factor * part
+    return slopes
 
 
 def _forest(machine: Machine) -> set[str]:

@@ -107,7 +107,7 @@ def kinetostatics(
         rows_of_cams = {
             joint.name: (
                 system.rows[joint.name].start,
-                *_touched(joint, system, q, rates, slopes, multipliers),
+                *_contact(joint, system, q, rates, slopes, multipliers),
             )
             for joint in joints
             if isinstance(joint, Cam) and joint.touches
@@ -167,7 +167,7 @@ def kinetostatics(
     )
 
 
-def _touched(
+def _contact(
     cam: Cam, system: Constraints, q: Floats, rates: Floats, slopes: Floats, multipliers: Floats
 ) -> tuple[Floats, Floats]:
     """By a unit of effort along s: force between cam and follower, (n,), inf where friction jams it, and what it does on the
@@ -176,43 +176,43 @@ def _touched(
     effort = multipliers[:, row]
     unit = np.zeros(multipliers.shape)
     unit[:, row] = 1.0
-    gives = solve(slopes, unit)  # how all bodies move for a unit of s, the drives held
+    per_s = solve(slopes, unit)  # how all bodies move for a unit of s, the drives held
     column = system.column[cam.cam]
     angle = system.angle(cam.cam, q) + np.zeros(len(q))
     force = np.full(len(q), np.nan)
-    acts = np.zeros(q.shape)
+    wrenches = np.zeros(q.shape)
     for k, touch in enumerate(cam.touches[:2]):
         side = cam.leaves * (1 - 2 * k)  # the sense of s in which this one pushes
-        bears = (
+        active = (
             np.ones(len(q), bool)
             if len(cam.touches) == 1
             else (effort * cam.leaves >= 0) == (k == 0)
         )
         place, normal = touch(angle - cam.phase)
         turn = np.exp(1j * angle)
-        where = q[:, column] + 1j * q[:, column + 1] + place * turn
+        point = q[:, column] + 1j * q[:, column + 1] + place * turn
         push = normal * turn
         if cam.friction:
             across = 1j * push
-            past = _speed(system, cam.cam, where, q, rates) - _speed(
-                system, cam.follower, where, q, rates
+            sliding_speed = _speed(system, cam.cam, point, q, rates) - _speed(
+                system, cam.follower, point, q, rates
             )
-            slides = np.real(np.conj(across) * past)
+            slides = np.real(np.conj(across) * sliding_speed)
             push = push + cam.friction * np.sign(slides) * across
-        wrench = system.pressed(cam, q, where, push)
-        lever = np.sum(wrench * gives, axis=1)
+        wrench = system.wrench(cam, q, point, push)
+        lever = np.sum(wrench * per_s, axis=1)
         size = np.where(lever * side > 0, 1 / lever, np.inf * np.sign(effort))
-        force = np.where(bears, size, force)
-        acts += np.where(
-            (bears & (effort != 0))[:, None], size[:, None] * wrench - slopes[:, row], 0.0
+        force = np.where(active, size, force)
+        wrenches += np.where(
+            (active & (effort != 0))[:, None], size[:, None] * wrench - slopes[:, row], 0.0
         )
-    return force, acts
+    return force, wrenches
 
 
-def _speed(system: Constraints, body: str, where: Points, q: Floats, rates: Floats) -> Points:
+def _speed(system: Constraints, body: str, point: Points, q: Floats, rates: Floats) -> Points:
     """Of the body's point that is at a place of the ground, (n,) complex."""
     c = system.column[body]
-    arm = where - q[:, c] - 1j * q[:, c + 1]
+    arm = point - q[:, c] - 1j * q[:, c + 1]
     return np.asarray(rates[:, c] + 1j * rates[:, c + 1] + 1j * rates[:, c + 2] * arm)
 
 
@@ -247,7 +247,7 @@ def _acting(system: Constraints, theta: Floats, q: Floats, rates: Floats) -> Flo
     acting = np.zeros(q.shape)
     for load in system.machine.loads:
         if isinstance(load, Force):
-            system.press(acting, load.on, q, np.full(len(q), complex(load.force)))
+            system.add_force(acting, load.on, q, np.full(len(q), complex(load.force)))
         elif isinstance(load, Gravity):
             for body in system.machine.moving:
                 k = system.column[body.name]
@@ -257,13 +257,13 @@ def _acting(system: Constraints, theta: Floats, q: Floats, rates: Floats) -> Flo
                 acting[:, k + 1] += weight.imag
                 acting[:, k + 2] += (np.conj(arm) * weight).imag
         elif isinstance(load, Spring):
-            way = system.place(load.b, q).where - system.place(load.a, q).where
+            way = system.place(load.b, q).position - system.place(load.a, q).position
             length = np.abs(way)
             pull = load.rate * (length - load.free) * way / length
-            system.press(acting, load.a, q, pull)
-            system.press(acting, load.b, q, -pull)
+            system.add_force(acting, load.a, q, pull)
+            system.add_force(acting, load.b, q, -pull)
         elif isinstance(load, Resistance):
-            value, gradient = system.measured(load.of, q)
+            value, gradient = system.measure(load.of, q)
             speed = np.sum(gradient[:, 0] * rates, axis=1)
             force = (
                 load.force
@@ -289,12 +289,12 @@ def _acting(system: Constraints, theta: Floats, q: Floats, rates: Floats) -> Flo
 
 def _effort(load: Effort, system: Constraints, theta: Floats, q: Floats, rates: Floats) -> Floats:
     """What an effort does on the bodies, (n, 3 bodies)."""
-    gradient = system.measured(load.of, q)[1]
+    gradient = system.measure(load.of, q)[1]
     speed = np.sum(gradient * rates[:, None, :], axis=2)
     force = np.asarray(load.law(theta, 0))[:, None] / (MM if isinstance(load.of, Angle) else 1.0)
     if load.moving:
-        fast = np.sqrt(np.sum(speed**2, axis=1, keepdims=True))
-        force = np.where(fast > 0, force * speed / np.where(fast > 0, fast, 1.0), 0.0)
+        size = np.sqrt(np.sum(speed**2, axis=1, keepdims=True))
+        force = np.where(size > 0, force * speed / np.where(size > 0, size, 1.0), 0.0)
     elif isinstance(load.of, Path):
         way = (
             load.way

@@ -54,7 +54,7 @@ class Freedom:
 def freedoms(machine: Machine) -> Freedom:
     """Count and rank; the machine must be closed as drawn (see `drawn`)."""
     system = Constraints(machine)
-    by_count = _counted(machine)
+    by_count = _by_count(machine)
     best = _values(system, system.start)
     full = best[1] == min(system.width, system.height)
     for q in () if full else _elsewhere(system):  # no rank is higher
@@ -80,7 +80,7 @@ def freedoms(machine: Machine) -> Freedom:
     )
 
 
-def _counted(machine: Machine) -> Freedom:
+def _by_count(machine: Machine) -> Freedom:
     """By Gruebler alone."""
     pairs = sum(isinstance(joint, Pin | Slide) for joint in machine.joints)
     half = len(machine.joints) - pairs
@@ -119,7 +119,7 @@ def refuse_unsound(machine: Machine) -> Freedom:
                 "take away a joint or a link",
                 f"the chain is rigid: {_joints(freedom.bound)} leave no degree of freedom to drive ({_tally(freedom)})",
             )
-        raise _locked(freedom)
+        raise _locked_error(freedom)
     if freedom.moves:
         remedy = (
             "join it to another link, or drive it"
@@ -142,7 +142,7 @@ def refuse_unsound(machine: Machine) -> Freedom:
     return freedom
 
 
-def _locked(freedom: Freedom) -> DesignError:
+def _locked_error(freedom: Freedom) -> DesignError:
     message = f"over-constrained: {_joints(freedom.bound)} hold the same links {counted(freedom.spare, 'time')} too often"
     return DesignError(
         "excess conditions",
@@ -238,7 +238,7 @@ def _closest(system: Constraints, q: Floats) -> tuple[Floats, float]:
     return best
 
 
-def drawn(machine: Machine) -> Machine:
+def close_drawing(machine: Machine) -> Machine:
     """The machine with start poses that close it at theta = 0, as near to the given ones as may be.
 
     Raises DesignError where the lengths contradict each other: by how much the joints stay open, and which.
@@ -252,9 +252,9 @@ def drawn(machine: Machine) -> Machine:
             for each in system.conditions
             if misfit[system.rows[each.name]].max() > 0.01 * misfit.max()
         ]
-        freedom = _counted(machine)
+        freedom = _by_count(machine)
         if freedom.count < freedom.drives:  # no lengths will do
-            raise _locked(
+            raise _locked_error(
                 replace(freedom, spare=freedom.drives - freedom.count, bound=tuple(open_))
             )
         message = f"the lengths contradict each other: {_joints(open_)} {'stays' if len(open_) == 1 else 'stay'} open"

@@ -149,17 +149,17 @@ class Module:
 
     def lost(self, machine: Machine) -> set[str]:
         """Joints, drives and outputs that it has no more, since their bodies ride on others."""
-        riding = {ride.body for ride in self.rides}
-        if not riding:
+        riders = {ride.body for ride in self.rides}
+        if not riders:
             return set()
-        fixed = riding | {GROUND, *(drive.body for drive in machine.drives)}
+        fixed = riders | {GROUND, *(drive.body for drive in machine.drives)}
         joints = {
             each.name
             for each in machine.joints
-            if riding & (bodies := set(bodies_of(each))) and bodies <= fixed
+            if riders & (bodies := set(bodies_of(each))) and bodies <= fixed
         }
         drives = {
-            drive.name for drive in machine.drives if drive.body in riding or drive.slide in joints
+            drive.name for drive in machine.drives if drive.body in riders or drive.slide in joints
         }
         outputs = {
             each.name
@@ -167,19 +167,19 @@ class Module:
             if isinstance(each.of, Along)
             and each.of.slide in joints
             or isinstance(each.of, Angle)
-            and each.of.body in riding
+            and each.of.body in riders
         }
         return joints | drives | outputs
 
     def misfits(self, machine: Machine) -> list[str]:
         """Joints between a body that rides and one that moves by itself which are no pins: such cannot be carried over."""
-        riding = {ride.body for ride in self.rides}
+        riders = {ride.body for ride in self.rides}
         dropped = self.lost(machine)
         return [
             each.name
             for each in machine.joints
             if each.name not in dropped
-            and riding & set(bodies_of(each))
+            and riders & set(bodies_of(each))
             and not isinstance(each, Pin)
         ]
 

@@ -41,7 +41,7 @@ class Chain:
         self.route: dict[str, Vectors] = {GROUND: Vectors()}
         self.steps: list[Step] = []
         self.maker: dict[Key, int] = {}  # the step that gives an unknown
-        self._followed: dict[str, tuple[Floats, Floats]] = {}
+        self._courses: dict[str, tuple[Floats, Floats]] = {}
         self._place_blocks(machine)
         self.levers: dict[
             str, float
@@ -73,9 +73,9 @@ class Chain:
             names = [name for axis, name in part.equations if axis == "x"]
             within = [by_name[name] for axis, name in part.equations if axis == "s"]
             bodies = [name for axis, name in part.unknowns if axis == "x"]
-            loops = [self._folded(loop) for loop in self._loops(machine, names, bodies)]
+            loops = [self._fold(loop) for loop in self._loops(machine, names, bodies)]
             self.route |= {
-                body: self._folded(self.route[body]) for body in bodies if body in self.route
+                body: self._fold(self.route[body]) for body in bodies if body in self.route
             }
             unknowns = [key for key in part.unknowns if key[0] in ("angle", "length")]
             if 2 * len(loops) + len(within) != len(unknowns):
@@ -160,7 +160,7 @@ class Chain:
             )
         return loops
 
-    def _folded(self, vectors: Vectors) -> Vectors:
+    def _fold(self, vectors: Vectors) -> Vectors:
         """The same with all that stands still in one."""
         still = vectors.still + vectors.levers.get(GROUND, 0j)
         roots = []
@@ -262,11 +262,11 @@ class Chain:
             )
         return block.trace
 
-    def followed(self, group: str, low: float, high: float) -> tuple[Floats, Floats]:
+    def course(self, group: str, low: float, high: float) -> tuple[Floats, Floats]:
         """A group's angle, continuous from the drawn position: angles theta and values, rad, over the range at least."""
         low = min(low, 0.0)
         high = max(high, math.tau)
-        course = self._followed.get(group)
+        course = self._courses.get(group)
         if course is None or course[0][0] > low or course[0][-1] < high:
             below, above = (math.ceil(abs(end) / math.tau * FOLLOWED - 1e-9) for end in (low, high))
             theta = np.asarray(np.arange(-below, above + 1) * (math.tau / FOLLOWED), float)
@@ -282,7 +282,7 @@ class Chain:
                 start = maker.start if isinstance(maker, Block) else maker.block.start
                 names = maker.angles if isinstance(maker, Block) else maker.block.angles
                 values += math.tau * round((start[names.index(group)] - values[origin]) / math.tau)
-            course = self._followed[group] = (theta[sound], values)
+            course = self._courses[group] = (theta[sound], values)
         return course
 
 

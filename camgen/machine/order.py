@@ -84,14 +84,14 @@ def group_bodies(machine: Machine) -> Groups:
         a = joint.guide.body
         b = joint.runner.body
         # angle of b = angle of a + turn: the later group is taken into the earlier one.
-        kept_group = of[a]
-        merged_group = of[b]
+        group = of[a]
+        other = of[b]
         shift = excess[a] + joint.turn - excess[b]
-        if merged_group == GROUND:
-            kept_group, merged_group, shift = merged_group, kept_group, -shift
-        if kept_group != merged_group:
-            for body in [body for body in of if of[body] == merged_group]:
-                of[body] = kept_group
+        if other == GROUND:
+            group, other, shift = other, group, -shift
+        if group != other:
+            for body in [body for body in of if of[body] == other]:
+                of[body] = group
                 excess[body] = excess[body] + shift
     return Groups(of, excess)
 
@@ -201,7 +201,7 @@ def components(machine: Machine, groups: Groups) -> Order:
             for key in (("x", body.name), ("y", body.name), ("angle", groups.of[body.name]))
             if key[1] != GROUND
         )
-    owner = matched(table)  # the equation that each unknown is solved from
+    owner = matching(table)  # the equation that each unknown is solved from
     unknown_of = {equation: key for key, equation in owner.items()}
     free = [key for key in unknowns if key not in owner]
     spare = [equation for equation in table if equation not in unknown_of]
@@ -211,18 +211,18 @@ def components(machine: Machine, groups: Groups) -> Order:
             for key in row:
                 holders[key].append(equation)
         # loose: unknowns that can move, those left over and those whose equations need them instead; over: likewise
-        loose = _reached(
+        loose = _reach(
             free,
             lambda key: [
                 unknown_of[equation] for equation in holders[key] if equation in unknown_of
             ],
         )
-        over = _reached(
+        over = _reach(
             spare, lambda equation: [owner[key] for key in table[equation] if key in owner]
         )
         return Order((), tuple(loose), tuple(dict.fromkeys(name for _, name in over)))
     needs = {equation: [owner[key] for key in row] for equation, row in table.items()}
-    reach = {equation: set(_reached([equation], needs.__getitem__)) for equation in table}
+    reach = {equation: set(_reach([equation], needs.__getitem__)) for equation in table}
     first: dict[Key, Key] = {}  # of the equations that need each other
     for equation in table:
         first.setdefault(equation, equation)
@@ -250,7 +250,7 @@ def components(machine: Machine, groups: Groups) -> Order:
     )
 
 
-def matched(table: Mapping[Key, Iterable[Key]]) -> dict[Key, Key]:
+def matching(table: Mapping[Key, Iterable[Key]]) -> dict[Key, Key]:
     """Of as many unknowns as can be the equation that each is solved from, no equation twice.   [Kuhn's augmenting paths]"""
     owner: dict[Key, Key] = {}
 
@@ -268,7 +268,7 @@ def matched(table: Mapping[Key, Iterable[Key]]) -> dict[Key, Key]:
     return owner
 
 
-def _reached(start: Iterable[Key], step: Callable[[Key], Iterable[Key]]) -> list[Key]:
+def _reach(start: Iterable[Key], step: Callable[[Key], Iterable[Key]]) -> list[Key]:
     """All that can be reached, the start included, in order."""
     reached = dict.fromkeys(start)
     queue = list(reached)

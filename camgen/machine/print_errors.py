@@ -276,5 +276,5 @@ def _contact(cam: Cam, side: int, system: Constraints, q: Floats, waves: Sequenc
     angle = system.angle(cam.cam, q) + np.zeros(len(q))
     place, normal = cam.touches[side](angle - cam.phase)
     turn = np.exp(1j * angle)
-    way = system.pressed(cam, q, q[:, column] + 1j * q[:, column + 1] + place * turn, normal * turn)
+    way = system.wrench(cam, q, q[:, column] + 1j * q[:, column + 1] + place * turn, normal * turn)
     return _Contact(cam, side, way, waviness(place, normal, waves))

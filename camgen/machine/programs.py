@@ -12,7 +12,7 @@ from camgen.motion.program import Program
 
 
 @dataclass(frozen=True)
-class Scaled:
+class CamLaw:
     """A cam's program as the law of a joint: sign (+1 or -1) times the displacement."""
 
     program: Program
@@ -38,7 +38,7 @@ class Scaled:
 
 
 @dataclass(frozen=True)
-class Programmed:
+class DriveLaw:
     """A program as the law of a drive: start + s(theta), and on by whole turns where a period ends turned on."""
 
     program: Program

@@ -76,14 +76,14 @@ def reach(machine: Machine) -> Reach:
 def refuse_partial(machine: Machine, least: float = 0.0) -> None:
     """Raise DesignError where the machine cannot turn fully: the range that it can have with a transmission angle of at least
     so many degrees, and the joints that end it."""
-    range_ = reach(machine)
-    if range_.full:
+    span = reach(machine)
+    if span.full:
         return
-    low = math.degrees(range_.low)
-    high = math.degrees(range_.high)
-    names = listed("joint", list(dict.fromkeys(name for joints in range_.ends for name in joints)))
+    low = math.degrees(span.low)
+    high = math.degrees(span.high)
+    names = listed("joint", list(dict.fromkeys(name for joints in span.ends for name in joints)))
     crank = machine.drives[0].body
-    within = _without_folds(machine, range_)
+    within = _without_folds(machine, span)
     cure = "change the lengths of its links"
     if within is not None:
         begin, end, short = _steep(machine, within, least)
@@ -102,12 +102,12 @@ def refuse_partial(machine: Machine, least: float = 0.0) -> None:
     )
 
 
-def _without_folds(machine: Machine, range_: Reach) -> tuple[float, float] | None:
+def _without_folds(machine: Machine, span: Reach) -> tuple[float, float] | None:
     """The range about the drawn position, rad, a degree within what closes and off every change point; None of a machine that
     is drawn at one."""
-    spare = min(math.radians(1.0), (range_.high - range_.low) / 10)
-    low = range_.low + spare
-    high = range_.high - spare
+    spare = min(math.radians(1.0), (span.high - span.low) / 10)
+    low = span.low + spare
+    high = span.high - spare
     while low < 0 < high:
         places = [fold.theta for fold in folds(machine, low, high) if fold.change_point]
         if not places:

@@ -57,7 +57,7 @@ class Dyad:
 Step = Direct | Dyad | Block
 
 
-class Followed(Protocol):
+class ChainData(Protocol):
     """What a state asks of its chain: who turns with whom, the ways to all bodies, a lever of each group, the driven, and what
     was followed from the drawn position."""
 
@@ -66,7 +66,7 @@ class Followed(Protocol):
     levers: dict[str, float]
     driven: set[str]
 
-    def followed(self, group: str, low: float, high: float) -> tuple[Floats, Floats]:
+    def course(self, group: str, low: float, high: float) -> tuple[Floats, Floats]:
         """A group's angle at angles theta over the range."""
 
     def trace(self, block: Block, low: float, high: float) -> Trace:
@@ -79,7 +79,7 @@ class State:
     Made with numpy's warnings off, as all that is asked of it later is to be.
     """
 
-    def __init__(self, chain: Followed, theta: Floats, order: int) -> None:
+    def __init__(self, chain: ChainData, theta: Floats, order: int) -> None:
         self.chain = chain
         self.theta = theta
         self.order = order
@@ -119,7 +119,7 @@ class State:
         """A group's angle with derivatives, continuous from the drawn position."""
         if group not in self._angle:
             angle = self.direction(group)
-            turns = self._nearest(*self.chain.followed(group, *self._range))
+            turns = self._nearest(*self.chain.course(group, *self._range))
             turns -= angle
             turns *= 1 / math.tau
             np.rint(turns, out=turns)
@@ -153,12 +153,14 @@ class State:
         for sign in (1, -1):
             if (group, sign * lever) in self._arms:
                 return sign, self._arms[group, sign * lever]
-        spun = self.levers[group]
-        if (group, spun) not in self._arms:
+        spin_lever = self.levers[group]
+        if (group, spin_lever) not in self._arms:
             z, w, a = [*self.spins[group], 0, 0][:3]
-            self._arms[group, spun] = turned(z, w, a, self.order)
+            self._arms[group, spin_lever] = turned(z, w, a, self.order)
             return self.arm(group, lever)
-        self._arms[group, lever] = [times(lever / spun, row) for row in self._arms[group, spun]]
+        self._arms[group, lever] = [
+            times(lever / spin_lever, row) for row in self._arms[group, spin_lever]
+        ]
         return 1, self._arms[group, lever]
 
     def origin(self, body: str) -> Jet:

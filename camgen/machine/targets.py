@@ -196,7 +196,7 @@ class Through(Record):
         """Where the path shall pass, mm."""
         return [complex(*place) for place in self.at]
 
-    def met(self, course: Course) -> list[tuple[float, float]]:
+    def passes(self, course: Course) -> list[tuple[float, float]]:
         """theta and distance, mm, at which the path passes each place; none where it never passes them in their order."""
         if self.theta_deg is not None:
             t = np.radians(self.theta_deg)
@@ -210,7 +210,7 @@ class Through(Record):
 
     def finding(self, course: Course, where: Where) -> Finding:
         """PATH_ERROR: the place that the path misses most."""
-        passes = self.met(course)
+        passes = self.passes(course)
         how = (
             "in their order"
             if self.in_order
@@ -451,14 +451,14 @@ def advance(angle: Floats, lost: float) -> float:
     `lost` further than it has been drawn back, and goes with it from there. In the unit of the angle."""
     ways = angle.tolist()
     ahead = math.inf  # where it locks
-    angle_on = 0.0  # how far it has come
+    progress = 0.0  # how far it has come
     for k, place in enumerate([*ways, *ways]):  # the first time round it finds its places
-        angle_on = 0.0 if k == len(ways) else angle_on
+        progress = 0.0 if k == len(ways) else progress
         ahead = min(ahead, place + lost)
         if place > ahead:
-            angle_on += place - ahead
+            progress += place - ahead
             ahead = place
-    return angle_on
+    return progress
 
 
 def _in_order(

@@ -107,4 +107,4 @@ def _normal_speed(cam: DiscCam[Any], theta: Floats) -> Floats:
     turn = np.exp(1j * theta)
     s = cam.program(theta)
     velocity = cam.cutter.leaves * cam.cutter.velocity(s, cam.profile(theta) * turn)
-    return np.asarray(np.abs(velocity) * np.cos(cam.steepness(theta)))
+    return np.asarray(np.abs(velocity) * np.cos(cam.pressure_angle_untrimmed(theta)))

@@ -90,6 +90,6 @@ def _most(joint: Cam, preload: float, stiffness: float) -> float:
     if joint.slide or len(cams) < 2 or not all(hasattr(cam.follower, "arm") for cam in cams):
         return 0.0
     theta = np.linspace(0, math.tau, 721)
-    levers = [abs(cam.follower.arm) * np.cos(cam.steepness(theta)) for cam in cams]
+    levers = [abs(cam.follower.arm) * np.cos(cam.pressure_angle_untrimmed(theta)) for cam in cams]
     moment = 1e3 * stiffness * sum(preload / lever for lever in levers) / 2
     return float(max(np.nanmax(moment / lever) for lever in levers))

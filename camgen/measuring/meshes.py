@@ -29,7 +29,7 @@ from camgen.files.formats import FORMATS
 from camgen.files.stl import read_stl
 from camgen.files.threemf import read_3mf
 from camgen.findings import Finding, in_file
-from camgen.geometry.mesh import MOST_TRIANGLES, Mesh, welded
+from camgen.geometry.mesh import MOST_TRIANGLES, Mesh, weld
 
 _LARGE = 200_000_000  # bytes
 _LINES = 6_000_000
@@ -110,10 +110,10 @@ def _by_trimesh(path: Path, kind: str) -> ForeignMesh:
     if not np.isfinite(corners).all():
         raise FileError(path, _wrong_number(kind, data) or "a vertex is not finite")
     if kind != ".glb":
-        return ForeignMesh(welded(corners), (), "it names no unit: taken as millimetres, z up")
+        return ForeignMesh(weld(corners), (), "it names no unit: taken as millimetres, z up")
     upright = np.stack([corners[..., 0], -corners[..., 2], corners[..., 1]], axis=-1)
     unit = "metres with y up, as glTF has them: multiplied by 1000 and turned to z up"
-    return ForeignMesh(welded(_METRE * upright), (), unit)
+    return ForeignMesh(weld(_METRE * upright), (), unit)
 
 
 def _corners(path: Path, kind: str, data: bytes) -> Any:

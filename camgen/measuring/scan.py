@@ -26,7 +26,7 @@ import numpy as np
 
 from camgen.bounds import Bound, read_bytes
 from camgen.errors import FileError, counted
-from camgen.geometry.registration import lay, middle, star, straightened
+from camgen.geometry.registration import lay, middle, star, straighten
 from camgen.geometry.rings import Floats, Points, Ring, fit_circle
 from camgen.numerics import least_squares
 
@@ -377,13 +377,10 @@ def _together(
                 file,
                 f"does not show the part of {files[0].name}, or its other face: {each.off:.3f} mm apart (rms)",
             )
-    outline, *holes = (straightened(edge, m) for edge in shapes[0])
+    outline, *holes = (straighten(edge, m) for edge in shapes[0])
     back = [
         outline,
-        *(
-            each.back(straightened(shape[0], m))
-            for each, shape in zip(laid, shapes[1:], strict=True)
-        ),
+        *(each.back(straighten(shape[0], m)) for each, shape in zip(laid, shapes[1:], strict=True)),
     ]
     if all(map(star, back)):
         outline, numbers["edge_repeat_mm"] = middle(back)

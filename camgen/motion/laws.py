@@ -5,7 +5,7 @@
     smoothness  highest derivative that is continuous where the law joins what it is made to join, mostly a dwell
     break       place inside the segment where a derivative of order 0..3 jumps
 
-Laws without a parameter stand in LAWS; `modified_sine`, `fourier`, `polynomial_law` and `tabulated` make the others.
+Laws without a parameter stand in LAWS; `modified_sine`, `fourier`, `polynomial_law` and `table_law` make the others.
 [VDI 2143: names and constants]
 """
 
@@ -73,7 +73,7 @@ class Law:
     # looked for once, for all segments of all programs with this law
 
     @cached_property
-    def reached(self) -> Sequence[tuple[float, float]]:
+    def end_values(self) -> Sequence[tuple[float, float]]:
         """Displacement and derivatives of order 1..3 at u = 0 and u = 1, (4,)."""
         return [(float(self(0.0, order)), float(self(1.0, order))) for order in range(4)]
 
@@ -434,7 +434,7 @@ def fourier(sines: Sequence[float], cosines: Sequence[float] = (), source: str =
 _SAME_ANGLE = 1e-9  # of a table's range; rows nearer than this give speeds that are rounding
 
 
-def tabulated(points: Sequence[tuple[float, float]], source: str, rest: bool = True) -> Law:
+def table_law(points: Sequence[tuple[float, float]], source: str, rest: bool = True) -> Law:
     """The law through (angle, displacement) points of any unit, made to run from 0 to 1: a C2 cubic spline.
 
     rest: it starts and ends with speed 0; otherwise its first and last two pieces are one cubic each. At least four points.

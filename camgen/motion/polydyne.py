@@ -63,11 +63,11 @@ def polydyne(motion: Program, lag: Lag) -> Polydyne:
     if rough(motion.segments):
         raise ValueError(f"segments {rough(motion.segments)}: {NEEDED}")
     return Polydyne(
-        tuple(_corrected(segment, lag) for segment in motion.segments), motion.begin, motion
+        tuple(_corrected_segment(segment, lag) for segment in motion.segments), motion.begin, motion
     )
 
 
-def _corrected(segment: Segment, lag: Lag) -> Segment:
+def _corrected_segment(segment: Segment, lag: Lag) -> Segment:
     whole = 1 + lag.spring
     longer = replace(segment, start=whole * segment.start, scale=whole * segment.scale)
     if not segment.scale:

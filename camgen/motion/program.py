@@ -46,11 +46,12 @@ class Segment:
         )
         return value + self.start if order == 0 else value
 
-    def reached(self, order: int) -> tuple[float, float]:
+    def end_values(self, order: int) -> tuple[float, float]:
         """Displacement or its derivative at its beginning and end."""
         rate = self.scale / self.span**order
         start = 0.0 if order else self.start
-        return rate * self.law.reached[order][0] + start, rate * self.law.reached[order][1] + start
+        first, last = self.law.end_values[order]
+        return rate * first + start, rate * last + start
 
     @property
     def end(self) -> float:
@@ -101,7 +102,7 @@ class Program:
 
     def jumps(self, order: int) -> list[float]:
         """Step of the derivative of this order at each joint, the first joint first, (n,)."""
-        ends = [s.reached(order) for s in self.segments]
+        ends = [s.end_values(order) for s in self.segments]
         return [
             after - before for (_, before), (after, _) in zip((ends[-1], *ends), ends, strict=False)
         ]

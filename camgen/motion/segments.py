@@ -25,7 +25,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field
 
 from camgen.errors import Fault, Key, SpecError
-from camgen.motion.laws import LAWS, UNIFORM, Law, fourier, modified_sine, polynomial_law, tabulated
+from camgen.motion.laws import LAWS, UNIFORM, Law, fourier, modified_sine, polynomial_law, table_law
 from camgen.motion.program import Program, Segment, matched
 from camgen.motion.tables import read_points
 from camgen.numerics import Floats, distinct
@@ -153,7 +153,7 @@ def law_of(choice: str | LawChoice) -> Law:
             if "points" in parameters
             else read_points(Reference(("file",), "law", parameters).file(Path()))
         )
-        return tabulated(
+        return table_law(
             points,
             parameters.get("source") or parameters.get("file") or "points of the spec",
             parameters.get("rest", True),

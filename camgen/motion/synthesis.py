@@ -42,7 +42,7 @@ class Wish:
     unit: str
     at_least: bool = False  # whether more is as good
 
-    def missed(self, value: float) -> float:
+    def miss(self, value: float) -> float:
         """By how much a value misses the wish, signed, in tolerances."""
         miss = (value - self.wanted) / self.tolerance
         return min(miss, 0.0) if self.at_least else miss
@@ -68,14 +68,14 @@ def search(
 
     def residuals(values: Floats) -> Floats:
         figures, shortfalls = measure(values)
-        misfits = [wish.missed(figures[wish.name]) for wish in wishes]
+        misfits = [wish.miss(figures[wish.name]) for wish in wishes]
         # A design that does not exist is as bad as one that misses everything by far.
         all_ = np.array([*misfits, *shortfalls, *(_NEAR * (values - first) / unit)])
         return np.asarray(np.nan_to_num(all_, nan=1e6))
 
     def misses(values: Floats) -> float:
         figures, shortfalls = measure(values)
-        worst = [abs(wish.missed(figures[wish.name])) for wish in wishes] + [
+        worst = [abs(wish.miss(figures[wish.name])) for wish in wishes] + [
             abs(s) for s in shortfalls
         ]
         return float(np.nan_to_num(max(worst), nan=np.inf))
@@ -102,7 +102,7 @@ def search(
             return np.asarray(best)
     figures, shortfalls = measure(best)
     worst = max(
-        wishes, key=lambda wish: abs(np.nan_to_num(wish.missed(figures[wish.name]), nan=np.inf))
+        wishes, key=lambda wish: abs(np.nan_to_num(wish.miss(figures[wish.name]), nan=np.inf))
     )
     others = ", ".join(
         f"{wish.name} {figures[wish.name]:.6g}" for wish in wishes if wish is not worst

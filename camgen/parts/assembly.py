@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -204,7 +205,7 @@ def tips(
     features: Iterable[Feature], parts: Sequence[Part], mounts: Sequence[Mount], machine: Machine
 ) -> list[StandIn]:
     """Each cam's round tip that is not made, as high as the cam that it touches."""
-    tips_ = []
+    stand_ins = []
     for cam in features:
         if not (isinstance(cam, CamOutline) and isinstance(cam.tip, Eye) and cam.tip.diameter):
             continue
@@ -217,10 +218,10 @@ def tips(
         layer = part.layers[part.cut]
         high = heights(mount, part.thickness, layer.z0, layer.z1)
         disc = (cam.tip.at, cam.tip.diameter / 2, *high)
-        tips_.append(
+        stand_ins.append(
             StandIn(f"tip on {cam.part}-{1 + cam.copy}", joint.follower, (disc,), rolls=True)
         )
-    return tips_
+    return stand_ins
 
 
 def printed_parts(assembly: Assembly) -> list[Part]:
@@ -314,27 +315,34 @@ def joined(host: Assembly, others: Sequence[Assembly], machine: Machine) -> Asse
     if not others:
         return host
     all_ = (host, *others)
-    parts = [part for each in all_ for part in each.parts]
-    mounts = [mount for each in all_ for mount in each.mounts]
-    features = [feature for each in all_ for feature in each.features]
-    return replace(
+    lists: dict[str, Any] = {
+        key: [thing for each in all_ for thing in getattr(each, key)] for key in _LISTS
+    }
+    whole = replace(
         host,
         machine=machine,
-        parts=parts,
-        mounts=mounts,
-        features=features,
-        passing=[pair for each in all_ for pair in each.passing],
-        demands=[demand for each in all_ for demand in each.demands],
-        stand_ins=[thing for each in all_ for thing in each.stand_ins],
-        strands=[strand for each in all_ for strand in each.strands],
-        balances=[balance for each in all_ for balance in each.balances],
-        coils=[coil for each in all_ for coil in each.coils],
-        bought=[thing for each in all_ for thing in each.bought],
         included_limits={name: of for each in all_ for name, of in each.included_limits.items()},
-        unjudged=Later(lambda: [left for each in all_ for left in each.unjudged]),
+        unjudged=Later(lambda: [limit for each in all_ for limit in each.unjudged]),
         springs={name: spring for each in all_ for name, spring in each.springs.items()},
-        journals=journals(machine, features, parts, mounts, host.process.plastic),
+        **lists,
     )
+    bearings = journals(machine, whole.features, whole.parts, whole.mounts, host.process.plastic)
+    return replace(whole, journals=bearings)
+
+
+# Fields of which the whole has what all its machines have, one after the other.
+_LISTS = (
+    "parts",
+    "mounts",
+    "features",
+    "passing",
+    "demands",
+    "stand_ins",
+    "strands",
+    "balances",
+    "coils",
+    "bought",
+)
 
 
 # ---- in the sweep ----------------------------------------------------------------------------------------------------

@@ -40,7 +40,7 @@ def triangles(loops: Sequence[Points], fine: bool = True) -> tuple[Points, Faces
 
     z = np.concatenate(loops)
     region_area = sum(area(loop) for loop in loops)
-    tries = (_banded, _earcut) if len(z) > _LONG else (_delaunay, _earcut) if fine else (_earcut,)
+    tries = (_bands, _earcut) if len(z) > _LONG else (_delaunay, _earcut) if fine else (_earcut,)
     for attempt in tries:
         points, faces = attempt(loops)
         a, b, c = points[faces].T
@@ -71,7 +71,7 @@ def _earcut(loops: Sequence[Points]) -> tuple[Points, Faces]:
     return z, np.where(((np.conj(b - a) * (c - a)).imag > 0)[:, None], faces, faces[:, ::-1])
 
 
-def _banded(loops: Sequence[Points]) -> tuple[Points, Faces]:
+def _bands(loops: Sequence[Points]) -> tuple[Points, Faces]:
     """A fan on each chunk of a ring from a new point inside the material, and earcut's triangles between the fans.
 
     The new points are float32 numbers. A chunk that its point does not wholly see, at a corner, stays as it is.
@@ -126,17 +126,17 @@ def _delaunay(loops: Sequence[Points]) -> tuple[Points, Faces]:
     return z, np.where(((np.conj(b - a) * (c - a)).imag > 0)[:, None], faces, faces[:, ::-1])
 
 
-def recapped(mesh: Mesh) -> Mesh:
+def recap(mesh: Mesh) -> Mesh:
     """The same body with its level faces divided anew, each between the same vertices of its outlines."""
     corners = mesh.vertices[mesh.faces]
     level = np.all(corners[:, :, 2] == corners[:, :1, 2], axis=1)
     looks = np.where(level, np.sign(mesh.across[:, 2]), 0.0)
-    faces_ = [mesh.faces[~level]]
+    new_faces = [mesh.faces[~level]]
     for z in distinct(corners[level][:, 0, 2]):
         for side in (-1.0, 1.0):
             cap = mesh.faces[(looks == side) & (corners[:, 0, 2] == z)]
-            faces_ += [_divided(mesh, patch, side) for patch in _patches(cap)]
-    faces = np.concatenate(faces_)
+            new_faces += [_redivide(mesh, patch, side) for patch in _patches(cap)]
+    faces = np.concatenate(new_faces)
     first = np.argmin(faces, axis=1)
     faces = np.take_along_axis(faces, (first[:, None] + np.arange(3)) % 3, axis=1)
     return Mesh(mesh.vertices, faces[np.lexsort(faces.T[::-1])])
@@ -153,7 +153,7 @@ def _patches(faces: Faces) -> list[Faces]:
     return [faces[label == k] for k in distinct(label)]
 
 
-def _divided(mesh: Mesh, patch: Faces, side: float) -> Faces:
+def _redivide(mesh: Mesh, patch: Faces, side: float) -> Faces:
     """A patch's triangles anew; as they are where its outlines touch in a point, or there are points inside."""
     if len(patch) < 2:
         return patch
@@ -181,5 +181,5 @@ def _divided(mesh: Mesh, patch: Faces, side: float) -> Faces:
     z, faces = triangles([plan[ring] for ring in rings])
     if len(z) != size:
         return patch
-    faces_ = np.concatenate(rings)[faces]
-    return faces_ if side > 0 else faces_[:, ::-1]
+    new_faces = np.concatenate(rings)[faces]
+    return new_faces if side > 0 else new_faces[:, ::-1]

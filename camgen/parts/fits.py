@@ -75,7 +75,7 @@ def offset(contour: Contour, distance: float, name: str = "outline") -> Contour:
         return contour
     clockwise = contour.area < 0
     away = contour.counter_clockwise() if distance > 0 else contour.counter_clockwise().reversed()
-    area, slack = _expected(contour, distance, name)
+    area, slack = _offset_area(contour, distance, name)
     pieces = _raw(away.pieces, abs(distance))
     parallel = Contour(tuple(trim(pieces)[0])).counter_clockwise()
     if not abs(parallel.area - area) <= slack:
@@ -90,7 +90,7 @@ def offset(contour: Contour, distance: float, name: str = "outline") -> Contour:
     return parallel.reversed() if clockwise else parallel
 
 
-def _expected(contour: Contour, distance: float, name: str) -> tuple[float, float]:
+def _offset_area(contour: Contour, distance: float, name: str) -> tuple[float, float]:
     """Area of the offset of a facetted polygon, and how far it may be from the exact one, mm^2."""
     import shapely
 
@@ -244,13 +244,13 @@ def compensated(part: Part, fit: Compensation) -> Part:
                 )
             for k in range(steps):
                 inset = foot * (1 - k / steps)
-                region = _fitted(layer.region, fit.hole + inset, fit.profile + inset, part.name)
+                region = _fit(layer.region, fit.hole + inset, fit.profile + inset, part.name)
                 layers.append(Layer(region.moved(scale), floor, bottom + foot * (k + 1) / steps))
                 floor = layers[-1].z1
             cut += steps if index <= part.cut else 0
         layers.append(
             Layer(
-                _fitted(layer.region, fit.hole, fit.profile, part.name).moved(scale),
+                _fit(layer.region, fit.hole, fit.profile, part.name).moved(scale),
                 floor,
                 layer.z1,
             )
@@ -265,7 +265,7 @@ def compensated(part: Part, fit: Compensation) -> Part:
     )
 
 
-def _fitted(region: Region, hole: float, profile: float, name: str) -> Region:
+def _fit(region: Region, hole: float, profile: float, name: str) -> Region:
     """Holes grown by `hole`, the outline shrunk by `profile`, mm; DesignError where they meet."""
     outer = offset(region.outer, -profile, f"outline of {name}")
     holes = tuple(offset(h, hole, f"hole of {name}") for h in region.holes)

@@ -39,7 +39,7 @@ class Spot:
 
 
 @dataclass(frozen=True)
-class _Turned:
+class _Footprint:
     """An outline at one angle: its mask, and where its own origin lies from the mask's corner, mm."""
 
     angle: float
@@ -55,13 +55,15 @@ def nest(outlines: Sequence[Points], sheet: tuple[float, float], gap: float) -> 
     cell = max(_FINEST, max(sheet) / _CELLS)
     size = tuple(math.floor(side / cell) for side in sheet)
     spots: list[Spot | None] = [None] * len(outlines)
-    choices: dict[bytes, list[_Turned]] = {}
+    choices: dict[bytes, list[_Footprint]] = {}
     sheets: list[Mask] = []
     order = sorted(range(len(outlines)), key=lambda k: (-_area(outlines[k]), k))
     for k in order:
         key = outlines[k].tobytes()
         if key not in choices:
-            masks = [_turned(outlines[k], cell, gap, math.tau * a / ANGLES) for a in range(ANGLES)]
+            masks = [
+                _footprint(outlines[k], cell, gap, math.tau * a / ANGLES) for a in range(ANGLES)
+            ]
             choices[key] = [
                 t for t in masks if all(m <= n for m, n in zip(t.mask.shape, size, strict=True))
             ]
@@ -84,7 +86,7 @@ def _area(ring: Points) -> float:
     return abs(float(np.imag(np.conj(ring) * np.roll(ring, -1)).sum())) / 2
 
 
-def _turned(outline: Points, cell: float, gap: float, angle: float) -> _Turned:
+def _footprint(outline: Points, cell: float, gap: float, angle: float) -> _Footprint:
     """The mask of an outline at an angle."""
     import shapely
 
@@ -103,10 +105,12 @@ def _turned(outline: Points, cell: float, gap: float, angle: float) -> _Turned:
     columns = np.flatnonzero(mask.any(axis=1))
     rows = np.flatnonzero(mask.any(axis=0))
     corner = cell * complex(columns[0], rows[0])
-    return _Turned(angle, mask[columns[0] : columns[-1] + 1, rows[0] : rows[-1] + 1], -low - corner)
+    return _Footprint(
+        angle, mask[columns[0] : columns[-1] + 1, rows[0] : rows[-1] + 1], -low - corner
+    )
 
 
-def _first(sheet: Mask, choices: Sequence[_Turned]) -> tuple[tuple[int, int], _Turned] | None:
+def _first(sheet: Mask, choices: Sequence[_Footprint]) -> tuple[tuple[int, int], _Footprint] | None:
     """The cell where one of the masks goes to end soonest, and which; None where none fits."""
     from scipy import fft
 

@@ -272,15 +272,20 @@ def hull(discs: Sequence[tuple[complex, float]]) -> Contour:
 
 
 def with_bar(
-    edge: Contour, at: complex, along: complex, half: float, length: float, pointed: bool = False
+    edge: Contour,
+    origin: complex,
+    direction: complex,
+    half: float,
+    length: float,
+    pointed: bool = False,
 ) -> Contour:
-    """An edge of lines and arcs with a bar that sticks out of it: from the point `at` inside so far along a unit vector, mm.
+    """An edge of lines and arcs with a bar that sticks out of it: from the point `origin` inside so far along a unit vector, mm.
 
     half: half its width; its end is round and reaches so much further, or pointed and does not.
     ValueError where the edge is not as wide as the bar, or reaches further.
     """
     pieces = edge.counter_clockwise().pieces
-    cuts = _sides(pieces, at, along, half)
+    cuts = _sides(pieces, origin, direction, half)
     if max(cuts)[0] >= length:
         raise ValueError(f"the edge reaches further than a bar of {length:g} mm")
     (low, first, t), (high, last, s) = cuts
@@ -299,17 +304,17 @@ def with_bar(
         rest_of_edge = [_part(pieces[last], s, t)]
     straight = length - 2 * half * pointed
     tip, corner, end = (
-        at + z * along for z in (length, straight - 1j * half, straight + 1j * half)
+        origin + z * direction for z in (length, straight - 1j * half, straight + 1j * half)
     )
     nose = (
         (Line(corner, tip), Line(tip, end))
         if pointed
-        else (Arc(tip, half, _direction(along) - math.pi / 2, math.pi),)
+        else (Arc(tip, half, _direction(direction) - math.pi / 2, math.pi),)
     )
     bar = (
-        Line(at + (low - 1j * half) * along, corner),
+        Line(origin + (low - 1j * half) * direction, corner),
         *nose,
-        Line(end, at + (high + 1j * half) * along),
+        Line(end, origin + (high + 1j * half) * direction),
     )
     return Contour(
         (
@@ -323,14 +328,14 @@ def with_bar(
     )
 
 
-def root(edge: Contour, at: complex, along: complex, half: float) -> float:
-    """How far along from the point `at` a bar of so much half width comes out of the edge at the side where it is out first, mm:
+def root(edge: Contour, origin: complex, direction: complex, half: float) -> float:
+    """How far along from the point `origin` a bar of so much half width comes out of the edge at the side where it is out first, mm:
     before 0 where a band lies slantwise. ValueError where the edge is not as wide as the bar."""
-    return min(_sides(edge.counter_clockwise().pieces, at, along, half))[0]
+    return min(_sides(edge.counter_clockwise().pieces, origin, direction, half))[0]
 
 
 def _sides(
-    pieces: Sequence[Piece], at: complex, along: complex, half: float
+    pieces: Sequence[Piece], origin: complex, direction: complex, half: float
 ) -> list[tuple[float, int, float]]:
     """Where the right and the left side of a bar come out of an edge: how far along, mm, which piece, and its parameter."""
     cuts = []
@@ -338,7 +343,7 @@ def _sides(
         crossings = [
             (u, k, t)
             for k, piece in enumerate(pieces)
-            for u, t in _crossings(piece, at, along, side * half)
+            for u, t in _crossings(piece, origin, direction, side * half)
         ]
         if not crossings:
             raise ValueError(f"no edge as wide as a bar of {2 * half:g} mm")
@@ -347,23 +352,23 @@ def _sides(
 
 
 def _crossings(
-    piece: Piece, at: complex, along: complex, offset: float
+    piece: Piece, origin: complex, direction: complex, offset: float
 ) -> list[tuple[float, float]]:
-    """Where a line or arc crosses a line beside `at`: how far along that, mm, and the piece's parameter."""
+    """Where a line or arc crosses a line beside `origin`: how far along that, mm, and the piece's parameter."""
     if isinstance(piece, Line):
-        a = (piece.a - at) / along
-        b = (piece.b - at) / along
+        a = (piece.a - origin) / direction
+        b = (piece.b - origin) / direction
         parameter = (offset - a.imag) / (b.imag - a.imag) if b.imag != a.imag else math.inf
         return [((a + parameter * (b - a)).real, parameter)] if 0 <= parameter <= 1 else []
     assert isinstance(piece, Arc)
-    centre = (piece.centre - at) / along
+    centre = (piece.centre - origin) / direction
     rise = (offset - centre.imag) / piece.radius
     if abs(rise) > 1:
         return []
     crossings = []
     for angle in (math.asin(rise), math.pi - math.asin(rise)):
         angle_on = (
-            (angle + _direction(along) - piece.start) * math.copysign(1, piece.sweep) % math.tau
+            (angle + _direction(direction) - piece.start) * math.copysign(1, piece.sweep) % math.tau
         )
         if angle_on <= abs(piece.sweep):
             crossings.append(

@@ -20,7 +20,7 @@ from camgen.geometry.facets import facet_circle, facet_contour
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Contour, Floats, Points, Region
 from camgen.numerics import among, distinct
-from camgen.parts.caps import Faces, area, recapped, triangles
+from camgen.parts.caps import Faces, area, recap, triangles
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import FLOAT32_ROUNDING, MERGED_STEPS
 
@@ -136,10 +136,12 @@ def _combine(layers: Sequence[Mesh], pockets: Sequence[Mesh]) -> Mesh:
     faces = np.asarray(raw.tri_verts).astype(np.int64)
     levels = distinct(*(m.vertices[:, 2] for m in (*layers, *pockets)))
     height = levels[np.argmin(np.abs(vertices[:, 2, None] - levels), axis=1)]
-    vertices_ = distinct(*(m.vertices[:, 0] + 1j * m.vertices[:, 1] for m in (*layers, *pockets)))
-    plan = _upright(vertices[:, 0] + 1j * vertices[:, 1], vertices_)
+    known_points = distinct(
+        *(m.vertices[:, 0] + 1j * m.vertices[:, 1] for m in (*layers, *pockets))
+    )
+    plan = _upright(vertices[:, 0] + 1j * vertices[:, 1], known_points)
 
-    return recapped(_ordered(np.column_stack([plan.real, plan.imag, height]), faces))
+    return recap(_canonical(np.column_stack([plan.real, plan.imag, height]), faces))
 
 
 def _cross(layers: Sequence[Mesh], part: Part, tolerance: float) -> Mesh:
@@ -158,7 +160,7 @@ def _cross(layers: Sequence[Mesh], part: Part, tolerance: float) -> Mesh:
     body = manifold3d.Manifold.batch_boolean(
         [stack, _manifold(across)], manifold3d.OpType.Intersect
     )
-    cutters = [_manifold(_ordered(*edge.cutter(tolerance))) for edge in part.edges]
+    cutters = [_manifold(_canonical(*edge.cutter(tolerance))) for edge in part.edges]
     if cutters:
         body = manifold3d.Manifold.batch_boolean([body, *cutters], manifold3d.OpType.Subtract)
     if body.is_empty():
@@ -176,8 +178,8 @@ def _cross(layers: Sequence[Mesh], part: Part, tolerance: float) -> Mesh:
         (start < end) & (np.abs(vertices[start] - vertices[end]).max(axis=1) <= step)
     ):
         vertices[end[k]] = vertices[start[k]]
-    mesh = _ordered(vertices, faces)
-    return _ordered(mesh.vertices, _split_flat(mesh))
+    mesh = _canonical(vertices, faces)
+    return _canonical(mesh.vertices, _split_flat(mesh))
 
 
 def _split_flat(mesh: Mesh) -> Faces:
@@ -201,7 +203,7 @@ def _split_flat(mesh: Mesh) -> Faces:
     return faces
 
 
-def _ordered(vertices: Floats, faces: Faces) -> Mesh:
+def _canonical(vertices: Floats, faces: Faces) -> Mesh:
     """A mesh without doubled vertices and the faces that they leave flat, in an order that does not depend on threads."""
     vertices, index = np.unique(vertices, axis=0, return_inverse=True)
     faces = index.reshape(-1)[faces]

@@ -94,7 +94,7 @@ def standing(part: Part, pose: PartPose, layer: Layer, at: complex, radius: floa
 
 
 @dataclass(frozen=True)
-class _Laid:
+class _StandingCopy:
     """A copy of a part where it stands."""
 
     part: Part
@@ -147,7 +147,7 @@ def order(
     fixing = replace(fixing, rings=frozenset(seats))
     number = Counter[str]()
     places = {part.name: k for k, part in enumerate(parts)}
-    copies: dict[tuple[float, bool, int, bool, float], list[tuple[str, _Laid]]] = {}
+    copies: dict[tuple[float, bool, int, bool, float], list[tuple[str, _StandingCopy]]] = {}
     for mount in mounts:
         k = places[mount.part]
         part = parts[k]
@@ -167,14 +167,14 @@ def order(
             mount.flipped,
             round(mount.z, 6) + 0.0,
         )
-        stands = _laid(part, poses[part.name][number[part.name] - 1])
+        stands = _standing_copy(part, poses[part.name][number[part.name] - 1])
         copies.setdefault(step, []).append((f"{part.name}-{number[part.name]}", stands))
     rows = list[tuple[object, ...]]()
-    below = list[_Laid]()
+    below = list[_StandingCopy]()
     by_height = sorted(copies.items(), key=lambda each: each[0])
-    for count, ((_, _, k, over, z), laid) in enumerate(by_height, 1):
+    for count, ((_, _, k, over, z), group) in enumerate(by_height, 1):
         where = "; ".join(
-            dict.fromkeys(filter(None, (_where(each, below, fixing) for _, each in laid)))
+            dict.fromkeys(filter(None, (_where(each, below, fixing) for _, each in group)))
         )
         rows.append(
             (
@@ -182,13 +182,13 @@ def order(
                 parts[k].name,
                 _held(parts[k]),
                 where,
-                len(laid),
+                len(group),
                 z,
                 "turned over" if over else "as drawn",
             )
         )
-        below += [each for _, each in laid]
-    names = [[name for name, _ in laid] for _, laid in by_height]
+        below += [each for _, each in group]
+    names = [[name for name, _ in group] for _, group in by_height]
     return Table("Assembly from the bottom up, by height", COLUMNS, rows, names)
 
 
@@ -198,10 +198,10 @@ def _held(part: Part) -> str:
     return f"{part.title}: {'; '.join(notes)}" if notes else part.title
 
 
-def _where(copy: _Laid, below: Sequence[_Laid], fixing: Fixing) -> str:
+def _where(copy: _StandingCopy, below: Sequence[_StandingCopy], fixing: Fixing) -> str:
     """Where a copy goes, by what lies there before it; "" where nothing says."""
     if not copy.holes:  # a pin or a shaft
-        return _pinned(copy, below, fixing) or (
+        return _pin_words(copy, below, fixing) or (
             "by itself, until what is fixed on it comes" if copy.outlines else ""
         )
     places = []
@@ -248,7 +248,7 @@ def _where(copy: _Laid, below: Sequence[_Laid], fixing: Fixing) -> str:
     return ", ".join(dict.fromkeys(places))
 
 
-def _pinned(copy: _Laid, below: Sequence[_Laid], fixing: Fixing) -> str:
+def _pin_words(copy: _StandingCopy, below: Sequence[_StandingCopy], fixing: Fixing) -> str:
     """Through what a pin or a shaft goes that lies there, from above, and where it is fixed."""
     round_holes = [
         (hole, other, outline)
@@ -276,7 +276,7 @@ def _pinned(copy: _Laid, below: Sequence[_Laid], fixing: Fixing) -> str:
     return ", ".join([*ways, *(f"in the slot of {name}" for name in slots)])
 
 
-def _laid(part: Part, pose: PartPose) -> _Laid:
+def _standing_copy(part: Part, pose: PartPose) -> _StandingCopy:
     """A copy's round things where it stands; of a hole through several layers the lowest and highest end."""
     outlines = [
         standing(part, pose, layer, *disc)
@@ -305,7 +305,7 @@ def _laid(part: Part, pose: PartPose) -> _Laid:
         for hole in layer.region.holes
         for ends in _stadium(hole)
     ]
-    return _Laid(part, pose.z, holes, slots, outlines)
+    return _StandingCopy(part, pose.z, holes, slots, outlines)
 
 
 def _slot(part: Part, pose: PartPose, layer: Layer, a: complex, b: complex, radius: float) -> Slot:

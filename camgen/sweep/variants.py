@@ -63,13 +63,13 @@ def axis(text: str) -> Axis:
         raise SpecError([Fault((), repr(text), _FORM, source="--vary")], "command line")
     match = _RANGE.fullmatch(values)
     if not match:
-        values_ = _split(values)
+        options = _split(values)
         if _LIKE_RANGE.fullmatch(values):
             right = f"A and B finite numbers, N a whole one; {_FORM}"
             raise SpecError(
                 [Fault((), repr(values), right, source=f"--vary {key}")], "command line"
             )
-        if not all(values_):
+        if not all(options):
             raise SpecError(
                 [
                     Fault(
@@ -81,11 +81,11 @@ def axis(text: str) -> Axis:
                 ],
                 "command line",
             )
-        if len(set(values_)) < len(values_):
+        if len(set(options)) < len(options):
             raise SpecError(
                 [Fault((), repr(values), "each value once", source=f"--vary {key}")], "command line"
             )
-        return Axis(key, tuple(values_))
+        return Axis(key, tuple(options))
     low = float(match[1])
     high = float(match[2])
     count = int(match[3] or 0)

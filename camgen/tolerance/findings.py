@@ -155,7 +155,7 @@ def _steepest(design: Followed) -> float:
     joint = design.joint
     if not joint.touches:
         return design.pressure_angle
-    steep = joint.touches[0].cam.steepness(design.theta)  # type: ignore[attr-defined]
+    steep = joint.touches[0].cam.pressure_angle_untrimmed(design.theta)  # type: ignore[attr-defined]
     return math.degrees(float(np.nanmax(np.abs(steep))))
 
 

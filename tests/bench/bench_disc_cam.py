@@ -108,7 +108,7 @@ def main() -> None:
     found = [survey(cam) for cam in cams]
     took = time.perf_counter() - begin
     worst = max(
-        abs(each.pressure - cam.greatest(cam.steepness)[1])
+        abs(each.pressure - cam.greatest(cam.pressure_angle_untrimmed)[1])
         for each, cam in zip(found[::50], cams[::50], strict=True)
     )
     print(

@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 from camgen.design.chains import Chain, chains
 from camgen.design.linkages import Candidate
 from camgen.design.paths import ChainDesign, Task, area, front, search, solve_task
-from camgen.design.polish import Goal, packed, polish
+from camgen.design.polish import Goal, pack, polish
 from camgen.design.run import Front, design
 from camgen.design.target import Target
 from camgen.errors import DesignError
@@ -158,7 +158,7 @@ def test_polishing_only_betters_and_ends_at_a_known_linkage() -> None:
     start = DRAWN + 1.5 * (rng.normal(size=(6, 5)) + 1j * rng.normal(size=(6, 5)))
     laid = goal.target.on_target(FOUR_BAR.trace(start, 128)[0])[0]
     before = goal.target.near(laid).error
-    _, error, _ = polish(FOUR_BAR, packed(start), np.full(6, 1e-6), goal)
+    _, error, _ = polish(FOUR_BAR, pack(start), np.full(6, 1e-6), goal)
     closed = FOUR_BAR.trace(start, 128)[1] > goal.sine
     assert (
         closed.sum() >= 4

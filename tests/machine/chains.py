@@ -34,7 +34,7 @@ from camgen.machine import (
     Turning,
     thread_length,
 )
-from camgen.machine.freedom import drawn
+from camgen.machine.freedom import close_drawing
 from camgen.machine.model import Floats
 
 
@@ -102,7 +102,9 @@ def linked(
     law = law or Turning(1.0, start[crank].angle)
     outputs = keys.pop("outputs", ())
     drives = keys.pop("drives", (Drive("motor", crank, law),))
-    return drawn(Machine(tuple(bodies), (*pins, *joints), drives, start, outputs=outputs, **keys))
+    return close_drawing(
+        Machine(tuple(bodies), (*pins, *joints), drives, start, outputs=outputs, **keys)
+    )
 
 
 def at(points: Mapping[str, complex], links: Mapping[str, str], name: str, point: str) -> Place:
@@ -511,7 +513,7 @@ def excavator() -> Machine:
     )
     start = {"arm": Pose(0j, 0.1), "tube": Pose(-40j, 0.9), "rod": Pose(30 + 0j, 0.9)}
     law = Wave(50.0, 12.0)
-    return drawn(
+    return close_drawing(
         Machine(
             bodies,
             joints,

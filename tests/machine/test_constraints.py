@@ -43,7 +43,7 @@ from camgen.machine import (
     solve,
 )
 from camgen.machine import constraints as module
-from camgen.machine.closing import _followed, close
+from camgen.machine.closing import _follow, close
 from camgen.machine.constraints import Constraints, _stretch, solved
 from camgen.machine.model import Clutch, Turning, placed
 
@@ -93,7 +93,7 @@ def test_it_shares_nothing_with_the_maker_but_the_model() -> None:
 # Imports inside the kernel go to its earlier rows only.
 ROWS = (
     {"model", "strength", "flywheel"},
-    {"jets", "constraints", "targets", "balancing", "programs"},
+    {"jets", "constraints", "targets", "balancing", "programs", "freewheels"},
     {"friction"},
     {
         "closing",
@@ -324,7 +324,7 @@ def test_slopes_of_outputs_and_what_their_places_do_are_those_of_their_values(na
                     ),
                 )
                 np.testing.assert_allclose(
-                    slope, (system.measured(moved, q)[0] - value) / h, atol=1e-6 * system.size
+                    slope, (system.measure(moved, q)[0] - value) / h, atol=1e-6 * system.size
                 )
         places = len(system.by_place(output.name, q))
         assert places == (
@@ -344,9 +344,10 @@ def test_forces_do_the_work_of_their_places() -> None:
     force, h = rng.normal(size=len(q)) + 1j * rng.normal(size=len(q)), 1e-6
     for body in system.bodies:
         place, total = Place(body, 3 - 7j), np.zeros(q.shape)
-        system.press(total, place, q, force)
+        system.add_force(total, place, q, force)
         speed = (
-            system.place(place, q + h * rates).where - system.place(place, q - h * rates).where
+            system.place(place, q + h * rates).position
+            - system.place(place, q - h * rates).position
         ) / (2 * h)
         np.testing.assert_allclose(
             (total * rates).sum(axis=1), np.real(force.conj() * speed), rtol=1e-6, atol=1e-6
@@ -365,7 +366,7 @@ def test_forces_do_the_work_of_their_places() -> None:
         )
         work = work + sign * np.real(force.conj() * (ahead - back)) / (2 * h)
     np.testing.assert_allclose(
-        (system.pressed(cam, q, where, force) * rates).sum(axis=1), work, rtol=1e-6, atol=1e-5
+        (system.wrench(cam, q, where, force) * rates).sum(axis=1), work, rtol=1e-6, atol=1e-5
     )
 
 
@@ -391,7 +392,7 @@ def test_a_chain_is_followed_closely_on_its_branch(name: str) -> None:
     """Guesses from steps of at most ten degrees are within a hundredth of what closes, with the sign of its determinant."""
     system = Constraints(CHAINS[name]())
     theta = np.linspace(-1, 2, 90)
-    guess, signs = _followed(system, theta)
+    guess, signs = _follow(system, theta)
     closed = close(system, theta)
     assert np.abs((guess - closed.q) / system.unit).max() < 0.01
     np.testing.assert_array_equal(signs, np.linalg.slogdet(system.evaluate(closed.q, theta)[1])[0])
@@ -420,11 +421,11 @@ def test_a_parallelogram_stays_one_where_its_links_lie_in_line(start: float, rat
     closed = close(system, theta)
     np.testing.assert_allclose(closed.q[:, 8], start + rate * theta, atol=1e-9)
     np.testing.assert_allclose(closed.q[:, 5], 0.0, atol=1e-9)
-    assert not _followed(system, theta)[
+    assert not _follow(system, theta)[
         1
     ].any()  # what the sign is to be is not known beyond the first of them
     near = np.linspace(-0.2, 0.2, 9)
-    assert np.ptp(_followed(system, near)[1]) == 0 and _followed(system, near)[1].all()
+    assert np.ptp(_follow(system, near)[1]) == 0 and _follow(system, near)[1].all()
 
 
 def test_the_size_of_a_machine_is_its_largest_place() -> None:

@@ -33,7 +33,7 @@ from camgen.machine import (
     Turning,
     solve,
 )
-from camgen.machine.freedom import drawn, freedoms, refuse_unsound
+from camgen.machine.freedom import close_drawing, freedoms, refuse_unsound
 from camgen.machine.reach import folds, reach, refuse_folds, refuse_partial
 
 
@@ -57,7 +57,9 @@ def test_a_loose_body_is_named_alone() -> None:
     wheel = Body("wheel")
     joints = (*machine.joints, Pin("axle", Place("wheel"), Place("rocker", 10 + 0j)))
     start = {**machine.start, "wheel": Pose(0j, 0.0)}
-    loose = drawn(replace(machine, bodies=(*machine.bodies, wheel), joints=joints, start=start))
+    loose = close_drawing(
+        replace(machine, bodies=(*machine.bodies, wheel), joints=joints, start=start)
+    )
     with pytest.raises(
         DesignError, match=r"1 degree of freedom left over: link wheel .*join it to another link"
     ) as error:
@@ -131,7 +133,7 @@ def test_rough_points_are_closed_on_exact_lengths() -> None:
         name: Pose(p.place + complex(*rng.normal(0, 2, 2)), p.angle + rng.normal(0, 0.1))
         for name, p in exact.start.items()
     }
-    again = drawn(replace(exact, start=rough))
+    again = close_drawing(replace(exact, start=rough))
     for name, pose in exact.start.items():
         assert again.start[name].place == pytest.approx(pose.place, abs=1e-11)
         assert again.start[name].angle == pytest.approx(pose.angle, abs=1e-12)
@@ -148,7 +150,7 @@ def test_contradicting_lengths_are_told_with_their_loop() -> None:
     with pytest.raises(
         DesignError, match="contradict each other: joint.*B.* open by .* mm.*change the lengths"
     ) as error:
-        drawn(replace(machine, joints=short))
+        close_drawing(replace(machine, joints=short))
     assert error.value.value > 1
 
 
@@ -285,7 +287,7 @@ def test_a_cam_and_its_own_follower_alone() -> None:
 def test_a_drawing_that_closes_stays_as_it_is() -> None:
     for name, make in CHAINS.items():
         machine = make()
-        again = drawn(machine)
+        again = close_drawing(machine)
         for body, pose in machine.start.items():
             assert again.start[body].place == pytest.approx(pose.place, abs=1e-9), name
             assert again.start[body].angle == pytest.approx(pose.angle, abs=1e-10), name

@@ -124,7 +124,9 @@ def test_the_indexing_cams_forces_are_its_torques(overrides: list[str]) -> None:
     cams = list(made.cams.values())
     effort = torques.follower + closing
     steep = np.where(
-        (effort >= 0) | (len(cams) == 1), cams[0].steepness(theta), cams[-1].steepness(theta)
+        (effort >= 0) | (len(cams) == 1),
+        cams[0].pressure_angle_untrimmed(theta),
+        cams[-1].pressure_angle_untrimmed(theta),
     )
     lever = made.geometry.follower.arm * 1e-3 * np.cos(steep)
     np.testing.assert_allclose(

@@ -40,7 +40,7 @@ from camgen.motion.laws import (
     polynomial_law,
     slider_crank,
     smoothness,
-    tabulated,
+    table_law,
 )
 
 REFERENCE = tomllib.loads(
@@ -52,7 +52,7 @@ MR_13 = REFERENCE["mr_13"]
 
 def sampled(n: int = 10) -> Law:
     u = np.linspace(0, 1, n)
-    return tabulated(
+    return table_law(
         list(zip(90 + 60 * u, 5 + 12 * POLYNOMIAL_345(u), strict=True)), "12 mm over 60 deg"
     )
 
@@ -439,11 +439,11 @@ def test_a_table_of_a_known_law_gives_the_law() -> None:
 
 def test_a_table_need_not_start_at_rest() -> None:
     u = np.linspace(0, 1, 6)
-    straight = tabulated(list(zip(u, u, strict=True)), "line", rest=False)
+    straight = table_law(list(zip(u, u, strict=True)), "line", rest=False)
     np.testing.assert_allclose(straight(U), U, atol=1e-14)
     assert straight.smoothness == 0
-    assert tabulated(list(zip(u, u, strict=True)), "line").smoothness == 1
-    falling = tabulated(list(zip(u, -3 * u, strict=True)), "downwards", rest=False)
+    assert table_law(list(zip(u, u, strict=True)), "line").smoothness == 1
+    falling = table_law(list(zip(u, -3 * u, strict=True)), "downwards", rest=False)
     np.testing.assert_allclose(falling(U), U, atol=1e-14)
 
 
@@ -460,7 +460,7 @@ def test_a_table_need_not_start_at_rest() -> None:
 )
 def test_tables_that_are_none(points: Any, paths: list[str]) -> None:
     with pytest.raises(SpecError) as error:
-        tabulated(points, "test")
+        table_law(points, "test")
     assert [fault.key for fault in error.value.faults] == paths
 
 

@@ -74,4 +74,4 @@ def test_a_patch_with_a_point_inside_stays():
     """Its outline does not say all of it."""
     vertices = np.array([[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [1, 1, 0]], float)
     faces = np.array([[0, 1, 4], [1, 2, 4], [2, 3, 4], [0, 4, 3]])
-    assert sorted(caps.recapped(Mesh(vertices, faces)).faces.tolist()) == sorted(faces.tolist())
+    assert sorted(caps.recap(Mesh(vertices, faces)).faces.tolist()) == sorted(faces.tolist())

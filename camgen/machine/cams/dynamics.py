@@ -122,19 +122,19 @@ class Elastic:
         before = 0.0
         for fraction in np.linspace(0.0, _FASTEST, _FINE + 1)[1:]:
             fast = float(fraction) * speed
-            if self._lost(cam, fast, preload, leaves):
+            if self._loses(cam, fast, preload, leaves):
                 low = before
                 high = fast
                 while abs(high - low) > 1e-4 * abs(high):
                     middle = (low + high) / 2
                     low, high = (
                         (low, middle)
-                        if self._lost(cam, middle, preload, leaves)
+                        if self._loses(cam, middle, preload, leaves)
                         else (middle, high)
                     )
                 return abs(high)
             before = fast
         return math.inf
 
-    def _lost(self, cam: Excitation, speed: float, preload: Floats, leaves: int) -> bool:
+    def _loses(self, cam: Excitation, speed: float, preload: Floats, leaves: int) -> bool:
         return bool(np.any(preload + leaves * self.push(cam, speed) < 0))

@@ -140,7 +140,7 @@ class RoundTip(Follower):
         """Its radius is larger."""
         return replace(self, tip_radius=self.tip_radius + by)  # type: ignore[type-var]
 
-    def bending(self, theta: Any, motion: Motion) -> Floats:
+    def pitch_curvature(self, theta: Any, motion: Motion) -> Floats:
         """Curvature of the pitch curve, 1/mm, (n,), positive where the cam is convex."""
         _, d1, d2 = self.pitches(theta, motion, 2)
         speed = np.abs(d1)
@@ -148,12 +148,12 @@ class RoundTip(Follower):
 
     def room(self, theta: Any, motion: Motion) -> Floats:
         """1 - tip_radius * curvature of the pitch curve."""
-        return np.asarray(1 - self.tip_radius * self.bending(theta, motion))
+        return np.asarray(1 - self.tip_radius * self.pitch_curvature(theta, motion))
 
     def radius(self, theta: Any, motion: Motion) -> Floats:
         """Radius of curvature of the pitch curve less the tip's."""
         with np.errstate(divide="ignore"):
-            return np.asarray(1 / self.bending(theta, motion) - self.tip_radius)
+            return np.asarray(1 / self.pitch_curvature(theta, motion) - self.tip_radius)
 
     def clear(self, theta: Any, motion: Motion) -> Floats:
         """Distance of the trace point less the tip's radius."""

@@ -21,7 +21,13 @@ from typing import Any
 import numpy as np
 
 from camgen.machine.cams.followers import FlatFace, Motion, RoundTip
-from camgen.machine.cams.profile import DiscCam, sharpness, steepness, still, touched
+from camgen.machine.cams.profile import (
+    DiscCam,
+    place_on_face,
+    pressure_angle_untrimmed,
+    sharpness,
+    still,
+)
 from camgen.numerics import Floats, Indices, distinct, gauss_legendre
 
 _BLOCK = 256  # cams whose arrays stay in the processor's cache
@@ -190,10 +196,10 @@ class _Kin:
             farthest = np.maximum(farthest, np.max(away, axis=1))
             sine = np.minimum(sine, np.min(sector / (away * speed), axis=1))
             clear = np.minimum(clear, np.min(follower.clear(_GROUND, course), axis=1))
-        steepest = np.degrees(self._peak(steepness, courses))
+        steepest = np.degrees(self._peak(pressure_angle_untrimmed, courses))
         least = -self._peak(sharpness, courses)
         ends = (
-            (-self._peak(_nearer, courses), self._peak(touched, courses))
+            (-self._peak(_nearer, courses), self._peak(place_on_face, courses))
             if flat
             else (np.zeros(count), np.zeros(count))
         )
@@ -238,10 +244,10 @@ class _Kin:
                 last = stretch.nodes.size - 1
                 low = stretch.nodes[np.maximum(at - 1, 0)]
                 high = stretch.nodes[np.minimum(at + 1, last)]
-                np.maximum.at(best, rows, self._zoomed(figure, stretch.segment, rows, low, high))
+                np.maximum.at(best, rows, self._zoom(figure, stretch.segment, rows, low, high))
         return np.asarray(best)
 
-    def _zoomed(self, figure: Figure, k: int, rows: Indices, low: Floats, high: Floats) -> Floats:
+    def _zoom(self, figure: Figure, k: int, rows: Indices, low: Floats, high: Floats) -> Floats:
         """Greatest value between two shares of segment k, of one cam a row."""
         follower = self._follower(rows)
         best = np.full(rows.size, -np.inf)
@@ -257,4 +263,4 @@ class _Kin:
 
 
 def _nearer(follower: FlatFace, theta: Floats, motion: Motion) -> Floats:
-    return -touched(follower, theta, motion)
+    return -place_on_face(follower, theta, motion)

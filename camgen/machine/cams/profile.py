@@ -55,7 +55,7 @@ class Undercut:
 # What a follower and a motion make, for one cam, (n,), or for many, (cams, n).
 
 
-def steepness(follower: Follower, theta: Any, motion: Motion) -> Floats:
+def pressure_angle_untrimmed(follower: Follower, theta: Any, motion: Motion) -> Floats:
     """Pressure angle on the untrimmed profile, rad, 0 or more."""
     turn = np.exp(1j * np.asarray(theta, float))
     normal = follower.normal(theta, motion) * turn
@@ -75,7 +75,7 @@ def sharpness(follower: Follower, theta: Any, motion: Motion) -> Floats:
     )
 
 
-def touched(follower: FlatFace, theta: Any, motion: Motion) -> Floats:
+def place_on_face(follower: FlatFace, theta: Any, motion: Motion) -> Floats:
     """Where on a face the profile touches it, mm, as `FlatFace.place`."""
     point = follower.envelope(theta, motion, 0) * np.exp(1j * np.asarray(theta))
     return follower.place(motion(theta, 0), point)
@@ -125,7 +125,7 @@ class DiscCam(Generic[F]):
 
     def curvature(self, theta: Any) -> Floats:
         """Curvature of the pitch curve, 1/mm, (n,), positive where the cam is convex."""
-        return self.tip.bending(theta, self.program)
+        return self.tip.pitch_curvature(theta, self.program)
 
     def radius(self, theta: Any) -> Floats:
         """Radius of curvature of the untrimmed profile, mm, (n,), positive where convex (below 0: hollow, or undercut)."""
@@ -146,7 +146,7 @@ class DiscCam(Generic[F]):
         Where the follower rides on an undercut's corner that is the contact.
         """
         theta = np.asarray(theta, float)
-        angle = self.steepness(theta)
+        angle = self.pressure_angle_untrimmed(theta)
         for cut in self.undercuts:
             inside = _within(theta, cut)
             point = cut.corner_cam * np.exp(1j * theta[inside])
@@ -154,17 +154,17 @@ class DiscCam(Generic[F]):
             angle[inside] = self.cutter.pressure_angle(s, point, self.cutter.normal_on(s, point))
         return angle
 
-    def steepness(self, theta: Any) -> Floats:
+    def pressure_angle_untrimmed(self, theta: Any) -> Floats:
         """Pressure angle on the untrimmed profile, rad, (n,), 0 or more."""
-        return steepness(self.cutter, theta, self.program)
+        return pressure_angle_untrimmed(self.cutter, theta, self.program)
 
     @cached_property
     def steepest(self) -> float:
         """Largest pressure angle over the turn, deg, on the corners of undercuts too."""
         corners = self.program.corners
-        return self.steepest_between(float(corners[0]), float(corners[-1]))
+        return self.pressure_angle_between(float(corners[0]), float(corners[-1]))
 
-    def steepest_between(self, low: float, high: float, riding: bool = True) -> float:
+    def pressure_angle_between(self, low: float, high: float, riding: bool = True) -> float:
         """Largest pressure angle between two cam angles, deg; riding: on the corners of undercuts too.
 
         It jumps where the speed does and at an undercut's ends: they are looked at from either side.
@@ -186,7 +186,7 @@ class DiscCam(Generic[F]):
         """Between which places a flat face is touched over the turn, mm from the stem's line or the pivot's foot."""
         if not isinstance(self.cutter, FlatFace):
             raise TypeError("only a flat face is touched at more than one place")
-        place = partial(touched, self.cutter, motion=self.program)
+        place = partial(place_on_face, self.cutter, motion=self.program)
         low = -self.greatest(lambda theta: -place(theta))[1]
         return low, self.greatest(place)[1]
 
@@ -267,7 +267,7 @@ class DiscCam(Generic[F]):
     @cached_property
     def undercuts(self) -> tuple[Undercut, ...]:
         """Where the follower cannot follow the program."""
-        return self._made[1]
+        return self._outline[1]
 
     @cached_property
     def length(self) -> float:
@@ -285,10 +285,10 @@ class DiscCam(Generic[F]):
 
         Raises DesignError where the follower leaves no closed profile round the shaft.
         """
-        return self._made[0]
+        return self._outline[0]
 
     @cached_property
-    def _made(self) -> tuple[Contour, tuple[Undercut, ...]]:
+    def _outline(self) -> tuple[Contour, tuple[Undercut, ...]]:
         self._check_axis()
         raw: list[Piece] = []
         places: list[
@@ -358,7 +358,7 @@ class DiscCam(Generic[F]):
         stretches: list[tuple[Piece, Motion]] = []
         for a, b in pairwise(float(x) for x in self.program.corners):
             segment, begin = self._segment(a, b)
-            motion = _continued(segment, begin, a, b)
+            motion = _continuation(segment, begin, a, b)
             knots = tuple(float(t) for t in self.program.knots(a, b))
             whole: Piece = Smooth(partial(_envelope, self.cutter, motion), a, b, knots)
             if segment.scale == 0:
@@ -424,7 +424,7 @@ def _roots(f: Callable[[Any], Floats], piece: Smooth) -> list[float]:
     return roots
 
 
-def _continued(segment: Segment, begin: float, a: float, b: float) -> Motion:
+def _continuation(segment: Segment, begin: float, a: float, b: float) -> Motion:
     """The segment's motion between the breaks a and b, its derivatives at these those on the inside."""
     low = a - begin
     high = b - begin

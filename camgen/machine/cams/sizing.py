@@ -102,7 +102,7 @@ def spare(cam: DiscCam[Follower], pressure: float, least_radius: float) -> float
     pressure: rad; least_radius: mm, of the profile where it is convex, below 0 where an undercut is accepted. The follower
     must stay off the shaft's axis.
     """
-    steep = cam.greatest(cam.steepness)[1]
+    steep = cam.greatest(cam.pressure_angle_untrimmed)[1]
     if not cam.greatest(lambda theta: -cam.cutter.clear(theta, cam.program))[1] < 0:
         return -1.0
     return min(pressure - steep, (cam.least_radius - least_radius) / (abs(least_radius) or 1.0))
@@ -128,7 +128,7 @@ def smallest(
     before = short = math.nan
     while not value >= 0:
         if size >= high:
-            best = math.degrees(make(high).greatest(make(high).steepness)[1])
+            best = math.degrees(make(high).greatest(make(high).pressure_angle_untrimmed)[1])
             raise DesignError(
                 "pressure angle",
                 best,

@@ -25,7 +25,7 @@ from camgen.machine.cams.profile import DiscCam
 from camgen.machine.cams.sizing import least_base_radius
 from camgen.machine.freewheels import Ratchet
 from camgen.machine.jets import thread_length
-from camgen.machine.programs import Scaled
+from camgen.machine.programs import CamLaw
 from camgen.machine.run import solve
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.links import shape
@@ -277,7 +277,7 @@ class Drawing:
 
     def machine(self) -> m.Machine:
         """The model, closed at theta = 0; DesignError where it does not close, is loose or locked."""
-        machine = freedom.drawn(self._on_bases)
+        machine = freedom.close_drawing(self._on_bases)
         freedom.refuse_unsound(machine)
         return machine
 
@@ -334,7 +334,7 @@ class Drawing:
             name, base = self.cam_name(cam), cam.base_radius
             if base == "least":
                 joint, follower = self._follower(cam)
-                assert isinstance(joint.law, Scaled)
+                assert isinstance(joint.law, CamLaw)
                 made = DiscCam(joint.law.signed, follower, cam.tip_clearance)
                 room = self.rooms.get(cam.closure, 0.0)
                 base = least_base_radius(made, self.ridden[name].limits, room)
@@ -504,7 +504,7 @@ class Drawing:
             self.cam_name(cam),
             cam.cam,
             cam.follower,
-            Scaled(self.program_of(cam), sign),
+            CamLaw(self.program_of(cam), sign),
             None if slide is None else self.slide_name(slide),
             start[cam.cam].angle,
             rest,

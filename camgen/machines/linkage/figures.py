@@ -241,7 +241,7 @@ def _wanted_places(linkage: LinkageMotion, name: str) -> list[tuple[str, Floats,
     points = wanted.points
     if points is not None:
         places = np.array(points.places)
-        met = points.met(course)
+        met = points.passes(course)
         passed = course.at(np.array([theta for theta, _ in met])) if met else places
         curves += [
             ("wanted", places),

@@ -30,7 +30,7 @@ from camgen.machine.features import Balance, CamOutline
 from camgen.machine.forces import Forces
 from camgen.machine.freewheels import Ratchet
 from camgen.machine.joining import joined
-from camgen.machine.programs import Programmed
+from camgen.machine.programs import DriveLaw
 from camgen.machine.reach import refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
 from camgen.machines import included as inc
@@ -366,7 +366,7 @@ class Linkage(Mechanism):
             law = None
             reach = None if self.drive.range_deg is None else self.cycle.range
         else:
-            law = Programmed(program, chain.start[self.drive.link].angle)
+            law = DriveLaw(program, chain.start[self.drive.link].angle)
             reach = law.reach
         if reach is None:
             refuse_partial(chain, self.allowed.transmission_angle_deg)

@@ -320,7 +320,7 @@ class ThreadTakeUp(Mechanism):
         for wish in self._wishes():
             value = figures[wish.name]
             remark = f"{value:.6g} {wish.unit}; {'at least ' if wish.at_least else ''}{wish.wanted:g} wanted"
-            off = abs(wish.missed(value)) * wish.tolerance
+            off = abs(wish.miss(value)) * wish.tolerance
             findings.append(
                 at_most(wish.name.upper(), off, wish.tolerance, wish.unit, Where("wanted"), remark)
             )

@@ -33,7 +33,7 @@ from camgen.machine.cams.limits import Advice, CamLimits, ExactCam, cam_findings
 from camgen.machine.cams.machine import CamTouch
 from camgen.machine.cams.profile import DiscCam
 from camgen.machine.features import Teeth
-from camgen.machine.programs import Scaled
+from camgen.machine.programs import CamLaw
 from camgen.numerics import peak
 from camgen.parts.gears import Spur, pair
 from camgen.parts.generator.sizes import Parts
@@ -218,7 +218,7 @@ def _second(machine: m.Machine, joint: m.Cam, spec: Ridden) -> complex:
     """Place of the second roller on the follower: as near to the shaft when it is out as the first is when it is in."""
     law = joint.law
     body = machine.body(joint.follower)
-    assert isinstance(law, Scaled)
+    assert isinstance(law, CamLaw)
     top = law.highest
     first = follower_of(machine, joint, spec, spec.at, 1)
     if joint.slide is not None:
@@ -268,7 +268,7 @@ def tips(
     rim = groove_rim(sizes) + clearance
     for name, spec in cams.items():
         joint = machine.joint(name)
-        assert isinstance(joint, m.Cam) and isinstance(joint.law, Scaled)
+        assert isinstance(joint, m.Cam) and isinstance(joint.law, CamLaw)
         senses: tuple[Literal[1, -1], ...] = (1, -1) if joint.law.sign > 0 else (-1, 1)
         two = spec.closure == "conjugate" and spec.shape == "roller"
         for leaves, suffix in zip(senses, ("", SECOND)[: 1 + two], strict=False):

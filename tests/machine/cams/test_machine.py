@@ -125,7 +125,7 @@ def test_a_roller_presses_at_its_pressure_angle() -> None:
     made = published({"shape": "roller", "radius": 8.0, "offset": 6.0})
     theta = np.linspace(0.01, 6.2, 501)
     forces = solve(made.model, theta).forces()
-    steep = made.cam.steepness(theta)
+    steep = made.cam.pressure_angle_untrimmed(theta)
     np.testing.assert_allclose(
         forces.pressing["contact"] * np.cos(steep), forces.contacts["contact"], atol=1e-9
     )
@@ -170,7 +170,7 @@ def test_torque_is_the_virtual_work_of_any_follower(follower: Any) -> None:
         1e-3 if swings else 1.0
     )
     np.testing.assert_allclose(
-        found.force, effort / (arm * np.cos(cam.steepness(THETA))), rtol=1e-9
+        found.force, effort / (arm * np.cos(cam.pressure_angle_untrimmed(THETA))), rtol=1e-9
     )
 
 
@@ -236,7 +236,7 @@ def test_either_wall_of_a_groove_bears() -> None:
             cam_machine([cam], W, FollowerLoad(preload=sign), touches=touches), THETA
         ).forces()
         np.testing.assert_allclose(
-            forces.pressing["contact"] * np.cos(cam.steepness(THETA)), 1.0, rtol=1e-9
+            forces.pressing["contact"] * np.cos(cam.pressure_angle_untrimmed(THETA)), 1.0, rtol=1e-9
         )
     one, other = CamTouch(cam)(THETA)[0], CamTouch(cam, outer=True)(THETA)[0]
     np.testing.assert_allclose((one + other) / 2, cam.pitch(THETA), atol=1e-12)
