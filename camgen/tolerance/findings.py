@@ -53,7 +53,8 @@ class Judged:
 
 def judged(spread: Spread, errors: Floats) -> list[Judged]:
     """All findings of copies with these errors, (copies, modes) mm, that differ between them; worst yield first."""
-    bends, limits = _bends(spread), spread.mechanism.limits()
+    bends = _bends(spread)
+    limits = spread.mechanism.limits()
     exact = np.zeros(len(spread.modes))
     first = _followed(spread, exact, spread.mechanism.model)
     designed, *copies = (
@@ -222,7 +223,9 @@ def _bends(spread: Spread) -> dict[str, Bend]:
     followed = replace(machine, outputs=tuple(outputs))
     run = solve(followed, spread.theta, 0)
     found = spread.felt(run, [each.name for each in outputs])
-    system, poses, bends = Constraints(followed), run.poses(), {}
+    system = Constraints(followed)
+    poses = run.poses()
+    bends = {}
     for cam, output in zip(cams, outputs, strict=True):
         angle = np.asarray(system.angle(cam.cam, poses) + np.zeros(len(poses))) - cam.phase
         turned = float(angle[-1] - angle[0])
