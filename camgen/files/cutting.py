@@ -135,10 +135,10 @@ _SHOWN = 60  # characters of a line that is not understood
 
 @dataclass(frozen=True)
 class Layer:
-    """What one tool of the laser follows: rings with y upwards, and the titles of the groups in which they stand."""
+    """What one tool of the laser follows."""
 
-    rings: list[Ring]
-    titles: list[str]
+    rings: list[Ring]  # y upwards, mm
+    titles: list[str]  # of the groups in which they stand
 
 
 def read_svg(path: Path) -> tuple[tuple[float, float], dict[str, Layer]]:

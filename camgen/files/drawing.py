@@ -31,7 +31,7 @@ from camgen.files.dimensions import (
     standing_of,
     zero_of,
 )
-from camgen.files.labels import Named, along, led, placed
+from camgen.files.labels import Label, along, callouts, leader
 from camgen.files.sheet import Sheet, Size, Text, write_dxf_sheet, write_pdf
 from camgen.files.title_block import SIZE, Facts, position_frame, title_block
 from camgen.geometry.arcs import as_circle, fit_arcs
@@ -293,13 +293,13 @@ class _Layout:
             complex(_FILING + 1, _MARGIN + foot),
             complex(self.table_x - 1, self.sheet.height - _MARGIN - 1),
         )
-        for each in placed(labels, self.sheet, area):
+        for each in callouts(labels, self.sheet, area):
             self.sheet.things += each.things
 
-    def _named(self, label: str, hole: Hole) -> Named:
+    def _named(self, label: str, hole: Hole) -> Label:
         """A label with its hole on paper."""
         rim = along([self.rims[hole].moved(self.scale, self.datum)])
-        return Named(
+        return Label(
             label,
             replace(hole, middle=self.paper(hole.middle), radius=self.scale * hole.radius),
             rim,
@@ -364,7 +364,7 @@ class _Layout:
             beyond = (along(self.above) - point if self.above else np.zeros(1)) * way.conjugate()
             return self.scale * max(0.0, float(np.max(beyond.real)))
 
-        self.sheet.things += led(self.sheet, self.paper(point), direction, clear, text)
+        self.sheet.things += leader(self.sheet, self.paper(point), direction, clear, text)
 
     def _turning(self, angles: Sequence[float]) -> None:
         """Arc with an arrow outside the part: the positive sense, counter-clockwise, in the freest diagonal."""

@@ -45,7 +45,7 @@ class Shape:
 
 
 @dataclass(frozen=True, eq=False)
-class Moving:
+class Track:
     """A body over a turn: angle (n,) rad and place (n,) complex mm at even times, the last one before the first again.
 
     copies: on it, as (name, number of the shape, transform (3, 4) in the body's frame, mm).
@@ -57,7 +57,7 @@ class Moving:
     copies: Sequence[tuple[str, int, Floats]]
 
 
-def glb(name: str, shapes: Sequence[Shape], bodies: Sequence[Moving], turns: int = 1) -> bytes:
+def glb(name: str, shapes: Sequence[Shape], bodies: Sequence[Track], turns: int = 1) -> bytes:
     """The file's bytes; turns: over which the bodies are given."""
     pack = _Pack()
     meshes = []
@@ -173,7 +173,7 @@ class _Pack:
         return len(self.accessors) - 1
 
 
-def _course(body: Moving) -> tuple[Any, Any]:
+def _course(body: Track) -> tuple[Any, Any]:
     """Quaternions (n + 1, 4), consecutive ones on one side, and places (n + 1, 3), float32, the end as the start.
 
     Where the machine cannot go, the body waits where it was last.

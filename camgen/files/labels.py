@@ -64,7 +64,7 @@ def _line(points: Points) -> Any:
 
 
 @dataclass
-class Taken:
+class Obstacles:
     """What lies on a sheet."""
 
     # lower left and upper right corner of where labels may go
@@ -130,14 +130,14 @@ def _clear(others: Sequence[Any], shapes: Any) -> Any:
     return _touching(others, shapes) == 0
 
 
-def led(
+def leader(
     sheet: Sheet, tip: complex, direction: complex, clear: Callable[[complex], float], text: str
 ) -> list[Stroke | Fill | Text]:
     """Arrow onto a point from a direction with the text along it, turned aside until that lies on free paper.
 
     clear: by its direction, how far from the point on there may be text.
     """
-    obstacles = Taken()
+    obstacles = Obstacles()
     obstacles.add(sheet.primitives)
     tries = list[tuple[Text, complex]]()
     for turn in _ASIDE:
@@ -148,11 +148,11 @@ def led(
         middle = tip + (away + label.room / 2 + 4) * way + 0.8j * reading
         tries.append((replace(label, at=middle), tip + (away + label.room + 4) * way))
     label, start = tries[int(np.argmax(obstacles.free([box(label, _AIR) for label, _ in tries])))]
-    return Placed(label, start, tip).things
+    return Callout(label, start, tip).things
 
 
 @dataclass(frozen=True)
-class Named:
+class Label:
     """A label, and the outline of what it names."""
 
     label: str
@@ -170,7 +170,7 @@ class Named:
 
 
 @dataclass(frozen=True)
-class Placed:
+class Callout:
     """A label's text, and its leader from a start to a tip; without one no tip."""
 
     text: Text
@@ -189,12 +189,12 @@ class Placed:
         return things
 
 
-def placed(
-    labels: Sequence[Named], sheet: Sheet, area: tuple[complex, complex]
-) -> Iterator[Placed]:
+def callouts(
+    labels: Sequence[Label], sheet: Sheet, area: tuple[complex, complex]
+) -> Iterator[Callout]:
     """Each label on paper that is free on the sheet and of those before it; area: corners of where they may go, lower left and
     upper right."""
-    obstacles = Taken(area)
+    obstacles = Obstacles(area)
     obstacles.add(sheet.primitives)
     for each in labels:
         others = [other for other in labels if other.hole.middle != each.hole.middle]
@@ -203,26 +203,26 @@ def placed(
         yield label
 
 
-def _place(subject: Named, others: Sequence[Named], obstacles: Taken) -> Placed:
+def _place(subject: Label, others: Sequence[Label], obstacles: Obstacles) -> Callout:
     for crossing in (False, True):
         for distance in (None, *_NEAR, *_FAR):
             label = _best(subject, others, obstacles, distance, crossing)
             if label is not None:
                 return label
-    return Placed(_text(subject, subject.hole.middle))
+    return Callout(_text(subject, subject.hole.middle))
 
 
-def _text(label: Named, middle: complex) -> Text:
+def _text(label: Label, middle: complex) -> Text:
     return Text(middle - 0.5j * HEIGHT, label.label, HEIGHT, "centre", layer="DIM")
 
 
 def _best(
-    label: Named,
-    others: Sequence[Named],
-    obstacles: Taken,
+    label: Label,
+    others: Sequence[Label],
+    obstacles: Obstacles,
     distance: float | None,
     crossing: bool,
-) -> Placed | None:
+) -> Callout | None:
     """The first free place at a distance from the hole's edge, None: in it; crossing: whether centre lines may be crossed."""
     import shapely
 
@@ -244,7 +244,7 @@ def _best(
     elif distance in _NEAR:
         free &= [_beside_its_own(label, others, complex(place)) for place in places]
     if distance is None or distance in _NEAR:
-        return Placed(texts[int(np.argmax(free))]) if free.any() else None
+        return Callout(texts[int(np.argmax(free))]) if free.any() else None
     starts = [_edge(text, label.half, hole.middle) for text in texts]
     tips = [_tip(label, start) for start in starts]
     leaders = [_line(np.array(ends)) for ends in zip(starts, tips, strict=True)]
@@ -253,7 +253,7 @@ def _best(
         return None
     crossings = obstacles.crossed(leaders)
     k = int(np.argmin(np.where(free, crossings, np.max(crossings) + 1)))
-    return Placed(texts[k], starts[k], tips[k])
+    return Callout(texts[k], starts[k], tips[k])
 
 
 def _edge(text: Text, half: float, towards: complex) -> complex:
@@ -265,7 +265,7 @@ def _edge(text: Text, half: float, towards: complex) -> complex:
     return middle + way * min(wide / max(abs(way.real), 1e-9), tall / max(abs(way.imag), 1e-9))
 
 
-def _tip(label: Named, start: complex) -> complex:
+def _tip(label: Label, start: complex) -> complex:
     """Where a leader meets its hole: on a round one's edge, else on the nearest point of the outline."""
     hole = label.hole
     if hole.radius:
@@ -273,7 +273,7 @@ def _tip(label: Named, start: complex) -> complex:
     return complex(label.rim[int(np.argmin(np.abs(label.rim - start)))])
 
 
-def _beside_its_own(label: Named, others: Sequence[Named], place: complex) -> bool:
+def _beside_its_own(label: Label, others: Sequence[Label], place: complex) -> bool:
     """Whether a label at that place is nearer to its hole than to any other one: to its middle and to its edge."""
     edges = [float(np.min(np.abs(each.rim - place))) for each in (label, *others)]
     middles = [abs(each.hole.middle - place) for each in (label, *others)]

@@ -45,13 +45,13 @@ _SPARE = 0.001  # mm, by which a gap is made wider than asked for: a file's numb
 
 @dataclass(frozen=True)
 class Side:
-    """A side to lie on: its name, the turn (3, 3) that brings it down, contact and overhang, mm^2, and the height then, mm."""
+    """A side to lie on."""
 
     name: str = "as drawn"
-    contact: float = 0.0
-    overhang: float = 0.0
-    height: float = 0.0
-    turn: Floats = field(default_factory=lambda: np.eye(3), compare=False)
+    contact: float = 0.0  # mm^2
+    overhang: float = 0.0  # mm^2
+    height: float = 0.0  # of the part as it lies, mm
+    turn: Floats = field(default_factory=lambda: np.eye(3), compare=False)  # (3, 3), brings it down
 
     @property
     def worth(self) -> float:

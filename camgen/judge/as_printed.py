@@ -38,7 +38,7 @@ def grown(ring: Ring, distance: float) -> Ring:
         return ring
     vertices = points + _ways(points, bulges, distance)
     for _ in range(_ROUNDS):
-        over = _turned_over(points, vertices, bulges)
+        over = _turned_over(points, vertices)
         if not over.any():
             least = 2 if bulges.any() else 3
             if len(vertices) < least:
@@ -111,7 +111,7 @@ def _normals(points: Points, bulges: Floats) -> tuple[tuple[Points, Floats], tup
     return (arrives, reaches), (begins, leaves)
 
 
-def _turned_over(points: Points, vertices: Points, bulges: Floats) -> np.ndarray:
+def _turned_over(points: Points, vertices: Points) -> np.ndarray:
     """Edges that run backwards after the move, or have no length."""
     chord = np.roll(points, -1) - points
     after = np.roll(vertices, -1) - vertices

@@ -65,7 +65,7 @@ def limit(law: Rolled, off: float) -> float:
     return off * (1 + tolerances.BOUND_SPARE) / float(np.min(law.lever(judged_angles())))
 
 
-class Followed:
+class FollowerOnOutline:
     """A follower on one outline over the turn, against what the exact one gives; off: mm, of outlines within the tolerance."""
 
     def __init__(self, joint: Cam, outline: Outline, where: Where, off: float) -> None:
@@ -186,7 +186,7 @@ def _overlap(
 
 
 @dataclass(frozen=True)
-class OnCams:
+class CamVerdict:
     """Findings and figures of cams; sound: whether the motion that each outline gives by itself is right."""
 
     findings: Sequence[Finding]
@@ -209,7 +209,7 @@ def judge_cams(
     off: float,
     sound: bool,
     motion: Callable[[Mapping[str, Outline], bool, Where], Finding],
-) -> OnCams:
+) -> CamVerdict:
     """What followers do on each outline; what follows from a motion is only judged where that is right.
 
     measured: outlines by cam, the one that drives first; sound: whether the motion by these is right. motion: MOTION_ERROR of
@@ -233,7 +233,7 @@ def judge_cams(
             driven = first | {cam: outline}
             file = named(where, {part})
             drives = outline is first[cam]
-            followed = Followed(joint, outline, file, off)
+            followed = FollowerOnOutline(joint, outline, file, off)
             if part in right:  # one that is turned over: the play tells
                 continue
             if not drives:
@@ -266,7 +266,7 @@ def judge_cams(
                 numbers[f"{'lash' if play >= 0 else 'preload'}_{name}{kind}_{unit}"] = scale * abs(
                     play
                 )
-    return OnCams(findings, numbers, all_right)
+    return CamVerdict(findings, numbers, all_right)
 
 
 def _tips(outlines: Sequence[Outline]) -> dict[str, float]:

@@ -40,15 +40,15 @@ Way = Callable[[Floats], Points]
 
 @dataclass(frozen=True)
 class Least:
-    """Least signed distance over the turn, mm, the angle of it, rad, and from where to where bodies overlap, rad."""
+    """Least signed distance of two bodies over the turn."""
 
-    distance: float
-    theta: float
-    overlaps: tuple[tuple[float, float], ...] = ()
+    distance: float  # mm
+    theta: float  # rad
+    overlaps: tuple[tuple[float, float], ...] = ()  # from where to where, rad
 
 
 @dataclass(frozen=True)
-class Cleared:
+class Clearances:
     """Findings, numbers and curves (name, theta in deg, mm) of one kind of file."""
 
     findings: tuple[Finding, ...]
@@ -236,7 +236,7 @@ def judge_clearance(
     pairs: Sequence[Passing],
     poses: Poses,
     chord_tolerance: float,
-) -> Cleared:
+) -> Clearances:
     """Whether all pairs stay apart over the turn, on the files <prefix>-<part>.<kind> in a folder.
 
     Bodies may graze: what the outlines of both may be off is allowed beside the pair's gap.
@@ -290,7 +290,7 @@ def judge_clearance(
                 round(least.distance, _DIGITS) + 0.0
             )
             curves.append((pair.name, np.degrees(turn), curve))
-    return Cleared(tuple(findings), numbers, tuple(curves))
+    return Clearances(tuple(findings), numbers, tuple(curves))
 
 
 def _way(pair: Passing, poses: Poses) -> Way:

@@ -109,14 +109,13 @@ class Rolled:
 
 @dataclass(frozen=True)
 class Fit:
-    """A joint's play as measured and as meant, mm, how much the worst of its features is off, and the shift of each side, the
-    part of which is in `parts`, "" where it is none."""
+    """How a joint fits, mm."""
 
-    play: float
-    meant: float
-    misfit: float
-    shifts: tuple[float, float] = (0.0, 0.0)
-    parts: tuple[str, str] = ("", "")
+    play: float  # as measured
+    meant: float  # the play that is wanted
+    misfit: float  # how much the worst of its features is off
+    shifts: tuple[float, float] = (0.0, 0.0)  # of each side
+    parts: tuple[str, str] = ("", "")  # of each side, "" where it is none
 
 
 @dataclass(frozen=True)

@@ -52,12 +52,11 @@ class Files:
 
 @dataclass(frozen=True)
 class Measured:
-    """An eye as found in a file: centre and free diameter, mm (a shaft's: over its vertices), and how far the centres at
-    several heights lie apart."""
+    """An eye as found in a file, mm."""
 
     centre: complex
-    diameter: float
-    spread: float = 0.0
+    diameter: float  # free, or a shaft's over its vertices
+    spread: float = 0.0  # how far the centres at several heights lie apart
 
 
 def measure(eye: Eye, sections: Sections) -> Measured | None:
@@ -132,12 +131,11 @@ def _measure_own(own: OwnTip, sections: Sections) -> Measured | None:
 
 @dataclass(frozen=True)
 class MeasuredFaces:
-    """Two parallel faces as found: how far their middle lies to the left of the line they were sought at, mm, how far they
-    lean from it, rad, and their distance, mm."""
+    """Two parallel faces as found."""
 
-    offset: float
-    lean: float
-    width: float
+    offset: float  # of their middle, to the left of the line they were sought at, mm
+    lean: float  # from that line, rad
+    width: float  # their distance, mm
 
 
 def measure_faces(

@@ -27,15 +27,15 @@ _CELLS = 4_000_000  # of the matrices of all angles at a time, 32 MB
 
 
 @dataclass(frozen=True)
-class Moved:
-    """One output at n angles, in its own unit: value (complex for a path) and slope to theta, (n,), nan where the machine does
-    not close; reach: by joint, how far a displacement of 1 mm in it can move the output, (n,); play: the same by what all
-    joints' clearances give either way, worst case, first order."""
+class Response:
+    """One output at n angles, in its own unit, nan where the machine does not close."""
 
-    value: Any
-    slope: Any
-    reach: Mapping[str, Floats]
-    play: Floats
+    value: Any  # (n,), complex for a path
+    slope: Any  # to theta, (n,)
+    reach: Mapping[
+        str, Floats
+    ]  # by joint, how far a displacement of 1 mm in it can move the output, (n,)
+    play: Floats  # the same by all joints' clearances, either way, worst case, first order, (n,)
 
 
 Laws = tuple[
@@ -43,7 +43,7 @@ Laws = tuple[
 ]  # of cams by name, in place of those of the machine: what undercut outlines give
 
 
-class _Meant:
+class _NominalMotion:
     """The machine with its joints where they are meant, from which all others start."""
 
     def __init__(self, machine: Machine, low: float, high: float) -> None:
@@ -94,7 +94,7 @@ class _Meant:
 
 
 # A machine is the same object for all kinds of its files.
-_meant = lru_cache(maxsize=1)(_Meant)
+_meant = lru_cache(maxsize=1)(_NominalMotion)
 
 
 class Proof:
@@ -118,7 +118,7 @@ class Proof:
                 )
         self._meant = _meant(nominal, float(theta.min()), float(theta.max()))
         self._system = Constraints(measured.machine)
-        self._seen: dict[bytes, Mapping[str, Moved]] = {}
+        self._seen: dict[bytes, Mapping[str, Response]] = {}
 
     def wanted(self, output: str, theta: Floats) -> tuple[Any, Any]:
         """The output and its slope by the joints as they are meant, (n,)."""
@@ -139,7 +139,7 @@ class Proof:
         ]
         return np.concatenate([np.empty(0), *angles])
 
-    def moved(self, output: str, theta: Floats) -> Moved:
+    def moved(self, output: str, theta: Floats) -> Response:
         """The output by the joints as they are, (n,)."""
         key = theta.tobytes()
         if key not in self._seen:
@@ -163,7 +163,7 @@ class Proof:
             self._system, output, close(self._system, theta, self._meant.near(theta), 1)
         )[:2]
 
-    def _at(self, theta: Floats) -> Mapping[str, Moved]:
+    def _at(self, theta: Floats) -> Mapping[str, Response]:
         """All outputs by the joints as they are, (n,)."""
         closed = close(self._system, theta, self._meant.near(theta), 1)
         poses = np.where(np.isnan(closed.q), 0.0, closed.q)
@@ -188,7 +188,7 @@ class Proof:
                 play = play + share * max(self.plays[joint.name], 0.0) / 2
                 if joint.name in levers or joint.name in self.fits:
                     reach[joint.name] = share / levers.get(joint.name, 1.0)
-            responses[output.name] = Moved(value, slope, reach, play)
+            responses[output.name] = Response(value, slope, reach, play)
         return responses
 
 
@@ -207,13 +207,13 @@ def _parts(system: Constraints, theta: Floats) -> Sequence[Floats]:
     return np.array_split(theta, -(-len(theta) * max(1, system.width**2) // _CELLS))
 
 
-def _joined(parts: Sequence[Moved]) -> Moved:
+def _joined(parts: Sequence[Response]) -> Response:
     """The same at all angles."""
     reach = {name: np.concatenate([part.reach[name] for part in parts]) for name in parts[0].reach}
     value, slope, play = (
         np.concatenate([getattr(part, key) for part in parts]) for key in ("value", "slope", "play")
     )
-    return Moved(value, slope, reach, play)
+    return Response(value, slope, reach, play)
 
 
 def _outcome(

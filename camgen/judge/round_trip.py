@@ -46,39 +46,42 @@ class Section:
 class Expected:
     """What a part's files should hold, as plain numbers and points.
 
-    sections: of its stack of layers, from the bottom, then of what lies below or above them; cut: the one that its drawing
-    shows; volume: mm^3; levels: heights of its flat faces, mm, the underside first: of a `stacked` part all, of another one
-    the lowest and the highest place. bore: diameter of the hole on whose centre the part turns, where the motion tells its
-    place; eyes: centre and diameter, mm, of joints. Where these lie to each other is judged elsewhere, by how parts move; so
-    is where they lie to an outline that a follower runs on (`rolls`). undo: how a mesh was changed for the printer, None
-    where it was not. marks: (n, 2), ends of each stroke of a drawing's centre marks, and engraved contours: none where nobody
-    asked for them.
+    Where eyes lie to each other is judged elsewhere, by how parts move; so is where they lie to an outline that a follower
+    runs on.
     """
 
     part: str
-    sections: tuple[Section, ...]
-    cut: int
-    volume: float
-    levels: tuple[float, ...]
-    facets: float
-    min_wall: float
-    chord_tolerance: float
-    bore: float | None = None
-    eyes: tuple[tuple[complex, float], ...] = ()
-    rolls: bool = False
-    stacked: bool = True
-    undo: Undo | None = None
-    marks: Points = field(default_factory=lambda: np.empty((0, 2), complex))
+    sections: tuple[
+        Section, ...
+    ]  # of its layers, from the bottom, then of what lies below or above them
+    cut: int  # the section that its drawing shows
+    volume: float  # mm^3
+    levels: tuple[float, ...]  # heights of its flat faces, mm, the underside first
+    facets: float  # volume that facets may take, mm^3
+    min_wall: float  # mm
+    chord_tolerance: float  # mm
+    bore: float | None = (
+        None  # diameter of the hole on whose centre it turns, where the motion tells its place
+    )
+    eyes: tuple[tuple[complex, float], ...] = ()  # of joints: centre and diameter, mm
+    rolls: bool = False  # whether a follower runs on its outline
+    stacked: bool = (
+        True  # whether `levels` are all of them; of another part the lowest and the highest place
+    )
+    undo: Undo | None = None  # how a mesh was changed for the printer
+    marks: Points = field(
+        default_factory=lambda: np.empty((0, 2), complex)
+    )  # (n, 2), ends of strokes
     engraved: tuple[Ring, ...] = ()
 
 
 @dataclass(frozen=True)
 class Undo:
-    """What the printer does to a mesh that was sent to it, see `as_printed.printed`; files are judged as they print, mm."""
+    """What the printer does to a mesh that was sent to it, see `as_printed.printed`; files are judged as they print."""
 
-    hole: float
-    profile: float
-    shrinkage: float
+    hole: float  # by which holes become smaller, mm
+    profile: float  # by which outlines become larger, mm
+    shrinkage: float  # as a share
 
     @property
     def slack(self) -> float:
@@ -91,14 +94,16 @@ class Undo:
 
 
 @dataclass(frozen=True)
-class Judged:
-    """Findings on one file, and the pieces at each height as in the file; none where it could not be recovered."""
+class PartVerdict:
+    """What one file of a part comes to."""
 
     findings: tuple[Finding, ...]
-    sections: tuple[tuple[Shape, ...], ...] = ()
+    sections: tuple[
+        tuple[Shape, ...], ...
+    ] = ()  # pieces at each height, none where it could not be recovered
 
 
-def judge_drawing(path: Path, expected: Expected) -> Judged:
+def judge_drawing(path: Path, expected: Expected) -> PartVerdict:
     """Units, closed contours, holes and walls of a drawing that is to be cut."""
     form = FORMATS[path.suffix[1:]]
     where = in_file(path)
@@ -129,7 +134,7 @@ def judge_drawing(path: Path, expected: Expected) -> Judged:
         closed,
     ]
     if not closed.ok:
-        return Judged(tuple(findings))
+        return PartVerdict(tuple(findings))
     return _judge_sections(
         [(expected.sections[expected.cut], drawing.cut)], expected, where, form.rounding, findings
     )
@@ -168,27 +173,27 @@ def judge_dimensioned(path: Path, expected: Expected) -> Finding:
     return next(finding for finding in findings if finding.code == "ROUND_TRIP")
 
 
-def judge_mesh(path: Path, expected: Expected) -> Judged:
+def judge_mesh(path: Path, expected: Expected) -> PartVerdict:
     """Watertightness, volume, sections and walls of the one solid in a file."""
     mesh, remarks = read_solid(path, expected.part)
     if remarks:
-        return Judged((strange(path, remarks),))
+        return PartVerdict((strange(path, remarks),))
     return judge_solid(mesh, expected, in_file(path), FORMATS[path.suffix[1:]].rounding)
 
 
-def judge_exact(path: Path, expected: Expected) -> Judged:
+def judge_exact(path: Path, expected: Expected) -> PartVerdict:
     """Closed shell, volume, sections and walls of the one exact solid in a file."""
     body, remarks = read_exact(path, expected.part)
     where = in_file(path)
     if remarks:
-        return Judged((strange(path, remarks),))
+        return PartVerdict((strange(path, remarks),))
     bodies = counted(body.bodies, "body", "bodies")
     remark = f"{body.faults} edges without their two faces, {bodies} of {len(body.faces)} planes and cylinders"
     findings = [
         at_most("WATERTIGHT", body.faults + abs(body.bodies - 1), 0, "faults", where, remark)
     ]
     if not findings[0].ok:
-        return Judged(tuple(findings))
+        return PartVerdict(tuple(findings))
     findings.append(_volume(body.volume, expected, where))
     try:
         sections = [
@@ -196,18 +201,18 @@ def judge_exact(path: Path, expected: Expected) -> Judged:
         ]
     except ValueError as error:
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
-        return Judged(tuple(findings))
+        return PartVerdict(tuple(findings))
     return _judge_sections(
         sections, expected, where, 0.0, findings, _level_error(body.heights, expected)
     )
 
 
-def judge_cut(rings: Sequence[Ring], expected: Expected, where: Where) -> Judged:
+def judge_cut(rings: Sequence[Ring], expected: Expected, where: Where) -> PartVerdict:
     """Contours and walls of a part as it is cut of a sheet, in the part's frame."""
     return _judge_sections([(expected.sections[expected.cut], rings)], expected, where, 0.0, [])
 
 
-def judge_solid(mesh: Mesh, expected: Expected, where: Where, rounding: float) -> Judged:
+def judge_solid(mesh: Mesh, expected: Expected, where: Where, rounding: float) -> PartVerdict:
     """Watertightness, volume, sections and walls of a solid; rounding: of a length in its file, as a share."""
     faults = mesh_faults(mesh)
     count = faults.count + abs(faults.bodies - 1)
@@ -222,7 +227,7 @@ def judge_solid(mesh: Mesh, expected: Expected, where: Where, rounding: float) -
         )
     ]
     if count:
-        return Judged(tuple(findings))
+        return PartVerdict(tuple(findings))
     findings.append(_volume(faults.volume, expected, where))
     rounding *= float(np.max(np.abs(mesh.vertices)))
     level_error = _level_error(mesh.vertices[:, 2], expected)
@@ -232,7 +237,7 @@ def judge_solid(mesh: Mesh, expected: Expected, where: Where, rounding: float) -
         ]
     except ValueError as error:
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
-        return Judged(tuple(findings))
+        return PartVerdict(tuple(findings))
     return _judge_sections(sections, expected, where, rounding, findings, level_error)
 
 
@@ -270,7 +275,7 @@ def _judge_sections(
     rounding: float,
     findings: list[Finding],
     level_error: float = 0.0,
-) -> Judged:
+) -> PartVerdict:
     """Whether every section holds the contours that were meant, and how thin its walls are."""
     undo = expected.undo
     try:
@@ -285,7 +290,7 @@ def _judge_sections(
             ]
     except ValueError as error:
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
-        return Judged(tuple(findings))
+        return PartVerdict(tuple(findings))
     steps = 4.0
     if not expected.stacked:  # corners near each other are one
         steps += math.sqrt(2) * tolerances.MERGED_STEPS
@@ -323,7 +328,7 @@ def _judge_sections(
         )  # what facets on both sides may take of a wall
         remark = f"smallest wall between contours; {facets:g} mm less holds too, for facets on both sides may take that"
         findings.append(at_least("MIN_WALL", wall, expected.min_wall, "mm", where, remark, facets))
-    return Judged(tuple(findings), tuple(shapes for _, shapes in printed_sections))
+    return PartVerdict(tuple(findings), tuple(shapes for _, shapes in printed_sections))
 
 
 def pieces_of(rings: Sequence[Ring]) -> tuple[Shape, ...]:

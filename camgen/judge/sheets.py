@@ -22,7 +22,7 @@ from camgen.files.dxf import read_dxf
 from camgen.findings import Finding, Where, at_least, at_most, in_file
 from camgen.geometry.distances import point_to_ring
 from camgen.geometry.rings import Points, Ring, Shape
-from camgen.judge.round_trip import MILLIMETRES, Expected, Judged, judge_cut, pieces_of
+from camgen.judge.round_trip import MILLIMETRES, Expected, PartVerdict, judge_cut, pieces_of
 from camgen.tolerances import WAY_BACK
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ _SVG_STEP = 1e-5  # mm, what the six decimals of an SVG may move an arc
 
 
 @dataclass(frozen=True)
-class Laid:
+class SheetCopy:
     """A copy of a part on a sheet: turned by angle, rad, then moved to place, mm."""
 
     part: str
@@ -51,16 +51,16 @@ class Laid:
 
 @dataclass(frozen=True)
 class Beam:
-    """What a laser cuts with, and of: kerf and gap, mm; width and height of a sheet, mm."""
+    """What a laser cuts with, and of."""
 
-    kerf: float
-    gap: float
-    sheet: tuple[float, float]
+    kerf: float  # mm
+    gap: float  # between pieces, mm
+    sheet: tuple[float, float]  # width and height, mm
 
 
 def judge_sheet(
-    dxf: Path, svg: Path, copies: Sequence[Laid], parts: Mapping[str, Expected], beam: Beam
-) -> tuple[list[Finding], dict[str, Judged]]:
+    dxf: Path, svg: Path, copies: Sequence[SheetCopy], parts: Mapping[str, Expected], beam: Beam
+) -> tuple[list[Finding], dict[str, PartVerdict]]:
     """Findings on one sheet in both formats, and its parts as cut, by name, in their own frames.
 
     SHEET_FIT: what is missing, how far a piece stands out over the sheet, and the gap between pieces; KERF: how far a part as
@@ -92,7 +92,7 @@ def judge_sheet(
     findings.append(
         _same_as_svg(drawing, svg, beam.sheet, [f"{copy.part}-{copy.copy}" for copy in copies])
     )
-    verdicts: dict[str, Judged] = {}
+    verdicts: dict[str, PartVerdict] = {}
     for copy in copies:
         if not pieces:
             break

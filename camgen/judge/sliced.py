@@ -51,7 +51,7 @@ _SLIVER = 1e-4  # mm^2, what facets leave of a hole
 
 
 @dataclass(frozen=True)
-class Known:
+class PrintModel:
     """A part's solid in its own frame as it was sent, the rotation (3, 3) that lays it on the bed, and the turns about the
     vertical, rad, in which its copies lie on the folder's own plates."""
 
@@ -69,12 +69,12 @@ class Known:
 
 @dataclass(frozen=True)
 class Layer:
-    """What is laid between two heights over the bed, or over the raft, mm: walls, and whether each is that of a hole."""
+    """What is laid between two heights over the bed, or over the raft."""
 
-    low: float
-    top: float
+    low: float  # mm
+    top: float  # mm
     walls: tuple[Wall, ...]
-    holes: tuple[bool, ...]
+    holes: tuple[bool, ...]  # whether each wall is that of a hole
 
     @property
     def middle(self) -> float:
@@ -93,7 +93,7 @@ class Layer:
 class Copy:
     """A body that is the print of a part: bed = exp(i turn) * lying + place; off: rms mm of its outline half way up."""
 
-    known: Known
+    known: PrintModel
     laid: Laid
     layers: tuple[Layer, ...]
 
@@ -191,7 +191,7 @@ def bodies(walls: Sequence[Wall]) -> list[tuple[Layer, ...]]:
     return bodies_found
 
 
-def copy_of(layers: Sequence[Layer], known: Sequence[Known]) -> Copy | None:
+def copy_of(layers: Sequence[Layer], known: Sequence[PrintModel]) -> Copy | None:
     """The part of which a body is the print; None where it is like none of them."""
     best: Copy | None = None
     middle = _telling(layers)

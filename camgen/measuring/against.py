@@ -27,7 +27,7 @@ _TURNED_OVER = 0.5  # a mirror image counts where it lies so much better
 
 
 @dataclass(frozen=True)
-class Compared:
+class Comparison:
     """A measured outline in the frame of a spec's part, the part's exact one, a sentence, figures; how far it lies outside, by
     the angle about the shaft: (n,) deg and mm.
     """
@@ -42,7 +42,7 @@ class Compared:
 
 def compare(
     ring: Ring, spec: Path, bore: float | None, off: float, scanner_unknown: bool
-) -> Compared:
+) -> Comparison:
     """Lay a measured outline on the cams of a spec; SpecError where it has none, DesignError where it is like none of them.
 
     bore: measured diameter of the hole that is the ring's origin, mm, None where the origin means nothing. off: what the
@@ -133,7 +133,7 @@ def compare(
     order = np.argsort(np.angle(z) % (2 * np.pi))
     angle = np.degrees(np.angle(z) % (2 * np.pi))[order]
     measured, nominal_ring = (Ring(each, np.zeros(len(each))) for each in (z, nominal))
-    return Compared(
+    return Comparison(
         measured.counter_clockwise(),
         nominal_ring,
         "; ".join(sentences),

@@ -31,7 +31,7 @@ from camgen.report.report import Report, write_csv, write_html, write_json
 from camgen.study import Plot, Table
 
 if TYPE_CHECKING:
-    from camgen.measuring.against import Compared
+    from camgen.measuring.against import Comparison
 
 MOST_HARMONICS = 1800
 HARMONICS = 36  # of a turn, the last of which the low-pass halves: details of 10 deg of cam angle and more stay
@@ -464,7 +464,7 @@ def _measured(
     return {**figures, **effects}
 
 
-def _compared(outline: Outline, path: Path, request: Request) -> Compared:
+def _compared(outline: Outline, path: Path, request: Request) -> Comparison:
     """The outline of the first file on the cam of the spec that it is held against."""
     from camgen.measuring.against import compare
 
@@ -483,7 +483,7 @@ def _compared(outline: Outline, path: Path, request: Request) -> Compared:
 def _with_comparison(
     report: Report,
     columns: Mapping[str, Floats],
-    compared: Compared,
+    compared: Comparison,
     rolling: _Rolling,
 ) -> tuple[Report, Mapping[str, Floats]]:
     """The report with what the spec's own cam does to the same follower, and where the outline stands off it."""

@@ -51,11 +51,11 @@ _INCH = 25.4
 
 @dataclass(frozen=True)
 class Scanning:
-    """How scans are read: dpi where the file does not say it, further scans of the same part, its greatest width, mm."""
+    """How scans are read."""
 
-    dpi: float | None = None
-    others: tuple[Path, ...] = ()
-    across: float | None = None
+    dpi: float | None = None  # where the file does not say it
+    others: tuple[Path, ...] = ()  # further scans of the same part
+    across: float | None = None  # its greatest width, mm
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import repeat
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -43,9 +42,6 @@ from camgen.progress import Progress
 from camgen.report.report import Report
 from camgen.study import Plot, Study, Table
 from camgen.workers import Workers
-
-if TYPE_CHECKING:
-    pass
 
 _SIDE_FILES = ("spec.toml", "motion.csv", "report.json", "manifest.json")
 _CLOCKWISE = (

@@ -18,7 +18,7 @@ from camgen.findings import Finding, at_most, in_file
 from camgen.geometry.facets import facet_contour
 from camgen.judge.measured import Sections
 from camgen.judge.round_trip import judge_drawing
-from camgen.judge.sheets import Beam, Laid, judge_sheet
+from camgen.judge.sheets import Beam, SheetCopy, judge_sheet
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.assembly import cut_of_sheet
 from camgen.parts.fits import Compensation, compensated
@@ -121,15 +121,15 @@ def sheet_files(case: Case) -> list[Path]:
     return [path for path in (*sheets, case.file("sheets", "csv")) if path.exists()]
 
 
-def _listed(path: Path) -> dict[int, list[Laid]]:
+def _listed(path: Path) -> dict[int, list[SheetCopy]]:
     """The list of sheets as read: what lies on each, by its number; FileError where it is none."""
-    sheets: dict[int, list[Laid]] = {}
+    sheets: dict[int, list[SheetCopy]] = {}
     bounded(path, _SIZE)
     try:
         with open(path, encoding="utf-8", newline="") as file:
             for row in csv.DictReader(file):
                 place = complex(float(row["x_mm"]), float(row["y_mm"]))
-                copy = Laid(
+                copy = SheetCopy(
                     row["part"], int(row["copy"]), math.radians(float(row["angle_deg"])), place
                 )
                 sheets.setdefault(int(row["sheet"]), []).append(copy)
@@ -191,7 +191,7 @@ def judge_sheets(
     )
 
 
-def _rows(number: int, copies: Sequence[Laid], laser: Laser) -> list[tuple[object, ...]]:
+def _rows(number: int, copies: Sequence[SheetCopy], laser: Laser) -> list[tuple[object, ...]]:
     """What lies on a sheet, for people."""
     rows: list[tuple[object, ...]] = []
     for name in dict.fromkeys(copy.part for copy in copies):
@@ -208,7 +208,9 @@ def _rows(number: int, copies: Sequence[Laid], laser: Laser) -> list[tuple[objec
     return rows
 
 
-def _copies(sheets: dict[int, list[Laid]], parts: dict[str, Part], case: Case) -> list[Finding]:
+def _copies(
+    sheets: dict[int, list[SheetCopy]], parts: dict[str, Part], case: Case
+) -> list[Finding]:
     """SHEET_FIT of all sheets together: copies that are missing, too many or wrongly numbered."""
     present = Counter((copy.part, copy.copy) for copies in sheets.values() for copy in copies)
     expected_copies = Counter(
@@ -219,7 +221,7 @@ def _copies(sheets: dict[int, list[Laid]], parts: dict[str, Part], case: Case) -
     return [at_most("SHEET_FIT", off, 0, "copies", in_file(case.file("sheets", "csv")), remark)]
 
 
-def _density(sheets: dict[int, list[Laid]], parts: dict[str, Part], laser: Laser) -> float:
+def _density(sheets: dict[int, list[SheetCopy]], parts: dict[str, Part], laser: Laser) -> float:
     """Area within the outlines of all parts over that of the sheets, of the last one as far as it is used."""
     area = length_used = 0.0
     outlines = {name: facet_contour(part.region.outer, _PACKED) for name, part in parts.items()}

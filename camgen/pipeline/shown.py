@@ -92,7 +92,7 @@ def _reachable(mechanism: Mechanism, output: Output, theta: Floats) -> Floats:
 
 def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
     """The machine in three dimensions, from coarse solids of its exact parts; plates: what was laid out."""
-    from camgen.files.gltf import Moving, Shape, glb
+    from camgen.files.gltf import Shape, Track, glb
     from camgen.geometry.mesh import placing
 
     parts = mechanism.assembly.parts
@@ -111,7 +111,7 @@ def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
         bodies.setdefault(mount.body, []).append((f"{mount.part}-{copies[mount.part]}", k, stands))
     frames = mechanism.assembly.cycle.turns * _FRAMES_3D
     tracks = [
-        Moving(name, *_over(courses[name], frames), copies_of_body)
+        Track(name, *_over(courses[name], frames), copies_of_body)
         for name, copies_of_body in bodies.items()
     ]
     parts_of = {

@@ -25,7 +25,7 @@ from camgen.files.threemf import Item, read_3mf
 from camgen.findings import Finding, NotJudged, Where, at_most, in_file
 from camgen.geometry.rings import Floats, Shape
 from camgen.judge.measured import Sections, measure
-from camgen.judge.sliced import Copy, Known, bodies, copy_of, envelope, outwards, shapes_of
+from camgen.judge.sliced import Copy, PrintModel, bodies, copy_of, envelope, outwards, shapes_of
 from camgen.judge.sliced_copies import judge_sliced_copies
 from camgen.machine.features import CamOutline, Eye, eyes, parts_of
 from camgen.machines.sources import read_mechanism
@@ -62,7 +62,7 @@ _COSTS = {
 
 
 @dataclass
-class _Laid:
+class _Print:
     """What the G-code holds of one part: of each slab of it the section of its envelope, and those of its layers by height; and
     rows for people."""
 
@@ -104,7 +104,7 @@ def check_gcode(
         for path in sorted(case.folder.glob(f"{mechanism.name}-plate*.3mf"))
     }
     models = _known(case, packages.values())
-    prints: dict[str, _Laid] = {}
+    prints: dict[str, _Print] = {}
     findings: list[Finding] = []
     on_side: set[str] = set()
     settings: dict[str, str] = {}
@@ -128,7 +128,7 @@ def check_gcode(
             if copy.known.over is None:
                 on_side.add(name)
                 continue
-            _add(prints.setdefault(name, _Laid()), copy, case.parts[name], fit, in_file(path))
+            _add(prints.setdefault(name, _Print()), copy, case.parts[name], fit, in_file(path))
     for each in prints.values():
         findings += each.findings
     expected = Counter({part.name: part.count for part in printed_parts(mechanism.assembly)})
@@ -188,7 +188,7 @@ def _each_once(plates: Sequence[Path]) -> None:
             )
 
 
-def _known(case: Case, packages: Iterable[Sequence[Item]]) -> list[Known]:
+def _known(case: Case, packages: Iterable[Sequence[Item]]) -> list[PrintModel]:
     """The printed parts of a folder as they were sent, on the sides on which its plates, with these items, lay them."""
     sides_of: dict[str, list[tuple[Floats, float]]] = {}
     for items in packages:
@@ -206,7 +206,7 @@ def _known(case: Case, packages: Iterable[Sequence[Item]]) -> list[Known]:
         sides = sides_of.get(part.name, [(np.eye(3), 0.0)])
         for turn in [np.eye(3), *([] if np.allclose(sides[0][0], np.eye(3)) else [sides[0][0]])]:
             models.append(
-                Known(
+                PrintModel(
                     part.name,
                     solid,
                     turn,
@@ -230,7 +230,7 @@ def _tilt(turn: Floats) -> tuple[Floats, float]:
     return _OVER if over else np.eye(3), math.atan2(spun[1, 0], spun[0, 0])
 
 
-def _add(printed: _Laid, copy: Copy, part: Part, fit: Compensation, where: Where) -> None:
+def _add(printed: _Print, copy: Copy, part: Part, fit: Compensation, where: Where) -> None:
     """Put a copy's layers with what is known of its part, and judge their contours."""
     spans = list(dict.fromkeys((layer.z0, layer.z1) for layer in part.layers))
     pocket = min(
@@ -364,7 +364,7 @@ def left_out(on_side: Collection[str], away: Collection[str]) -> list[NotJudged]
 
 
 def _moved(
-    case: Case, prints: Mapping[str, _Laid], on_side: Collection[str], where: Where
+    case: Case, prints: Mapping[str, _Print], on_side: Collection[str], where: Where
 ) -> tuple[list[Finding], dict[str, float], list[NotJudged]]:
     """Findings and figures of the machine closed on what is laid: the envelope, and layer by layer the cams."""
     from camgen.judge.cams import judged_angles
@@ -418,7 +418,7 @@ def _as_filed(case: Case, name: str, kind: str) -> Read:
 
 def _by_layer(
     case: Case,
-    prints: Mapping[str, _Laid],
+    prints: Mapping[str, _Print],
     parts: Mapping[str, Read],
     cams: Mapping[str, CamOutline],
 ) -> dict[str, float]:
@@ -463,7 +463,7 @@ def _by_layer(
     return numbers
 
 
-def _eye_table(case: Case, prints: Mapping[str, _Laid]) -> Table:
+def _eye_table(case: Case, prints: Mapping[str, _Print]) -> Table:
     """Bores, holes and pins as they are laid: first layer, smallest and largest of the others."""
     rows: list[tuple[object, ...]] = []
     shown_eyes = {
@@ -535,7 +535,7 @@ def _costs(key: str, value: str) -> bool:
 
 
 def _remarks(
-    prints: Mapping[str, _Laid], numbers: Mapping[str, float], settings: Mapping[str, str]
+    prints: Mapping[str, _Print], numbers: Mapping[str, float], settings: Mapping[str, str]
 ) -> list[str]:
     """What a person should read beside the findings."""
     remarks = [f"{key} = {value}: {said}" for key, value, said in _settings_table(settings).rows]

@@ -19,7 +19,7 @@ import numpy as np
 
 from camgen.errors import DesignError
 from camgen.findings import Finding, Where, at_least, at_most
-from camgen.judge.cams import Followed
+from camgen.judge.cams import FollowerOnOutline
 from camgen.judge.joints import Outline
 from camgen.machine.cams.machine import keeps_contact
 from camgen.machine.constraints import Constraints
@@ -106,7 +106,7 @@ def _of_copy(
     errors: Floats,
     bends: Mapping[str, Bend],
     limits: Sequence[Finding],
-    first: Mapping[str, Followed],
+    first: Mapping[str, FollowerOnOutline],
 ) -> Iterator[Finding]:
     """All findings of one copy; limits: the design's own; first: by cam its follower on the outline without errors.
 
@@ -138,8 +138,11 @@ def _of_copy(
 
 
 def _followed(
-    spread: Spread, errors: Floats, shifted: Machine, first: Mapping[str, Followed] | None = None
-) -> dict[str, Followed]:
+    spread: Spread,
+    errors: Floats,
+    shifted: Machine,
+    first: Mapping[str, FollowerOnOutline] | None = None,
+) -> dict[str, FollowerOnOutline]:
     """Of each cam its follower on the displaced outline; first: what it is held against, where that is not the wanted motion."""
     found = {}
     for name, (outline, law) in laws_of(spread, errors, shifted).items():
@@ -147,11 +150,11 @@ def _followed(
         assert isinstance(joint, Cam)
         if first is not None:
             outline = replace(outline, meant=replace(outline.meant, given=first[name].outline.law))
-        found[name] = Followed(joint, Outline(outline, law, law), Where(joint=name), 0.0)
+        found[name] = FollowerOnOutline(joint, Outline(outline, law, law), Where(joint=name), 0.0)
     return found
 
 
-def _steepest(design: Followed) -> float:
+def _steepest(design: FollowerOnOutline) -> float:
     """Largest pressure angle of the exact curve, deg; of one without a formula that of its facets."""
     joint = design.joint
     if not joint.touches:
