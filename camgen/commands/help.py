@@ -41,11 +41,11 @@ def explain(codes: Sequence[str]) -> None:
     """Say what a finding means, its formula, where its limit comes from and what helps; without a CODE, list them."""
     entries = guide.entries()
     if codes:
-        asked = [
+        names = [
             known("CODE", code.upper().replace("-", "_"), entries, "camgen explain")
             for code in codes
         ]
-        show("\n".join(entries[code] for code in asked))
+        show("\n".join(entries[code] for code in names))
         return
     for code, entry in entries.items():
         click.echo(f"{code:<20} {guide.in_short(entry)}")

@@ -71,9 +71,9 @@ def kinds_of(
     if value is None:
         return frozenset(KINDS)
     kinds = frozenset(kind.strip() for kind in value.split(","))
-    wrong = sorted(kinds - set(ANY_KIND))
-    if wrong:
+    unknown = sorted(kinds - set(ANY_KIND))
+    if unknown:
         raise click.BadParameter(
-            f"{', '.join(map(repr, wrong))}: a list of {', '.join(ANY_KIND)} was expected."
+            f"{', '.join(map(repr, unknown))}: a list of {', '.join(ANY_KIND)} was expected."
         )
     return kinds

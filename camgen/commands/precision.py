@@ -33,9 +33,9 @@ def bench(specs: Sequence[Path], out: Path) -> None:
     from camgen.sweep import benchmark_report
 
     refuse_one_name_twice(specs, ())
-    own = [starters.folder() / f"{name}.toml" for name in benchmark_report.STARTERS]
+    starter_specs = [starters.folder() / f"{name}.toml" for name in benchmark_report.STARTERS]
     with Bar() as progress:
-        benches = benchmark_report.run(specs or own, out, progress)
+        benches = benchmark_report.run(specs or starter_specs, out, progress)
     click.echo("\n\n".join(map(benchmark_report.to_text, benches)))
     raise click.exceptions.Exit(
         1 if any(row.faults for bench in benches for row in bench.rows) else 0
@@ -65,14 +65,7 @@ def bench(specs: Sequence[Path], out: Path) -> None:
 )
 @json_option
 def tolerance(
-    spec: Path,
-    settings: Sequence[str],
-    samples: int,
-    seed: int,
-    worst: int,
-    judged: int,
-    html: Path | None,
-    as_json: bool,
+    spec: Path, settings: Sequence[str], html: Path | None, as_json: bool, **counts: int
 ) -> None:
     """What print errors do to the motion of SPEC: a budget by where they arise, and the yield of many copies."""
     from camgen.report.report import to_json, write_html
@@ -80,9 +73,7 @@ def tolerance(
     from camgen.tolerance import report as tolerance_report
 
     with Bar() as progress:
-        report = tolerance_report.tolerance(
-            spec, settings, samples, seed, worst, progress, judged=judged
-        )
+        report = tolerance_report.tolerance(spec, settings, progress=progress, **counts)
     if html is not None:
         write_html(html, report)
     if as_json:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -79,21 +78,7 @@ if TYPE_CHECKING:
 @quiet_option
 @verbose_option
 def motion(
-    file: Path,
-    follower: str,
-    second_follower: str | None,
-    second: Path | None,
-    height: float | None,
-    layer: str | None,
-    line_width: float | None,
-    dpi: float | None,
-    others: Sequence[Path],
-    across: float | None,
-    against: Path | None,
-    probe: float,
-    harmonics: int,
-    out: Path,
-    **shown: bool,
+    file: Path, out: Path, as_json: bool, quiet: bool, verbose: bool, **options: Any
 ) -> None:
     """Roll a follower on the outline in FILE (DXF, mesh, G-code, scan or points of any maker) and report its motion.
 
@@ -138,22 +123,25 @@ def motion(
 
     def work() -> Work:
         from camgen.measuring import motion as outline_motion
+        from camgen.measuring.outlines import Hints
         from camgen.measuring.scan import Scanning
 
-        scanning = Scanning(dpi, tuple(others), across)
-        asked = (
-            follower,
-            second_follower,
-            second,
-            height,
-            layer,
-            harmonics,
-            line_width,
+        scanning = Scanning(options["dpi"], tuple(options["others"]), options["across"])
+        hints = Hints(
+            options["height"],
+            options["layer"],
+            options["line_width"],
             scanning,
-            against,
-            probe,
+            options["probe"],
         )
-        request = outline_motion.Request(*asked)
+        request = outline_motion.Request(
+            options["follower"],
+            options["second_follower"],
+            options["second"],
+            hints,
+            options["harmonics"],
+            options["against"],
+        )
         return lambda path, progress, jobs: outline_motion.run(path, request, out, progress)
 
-    each([file], work, **shown)
+    each([file], work, as_json=as_json, quiet=quiet, verbose=verbose)

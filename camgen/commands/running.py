@@ -117,7 +117,8 @@ def each(
     """
     from camgen.report.terminal import Bar, print_report
 
-    worst, records = 0, []
+    worst = 0
+    records = []
     with Bar(not quiet):
         from camgen.workers import Workers, all_cores
 

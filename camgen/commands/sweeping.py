@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -78,18 +78,11 @@ from camgen.errors import printable
 )
 def sweep(
     spec: Path,
-    vary: Sequence[str],
-    grid: bool,
-    zipped: bool,
-    latin: int | None,
-    seed: int,
-    keep: Sequence[str],
-    settings: Sequence[str],
-    build_kinds: bool,
-    only: frozenset[str],
     jobs: int,
     workers: str,
+    only: frozenset[str],
     out: Path | None,
+    **options: Any,
 ) -> None:
     """Judge many variants of SPEC: one row each, with its figures, its verdict and why it cannot be made.
 
@@ -105,13 +98,18 @@ def sweep(
 
     table = out or Path("out") / f"{spec.stem}-sweep.csv"
     folder = table.with_suffix("").with_name(f"{table.stem}-files")
-    kinds = sorted(only) if build_kinds else ()
     task = sweeps.task_of(
         spec,
-        variants(vary, zipped, latin or 0, seed, grid),
-        settings,
-        keep,
-        kinds,
+        variants(
+            options["vary"],
+            options["zipped"],
+            options["latin"] or 0,
+            options["seed"],
+            options["grid"],
+        ),
+        options["settings"],
+        options["keep"],
+        sorted(only) if options["build_kinds"] else (),
         folder.absolute(),
     )
     jobs = jobs or os.cpu_count() or 1

@@ -57,30 +57,34 @@ def write_sheet(
     """Write a sheet of this width and height, mm, with its lower left corner at the origin, in the format of the ending."""
     rows = [row for piece in pieces for row in piece.contours(tolerance)]
     if path.suffix == ".dxf":
-        used = {
+        layers = {
             layer: look
             for layer, look in DXF_LAYERS.items()
             if layer in {layer for layer, _ in rows}
         }
-        with document(path, used, (0j, complex(*size))) as space:
+        with document(path, layers, (0j, complex(*size))) as space:
             for layer, contour in rows:
                 add_contour(space, contour, layer)
         return
-    wide, high = map(_text, size)
+    width, height = map(_text, size)
     lines = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide}mm" height="{high}mm" viewBox="0 0 {wide} {high}">\n'
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}mm" height="{height}mm" viewBox="0 0 {width} {height}">\n'
     ]
     for layer, (_, colour) in COLOURS.items():
         if not any(name == layer for name, _ in rows):
             continue
         lines.append(f'<g id="{layer}" fill="none" stroke="{colour}" stroke-width="{_HAIRLINE}">\n')
         for piece in pieces:
-            here = [
+            elements = [
                 _drawn(contour, size[1])
                 for name, contour in piece.contours(tolerance)
                 if name == layer
             ]
-            lines += [f"<g><title>{escape(piece.name)}</title>\n", *here, "</g>\n"] if here else []
+            lines += (
+                [f"<g><title>{escape(piece.name)}</title>\n", *elements, "</g>\n"]
+                if elements
+                else []
+            )
         lines.append("</g>\n")
     path.write_text("".join([*lines, "</svg>\n"]), encoding="utf-8", newline="\n")
 
@@ -91,9 +95,9 @@ def _text(value: float) -> str:
 
 def _drawn(contour: Contour, height: float) -> str:
     """A contour with y downwards, which leaves every arc's sense as it is seen."""
-    round_one = as_circle(contour)
-    if round_one:
-        centre, radius = round_one
+    circle = as_circle(contour)
+    if circle:
+        centre, radius = circle
         return f'<circle cx="{_text(centre.real)}" cy="{_text(height - centre.imag)}" r="{_text(radius)}"/>\n'
     points, bulge = bulges(contour)
     words = [f"M{_at(points[0], height)}"]
@@ -131,10 +135,10 @@ _SHOWN = 60  # characters of a line that is not understood
 
 @dataclass(frozen=True)
 class Layer:
-    """What one tool of the laser follows: rings with y upwards, and the titles of the groups in which they stand."""
+    """What one tool of the laser follows."""
 
-    rings: list[Ring]
-    titles: list[str]
+    rings: list[Ring]  # y upwards, mm
+    titles: list[str]  # of the groups in which they stand
 
 
 def read_svg(path: Path) -> tuple[tuple[float, float], dict[str, Layer]]:
@@ -155,27 +159,28 @@ class _Lines:
     """The lines of a sheet, taken one by one; ValueError at one that does not belong where it stands."""
 
     def __init__(self, text: str) -> None:
-        self.lines, self.number = text.split("\n"), 0
+        self.lines = text.split("\n")
+        self.number = 0
 
     @property
     def line(self) -> str:
         """The one that is next, "" at the end."""
         return self.lines[self.number] if self.number < len(self.lines) else ""
 
-    def take(self, wanted: str | re.Pattern[str]) -> re.Match[str] | None:
+    def take(self, pattern: str | re.Pattern[str]) -> re.Match[str] | None:
         """The next line's match, taken; None, and it stays, where it is another one."""
-        found = re.fullmatch(re.escape(wanted) if isinstance(wanted, str) else wanted, self.line)
-        self.number += found is not None
-        return found
+        match = re.fullmatch(re.escape(pattern) if isinstance(pattern, str) else pattern, self.line)
+        self.number += match is not None
+        return match
 
-    def need(self, wanted: str | re.Pattern[str], what: str) -> re.Match[str]:
+    def need(self, pattern: str | re.Pattern[str], what: str) -> re.Match[str]:
         """The same of a line that must come here."""
-        found = self.take(wanted)
-        if found is None:
+        match = self.take(pattern)
+        if match is None:
             raise ValueError(
                 f"line {self.number + 1}, where {what} is expected, is {self.line[:_SHOWN]!r}"
             )
-        return found
+        return match
 
     def sheet(self) -> tuple[tuple[float, float], dict[str, Layer]]:
         """All of it."""
@@ -202,18 +207,23 @@ class _Lines:
 
     def ring(self, height: float) -> Ring:
         """A contour."""
-        if round_one := self.take(_CIRCLE):
-            x, y, radius = (float(number) for number in round_one.groups())
+        if circle := self.take(_CIRCLE):
+            x, y, radius = (float(number) for number in circle.groups())
             return Ring(
                 np.array([complex(x + radius, height - y), complex(x - radius, height - y)]),
                 np.ones(2),
             )
         path = self.need(_PATH, "a circle or a closed path")
-        points, bulges = [complex(float(path[1]), height - float(path[2]))], list[float]()
-        for line_x, line_y, radius, other, clockwise, arc_x, arc_y in _STEPS.findall(path[3]):
+        points = [complex(float(path[1]), height - float(path[2]))]
+        bulges = list[float]()
+        for line_x, line_y, radius, second_radius, clockwise, arc_x, arc_y in _STEPS.findall(
+            path[3]
+        ):
             z = complex(float(line_x or arc_x), height - float(line_y or arc_y))
-            if radius != other or (radius and not float(radius)):
-                raise ValueError(f"line {self.number}: an arc of the radii {radius} and {other}")
+            if radius != second_radius or (radius and not float(radius)):
+                raise ValueError(
+                    f"line {self.number}: an arc of the radii {radius} and {second_radius}"
+                )
             sine = (
                 min(abs(z - points[-1]) / (2 * float(radius)), 1.0) if radius else 0.0
             )  # of half the sweep

@@ -46,28 +46,28 @@ def holes_of(
         numbers = itertools.count(1)  # no name is one
         return [(name or str(next(numbers)), hole) for name, hole in zip(names, holes, strict=True)]
     shapes = list(dict.fromkeys(hole.shape for hole in holes))
-    named: list[tuple[str, Hole]] = []
+    rows: list[tuple[str, Hole]] = []
     for letter, shape in zip(_letters(), shapes, strict=False):
         same = [hole for hole in holes if hole.shape == shape]
-        named += [
+        rows += [
             (f"{letter}{i}" if len(same) > 1 else letter, hole) for i, hole in enumerate(same, 1)
         ]
-    return named
+    return rows
 
 
-def standing_of(part: Part, told: Collection[str]) -> dict[int, tuple[str, Hole]]:
+def standing_of(part: Part, labels: Collection[str]) -> dict[int, tuple[str, Hole]]:
     """Round layers that stand at points of the part whose names no hole has: by layer their name and what they are."""
-    found: dict[int, tuple[str, Hole]] = {}
+    bosses: dict[int, tuple[str, Hole]] = {}
     for k, layer in enumerate(part.layers):
         disc = as_circle(layer.region.outer)
         names = [
             name
             for name, place in part.points
-            if disc and name not in told and abs(place - disc[0]) < SAME_POINT
+            if disc and name not in labels and abs(place - disc[0]) < SAME_POINT
         ]
         if disc and names and k != part.cut:
-            found[k] = names[0], Hole(disc[0], f"Ø{number(2 * disc[1])}", *disc)
-    return found
+            bosses[k] = names[0], Hole(disc[0], f"Ø{number(2 * disc[1])}", *disc)
+    return bosses
 
 
 def flatted(contour: Contour) -> tuple[complex, float, list[Line]] | None:
@@ -76,7 +76,8 @@ def flatted(contour: Contour) -> tuple[complex, float, list[Line]] | None:
     flats = [piece for piece in contour.pieces if isinstance(piece, Line)]
     if not (arcs and flats) or len(arcs) + len(flats) < len(contour.pieces):
         return None
-    centre, radius = arcs[0].centre, arcs[0].radius
+    centre = arcs[0].centre
+    radius = arcs[0].radius
     alike = all(
         abs(arc.centre - centre) + abs(arc.radius - radius) < SAME_POINT and arc.sweep > 0
         for arc in arcs
@@ -84,17 +85,17 @@ def flatted(contour: Contour) -> tuple[complex, float, list[Line]] | None:
     return (centre, radius, flats) if alike else None
 
 
-def zero_of(part: Part, named: Sequence[tuple[str, Hole]]) -> tuple[complex, str]:
+def zero_of(part: Part, holes: Sequence[tuple[str, Hole]]) -> tuple[complex, str]:
     """Where X and Y of the table are 0, mm, and what is there: the part's origin where that can be touched, else a hole."""
     if free(part.region.outer):
         return 0j, ""
-    centred = [label for label, hole in named if hole.radius and abs(hole.place) < SAME_POINT]
+    centred = [label for label, hole in holes if hole.radius and abs(hole.place) < SAME_POINT]
     if centred:
         return 0j, f"the centre of hole {centred[0]}"
-    round_one = as_circle(part.region.outer) or flatted(part.region.outer)
-    if round_one and abs(round_one[0]) < SAME_POINT:
+    circle = as_circle(part.region.outer) or flatted(part.region.outer)
+    if circle and abs(circle[0]) < SAME_POINT:
         return 0j, ""
-    for label, hole in named:
+    for label, hole in holes:
         if hole.radius:
             return hole.place, f"the centre of hole {label}"
     low, high = extent([fit_arcs(part.region.outer, 0.01)])
@@ -112,14 +113,15 @@ def _letters() -> itertools.chain[str]:
 
 def hole_of(contour: Contour) -> Hole:
     """What a hole is: a circle, an arc slot, a straight one, a circle with a keyway or flat, or else the size of its box."""
-    round_one = as_circle(contour)
-    if round_one:
-        centre, radius = round_one
+    circle = as_circle(contour)
+    if circle:
+        centre, radius = circle
         return Hole(centre, f"Ø{number(2 * radius)}", centre, radius)
     arcs = [piece for piece in contour.pieces if isinstance(piece, Arc)]
     if len(arcs) == len(contour.pieces) == 4 and abs(arcs[0].centre - arcs[2].centre) < 1e-9:
         outer, inner = sorted((arcs[0], arcs[2]), key=lambda arc: -arc.radius)
-        radius, width = (outer.radius + inner.radius) / 2, outer.radius - inner.radius
+        radius = (outer.radius + inner.radius) / 2
+        width = outer.radius - inner.radius
         low, high = sorted((math.degrees(outer.t0), math.degrees(outer.t1)))
         turn = 360 * math.floor(low / 360)
         turn += 360 * (high - turn > 360)  # across Ox: from below it to above
@@ -144,14 +146,14 @@ def hole_of(contour: Contour) -> Hole:
 
 def _round_ends(contour: Contour) -> tuple[tuple[complex, complex], float] | None:
     """Centres and radius, mm, of the two equal half circles that end a straight slot; None of any other hole."""
-    turned: dict[tuple[float, float, float], float] = {}
+    sweeps: dict[tuple[float, float, float], float] = {}
     for piece in contour.pieces:
         if isinstance(piece, Arc):
             key = round(piece.centre.real, 6), round(piece.centre.imag, 6), round(piece.radius, 6)
-            turned[key] = turned.get(key, 0.0) + piece.sweep
-    if len(turned) != 2 or any(abs(abs(sweep) - math.pi) > 1e-6 for sweep in turned.values()):
+            sweeps[key] = sweeps.get(key, 0.0) + piece.sweep
+    if len(sweeps) != 2 or any(abs(abs(sweep) - math.pi) > 1e-6 for sweep in sweeps.values()):
         return None
-    (x0, y0, r0), (x1, y1, r1) = turned
+    (x0, y0, r0), (x1, y1, r1) = sweeps
     straight = all(isinstance(piece, Line | Arc) for piece in contour.pieces) and r0 == r1
     return ((complex(x0, y0), complex(x1, y1)), r0) if straight else None
 
@@ -175,9 +177,10 @@ def nearest_and_farthest(contour: Contour) -> tuple[complex, complex]:
                 if along <= abs(piece.sweep):
                     points.append(piece.centre + cmath.rect(piece.radius, angle))
         else:
-            a, d = start_point(piece), end_point(piece) - start_point(piece)
-            share = -(a * d.conjugate()).real / abs(d) ** 2
-            points += [a + share * d] if 0 < share < 1 else []
+            a = start_point(piece)
+            d = end_point(piece) - start_point(piece)
+            t = -(a * d.conjugate()).real / abs(d) ** 2
+            points += [a + t * d] if 0 < t < 1 else []
     away = [round(abs(point) / _ALIKE) for point in points]  # no rounding picks a place
     return points[away.index(min(away))], points[away.index(max(away))]
 
@@ -191,7 +194,7 @@ def layer_rows(
     part: Part,
     holes: Sequence[Hole],
     tolerance: float,
-    told_as: Callable[[Hole], str],
+    shape_of: Callable[[Hole], str],
     zero: complex,
     names: Mapping[int, str],
 ) -> list[tuple[str, str, str, str]]:
@@ -199,7 +202,8 @@ def layer_rows(
 
     holes: those that are told already; zero: where X and Y are 0, mm; names: of layers that have one.
     """
-    layers, known = part.layers, {(hole.place, hole.shape) for hole in holes}
+    layers = part.layers
+    hole_keys = {(hole.place, hole.shape) for hole in holes}
     rows: list[tuple[str, str, str, str]] = []
     sloped = part.crossed is not None
     if len(layers) > STACK:
@@ -215,12 +219,10 @@ def layer_rows(
         return rows
     if len(layers) == 1 and as_circle(layers[0].region.outer):
         return []
-    known_edges: dict[tuple[tuple[str, str, str], ...], str] = {}
+    spans: dict[tuple[tuple[str, str, str], ...], str] = {}
     for k, layer in enumerate(layers):
-        outer, span = (
-            layer.region.outer.moved(1, -zero),
-            f"z {number(layer.z0)} to {number(layer.z1)}",
-        )
+        outer = layer.region.outer.moved(1, -zero)
+        span = f"z {number(layer.z0)} to {number(layer.z1)}"
         disc = None if sloped else as_circle(outer)
         if disc:
             rows.append(
@@ -233,7 +235,7 @@ def layer_rows(
             )
         else:
             edges = edge_rows(outer, sloped)
-            same = known_edges.setdefault(tuple(edges), span)
+            same = spans.setdefault(tuple(edges), span)
             rows.append(
                 ("", "", "", f"Edges, {span}:" if same is span else f"Edges, {span}: as {same}")
             )
@@ -241,18 +243,18 @@ def layer_rows(
         own = [
             hole
             for hole in map(hole_of, layer.region.holes)
-            if (hole.place, hole.shape) not in known
+            if (hole.place, hole.shape) not in hole_keys
         ]
         rows += [
-            ("", number((h.place - zero).real), number((h.place - zero).imag), told_as(h))
+            ("", number((h.place - zero).real), number((h.place - zero).imag), shape_of(h))
             for h in own
         ]
     if part.crossed is not None:
         rows.append(("", "X", "Z", "Edges from above:"))
-        crossed = [
+        above = [
             contour.moved(1, -zero.real) for contour in (part.crossed.outer, *part.crossed.holes)
         ]
-        rows += [("", *row) for contour in crossed for row in edge_rows(contour, sloped)]
+        rows += [("", *row) for contour in above for row in edge_rows(contour, sloped)]
     return rows
 
 
@@ -261,13 +263,13 @@ def edge_rows(contour: Contour, sloped: bool = False) -> list[tuple[str, str, st
 
     With these, and tangents between roundings, the outline can be drawn. sloped: tells the slope of each slanted edge too.
     """
-    round_one = as_circle(contour)
-    if round_one:
+    circle = as_circle(contour)
+    if circle:
         return [
             (
-                number(round_one[0].real),
-                number(round_one[0].imag),
-                f"Ø{number(2 * round_one[1])}, its edge",
+                number(circle[0].real),
+                number(circle[0].imag),
+                f"Ø{number(2 * circle[1])}, its edge",
             )
         ]
     if shaft := flatted(contour):
@@ -297,7 +299,8 @@ def edge_rows(contour: Contour, sloped: bool = False) -> list[tuple[str, str, st
         low, high = extent([contour])
         size = f"{number(high.real - low.real)} × {number(high.imag - low.imag)}, its lower left corner"
         return [(number(low.real), number(low.imag), size)]
-    rows, slopes = [], dict[int, str]()
+    rows = []
+    slopes = dict[int, str]()
     for before, piece in zip((pieces[-1], *pieces[:-1]), pieces, strict=True):
         place = start_point(piece)
         if abs(cmath.phase(_way(piece, piece.t0) / _way(before, before.t1))) > 1e-3:
@@ -335,12 +338,12 @@ def _slope(line: Line) -> str:
 
 def _paired(rows: Collection[tuple[str, str, str]]) -> list[tuple[str, str, str]]:
     """Rows, two that lie on either side of the x axis as one with +-."""
-    found: dict[tuple[str, str, str], None] = {}
+    pairs: dict[tuple[str, str, str], None] = {}
     for x, y, what in rows:
         size = y.lstrip("-")
         both = size != "0" and (x, size, what) in rows and (x, f"-{size}", what) in rows
-        found[x, f"±{size}" if both else y, what] = None
-    return list(found)
+        pairs[x, f"±{size}" if both else y, what] = None
+    return list(pairs)
 
 
 def _way(piece: Piece, t: float) -> complex:

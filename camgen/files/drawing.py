@@ -31,7 +31,7 @@ from camgen.files.dimensions import (
     standing_of,
     zero_of,
 )
-from camgen.files.labels import Named, along, led, placed
+from camgen.files.labels import Label, along, callouts, leader
 from camgen.files.sheet import Sheet, Size, Text, write_dxf_sheet, write_pdf
 from camgen.files.title_block import SIZE, Facts, position_frame, title_block
 from camgen.geometry.arcs import as_circle, fit_arcs
@@ -80,7 +80,8 @@ def write_drawing(
 
 def _wrapped(note: str) -> list[str]:
     """A note in lines that fit beside the title block of an A4 sheet."""
-    room, lines = _NOTES, [""]
+    room = _NOTES
+    lines = [""]
     for word in note.split():
         longer = f"{lines[-1]} {word}".strip()
         lines = (
@@ -104,7 +105,10 @@ class _Layout:
     """The sheet of one part; fills `sheet`, and knows `scale` and where the part's `datum` is on the paper."""
 
     def __init__(self, part: Part, stem: str, tolerance: float, facts: Facts) -> None:
-        self.part, self.stem, self.tolerance, self.facts = part, stem, tolerance, facts
+        self.part = part
+        self.stem = stem
+        self.tolerance = tolerance
+        self.facts = facts
         self.outer = fit_arcs(part.region.outer, tolerance)
         self.holes = [fit_arcs(hole, tolerance) for hole in part.region.holes]
         self.named = holes_of(part.region.holes, part.points)
@@ -120,9 +124,9 @@ class _Layout:
         )
         others = [each for k, each in enumerate(part.layers) if k != part.cut]
         covered = [each for each in others if part.crossed and each.z1 <= part.layers[part.cut].z0]
-        known = set(part.region.holes)
+        holes = set(part.region.holes)
         hidden = [
-            c for each in covered for c in (each.region.outer, *each.region.holes) if c not in known
+            c for each in covered for c in (each.region.outer, *each.region.holes) if c not in holes
         ]
         self.hidden = [fit_arcs(contour, tolerance) for contour in hidden] + views.plan_bores(
             part, tolerance
@@ -135,7 +139,8 @@ class _Layout:
         self.depth = part.thickness if part.crossed or self.section else 0.0
         self.engraved = _contours(part.engraved, tolerance)
         self.turns = free(part.region.outer) and part.bore is not None
-        self.rows, self.polar = self._rows(), self._radii_of_profile()
+        self.rows = self._rows()
+        self.polar = self._radii_of_profile()
         self.notes = self._notes(tolerance)
         self.low, self.high = extent([self.outer, *self.above, *self.hidden])
         self.disc = self._disc()
@@ -155,9 +160,9 @@ class _Layout:
         self._labels()
         self._table()
         self._note_lines()
-        title_block(
-            self.sheet, width - _MARGIN, _MARGIN, part, facts, stem, self.scale, self.size_name
-        )
+        facts = replace(facts, number=facts.number or f"{stem}-drawing")
+        corner = complex(width - _MARGIN, _MARGIN)
+        title_block(self.sheet, corner, part, facts, self.scale, self.size_name)
 
     def _disc(self) -> float | None:
         """Radius of the circle that bounds the view along z, mm; None where that is no circle."""
@@ -198,7 +203,8 @@ class _Layout:
             )
             return next(fits, _SCALES[-1])
 
-        a4, a3 = best("A4"), best("A3")
+        a4 = best("A4")
+        a3 = best("A3")
         long = (1 + len(self.rows) + self._polar_rows()) * _ROW > _SIZES["A4"][
             1
         ] - 2 * _MARGIN - SIZE[1]
@@ -218,7 +224,8 @@ class _Layout:
         return corner - self.scale * self.low
 
     def _frame(self) -> None:
-        right, top = self.sheet.width - _MARGIN, self.sheet.height - _MARGIN
+        right = self.sheet.width - _MARGIN
+        top = self.sheet.height - _MARGIN
         corners = (
             complex(_FILING, _MARGIN),
             complex(right, _MARGIN),
@@ -228,7 +235,8 @@ class _Layout:
         self.sheet.line(*corners, layer="TEXT", closed=True)
 
     def _plan(self) -> None:
-        sheet, scale = self.sheet, self.scale
+        sheet = self.sheet
+        scale = self.scale
 
         def put(contour: Contour, layer: str) -> None:
             sheet.contour(contour.moved(scale, self.datum), layer)
@@ -242,15 +250,16 @@ class _Layout:
         for contour in self.engraved:
             put(contour, "TEXT")
         self._centre_lines()
-        low, high = self.paper(self.low), self.paper(self.high)
+        low = self.paper(self.low)
+        high = self.paper(self.high)
         span = self.high - self.low
         # the extension lines start at the box: the points where it touches the outline are not all on one side
         shaft = flatted(self.part.region.outer)
-        round_ones = [
+        diameters = [
             2 * each for each in (self.disc, shaft[1] if shaft else None) if each
         ]  # diameters
         signs = (
-            "Ø" if any(abs(size - each) < SAME_POINT for each in round_ones) else ""
+            "Ø" if any(abs(size - each) < SAME_POINT for each in diameters) else ""
             for size in (span.real, span.imag)
         )
         wide, tall = signs
@@ -276,19 +285,21 @@ class _Layout:
 
     def _labels(self) -> None:
         """Names of holes and of what stands on the part, where paper is free, some with leaders."""
-        named = [self._named(label, hole) for label, hole in (*self.named, *self.standing.values())]
+        labels = [
+            self._named(label, hole) for label, hole in (*self.named, *self.standing.values())
+        ]
         foot = self.sheet.height - 2 * _MARGIN - self._room(self.size_name)[1]
         area = (
             complex(_FILING + 1, _MARGIN + foot),
             complex(self.table_x - 1, self.sheet.height - _MARGIN - 1),
         )
-        for each in placed(named, self.sheet, area):
+        for each in callouts(labels, self.sheet, area):
             self.sheet.things += each.things
 
-    def _named(self, label: str, hole: Hole) -> Named:
+    def _named(self, label: str, hole: Hole) -> Label:
         """A label with its hole on paper."""
         rim = along([self.rims[hole].moved(self.scale, self.datum)])
-        return Named(
+        return Label(
             label,
             replace(hole, middle=self.paper(hole.middle), radius=self.scale * hole.radius),
             rim,
@@ -296,14 +307,18 @@ class _Layout:
 
     def _centre_lines(self) -> None:
         """Axes through the zero point across the whole part, crosses on round holes and other centres."""
-        sheet, over, zero = self.sheet, 4.0, self.zero
-        low, high = self.paper(self.low), self.paper(self.high)
+        sheet = self.sheet
+        over = 4.0
+        zero = self.zero
+        low = self.paper(self.low)
+        high = self.paper(self.high)
         axes = (
             self.low.real <= zero.real <= self.high.real
             and self.low.imag <= zero.imag <= self.high.imag
         )
         if axes:
-            x, y = self.paper(zero).real, self.paper(zero).imag
+            x = self.paper(zero).real
+            y = self.paper(zero).imag
             sheet.line(complex(low.real - over, y), complex(high.real + over, y), layer="CENTER")
             sheet.line(complex(x, low.imag - over), complex(x, high.imag + over), layer="CENTER")
         radii = dict.fromkeys(self.part.centres, 1.0)
@@ -314,27 +329,28 @@ class _Layout:
         for centre, radius in radii.items():
             if axes and abs(centre - zero) < 1e-9:
                 continue
-            at, reach = self.paper(centre), self.scale * radius + 2
+            at = self.paper(centre)
+            reach = self.scale * radius + 2
             for direction in (1, 1j):
                 sheet.line(at - reach * direction, at + reach * direction, layer="CENTER")
 
     def _radii(self) -> None:
         """Least and greatest distance of a curve from the datum, or the diameter of a circle; sense of turning of a cam."""
-        taken: list[float] = []
-        round_one = as_circle(self.outer)
-        if round_one and (self.disc is None or abs(round_one[1] - self.disc) > SAME_POINT):
-            centre, radius = round_one
+        angles: list[float] = []
+        circle = as_circle(self.outer)
+        if circle and (self.disc is None or abs(circle[1] - self.disc) > SAME_POINT):
+            centre, radius = circle
             aside = cmath.exp(0.25j * math.pi)
             self._leader(centre + radius * aside, aside, f"Ø{number(2 * radius)}")
-            taken.append(math.pi / 4)
+            angles.append(math.pi / 4)
         if free(self.part.region.outer):
             for point, word in zip(nearest_and_farthest(self.outer), ("min", "max"), strict=True):
                 self._leader(
                     point, point / abs(point) if point else 1, f"R{number(abs(point))} {word}"
                 )
-                taken.append(cmath.phase(point))
+                angles.append(cmath.phase(point))
         if self.turns:
-            self._turning(taken)
+            self._turning(angles)
 
     def _leader(self, point: complex, direction: complex, text: str) -> None:
         """Arrow from outside onto a point of the outline, with the text along it, aside from the overall sizes."""
@@ -348,14 +364,14 @@ class _Layout:
             beyond = (along(self.above) - point if self.above else np.zeros(1)) * way.conjugate()
             return self.scale * max(0.0, float(np.max(beyond.real)))
 
-        self.sheet.things += led(self.sheet, self.paper(point), direction, clear, text)
+        self.sheet.things += leader(self.sheet, self.paper(point), direction, clear, text)
 
-    def _turning(self, taken: Sequence[float]) -> None:
+    def _turning(self, angles: Sequence[float]) -> None:
         """Arc with an arrow outside the part: the positive sense, counter-clockwise, in the freest diagonal."""
 
         def free(angle: float) -> float:
             return min(
-                (abs(cmath.phase(cmath.exp(1j * (angle - other)))) for other in taken),
+                (abs(cmath.phase(cmath.exp(1j * (angle - other)))) for other in angles),
                 default=math.pi,
             )
 
@@ -424,12 +440,15 @@ class _Layout:
         out = away / abs(away)
         for end in (a, b):
             sheet.line(end + out, end + away + 2 * out, layer="DIM")
-        start, end = a + away, b + away
-        length, along = abs(end - start), (end - start) / abs(end - start)
+        start = a + away
+        end = b + away
+        length = abs(end - start)
+        along = (end - start) / abs(end - start)
         reading = 1 if abs(along.real) > 0.5 else 1j
         outside = length < 12
         if outside:
-            start, end = start - 6 * along, end + 6 * along
+            start = start - 6 * along
+            end = end + 6 * along
         sheet.line(start, end, layer="DIM")
         sheet.arrow(start + 6 * along if outside else start, along if outside else -along)
         sheet.arrow(end - 6 * along if outside else end, -along if outside else along)
@@ -449,10 +468,8 @@ class _Layout:
             (label, number(at.real), number(at.imag), self.facts.shape(h))
             for label, h, at in places
         ]
-        names, holes = (
-            {k: name for k, (name, _) in self.standing.items()},
-            [hole for _, hole in self.named],
-        )
+        names = {k: name for k, (name, _) in self.standing.items()}
+        holes = [hole for _, hole in self.named]
         return rows + layer_rows(
             self.part, holes, self.tolerance, self.facts.shape, self.zero, names
         )
@@ -472,7 +489,8 @@ class _Layout:
         top = self.sheet.height - _MARGIN
         room = int((top - _MARGIN - SIZE[1]) / _ROW) - 1
         polar = self.polar if self._polar_rows() < room else []
-        rows, room = self.rows, room - (self._polar_rows() if polar else 0)
+        rows = self.rows
+        room = room - (self._polar_rows() if polar else 0)
         if len(rows) > room:
             rows = [
                 *rows[: room - 1],
@@ -531,9 +549,9 @@ class _Layout:
         part = self.part
         across = extent([self.outer])
         alike = len({layer.region for layer in part.layers}) == 1 and part.crossed is None
-        long = part.thickness > max((across[1] - across[0]).real, (across[1] - across[0]).imag)
+        upright = part.thickness > max((across[1] - across[0]).real, (across[1] - across[0]).imag)
         lines = [
-            f"{'Length' if long else 'Thickness' if alike else 'Height over all'} {number(part.thickness)}"
+            f"{'Length' if upright else 'Thickness' if alike else 'Height over all'} {number(part.thickness)}"
         ]
         if self.zero_is and self.rows:
             lines.append(f"X and Y from {self.zero_is}")
@@ -541,10 +559,11 @@ class _Layout:
             lines[-1] += (
                 f", which in the part's files is at {number(self.zero.real)}, {number(self.zero.imag)}"
             )
-        round_one = as_circle(self.outer)
-        if round_one and abs(round_one[0]) > 1e-9:
-            x, y = round_one[0].real, round_one[0].imag
-            lines.append(f"Outline Ø{number(2 * round_one[1])} about X {number(x)}, Y {number(y)}")
+        circle = as_circle(self.outer)
+        if circle and abs(circle[0]) > 1e-9:
+            x = circle[0].real
+            y = circle[0].imag
+            lines.append(f"Outline Ø{number(2 * circle[1])} about X {number(x)}, Y {number(y)}")
         if part.crossed is not None:
             lines.append("Material is what lies within both outlines, along z and from above")
         if len(part.layers) > STACK:

@@ -27,7 +27,9 @@ from camgen.tolerances import SAME_POINT
 CUT_LAYER = "CUT"
 MARK_LAYER = "CENTER"
 ENGRAVE_LAYER = "ENGRAVE"
-_CUT, _MARKS, _ENGRAVE = {CUT_LAYER: (7, 25)}, {MARK_LAYER: (1, 13)}, {ENGRAVE_LAYER: (5, 13)}
+_CUT = {CUT_LAYER: (7, 25)}
+_MARKS = {MARK_LAYER: (1, 13)}
+_ENGRAVE = {ENGRAVE_LAYER: (5, 13)}
 MILLIMETRES = 4  # $INSUNITS
 # Half length of the strokes of a centre mark, mm; at most this share of the way to the nearest contour, so that a whole
 # stroke is shorter than the hole's radius; a mark of less than the smallest half length is left out.
@@ -64,7 +66,7 @@ def document(
     from ezdxf._options import options
 
     # No clock and no chance in the file; ezdxf offers this as a global option only.
-    kept = options.write_fixed_meta_data_for_testing
+    setting = options.write_fixed_meta_data_for_testing
     options.write_fixed_meta_data_for_testing = True
     try:
         doc = ezdxf.filemanagement.new("R2010", setup=False)
@@ -84,15 +86,15 @@ def document(
         text = io.StringIO()
         doc.write(text)
     finally:
-        options.write_fixed_meta_data_for_testing = kept
+        options.write_fixed_meta_data_for_testing = setting
     path.write_bytes(text.getvalue().replace("\n-0.0\n", "\n0.0\n").encode("utf-8"))
 
 
 def add_contour(space: Any, contour: Contour, layer: str) -> None:
     """Add a contour of lines and arcs as ONE entity: a CIRCLE, or a closed LWPOLYLINE with every |bulge| < 1."""
-    round_one = as_circle(contour)
-    if round_one:
-        centre, radius = round_one
+    circle = as_circle(contour)
+    if circle:
+        centre, radius = circle
         space.add_circle((centre.real, centre.imag), radius, dxfattribs={"layer": layer})
         return
     points, bulge = bulges(contour)
@@ -131,16 +133,16 @@ def write_dxf(
             return polygon(ring.tolist())
         return fit_arcs(contour, tolerance)
 
-    contours, burnt = (
+    contours, engravings = (
         [flat(contour) for contour in each] for each in ((region.outer, *region.holes), engraved)
     )
     marks = center_marks(region, centres)
     box = extent([*contours, *(polygon(stroke) for stroke in marks.tolist())])
-    layers = _CUT | (_MARKS if len(marks) else {}) | (_ENGRAVE if burnt else {})
+    layers = _CUT | (_MARKS if len(marks) else {}) | (_ENGRAVE if engravings else {})
     with document(path, layers, box) as space:
         for layer, contour in [
             *((CUT_LAYER, each) for each in contours),
-            *((ENGRAVE_LAYER, each) for each in burnt),
+            *((ENGRAVE_LAYER, each) for each in engravings),
         ]:
             add_contour(space, contour, layer)
         for a, b in marks.tolist():
@@ -173,14 +175,18 @@ def _ring_of(entity: Any) -> tuple[Ring | None, list[DrawingFault]]:
     name = f"{kind} #{entity.dxf.handle}"
     faults = []
     if kind == "CIRCLE":
-        centre, radius = complex(*entity.dxf.center.vec2), float(entity.dxf.radius)
+        centre = complex(*entity.dxf.center.vec2)
+        radius = float(entity.dxf.radius)
         if not 0 < radius < 1e9:
             return None, [DrawingFault("number", 1, f"{name} has the radius {radius:g}")]
-        points, bulges = centre + radius * np.array([1 + 0j, -1]), np.ones(2)
+        points = centre + radius * np.array([1 + 0j, -1])
+        bulges = np.ones(2)
         raised = entity.dxf.center.z
     elif kind == "LWPOLYLINE":
         rows = np.array(entity.get_points("xybse"), float).reshape(-1, 5)
-        points, bulges, raised = rows[:, 0] + 1j * rows[:, 1], rows[:, 2], entity.dxf.elevation
+        points = rows[:, 0] + 1j * rows[:, 1]
+        bulges = rows[:, 2]
+        raised = entity.dxf.elevation
         if rows[:, 3:].any():
             faults.append(DrawingFault("look", 1, f"{name} has a width"))
     else:
@@ -195,15 +201,15 @@ def _ring_of(entity: Any) -> tuple[Ring | None, list[DrawingFault]]:
             *faults,
             DrawingFault("open", gap, f"{name} is open, with a gap of {gap:.6g} mm"),
         ]
-    kept = np.abs(np.roll(points, -1) - points) > SAME_POINT
-    if not kept.all():
-        dropped = int(np.count_nonzero(~kept))
+    solid = np.abs(np.roll(points, -1) - points) > SAME_POINT
+    if not solid.all():
+        empty = int(np.count_nonzero(~solid))
         faults.append(
             DrawingFault(
-                "zero_length", dropped, f"{name} has {counted(dropped, 'segment')} of no length"
+                "zero_length", empty, f"{name} has {counted(empty, 'segment')} of no length"
             )
         )
-    ring = Ring(points[kept], bulges[kept])
+    ring = Ring(points[solid], bulges[solid])
     if len(ring.points) < 2 or (len(ring.points) == 2 and not ring.bulges.any()):
         return None, [*faults, DrawingFault("entity", 1, f"{name} bounds no area")]
     return ring, faults
@@ -233,12 +239,11 @@ def read_dxf(path: str | Path, engraving: bool = False) -> Drawing:
     marks: list[tuple[complex, complex]] = []
     faults = [*_hidden_layers(drawing), *_elsewhere(drawing)]
     for entity in drawing.modelspace():
-        layer, kind = (
-            str(entity.dxf.layer).upper() if entity.dxf.is_supported("layer") else "?",
-            entity.dxftype(),
-        )
+        layer = str(entity.dxf.layer).upper() if entity.dxf.is_supported("layer") else "?"
+        kind = entity.dxftype()
         if (layer, kind) == (MARK_LAYER, "LINE"):
-            start, end = entity.dxf.start, entity.dxf.end
+            start = entity.dxf.start
+            end = entity.dxf.end
             marks.append((complex(*start.vec2), complex(*end.vec2)))
             if start.z or end.z:
                 faults.append(
@@ -254,8 +259,8 @@ def read_dxf(path: str | Path, engraving: bool = False) -> Drawing:
             )
             continue
         else:
-            ring, wrong = _ring_of(entity)
-            faults += wrong
+            ring, ring_faults = _ring_of(entity)
+            faults += ring_faults
             if ring is not None:
                 if any(_same(ring, other) for other in rings):
                     faults.append(
@@ -265,7 +270,8 @@ def read_dxf(path: str | Path, engraving: bool = False) -> Drawing:
                     )
                 (rings if layer == CUT_LAYER else engraved).append(ring)
         faults += _looks(entity)
-    units, ends = drawing.header.get("$INSUNITS"), np.array(marks, complex).reshape(-1, 2)
+    units = drawing.header.get("$INSUNITS")
+    ends = np.array(marks, complex).reshape(-1, 2)
     layers = {
         layer.dxf.name.upper(): (layer.dxf.color, layer.dxf.lineweight) for layer in drawing.layers
     }
@@ -281,13 +287,13 @@ def read_contours(path: Path) -> tuple[list[Ring], list[str]]:
     """What a dimensioned drawing shows of the part's contours, those on CUT, and what is wrong with one of them, or its unit;
     FileError as for `read_dxf`."""
     drawing = _opened(path)
-    found = [_ring_of(entity) for entity in drawing.modelspace().query(f"*[layer=='{CUT_LAYER}']")]
-    wrong = [fault.message for _, faults in found for fault in faults]
+    rings = [_ring_of(entity) for entity in drawing.modelspace().query(f"*[layer=='{CUT_LAYER}']")]
+    messages = [fault.message for _, faults in rings for fault in faults]
     units = drawing.header.get("$INSUNITS")
-    wrong += (
+    messages += (
         [] if units == MILLIMETRES else [f"$INSUNITS is {units}, millimetres are {MILLIMETRES}"]
     )
-    return [ring for ring, _ in found if ring is not None], wrong
+    return [ring for ring, _ in rings if ring is not None], messages
 
 
 def _opened(path: str | Path) -> Any:
@@ -327,9 +333,9 @@ def _hidden_layers(drawing: Any) -> Iterator[DrawingFault]:
             "dashed": layer.dxf.linetype.upper() != "CONTINUOUS",
             "in a true colour": layer.dxf.hasattr("true_color"),
         }
-        said = ", ".join(name for name in states if states[name])
-        if said and layer.dxf.name.upper() in (CUT_LAYER, MARK_LAYER, ENGRAVE_LAYER):
-            yield DrawingFault("layer", 1, f"layer {layer.dxf.name} is {said}")
+        words = ", ".join(name for name in states if states[name])
+        if words and layer.dxf.name.upper() in (CUT_LAYER, MARK_LAYER, ENGRAVE_LAYER):
+            yield DrawingFault("layer", 1, f"layer {layer.dxf.name} is {words}")
 
 
 def _elsewhere(drawing: Any) -> Iterator[DrawingFault]:

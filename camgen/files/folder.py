@@ -114,30 +114,33 @@ class Staged:
         self.gone = [
             name for name in manifest_files(self.target) if not (self._new / name).is_file()
         ]
-        kept = {
+        texts = {
             path.name: path.read_bytes()
             for path in sorted(self.target.iterdir())
             if _EDITED.fullmatch(path.name)
         }
-        spec, made = self.target / SPEC, self._new / SPEC
+        spec = self.target / SPEC
+        new_spec = self._new / SPEC
         if spec.is_file() and SPEC in changed_files(self.target, {SPEC}):
             text = spec.read_bytes()
-            if text not in kept.values() and not (made.is_file() and made.read_bytes() == text):
-                name = next(name for name in _edited_names() if name not in kept)
-                kept[name] = text
+            if text not in texts.values() and not (
+                new_spec.is_file() and new_spec.read_bytes() == text
+            ):
+                name = next(name for name in _edited_names() if name not in texts)
+                texts[name] = text
                 self.kept.append(name)
-        for name, text in kept.items():
+        for name, text in texts.items():
             (self._new / name).write_bytes(text)
 
     def _sweep(self) -> None:
         """Remove the staging folders of killed builds, of any name; bring back a result that one of them had moved away."""
         with suppress(OSError):
             for staging in sorted(self.target.parent.iterdir()):
-                named = _STAGING.fullmatch(staging.name)
-                guard = _abandoned(staging) if named else None
-                if named is None or guard is None:
+                match = _STAGING.fullmatch(staging.name)
+                guard = _abandoned(staging) if match else None
+                if match is None or guard is None:
                     continue
-                target = staging.with_name(named[1])
+                target = staging.with_name(match[1])
                 with guard, suppress(OSError):
                     if (staging / "old").is_dir() and not os.path.lexists(target):
                         os.rename(staging / "old", target)
@@ -259,14 +262,14 @@ def _foreign(folder: Path) -> Iterator[Path]:
     """What is in a folder and not in its manifest; the manifest itself first where it is not camgen's."""
     if not folder.exists():
         return
-    listed: set[Path] = set()
+    manifest: set[Path] = set()
     if (folder / MANIFEST).is_file():
         with suppress(FileError):  # not ours, so it is foreign itself
-            listed = {folder / name for name in manifest_files(folder)} | {folder / MANIFEST}
-            listed |= {
+            manifest = {folder / name for name in manifest_files(folder)} | {folder / MANIFEST}
+            manifest |= {
                 path for path in folder.iterdir() if _EDITED.fullmatch(path.name) and path.is_file()
             }
-    ours = listed | {parent for path in listed for parent in path.parents}
+    ours = manifest | {parent for path in manifest for parent in path.parents}
     yield from (path for path in sorted(folder.rglob("*")) if path not in ours)
 
 
@@ -274,14 +277,16 @@ def read_manifest(folder: Path) -> Mapping[str, Any]:
     """What a build wrote down of itself, see `write_manifest`; FileError where that is no manifest of camgen's."""
     path = folder / MANIFEST
     try:
-        found = json.loads(read_bytes(path, _MANIFEST_SIZE))
+        manifest = json.loads(read_bytes(path, _MANIFEST_SIZE))
         if not (
-            isinstance(found, dict) and "camgen" in found and isinstance(found.get("files"), dict)
+            isinstance(manifest, dict)
+            and "camgen" in manifest
+            and isinstance(manifest.get("files"), dict)
         ):
             raise ValueError("it does not list the files of a build")
     except (ValueError, RecursionError) as error:
         raise FileError(path, f"is not a manifest of camgen's: {error}") from None
-    return found
+    return manifest
 
 
 def manifest_files(folder: Path) -> list[str]:
@@ -309,13 +314,13 @@ def versions(packages: Iterable[str]) -> dict[str, str]:
     """Of packages, distribution names, in their order; one that is not installed is left out."""
     from importlib.metadata import PackageNotFoundError, version
 
-    found = {}
+    numbers = {}
     for name in sorted(packages):
         try:
-            found[name] = version(name)
+            numbers[name] = version(name)
         except PackageNotFoundError:
             continue
-    return found
+    return numbers
 
 
 def write_manifest(

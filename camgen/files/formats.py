@@ -69,7 +69,7 @@ READABLE = {
 }  # as well, what other programs make of them
 _HELD = ("drawing", "mesh", "exact")
 DRAWN, SOLID, EXACT = (
-    tuple(kind for kind, form in FORMATS.items() if form.holds == held) for held in _HELD
+    tuple(kind for kind, form in FORMATS.items() if form.holds == content) for content in _HELD
 )
 USUAL = (*DRAWN, *SOLID)  # made where nobody asks for other ones
 KINDS = (*USUAL, "report")  # what a build makes where nobody says which
@@ -127,12 +127,12 @@ class Drawing:
     engraved: tuple[Ring, ...] = ()
     layers: Mapping[str, tuple[int, int]] = field(default_factory=dict)
 
-    def repainted(self, wanted: Mapping[str, tuple[int, int]]) -> list[str]:
+    def repainted(self, looks: Mapping[str, tuple[int, int]]) -> list[str]:
         """What is wrong with its layers, where these are to have such colours and line weights."""
         return [
-            f"layer {name} has colour {look[0]} and line weight {look[1]}, not {wanted[name][0]} and {wanted[name][1]}"
+            f"layer {name} has colour {look[0]} and line weight {look[1]}, not {looks[name][0]} and {looks[name][1]}"
             for name, look in self.layers.items()
-            if name in wanted and look != wanted[name]
+            if name in looks and look != looks[name]
         ]
 
 

@@ -30,10 +30,8 @@ _SETTING = re.compile(r"; (\w+) = (.*)")
 _WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
 _PLAIN = re.compile(r"(?:[GXYZEFIJ]-?\d{0,4}\.?\d{1,9}(?: |$))+")  # as slicers write most moves
 _OUTER = {"external perimeter", "outer wall", "wall-outer"}
-_OVERHANG = {
-    "overhang perimeter",
-    "overhang wall",
-}  # of outer and inner walls alike: one that is part of an outer loop counts
+# of outer and inner walls alike: one that is part of an outer loop counts
+_OVERHANG = {"overhang perimeter", "overhang wall"}
 _LONGEST = 1_000_000  # bytes of a line; thumbnails and settings in comments take thousands
 _MOST_POINTS = 1_000_000  # of one wall
 # outer walls of a file, and of one layer
@@ -55,13 +53,12 @@ _BORE = 0.03  # mm, by which a hole may differ from a circle and be the bore
 
 @dataclass(frozen=True)
 class Wall:
-    """The centre line of one outer wall, closed; height of its layer, and width of the bead along each edge, (n,) mm, nan where
-    nothing says it; height: of the bead itself, mm, inf where nothing says it."""
+    """One outer wall, closed."""
 
-    z: float
-    ring: Ring
-    widths: Floats
-    height: float = math.inf
+    z: float  # top of its layer, mm
+    ring: Ring  # centre line of the bead
+    widths: Floats  # of the bead along each edge, (n,) mm, nan where nothing says it
+    height: float = math.inf  # of the bead, mm, inf where nothing says it
 
     def edge(self, hole: bool, further: float = 0.0) -> Ring | None:
         """The edge of what is laid, counter-clockwise: the bead's outer side, or a hole's inner one, `further` off, mm.
@@ -70,7 +67,8 @@ class Wall:
         """
         import shapely
 
-        side, halves = -1 if hole else 1, self.widths / 2 + further
+        side = -1 if hole else 1
+        halves = self.widths / 2 + further
         z = self.ring.facetted(_CHORDS)
         within = shapely.Polygon(np.column_stack([z.real, z.imag]))
         if np.ptp(halves) < _SAME_WIDTH:
@@ -110,24 +108,27 @@ class Wall:
 
 @dataclass
 class _State:
-    """What the lines so far have set: place, mm; whether moves and extrusion count from the last; what is being laid."""
+    """What the lines so far have set."""
 
+    # place of the nozzle and of the filament, mm
     x: float = 0.0
     y: float = 0.0
     z: float = 0.0
     e: float = 0.0
-    scale: float = 1.0
-    relative: bool = False
-    relative_e: bool = False
-    kind: str = ""
-    width: float = math.nan
-    height: float = math.inf
-    thin: float = math.inf
+    scale: float = 1.0  # mm of a unit
+    relative: bool = False  # whether moves count from the last
+    relative_e: bool = False  # whether extrusion does
+    marked: bool = False  # whether an outer wall was marked
+    kind: str = ""  # of the line that is being laid, as the slicer names it
+    width: float = math.nan  # of that line, mm
+    height: float = math.inf  # of that line, mm
+    # of the wall so far: its corners, the bulge and width of each edge, kinds of its lines, top and least height, mm
     points: list[complex] = field(default_factory=list)
     bulges: list[float] = field(default_factory=list)
     widths: list[float] = field(default_factory=list)
-    level: float = 0.0
     kinds: set[str] = field(default_factory=set)
+    level: float = 0.0
+    thin: float = math.inf
 
 
 def read_gcode(path: Path) -> list[Wall]:
@@ -138,67 +139,66 @@ def read_gcode(path: Path) -> list[Wall]:
             "is binary G-code: export it as text (PrusaSlicer: Printer Settings, General, no binary G-code)",
         )
     walls: list[Wall] = []
-    state, marked = _State(), False
+    state = _State()
+    bounds = READABLE["gcode"].size
     try:
-        bounded(path, READABLE["gcode"].size)
-        with open(path, "rb") as file:
-            if file.read(4) == b"GCDE":
-                raise FileError(
-                    path,
-                    "is binary G-code: export it as text (PrusaSlicer: Printer Settings, General)",
-                )
-            file.seek(0)
-            for number, raw in enumerate(iter(lambda: file.readline(_LONGEST), b"")):
-                if b"\0" in raw or len(raw) == _LONGEST:
-                    said = f"line {number + 1} is no text, or has no end"
-                    raise FileError(
-                        path, f"{said}; G-code as text was expected: is the file damaged?"
-                    )
-                if len(state.points) > _MOST_POINTS:
-                    said = f"has a wall of more than {_MOST_POINTS} moves"
-                    raise FileError(path, f"{said}, before line {number + 1}: is the file damaged?")
-                if len(walls) > _MOST_WALLS:
-                    raise FileError(
-                        path,
-                        f"has more than {_MOST_WALLS:,} outer walls: {READABLE['gcode'].size.remedy}",
-                    )
-                line = raw.decode("latin-1").strip()
-                if line.startswith(";"):
-                    mark, width, height = _MARK.match(line), _WIDTH.match(line), _HEIGHT.match(line)
-                    if mark:
-                        state.kind = mark[1].strip().lower()
-                        marked |= state.kind in _OUTER
-                    elif width:
-                        if not _NARROWEST <= _number(width[1]) <= _WIDEST:
-                            said = f"line {number + 1} says that its lines are {width[1]} mm wide"
-                            raise FileError(
-                                path, f"{said}; {_NARROWEST:g} to {_WIDEST:g} was expected"
-                            )
-                        state.width = float(width[1])
-                    elif height:
-                        state.height = (
-                            tall
-                            if _NARROWEST <= (tall := _number(height[1])) <= _WIDEST
-                            else math.inf
-                        )
-                    continue
-                walls += _command(path, state, line.partition(";")[0], number + 1)
+        bounded(path, bounds)
+        for number, line in _lines(path):
+            if len(state.points) > _MOST_POINTS:
+                reason = f"has a wall of more than {_MOST_POINTS} moves, before line {number}"
+                raise FileError(path, f"{reason}: is the file damaged?")
+            if len(walls) > _MOST_WALLS:
+                raise FileError(path, f"has more than {_MOST_WALLS:,} outer walls: {bounds.remedy}")
+            if line.startswith(";"):
+                _comment(path, state, line, number)
+            else:
+                walls += _command(path, state, line.partition(";")[0], number)
     except OSError as error:
         raise FileError(path, f"cannot be read: {error.strerror or error}") from None
     walls += _ended(state)
-    if not marked:
-        said = "has no marks of outer walls (;TYPE:External perimeter and the like)"
+    if not state.marked:
+        reason = "has no marks of outer walls (;TYPE:External perimeter and the like)"
         raise FileError(
             path,
-            f"{said}: slice with PrusaSlicer, OrcaSlicer, Bambu Studio or CuraEngine, with comments on",
+            f"{reason}: slice with PrusaSlicer, OrcaSlicer, Bambu Studio or CuraEngine, with comments on",
         )
     if not walls:
         raise FileError(path, "has no outer wall that closes")
     level, count = Counter(wall.z for wall in walls).most_common(1)[0]
     if count > _MOST_BESIDE:
-        said = f"has {count:,} outer walls at a height of {level:g} mm, {_MOST_BESIDE:,} at most are read"
-        raise FileError(path, f"{said}: {READABLE['gcode'].size.remedy}")
+        reason = f"has {count:,} outer walls at a height of {level:g} mm"
+        raise FileError(path, f"{reason}, {_MOST_BESIDE:,} at most are read: {bounds.remedy}")
     return walls
+
+
+def _lines(path: Path) -> Iterator[tuple[int, str]]:
+    """The lines of a file, by their number from 1; FileError where it is no text."""
+    with open(path, "rb") as file:
+        if file.read(4) == b"GCDE":
+            raise FileError(
+                path, "is binary G-code: export it as text (PrusaSlicer: Printer Settings, General)"
+            )
+        file.seek(0)
+        for number, line in enumerate(iter(lambda: file.readline(_LONGEST), b""), 1):
+            if b"\0" in line or len(line) == _LONGEST:
+                reason = f"line {number} is no text, or has no end; G-code as text was expected"
+                raise FileError(path, f"{reason}: is the file damaged?")
+            yield number, line.decode("latin-1").strip()
+
+
+def _comment(path: Path, state: _State, line: str, number: int) -> None:
+    """Note what a comment of the slicer marks: a kind of line, a width or a height."""
+    if mark := _MARK.match(line):
+        state.kind = mark[1].strip().lower()
+        state.marked |= state.kind in _OUTER
+    elif width := _WIDTH.match(line):
+        if not _NARROWEST <= _number(width[1]) <= _WIDEST:
+            reason = f"line {number} says that its lines are {width[1]} mm wide"
+            raise FileError(path, f"{reason}; {_NARROWEST:g} to {_WIDEST:g} was expected")
+        state.width = float(width[1])
+    elif height := _HEIGHT.match(line):
+        tall = _number(height[1])
+        state.height = tall if _NARROWEST <= tall <= _WIDEST else math.inf
 
 
 def _number(text: str) -> float:
@@ -221,17 +221,19 @@ def _command(path: Path, state: _State, text: str, line: int) -> Iterator[Wall]:
     code = (next(iter(words)), next(iter(words.values())))
     if code in _MOVES and not plain:
         bare = re.sub(r"\(.*?\)", "", text.upper())
-        odd = _WORD.sub("", bare).strip() or (found[0] if (found := _EXPONENT.search(bare)) else "")
+        odd = _WORD.sub("", bare).strip() or (
+            exponent[0] if (exponent := _EXPONENT.search(bare)) else ""
+        )
         far = [
             letter
             for letter in ("X", "Y", "Z", "I", "J")
             if not abs(words.get(letter, 0.0)) <= _FARTHEST
         ]
         if odd or far:
-            said = f"has {odd.split()[0]!r}" if odd else f"has {far[0]} beyond {_FARTHEST:g}"
+            fault = f"has {odd.split()[0]!r}" if odd else f"has {far[0]} beyond {_FARTHEST:g}"
             raise FileError(
                 path,
-                f"line {line} {said}; a letter and a plain number each was expected: is the file damaged?",
+                f"line {line} {fault}; a letter and a plain number each was expected: is the file damaged?",
             )
     match code:
         case ("G", 20.0) | ("G", 21.0):
@@ -255,20 +257,21 @@ def _moved(path: Path, state: _State, code: int, words: dict[str, float]) -> Ite
         if letter.upper() in words:
             value = words[letter.upper()] * state.scale
             setattr(state, letter, value + (getattr(state, letter) if state.relative else 0.0))
-    laid = 0.0
+    extrusion = 0.0
     if "E" in words:
         value = words["E"] * state.scale
-        laid = value if state.relative_e else value - state.e
-        state.e += laid
+        extrusion = value if state.relative_e else value - state.e
+        state.e += extrusion
     end = complex(state.x, state.y)
     outer = state.kind in _OUTER or state.kind in _OVERHANG
-    if not (laid > 0 and outer and end != start):
-        if end != start or "Z" in words or laid < 0:
+    if not (extrusion > 0 and outer and end != start):
+        if end != start or "Z" in words or extrusion < 0:
             yield from _ended(state)
         return
     if not state.points:
         state.points.append(start)
-        state.level, state.thin = state.z, math.inf
+        state.level = state.z
+        state.thin = math.inf
     state.thin = min(state.thin, state.height)  # a bridge is as high as the nozzle is wide
     bulge = 0.0
     if code in (2, 3):
@@ -296,8 +299,14 @@ def _moved(path: Path, state: _State, code: int, words: dict[str, float]) -> Ite
 
 def _ended(state: _State) -> Iterator[Wall]:
     """The wall that the run so far makes, if it is an outer one and closes."""
-    points, bulges, widths, kinds = state.points, state.bulges, state.widths, state.kinds
-    state.points, state.bulges, state.widths, state.kinds = [], [], [], set()
+    points = state.points
+    bulges = state.bulges
+    widths = state.widths
+    kinds = state.kinds
+    state.points = []
+    state.bulges = []
+    state.widths = []
+    state.kinds = set()
     if len(points) < (3 if any(bulges) else 4) or not kinds & _OUTER:  # two arcs close a circle
         return
     gap = abs(points[-1] - points[0])
@@ -306,7 +315,8 @@ def _ended(state: _State) -> Iterator[Wall]:
     if gap < 1e-9:
         points = points[:-1]
     else:  # the seam is closed straight
-        bulges, widths = [*bulges, 0.0], [*widths, widths[-1]]
+        bulges = [*bulges, 0.0]
+        widths = [*widths, widths[-1]]
     yield Wall(state.level, Ring(np.array(points), np.array(bulges)), np.array(widths), state.thin)
 
 
@@ -314,7 +324,7 @@ def read_settings(path: Path) -> dict[str, str]:
     """What the slicer says of its settings in comments, `; key = value` (PrusaSlicer, OrcaSlicer, Bambu Studio)."""
     with open(path, "rb") as file:
         lines = (raw.decode("latin-1") for raw in file if raw.startswith(b"; "))
-        return {found[1]: found[2].strip() for line in lines if (found := _SETTING.match(line))}
+        return {match[1]: match[2].strip() for line in lines if (match := _SETTING.match(line))}
 
 
 def with_width(walls: Sequence[Wall], path: Path, line_width: float | None) -> list[Wall]:
@@ -356,21 +366,21 @@ def printed_outlines(
     """
     walls = read_gcode(path)
     tops = sorted({round(wall.z, 4) for wall in walls})
-    wanted = tops[-1] / 2 if height is None else height
-    if not 0 <= wanted <= tops[-1] + 1e-9:
+    level = tops[-1] / 2 if height is None else height
+    if not 0 <= level <= tops[-1] + 1e-9:
         raise FileError(
-            path, f"has no layer {wanted:g} mm over the bed; its highest one ends at {tops[-1]:g}"
+            path, f"has no layer {level:g} mm over the bed; its highest one ends at {tops[-1]:g}"
         )
-    top = next(z for z in tops if z >= wanted - _SAME_LAYER)
-    here = [wall for wall in walls if abs(wall.z - top) <= _SAME_LAYER]
-    here = with_width(here, path, line_width)
-    holes = hole_walls(here)
-    edges = [wall.edge(hole) for wall, hole in zip(here, holes, strict=True)]
+    top = next(z for z in tops if z >= level - _SAME_LAYER)
+    layer = [wall for wall in walls if abs(wall.z - top) <= _SAME_LAYER]
+    layer = with_width(layer, path, line_width)
+    holes = hole_walls(layer)
+    edges = [wall.edge(hole) for wall, hole in zip(layer, holes, strict=True)]
     rings = [edge for edge in edges if edge is not None]
     holes = [hole for hole, edge in zip(holes, edges, strict=True) if edge is not None]
-    widths = np.concatenate([wall.widths for wall in here])
+    widths = np.concatenate([wall.widths for wall in layer])
     wide = f"{widths.min():g}" + (f" to {widths.max():g}" if np.ptp(widths) >= _SAME_WIDTH else "")
-    said = f"layer {tops.index(top) + 1} of {len(tops)}, up to {top:g} mm: {len(here)} outer walls, lines {wide} mm wide"
+    remark = f"layer {tops.index(top) + 1} of {len(tops)}, up to {top:g} mm: {len(layer)} outer walls, lines {wide} mm wide"
     bore = _bore(
         *(
             [ring for ring, hole in zip(rings, holes, strict=True) if hole == empty]
@@ -378,10 +388,10 @@ def printed_outlines(
         )
     )
     if bore is None:
-        return rings, f"{said}; no round hole, so places are the printer's"
+        return rings, f"{remark}; no round hole, so places are the printer's"
     centre, diameter = bore
-    said += f"; the origin is in the middle of the hole of diameter {diameter:.3f} mm at X {centre.real:.3f}, Y {centre.imag:.3f}"
-    return [ring.moved(shift=-centre) for ring in rings], said
+    remark += f"; the origin is in the middle of the hole of diameter {diameter:.3f} mm at X {centre.real:.3f}, Y {centre.imag:.3f}"
+    return [ring.moved(shift=-centre) for ring in rings], remark
 
 
 def _inside(ring: Ring, other: Ring) -> bool:

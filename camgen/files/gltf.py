@@ -45,7 +45,7 @@ class Shape:
 
 
 @dataclass(frozen=True, eq=False)
-class Moving:
+class Track:
     """A body over a turn: angle (n,) rad and place (n,) complex mm at even times, the last one before the first again.
 
     copies: on it, as (name, number of the shape, transform (3, 4) in the body's frame, mm).
@@ -57,28 +57,30 @@ class Moving:
     copies: Sequence[tuple[str, int, Floats]]
 
 
-def glb(name: str, shapes: Sequence[Shape], bodies: Sequence[Moving], turns: int = 1) -> bytes:
+def glb(name: str, shapes: Sequence[Shape], bodies: Sequence[Track], turns: int = 1) -> bytes:
     """The file's bytes; turns: over which the bodies are given."""
     pack = _Pack()
-    meshes, materials = [], []
+    meshes = []
+    materials = []
     for k, shape in enumerate(shapes):
-        vertices, faces = _single(shape.mesh.vertices), shape.mesh.faces.ravel()
+        vertices = _single(shape.mesh.vertices)
+        faces = shape.mesh.faces.ravel()
         wide = len(vertices) > 65535
         points = pack.add(vertices, _FLOAT, "VEC3", _VERTICES, bounds=True)
         corners = pack.add(
             faces.astype("<u4" if wide else "<u2"), _LONG if wide else _SHORT, "SCALAR", _INDICES
         )
-        drawn = {"attributes": {"POSITION": points}, "indices": corners, "material": k}
-        meshes.append({"name": shape.name, "primitives": [drawn]})
+        primitive = {"attributes": {"POSITION": points}, "indices": corners, "material": k}
+        meshes.append({"name": shape.name, "primitives": [primitive]})
         factor = {
             "baseColorFactor": [*_linear(shape.colour), 1],
             "metallicFactor": 0,
             "roughnessFactor": 0.7,
         }
         materials.append({"name": shape.name, "pbrMetallicRoughness": factor})
-    turned = -math.sqrt(0.5)
+    half = -math.sqrt(0.5)
     nodes: list[dict[str, Any]] = [
-        {"name": name, "rotation": [turned, 0, 0, -turned], "scale": [0.001] * 3, "children": []}
+        {"name": name, "rotation": [half, 0, 0, -half], "scale": [0.001] * 3, "children": []}
     ]
     channels: list[dict[str, Any]] = []
     samplers: list[dict[str, Any]] = []
@@ -109,8 +111,8 @@ def glb(name: str, shapes: Sequence[Shape], bodies: Sequence[Moving], turns: int
             matrix = [
                 float(f"{value:z.9g}") for value in np.vstack([transform, [0, 0, 0, 1]]).T.ravel()
             ]
-            moved = {} if matrix == np.eye(4).ravel().tolist() else {"matrix": matrix}
-            nodes.append({"name": copy, "mesh": shape_number, **moved})
+            placing = {} if matrix == np.eye(4).ravel().tolist() else {"matrix": matrix}
+            nodes.append({"name": copy, "mesh": shape_number, **placing})
     whole = {
         "asset": {"version": "2.0", "generator": f"camgen {__version__}"},
         "scene": 0,
@@ -171,20 +173,19 @@ class _Pack:
         return len(self.accessors) - 1
 
 
-def _course(body: Moving) -> tuple[Any, Any]:
+def _course(body: Track) -> tuple[Any, Any]:
     """Quaternions (n + 1, 4), consecutive ones on one side, and places (n + 1, 3), float32, the end as the start.
 
     Where the machine cannot go, the body waits where it was last.
     """
-    angle, place = np.asarray(body.angle, float), np.asarray(body.place, complex)
-    known = np.flatnonzero(np.isfinite(angle) & np.isfinite(place))
-    if not len(known):
-        angle, place, known = (
-            np.zeros(len(angle)),
-            np.zeros(len(angle), complex),
-            np.arange(len(angle)),
-        )
-    last = known[np.maximum(np.searchsorted(known, np.arange(len(angle)), side="right") - 1, 0)]
+    angle = np.asarray(body.angle, float)
+    place = np.asarray(body.place, complex)
+    valid = np.flatnonzero(np.isfinite(angle) & np.isfinite(place))
+    if not len(valid):
+        angle = np.zeros(len(angle))
+        place = np.zeros(len(angle), complex)
+        valid = np.arange(len(angle))
+    last = valid[np.maximum(np.searchsorted(valid, np.arange(len(angle)), side="right") - 1, 0)]
     half = np.unwrap(np.append(angle[last], angle[last[0]])) / 2
     place = np.append(place[last], place[last[0]])
     zero = np.zeros(len(half))
@@ -271,28 +272,28 @@ class _Glb:
         if length > _MOST_SAID:
             raise ValueError(f"{length:,} bytes of JSON; {_MOST_SAID:,} at most are read")
         self.whole = json.loads(data[20 : 20 + length])
-        (length_of_rest, kind), self.data = (
-            struct.unpack_from("<I4s", data, 20 + length),
-            data[28 + length :],
-        )
+        (length_of_rest, kind) = struct.unpack_from("<I4s", data, 20 + length)
+        self.data = data[28 + length :]
         if kind != b"BIN\0" or length_of_rest != len(self.data) or not self.whole.keys() <= _PARTS:
             raise ValueError("chunks or tables that do not belong there")
         self.nodes = self.whole["nodes"]
 
     def array(self, number: int) -> Any:
         """What an accessor tells, (n, k)."""
-        told = self.whole["accessors"][number]
-        view = self.whole["bufferViews"][told["bufferView"]]
+        accessor = self.whole["accessors"][number]
+        view = self.whole["bufferViews"][accessor["bufferView"]]
         if not (
-            told.keys() <= {"bufferView", "componentType", "count", "type", "min", "max"}
+            accessor.keys() <= {"bufferView", "componentType", "count", "type", "min", "max"}
             and view.keys() <= _VIEW
         ):
             raise ValueError(f"accessor {number} says more than what stands where")
         raw = self.data[view["byteOffset"] : view["byteOffset"] + view["byteLength"]]
-        values = np.frombuffer(raw, _TOOK[told["componentType"]]).reshape(-1, _WIDTH[told["type"]])
-        if len(values) != told["count"] or not np.all(np.isfinite(values)):
+        values = np.frombuffer(raw, _TOOK[accessor["componentType"]]).reshape(
+            -1, _WIDTH[accessor["type"]]
+        )
+        if len(values) != accessor["count"] or not np.all(np.isfinite(values)):
             raise ValueError(
-                f"accessor {number} has {len(values)} finite values instead of {told['count']}"
+                f"accessor {number} has {len(values)} finite values instead of {accessor['count']}"
             )
         return values
 
@@ -305,11 +306,13 @@ class _Glb:
             [*root["rotation"], *root["scale"]], [*_UPRIGHT[0], *_UPRIGHT[1]], rtol=0, atol=1e-7
         ):
             raise ValueError("the whole is turned or scaled otherwise")
-        moved = self.moved()
-        found = [self.course(number, moved) for number in root.get("children", [])]
-        if moved or 1 + len(found) + sum(len(each.copies) for each in found) != len(self.nodes):
+        tracks = self.moved()
+        courses = [self.course(number, tracks) for number in root.get("children", [])]
+        if tracks or 1 + len(courses) + sum(len(each.copies) for each in courses) != len(
+            self.nodes
+        ):
             raise ValueError("a node that is no body and stands on none")
-        return found
+        return courses
 
     def node(self, number: int, keys: set[str]) -> dict[str, Any]:
         """A node that may have these keys."""
@@ -322,47 +325,49 @@ class _Glb:
 
     def moved(self) -> dict[tuple[int, str], tuple[Any, Any]]:
         """Times and values by node and what of it they move."""
-        found = {}
+        tracks = {}
         for animation in self.whole.get("animations", []):
             for channel in animation["channels"]:
-                sampler, target = animation["samplers"][channel["sampler"]], channel["target"]
+                sampler = animation["samplers"][channel["sampler"]]
+                target = channel["target"]
                 if (
                     sampler.keys() != {"input", "output"}
-                    or (target["node"], target["path"]) in found
+                    or (target["node"], target["path"]) in tracks
                 ):
                     raise ValueError(
                         "a motion that is not from time to time in straight lines, or twice"
                     )
-                found[target["node"], target["path"]] = (
+                tracks[target["node"], target["path"]] = (
                     self.array(sampler["input"]),
                     self.array(sampler["output"]),
                 )
-        return found
+        return tracks
 
-    def course(self, number: int, moved: dict[tuple[int, str], tuple[Any, Any]]) -> Course:
+    def course(self, number: int, tracks: dict[tuple[int, str], tuple[Any, Any]]) -> Course:
         """A body; what moves it is taken out of `moved`."""
-        node, still = self.node(number, _BODY), np.zeros((1, 1))
-        begun = [
+        node = self.node(number, _BODY)
+        still = np.zeros((1, 1))
+        start = [
             np.array([node.get("rotation", [0, 0, 0, 1])], float),
             np.array([node.get("translation", [0, 0, 0])], float),
         ]
-        times, turned = moved.pop((number, "rotation"), (still, begun[0]))
-        others, places = moved.pop((number, "translation"), (still, begun[1]))
+        times, quaternions = tracks.pop((number, "rotation"), (still, start[0]))
+        place_times, places = tracks.pop((number, "translation"), (still, start[1]))
         if not all(
             np.array_equal(first[0], course[0])
-            for first, course in zip(begun, (turned, places), strict=True)
+            for first, course in zip(start, (quaternions, places), strict=True)
         ):
             raise ValueError(f"{node['name']} stands elsewhere than where its motion begins")
-        times = times if len(times) > 1 else others
-        if turned[:, :2].any() or places[:, 2].any():
+        times = times if len(times) > 1 else place_times
+        if quaternions[:, :2].any() or places[:, 2].any():
             raise ValueError(f"{node['name']} moves out of its plane")
-        if any(len(each) not in (1, len(times)) for each in (others, turned, places)):
+        if any(len(each) not in (1, len(times)) for each in (place_times, quaternions, places)):
             raise ValueError(f"{node['name']} has not as many places as times")
-        if len(others) > 1 and not np.array_equal(times, others):
+        if len(place_times) > 1 and not np.array_equal(times, place_times):
             raise ValueError(f"{node['name']} turns and moves at different times")
-        if not np.allclose(np.hypot(turned[:, 2], turned[:, 3]), 1, rtol=0, atol=1e-6):
+        if not np.allclose(np.hypot(quaternions[:, 2], quaternions[:, 3]), 1, rtol=0, atol=1e-6):
             raise ValueError(f"{node['name']} has a turn that is none")
-        angle = 2 * np.arctan2(turned[:, 2].astype(float), turned[:, 3].astype(float))
+        angle = 2 * np.arctan2(quaternions[:, 2].astype(float), quaternions[:, 3].astype(float))
         place = places[:, 0].astype(float) + 1j * places[:, 1].astype(float)
         n = len(times)
         copies = [self.copy(child) for child in node.get("children", [])]
@@ -376,10 +381,8 @@ class _Glb:
 
     def copy(self, number: int) -> tuple[str, str, Floats]:
         """A copy of a part on a body."""
-        node, mesh = (
-            self.node(number, _COPY),
-            self.whole["meshes"][self.node(number, _COPY)["mesh"]],
-        )
+        node = self.node(number, _COPY)
+        mesh = self.whole["meshes"][self.node(number, _COPY)["mesh"]]
         matrix = np.array(node.get("matrix", np.eye(4).ravel()), float).reshape(4, 4).T
         if not np.array_equal(matrix[3], [0, 0, 0, 1]) or not np.all(np.isfinite(matrix)):
             raise ValueError(f"node {number} has a matrix that is no placing")

@@ -14,6 +14,7 @@ import cmath
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -49,10 +50,8 @@ def box(text: Text, air: float = 0.0) -> Any:
 
     u = text.direction
     left = text.at - {"left": 0.0, "centre": 0.5, "right": 1.0}[text.align] * text.room * u
-    low, high = (
-        left - air * (u + 1j * u),
-        left + (text.room + air) * u + (text.height + air) * 1j * u,
-    )
+    low = left - air * (u + 1j * u)
+    high = left + (text.room + air) * u + (text.height + air) * 1j * u
     wide = text.room + 2 * air
     corners = np.array([low, low + wide * u, high, high - wide * u])
     return shapely.Polygon(np.column_stack([corners.real, corners.imag]))
@@ -65,33 +64,37 @@ def _line(points: Points) -> Any:
 
 
 @dataclass
-class Taken:
+class Obstacles:
     """What lies on a sheet."""
 
+    # lower left and upper right corner of where labels may go
+    area: tuple[complex, complex] = (complex(-math.inf, -math.inf), complex(math.inf, math.inf))
     texts: list[Any] = field(default_factory=list)  # boxes of texts and arrowheads
     lines: list[Any] = field(default_factory=list)  # on which no text lies
     axes: list[Any] = field(default_factory=list)  # on which one lies if it must
 
-    @classmethod
-    def of(cls, sheet: Sheet) -> Taken:
-        """All that is drawn so far."""
-        found = cls()
-        for thing in sheet.primitives:
-            found.add(thing)
-        return found
-
-    def add(self, thing: Stroke | Fill | Text) -> None:
-        """One more thing."""
+    def add(self, things: Iterable[Stroke | Fill | Text]) -> None:
+        """More things that are drawn."""
         import shapely
 
-        if isinstance(thing, Text):
-            self.texts.append(box(thing))
-        elif isinstance(thing, Fill):
-            self.texts.append(shapely.Polygon([(z.real, z.imag) for z in thing.corners]))
-        else:
-            points = _points(thing.pieces)
-            line = _line(np.append(points, points[:1]) if thing.closed else points)
-            (self.lines if thing.layer in _HARD else self.axes).append(line)
+        for thing in things:
+            if isinstance(thing, Text):
+                self.texts.append(box(thing))
+            elif isinstance(thing, Fill):
+                self.texts.append(shapely.Polygon([(z.real, z.imag) for z in thing.corners]))
+            else:
+                points = _points(thing.pieces)
+                line = _line(np.append(points, points[:1]) if thing.closed else points)
+                (self.lines if thing.layer in _HARD else self.axes).append(line)
+
+    def within(self, boxes: Any) -> Any:
+        """Which of some boxes lie in the area, (n,)."""
+        import shapely
+
+        low, high = self.area
+        left, bottom, right, top = shapely.bounds(boxes).T
+        across = (left > low.real) & (right < high.real)
+        return across & (bottom > low.imag) & (top < high.imag)
 
     def free(self, shapes: Any) -> Any:
         """Which of some shapes lie on no text and no arrowhead, (n,)."""
@@ -127,31 +130,39 @@ def _clear(others: Sequence[Any], shapes: Any) -> Any:
     return _touching(others, shapes) == 0
 
 
-def led(
+def leader(
     sheet: Sheet, tip: complex, direction: complex, clear: Callable[[complex], float], text: str
 ) -> list[Stroke | Fill | Text]:
     """Arrow onto a point from a direction with the text along it, turned aside until that lies on free paper.
 
     clear: by its direction, how far from the point on there may be text.
     """
-    taken, tries = Taken.of(sheet), list[tuple[Text, complex]]()
+    obstacles = Obstacles()
+    obstacles.add(sheet.primitives)
+    tries = list[tuple[Text, complex]]()
     for turn in _ASIDE:
         way = direction * cmath.rect(1, turn)
-        reading, away = way if way.real > -1e-9 else -way, clear(way)
+        reading = way if way.real > -1e-9 else -way
+        away = clear(way)
         label = Text(0j, text, HEIGHT, "centre", reading, "DIM")
         middle = tip + (away + label.room / 2 + 4) * way + 0.8j * reading
         tries.append((replace(label, at=middle), tip + (away + label.room + 4) * way))
-    label, start = tries[int(np.argmax(taken.free([box(label, _AIR) for label, _ in tries])))]
-    return Placed(label, start, tip).things
+    label, start = tries[int(np.argmax(obstacles.free([box(label, _AIR) for label, _ in tries])))]
+    return Callout(label, start, tip).things
 
 
 @dataclass(frozen=True)
-class Named:
+class Label:
     """A label, and the outline of what it names."""
 
     label: str
     hole: Hole  # on paper
     rim: Points  # along its outline
+
+    @cached_property
+    def half(self) -> float:
+        """Half of the label's width on paper, mm."""
+        return Text(0j, self.label, HEIGHT).room / 2
 
     def reach(self, way: complex) -> float:
         """How far it goes from its middle in a direction."""
@@ -159,7 +170,7 @@ class Named:
 
 
 @dataclass(frozen=True)
-class Placed:
+class Callout:
     """A label's text, and its leader from a start to a tip; without one no tip."""
 
     text: Text
@@ -169,110 +180,101 @@ class Placed:
     @property
     def things(self) -> list[Stroke | Fill | Text]:
         """What is drawn of it."""
-        found: list[Stroke | Fill | Text] = [self.text]
+        things: list[Stroke | Fill | Text] = [self.text]
         if self.tip is not None:
-            found.append(Stroke((Line(self.start, self.tip),), "DIM"))
-            found.append(
+            things.append(Stroke((Line(self.start, self.tip),), "DIM"))
+            things.append(
                 arrowhead(self.tip, (self.tip - self.start) / abs(self.tip - self.start), "DIM")
             )
-        return found
+        return things
 
 
-def placed(named: Sequence[Named], sheet: Sheet, area: tuple[complex, complex]) -> Iterator[Placed]:
+def callouts(
+    labels: Sequence[Label], sheet: Sheet, area: tuple[complex, complex]
+) -> Iterator[Callout]:
     """Each label on paper that is free on the sheet and of those before it; area: corners of where they may go, lower left and
     upper right."""
-    taken = Taken.of(sheet)
-    for k, each in enumerate(named):
-        others = [
-            other
-            for i, other in enumerate(named)
-            if i != k and other.hole.middle != each.hole.middle
-        ]
-        found = _place(each, others, taken, area)
-        for thing in found.things:
-            taken.add(thing)
-        yield found
+    obstacles = Obstacles(area)
+    obstacles.add(sheet.primitives)
+    for each in labels:
+        others = [other for other in labels if other.hole.middle != each.hole.middle]
+        label = _place(each, others, obstacles)
+        obstacles.add(label.things)
+        yield label
 
 
-def _place(
-    named: Named, others: Sequence[Named], taken: Taken, area: tuple[complex, complex]
-) -> Placed:
-    half = Text(0j, named.label, HEIGHT).room / 2
+def _place(subject: Label, others: Sequence[Label], obstacles: Obstacles) -> Callout:
     for crossing in (False, True):
-        for distance in ("in", *_NEAR, *_FAR):
-            found = _best(named, others, taken, area, half, distance, crossing)
-            if found is not None:
-                return found
-    return Placed(_text(named, named.hole.middle))
+        for distance in (None, *_NEAR, *_FAR):
+            label = _best(subject, others, obstacles, distance, crossing)
+            if label is not None:
+                return label
+    return Callout(_text(subject, subject.hole.middle))
 
 
-def _text(named: Named, middle: complex) -> Text:
-    return Text(middle - 0.5j * HEIGHT, named.label, HEIGHT, "centre", layer="DIM")
+def _text(label: Label, middle: complex) -> Text:
+    return Text(middle - 0.5j * HEIGHT, label.label, HEIGHT, "centre", layer="DIM")
 
 
 def _best(
-    named: Named,
-    others: Sequence[Named],
-    taken: Taken,
-    area: tuple[complex, complex],
-    half: float,
-    distance: Any,
+    label: Label,
+    others: Sequence[Label],
+    obstacles: Obstacles,
+    distance: float | None,
     crossing: bool,
-) -> Placed | None:
-    """The first free place at a distance from the hole's edge, or in it; crossing: whether centre lines may be crossed."""
+) -> Callout | None:
+    """The first free place at a distance from the hole's edge, None: in it; crossing: whether centre lines may be crossed."""
     import shapely
 
-    hole, inside = named.hole, distance == "in"
+    hole = label.hole
     ways = np.exp(1j * _TURNS)
-    if inside:
+    if distance is None:
         away = np.full(4, hole.radius / 2) if hole.radius else np.zeros(1)
         places = hole.middle + away * ways[: len(away)]
     else:
-        away = np.array([named.reach(way) for way in ways]) + _HIGH + distance
-        places = hole.middle + away * ways + (half * ways.real + 1j * HEIGHT / 2 * ways.imag)
-    texts = [_text(named, complex(place)) for place in places]
+        away = np.array([label.reach(way) for way in ways]) + _HIGH + distance
+        places = hole.middle + away * ways + (label.half * ways.real + 1j * HEIGHT / 2 * ways.imag)
+    texts = [_text(label, complex(place)) for place in places]
     boxes = np.array([box(text, _AIR) for text in texts])
-    low, high = area
-    left, bottom, right, top = shapely.bounds(boxes).T
-    good = (left > low.real) & (right < high.real) & (bottom > low.imag) & (top < high.imag)
-    good &= taken.free(boxes) & taken.unlined(boxes)
-    good &= True if crossing else taken.off_axes(boxes)
-    if inside:
-        edge = shapely.Polygon(np.column_stack([named.rim.real, named.rim.imag]))
-        good &= shapely.contains(edge, boxes)
+    free = obstacles.within(boxes) & obstacles.free(boxes) & obstacles.unlined(boxes)
+    free &= True if crossing else obstacles.off_axes(boxes)
+    if distance is None:
+        edge = shapely.Polygon(np.column_stack([label.rim.real, label.rim.imag]))
+        free &= shapely.contains(edge, boxes)
     elif distance in _NEAR:
-        good &= [_beside_its_own(named, others, complex(place)) for place in places]
-    if inside or distance in _NEAR:
-        return Placed(texts[int(np.argmax(good))]) if good.any() else None
-    starts = [_edge(text, half, hole.middle) for text in texts]
-    tips = [_tip(named, start) for start in starts]
+        free &= [_beside_its_own(label, others, complex(place)) for place in places]
+    if distance is None or distance in _NEAR:
+        return Callout(texts[int(np.argmax(free))]) if free.any() else None
+    starts = [_edge(text, label.half, hole.middle) for text in texts]
+    tips = [_tip(label, start) for start in starts]
     leaders = [_line(np.array(ends)) for ends in zip(starts, tips, strict=True)]
-    good &= taken.free([leader.buffer(_AIR) for leader in leaders])
-    if not good.any():
+    free &= obstacles.free([leader.buffer(_AIR) for leader in leaders])
+    if not free.any():
         return None
-    crossed = taken.crossed(leaders)
-    k = int(np.argmin(np.where(good, crossed, np.max(crossed) + 1)))
-    return Placed(texts[k], starts[k], tips[k])
+    crossings = obstacles.crossed(leaders)
+    k = int(np.argmin(np.where(free, crossings, np.max(crossings) + 1)))
+    return Callout(texts[k], starts[k], tips[k])
 
 
 def _edge(text: Text, half: float, towards: complex) -> complex:
     """Where a leader leaves a text's box."""
     middle = text.at + 0.5j * HEIGHT
     way = (towards - middle) / abs(towards - middle)
-    wide, tall = half + _AIR, HEIGHT / 2 + _AIR
+    wide = half + _AIR
+    tall = HEIGHT / 2 + _AIR
     return middle + way * min(wide / max(abs(way.real), 1e-9), tall / max(abs(way.imag), 1e-9))
 
 
-def _tip(named: Named, start: complex) -> complex:
+def _tip(label: Label, start: complex) -> complex:
     """Where a leader meets its hole: on a round one's edge, else on the nearest point of the outline."""
-    hole = named.hole
+    hole = label.hole
     if hole.radius:
         return hole.middle - hole.radius * (hole.middle - start) / abs(hole.middle - start)
-    return complex(named.rim[int(np.argmin(np.abs(named.rim - start)))])
+    return complex(label.rim[int(np.argmin(np.abs(label.rim - start)))])
 
 
-def _beside_its_own(named: Named, others: Sequence[Named], place: complex) -> bool:
+def _beside_its_own(label: Label, others: Sequence[Label], place: complex) -> bool:
     """Whether a label at that place is nearer to its hole than to any other one: to its middle and to its edge."""
-    edges = [float(np.min(np.abs(each.rim - place))) for each in (named, *others)]
-    middles = [abs(each.hole.middle - place) for each in (named, *others)]
+    edges = [float(np.min(np.abs(each.rim - place))) for each in (label, *others)]
+    middles = [abs(each.hole.middle - place) for each in (label, *others)]
     return all(min(away[1:], default=math.inf) > away[0] for away in (edges, middles))

@@ -45,13 +45,13 @@ _SPARE = 0.001  # mm, by which a gap is made wider than asked for: a file's numb
 
 @dataclass(frozen=True)
 class Side:
-    """A side to lie on: its name, the turn (3, 3) that brings it down, contact and overhang, mm^2, and the height then, mm."""
+    """A side to lie on."""
 
     name: str = "as drawn"
-    contact: float = 0.0
-    overhang: float = 0.0
-    height: float = 0.0
-    turn: Floats = field(default_factory=lambda: np.eye(3), compare=False)
+    contact: float = 0.0  # mm^2
+    overhang: float = 0.0  # mm^2
+    height: float = 0.0  # of the part as it lies, mm
+    turn: Floats = field(default_factory=lambda: np.eye(3), compare=False)  # (3, 3), brings it down
 
     @property
     def worth(self) -> float:
@@ -62,14 +62,14 @@ class Side:
 def side(mesh: Mesh, down: Floats) -> Side:
     """The part lying with the direction `down`, a unit vector (3,) of its frame, towards the bed."""
     areas = mesh.across / 2
-    seen = areas @ down  # from below, mm^2; above 0 where a face looks down
+    shadows = areas @ down  # from below, mm^2; above 0 where a face looks down
     depth = mesh.vertices @ down
-    lying = np.all(depth[mesh.faces] > np.max(depth) - _FLAT, axis=1) & (seen > 0)
-    leaning = ~lying & (seen > _STEEP * np.linalg.norm(areas, axis=1))
+    lying = np.all(depth[mesh.faces] > np.max(depth) - _FLAT, axis=1) & (shadows > 0)
+    leaning = ~lying & (shadows > _STEEP * np.linalg.norm(areas, axis=1))
     return Side(
         _name(down),
-        float(seen[lying].sum()),
-        float(seen[leaning].sum()),
+        float(shadows[lying].sum()),
+        float(shadows[leaning].sum()),
         float(np.ptp(depth)),
         _turn(down),
     )
@@ -77,7 +77,7 @@ def side(mesh: Mesh, down: Floats) -> Side:
 
 def lying_side(mesh: Mesh) -> Side:
     """The side whose contact exceeds its overhang by most; the part's own underside unless another one is clearly better."""
-    own = side(mesh, np.array([0.0, 0.0, -1.0]))
+    underside = side(mesh, np.array([0.0, 0.0, -1.0]))
     areas = mesh.across / 2
     areas = areas[np.any(areas != 0, axis=1)]
     sizes = np.linalg.norm(areas, axis=1)
@@ -87,14 +87,19 @@ def lying_side(mesh: Mesh) -> Side:
     _, first, index = np.unique(
         steps @ np.array([2001**2, 2001, 1]), return_index=True, return_inverse=True
     )
-    normals, whole = (steps[first] - 1000) / 1000, np.bincount(index, sizes)
+    normals = (steps[first] - 1000) / 1000
+    whole = np.bincount(index, sizes)
     largest = np.argsort(-whole, kind="stable")[:_TRIED]
     flat = normals[
-        largest[whole[largest] > own.worth]
+        largest[whole[largest] > underside.worth]
     ]  # of a smaller one no more than its area can lie on the bed
     downs = [*np.eye(3), *-np.eye(3)[:2], *(n / np.linalg.norm(n) for n in flat)]
     best = max((side(mesh, down) for down in downs), key=lambda each: round(each.worth, 3))
-    return best if best.worth > own.worth + _CLEARLY * max(own.contact, best.contact) else own
+    return (
+        best
+        if best.worth > underside.worth + _CLEARLY * max(underside.contact, best.contact)
+        else underside
+    )
 
 
 def _name(down: Floats) -> str:
@@ -163,27 +168,27 @@ def footprint(points: Points, bed: tuple[float, float]) -> Footprint:
     cloud = shapely.multipoints(np.column_stack([points.real, points.imag]))
     hull = shapely.get_coordinates(shapely.convex_hull(cloud)) @ np.array([1, 1j])
     sides = np.diff(hull)
-    tried = _framed(hull, -np.angle(sides[np.abs(sides) > 0]) if np.any(sides) else np.zeros(1))
-    best = min(tried, key=lambda f: (round(f.width * f.height, 6), round(f.angle, 9)))
+    rectangles = _framed(
+        hull, -np.angle(sides[np.abs(sides) > 0]) if np.any(sides) else np.zeros(1)
+    )
+    best = min(rectangles, key=lambda f: (round(f.width * f.height, 6), round(f.angle, 9)))
     if _fits(best, bed):
         return best
-    tried += _framed(hull, np.radians(np.arange(180)))
-    fitting = [f for f in tried if _fits(f, bed)]
+    rectangles += _framed(hull, np.radians(np.arange(180)))
+    fitting = [f for f in rectangles if _fits(f, bed)]
     return min(fitting, key=lambda f: f.width * f.height) if fitting else best
 
 
 def _framed(hull: Points, angles: Floats) -> list[Footprint]:
     """Rectangles about a hull, (n,) complex mm, turned by each angle, (m,) rad."""
-    found = []
-    for some in np.array_split(angles, math.ceil(len(angles) * len(hull) / _AT_ONCE)):
-        z = np.exp(1j * some)[:, None] * hull
-        low, high = (
-            z.real.min(axis=1) + 1j * z.imag.min(axis=1),
-            z.real.max(axis=1) + 1j * z.imag.max(axis=1),
-        )
-        for angle, a, b in zip(some.tolist(), low.tolist(), high.tolist(), strict=True):
-            found.append(Footprint(angle, (b - a).real, (b - a).imag, (a + b) / 2))
-    return found
+    rectangles = []
+    for part in np.array_split(angles, math.ceil(len(angles) * len(hull) / _AT_ONCE)):
+        z = np.exp(1j * part)[:, None] * hull
+        low = z.real.min(axis=1) + 1j * z.imag.min(axis=1)
+        high = z.real.max(axis=1) + 1j * z.imag.max(axis=1)
+        for angle, a, b in zip(part.tolist(), low.tolist(), high.tolist(), strict=True):
+            rectangles.append(Footprint(angle, (b - a).real, (b - a).imag, (a + b) / 2))
+    return rectangles
 
 
 def _fits(f: Footprint, bed: tuple[float, float]) -> bool:
@@ -229,11 +234,13 @@ def laid_out(
     """
     import rectpack
 
-    whole, gap = bed, gap + _SPARE
+    whole = bed
+    gap = gap + _SPARE
     if margin is not None:
         bed = within(bed, margin)
     prints: dict[str, Footprint] = {}
-    findings, copies = [], []
+    findings = []
+    copies = []
     turns = {part.name: sides.get(part.name, Side()).turn for part in parts}
     lying = {part.name: meshes[part.name].vertices @ turns[part.name].T for part in parts}
     for part in parts:
@@ -254,7 +261,7 @@ def laid_out(
     cells: dict[int, list[tuple[int, complex, complex]]] = {}
     for plate, x, y, width, height, k in packer.rect_list():
         cells.setdefault(plate, []).append((k, complex(x, y), complex(width, height)))
-    laid = []
+    plates = []
     for plate in sorted(cells):
         far = [low + size for _, low, size in cells[plate]]
         middle = (
@@ -267,15 +274,20 @@ def laid_out(
             name, copy = copies[k]
             across = size != complex(*sizes[k])
             centre = middle + (low + size / 2) * _UNIT - gap * (1 + 1j) / 2
-            turned = prints[name].centre * (1j if across else 1)
+            middle_of_part = prints[name].centre * (1j if across else 1)
             angle = prints[name].angle + (math.pi / 2 if across else 0.0)
             spots.append(
                 Spot(
-                    name, copy, angle, centre - turned, -float(lying[name][:, 2].min()), turns[name]
+                    name,
+                    copy,
+                    angle,
+                    centre - middle_of_part,
+                    -float(lying[name][:, 2].min()),
+                    turns[name],
                 )
             )
-        laid.append(tuple(spots))
-    return Layout(tuple(laid), tuple(findings))
+        plates.append(tuple(spots))
+    return Layout(tuple(plates), tuple(findings))
 
 
 def _cell(f: Footprint, bed: tuple[float, float], gap: float) -> tuple[int, int]:
@@ -311,9 +323,9 @@ def placed(spots: Sequence[Spot]) -> list[Placed]:
     from camgen.files.threemf import Placed
     from camgen.geometry.mesh import placing
 
-    found = []
+    copies = []
     for spot in spots:
         place = placing(spot.angle, spot.position, spot.z, 0.0)
-        turned = np.column_stack([place[:, :3] @ spot.turn, place[:, 3]]) + 0.0
-        found.append(Placed(spot.part, f"{spot.part} {spot.copy}", turned))
-    return found
+        transform = np.column_stack([place[:, :3] @ spot.turn, place[:, 3]]) + 0.0
+        copies.append(Placed(spot.part, f"{spot.part} {spot.copy}", transform))
+    return copies

@@ -24,7 +24,8 @@ from camgen.geometry.outlines import Floats
 from camgen.parts.exact import SAME, exact
 
 _SCHEMA = "AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }"
-_UPRIGHT, _LEVEL = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
+_UPRIGHT = (0.0, 0.0, 1.0)
+_LEVEL = (1.0, 0.0, 0.0)
 
 
 def write_part(path: Path, job: Job) -> None:
@@ -146,11 +147,11 @@ def _product(out: _Entities, name: str, title: str, body: Brep) -> tuple[int, in
     definition = _defined(out, name, title)
     shape = out.add(f"PRODUCT_DEFINITION_SHAPE('','',#{definition})")
     solid = _solid(out, name, body)
-    found = out.add(
+    representation = out.add(
         f"ADVANCED_BREP_SHAPE_REPRESENTATION({_text(name)},(#{out.place((0, 0, 0))},#{solid}),#{out.context})"
     )
-    out.add(f"SHAPE_DEFINITION_REPRESENTATION(#{shape},#{found})")
-    return definition, found
+    out.add(f"SHAPE_DEFINITION_REPRESENTATION(#{shape},#{representation})")
+    return definition, representation
 
 
 def _solid(out: _Entities, name: str, body: Brep) -> int:
@@ -158,7 +159,8 @@ def _solid(out: _Entities, name: str, body: Brep) -> int:
     corners = [out.add(f"VERTEX_POINT('',#{out.point(p)})") for p in points]
     curves = []
     for edge in body.edges:
-        a, b = points[edge.a], points[edge.b]
+        a = points[edge.a]
+        b = points[edge.b]
         if edge.radius:
             curve = out.add(
                 f"CIRCLE('',#{out.place((edge.centre.real, edge.centre.imag, a[2]))},{_real(edge.radius)})"
@@ -221,21 +223,23 @@ def _assembly(
     shape = out.add(f"PRODUCT_DEFINITION_SHAPE('','',#{whole})")
     origin = out.place((0, 0, 0))
     places = [out.place(m[:, 3], m[:, 2], m[:, 0]) for m in (copy.transform for copy in copies)]
-    found = out.add(
+    representation = out.add(
         f"SHAPE_REPRESENTATION({_text(name)},{_refs([origin, *places])},#{out.context})"
     )
-    out.add(f"SHAPE_DEFINITION_REPRESENTATION(#{shape},#{found})")
+    out.add(f"SHAPE_DEFINITION_REPRESENTATION(#{shape},#{representation})")
     for copy, place in zip(copies, places, strict=True):
-        part, own = shapes[copy.object]
+        part, body = shapes[copy.object]
         label = _text(copy.name)
-        used = out.add(f"NEXT_ASSEMBLY_USAGE_OCCURRENCE({label},{label},'',#{whole},#{part},$)")
-        use = out.add(f"PRODUCT_DEFINITION_SHAPE('','',#{used})")
-        moved = out.add(f"ITEM_DEFINED_TRANSFORMATION('','',#{origin},#{place})")
-        related = out.add(
-            f"(REPRESENTATION_RELATIONSHIP('','',#{own},#{found})REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION(#{moved})"
+        occurrence = out.add(
+            f"NEXT_ASSEMBLY_USAGE_OCCURRENCE({label},{label},'',#{whole},#{part},$)"
+        )
+        occurrence_shape = out.add(f"PRODUCT_DEFINITION_SHAPE('','',#{occurrence})")
+        transform = out.add(f"ITEM_DEFINED_TRANSFORMATION('','',#{origin},#{place})")
+        relation = out.add(
+            f"(REPRESENTATION_RELATIONSHIP('','',#{body},#{representation})REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION(#{transform})"
             "SHAPE_REPRESENTATION_RELATIONSHIP())"
         )
-        out.add(f"CONTEXT_DEPENDENT_SHAPE_REPRESENTATION(#{related},#{use})")
+        out.add(f"CONTEXT_DEPENDENT_SHAPE_REPRESENTATION(#{relation},#{occurrence_shape})")
 
 
 # ---- read back ---------------------------------------------------------------------------------------------------------
@@ -339,7 +343,7 @@ def _entities(text: str) -> dict[str, list[Any]]:
     ValueError where one is not of a form that is written here, by its number.
     """
     data = text.partition("DATA;")[2]
-    found: dict[str, list[Any]] = {}
+    entities: dict[str, list[Any]] = {}
     forms: dict[str, list[str]] = {}
     stack: list[list[Any]] = [[]]
     form: list[str] = []
@@ -362,17 +366,18 @@ def _entities(text: str) -> dict[str, list[Any]]:
         elif mark == ";":
             (row,) = stack
             key = next((each for each in form if each[0] == "#"), form[0])
-            if key in found:
+            if key in entities:
                 raise ValueError(f"{key} stands twice")
-            found[key] = (
+            entities[key] = (
                 row[1] if len(row) == 2 else row[1:]
             )  # several types of one entity are in brackets of their own
             forms[key] = form
-            stack, form = [[]], []
+            stack = [[]]
+            form = []
     if match is None or form or data[match.end() :].split() != _END:
         raise ValueError(f"no instance, and not the end: {data[at : at + 40].strip()!r}")
     _refuse_other_forms(forms)
-    return found
+    return entities
 
 
 def _refuse_other_forms(forms: Mapping[str, Sequence[str]]) -> None:
@@ -381,11 +386,11 @@ def _refuse_other_forms(forms: Mapping[str, Sequence[str]]) -> None:
         ref: next((each for each in form[2:4] if each != "("), "") for ref, form in forms.items()
     }
     for ref, form in forms.items():
-        said = "".join(f"#{types.get(each, '')}" if each[0] == "#" else each for each in form[2:-1])
+        text = "".join(f"#{types.get(each, '')}" if each[0] == "#" else each for each in form[2:-1])
         if form[:2] != [ref, "="] or not any(
-            each.fullmatch(said) for each in _FORMS.get(types[ref], ())
+            each.fullmatch(text) for each in _FORMS.get(types[ref], ())
         ):
-            raise ValueError(f"{ref} is {said[:100]}, not as camgen writes it")
+            raise ValueError(f"{ref} is {text[:100]}, not as camgen writes it")
 
 
 class _Reader:
@@ -444,8 +449,8 @@ class _Reader:
         copies = []
         for _, (relation, use) in self.all("CONTEXT_DEPENDENT_SHAPE_REPRESENTATION"):
             label, _, _, _, part, _ = self.get(owners[use], "NEXT_ASSEMBLY_USAGE_OCCURRENCE")
-            moved = self.get(relation, "REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION")[0]
-            at, z, x = self.frame(self.get(moved, "ITEM_DEFINED_TRANSFORMATION")[3])
+            transform = self.get(relation, "REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION")[0]
+            at, z, x = self.frame(self.get(transform, "ITEM_DEFINED_TRANSFORMATION")[3])
             copies.append(
                 Placed(names[part], str(label), np.column_stack([x, np.cross(z, x), z, at]))
             )
@@ -461,7 +466,7 @@ class _Reader:
         corners: dict[str, int] = {}
         points: list[Floats] = []
         edges: dict[str, int] = {}
-        made: list[Edge] = []
+        curves: list[Edge] = []
 
         def corner(vertex: str) -> int:
             if vertex not in corners:
@@ -474,11 +479,11 @@ class _Reader:
                 _, a, b, curve, sense = self.get(curve_ref, "EDGE_CURVE")
                 if sense != ".T.":
                     raise ValueError(f"{curve_ref} runs against its curve")
-                edges[curve_ref] = len(made)
-                made.append(self.edge(corner(a), corner(b), points, curve))
+                edges[curve_ref] = len(curves)
+                curves.append(self.edge(corner(a), corner(b), points, curve))
             return edges[curve_ref]
 
-        found = []
+        shells = []
         for face_ref in faces:
             _, bounds, surface, sense = self.get(face_ref, "ADVANCED_FACE")
             loops: list[Loop] = []
@@ -488,9 +493,9 @@ class _Reader:
                     raise ValueError(f"{bound} runs against its face")
                 steps = [self.get(step, "ORIENTED_EDGE") for step in self.get(loop, "EDGE_LOOP")[1]]
                 loops.append(tuple((edge(step[3]), step[4] == ".T.") for step in steps))
-            looks = self.looks(Brep(np.array(points), made, ()), loops, surface, sense == ".T.")
-            found.append(Face(looks, tuple(loops)))
-        return Brep(np.array(points), made, found)
+            looks = self.looks(Brep(np.array(points), curves, ()), loops, surface, sense == ".T.")
+            shells.append(Face(looks, tuple(loops)))
+        return Brep(np.array(points), curves, shells)
 
     def edge(self, a: int, b: int, points: Sequence[Floats], curve: str) -> Edge:
         """An edge, its corners held to its curve."""

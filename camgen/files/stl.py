@@ -48,14 +48,12 @@ def read_stl(path: str | Path, normals: bool = False) -> Mesh:
     binary = len(data) >= 84 and len(data) == 84 + 50 * count
     triangles = count if binary else data.count(b"vertex") // 3
     if triangles > MOST_TRIANGLES:
-        said = f"has {triangles:,} triangles, {MOST_TRIANGLES:,} at most are read"
-        raise FileError(path, f"{said}: reduce the mesh, or export it with a larger tolerance")
+        reason = f"has {triangles:,} triangles, {MOST_TRIANGLES:,} at most are read"
+        raise FileError(path, f"{reason}: reduce the mesh, or export it with a larger tolerance")
     if binary:
         rows = np.frombuffer(data, _ROW, offset=84)
-        corners, stored = (
-            rows["corners"].astype(float),
-            rows["normal"].astype(float) if normals else None,
-        )
+        corners = rows["corners"].astype(float)
+        stored = rows["normal"].astype(float) if normals else None
     elif data.lstrip().startswith(b"solid") and b"facet" in data[:1000]:
         if normals:
             raise FileError(path, "is an STL in text; a binary one was expected")
@@ -67,7 +65,8 @@ def read_stl(path: str | Path, normals: bool = False) -> Mesh:
             for word in place.groups()
         )
         try:
-            corners, stored = np.fromiter(map(float, words), float).reshape(-1, 3, 3), None
+            corners = np.fromiter(map(float, words), float).reshape(-1, 3, 3)
+            stored = None
         except ValueError as error:
             raise FileError(path, f"STL text with a wrong vertex: {error}") from None
     elif len(data) < 84:

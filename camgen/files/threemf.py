@@ -85,63 +85,59 @@ def write_3mf(path: Path, objects: Mapping[str, Mesh], items: Sequence[Placed], 
     """
     import lib3mf
 
-    def made(*what: object) -> str:
+    def identifier(*what: object) -> str:
         return str(uuid.uuid5(uuid.NAMESPACE_URL, ":".join(map(str, ("camgen", key, *what)))))
 
     model = lib3mf.get_wrapper().CreateModel()
     model.SetUnit(lib3mf.ModelUnit.MilliMeter)
-    model.SetBuildUUID(made("build"))
-    about = model.GetMetaDataGroup()
-    about.AddMetaData("", "Title", path.stem, "xs:string", True)
-    about.AddMetaData("", "Application", f"camgen {__version__}", "xs:string", True)
+    model.SetBuildUUID(identifier("build"))
+    metadata = model.GetMetaDataGroup()
+    metadata.AddMetaData("", "Title", path.stem, "xs:string", True)
+    metadata.AddMetaData("", "Application", f"camgen {__version__}", "xs:string", True)
     colours = model.AddBaseMaterialGroup()
     identity = _transform(np.eye(3, 4))
     meshes: dict[str, Any] = {}
-    placed = {item.object for item in items}
+    names = {item.object for item in items}
     for name, mesh in objects.items():
-        if name not in placed:
+        if name not in names:
             continue
-        vertices, faces = (
-            np.ascontiguousarray(mesh.vertices, np.float32),
-            np.ascontiguousarray(mesh.faces, np.uint32),
-        )
-        thing = meshes[name] = model.AddMeshObject()
-        thing.SetName(name)
-        thing.SetUUID(made("mesh", name))
-        call, code = (
-            thing._wrapper,
-            thing._wrapper.lib.lib3mf_meshobject_setgeometry,
-        )  # `SetGeometry` copies number by number
-        rows = (
+        vertices = np.ascontiguousarray(mesh.vertices, np.float32)
+        faces = np.ascontiguousarray(mesh.faces, np.uint32)
+        object_ = meshes[name] = model.AddMeshObject()
+        object_.SetName(name)
+        object_.SetUUID(identifier("mesh", name))
+        # `SetGeometry` copies number by number.
+        wrapper = object_._wrapper
+        code = wrapper.lib.lib3mf_meshobject_setgeometry(
+            object_._handle,
+            c_uint64(len(vertices)),
             (lib3mf.Position * len(vertices)).from_buffer(vertices),
+            c_uint64(len(faces)),
             (lib3mf.Triangle * len(faces)).from_buffer(faces),
         )
-        call.checkError(
-            thing,
-            code(thing._handle, c_uint64(len(vertices)), rows[0], c_uint64(len(faces)), rows[1]),
-        )
-        thing.SetObjectLevelProperty(
+        wrapper.checkError(object_, code)
+        object_.SetObjectLevelProperty(
             colours.GetUniqueResourceID(),
             colours.AddMaterial(name, lib3mf.Color(*_colour(name), 255)),
         )
     for item in items:
-        thing = meshes[item.object]
+        object_ = meshes[item.object]
         if item.name != item.object or not np.array_equal(item.transform, np.eye(3, 4)):
-            thing = model.AddComponentsObject()
-            thing.SetName(item.name)
-            thing.SetUUID(made("copy", item.name))
-            thing.AddComponent(meshes[item.object], _transform(item.transform)).SetUUID(
-                made("component", item.name)
+            object_ = model.AddComponentsObject()
+            object_.SetName(item.name)
+            object_.SetUUID(identifier("copy", item.name))
+            object_.AddComponent(meshes[item.object], _transform(item.transform)).SetUUID(
+                identifier("component", item.name)
             )
-        build = model.AddBuildItem(thing, identity)
-        build.SetUUID(made("item", item.name))
+        build = model.AddBuildItem(object_, identity)
+        build.SetUUID(identifier("item", item.name))
         build.SetPartNumber(item.name)
     writer = model.QueryWriter("3mf")
     writer.SetDecimalPrecision(_DECIMALS)
-    written = io.BytesIO()  # `WriteToBuffer` would write all of it twice, once for its length
-    write = lib3mf.WriteCallback(lambda data, size, _: written.write(string_at(data, size)))
-    writer.WriteToCallback(write, lib3mf.SeekCallback(lambda place, _: written.seek(place)), None)
-    path.write_bytes(written.getvalue())
+    stream = io.BytesIO()  # `WriteToBuffer` would write all of it twice, once for its length
+    write = lib3mf.WriteCallback(lambda data, size, _: stream.write(string_at(data, size)))
+    writer.WriteToCallback(write, lib3mf.SeekCallback(lambda place, _: stream.seek(place)), None)
+    path.write_bytes(stream.getvalue())
 
 
 def _colour(name: str) -> tuple[int, int, int]:
@@ -250,43 +246,43 @@ def _package(path: str, data: bytes, strict: bool) -> Package:
         reader.ReadFromFile(path)
     except lib3mf.ELib3MFException as error:
         raise FileError(path, f"not a valid 3MF file: {error}") from None
-    told = [reader.GetWarning(i) for i in range(reader.GetWarningCount())]
-    if any(code == _NO_UNIT for code, _ in told):
+    messages = [reader.GetWarning(i) for i in range(reader.GetWarningCount())]
+    if any(code == _NO_UNIT for code, _ in messages):
         raise FileError(
             path, "names a unit that there is not in a 3MF file; millimeter was expected"
         )
-    warnings = [*(text for _, text in told), *(extras if strict else ())]
+    warnings = [*(text for _, text in messages), *(extras if strict else ())]
     meshes: dict[int, tuple[str, Mesh]] = {}  # by the number of the resource, which alone is unique
     inside: dict[int, list[tuple[int, Floats]]] = {}  # what an object is made of, and where
-    for thing in _each(model.GetMeshObjects(), "GetCurrentMeshObject"):
-        name = thing.GetName()
+    for resource in _each(model.GetMeshObjects(), "GetCurrentMeshObject"):
+        name = resource.GetName()
         mesh, idle = _without_spare(
-            _array(thing.GetVertices(), np.float32, 3).astype(float),
-            _array(thing.GetTriangleIndices(), np.uint32, 3).astype(np.int64),
+            _array(resource.GetVertices(), np.float32, 3).astype(float),
+            _array(resource.GetTriangleIndices(), np.uint32, 3).astype(np.int64),
         )
-        meshes[thing.GetUniqueResourceID()] = name, mesh
+        meshes[resource.GetUniqueResourceID()] = name, mesh
         warnings += [f"object '{name}' has {idle} vertices that no triangle uses"] if idle else []
-    for thing in _each(model.GetComponentsObjects(), "GetCurrentComponentsObject"):
-        parts = [thing.GetComponent(i) for i in range(thing.GetComponentCount())]
-        inside[thing.GetUniqueResourceID()] = [
+    for resource in _each(model.GetComponentsObjects(), "GetCurrentComponentsObject"):
+        parts = [resource.GetComponent(i) for i in range(resource.GetComponentCount())]
+        inside[resource.GetUniqueResourceID()] = [
             (part.GetObjectResource().GetUniqueResourceID(), _matrix(part.GetTransform()))
             for part in parts
         ]
     kinds = {
-        thing.GetUniqueResourceID(): thing
-        for thing in _each(model.GetObjects(), "GetCurrentObject")
+        resource.GetUniqueResourceID(): resource
+        for resource in _each(model.GetObjects(), "GetCurrentObject")
     }
     warnings += [
-        f"object '{thing.GetName()}' is of type {thing.GetType().name.lower()}, not model"
-        for thing in kinds.values()
-        if thing.GetType() != lib3mf.ObjectType.Model
+        f"object '{resource.GetName()}' is of type {resource.GetType().name.lower()}, not model"
+        for resource in kinds.values()
+        if resource.GetType() != lib3mf.ObjectType.Model
     ]
     names = Counter(name for name, _ in meshes.values())
     warnings += [
         f"{count} objects have the name '{name}'" for name, count in names.items() if count > 1
     ]
     items: list[Item] = []
-    waiting = [
+    stack = [
         (
             item.GetObjectResource().GetUniqueResourceID(),
             _matrix(item.GetObjectTransform()),
@@ -294,10 +290,10 @@ def _package(path: str, data: bytes, strict: bool) -> Package:
         )
         for item in _each(model.GetBuildItems(), "GetCurrent")
     ][::-1]
-    built = set()
-    while waiting:
-        number, outer, labels = waiting.pop()
-        built.add(number)
+    numbers = set()
+    while stack:
+        number, outer, labels = stack.pop()
+        numbers.add(number)
         if number in meshes:
             name, mesh = meshes[number]
             items.append(Item(name, mesh, outer[:3]))
@@ -311,13 +307,13 @@ def _package(path: str, data: bytes, strict: bool) -> Package:
             ]
         else:
             within = labels | {kinds[number].GetName()}
-            waiting += [
+            stack += [
                 (part, product(outer, inner), within) for part, inner in reversed(inside[number])
             ]
     warnings += [
-        f"nothing builds object '{thing.GetName()}'"
-        for number, thing in kinds.items()
-        if number not in built
+        f"nothing builds object '{resource.GetName()}'"
+        for number, resource in kinds.items()
+        if number not in numbers
     ]
     return Package(model.GetUnit().name, tuple(warnings), tuple(items))
 
@@ -349,36 +345,15 @@ def _looked_through(path: str | Path) -> list[str]:
     FileError where it places more than MOST_COPIES or unpacks to more than MOST_BYTES, or is none: lib3mf walks through all
     copies as it reads; a billion, in a file of a kilobyte, take it half a minute.
     """
-    inside: dict[Object, list[Object]] = {}
     try:
         with zipfile.ZipFile(path) as package:
-            size = sum(part.file_size for part in package.infolist())
-            if size > MOST_BYTES:
-                raise FileError(
-                    path,
-                    f"unpacks to {size / 1e6:.0f} MB; {MOST_BYTES / 1e6:.0f} MB at most are read",
-                )
-            for part in package.infolist():
-                if part.file_size > _SMALL and part.file_size > _PACKED * part.compress_size:
-                    said = f"{part.filename} unpacks to {part.file_size / 1e6:.0f} MB from {part.compress_size / 1e6:.3g} MB"
-                    raise FileError(path, f"{said}; {_PACKED} times as much at most is read")
-            parts = {name: package.read(name) for name in package.namelist()}
+            parts = _unpacked(path, package)
         triangles = sum(text.count(b"triangle ") for text in parts.values())
         if triangles > MOST_TRIANGLES:
             raise FileError(
                 path, f"has {triangles:,} triangles, {MOST_TRIANGLES:,} at most are read"
             )
-        if not any(b"component" in text for text in parts.values()):  # lib3mf reads UTF-8 alone
-            return _extras(parts)
-        for name, text in parts.items():
-            try:
-                _count(f"/{name}".lower(), _BULK.sub(b"", text), inside)
-            except expat.ExpatError:
-                if name.lower().endswith(".model"):
-                    raise
-        copies: dict[Object, int] = {}
-        for each in TopologicalSorter(inside).static_order():
-            copies[each] = 1 + sum(copies[other] for other in inside[each])
+        copies = _copies(parts)
     except CycleError as error:
         raise FileError(
             path, f"not a valid 3MF file: object {error.args[1][0][1]} is made of itself"
@@ -396,13 +371,46 @@ def _looked_through(path: str | Path) -> list[str]:
         raise FileError(
             path, f"not a valid 3MF file: there is no object {error.args[0][1]} in it"
         ) from None
-    most = max(copies.values(), default=0)
-    if most > MOST_COPIES:
-        said = str(most) if most < 1e9 else f"about 1e{len(str(most)) - 1}"
+    if copies > MOST_COPIES:
+        number = str(copies) if copies < 1e9 else f"about 1e{len(str(copies)) - 1}"
         raise FileError(
-            path, f"places {said} copies of its objects; {MOST_COPIES} at most are read"
+            path, f"places {number} copies of its objects; {MOST_COPIES} at most are read"
         )
     return _extras(parts)
+
+
+def _unpacked(path: str | Path, package: zipfile.ZipFile) -> dict[str, bytes]:
+    """The parts of a package by name; FileError where they are too large."""
+    size = sum(part.file_size for part in package.infolist())
+    if size > MOST_BYTES:
+        raise FileError(
+            path, f"unpacks to {size / 1e6:.0f} MB; {MOST_BYTES / 1e6:.0f} MB at most are read"
+        )
+    for part in package.infolist():
+        if part.file_size > _SMALL and part.file_size > _PACKED * part.compress_size:
+            sizes = f"{part.file_size / 1e6:.0f} MB from {part.compress_size / 1e6:.3g} MB"
+            raise FileError(
+                path,
+                f"{part.filename} unpacks to {sizes}; {_PACKED} times as much at most is read",
+            )
+    return {name: package.read(name) for name in package.namelist()}
+
+
+def _copies(parts: Mapping[str, bytes]) -> int:
+    """How many copies the object that places the most stands for; CycleError where one is made of itself."""
+    if not any(b"component" in text for text in parts.values()):  # lib3mf reads UTF-8 alone
+        return 0
+    inside: dict[Object, list[Object]] = {}
+    for name, text in parts.items():
+        try:
+            _count(f"/{name}".lower(), _BULK.sub(b"", text), inside)
+        except expat.ExpatError:
+            if name.lower().endswith(".model"):
+                raise
+    copies: dict[Object, int] = {}
+    for each in TopologicalSorter(inside).static_order():
+        copies[each] = 1 + sum(copies[other] for other in inside[each])
+    return max(copies.values(), default=0)
 
 
 def _extras(parts: Mapping[str, bytes]) -> list[str]:
@@ -410,12 +418,14 @@ def _extras(parts: Mapping[str, bytes]) -> list[str]:
 
     Beams, slices, volumes and the like stand in elements of extensions, modifiers of a slicer in parts of their own.
     """
-    found = sorted(
+    tags = sorted(
         {tag.decode() for text in parts.values() for tag in re.findall(rb"<(\w+:\w+)", text)}
     )
-    other = [name for name in parts if name.lower() not in _OURS]
-    said = [f"holds elements of extensions: {', '.join(found[:5])}"] if found else []
-    return said + ([f"holds parts that are not camgen's: {', '.join(other[:5])}"] if other else [])
+    names = [name for name in parts if name.lower() not in _OURS]
+    remarks = [f"holds elements of extensions: {', '.join(tags[:5])}"] if tags else []
+    return remarks + (
+        [f"holds parts that are not camgen's: {', '.join(names[:5])}"] if names else []
+    )
 
 
 def _count(part: str, text: bytes, inside: dict[Object, list[Object]]) -> None:

@@ -18,30 +18,26 @@ _ROW = 12.0
 
 @dataclass(frozen=True)
 class Fit:
-    """How a round hole of a part, centre and diameter in mm, fits what goes through: "slide on Ø6"."""
+    """How a round hole of a part fits what goes through."""
 
-    at: complex
-    diameter: float
-    words: str
+    at: complex  # its centre, mm
+    diameter: float  # mm
+    words: str  # such as "slide on Ø6"
 
 
 @dataclass(frozen=True)
 class Facts:
-    """What a drawing says of a part besides its shape; "" or None is left out.
-
-    tolerance: general tolerance; number: of the drawing, its file's name unless given; mass_g: of one part, g;
-    profile_step_deg: between the rows of a cam's table; position: of holes, the diameter in which their axes lie, mm.
-    """
+    """What a drawing says of a part besides its shape; "" or None is left out."""
 
     mechanism: str = ""
     material: str = ""
-    mass_g: float | None = None
-    tolerance: str = ""
-    number: str = ""
+    mass_g: float | None = None  # of one part, g
+    tolerance: str = ""  # general tolerance
+    number: str = ""  # of the drawing, its file's name unless given
     date: str = ""
     fits: Sequence[Fit] = ()
-    profile_step_deg: float | None = None
-    position: float = 0.0
+    profile_step_deg: float | None = None  # between the rows of a cam's table
+    position: float = 0.0  # of holes: the diameter in which their axes lie, mm
 
     def shape(self, hole: Hole) -> str:
         """What a hole is, with its fit where one is known."""
@@ -60,16 +56,9 @@ def grams(mass: float) -> str:
 
 
 def title_block(
-    sheet: Sheet,
-    right: float,
-    low: float,
-    part: Part,
-    facts: Facts,
-    stem: str,
-    scale: float,
-    size: str,
+    sheet: Sheet, corner: complex, part: Part, facts: Facts, scale: float, size: str
 ) -> None:
-    """Draw the block with its lower right corner there; scale: mm of paper for a mm of the part."""
+    """Draw the block, its lower right corner there; scale: mm of paper for a mm of the part; size: of the paper."""
     mass = "" if facts.mass_g is None else grams(facts.mass_g)
     middle = [
         ("Mechanism", facts.mechanism, 0.0),
@@ -93,45 +82,40 @@ def title_block(
             ("Made by", f"camgen {__version__}", 45.0),
         ],
         middle,
-        [("Part", part.title, 85.0), ("Drawing number", facts.number or f"{stem}-drawing", 85.0)],
+        [("Part", part.title, 85.0), ("Drawing number", facts.number, 85.0)],
     ]
     for k, row in enumerate(rows):
-        corner = complex(right - SIZE[0], low + _ROW * k)
+        left = corner - SIZE[0] + 1j * _ROW * k
         for key, value, width in row:
-            sheet.line(
-                corner,
-                corner + width,
-                corner + width + 1j * _ROW,
-                corner + 1j * _ROW,
-                layer="TEXT",
-                closed=True,
-            )
-            sheet.text(corner + 1.5 + 8.6j, key, 1.8)
+            _cell(sheet, left, width, _ROW)
+            sheet.text(left + 1.5 + 8.6j, key, 1.8)
             if key == "Projection":
-                _first_angle(sheet, corner + 12 + 4.3j)
-                sheet.text(corner + 24 + 3.2j, "first angle", 2.5, room=width - 25)
+                _first_angle(sheet, left + 12 + 4.3j)
+                sheet.text(left + 24 + 3.2j, "first angle", 2.5, room=width - 25)
             else:
-                sheet.text(corner + 1.5 + 2.6j, value, 3.5, room=width - 3)
-            corner += width
+                sheet.text(left + 1.5 + 2.6j, value, 3.5, room=width - 3)
+            left += width
+
+
+def _cell(sheet: Sheet, corner: complex, width: float, height: float) -> None:
+    """A frame of so much, mm, its lower left corner there."""
+    top = 1j * height
+    sheet.line(
+        corner, corner + width, corner + width + top, corner + top, layer="TEXT", closed=True
+    )
 
 
 def position_frame(sheet: Sheet, corner: complex, diameter: float, datum: str) -> None:
     """Frame of a tolerance of position, from its lower left corner, and what it is of; datum: "" is none. [ISO 1101]"""
-    high, middle = 6.0, corner + 4 + 3j
+    high = 6.0
+    middle = corner + 4 + 3j
     cells = ["", f"Ø{number(diameter)}", *([datum] if datum else [])]
     sheet.arc(middle, 1.4, 0.0, math.tau, "TEXT")
     for way in (1, 1j):
         sheet.line(middle - 2.2 * way, middle + 2.2 * way, layer="TEXT")
     for k, cell in enumerate(cells):
         width = max(8.0, Text(0j, cell, 2.5).room + 3)
-        sheet.line(
-            corner,
-            corner + width,
-            corner + width + 1j * high,
-            corner + 1j * high,
-            layer="TEXT",
-            closed=True,
-        )
+        _cell(sheet, corner, width, high)
         sheet.text(corner + width / 2 + 1.8j, cell if k else "", 2.5, "centre")
         corner += width
     sheet.text(corner + 2 + 1.8j, "round holes; X and Y are exact", room=58)
@@ -139,8 +123,11 @@ def position_frame(sheet: Sheet, corner: complex, diameter: float, datum: str) -
 
 def _first_angle(sheet: Sheet, middle: complex) -> None:
     """A cone's frustum from the side, small end left, and to its right as seen from there. [ISO 5456-2]"""
-    large, small = 2.8, 1.4  # radii, mm
-    side, front = middle - 5.5, middle + 4.5
+    # radii, mm
+    large = 2.8
+    small = 1.4
+    side = middle - 5.5
+    front = middle + 4.5
     sheet.line(
         side - 2.8 - 1j * small,
         side + 2.8 - 1j * large,

@@ -56,17 +56,18 @@ def contours_of(shape: Any) -> Iterator[Contour]:
         )
 
 
-def from_above(part: Part, crossed: Region, tolerance: float) -> list[Contour]:
+def from_above(part: Part, profile: Region, tolerance: float) -> list[Contour]:
     """What the view along y shows of a crossed part: of each layer the second outline, as far as the layer goes."""
     import shapely
 
-    whole, found = area(crossed, tolerance), list[Contour]()
+    whole = area(profile, tolerance)
+    contours = list[Contour]()
     for layer in part.layers:
         low, high = extent([layer.region.outer])
-        found += contours_of(
+        contours += contours_of(
             whole.intersection(shapely.box(low.real, layer.z0, high.real, layer.z1))
         )
-    return found
+    return contours
 
 
 # ---- hidden edges ----------------------------------------------------------------------------------------------------
@@ -78,17 +79,17 @@ def _span(region: Region, x: float, tolerance: float) -> tuple[float, float]:
 
     shape = area(region, tolerance)
     _, low, _, high = shape.bounds
-    cut = shape.intersection(shapely.LineString([(x, low - 1), (x, high + 1)]))
-    return (low, high) if cut.is_empty else (cut.bounds[1], cut.bounds[3])
+    chord = shape.intersection(shapely.LineString([(x, low - 1), (x, high + 1)]))
+    return (low, high) if chord.is_empty else (chord.bounds[1], chord.bounds[3])
 
 
 def side_bores(part: Part, tolerance: float) -> list[Contour]:
     """Boxes of the bores in the view from the left: z + iy, those of one width joined where layers lie on each other."""
-    found = [
+    boxes = [
         rectangle(complex(a, y0), complex(b, y1)) for y0, y1, a, b in _boxes(part, tolerance, 1)
     ]
     across = _across(part, tolerance)
-    return found + [
+    return boxes + [
         rectangle(complex(low.imag, y0), complex(high.imag, y1)) for low, high, y0, y1 in across
     ]
 
@@ -113,10 +114,12 @@ def _boxes(
     """Of bores along z their least and greatest x (axis 0) or y, and from where to where they go: z."""
     spans: dict[tuple[float, float], list[tuple[float, float]]] = {}
     for layer, low, high in _holes(part, tolerance):
-        z0, z1 = layer.z0, layer.z1
+        z0 = layer.z0
+        z1 = layer.z1
         if part.crossed is not None:
             bottom, top = _span(part.crossed, (low.real + high.real) / 2, tolerance)
-            z0, z1 = max(z0, bottom), min(z1, top)
+            z0 = max(z0, bottom)
+            z1 = min(z1, top)
         ends = (low.imag, high.imag) if axis else (low.real, high.real)
         spans.setdefault((round(ends[0], 6), round(ends[1], 6)), []).append((z0, z1))
     return [(*ends, a, b) for ends, each in spans.items() for a, b in _joined(each)]
@@ -145,13 +148,13 @@ def _across(part: Part, tolerance: float) -> list[tuple[complex, complex, float,
 
 def _joined(spans: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
     """Spans in order, those that meet as one."""
-    found: list[tuple[float, float]] = []
+    joined: list[tuple[float, float]] = []
     for low, high in sorted(set(spans)):
-        if found and low <= found[-1][1] + SAME_POINT:
-            found[-1] = (found[-1][0], max(high, found[-1][1]))
+        if joined and low <= joined[-1][1] + SAME_POINT:
+            joined[-1] = (joined[-1][0], max(high, joined[-1][1]))
         else:
-            found.append((low, high))
-    return found
+            joined.append((low, high))
+    return joined
 
 
 # ---- section ---------------------------------------------------------------------------------------------------------
@@ -195,13 +198,13 @@ def section(part: Part, tolerance: float) -> Section | None:
 
     def filled(layers: Sequence[Layer]) -> Any:
         """What the plane meets of layers."""
-        met = [
+        pieces = [
             (layer, each.bounds)
             for layer in layers
             for each in shapely.get_parts(shapes[layer.region].intersection(line))
         ]
         return shapely.union_all(
-            [shapely.box(x0, layer.z0, x1, layer.z1) for layer, (x0, _, x1, _) in met if x1 > x0]
+            [shapely.box(x0, layer.z0, x1, layer.z1) for layer, (x0, _, x1, _) in pieces if x1 > x0]
         )
 
     cut = filled(layers).difference(filled(part.engraved))
@@ -211,10 +214,10 @@ def section(part: Part, tolerance: float) -> Section | None:
         for z in heights
     ]
     edges = _seen_edges(levels, heights, y, max(_STEP, 10 * tolerance))
-    seen = shapely.union_all(shapely.linestrings(edges)).difference(cut.buffer(SAME_POINT))
+    visible = shapely.union_all(shapely.linestrings(edges)).difference(cut.buffer(SAME_POINT))
     lines = [
         shapely.get_coordinates(edge) @ np.array([1, 1j])
-        for edge in shapely.get_parts(shapely.line_merge(seen))
+        for edge in shapely.get_parts(shapely.line_merge(visible))
     ]
     return Section(
         y,
@@ -241,10 +244,10 @@ def _seen_edges(
         return []
     strips = (places[1:] + places[:-1]) / 2
     nothing = np.full(len(strips), math.inf)
-    seen = [_depth(level, strips, y) for level in levels]
+    depths = [_depth(level, strips, y) for level in levels]
     edges = []
     for z, top, below, here in zip(
-        heights, [*heights[1:], heights[-1]], [nothing, *seen], seen, strict=False
+        heights, [*heights[1:], heights[-1]], [nothing, *depths], depths, strict=False
     ):
         with np.errstate(invalid="ignore"):
             differs = ~((here == below) | (np.abs(here - below) <= step))
@@ -270,23 +273,22 @@ def _depth(level: Any, places: Floats, y: float) -> Floats:
     """How far behind the line y material is met first at each x, (n,) mm: 0 where the line lies in it, inf where none is."""
     import shapely
 
-    found = np.full(len(places), math.inf)
+    depth = np.full(len(places), math.inf)
     shapely.prepare(level)
-    found[shapely.contains_xy(level, places, np.full(len(places), y))] = 0.0
+    depth[shapely.contains_xy(level, places, np.full(len(places), y))] = 0.0
     for ring in (
         ring for piece in shapely.get_parts(level) for ring in (piece.exterior, *piece.interiors)
     ):
-        (x0, y0), (x1, y1) = (
-            shapely.get_coordinates(ring)[:-1].T,
-            shapely.get_coordinates(ring)[1:].T,
-        )
-        low, high = np.minimum(x0, x1), np.maximum(x0, x1)
+        (x0, y0) = shapely.get_coordinates(ring)[:-1].T
+        (x1, y1) = shapely.get_coordinates(ring)[1:].T
+        low = np.minimum(x0, x1)
+        high = np.maximum(x0, x1)
         for a, b, c, d, left, right in zip(x0, y0, x1, y1, low, high, strict=True):
             inside = slice(*np.searchsorted(places, [left, right]))
             if inside.stop > inside.start:
                 met = y - (b + (places[inside] - a) / (c - a) * (d - b))
-                found[inside] = np.where((met >= 0) & (met < found[inside]), met, found[inside])
-    return found
+                depth[inside] = np.where((met >= 0) & (met < depth[inside]), met, depth[inside])
+    return depth
 
 
 def _runs(mask: Any) -> tuple[Any, Any]:

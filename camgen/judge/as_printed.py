@@ -32,19 +32,20 @@ def grown(ring: Ring, distance: float) -> Ring:
     one point.
     ValueError where fewer than three points are left of a ring of straight edges, or less than two of one with arcs.
     """
-    points, bulges = ring.points, ring.bulges
+    points = ring.points
+    bulges = ring.bulges
     if distance == 0:
         return ring
-    moved = points + _ways(points, bulges, distance)
+    vertices = points + _ways(points, bulges, distance)
     for _ in range(_ROUNDS):
-        over = _turned_over(points, moved, bulges)
+        over = _turned_over(points, vertices)
         if not over.any():
             least = 2 if bulges.any() else 3
-            if len(moved) < least:
+            if len(vertices) < least:
                 break
-            return Ring(moved, bulges)
-        points, moved, bulges = _merged(points, moved, bulges, over)
-        if len(moved) < 2:
+            return Ring(vertices, bulges)
+        points, vertices, bulges = _merged(points, vertices, bulges, over)
+        if len(vertices) < 2:
             break
     raise ValueError(f"nothing is left of a ring moved by {distance:g} mm")
 
@@ -63,18 +64,19 @@ def _ways(points: Points, bulges: Floats, distance: float) -> Points:
         (normal[at], bend[at] / np.maximum(1 + distance * bend[at], 0.5)) for normal, bend in sides
     ]
     for _ in range(_STEPS):  # of Newton's method, to where two moved circles of curvature meet
-        aside = [ways[at] - distance * normal for normal, _ in curves]
+        offsets = [ways[at] - distance * normal for normal, _ in curves]
         off = [
             np.real(np.conj(n) * v) + k * np.abs(v) ** 2 / 2
-            for (n, k), v in zip(curves, aside, strict=True)
+            for (n, k), v in zip(curves, offsets, strict=True)
         ]
-        a, b = (n + k * v for (n, k), v in zip(curves, aside, strict=True))
+        a, b = (n + k * v for (n, k), v in zip(curves, offsets, strict=True))
         ways[at] += 1j * (off[0] * b - off[1] * a) / np.imag(np.conj(a) * b)
-    straight, length = bulges == 0, np.abs(np.roll(points, -1) - points)
+    straight = bulges == 0
+    length = np.abs(np.roll(points, -1) - points)
     turn = np.angle(after / before)
     closes = straight & np.roll(straight, 1) & (np.abs(turn) < _FACET) & (turn * distance < 0)
-    share = length / (length + np.roll(length, 1))
-    return np.asarray(np.where(closes, distance * before * np.exp(1j * turn * share), ways))
+    fraction = length / (length + np.roll(length, 1))
+    return np.asarray(np.where(closes, distance * before * np.exp(1j * turn * fraction), ways))
 
 
 def _normals(points: Points, bulges: Floats) -> tuple[tuple[Points, Floats], tuple[Points, Floats]]:
@@ -84,44 +86,50 @@ def _normals(points: Points, bulges: Floats) -> tuple[tuple[Points, Floats], tup
     length = np.abs(chord)
     across = -1j * chord / length
     half_turn = (1 + 1j * bulges) ** 2 / (1 + bulges**2)
-    begins, ends = across / half_turn, across * half_turn
+    begins = across / half_turn
+    ends = across * half_turn
     # Facets of a curve that ends in a corner: there the curve leaves its last chord by half the chord's own turning.
     turn = np.angle(across / np.roll(across, 1))  # at each vertex
-    reach = (length + np.roll(length, 1)) / 2
-    bend = turn / reach
+    spacing = (length + np.roll(length, 1)) / 2
+    bend = turn / spacing
     facet = (bulges == 0) & (np.roll(bulges, 1) == 0)
     smooth = facet & (np.abs(turn) < _FACET)
 
     def lean(sign: int) -> Floats:
         """Turning of the chord that leaves (sign 1) or reaches (-1) a corner, 0 where it is no facet of a curve."""
-        near, far = np.roll(bend, -sign), np.roll(bend, -2 * sign)
+        near = np.roll(bend, -sign)
+        far = np.roll(bend, -2 * sign)
         curved = np.roll(smooth, -sign) & np.roll(smooth, -2 * sign) & (near * far > 0)
         curved &= (np.abs(near) < 2 * np.abs(far)) & (np.abs(far) < 2 * np.abs(near))
         curved &= facet & (np.abs(turn) > 2 * np.abs(np.roll(turn, -sign)))
         return np.where(curved, near, 0.0)
 
-    leaves, reaches = lean(1), lean(-1)
+    leaves = lean(1)
+    reaches = lean(-1)
     begins = begins * np.exp(-0.5j * leaves * length)
     arrives = np.roll(ends, 1) * np.exp(0.5j * reaches * np.roll(length, 1))
     return (arrives, reaches), (begins, leaves)
 
 
-def _turned_over(points: Points, moved: Points, bulges: Floats) -> np.ndarray:
+def _turned_over(points: Points, vertices: Points) -> np.ndarray:
     """Edges that run backwards after the move, or have no length."""
-    chord, now = np.roll(points, -1) - points, np.roll(moved, -1) - moved
-    return np.asarray(np.real(np.conj(chord) * now) <= 1e-12 * np.abs(chord) ** 2)
+    chord = np.roll(points, -1) - points
+    after = np.roll(vertices, -1) - vertices
+    return np.asarray(np.real(np.conj(chord) * after) <= 1e-12 * np.abs(chord) ** 2)
 
 
 def _merged(
-    points: Points, moved: Points, bulges: Floats, over: np.ndarray
+    points: Points, vertices: Points, bulges: Floats, over: np.ndarray
 ) -> tuple[Points, Points, Floats]:
     """Each run of turned-over edges as one point, in the middle of those that it joins."""
     start = int(np.flatnonzero(~over)[0]) + 1 if not over.all() else 0
-    points, moved = np.roll(points, -start), np.roll(moved, -start)
-    bulges, over = np.roll(bulges, -start), np.roll(over, -start)
+    points = np.roll(points, -start)
+    vertices = np.roll(vertices, -start)
+    bulges = np.roll(bulges, -start)
+    over = np.roll(over, -start)
     group = np.cumsum(np.append(True, ~over[:-1])) - 1
     count = np.bincount(group)
-    place = (np.bincount(group, moved.real) + 1j * np.bincount(group, moved.imag)) / count
-    old = (np.bincount(group, points.real) + 1j * np.bincount(group, points.imag)) / count
+    place = (np.bincount(group, vertices.real) + 1j * np.bincount(group, vertices.imag)) / count
+    source = (np.bincount(group, points.real) + 1j * np.bincount(group, points.imag)) / count
     last = np.cumsum(count) - 1
-    return np.asarray(old, complex), np.asarray(place, complex), bulges[last]
+    return np.asarray(source, complex), np.asarray(place, complex), bulges[last]

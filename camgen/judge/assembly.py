@@ -49,7 +49,8 @@ _BAR = np.array([0.0, 1.0, 0.0, 1.0])  # bulges of a bar's sides and ends
 
 def standing(package: Package, machine: SweptMachine) -> Iterator[tuple[str, Item, str]]:
     """Of an assembly's file each copy, with its name and the body that it stands on; one too many is left out."""
-    stands, number = defaultdict[str, list[str]](list), Counter[str]()
+    stands = defaultdict[str, list[str]](list)
+    number = Counter[str]()
     for mount in machine.mounts:
         stands[mount.part].append(mount.body)
     for item in package.items:
@@ -63,17 +64,20 @@ def sweep(path: Path, machine: SweptMachine) -> tuple[list[Finding], list[Row]]:
 
     The file shows theta = 0. A file that does not hold just the copies of the machine is a ROUND_TRIP that fails.
     """
-    package, where = read_3mf(path), in_file(path)
-    wanted = Counter(mount.part for mount in machine.mounts)
-    found = Counter(item.name for item in package.items)
-    missing = sum(((wanted - found) + (found - wanted)).values())
-    said = f"{counted(sum(wanted.values()), 'copy', 'copies')} of {counted(len(wanted), 'part')} in place"
-    copies = at_most("ROUND_TRIP", missing, 0, "copies", where, said)
+    package = read_3mf(path)
+    where = in_file(path)
+    mounts = Counter(mount.part for mount in machine.mounts)
+    copies_by_part = Counter(item.name for item in package.items)
+    missing = sum(((mounts - copies_by_part) + (copies_by_part - mounts)).values())
+    remark = f"{counted(sum(mounts.values()), 'copy', 'copies')} of {counted(len(mounts), 'part')} in place"
+    finding = at_most("ROUND_TRIP", missing, 0, "copies", where, remark)
     if missing:
-        return [copies], []
-    bodies, spare = [], 4 * machine.tolerance
+        return [finding], []
+    bodies = []
+    spare = 4 * machine.tolerance
     parts: dict[str, str] = {}  # of each body; of a stand-in itself
-    poses, start = _remembered(machine.courses), machine.courses(np.zeros(1))
+    poses = _remembered(machine.courses)
+    start = machine.courses(np.zeros(1))
     courses = {name: _course(poses, name, float(pose.angle[0])) for name, pose in start.items()}
     home = {name: -complex(pose.place[0]) for name, pose in start.items()}
     try:
@@ -82,13 +86,13 @@ def sweep(path: Path, machine: SweptMachine) -> tuple[list[Finding], list[Row]]:
             parts[name] = item.name
             if not abs(item.mesh.volume) > _NOTHING:
                 raise ValueError(f"{name} has no volume")
-        for thing in machine.stand_ins:
-            parts[thing.name] = thing.name
+        for stand_in in machine.stand_ins:
+            parts[stand_in.name] = stand_in.name
             bodies.append(
                 Body(
-                    thing.name,
-                    _slabs(thing, float(start[thing.body].angle[0])),
-                    courses[thing.body],
+                    stand_in.name,
+                    _slabs(stand_in, float(start[stand_in.body].angle[0])),
+                    courses[stand_in.body],
                 )
             )
         clearances = swept(
@@ -98,16 +102,16 @@ def sweep(path: Path, machine: SweptMachine) -> tuple[list[Finding], list[Row]]:
             resolution=max(_SHARE * machine.gap, _FINEST),
             mounted=_PRESSED + spare,
         )
-        ends = _wholes(machine)
-        clearances = [c for c in clearances if {c.a, c.b} not in ends]
+        pieces = [{a.name, b.name} for a, b in _pieces(machine)]
+        clearances = [c for c in clearances if {c.a, c.b} not in pieces]
     except ValueError as error:  # a section that does not close, a motion that jumps
         return [
-            copies,
+            finding,
             at_least(
                 "INTERFERENCE", math.nan, machine.gap, "mm", where, f"cannot be judged: {error}"
             ),
         ], []
-    findings = [copies, *interference(clearances, machine.gap, machine.angle)]
+    findings = [finding, *interference(clearances, machine.gap, machine.angle)]
     ordered = sorted((c for c in clearances if not c.at_rest), key=lambda c: c.gap)
     rows = [
         (
@@ -122,10 +126,10 @@ def sweep(path: Path, machine: SweptMachine) -> tuple[list[Finding], list[Row]]:
     return findings, rows
 
 
-def _wholes(machine: SweptMachine) -> list[set[str]]:
-    """Pairs of stand-ins that are two ends of one thing, as of a spring: they always overlap, which says nothing."""
-    things = [thing for thing in machine.stand_ins if thing.whole]
-    return [{a.name, b.name} for a, b in itertools.combinations(things, 2) if a.whole == b.whole]
+def _pieces(machine: SweptMachine) -> list[tuple[StandIn, StandIn]]:
+    """Pairs of stand-ins that are two pieces of one thing, as of a spring: they always overlap, which says nothing."""
+    things = [each for each in machine.stand_ins if each.whole]
+    return [(a, b) for a, b in itertools.combinations(things, 2) if a.whole == b.whole]
 
 
 def _touching(machine: SweptMachine, parts: Mapping[str, str], spare: float) -> dict[Pair, float]:
@@ -136,54 +140,31 @@ def _touching(machine: SweptMachine, parts: Mapping[str, str], spare: float) -> 
         fits = {}
     for a, b, overlap in _fits(machine, spare):
         ones, others = ([name for name, part in parts.items() if part == each] for each in (a, b))
-        for one, other in itertools.product(ones, others):
-            fits[frozenset((one, other))] = overlap
+        for first, second in itertools.product(ones, others):
+            fits[frozenset((first, second))] = overlap
     return fits
 
 
 def _fits(machine: SweptMachine, spare: float) -> Iterator[tuple[str, str, float]]:
     """Parts and stand-ins that touch by intent, with the overlap that may show: fits that leave less air than `gap`, tips."""
-    tips = [thing.name for thing in machine.stand_ins if thing.rolls]
-    for piece, rest in itertools.combinations(
-        [thing for thing in machine.stand_ins if thing.whole], 2
-    ):
-        if piece.whole == rest.whole:
-            yield (
-                piece.name,
-                rest.name,
-                2 * max(radius for *_, radius, _, _ in (*piece.bars, *rest.bars)) + spare,
-            )
+    tips = [each.name for each in machine.stand_ins if each.rolls]
+    for piece, rest in _pieces(machine):
+        overlap = 2 * max(bar[2] for bar in (*piece.bars, *rest.bars))
+        yield piece.name, rest.name, overlap + spare
     for contact in machine.contacts:
         match contact:
             case CamOutline(part=part, own=own, free=air):
-                made = contact.roller or contact.tip.part
-                rolling = (
-                    [own.part]
-                    if own is not None and own.radius is None
-                    else [made]
-                    if made
-                    else tips
-                )
-                yield from ((tip, part, _ROLLING + spare + max(0.0, -air)) for tip in rolling)
+                roller = contact.roller or contact.tip.part
+                if own is not None and own.radius is None:
+                    roller = own.part
+                for tip in [roller] if roller else tips:
+                    yield tip, part, _ROLLING + spare + max(0.0, -air)
             case GearTeeth(
                 a=wheel, b=mate
             ):  # their play is measured far more finely at the pitch circle
                 yield wheel.part, mate.part, _ROLLING + spare
-            case PinEyes(a=a, b=b, pin=pin, rings=rings):
-                yield from (
-                    (ring.part, pin.part, spare) for ring in rings if pin is not None and pin.part
-                )
-                for one, other in itertools.combinations(
-                    [eye for eye in (a, b, pin) if eye is not None], 2
-                ):
-                    air = (one.diameter - other.diameter) / 2 * (-1 if one.shaft else 1)
-                    if (
-                        one.part
-                        and other.part
-                        and one.shaft is not other.shaft
-                        and air <= machine.gap + spare / 2
-                    ):
-                        yield one.part, other.part, max(0.0, -2 * air) + spare
+            case PinEyes():
+                yield from _pin_fits(contact, machine.gap, spare)
             case Steady(far=far, pin=pin) if far.part and pin is not None and pin.part:
                 if (far.diameter - pin.diameter) / 2 <= machine.gap + spare / 2:
                     yield pin.part, far.part, max(0.0, pin.diameter - far.diameter) + spare
@@ -193,6 +174,19 @@ def _fits(machine: SweptMachine, spare: float) -> Iterator[tuple[str, str, float
                 yield runner.part, rails.part, spare
             case Passing(a=a, b=b) if contact.gap <= machine.gap + spare / 2:
                 yield a, b, spare
+
+
+def _pin_fits(feature: PinEyes, gap: float, spare: float) -> Iterator[tuple[str, str, float]]:
+    """Parts that touch in a pin joint, with the overlap that may show; spare: of facets, mm."""
+    pin = feature.pin
+    if pin is not None and pin.part:
+        for ring in feature.rings:
+            yield ring.part, pin.part, spare
+    shown = [eye for eye in (feature.a, feature.b, pin) if eye is not None and eye.part]
+    for eye, mate in itertools.combinations(shown, 2):
+        air = (eye.diameter - mate.diameter) / 2 * (-1 if eye.shaft else 1)
+        if eye.shaft is not mate.shaft and air <= gap + spare / 2:
+            yield eye.part or "", mate.part or "", max(0.0, -2 * air) + spare
 
 
 def _remembered(courses: Courses) -> Courses:
@@ -220,14 +214,15 @@ def _course(courses: Courses, body: str, start: float) -> Course:
     return course
 
 
-def _slabs(thing: StandIn, turned: float) -> tuple[Slab, ...]:
+def _slabs(stand_in: StandIn, angle: float) -> tuple[Slab, ...]:
     """Discs and bars as slabs, on a body that is turned by so much at theta = 0, rad."""
-    turn, slabs = cmath.exp(1j * turned), dict[tuple[float, float], list[Ring]]()
-    for at, radius, z0, z1 in thing.discs:
+    turn = cmath.exp(1j * angle)
+    slabs = dict[tuple[float, float], list[Ring]]()
+    for at, radius, z0, z1 in stand_in.discs:
         slabs.setdefault((z0, z1), []).append(
             Ring(np.asarray(turn * (at + radius * _ENDS), complex), np.ones(2))
         )
-    for a, b, radius, z0, z1 in thing.bars:
+    for a, b, radius, z0, z1 in stand_in.bars:
         side = 1j * radius * (b - a) / abs(b - a)
         slabs.setdefault((z0, z1), []).append(
             Ring(turn * np.array([a - side, b - side, b + side, a + side]), _BAR)

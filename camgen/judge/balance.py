@@ -29,17 +29,17 @@ def judge_balance(path: Path, machine: SweptMachine, balance: Balance) -> Findin
     pose = machine.courses(np.zeros(1))[balance.body]
     turn = cmath.exp(1j * float(pose.angle[0]))
     pivot = complex(pose.place[0]) + turn * balance.about
-    found = 0j
+    moment_of_crank = 0j
     for _, item, body in standing(read_3mf(path), machine):
         if body == balance.body:
             volume, moment = first_moment(item.placed)
-            found += balance.density[item.name] * (moment - volume * pivot) / turn
-    said = (
-        f"{abs(found):.5g} g mm at {math.degrees(cmath.phase(found)):.2f} deg in the crank's axes, {abs(balance.moment):.5g} at "
+            moment_of_crank += balance.density[item.name] * (moment - volume * pivot) / turn
+    remark = (
+        f"{abs(moment_of_crank):.5g} g mm at {math.degrees(cmath.phase(moment_of_crank)):.2f} deg in the crank's axes, {abs(balance.moment):.5g} at "
         f"{math.degrees(cmath.phase(balance.moment)):.2f} wanted; build anew, or make what turns with the crank as drawn"
     )
-    off = abs(found - balance.moment)
+    off = abs(moment_of_crank - balance.moment)
     where = replace(
         in_file(path), thing=f"{balance.body} about {balance.joint}", joint=balance.joint
     )
-    return at_most("BALANCE", off, balance.tolerance, "g mm", where, said)
+    return at_most("BALANCE", off, balance.tolerance, "g mm", where, remark)

@@ -17,7 +17,7 @@ from camgen.geometry.rings import Ring
 from camgen.judge.contact_faces import ArmFace, SlideFace
 from camgen.judge.contact_tips import ArmTip, SlideTip
 from camgen.judge.joints import Outline, Rolled, assembled
-from camgen.judge.measured import Sections, read
+from camgen.judge.measured import Files, Sections, read
 from camgen.machine.features import CamOutline, Flat, Mount, OwnTip
 from camgen.machine.model import Cam, Law, Machine
 from camgen.numerics import Floats
@@ -47,17 +47,17 @@ def rolled(
     tip = outline.tip
     if tip.part not in (None, outline.part):
         mount = next(mount for mount in mounts if mount.part == tip.part)
-        here = replace(tip, part=None, at=mount.place(tip.at))
+        tip_on_body = replace(tip, part=None, at=mount.place(tip.at))
         outline = replace(
             outline,
-            tip=replace(here, facing=mount.direction(here.facing))
-            if isinstance(here, Flat)
-            else here,
+            tip=replace(tip_on_body, facing=mount.direction(tip_on_body.facing))
+            if isinstance(tip_on_body, Flat)
+            else tip_on_body,
         )
-    found = read([outline], {outline.part: sections}, False)
-    law = assembled(machine, [outline], mounts, found).outlines[outline.joint][0].law
-    away = 0j if outline.bore is None else found.eyes[outline.bore].centre
-    return found.rings[outline].moved(shift=-away), law
+    features = read([outline], {outline.part: sections}, False)
+    law = assembled(machine, [outline], mounts, features).outlines[outline.joint][0].law
+    away = 0j if outline.bore is None else features.eyes[outline.bore].centre
+    return features.rings[outline].moved(shift=-away), law
 
 
 def limit(law: Rolled, off: float) -> float:
@@ -65,12 +65,15 @@ def limit(law: Rolled, off: float) -> float:
     return off * (1 + tolerances.BOUND_SPARE) / float(np.min(law.lever(judged_angles())))
 
 
-class Followed:
+class FollowerOnOutline:
     """A follower on one outline over the turn, against what the exact one gives; off: mm, of outlines within the tolerance."""
 
     def __init__(self, joint: Cam, outline: Outline, where: Where, off: float) -> None:
-        self.joint, self.outline, self.where = joint, outline, where
-        self.theta, self.meant = judged_angles(), outline.feature.meant
+        self.joint = joint
+        self.outline = outline
+        self.where = where
+        self.theta = judged_angles()
+        self.meant = outline.feature.meant
         self.touch = outline.law.contact.touch(self.theta)
         self.limit = limit(outline.law, off)
         self.unit, self.scale = s_unit(joint)
@@ -87,10 +90,11 @@ class Followed:
 
     def undercut(self) -> Finding | None:
         """UNDERCUT: what is lost of the wanted motion; None where the exact outline loses nothing."""
-        asked, reachable = self.joint.law(self.theta, 0), self._given(self.theta, 0)
-        if not np.any(asked != reachable):
+        wanted = self.joint.law(self.theta, 0)
+        reachable = self._given(self.theta, 0)
+        if not np.any(wanted != reachable):
             return None
-        loss = np.where(asked != reachable, np.abs(self.touch.angle - asked), 0.0)
+        loss = np.where(wanted != reachable, np.abs(self.touch.angle - wanted), 0.0)
         worst = int(np.argmax(loss))
         return at_most(
             "UNDERCUT",
@@ -107,11 +111,11 @@ class Followed:
         if not isinstance(face, Flat) or math.isinf(face.width):
             return None
         place = self.touch.place
-        beyond = np.abs(place - self.outline.law.middle) - face.width / 2
-        worst = int(np.argmax(beyond))
+        overrun = np.abs(place - self.outline.law.middle) - face.width / 2
+        worst = int(np.argmax(overrun))
         return at_most(
             "FACE_WIDTH",
-            float(beyond[worst]),
+            float(overrun[worst]),
             0.0,
             "mm",
             self.place(worst),
@@ -122,15 +126,16 @@ class Followed:
         """SPEED_RIPPLE: speed averaged over a window of cam angle, against the same average of what is reachable."""
         if math.isinf(self.meant.ripple):
             return None
-        theta, half = self.theta, math.radians(tolerances.SPEED_WINDOW_DEG) / 2
+        theta = self.theta
+        half = math.radians(tolerances.SPEED_WINDOW_DEG) / 2
         rolled = self.outline.law.contact
-        made = rolled.angle(theta + half) - rolled.angle(theta - half)
-        wanted = self._given(theta + half, 0) - self._given(theta - half, 0)
-        off = np.abs(made - wanted)
+        turn = rolled.angle(theta + half) - rolled.angle(theta - half)
+        wanted_turn = self._given(theta + half, 0) - self._given(theta - half, 0)
+        off = np.abs(turn - wanted_turn)
         worst = int(np.argmax(off))
         return at_most(
             "SPEED_RIPPLE",
-            float(off[worst]) / float(np.max(np.abs(wanted))),
+            float(off[worst]) / float(np.max(np.abs(wanted_turn))),
             self.meant.ripple,
             "share",
             self.place(worst),
@@ -152,33 +157,36 @@ def _overlap(
 ) -> tuple[Finding, float]:
     """INTERFERENCE of a follower that two outlines hold, and its largest play, rad or mm; the limit is what outlines that are
     off by so much, mm, may overlap. Of a pair with preload it is the overlap of tips that are smaller by that."""
-    theta, (unit, scale) = judged_angles(), s_unit(joint)
+    theta = judged_angles()
+    (unit, scale) = s_unit(joint)
     play = drive.play(other, theta)
-    largest, beyond, air = float(np.max(play)), "", drive.feature.free
+    largest = float(np.max(play))
+    air_text = ""
+    air = drive.feature.free
     if air > 0:
-        beyond = f", each {air:g} mm off its tip where the motion is as wanted"
+        air_text = f", each {air:g} mm off its tip where the motion is as wanted"
     elif air < 0:
         play = drive.feature.leaves * (other.law(theta) - drive.law(theta))
-        beyond = f" beyond the preload, {-air:g} mm at each tip"
+        air_text = f" beyond the preload, {-air:g} mm at each tip"
     least = int(np.argmin(play))
     there = theta[least : least + 1]
-    borne = sum(
+    allowed = sum(
         off * (1 + tolerances.BOUND_SPARE) / float(law.lever(there)[0])
         for law in (drive.tight, other.tight)
     )
     finding = at_most(
         "INTERFERENCE",
         scale * max(0.0, -float(play[least])),
-        scale * borne,
+        scale * allowed,
         unit,
         replace(where, theta=float(theta[least] + joint.phase)),
-        f"largest overlap of the follower with both outlines{beyond}; the limit is the outline tolerance at both",
+        f"largest overlap of the follower with both outlines{air_text}; the limit is the outline tolerance at both",
     )
     return finding, largest
 
 
 @dataclass(frozen=True)
-class OnCams:
+class CamVerdict:
     """Findings and figures of cams; sound: whether the motion that each outline gives by itself is right."""
 
     findings: Sequence[Finding]
@@ -195,66 +203,70 @@ def named(where: Where, parts: Collection[str]) -> Where:
 
 
 def judge_cams(
-    kind: str,
-    where: Where,
+    files: Files,
     machine: Machine,
     measured: Mapping[str, Sequence[Outline]],
     off: float,
     sound: bool,
     motion: Callable[[Mapping[str, Outline], bool, Where], Finding],
-) -> OnCams:
+) -> CamVerdict:
     """What followers do on each outline; what follows from a motion is only judged where that is right.
 
     measured: outlines by cam, the one that drives first; sound: whether the motion by these is right. motion: MOTION_ERROR of
     the machine on other outlines, with the tips that parts have or the nominal ones, and where it is said. off: mm, of
     outlines within the tolerance.
     """
+    kind = files.kind
+    where = files.where
     first = {cam: outlines[0] for cam, outlines in measured.items()}
     findings: list[Finding] = []
     numbers: dict[str, float] = {}
-    good = sound
+    all_right = sound
     for cam, outlines in measured.items():
         joint = machine.joint(cam)
         assert isinstance(joint, Cam), f"{cam} is no cam"
         name = "" if len(first) == 1 else f"{cam.replace(' ', '_')}_"
-        (unit, scale), right = s_unit(joint), dict[str, bool]()
+        (unit, scale) = s_unit(joint)
+        right = dict[str, bool]()
         for outline in outlines:
-            part, driven = outline.feature.part, first | {cam: outline}
-            file, drives = named(where, {part}), outline is first[cam]
-            followed = Followed(joint, outline, file, off)
+            part = outline.feature.part
+            driven = first | {cam: outline}
+            file = named(where, {part})
+            drives = outline is first[cam]
+            followed = FollowerOnOutline(joint, outline, file, off)
             if part in right:  # one that is turned over: the play tells
                 continue
             if not drives:
                 findings.append(motion(driven, False, file))
             right[part] = sound if drives else findings[-1].ok
-            told = followed.findings() if right[part] else []
-            findings += told
+            outline_findings = followed.findings() if right[part] else []
+            findings += outline_findings
             if drives:
                 numbers[f"pressure_angle_{name}{kind}_deg"] = followed.pressure_angle
                 numbers |= {
                     f"undercut_{name}{kind}_{unit}": each.measured
-                    for each in told
+                    for each in outline_findings
                     if each.code == "UNDERCUT"
                 }
             if outline.feature.own is not None:
-                found, figures = _own_tip(
+                finding, figures = _own_tip(
                     outline, outline.feature.own, where, motion(driven, True, file)
                 )
-                findings.append(found)
+                findings.append(finding)
                 numbers |= {
                     f"{key}_{name}{kind}_{of}": value for (key, of), value in figures.items()
                 }
-        good &= all(right.values())
+        all_right &= all(right.values())
         numbers |= _tips(outlines)
         for other in outlines[1:] if right[first[cam].feature.part] else ():
             if right[other.feature.part]:
                 parts = {first[cam].feature.part, other.feature.part}
-                found, play = _overlap(joint, first[cam], other, named(where, parts), off)
-                findings.append(found)
+                finding, play = _overlap(joint, first[cam], other, named(where, parts), off)
+                findings.append(finding)
                 numbers[f"{'lash' if play >= 0 else 'preload'}_{name}{kind}_{unit}"] = scale * abs(
                     play
                 )
-    return OnCams(findings, numbers, good)
+    return CamVerdict(findings, numbers, all_right)
 
 
 def _tips(outlines: Sequence[Outline]) -> dict[str, float]:
@@ -275,22 +287,25 @@ def _tips(outlines: Sequence[Outline]) -> dict[str, float]:
 
 
 def _own_tip(
-    outline: Outline, own: OwnTip, where: Where, moved: Finding
+    outline: Outline, own: OwnTip, where: Where, motion: Finding
 ) -> tuple[Finding, dict[tuple[str, str], float]]:
     """TIP_MOTION: the motion with the tip that a part has, which may be off by the tolerance as well."""
     file = named(where, {own.part})
     if outline.own is None:
-        said = "the part has no such tip, or it does not fit the cam"
-        return at_most("TIP_MOTION", math.nan, 2 * moved.limit, moved.unit, file, said), {}
+        reason = "the part has no such tip, or it does not fit the cam"
+        return at_most("TIP_MOTION", math.nan, 2 * motion.limit, motion.unit, file, reason), {}
     radius = getattr(outline.own.contact.form, "tip_radius", 0.0) - outline.feature.free
     what = "roller on the frame's pin" if own.radius is not None else "frame's own tip"
     remark = f"the {what}, radius {radius:.4f} mm, on the cam, both from the files"
     finding = at_most(
         "TIP_MOTION",
-        moved.measured,
-        2 * moved.limit,
-        moved.unit,
-        replace(moved.where, file=file.file),
+        motion.measured,
+        2 * motion.limit,
+        motion.unit,
+        replace(motion.where, file=file.file),
         remark,
     )
-    return finding, {("tip_motion_error", moved.unit): moved.measured, ("tip_radius", "mm"): radius}
+    return finding, {
+        ("tip_motion_error", motion.unit): motion.measured,
+        ("tip_radius", "mm"): radius,
+    }

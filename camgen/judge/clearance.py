@@ -40,15 +40,15 @@ Way = Callable[[Floats], Points]
 
 @dataclass(frozen=True)
 class Least:
-    """Least signed distance over the turn, mm, the angle of it, rad, and from where to where bodies overlap, rad."""
+    """Least signed distance of two bodies over the turn."""
 
-    distance: float
-    theta: float
-    overlaps: tuple[tuple[float, float], ...] = ()
+    distance: float  # mm
+    theta: float  # rad
+    overlaps: tuple[tuple[float, float], ...] = ()  # from where to where, rad
 
 
 @dataclass(frozen=True)
-class Cleared:
+class Clearances:
     """Findings, numbers and curves (name, theta in deg, mm) of one kind of file."""
 
     findings: tuple[Finding, ...]
@@ -112,20 +112,25 @@ def _along(area: Any, p: Points, q: Points) -> tuple[Floats, Floats]:
     least: Floats = shapely.distance(
         area, np.where(np.abs(q - p) < _POINT, shapely.points(p.real, p.imag), chords)
     )
-    share, hit = np.zeros(len(p)), np.flatnonzero(least <= 0)
-    p, way = p[hit], (q - p)[hit]
-    none, whole = np.zeros(len(hit)), np.ones(len(hit))
+    fraction = np.zeros(len(p))
+    hit = np.flatnonzero(least <= 0)
+    way = (q - p)[hit]
+    p = p[hit]
+    none = np.zeros(len(hit))
+    whole = np.ones(len(hit))
 
     def depth(u: Floats) -> Floats:
         return -signed_distances(area, p + u * way)
 
     # an end of the chord may be its deepest place
-    shares = np.stack([crests(depth, none, whole) if np.any(way != 0) else whole / 2, none, whole])
-    depths = np.stack([depth(u) for u in shares])
+    fractions = np.stack(
+        [crests(depth, none, whole) if np.any(way != 0) else whole / 2, none, whole]
+    )
+    depths = np.stack([depth(u) for u in fractions])
     best = np.argmax(depths, axis=0)[None]
     least[hit] = np.minimum(-np.take_along_axis(depths, best, 0)[0], 0.0)
-    share[hit] = np.take_along_axis(shares, best, 0)[0]
-    return least, share
+    fraction[hit] = np.take_along_axis(fractions, best, 0)[0]
+    return least, fraction
 
 
 # ---- over the turn ---------------------------------------------------------------------------------------------------
@@ -133,14 +138,15 @@ def _along(area: Any, p: Points, q: Points) -> tuple[Floats, Floats]:
 
 def _bulges(way: Way, begin: Floats, end: Floats) -> Floats:
     """How far the way leaves its chords, (n,) mm, measured at their quarters."""
-    p, q = way(begin), way(end)
+    p = way(begin)
+    q = way(end)
     along = q - p
     length = np.where(along == 0, 1.0, np.abs(along) ** 2)
     off = np.zeros(len(p))
     for u in (0.25, 0.5, 0.75):
         z = way(begin + u * (end - begin)) - p
-        share = np.clip(np.real(np.conj(along) * z) / length, 0.0, 1.0)
-        off = np.maximum(off, np.abs(z - share * along))
+        fraction = np.clip(np.real(np.conj(along) * z) / length, 0.0, 1.0)
+        off = np.maximum(off, np.abs(z - fraction * along))
     return off * (1 + tolerances.BOUND_SPARE)
 
 
@@ -151,32 +157,38 @@ def least_distance(area: Any, way: Way) -> Least:
     they leave the way by no more than a nanometre.
     """
     theta = np.linspace(0, math.tau, _CHORDS + 1)
-    begin, end = theta[:-1], theta[1:]
+    begin = theta[:-1]
+    end = theta[1:]
     for _ in range(_ROUNDS):
         bulge = _bulges(way, begin, end)
-        signed, share = _along(area, way(begin), way(end))
+        signed, fraction = _along(area, way(begin), way(end))
         keep = signed - bulge <= np.min(signed + bulge)
-        begin, end, signed, share = begin[keep], end[keep], signed[keep], share[keep]
+        begin = begin[keep]
+        end = end[keep]
+        signed = signed[keep]
+        fraction = fraction[keep]
         if np.max(bulge[keep]) <= _BULGE:
             break
         middle = (begin + end) / 2
-        begin, end = np.concatenate([begin, middle]), np.concatenate([middle, end])
-        signed, share = np.tile(signed, 2), np.tile(share, 2)
+        begin = np.concatenate([begin, middle])
+        end = np.concatenate([middle, end])
+        signed = np.tile(signed, 2)
+        fraction = np.tile(fraction, 2)
     k = int(np.argmin(signed))
     if signed[k] <= 0:
         return Least(
-            float(signed[k]), _angle_at(way, begin[k], end[k], share[k]), _overlaps(area, way)
+            float(signed[k]), _angle_at(way, begin[k], end[k], fraction[k]), _overlaps(area, way)
         )
     fine = np.linspace(begin[k], end[k], _PARTS + 1)
     return Least(float(signed[k]), float(fine[np.argmin(signed_distances(area, way(fine)))]))
 
 
-def _angle_at(way: Way, begin: float, end: float, share: float) -> float:
+def _angle_at(way: Way, begin: float, end: float, fraction: float) -> float:
     """The angle at which a way is beside the place at a share of its chord: along the chord it may be fast and slow."""
     fine = np.linspace(begin, end, _PARTS + 1)
     z = way(fine) - way(fine[:1])
-    gone = np.real(np.conj(z[-1]) * z)
-    return float(np.interp(share * gone[-1], np.maximum.accumulate(gone), fine))
+    distance = np.real(np.conj(z[-1]) * z)
+    return float(np.interp(fraction * distance[-1], np.maximum.accumulate(distance), fine))
 
 
 def _overlaps(area: Any, way: Way) -> tuple[tuple[float, float], ...]:
@@ -224,7 +236,7 @@ def judge_clearance(
     pairs: Sequence[Passing],
     poses: Poses,
     chord_tolerance: float,
-) -> Cleared:
+) -> Clearances:
     """Whether all pairs stay apart over the turn, on the files <prefix>-<part>.<kind> in a folder.
 
     Bodies may graze: what the outlines of both may be off is allowed beside the pair's gap.
@@ -242,7 +254,9 @@ def judge_clearance(
         where = Where(names, kind=kind, part=pair.a, other=pair.b)
         rest = poses(np.zeros(1))
         way = _way(pair, poses)
-        least, slack, curve = Least(math.inf, 0.0), 2 * chord_tolerance, np.full(_ANGLES, np.inf)
+        least = Least(math.inf, 0.0)
+        slack = 2 * chord_tolerance
+        curve = np.full(_ANGLES, np.inf)
         turn = np.linspace(0, math.tau, _ANGLES)
         for plane in pair.planes if solid else pair.planes[:1]:  # a drawing shows one height
             try:
@@ -252,10 +266,10 @@ def judge_clearance(
                         for name in (pair.a, pair.b)
                     )
                 else:
-                    shown = (pair.drawn.get(name, (name, False)) for name in (pair.a, pair.b))
+                    drawings = (pair.drawn.get(name, (name, False)) for name in (pair.a, pair.b))
                     a, b = (
                         drawn_outline(files(name), name, over, chord_tolerance)
-                        for name, over in shown
+                        for name, over in drawings
                     )
             except ValueError as error:
                 findings.append(at_most("CLEARANCE", math.nan, 0, "mm", where, str(error)))
@@ -265,8 +279,8 @@ def judge_clearance(
                 findings.append(at_most("CLEARANCE", math.nan, 0, "mm", where, remark))
                 break
             area = meeting(a, b)
-            found = least_distance(area, way)
-            least = min(least, found, key=lambda each: each.distance)
+            nearest = least_distance(area, way)
+            least = min(least, nearest, key=lambda each: each.distance)
             size = max(float(np.max(np.abs(ring))) for ring in (*a, *b))
             slack = max(slack, 2 * chord_tolerance + 4 * FORMATS[kind].rounding * size)
             curve = np.minimum(curve, signed_distances(area, way(turn)))
@@ -276,7 +290,7 @@ def judge_clearance(
                 round(least.distance, _DIGITS) + 0.0
             )
             curves.append((pair.name, np.degrees(turn), curve))
-    return Cleared(tuple(findings), numbers, tuple(curves))
+    return Clearances(tuple(findings), numbers, tuple(curves))
 
 
 def _way(pair: Passing, poses: Poses) -> Way:
@@ -297,17 +311,17 @@ def _finding(pair: Passing, least: Least, slack: float, where: Where) -> Finding
         ranges = " and ".join(
             f"{math.degrees(a):.1f} to {math.degrees(b):.1f}" for a, b in least.overlaps
         )
-        said = f"strikes: overlaps from {ranges} deg, deepest at {degrees:.2f} deg"
+        words = f"strikes: overlaps from {ranges} deg, deepest at {degrees:.2f} deg"
     elif least.distance <= slack:
-        said = f"grazes at {degrees:.2f} deg"
+        words = f"grazes at {degrees:.2f} deg"
     else:
-        said = f"clear by {least.distance:.3f} mm at the least, at {degrees:.2f} deg"
+        words = f"clear by {least.distance:.3f} mm at the least, at {degrees:.2f} deg"
     return at_least(
         "CLEARANCE",
         round(least.distance, _DIGITS) + 0.0,
         pair.gap,
         "mm",
         replace(where, thing=f"{pair.name}: {where.thing}"),
-        f"{said}; up to {slack:.2g} mm either way is grazing",
+        f"{words}; up to {slack:.2g} mm either way is grazing",
         slack,
     )

@@ -83,7 +83,8 @@ class RollingContact:
 
         A knife edge is there on a vertex of the outline.
         """
-        low, high = self.breaks[:-1], self.breaks[1:]
+        low = self.breaks[:-1]
+        high = self.breaks[1:]
         wide = high - low > 2 * _BESIDE
         u = np.concatenate([low[wide] + _BESIDE, high[wide] - _BESIDE])
         zero, one = self.form.turned(np.array([0.0, 1.0]))
@@ -98,7 +99,9 @@ class RollingContact:
         count = len(flat)
         angle = np.empty(count)
         rest = count if fully else 0
-        pressure, place, element = np.empty(rest), np.empty(rest), np.empty(rest, np.int64)
+        pressure = np.empty(rest)
+        place = np.empty(rest)
+        element = np.empty(rest, np.int64)
         for low in range(0, count, _BLOCK):
             block = slice(low, low + _BLOCK)
             u = self.form.turned(flat[block])
@@ -107,7 +110,8 @@ class RollingContact:
             if fully:
                 rows = self.rows[row]
                 pressure[block] = np.angle(self.form.normal(u, progress, rows))
-                place[block], element[block] = self.form.place(u, progress, rows), self.source[row]
+                place[block] = self.form.place(u, progress, rows)
+                element[block] = self.source[row]
         angle = self.form.displacement(angle)
         for values in (angle, pressure, place):
             if len(values):
@@ -138,12 +142,13 @@ class RollingContact:
         rank = 0
         while len(where):
             rank += 1
-            other = self.first[place[where]] + rank
-            found = self.form.progress(u[where], self.rows[other])
+            rival = self.first[place[where]] + rank
+            rival_progress = self.form.progress(u[where], self.rows[rival])
             sooner = ~(
-                found >= progress[where]
+                rival_progress >= progress[where]
             )  # nan wins: an outline beyond the tip's reach blocks whatever lies under it
-            progress[where[sooner]], row[where[sooner]] = found[sooner], other[sooner]
+            progress[where[sooner]] = rival_progress[sooner]
+            row[where[sooner]] = rival[sooner]
             where = where[(rivals[where] > rank + 1) & ~np.isnan(progress[where])]
         return progress, row
 
@@ -176,7 +181,8 @@ def contact(ring: Ring, form: Form) -> RollingContact:
     pieces = len(cover.low)
     breaks, index = _merged(np.concatenate([cover.low, cover.low + cover.width]) % _TURN)
     count = len(breaks) - 1
-    first, last = index[:pieces], index[pieces:]
+    first = index[:pieces]
+    last = index[pieces:]
     spans = (last - first) % count
     piece = np.repeat(np.arange(pieces), spans)
     interval = (np.repeat(first - np.cumsum(spans) + spans, spans) + np.arange(len(piece))) % count

@@ -25,10 +25,13 @@ def _convex(ring: Ring) -> tuple[Points, Floats, Floats, Floats, Ints]:
     """What a face can touch: centre and radius (0 at corners), direction of the first normal, sweep, element."""
     count = len(ring.points)
     edge = np.flatnonzero(ring.ends != ring.points)
-    a, b, bulge = ring.points[edge], ring.ends[edge], ring.bulges[edge]
+    a = ring.points[edge]
+    b = ring.ends[edge]
+    bulge = ring.bulges[edge]
     half_turn = (1 + 1j * bulge) ** 2 / (1 + bulge**2)  # exp(i sweep / 2)
     across = -1j * (b - a) / np.abs(b - a)
-    first, last = across / half_turn, across * half_turn
+    first = across / half_turn
+    last = across * half_turn
     arc = np.flatnonzero(bulge > 0)
     radius = np.abs(b - a)[arc] * (1 + bulge[arc] ** 2) / (4 * bulge[arc])
     turn = np.angle(np.roll(first, -1) * np.conj(last))
@@ -115,9 +118,13 @@ class ArmFace:
         far = abs(self.pivot)
         centre, radius, begin, sweep, source = _convex(ring)
         if self.leaves < 0:
-            centre, begin = np.conj(centre), -(begin + sweep)
-        size, bearing, more = np.abs(centre), np.angle(centre), radius - self.ahead
-        index, share = [], []
+            centre = np.conj(centre)
+            begin = -(begin + sweep)
+        size = np.abs(centre)
+        bearing = np.angle(centre)
+        more = radius - self.ahead
+        index = []
+        fractions = []
         # Directions in which the contact is the pivot's foot, and in which the part is as high as the pivot, or as far below.
         for cosine in (
             (far**2 - size**2 - more**2, 2 * more * size),
@@ -127,12 +134,12 @@ class ArmFace:
             with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
                 opening = np.arccos(cosine[0] / cosine[1])
                 for side in (1, -1):
-                    found = wrapped(bearing + side * opening - begin) / sweep
-                    at = np.flatnonzero((found > 0) & (found < 1))
+                    fraction = wrapped(bearing + side * opening - begin) / sweep
+                    at = np.flatnonzero((fraction > 0) & (fraction < 1))
                     index.append(at)
-                    share.append(found[at])
+                    fractions.append(fraction[at])
         whole, broken, first, last = parts_of(
-            len(size), np.concatenate(index), np.concatenate(share)
+            len(size), np.concatenate(index), np.concatenate(fractions)
         )
         of = np.concatenate([whole, broken])
         first = begin[of] + sweep[of] * np.concatenate([np.zeros(len(whole)), first])
@@ -143,10 +150,10 @@ class ArmFace:
         ]
         width = ends[0] - ends[1]
         height = size[of] * np.cos((first + last) / 2 - bearing[of]) + more[of]
-        kept = np.flatnonzero((width > 0) & (height > -far))
-        rows = np.column_stack([centre.real, centre.imag, radius])[of[kept]]
-        rows[height[kept] > far] = np.nan
-        return Cover(ends[1][kept], width[kept], rows, source[of[kept]])
+        touchable = np.flatnonzero((width > 0) & (height > -far))
+        rows = np.column_stack([centre.real, centre.imag, radius])[of[touchable]]
+        rows[height[touchable] > far] = np.nan
+        return Cover(ends[1][touchable], width[touchable], rows, source[of[touchable]])
 
     def _closed(self, height: Floats) -> Floats:
         """nu at which the face stands at this height less `ahead`, -pi to 0."""
@@ -163,8 +170,8 @@ class ArmFace:
     def progress(self, u: Floats, rows: Floats) -> Floats:
         """-nu."""
         spoke = self._spoke(u, rows)
-        share = np.clip((rows[:, 2] - self.ahead) / np.abs(spoke), -1, 1)
-        return np.asarray(np.arccos(share) - np.angle(spoke))
+        cosine = np.clip((rows[:, 2] - self.ahead) / np.abs(spoke), -1, 1)
+        return np.asarray(np.arccos(cosine) - np.angle(spoke))
 
     def displacement(self, progress: Floats) -> Floats:
         """The face's angle."""
@@ -174,8 +181,10 @@ class ArmFace:
     def normal(self, u: Floats, progress: Floats, rows: Floats) -> Points:
         """The face's normal over the way of its own point there."""
         lever = -self._lever(u, progress, rows)
-        found = lever + 1j * self.ahead  # the way of the contact is i * (its place from the pivot)
-        return np.asarray(np.conj(found) if self.leaves > 0 else found)
+        direction = (
+            lever + 1j * self.ahead
+        )  # the way of the contact is i * (its place from the pivot)
+        return np.asarray(np.conj(direction) if self.leaves > 0 else direction)
 
     def _lever(self, u: Floats, progress: Floats, rows: Floats) -> Floats:
         """Place on the face from the pivot's foot, to the left of the normal in the form's frame."""

@@ -142,7 +142,8 @@ class _Elements:
         change = np.angle(self.end * np.conj(self.start))
         spoke = self.normal - self.curvature * self.start  # minus centre times curvature
         round_it = np.flatnonzero((np.abs(spoke) < 1) & (self.sweep != 0))
-        n0, n1 = self.normal[round_it], self.normal[round_it] * np.exp(1j * self.sweep[round_it])
+        n0 = self.normal[round_it]
+        n1 = self.normal[round_it] * np.exp(1j * self.sweep[round_it])
         eccentric = -spoke[round_it]
         change[round_it] = (
             self.sweep[round_it]
@@ -160,11 +161,14 @@ def _offset(ring: Ring, radius: float) -> _Elements:
     """
     count = len(ring.points)
     edge = np.flatnonzero(ring.ends != ring.points)
-    a, b, bulge = ring.points[edge], ring.ends[edge], ring.bulges[edge]
+    a = ring.points[edge]
+    b = ring.ends[edge]
+    bulge = ring.bulges[edge]
     chord = np.abs(b - a)
     half_turn = (1 + 1j * bulge) ** 2 / (1 + bulge**2)  # exp(i sweep / 2)
     across = -1j * (b - a) / chord
-    first, last = across / half_turn, across * half_turn
+    first = across / half_turn
+    last = across * half_turn
     curvature = 4 * bulge / (1 + bulge**2) / chord
     open_to_tip = np.flatnonzero(1 + radius * curvature > SAME_POINT)
     edges = _Elements(
@@ -172,7 +176,8 @@ def _offset(ring: Ring, radius: float) -> _Elements:
     ).take(open_to_tip)
     following = np.roll(first, -1)
     turn = np.angle(following * np.conj(last))
-    start, end = b + radius * last, b + radius * following
+    start = b + radius * last
+    end = b + radius * following
     corner = np.flatnonzero((turn > 0) & (start != end))
     corners = _Elements(start, end, last, turn, count + edge).take(corner)
     return edges.join(corners)
@@ -198,10 +203,10 @@ def _at_distance(e: _Elements, squared: Floats | float) -> list[tuple[Ints, Poin
     return [(at, place * (x[at] + 1j * sign * np.sqrt(1 - x[at] ** 2))) for sign in (1, -1)]
 
 
-def _shares(e: _Elements, found: list[tuple[Ints, Points]]) -> tuple[Ints, Floats]:
+def _shares(e: _Elements, points: list[tuple[Ints, Points]]) -> tuple[Ints, Floats]:
     """Elements to be cut and the share of the length at which, in no order, 0 < share < 1."""
-    index = np.concatenate([at for at, _ in found])
-    p = np.concatenate([p for _, p in found])
+    index = np.concatenate([at for at, _ in points])
+    p = np.concatenate([p for _, p in points])
     near = np.flatnonzero(
         np.abs(p - e.start[index]) < e.length[index]
     )  # spares most of them the next step
@@ -219,7 +224,8 @@ def parts_of(count: int, index: Ints, share: Floats) -> tuple[Ints, Ints, Floats
     index = np.concatenate([broken, index, broken])
     share = np.concatenate([np.zeros(len(broken)), share, np.ones(len(broken))])
     order = np.lexsort((share, index))
-    index, share = index[order], share[order]
+    index = index[order]
+    share = share[order]
     inner = np.flatnonzero(np.diff(index) == 0)
     return np.flatnonzero(whole), index[inner], share[inner], share[inner + 1]
 
@@ -251,13 +257,11 @@ class _RoundTip(ABC):
         """The elements cut; of each piece least cam angle and width, rad, and how far its middle is from the origin, mm."""
         pieces = _cut(whole, cuts)
         first, last = (self._bearing(np.abs(p)) for p in (pieces.start, pieces.end))
-        turned = pieces.turned()
+        turn = pieces.turned()
         edge = (
-            first - np.angle(pieces.start)
-            if self.inside
-            else last - np.angle(pieces.start) - turned
+            first - np.angle(pieces.start) if self.inside else last - np.angle(pieces.start) - turn
         )
-        return pieces, edge, self._sign * (first - last + turned), np.abs(pieces.at(0.5))
+        return pieces, edge, self._sign * (first - last + turn), np.abs(pieces.at(0.5))
 
     def place(self, u: Floats, progress: Floats, rows: Floats) -> Floats:
         """None."""
@@ -275,20 +279,18 @@ class ArmTip(_RoundTip):
     inside: bool = False
 
     def __post_init__(self) -> None:
-        reach, rest = (
-            abs(self.pivot) * abs(self.arm),
-            (self.arm * complex(self.pivot).conjugate()).imag,
-        )
+        product = abs(self.pivot) * abs(self.arm)
+        side = (self.arm * complex(self.pivot).conjugate()).imag
         if not (
-            math.isfinite(reach)
-            and reach > 0
+            math.isfinite(product)
+            and product > 0
             and math.isfinite(self.tip_radius)
             and self.tip_radius >= 0
         ):
             raise ValueError(
                 f"no contact for pivot {self.pivot}, arm {self.arm}, tip radius {self.tip_radius}"
             )
-        if self.leaves not in (-1, 1) or rest * self.leaves > 0:
+        if self.leaves not in (-1, 1) or side * self.leaves > 0:
             raise ValueError(
                 f"turning the arm in the sense {self.leaves} does not take the tip away from the origin"
             )
@@ -298,7 +300,8 @@ class ArmTip(_RoundTip):
 
         What lies beyond L + R is kept, as if at that distance: it blocks the tip.
         """
-        L, R = abs(self.pivot), abs(self.arm)  # noqa: N806
+        L = abs(self.pivot)
+        R = abs(self.arm)
         e = _offset(ring, self.tip_radius)
         if self.leaves > 0:
             # Pivot on the real axis and arm above it, mirrored (and so run back); theta takes up the pivot's direction.
@@ -310,32 +313,37 @@ class ArmTip(_RoundTip):
                 e.source,
             )
         pieces, edge, width, middle = self._pieces(e, self._cuts(e))
-        kept = np.flatnonzero((width > 0) & (middle > abs(L - R)))
-        pieces = pieces.take(kept)
-        k, p, n = pieces.curvature, pieces.start, pieces.normal
+        touchable = np.flatnonzero((width > 0) & (middle > abs(L - R)))
+        pieces = pieces.take(touchable)
+        k = pieces.curvature
+        p = pieces.start
+        n = pieces.normal
         b = k * p - n
         level = (k * (np.abs(p) ** 2 + L**2 + R**2) - 2 * np.real(np.conj(n) * p)) / (2 * R)
         rows = np.column_stack([k * L, b.real, b.imag, level])
         if not self.inside:
-            rows[middle[kept] > L + R] = np.nan
-        return Cover(edge[kept], width[kept], rows, pieces.source)
+            rows[middle[touchable] > L + R] = np.nan
+        return Cover(edge[touchable], width[touchable], rows, pieces.source)
 
     def _bearing(self, r: Floats) -> Floats:
         """arg c of the tip centre at distance r from the origin, 0..pi, by half the angle at O of the triangle O, A, c.
 
         Half-angle form, so that neither a flat triangle nor a pivot far off costs digits.
         """
-        L, R = abs(self.pivot), abs(self.arm)  # noqa: N806
+        L = abs(self.pivot)
+        R = abs(self.arm)
         r = np.clip(r, abs(L - R), L + R)
         opposite = np.maximum((r + (R - L)) * (R + L - r), 0.0)
         adjacent = np.maximum((r - (R - L)) * (L + R + r), 0.0)
         return np.asarray(2 * np.arctan2(np.sqrt(opposite), np.sqrt(adjacent)))
 
     def _cuts(self, e: _Elements) -> tuple[Ints, Floats]:
-        L, R, k = abs(self.pivot), abs(self.arm), e.curvature  # noqa: N806
+        L = abs(self.pivot)
+        R = abs(self.arm)
+        k = e.curvature
         b, c = _level(e)
         size = np.maximum(np.abs(b), 1e-300)
-        found = [*_at_distance(e, (L + R) ** 2), *_at_distance(e, (L - R) ** 2)]
+        cuts = [*_at_distance(e, (L + R) ** 2), *_at_distance(e, (L - R) ** 2)]
         # 90 deg: the arm lies along the normal, so the pivot, L from the origin, is at distance d = +-R from the element:
         # k|P|^2 - 2 Re(conj(B) P) + C = 2 d + k d^2. Of the two such P one has the arm on the right side.
         for d in (R, -R):
@@ -345,8 +353,8 @@ class ArmTip(_RoundTip):
             y = -np.sign(d * stretch) * np.sqrt(1 - x[at] ** 2)
             p = L * b[at] / size[at] * (x[at] + 1j * y)
             with np.errstate(divide="ignore", invalid="ignore"):
-                found.append((at, p - d * (k[at] * p - b[at]) / stretch))
-        return _shares(e, found)
+                cuts.append((at, p - d * (k[at] * p - b[at]) / stretch))
+        return _shares(e, cuts)
 
     def turned(self, theta: Floats) -> Floats:
         """Pivot on the real axis, arm in the upper half plane."""
@@ -363,11 +371,12 @@ class ArmTip(_RoundTip):
     def _terms(self, u: Floats, rows: Floats) -> tuple[Floats, Floats, Floats]:
         """Re E, Im E and cos(psi - arg E)."""
         cosine, sine = cos_sin(u)
-        bx, by = rows[:, 1], rows[:, 2]
-        turned = bx * cosine - by * sine
-        ex = rows[:, 0] - turned
+        bx = rows[:, 1]
+        by = rows[:, 2]
+        across = bx * cosine - by * sine
+        ex = rows[:, 0] - across
         ey = -(bx * sine + by * cosine)
-        level = turned * (abs(self.pivot) / abs(self.arm)) - rows[:, 3]
+        level = across * (abs(self.pivot) / abs(self.arm)) - rows[:, 3]
         # Rounding may carry the quotient past 1 only where the pressure angle is 90 deg.
         return ex, ey, np.minimum(np.maximum(level / np.sqrt(ex * ex + ey * ey), -1.0), 1.0)
 
@@ -382,8 +391,8 @@ class ArmTip(_RoundTip):
         ex, ey, _ = self._terms(u, rows)
         psi = self._sign * progress
         normal = (ex + 1j * ey) * np.exp(-1j * psi) + rows[:, 0] * (abs(self.arm) / abs(self.pivot))
-        found = self._sign * 1j * normal
-        return np.asarray(np.conj(found) if self.leaves > 0 else found)
+        direction = self._sign * 1j * normal
+        return np.asarray(np.conj(direction) if self.leaves > 0 else direction)
 
 
 class OnSlide:
@@ -427,31 +436,33 @@ class SlideTip(OnSlide, _RoundTip):
 
     def cover(self, ring: Ring) -> Cover:
         """Pieces farther from the origin than the slide; on its way in the tip stops beside the origin."""
-        aside, e = self._begin.imag, _offset(ring, self.tip_radius)
+        offset = self._begin.imag
+        e = _offset(ring, self.tip_radius)
         _, c = _level(e)
-        found = _at_distance(e, aside**2) if aside else []
+        cuts = _at_distance(e, offset**2) if offset else []
         for way in (
-            (aside, -aside) if aside else (0.0,)
+            (offset, -offset) if offset else (0.0,)
         ):  # 90 deg: the tangent is as far from the origin as the slide
             with np.errstate(divide="ignore", invalid="ignore"):
-                found += _at_distance(e, (c + 2 * way) / e.curvature)  # below 0 there is none
-        pieces, edge, width, middle = self._pieces(e, _shares(e, found))
-        kept = np.flatnonzero((width > 0) & (middle > abs(aside)))
-        pieces = pieces.take(kept)
+                cuts += _at_distance(e, (c + 2 * way) / e.curvature)  # below 0 there is none
+        pieces, edge, width, middle = self._pieces(e, _shares(e, cuts))
+        touchable = np.flatnonzero((width > 0) & (middle > abs(offset)))
+        pieces = pieces.take(touchable)
         b, c = _level(pieces)
         k = pieces.curvature
-        rows = np.column_stack([k, b.real, b.imag, c + k * aside**2])
-        return Cover(edge[kept], width[kept], rows, pieces.source)
+        rows = np.column_stack([k, b.real, b.imag, c + k * offset**2])
+        return Cover(edge[touchable], width[touchable], rows, pieces.source)
 
     def _bearing(self, r: Floats) -> Floats:
-        aside = self._begin.imag
-        return np.asarray(np.arctan2(aside, np.sqrt(np.maximum((r - aside) * (r + aside), 0.0))))
+        offset = self._begin.imag
+        return np.asarray(np.arctan2(offset, np.sqrt(np.maximum((r - offset) * (r + offset), 0.0))))
 
     def _terms(self, u: Floats, rows: Floats) -> tuple[Floats, Floats, Floats]:
         """Re and Im of B exp(i theta), and k x - Re(B exp(i theta))."""
         cosine, sine = cos_sin(u)
         k, bx, by, level = rows.T
-        x, y = bx * cosine - by * sine, bx * sine + by * cosine
+        x = bx * cosine - by * sine
+        y = bx * sine + by * cosine
         return (
             x,
             y,
@@ -461,7 +472,8 @@ class SlideTip(OnSlide, _RoundTip):
     def progress(self, u: Floats, rows: Floats) -> Floats:
         """-x, or x from inside."""
         bx, by, root = self._terms(u, rows)
-        k, level = rows[:, 0], rows[:, 3] - 2 * self._begin.imag * by
+        k = rows[:, 0]
+        level = rows[:, 3] - 2 * self._begin.imag * by
         opposite = (
             bx * self._sign <= 0
         )  # of the two forms the one without a difference of like numbers

@@ -16,20 +16,21 @@ _MOST_ALONG = (
 )
 
 
-def contour_error(found: Ring, meant: Ring, tolerance: float) -> float:
+def contour_error(contour: Ring, nominal: Ring, tolerance: float) -> float:
     """How far a contour is from the one meant, mm: the largest distance either way of points along their edges, and the
     difference of their areas over the length. Arcs are facetted within the tolerance, mm.
     """
-    area = abs(abs(found.area) - abs(meant.area)) / meant.length
+    area = abs(abs(contour.area) - abs(nominal.area)) / nominal.length
     return max(
-        area, _deviation(found.facetted(tolerance).tobytes(), meant.facetted(tolerance).tobytes())
+        area,
+        _deviation(contour.facetted(tolerance).tobytes(), nominal.facetted(tolerance).tobytes()),
     )
 
 
 @lru_cache(maxsize=128)  # one contour stands at several heights, in STL and 3MF alike
-def _deviation(one: bytes, other: bytes) -> float:
+def _deviation(first: bytes, second: bytes) -> float:
     """The largest distance either way of points along the edges of two polygons, given as their vertices' bytes, mm."""
-    a, b = (np.frombuffer(vertices, complex) for vertices in (one, other))
+    a, b = (np.frombuffer(vertices, complex) for vertices in (first, second))
     if len(a) == len(b) and (off := float(np.max(np.abs(a - b)))) <= SAME_POINT:
         return off
     return max(

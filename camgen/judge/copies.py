@@ -29,29 +29,28 @@ def judge_copies(
     """
     from camgen.files.threemf import read_3mf
 
-    package, where = read_3mf(path), in_file(path)
+    package = read_3mf(path)
+    where = in_file(path)
     remarks = package.remarks
     remarks += [f"there is no part {name}" for name in sorted(set(package.meshes) - set(originals))]
-    found, wanted = (
-        Counter(item.name for item in package.items),
-        Counter(name for name, _ in places or ()),
-    )
-    if places is not None and found != wanted:
-        remarks.append(f"{found.total()} copies instead of {wanted.total()}")
+    count = Counter(item.name for item in package.items)
+    wanted_count = Counter(name for name, _ in places or ())
+    if places is not None and count != wanted_count:
+        remarks.append(f"{count.total()} copies instead of {wanted_count.total()}")
     for name, mesh in package.meshes.items():
         if name in originals and not np.array_equal(mesh.faces, originals[name].faces):
             remarks.append(f"{name} is not of the triangles of its own file")
-    turned = [(item.name, item.transform[:, :3]) for item in package.items]
+    turns = [(item.name, item.transform[:, :3]) for item in package.items]
     remarks += [
         f"a copy of {name} is mirrored or flat"
-        for name, turn in turned
+        for name, turn in turns
         if not np.linalg.det(turn) > 0
     ]
     if remarks:
         return strange(path, remarks)
-    reach = max(float(np.max(np.abs(mesh.vertices), initial=0.0)) for mesh in originals.values())
-    far = max((float(np.max(np.abs(item.transform))) for item in package.items), default=0.0)
-    limit = tolerances.TRANSFORM_ROUNDING * (reach + far)
+    size = max(float(np.max(np.abs(mesh.vertices), initial=0.0)) for mesh in originals.values())
+    shift = max((float(np.max(np.abs(item.transform))) for item in package.items), default=0.0)
+    limit = tolerances.TRANSFORM_ROUNDING * (size + shift)
     faults = [
         (
             float(np.max(np.abs(mesh.vertices - originals[name].vertices))),
@@ -59,19 +58,19 @@ def judge_copies(
         )
         for name, mesh in package.meshes.items()
     ]
-    bent = (
-        (float(np.max(np.abs(product(turn, turn.T) - np.eye(3)))), name) for name, turn in turned
+    strains = (
+        (float(np.max(np.abs(product(turn, turn.T) - np.eye(3)))), name) for name, turn in turns
     )
-    faults += [(off * reach, f"a copy of {name} is deformed") for off, name in bent]
+    faults += [(off * size, f"a copy of {name} is deformed") for off, name in strains]
     if places is not None:
-        laid = [(item.name, item.transform) for item in package.items]
+        copies = [(item.name, item.transform) for item in package.items]
         faults += [
-            (off, f"a copy of {name} is out of its place") for off, name in _astray(laid, places)
+            (off, f"a copy of {name} is out of its place") for off, name in _astray(copies, places)
         ]
-    off, said = max(faults, default=(0.0, ""))
+    off, remark = max(faults, default=(0.0, ""))
     if off <= limit:
-        said = f"{len(package.items)} copies of {counted(len(package.meshes), 'part')}, each as its own file has it"
-    return at_most("ROUND_TRIP", off, limit, "mm", where, said)
+        remark = f"{len(package.items)} copies of {counted(len(package.meshes), 'part')}, each as its own file has it"
+    return at_most("ROUND_TRIP", off, limit, "mm", where, remark)
 
 
 def judge_exact_copies(path: Path, files: Mapping[str, Path], places: Copies) -> Finding:
@@ -82,15 +81,17 @@ def judge_exact_copies(path: Path, files: Mapping[str, Path], places: Copies) ->
     from camgen.files.step import read_step
 
     bodies, copies, remarks = read_step(path)
-    where, faults = in_file(path), list[tuple[float, str]]()
+    where = in_file(path)
+    faults = list[tuple[float, str]]()
     if sorted(bodies) != sorted(files) or Counter(copy.object for copy in copies) != Counter(
         name for name, _ in places
     ):
-        held = f"{len(copies)} copies of {', '.join(sorted(bodies))}"
-        remarks = [f"{held} instead of {len(places)} of {', '.join(sorted(files))}", *remarks]
+        content = f"{len(copies)} copies of {', '.join(sorted(bodies))}"
+        remarks = [f"{content} instead of {len(places)} of {', '.join(sorted(files))}", *remarks]
     for name, file in files.items() if not remarks else ():
-        own, body = read_exact(file, name)[0], bodies[name]
-        if (own.corners.shape, own.edges, own.faces) != (
+        original = read_exact(file, name)[0]
+        body = bodies[name]
+        if (original.corners.shape, original.edges, original.faces) != (
             body.corners.shape,
             body.edges,
             body.faces,
@@ -98,23 +99,26 @@ def judge_exact_copies(path: Path, files: Mapping[str, Path], places: Copies) ->
             remarks = [*remarks, f"{name} is not of the faces of its own file"]
             continue
         faults.append(
-            (float(np.max(np.abs(own.corners - body.corners))), f"{name} is not as in its own file")
+            (
+                float(np.max(np.abs(original.corners - body.corners))),
+                f"{name} is not as in its own file",
+            )
         )
     if remarks:
         return strange(path, remarks)
-    laid = [(copy.object, copy.transform) for copy in copies]
+    placements = [(copy.object, copy.transform) for copy in copies]
     faults += [
-        (off, f"a copy of {name} is out of its place") for off, name in _astray(laid, places)
+        (off, f"a copy of {name} is out of its place") for off, name in _astray(placements, places)
     ]
-    off, said = max(faults, default=(0.0, ""))
+    off, remark = max(faults, default=(0.0, ""))
     if off <= tolerances.SAME_POINT:
-        said = (
+        remark = (
             f"{len(copies)} copies of {counted(len(bodies), 'part')}, each as its own file has it"
         )
-    return at_most("ROUND_TRIP", off, tolerances.SAME_POINT, "mm", where, said)
+    return at_most("ROUND_TRIP", off, tolerances.SAME_POINT, "mm", where, remark)
 
 
-def _astray(laid: Copies, places: Copies) -> list[tuple[float, str]]:
+def _astray(copies: Copies, places: Copies) -> list[tuple[float, str]]:
     """How far each copy lies from the nearest place of its part, and each place from its nearest copy, as the largest difference
     of transforms, with the part's name: no copy astray, no place empty. There are as many of each part."""
 
@@ -123,6 +127,6 @@ def _astray(laid: Copies, places: Copies) -> list[tuple[float, str]]:
 
     return [
         (nearest(name, at, others), name)
-        for ones, others in ((laid, places), (places, laid))
-        for name, at in ones
+        for group, others in ((copies, places), (places, copies))
+        for name, at in group
     ]

@@ -68,38 +68,38 @@ class FollowerTable(Checked):
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
-        needed, allowed = _KEYS[self.motion, self.shape == "flat"]
+        required, optional = _KEYS[self.motion, self.shape == "flat"]
         what = f"a flat '{self.motion}'" if self.shape == "flat" else f"'{self.motion}'"
-        takes = f"nothing here: {what} takes {', '.join((*needed, *allowed))}"
-        own = {key for keys in _KEYS.values() for group in keys for key in group}
-        found = [
+        takes = f"nothing here: {what} takes {', '.join((*required, *optional))}"
+        all_keys = {key for keys in _KEYS.values() for group in keys for key in group}
+        faults = [
             Fault((key,), "", takes)
-            for key in sorted(own - {*needed, *allowed})
+            for key in sorted(all_keys - {*required, *optional})
             if getattr(self, key) is not None
         ]
-        found += [
+        faults += [
             Fault((key,), "", f"missing: {what} needs it")
-            for key in needed
+            for key in required
             if getattr(self, key) is None
         ]
         if self.shape == "roller" and self.radius is None:
-            found.append(
+            faults.append(
                 Fault(
                     ("radius",), "", "missing: a roller or round tip needs it; shape=knife has none"
                 )
             )
         if self.shape != "roller" and self.radius is not None:
-            found.append(
+            faults.append(
                 Fault(
                     ("radius",), f"{self.radius:g}", f"nothing here: shape '{self.shape}' has none"
                 )
             )
         if self.shape == "flat" and self.inside:
-            found.append(
+            faults.append(
                 Fault(("inside",), "true", "false: a face cannot touch a wall from within")
             )
-        if self.pivot is None or found:
-            return found
+        if self.pivot is None or faults:
+            return faults
         if not abs(complex(*self.pivot)) > 0:
             return [Fault(("pivot",), "0/0", "a pivot away from the shaft")]
         if self.at_deg is None:
@@ -220,7 +220,7 @@ def read_follower(
 
 def pair_faults(first: FollowerTable, second: FollowerTable) -> Sequence[Fault]:
     """Why two tables are not two tips of one follower."""
-    named = (("--follower", first), ("--second-follower", second))
+    tables = (("--follower", first), ("--second-follower", second))
     if first.motion != second.motion:
         return [
             Fault(
@@ -231,13 +231,13 @@ def pair_faults(first: FollowerTable, second: FollowerTable) -> Sequence[Fault]:
             )
         ]
     key = "at" if first.motion == "translating" else "at_deg"
-    found = [
+    faults = [
         Fault((key,), "", "missing: where both tips are at one moment", source=name)
-        for name, f in named
+        for name, f in tables
         if not f.anchored
     ]
     if first.pivot != second.pivot:
-        found.append(
+        faults.append(
             Fault(
                 ("pivot",),
                 f"{second.axle:g}",
@@ -246,7 +246,7 @@ def pair_faults(first: FollowerTable, second: FollowerTable) -> Sequence[Fault]:
             )
         )
     if first.inside and second.inside:
-        found.append(
+        faults.append(
             Fault(
                 ("inside",),
                 "true",
@@ -255,9 +255,9 @@ def pair_faults(first: FollowerTable, second: FollowerTable) -> Sequence[Fault]:
             )
         )
     same = first.inside != second.inside  # in a groove both walls are met on one line
-    wanted, which = (1, "that of") if same else (-1, "opposite to that of")
-    if first.motion == "translating" and abs(second.direction - wanted * first.direction) > 1e-9:
-        found.append(
+    sense, which = (1, "that of") if same else (-1, "opposite to that of")
+    if first.motion == "translating" and abs(second.direction - sense * first.direction) > 1e-9:
+        faults.append(
             Fault(
                 ("direction_deg",),
                 "",
@@ -265,16 +265,16 @@ def pair_faults(first: FollowerTable, second: FollowerTable) -> Sequence[Fault]:
                 source="--second-follower",
             )
         )
-    if first.motion == "oscillating" and not found and second.sense != wanted * first.sense:
-        found.append(
+    if first.motion == "oscillating" and not faults and second.sense != sense * first.sense:
+        faults.append(
             Fault(
                 ("leaves",),
                 f"{second.sense:+d}",
-                f"{wanted * first.sense:+d}, {which} --follower",
+                f"{sense * first.sense:+d}, {which} --follower",
                 source="--second-follower",
             )
         )
-    return found
+    return faults
 
 
 def _inline(text: str, option: str) -> reading.Data:

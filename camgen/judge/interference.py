@@ -26,7 +26,8 @@ import functools
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -73,37 +74,44 @@ class Clearance:
     at_rest: bool = False
 
 
+@dataclass(frozen=True, eq=False)
 class _Approach:
-    """One section of each of two bodies, or a piece of one: decisions at many places of their path.
+    """One section of each of two bodies, or a piece of one: decisions at many places of their path."""
 
-    home, guest: what is compared, shrunk by half of the allowed overlap each; of a disc the centre, `pad` its radius.
-    """
+    motion: Motion
+    home: Any  # shrunk by half of the allowed overlap, like the guest
+    guest: Any  # of a disc the centre
+    pad: float  # radius of a disc, mm
+    allowed: float  # overlap, mm
+    facets: float  # how far facets may lie off, mm
+    cuts: int = 0  # how often the guest was cut up
 
-    def __init__(
-        self,
-        motion: Motion,
-        home: Any,
-        guest: Any,
-        pad: float,
-        allowed: float,
-        facets: float,
-        cut: int = 0,
-    ) -> None:
+    @cached_property
+    def coordinates(self) -> Points:
+        """Corners of the guest, (n,)."""
         import shapely
 
-        self.cut = cut  # how often the guest was cut up
-        self.motion, self.home, self.guest, self.pad, self.allowed, self.facets = (
-            motion,
-            home,
-            guest,
-            pad,
-            allowed,
-            facets,
-        )
-        self.coordinates = shapely.get_coordinates(guest) @ PLANE
-        self.centre = complex(self.coordinates[0]) if len(self.coordinates) == 1 else motion.calmest
-        self.reach = float(np.max(np.abs(self.coordinates - self.centre), initial=0.0))
-        self.path = motion.path(self.centre, self.reach)
+        return np.asarray(shapely.get_coordinates(self.guest) @ PLANE)
+
+    @cached_property
+    def centre(self) -> complex:
+        """The guest's point that moves least."""
+        return complex(self.coordinates[0]) if self.single else self.motion.calmest
+
+    @cached_property
+    def reach(self) -> float:
+        """Greatest distance of a corner from it, mm."""
+        return float(np.max(np.abs(self.coordinates - self.centre), initial=0.0))
+
+    @cached_property
+    def path(self) -> Floats:
+        """How far any point has moved at each angle of the grid, at most, (n,) mm."""
+        return self.motion.path(self.centre, self.reach)
+
+    @property
+    def single(self) -> bool:
+        """Whether the guest is a point."""
+        return len(self.coordinates) == 1
 
     @property
     def empty(self) -> bool:
@@ -119,16 +127,33 @@ class _Approach:
         turns, shifts = self.motion.at(theta)
         if len(theta) > 1:
             way = np.diff(np.interp(theta, self.motion.theta, self.path))
-            moved = np.abs(np.diff(shifts + turns * self.centre)) + self.reach * np.abs(
+            steps = np.abs(np.diff(shifts + turns * self.centre)) + self.reach * np.abs(
                 np.diff(turns)
             )
-            if not np.all(moved <= way * (1 + 1e-6) + 1e-7):
-                k = int(np.argmax(moved - way))
-                said = f"one sees the other move by {moved[k]:.6g} mm from {theta[k]:.6g} to {theta[k + 1]:.6g} rad"
+            if not np.all(steps <= way * (1 + 1e-6) + 1e-7):
+                k = int(np.argmax(steps - way))
+                words = f"one sees the other move by {steps[k]:.6g} mm from {theta[k]:.6g} to {theta[k + 1]:.6g} rad"
                 raise ValueError(
-                    f"{said}, faster than its course read in {_GRID} steps tells, {way[k]:.6g} mm"
+                    f"{words}, faster than its course read in {_GRID} steps tells, {way[k]:.6g} mm"
                 )
         return _moved(self.guest, self.coordinates, turns, shifts)
+
+    def within(self, placed: Any, some: Ints, distance: float) -> Ints:
+        """Which of some placed guests, by their number, come so near to the home."""
+        import shapely
+
+        if not (math.isfinite(distance) and len(some)):  # the first time there is no gap yet
+            return some
+        if distance <= 0:
+            return some[:0]
+        return np.asarray(some[shapely.dwithin(self.home, placed[some], distance)])
+
+    def gap(self, placed: Any) -> float:
+        """Gap of the home and one placed guest, mm."""
+        import shapely
+
+        distance = float(shapely.distance(self.home, placed)) - self.pad
+        return max(distance, 0.0) - self.allowed - self.facets
 
     def slides_clear(self, distance: float) -> bool:
         """Whether the guest only slides, and all that it sweeps on its straight way stays so far from the home."""
@@ -137,7 +162,8 @@ class _Approach:
         ends = self.motion.straight
         if ends is None or not 0 < distance < math.inf:
             return False
-        turn, rings = self.motion.turns[0], shapely.get_parts(shapely.boundary(self.guest))
+        turn = self.motion.turns[0]
+        rings = shapely.get_parts(shapely.boundary(self.guest))
         chains = [shapely.get_coordinates(ring) @ PLANE for ring in rings] or [
             self.coordinates[[0, 0]]
         ]
@@ -149,33 +175,31 @@ class _Approach:
             [starts + ends[0], stops + ends[0], stops + ends[1], starts + ends[1]], axis=1
         )
         swept = shapely.polygons(np.stack([corners.real, corners.imag], axis=2))
-        placed = _moved(self.guest, self.coordinates, np.array([turn]), np.array(ends[:1]))
+        start = _moved(self.guest, self.coordinates, np.array([turn]), np.array(ends[:1]))
         shapely.prepare(self.home)
-        return not np.any(shapely.dwithin(self.home, np.append(swept, placed), distance))
+        return not np.any(shapely.dwithin(self.home, np.append(swept, start), distance))
 
     def round(self) -> _Approach | None:
         """The same with the disc about the guest's calmest point in its place; None where it is one."""
         import shapely
 
-        if len(self.coordinates) == 1:
+        if self.single:
             return None
         middle = shapely.Point(self.centre.real, self.centre.imag)
-        return _Approach(self.motion, self.home, middle, self.reach, self.allowed, self.facets)
+        return replace(self, guest=middle, pad=self.reach, cuts=0)
 
     @property
     def divisible(self) -> bool:
         """Whether it is worth cutting the guest up."""
-        return len(self.coordinates) > (_CORNERS if self.cut else 1)
+        return len(self.coordinates) > (_CORNERS if self.cuts else 1)
 
     def divided(self) -> list[_Approach]:
         """The same with the guest cut up: first into rings about its calmest point, each moving less inside, then in halves."""
         import shapely
 
-        if self.cut == 0:
-            middle, radii = (
-                shapely.Point(self.centre.real, self.centre.imag),
-                [self.reach / 2**k for k in range(_RINGS)],
-            )
+        if self.cuts == 0:
+            middle = shapely.Point(self.centre.real, self.centre.imag)
+            radii = [self.reach / 2**k for k in range(_RINGS)]
             discs = [
                 middle.buffer(1.01 * radius, quad_segs=32) for radius in radii
             ]  # its facets lie 0.1 percent inside
@@ -184,7 +208,8 @@ class _Approach:
             cutters = [discs[-1], *rings[::-1]]  # the calmest first
         else:
             x0, y0, x1, y1 = self.guest.bounds
-            x, y = (x0 + x1) / 2, (y0 + y1) / 2
+            x = (x0 + x1) / 2
+            y = (y0 + y1) / 2
             wide = x1 - x0 > y1 - y0
             cutters = [
                 shapely.box(x0, y0, *((x, y1) if wide else (x1, y))),
@@ -192,11 +217,7 @@ class _Approach:
             ]
         parts = [self.guest.intersection(cutter) for cutter in cutters]
         return [
-            _Approach(
-                self.motion, self.home, part, self.pad, self.allowed, self.facets, self.cut + 1
-            )
-            for part in parts
-            if not part.is_empty
+            replace(self, guest=part, cuts=self.cuts + 1) for part in parts if not part.is_empty
         ]
 
 
@@ -223,81 +244,87 @@ class _Best:
     evaluations: int = 0
 
 
-def _search(
-    approach: _Approach, best: _Best, needed: float, resolution: float, most: float
-) -> bool:
-    """Lower `best` to the least gap of an approach; what is not looked at cannot be less than best less its resolution.
+@dataclass(frozen=True)
+class _Accuracy:
+    """To what the least gap is found: finely near what is needed, roughly where there is room."""
+
+    needed: float  # mm
+    resolution: float  # mm
+    share: float  # of the room
+
+    def spare(self, gap: float) -> float:
+        """What the least gap may be below the least that was seen, mm."""
+        return max(self.resolution, self.share * (gap - self.needed))
+
+
+def _search(approach: _Approach, best: _Best, accuracy: _Accuracy, most: float) -> bool:
+    """Lower `best` to the least gap of an approach; what is not looked at cannot be less than best less what is to spare.
 
     False where more than `most` stretches are in question at once: then nothing is said.
     """
     import shapely
 
     shapely.prepare(approach.home)
-
-    floor, ease = -approach.allowed, approach.facets + approach.pad
-    share = _TOUCHING if approach.allowed else _SHARE
-
-    def spare() -> float:
-        return _spare(best.gap, needed, resolution, share)
-
-    def reach(half: float) -> float:
-        """How near the guest as it is placed must come for a gap to be lower than `best` by what is to spare."""
-        return best.gap - spare() + approach.allowed + ease + half
-
-    def within(placed: Any, some: Ints, distance: float) -> Ints:
-        """Those that come as near as that."""
-        if not (
-            math.isfinite(distance) and len(some)
-        ):  # the first time there is nothing to compare with
-            return some
-        return (
-            some[shapely.dwithin(approach.home, placed[some], distance)]
-            if distance > 0
-            else some[:0]
-        )
-
     span = float(approach.path[-1])
     half = span / 2 / _START
     middle: Floats = np.linspace(half, span - half, _START)
     if span < AT_REST:
-        middle, half = np.array([span / 2]), span / 2
+        middle = np.array([span / 2])
+        half = span / 2
+    chunk = max(_BATCH // len(approach.coordinates), 1)
     while len(middle):
         if len(middle) > most:
             return False
-        chunk = max(_BATCH // len(approach.coordinates), 1)
-        kept = []
+        rivals = []
         for low in range(0, len(middle), chunk):
-            places = middle[low : low + chunk]
-            theta = approach.theta(places)
-            placed = approach.placed(theta)
-            best.evaluations += len(theta)
-            # What is not even near now cannot lower `best` either, for it only falls.
-            near = within(placed, np.arange(len(theta)), max(reach(half), reach(spare() / 2)))
-            rivals, k, before = near, len(theta) // 2, best.gap
-            while True:  # each round measures one, and keeps those that are nearer still
-                apart = float(shapely.distance(approach.home, placed[k])) - approach.pad
-                gap = max(apart, 0.0) - approach.allowed - approach.facets
-                if gap < best.gap:
-                    best.gap, best.theta = gap, float(theta[k])
-                if best.gap <= floor:
-                    return True
-                rivals = within(placed, rivals[rivals != k], reach(spare() / 2))
-                if not len(rivals):
-                    break
-                k = int(rivals[len(rivals) // 2])
-            if best.gap < before or half < spare() / 2:
-                near = within(placed, near, reach(half))
-            kept.append(places[near])
-        middle, half = np.concatenate(kept), half / 2
-        middle = (
-            np.sort(np.concatenate([middle - half, middle + half]))
-            if span >= AT_REST
-            else middle[:0]
-        )
+            rivals.append(_lowered(approach, best, accuracy, middle[low : low + chunk], half))
+            if best.gap <= -approach.allowed:
+                return True
+        if span < AT_REST:
+            break
+        middle = np.concatenate(rivals)
+        half = half / 2
+        middle = np.sort(np.concatenate([middle - half, middle + half]))
     return True
 
 
-def _settle(approach: _Approach, best: _Best, needed: float, resolution: float) -> None:
+def _lowered(
+    approach: _Approach, best: _Best, accuracy: _Accuracy, places: Floats, half: float
+) -> Floats:
+    """Lower `best` by stretches of half a length about some places of the path; those that may hold a lower gap still."""
+
+    def reach(half: float) -> float:
+        """How near the guest as it is placed must come for a gap to be lower than `best` by what is to spare."""
+        spare = accuracy.spare(best.gap)
+        return best.gap - spare + approach.allowed + approach.facets + approach.pad + half
+
+    theta = approach.theta(places)
+    guests = approach.placed(theta)
+    best.evaluations += len(theta)
+    first = best.gap
+    # What is not even near now cannot lower `best` either, for it only falls.
+    near = approach.within(
+        guests, np.arange(len(theta)), max(reach(half), reach(accuracy.spare(best.gap) / 2))
+    )
+    rivals = near
+    k = len(theta) // 2
+    while True:  # each round measures one, and keeps those that are nearer still
+        gap = approach.gap(guests[k])
+        if gap < best.gap:
+            best.gap = gap
+            best.theta = float(theta[k])
+        if best.gap <= -approach.allowed:
+            return places[:0]
+        rivals = approach.within(guests, rivals[rivals != k], reach(accuracy.spare(best.gap) / 2))
+        if not len(rivals):
+            break
+        k = int(rivals[len(rivals) // 2])
+    if best.gap < first or half < accuracy.spare(best.gap) / 2:
+        near = approach.within(guests, near, reach(half))
+    return places[near]
+
+
+def _settle(approach: _Approach, best: _Best, accuracy: _Accuracy) -> None:
     """Lower `best` to the least gap of an approach, by way of a simpler guest or pieces of it where that is less work."""
     if approach.empty or best.gap <= -approach.allowed:
         return
@@ -305,35 +332,30 @@ def _settle(approach: _Approach, best: _Best, needed: float, resolution: float) 
         best.gap + approach.allowed + approach.facets + approach.pad - STRAIGHT
     ):
         return
-    if _search(approach, best, needed, resolution, _MANY if approach.divisible else math.inf):
+    if _search(approach, best, accuracy, _MANY if approach.divisible else math.inf):
         return
-    if not _search_about(approach, best, needed, resolution):
+    if not _search_about(approach, best, accuracy):
         for part in approach.divided():
-            _settle(part, best, needed, resolution)
+            _settle(part, best, accuracy)
 
 
-def _search_about(approach: _Approach, best: _Best, needed: float, resolution: float) -> bool:
+def _search_about(approach: _Approach, best: _Best, accuracy: _Accuracy) -> bool:
     """The same with the disc round the guest in its place; False, and nothing is said, where that is not as near as it is."""
     import shapely
 
-    disc, found = approach.round(), _Best()
-    if disc is None or not _search(disc, found, needed, resolution, _MANY) or found.gap <= needed:
+    disc = approach.round()
+    outer = _Best()
+    if disc is None or not _search(disc, outer, accuracy, _MANY) or outer.gap <= accuracy.needed:
         return False
-    true = (
-        float(shapely.distance(approach.home, approach.placed(np.array([found.theta]))[0]))
-        - approach.allowed
-    )
-    best.evaluations += found.evaluations
-    if true - approach.facets > found.gap + resolution:
+    guest = approach.placed(np.array([outer.theta]))[0]
+    true = float(shapely.distance(approach.home, guest)) - approach.allowed
+    best.evaluations += outer.evaluations
+    if true - approach.facets > outer.gap + accuracy.resolution:
         return False
-    if found.gap < best.gap:
-        best.gap, best.theta = found.gap, found.theta
+    if outer.gap < best.gap:
+        best.gap = outer.gap
+        best.theta = outer.theta
     return True
-
-
-def _spare(gap: float, needed: float, resolution: float, share: float) -> float:
-    """To what the gap is found: finely near what is needed, roughly where there is room."""
-    return max(resolution, share * (gap - needed))
 
 
 def swept(
@@ -357,21 +379,24 @@ def swept(
         raise ValueError(
             f"names that occur twice, contacts of unknown bodies {sorted(unknown)} or without an allowed overlap"
         )
-    sections, theta = [sections_of(body) for body in bodies], np.linspace(*turn, _GRID + 1)
-    seen = functools.cache(
+    sections = [sections_of(body) for body in bodies]
+    theta = np.linspace(*turn, _GRID + 1)
+    motion_of = functools.cache(
         lambda home, guest: Motion(home, guest, theta)
     )  # bodies on one course move as one
     within = functools.cache(covered)
-    found = []
-    for (a, own), (b, others) in itertools.combinations(zip(bodies, sections, strict=True), 2):
+    clearances = []
+    for (a, first_sections), (b, second_sections) in itertools.combinations(
+        zip(bodies, sections, strict=True), 2
+    ):
         level = [
             (first, second)
-            for first, second in itertools.product(own, others)
+            for first, second in itertools.product(first_sections, second_sections)
             if min(first.z1, second.z1) - max(first.z0, second.z0) > _SAME_HEIGHT
         ]
         if level:
             level = _widest(level, within) if len(level) <= _LAYERS else level
-            motions = seen(a.course, b.course), seen(b.course, a.course)
+            motions = motion_of(a.course, b.course), motion_of(b.course, a.course)
             allowed = contacts.get(
                 frozenset((a.name, b.name)), mounted if motions[0].at_rest else None
             )
@@ -379,7 +404,7 @@ def swept(
                 best, proven = _least(motions, level, allowed, needed, resolution)
             except ValueError as fault:
                 raise ValueError(f"{a.name} and {b.name}: {fault}") from None
-            found.append(
+            clearances.append(
                 Clearance(
                     a.name,
                     b.name,
@@ -391,7 +416,7 @@ def swept(
                     motions[0].at_rest,
                 )
             )
-    return found
+    return clearances
 
 
 def _least(
@@ -402,56 +427,58 @@ def _least(
     resolution: float,
 ) -> tuple[_Best, float]:
     """Smallest gap of a pair's sections, and the one that is proven."""
-    best, target, floor = _Best(), needed if allowed is None else -allowed, -(allowed or 0.0)
-    fine, share = (
-        (resolution, _SHARE) if allowed is None else (min(resolution, allowed / 4), _TOUCHING)
+    best = _Best()
+    floor = -(allowed or 0.0)
+    accuracy = (
+        _Accuracy(needed, resolution, _SHARE)
+        if allowed is None
+        else _Accuracy(-allowed, min(resolution, allowed / 4), _TOUCHING)
     )
-    waiting = [list(level)]
-    while waiting:
-        some = waiting.pop()
-        if len(some) <= _LAYERS:
-            for first, second in some:
-                _settle(_facing(motions, first, second, -floor), best, target, fine)
+    stack = [list(level)]
+    while stack:
+        pairs = stack.pop()
+        if len(pairs) <= _LAYERS:
+            for first, second in pairs:
+                _settle(_facing(motions, first, second, -floor), best, accuracy)
             continue
-        first, second = (shadow_of(sections) for sections in zip(*some, strict=True))
+        first, second = (shadow_of(sections) for sections in zip(*pairs, strict=True))
         whole = _Best()
-        clear = _search(
-            _facing(motions, first, second, -floor), whole, target, fine, _LONG
-        ) and whole.gap > max(target, 0.0)
+        approach = _facing(motions, first, second, -floor)
+        clear = _search(approach, whole, accuracy, _LONG) and whole.gap > max(accuracy.needed, 0.0)
         best.evaluations += whole.evaluations
         if not clear:
-            waiting += [some[len(some) // 2 :], some[: len(some) // 2]]
+            stack += [pairs[len(pairs) // 2 :], pairs[: len(pairs) // 2]]
         elif whole.gap < best.gap:
-            best.gap, best.theta = whole.gap, whole.theta
+            best.gap = whole.gap
+            best.theta = whole.theta
     if best.gap > floor:
-        return (
-            (best, best.gap - _spare(best.gap, target, fine, share))
-            if math.isfinite(best.gap)
-            else (_Best(floor), floor)
-        )
-    looked = 1 if motions[0].at_rest else _DEPTHS
+        if math.isinf(best.gap):
+            return _Best(floor), floor
+        return best, best.gap - accuracy.spare(best.gap)
+    count = 1 if motions[0].at_rest else _DEPTHS
     theta = np.sort(
         np.append(
-            np.linspace(motions[0].theta[0], motions[0].theta[-1], looked, endpoint=False),
+            np.linspace(motions[0].theta[0], motions[0].theta[-1], count, endpoint=False),
             best.theta,
         )
     )
     depth, best.theta = _deepest(
         [(motions[0], first.area, second.area, theta) for first, second in level], best.theta
     )
-    best.gap, best.evaluations = -depth, best.evaluations + len(theta)
+    best.gap = -depth
+    best.evaluations += len(theta)
     return best, best.gap - resolution
 
 
 def _widest(level: Sequence[Facing], within: Callable[[Section, Section], bool]) -> list[Facing]:
     """Pairs less those of sections that lie within another pair's, and so are no nearer: those of a cam's mark."""
-    kept = list(level)
+    pairs = list(level)
     for first, second in level:
         if any(
-            within(first, a) and within(second, b) for a, b in kept if (a, b) != (first, second)
+            within(first, a) and within(second, b) for a, b in pairs if (a, b) != (first, second)
         ):
-            kept.remove((first, second))
-    return kept
+            pairs.remove((first, second))
+    return pairs
 
 
 def _facing(
@@ -459,10 +486,11 @@ def _facing(
 ) -> _Approach:
     """Two sections for the search; the guest is the one that is looked at with less work."""
 
-    def seen(motion: Motion, home: Section, guest: Section) -> _Approach:
+    def approach(motion: Motion, home: Section, guest: Section) -> _Approach:
         import shapely
 
-        body, facets = shrunk(home, allowed / 2), home.facets + guest.facets
+        body = shrunk(home, allowed / 2)
+        facets = home.facets + guest.facets
         if guest.disc is None:
             return _Approach(motion, body, shrunk(guest, allowed / 2), 0.0, allowed, facets)
         centre, radius = guest.disc
@@ -475,8 +503,8 @@ def _facing(
             facets,
         )
 
-    both = seen(motions[0], first, second), seen(motions[1], second, first)
-    return min(both, key=lambda each: len(each.coordinates) * (1 + each.path[-1]))
+    approaches = approach(motions[0], first, second), approach(motions[1], second, first)
+    return min(approaches, key=lambda each: len(each.coordinates) * (1 + each.path[-1]))
 
 
 def _deepest(
@@ -489,9 +517,10 @@ def _deepest(
     import shapely
 
     def deeper(depth: float) -> list[tuple[Motion, Any, Any, Floats]]:
-        kept = []
+        meeting = []
         for motion, home, guest, angles in overlaps:
-            a, b = home.buffer(-depth / 2), guest.buffer(-depth / 2)
+            a = home.buffer(-depth / 2)
+            b = guest.buffer(-depth / 2)
             if not (a.is_empty or b.is_empty):
                 shapely.prepare(a)
                 meet = angles[
@@ -500,17 +529,21 @@ def _deepest(
                     )
                 ]
                 if len(meet):
-                    kept.append((motion, home, guest, meet))
-        return kept
+                    meeting.append((motion, home, guest, meet))
+        return meeting
 
-    low, high = 0.0, RESOLUTION
-    while still_meet := deeper(high):
-        overlaps, low, high = still_meet, high, 2 * high
+    low = 0.0
+    high = RESOLUTION
+    while overlaps_left := deeper(high):
+        overlaps = overlaps_left
+        low = high
+        high = 2 * high
         theta = float(overlaps[0][3][0])
     while high - low > RESOLUTION / 10:
         middle = (low + high) / 2
-        if still_meet := deeper(middle):
-            overlaps, low = still_meet, middle
+        if overlaps_left := deeper(middle):
+            overlaps = overlaps_left
+            low = middle
             theta = float(overlaps[0][3][0])
         else:
             high = middle
@@ -532,19 +565,21 @@ def interference(
     apart = [(c.proven - needed, c) for c in clearances if c.allowed is None]
     touching = [(c.proven + c.allowed, c) for c in clearances if c.allowed is not None]
     for c in _worst(apart):
-        seen = (
+        words = (
             f"smallest gap seen {c.gap:.4f} mm"
             if c.gap > 0
             else f"they overlap by {abs(c.gap):.4f} mm or more"
         )
-        remark = f"nearest of {counted(len(apart), 'pair')} that must stay apart; {seen}; {_PROVEN}"
+        remark = (
+            f"nearest of {counted(len(apart), 'pair')} that must stay apart; {words}; {_PROVEN}"
+        )
         findings.append(
             at_least("INTERFERENCE", c.proven, needed, "mm", _place(c, "gap", angle), remark)
         )
     for c in _worst(touching):
-        seen = f"overlap seen {max(0.0, -c.gap):.4f} mm"
+        words = f"overlap seen {max(0.0, -c.gap):.4f} mm"
         remark = (
-            f"deepest of {counted(len(touching), 'pair')} that touch by intent; {seen}; {_PROVEN}"
+            f"deepest of {counted(len(touching), 'pair')} that touch by intent; {words}; {_PROVEN}"
         )
         where = _place(c, "overlap", angle)
         findings.append(

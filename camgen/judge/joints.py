@@ -20,6 +20,7 @@ from camgen.judge.contact_tips import ArmTip, Form, SlideTip
 from camgen.judge.measured import Readings
 from camgen.machine.features import (
     CamOutline,
+    Demand,
     Eye,
     Faces,
     Feature,
@@ -99,7 +100,8 @@ class Rolled:
         """Way of the tip square to the outline per unit of s, (n,) mm; of one that is too steep to be meant as if it were not."""
         if self.least is not None:
             return np.full(theta.shape, self.least)
-        touch, arm = self.contact.touch(theta), self.arm or 1.0
+        touch = self.contact.touch(theta)
+        arm = self.arm or 1.0
         if self.arm is not None and isinstance(self.contact.form, ArmFace):
             return np.maximum(np.abs(touch.place), _STEEP * arm)
         return np.asarray(arm * np.maximum(np.cos(touch.pressure_angle), _STEEP))
@@ -107,14 +109,13 @@ class Rolled:
 
 @dataclass(frozen=True)
 class Fit:
-    """A joint's play as measured and as meant, mm, how much the worst of its features is off, and the shift of each side, the
-    part of which is in `parts`, "" where it is none."""
+    """How a joint fits, mm."""
 
-    play: float
-    meant: float
-    misfit: float
-    shifts: tuple[float, float] = (0.0, 0.0)
-    parts: tuple[str, str] = ("", "")
+    play: float  # as measured
+    meant: float  # the play that is wanted
+    misfit: float  # how much the worst of its features is off
+    shifts: tuple[float, float] = (0.0, 0.0)  # of each side
+    parts: tuple[str, str] = ("", "")  # of each side, "" where it is none
 
 
 @dataclass(frozen=True)
@@ -133,6 +134,16 @@ class Outline:
 
 
 @dataclass(frozen=True)
+class Nominal:
+    """A machine as it is meant: what its files are measured against."""
+
+    machine: Machine
+    features: Sequence[Feature]  # of its parts, that make its joints
+    mounts: Sequence[Mount]
+    demands: Sequence[Demand] = ()  # more than the motion, by output
+
+
+@dataclass(frozen=True)
 class Closable:
     """The machine as measured; the fit of each joint that was, and the outlines of each cam, the one that drives first.
 
@@ -146,13 +157,13 @@ class Closable:
 
 
 def assembled(
-    machine: Machine, features: Sequence[Feature], mounts: Sequence[Mount], found: Readings
+    machine: Machine, features: Sequence[Feature], mounts: Sequence[Mount], readings: Readings
 ) -> Closable:
-    """The same machine with its joints and outputs where the features are.
+    """The machine with its joints and outputs where the features are.
 
     ValueError, with the joint's name, where a feature's part stands on neither of its bodies, or a follower misses its cam.
     """
-    builder = _Builder(machine, mounts, keyed(features, mounts, found), found)
+    builder = _Builder(machine, mounts, keyed(features, mounts, readings), readings)
     for kind in (
         PinEyes,
         Steady,
@@ -175,33 +186,51 @@ def assembled(
     )
 
 
-def keyed(features: Sequence[Feature], mounts: Sequence[Mount], found: Readings) -> list[Mount]:
+def keyed(features: Sequence[Feature], mounts: Sequence[Mount], readings: Readings) -> list[Mount]:
     """The mounts, those of parts on a pin with a flat where its holes and flats, as found, put them."""
-    placed = list(mounts)
+    keyed_mounts = list(mounts)
     for feature in (feature for feature in features if isinstance(feature, Keyed)):
         k, n = (
-            next(k for k, mount in enumerate(placed) if mount.part == eye.part)
+            next(k for k, mount in enumerate(keyed_mounts) if mount.part == eye.part)
             for eye in (feature.a, feature.b)
         )
-        (a, b), on = found.facing[feature], placed[k]
-        turned = on.direction(a) - b
-        centre = on.place(found.eyes[feature.a].centre)
-        placed[n] = replace(
-            placed[n],
-            at=centre - cmath.exp(1j * turned) * found.eyes[feature.b].centre,
-            angle=turned,
+        (a, b) = readings.facing[feature]
+        on = keyed_mounts[k]
+        angle = on.direction(a) - b
+        centre = on.place(readings.eyes[feature.a].centre)
+        keyed_mounts[n] = replace(
+            keyed_mounts[n],
+            at=centre - cmath.exp(1j * angle) * readings.eyes[feature.b].centre,
+            angle=angle,
         )
-    return placed
+    return keyed_mounts
+
+
+@dataclass(frozen=True)
+class _Side:
+    """One of the two features that a joint fits together."""
+
+    part: str | None
+    meant: float  # its size, mm
+    size: float  # as measured, mm
+    shift: float  # of its centre, mm
 
 
 class _Builder:
     """Joints, put one by one where their features are."""
 
     def __init__(
-        self, machine: Machine, mounts: Sequence[Mount], made: Sequence[Mount], found: Readings
+        self,
+        machine: Machine,
+        mounts: Sequence[Mount],
+        keyed_mounts: Sequence[Mount],
+        readings: Readings,
     ) -> None:
-        self.mounts, self.made, self.found = mounts, dict(zip(mounts, made, strict=True)), found
-        self.machine, self.joints = machine, {joint.name: joint for joint in machine.joints}
+        self.machine = machine
+        self.mounts = mounts
+        self.made = dict(zip(mounts, keyed_mounts, strict=True))
+        self.found = readings
+        self.joints = {joint.name: joint for joint in machine.joints}
         self.meant = {joint.name: joint for joint in machine.joints if isinstance(joint, Pin)}
         self.fits: dict[str, Fit] = {}
         self.outlines: dict[str, list[Outline]] = {}
@@ -259,19 +288,24 @@ class _Builder:
         def fits(a: Eye, b: Eye) -> bool:
             return self._on(a.part, joint.a.body) and self._on(b.part, joint.b.body)
 
-        a, b = feature.a, feature.b  # in either order
+        a = feature.a
+        b = feature.b
+        # in either order
         if not fits(a, b) and fits(b, a):
             a, b = b, a
         new = replace(joint, a=self._placed(a, joint.a), b=self._placed(b, joint.b))
-        shifts = (abs(new.a.at - joint.a.at), abs(new.b.at - joint.b.at))
         rings = sum(ring.outside - ring.bore for ring in feature.rings)
-        meant, made = (a.diameter - rings, b.diameter), (self._size(a) - rings, self._size(b))
-        self._fit(joint.name, meant, made, shifts, (a.part, b.part), (a, b), feature.pin, a.shaft)
+        sides = (
+            _Side(a.part, a.diameter - rings, self._size(a) - rings, abs(new.a.at - joint.a.at)),
+            _Side(b.part, b.diameter, self._size(b), abs(new.b.at - joint.b.at)),
+        )
+        self._fit(joint.name, sides, (a, b), feature.pin, a.shaft)
         return new
 
     def _steady(self, feature: Steady, joint: Pin) -> None:
         """How far the far end is off the joint's axis is a misfit of the joint, and so are sizes there."""
-        eyes, ground = self.found.eyes, joint.a if joint.a.body == GROUND else joint.b
+        eyes = self.found.eyes
+        ground = joint.a if joint.a.body == GROUND else joint.b
         shifts = [self._placed(eye, ground).at - ground.at for eye in (feature.near, feature.far)]
         off = abs(shifts[1] - shifts[0])
         if feature.webs is not None:
@@ -293,74 +327,73 @@ class _Builder:
     def _fit(
         self,
         joint: str,
-        meant: tuple[float, float],
-        made: tuple[float, float],
-        shifts: tuple[float, float],
-        parts: tuple[str | None, str | None],
-        eyes: Sequence[Eye],
+        sides: tuple[_Side, _Side],
+        eyes: Sequence[Eye] = (),
         pin: Eye | None = None,
         shaft: bool = False,
     ) -> None:
         """Write down a joint's fit, from what its two sides measure, mm; shaft: the first of them is in the second."""
 
-        def play(sizes: tuple[float, float], through: float | None) -> float:
-            a, b = sizes
+        def play(a: float, b: float, through: float | None) -> float:
             return (b - a) * (1 if shaft else -1) if through is None else a + b - 2 * through
 
-        now, was = (
-            play(made, self._size(pin) if pin else None),
-            play(meant, pin.diameter if pin else None),
-        )
-        misfit = abs(now - was) / (
+        a, b = sides
+        measured_play = play(a.size, b.size, self._size(pin) if pin else None)
+        nominal_play = play(a.meant, b.meant, pin.diameter if pin else None)
+        misfit = abs(measured_play - nominal_play) / (
             1 if pin is None else 2
         )  # a pin is in two holes, so their play counts by the half
         for eye in eyes:  # each hole's own size, and its centres at several heights
-            found = self.found.eyes[eye]
+            reading = self.found.eyes[eye]
             misfit = max(
                 misfit,
-                found.spread,
-                abs(found.diameter - eye.diameter) if eye.part and eye.diameter else 0.0,
+                reading.spread,
+                abs(reading.diameter - eye.diameter) if eye.part and eye.diameter else 0.0,
             )
-        self.fits[joint] = Fit(now, was, misfit, shifts, (parts[0] or "", parts[1] or ""))
+        self.fits[joint] = Fit(
+            measured_play, nominal_play, misfit, (a.shift, b.shift), (a.part or "", b.part or "")
+        )
 
     def _line(self, faces: Faces, place: Place, along: float) -> tuple[Place, float]:
         """The middle of two faces: where it crosses beside the place, square to the direction `along`, and its direction."""
-        mount, found = self._mount(faces.part, place, faces.at), self.found.faces[faces]
-        through = mount.place(faces.at + 1j * cmath.exp(1j * faces.angle) * found.offset)
-        angle = mount.direction(faces.angle + found.lean)
+        mount = self._mount(faces.part, place, faces.at)
+        reading = self.found.faces[faces]
+        through = mount.place(faces.at + 1j * cmath.exp(1j * faces.angle) * reading.offset)
+        angle = mount.direction(faces.angle + reading.lean)
         angle += round((along - angle) / math.pi) * math.pi
-        meant, way = cmath.exp(1j * along), cmath.exp(1j * angle)
-        reach = ((place.at - through) * meant.conjugate()).real / (way * meant.conjugate()).real
-        return Place(place.body, through + reach * way), angle
+        nominal_way = cmath.exp(1j * along)
+        way = cmath.exp(1j * angle)
+        distance = ((place.at - through) * nominal_way.conjugate()).real / (
+            way * nominal_way.conjugate()
+        ).real
+        return Place(place.body, through + distance * way), angle
 
     def _slide(self, feature: SlideFaces, joint: Slide) -> Slide:
-        rails, runner = feature.rails, feature.runner
+        rails = feature.rails
+        runner = feature.runner
         if self._on(rails.part, joint.runner.body) and not self._on(rails.part, joint.guide.body):
             raise ValueError(f"{joint.name}: {rails.part} is mounted on its runner")
         guide, angle = self._line(rails, joint.guide, joint.angle)
-        block, own = self._line(runner, joint.runner, joint.angle - joint.turn)
-        found = (self.found.faces[rails].width, self.found.faces[runner].width)
-        shifts = (abs(guide.at - joint.guide.at), abs(block.at - joint.runner.at))
-        self._fit(
-            joint.name, (rails.width, runner.width), found, shifts, (rails.part, runner.part), ()
+        block, runner_angle = self._line(runner, joint.runner, joint.angle - joint.turn)
+        faces = self.found.faces
+        sides = (
+            _Side(rails.part, rails.width, faces[rails].width, abs(guide.at - joint.guide.at)),
+            _Side(runner.part, runner.width, faces[runner].width, abs(block.at - joint.runner.at)),
         )
-        return replace(joint, guide=guide, runner=block, angle=angle, turn=angle - own)
+        self._fit(joint.name, sides)
+        return replace(joint, guide=guide, runner=block, angle=angle, turn=angle - runner_angle)
 
     def _slot(self, feature: SlotFaces, joint: Slot) -> Slot:
         guide, angle = self._line(feature.walls, joint.guide, joint.angle)
         runner = self._placed(feature.eye, joint.runner)
-        walls, eye = feature.walls, feature.eye
-        found = (self.found.faces[walls].width, self._size(eye))
-        shifts = (abs(guide.at - joint.guide.at), abs(runner.at - joint.runner.at))
-        self._fit(
-            joint.name,
-            (walls.width, eye.diameter),
-            found,
-            shifts,
-            (walls.part, eye.part),
-            (eye,),
-            feature.pin,
+        walls = feature.walls
+        eye = feature.eye
+        width = self.found.faces[walls].width
+        sides = (
+            _Side(walls.part, walls.width, width, abs(guide.at - joint.guide.at)),
+            _Side(eye.part, eye.diameter, self._size(eye), abs(runner.at - joint.runner.at)),
         )
+        self._fit(joint.name, sides, (eye,), feature.pin)
         return replace(joint, guide=guide, runner=runner, angle=angle)
 
     def _held(self, pin: str, body: str) -> tuple[complex, complex]:
@@ -383,20 +416,24 @@ class _Builder:
 
     def _gear(self, feature: GearTeeth, joint: Gear) -> Gear:
         """A pair whose teeth lie in each other's gaps on the line of their axes, with the play that is left there."""
-        before, after, off = [], [], 0.0
+        before = []
+        after = []
+        off = 0.0
         for teeth, pin, body in zip(
             (feature.a, feature.b), feature.turns, (joint.a, joint.b), strict=True
         ):
-            made = self.found.teeth[teeth]
+            reading = self.found.teeth[teeth]
             if not self._on(teeth.part, body):
                 raise ValueError(f"{joint.name}: {teeth.part} is not mounted on {body}")
-            off += teeth.count * (made.tooth - teeth.tooth)
-            meant = self.meant[pin]
-            before.append(meant.a.at if meant.a.body == GROUND else meant.b.at)
+            off += teeth.count * (reading.tooth - teeth.tooth)
+            nominal = self.meant[pin]
+            before.append(nominal.a.at if nominal.a.body == GROUND else nominal.b.at)
             after.append(self._held(pin, body)[1])
-        meant_line, line = before[1] - before[0], after[1] - after[0]
+        meant_line = before[1] - before[0]
+        line = after[1] - after[0]
         lean = cmath.phase(line / meant_line)
-        count, radius = feature.b.count, feature.b.radius
+        count = feature.b.count
+        radius = feature.b.radius
         phase = joint.phase + ((feature.a.count + count) * lean - off) / count
         wider = 2 * (abs(line) - abs(meant_line)) * math.tan(_PRESSURE)
         gaps = [
@@ -417,7 +454,8 @@ class _Builder:
 
     def _own(self, feature: CamOutline, joint: Cam) -> Rolled | None:
         """What the follower's own tip rolls to; None where it is lost or does not fit the cam."""
-        own, eyes = feature.own, self.found.eyes
+        own = feature.own
+        eyes = self.found.eyes
         if own is None or own.tip not in eyes or feature.swings is None:
             return None
         mount = self._mount(own.part, Place(joint.follower), own.tip.at)
@@ -453,22 +491,23 @@ class _Builder:
         if feature.bore is not None:
             own += mount.place(self.found.eyes[feature.bore].centre) - mount.place(feature.bore.at)
         turn = cmath.exp(1j * mount.angle) * (-1 if mount.flipped else 1)
-        turn, shift = (
-            turn * cmath.exp(1j * joint.phase),
-            (mount.at - own) * cmath.exp(1j * joint.phase),
-        )
+        turn = turn * cmath.exp(1j * joint.phase)
+        shift = (mount.at - own) * cmath.exp(1j * joint.phase)
         ring = self.found.rings[feature].moved(turn, shift, mirror=mount.flipped)
         form: Form
         if feature.swings is not None:
-            held, pivot = self._held(feature.swings, joint.follower)
-            turned = cmath.exp(1j * joint.rest)
-            arm, start, middle = turned * (tip - held), pivot - centre, 0.0
+            axle, pivot = self._held(feature.swings, joint.follower)
+            rest = cmath.exp(1j * joint.rest)
+            arm = rest * (tip - axle)
+            start = pivot - centre
+            middle = 0.0
             if facing is None:
                 form = ArmTip(start, arm, radius, feature.leaves, feature.inside)
             else:
-                normal = -turned * facing
+                normal = -rest * facing
                 foot = normal.conjugate() * arm
-                form, middle = ArmFace(start, normal, foot.real - air, feature.leaves), foot.imag
+                form = ArmFace(start, normal, foot.real - air, feature.leaves)
+                middle = foot.imag
             lever: float | None = abs(arm)
         else:
             assert joint.slide is not None
@@ -481,7 +520,8 @@ class _Builder:
                 + cmath.exp(1j * slide.turn) * (tip - slide.runner.at)
                 - centre
             )
-            lever, middle = None, 0.0
+            lever = None
+            middle = 0.0
             if facing is None:
                 form = SlideTip(start, along, radius, feature.leaves, feature.inside)
             else:
@@ -490,27 +530,28 @@ class _Builder:
 
     def _tip(self, feature: CamOutline, joint: Cam) -> tuple[complex, complex | None, float]:
         """The follower's tip in its body's frame: its place, its face's direction, its radius, mm."""
-        tip, body = feature.tip, joint.follower
+        tip = feature.tip
+        body = joint.follower
         if isinstance(tip, Flat):
             face = self.found.flats[tip]
             if tip.part is None:
                 return tip.at, cmath.exp(1j * tip.facing), 0.0
             mount = self._mount(tip.part, Place(body), tip.at)
             return mount.place(face.at), cmath.exp(1j * mount.direction(face.facing)), 0.0
-        found = self.found.eyes[tip]
-        radius = found.diameter / 2 if feature.radius is None else feature.radius
+        reading = self.found.eyes[tip]
+        radius = reading.diameter / 2 if feature.radius is None else feature.radius
         if tip.part is None:
             return tip.at, None, radius
-        return self._mount(tip.part, Place(body), tip.at).place(found.centre), None, radius
+        return self._mount(tip.part, Place(body), tip.at).place(reading.centre), None, radius
 
     def output(self, output: Output, marks: Sequence[Eye]) -> Output:
         """The output with its places where the eyes of joints, or their marks, are."""
 
-        def seen(place: Place) -> Place:
-            for meant, joint in zip(self.machine.joints, self.joints.values(), strict=True):
-                for side, now in zip(centres_of(meant), centres_of(joint), strict=True):
+        def measured_place(place: Place) -> Place:
+            for nominal, joint in zip(self.machine.joints, self.joints.values(), strict=True):
+                for side, measured in zip(centres_of(nominal), centres_of(joint), strict=True):
                     if side.body == place.body and abs(side.at - place.at) < SAME_POINT:
-                        return now
+                        return measured
             for eye in marks:
                 for mount in self.mounts:
                     if (mount.part, mount.body) == (eye.part, place.body) and abs(
@@ -519,4 +560,4 @@ class _Builder:
                         return self._placed(eye, place)
             return place
 
-        return replace(output, of=placed(output.of, seen))
+        return replace(output, of=placed(output.of, measured_place))

@@ -37,7 +37,8 @@ _FOLLOWS = 1e-6  # deg, of an angle that follows from cells of its row
 _STEEP = 0.25  # cosine of a pressure angle, 75 deg, that no cam is meant to reach, so that a wrong one widens no limit
 # An arc of length L that leaves a curve by no more than e, as a cubic does, leaves its direction by 6 sqrt(3) e / L and its
 # curvature by 36 sqrt(3) e / L^2, both at its ends.
-_TURN, _BEND = 6 * math.sqrt(3), 36 * math.sqrt(3)
+_TURN = 6 * math.sqrt(3)
+_BEND = 36 * math.sqrt(3)
 _ROUGH = 0.05  # of its largest curvature, by which a polygon's own, that of circles through three corners, may be off
 _SPREAD = 0.25  # of what neighbours differ by: a curvature that is largest in between is off their means by a sixth
 _BLOCK = 1_000_000  # pairs of a place and an edge that are looked at together
@@ -65,17 +66,22 @@ def judge_profile(
     ring: the outline in the part's own file, material on its left; law: what the follower rolls to on it; step_deg: between
     rows; tolerance: mm, of outlines.
     """
-    wanted = np.arange(0, 360, step_deg)
-    if len(profile.theta) != len(wanted):
-        said = f"{len(profile.theta)} rows instead of {len(wanted)}, one each {step_deg:g} deg"
+    angles = np.arange(0, 360, step_deg)
+    if len(profile.theta) != len(angles):
+        remark = f"{len(profile.theta)} rows instead of {len(angles)}, one each {step_deg:g} deg"
         return [
             at_most(
-                "ROUND_TRIP", abs(len(profile.theta) - len(wanted)), 0, "rows", in_file(table), said
+                "ROUND_TRIP",
+                abs(len(profile.theta) - len(angles)),
+                0,
+                "rows",
+                in_file(table),
+                remark,
             )
         ]
     rows = _Rows(in_file(table), profile, _Edges(ring, tolerance), _Follower(law, profile.theta))
     return [
-        rows.angles(wanted),
+        rows.angles(angles),
         rows.places(),
         rows.polar(),
         *rows.follower(),
@@ -149,25 +155,32 @@ class _Edges:
 
     def seen(self, z: Points) -> tuple[Floats, Points]:
         """Distance of each place from each edge, mm, and the outward normal there, (m, n)."""
-        a, b, bulge = self.ring.points, self.ring.ends, self.ring.bulges
+        a = self.ring.points
+        b = self.ring.ends
+        bulge = self.ring.bulges
         way = b - a
-        bent = np.where(bulge == 0, 1.0, bulge)
-        centre = (a + b) / 2 + 0.5j * way * (1 - bent**2) / (2 * bent)
+        curved = np.where(bulge == 0, 1.0, bulge)
+        centre = (a + b) / 2 + 0.5j * way * (1 - curved**2) / (2 * curved)
         spoke = z[:, None] - centre
         radius = np.abs(a - centre)
-        middle = -1j * way / np.abs(way) * np.sign(bent)  # from the centre to the middle of the arc
+        middle = (
+            -1j * way / np.abs(way) * np.sign(curved)
+        )  # from the centre to the middle of the arc
         ends = np.minimum(np.abs(z[:, None] - a), np.abs(z[:, None] - b))
-        within = np.abs(np.angle(spoke * np.conj(middle))) <= 2 * np.arctan(np.abs(bent))
+        within = np.abs(np.angle(spoke * np.conj(middle))) <= 2 * np.arctan(np.abs(curved))
         arc = np.where(within, np.abs(np.abs(spoke) - radius), ends)
-        share = np.clip(np.real((z[:, None] - a) * np.conj(way)) / np.abs(way) ** 2, 0, 1)
-        straight = np.abs(z[:, None] - a - share * way)
+        fraction = np.clip(np.real((z[:, None] - a) * np.conj(way)) / np.abs(way) ** 2, 0, 1)
+        straight = np.abs(z[:, None] - a - fraction * way)
         flat = bulge == 0
-        normal = np.where(flat, -1j * way / np.abs(way), np.sign(bent) * spoke / np.abs(spoke))
+        normal = np.where(flat, -1j * way / np.abs(way), np.sign(curved) * spoke / np.abs(spoke))
         return np.where(flat, straight, arc), normal
 
     def against(self, z: Points, normal: Points) -> _Seen:
         """Places with their normals, (m,), against the edges."""
-        apart, nearest, lean, limit = [], [], [], []
+        apart = []
+        nearest = []
+        lean = []
+        limit = []
         for k in range(0, len(z), max(_BLOCK // self.count, 1)):
             block = slice(k, k + max(_BLOCK // self.count, 1))
             distance, outward = self.seen(z[block])
@@ -196,7 +209,9 @@ class _Follower:
         assert isinstance(form, ArmTip | SlideTip | ArmFace | SlideFace), (
             f"{form} is no follower of a cam"
         )
-        self.law, self.form, self.theta = law, form, theta
+        self.law = law
+        self.form = form
+        self.theta = theta
         touch = law.contact.touch(theta)
         self.steepest = np.maximum(np.cos(touch.pressure_angle), _STEEP)
         self.radius = 0.0
@@ -207,9 +222,11 @@ class _Follower:
         )
         match form:
             case ArmTip():
-                self.centre, self.radius = form.pivot + form.arm * np.exp(1j * s), form.tip_radius
+                self.centre = form.pivot + form.arm * np.exp(1j * s)
+                self.radius = form.tip_radius
             case SlideTip():
-                self.centre, self.radius = form.start + form.along * s, form.tip_radius
+                self.centre = form.start + form.along * s
+                self.radius = form.tip_radius
             case SlideFace():
                 self.facing = np.full(len(s), form.leaves * complex(form.along))
                 self.centre = form.start + form.along * s
@@ -236,7 +253,10 @@ class _Rows:
     """Findings on the columns of a table."""
 
     def __init__(self, where: Where, profile: Profile, edges: _Edges, follower: _Follower) -> None:
-        self.where, self.profile, self.edges, self.rolled = where, profile, edges, follower
+        self.rolled = follower
+        self.edges = edges
+        self.profile = profile
+        self.where = where
         self.riding = np.isnan(profile.normal)
         self.off = 2 * edges.tolerance  # mm, of the outline in a file from one that is exact
         self.near = self.off * (1 + BOUND_SPARE) / follower.steepest  # mm, of the follower
@@ -263,9 +283,9 @@ class _Rows:
             "ROUND_TRIP", float(error[worst]), float(limits[worst]), unit, where, message
         )
 
-    def angles(self, wanted: Floats) -> Finding:
+    def angles(self, angles: Floats) -> Finding:
         """Of the cam's angles, deg."""
-        off = np.abs(np.degrees(self.profile.theta) - wanted)
+        off = np.abs(np.degrees(self.profile.theta) - angles)
         return self._worst(
             "theta_deg", off, 2 * _DIGIT, "deg", "rows in even steps of files.profile_step_deg"
         )
@@ -275,8 +295,8 @@ class _Rows:
         off = self.seen.apart.copy()
         corners = np.abs(self.profile.place[self.riding, None] - self.edges.ring.points)
         off[self.riding] = np.min(corners, axis=1, initial=np.inf)
-        said = f"{len(off)} places against the outline that is cut, those without a normal against its corners"
-        return self._worst("x_mm and y_mm", off, self.off, "mm", said)
+        remark = f"{len(off)} places against the outline that is cut, those without a normal against its corners"
+        return self._worst("x_mm and y_mm", off, self.off, "mm", remark)
 
     def polar(self) -> Finding:
         """Of the same places by radius and angle."""
@@ -293,11 +313,10 @@ class _Rows:
 
     def follower(self) -> list[Finding]:
         """Of what a row says of the follower: where it is at that angle."""
-        columns, said = (
-            "theta_deg, x_mm, y_mm and normal_deg",
-            "the follower as the row puts it, against the outline that is cut",
-        )
-        rolled, spoke = self.rolled, self.rolled.centre - self.place
+        columns = "theta_deg, x_mm, y_mm and normal_deg"
+        remark = "the follower as the row puts it, against the outline that is cut"
+        rolled = self.rolled
+        spoke = self.rolled.centre - self.place
         if rolled.facing is not None:
             lean = np.where(
                 self.riding, 0.0, np.degrees(np.abs(np.angle(self.spoke * np.conj(rolled.facing))))
@@ -309,7 +328,7 @@ class _Rows:
                 )
             height = np.abs(np.real(spoke * np.conj(rolled.facing)))
             return [
-                self._worst(columns, height, self.near, "mm", said),
+                self._worst(columns, height, self.near, "mm", remark),
                 self._worst(
                     "theta_deg and normal_deg",
                     lean,
@@ -318,32 +337,35 @@ class _Rows:
                     "the row's normal against that of the face",
                 ),
             ]
-        apart = np.where(
+        gap = np.where(
             self.riding,
             np.abs(np.abs(spoke) - rolled.radius),
             np.abs(spoke - rolled.radius * self.spoke),
         )
-        return [self._worst(columns, apart, self.near, "mm", said)]
+        return [self._worst(columns, gap, self.near, "mm", remark)]
 
     def normals(self) -> Finding:
         """Of the normals, against the outline."""
         lean = np.where(self.riding, 0.0, self.seen.lean)
-        said = "the row's normal against the outline that is cut; the limit is what arcs within the tolerance may lean"
-        return self._worst("normal_deg", np.degrees(lean), np.degrees(self.seen.limit), "deg", said)
+        remark = "the row's normal against the outline that is cut; the limit is what arcs within the tolerance may lean"
+        return self._worst(
+            "normal_deg", np.degrees(lean), np.degrees(self.seen.limit), "deg", remark
+        )
 
     def pressure(self) -> Finding:
         """Of the pressure angle: that of the row's normal and the way of the follower's point."""
-        rolled, angle = self.rolled, np.degrees(self.profile.pressure_angle)
+        rolled = self.rolled
+        angle = np.degrees(self.profile.pressure_angle)
         point = self.place + rolled.radius * self.spoke
-        found = np.degrees(np.abs(np.angle(self.spoke * np.conj(rolled.way(point)))))
+        pressure = np.degrees(np.abs(np.angle(self.spoke * np.conj(rolled.way(point)))))
         corner = np.degrees(np.arctan2(self.near, max(rolled.radius, self.off)))
-        said = "the angle between the row's normal and the follower's way"
+        remark = "the angle between the row's normal and the follower's way"
         return self._worst(
             "pressure_angle_deg",
-            np.abs(found - angle),
+            np.abs(pressure - angle),
             np.where(self.riding, corner, _FOLLOWS),
             "deg",
-            said,
+            remark,
         )
 
     def curvature(self) -> Finding:
@@ -353,26 +375,27 @@ class _Rows:
         low, high, limit = self._bends()
         means = self._turns()
         steps = np.stack([np.roll(means, k) for k in (2, 1, 0, -1)])
-        alone = np.stack(
+        on_one_arc = np.stack(
             [np.roll(self.seen.nearest, k) == self.seen.nearest for k in (-2, -1, 1, 2)]
         ).all(axis=0)
-        alone &= np.isfinite(steps).all(axis=0)
-        least, most = np.min(steps, axis=0), np.max(steps, axis=0)
+        on_one_arc &= np.isfinite(steps).all(axis=0)
+        least = np.min(steps, axis=0)
+        most = np.max(steps, axis=0)
         fine = _SPREAD * (most - least) + 1e3 * _DIGIT
-        low, high, limit = (
-            np.where(alone, least, low),
-            np.where(alone, most, high),
-            np.where(alone, fine, limit),
-        )
+        low = np.where(on_one_arc, least, low)
+        high = np.where(on_one_arc, most, high)
+        limit = np.where(on_one_arc, fine, limit)
         off = np.maximum(np.maximum(low - curvature, curvature - high), 0.0)
         off = np.where(self.riding, np.where(np.isnan(curvature), 0.0, np.inf), off)
-        said = "against the curvature of the outline that is cut, about the row's place"
-        return self._worst("curvature_per_mm", off, limit, "1/mm", said)
+        remark = "against the curvature of the outline that is cut, about the row's place"
+        return self._worst("curvature_per_mm", off, limit, "1/mm", remark)
 
     def _turns(self) -> Floats:
         """Mean curvature from each row to the next one, (n,) 1/mm, nan where one of both has no normal."""
-        z, normal = self.profile.place, self.profile.normal
-        way, turn = np.roll(z, -1) - z, np.angle(np.roll(normal, -1) * np.conj(normal))
+        z = self.profile.place
+        normal = self.profile.normal
+        way = np.roll(z, -1) - z
+        turn = np.angle(np.roll(normal, -1) * np.conj(normal))
         side = np.sign(np.imag(np.conj(way) * normal))
         length = np.abs(way) / np.sinc(turn / math.tau)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -380,25 +403,25 @@ class _Rows:
 
     def _bends(self) -> tuple[Floats, Floats, Floats]:
         """Least and greatest curvature of the edges from the row before to the row after, and how far off they may be, 1/mm."""
-        edges, nearest, count = self.edges, self.seen.nearest, self.edges.count
+        edges = self.edges
+        nearest = self.seen.nearest
+        count = self.edges.count
         before, after = (
             (np.roll(nearest, k) - nearest + count // 2) % count - count // 2 for k in (1, -1)
         )
-        first, last = (
-            np.minimum(np.minimum(before, after), 0) - 1,
-            np.maximum(np.maximum(before, after), 0) + 1,
-        )
-        found = np.empty((3, len(first)))
+        first = np.minimum(np.minimum(before, after), 0) - 1
+        last = np.maximum(np.maximum(before, after), 0) + 1
+        bends = np.empty((3, len(first)))
         for k, (middle, a, b) in enumerate(
             zip(nearest.tolist(), first.tolist(), last.tolist(), strict=True)
         ):
-            there = np.arange(middle + a, middle + b + 1) % count
-            found[:, k] = (
-                edges.curvature[there].min(),
-                edges.curvature[there].max(),
-                edges.bend_limit[there].max(),
+            between = np.arange(middle + a, middle + b + 1) % count
+            bends[:, k] = (
+                edges.curvature[between].min(),
+                edges.curvature[between].max(),
+                edges.bend_limit[between].max(),
             )
-        return found[0], found[1], found[2]
+        return bends[0], bends[1], bends[2]
 
 
 # ---- the path of a cutter --------------------------------------------------------------------------------------------
@@ -478,45 +501,48 @@ def judge_path(
     )
     if faults:
         return [closed]
-    (ring,), table = drawing.cut, in_file(path.with_suffix(".csv"))
+    (ring,) = drawing.cut
+    table = in_file(path.with_suffix(".csv"))
     findings = [closed, *_same_path(table, pieces, ring)]
-    left = widened(ring, radius if within else -radius, sharp=False)
+    cut = widened(ring, radius if within else -radius, sharp=False)
     target = outline.facetted(FACETS)
     z = along(target)
-    off = point_to_ring(z, left.points)
+    off = point_to_ring(z, cut.points)
     worst = int(np.argmax(off))
-    said = (
+    remark = (
         f"outline less what a cutter of radius {radius:g} mm leaves, at x {z[worst].real:.3f}, y {z[worst].imag:.3f} mm; "
         "where it is more, the cutter is too large for a hollow (files.cutter_radius)"
     )
-    other = float(np.max(point_to_ring(left.points, target)))
+    spare = float(np.max(point_to_ring(cut.points, target)))
     return [
         *findings,
-        at_most("CUTTER", max(float(off[worst]), other), limit, "mm", in_file(path), said),
+        at_most("CUTTER", max(float(off[worst]), spare), limit, "mm", in_file(path), remark),
     ]
 
 
 def _same_path(table: Where, pieces: Sequence[Step], ring: Ring) -> list[Finding]:
     """ROUND_TRIP of a path's table, column by column, and of its contour against the ring in the DXF."""
-    wrong = [k + 1 for k, piece in enumerate(pieces) if not piece.named]
-    said = "line, arc ccw or arc cw, as the other cells of the row tell" + (
-        f"; not row {wrong[0]}" if wrong else ""
+    faults = [k + 1 for k, piece in enumerate(pieces) if not piece.named]
+    remark = "line, arc ccw or arc cw, as the other cells of the row tell" + (
+        f"; not row {faults[0]}" if faults else ""
     )
-    kinds = at_most("ROUND_TRIP", len(wrong), 0, "rows", replace(table, thing="piece"), said)
-    if wrong or not pieces:
+    kinds = at_most("ROUND_TRIP", len(faults), 0, "rows", replace(table, thing="piece"), remark)
+    if faults or not pieces:
         return [
             kinds,
             at_most("ROUND_TRIP", math.nan, 0, "mm", table, f"{len(pieces)} lines and arcs"),
         ]
     gaps = [
-        abs(here.end - following.start)
-        for here, following in zip(pieces, (*pieces[1:], *pieces[:1]), strict=True)
+        abs(step.end - following.start)
+        for step, following in zip(pieces, (*pieces[1:], *pieces[:1]), strict=True)
     ]
     size = max(max(abs(piece.start), 0.0 if piece.straight else piece.radius) for piece in pieces)
     digits = 4 * _DIGIT * (1 + size / 50)  # nine decimals of a degree are 1 / 57 of that in rad
-    said = "where each arc ends by its centre, radius and sweep, against its end"
+    remark = "where each arc ends by its centre, radius and sweep, against its end"
     columns = replace(table, thing="centre_x_mm, centre_y_mm, radius_mm and sweep_deg")
-    arcs = at_most("ROUND_TRIP", max(piece.error for piece in pieces), digits, "mm", columns, said)
+    arcs = at_most(
+        "ROUND_TRIP", max(piece.error for piece in pieces), digits, "mm", columns, remark
+    )
     ends = at_most(
         "ROUND_TRIP",
         max(gaps),
@@ -525,9 +551,9 @@ def _same_path(table: Where, pieces: Sequence[Step], ring: Ring) -> list[Finding
         replace(table, thing="x0_mm, y0_mm, x1_mm and y1_mm"),
         "from the end of each piece to the next",
     )
-    written = Ring(
+    table_ring = Ring(
         np.array([piece.start for piece in pieces]), np.array([piece.bulge for piece in pieces])
     )
-    off = contour_error(written, ring, FACETS)
-    said = f"{len(pieces)} lines and arcs, as in the DXF"
-    return [kinds, arcs, ends, at_most("ROUND_TRIP", off, 2 * FACETS, "mm", table, said)]
+    off = contour_error(table_ring, ring, FACETS)
+    remark = f"{len(pieces)} lines and arcs, as in the DXF"
+    return [kinds, arcs, ends, at_most("ROUND_TRIP", off, 2 * FACETS, "mm", table, remark)]

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from camgen.findings import Where
 from camgen.geometry.rings import Circle, Ring, Shape, bore_circle, fit_circle, hole_circles
 from camgen.machine.features import (
     CamOutline,
@@ -26,7 +27,7 @@ from camgen.machine.features import (
     eyes,
 )
 
-Sections = Sequence[Sequence[Shape]]
+Sections = Sequence[Sequence[Shape]]  # of a part: shapes at each height
 
 _PARALLEL = 0.01  # rad, leaning more is another face
 _SAME_FACE = 0.02  # of the width: faces at two heights that are further apart are two faces
@@ -41,18 +42,26 @@ _ON_TIP = (
 
 
 @dataclass(frozen=True)
+class Files:
+    """The files of one kind that show a machine."""
+
+    kind: str  # of READABLE
+    where: Where  # as findings say it; a star stands for the parts
+    sections: Mapping[str, Sections]  # by part
+
+
+@dataclass(frozen=True)
 class Measured:
-    """An eye as found in a file: centre and free diameter, mm (a shaft's: over its vertices), and how far the centres at
-    several heights lie apart."""
+    """An eye as found in a file, mm."""
 
     centre: complex
-    diameter: float
-    spread: float = 0.0
+    diameter: float  # free, or a shaft's over its vertices
+    spread: float = 0.0  # how far the centres at several heights lie apart
 
 
 def measure(eye: Eye, sections: Sections) -> Measured | None:
     """The eye in the sections of its part, at all heights at which it is there; None where no ring comes near it."""
-    found: list[tuple[Circle, float]] = []
+    circles_of_eye: list[tuple[Circle, float]] = []
     least = min(_SAME_HOLE * eye.diameter, max(_HEAD, 0.02 * eye.diameter))
     for shapes in sections:
         for shape in shapes:
@@ -62,13 +71,13 @@ def measure(eye: Eye, sections: Sections) -> Measured | None:
             ]
             circles = hole_circles(Shape(shape.outer, tuple(near)))
             pairs = zip(circles, near, strict=True)
-            found += [
+            circles_of_eye += [
                 (c, _free(c, ring)) for c, ring in pairs if abs(c.diameter - eye.diameter) <= least
             ]
-    if not found:
+    if not circles_of_eye:
         return None
-    centres = np.array([c.centre for c, _ in found])
-    sizes = [c.diameter if eye.shaft else free for c, free in found]
+    centres = np.array([c.centre for c, _ in circles_of_eye])
+    sizes = [c.diameter if eye.shaft else free for c, free in circles_of_eye]
     spread = float(np.max(np.abs(centres - centres[0])))
     size = max(each for each in sizes if each <= min(sizes) + _SHANK) if eye.shaft else min(sizes)
     return Measured(complex(centres.mean()), size, spread)
@@ -86,18 +95,18 @@ def _free(circle: Circle, ring: Ring) -> float:
 
 def measure_end(eye: Eye, sections: Sections) -> Measured | None:
     """A rounded end of an outline, such as a follower's own tip: the circle through what lies near the nominal one."""
-    found = []
+    circles = []
     for ring in (shape.outer for shapes in sections for shape in shapes):
         points = ring.samples()
         near = points[np.abs(np.abs(points - eye.at) - eye.diameter / 2) <= _ON_TIP * eye.diameter]
         if len(near) > 4:
-            found.append(fit_circle(near)[:2])
-    if not found:
+            circles.append(fit_circle(near)[:2])
+    if not circles:
         return None
-    centres = np.array([centre for centre, _ in found])
+    centres = np.array([centre for centre, _ in circles])
     return Measured(
         complex(centres.mean()),
-        2 * max(r for _, r in found),
+        2 * max(r for _, r in circles),
         float(np.max(np.abs(centres - centres[0]))),
     )
 
@@ -122,12 +131,11 @@ def _measure_own(own: OwnTip, sections: Sections) -> Measured | None:
 
 @dataclass(frozen=True)
 class MeasuredFaces:
-    """Two parallel faces as found: how far their middle lies to the left of the line they were sought at, mm, how far they
-    lean from it, rad, and their distance, mm."""
+    """Two parallel faces as found."""
 
-    offset: float
-    lean: float
-    width: float
+    offset: float  # of their middle, to the left of the line they were sought at, mm
+    lean: float  # from that line, rad
+    width: float  # their distance, mm
 
 
 def measure_faces(
@@ -142,10 +150,11 @@ def measure_faces(
 
 
 def _face(
-    through: complex, angle: float, aside: float, width: float, sections: Sections
+    through: complex, angle: float, offset: float, width: float, sections: Sections
 ) -> tuple[float, float] | None:
     """The straight face of a part sought `aside` to the left of a line: where it crosses beside `through`, mm, and its lean."""
-    along, found = cmath.exp(1j * angle), []
+    along = cmath.exp(1j * angle)
+    faces = []
     for shapes in sections:
         rings = [ring for shape in shapes for ring in (shape.outer, *shape.holes)]
         a, b = (
@@ -153,24 +162,25 @@ def _face(
             for end in ("points", "ends")
         )
         long = np.abs(b - a) > width / 4
-        start, way = (a[long] - through) / along, (b[long] - a[long]) / along
+        start = (a[long] - through) / along
+        way = (b[long] - a[long]) / along
         lean = np.arctan2(np.where(way.real < 0, -way.imag, way.imag), np.abs(way.real))
         away = start.imag - start.real * np.tan(lean)  # of the face, across from `through`
-        off = np.where(np.abs(lean) < _PARALLEL, np.abs(away - aside), np.inf)
+        off = np.where(np.abs(lean) < _PARALLEL, np.abs(away - offset), np.inf)
         nearest = int(np.argmin(off)) if len(off) else 0
         if len(off) and off[nearest] < _SAME_HOLE * width:
-            found.append((off[nearest], away[nearest], lean[nearest]))
-    if not found:
+            faces.append((off[nearest], away[nearest], lean[nearest]))
+    if not faces:
         return None
     away, lean = np.mean(
-        [row[1:] for row in found if row[0] <= min(found)[0] + _SAME_FACE * width], axis=0
+        [row[1:] for row in faces if row[0] <= min(faces)[0] + _SAME_FACE * width], axis=0
     )
     return float(away), float(lean)
 
 
 @dataclass
 class Readings:
-    """All features of a machine as the files of one kind show them; lost: sentences on what they do not show."""
+    """All features of a machine as the files of one kind show them."""
 
     eyes: dict[Eye, Measured] = field(default_factory=dict)
     faces: dict[Faces, MeasuredFaces] = field(default_factory=dict)
@@ -178,121 +188,150 @@ class Readings:
     rings: dict[CamOutline, Ring] = field(default_factory=dict)
     teeth: dict[Teeth, Teeth] = field(default_factory=dict)
     facing: dict[Keyed, tuple[float, float]] = field(default_factory=dict)
-    lost: list[str] = field(default_factory=list)
+    lost: list[str] = field(default_factory=list)  # sentences on what they do not show
 
 
 def read(features: Sequence[Feature], files: Mapping[str, Sections], drawing: bool) -> Readings:
     """Measure all features in the sections of the parts' files."""
-    found, files = (
-        Readings(),
-        defaultdict(list, files),
-    )  # nothing is found in a part that could not be read
+    reader = _Reader(defaultdict(list, files), drawing)  # a part that could not be read has none
     tips = {feature.tip for feature in features if isinstance(feature, CamOutline)}
     for eye in dict.fromkeys(eye for feature in features for eye in eyes(feature)):
-        if eye.part is None or not eye.diameter:
-            found.eyes[eye] = Measured(eye.at, eye.diameter)
-            continue
-        seen = measure(eye, files[eye.part])
-        if seen is None and eye.shaft and eye in tips:
-            seen = measure_end(eye, files[eye.part])
-        if seen is None:
-            found.lost.append(f"no eye of {eye.diameter:g} mm near {eye.at:.3f} in {eye.part}")
-        else:
-            found.eyes[eye] = seen
+        reader.eye(eye, eye in tips)
     for feature in features:
         match feature:
             case SlideFaces(joint=joint, rails=rails, runner=runner):
-                pairs = [rails, runner]
+                reader.faces(joint, (rails, runner))
             case SlotFaces(joint=joint, walls=walls):
-                pairs = [walls]
-            case CamOutline(joint=joint, part=part, tip=tip):
-                pairs = []
-                ring = _outline(files[part], feature.inside)
-                face = _flat(tip, files) if isinstance(tip, Flat) else None
-                if ring is None or (isinstance(tip, Flat) and face is None):
-                    found.lost.append(
-                        f"{joint}: {'the face' if ring is not None else f'the outline of {part}'} is lost"
-                    )
-                    continue
-                found.rings[feature] = ring
-                if feature.bore is not None:
-                    found.eyes[feature.bore] = measure_bore(feature.bore, files[part])
-                own = feature.own
-                if own is not None and own.part in files:
-                    found.eyes[own.bore] = measure_bore(own.bore, files[own.part])
-                    end = _measure_own(own, files[own.part])
-                    found.eyes |= {} if end is None else {own.tip: end}
-                if isinstance(tip, Flat) and face is not None:
-                    found.flats[tip] = face
+                reader.faces(joint, (walls,))
+            case CamOutline():
+                reader.cam(feature)
             case GearTeeth(joint=joint, a=a, b=b):
-                pairs = []
-                for teeth in (a, b):
-                    made = measure_teeth(teeth, files[teeth.part])
-                    if made is None:
-                        found.lost.append(
-                            f"{joint}: no {teeth.count} teeth of {teeth.part} cross the pitch circle"
-                        )
-                    else:
-                        found.teeth[teeth] = made
-            case Keyed(a=hole, b=other, facing=facing):
-                pairs = []
-                both = [_facing(eye, facing, files[eye.part or ""]) for eye in (hole, other)]
-                if both[0] is None or both[1] is None:
-                    eye = hole if both[0] is None else other
-                    found.lost.append(f"no flat in {eye.part} near {eye.at:.3f}")
-                else:
-                    found.facing[feature] = both[0], both[1]
-            case _:
-                continue
+                reader.teeth(joint, a)
+                reader.teeth(joint, b)
+            case Keyed():
+                reader.flats(feature)
+    return reader.readings
+
+
+class _Reader:
+    """Readings, feature by feature."""
+
+    def __init__(self, files: Mapping[str, Sections], drawing: bool) -> None:
+        self.files = files
+        self.drawing = drawing
+        self.readings = Readings()
+
+    def _lost(self, sentence: str) -> None:
+        self.readings.lost.append(sentence)
+
+    def eye(self, eye: Eye, tip: bool) -> None:
+        """A hole, or a shaft; tip: whether a follower may have it as its own rounded end."""
+        if eye.part is None or not eye.diameter:
+            self.readings.eyes[eye] = Measured(eye.at, eye.diameter)
+            return
+        sections = self.files[eye.part]
+        circle = measure(eye, sections)
+        if circle is None and eye.shaft and tip:
+            circle = measure_end(eye, sections)
+        if circle is None:
+            self._lost(f"no eye of {eye.diameter:g} mm near {eye.at:.3f} in {eye.part}")
+        else:
+            self.readings.eyes[eye] = circle
+
+    def faces(self, joint: str, pairs: Sequence[Faces]) -> None:
+        """Faces of a slide or a slot; those that no drawing shows count as meant."""
         for pair in pairs:
-            hidden = drawing and not pair.drawn
-            meant = MeasuredFaces(0.0, 0.0, pair.width)
-            faces = (
-                meant
-                if hidden
-                else measure_faces(pair.at, pair.angle, pair.width, files[pair.part])
-            )
+            faces: MeasuredFaces | None = MeasuredFaces(0.0, 0.0, pair.width)
+            if not self.drawing or pair.drawn:
+                faces = measure_faces(pair.at, pair.angle, pair.width, self.files[pair.part])
             if faces is None:
-                found.lost.append(f"{joint}: a face or its eye is lost")
-                break
-            found.faces[pair] = faces
-    return found
+                self._lost(f"{joint}: a face or its eye is lost")
+                return
+            self.readings.faces[pair] = faces
+
+    def cam(self, feature: CamOutline) -> None:
+        """A cam's outline with its bore, and what rides on it."""
+        files = self.files
+        tip = feature.tip
+        ring = _outline(files[feature.part], feature.inside)
+        if ring is None:
+            self._lost(f"{feature.joint}: the outline of {feature.part} is lost")
+            return
+        if isinstance(tip, Flat):
+            face = _flat(tip, files)
+            if face is None:
+                self._lost(f"{feature.joint}: the face is lost")
+                return
+            self.readings.flats[tip] = face
+        self.readings.rings[feature] = ring
+        measured = self.readings.eyes
+        if feature.bore is not None:
+            measured[feature.bore] = measure_bore(feature.bore, files[feature.part])
+        own = feature.own
+        if own is not None and own.part in files:
+            measured[own.bore] = measure_bore(own.bore, files[own.part])
+            end = _measure_own(own, files[own.part])
+            if end is not None:
+                measured[own.tip] = end
+
+    def teeth(self, joint: str, nominal: Teeth) -> None:
+        """The teeth of one wheel of a pair."""
+        teeth = measure_teeth(nominal, self.files[nominal.part])
+        if teeth is None:
+            self._lost(
+                f"{joint}: no {nominal.count} teeth of {nominal.part} cross the pitch circle"
+            )
+        else:
+            self.readings.teeth[nominal] = teeth
+
+    def flats(self, feature: Keyed) -> None:
+        """The flats of two holes on one pin."""
+        angles = []
+        for eye in (feature.a, feature.b):
+            angle = _facing(eye, feature.facing, self.files[eye.part or ""])
+            if angle is None:
+                self._lost(f"no flat in {eye.part} near {eye.at:.3f}")
+                return
+            angles.append(angle)
+        self.readings.facing[feature] = angles[0], angles[1]
 
 
 def measure_teeth(teeth: Teeth, sections: Sections) -> Teeth | None:
     """Teeth as found: mean direction and thickness, at all heights; None where not so many cross the pitch circle."""
-    found = []
+    teeth_of_heights = []
     for ring in (
         max((shape.outer for shape in shapes), key=lambda ring: abs(ring.area))
         for shapes in sections
         if shapes
     ):
         points = ring.facetted(_FINE)
-        beyond = np.abs(points) - teeth.radius
-        k = np.flatnonzero(np.sign(beyond) * np.sign(np.roll(beyond, -1)) < 0)
+        height = np.abs(points) - teeth.radius
+        k = np.flatnonzero(np.sign(height) * np.sign(np.roll(height, -1)) < 0)
         if len(k) != 2 * teeth.count:
             return None
-        a, b = points[k], np.roll(points, -1)[k]
+        a = points[k]
+        b = np.roll(points, -1)[k]
         way = b - a
-        half, size = (a.conj() * way).real, np.abs(way) ** 2
+        half = (a.conj() * way).real
+        size = np.abs(way) ** 2
         root = np.sqrt(half**2 - size * (np.abs(a) ** 2 - teeth.radius**2))
-        share = (-half + np.where(beyond[k] < 0, root, -root)) / size
-        angles = np.unwrap(np.angle(a + share * way))
-        if beyond[k[0]] > 0:  # the first crossing ends a tooth
+        fraction = (-half + np.where(height[k] < 0, root, -root)) / size
+        angles = np.unwrap(np.angle(a + fraction * way))
+        if height[k[0]] > 0:  # the first crossing ends a tooth
             angles = np.append(angles[1:], angles[0] + math.tau)
         middles = (angles[0::2] + angles[1::2]) / 2
-        even = np.exp(1j * teeth.count * (middles - teeth.tooth))
-        tooth = teeth.tooth + float(np.angle(even.mean())) / teeth.count
-        found.append((tooth, teeth.radius * float(np.mean(angles[1::2] - angles[0::2]))))
-    if not found:
+        phase = np.exp(1j * teeth.count * (middles - teeth.tooth))
+        tooth = teeth.tooth + float(np.angle(phase.mean())) / teeth.count
+        teeth_of_heights.append((tooth, teeth.radius * float(np.mean(angles[1::2] - angles[0::2]))))
+    if not teeth_of_heights:
         return None
-    tooth, thickness = np.mean(found, axis=0)
+    tooth, thickness = np.mean(teeth_of_heights, axis=0)
     return replace(teeth, tooth=float(tooth), thickness=float(thickness))
 
 
 def _facing(eye: Eye, facing: float, sections: Sections) -> float | None:
     """Where the flat of a hole faces, rad, the mean of all heights: its longest straight side; None where none is so long."""
-    found = []
+    angles = []
     for hole in (hole for shapes in sections for shape in shapes for hole in shape.holes):
         if abs(hole.centroid - eye.at) > _SAME_HOLE * eye.diameter:
             continue
@@ -300,8 +339,8 @@ def _facing(eye: Eye, facing: float, sections: Sections) -> float | None:
         side = way[int(np.argmax(np.abs(way)))]
         if abs(side) > _FLAT * eye.diameter:
             off = cmath.phase(complex(side) / 1j / cmath.exp(1j * facing))
-            found.append(math.remainder(off, math.pi))
-    return facing + float(np.mean(found)) if found else None
+            angles.append(math.remainder(off, math.pi))
+    return facing + float(np.mean(angles)) if angles else None
 
 
 def _outline(sections: Sections, inside: bool) -> Ring | None:

@@ -14,11 +14,11 @@ from camgen import tolerances
 from camgen.files.formats import READABLE
 from camgen.findings import Finding, NotJudged, Where, at_most
 from camgen.judge.cams import judge_cams, named
-from camgen.judge.joints import Closable, Fit, Outline, assembled
-from camgen.judge.measured import Sections, read
+from camgen.judge.joints import Closable, Fit, Nominal, Outline, assembled
+from camgen.judge.measured import Files, Sections, read
 from camgen.judge.proof import Proof, with_laws
-from camgen.machine.features import CamOutline, Demand, Feature, Mount, judged_outputs, parts_of
-from camgen.machine.model import Cam, Clutch, Machine, Output, bodies_of, unit_of
+from camgen.machine.features import CamOutline, Demand, judged_outputs, parts_of
+from camgen.machine.model import Cam, Clutch, Output, bodies_of, unit_of
 from camgen.numerics import Floats
 from camgen.study import Table
 
@@ -42,40 +42,35 @@ class Verdict:
 
 
 def judge_machine(
-    kind: str,
-    where: Where,
-    files: Mapping[str, Sections],
-    machine: Machine,
-    features: Sequence[Feature],
-    mounts: Sequence[Mount],
+    nominal: Nominal,
+    files: Files,
     theta: Floats,
     chord_tolerance: float,
     slack: float = 0.0,
-    asked: Sequence[Demand] = (),
 ) -> Verdict:
     """Fits, and every output of the machine closed on the measured features, against the wanted ones.
 
-    kind: of READABLE; where: said in findings; files: sections (shapes at each height) of each part's file of this
-    kind, by part; theta: judged values of the machine's own variable, (n,) rad; chord_tolerance: mm, of outlines and facets;
-    slack: mm, what the way back from a print compensation may cost a fit; asked: more than the motion, by output.
+    theta: judged values of the machine's own variable, (n,) rad; chord_tolerance: mm, of outlines and facets; slack: mm, what
+    the way back from a print compensation may cost a fit.
 
     PIN_GAP: the joint that fits worst. MOTION_ERROR, STROKE_ERROR, LASH: the output that comes worst off against its own
     limit; that of motion and stroke is what one joint's centre off by the chord tolerance, or all outlines, can do. In a
     finding's `where` a star stands for the parts: the names of one or two take its place.
     """
-    form = READABLE[kind]
-    found = read(features, files, form.holds == "drawing")
-    every = named(where, parts_of(features))
-    if found.lost:
-        return Verdict((at_most("PIN_GAP", math.nan, 0, "mm", every, "; ".join(found.lost)),))
+    form = READABLE[files.kind]
+    features = nominal.features
+    readings = read(features, files.sections, form.holds == "drawing")
+    every = named(files.where, parts_of(features))
+    if readings.lost:
+        return Verdict((at_most("PIN_GAP", math.nan, 0, "mm", every, "; ".join(readings.lost)),))
     rounding = (
-        form.rounding * _size([files[part] for part in parts_of(features)])
+        form.rounding * _size([files.sections[part] for part in parts_of(features)])
         if form.rounding
         else 0.0
     )
     try:
-        measured = assembled(machine, features, mounts, found)
-        closing = _Closing(kind, where, machine, measured, theta, chord_tolerance, rounding, asked)
+        measured = assembled(nominal.machine, features, nominal.mounts, readings)
+        closing = _Closing(nominal, measured, theta, chord_tolerance, rounding)
         first = {name: outlines[0] for name, outlines in measured.outlines.items()}
         proof = closing.proof(first)
     except ValueError as fault:
@@ -89,34 +84,36 @@ def judge_machine(
     alone = len(judged) == 1
     numbers: dict[str, float] = {}
     for each in judged:
-        numbers |= each.numbers(kind, "" if alone else f"{each.output.name.replace(' ', '_')}_")
-    further = {
+        numbers |= each.numbers(
+            files.kind, "" if alone else f"{each.output.name.replace(' ', '_')}_"
+        )
+    others = {
         outline.feature for outlines in measured.outlines.values() for outline in outlines[1:]
     }
-    where = named(where, parts_of(feature for feature in features if feature not in further))
+    where = named(files.where, parts_of(feature for feature in features if feature not in others))
     findings.append(_motion_error(judged, where))
     off = chord_tolerance + 2 * rounding
     on_cams = judge_cams(
-        kind, closing.where, machine, measured.outlines, off, findings[-1].ok, closing.motion
+        files, nominal.machine, measured.outlines, off, findings[-1].ok, closing.motion
     )
     findings += on_cams.findings
     numbers |= on_cams.numbers
-    nominal = _nominal(machine, features, mounts)
+    unseen = _nominal(nominal)
     if any(math.isinf(each.error) for each in judged):
-        return Verdict(tuple(findings), numbers, not_judged=nominal)
-    if proof.fits or (on_cams.sound and further):
+        return Verdict(tuple(findings), numbers, not_judged=unseen)
+    if proof.fits or (on_cams.sound and others):
         worst = max(
             judged, key=lambda each: 2 * each.band / each.lash[0] if each.lash[0] else math.inf
         )
         findings.append(worst.play(every, alone))
-    strokes = [each for each in judged if each.asked.stroke]
+    strokes = [each for each in judged if each.demand.stroke]
     if strokes:
         findings.append(
             max(strokes, key=lambda each: abs(each.made - each.meant) / each.limit).stroke(
                 where, alone
             )
         )
-    return Verdict(tuple(findings), numbers, _table(kind, judged, proof), proof, nominal)
+    return Verdict(tuple(findings), numbers, _table(files.kind, judged, proof), proof, unseen)
 
 
 def _motion_error(judged: Sequence[_Judged], where: Where) -> Finding:
@@ -125,44 +122,39 @@ def _motion_error(judged: Sequence[_Judged], where: Where) -> Finding:
     return worst.motion(where, len(judged) == 1)
 
 
-def _nominal(
-    machine: Machine, features: Sequence[Feature], mounts: Sequence[Mount]
-) -> tuple[NotJudged, ...]:
+def _nominal(nominal: Nominal) -> tuple[NotJudged, ...]:
     """Joints of parts that are made which no file shows; not clutches, which are bought."""
-    made, told = (
-        {mount.body for mount in mounts},
-        {getattr(feature, "joint", "") for feature in features},
-    )
-    for feature in features:
+    bodies = {mount.body for mount in nominal.mounts}
+    shown = {getattr(feature, "joint", "") for feature in nominal.features}
+    for feature in nominal.features:
         if isinstance(feature, CamOutline):
-            told |= {feature.turns} if feature.bore else set()
-            told |= {feature.swings or ""} if feature.own else set()
+            shown |= {feature.turns} if feature.bore else set()
+            shown |= {feature.swings or ""} if feature.own else set()
     return tuple(
         NotJudged(
             "PIN_GAP", f"{joint.name} counts as meant: no file shows it", "files that show it"
         )
-        for joint in machine.joints
-        if joint.name not in told and made & set(bodies_of(joint)) and not isinstance(joint, Clutch)
+        for joint in nominal.machine.joints
+        if joint.name not in shown
+        and bodies & set(bodies_of(joint))
+        and not isinstance(joint, Clutch)
     )
 
 
 @dataclass(frozen=True)
 class _Closing:
-    """A machine with its measured joints, to be closed on one outline of each cam or another; rounding: of coordinates, mm."""
+    """A machine with its measured joints, to be closed on one outline of each cam or another."""
 
-    kind: str
-    where: Where
-    machine: Machine
+    nominal: Nominal
     measured: Closable
-    theta: Floats
-    chord_tolerance: float
-    rounding: float
-    asked: Sequence[Demand]
+    theta: Floats  # (n,) rad
+    chord_tolerance: float  # mm
+    rounding: float  # of coordinates, mm
 
     @property
     def outputs(self) -> Sequence[Output]:
         """Those that are judged, as they are measured."""
-        return judged_outputs(self.measured.machine.outputs, self.asked)
+        return judged_outputs(self.measured.machine.outputs, self.nominal.demands)
 
     def proof(self, driven: Mapping[str, Outline], own: bool = False) -> Proof:
         """The machine driven by these outlines, by cam; own: with the tips that parts have."""
@@ -170,19 +162,19 @@ class _Closing:
             (name, outline.own if own and outline.own else outline.law)
             for name, outline in driven.items()
         )
-        given = tuple((name, outline.feature.meant.given) for name, outline in driven.items())
+        laws_given = tuple((name, outline.feature.meant.given) for name, outline in driven.items())
         machine = replace(with_laws(self.measured.machine, laws), outputs=tuple(self.outputs))
-        made = replace(self.measured, machine=machine)
+        measured = replace(self.measured, machine=machine)
         return Proof(
-            self.machine,
-            made,
+            self.nominal.machine,
+            measured,
             self.theta,
-            tuple((name, law) for name, law in given if law is not None),
+            tuple((name, law) for name, law in laws_given if law is not None),
         )
 
     def judged(self, proof: Proof) -> list[_Judged]:
         """Its outputs against what is asked of them."""
-        wishes = {each.output: each for each in self.asked}
+        wishes = {each.output: each for each in self.nominal.demands}
         return [
             _Judged(
                 output,
@@ -206,13 +198,16 @@ class _Judged:
     def __init__(
         self,
         output: Output,
-        asked: Demand,
+        demand: Demand,
         proof: Proof,
         theta: Floats,
         chord_tolerance: float,
         rounding: float,
     ) -> None:
-        self.output, self.asked, self.proof, self.theta = output, asked, proof, theta
+        self.output = output
+        self.demand = demand
+        self.proof = proof
+        self.theta = theta
         self.unit, self.scale = unit_of(output)
         self.accurate = chord_tolerance + 2 * rounding  # mm
         self.moved = proof.moved(output.name, theta)
@@ -224,8 +219,8 @@ class _Judged:
             for j in proof.machine.joints
             if isinstance(j, Cam) and j.name in self.reach
         )
-        one = max([*self.reach.values(), outlines], default=0.0)
-        limit = chord_tolerance * one * (1 + tolerances.BOUND_SPARE) + 2 * rounding * sum(
+        largest = max([*self.reach.values(), outlines], default=0.0)
+        limit = chord_tolerance * largest * (1 + tolerances.BOUND_SPARE) + 2 * rounding * sum(
             self.reach.values()
         )
         self.limit = max(limit, _ROUNDING)
@@ -242,7 +237,7 @@ class _Judged:
 
     def wanted(self, theta: Floats) -> tuple[Any, Any]:
         """The wanted value and slope, (n,)."""
-        motion = self.asked.motion
+        motion = self.demand.motion
         return (
             self.proof.reachable(self.output.name, theta)
             if motion is None
@@ -272,20 +267,21 @@ class _Judged:
     def lash(self) -> tuple[float, str]:
         """The play that is borne, and why no more."""
         half = self.made * _RANGE
-        if self.asked.lash < half:
-            return self.asked.lash, self.asked.lash_of
+        if self.demand.lash < half:
+            return self.demand.lash, self.demand.lash_of
         return half, "half of the stroke: with more it is no mechanism"
 
     def numbers(self, kind: str, name: str) -> dict[str, float]:
         """Figures of the report."""
-        unit, scale = self.unit, self.scale
-        found = {f"motion_error_{name}{kind}_{unit}": scale * self.error}
+        unit = self.unit
+        scale = self.scale
+        figures = {f"motion_error_{name}{kind}_{unit}": scale * self.error}
         if math.isfinite(self.error):
-            found[f"clearance_band_{name}{kind}_{unit}"] = scale * self.band
-            found[f"{'swing' if unit == 'deg' else 'stroke'}_recovered_{name}{kind}_{unit}"] = (
+            figures[f"clearance_band_{name}{kind}_{unit}"] = scale * self.band
+            figures[f"{'swing' if unit == 'deg' else 'stroke'}_recovered_{name}{kind}_{unit}"] = (
                 scale * self.made
             )
-        return found
+        return figures
 
     def _finding(
         self, code: str, measured: float, limit: float, where: Where, remark: str
@@ -297,10 +293,8 @@ class _Judged:
 
     def motion(self, where: Where, alone: bool) -> Finding:
         """MOTION_ERROR."""
-        lost, turn = (
-            int(np.count_nonzero(np.isinf(self.off))),
-            "cam" if len(self.proof.corners) else "crank",
-        )
+        lost = int(np.count_nonzero(np.isinf(self.off)))
+        turn = "cam" if len(self.proof.corners) else "crank"
         remark = (
             f"{self.output.name}: closed on the measured joints at {len(self.theta)} {turn} angles"
         )
@@ -334,8 +328,9 @@ class _Judged:
 
     def stroke(self, where: Where, alone: bool) -> Finding:
         """STROKE_ERROR."""
-        made, meant = self.scale * self.made, self.scale * self.meant
-        remark = f"{made:.6f} {self.unit} recovered, {meant:.6f} {self.unit} wanted"
+        measured = self.scale * self.made
+        nominal = self.scale * self.meant
+        remark = f"{measured:.6f} {self.unit} recovered, {nominal:.6f} {self.unit} wanted"
         return self._finding(
             "STROKE_ERROR",
             abs(self.made - self.meant),
@@ -357,8 +352,8 @@ def _table(kind: str, judged: Sequence[_Judged], proof: Proof) -> Table:
     for name, fit in proof.fits.items():
         row: list[object] = [name, fit.play, fit.meant, max(fit.shifts)]
         for each in judged:
-            share = each.scale * each.reach[name]
-            row += [share * max(fit.play, 0.0) / 2, share * sum(fit.shifts)]
+            factor = each.scale * each.reach[name]
+            row += [factor * max(fit.play, 0.0) / 2, factor * sum(fit.shifts)]
         rows.append(row)
     return Table(f"Joints as measured, {kind.upper()}", columns, rows)
 
@@ -398,7 +393,8 @@ def _stroke(theta: Floats, output: Any, both: Callable[[Floats], tuple[Any, Any]
     ends = []
     for sign in (1, -1):
         k = int(np.argmax(sign * output))
-        a, b = theta[k - 1] if k else theta[0] - (theta[1] - theta[0]), theta[(k + 1) % len(theta)]
+        a = theta[k - 1] if k else theta[0] - (theta[1] - theta[0])
+        b = theta[(k + 1) % len(theta)]
         b = b if b > theta[k] else 2 * theta[k] - a
         t = np.array([a, b])
         value, slope = both(t)
@@ -411,6 +407,7 @@ def _stroke(theta: Floats, output: Any, both: Callable[[Floats], tuple[Any, Any]
                 break
             v, s = both(np.array([new]))
             best = max(best, float(sign * v[0]))
-            t, slope = np.array([t[1], new]), np.array([slope[1], s[0]])
+            t = np.array([t[1], new])
+            slope = np.array([slope[1], s[0]])
         ends.append(sign * best)
     return ends[0] - ends[1]

@@ -26,21 +26,21 @@ def judge_list(path: Path, table: Table) -> Finding:
         raise FileError(
             path, f"cannot be read as a list of parts: {getattr(error, 'strerror', None) or error}"
         ) from None
-    wanted: list[Sequence[object]] = [table.columns, *table.rows]
-    lines = [(k, *pair) for k, pair in enumerate(zip_longest(rows, wanted, fillvalue=()), 1)]
-    wrong = [line for line in lines if not _same(line[1], line[2])]
-    said = f"{len(table.rows)} rows: what is made, cut, turned or bought, and how many"
-    if wrong:
-        k, *pair = wrong[0]
-        there, meant = (", ".join(map(str, row[1:4])) or "nothing" for row in pair)
-        said = f"line {k} has {there} instead of {meant}"
-    return at_most("PARTS_LIST", len(wrong), 0, "rows", in_file(path), said)
+    wanted_rows: list[Sequence[object]] = [table.columns, *table.rows]
+    lines = [(k, *pair) for k, pair in enumerate(zip_longest(rows, wanted_rows, fillvalue=()), 1)]
+    faults = [line for line in lines if not _same(line[1], line[2])]
+    remark = f"{len(table.rows)} rows: what is made, cut, turned or bought, and how many"
+    if faults:
+        k, *pair = faults[0]
+        row_text, wanted_text = (", ".join(map(str, row[1:4])) or "nothing" for row in pair)
+        remark = f"line {k} has {row_text} instead of {wanted_text}"
+    return at_most("PARTS_LIST", len(faults), 0, "rows", in_file(path), remark)
 
 
-def _same(row: Sequence[str], meant: Sequence[object]) -> bool:
+def _same(row: Sequence[str], wanted: Sequence[object]) -> bool:
     """Whether a row says what is meant: numbers to the digits that are written, all else by the letter."""
-    return len(row) == len(meant) and all(
-        _cell(text, value) for text, value in zip(row, meant, strict=True)
+    return len(row) == len(wanted) and all(
+        _cell(text, value) for text, value in zip(row, wanted, strict=True)
     )
 
 

@@ -27,15 +27,15 @@ _CELLS = 4_000_000  # of the matrices of all angles at a time, 32 MB
 
 
 @dataclass(frozen=True)
-class Moved:
-    """One output at n angles, in its own unit: value (complex for a path) and slope to theta, (n,), nan where the machine does
-    not close; reach: by joint, how far a displacement of 1 mm in it can move the output, (n,); play: the same by what all
-    joints' clearances give either way, worst case, first order."""
+class Response:
+    """One output at n angles, in its own unit, nan where the machine does not close."""
 
-    value: Any
-    slope: Any
-    reach: Mapping[str, Floats]
-    play: Floats
+    value: Any  # (n,), complex for a path
+    slope: Any  # to theta, (n,)
+    reach: Mapping[
+        str, Floats
+    ]  # by joint, how far a displacement of 1 mm in it can move the output, (n,)
+    play: Floats  # the same by all joints' clearances, either way, worst case, first order, (n,)
 
 
 Laws = tuple[
@@ -43,7 +43,7 @@ Laws = tuple[
 ]  # of cams by name, in place of those of the machine: what undercut outlines give
 
 
-class _Meant:
+class _NominalMotion:
     """The machine with its joints where they are meant, from which all others start."""
 
     def __init__(self, machine: Machine, low: float, high: float) -> None:
@@ -54,22 +54,23 @@ class _Meant:
 
     def near(self, theta: Floats) -> Floats:
         """Poses from those at the nearest known angle, (n, 3 bodies)."""
-        known = self._known
-        k = np.rint(np.interp(theta, known.theta, np.arange(len(known.theta)))).astype(int)
-        h = (theta - known.theta[k])[:, None]
-        return np.asarray(known.q[k] + h * (known.first[k] + 0.5 * h * known.second[k]))
+        grid = self._known
+        k = np.rint(np.interp(theta, grid.theta, np.arange(len(grid.theta)))).astype(int)
+        h = (theta - grid.theta[k])[:, None]
+        return np.asarray(grid.q[k] + h * (grid.first[k] + 0.5 * h * grid.second[k]))
 
     def when(self, body: str, angles: Floats) -> Floats:
         """Where between the first and the last angle a body that turns one way alone stands at angles, (n,) rad of any turn."""
-        at = np.asarray(self.system.angle(body, self._known.q) + np.zeros(_KNOWN))
-        sense = np.sign(at[-1] - at[0])
-        if not np.all(sense * np.diff(at) > 0):
+        course = np.asarray(self.system.angle(body, self._known.q) + np.zeros(_KNOWN))
+        sense = np.sign(course[-1] - course[0])
+        if not np.all(sense * np.diff(course) > 0):
             return np.empty(0)
-        low, high = min(at[0], at[-1]), max(at[0], at[-1])
+        low = min(course[0], course[-1])
+        high = max(course[0], course[-1])
         turns = np.arange(math.floor(low / math.tau), math.floor(high / math.tau) + 1)
-        every = np.ravel(angles[:, None] % math.tau + math.tau * turns)
-        every = every[(low <= every) & (every <= high)]
-        return np.asarray(np.interp(sense * every, sense * at, self._known.theta))
+        candidates = np.ravel(angles[:, None] % math.tau + math.tau * turns)
+        candidates = candidates[(low <= candidates) & (candidates <= high)]
+        return np.asarray(np.interp(sense * candidates, sense * course, self._known.theta))
 
     def outcome(self, output: str, theta: Floats, laws: Laws = ()) -> tuple[Any, Any]:
         """An output and its slope, (n,); those at many angles are kept for the other kinds of files."""
@@ -83,17 +84,17 @@ class _Meant:
             _outcome(system, output, close(system, part, self.near(part), 1))
             for part in _parts(system, theta)
         ]
-        found = (
+        outcome = (
             np.concatenate([part[0] for part in parts]),
             np.concatenate([part[1] for part in parts]),
         )
         if len(theta) > _KNOWN:
-            self._seen[key] = found
-        return found
+            self._seen[key] = outcome
+        return outcome
 
 
 # A machine is the same object for all kinds of its files.
-_meant = lru_cache(maxsize=1)(_Meant)
+_meant = lru_cache(maxsize=1)(_NominalMotion)
 
 
 class Proof:
@@ -102,7 +103,9 @@ class Proof:
     def __init__(
         self, nominal: Machine, measured: Closable, theta: Floats, laws: Laws = ()
     ) -> None:
-        self.machine, self.fits, self._laws = measured.machine, measured.fits, laws
+        self.machine = measured.machine
+        self.fits = measured.fits
+        self._laws = laws
         self.plays = {joint.name: joint.clearance for joint in self.machine.joints}
         self._radii = measured.radii
         self.plays |= {
@@ -113,11 +116,9 @@ class Proof:
                 self.plays[name] = min(
                     float(np.max(drive.play(other, judged_angles()))) for other in others
                 )
-        self._meant, self._system = (
-            _meant(nominal, float(theta.min()), float(theta.max())),
-            Constraints(measured.machine),
-        )
-        self._seen: dict[bytes, Mapping[str, Moved]] = {}
+        self._meant = _meant(nominal, float(theta.min()), float(theta.max()))
+        self._system = Constraints(measured.machine)
+        self._seen: dict[bytes, Mapping[str, Response]] = {}
 
     def wanted(self, output: str, theta: Floats) -> tuple[Any, Any]:
         """The output and its slope by the joints as they are meant, (n,)."""
@@ -131,14 +132,14 @@ class Proof:
     def corners(self) -> Floats:
         """Angles beside those at which a follower goes from one element of its outline to the next, (n,) rad."""
         cams = [(joint, joint.law) for joint in self.machine.joints if isinstance(joint, Cam)]
-        found = [
+        angles = [
             self._meant.when(joint.cam, law.contact.changes + joint.phase)
             for joint, law in cams
             if isinstance(law, Rolled)
         ]
-        return np.concatenate([np.empty(0), *found])
+        return np.concatenate([np.empty(0), *angles])
 
-    def moved(self, output: str, theta: Floats) -> Moved:
+    def moved(self, output: str, theta: Floats) -> Response:
         """The output by the joints as they are, (n,)."""
         key = theta.tobytes()
         if key not in self._seen:
@@ -162,7 +163,7 @@ class Proof:
             self._system, output, close(self._system, theta, self._meant.near(theta), 1)
         )[:2]
 
-    def _at(self, theta: Floats) -> Mapping[str, Moved]:
+    def _at(self, theta: Floats) -> Mapping[str, Response]:
         """All outputs by the joints as they are, (n,)."""
         closed = close(self._system, theta, self._meant.near(theta), 1)
         poses = np.where(np.isnan(closed.q), 0.0, closed.q)
@@ -174,18 +175,21 @@ class Proof:
             for joint in self.machine.joints
             if isinstance(joint, Cam) and isinstance(joint.law, Rolled)
         }
-        found = {}
-        every = self._system.shares([output.name for output in self.machine.outputs], poses, theta)
-        for output, shares in zip(self.machine.outputs, every, strict=True):
+        responses = {}
+        shares_of_outputs = self._system.shares(
+            [output.name for output in self.machine.outputs], poses, theta
+        )
+        for output, shares in zip(self.machine.outputs, shares_of_outputs, strict=True):
             value, slope, lost = _outcome(self._system, output.name, closed)
-            reach, play = {}, np.zeros(len(theta))
+            reach = {}
+            play = np.zeros(len(theta))
             for joint in self.machine.joints:
                 share = np.where(lost, np.nan, shares[joint.name])
                 play = play + share * max(self.plays[joint.name], 0.0) / 2
                 if joint.name in levers or joint.name in self.fits:
                     reach[joint.name] = share / levers.get(joint.name, 1.0)
-            found[output.name] = Moved(value, slope, reach, play)
-        return found
+            responses[output.name] = Response(value, slope, reach, play)
+        return responses
 
 
 def with_laws(machine: Machine, laws: Laws) -> Machine:
@@ -203,13 +207,13 @@ def _parts(system: Constraints, theta: Floats) -> Sequence[Floats]:
     return np.array_split(theta, -(-len(theta) * max(1, system.width**2) // _CELLS))
 
 
-def _joined(parts: Sequence[Moved]) -> Moved:
+def _joined(parts: Sequence[Response]) -> Response:
     """The same at all angles."""
     reach = {name: np.concatenate([part.reach[name] for part in parts]) for name in parts[0].reach}
     value, slope, play = (
         np.concatenate([getattr(part, key) for part in parts]) for key in ("value", "slope", "play")
     )
-    return Moved(value, slope, reach, play)
+    return Response(value, slope, reach, play)
 
 
 def _outcome(

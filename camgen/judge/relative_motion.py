@@ -20,7 +20,8 @@ class Motion:
     """
 
     def __init__(self, home: Course, guest: Course, theta: Floats) -> None:
-        self.theta, self._courses = theta, (home, guest)
+        self.theta = theta
+        self._courses = (home, guest)
         self.turns, self.shifts = self.at(theta)
 
     @property
@@ -38,24 +39,25 @@ class Motion:
     @functools.cached_property
     def calmest(self) -> complex:
         """The point of the guest that moves least, by the mean square of its steps; a pin joint's centre."""
-        turned, shifted = np.diff(self.turns), np.diff(self.shifts)
-        weight = float(np.sum(np.abs(turned) ** 2))
-        return complex(-np.sum(np.conj(turned) * shifted) / weight) if weight > AT_REST**2 else 0j
+        turns = np.diff(self.turns)
+        shifts = np.diff(self.shifts)
+        weight = float(np.sum(np.abs(turns) ** 2))
+        return complex(-np.sum(np.conj(turns) * shifts) / weight) if weight > AT_REST**2 else 0j
 
     @functools.cached_property
     def straight(self) -> tuple[complex, complex] | None:
         """Ends of the shift of a guest that only slides on a straight line, bends between the grid's angles included."""
-        one = self.shifts[np.argmax(np.abs(self.shifts - self.shifts[0]))]
-        other = self.shifts[np.argmax(np.abs(self.shifts - one))]
-        way = complex(other - one)
+        first = self.shifts[np.argmax(np.abs(self.shifts - self.shifts[0]))]
+        last = self.shifts[np.argmax(np.abs(self.shifts - first))]
+        way = complex(last - first)
         if not abs(way) > AT_REST or float(np.max(np.abs(self.turns - self.turns[0]))) > STRAIGHT:
             return None
         along = way / abs(way)
-        beside = ((self.shifts - one) * along.conjugate()).imag
+        beside = ((self.shifts - first) * along.conjugate()).imag
         if float(np.max(np.abs(beside))) > STRAIGHT:
             return None
         bend = float(np.max(np.abs(np.diff(self.shifts, 2)))) * along
-        return complex(one) - bend, complex(other) + bend
+        return complex(first) - bend, complex(last) + bend
 
     def path(self, centre: complex, reach: float) -> Floats:
         """How far points of the guest, at most `reach` from a centre, have gone at most by each angle of the grid, (n,) mm."""

@@ -46,39 +46,42 @@ class Section:
 class Expected:
     """What a part's files should hold, as plain numbers and points.
 
-    sections: of its stack of layers, from the bottom, then of what lies below or above them; cut: the one that its drawing
-    shows; volume: mm^3; levels: heights of its flat faces, mm, the underside first: of a `stacked` part all, of another one
-    the lowest and the highest place. bore: diameter of the hole on whose centre the part turns, where the motion tells its
-    place; eyes: centre and diameter, mm, of joints. Where these lie to each other is judged elsewhere, by how parts move; so
-    is where they lie to an outline that a follower runs on (`rolls`). undo: how a mesh was changed for the printer, None
-    where it was not. marks: (n, 2), ends of each stroke of a drawing's centre marks, and engraved contours: none where nobody
-    asked for them.
+    Where eyes lie to each other is judged elsewhere, by how parts move; so is where they lie to an outline that a follower
+    runs on.
     """
 
     part: str
-    sections: tuple[Section, ...]
-    cut: int
-    volume: float
-    levels: tuple[float, ...]
-    facets: float
-    min_wall: float
-    chord_tolerance: float
-    bore: float | None = None
-    eyes: tuple[tuple[complex, float], ...] = ()
-    rolls: bool = False
-    stacked: bool = True
-    undo: Undo | None = None
-    marks: Points = field(default_factory=lambda: np.empty((0, 2), complex))
+    sections: tuple[
+        Section, ...
+    ]  # of its layers, from the bottom, then of what lies below or above them
+    cut: int  # the section that its drawing shows
+    volume: float  # mm^3
+    levels: tuple[float, ...]  # heights of its flat faces, mm, the underside first
+    facets: float  # volume that facets may take, mm^3
+    min_wall: float  # mm
+    chord_tolerance: float  # mm
+    bore: float | None = (
+        None  # diameter of the hole on whose centre it turns, where the motion tells its place
+    )
+    eyes: tuple[tuple[complex, float], ...] = ()  # of joints: centre and diameter, mm
+    rolls: bool = False  # whether a follower runs on its outline
+    stacked: bool = (
+        True  # whether `levels` are all of them; of another part the lowest and the highest place
+    )
+    undo: Undo | None = None  # how a mesh was changed for the printer
+    marks: Points = field(
+        default_factory=lambda: np.empty((0, 2), complex)
+    )  # (n, 2), ends of strokes
     engraved: tuple[Ring, ...] = ()
 
 
 @dataclass(frozen=True)
 class Undo:
-    """What the printer does to a mesh that was sent to it, see `as_printed.printed`; files are judged as they print, mm."""
+    """What the printer does to a mesh that was sent to it, see `as_printed.printed`; files are judged as they print."""
 
-    hole: float
-    profile: float
-    shrinkage: float
+    hole: float  # by which holes become smaller, mm
+    profile: float  # by which outlines become larger, mm
+    shrinkage: float  # as a share
 
     @property
     def slack(self) -> float:
@@ -91,16 +94,19 @@ class Undo:
 
 
 @dataclass(frozen=True)
-class Judged:
-    """Findings on one file, and the pieces at each height as in the file; none where it could not be recovered."""
+class PartVerdict:
+    """What one file of a part comes to."""
 
     findings: tuple[Finding, ...]
-    sections: tuple[tuple[Shape, ...], ...] = ()
+    sections: tuple[
+        tuple[Shape, ...], ...
+    ] = ()  # pieces at each height, none where it could not be recovered
 
 
-def judge_drawing(path: Path, expected: Expected) -> Judged:
+def judge_drawing(path: Path, expected: Expected) -> PartVerdict:
     """Units, closed contours, holes and walls of a drawing that is to be cut."""
-    form, where = FORMATS[path.suffix[1:]], in_file(path)
+    form = FORMATS[path.suffix[1:]]
+    where = in_file(path)
     drawing = read_drawing(path, expected.part)
     units = drawing.units or 0
     faults = [fault.message for fault in drawing.faults] + drawing.repainted(PART_LAYERS)
@@ -128,61 +134,66 @@ def judge_drawing(path: Path, expected: Expected) -> Judged:
         closed,
     ]
     if not closed.ok:
-        return Judged(tuple(findings))
+        return PartVerdict(tuple(findings))
     return _judge_sections(
         [(expected.sections[expected.cut], drawing.cut)], expected, where, form.rounding, findings
     )
 
 
-def _misplaced(marks: Points, wanted: Points) -> list[str]:
+def _misplaced(marks: Points, nominal: Points) -> list[str]:
     """What is wrong with the strokes of centre marks, in the order in which they are meant."""
-    if len(marks) != len(wanted):
+    if len(marks) != len(nominal):
         return [
-            f"{len(marks)} strokes of centre marks instead of {len(wanted)} (files.center_marks)"
+            f"{len(marks)} strokes of centre marks instead of {len(nominal)} (files.center_marks)"
         ]
-    off = float(np.max(np.abs(marks - wanted), initial=0.0))
+    off = float(np.max(np.abs(marks - nominal), initial=0.0))
     return [] if off <= tolerances.SAME_POINT else [f"a centre mark is {off:.4g} mm off"]
 
 
-def _misdrawn(engraved: Sequence[Ring], wanted: Sequence[Ring], tolerance: float) -> list[str]:
+def _misdrawn(engraved: Sequence[Ring], nominal: Sequence[Ring], tolerance: float) -> list[str]:
     """What is wrong with engraved contours, in the order in which they are meant."""
-    if len(engraved) != len(wanted):
+    if len(engraved) != len(nominal):
         return [
-            f"{counted(len(engraved), 'engraved contour')} instead of {len(wanted)} (files.engrave)"
+            f"{counted(len(engraved), 'engraved contour')} instead of {len(nominal)} (files.engrave)"
         ]
-    pairs = zip(engraved, wanted, strict=True)
-    off = max((contour_error(ring, meant, tolerance / 2) for ring, meant in pairs), default=0.0)
+    pairs = zip(engraved, nominal, strict=True)
+    off = max(
+        (contour_error(ring, nominal_ring, tolerance / 2) for ring, nominal_ring in pairs),
+        default=0.0,
+    )
     return [] if off <= 2 * tolerance else [f"an engraved contour is {off:.4g} mm off"]
 
 
 def judge_dimensioned(path: Path, expected: Expected) -> Finding:
     """ROUND_TRIP of the contours that a dimensioned drawing shows at the part's own size."""
-    rings, wrong = read_contours(path)
-    if wrong:
-        return strange(path, wrong)
-    found = judge_cut(rings, expected, in_file(path)).findings
-    return next(finding for finding in found if finding.code == "ROUND_TRIP")
+    rings, faults = read_contours(path)
+    if faults:
+        return strange(path, faults)
+    findings = judge_cut(rings, expected, in_file(path)).findings
+    return next(finding for finding in findings if finding.code == "ROUND_TRIP")
 
 
-def judge_mesh(path: Path, expected: Expected) -> Judged:
+def judge_mesh(path: Path, expected: Expected) -> PartVerdict:
     """Watertightness, volume, sections and walls of the one solid in a file."""
     mesh, remarks = read_solid(path, expected.part)
     if remarks:
-        return Judged((strange(path, remarks),))
+        return PartVerdict((strange(path, remarks),))
     return judge_solid(mesh, expected, in_file(path), FORMATS[path.suffix[1:]].rounding)
 
 
-def judge_exact(path: Path, expected: Expected) -> Judged:
+def judge_exact(path: Path, expected: Expected) -> PartVerdict:
     """Closed shell, volume, sections and walls of the one exact solid in a file."""
     body, remarks = read_exact(path, expected.part)
     where = in_file(path)
     if remarks:
-        return Judged((strange(path, remarks),))
+        return PartVerdict((strange(path, remarks),))
     bodies = counted(body.bodies, "body", "bodies")
-    said = f"{body.faults} edges without their two faces, {bodies} of {len(body.faces)} planes and cylinders"
-    findings = [at_most("WATERTIGHT", body.faults + abs(body.bodies - 1), 0, "faults", where, said)]
+    remark = f"{body.faults} edges without their two faces, {bodies} of {len(body.faces)} planes and cylinders"
+    findings = [
+        at_most("WATERTIGHT", body.faults + abs(body.bodies - 1), 0, "faults", where, remark)
+    ]
     if not findings[0].ok:
-        return Judged(tuple(findings))
+        return PartVerdict(tuple(findings))
     findings.append(_volume(body.volume, expected, where))
     try:
         sections = [
@@ -190,18 +201,18 @@ def judge_exact(path: Path, expected: Expected) -> Judged:
         ]
     except ValueError as error:
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
-        return Judged(tuple(findings))
+        return PartVerdict(tuple(findings))
     return _judge_sections(
         sections, expected, where, 0.0, findings, _level_error(body.heights, expected)
     )
 
 
-def judge_cut(rings: Sequence[Ring], expected: Expected, where: Where) -> Judged:
+def judge_cut(rings: Sequence[Ring], expected: Expected, where: Where) -> PartVerdict:
     """Contours and walls of a part as it is cut of a sheet, in the part's frame."""
     return _judge_sections([(expected.sections[expected.cut], rings)], expected, where, 0.0, [])
 
 
-def judge_solid(mesh: Mesh, expected: Expected, where: Where, rounding: float) -> Judged:
+def judge_solid(mesh: Mesh, expected: Expected, where: Where, rounding: float) -> PartVerdict:
     """Watertightness, volume, sections and walls of a solid; rounding: of a length in its file, as a share."""
     faults = mesh_faults(mesh)
     count = faults.count + abs(faults.bodies - 1)
@@ -216,27 +227,28 @@ def judge_solid(mesh: Mesh, expected: Expected, where: Where, rounding: float) -
         )
     ]
     if count:
-        return Judged(tuple(findings))
+        return PartVerdict(tuple(findings))
     findings.append(_volume(faults.volume, expected, where))
     rounding *= float(np.max(np.abs(mesh.vertices)))
-    lifted = _level_error(mesh.vertices[:, 2], expected)
+    level_error = _level_error(mesh.vertices[:, 2], expected)
     try:
         sections = [
             (section, slice_mesh(mesh, z)) for section in expected.sections for z in section.heights
         ]
     except ValueError as error:
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
-        return Judged(tuple(findings))
-    return _judge_sections(sections, expected, where, rounding, findings, lifted)
+        return PartVerdict(tuple(findings))
+    return _judge_sections(sections, expected, where, rounding, findings, level_error)
 
 
 def _level_error(heights: Floats, expected: Expected) -> float:
     """How far flat faces are from where they belong, mm; all of a stack's corners lie on such a face."""
-    there, wanted = distinct(heights), np.array(expected.levels)
+    levels = distinct(heights)
+    nominal = np.array(expected.levels)
     if not expected.stacked:
-        there = there[[0, -1]]
-    apart = np.abs(there[:, None] - wanted)
-    return float(max(np.max(np.min(apart, axis=0)), np.max(np.min(apart, axis=1))))
+        levels = levels[[0, -1]]
+    distances = np.abs(levels[:, None] - nominal)
+    return float(max(np.max(np.min(distances, axis=0)), np.max(np.min(distances, axis=1))))
 
 
 def strange(path: Path, remarks: Sequence[str]) -> Finding:
@@ -257,62 +269,66 @@ def _volume(volume: float, expected: Expected, where: Where) -> Finding:
 
 
 def _judge_sections(
-    read: Sequence[tuple[Section, Sequence[Ring]]],
+    rings_by_section: Sequence[tuple[Section, Sequence[Ring]]],
     expected: Expected,
     where: Where,
     rounding: float,
     findings: list[Finding],
     level_error: float = 0.0,
-) -> Judged:
+) -> PartVerdict:
     """Whether every section holds the contours that were meant, and how thin its walls are."""
     undo = expected.undo
     try:
         sections = [
-            (meant, pieces_of(rings) if len(meant.shapes) > 1 else (shape_of(rings),))
-            for meant, rings in read
+            (section, pieces_of(rings) if len(section.shapes) > 1 else (shape_of(rings),))
+            for section, rings in rings_by_section
         ]
         if undo is not None:
             sections = [
-                (meant, shapes if meant.sent else tuple(map(undo, shapes)))
-                for meant, shapes in sections
+                (section, shapes if section.sent else tuple(map(undo, shapes)))
+                for section, shapes in sections
             ]
     except ValueError as error:
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
-        return Judged(tuple(findings))
+        return PartVerdict(tuple(findings))
     steps = 4.0
     if not expected.stacked:  # corners near each other are one
         steps += math.sqrt(2) * tolerances.MERGED_STEPS
     limit = 2 * expected.chord_tolerance + steps * rounding + (undo.slack if undo else 0.0)
-    off, remark = level_error, f"a flat face is {level_error:.4g} mm off its height"
+    off = level_error
+    remark = f"a flat face is {level_error:.4g} mm off its height"
     place = _bore_shift(sections[0][1], sections[0][0].shapes, expected)
     eyes: list[tuple[complex, complex]] = []
-    for k, (meant, shapes) in enumerate(sections):
-        count = sum(1 + len(shape.holes) for shape in meant.shapes)
-        found = sum(1 + len(shape.holes) for shape in shapes)
-        if found != count or len(shapes) != len(meant.shapes):
-            off, remark = math.nan, f"{found} contours instead of {count}"
+    for k, (section, shapes) in enumerate(sections):
+        count = sum(1 + len(shape.holes) for shape in section.shapes)
+        contours = sum(1 + len(shape.holes) for shape in shapes)
+        if contours != count or len(shapes) != len(section.shapes):
+            off = math.nan
+            remark = f"{contours} contours instead of {count}"
             break
-        here = _section_error(shapes, meant.shapes, expected, place, eyes)
-        if math.isinf(here):
-            off, remark = math.nan, "a piece has the holes of another one"
+        section_error = _section_error(shapes, section.shapes, expected, place, eyes)
+        if math.isinf(section_error):
+            off = math.nan
+            remark = "a piece has the holes of another one"
             break
-        if here >= off or (k == 0 and off <= limit):
-            off, remark = max(off, here), f"{found} contours read back and compared point by point"
+        if section_error >= off or (k == 0 and off <= limit):
+            off = max(off, section_error)
+            remark = f"{contours} contours read back and compared point by point"
     if not expected.rolls and (aside := _aside(eyes, sections, expected)) > max(off, limit):
-        off, remark = (
-            aside,
-            "its joints' eyes lie elsewhere in its outline, all of them moved or turned together",
+        off = aside
+        remark = (
+            "its joints' eyes lie elsewhere in its outline, all of them moved or turned together"
         )
     findings.append(at_most("ROUND_TRIP", off, limit, "mm", where, remark))
-    made = [(meant, shapes) for meant, shapes in sections if not meant.sent]
-    wall = min(_wall(shape) for shapes in _distinct(made) for shape in shapes)
+    printed_sections = [(section, shapes) for section, shapes in sections if not section.sent]
+    wall = min(_wall(shape) for shapes in _distinct(printed_sections) for shape in shapes)
     if math.isfinite(wall):  # a part without holes has no wall between contours
         facets = 2 * max(
             tolerances.WALL_FACETS, expected.chord_tolerance
         )  # what facets on both sides may take of a wall
         remark = f"smallest wall between contours; {facets:g} mm less holds too, for facets on both sides may take that"
         findings.append(at_least("MIN_WALL", wall, expected.min_wall, "mm", where, remark, facets))
-    return Judged(tuple(findings), tuple(shapes for _, shapes in made))
+    return PartVerdict(tuple(findings), tuple(shapes for _, shapes in printed_sections))
 
 
 def pieces_of(rings: Sequence[Ring]) -> tuple[Shape, ...]:
@@ -330,7 +346,7 @@ def pieces_of(rings: Sequence[Ring]) -> tuple[Shape, ...]:
 
 def _distinct(sections: Sequence[tuple[Section, tuple[Shape, ...]]]) -> list[tuple[Shape, ...]]:
     """One height of each section: walls are upright."""
-    return list({id(meant): shapes for meant, shapes in reversed(sections)}.values())
+    return list({id(section): shapes for section, shapes in reversed(sections)}.values())
 
 
 def _wall(shape: Shape) -> float:
@@ -346,10 +362,15 @@ def _is_bore(ring: Ring, expected: Expected) -> bool:
     return expected.bore is not None and abs(ring.centroid) < expected.bore / 2
 
 
-def _bore_shift(shapes: Sequence[Shape], meant: Sequence[Shape], expected: Expected) -> complex:
+def _bore_shift(shapes: Sequence[Shape], nominal: Sequence[Shape], expected: Expected) -> complex:
     """How far the bore in a section is from its place, mm: motion tells that, and at all heights it is the same."""
     holes = [hole for shape in shapes for hole in shape.holes]
-    bores = [hole for wanted in meant for hole in wanted.holes if _is_bore(hole, expected)]
+    bores = [
+        hole
+        for nominal_shape in nominal
+        for hole in nominal_shape.holes
+        if _is_bore(hole, expected)
+    ]
     return (
         min((hole.centroid - bores[0].centroid for hole in holes), key=abs)
         if holes and bores
@@ -359,7 +380,7 @@ def _bore_shift(shapes: Sequence[Shape], meant: Sequence[Shape], expected: Expec
 
 def _section_error(
     shapes: Sequence[Shape],
-    meant: Sequence[Shape],
+    nominal: Sequence[Shape],
     expected: Expected,
     bore_shift: complex,
     eyes: list[tuple[complex, complex]],
@@ -367,24 +388,26 @@ def _section_error(
     """How far the contours of a section are from those meant, mm: each piece and each hole from one of its own. Centres of
     eyes, as meant and as found, are added to `eyes`.
     """
-    off, left = 0.0, list(shapes)
-    for wanted in meant:
-        shape, *left = sorted(left, key=lambda one: _apart(one.outer, wanted.outer))
-        if len(shape.holes) != len(wanted.holes):  # the holes of another piece
+    off = 0.0
+    rest = list(shapes)
+    for nominal_shape in nominal:
+        shape, *rest = sorted(rest, key=lambda each: _apart(each.outer, nominal_shape.outer))
+        if len(shape.holes) != len(nominal_shape.holes):  # the holes of another piece
             return math.inf
-        pairs, holes = [(shape.outer, wanted.outer)], list(shape.holes)
-        for hole in wanted.holes:
-            found, *holes = sorted(holes, key=lambda one: _apart(one, hole))
-            pairs.append((found, hole))
-        for found, ring in pairs:
+        pairs = [(shape.outer, nominal_shape.outer)]
+        holes = list(shape.holes)
+        for hole in nominal_shape.holes:
+            contour, *holes = sorted(holes, key=lambda each: _apart(each, hole))
+            pairs.append((contour, hole))
+        for contour, ring in pairs:
             shift = 0j
             if _is_eye(ring, expected):
-                shift = found.centroid - ring.centroid
-                eyes.append((ring.centroid, found.centroid))
-            if ring is not wanted.outer and _is_bore(ring, expected):
+                shift = contour.centroid - ring.centroid
+                eyes.append((ring.centroid, contour.centroid))
+            if ring is not nominal_shape.outer and _is_bore(ring, expected):
                 shift = bore_shift
             off = max(
-                off, contour_error(found.moved(shift=-shift), ring, expected.chord_tolerance / 2)
+                off, contour_error(contour.moved(shift=-shift), ring, expected.chord_tolerance / 2)
             )
     return off
 
@@ -402,11 +425,13 @@ def _aside(
     )
     if not eyes or not fixed:
         return 0.0
-    meant, found = np.array(eyes).T
-    arms = meant - meant.mean()
-    turned = np.exp(1j * np.angle(np.vdot(arms, found - found.mean()))) * arms + found.mean()
-    common, left = (float(np.max(np.abs(off))) for off in (turned - meant, found - turned))
-    return common if common > 2 * left else 0.0
+    nominal, measured = np.array(eyes).T
+    arms = nominal - nominal.mean()
+    rigid = (
+        np.exp(1j * np.angle(np.vdot(arms, measured - measured.mean()))) * arms + measured.mean()
+    )
+    common, rest = (float(np.max(np.abs(off))) for off in (rigid - nominal, measured - rigid))
+    return common if common > 2 * rest else 0.0
 
 
 def _apart(a: Ring, b: Ring) -> float:
@@ -415,7 +440,8 @@ def _apart(a: Ring, b: Ring) -> float:
 
 def _is_eye(ring: Ring, expected: Expected) -> bool:
     """Whether a contour that is meant is that of a joint, by its place and its size."""
-    near, size = 2 * expected.chord_tolerance, 2 * math.sqrt(abs(ring.area) / math.pi)
+    near = 2 * expected.chord_tolerance
+    size = 2 * math.sqrt(abs(ring.area) / math.pi)
     return any(
         abs(ring.centroid - at) <= near and abs(size - diameter) <= near
         for at, diameter in expected.eyes

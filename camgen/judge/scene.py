@@ -40,12 +40,10 @@ class Flight:
     @property
     def transforms(self) -> Floats:
         """The same as (n, 3, 4)."""
-        cosine, sine, zero, one = (
-            np.cos(self.angle),
-            np.sin(self.angle),
-            0 * self.angle,
-            1 + 0 * self.angle,
-        )
+        cosine = np.cos(self.angle)
+        sine = np.sin(self.angle)
+        zero = 0 * self.angle
+        ones = 1 + 0 * self.angle
         side, height = (-1, self.z + self.thickness) if self.flipped else (1, self.z)
         rows = [
             side * cosine,
@@ -58,31 +56,31 @@ class Flight:
             self.place.imag,
             zero,
             zero,
-            side * one,
-            height * one,
+            side * ones,
+            height * ones,
         ]
         return np.stack(rows, axis=1).reshape(-1, 3, 4)
 
 
 def judge_scene(path: Path, flights: Mapping[str, Flight], seconds: float) -> Finding:
     """ROUND_TRIP of a GLB: how far a point of a copy is out of its place, mm, at any frame of an animation of so many seconds."""
-    found = [
+    copies = [
         (copy, part, course, transform)
         for course in read_glb(path)
         for copy, part, transform in course.copies
     ]
-    if sorted((copy, part) for copy, part, *_ in found) != sorted(
+    if sorted((copy, part) for copy, part, *_ in copies) != sorted(
         (copy, each.part) for copy, each in flights.items()
     ):
-        said = f"{len(found)} copies, which are not the {len(flights)} of the machine"
-        return at_most("ROUND_TRIP", math.nan, 0, "mm", in_file(path), said)
+        remark = f"{len(copies)} copies, which are not the {len(flights)} of the machine"
+        return at_most("ROUND_TRIP", math.nan, 0, "mm", in_file(path), remark)
     rows = [
         (*_off(course, transform, flights[copy], seconds), copy)
-        for copy, _, course, transform in found
+        for copy, _, course, transform in copies
     ]
     off, limit, copy = max(rows, key=lambda row: row[0] / row[1], default=(0.0, 0.0, ""))
-    said = f"{len(rows)} copies where they are over the animation"
-    return at_most("ROUND_TRIP", off, limit, "mm", replace(in_file(path), part=copy), said)
+    remark = f"{len(rows)} copies where they are over the animation"
+    return at_most("ROUND_TRIP", off, limit, "mm", replace(in_file(path), part=copy), remark)
 
 
 def _off(course: Course, transform: Floats, flight: Flight, seconds: float) -> tuple[float, float]:
@@ -100,8 +98,8 @@ def _off(course: Course, transform: Floats, flight: Flight, seconds: float) -> t
     turn[:, 1, 0] = np.sin(course.angle)
     turn[:, 0, 1] = -turn[:, 1, 0]
     turn[:, 2, 2] = 1
-    there = np.einsum("nij,jk->nik", turn, transform)
-    there[:, :2, 3] += np.column_stack([course.place.real, course.place.imag])
-    error = np.abs(there - flight.transforms)
+    transforms = np.einsum("nij,jk->nik", turn, transform)
+    transforms[:, :2, 3] += np.column_stack([course.place.real, course.place.imag])
+    error = np.abs(transforms - flight.transforms)
     off = np.max(error[..., 3], axis=1) + flight.reach * np.max(error[..., :3], axis=(1, 2))
     return float(np.nanmax(off, initial=0.0)), limit

@@ -22,7 +22,7 @@ from camgen.files.dxf import read_dxf
 from camgen.findings import Finding, Where, at_least, at_most, in_file
 from camgen.geometry.distances import point_to_ring
 from camgen.geometry.rings import Points, Ring, Shape
-from camgen.judge.round_trip import MILLIMETRES, Expected, Judged, judge_cut, pieces_of
+from camgen.judge.round_trip import MILLIMETRES, Expected, PartVerdict, judge_cut, pieces_of
 from camgen.tolerances import WAY_BACK
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ _SVG_STEP = 1e-5  # mm, what the six decimals of an SVG may move an arc
 
 
 @dataclass(frozen=True)
-class Laid:
+class SheetCopy:
     """A copy of a part on a sheet: turned by angle, rad, then moved to place, mm."""
 
     part: str
@@ -51,22 +51,23 @@ class Laid:
 
 @dataclass(frozen=True)
 class Beam:
-    """What a laser cuts with, and of: kerf and gap, mm; width and height of a sheet, mm."""
+    """What a laser cuts with, and of."""
 
-    kerf: float
-    gap: float
-    sheet: tuple[float, float]
+    kerf: float  # mm
+    gap: float  # between pieces, mm
+    sheet: tuple[float, float]  # width and height, mm
 
 
 def judge_sheet(
-    dxf: Path, svg: Path, laid: Sequence[Laid], meant: Mapping[str, Expected], beam: Beam
-) -> tuple[list[Finding], dict[str, Judged]]:
+    dxf: Path, svg: Path, copies: Sequence[SheetCopy], parts: Mapping[str, Expected], beam: Beam
+) -> tuple[list[Finding], dict[str, PartVerdict]]:
     """Findings on one sheet in both formats, and its parts as cut, by name, in their own frames.
 
     SHEET_FIT: what is missing, how far a piece stands out over the sheet, and the gap between pieces; KERF: how far a part as
     cut is from its outline. ROUND_TRIP and MIN_WALL are those of each part as cut.
     """
-    drawing, where = read_dxf(dxf, engraving=True), in_file(dxf)
+    drawing = read_dxf(dxf, engraving=True)
+    where = in_file(dxf)
     faults = [fault.message for fault in drawing.faults] + drawing.repainted(_TOOLS)
     faults += (
         []
@@ -86,71 +87,72 @@ def judge_sheet(
     ]
     if faults:
         return findings, {}
-    found = pieces_of(drawing.cut)
-    findings += _fit(found, beam, len(laid), where)
+    pieces = pieces_of(drawing.cut)
+    findings += _fit(pieces, beam, len(copies), where)
     findings.append(
-        _same_as_svg(drawing, svg, beam.sheet, [f"{copy.part}-{copy.copy}" for copy in laid])
+        _same_as_svg(drawing, svg, beam.sheet, [f"{copy.part}-{copy.copy}" for copy in copies])
     )
-    judged: dict[str, Judged] = {}
-    for copy in laid:
-        if not found:
+    verdicts: dict[str, PartVerdict] = {}
+    for copy in copies:
+        if not pieces:
             break
-        expected, turn = meant[copy.part], cmath.rect(1, copy.angle)
+        expected = parts[copy.part]
+        turn = cmath.rect(1, copy.angle)
         middle = turn * expected.sections[expected.cut].shapes[0].outer.centroid + copy.place
-        piece = min(found, key=lambda shape: abs(shape.outer.centroid - middle))
-        own = piece.moved(shift=-copy.place).moved(1 / turn)
-        named = replace(where, part=f"{copy.part}-{copy.copy}")
+        piece = min(pieces, key=lambda shape: abs(shape.outer.centroid - middle))
+        path = piece.moved(shift=-copy.place).moved(1 / turn)
+        place = replace(where, part=f"{copy.part}-{copy.copy}")
         try:
             rings = [
-                widened(own.outer, -beam.kerf / 2),
-                *(widened(hole, beam.kerf / 2) for hole in own.holes),
+                widened(path.outer, -beam.kerf / 2),
+                *(widened(hole, beam.kerf / 2) for hole in path.holes),
             ]
         except ValueError as error:
-            findings.append(at_most("KERF", math.nan, 0, "mm", named, str(error)))
+            findings.append(at_most("KERF", math.nan, 0, "mm", place, str(error)))
             continue
-        one = judge_cut(rings, expected, named)
-        findings += one.findings
-        findings.append(_kerf(own, expected, beam.kerf, named))
-        if one.sections:
-            judged.setdefault(copy.part, one)
-    return findings, judged
+        verdict = judge_cut(rings, expected, place)
+        findings += verdict.findings
+        findings.append(_kerf(path, expected, beam.kerf, place))
+        if verdict.sections:
+            verdicts.setdefault(copy.part, verdict)
+    return findings, verdicts
 
 
-def _fit(found: Sequence[Shape], beam: Beam, wanted: int, where: Where) -> list[Finding]:
+def _fit(pieces: Sequence[Shape], beam: Beam, count: int, where: Where) -> list[Finding]:
     """SHEET_FIT of the pieces of a sheet."""
     import shapely
 
-    boxes = np.array([shape.outer.box for shape in found]).reshape(-1, 4)
-    beyond = float(
+    boxes = np.array([shape.outer.box for shape in pieces]).reshape(-1, 4)
+    overhang = float(
         np.max(np.concatenate([-boxes[:, :2], boxes[:, 2:] - np.array(beam.sheet)]), initial=0.0)
     )
     width, height = beam.sheet
     findings = [
         at_most(
             "SHEET_FIT",
-            abs(len(found) - wanted),
+            abs(len(pieces) - count),
             0,
             "pieces",
             where,
-            f"{len(found)} pieces, {wanted} in the list",
+            f"{len(pieces)} pieces, {count} in the list",
         ),
         at_most(
             "SHEET_FIT",
-            max(beyond, 0.0),
+            max(overhang, 0.0),
             0,
             "mm",
             where,
             f"how far a path stands out over {width:g} x {height:g} mm",
         ),
     ]
-    if len(found) > 1:
-        areas = [_area(shape.outer) for shape in found]
+    if len(pieces) > 1:
+        areas = [_area(shape.outer) for shape in pieces]
         near = shapely.STRtree(areas).query_nearest(
             areas, exclusive=True, all_matches=False, return_distance=True
         )[1]
-        said = "smallest gap between the paths of two pieces"
+        remark = "smallest gap between the paths of two pieces"
         findings.append(
-            at_least("SHEET_FIT", float(near.min()), beam.gap, "mm", where, said, 2 * FACETS)
+            at_least("SHEET_FIT", float(near.min()), beam.gap, "mm", where, remark, 2 * FACETS)
         )
     return findings
 
@@ -163,31 +165,30 @@ def _same_as_svg(
         size, layers = read_svg(svg)
     except FileError as error:
         return at_most("ROUND_TRIP", math.nan, 0, "mm", in_file(svg), str(error))
-    off, count = 0.0, 0
-    for name, wanted in (("ENGRAVE", drawing.engraved), ("CUT", drawing.cut)):
-        there = layers[name].rings if name in layers else []
-        count += len(there)
-        if len(there) != len(wanted) or size != sheet:
-            said = f"{len(there)} contours on {size[0]:g} x {size[1]:g} mm instead of {len(wanted)}"
-            return at_most("ROUND_TRIP", math.nan, 0, "mm", in_file(svg), said)
-        off = max([off, *(_apart(a, b) for a, b in zip(there, wanted, strict=True))])
+    off = 0.0
+    count = 0
+    for name, drawn_rings in (("ENGRAVE", drawing.engraved), ("CUT", drawing.cut)):
+        rings = layers[name].rings if name in layers else []
+        count += len(rings)
+        if len(rings) != len(drawn_rings) or size != sheet:
+            remark = f"{len(rings)} contours on {size[0]:g} x {size[1]:g} mm instead of {len(drawn_rings)}"
+            return at_most("ROUND_TRIP", math.nan, 0, "mm", in_file(svg), remark)
+        off = max([off, *(_apart(a, b) for a, b in zip(rings, drawn_rings, strict=True))])
     titles = {name: layer.titles for name, layer in layers.items()}
-    said = f"{count} contours, as in the DXF"
+    remark = f"{count} contours, as in the DXF"
     if titles.get("CUT", []) != list(names) or not set(titles.get("ENGRAVE", [])) <= set(names):
-        off, said = (
-            math.nan,
-            "its pieces do not have the names of the list of sheets, in that order",
-        )
-    return at_most("ROUND_TRIP", off, _SVG_STEP, "mm", in_file(svg), said)
+        off = math.nan
+        remark = "its pieces do not have the names of the list of sheets, in that order"
+    return at_most("ROUND_TRIP", off, _SVG_STEP, "mm", in_file(svg), remark)
 
 
 def _apart(a: Ring, b: Ring) -> float:
     """How far two rings are apart that run alike, mm."""
     if a.points.shape != b.points.shape:
         return math.inf
-    moved = np.max(np.abs(a.points - b.points))
+    shift = np.max(np.abs(a.points - b.points))
     rise = np.max(np.abs(a.bulges - b.bulges) * np.abs(b.ends - b.points)) / 2
-    return float(max(moved, rise))
+    return float(max(shift, rise))
 
 
 def _area(ring: Ring, tolerance: float = FACETS) -> Any:
@@ -203,8 +204,8 @@ def widened(ring: Ring, distance: float, sharp: bool = True) -> Ring:
     import shapely
 
     style = "mitre" if sharp else "round"
-    moved = _area(ring, _FINE).buffer(distance, quad_segs=_ROUND, join_style=style, mitre_limit=10)
-    parts = [part for part in shapely.get_parts(moved) if not part.is_empty]
+    area = _area(ring, _FINE).buffer(distance, quad_segs=_ROUND, join_style=style, mitre_limit=10)
+    parts = [part for part in shapely.get_parts(area) if not part.is_empty]
     if len(parts) != 1:
         raise ValueError(f"{len(parts)} pieces are left of a contour moved by {distance:g} mm")
     z: Points = shapely.get_coordinates(parts[0].exterior)[:-1] @ np.array([1, 1j])
@@ -215,27 +216,28 @@ def _kerf(path: Shape, expected: Expected, kerf: float, where: Where) -> Finding
     """KERF: how far the part as cut is from the outline that was meant, where inner corners come out round."""
     import shapely
 
-    meant = expected.sections[expected.cut].shapes[0]
-    off, allowed = 0.0, 0.0
+    shape = expected.sections[expected.cut].shapes[0]
+    off = 0.0
+    allowed = 0.0
     holes = list(path.holes)
-    pairs = [(path.outer, meant.outer, -kerf / 2)]
-    for hole in meant.holes:
+    pairs = [(path.outer, shape.outer, -kerf / 2)]
+    for hole in shape.holes:
         if holes:
             nearest, *holes = sorted(holes, key=lambda ring: abs(ring.centroid - hole.centroid))
             pairs.append((nearest, hole, kerf / 2))
-    for ring, wanted, way in pairs:
-        cut = shapely.get_parts(_area(ring).buffer(way, quad_segs=_ROUND))
-        if len(cut) != 1:
+    for ring, nominal, way in pairs:
+        pieces = shapely.get_parts(_area(ring).buffer(way, quad_segs=_ROUND))
+        if len(pieces) != 1:
             return at_most(
-                "KERF", math.nan, 0, "mm", where, f"{len(cut)} pieces are left of a contour"
+                "KERF", math.nan, 0, "mm", where, f"{len(pieces)} pieces are left of a contour"
             )
-        edge = shapely.get_coordinates(cut[0].exterior)[:-1] @ np.array([1, 1j])
-        target = wanted.counter_clockwise().facetted(FACETS)
+        edge = shapely.get_coordinates(pieces[0].exterior)[:-1] @ np.array([1, 1j])
+        target = nominal.counter_clockwise().facetted(FACETS)
         off = max(off, float(np.max(point_to_ring(along(target), edge))))
         allowed = max(allowed, _round_corner(target if way < 0 else target[::-1], kerf / 2))
     limit = allowed + 2 * expected.chord_tolerance + WAY_BACK * kerf / 2 + FACETS
-    said = "how far the part as cut is from its outline: inner corners come out round, and what is narrower than the kerf is lost"
-    return at_most("KERF", off, limit, "mm", where, said)
+    remark = "how far the part as cut is from its outline: inner corners come out round, and what is narrower than the kerf is lost"
+    return at_most("KERF", off, limit, "mm", where, remark)
 
 
 def along(ring: Points) -> Points:

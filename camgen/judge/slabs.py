@@ -50,7 +50,8 @@ def slabs_of(mesh: Mesh) -> tuple[Slab, ...]:
     heights = np.unique(mesh.vertices[:, 2])
     heights = heights[np.append(np.diff(heights) > 8 * FLOAT32_ROUNDING * size, True)]
     corners = mesh.vertices[mesh.faces]
-    low, high = corners[:, :, 2].min(axis=1), corners[:, :, 2].max(axis=1)
+    low = corners[:, :, 2].min(axis=1)
+    high = corners[:, :, 2].max(axis=1)
     ab, ac = (corners[:, k, :2] - corners[:, 0, :2] for k in (1, 2))
     longest = (np.abs(ab) + np.abs(ac)).max(axis=1)
     flat = (
@@ -72,19 +73,21 @@ def _shadows(corners: Floats, z0: float, z1: float) -> Any:
     """Projections of triangles' parts between two heights, (n,) areas; corners: (n, 3, 3)."""
     import shapely
 
-    points, there = [corners], [(z0 <= corners[:, :, 2]) & (corners[:, :, 2] <= z1)]
+    points = [corners]
+    masks = [(z0 <= corners[:, :, 2]) & (corners[:, :, 2] <= z1)]
     for i, j in itertools.combinations(range(3), 2):
-        a, b = corners[:, i], corners[:, j]
+        a = corners[:, i]
+        b = corners[:, j]
         rise = b[:, 2] - a[:, 2]
         for z in (z0, z1):
             points.append(
                 (a + ((z - a[:, 2]) / np.where(rise == 0, 1, rise))[:, None] * (b - a))[:, None]
             )
-            there.append(((a[:, 2] - z) * (b[:, 2] - z) < 0)[:, None])
-    kept = np.concatenate(there, axis=1)
+            masks.append(((a[:, 2] - z) * (b[:, 2] - z) < 0)[:, None])
+    mask = np.concatenate(masks, axis=1)
     return shapely.convex_hull(
         shapely.multipoints(
-            np.concatenate(points, axis=1)[kept][:, :2], indices=np.nonzero(kept)[0]
+            np.concatenate(points, axis=1)[mask][:, :2], indices=np.nonzero(mask)[0]
         )
     )
 
@@ -167,12 +170,13 @@ class Section:
 
 def sections_of(body: Body) -> list[Section]:
     """The slabs of a body as mounted."""
-    found = []
+    sections = []
     for slab in body.slabs:
         rings = [ring.moved(1, body.at) for ring in slab.rings]
-        area, facets = area_of(rings), FACETS if any(ring.bulges.any() for ring in rings) else 0.0
-        found.append(Section(body.z + slab.z0, body.z + slab.z1, area, disc_about(area), facets))
-    return found
+        area = area_of(rings)
+        facets = FACETS if any(ring.bulges.any() for ring in rings) else 0.0
+        sections.append(Section(body.z + slab.z0, body.z + slab.z1, area, disc_about(area), facets))
+    return sections
 
 
 @functools.lru_cache(maxsize=8)  # a section meets many others, one after the other
@@ -194,10 +198,8 @@ def shadow_of(sections: Sequence[Section]) -> Section:
     """All that sections cover, as one."""
     import shapely
 
-    area, facets = (
-        shapely.union_all([section.area for section in sections]),
-        max(section.facets for section in sections),
-    )
+    area = shapely.union_all([section.area for section in sections])
+    facets = max(section.facets for section in sections)
     return Section(0.0, 0.0, area, disc_about(area), facets)
 
 
@@ -214,23 +216,24 @@ def judge_plate(
     """
     import shapely
 
-    package, where = read_3mf(path), in_file(path)
+    package = read_3mf(path)
+    where = in_file(path)
     meshes = [item.placed for item in package.items]
     rounding = 8 * FLOAT32_ROUNDING * max(bed)
     lift = max((abs(float(mesh.vertices[:, 2].min())) for mesh in meshes), default=math.nan)
     places = [mesh.vertices[:, :2] for mesh in meshes]
-    beyond = (
+    overhang = (
         max(
             (float(max(-xy.min(), (xy - np.array(bed)).max(), -margin)) for xy in places),
             default=math.nan,
         )
         + margin
     )
-    held = "1 body stands" if len(meshes) == 1 else f"{len(meshes)} bodies stand"
-    said = f"how far {held} out over the bed of {bed[0]:g} x {bed[1]:g} mm"
-    said += f", {margin:g} mm of its rim left free" if margin else ""
+    bodies = "1 body stands" if len(meshes) == 1 else f"{len(meshes)} bodies stand"
+    remark = f"how far {bodies} out over the bed of {bed[0]:g} x {bed[1]:g} mm"
+    remark += f", {margin:g} mm of its rim left free" if margin else ""
     findings = [
-        at_most("BED_FIT", beyond, rounding, "mm", where, said),
+        at_most("BED_FIT", overhang, rounding, "mm", where, remark),
         at_most(
             "BED_FIT", lift, rounding, "mm", where, "how far a body is off the bed's plane z = 0"
         ),
@@ -242,6 +245,6 @@ def judge_plate(
         near = shapely.STRtree(shadows).query_nearest(
             shadows, exclusive=True, all_matches=False, return_distance=True
         )[1]
-        said = "smallest gap between bodies on the plate"
-        findings.append(at_least("BED_FIT", float(near.min()), gap - rounding, "mm", where, said))
+        remark = "smallest gap between bodies on the plate"
+        findings.append(at_least("BED_FIT", float(near.min()), gap - rounding, "mm", where, remark))
     return findings

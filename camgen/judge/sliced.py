@@ -51,7 +51,7 @@ _SLIVER = 1e-4  # mm^2, what facets leave of a hole
 
 
 @dataclass(frozen=True)
-class Known:
+class PrintModel:
     """A part's solid in its own frame as it was sent, the rotation (3, 3) that lays it on the bed, and the turns about the
     vertical, rad, in which its copies lie on the folder's own plates."""
 
@@ -69,12 +69,12 @@ class Known:
 
 @dataclass(frozen=True)
 class Layer:
-    """What is laid between two heights over the bed, or over the raft, mm: walls, and whether each is that of a hole."""
+    """What is laid between two heights over the bed, or over the raft."""
 
-    low: float
-    top: float
+    low: float  # mm
+    top: float  # mm
     walls: tuple[Wall, ...]
-    holes: tuple[bool, ...]
+    holes: tuple[bool, ...]  # whether each wall is that of a hole
 
     @property
     def middle(self) -> float:
@@ -93,7 +93,7 @@ class Layer:
 class Copy:
     """A body that is the print of a part: bed = exp(i turn) * lying + place; off: rms mm of its outline half way up."""
 
-    known: Known
+    known: PrintModel
     laid: Laid
     layers: tuple[Layer, ...]
 
@@ -117,10 +117,11 @@ class Copy:
         gaps = [(layer.low - top, top) for top, layer in zip(tops, self.layers, strict=False)]
         gap, under = max(gaps)
         count = sum(size > _SAME for size, _ in gaps)
-        most = f"layers are missing in {counted(count, 'place')}, the most over z = {under:.3f} mm"
-        said = most if count else "no layer is missing"
+        words = f"layers are missing in {counted(count, 'place')}, the most over z = {under:.3f} mm"
+        remark = words if count else "no layer is missing"
         lying = self.known.solid.vertices @ self.known.turn[2]
-        off, last = tops[-1] - float(np.ptp(lying)), self.layers[-1]
+        off = tops[-1] - float(np.ptp(lying))
+        last = self.layers[-1]
         half = (last.top - last.low) / 2 + _SAME
         high = f"its last layer ends at {tops[-1]:.3f} mm, its top lies at {np.ptp(lying):.3f}; half a layer may be off"
         return [
@@ -130,7 +131,7 @@ class Copy:
                 _SAME,
                 "mm",
                 replace(where, thing=f"{part}, gap between layers", part=part),
-                said,
+                remark,
             ),
             at_most(
                 "ROUND_TRIP",
@@ -151,20 +152,21 @@ def bodies(walls: Sequence[Wall]) -> list[tuple[Layer, ...]]:
         shapely.Polygon(np.column_stack([z.real, z.imag]))
         for z in (wall.ring.facetted(_COARSE) for wall in walls)
     ]
-    tree, areas = shapely.STRtree(flat), shapely.area(flat)
+    tree = shapely.STRtree(flat)
+    areas = shapely.area(flat)
     every = label = np.arange(len(flat))
-    met = 0
+    meetings = 0
     for first in range(
         0, len(flat), _AT_ONCE
     ):  # all pairs at once are as many as their number's square
         a, b = tree.query(flat[first : first + _AT_ONCE], predicate="intersects")
-        met += len(a)
-        if met > _MOST_MET:
+        meetings += len(a)
+        if meetings > _MOST_MET:
             raise OverflowError(f"walls that lie over each other more than {_MOST_MET:,} times")
         label = components(len(flat), np.append(a + first, every), np.append(b, label))
-    found = []
-    for one in np.unique(label):
-        members = np.flatnonzero(label == one).tolist()
+    bodies_found = []
+    for number in np.unique(label):
+        members = np.flatnonzero(label == number).tolist()
         layers = []
         tops = sorted({round(walls[k].z, 4) for k in members})
         bed = (
@@ -172,43 +174,47 @@ def bodies(walls: Sequence[Wall]) -> list[tuple[Layer, ...]]:
         )  # a raft under it is none of its own
         usual = float(np.median(np.diff(tops))) if len(tops) > 1 else math.inf
         for low, top in pairwise([bed, *tops]):
-            here = [k for k in members if round(walls[k].z, 4) == top]
-            own = min(walls[k].height for k in here)
-            if math.isinf(own) and low > bed:  # a first layer may be higher than the others
-                own = usual
-            if top - low > _GAP * own:
-                low = top - own
-            outlines = [flat[k] for k in here]
+            level = [k for k in members if round(walls[k].z, 4) == top]
+            height = min(walls[k].height for k in level)
+            if math.isinf(height) and low > bed:  # a first layer may be higher than the others
+                height = usual
+            if top - low > _GAP * height:
+                low = top - height
+            outlines = [flat[k] for k in level]
             outer, inner = shapely.STRtree(outlines).query(outlines, predicate="contains")
-            inner = inner[areas[here][outer] > areas[here][inner]]
-            within = np.bincount(inner, minlength=len(here)) % 2 == 1
+            inner = inner[areas[level][outer] > areas[level][inner]]
+            within = np.bincount(inner, minlength=len(level)) % 2 == 1
             layers.append(
-                Layer(low - bed, top - bed, tuple(walls[k] for k in here), tuple(within.tolist()))
+                Layer(low - bed, top - bed, tuple(walls[k] for k in level), tuple(within.tolist()))
             )
-        found.append(tuple(layers))
-    return found
+        bodies_found.append(tuple(layers))
+    return bodies_found
 
 
-def copy_of(layers: Sequence[Layer], known: Sequence[Known]) -> Copy | None:
+def copy_of(layers: Sequence[Layer], known: Sequence[PrintModel]) -> Copy | None:
     """The part of which a body is the print; None where it is like none of them."""
     best: Copy | None = None
     middle = _telling(layers)
-    own = [dense(ring.points, _STEP) for ring in middle.edges()]
-    if not own:
+    edges = [dense(ring.points, _STEP) for ring in middle.edges()]
+    if not edges:
         return None
-    thick, area = max(layer.top - layer.low for layer in layers), _net(own)
-    centre = _centre(own)
+    thick = max(layer.top - layer.low for layer in layers)
+    area = _net(edges)
+    centre = _centre(edges)
     for each in known:
         lying = Mesh(each.solid.vertices @ each.turn.T, each.solid.faces)
-        low, high = float(lying.vertices[:, 2].min()), float(lying.vertices[:, 2].max())
+        low = float(lying.vertices[:, 2].min())
+        high = float(lying.vertices[:, 2].max())
         if abs(high - low - layers[-1].top) > thick:
             continue
         cut = [dense(ring.points, _STEP) for ring in slice_mesh(lying, low + middle.middle)]
         if not cut or abs(_net(cut) - area) > _AREA * area:
             continue
-        laid = _laid(cut, own, centre, each.turns, math.inf if best is None else best.laid.off)
-        if laid.off < (math.inf if best is None else best.laid.off):
-            best = Copy(each, laid, tuple(layers))
+        placement = _laid(
+            cut, edges, centre, each.turns, math.inf if best is None else best.laid.off
+        )
+        if placement.off < (math.inf if best is None else best.laid.off):
+            best = Copy(each, placement, tuple(layers))
     return best if best is not None and best.laid.off <= _NO_OTHER else None
 
 
@@ -222,7 +228,7 @@ def _telling(layers: Sequence[Layer]) -> Layer:
 
 def _laid(
     cut: Sequence[Points],
-    own: Sequence[Points],
+    edges_of_body: Sequence[Points],
     centre: complex,
     turns: Sequence[float],
     to_beat: float,
@@ -231,22 +237,25 @@ def _laid(
     from scipy.spatial import cKDTree
 
     middle = _centre(cut)
-    seen, shown = [z - centre for z in own], [z - middle for z in cut]
-    all_seen, all_shown = np.concatenate(seen), np.concatenate(shown)
+    body_edges = [z - centre for z in edges_of_body]
+    solid_edges = [z - middle for z in cut]
+    body_points = np.concatenate(body_edges)
+    solid_points = np.concatenate(solid_edges)
     trees = [
-        cKDTree(_xy(np.concatenate([dense(z, _FINE) for z in edges]))) for edges in (seen, shown)
+        cKDTree(_xy(np.concatenate([dense(z, _FINE) for z in edges])))
+        for edges in (body_edges, solid_edges)
     ]
 
     def off(turn: float, shift: complex, thin: int = 1) -> float:
         spun = cmath.exp(1j * turn)
-        there = trees[0].query(_xy(spun * all_shown[::thin] + shift))[0]
-        back = trees[1].query(_xy((all_seen[::thin] - shift) / spun))[0]
-        return float(np.sqrt(max(np.mean(there**2), np.mean(back**2))))
+        to_body = trees[0].query(_xy(spun * solid_points[::thin] + shift))[0]
+        to_solid = trees[1].query(_xy((body_points[::thin] - shift) / spun))[0]
+        return float(np.sqrt(max(np.mean(to_body**2), np.mean(to_solid**2))))
 
     def from_start(start: float, most: int) -> Laid:
-        some = [z[:: max(1, len(all_shown) // most)] for z in shown]
-        found = lay(some, [seen], start=start)[1][0]
-        return Laid(found.turn, found.shift, off(found.turn, found.shift))
+        some = [z[:: max(1, len(solid_points) // most)] for z in solid_edges]
+        placement = lay(some, [body_edges], start=start)[1][0]
+        return Laid(placement.turn, placement.shift, off(placement.turn, placement.shift))
 
     best = Laid(0.0, 0j, math.inf)
     even = np.linspace(0, math.tau, _STARTS, endpoint=False).tolist()
@@ -311,24 +320,28 @@ def envelope(layers: Sequence[Sequence[Shape]]) -> tuple[Shape, ...]:
     return pieces_of(rings)
 
 
-def outwards(shapes: Sequence[Shape], meant: Sequence[Shape]) -> tuple[Floats, Floats]:
+def outwards(shapes: Sequence[Shape], nominal_shapes: Sequence[Shape]) -> tuple[Floats, Floats]:
     """How far points on outlines and on the edges of holes lie out of the material that is meant, (n,) and (m,) mm."""
-    found = []
-    for side, rings, wanted in (
-        (1, [s.outer for s in shapes], [s.outer for s in meant]),
-        (-1, [hole for s in shapes for hole in s.holes], [hole for s in meant for hole in s.holes]),
+    distances = []
+    for side, rings, nominal_rings in (
+        (1, [s.outer for s in shapes], [s.outer for s in nominal_shapes]),
+        (
+            -1,
+            [hole for s in shapes for hole in s.holes],
+            [hole for s in nominal_shapes for hole in s.holes],
+        ),
     ):
         off = [np.zeros(0)]
         for ring in rings:
-            known = min(
-                wanted,
+            nominal = min(
+                nominal_rings,
                 key=lambda one: abs(one.centroid - ring.centroid) + abs(one.length - ring.length),
                 default=None,
             )
-            if known is not None:
-                z = known.counter_clockwise().facetted(_CHORDS)
+            if nominal is not None:
+                z = nominal.counter_clockwise().facetted(_CHORDS)
                 off.append(
                     side * deviation(dense(ring.facetted(_CHORDS), _STEP), dense(z, _STEP / 4))
                 )
-        found.append(np.concatenate(off))
-    return found[0], found[1]
+        distances.append(np.concatenate(off))
+    return distances[0], distances[1]

@@ -9,35 +9,38 @@ from camgen.findings import Finding, NotJudged, Where, at_most
 
 
 def judge_sliced_copies(
-    laid: Counter[str], wanted: Counter[str], plates: Mapping[str, Counter[str]], where: Where
+    copies: Counter[str], needed: Counter[str], plates: Mapping[str, Counter[str]], where: Where
 ) -> tuple[Finding, list[NotJudged]]:
     """ROUND_TRIP of how often each part is laid, by its name.
 
     wanted: the list of parts; plates: what each plate of the folder holds, by its file. A plate of which more than half is laid
     counts as sliced, and must be there as a whole. Of the others, such as a part that is printed anew, nothing is asked.
     """
-    left, sliced, others = laid.copy(), Counter[str](), []
-    for name, held in sorted(
-        plates.items(), key=lambda plate: -(plate[1] & laid).total() / plate[1].total()
+    rest = copies.copy()
+    sliced = Counter[str]()
+    others = []
+    for name, content in sorted(
+        plates.items(), key=lambda plate: -(plate[1] & copies).total() / plate[1].total()
     ):
-        found = held & left
-        if 2 * found.total() > held.total():
-            left -= found
-            sliced += held
+        common = content & rest
+        if 2 * common.total() > content.total():
+            rest -= common
+            sliced += content
         else:
             others.append(name)
-    lacking, beyond = sliced - laid, laid - wanted
-    said = [f"too few for the list of parts: {_listed(lacking)}"] if lacking else []
-    said += [f"too many, as if sliced twice: {_listed(beyond)}"] if beyond else []
+    missing = sliced - copies
+    surplus = copies - needed
+    remarks = [f"too few for the list of parts: {_listed(missing)}"] if missing else []
+    remarks += [f"too many, as if sliced twice: {_listed(surplus)}"] if surplus else []
     finding = at_most(
         "ROUND_TRIP",
-        (lacking + beyond).total(),
+        (missing + surplus).total(),
         0,
         "copies",
         where,
-        "; ".join(said) or f"{laid.total()} copies on the plates that are sliced",
+        "; ".join(remarks) or f"{copies.total()} copies on the plates that are sliced",
     )
-    absent = wanted - laid - lacking
+    absent = needed - copies - missing
     if not absent:
         return finding, []
     why = f"copies that lie on none of these plates: {_listed(absent)}"

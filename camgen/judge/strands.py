@@ -98,7 +98,8 @@ def _judged(
             )
         ]
     posts = [copies[name] for name in names]
-    found, widest = [], 0.0
+    findings = []
+    widest = 0.0
     for post in posts:
         inner = max(
             post.radii(z)[1] for z in np.linspace(strand.low + _BESIDE, strand.high - _BESIDE, 3)
@@ -107,21 +108,21 @@ def _judged(
         above, below = (
             post.radii(z)[0] - inner for z in (strand.high + _BESIDE, strand.low - _BESIDE)
         )
-        said = (
+        remark = (
             f"over the groove {strand.low:.4g} to {strand.high:.4g} mm high: a head {above:.3g}, a shoulder {below:.3g} mm; a "
             "plain post lets the thread slip: a groove holds it: parts.thread_posts.groove"
         )
-        found.append(
+        findings.append(
             at_least(
                 "THREAD_HELD",
                 min(above, below),
                 strand.held,
                 "mm",
                 replace(where, part=post.name),
-                said,
+                remark,
             )
         )
-    return [*found, _clear(strand, posts, widest, copies, machine, where)]
+    return [*findings, _clear(strand, posts, widest, copies, machine, where)]
 
 
 def _clear(
@@ -133,29 +134,27 @@ def _clear(
     where: Where,
 ) -> Finding:
     """The nearest of all that a thread passes, and at which angle it does."""
-    there = where
+    place = where
     best = math.inf
     for pair in pairwise(posts):
         for copy in (each for each in copies.values() if each not in pair):
-            bottom, top = (
-                float(copy.mesh.vertices[:, 2].min()),
-                float(copy.mesh.vertices[:, 2].max()),
-            )
-            gap, how = (
-                max(strand.low - top, bottom - strand.high),
-                "over" if top <= strand.low else "under",
-            )
+            bottom = float(copy.mesh.vertices[:, 2].min())
+            top = float(copy.mesh.vertices[:, 2].max())
+            gap = max(strand.low - top, bottom - strand.high)
+            how = "over" if top <= strand.low else "under"
             if gap >= best and gap >= strand.gap:
                 continue
-            passed = gap >= strand.gap  # in plan it may pass over it
+            level_apart = gap >= strand.gap  # in plan it may pass over it
             heights = (
-                (bottom, top) if passed else (strand.low - strand.gap, strand.high + strand.gap)
+                (bottom, top)
+                if level_apart
+                else (strand.low - strand.gap, strand.high + strand.gap)
             )
             beside, theta = _nearest(pair, copy, copy.sections(*heights), machine)
-            gap, how = (gap, how) if passed else (beside - radius, "beside")
+            gap, how = (gap, how) if level_apart else (beside - radius, "beside")
             if gap < best:
                 best = gap
-                there = replace(
+                place = replace(
                     where,
                     thing=f"thread {pair[0].name} to {pair[1].name}, {how} {copy.name}",
                     part=copy.name,
@@ -164,7 +163,7 @@ def _clear(
                     digits=2,
                 )
     remark = "least of a turn; move the thread's points, or raise it: parts.thread_posts.height"
-    return at_least("THREAD_CLEAR", best, strand.gap, "mm", there, remark)
+    return at_least("THREAD_CLEAR", best, strand.gap, "mm", place, remark)
 
 
 def _nearest(

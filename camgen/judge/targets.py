@@ -15,18 +15,18 @@ from camgen.machine.model import Floats, unit_of
 
 
 def judge_targets(
-    asked: Sequence[Demand], proof: Proof, theta: Floats, where: Where
+    wishes: Sequence[Demand], proof: Proof, theta: Floats, where: Where
 ) -> list[Finding]:
     """A finding for each target of each output. theta: (n,) rad, even, both ends of the turn or range included."""
     findings = []
-    for each in asked:
+    for each in wishes:
         if each.targets:
             from camgen.machine.targets import Course
 
-            moved = proof.moved(each.output, theta)
+            response = proof.moved(each.output, theta)
             unit, scale = unit_of(proof.machine.output(each.output))
             whole = abs(theta[-1] - theta[0] - math.tau) < 1e-9
-            course = Course(theta, scale * moved.value, scale * moved.slope, unit, whole)
+            course = Course(theta, scale * response.value, scale * response.slope, unit, whole)
             place = replace(where, output=each.output)
             closes = bool(np.isfinite(course.value).all())
             findings += [

@@ -27,7 +27,7 @@ _TURNED_OVER = 0.5  # a mirror image counts where it lies so much better
 
 
 @dataclass(frozen=True)
-class Compared:
+class Comparison:
     """A measured outline in the frame of a spec's part, the part's exact one, a sentence, figures; how far it lies outside, by
     the angle about the shaft: (n,) deg and mm.
     """
@@ -42,7 +42,7 @@ class Compared:
 
 def compare(
     ring: Ring, spec: Path, bore: float | None, off: float, scanner_unknown: bool
-) -> Compared:
+) -> Comparison:
     """Lay a measured outline on the cams of a spec; SpecError where it has none, DesignError where it is like none of them.
 
     bore: measured diameter of the hole that is the ring's origin, mm, None where the origin means nothing. off: what the
@@ -64,46 +64,51 @@ def compare(
             str(spec),
         )
     edge = ring.counter_clockwise().facetted(_CHORDS)
-    best, found = math.inf, None
-    for part in parts:
-        known = facet_contour(part.region.outer.counter_clockwise(), _CHORDS)
+    best = None
+    for candidate in parts:
+        nominal = facet_contour(candidate.region.outer.counter_clockwise(), _CHORDS)
         for over in (False, True):
-            laid = _laid(edge, known, over, scanner_unknown)
-            if laid[3].off < (_TURNED_OVER if over else 1) * best:
-                best, found = laid[3].off, (part, known, over, laid)
-    assert found is not None
-    part, known, over, (z, m, scale, how) = found
-    size = float(np.max(np.abs(known)))
-    if not best <= _ALIKE * size:
+            fit = _Registration.of(edge, nominal, over, scanner_unknown)
+            factor = _TURNED_OVER if over else 1
+            if best is None or fit.laid.off < factor * best.laid.off:
+                part = candidate
+                best = fit
+    assert best is not None
+    nominal = best.known
+    size = float(np.max(np.abs(nominal)))
+    if not best.laid.off <= _ALIKE * size:
         remedy = (
             "name the spec of this part, and the unit and the dots per inch that it was measured in"
         )
         what = f"rms distance of the outline from {part.name}, the cam nearest to it"
-        raise DesignError(what, best, _ALIKE * size, "mm", str(spec), remedy)
-    axis = _image(0j, edge, known, over, m, scale, how)
-    numbers = {"fit_turn_deg": math.degrees(math.remainder(how.turn, math.tau))}
-    said = [
+        raise DesignError(what, best.laid.off, _ALIKE * size, "mm", str(spec), remedy)
+    z = best.edge
+    axis = best.image(0j)
+    numbers = {"fit_turn_deg": math.degrees(math.remainder(best.laid.turn, math.tau))}
+    sentences = [
         f"laid on {part.name} of {spec.name}"
-        + (", turned over: its other face was measured" if over else "")
+        + (", turned over: its other face was measured" if best.over else "")
     ]
     if bore is not None:
         z = z - axis
         numbers["bore_off_centre_mm"] = abs(axis)
-        said.append(
+        sentences.append(
             f"the bore, which stays the axis, is {abs(axis):.4f} mm off the outline's own centre"
         )
     if scanner_unknown:
-        long, across, shear = 100 * (scale - 1), 200 * m.real, 200 * m.imag
+        long = 100 * (best.scale - 1)
+        across = 200 * best.skew.real
+        shear = 200 * best.skew.imag
         numbers |= {
             "scale_percent": long,
             "scanner_across_percent": across,
             "scanner_shear_percent": shear,
         }
-        said.append(
+        sentences.append(
             f"the scanner's scale {long:+.3f} %, x beside y {across:+.3f} % and shear {shear:+.3f} % are found "
             "from the whole outline, which hides what the print itself shrank"
         )
-    outside = deviation(z, dense(known, _STEP))
+    outside = deviation(z, dense(nominal, _STEP))
     numbers |= {
         "deviation_max_mm": float(outside.max()),
         "deviation_min_mm": float(outside.min()),
@@ -118,43 +123,59 @@ def compare(
             keys.append(
                 f"hole_compensation = {mechanism.print.hole_compensation + (part.bore - bore) / 2:.3f}"
             )
-        said.append(
+        sentences.append(
             f"in [print] this would mend the mean of it, within {off:.3f} mm: {', '.join(keys)}"
         )
     else:
-        said.append(
+        sentences.append(
             "no compensation of [print] is told: the scanner's own scale is not known, which --across would tell"
         )
     order = np.argsort(np.angle(z) % (2 * np.pi))
     angle = np.degrees(np.angle(z) % (2 * np.pi))[order]
-    measured, wanted = (Ring(each, np.zeros(len(each))) for each in (z, known))
-    return Compared(
-        measured.counter_clockwise(), wanted, "; ".join(said), numbers, angle, outside[order]
+    measured, nominal_ring = (Ring(each, np.zeros(len(each))) for each in (z, nominal))
+    return Comparison(
+        measured.counter_clockwise(),
+        nominal_ring,
+        "; ".join(sentences),
+        numbers,
+        angle,
+        outside[order],
     )
 
 
-def _laid(
-    edge: Points, known: Points, over: bool, device: bool
-) -> tuple[Points, complex, float, Laid]:
-    """The measured outline, turned over if asked, laid on the known one in the known one's frame."""
-    own, middle = _seen(edge, edge, over), _middle(known)
-    z, m, scale, how = lay_on_known(own, dense(known - middle, _STEP), device)
-    return z + middle, m, scale, how
+@dataclass(frozen=True)
+class _Registration:
+    """A measured outline laid on a known one, in the known one's frame, mm."""
+
+    edge: Points  # the measured one as it is laid, (n,)
+    known: Points
+    middle: complex  # of the measured one in its own frame
+    over: bool  # whether it was turned over
+    skew: complex  # of the scanner: as w of the part it sees w + skew conj(w)
+    scale: float  # of the scanner
+    laid: Laid
+
+    @classmethod
+    def of(cls, edge: Points, known: Points, over: bool, scanner_unknown: bool) -> _Registration:
+        """The best fit; scanner_unknown: with its scale and skew."""
+        middle = _middle(edge)
+        outline = _reflected(edge - middle) if over else edge - middle
+        target = dense(known - _middle(known), _STEP)
+        z, skew, scale, registration = lay_on_known(outline, target, scanner_unknown)
+        return cls(z + _middle(known), known, middle, over, skew, scale, registration)
+
+    def image(self, place: complex) -> complex:
+        """Where a place in the measured outline's own frame lies in the known one's."""
+        w = place - self.middle
+        w = -w.conjugate() if self.over else w
+        straight = (w - self.skew * w.conjugate()) / (1 - abs(self.skew) ** 2)
+        z = np.exp(1j * self.laid.turn) / self.scale * straight
+        return complex(z + self.laid.shift + _middle(self.known))
 
 
-def _seen(place: Points, edge: Points, over: bool) -> Points:
-    """Places from the middle of a measured outline, turned over if asked."""
-    z = place - _middle(edge)
-    return np.asarray(-np.conj(z)[::-1] if over else z)
-
-
-def _image(
-    place: complex, edge: Points, known: Points, over: bool, m: complex, scale: float, how: Laid
-) -> complex:
-    """Where a place in the measured outline's frame lies in the known one's."""
-    w = complex(_seen(np.array([place]), edge, over)[0])
-    straight = (w - m * w.conjugate()) / (1 - abs(m) ** 2)
-    return complex(np.exp(1j * how.turn) / scale * straight + how.shift + _middle(known))
+def _reflected(z: Points) -> Points:
+    """An outline turned over about Oy, in the same sense."""
+    return np.asarray(-np.conj(z)[::-1])
 
 
 def _middle(edge: Points) -> complex:

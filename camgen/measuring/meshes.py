@@ -168,8 +168,8 @@ def _obj(path: Path, data: bytes) -> None:
         before += words[:1] == [b"v"]
         for word in words[1:] if words[:1] == [b"f"] else ():
             index = word.partition(b"/")[0]
-            known = re.fullmatch(rb"-?[1-9]\d{0,9}", index) and abs(int(index)) <= total
-            if known and (before == total or not index.startswith(b"-")) or word == b"\\":
+            valid = re.fullmatch(rb"-?[1-9]\d{0,9}", index) and abs(int(index)) <= total
+            if valid and (before == total or not index.startswith(b"-")) or word == b"\\":
                 continue
             reason = f"line {number}: a face names vertex {index.decode('ascii', 'replace')}"
             raise FileError(path, f"{reason}; 1 to {total} were expected")
@@ -194,11 +194,11 @@ def _ply(path: Path, data: bytes) -> None:
         _count(path, sum(map(int, counts)), rest)
 
 
-def _count(path: Path, wanted: int, body: bytes) -> None:
+def _count(path: Path, limit: int, body: bytes) -> None:
     """FileError where a text has fewer lines than its header says."""
     count = sum(not line.isspace() and bool(line) for line in body.split(b"\n"))
-    if count < wanted:
-        reason = f"{counted(wanted, 'line')} of vertices and faces by its header"
+    if count < limit:
+        reason = f"{counted(limit, 'line')} of vertices and faces by its header"
         raise FileError(path, f"cut short: {reason}, {count} in the file")
 
 

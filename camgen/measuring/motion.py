@@ -24,14 +24,14 @@ from camgen.geometry.rings import Floats, Ring
 from camgen.judge.contact import contact
 from camgen.judge.follower_table import FollowerTable, pair_faults, read_follower
 from camgen.machine.features import PartPose
-from camgen.measuring.outlines import Outline, read_outline
+from camgen.measuring.outlines import Hints, Outline, read_outline
 from camgen.measuring.scan import PICTURES, Scanning
 from camgen.report.animation import Animation, Body
 from camgen.report.report import Report, write_csv, write_html, write_json
 from camgen.study import Plot, Table
 
 if TYPE_CHECKING:
-    from camgen.measuring.against import Compared
+    from camgen.measuring.against import Comparison
 
 MOST_HARMONICS = 1800
 HARMONICS = 36  # of a turn, the last of which the low-pass halves: details of 10 deg of cam angle and more stay
@@ -91,7 +91,7 @@ def recover(ring: Ring, follower: FollowerTable, harmonics: int = HARMONICS) -> 
     if np.isnan(touch.angle).all():
         remedy = f"it never touches the outline, {near:.6g} to {far:.6g} mm from the shaft: check pivot, arm, leaves or offset"
         slides = follower.motion == "translating"
-        reach = (
+        distance = (
             abs(follower.offset or 0.0)
             if slides
             else abs(abs(follower.axle) - (follower.arm or 0.0))
@@ -99,7 +99,7 @@ def recover(ring: Ring, follower: FollowerTable, harmonics: int = HARMONICS) -> 
         limit = far + (follower.radius or 0.0)
         raise DesignError(
             "the follower's least distance from the shaft",
-            reach,
+            distance,
             limit,
             "mm",
             "the whole turn",
@@ -128,16 +128,16 @@ def low_passed(values: Floats, order: int, harmonics: int) -> Floats:
 
 def roll(
     path: Path,
-    given: str | PathLike[str] | Mapping[str, Any],
+    table: str | PathLike[str] | Mapping[str, Any],
     height: float | None,
     layer: str | None,
     harmonics: int,
 ) -> Recovered:
     """Motion of a follower on the outline in a file, as `recover`; FileError where the file holds none that is closed."""
-    follower = read_follower(given, "follower")
+    follower = read_follower(table, "follower")
     if not 1 <= harmonics <= MOST_HARMONICS:
         raise SpecError([Fault(("harmonics",), f"{harmonics}", f"1 to {MOST_HARMONICS}")])
-    outline = read_outline(path, height, layer, follower.contour)
+    outline = read_outline(path, Hints(height, layer), follower.contour)
     if outline.ring is None:
         raise FileError(
             path, "; ".join(f"{f.code}: {f.message}" for f in outline.findings if not f.ok)
@@ -150,20 +150,26 @@ def roll(
 
 @dataclass(frozen=True)
 class Request:
-    """What `camgen motion` was asked for; second: outline file of the second tip, the first one's where it is None; against: the
-    spec of the cam that the outline was measured on; probe: radius of the ball of whose centres the points are, mm.
-    """
+    """What a person wants of `camgen motion`."""
 
     follower: str
     second_follower: str | None = None
-    second: Path | None = None
-    height: float | None = None
-    layer: str | None = None
+    second: Path | None = None  # outline of the second tip; None: the first one's
+    hints: Hints = Hints()
     harmonics: int = HARMONICS
-    line_width: float | None = None
-    scanning: Scanning = Scanning()
-    against: Path | None = None
-    probe: float = 0.0
+    against: Path | None = None  # spec of the cam that the outline was measured on
+
+
+@dataclass(frozen=True)
+class _Rolling:
+    """A follower on one outline."""
+
+    path: Path  # of the outline
+    ring: Ring
+    follower: FollowerTable
+    motion: Recovered
+    harmonics: int
+    play: Floats | None = None  # of a second tip, (n,) rad or mm
 
 
 def run(
@@ -173,114 +179,23 @@ def run(
 
     Raises SpecError, FileError or DesignError; where the outline is open or crosses itself, a finding says so.
     """
-    follower = read_follower(request.follower)
-    other = (
-        read_follower(request.second_follower, "--second-follower")
-        if request.second_follower
-        else None
-    )
-    faults = pair_faults(follower, other) if other is not None else ()
-    if faults:
-        raise SpecError(faults, "command line")
-    if request.second is not None and other is None:
-        raise SpecError(
-            [
-                Fault(
-                    (),
-                    str(request.second),
-                    "--second-follower, the tip that rides on it",
-                    source="--second",
-                )
-            ]
-        )
-    if request.against is not None and (
-        other is not None or follower.inside or follower.contour not in (None, 1)
-    ):
-        raise SpecError(
-            [
-                Fault(
-                    (),
-                    str(request.against),
-                    "one follower, on the outside of a cam",
-                    source="--against",
-                )
-            ],
-            "command line",
-        )
-    if request.scanning != Scanning() and path.suffix.lower() not in PICTURES:
-        raise SpecError(
-            [
-                Fault(
-                    (),
-                    path.name,
-                    f"a scan, {', '.join(PICTURES)}",
-                    source="--dpi, --second-scan, --across",
-                )
-            ],
-            "command line",
-        )
-    if request.probe and path.suffix.lower() != ".csv":
-        raise SpecError(
-            [Fault((), path.name, "measured points, .csv", source="--probe")], "command line"
-        )
+    followers = _followers(path, request)
+    follower, other = followers
     # what is rolled on: file and contour, one or two
-    wanted = {(path, follower.contour): None}
+    places = {(path, follower.contour): None}
     if other is not None:
-        wanted[request.second or path, other.contour] = None
-    outlines = []
-    for file, contour in wanted:
+        places[request.second or path, other.contour] = None
+    outlines = {}
+    for file, contour in places:
         progress(f"reading {file.name}")
-        how = (
-            request.height,
-            request.layer,
-            contour,
-            request.line_width,
-            request.scanning,
-            request.probe,
-        )
-        outlines.append(read_outline(file, *how))
-    findings = list(dict.fromkeys(finding for outline in outlines for finding in outline.findings))
-    rings = [outline.ring for outline in outlines if outline.ring is not None]
+        outlines[file, contour] = read_outline(file, request.hints, contour)
+    findings = [finding for outline in outlines.values() for finding in outline.findings]
     name = re.sub("[^a-z0-9]+", "-", path.stem.lower()).strip("-")[:50] or "outline"
-    report = Report(f"{name}-motion", "motion of an outline", findings)
+    report = Report(f"{name}-motion", "motion of an outline", list(dict.fromkeys(findings)))
     columns: Mapping[str, Floats] = {}
-    if len(rings) == len(outlines):
-        compared = None
-        if request.against is not None:
-            progress("laying it on the spec's cam")
-            compared = _compared(outlines[0], path, request)
-            rings = [compared.ring]
-            if "scale_percent" in compared.numbers:  # found from the outline: it is off no more
-                outlines = [
-                    replace(
-                        outlines[0],
-                        numbers={
-                            k: v for k, v in outlines[0].numbers.items() if k != "scanner_off_mm"
-                        },
-                    )
-                ]
-        progress("rolling")
-        found = recover(rings[0], follower, request.harmonics)
-        pair = None
-        if other is not None:
-            limit = recover(rings[-1], other, request.harmonics).s
-            if follower.motion == "translating" and follower.inside == other.inside:
-                limit = -limit  # the second tip's way out is the first one's way in
-            pair = (-1 if follower.inside else 1) * follower.sense * (limit - found.s)
-        remarks = [
-            f"{file.name}: {outline.remark}"
-            for (file, _), outline in zip(wanted, outlines, strict=True)
-        ]
-        report, columns = _report(
-            report, path, follower, rings[0], found, pair, request.harmonics, remarks
-        )
-        report = replace(
-            report, numbers={**report.numbers, **_measured(outlines[0].numbers, found, follower)}
-        )
-        if compared is not None:
-            own = recover(compared.wanted, follower, request.harmonics)
-            report, columns = _with_comparison(report, columns, compared, found.s, own.s, follower)
-    report = replace(report, remarks=list(_told(report, follower)))
+    if all(outline.ring is not None for outline in outlines.values()):
+        report, columns = _rolled(report, outlines, request, followers, progress)
+    report = replace(report, remarks=list(_summary(report, follower)))
     with Staged(out / report.name) as folder:
         if columns:
             progress("writing the report")
@@ -291,26 +206,101 @@ def run(
     return replace(report, folder=out / report.name)
 
 
-def _told(report: Report, follower: FollowerTable) -> Iterator[str]:
+def _followers(path: Path, request: Request) -> tuple[FollowerTable, FollowerTable | None]:
+    """The follower and the second tip; SpecError where they, or other options, do not go with each other or with the file."""
+    follower = read_follower(request.follower)
+    other = None
+    if request.second_follower:
+        other = read_follower(request.second_follower, "--second-follower")
+    faults = pair_faults(follower, other) if other is not None else ()
+    if faults:
+        raise SpecError(faults, "command line")
+
+    def fault(value: object, expected: str, option: str) -> Sequence[Fault]:
+        return [Fault((), str(value), expected, source=option)]
+
+    if request.second is not None and other is None:
+        expected = "--second-follower, the tip that rides on it"
+        raise SpecError(fault(request.second, expected, "--second"))
+    if request.against is not None and (
+        other is not None or follower.inside or follower.contour not in (None, 1)
+    ):
+        expected = "one follower, on the outside of a cam"
+        raise SpecError(fault(request.against, expected, "--against"), "command line")
+    kind = path.suffix.lower()
+    if request.hints.scanning != Scanning() and kind not in PICTURES:
+        expected = f"a scan, {', '.join(PICTURES)}"
+        options = "--dpi, --second-scan, --across"
+        raise SpecError(fault(path.name, expected, options), "command line")
+    if request.hints.probe and kind != ".csv":
+        raise SpecError(fault(path.name, "measured points, .csv", "--probe"), "command line")
+    return follower, other
+
+
+def _rolled(
+    report: Report,
+    outlines: Mapping[tuple[Path, int | None], Outline],
+    request: Request,
+    followers: tuple[FollowerTable, FollowerTable | None],
+    progress: Callable[[str], None],
+) -> tuple[Report, Mapping[str, Floats]]:
+    """The report with the motion on the outlines, one for each follower or one for both, and the columns of motion.csv."""
+    follower, other = followers
+    (path, _), first = next(iter(outlines.items()))
+    *_, last = outlines.values()
+    ring = first.ring
+    numbers = first.numbers
+    compared = None
+    if request.against is not None:
+        progress("laying it on the spec's cam")
+        compared = _compared(first, path, request)
+        ring = compared.ring
+        if "scale_percent" in compared.numbers:  # found from the outline: it is off no more
+            numbers = {key: value for key, value in numbers.items() if key != "scanner_off_mm"}
+    progress("rolling")
+    assert ring is not None and last.ring is not None
+    motion = recover(ring, follower, request.harmonics)
+    play = None
+    if other is not None:
+        limit = recover(last.ring, other, request.harmonics).s
+        if follower.motion == "translating" and follower.inside == other.inside:
+            limit = -limit  # the second tip's way out is the first one's way in
+        play = (-1 if follower.inside else 1) * follower.sense * (limit - motion.s)
+    rolling = _Rolling(path, ring, follower, motion, request.harmonics, play)
+    remarks = [f"{file.name}: {outline.remark}" for (file, _), outline in outlines.items()]
+    report, columns = _report(rolling, report, remarks)
+    numbers = {**report.numbers, **_measured(numbers, motion, follower)}
+    report = replace(report, numbers=numbers)
+    if compared is not None:
+        report, columns = _with_comparison(report, columns, compared, rolling)
+    return report, columns
+
+
+def _summary(report: Report, follower: FollowerTable) -> Iterator[str]:
     """What a person asked for, in a few lines: the rest is in the report."""
-    found, unit = report.numbers, follower.unit[0]
-    moved = next((found[key] for key in (f"swing_{unit}", f"stroke_{unit}") if key in found), None)
-    if moved is not None:
-        said = f"the follower moves {moved:.4g} {unit}"
-        level = found.get(f"edge_level_in_motion_{unit}")
-        yield said + (
+    numbers = report.numbers
+    unit = follower.unit[0]
+    way = next(
+        (numbers[key] for key in (f"swing_{unit}", f"stroke_{unit}") if key in numbers), None
+    )
+    if way is not None:
+        sentence = f"the follower moves {way:.4g} {unit}"
+        level = numbers.get(f"edge_level_in_motion_{unit}")
+        yield sentence + (
             f"; the level at which the edge is taken may shift it by {level:.2g} {unit}"
             if level is not None
             else ""
         )
     raw, smooth = (
-        found.get(key, math.nan) for key in ("pressure_angle_deg", "pressure_angle_low_passed_deg")
+        numbers.get(key, math.nan)
+        for key in ("pressure_angle_deg", "pressure_angle_low_passed_deg")
     )
     if raw - smooth > _ROUGH:
         yield f"the outline is rough: its pressure angle is {raw:.4g} deg at most, {smooth:.4g} deg low-passed as the speed"
-    if f"motion_error_max_{unit}" in found:
-        error, rms = (found[f"motion_error_{what}_{unit}"] for what in ("max", "rms"))
-        least, most = found["deviation_min_mm"], found["deviation_max_mm"]
+    if f"motion_error_max_{unit}" in numbers:
+        error, rms = (numbers[f"motion_error_{what}_{unit}"] for what in ("max", "rms"))
+        least = numbers["deviation_min_mm"]
+        most = numbers["deviation_max_mm"]
         yield (
             f"against the spec's cam it is {error:.3g} {unit} off at most, {rms:.2g} rms; the outline lies {least:+.3f} to "
             f"{most:+.3f} mm outside; {report.notes[0]}"
@@ -318,26 +308,22 @@ def _told(report: Report, follower: FollowerTable) -> Iterator[str]:
 
 
 def _report(
-    empty: Report,
-    path: Path,
-    follower: FollowerTable,
-    ring: Ring,
-    found: Recovered,
-    play: Floats | None,
-    harmonics: int,
-    remarks: Sequence[str],
+    rolling: _Rolling, empty: Report, remarks: Sequence[str]
 ) -> tuple[Report, Mapping[str, Floats]]:
     """The report on a recovered motion, and the columns of motion.csv over the turn, both ends included."""
-    lost = np.isnan(found.s)
-    where = in_file(path)
+    follower = rolling.follower
+    motion = rolling.motion
+    play = rolling.play
+    lost = np.isnan(motion.s)
+    where = in_file(rolling.path)
     if lost.any():
-        where = replace(where, theta=float(found.theta[np.flatnonzero(lost)[0]]))
-    held = 100 * float(np.mean(~lost))
+        where = replace(where, theta=float(motion.theta[np.flatnonzero(lost)[0]]))
+    contact_share = 100 * float(np.mean(~lost))
     findings = [
         *empty.findings,
         at_least(
             "CONTACT",
-            held,
+            contact_share,
             100,
             "percent",
             where,
@@ -348,24 +334,26 @@ def _report(
     name, scale = follower.unit
     key = "swing_deg" if name == "deg" else "lift_mm"
     columns = {
-        "theta_deg": np.degrees(found.theta),
-        key: found.s * scale,
-        f"speed_{name}_rad": found.speed * scale,
-        f"acceleration_{name}_rad2": found.acceleration * scale,
-        "pressure_angle_deg": np.degrees(found.pressure_angle),
+        "theta_deg": np.degrees(motion.theta),
+        key: motion.s * scale,
+        f"speed_{name}_rad": motion.speed * scale,
+        f"acceleration_{name}_rad2": motion.acceleration * scale,
+        "pressure_angle_deg": np.degrees(motion.pressure_angle),
     }
-    numbers = _extremes(found, ring, follower, harmonics)
+    numbers = _extremes(rolling)
     if play is not None:
         columns[f"lash_{name}"] = play * scale
-        findings.append(_overlap(in_file(path), play, found, follower))
+        findings.append(_overlap(in_file(rolling.path), play, motion, follower))
         numbers |= {
             f"lash_max_{name}": float(np.nanmax(play)) * scale,
             f"lash_min_{name}": float(np.nanmin(play)) * scale,
         }
     turn = {key: np.append(value, value[0]) for key, value in columns.items()}
     turn["theta_deg"][-1] = 360.0
+    harmonics = rolling.harmonics
     passed = f"low-passed at {harmonics} harmonics"
-    label, theta = "cam angle, deg", turn["theta_deg"]
+    label = "cam angle, deg"
+    theta = turn["theta_deg"]
     shown = [
         ("Follower", name, key),
         (f"Speed, {passed}", f"{name} per rad", f"speed_{name}_rad"),
@@ -387,7 +375,7 @@ def _report(
         f"Speed and acceleration are derivatives to the cam angle, {passed} of a turn: harmonic n counts by "
         f"1 / (1 + (n / {harmonics})^{_STEEPNESS}). The displacement itself is not filtered.",
         "Nor is the pressure angle: facets, or noise of measured points, tilt it; pressure_angle_low_passed_deg is without them.",
-        "The cam turns counter-clockwise about the shaft. " + _counted(follower, found),
+        "The cam turns counter-clockwise about the shaft. " + _counted(follower, motion),
     ]
     filled = Report(
         empty.name,
@@ -396,24 +384,24 @@ def _report(
         numbers,
         (),
         plots,
-        (_table(found, follower),),
+        (_table(motion, follower),),
         notes,
-        _animation(ring, follower, found),
+        _animation(rolling),
         None,
         ("motion.csv", "report.json", "manifest.json"),
     )
     return filled, turn
 
 
-def _counted(follower: FollowerTable, found: Recovered) -> str:
+def _counted(follower: FollowerTable, motion: Recovered) -> str:
     """From where s is counted, in words."""
     if follower.motion == "oscillating":
         what = "face's normal" if follower.shape == "flat" else "arm"
         way = f"The angle of the {what} is counter-clockwise positive, "
-        from_ = math.degrees(np.angle(follower.reference) + found.start)
+        from_ = math.degrees(np.angle(follower.reference) + motion.start)
     else:
         way = "The follower's displacement is positive outwards, "
-        from_ = (follower.at or 0.0) + found.start
+        from_ = (follower.at or 0.0) + motion.start
     kind = "" if follower.anchored else "its innermost position, "
     return (
         way
@@ -423,19 +411,20 @@ def _counted(follower: FollowerTable, found: Recovered) -> str:
     )
 
 
-def _extremes(
-    found: Recovered, ring: Ring, follower: FollowerTable, harmonics: int
-) -> dict[str, float]:
+def _extremes(rolling: _Rolling) -> dict[str, float]:
     """Named numbers of the motion and the outline; what is low-passed is nan where contact is lost."""
+    motion = rolling.motion
+    ring = rolling.ring
+    follower = rolling.follower
     edge = np.abs(follower.mounted(ring).samples())
     name, scale = follower.unit
     swing = "swing_deg" if name == "deg" else "stroke_mm"
-    smooth = low_passed(found.pressure_angle, 0, harmonics)
+    smooth = low_passed(motion.pressure_angle, 0, rolling.harmonics)
     return {
-        swing: float(np.nanmax(found.s) - np.nanmin(found.s)) * scale,
-        f"peak_speed_{name}_rad": float(np.max(np.abs(found.speed))) * scale,
-        f"peak_acceleration_{name}_rad2": float(np.max(np.abs(found.acceleration))) * scale,
-        "pressure_angle_deg": math.degrees(float(np.nanmax(np.abs(found.pressure_angle)))),
+        swing: float(np.nanmax(motion.s) - np.nanmin(motion.s)) * scale,
+        f"peak_speed_{name}_rad": float(np.max(np.abs(motion.speed))) * scale,
+        f"peak_acceleration_{name}_rad2": float(np.max(np.abs(motion.acceleration))) * scale,
+        "pressure_angle_deg": math.degrees(float(np.nanmax(np.abs(motion.pressure_angle)))),
         "pressure_angle_low_passed_deg": math.degrees(float(np.max(np.abs(smooth)))),
         "radius_min_mm": float(edge.min()),
         "radius_max_mm": float(edge.max()),
@@ -444,43 +433,45 @@ def _extremes(
     }
 
 
-def _table(found: Recovered, follower: FollowerTable) -> Table:
+def _table(motion: Recovered, follower: FollowerTable) -> Table:
     rows = []
     name, scale = follower.unit
     for what, unit, values, each in (
-        ("follower", name, found.s, scale),
-        ("speed", f"{name} per rad", found.speed, scale),
-        ("acceleration", f"{name} per rad²", found.acceleration, scale),
-        ("pressure angle", "deg", found.pressure_angle, math.degrees(1)),
+        ("follower", name, motion.s, scale),
+        ("speed", f"{name} per rad", motion.speed, scale),
+        ("acceleration", f"{name} per rad²", motion.acceleration, scale),
+        ("pressure angle", "deg", motion.pressure_angle, math.degrees(1)),
     ):
         if np.isnan(values).all():
             continue
-        low, high = int(np.nanargmin(values)), int(np.nanargmax(values))
-        at = (math.degrees(found.theta[low]), math.degrees(found.theta[high]))
+        low = int(np.nanargmin(values))
+        high = int(np.nanargmax(values))
+        at = (math.degrees(motion.theta[low]), math.degrees(motion.theta[high]))
         rows.append([what, unit, values[low] * each, at[0], values[high] * each, at[1]])
     return Table("Extremes", ("quantity", "unit", "least", "at, deg", "greatest", "at, deg"), rows)
 
 
 def _measured(
-    figures: Mapping[str, float], found: Recovered, follower: FollowerTable
+    figures: Mapping[str, float], motion: Recovered, follower: FollowerTable
 ) -> Mapping[str, float]:
     """Figures of what measured the outline, and what each length that ends in _off_mm may do to the motion."""
     name, scale = follower.unit
-    moved = {
-        key.replace("_off_mm", f"_in_motion_{name}"): value / found.lever * scale
+    effects = {
+        key.replace("_off_mm", f"_in_motion_{name}"): value / motion.lever * scale
         for key, value in figures.items()
         if key.endswith("_off_mm")
     }
-    return {**figures, **moved}
+    return {**figures, **effects}
 
 
-def _compared(outline: Outline, path: Path, request: Request) -> Compared:
+def _compared(outline: Outline, path: Path, request: Request) -> Comparison:
     """The outline of the first file on the cam of the spec that it is held against."""
     from camgen.measuring.against import compare
 
     assert outline.ring is not None and request.against is not None
-    figures, how = outline.numbers, request.scanning
-    alone = path.suffix.lower() in PICTURES and not how.others and how.across is None
+    figures = outline.numbers
+    scanning = request.hints.scanning
+    alone = path.suffix.lower() in PICTURES and not scanning.others and scanning.across is None
     off = (
         math.nan
         if "scanner_off_mm" in figures
@@ -492,21 +483,20 @@ def _compared(outline: Outline, path: Path, request: Request) -> Compared:
 def _with_comparison(
     report: Report,
     columns: Mapping[str, Floats],
-    compared: Compared,
-    found: Floats,
-    wanted: Floats,
-    follower: FollowerTable,
+    compared: Comparison,
+    rolling: _Rolling,
 ) -> tuple[Report, Mapping[str, Floats]]:
     """The report with what the spec's own cam does to the same follower, and where the outline stands off it."""
-    name, scale = follower.unit
-    miss = (found - wanted) * scale
+    name, scale = rolling.follower.unit
+    nominal = recover(compared.wanted, rolling.follower, rolling.harmonics).s
+    miss = (rolling.motion.s - nominal) * scale
     numbers = {
         **report.numbers,
         **compared.numbers,
         f"motion_error_max_{name}": float(np.nanmax(np.abs(miss))),
         f"motion_error_rms_{name}": float(np.sqrt(np.nanmean(miss**2))),
     }
-    ends = {f"wanted_{name}": wanted * scale, f"error_{name}": miss}
+    ends = {f"wanted_{name}": nominal * scale, f"error_{name}": miss}
     columns = {**columns, **{key: np.append(value, value[0]) for key, value in ends.items()}}
     plots = [
         *report.plots,
@@ -528,41 +518,46 @@ def _with_comparison(
     ), columns
 
 
-def _overlap(where: Where, play: Floats, found: Recovered, follower: FollowerTable) -> Finding:
+def _overlap(where: Where, play: Floats, motion: Recovered, follower: FollowerTable) -> Finding:
     """Whether the pair leaves room for both tips everywhere, but for what facets and decimals feign."""
     least = int(np.nanargmin(play))
     name, scale = follower.unit
     return at_most(
         "INTERFERENCE",
         max(0.0, -play[least]) * scale,
-        _OVERLAP / max(found.lever, 1e-9) * scale,
+        _OVERLAP / max(motion.lever, 1e-9) * scale,
         name,
-        replace(where, theta=float(found.theta[least])),
+        replace(where, theta=float(motion.theta[least])),
         f"largest overlap of both tips with the pair; the limit is {_OVERLAP:g} mm at the tips",
     )
 
 
-def _animation(ring: Ring, follower: FollowerTable, found: Recovered) -> Animation:
+def _animation(rolling: _Rolling) -> Animation:
     """The outline turning under the follower."""
-    step = len(found.theta) // _FRAMES
-    theta, s = found.theta[::step], found.s[::step] + found.start
-    held, at = follower.mounted(ring), follower.reference
+    motion = rolling.motion
+    follower = rolling.follower
+    step = len(motion.theta) // _FRAMES
+    theta = motion.theta[::step]
+    s = motion.s[::step] + motion.start
+    outline = follower.mounted(rolling.ring)
+    at = follower.reference
     still = np.zeros(len(theta), complex)
     circles = [(at, follower.radius)] if follower.radius else []
-    size = 0.6 * float(np.max(np.abs(held.points)))
+    size = 0.6 * float(np.max(np.abs(outline.points)))
     if follower.motion == "oscillating":
-        pose, strokes = PartPose(still + follower.axle, s), [np.array([0, at])]
+        pose = PartPose(still + follower.axle, s)
+        strokes = [np.array([0, at])]
         if follower.shape == "flat":
-            reach = -1j * follower.sense * np.array([0, abs(follower.axle) + 1.5 * size])
-            strokes = [at * ((follower.face_offset or 0.0) + reach)]
+            extent = -1j * follower.sense * np.array([0, abs(follower.axle) + 1.5 * size])
+            strokes = [at * ((follower.face_offset or 0.0) + extent)]
     else:
         pose = PartPose(np.asarray(follower.direction * s, complex), np.zeros(len(theta)))
         strokes = [np.array([at, at + size * follower.direction])]
         if follower.shape == "flat":
             strokes.append(at + size * 1j * follower.direction * np.array([-1.5, 1.5]))
     bodies = [
-        Body("cam", [PartPose(still, theta)], [(held.points, held.bulges)]),
+        Body("cam", [PartPose(still, theta)], [(outline.points, outline.bulges)]),
         Body("follower", [pose], (), strokes, circles),
     ]
     name, scale = follower.unit
-    return Animation(theta, bodies, found.s[::step] * scale, "follower", name)
+    return Animation(theta, bodies, motion.s[::step] * scale, "follower", name)

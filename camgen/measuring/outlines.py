@@ -68,28 +68,27 @@ _DXF_UNITS = {
 
 @dataclass(frozen=True)
 class Outline:
-    """What a file holds: the outline, counter-clockwise (None where a finding says why), findings, a sentence on the reading,
-    and figures of what measured it.
-    """
+    """What a file holds."""
 
-    ring: Ring | None
+    ring: Ring | None  # counter-clockwise, mm; None where a finding says why
     findings: tuple[Finding, ...]
-    remark: str
-    numbers: Mapping[str, float] = field(default_factory=dict)
+    remark: str  # a sentence on the reading
+    numbers: Mapping[str, float] = field(default_factory=dict)  # figures of what measured it
 
 
-def read_outline(
-    path: Path,
-    height: float | None = None,
-    layer: str | None = None,
-    contour: int | None = None,
-    line_width: float | None = None,
-    scanning: Scanning | None = None,
-    probe: float = 0.0,
-) -> Outline:
-    """The largest closed contour of a DXF (of one layer, if named), or at a height, mm (half way up): of a mesh's section, or of
-    what G-code prints there with lines of its own width, or of line_width, mm, where it says none; or of a
-    scan, or through measured points, which are centres of a probe of that radius, mm.
+@dataclass(frozen=True)
+class Hints:
+    """What a person says of a file beside its content."""
+
+    height: float | None = None  # of a mesh's section or of G-code's layer, mm; None: half way up
+    layer: str | None = None  # of a DXF; None: all
+    line_width: float | None = None  # of G-code that does not say it, mm
+    scanning: Scanning = Scanning()
+    probe: float = 0.0  # radius of the ball whose centres measured points are, mm
+
+
+def read_outline(path: Path, hints: Hints = Hints(), contour: int | None = None) -> Outline:
+    """The largest closed contour of a drawing, of a mesh's section, of a layer of G-code or of a scan, or through measured points.
 
     contour: 1 for the largest, 2 for the second largest, and so on; where none is asked for, a finding tells whether another
     contour could be meant. What a drawing's switched-off or frozen layers hold does not count. Other units than millimetres
@@ -112,22 +111,21 @@ def read_outline(
         raise FileError(path, f"cannot be read: {error.strerror or error}") from None
     if not head or head.isspace():
         raise FileError(path, "is empty")
-    found = _looks_like(head[:_HEAD], size)
-    if found not in (kind, ""):
-        raise FileError(path, f"is not what its ending says: it looks like {found[1:].upper()}")
+    likely = _looks_like(head[:_HEAD], size)
+    if likely not in (kind, ""):
+        raise FileError(path, f"is not what its ending says: it looks like {likely[1:].upper()}")
     try:
         if kind == ".gcode":
-            return _judged(path, _from_gcode(path, height, contour, line_width))
-        if kind == ".csv":
-            ring, off, said = read_points(path, content, probe)
-            return _judged(path, Outline(ring, (), said, {"points_off_mm": off}))
-        if kind in PICTURES:
-            return _judged(path, _from_scan(path, contour, scanning or Scanning()))
-        outline = (
-            _from_dxf(path, content, layer, contour)
-            if kind == ".dxf"
-            else _from_mesh(path, height, contour)
-        )
+            outline = _from_gcode(path, hints, contour)
+        elif kind == ".csv":
+            ring, off, remark = read_points(path, content, hints.probe)
+            outline = Outline(ring, (), remark, {"points_off_mm": off})
+        elif kind in PICTURES:
+            outline = _from_scan(path, contour, hints.scanning)
+        elif kind == ".dxf":
+            outline = _from_dxf(path, content, hints.layer, contour)
+        else:
+            outline = _from_mesh(path, hints.height, contour)
         return _judged(path, outline)
     except OverflowError as error:
         raise FileError(path, f"takes {error}") from None
@@ -144,26 +142,28 @@ def _picked(path: Path, rings: Sequence[Ring], contour: int | None) -> tuple[Rin
             path, f"holds {counted(len(rings), 'closed contour')}: there is no contour={rank}"
         )
     ordered = sorted(rings, key=lambda ring: -abs(ring.area))
-    picked, which = ordered[rank - 1], "the largest" if rank == 1 else f"number {rank} by size"
-    left, low, right, high = picked.box
+    outline = ordered[rank - 1]
+    which = "the largest" if rank == 1 else f"number {rank} by size"
+    left, low, right, high = outline.box
     size = max(right - left, high - low)
     if not _LEAST_SIZE <= size <= _MOST_SIZE:
-        taken = f"from {_LEAST_SIZE:g} to {_MOST_SIZE:g} mm are taken: is the unit wrong?"
-        raise FileError(path, f"has an outline {size:.4g} mm across; {taken}")
-    said, rivals = f"{which} of {counted(len(rings), 'closed contour')} is the outline", []
+        sizes = f"from {_LEAST_SIZE:g} to {_MOST_SIZE:g} mm are taken: is the unit wrong?"
+        raise FileError(path, f"has an outline {size:.4g} mm across; {sizes}")
+    remark = f"{which} of {counted(len(rings), 'closed contour')} is the outline"
+    rivals = []
     if contour is None:
         starts = np.array([ring.points[0] for ring in ordered])
-        inner = 1 + _enclosed(picked, starts[1:])
+        inner = 1 + _enclosed(outline, starts[1:])
         rivals = [
             k
             for i, k in enumerate(inner.tolist())
-            if abs(ordered[k].area) > _RIVAL * abs(picked.area)
+            if abs(ordered[k].area) > _RIVAL * abs(outline.area)
             or len(_enclosed(ordered[k], starts[inner[i + 1 :]]))
         ]
     if rivals:
         ranks = ", ".join(str(k + 1) for k in rivals[:5])
-        said += f"; number {ranks} by size within it may be the cam: say contour=1 or another in the follower's table, or a layer"
-    return picked, at_most("CONTOUR", len(rivals), 0, "contours", in_file(path), said)
+        remark += f"; number {ranks} by size within it may be the cam: say contour=1 or another in the follower's table, or a layer"
+    return outline, at_most("CONTOUR", len(rivals), 0, "contours", in_file(path), remark)
 
 
 def _enclosed(ring: Ring, points: Points) -> Ints:
@@ -229,8 +229,8 @@ def _judged(path: Path, outline: Outline) -> Outline:
         in_file(path),
         f"the outline meets itself: {crossing}" if crossing else "the outline does not meet itself",
     )
-    held = None if crossing else ring.counter_clockwise()
-    return replace(outline, ring=held, findings=(*outline.findings, finding))
+    sound_ring = None if crossing else ring.counter_clockwise()
+    return replace(outline, ring=sound_ring, findings=(*outline.findings, finding))
 
 
 def _crossing(ring: Ring) -> str:
@@ -242,46 +242,27 @@ def _crossing(ring: Ring) -> str:
     return "" if shapely.is_valid(polygon) else str(shapely.is_valid_reason(polygon))
 
 
-def _from_gcode(
-    path: Path, height: float | None, contour: int | None, line_width: float | None
-) -> Outline:
+def _from_gcode(path: Path, hints: Hints, contour: int | None) -> Outline:
     from camgen.files.gcode import printed_outlines
 
-    rings, remark = printed_outlines(path, height, line_width)
-    ring, picked = _picked(path, rings, contour)
-    return Outline(ring, (picked,), f"{picked.message}; {remark}")
+    rings, remark = printed_outlines(path, hints.height, hints.line_width)
+    ring, finding = _picked(path, rings, contour)
+    return Outline(ring, (finding,), f"{finding.message}; {remark}")
 
 
-def _from_scan(path: Path, contour: int | None, how: Scanning) -> Outline:
-    found = scanned(path, how)
-    ring, picked = _picked(path, found.rings, contour)
-    said = "the least grey levels, of 255, by which the part stands off its ground"
-    contrast = at_least("CONTRAST", found.contrast, LEAST_CONTRAST, "levels", in_file(path), said)
-    return Outline(ring, (picked, contrast), f"{picked.message}; {found.remark}", found.numbers)
+def _from_scan(path: Path, contour: int | None, scanning: Scanning) -> Outline:
+    scan = scanned(path, scanning)
+    ring, finding = _picked(path, scan.rings, contour)
+    remark = "the least grey levels, of 255, by which the part stands off its ground"
+    contrast = at_least("CONTRAST", scan.contrast, LEAST_CONTRAST, "levels", in_file(path), remark)
+    return Outline(ring, (finding, contrast), f"{finding.message}; {scan.remark}", scan.numbers)
 
 
 # ---- DXF -------------------------------------------------------------------------------------------------------------
 
 
 def _from_dxf(path: Path, content: bytes, layer: str | None, contour: int | None) -> Outline:
-    from ezdxf.filemanagement import readfile
-    from ezdxf.lldxf.const import DXFError
-
-    if not content.rstrip(b"\x00\x1a \t\r\n").endswith(b"EOF"):
-        raise FileError(path, "not a DXF file, or cut short: it does not end in EOF")
-    try:
-        drawing = readfile(str(path))
-    except (
-        DXFError,
-        OSError,
-        UnicodeDecodeError,
-        ValueError,
-        TypeError,
-        IndexError,
-        KeyError,
-        AttributeError,
-    ) as error:
-        raise FileError(path, f"not a valid DXF file: {error}") from None
+    drawing = _drawing(path, content)
     # the library makes up metres where the header says nothing
     code = int(drawing.header.get("$INSUNITS", _UNITLESS)) if b"$INSUNITS" in content else _UNITLESS
     unit, scale = _DXF_UNITS.get(
@@ -289,48 +270,8 @@ def _from_dxf(path: Path, content: bytes, layer: str | None, contour: int | None
     )
     if math.isnan(scale):
         raise FileError(path, f"is drawn in {unit} of $INSUNITS; millimetres (4) were expected")
-    try:
-        _refuse_bomb(path, drawing)
-        hidden = {
-            str(each.dxf.name).lower()
-            for each in drawing.layers
-            if each.is_off() or each.is_frozen()
-        }
-        entities = [
-            e
-            for e in _exploded(drawing.modelspace())
-            if (
-                str(e.dxf.layer).lower() not in hidden
-                if layer is None
-                else str(e.dxf.layer).lower() == layer.lower()
-            )
-        ]
-    except DXFError as error:
-        raise FileError(path, f"not a valid DXF file: {error}") from None
-    if layer is not None and not entities:
-        known = sorted({str(e.dxf.layer) for e in drawing.modelspace()})
-        raise FileError(
-            path, f"has nothing on layer {layer!r}; its layers are {', '.join(known) or 'empty'}"
-        )
-    chains, passed, chords = [], Counter[str](), 0
-    for entity in entities:
-        chain = _chain(entity, CURVE_CHORDS / scale)
-        chords += len(chain.bulges) if chain else 0
-        if chords > _MOST_CHORDS:
-            raise FileError(
-                path, f"has curves of more than {_MOST_CHORDS} chords within {CURVE_CHORDS:g} mm"
-            )
-        if chain is None:
-            passed[entity.dxftype()] += 1
-        elif not (
-            np.all(np.abs(chain.points) * scale < _BEYOND)
-            and np.all(np.abs(chain.bulges) < _BEYOND)
-        ):
-            what = "a coordinate that is not finite, or as good as infinite"
-            raise FileError(path, f"{entity.dxftype()} #{entity.dxf.handle} has {what}")
-        else:
-            chains.append(Chain(chain.points * scale, chain.bulges, chain.closed))
-    others = ", ".join(f"{count} {kind}" for kind, count in sorted(passed.items()))
+    entities = _entities(path, drawing, layer)
+    chains, others = _chains(path, entities, scale)
     if not chains:
         raise FileError(path, f"holds no outline: {others or 'it is empty'}")
     units = at_most(
@@ -365,14 +306,87 @@ def _from_dxf(path: Path, content: bytes, layer: str | None, contour: int | None
     )
     if wide:
         return Outline(None, (units, closed), "")
-    picked, chosen = _picked(path, rings, contour)
-    curves = sum(entity.dxftype() in ("SPLINE", "ELLIPSE") for entity in entities)
-    said = f"{len(picked.points)} edges" + (
-        f", splines and ellipses as chords within {CURVE_CHORDS:g} mm"
+    ring, rank = _picked(path, rings, contour)
+    curves = any(entity.dxftype() in ("SPLINE", "ELLIPSE") for entity in entities)
+    form = (
+        f"splines and ellipses as chords within {CURVE_CHORDS:g} mm"
         if curves
-        else ", lines and arcs as they are"
+        else "lines and arcs as they are"
     )
-    return Outline(picked, (units, closed, chosen), said)
+    return Outline(ring, (units, closed, rank), f"{len(ring.points)} edges, {form}")
+
+
+def _drawing(path: Path, content: bytes) -> Any:
+    """The drawing as ezdxf reads it."""
+    from ezdxf.filemanagement import readfile
+    from ezdxf.lldxf.const import DXFError
+
+    if not content.rstrip(b"\x00\x1a \t\r\n").endswith(b"EOF"):
+        raise FileError(path, "not a DXF file, or cut short: it does not end in EOF")
+    try:
+        return readfile(str(path))
+    except (
+        DXFError,
+        OSError,
+        UnicodeDecodeError,
+        ValueError,
+        TypeError,
+        IndexError,
+        KeyError,
+        AttributeError,
+    ) as error:
+        raise FileError(path, f"not a valid DXF file: {error}") from None
+
+
+def _entities(path: Path, drawing: Any, layer: str | None) -> list[Any]:
+    """What the modelspace shows on a layer, or on all that are on."""
+    from ezdxf.lldxf.const import DXFError
+
+    try:
+        _refuse_bomb(path, drawing)
+        hidden = {
+            str(each.dxf.name).lower()
+            for each in drawing.layers
+            if each.is_off() or each.is_frozen()
+        }
+        entities = []
+        for entity in _exploded(drawing.modelspace()):
+            name = str(entity.dxf.layer).lower()
+            if name not in hidden if layer is None else name == layer.lower():
+                entities.append(entity)
+    except DXFError as error:
+        raise FileError(path, f"not a valid DXF file: {error}") from None
+    if layer is not None and not entities:
+        layers = sorted({str(entity.dxf.layer) for entity in drawing.modelspace()})
+        raise FileError(
+            path, f"has nothing on layer {layer!r}; its layers are {', '.join(layers) or 'empty'}"
+        )
+    return entities
+
+
+def _chains(path: Path, entities: Sequence[Any], scale: float) -> tuple[list[Chain], str]:
+    """The curves among the entities, mm, and what the others are."""
+    chains = []
+    others = Counter[str]()
+    chords = 0
+    for entity in entities:
+        chain = _chain(entity, CURVE_CHORDS / scale)
+        chords += len(chain.bulges) if chain else 0
+        if chords > _MOST_CHORDS:
+            raise FileError(
+                path, f"has curves of more than {_MOST_CHORDS} chords within {CURVE_CHORDS:g} mm"
+            )
+        if chain is None:
+            others[entity.dxftype()] += 1
+        elif not (
+            np.all(np.abs(chain.points) * scale < _BEYOND)
+            and np.all(np.abs(chain.bulges) < _BEYOND)
+        ):
+            what = "a coordinate that is not finite, or as good as infinite"
+            raise FileError(path, f"{entity.dxftype()} #{entity.dxf.handle} has {what}")
+        else:
+            chains.append(Chain(chain.points * scale, chain.bulges, chain.closed))
+    return chains, ", ".join(f"{count} {kind}" for kind, count in sorted(others.items()))
 
 
 def _refuse_bomb(path: Path, drawing: Any) -> None:
@@ -387,7 +401,10 @@ def _refuse_bomb(path: Path, drawing: Any) -> None:
         counts[block.name.lower()] = len(block)
     try:
         for name in TopologicalSorter(
-            {name: {other for other, _ in held} for name, held in inside.items()}
+            {
+                name: {other for other, _ in references_held}
+                for name, references_held in inside.items()
+            }
         ).static_order():
             counts[name] = counts.get(name, 0) + sum(
                 times * counts[other] for other, times in inside.get(name, ())
@@ -398,9 +415,10 @@ def _refuse_bomb(path: Path, drawing: Any) -> None:
         counts[block.name.lower()] - len(block) for block in drawing.blocks if block.is_modelspace
     )
     if most > _MOST_ENTITIES:
-        said = str(most) if most < 1e9 else f"about 1e{len(str(most)) - 1}"
+        number = str(most) if most < 1e9 else f"about 1e{len(str(most)) - 1}"
         raise FileError(
-            path, f"holds blocks that stand for {said} entities; {_MOST_ENTITIES} at most are read"
+            path,
+            f"holds blocks that stand for {number} entities; {_MOST_ENTITIES} at most are read",
         )
 
 
@@ -416,7 +434,8 @@ def _exploded(entities: Iterable[Any], depth: int = 0) -> Iterator[Any]:
 
 def _chain(entity: Any, tolerance: float) -> Chain | None:
     """The curve of an entity in the world's xy plane, drawing units; None for what is no curve, or not in that plane."""
-    kind, dxf = entity.dxftype(), entity.dxf
+    kind = entity.dxftype()
+    dxf = entity.dxf
     if kind == "LINE":
         return Chain(_plane([dxf.start, dxf.end]), np.zeros(1))
     if kind in ("SPLINE", "ELLIPSE"):
@@ -431,13 +450,16 @@ def _chain(entity: Any, tolerance: float) -> Chain | None:
     ):
         return None
     if kind in ("ARC", "CIRCLE"):
-        centre, radius = complex(dxf.center.x, dxf.center.y), float(dxf.radius)
-        start, sweep = 0.0, math.tau
+        centre = complex(dxf.center.x, dxf.center.y)
+        radius = float(dxf.radius)
+        start = 0.0
+        sweep = math.tau
         if kind == "ARC":
             start = math.radians(dxf.start_angle)
             sweep = math.radians((dxf.end_angle - dxf.start_angle) % 360) or math.tau
         angles = start + np.linspace(0, sweep, 3)
-        points, bulges = centre + radius * np.exp(1j * angles), np.full(2, math.tan(sweep / 8))
+        points = centre + radius * np.exp(1j * angles)
+        bulges = np.full(2, math.tan(sweep / 8))
     elif kind == "LWPOLYLINE":
         rows = np.array(entity.get_points("xyb"), float).reshape(-1, 3)
         points, bulges = _round(rows, entity.closed)
@@ -455,7 +477,8 @@ def _chain(entity: Any, tolerance: float) -> Chain | None:
     if len(points) < 2:
         return None
     if dxf.extrusion.z < 0:  # drawn from below: mirrored in the y axis
-        points, bulges = -np.conj(points), -bulges
+        points = -np.conj(points)
+        bulges = -bulges
     return _open_or_closed(points, bulges)
 
 
@@ -493,14 +516,14 @@ def _spline(entity: Any, tolerance: float) -> Points:
             f"a degree of {entity.dxf.degree} for SPLINE #{entity.dxf.handle}; {_MOST_DEGREE} at most is read"
         )
     tool = entity.construction_tool()
-    knots, degree = np.array(tool.knots(), float), int(tool.degree)
-    points, weights = (
-        np.array([p.xyz for p in tool.control_points], float),
-        np.array(tool.weights(), float),
-    )
+    knots = np.array(tool.knots(), float)
+    degree = int(tool.degree)
+    points = np.array([p.xyz for p in tool.control_points], float)
+    weights = np.array(tool.weights(), float)
     if len(knots) != len(points) + degree + 1 or np.any(np.diff(knots) < 0):
         raise ValueError("a knot vector that does not fit")
-    begin, end = knots[degree], knots[-1 - degree]
+    begin = knots[degree]
+    end = knots[-1 - degree]
     if not end > begin:
         raise ValueError("a knot vector of no length")
     from scipy.interpolate import BSpline
@@ -514,13 +537,16 @@ def _spline(entity: Any, tolerance: float) -> Points:
 
     t = np.unique(np.clip(knots, begin, end))
     t = np.unique(
-        np.concatenate([t[:-1] + share * np.diff(t) for share in (0, 0.25, 0.5, 0.75)] + [t[-1:]])
+        np.concatenate(
+            [t[:-1] + fraction * np.diff(t) for fraction in (0, 0.25, 0.5, 0.75)] + [t[-1:]]
+        )
     )
     while len(t) < _MOST_POINTS:
-        z, step = at(t), np.diff(t)
+        z = at(t)
+        step = np.diff(t)
         off = [
-            np.abs(at(t[:-1] + share * step) - z[:-1] - share * np.diff(z))
-            for share in (0.25, 0.5, 0.75)
+            np.abs(at(t[:-1] + fraction * step) - z[:-1] - fraction * np.diff(z))
+            for fraction in (0.25, 0.5, 0.75)
         ]
         far = np.flatnonzero(~(np.max(off, axis=0) <= tolerance))
         if not len(far):
@@ -535,7 +561,8 @@ def _plane(points: Iterable[Any]) -> Points:
 
 def _round(rows: Floats, closed: bool) -> tuple[Points, Floats]:
     """Points and bulges of (n, 3) rows x, y, bulge; a closed polyline ends at its first point."""
-    points, bulges = rows[:, 0] + 1j * rows[:, 1], rows[:, 2]
+    points = rows[:, 0] + 1j * rows[:, 1]
+    bulges = rows[:, 2]
     return (np.append(points, points[:1]), bulges) if closed else (points, bulges[:-1])
 
 
@@ -552,7 +579,8 @@ def _from_mesh(path: Path, height: float | None, contour: int | None) -> Outline
             "WATERTIGHT", faults.count, 0, "faults", in_file(path), f"{len(mesh.faces)} triangles"
         )
     )
-    low, high = float(mesh.vertices[:, 2].min()), float(mesh.vertices[:, 2].max())
+    low = float(mesh.vertices[:, 2].min())
+    high = float(mesh.vertices[:, 2].max())
     z = (low + high) / 2 if height is None else height
     if not low < z < high:
         raise FileError(
@@ -566,6 +594,6 @@ def _from_mesh(path: Path, height: float | None, contour: int | None) -> Outline
         )
     if not rings:
         raise FileError(path, f"has no section at z = {z:g} mm")
-    ring, chosen = _picked(path, rings, contour)
-    said = f"section at z = {z:g} mm, {len(ring.points)} edges{'; ' * bool(content.unit)}{content.unit}"
-    return Outline(ring, (*findings, chosen), said)
+    ring, finding = _picked(path, rings, contour)
+    remark = f"section at z = {z:g} mm, {len(ring.points)} edges{'; ' * bool(content.unit)}{content.unit}"
+    return Outline(ring, (*findings, finding), remark)

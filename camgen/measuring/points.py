@@ -52,58 +52,7 @@ def read_points(path: Path, content: bytes, probe: float = 0.0) -> tuple[Ring, f
     The first line names the columns, x and y in mm as they follow each other round the outline, or angle in degrees and radius
     in mm in any order; the curve is a cubic spline through every point, from corner to corner. FileError where it holds none.
     """
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise FileError(path, "is no table: it is not text in UTF-8") from None
-    first = text.lstrip().partition("\n")[0]
-    cut = next((each for each in (";", "\t", ",") if each in first), ",")
-    try:
-        lines = enumerate(csv.reader(text.splitlines(), delimiter=cut), 1)
-        rows = [(number, row) for number, row in lines if any(map(str.strip, row))]
-    except csv.Error as error:
-        raise FileError(path, f"is no table: {error}") from None
-    named = [re.sub(r"[\s_(\[]*(mm|deg|°)[)\]]*$", "", cell.strip().lower()) for cell in rows[0][1]]
-    pair = next((pair for pair in _PAIRS if set(pair) <= set(named)), None)
-    if pair is None:
-        raise FileError(
-            path, f"begins with {first.strip()[:60]!r}: columns x,y or angle,radius were expected"
-        )
-    if len(rows) - 1 > _MOST:
-        raise FileError(path, f"holds {len(rows) - 1} points; {_MOST} at most are taken")
-    places = [named.index(name) for name in pair]
-    values = []
-    for number, row in rows[1:]:
-        try:
-            each = [
-                float(row[place].replace(",", ".") if cut == ";" else row[place])
-                for place in places
-            ]
-        except (ValueError, IndexError):
-            raise FileError(
-                path, f"line {number}: two numbers, {pair[0]} and {pair[1]}, were expected"
-            ) from None
-        if not all(abs(value) < _BEYOND for value in each):
-            raise FileError(
-                path, f"line {number}: {pair[0]} and {pair[1]} within +-{_BEYOND:g} were expected"
-            )
-        values.append(each)
-    if len(values) < _LEAST:
-        raise FileError(
-            path,
-            f"holds {len(values)} points; {_LEAST} at least were expected, all round the outline",
-        )
-    table = np.array(values)
-    z = table[:, 0] + 1j * table[:, 1]
-    if pair != ("x", "y"):
-        if (table[:, 1] <= 0).any():
-            raise FileError(
-                path,
-                f"line {rows[1 + int(np.argmin(table[:, 1]))][0]}: a radius above 0 was expected",
-            )
-        z = table[:, 1] * np.exp(1j * np.radians(table[:, 0]))
-        z = z[np.argsort(table[:, 0] % 360, kind="stable")]
-    z = z[np.abs(z - np.roll(z, 1)) > 1e-9]
+    z = _places(path, content)
     steps = np.abs(np.roll(z, -1) - z)
     worst = int(np.argmax(steps)) if len(z) >= _LEAST else 0
     if len(z) < _LEAST or steps[worst] > _GAP * steps.sum():
@@ -111,19 +60,21 @@ def read_points(path: Path, content: bytes, probe: float = 0.0) -> tuple[Ring, f
         remedy = "measure all round, and list x, y in the order in which they follow each other"
         raise FileError(path, f"has a gap of {steps.max(initial=0):.3f} mm {where}: {remedy}")
     even = z[: len(z) // 2 * 2]
-    missed = [
+    misses = [
         np.max(np.abs(_half_way(kept) - left))
         for kept, left in ((even[::2], even[1::2]), (even[1::2], np.roll(even[::2], -1)))
     ]
     off = (
-        float(max(missed)) / 2
+        float(max(misses)) / 2
     )  # by every second point; at half the step a corner is off half as much, a smooth curve less
     noise = _scatter(even)
     curve = Curve.through(z)
     edge = curve.chords(max(1, math.ceil(_CHORDS / len(z))))
-    said = f"{len(z)} measured points, {steps.max():.3f} mm apart at most; "
-    said += f"{counted(len(curve.corners), 'sharp corner')} between them; " if curve.corners else ""
-    said += (
+    remark = f"{len(z)} measured points, {steps.max():.3f} mm apart at most; "
+    remark += (
+        f"{counted(len(curve.corners), 'sharp corner')} between them; " if curve.corners else ""
+    )
+    remark += (
         f"the curve between them may be {off:.4f} mm off"
         if not noise
         else (
@@ -133,8 +84,64 @@ def read_points(path: Path, content: bytes, probe: float = 0.0) -> tuple[Ring, f
     )
     if probe:
         edge = _further_in(path, edge, probe)
-        said += f"; they are centres of a probe's ball, whose radius of {probe:g} mm is taken off"
-    return Ring(edge, np.zeros(len(edge))), off, said
+        remark += f"; they are centres of a probe's ball, whose radius of {probe:g} mm is taken off"
+    return Ring(edge, np.zeros(len(edge))), off, remark
+
+
+def _places(path: Path, content: bytes) -> Points:
+    """The points of a table in their order, (n,) mm; FileError where it is none."""
+    header, rows, separator = _rows(path, content)
+    cells = rows[0][1]
+    names = [re.sub(r"[\s_(\[]*(mm|deg|°)[)\]]*$", "", cell.strip().lower()) for cell in cells]
+    pair = next((pair for pair in _PAIRS if set(pair) <= set(names)), None)
+    if pair is None:
+        raise FileError(
+            path, f"begins with {header.strip()[:60]!r}: columns x,y or angle,radius were expected"
+        )
+    if len(rows) - 1 > _MOST:
+        raise FileError(path, f"holds {len(rows) - 1} points; {_MOST} at most are taken")
+    columns = [names.index(name) for name in pair]
+    both = f"{pair[0]} and {pair[1]}"
+    values = []
+    for number, row in rows[1:]:
+        try:
+            texts = [row[column] for column in columns]
+            each = [float(text.replace(",", ".") if separator == ";" else text) for text in texts]
+        except (ValueError, IndexError):
+            raise FileError(path, f"line {number}: two numbers, {both}, were expected") from None
+        if not all(abs(value) < _BEYOND for value in each):
+            raise FileError(path, f"line {number}: {both} within +-{_BEYOND:g} were expected")
+        values.append(each)
+    if len(values) < _LEAST:
+        raise FileError(
+            path,
+            f"holds {len(values)} points; {_LEAST} at least were expected, all round the outline",
+        )
+    table = np.array(values)
+    z = table[:, 0] + 1j * table[:, 1]
+    if pair != ("x", "y"):
+        angle, radius = table.T
+        if (radius <= 0).any():
+            line = rows[1 + int(np.argmin(radius))][0]
+            raise FileError(path, f"line {line}: a radius above 0 was expected")
+        z = (radius * np.exp(1j * np.radians(angle)))[np.argsort(angle % 360, kind="stable")]
+    return np.asarray(z[np.abs(z - np.roll(z, 1)) > 1e-9])
+
+
+def _rows(path: Path, content: bytes) -> tuple[str, list[tuple[int, list[str]]], str]:
+    """The first line of a table, its rows with cells, each with its line's number from 1, and what separates its cells."""
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise FileError(path, "is no table: it is not text in UTF-8") from None
+    header = text.lstrip().partition("\n")[0]
+    separator = next((each for each in (";", "\t", ",") if each in header), ",")
+    try:
+        lines = enumerate(csv.reader(text.splitlines(), delimiter=separator), 1)
+        rows = [(number, row) for number, row in lines if any(map(str.strip, row))]
+    except csv.Error as error:
+        raise FileError(path, f"is no table: {error}") from None
+    return header, rows, separator
 
 
 def _scatter(z: Points) -> float:
@@ -162,14 +169,14 @@ def _further_in(path: Path, edge: Points, distance: float) -> Points:
     """An outline moved inwards, mm; FileError where not one piece is left."""
     import shapely
 
-    moved = shapely.Polygon(np.column_stack([edge.real, edge.imag])).buffer(
+    area = shapely.Polygon(np.column_stack([edge.real, edge.imag])).buffer(
         -distance, quad_segs=_ROUND
     )
-    if not isinstance(moved, shapely.Polygon) or moved.is_empty:
+    if not isinstance(area, shapely.Polygon) or area.is_empty:
         raise FileError(
             path, f"has an outline of which a probe of radius {distance:g} mm leaves not one piece"
         )
-    return np.asarray(shapely.get_coordinates(moved.exterior)[:-1] @ np.array([1, 1j]))
+    return np.asarray(shapely.get_coordinates(area.exterior)[:-1] @ np.array([1, 1j]))
 
 
 def _half_way(z: Points) -> Points:
@@ -211,13 +218,14 @@ class Curve:
         """Through points in their order, (n,) complex mm."""
         corners = _corners(z)
         first = 0 if not corners else (corners[-1].span + 1) % len(z)
-        turned = np.roll(z, -first)
-        closed = np.append(turned, turned[0])
+        points = np.roll(z, -first)
+        closed = np.append(points, points[0])
         knots = np.concatenate([[0], np.cumsum(np.abs(np.diff(closed)))])
         if not corners:
             return cls(knots, 0, [(0, len(z), _spline(knots, closed, "periodic"))], [])
         corners = [replace(each, span=(each.span - first) % len(z)) for each in corners]
-        runs, begin = [], 0
+        runs = []
+        begin = 0
         for each in corners:
             last = each.span + (
                 2 if each.after == 0 else 1
@@ -232,23 +240,24 @@ class Curve:
         """Points of spans, counted as the points are, at shares of their length, (n,)."""
         spans = (np.asarray(spans) - self.first) % (len(self.knots) - 1)
         whole = np.diff(self.knots)[spans]
-        way, run = self.knots[spans] + shares * whole, spans.copy()
+        way = self.knots[spans] + shares * whole
+        run = spans.copy()
         for corner in self.corners:
-            mine = spans == corner.span
-            bent = shares * (corner.before + corner.after)
-            beyond = mine & (bent > corner.before)
-            way[mine] = self.knots[corner.span] + bent[mine]
-            way[beyond] = (self.knots[corner.span + 1] - corner.after + bent - corner.before)[
-                beyond
+            at_corner = spans == corner.span
+            distance = shares * (corner.before + corner.after)
+            after = at_corner & (distance > corner.before)
+            way[at_corner] = self.knots[corner.span] + distance[at_corner]
+            way[after] = (self.knots[corner.span + 1] - corner.after + distance - corner.before)[
+                after
             ]
-            run[beyond] = (corner.span + 1) % (len(self.knots) - 1)
+            run[after] = (corner.span + 1) % (len(self.knots) - 1)
         way = np.where((run == 0) & (spans == len(self.knots) - 2), way - self.knots[-1], way)
-        found = np.empty(len(spans), complex)
+        points = np.empty(len(spans), complex)
         for begin, end, spline in self.runs:
-            mine = (run >= begin) & (run < end)
-            x, y = spline(way[mine]).T
-            found[mine] = x + 1j * y
-        return found
+            at_corner = (run >= begin) & (run < end)
+            x, y = spline(way[at_corner]).T
+            points[at_corner] = x + 1j * y
+        return points
 
     def chords(self, parts: int) -> Points:
         """Corners of a polygon along it: each span in so many parts, and every corner itself, (n,)."""
@@ -259,8 +268,8 @@ class Curve:
         inside = [corner for corner in self.corners if corner.after]
         for each in sorted(inside, key=lambda corner: -((corner.span + self.first) % count)):
             span = (each.span + self.first) % count
-            share = each.before / (each.before + each.after)
-            places = np.insert(places, span * parts + math.floor(share * parts) + 1, each.place)
+            fraction = each.before / (each.before + each.after)
+            places = np.insert(places, span * parts + math.floor(fraction * parts) + 1, each.place)
         return places[np.abs(places - np.roll(places, 1)) > 1e-9]
 
 
@@ -277,44 +286,44 @@ def _corners(z: Points) -> list[Corner]:
         return []
     chord = np.roll(z, -1) - z
     turn = np.angle(chord * np.conj(np.roll(chord, 1)))  # at each point
-    turned = turn + np.roll(turn, -1)  # over each span
-    beside = np.array([np.roll(turned, shift) for shift in (-4, -3, -2, 2, 3, 4)])
-    more = np.abs(turned - np.median(beside, axis=0))
+    span_turn = turn + np.roll(turn, -1)  # over each span
+    beside = np.array([np.roll(span_turn, shift) for shift in (-4, -3, -2, 2, 3, 4)])
+    more = np.abs(span_turn - np.median(beside, axis=0))
     out = (more > _SHARP) & (more > _STANDS_OUT * np.ptp(beside, axis=0))
-    found: list[Corner] = []
+    corners: list[Corner] = []
     for span in np.flatnonzero(
         out & (more >= np.roll(more, 1)) & (more > np.roll(more, -1))
     ).tolist():
         corner = _met(z, span)
-        away = [(corner.span - other.span) % len(z) for other in found] if corner else []
+        away = [(corner.span - other.span) % len(z) for other in corners] if corner else []
         if corner is not None and all(2 * _SIDE <= each <= len(z) - 2 * _SIDE for each in away):
-            found.append(corner)
-    return sorted(found, key=lambda corner: corner.span)
+            corners.append(corner)
+    return sorted(corners, key=lambda corner: corner.span)
 
 
 def _met(z: Points, span: int) -> Corner | None:
     """Where the curves through the points before a span and after it meet; None where they do not."""
     whole = abs(z[(span + 1) % len(z)] - z[span])
-    earlier, later = (
-        abs(z[span] - z[span - 1]),
-        abs(z[(span + 2) % len(z)] - z[(span + 1) % len(z)]),
-    )
+    earlier = abs(z[span] - z[span - 1])
+    later = abs(z[(span + 2) % len(z)] - z[(span + 1) % len(z)])
     before, missed_before = _side(z, span, -1)
     after, missed_after = _side(z, (span + 1) % len(z), 1)
     if abs(_place(after, -whole) - z[span]) <= _ON * missed_after + _ROUNDING:
         return Corner((span - 1) % len(z), earlier, 0.0, complex(z[span]))
     if abs(_place(before, whole) - z[(span + 1) % len(z)]) <= _ON * missed_before + _ROUNDING:
         return Corner(span, whole, 0.0, complex(z[(span + 1) % len(z)]))
-    u, v = whole / 2, -whole / 2
+    u = whole / 2
+    v = -whole / 2
     for _ in range(_TIMES):
-        apart = _place(before, u) - _place(after, v)
-        one, other = _place(before, u, 1), _place(after, v, 1)
-        across = (np.conj(one) * other).imag
+        gap = _place(before, u) - _place(after, v)
+        before_slope = _place(before, u, 1)
+        after_slope = _place(after, v, 1)
+        across = (np.conj(before_slope) * after_slope).imag
         if abs(across) < 1e-12:
             return None
         # apart + one du - other dv = 0
-        u -= (np.conj(apart) * other).imag / across
-        v -= (np.conj(apart) * one).imag / across
+        u -= (np.conj(gap) * after_slope).imag / across
+        v -= (np.conj(gap) * before_slope).imag / across
     close = abs(_place(before, u) - _place(after, v)) < _ROUNDING * max(1.0, whole)
     inside = 0 < u < _LONGER * earlier and 0 < -v < _LONGER * later
     return (

@@ -51,11 +51,11 @@ _INCH = 25.4
 
 @dataclass(frozen=True)
 class Scanning:
-    """How scans are read: dpi where the file does not say it, further scans of the same part, its greatest width, mm."""
+    """How scans are read."""
 
-    dpi: float | None = None
-    others: tuple[Path, ...] = ()
-    across: float | None = None
+    dpi: float | None = None  # where the file does not say it
+    others: tuple[Path, ...] = ()  # further scans of the same part
+    across: float | None = None  # its greatest width, mm
 
 
 @dataclass(frozen=True)
@@ -101,13 +101,13 @@ def read_scan(path: Path, dpi: float | None = None) -> Scan:
         with warnings.catch_warnings(), _any_size(Image):
             warnings.simplefilter("ignore")
             with Image.open(io.BytesIO(content), formats=("png", "jpeg", "tiff")) as picture:
-                said = picture.info.get("dpi")
+                entry = picture.info.get("dpi")
                 grey = _grey(path, picture)
     except (UnidentifiedImageError, SyntaxError, ValueError, EOFError) as error:
         raise FileError(path, f"is no picture that can be read: {error}") from None
     except OSError as error:
         raise FileError(path, f"cannot be read: {error.strerror or error}") from None
-    pitch = _INCH / _resolution(path, dpi, said)
+    pitch = _INCH / _resolution(path, dpi, entry)
     level, (row, column), contrast = _levelled(path, grey)
     lines = contourpy.contour_generator(z=level).lines(0.5)
     height = grey.shape[0]
@@ -136,31 +136,32 @@ def read_scan(path: Path, dpi: float | None = None) -> Scan:
 @contextmanager
 def _any_size(library: Any) -> Iterator[None]:
     """Let Pillow open a picture of any size, whose pixels it does not read yet: `_grey` says where it has too many."""
-    kept, library.MAX_IMAGE_PIXELS = library.MAX_IMAGE_PIXELS, None
+    setting = library.MAX_IMAGE_PIXELS
+    library.MAX_IMAGE_PIXELS = None
     try:
         yield
     finally:
-        library.MAX_IMAGE_PIXELS = kept
+        library.MAX_IMAGE_PIXELS = setting
 
 
-def _resolution(path: Path, asked: float | None, said: Any) -> float:
+def _resolution(path: Path, dpi: float | None, entry: Any) -> float:
     """Dots per inch, as asked for or as the file says, the same both ways."""
-    if asked is None and said:
-        across, down = (float(each) for each in said)
+    if dpi is None and entry:
+        across, down = (float(each) for each in entry)
         if abs(across - down) > 1e-3 * across:
             raise FileError(
                 path,
                 f"says {across:.0f} dots per inch across and {down:.0f} down: give one with --dpi",
             )
-        asked = across
-    if asked is None:
+        dpi = across
+    if dpi is None:
         raise FileError(path, "does not say how many dots per inch it has: give them with --dpi")
-    if not _DPI[0] <= asked <= _DPI[1]:
+    if not _DPI[0] <= dpi <= _DPI[1]:
         raise FileError(
             path,
-            f"has {asked:.0f} dots per inch; {_DPI[0]:g} to {_DPI[1]:g} are taken: give them with --dpi",
+            f"has {dpi:.0f} dots per inch; {_DPI[0]:g} to {_DPI[1]:g} are taken: give them with --dpi",
         )
-    return asked
+    return dpi
 
 
 def _grey(path: Path, picture: Any) -> Any:
@@ -223,11 +224,11 @@ def _levelled(path: Path, grey: Any) -> tuple[Any, tuple[int, int], float]:
         ground, body = (_powers(x / columns, y / rows) @ field for field in fields)
         part = np.abs(small - body) < np.abs(small - ground)
     contrast = float(np.min(np.abs(body - ground)[part]))
-    told = f"the part stands off its ground by {contrast:.0f} of 255 grey levels"
+    remark = f"the part stands off its ground by {contrast:.0f} of 255 grey levels"
     if contrast < LEAST_CONTRAST:
         raise FileError(
             path,
-            f"{told}, {LEAST_CONTRAST:.0f} at least were expected: lay a sheet of the opposite shade over it",
+            f"{remark}, {LEAST_CONTRAST:.0f} at least were expected: lay a sheet of the opposite shade over it",
         )
     label, count = ndimage.label(part, np.ones((3, 3)))
     sizes = np.bincount(label.ravel())[1:]
@@ -238,9 +239,9 @@ def _levelled(path: Path, grey: Any) -> tuple[Any, tuple[int, int], float]:
         )
     if len(large) > 1:
         raise FileError(path, f"shows {len(large)} parts: scan one at a time, or cut the picture")
-    held = ndimage.find_objects((label == large[0]).astype(np.int8))[0]
-    first = [max(0, (one.start - 3) * step) for one in held]
-    last = [min(n, (one.stop + 3) * step) for one, n in zip(held, grey.shape, strict=True)]
+    box = ndimage.find_objects((label == large[0]).astype(np.int8))[0]
+    first = [max(0, (side.start - 3) * step) for side in box]
+    last = [min(n, (side.stop + 3) * step) for side, n in zip(box, grey.shape, strict=True)]
     level = np.asarray(grey[first[0] : last[0], first[1] : last[1]], np.float64)
     # a block's middle is (step - 1) / 2 pixels from its first one
     down, across = (
@@ -257,7 +258,8 @@ def _between(values: Floats) -> float:
     """Level that parts values into two kinds [Otsu 1979]."""
     count, edges = np.histogram(values, 256)
     middle = (edges[:-1] + edges[1:]) / 2
-    below, total = np.cumsum(count), float(count.sum())
+    below = np.cumsum(count)
+    total = float(count.sum())
     sums = np.cumsum(count * middle)
     with np.errstate(divide="ignore", invalid="ignore"):
         spread = (sums[-1] * below / total - sums) ** 2 / (below * (total - below))
@@ -270,12 +272,13 @@ def _powers(x: Floats, y: Floats) -> Floats:
 
 def _field(x: Floats, y: Floats, values: Floats) -> Floats:
     """Coefficients of the quadratic field through values at places, specks left out."""
-    table, kept = _powers(x, y), np.ones(len(values), bool)
+    table = _powers(x, y)
+    mask = np.ones(len(values), bool)
     coefficients = np.zeros(6)
     for _ in range(4):
-        coefficients = np.asarray(least_squares(table[kept], values[kept]))
+        coefficients = np.asarray(least_squares(table[mask], values[mask]))
         off = np.abs(values - table @ coefficients)
-        kept = off <= _STRAYS * 1.4826 * max(float(np.median(off)), 0.25)
+        mask = off <= _STRAYS * 1.4826 * max(float(np.median(off)), 0.25)
     return coefficients
 
 
@@ -309,41 +312,40 @@ def scanned(path: Path, how: Scanning) -> Scanned:
         "scan_contrast": min(scan.contrast for scan in scans),
         "edge_width_mm": first.width,
     }
-    said = [f"{first.dpi:.0f} dots per inch, the edge blurred over {first.width:.3f} mm"]
+    remarks = [f"{first.dpi:.0f} dots per inch, the edge blurred over {first.width:.3f} mm"]
     unknown = _SCANNER
     if how.others:
-        shapes[0], known = _together(files, shapes, numbers, said)
-        unknown = _SCANNER / 2 if known else _SCANNER
+        shapes[0], resolved = _together(files, shapes, numbers, remarks)
+        unknown = _SCANNER / 2 if resolved else _SCANNER
     outline, *holes = shapes[0]
     if how.across is not None:
-        seen = _widest(outline)
-        numbers["scale_percent"] = 100 * (seen / how.across - 1)
-        outline, holes = (
-            outline * (how.across / seen),
-            [hole * (how.across / seen) for hole in holes],
-        )
-        said.append(f"scaled to {how.across:g} mm at its widest, {seen:.3f} mm by the dots")
+        width = _widest(outline)
+        numbers["scale_percent"] = 100 * (width / how.across - 1)
+        outline = outline * (how.across / width)
+        holes = [hole * (how.across / width) for hole in holes]
+        remarks.append(f"scaled to {how.across:g} mm at its widest, {width:.3f} mm by the dots")
         unknown = 0.0 if unknown < _SCANNER else unknown
     centre, diameter = _bore(path, outline, holes)
-    outline, holes = outline - centre, [hole - centre for hole in holes]
+    outline = outline - centre
+    holes = [hole - centre for hole in holes]
     if unknown:
         numbers["scanner_off_mm"] = unknown * float(np.max(np.abs(outline)))
         needs = ["a scan turned by 90 deg (--second-scan)"] * (unknown == _SCANNER)
         needs += ["a caliper (--across)"] * (how.across is None)
-        said.append(
+        remarks.append(
             f"the scanner's own scale may be off by {100 * unknown:g} %, {numbers['scanner_off_mm']:.3f} mm at the "
             f"farthest point: measure it by {' and '.join(needs)}"
         )
     rings = [Ring(z, np.zeros(len(z))) for z in (outline, *holes)]
     numbers["edge_level_off_mm"] = _LEVEL * first.width
     numbers["bore_mm"] = diameter
-    said.append(f"the origin is in the middle of the hole of diameter {diameter:.3f} mm")
-    said.append(_sizes(holes))
-    said.append(
+    remarks.append(f"the origin is in the middle of the hole of diameter {diameter:.3f} mm")
+    remarks.append(_sizes(holes))
+    remarks.append(
         f"the level at which the edge is taken may shift it by {numbers['edge_level_off_mm']:.3f} mm all round"
     )
     return Scanned(
-        rings, "; ".join(each for each in said if each), numbers["scan_contrast"], numbers
+        rings, "; ".join(each for each in remarks if each), numbers["scan_contrast"], numbers
     )
 
 
@@ -351,27 +353,25 @@ def _together(
     files: Sequence[Path],
     shapes: Sequence[Sequence[Points]],
     numbers: dict[str, float],
-    said: list[str],
+    remarks: list[str],
 ) -> tuple[list[Points], bool]:
     """One shape of several scans, in the frame of the first, and whether they tell the scanner's scale and skew."""
-    laid = lay(shapes[0], shapes[1:])[1]
-    known = any(abs(math.sin(each.turn)) > _SAME_PLACE for each in laid)
+    placements = lay(shapes[0], shapes[1:])[1]
+    resolved = any(abs(math.sin(each.turn)) > _SAME_PLACE for each in placements)
     m = 0j
-    if known:
-        m, laid = lay(shapes[0], shapes[1:], distortion=True)
-        numbers["scanner_across_percent"], numbers["scanner_shear_percent"] = (
-            200 * m.real,
-            200 * m.imag,
-        )
-        said.append(
+    if resolved:
+        m, placements = lay(shapes[0], shapes[1:], distortion=True)
+        numbers["scanner_across_percent"] = 200 * m.real
+        numbers["scanner_shear_percent"] = 200 * m.imag
+        remarks.append(
             f"the scanner's x axis is {200 * m.real:+.3f} % long beside its y axis, its shear {200 * m.imag:+.3f} %"
         )
     else:
-        said.append(
+        remarks.append(
             "the scans lie alike on the glass: they do not tell the scanner's scale and skew, a turn by 90 deg would"
         )
     size = float(np.max(np.abs(shapes[0][0])))
-    for file, each in zip(files[1:], laid, strict=True):
+    for file, each in zip(files[1:], placements, strict=True):
         if each.off > _ONE_PART * size:
             raise FileError(
                 file,
@@ -380,19 +380,22 @@ def _together(
     outline, *holes = (straighten(edge, m) for edge in shapes[0])
     back = [
         outline,
-        *(each.back(straighten(shape[0], m)) for each, shape in zip(laid, shapes[1:], strict=True)),
+        *(
+            each.back(straighten(shape[0], m))
+            for each, shape in zip(placements, shapes[1:], strict=True)
+        ),
     ]
     if all(map(star, back)):
         outline, numbers["edge_repeat_mm"] = middle(back)
-        said.append(
+        remarks.append(
             f"{len(files)} scans laid on each other, the middle one taken at each angle; they repeat within "
             f"{numbers['edge_repeat_mm']:.4f} mm (rms), which says less than what is common to all"
         )
     else:
-        said.append(
+        remarks.append(
             "rays from the bore meet the outline more than once: that of the first scan is taken"
         )
-    return [outline, *holes], known
+    return [outline, *holes], resolved
 
 
 def _widest(outline: Points) -> float:
@@ -405,25 +408,28 @@ def _widest(outline: Points) -> float:
 
 def _round(hole: Points) -> tuple[complex, float, float]:
     """Centre and radius, mm, of the circle that most of a hole's edge lies on, and how far it stands off, mm."""
-    kept = np.ones(len(hole), bool)
-    centre, radius, off = 0j, 0.0, math.inf
+    mask = np.ones(len(hole), bool)
+    centre = 0j
+    radius = 0.0
+    off = math.inf
     for _ in range(6):
-        centre, radius, _ = fit_circle(hole[kept])
+        centre, radius, _ = fit_circle(hole[mask])
         miss = np.abs(np.abs(hole - centre) - radius)
         limit = _STRAYS * 1.4826 * float(np.median(miss))
-        kept, off = miss <= limit, float(np.quantile(miss, 0.7))
+        mask = miss <= limit
+        off = float(np.quantile(miss, 0.7))
     return centre, radius, off
 
 
 def _round_ones(holes: Sequence[Points]) -> list[tuple[complex, float]]:
     """Centres and diameters of the holes that are round, in order."""
-    found = []
+    circles = []
     for hole in holes:
         centre, radius, off = _round(hole)
         area = abs(Ring(hole, np.zeros(len(hole))).area)
         if off <= _ROUND * radius and abs(area / (math.pi * radius**2) - 1) < 4 * _ROUND:
-            found.append((centre, 2 * radius))
-    return found
+            circles.append((centre, 2 * radius))
+    return circles
 
 
 def _bore(path: Path, outline: Points, holes: Sequence[Points]) -> tuple[complex, float]:
@@ -431,16 +437,16 @@ def _bore(path: Path, outline: Points, holes: Sequence[Points]) -> tuple[complex
     middle = Ring(outline, np.zeros(len(outline))).centroid
     round_ones = _round_ones(holes)
     if not round_ones:
-        seen = f"shows no bore, {counted(len(holes), 'hole')}, none of them round"
+        reason = f"shows no bore, {counted(len(holes), 'hole')}, none of them round"
         raise FileError(
-            path, f"{seen}: take its shaft out, clean it, scan the face on which it is open"
+            path, f"{reason}: take its shaft out, clean it, scan the face on which it is open"
         )
     return min(round_ones, key=lambda each: abs(each[0] - middle))
 
 
 def _sizes(holes: Sequence[Points]) -> str:
     """Sizes and places of the round holes, in words."""
-    told = (
+    remark = (
         f"{size:.3f} mm at {at.real:z.3f}/{at.imag:z.3f}" for at, size in _round_ones(holes)[:12]
     )
-    return "round holes: " + ", ".join(told)
+    return "round holes: " + ", ".join(remark)

@@ -44,26 +44,29 @@ def build(
     which changes nothing in the files.
     Raises SpecError, DesignError or FileError; failed findings do not raise.
     """
-    wrong = sorted(map(str, only - set(ANY_KIND)))
-    if wrong:
-        raise SpecError([specs.unknown(("only",), kind, ANY_KIND) for kind in wrong])
+    unknown = sorted(map(str, only - set(ANY_KIND)))
+    if unknown:
+        raise SpecError([specs.unknown(("only",), kind, ANY_KIND) for kind in unknown])
     if not only:
         raise SpecError([Fault(("only",), "none", f"at least one of {', '.join(ANY_KIND)}")])
     progress("reading the spec", 0.0)
     mechanism = read_mechanism(spec, overrides)
     if said := long_run(mechanism.remarks().links, len(only & FORMATS.keys())):
         progress(f"note: {said}")
-    hints, mechanism = mechanism.hints, mechanism.resolved()
+    hints = mechanism.hints
+    mechanism = mechanism.resolved()
     if only >= frozenset(KINDS) and mechanism.files.step:
         only |= {"step"}
-    staged, shared = Staged(out / mechanism.name), cores(jobs, mechanism, only)
-    with staged as folder, Workers(shared) as workers:
+    staged = Staged(out / mechanism.name)
+    number_of_cores = cores(jobs, mechanism, only)
+    with staged as folder, Workers(number_of_cores) as workers:
         (folder / SPEC).write_text(specs.dump(mechanism), encoding="utf-8")
-        case, kinds = Case(mechanism, folder), [kind for kind in ANY_KIND if kind in only]
-        made = make_parts(case, only, workers, progress)
+        case = Case(mechanism, folder)
+        kinds = [kind for kind in ANY_KIND if kind in only]
+        meshes = make_parts(case, only, workers, progress)
         reading = read_parts(case, kinds, workers)
-        put_together(case, only, made, progress)
-        del made
+        put_together(case, only, meshes, progress)
+        del meshes
         scene = seen(case, kinds)
         if scene is not None:
             case.file("assembly", "glb").write_bytes(scene.glb)
@@ -86,35 +89,37 @@ def build(
 def check(folder: Path, progress: Progress = silent, jobs: int | None = 1) -> Report:
     """Judge the files of an earlier build again, from the files and the spec.toml beside them, and hold all others against those
     that are made anew; writes nothing."""
-    case, manifest = Case(read_mechanism(folder / SPEC), folder), read_manifest(folder)
-    listed = list(manifest["files"])
-    _refuse_lost(folder, [name for name in listed if not (folder / name).is_file()])
+    case = Case(read_mechanism(folder / SPEC), folder)
+    manifest = read_manifest(folder)
+    names = list(manifest["files"])
+    _refuse_lost(folder, [name for name in names if not (folder / name).is_file()])
     kinds = kinds_of(case, manifest)
     with Workers(cores(jobs, case.mechanism, kinds)) as workers:
         report, columns = judge(case, kinds, read_parts(case, kinds, workers), workers, progress)
-        differ, judged = changed_files(folder), judged_files(case, listed)
-        as_they_are = [name for name in differ if name in judged]
-        changed = [name for name in differ if name not in judged]
+        differ = changed_files(folder)
+        judged = judged_files(case, names)
+        judged_changes = [name for name in differ if name in judged]
+        other_changes = [name for name in differ if name not in judged]
         progress("making anew what is beside the parts", 0.85)
-        anew = Rebuild(case, kinds, manifest, report, columns, bool(as_they_are)).outcome(
-            changed, workers
+        rebuilt = Rebuild(case, kinds, manifest, report, columns, bool(judged_changes)).outcome(
+            other_changes, workers
         )
-    findings = [*report.findings, *anew.findings]
-    if changed:
-        said = f"changed since the build: {', '.join(changed)}"
+    findings = [*report.findings, *rebuilt.findings]
+    if other_changes:
+        said = f"changed since the build: {', '.join(other_changes)}"
         findings.append(
-            at_most("MANIFEST", len(changed), 0, "files", in_file(Path(MANIFEST)), said)
+            at_most("MANIFEST", len(other_changes), 0, "files", in_file(Path(MANIFEST)), said)
         )
     remarks = (
-        [f"changed since the build, and judged as they are now: {', '.join(as_they_are)}"]
-        if as_they_are
+        [f"changed since the build, and judged as they are now: {', '.join(judged_changes)}"]
+        if judged_changes
         else []
     )
     return replace(
         report,
         findings=findings,
-        not_judged=[*report.not_judged, *anew.not_judged],
-        remarks=[*remarks, *anew.notes],
+        not_judged=[*report.not_judged, *rebuilt.not_judged],
+        remarks=[*remarks, *rebuilt.notes],
     )
 
 
@@ -132,7 +137,7 @@ def _refuse_lost(folder: Path, lost: Sequence[str]) -> None:
     """FileError that names all files which the manifest lists and that are not there, and what to do."""
     if not lost:
         return
-    said = [
+    names = [
         f"{name} ({'no plain file' if (folder / name).exists() else 'not there'})" for name in lost
     ]
     files = (
@@ -142,6 +147,6 @@ def _refuse_lost(folder: Path, lost: Sequence[str]) -> None:
     )
     raise FileError(
         folder,
-        f"{files} missing: {', '.join(said)}; put back what was moved or deleted, or build the folder again: "
+        f"{files} missing: {', '.join(names)}; put back what was moved or deleted, or build the folder again: "
         f"camgen build {folder / SPEC} --out {folder.parent}",
     )

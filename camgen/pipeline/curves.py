@@ -29,7 +29,10 @@ class Curves:
     """
 
     def __init__(self, output: Output, theta: Floats, alone: bool, cams: bool = False) -> None:
-        self.output, self.theta, self.alone, self.cams = output, theta, alone, cams
+        self.output = output
+        self.theta = theta
+        self.alone = alone
+        self.cams = cams
         self.recovered: dict[str, Any] = {}
         self.unit, self.scale = unit_of(output)
         self.columns: dict[str, Floats] = {}
@@ -46,10 +49,12 @@ class Curves:
 
     def add(self, kind: str, proof: Proof) -> None:
         """What a kind of file gives."""
-        name, source = self.output.name, f"from {kind.upper()}"
+        name = self.output.name
+        source = f"from {kind.upper()}"
         reachable = self._wanted
         if reachable is None or self._lawful:
-            self._lawful, reachable = True, proof.reachable(name, self.theta)[0]
+            self._lawful = True
+            reachable = proof.reachable(name, self.theta)[0]
         if self._wanted is None:
             self.want(*proof.wanted(name, self.theta))
         moved = proof.moved(name, self.theta)
@@ -63,14 +68,10 @@ class Curves:
     def _mean(self, value: Any) -> Any:
         """Slope to theta, a mean over the window of SPEED_RIPPLE."""
         step = max(1, round(SPEED_WINDOW_DEG / 2 * (len(self.theta) - 1) / 360))
-        turn, further = (
-            value[:-1],
-            value[-1] - value[0],
-        )  # what turns on ends the turn further on than it began
-        ahead, behind = (
-            np.append(turn[step:], turn[:step] + further),
-            np.append(turn[-step:] - further, turn[:-step]),
-        )
+        turn = value[:-1]
+        further = value[-1] - value[0]  # what turns on ends the turn further on than it began
+        ahead = np.append(turn[step:], turn[:step] + further)
+        behind = np.append(turn[-step:] - further, turn[:-step])
         mean = (ahead - behind) / (2 * step * math.tau / len(turn))
         return np.append(mean, mean[0])
 
@@ -116,14 +117,14 @@ def as_designed(mechanism: Mechanism) -> list[Plot]:
     outputs = [output for output in mechanism.model.outputs if not isinstance(output.of, Path)]
     theta = np.linspace(*mechanism.assembly.cycle.range, 1441)
     run = mechanism.solve(theta, 1)
-    found = []
+    plots = []
     for output in outputs:
         curve = Curves(output, theta, len(outputs) == 1)
         curve.want(*run.derivatives(output.name))
-        found += [
+        plots += [
             replace(plot, x_label=f"{mechanism.assembly.cycle.name}, deg") for plot in curve.plots()
         ]
-    return found
+    return plots
 
 
 def _turned(far: float) -> str:

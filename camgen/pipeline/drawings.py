@@ -23,13 +23,15 @@ from camgen.tolerances import SAME_POINT
 
 def facts_of(mechanism: Mechanism, part: Part) -> Facts:
     """What the drawing of one of its parts says."""
-    sheet, cut = mechanism.drawing, cut_of_sheet(mechanism.assembly, part)
-    printed, steel = part.made == "printed" and not cut, part.made in (TURNED, CUT)
+    sheet = mechanism.drawing
+    of_sheet = cut_of_sheet(mechanism.assembly, part)
+    printed = part.made == "printed" and not of_sheet
+    steel = part.made in (TURNED, CUT)
     names = [each.name for each in mechanism.assembly.parts]
     return Facts(
         mechanism=mechanism.mechanism,
         material="as the sheet"
-        if cut
+        if of_sheet
         else mechanism.material.name
         if printed
         else "steel"
@@ -62,22 +64,22 @@ def _fits(mechanism: Mechanism, part: Part) -> Iterator[Fit]:
         if (outer := hole_of(layer.region.outer)).radius
         for pose in poses[other.name]
     ]
-    told = set[tuple[complex, float]]()
+    holes = set[tuple[complex, float]]()
     for layer in part.layers:
         for place, radius in (
             (hole.place, hole.radius) for hole in map(hole_of, layer.region.holes)
         ):
-            if not radius or (place, radius) in told:
+            if not radius or (place, radius) in holes:
                 continue
             inside = list(_said(mechanism, part.name, place))
             for pose in poses[part.name]:
-                own = standing(part, pose, layer, place, radius)
-                inside += [shaft.diameter for shaft in shafts if own.holds(shaft)]
+                bore = standing(part, pose, layer, place, radius)
+                inside += [shaft.diameter for shaft in shafts if bore.holds(shaft)]
             for word, clearance in clearances.items():
-                found = [size for size in inside if abs(2 * radius - size - clearance) < SAME_POINT]
-                if found:
-                    told.add((place, radius))
-                    yield Fit(place, 2 * radius, f"{word} on Ø{number(found[0])}")
+                sizes = [size for size in inside if abs(2 * radius - size - clearance) < SAME_POINT]
+                if sizes:
+                    holes.add((place, radius))
+                    yield Fit(place, 2 * radius, f"{word} on Ø{number(sizes[0])}")
                     break
 
 
@@ -92,11 +94,11 @@ def _said(mechanism: Mechanism, part: str, place: complex) -> Iterator[float]:
     yield from (size for size in sizes if size and abs(place) < SAME_POINT)
     for joint in mechanism.assembly.features:
         if isinstance(joint, PinEyes):
-            mine = [
+            holes = [
                 eye
                 for eye in (joint.a, joint.b)
                 if eye.part == part and not eye.shaft and abs(eye.at - place) < SAME_POINT
             ]
             yield from (
-                eye.diameter for eye in (joint.pin, joint.a, joint.b) if mine and eye and eye.shaft
+                eye.diameter for eye in (joint.pin, joint.a, joint.b) if holes and eye and eye.shaft
             )

@@ -42,8 +42,8 @@ def expected(
         (cam.bore and cam.part) == part.name or (cam.own and cam.own.part) == part.name
         for cam in cams
     )
-    sent = compensated(part, fit) if fit is not None else part
-    levels = sorted({z for layer in (*sent.layers, *sent.engraved) for z in (layer.z0, layer.z1)})
+    solid = compensated(part, fit) if fit is not None else part
+    levels = sorted({z for layer in (*solid.layers, *solid.engraved) for z in (layer.z0, layer.z1)})
     low = levels[0] + (fit.foot_of(part) if fit is not None else 0.0)
     # Half the tolerance, so that arcs in a file that are off by all of it stay within the limit, which is twice of it; a
     # crossed body is what its facets make it, for near the top of a round one the width grows without bound.
@@ -56,16 +56,19 @@ def expected(
         under, over = spread(part.crossed)
         levels = [max(levels[0], under), min(levels[-1], over)]
         through = _crossings(part, part.crossed, tolerance, sections)
-        sections, cut = [*through, replace(sections[cut], heights=())], len(through)
+        sections = [*through, replace(sections[cut], heights=())]
+        cut = len(through)
     if fit is not None:
-        every, sunk = _sections(sent, fine, levels[0])
-        sections += [replace(section, sent=True) for section in every if section.heights[-1] < low]
-        engraved = [replace(section, sent=True) for section in sunk] if fit.hole else engraved
+        all_sections, pockets = _sections(solid, fine, levels[0])
+        sections += [
+            replace(section, sent=True) for section in all_sections if section.heights[-1] < low
+        ]
+        engraved = [replace(section, sent=True) for section in pockets] if fit.hole else engraved
     return Expected(
         part.name,
         (*sections, *engraved),
         cut,
-        volume=sent.volume,
+        volume=solid.volume,
         levels=tuple(levels),
         facets=part.walls * tolerance,
         min_wall=part.min_wall,
@@ -89,7 +92,8 @@ def _spans(part: Part) -> list[tuple[float, float]]:
 
 def _sections(part: Part, tolerance: float, low: float) -> tuple[list[Section], list[Section]]:
     """The sections of a part's layers above the height `low`, from the bottom, and those through its engraving."""
-    sections, engraved = [], []
+    sections = []
+    engraved = []
     for z0, z1 in _spans(part):
         regions = [layer.region for layer in part.layers if (layer.z0, layer.z1) == (z0, z1)]
         shapes = tuple(facetted(region, tolerance) for region in regions)
@@ -97,25 +101,25 @@ def _sections(part: Part, tolerance: float, low: float) -> tuple[list[Section], 
         pockets = [layer for layer in part.engraved if bottom < layer.z0 < z1]
         top = min((layer.z0 for layer in pockets), default=z1)
         sections.append(
-            Section(tuple(bottom + (top - bottom) * share for share in _HEIGHTS), shapes)
+            Section(tuple(bottom + (top - bottom) * fraction for fraction in _HEIGHTS), shapes)
         )
         if pockets and len(shapes) == 1 and part.crossed is None:
-            sunk = tuple(facetted(layer.region, tolerance).outer for layer in pockets)
+            rings = tuple(facetted(layer.region, tolerance).outer for layer in pockets)
             middle = (top + min(layer.z1 for layer in pockets)) / 2
             engraved.append(
-                Section((middle,), (Shape(shapes[0].outer, (*shapes[0].holes, *sunk)),))
+                Section((middle,), (Shape(shapes[0].outer, (*shapes[0].holes, *rings)),))
             )
     return sections, engraved
 
 
 def _crossings(
-    part: Part, crossed: Region, tolerance: float, sections: Sequence[Section]
+    part: Part, profile: Region, tolerance: float, sections: Sequence[Section]
 ) -> list[Section]:
     """The sections of a crossed body, whose layers those given are."""
-    face = facetted(crossed, tolerance)
+    face = facetted(profile, tolerance)
     cutters = [Mesh(*edge.cutter(tolerance)) for edge in part.edges]
     through = []
-    level = _level_facets(crossed)
+    level = _level_facets(profile)
     beside = (
         _BESIDE * tolerance
     )  # a wall that lies level shows in sections just under and over it alone
@@ -126,22 +130,23 @@ def _crossings(
             if not np.any((level[:, 0] <= z) & (z <= level[:, 1]))
         ]
         for z in (z0 + beside, *section.heights, z1 - beside, *between):
-            taken = [ring for cutter in cutters for ring in slice_mesh(cutter, z)]
+            cuts = [ring for cutter in cutters for ring in slice_mesh(cutter, z)]
             through += [
-                Section((z,), tuple(crossed_at(shape, face, z, taken))) for shape in section.shapes
+                Section((z,), tuple(crossed_at(shape, face, z, cuts))) for shape in section.shapes
             ]
     return through
 
 
-def _level_facets(crossed: Region) -> Floats:
+def _level_facets(profile: Region) -> Floats:
     """Heights (n, 2), mm, between which a curve of the plane (x, z) is too level for its facets to be judged by a section."""
-    found = [np.empty((0, 2))]
-    for piece in (piece for contour in (crossed.outer, *crossed.holes) for piece in contour.pieces):
+    spans = [np.empty((0, 2))]
+    for piece in (piece for contour in (profile.outer, *profile.holes) for piece in contour.pieces):
         if not isinstance(piece, Line):
             points = piece.at(np.linspace(piece.t0, piece.t1, 361))
-            way, ends = np.diff(points), np.stack([points.imag[:-1], points.imag[1:]], axis=1)
-            found.append(np.sort(ends[np.abs(way.imag) < _LEVEL * np.abs(way.real)], axis=1))
-    return np.concatenate(found)
+            way = np.diff(points)
+            ends = np.stack([points.imag[:-1], points.imag[1:]], axis=1)
+            spans.append(np.sort(ends[np.abs(way.imag) < _LEVEL * np.abs(way.real)], axis=1))
+    return np.concatenate(spans)
 
 
 def facetted(region: Region, tolerance: float) -> Shape:

@@ -12,7 +12,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import repeat
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -44,9 +43,6 @@ from camgen.report.report import Report
 from camgen.study import Plot, Study, Table
 from camgen.workers import Workers
 
-if TYPE_CHECKING:
-    pass
-
 _SIDE_FILES = ("spec.toml", "motion.csv", "report.json", "manifest.json")
 _CLOCKWISE = (
     "The input shaft turns clockwise. Angles are counted counter-clockwise all the same, so time runs from right to left in "
@@ -60,7 +56,8 @@ Reading = Iterator[tuple[Outcome, Read]]  # of each part, in their order
 
 def read_parts(case: Case, kinds: Sequence[str], workers: Workers) -> Reading:
     """Begin to read back the parts' own files."""
-    names, files = list(case.parts), [kind for kind in kinds if kind in FORMATS]
+    names = list(case.parts)
+    files = [kind for kind in kinds if kind in FORMATS]
     return workers.map(judge_part, repeat(case, len(names)), names, repeat(files, len(names)))
 
 
@@ -74,34 +71,37 @@ def judge(
     """
     mechanism = case.mechanism
     files = [kind for kind in kinds if kind in FORMATS]
-    asked = _stages(mechanism, kinds)
-    waiting = [
+    todo = _stages(mechanism, kinds)
+    started = [
         (stage.what, workers.start(stage.work, case, files))
-        for stage in asked
+        for stage in todo
         if stage.work is not None and stage.runs(files)
     ]
-    limits, study = mechanism.limits(), mechanism.study()
+    limits = mechanism.limits()
+    study = mechanism.study()
     parts: list[Outcome] = []
-    read: dict[str, Read] = {}
+    sections: dict[str, Read] = {}
     for k, name in enumerate(case.parts):
         progress(f"reading back {name}", 0.45 + 0.2 * k / len(case.parts))
-        outcome, read[name] = next(reading)
+        outcome, sections[name] = next(reading)
         parts.append(outcome)
     progress("letting the parts touch", 0.65)
-    moved, columns, more = moved_by(mechanism, files, read)
-    budget = budget_of(case, read, [study.numbers, moved.numbers]) if "report" in kinds else None
+    motion, columns, recovered = moved_by(mechanism, files, sections)
+    budget = (
+        budget_of(case, sections, [study.numbers, motion.numbers]) if "report" in kinds else None
+    )
     stages = []
-    for k, (what, outcome_of) in enumerate(waiting):
-        progress(f"looking at {what or 'the design'}", 0.7 + 0.15 * k / len(waiting))
+    for k, (what, outcome_of) in enumerate(started):
+        progress(f"looking at {what or 'the design'}", 0.7 + 0.15 * k / len(started))
         stages.append(outcome_of())
     if not columns:
         columns = dict(study.columns)
         for outcome in stages:
             columns |= outcome.columns
-    outcomes = [moved, *parts, *stages]
-    found: list[Outcome | Study] = [study, *outcomes, more]
+    outcomes = [motion, *parts, *stages]
+    sources: list[Outcome | Study] = [study, *outcomes, recovered]
     numbers: dict[str, float] = {}
-    for each in found:  # of two parts with a figure of one name the first one drives
+    for each in sources:  # of two parts with a figure of one name the first one drives
         numbers |= {name: value for name, value in each.numbers.items() if name not in numbers}
     findings = (*limits, *(finding for outcome in outcomes for finding in outcome.findings))
     report = Report(
@@ -110,33 +110,34 @@ def judge(
         findings,
         numbers,
         [_part_record(case, part, files) for part in case.parts.values()],
-        [plot for outcome in outcomes for plot in outcome.plots] + [*study.plots, *more.plots],
-        [*study.tables, *more.tables] + [table for outcome in outcomes for table in outcome.tables],
+        [plot for outcome in outcomes for plot in outcome.plots] + [*study.plots, *recovered.plots],
+        [*study.tables, *recovered.tables]
+        + [table for outcome in outcomes for table in outcome.tables],
         [
             *([_CLOCKWISE] if mechanism.assembly.cycle.sense < 0 else []),
             *study.notes,
-            *more.notes,
+            *recovered.notes,
             *(note for each in outcomes for note in each.notes),
         ],
         None,
         budget,
         (*_SIDE_FILES, *_machine_files(case)),
         (
-            *not_judged(asked, files, findings),
+            *not_judged(todo, files, findings),
             *(left for each in outcomes for left in each.not_judged),
             *_merged(parts),
         ),
-        (*unheard(mechanism, files), *(said for each in outcomes for said in each.warnings)),
+        (*unheard(mechanism, files), *(warning for each in outcomes for warning in each.warnings)),
     )
     return report, columns
 
 
 def _merged(outcomes: Sequence[Outcome]) -> list[NotJudged]:
     """What could not be judged of parts, what needs the same as one."""
-    found: dict[tuple[str, str], list[str]] = {}
+    reasons: dict[tuple[str, str], list[str]] = {}
     for each in (each for outcome in outcomes for each in outcome.not_judged):
-        found.setdefault((each.code, each.needs), []).append(each.why)
-    return [NotJudged(code, "; ".join(whys), needs) for (code, needs), whys in found.items()]
+        reasons.setdefault((each.code, each.needs), []).append(each.why)
+    return [NotJudged(code, "; ".join(whys), needs) for (code, needs), whys in reasons.items()]
 
 
 def _part_record(case: Case, part: Part, kinds: Sequence[str]) -> dict[str, object]:
@@ -224,7 +225,7 @@ def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
     columns: dict[str, Floats] = {}
     plots = []
     for kind in (kind for kind in kinds if kind not in EXACT):
-        cleared = judge_clearance(
+        clearances = judge_clearance(
             kind,
             case.folder,
             mechanism.name,
@@ -232,19 +233,19 @@ def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
             mechanism.assembly.poses,
             mechanism.accuracy.chord_tolerance,
         )
-        findings += cleared.findings
-        numbers |= cleared.numbers
+        findings += clearances.findings
+        numbers |= clearances.numbers
         plots.append(
             Plot(
                 f"Distance, from {kind.upper()}",
                 "shaft angle, deg",
                 "mm, below 0 overlap",
-                cleared.curves,
+                clearances.curves,
             )
         )
         columns |= {
-            f"distance_{name.lower().replace('/', '_')}_mm_{kind}": apart
-            for name, _, apart in cleared.curves
+            f"distance_{name.lower().replace('/', '_')}_mm_{kind}": distance
+            for name, _, distance in clearances.curves
         }
     return Outcome(findings, numbers, plots, columns=columns)
 
@@ -253,8 +254,10 @@ def judge_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
     """ROUND_TRIP of the assembly: every copy of every part as designed, where it belongs at theta = 0."""
     from camgen.files.threemf import read_3mf
 
-    mechanism, path = case.mechanism, case.file("assembly", "3mf")
-    originals, findings = written(case), []
+    mechanism = case.mechanism
+    path = case.file("assembly", "3mf")
+    originals = written(case)
+    findings = []
     if (
         compensation(mechanism) is not None
     ):  # single parts are files for the printer, the assembly shows them as designed
@@ -262,13 +265,13 @@ def judge_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
             name: mesh for name, mesh in read_3mf(path).meshes.items() if name in case.parts
         }
         for name, mesh in originals.items():
-            meant = expected(
+            shape = expected(
                 case.parts[name], mechanism.accuracy.chord_tolerance, mechanism.assembly.features
             )
-            judged = judge_solid(
-                mesh, meant, replace(in_file(path), part=name), FORMATS["3mf"].rounding
+            verdict = judge_solid(
+                mesh, shape, replace(in_file(path), part=name), FORMATS["3mf"].rounding
             )
-            findings += [finding for finding in judged.findings if not finding.ok]
+            findings += [finding for finding in verdict.findings if not finding.ok]
     places = [(copy.object, copy.transform) for copy in assembled(mechanism)]
     return Outcome([*findings, judge_copies(path, originals, places)])
 
@@ -290,20 +293,18 @@ def judge_laser(case: Case, kinds: Sequence[str]) -> Outcome:
     from camgen.pipeline.laser import judge_sheets
 
     findings, sections, tables, numbers = judge_sheets(case)
-    mechanism, read = (
-        case.mechanism,
-        {name: {"dxf": sections[name]} if name in sections else {} for name in case.parts},
-    )
+    mechanism = case.mechanism
+    parts = {name: {"dxf": sections[name]} if name in sections else {} for name in case.parts}
     low, high = mechanism.assembly.cycle.range
     theta = low + judged_angles() * ((high - low) / math.tau)
-    moved = (
+    motion = (
         judge_motion(
-            mechanism, "dxf", read, theta, Where(file=f"{mechanism.name}-sheets, *", kind="dxf")
+            mechanism, "dxf", parts, theta, Where(file=f"{mechanism.name}-sheets, *", kind="dxf")
         )
         if numbers
         else None
     )
-    return Outcome([*findings, *(moved[0].findings if moved else ())], numbers, tables=tables)
+    return Outcome([*findings, *(motion[0].findings if motion else ())], numbers, tables=tables)
 
 
 def judge_machining(case: Case, kinds: Sequence[str]) -> Outcome:
@@ -328,9 +329,10 @@ def weigh_crank(case: Case, kinds: Sequence[str]) -> Outcome:
     """BALANCE of the crank that carries a counterweight."""
     from camgen.judge.balance import judge_balance
 
-    assembly, moved = case.file("assembly", "3mf"), bodies_in_motion(case.mechanism.assembly)
+    assembly = case.file("assembly", "3mf")
+    machine = bodies_in_motion(case.mechanism.assembly)
     return Outcome(
-        [judge_balance(assembly, moved, balance) for balance in case.mechanism.assembly.balances]
+        [judge_balance(assembly, machine, balance) for balance in case.mechanism.assembly.balances]
     )
 
 
@@ -353,23 +355,30 @@ def judge_plates(case: Case, kinds: Sequence[str]) -> Outcome:
     from camgen.files.threemf import read_3mf
     from camgen.judge.slabs import judge_plate
 
-    mechanism, plates, originals = case.mechanism, plates_of(case), written(case)
-    bed, margin = mechanism.print.bed, mechanism.print.bed_margin
-    listed, sides = printed_parts(mechanism.assembly), lying_sides(mechanism, originals)
-    laid = Counter(item.name for path in plates for item in read_3mf(path).items)
-    lying = [
+    mechanism = case.mechanism
+    plates = plates_of(case)
+    originals = written(case)
+    bed = mechanism.print.bed
+    margin = mechanism.print.bed_margin
+    parts = printed_parts(mechanism.assembly)
+    sides = lying_sides(mechanism, originals)
+    copies = Counter(item.name for path in plates for item in read_3mf(path).items)
+    clouds = [
         (part, originals[part.name].vertices @ sides[part.name].turn.T)
-        for part in listed
+        for part in parts
         if part.name in originals
     ]
-    room, height = within(bed, margin), mechanism.print.bed_height
-    fits = [bed_fit(part.name, part.count, vertices, room, height)[1] for part, vertices in lying]
+    room = within(bed, margin)
+    height = mechanism.print.bed_height
+    fits = [bed_fit(part.name, part.count, vertices, room, height)[1] for part, vertices in clouds]
     if not plates and not any(fit.ok for fit in fits):
         return Outcome(fits)
-    short = (Counter({part.name: part.count for part in listed}) - laid).total()
-    said = f"{laid.total()} {'copy' if laid.total() == 1 else 'copies'} laid out, {short} missing"
+    short = (Counter({part.name: part.count for part in parts}) - copies).total()
+    remark = (
+        f"{copies.total()} {'copy' if copies.total() == 1 else 'copies'} laid out, {short} missing"
+    )
     where = Where(counted(len(plates), "plate"))
-    missing = at_most("BED_FIT", short, 0, "copies", where, said)
+    missing = at_most("BED_FIT", short, 0, "copies", where, remark)
     on_plates = [
         f
         for path in plates
@@ -382,7 +391,8 @@ def fit_bed(case: Case, kinds: Sequence[str]) -> Outcome:
     """BED_FIT of single parts, as designed."""
     from camgen.files.plates import bed_fit, within
 
-    findings, bed = [], case.mechanism.print
+    findings = []
+    bed = case.mechanism.print
     for part in printed_parts(case.mechanism.assembly):
         rims = [
             (facet_contour(layer.region.outer, _DRAWN), z)
@@ -428,13 +438,11 @@ def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
         numbers["supports_mm2"] = sum(
             part.count * sides[part.name].overhang for part in printed_parts(mechanism.assembly)
         )
-    layers, said = between(mechanism, sides)
-    listed, tables = (
-        judge_list(case.file("parts", "csv"), table),
-        [table, order_of_assembly(mechanism.assembly)],
-    )
+    layers, warnings = between(mechanism, sides)
+    finding = judge_list(case.file("parts", "csv"), table)
+    tables = [table, order_of_assembly(mechanism.assembly)]
     return Outcome(
-        [listed], numbers, tables=[*tables, *([layers] if layers.rows else [])], warnings=said
+        [finding], numbers, tables=[*tables, *([layers] if layers.rows else [])], warnings=warnings
     )
 
 
@@ -442,15 +450,15 @@ def bear_loads(case: Case, kinds: Sequence[str]) -> Outcome:
     """What drive, contacts, bearings and pins bear at the machine's speed."""
     from camgen.machines.loads.assess import assess
 
-    found = assess(case.mechanism)
-    study = found.study
+    loads = assess(case.mechanism)
+    study = loads.study
     return Outcome(
-        found.findings,
+        loads.findings,
         study.numbers,
         study.plots,
         study.tables,
-        not_judged=found.not_judged,
-        warnings=found.warnings,
+        not_judged=loads.not_judged,
+        warnings=loads.warnings,
         notes=study.notes,
     )
 
@@ -459,31 +467,33 @@ def print_errors(case: Case, kinds: Sequence[str]) -> Outcome:
     """What a usual print's errors do to the outputs, to first order."""
     from camgen.tolerance.spread import spread_of
 
-    found = spread_of(case.mechanism).study()
-    return Outcome(numbers=found.numbers, tables=found.tables)
+    study = spread_of(case.mechanism).study()
+    return Outcome(numbers=study.numbers, tables=study.tables)
 
 
 def _machine_files(case: Case) -> list[str]:
     """Further files of the folder to which the page links."""
-    fixed = [
+    single = [
         *(case.file("assembly", ending) for ending in ("3mf", "glb", "step")),
         case.file("parts", "csv"),
     ]
-    more = [case.folder / f"{case.mechanism.name}-{name}" for name in case.mechanism.assembly.texts]
+    texts = [
+        case.folder / f"{case.mechanism.name}-{name}" for name in case.mechanism.assembly.texts
+    ]
     drawings = [case.file(f"{name}-drawing", "pdf") for name in case.parts]
-    others = (*plates_of(case), *cut_files(case), *more, *drawings)
-    return [path.name for path in (*fixed, *others) if path.exists()]
+    others = (*plates_of(case), *cut_files(case), *texts, *drawings)
+    return [path.name for path in (*single, *others) if path.exists()]
 
 
 def cut_files(case: Case) -> list[Path]:
     """Sheets for the laser and tables for machine tools that are there."""
-    found: list[Path] = []
+    files: list[Path] = []
     if case.mechanism.laser is not None:
         from camgen.pipeline.laser import sheet_files
 
-        found += sheet_files(case)
+        files += sheet_files(case)
     if case.mechanism.files.machining:
         from camgen.pipeline.machining import table_files
 
-        found += table_files(case)
-    return found
+        files += table_files(case)
+    return files

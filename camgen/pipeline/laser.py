@@ -18,7 +18,7 @@ from camgen.findings import Finding, at_most, in_file
 from camgen.geometry.facets import facet_contour
 from camgen.judge.measured import Sections
 from camgen.judge.round_trip import judge_drawing
-from camgen.judge.sheets import Beam, Laid, judge_sheet
+from camgen.judge.sheets import Beam, SheetCopy, judge_sheet
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.assembly import cut_of_sheet
 from camgen.parts.fits import Compensation, compensated
@@ -55,7 +55,8 @@ def make_sheets(case: Case) -> None:
 
     DesignError where a part is larger than a sheet, or the beam too wide for it.
     """
-    mechanism, laser = case.mechanism, case.mechanism.laser
+    mechanism = case.mechanism
+    laser = case.mechanism.laser
     parts = sheet_parts(mechanism)
     if laser is None or not parts:
         return
@@ -80,17 +81,20 @@ def make_sheets(case: Case) -> None:
         zip(copies, spots, strict=True),
         key=lambda row: (row[1].sheet, row[1].place.real, row[1].place.imag),
     )
-    rounded = [
+    placements = [
         (copy, Spot(s.sheet, s.angle, complex(round(s.place.real, 6), round(s.place.imag, 6))))
         for copy, s in rows
     ]
     for number in range(1 + max(spot.sheet for spot in spots)):
         pieces = []
-        for (name, copy), spot in rounded:
+        for (name, copy), spot in placements:
             if spot.sheet == number:
-                turn, path = cmath.rect(1, spot.angle), paths[name]
-                moved = tuple(contour.moved(turn, spot.place) for contour in path.engraving)
-                pieces.append(Piece(f"{name}-{copy}", path.region.moved(turn, spot.place), moved))
+                turn = cmath.rect(1, spot.angle)
+                path = paths[name]
+                engraved = tuple(contour.moved(turn, spot.place) for contour in path.engraving)
+                pieces.append(
+                    Piece(f"{name}-{copy}", path.region.moved(turn, spot.place), engraved)
+                )
         for ending in ("dxf", "svg"):
             write_sheet(
                 case.file(f"sheet-{number + 1}", ending),
@@ -101,7 +105,7 @@ def make_sheets(case: Case) -> None:
     with open(case.file("sheets", "csv"), "w", encoding="utf-8", newline="") as file:
         lines = csv.writer(file, lineterminator="\n")
         lines.writerow(_COLUMNS)
-        for (name, copy), s in rounded:
+        for (name, copy), s in placements:
             angle = f"{math.degrees(s.angle):z.9g}"
             lines.writerow(
                 [s.sheet + 1, name, copy, f"{s.place.real:z.6f}", f"{s.place.imag:z.6f}", angle]
@@ -110,70 +114,74 @@ def make_sheets(case: Case) -> None:
 
 def sheet_files(case: Case) -> list[Path]:
     """The files of all sheets that are there, and their list."""
-    found = sorted(
+    sheets = sorted(
         case.folder.glob(f"{case.mechanism.name}-sheet-*"),
         key=lambda path: (len(path.name), path.name),
     )
-    return [path for path in (*found, case.file("sheets", "csv")) if path.exists()]
+    return [path for path in (*sheets, case.file("sheets", "csv")) if path.exists()]
 
 
-def _listed(path: Path) -> dict[int, list[Laid]]:
+def _listed(path: Path) -> dict[int, list[SheetCopy]]:
     """The list of sheets as read: what lies on each, by its number; FileError where it is none."""
-    found: dict[int, list[Laid]] = {}
+    sheets: dict[int, list[SheetCopy]] = {}
     bounded(path, _SIZE)
     try:
         with open(path, encoding="utf-8", newline="") as file:
             for row in csv.DictReader(file):
                 place = complex(float(row["x_mm"]), float(row["y_mm"]))
-                one = Laid(
+                copy = SheetCopy(
                     row["part"], int(row["copy"]), math.radians(float(row["angle_deg"])), place
                 )
-                found.setdefault(int(row["sheet"]), []).append(one)
+                sheets.setdefault(int(row["sheet"]), []).append(copy)
     except OSError as error:
         raise FileError(path, error.strerror or str(error)) from None
     except (KeyError, ValueError, TypeError) as error:
         raise FileError(path, f"not a list of sheets: {error!r}") from None
-    return found
+    return sheets
 
 
 def judge_sheets(
     case: Case,
 ) -> tuple[list[Finding], dict[str, Sections], list[Table], dict[str, float]]:
     """Findings on all sheets; sections of every part, as cut of a sheet or else as drawn; tables; figures."""
-    mechanism, laser = case.mechanism, case.mechanism.laser
+    mechanism = case.mechanism
+    laser = case.mechanism.laser
     assert laser is not None, "sheets are asked for"
-    features, tolerance = mechanism.assembly.features, mechanism.accuracy.chord_tolerance
+    features = mechanism.assembly.features
+    tolerance = mechanism.accuracy.chord_tolerance
     parts = {part.name: part for part in sheet_parts(mechanism)}
     findings: list[Finding] = []
     sections: dict[str, Sections] = {}
     rows: list[tuple[object, ...]] = []
     numbers: dict[str, float] = {}
     if parts:
-        listed = _listed(case.file("sheets", "csv"))
-        strange = sorted({one.part for laid in listed.values() for one in laid} - parts.keys())
+        sheets = _listed(case.file("sheets", "csv"))
+        strange = sorted(
+            {each.part for copies in sheets.values() for each in copies} - parts.keys()
+        )
         if strange:
             raise FileError(
                 case.file("sheets", "csv"),
                 f"lists {', '.join(strange)}, which are not cut of sheets",
             )
-        meant = {name: expected(part, tolerance, features) for name, part in parts.items()}
+        shapes = {name: expected(part, tolerance, features) for name, part in parts.items()}
         beam = Beam(laser.kerf, laser.gap, laser.sheet)
-        for number, laid in sorted(listed.items()):
+        for number, copies in sorted(sheets.items()):
             dxf, svg = (case.file(f"sheet-{number}", ending) for ending in ("dxf", "svg"))
-            more, cut = judge_sheet(dxf, svg, laid, meant, beam)
-            findings += more
-            sections |= {name: one.sections for name, one in cut.items()}
-            rows += _rows(number, laid, laser)
-        findings += _copies(listed, parts, case)
-        numbers = {"sheets": float(len(listed)), "sheet_density": _density(listed, parts, laser)}
+            sheet_findings, verdicts = judge_sheet(dxf, svg, copies, shapes, beam)
+            findings += sheet_findings
+            sections |= {name: each.sections for name, each in verdicts.items()}
+            rows += _rows(number, copies, laser)
+        findings += _copies(sheets, parts, case)
+        numbers = {"sheets": float(len(sheets)), "sheet_density": _density(sheets, parts, laser)}
     for part in mechanism.assembly.parts:
         if part.name not in parts:
             rows.append(("none", part.name, part.count, "", why_not(part, laser.thickness)))
         if part.name not in sections and case.file(part.name, "dxf").exists():
-            drawn = expected(part, tolerance, features, None, mechanism.files)
-            judged = judge_drawing(case.file(part.name, "dxf"), drawn)
-            if judged.sections:
-                sections[part.name] = judged.sections
+            shape = expected(part, tolerance, features, None, mechanism.files)
+            verdict = judge_drawing(case.file(part.name, "dxf"), shape)
+            if verdict.sections:
+                sections[part.name] = verdict.sections
     columns = ("sheet", "part", "count", "angles, deg", "otherwise")
     return (
         findings,
@@ -183,41 +191,45 @@ def judge_sheets(
     )
 
 
-def _rows(number: int, laid: Sequence[Laid], laser: Laser) -> list[tuple[object, ...]]:
+def _rows(number: int, copies: Sequence[SheetCopy], laser: Laser) -> list[tuple[object, ...]]:
     """What lies on a sheet, for people."""
-    found: list[tuple[object, ...]] = []
-    for name in dict.fromkeys(one.part for one in laid):
-        angles = ", ".join(f"{math.degrees(one.angle):g}" for one in laid if one.part == name)
-        found.append(
+    rows: list[tuple[object, ...]] = []
+    for name in dict.fromkeys(copy.part for copy in copies):
+        angles = ", ".join(f"{math.degrees(copy.angle):g}" for copy in copies if copy.part == name)
+        rows.append(
             (
                 f"{number}, {laser.thickness:g} mm",
                 name,
-                sum(one.part == name for one in laid),
+                sum(copy.part == name for copy in copies),
                 angles,
                 "",
             )
         )
-    return found
+    return rows
 
 
-def _copies(listed: dict[int, list[Laid]], parts: dict[str, Part], case: Case) -> list[Finding]:
+def _copies(
+    sheets: dict[int, list[SheetCopy]], parts: dict[str, Part], case: Case
+) -> list[Finding]:
     """SHEET_FIT of all sheets together: copies that are missing, too many or wrongly numbered."""
-    there = Counter((one.part, one.copy) for laid in listed.values() for one in laid)
-    wanted = Counter((name, k + 1) for name, part in parts.items() for k in range(part.count))
-    off = max((wanted - there).total(), (there - wanted).total())
-    said = f"{there.total()} copies of {len(parts)} parts on {len(listed)} sheet{'' if len(listed) == 1 else 's'}"
-    return [at_most("SHEET_FIT", off, 0, "copies", in_file(case.file("sheets", "csv")), said)]
+    present = Counter((copy.part, copy.copy) for copies in sheets.values() for copy in copies)
+    expected_copies = Counter(
+        (name, k + 1) for name, part in parts.items() for k in range(part.count)
+    )
+    off = max((expected_copies - present).total(), (present - expected_copies).total())
+    remark = f"{present.total()} copies of {len(parts)} parts on {len(sheets)} sheet{'' if len(sheets) == 1 else 's'}"
+    return [at_most("SHEET_FIT", off, 0, "copies", in_file(case.file("sheets", "csv")), remark)]
 
 
-def _density(listed: dict[int, list[Laid]], parts: dict[str, Part], laser: Laser) -> float:
+def _density(sheets: dict[int, list[SheetCopy]], parts: dict[str, Part], laser: Laser) -> float:
     """Area within the outlines of all parts over that of the sheets, of the last one as far as it is used."""
-    area = used = 0.0
+    area = length_used = 0.0
     outlines = {name: facet_contour(part.region.outer, _PACKED) for name, part in parts.items()}
-    for number, laid in listed.items():
-        area += sum(abs(parts[one.part].region.outer.area) for one in laid)
+    for number, copies in sheets.items():
+        area += sum(abs(parts[copy.part].region.outer.area) for copy in copies)
         ends = [
-            float((outlines[one.part] * cmath.rect(1, one.angle) + one.place).real.max())
-            for one in laid
+            float((outlines[copy.part] * cmath.rect(1, copy.angle) + copy.place).real.max())
+            for copy in copies
         ]
-        used += laser.sheet[1] * (max(ends) if number == max(listed) else laser.sheet[0])
-    return area / used if used else math.nan
+        length_used += laser.sheet[1] * (max(ends) if number == max(sheets) else laser.sheet[0])
+    return area / length_used if length_used else math.nan

@@ -59,22 +59,23 @@ _PATH = (
 def cams_of(mechanism: Mechanism) -> dict[str, tuple[CamTouch, Mount, float]]:
     """Where cams and outer walls of grooves are touched by their own follower, by the part that each is, how it stands on its
     body, and how far it is off that follower, mm."""
-    found: dict[str, tuple[CamTouch, Mount, float]] = {}
-    told: dict[str, int] = {}
+    cams: dict[str, tuple[CamTouch, Mount, float]] = {}
+    count: dict[str, int] = {}
     for feature in mechanism.assembly.features:
         if not isinstance(feature, CamOutline):
             continue
-        joint, k = mechanism.model.joint(feature.joint), told.get(feature.joint, 0)
-        told[feature.joint] = k + 1
+        joint = mechanism.model.joint(feature.joint)
+        k = count.get(feature.joint, 0)
+        count[feature.joint] = k + 1
         mount = [mount for mount in mechanism.assembly.mounts if mount.part == feature.part][
             feature.copy
         ]
         assert isinstance(joint, Cam), f"{feature.joint} is no cam"
         touch = joint.touches[k] if k < len(joint.touches) else None
-        left_out = mount.flipped or feature.part in found
+        left_out = mount.flipped or feature.part in cams
         if isinstance(touch, CamTouch) and not touch.mirrored and not left_out:
-            found[feature.part] = touch, mount, feature.free if touch.outer else 0.0
-    return found
+            cams[feature.part] = touch, mount, feature.free if touch.outer else 0.0
+    return cams
 
 
 def make_tables(case: Case) -> None:
@@ -82,7 +83,8 @@ def make_tables(case: Case) -> None:
 
     DesignError where the cutter's path falls apart.
     """
-    files, tolerance = case.mechanism.files, case.mechanism.accuracy.chord_tolerance
+    files = case.mechanism.files
+    tolerance = case.mechanism.accuracy.chord_tolerance
     for name, (touch, mount, free) in cams_of(case.mechanism).items():
         if files.profile_step_deg is not None:
             rows = _profile(touch, mount, free, files.profile_step_deg)
@@ -121,20 +123,22 @@ def _profile(
     touch: CamTouch, mount: Mount, free: float, step_deg: float
 ) -> Iterable[Sequence[object]]:
     """Rows of a cam's table over a turn; on an undercut's corner there is no normal and no curvature."""
-    theta, cam = np.radians(np.arange(0, 360, step_deg)), touch.cam
+    theta = np.radians(np.arange(0, 360, step_deg))
+    cam = touch.cam
     place, normal = touch(theta)
-    place, radius, pressure = (
-        place - free * normal,
-        touch.radius(theta) - free,
-        cam.pressure_angle(theta),
-    )
+    place = place - free * normal
+    radius = touch.radius(theta) - free
+    pressure = cam.pressure_angle(theta)
     with np.errstate(divide="ignore"):
         curvature = 1 / radius
-    for cut in () if touch.outer else cam.undercuts:
-        rides = np.mod(theta - cut.begin, math.tau) < cut.end - cut.begin
-        place[rides], normal[rides], curvature[rides] = cut.corner_cam, np.nan, np.nan
+    for undercut in () if touch.outer else cam.undercuts:
+        rides = np.mod(theta - undercut.begin, math.tau) < undercut.end - undercut.begin
+        place[rides] = undercut.corner_cam
+        normal[rides] = np.nan
+        curvature[rides] = np.nan
     turn = np.exp(-1j * mount.angle)
-    place, normal = (place - mount.at) * turn, normal * turn
+    place = (place - mount.at) * turn
+    normal = normal * turn
     columns = (
         np.degrees(theta),
         np.abs(place),
@@ -153,7 +157,8 @@ def _profile(
 
 def _piece(piece: Piece) -> Sequence[object]:
     """A row of the cutter's path; the cells of a centre are blank on a line."""
-    a, b = start_point(piece), end_point(piece)
+    a = start_point(piece)
+    b = end_point(piece)
     ends = (a.real, a.imag, b.real, b.imag)
     if isinstance(piece, Arc):
         centre = (piece.centre.real, piece.centre.imag, piece.radius, math.degrees(piece.sweep))
@@ -174,7 +179,8 @@ def table_files(case: Case) -> list[Path]:
 def judge_tables(case: Case) -> list[Finding]:
     """Whether tables lie on the outlines in the parts' own DXF, column by column, and whether the cutter on its path leaves those
     outlines."""
-    files, tolerance = case.mechanism.files, case.mechanism.accuracy.chord_tolerance
+    files = case.mechanism.files
+    tolerance = case.mechanism.accuracy.chord_tolerance
     findings: list[Finding] = []
     for name, (touch, *_) in cams_of(case.mechanism).items():
         rings = sorted(read_dxf(case.file(name, "dxf")).cut, key=lambda ring: -abs(ring.area))

@@ -42,20 +42,21 @@ def make_parts(case: Case, only: frozenset[str], workers: Workers, progress: Pro
     """Write the parts' own files of these kinds, of FORMATS, into the case's folder, beside the spec that is there."""
     names = list(case.parts)
     meshes: dict[str, Mesh] = {}
-    sent: dict[str, Mesh] = {}
-    made = workers.map(_make_part, repeat(case, len(names)), names, repeat(only, len(names)))
+    printable: dict[str, Mesh] = {}
+    pairs = workers.map(_make_part, repeat(case, len(names)), names, repeat(only, len(names)))
     for k, name in enumerate(names):
         progress(f"making {name}", 0.4 * k / len(names))
-        pair = next(made)
+        pair = next(pairs)
         if pair is not None:
-            meshes[name], sent[name] = pair
-    return meshes, sent
+            meshes[name], printable[name] = pair
+    return meshes, printable
 
 
-def put_together(case: Case, only: frozenset[str], made: Made, progress: Progress) -> None:
+def put_together(case: Case, only: frozenset[str], solids: Made, progress: Progress) -> None:
     """Write what the parts make together: their list, tables, the assembly, and the plates."""
-    mechanism, (meshes, sent) = case.mechanism, made
-    listed = printed_parts(mechanism.assembly)
+    mechanism = case.mechanism
+    (meshes, printable) = solids
+    parts = printed_parts(mechanism.assembly)
     sides = lying_sides(mechanism, written(case) if "3mf" in only else {})
     write_parts_list(case.file("parts", "csv"), mechanism, sides)
     if "dxf" in only and mechanism.laser is not None:
@@ -79,15 +80,15 @@ def put_together(case: Case, only: frozenset[str], made: Made, progress: Progres
         assembled(mechanism),
         _key(mechanism),
     )
-    if not listed:
+    if not parts:
         return
     from camgen.files.plates import laid_out, write_plates
 
     progress("laying out the plates", 0.42)
     layout = laid_out(
-        listed, sent, mechanism.print.bed, PLATE_GAP, sides, mechanism.print.bed_margin
+        parts, printable, mechanism.print.bed, PLATE_GAP, sides, mechanism.print.bed_margin
     )
-    write_plates(case.folder, mechanism.name, layout, sent, _key(mechanism))
+    write_plates(case.folder, mechanism.name, layout, printable, _key(mechanism))
 
 
 def written(case: Case) -> dict[str, Mesh]:
@@ -120,33 +121,33 @@ def lying_sides(mechanism: Mechanism, meshes: Mapping[str, Mesh]) -> dict[str, S
 
 def _make_part(case: Case, name: str, only: frozenset[str]) -> tuple[Mesh, Mesh] | None:
     """Write one part's files; its solid as designed and as sent to the printer, None where no file asks for one."""
-    mechanism, part = case.mechanism, case.parts[name]
-    tolerance, wanted = (
-        mechanism.accuracy.chord_tolerance,
-        [kind for kind in FORMATS if kind in only],
-    )
-    mesh = sent = None
-    if any(FORMATS[kind].solid for kind in wanted):
+    mechanism = case.mechanism
+    part = case.parts[name]
+    tolerance = mechanism.accuracy.chord_tolerance
+    kinds = [kind for kind in FORMATS if kind in only]
+    mesh = printable = None
+    if any(FORMATS[kind].solid for kind in kinds):
         from camgen.parts.solids import solid
 
         fit = compensation(mechanism)
         mesh = solid(part, tolerance)
-        sent = solid(compensated(part, fit), tolerance) if fit else mesh
+        printable = solid(compensated(part, fit), tolerance) if fit else mesh
     files = mechanism.files
-    centres, engraved = (
-        part.centres if files.center_marks else (),
-        part.engraving if files.engrave else (),
+    centres = part.centres if files.center_marks else ()
+    engraved = part.engraving if files.engrave else ()
+    title = f"{mechanism.name}-{name}"
+    key = _key(mechanism)
+    job = Job(
+        name, title, key, part.region, centres, tolerance, files.curves, printable, part, engraved
     )
-    title, key = f"{mechanism.name}-{name}", _key(mechanism)
-    job = Job(name, title, key, part.region, centres, tolerance, files.curves, sent, part, engraved)
-    for kind in wanted:
+    for kind in kinds:
         with (
             suppress(DesignError) if kind in EXACT else nullcontext()
         ):  # a part that has none is told as files are judged
             write_part(case.file(name, kind), job)
     if "dxf" in only:
         draw_part(case, name, case.folder)
-    return None if mesh is None or sent is None else (mesh, sent)
+    return None if mesh is None or printable is None else (mesh, printable)
 
 
 def write_exact_assembly(case: Case) -> None:
@@ -228,13 +229,12 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
     for part in (
         part for part in parts if part not in printed
     ):  # what is bought has a size, what is turned a volume
-        bought, sized = part.made == "bought", part.made in ("bought", TURNED)
-        what, volume = (
-            ": ".join([part.title, *part.notes[: int(sized)]]),
-            "" if bought else part.count * part.volume,
-        )
-        made = "cut of sheet" if cut_of_sheet(mechanism.assembly, part) else part.made
-        rows.append((made, part.name, what, part.count, volume, *blank))
+        bought = part.made == "bought"
+        has_size = part.made in ("bought", TURNED)
+        what = ": ".join([part.title, *part.notes[: int(has_size)]])
+        volume = "" if bought else part.count * part.volume
+        how = "cut of sheet" if cut_of_sheet(mechanism.assembly, part) else part.made
+        rows.append((how, part.name, what, part.count, volume, *blank))
     things = list(mechanism.assembly.bought)
     if any("glued" in note for part in parts for note in part.notes) and "glue" not in {
         thing.name for thing in things

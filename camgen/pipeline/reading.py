@@ -11,6 +11,7 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.files.formats import EXACT, FORMATS, READABLE
 from camgen.findings import Finding, NotJudged, Where, at_most, in_file
+from camgen.geometry.arcs import bulges, fit_arcs
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats
 from camgen.geometry.rings import Ring, Shape
@@ -43,20 +44,19 @@ def judge_part(
     case: Case, name: str, kinds: Sequence[str], dimensioned: bool = True
 ) -> tuple[Outcome, Read]:
     """Read one part's files; dimensioned: its drawing with dimensions too, which stands beside its DXF."""
-    mechanism, part = case.mechanism, case.parts[name]
-    features, tolerance, fit = (
-        mechanism.assembly.features,
-        mechanism.accuracy.chord_tolerance,
-        compensation(mechanism),
-    )
+    mechanism = case.mechanism
+    part = case.parts[name]
+    features = mechanism.assembly.features
+    tolerance = mechanism.accuracy.chord_tolerance
+    fit = compensation(mechanism)
     findings: list[Finding] = []
-    read: Read = {}
-    refused: list[NotJudged] = []
+    sections: Read = {}
+    not_judged: list[NotJudged] = []
     for kind in kinds:
         path = case.file(name, kind)
         if kind in EXACT and not path.exists():
             why = _without(part, tolerance)
-            refused += why
+            not_judged += why
             if not why:
                 findings.append(
                     at_most(
@@ -71,14 +71,14 @@ def judge_part(
             continue
         solid = FORMATS[kind].solid
         sent, drawn = (fit, None) if solid else (None, mechanism.files)
-        meant = expected(part, tolerance, features, sent, drawn)
-        judged = _JUDGES[FORMATS[kind].holds](path, meant)
-        findings += judged.findings
+        shape = expected(part, tolerance, features, sent, drawn)
+        verdict = _JUDGES[FORMATS[kind].holds](path, shape)
+        findings += verdict.findings
         if kind == "dxf" and dimensioned:
-            findings.append(judge_dimensioned(case.file(f"{name}-drawing", kind), meant))
-        if judged.sections:
-            read[kind] = judged.sections
-    return Outcome(findings, not_judged=refused), read
+            findings.append(judge_dimensioned(case.file(f"{name}-drawing", kind), shape))
+        if verdict.sections:
+            sections[kind] = verdict.sections
+    return Outcome(findings, not_judged=not_judged), sections
 
 
 _JUDGES = {"drawing": judge_drawing, "mesh": judge_mesh, "exact": judge_exact}
@@ -106,19 +106,21 @@ def files_of(mechanism: Mechanism, kind: str) -> Where:
 def judge_motion(
     mechanism: Mechanism,
     kind: str,
-    read: Mapping[str, Read],
+    parts: Mapping[str, Read],
     theta: Floats,
     where: Where | None = None,
-    more: float = 0.0,
+    spare: float = 0.0,
 ) -> tuple[Verdict, Sequence[Feature]] | None:
     """The machine closed on what was measured in files of a kind, at theta, (n,) rad, and on which features; None where a part
-    is not there. Of cams those count whose parts are there; where: said in findings; more: mm, by which outlines may be off
+    is not there. Of cams those count whose parts are there; where: said in findings; spare: mm, by which outlines may be off
     besides accuracy.chord_tolerance.
     """
+    from camgen.judge.joints import Nominal
+    from camgen.judge.measured import Files
     from camgen.judge.motion import judge_machine
 
-    files = {name: part[kind] for name, part in read.items() if kind in part}
-    lost = read.keys() - files.keys()
+    files = {name: part[kind] for name, part in parts.items() if kind in part}
+    lost = parts.keys() - files.keys()
     features = [
         each
         for each in mechanism.assembly.features
@@ -128,23 +130,19 @@ def judge_motion(
         return None
     fit = compensation(mechanism) if READABLE[kind].solid else None
     slack = Undo(fit.hole, fit.profile, fit.shrinkage).slack if fit is not None else 0.0
+    assembly = mechanism.assembly
     verdict = judge_machine(
-        kind,
-        where or files_of(mechanism, kind),
-        files,
-        mechanism.model,
-        features,
-        mechanism.assembly.mounts,
+        Nominal(mechanism.model, features, assembly.mounts, assembly.demands),
+        Files(kind, where or files_of(mechanism, kind), files),
         theta,
-        mechanism.accuracy.chord_tolerance + more,
+        mechanism.accuracy.chord_tolerance + spare,
         slack,
-        mechanism.assembly.demands,
     )
     return verdict, features
 
 
 def moved_by(
-    mechanism: Mechanism, kinds: Sequence[str], read: Mapping[str, Read]
+    mechanism: Mechanism, kinds: Sequence[str], parts: Mapping[str, Read]
 ) -> tuple[Outcome, dict[str, Floats], Study]:
     """The motion over a turn as the files give it: findings, plots of each output, its speed, error and play, as columns of
     motion.csv; and what follows from the recovered motion."""
@@ -155,10 +153,8 @@ def moved_by(
     features = mechanism.assembly.features
     if not features:
         return Outcome(), {}, Study()
-    (low, high), wishes = (
-        mechanism.assembly.cycle.range,
-        {each.output: each for each in mechanism.assembly.demands},
-    )
+    (low, high) = mechanism.assembly.cycle.range
+    wishes = {each.output: each for each in mechanism.assembly.demands}
     theta = np.linspace(low, high, math.ceil((ROWS - 1) * (high - low) / math.tau - 1e-9) + 1)
     judged = low + judged_angles() * ((high - low) / math.tau)
     outputs = judged_outputs(mechanism.model.outputs, wishes.values())
@@ -172,12 +168,13 @@ def moved_by(
             curve.want(motion(theta, 0), motion(theta, 1))
     findings: list[Finding] = []
     numbers: dict[str, float] = {}
-    tables, nominal = [], []
+    tables = []
+    nominal = []
     for kind in kinds:
-        found = judge_motion(mechanism, kind, read, judged)
-        if found is None:
+        result = judge_motion(mechanism, kind, parts, judged)
+        if result is None:
             continue
-        verdict = found[0]
+        verdict = result[0]
         findings += verdict.findings
         numbers |= verdict.numbers
         nominal += [each for each in verdict.not_judged if each not in nominal]
@@ -192,39 +189,34 @@ def moved_by(
     for curve in curves:
         columns |= curve.columns
     plots = [plot for curve in curves for plot in curve.plots()]
-    more = mechanism.recovered(theta, curves[0].recovered)
-    return Outcome(findings, numbers, plots, tables, not_judged=nominal), columns, more
+    recovered = mechanism.recovered(theta, curves[0].recovered)
+    return Outcome(findings, numbers, plots, tables, not_judged=nominal), columns, recovered
 
 
 def budget_of(
-    case: Case, read: Mapping[str, Read], found: Sequence[Mapping[str, float]]
+    case: Case, parts: Mapping[str, Read], sources: Sequence[Mapping[str, float]]
 ) -> Table | None:
-    """What each stage from law to file adds to the error of the outline that drives; `found`: the figures of today."""
+    """What each stage from law to file adds to the error of the outline that drives; sources: the figures of today."""
     mechanism = case.mechanism
     drive = next(
         (feature for feature in mechanism.assembly.features if isinstance(feature, CamOutline)),
         None,
     )
-    if drive is None or not read[drive.part]:
+    if drive is None or not parts[drive.part]:
         return None
-    from camgen.judge.budget import error_budget
+    from camgen.judge.budget import Stages, error_budget
+    from camgen.judge.joints import Nominal
 
-    part, tolerance, fit = (
-        case.parts[drive.part],
-        mechanism.accuracy.chord_tolerance,
-        compensation(mechanism),
+    part = case.parts[drive.part]
+    tolerance = mechanism.accuracy.chord_tolerance
+    fit = compensation(mechanism)
+    numbers = {name: value for figures in reversed(sources) for name, value in figures.items()}
+    outline = part.region.outer
+    stages = Stages(
+        outline, Ring(*bulges(fit_arcs(outline, tolerance))), _facets(part, tolerance, fit)
     )
-    numbers = {name: value for figures in reversed(found) for name, value in figures.items()}
-    return error_budget(
-        part.region.outer,
-        _facets(part, tolerance, fit),
-        mechanism.model,
-        drive,
-        mechanism.assembly.mounts,
-        tolerance,
-        read[drive.part],
-        numbers,
-    )
+    nominal = Nominal(mechanism.model, (drive,), mechanism.assembly.mounts)
+    return error_budget(nominal, drive, stages, parts[drive.part], numbers)
 
 
 def _facets(part: Part, tolerance: float, fit: Compensation | None) -> Ring:

@@ -70,8 +70,8 @@ def system() -> str:
     """What bytes depend on besides versions of packages: the system, its libraries, and the instructions that numpy takes."""
     libraries = [*platform.libc_ver(), "zlib", zlib.ZLIB_RUNTIME_VERSION]
     instructions = np.show_config(mode="dicts")["SIMD Extensions"]
-    taken = [*instructions.get("baseline", ()), *instructions.get("found", ())]
-    return " ".join(filter(None, [platform.system(), platform.machine(), *libraries, *taken]))
+    features = [*instructions.get("baseline", ()), *instructions.get("found", ())]
+    return " ".join(filter(None, [platform.system(), platform.machine(), *libraries, *features]))
 
 
 def packages_of(kinds: Collection[str]) -> tuple[str, ...]:
@@ -81,12 +81,12 @@ def packages_of(kinds: Collection[str]) -> tuple[str, ...]:
 
 def kinds_of(case: Case, manifest: Mapping[str, Any]) -> list[str]:
     """The kinds of files that a folder was built with: as its manifest says, and of which any file is there."""
-    said = manifest.get("kinds", ())
-    told = said if isinstance(said, list) else ()
+    entry = manifest.get("kinds", ())
+    names = entry if isinstance(entry, list) else ()
     return [
         kind
         for kind in ANY_KIND
-        if kind in told or any(path.exists() for path in _files(case, kind))
+        if kind in names or any(path.exists() for path in _files(case, kind))
     ]
 
 
@@ -99,12 +99,12 @@ def _files(case: Case, kind: str) -> list[Path]:
     return [case.file(name, kind) for name in case.parts]
 
 
-def judged_files(case: Case, listed: Collection[str]) -> set[str]:
+def judged_files(case: Case, names: Collection[str]) -> set[str]:
     """Names of the files that are judged by what they hold."""
-    own = {path.name for kind in FORMATS for path in _files(case, kind)} | {
+    parts = {path.name for kind in FORMATS for path in _files(case, kind)} | {
         path.name for path in sheet_files(case)
     }
-    return own | {SPEC} | {name for name in listed if name.endswith((".3mf", ".step"))}
+    return parts | {SPEC} | {name for name in names if name.endswith((".3mf", ".step"))}
 
 
 @dataclass(frozen=True)
@@ -122,94 +122,102 @@ class Rebuild:
     columns: Mapping[str, Floats]
     otherwise: bool
 
-    def outcome(self, told: Collection[str], workers: Workers) -> Outcome:
+    def outcome(self, changes: Collection[str], workers: Workers) -> Outcome:
         """REBUILD: files that are not as they are made anew, that are not there, or that no such build makes.
 
-        told: names of files whose change is told already.
+        changes: names of files whose change is a finding already.
         """
-        listed = self.manifest["files"]
+        files = self.manifest["files"]
         plots = {path.name for path in _files(self.case, "plots")}
         left_out = _OF_FILES | plots if self.otherwise else set()
         with TemporaryDirectory() as scratch:
-            anew = Path(scratch)
-            self._make(anew, workers)
-            made = sorted(path.name for path in anew.iterdir())
-            held = [name for name in made if name not in told and name not in left_out]
-            wrong = {
+            folder = Path(scratch)
+            self._make(folder, workers)
+            names = sorted(path.name for path in folder.iterdir())
+            compared = [name for name in names if name not in changes and name not in left_out]
+            differences = {
                 name: said
-                for name in held
-                if (said := _difference(self.case.folder / name, anew / name))
+                for name in compared
+                if (said := _difference(self.case.folder / name, folder / name))
             }
-        known = {*made, *judged_files(self.case, listed), MANIFEST, *left_out}
-        wrong |= {name: "is made by no such build" for name in listed if name not in known}
+        judged = {*names, *judged_files(self.case, files), MANIFEST, *left_out}
+        differences |= {name: "is made by no such build" for name in files if name not in judged}
         notes = (
-            ["of the parts' files as they were: " + ", ".join(sorted(left_out & set(made)))]
+            ["of the parts' files as they were: " + ", ".join(sorted(left_out & set(names)))]
             if self.otherwise
             else []
         )
-        stale = self._stale(wrong, told)
+        stale = self._stale(differences, changes)
         if stale:
-            wrong = {name: why for name, why in wrong.items() if name not in stale}
-            held = [name for name in held if name not in stale]
+            differences = {name: why for name, why in differences.items() if name not in stale}
+            compared = [name for name in compared if name not in stale]
             notes.append(f"of what the build found, not of what fails now: {', '.join(stale)}")
         others = _others(self.manifest, packages_of(self.kinds))
-        if wrong and others:
-            why = f"built with {others}: not as they are made anew here, and not judged by all that they hold: {', '.join(wrong)}"
+        if differences and others:
+            why = f"built with {others}: not as they are made anew here, and not judged by all that they hold: {', '.join(differences)}"
             return Outcome(
                 not_judged=[NotJudged("REBUILD", why, "what it was built with")], notes=notes
             )
-        said = f"{len(held)} files beside the parts are as they are made anew from spec.toml and the parts' files"
-        if wrong:
-            rows = [f"{name} {why}" for name, why in wrong.items()]
-            more = [", ".join(list(wrong)[_TOLD:])] if len(wrong) > _TOLD else []
+        said = f"{len(compared)} files beside the parts are as they are made anew from spec.toml and the parts' files"
+        if differences:
+            rows = [f"{name} {why}" for name, why in differences.items()]
+            more = [", ".join(list(differences)[_TOLD:])] if len(differences) > _TOLD else []
             said = "not as they are made anew from spec.toml and the parts' files: " + "; ".join(
                 [*rows[:_TOLD], *more]
             )
         return Outcome(
-            [at_most("REBUILD", len(wrong), 0, "files", in_file(Path(SPEC)), said)], notes=notes
+            [at_most("REBUILD", len(differences), 0, "files", in_file(Path(SPEC)), said)],
+            notes=notes,
         )
 
-    def _stale(self, wrong: Collection[str], told: Collection[str]) -> list[str]:
+    def _stale(self, names: Collection[str], changes: Collection[str]) -> list[str]:
         """Reports that are there but other ones than those of today, where something else fails already: they follow from it."""
-        if self.report.ok and not told:
+        if self.report.ok and not changes:
             return []
         return [
-            name for name in wrong if name in _OF_JUDGEMENT and (self.case.folder / name).is_file()
+            name for name in names if name in _OF_JUDGEMENT and (self.case.folder / name).is_file()
         ]
 
     def _make(self, folder: Path, workers: Workers) -> None:
         """Make what is no file of a part, an assembly, a plate or a sheet into another folder."""
-        case, kinds, anew = self.case, self.kinds, Case(self.case.mechanism, folder)
+        case = self.case
+        kinds = self.kinds
+        copy = Case(self.case.mechanism, folder)
         drawings = list(case.parts) if "dxf" in kinds else []
-        drawn = workers.map(
+        tasks = workers.map(
             draw_part, repeat(case, len(drawings)), drawings, repeat(folder, len(drawings))
         )
         scene = seen(case, kinds)
         if scene is not None:
-            anew.file("assembly", "glb").write_bytes(scene.glb)
+            copy.file("assembly", "glb").write_bytes(scene.glb)
         sides = lying_sides(case.mechanism, written(case) if "3mf" in kinds else {})
-        write_parts_list(anew.file("parts", "csv"), case.mechanism, sides)
+        write_parts_list(copy.file("parts", "csv"), case.mechanism, sides)
         if "dxf" in kinds and case.mechanism.files.machining:
             from camgen.pipeline.machining import make_tables
 
-            make_tables(anew)
+            make_tables(copy)
         write_texts(case, folder)
         write_report(Summary(kinds, self.report, self.columns, scene), case, folder)
-        for _ in drawn:
+        for _ in tasks:
             pass
 
 
 def _others(manifest: Mapping[str, Any], packages: Collection[str]) -> str:
     """What a build was made with that is not here, in words; "" where bytes are to be the same."""
-    here = {"camgen": __version__, **versions(packages)}
-    told = manifest.get("packages")
-    there = {"camgen": manifest["camgen"], **(told if isinstance(told, dict) else {})}
-    other = [
-        f"{name} {there.get(name, 'unknown')}"
-        for name in sorted({*here, *there})
-        if here.get(name) != there.get(name)
+    present = {"camgen": __version__, **versions(packages)}
+    packages_then = manifest.get("packages")
+    then = {
+        "camgen": manifest["camgen"],
+        **(packages_then if isinstance(packages_then, dict) else {}),
+    }
+    differences = [
+        f"{name} {then.get(name, 'unknown')}"
+        for name in sorted({*present, *then})
+        if present.get(name) != then.get(name)
     ]
-    return ", ".join([*other, *(["another system"] if manifest.get("system") != system() else [])])
+    return ", ".join(
+        [*differences, *(["another system"] if manifest.get("system") != system() else [])]
+    )
 
 
 # ---- one file --------------------------------------------------------------------------------------------------------
@@ -219,11 +227,11 @@ def _difference(path: Path, anew: Path) -> str:
     """In which way a file is another one than the same made anew; "" where it is the same but for the last digits of numbers."""
     if not path.is_file():
         return "is not there"
-    wanted = anew.read_bytes()
-    if path.stat().st_size > 2 * len(wanted) + 1000:
+    expected = anew.read_bytes()
+    if path.stat().st_size > 2 * len(expected) + 1000:
         return "is larger"
     data = path.read_bytes()
-    if data == wanted:
+    if data == expected:
         return ""
     if path.suffix[1:] not in _TEXTS:
         return "has other bytes"
@@ -232,7 +240,7 @@ def _difference(path: Path, anew: Path) -> str:
     except UnicodeDecodeError:
         return "is no text"
     for number, (line, other) in enumerate(
-        zip_longest(text.split("\n"), wanted.decode("utf-8").split("\n"), fillvalue=""), 1
+        zip_longest(text.split("\n"), expected.decode("utf-8").split("\n"), fillvalue=""), 1
     ):
         if not _same(line, other):
             return f"has in line {number} {_from(line, other)!r} instead of {_from(other, line)!r}"

@@ -83,12 +83,12 @@ def of_parts(mechanism: Mechanism) -> list[Stage]:
     if any(isinstance(cam.tip, Flat) and math.isfinite(cam.tip.width) for cam in cams):
         stages.append(Stage(("FACE_WIDTH",), "where the face is touched", READ))
     if len(cams) < len(features):
-        asked = mechanism.assembly.demands
-        more = dict.fromkeys(target.code for each in asked for target in each.targets)
-        more |= {"STROKE_ERROR": None} if any(each.stroke for each in asked) else {}
+        wishes = mechanism.assembly.demands
+        codes = dict.fromkeys(target.code for each in wishes for target in each.targets)
+        codes |= {"STROKE_ERROR": None} if any(each.stroke for each in wishes) else {}
         stages.append(
             Stage(
-                ("MOTION_ERROR", "PIN_GAP", "LASH", *more),
+                ("MOTION_ERROR", "PIN_GAP", "LASH", *codes),
                 "the linkage, closed on the holes of its parts",
                 READ,
             )
@@ -100,40 +100,38 @@ def not_judged(
     stages: Sequence[Stage], kinds: Collection[str], findings: Sequence[Finding]
 ) -> tuple[NotJudged, ...]:
     """Codes that no stage could give: no file of its kinds is there, or none that could be judged."""
-    told, failing = (
-        {finding.code for finding in findings},
-        any(not finding.ok for finding in findings),
-    )
-    found: dict[str, NotJudged] = {}
+    codes = {finding.code for finding in findings}
+    failing = any(not finding.ok for finding in findings)
+    reasons: dict[str, NotJudged] = {}
     for stage in stages:
         needs = " or ".join(kind.upper() for kind in stage.takes)
         for code in stage.codes:
             if not stage.runs(kinds):
-                found.setdefault(
+                reasons.setdefault(
                     code,
                     NotJudged(
                         code, f"no {needs} is in the folder; it looks at {stage.what}", needs
                     ),
                 )
-            elif failing and code not in told:
+            elif failing and code not in codes:
                 why = f"no {needs} could be judged so far, see what fails; it looks at {stage.what}"
-                found.setdefault(code, NotJudged(code, why, "a file without the faults above"))
-    return tuple(found.values())
+                reasons.setdefault(code, NotJudged(code, why, "a file without the faults above"))
+    return tuple(reasons.values())
 
 
 def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
     """Sentences on keys that were set and cannot act on a kind of file that is there."""
-    found = []
+    sentences = []
     drawn, solid = (" and ".join(map(str.upper, each)) for each in (DRAWN, SOLID))
     as_drawn = [kind.upper() for kind in (*DRAWN, *EXACT) if kind in kinds]
     told = f"{' and '.join(as_drawn)} {'is' if len(as_drawn) == 1 else 'are'} as drawn"
     for key in _FITS if as_drawn else ():
         value = getattr(mechanism.print, key)
         if value:
-            found.append(f"print.{key} = {value:g} acts on {solid} alone: the {told}")
+            sentences.append(f"print.{key} = {value:g} acts on {solid} alone: the {told}")
     if mechanism.laser is not None and "dxf" in kinds:
         kerf = mechanism.laser.kerf
-        found.append(
+        sentences.append(
             f"laser.kerf = {kerf:g} acts on the sheets alone: every part's own DXF is as drawn"
         )
         if all(why_not(part, mechanism.laser.thickness) for part in mechanism.assembly.parts):
@@ -144,18 +142,18 @@ def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
             }
             said = ", ".join(f"{name} is {thick:g}" for thick, name in sorted(flat.items()))
             told = f"no part is flat and as thick ({said} mm)" if flat else "no part is flat"
-            found.append(
+            sentences.append(
                 f"laser.thickness = {mechanism.laser.thickness:g}: {told}, so there is no sheet"
             )
     elif mechanism.laser is not None:
-        found.append("[laser] makes its sheets with the DXF, and no DXF is made")
+        sentences.append("[laser] makes its sheets with the DXF, and no DXF is made")
     if mechanism.files.engrave and not any(part.engraved for part in mechanism.assembly.parts):
-        found.append("files.engrave = true: no part has anything engraved")
+        sentences.append("files.engrave = true: no part has anything engraved")
     elif mechanism.files.engrave and not any(kind in kinds for kind in DRAWN):
-        found.append(f"files.engrave = true acts on {drawn} alone, and no {drawn} is made")
+        sentences.append(f"files.engrave = true acts on {drawn} alone, and no {drawn} is made")
     idle = mechanism.remarks().unused
     if idle:
-        found.append(
+        sentences.append(
             f'{", ".join(idle)} {"is" if len(idle) == 1 else "are"} not used with parts.make = "machine": see [bodies]'
         )
     curves = mechanism.files.curves
@@ -164,5 +162,5 @@ def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
         and any(kind in kinds for kind in SOLID)
         and not any(kind in kinds for kind in DRAWN)
     ):
-        found.append(f'files.curves = "{curves}" acts on {drawn} alone, and no {drawn} is made')
-    return tuple(found)
+        sentences.append(f'files.curves = "{curves}" acts on {drawn} alone, and no {drawn} is made')
+    return tuple(sentences)

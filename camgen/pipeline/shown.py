@@ -48,13 +48,15 @@ def animation(mechanism: Mechanism, sketches: Sequence[Sketch] | None = None) ->
     """One turn of the exact mechanism, as the report shows it moving; sketches: those of its study, where that is known."""
     theta = _turn(mechanism, _FRAMES)
     assembly = mechanism.assembly
-    poses, courses, bodies = assembly.poses(theta), assembly.courses(theta), []
+    poses = assembly.poses(theta)
+    courses = assembly.courses(theta)
+    bodies = []
     for part in assembly.parts:
         region = part.region
         rings = [bulges(fit_arcs(contour, _DRAWN)) for contour in (region.outer, *region.holes)]
         bodies.append(Body(part.name, poses[part.name], rings))
-    drawn = mechanism.study().sketches if sketches is None else sketches
-    for s in (*drawn, *spring_sketches(assembly.coils, assembly.courses)):
+    shapes = mechanism.study().sketches if sketches is None else sketches
+    for s in (*shapes, *spring_sketches(assembly.coils, assembly.courses)):
         body = courses[s.body]
         course = None if s.course is None else s.course(theta)
         bodies.append(
@@ -77,25 +79,24 @@ def animation(mechanism: Mechanism, sketches: Sequence[Sketch] | None = None) ->
 
 def _reachable(mechanism: Mechanism, output: Output, theta: Floats) -> Floats:
     """What exact parts give of the wanted motion: less what the spec itself implies (undercut), (n,)."""
-    assembly, wanted = mechanism.assembly, mechanism.motion(theta)
+    assembly = mechanism.assembly
+    wanted = mechanism.motion(theta)
     if assembly.exact is assembly.machine:
         return wanted
     at = assembly.cycle.theta(theta)
-    asked, given = (
+    nominal, exact = (
         np.real(solve(each, at, 0)[output.name]) for each in (assembly.machine, assembly.exact)
     )
-    return np.asarray(wanted - (asked - given))
+    return np.asarray(wanted - (nominal - exact))
 
 
 def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
     """The machine in three dimensions, from coarse solids of its exact parts; plates: what was laid out."""
-    from camgen.files.gltf import Moving, Shape, glb
+    from camgen.files.gltf import Shape, Track, glb
     from camgen.geometry.mesh import placing
 
-    parts, courses = (
-        mechanism.assembly.parts,
-        mechanism.assembly.courses(_turn(mechanism, _FRAMES_3D)),
-    )
+    parts = mechanism.assembly.parts
+    courses = mechanism.assembly.courses(_turn(mechanism, _FRAMES_3D))
     number = {part.name: k for k, part in enumerate(parts)}
     shapes = [
         Shape(part.name, _coarse(part, mechanism.accuracy.chord_tolerance), part_colour(k))
@@ -109,20 +110,25 @@ def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
         stands = placing(mount.angle, complex(mount.at), mount.z, parts[k].thickness, mount.flipped)
         bodies.setdefault(mount.body, []).append((f"{mount.part}-{copies[mount.part]}", k, stands))
     frames = mechanism.assembly.cycle.turns * _FRAMES_3D
-    moving = [Moving(name, *_over(courses[name], frames), held) for name, held in bodies.items()]
-    parts_of = {copy: parts[k].name for held in bodies.values() for copy, k, _ in held}
+    tracks = [
+        Track(name, *_over(courses[name], frames), copies_of_body)
+        for name, copies_of_body in bodies.items()
+    ]
+    parts_of = {
+        copy: parts[k].name for copies_of_body in bodies.values() for copy, k, _ in copies_of_body
+    }
     order = list(parts_of)
     table = order_of_assembly(mechanism.assembly)
     steps = []
-    for row, laid in zip(table.rows, table.copies or [()] * len(table.rows), strict=True):
-        found = [copy for copy in order if copy in laid or parts_of[copy] in laid]
+    for row, new in zip(table.rows, table.copies or [()] * len(table.rows), strict=True):
+        step_copies = [copy for copy in order if copy in new or parts_of[copy] in new]
         if mechanism.assembly.work:
             words = f"{row[1]}: {row[2]}"
         else:
-            words = f"{row[2]}{f' × {len(found)}' if len(found) > 1 else ''}"
+            words = f"{row[2]}{f' × {len(step_copies)}' if len(step_copies) > 1 else ''}"
             words += f"; {row[3]}" if row[3] else ""
-        steps.append(Step(words, found))
-    made = glb(mechanism.name, shapes, moving, mechanism.assembly.cycle.turns)
+        steps.append(Step(words, step_copies))
+    made = glb(mechanism.name, shapes, tracks, mechanism.assembly.cycle.turns)
     return Scene(
         made,
         order,
@@ -137,7 +143,8 @@ def flights(mechanism: Mechanism) -> dict[str, Flight]:
     from camgen.judge.scene import Flight
 
     theta = _turn(mechanism, _FRAMES_3D)
-    poses, found = mechanism.assembly.poses(np.append(theta, theta[0])), {}
+    poses = mechanism.assembly.poses(np.append(theta, theta[0]))
+    flights_of = {}
     for part in mechanism.assembly.parts:
         low, high = extent([layer.region.outer for layer in part.layers])
         reach = (
@@ -146,14 +153,12 @@ def flights(mechanism: Mechanism) -> dict[str, Flight]:
         )
         for k, pose in enumerate(poses[part.name]):
             frames = len(theta) + 1
-            angle, place = (
-                np.broadcast_to(pose.angle, frames),
-                np.broadcast_to(np.asarray(pose.place, complex), frames),
-            )
-            found[f"{part.name}-{k + 1}"] = Flight(
+            angle = np.broadcast_to(pose.angle, frames)
+            place = np.broadcast_to(np.asarray(pose.place, complex), frames)
+            flights_of[f"{part.name}-{k + 1}"] = Flight(
                 part.name, angle, place, pose.z, pose.flipped, part.thickness, reach
             )
-    return found
+    return flights_of
 
 
 def _over(pose: Pose, frames: int) -> tuple[Floats, Points]:

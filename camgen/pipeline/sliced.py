@@ -25,7 +25,7 @@ from camgen.files.threemf import Item, read_3mf
 from camgen.findings import Finding, NotJudged, Where, at_most, in_file
 from camgen.geometry.rings import Floats, Shape
 from camgen.judge.measured import Sections, measure
-from camgen.judge.sliced import Copy, Known, bodies, copy_of, envelope, outwards, shapes_of
+from camgen.judge.sliced import Copy, PrintModel, bodies, copy_of, envelope, outwards, shapes_of
 from camgen.judge.sliced_copies import judge_sliced_copies
 from camgen.machine.features import CamOutline, Eye, eyes, parts_of
 from camgen.machines.sources import read_mechanism
@@ -62,7 +62,7 @@ _COSTS = {
 
 
 @dataclass
-class _Laid:
+class _Print:
     """What the G-code holds of one part: of each slab of it the section of its envelope, and those of its layers by height; and
     rows for people."""
 
@@ -96,14 +96,15 @@ def check_gcode(
     """
     case = Case(read_mechanism(folder / "spec.toml"), folder)
     manifest_files(folder)  # a folder of camgen's
-    mechanism, fit = case.mechanism, compensation(case.mechanism) or Compensation()
+    mechanism = case.mechanism
+    fit = compensation(case.mechanism) or Compensation()
     _each_once(plates)
     packages = {
         path.name: read_3mf(path).items
         for path in sorted(case.folder.glob(f"{mechanism.name}-plate*.3mf"))
     }
-    known = _known(case, packages.values())
-    laid: dict[str, _Laid] = {}
+    models = _known(case, packages.values())
+    prints: dict[str, _Print] = {}
     findings: list[Finding] = []
     on_side: set[str] = set()
     settings: dict[str, str] = {}
@@ -116,10 +117,10 @@ def check_gcode(
             raise FileError(path, f"has {error}: slice fewer parts at a time") from None
         settings |= read_settings(path)
         progress(f"finding the parts in {path.name}")
-        copies = [copy_of(body, known) for body in found]
+        copies = [copy_of(body, models) for body in found]
         strange = copies.count(None)
-        said = f"of {counted(len(copies), 'body', 'bodies')} are like no part of {mechanism.name} by height, area and outline"
-        findings.append(at_most("ROUND_TRIP", strange, 0, "bodies", in_file(path), said))
+        remark = f"of {counted(len(copies), 'body', 'bodies')} are like no part of {mechanism.name} by height, area and outline"
+        findings.append(at_most("ROUND_TRIP", strange, 0, "bodies", in_file(path), remark))
         for copy in (copy for copy in copies if copy is not None):
             name = copy.known.part
             findings += copy.complete(in_file(path))
@@ -127,18 +128,18 @@ def check_gcode(
             if copy.known.over is None:
                 on_side.add(name)
                 continue
-            _add(laid.setdefault(name, _Laid()), copy, case.parts[name], fit, in_file(path))
-    for one in laid.values():
-        findings += one.findings
-    wanted = Counter({part.name: part.count for part in printed_parts(mechanism.assembly)})
-    held = {name: Counter(item.name for item in items) for name, items in packages.items()} or {
-        "all parts": wanted
-    }
+            _add(prints.setdefault(name, _Print()), copy, case.parts[name], fit, in_file(path))
+    for each in prints.values():
+        findings += each.findings
+    expected = Counter({part.name: part.count for part in printed_parts(mechanism.assembly)})
+    plate_copies = {
+        name: Counter(item.name for item in items) for name, items in packages.items()
+    } or {"all parts": expected}
     where = Where(file=", ".join(path.name for path in plates), kind="gcode")
-    complete, absent = judge_sliced_copies(count, wanted, held, where)
+    complete, absent = judge_sliced_copies(count, expected, plate_copies, where)
     findings.append(complete)
     progress("letting the parts touch")
-    moved, numbers, more = _moved(case, laid, on_side, where)
+    motion, numbers, not_judged = _moved(case, prints, on_side, where)
     columns = (
         "part",
         "layers",
@@ -156,19 +157,19 @@ def check_gcode(
         Table(
             "As laid by the printer, out of the material meant",
             columns,
-            [row for one in laid.values() for row in one.rows],
+            [row for each in prints.values() for row in each.rows],
         ),
-        _eye_table(case, laid),
+        _eye_table(case, prints),
         _settings_table(settings),
     ]
     return Report(
         mechanism.name,
         mechanism.mechanism,
-        [*findings, *moved],
+        [*findings, *motion],
         numbers,
         tables=[table for table in tables if table.rows],
-        not_judged=tuple(dict.fromkeys([*absent, *more])),
-        remarks=_remarks(laid, numbers, settings),
+        not_judged=tuple(dict.fromkeys([*absent, *not_judged])),
+        remarks=_remarks(prints, numbers, settings),
     )
 
 
@@ -187,13 +188,13 @@ def _each_once(plates: Sequence[Path]) -> None:
             )
 
 
-def _known(case: Case, packages: Iterable[Sequence[Item]]) -> list[Known]:
+def _known(case: Case, packages: Iterable[Sequence[Item]]) -> list[PrintModel]:
     """The printed parts of a folder as they were sent, on the sides on which its plates, with these items, lay them."""
-    lying: dict[str, list[tuple[Floats, float]]] = {}
+    sides_of: dict[str, list[tuple[Floats, float]]] = {}
     for items in packages:
         for item in items:
-            lying.setdefault(item.name, []).append(_tilt(item.transform[:, :3]))
-    found = []
+            sides_of.setdefault(item.name, []).append(_tilt(item.transform[:, :3]))
+    models = []
     for part in printed_parts(case.mechanism.assembly):
         file = next(
             (path for kind in reversed(SOLID) if (path := case.file(part.name, kind)).exists()),
@@ -202,22 +203,22 @@ def _known(case: Case, packages: Iterable[Sequence[Item]]) -> list[Known]:
         if file is None:
             continue
         solid = read_solid(file, part.name)[0]
-        sides = lying.get(part.name, [(np.eye(3), 0.0)])
+        sides = sides_of.get(part.name, [(np.eye(3), 0.0)])
         for turn in [np.eye(3), *([] if np.allclose(sides[0][0], np.eye(3)) else [sides[0][0]])]:
-            found.append(
-                Known(
+            models.append(
+                PrintModel(
                     part.name,
                     solid,
                     turn,
                     tuple(angle for each, angle in sides if np.allclose(each, turn)),
                 )
             )
-    if not found:
+    if not models:
         raise FileError(
             case.folder,
             "holds no STL or 3MF of a printed part, by which parts on a plate are known: build them",
         )
-    return found
+    return models
 
 
 def _tilt(turn: Floats) -> tuple[Floats, float]:
@@ -229,7 +230,7 @@ def _tilt(turn: Floats) -> tuple[Floats, float]:
     return _OVER if over else np.eye(3), math.atan2(spun[1, 0], spun[0, 0])
 
 
-def _add(laid: _Laid, copy: Copy, part: Part, fit: Compensation, where: Where) -> None:
+def _add(printed: _Print, copy: Copy, part: Part, fit: Compensation, where: Where) -> None:
     """Put a copy's layers with what is known of its part, and judge their contours."""
     spans = list(dict.fromkeys((layer.z0, layer.z1) for layer in part.layers))
     pocket = min(
@@ -241,23 +242,25 @@ def _add(laid: _Laid, copy: Copy, part: Part, fit: Compensation, where: Where) -
         for layer in copy.layers[len(copy.layers) > 1 :]
         for wall in layer.walls
     )
-    worst, told, rows = 0.0, "", []
+    worst = 0.0
+    fault = ""
+    rows = []
     for z0, z1 in spans if part.crossed is None else ():
         meant = tuple(
             facetted(layer.region, 1e-3)
             for layer in part.layers
             if (layer.z0, layer.z1) == (z0, z1)
         )
-        here = [
+        layers = [
             layer
             for layer in copy.layers[1:]
             if max(z0, low) < copy.height(layer) < min(z1, pocket)
         ]
-        shapes = [shapes_of(copy, layer, fit.hole, fit.profile, fit.shrinkage) for layer in here]
+        shapes = [shapes_of(copy, layer, fit.hole, fit.profile, fit.shrinkage) for layer in layers]
         if z0 <= copy.height(copy.layers[0]) < z1:
-            laid.first = shapes_of(copy, copy.layers[0])
-        for layer, one in zip(here, shapes, strict=True):
-            outside, inside = outwards(one, meant)
+            printed.first = shapes_of(copy, copy.layers[0])
+        for layer, section in zip(layers, shapes, strict=True):
+            outside, inside = outwards(section, meant)
             rows.append(
                 (
                     copy.height(layer),
@@ -265,23 +268,28 @@ def _add(laid: _Laid, copy: Copy, part: Part, fit: Compensation, where: Where) -
                     float(inside.mean()) if len(inside) else 0.0,
                 )
             )
-            count, wanted = (sum(1 + len(shape.holes) for shape in each) for each in (one, meant))
+            count, wanted = (
+                sum(1 + len(shape.holes) for shape in each) for each in (section, meant)
+            )
             off = max(float(np.abs(each).max(initial=0.0)) for each in (outside, inside))
             if count != wanted:
-                off, told = (
-                    math.inf,
-                    told
-                    or f"{count} contours instead of {wanted} at {layer.middle:.2f} mm over the bed",
+                off = math.inf
+                fault = (
+                    fault
+                    or f"{count} contours instead of {wanted} at {layer.middle:.2f} mm over the bed"
                 )
             worst = max(worst, off)
         if shapes:
-            laid.sections.append(envelope(shapes))
-            laid.slabs.append(
-                [(copy.height(layer), one) for layer, one in zip(here, shapes, strict=True)]
+            printed.sections.append(envelope(shapes))
+            printed.slabs.append(
+                [
+                    (copy.height(layer), section)
+                    for layer, section in zip(layers, shapes, strict=True)
+                ]
             )
     first = _first_layer(copy)
     if fit.foot:
-        laid.findings.append(
+        printed.findings.append(
             at_most(
                 "FIRST_LAYER",
                 abs(first[0]),
@@ -292,29 +300,29 @@ def _add(laid: _Laid, copy: Copy, part: Part, fit: Compensation, where: Where) -
                 "foot already: is the slicer's own compensation on?",
             )
         )
-    lying = copy.known.solid.vertices @ copy.known.turn[2]
-    head = (part.name, len(copy.layers), copy.layers[-1].top, float(np.ptp(lying)), *first)
+    heights = copy.known.solid.vertices @ copy.known.turn[2]
+    head = (part.name, len(copy.layers), copy.layers[-1].top, float(np.ptp(heights)), *first)
     if not rows:
-        laid.rows.append((*head, "", "", "", "", ""))
+        printed.rows.append((*head, "", "", "", "", ""))
         return
     table = np.array(rows)
-    at = int(np.argmax(np.abs(table[:, 1])))
-    laid.rows.append(
+    worst_row = int(np.argmax(np.abs(table[:, 1])))
+    printed.rows.append(
         (
             *head,
             float(table[:, 1].mean()),
             float(table[:, 2].mean()),
             float(table[:, 1].std()),
-            float(table[at, 1]),
-            float(table[at, 0]),
+            float(table[worst_row, 1]),
+            float(table[worst_row, 0]),
         )
     )
-    said = (
-        told
+    remark = (
+        fault
         or f"contours of {len(rows)} of {len(copy.layers)} layers; a bead {bead:g} mm wide rounds corners by less"
     )
-    laid.findings.append(
-        at_most("ROUND_TRIP", worst, bead / 2, "mm", replace(where, part=part.name), said)
+    printed.findings.append(
+        at_most("ROUND_TRIP", worst, bead / 2, "mm", replace(where, part=part.name), remark)
     )
 
 
@@ -331,7 +339,7 @@ def _first_layer(copy: Copy) -> tuple[float, float]:
 
 def left_out(on_side: Collection[str], away: Collection[str]) -> list[NotJudged]:
     """Parts that lie on a side, and those without which the machine is closed."""
-    found = [
+    reasons = [
         NotJudged(
             "ROUND_TRIP", f"{name} lies on a side: its holes are not round in layers", "its STL"
         )
@@ -349,23 +357,23 @@ def left_out(on_side: Collection[str], away: Collection[str]) -> list[NotJudged]
             counts = (
                 "counts as its file has it" if len(names) == 1 else "count as their files have them"
             )
-            found.append(
+            reasons.append(
                 NotJudged("MOTION_ERROR", f"{', '.join(sorted(names))}: {why} and {counts}", needs)
             )
-    return found
+    return reasons
 
 
 def _moved(
-    case: Case, laid: Mapping[str, _Laid], on_side: Collection[str], where: Where
+    case: Case, prints: Mapping[str, _Print], on_side: Collection[str], where: Where
 ) -> tuple[list[Finding], dict[str, float], list[NotJudged]]:
     """Findings and figures of the machine closed on what is laid: the envelope, and layer by layer the cams."""
     from camgen.judge.cams import judged_angles
 
     mechanism = case.mechanism
     features = mechanism.assembly.features
-    wanted = parts_of(features)
-    held = sorted(name for name in wanted if name in laid and laid[name].sections)
-    if not held:
+    moving = parts_of(features)
+    present = sorted(name for name in moving if name in prints and prints[name].sections)
+    if not present:
         why = (
             "no part on the plate makes the motion"
             if features
@@ -377,65 +385,70 @@ def _moved(
             else []
         )
         return [], {}, [*left_out(sorted(on_side), ()), *nothing]
-    more = left_out(sorted(on_side), wanted - set(held))
+    not_judged = left_out(sorted(on_side), moving - set(present))
     kind = next(
         kind for kind in (*SOLID[::-1], "dxf") if case.file(next(iter(case.parts)), kind).exists()
     )
-    read: dict[str, Read] = {
-        name: {"gcode": laid[name].sections} if name in held else _as_filed(case, name, kind)
+    parts_read: dict[str, Read] = {
+        name: {"gcode": prints[name].sections} if name in present else _as_filed(case, name, kind)
         for name in case.parts
     }
     low, high = mechanism.assembly.cycle.range
     theta = low + judged_angles() * ((high - low) / math.tau)
     parts = replace(where, file=f"{where.file}, *")
-    verdict = judge_motion(mechanism, "gcode", read, theta, parts, mechanism.print.xy_step)
+    verdict = judge_motion(mechanism, "gcode", parts_read, theta, parts, mechanism.print.xy_step)
     if verdict is None:
-        return [], {}, more
+        return [], {}, not_judged
     numbers = dict(verdict[0].numbers)
     cams = {
         feature.part: feature
         for feature in features
-        if isinstance(feature, CamOutline) and feature.part in held
+        if isinstance(feature, CamOutline) and feature.part in present
     }
     if cams:
-        numbers |= _by_layer(case, laid, read, cams)
-    return list(verdict[0].findings), numbers, more
+        numbers |= _by_layer(case, prints, parts_read, cams)
+    return list(verdict[0].findings), numbers, not_judged
 
 
 def _as_filed(case: Case, name: str, kind: str) -> Read:
     """A part that is not on the plate, as its file has it."""
-    read = judge_part(case, name, [kind])[1]
-    return {"gcode": read[kind]} if kind in read else {}
+    sections = judge_part(case, name, [kind])[1]
+    return {"gcode": sections[kind]} if kind in sections else {}
 
 
 def _by_layer(
-    case: Case, laid: Mapping[str, _Laid], read: Mapping[str, Read], cams: Mapping[str, CamOutline]
+    case: Case,
+    prints: Mapping[str, _Print],
+    parts: Mapping[str, Read],
+    cams: Mapping[str, CamOutline],
 ) -> dict[str, float]:
     """The greatest motion error of the machine with each layer of its cams alone: first, worst, mean and spread."""
     mechanism = case.mechanism
     theta = np.linspace(*mechanism.assembly.cycle.range, _ANGLES)
 
-    def error(own: Mapping[str, Sections]) -> dict[str, float]:
-        found = judge_motion(
+    def error(sections: Mapping[str, Sections]) -> dict[str, float]:
+        result = judge_motion(
             mechanism,
             "gcode",
-            {**read, **{name: {"gcode": each} for name, each in own.items()}},
+            {**parts, **{name: {"gcode": each} for name, each in sections.items()}},
             theta,
         )
-        figures = found[0].numbers if found is not None else {}
+        figures = result[0].numbers if result is not None else {}
         return {
             key: value
             for key, value in figures.items()
             if key.startswith("motion_error_") and math.isfinite(value)
         }
 
-    own = {name: laid[name].cam_layers(cam) for name, cam in cams.items()}
-    heights = sorted({round(z, 3) for each in own.values() for z, _ in each})
+    slabs = {name: prints[name].cam_layers(cam) for name, cam in cams.items()}
+    heights = sorted({round(z, 3) for each in slabs.values() for z, _ in each})
     layers = [
-        error({name: [min(each, key=lambda one: abs(one[0] - z))[1]] for name, each in own.items()})
+        error(
+            {name: [min(each, key=lambda one: abs(one[0] - z))[1]] for name, each in slabs.items()}
+        )
         for z in heights
     ]
-    first = error({name: [laid[name].first] for name in cams if laid[name].first})
+    first = error({name: [prints[name].first] for name in cams if prints[name].first})
     numbers: dict[str, float] = {
         key.replace("_gcode_", "_first_layer_"): value for key, value in first.items()
     }
@@ -450,25 +463,25 @@ def _by_layer(
     return numbers
 
 
-def _eye_table(case: Case, laid: Mapping[str, _Laid]) -> Table:
+def _eye_table(case: Case, prints: Mapping[str, _Print]) -> Table:
     """Bores, holes and pins as they are laid: first layer, smallest and largest of the others."""
     rows: list[tuple[object, ...]] = []
-    held = {
+    shown_eyes = {
         eye: None
         for feature in case.mechanism.assembly.features
         for eye in eyes(feature)
-        if eye.part in laid and eye.diameter
+        if eye.part in prints and eye.diameter
     }
-    for eye in held:
-        one = laid[str(eye.part)]
+    for eye in shown_eyes:
+        printed = prints[str(eye.part)]
         sizes = [
             size
-            for slab in one.slabs
+            for slab in printed.slabs
             for _, shapes in slab
             if (size := _diameter(eye, [shapes])) is not None
         ]
         if sizes:
-            first = _diameter(eye, [one.first]) if one.first else None
+            first = _diameter(eye, [printed.first]) if printed.first else None
             what = "pin" if eye.shaft else "hole"
             rows.append(
                 (
@@ -496,15 +509,15 @@ def _eye_table(case: Case, laid: Mapping[str, _Laid]) -> Table:
 
 
 def _diameter(eye: Eye, sections: Sections) -> float | None:
-    seen = measure(eye, sections)
-    return None if seen is None else seen.diameter
+    measured = measure(eye, sections)
+    return None if measured is None else measured.diameter
 
 
 def _settings_table(settings: Mapping[str, str]) -> Table:
     """What the slicer was set to, where it costs accuracy, and how much it cost elsewhere."""
     rows = [
-        (key, settings[key], said)
-        for key, said in _COSTS.items()
+        (key, settings[key], cost)
+        for key, cost in _COSTS.items()
         if key in settings and _costs(key, settings[key])
     ]
     return Table(
@@ -522,25 +535,25 @@ def _costs(key: str, value: str) -> bool:
 
 
 def _remarks(
-    laid: Mapping[str, _Laid], numbers: Mapping[str, float], settings: Mapping[str, str]
+    prints: Mapping[str, _Print], numbers: Mapping[str, float], settings: Mapping[str, str]
 ) -> list[str]:
     """What a person should read beside the findings."""
-    found = [f"{key} = {value}: {said}" for key, value, said in _settings_table(settings).rows]
+    remarks = [f"{key} = {value}: {said}" for key, value, said in _settings_table(settings).rows]
     rows = [
         [float(str(cell)) for cell in row[4:8]]
-        for one in laid.values()
-        for row in one.rows
+        for each in prints.values()
+        for row in each.rows
         if row[6] != ""
     ]
     if rows:
         outside, holes = (max((row[k] for row in rows), key=abs) for k in (2, 3))
         lowest = ", ".join(f"{max((row[k] for row in rows), key=abs):+.3f} mm" for k in (0, 1))
         said = f"outlines lie {outside:+.3f} mm out of what is meant and walls come {holes:+.3f} mm into holes, by mean"
-        found.append(f"{said}; in the first layer, against what was sent, {lowest}")
+        remarks.append(f"{said}; in the first layer, against what was sent, {lowest}")
     high = {
         str(row[0]): (float(str(row[2])), float(str(row[3])))
-        for one in laid.values()
-        for row in one.rows
+        for each in prints.values()
+        for row in each.rows
     }
     off = [
         f"{part} {top:g} for {meant:g}"
@@ -548,7 +561,7 @@ def _remarks(
         if abs(top - meant) > _HIGH
     ]
     if off:
-        found.append(
+        remarks.append(
             f"layers do not add up to the parts' heights, mm: {', '.join(off)}; print.layer tells where before slicing"
         )
     for key, first in numbers.items():
@@ -558,5 +571,5 @@ def _remarks(
             )
             unit = key.rpartition("_")[2]
             said = f"of layers taken alone the worst moves {worst:.4f} {unit} off, the mean {mean:.4f}, spread {spread:.4f}"
-            found.append(f"{said}; the first {first:.4f}")
-    return found
+            remarks.append(f"{said}; the first {first:.4f}")
+    return remarks

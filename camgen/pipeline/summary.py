@@ -33,11 +33,11 @@ def seen(case: Case, kinds: Collection[str]) -> Scene | None:
     from camgen.files.threemf import read_3mf
     from camgen.pipeline.shown import scene
 
-    laid = [
+    plates = [
         Plate(path.name, [(item.name, item.transform[:3]) for item in read_3mf(path).items])
         for path in plates_of(case)
     ]
-    return scene(case.mechanism, laid)
+    return scene(case.mechanism, plates)
 
 
 def draw_part(case: Case, name: str, folder: Path) -> None:
@@ -45,7 +45,8 @@ def draw_part(case: Case, name: str, folder: Path) -> None:
     from camgen.files import drawing
     from camgen.pipeline.drawings import facts_of
 
-    mechanism, part = case.mechanism, case.parts[name]
+    mechanism = case.mechanism
+    part = case.parts[name]
     facts = facts_of(mechanism, part)
     drawing.write_drawing(folder, mechanism.name, part, mechanism.accuracy.chord_tolerance, facts)
 
@@ -74,8 +75,8 @@ def write_report(summary: Summary, case: Case, folder: Path) -> None:
     if "report" in summary.kinds:
         from camgen.pipeline.shown import animation
 
-        shown = replace(summary.report, animation=animation(case.mechanism), scene=summary.scene)
-        write_html(folder / "report.html", shown)
+        report = replace(summary.report, animation=animation(case.mechanism), scene=summary.scene)
+        write_html(folder / "report.html", report)
     if "plots" in summary.kinds:
         write_plots(folder, case.mechanism.name, once(summary.report.plots))
     write_json(folder / "report.json", summary.report)

@@ -29,7 +29,8 @@ def between(mechanism: Mechanism, sides: Mapping[str, Side]) -> tuple[Table, tup
 
     sides: on which the parts lie, as drawn unless said.
     """
-    layer, first = mechanism.print.layer, mechanism.print.first_layer
+    layer = mechanism.print.layer
+    first = mechanism.print.first_layer
     rows: list[tuple[str, float, float, float]] = []
     if layer is None:
         return Table("", COLUMNS, rows), ()
@@ -45,19 +46,20 @@ def between(mechanism: Mechanism, sides: Mapping[str, Side]) -> tuple[Table, tup
     table = Table("Faces between layers", COLUMNS, rows)
     if not rows:
         return table, ()
-    told = ", ".join(
+    faces = ", ".join(
         f"{part} at {height:g} (layer at {near:g})" for part, height, near, _ in rows[:_TOLD]
     )
     more = f" and {len(rows) - _TOLD} more" if len(rows) > _TOLD else ""
     return table, (
-        f"print.layer = {layer:g}: faces lie between layers and print at the nearest: {told}{more}",
+        f"print.layer = {layer:g}: faces lie between layers and print at the nearest: {faces}{more}",
     )
 
 
 def _heights(part: Part, side: Side | None) -> Iterator[float]:
     """Heights of a part's flat faces over the bed, mm, from below; of one that lies on a side its whole height alone."""
     levels = {z for layer in (*part.layers, *part.engraved) for z in (layer.z0, layer.z1)}
-    low, high = min(levels), max(levels)
+    low = min(levels)
+    high = max(levels)
     up = (
         1.0 if side is None else float(side.turn[2, 2])
     )  # cosine of its lean; -1: it lies turned over
@@ -66,5 +68,5 @@ def _heights(part: Part, side: Side | None) -> Iterator[float]:
         return
     if part.crossed is not None:
         levels = {low, high}
-    found = sorted({round(z - low if up > 0 else high - z, 9) for z in levels})
-    yield from (z for z in found if not math.isclose(z, 0.0, abs_tol=_SAME))
+    heights = sorted({round(z - low if up > 0 else high - z, 9) for z in levels})
+    yield from (z for z in heights if not math.isclose(z, 0.0, abs_tol=_SAME))

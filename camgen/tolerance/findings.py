@@ -19,7 +19,7 @@ import numpy as np
 
 from camgen.errors import DesignError
 from camgen.findings import Finding, Where, at_least, at_most
-from camgen.judge.cams import Followed
+from camgen.judge.cams import FollowerOnOutline
 from camgen.judge.joints import Outline
 from camgen.machine.cams.machine import keeps_contact
 from camgen.machine.constraints import Constraints
@@ -53,7 +53,8 @@ class Judged:
 
 def judged(spread: Spread, errors: Floats) -> list[Judged]:
     """All findings of copies with these errors, (copies, modes) mm, that differ between them; worst yield first."""
-    bends, limits = _bends(spread), spread.mechanism.limits()
+    bends = _bends(spread)
+    limits = spread.mechanism.limits()
     exact = np.zeros(len(spread.modes))
     first = _followed(spread, exact, spread.mechanism.model)
     designed, *copies = (
@@ -105,7 +106,7 @@ def _of_copy(
     errors: Floats,
     bends: Mapping[str, Bend],
     limits: Sequence[Finding],
-    first: Mapping[str, Followed],
+    first: Mapping[str, FollowerOnOutline],
 ) -> Iterator[Finding]:
     """All findings of one copy; limits: the design's own; first: by cam its follower on the outline without errors.
 
@@ -137,8 +138,11 @@ def _of_copy(
 
 
 def _followed(
-    spread: Spread, errors: Floats, shifted: Machine, first: Mapping[str, Followed] | None = None
-) -> dict[str, Followed]:
+    spread: Spread,
+    errors: Floats,
+    shifted: Machine,
+    first: Mapping[str, FollowerOnOutline] | None = None,
+) -> dict[str, FollowerOnOutline]:
     """Of each cam its follower on the displaced outline; first: what it is held against, where that is not the wanted motion."""
     found = {}
     for name, (outline, law) in laws_of(spread, errors, shifted).items():
@@ -146,11 +150,11 @@ def _followed(
         assert isinstance(joint, Cam)
         if first is not None:
             outline = replace(outline, meant=replace(outline.meant, given=first[name].outline.law))
-        found[name] = Followed(joint, Outline(outline, law, law), Where(joint=name), 0.0)
+        found[name] = FollowerOnOutline(joint, Outline(outline, law, law), Where(joint=name), 0.0)
     return found
 
 
-def _steepest(design: Followed) -> float:
+def _steepest(design: FollowerOnOutline) -> float:
     """Largest pressure angle of the exact curve, deg; of one without a formula that of its facets."""
     joint = design.joint
     if not joint.touches:
@@ -222,7 +226,9 @@ def _bends(spread: Spread) -> dict[str, Bend]:
     followed = replace(machine, outputs=tuple(outputs))
     run = solve(followed, spread.theta, 0)
     found = spread.felt(run, [each.name for each in outputs])
-    system, poses, bends = Constraints(followed), run.poses(), {}
+    system = Constraints(followed)
+    poses = run.poses()
+    bends = {}
     for cam, output in zip(cams, outputs, strict=True):
         angle = np.asarray(system.angle(cam.cam, poses) + np.zeros(len(poses))) - cam.phase
         turned = float(angle[-1] - angle[0])

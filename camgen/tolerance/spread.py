@@ -147,7 +147,8 @@ class Spread:
 
 def spread_of(mechanism: Mechanism) -> Spread:
     """Modes of a mechanism's model, cams that say how they are touched among them."""
-    machine, sizes = mechanism.model, sizes_of(mechanism)
+    machine = mechanism.model
+    sizes = sizes_of(mechanism)
     outputs = judged_outputs(machine.outputs, mechanism.assembly.demands)
     theta = np.linspace(
         *mechanism.assembly.cycle.range, max(_ANGLES, _PER_WAVE * sizes.orders[1] + 1)
@@ -155,7 +156,8 @@ def spread_of(mechanism: Mechanism) -> Spread:
     holes = _holes(mechanism, outputs)
     if not machine.joints:
         return Spread(mechanism, theta, sizes, holes, (), outputs, {})
-    run, names = solve(machine, theta, 0), [each.name for each in outputs]
+    run = solve(machine, theta, 0)
+    names = [each.name for each in outputs]
     modes, found = sensitivities(run, names, sizes, _exact(mechanism), holes)
     sound = np.ones(len(theta), bool)
     for each in found.values():
@@ -220,7 +222,8 @@ class Copies:
 
 def copies_of(spread: Spread, samples: int, seed: int) -> Copies:
     """So many copies; by first order, in blocks."""
-    machine, chance = spread.mechanism.model, np.random.default_rng(seed)
+    machine = spread.mechanism.model
+    chance = np.random.default_rng(seed)
     sizes = np.array([mode.size for mode in spread.modes])
     pins = [
         joint
@@ -270,7 +273,8 @@ def copies_of(spread: Spread, samples: int, seed: int) -> Copies:
                     0.0, -(between[:, moving] / air[moving]).min(axis=1, initial=0.0)
                 )
                 between += spread.air.get(cam, 0.0) * air
-                loose[block], least[block] = between.max(axis=1), between.min(axis=1)
+                loose[block] = between.max(axis=1)
+                least[block] = between.min(axis=1)
     return Copies(errors, held, play, tight)
 
 
@@ -281,15 +285,14 @@ def _drawn(chance: np.random.Generator, sizes: Floats) -> Floats:
 
 def drawn_again(spread: Spread, seed: int, which: Sequence[int]) -> Floats:
     """Errors of some copies, (copies, modes), as `copies_of` drew them."""
-    chance, sizes = np.random.default_rng(seed), np.array([mode.size for mode in spread.modes])
+    chance = np.random.default_rng(seed)
+    sizes = np.array([mode.size for mode in spread.modes])
     pins = sum(
         joint.clearance > 0 and isinstance(joint, Pin | Slot | Slide)
         for joint in spread.mechanism.model.joints
     )
-    rows, wanted = (
-        np.empty((len(which), len(sizes))),
-        dict(zip(which, range(len(which)), strict=True)),
-    )
+    rows = np.empty((len(which), len(sizes)))
+    wanted = dict(zip(which, range(len(which)), strict=True))
     for begin in range(0, max(which, default=-1) + 1, _CHUNK):
         block = _drawn(chance, sizes)
         chance.standard_normal((_CHUNK, pins))

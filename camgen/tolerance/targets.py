@@ -78,14 +78,16 @@ class Loop:
 
 def loops(spread: Spread, errors: Floats, seed: int) -> list[Loop]:
     """The smallest loop of each path that crosses itself; errors: of copies, (copies, modes) mm."""
-    machine, found = spread.mechanism.model, list[Loop]()
+    machine = spread.mechanism.model
+    found = list[Loop]()
     if spread.mechanism.assembly.cycle.range != (0.0, 2 * np.pi):
         return found
     for output in (each for each in machine.outputs if isinstance(each.of, Path)):
         loop = smallest_loop(partial(_path, spread, output.name), 1440)
         if loop is None:
             continue
-        begins, span = loop[0], loop[1] - loop[0]
+        begins = loop[0]
+        span = loop[1] - loop[0]
         theta = np.linspace(begins - span, begins + 2 * span, 3 * _SIDE + 1)
         path, modes = _moved(spread, output, theta)
         inside = path[_SIDE : 2 * _SIDE + 1]
@@ -116,11 +118,9 @@ def _moved(spread: Spread, output: Output, theta: Floats) -> tuple[Points, Point
 
 def _pushed(spread: Spread, copies: int, seed: int) -> Floats:
     """Each pin with play somewhere in it, as errors of a centre, (copies, modes) mm: of the side that no output goes with."""
-    machine, chance, pushed = (
-        spread.mechanism.model,
-        np.random.default_rng(seed),
-        np.zeros((copies, len(spread.modes))),
-    )
+    machine = spread.mechanism.model
+    chance = np.random.default_rng(seed)
+    pushed = np.zeros((copies, len(spread.modes)))
     seen = [place for output in spread.outputs for place in places_of(output.of)]
     centres: Mapping[str, Sequence[int]] = {}
     for k, mode in enumerate(spread.modes):
@@ -134,18 +134,18 @@ def _pushed(spread: Spread, copies: int, seed: int) -> Floats:
             for place in sorted((joint.a, joint.b), key=seen.__contains__)
         )
         both = next((found for found in held if len(found) == 2), None)
-        reach, angle = (
-            joint.clearance / 2 * np.sqrt(chance.random(copies)),
-            2 * np.pi * chance.random(copies),
-        )
+        reach = joint.clearance / 2 * np.sqrt(chance.random(copies))
+        angle = 2 * np.pi * chance.random(copies)
         if both is not None:
-            pushed[:, both[0]], pushed[:, both[1]] = reach * np.cos(angle), reach * np.sin(angle)
+            pushed[:, both[0]] = reach * np.cos(angle)
+            pushed[:, both[1]] = reach * np.sin(angle)
     return pushed
 
 
 def _crosses(path: Points) -> bool:
     """Whether a polyline crosses itself."""
-    a, b = path[:-1], path[1:]
+    a = path[:-1]
+    b = path[1:]
     side = np.imag(np.conj(b - a)[:, None] * (path[None, :] - a[:, None]))
     apart = side[:, :-1] * side[:, 1:] < 0  # ends of piece j on both sides of piece i
     return bool(np.any(np.triu(apart & apart.T, 2)))

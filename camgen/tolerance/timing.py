@@ -44,10 +44,8 @@ class Timing:
 
 def timings(mechanism: Mechanism) -> list[Timing]:
     """Of all pairs that pass each other; nothing for bodies that keep together."""
-    poses, mounts = (
-        mechanism.assembly.poses(_TURN),
-        {mount.part: mount for mount in mechanism.assembly.mounts},
-    )
+    poses = mechanism.assembly.poses(_TURN)
+    mounts = {mount.part: mount for mount in mechanism.assembly.mounts}
     pairs = [
         pair
         for pair in mechanism.assembly.passing
@@ -83,7 +81,8 @@ def _sections(
     mechanism: Mechanism, pair: Passing, solids: Mapping[str, Mesh], plane: float
 ) -> list[list[Points]]:
     """Outlines of both bodies at a height of the ground, of their solids."""
-    rest, found = mechanism.assembly.poses(np.zeros(1)), []
+    rest = mechanism.assembly.poses(np.zeros(1))
+    found = []
     for name in (pair.a, pair.b):
         rings = slice_mesh(solids[name], plane - rest[name][0].z)
         found.append([ring.points for ring in rings if ring.area > 0])
@@ -132,7 +131,8 @@ class _Passing:
         beyond = next((k for k in range(1, len(steps)) if self.least(way * steps[k]) <= gap), None)
         if beyond is None:
             return math.inf
-        low, high = steps[beyond - 1], steps[beyond]
+        low = steps[beyond - 1]
+        high = steps[beyond]
         for _ in range(_HALVES):
             middle = (low + high) / 2
             low, high = (middle, high) if self.least(way * middle) > gap else (low, middle)

@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from camgen.errors import FileError
-from camgen.files.gltf import SECONDS, Moving, Shape, glb, read_glb
+from camgen.files.gltf import SECONDS, Shape, Track, glb, read_glb
 from camgen.geometry.mesh import Mesh, placing
 
 
@@ -28,14 +28,14 @@ def box(x: float, y: float, z: float) -> Mesh:
 THETA = np.linspace(0, 2 * np.pi, 360, endpoint=False)
 PLACE = 5 * np.exp(1j * THETA) + 40
 BODIES = [
-    Moving("ground", np.zeros(360), np.zeros(360, complex), [("base-1", 0, np.eye(3, 4))]),
-    Moving(
+    Track("ground", np.zeros(360), np.zeros(360, complex), [("base-1", 0, np.eye(3, 4))]),
+    Track(
         "crank",
         THETA,
         np.zeros(360, complex),
         [("arm-1", 1, placing(0.5, 3 + 2j, 7.0, 4.0)), ("arm-2", 1, placing(0, 1j, 0, 4.0, True))],
     ),
-    Moving("slider", np.zeros(360), PLACE, [("base-2", 0, placing(0.0, 0j, 10.0, 3.0))]),
+    Track("slider", np.zeros(360), PLACE, [("base-2", 0, placing(0.0, 0j, 10.0, 3.0))]),
 ]
 SHAPES = [Shape("base", box(30, 20, 3), "#0b62a8"), Shape("arm", box(12, 5, 4), "#ffffff")]
 
@@ -138,7 +138,7 @@ def test_a_body_waits_where_the_machine_cannot_go() -> None:
     data = glb(
         "demo",
         SHAPES,
-        [Moving("crank", angle, np.zeros(360, complex), [("arm-1", 1, np.eye(3, 4))])],
+        [Track("crank", angle, np.zeros(360, complex), [("arm-1", 1, np.eye(3, 4))])],
     )
     file, _ = chunks(data)
     rotation = values(data, file["animations"][0]["samplers"][0]["output"])

@@ -11,7 +11,8 @@ from shapes import polygon
 from camgen.geometry.arcs import bulges, fit_arcs
 from camgen.geometry.outlines import circle
 from camgen.geometry.rings import Ring, Shape
-from camgen.judge.budget import error_budget
+from camgen.judge.budget import Stages, error_budget
+from camgen.judge.joints import Nominal
 from camgen.machine import GROUND, Body, Cam, Drive, Machine, Pin, Place, Pose, Slide
 from camgen.machine.features import CamMeant, CamOutline, Flat, Mount
 from camgen.machine.model import Floats
@@ -49,13 +50,11 @@ def test_each_stage_adds_its_own(undercut: float) -> None:
     moved = polygon(facets.points + 3e-3 * np.exp(2j * np.pi * np.arange(COUNT) / COUNT))
     drawn = Ring(*bulges(fit_arcs(circle(complex(OFF), RADIUS), 1e-3))).moved(shift=1e-4)
     files = {"dxf": [[Shape(drawn, ())]], "stl": [[Shape(moved, ())]]}
+    outline = circle(complex(OFF), RADIUS)
     table = error_budget(
-        circle(complex(OFF), RADIUS),
-        facets,
-        machine,
+        Nominal(machine, [drive], [Mount("cam", "cam")]),
         drive,
-        [Mount("cam", "cam")],
-        1e-3,
+        Stages(outline, Ring(*bulges(fit_arcs(outline, 1e-3))), facets),
         files,
         {"undercut_mm": 0.5 * undercut},
     )

@@ -11,7 +11,7 @@ from camgen import tolerances
 from camgen.findings import Where, at_most
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.cams import (
-    Followed,
+    FollowerOnOutline,
     _overlap,
     _own_tip,
     _tips,
@@ -202,7 +202,7 @@ def test_contact_runs_along_a_face_by_the_eccentricity(
     ring = disc(4 + 0j, 16.0)
     feature = CamOutline("lift", "cam", "O", None, Flat(None, 0j, math.pi, width), leaves=1)
     law = Rolled(contact(ring, SlideFace(16 + 0j, 1 + 0j, 1)), None, middle=middle)
-    finding = Followed(CAM, Outline(feature, law, law), Where(file="x"), OFF).on_face()
+    finding = FollowerOnOutline(CAM, Outline(feature, law, law), Where(file="x"), OFF).on_face()
     assert (
         finding is not None
         and finding.measured == pytest.approx(beyond, abs=1e-5)
@@ -218,9 +218,9 @@ def test_contact_runs_along_a_face_by_the_eccentricity(
     endless = Outline(
         CamOutline("lift", "cam", "O", None, Flat(None, 0j, math.pi, math.inf)), law, law
     )
-    assert Followed(CAM, endless, Where(file="x"), OFF).on_face() is None
+    assert FollowerOnOutline(CAM, endless, Where(file="x"), OFF).on_face() is None
     assert (
-        Followed(
+        FollowerOnOutline(
             CAM, outline("cam", SlideTip(2 + 30j, 1j, 3.0, 1), ring), Where(file="x"), OFF
         ).on_face()
         is None
@@ -237,7 +237,7 @@ def test_speed_ripple_is_of_the_greatest_speed_over_a_window(more: float) -> Non
         disc(4 * (1 + more) + 0j, 16.0),
         meant=CamMeant(ripple=0.01),
     )
-    finding = Followed(CAM, made, Where(file="x"), OFF).ripple()
+    finding = FollowerOnOutline(CAM, made, Where(file="x"), OFF).ripple()
     assert (
         finding is not None
         and finding.measured == pytest.approx(more, abs=1e-6)
@@ -246,12 +246,12 @@ def test_speed_ripple_is_of_the_greatest_speed_over_a_window(more: float) -> Non
     shaken = outline(
         "cam", SlideFace(16 + 0j, 1 + 0j, 1), disc(4 + 1j, 16.0), meant=CamMeant(ripple=0.01)
     )
-    off = Followed(
+    off = FollowerOnOutline(
         CAM, shaken, Where(file="x"), OFF
     ).ripple()  # a quarter of a turn later: speeds differ by cos
     assert off is not None and off.measured == pytest.approx(0.25, abs=1e-4) and half > 0
     assert (
-        Followed(
+        FollowerOnOutline(
             CAM,
             outline("cam", SlideFace(16 + 0j, 1 + 0j, 1), disc(4 + 0j, 16.0)),
             Where(file="x"),
@@ -271,7 +271,7 @@ def test_what_is_lost_of_the_wanted_motion_counts_where_the_exact_outline_loses_
     for accepted, ok in ((0.41, True), (0.39, False)):
         meant = CamMeant(given=Harmonic(), undercut=accepted)
         made = outline("cam", SlideFace(16 + 0j, 1 + 0j, 1), disc(4 + 0j, 15.9), meant=meant)
-        finding = Followed(joint, made, Where(file="x"), OFF).undercut()
+        finding = FollowerOnOutline(joint, made, Where(file="x"), OFF).undercut()
         assert (
             finding is not None
             and finding.measured == pytest.approx(0.4, abs=1e-6)
@@ -279,7 +279,7 @@ def test_what_is_lost_of_the_wanted_motion_counts_where_the_exact_outline_loses_
         )
         assert finding.limit == pytest.approx(accepted + OFF * (1 + tolerances.BOUND_SPARE))
     assert (
-        Followed(
+        FollowerOnOutline(
             CAM,
             outline("cam", SlideFace(16 + 0j, 1 + 0j, 1), disc(4 + 0j, 15.9)),
             Where(file="x"),

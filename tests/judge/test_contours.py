@@ -27,6 +27,8 @@ from camgen.geometry.outlines import Region, polygon
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.cams import judged_angles
 from camgen.judge.contours import contour_error
+from camgen.judge.joints import Nominal
+from camgen.judge.measured import Files
 from camgen.judge.motion import judge_machine
 from camgen.judge.round_trip import judge_drawing, judge_mesh
 from camgen.machine.features import CamOutline
@@ -377,12 +379,8 @@ def test_a_spike_between_the_judged_angles_is_told() -> None:
             if isinstance(each, CamOutline)
         ]
         findings = judge_machine(
-            "dxf",
-            Where(file="x.dxf"),
-            {"cam": [[shape]]},
-            mechanism.model,
-            features,
-            mechanism.assembly.mounts,
+            Nominal(mechanism.model, features, mechanism.assembly.mounts),
+            Files("dxf", Where(file="x.dxf"), {"cam": [[shape]]}),
             theta,
             tolerance,
         ).findings

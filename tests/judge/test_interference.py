@@ -102,7 +102,7 @@ def test_a_piece_is_halved_across_its_longer_side(wide: bool) -> None:
     if not wide:
         long, flat, other = (100, 0, 102, 4), (100, 0, 102, 2), (100, 2, 102, 4)
     motion = Motion(about(np.zeros_like), SPIN, np.linspace(0, math.tau, 99))
-    whole = _Approach(motion, shapely.box(0, 0, 1, 1), shapely.box(*long), 0.0, 0.0, 0.0, cut=1)
+    whole = _Approach(motion, shapely.box(0, 0, 1, 1), shapely.box(*long), 0.0, 0.0, 0.0, cuts=1)
     assert [part.guest.bounds for part in whole.divided()] == [flat, other]
 
 

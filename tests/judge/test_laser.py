@@ -16,7 +16,7 @@ from camgen.files.cutting import Piece, read_svg, write_sheet
 from camgen.files.dxf import read_dxf
 from camgen.geometry.outlines import Region, circle, polygon, rectangle
 from camgen.geometry.rings import Ring
-from camgen.judge.sheets import Beam, Laid, _round_corner, judge_sheet, widened
+from camgen.judge.sheets import Beam, SheetCopy, _round_corner, judge_sheet, widened
 from camgen.machines.sources import read_mechanism
 from camgen.parts.assembly import printed_parts
 from camgen.parts.fits import Compensation, compensated
@@ -52,7 +52,7 @@ def written(folder, part, kerf=KERF, places=((0.5, 50 + 45j), (-2.0, 140 + 50j))
     files = [folder / f"s.{ending}" for ending in ("dxf", "svg")]
     for file in files:
         write_sheet(file, pieces, (200.0, 100.0), TOLERANCE)
-    laid = [Laid("plate", k + 1, angle, at) for k, (angle, at) in enumerate(places)]
+    laid = [SheetCopy("plate", k + 1, angle, at) for k, (angle, at) in enumerate(places)]
     return files, laid, {"plate": expected(part, TOLERANCE)}, BEAM
 
 
@@ -148,8 +148,8 @@ def test_damage_is_told(tmp_path):
     with pytest.raises(FileError, match="not a sheet in SVG"):
         read_svg(svg)
     svg.write_text(text)
-    assert failing(files, [*laid, Laid("plate", 3, 0.0, 0j)], meant) >= {"SHEET_FIT"}
-    assert failing(files, [laid[0], Laid("plate", 2, -2.0, 140.02 + 50j)], meant) == {
+    assert failing(files, [*laid, SheetCopy("plate", 3, 0.0, 0j)], meant) >= {"SHEET_FIT"}
+    assert failing(files, [laid[0], SheetCopy("plate", 2, -2.0, 140.02 + 50j)], meant) == {
         "ROUND_TRIP",
         "KERF",
     }

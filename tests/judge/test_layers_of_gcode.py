@@ -19,7 +19,16 @@ from camgen.geometry.outlines import Region, circle
 from camgen.geometry.outlines import polygon as contour
 from camgen.geometry.registration import Laid
 from camgen.geometry.rings import Ring, Shape
-from camgen.judge.sliced import Copy, Known, Layer, bodies, copy_of, envelope, outwards, shapes_of
+from camgen.judge.sliced import (
+    Copy,
+    Layer,
+    PrintModel,
+    bodies,
+    copy_of,
+    envelope,
+    outwards,
+    shapes_of,
+)
 from camgen.judge.sliced_copies import judge_sliced_copies
 from camgen.parts.part import Layer as Solid
 from camgen.parts.part import Part
@@ -163,7 +172,7 @@ def test_a_print_is_known_wherever_it_lies(turn: float, shift: complex, over: bo
     """Its part, turn and place; in the part's frame it is the part again, and so are its heights."""
     found = copy_of(
         printed(turn, shift, over),
-        [Known("y", part(9.0), LYING), Known("x", part(), OVER if over else LYING)],
+        [PrintModel("y", part(9.0), LYING), PrintModel("x", part(), OVER if over else LYING)],
     )
     assert found is not None and found.known.part == "x" and found.known.over is over
     z = np.array([0, 10, 3 + 4j])
@@ -190,11 +199,11 @@ def test_a_print_is_known_wherever_it_lies(turn: float, shift: complex, over: bo
 @pytest.mark.parametrize(
     "known, there",
     [
-        (Known("x", part(), LYING), True),
-        (Known("x", part(2.7), LYING), False),  # lower by more than a layer
-        (Known("x", part(), OVER), False),  # its mirror image
+        (PrintModel("x", part(), LYING), True),
+        (PrintModel("x", part(2.7), LYING), False),  # lower by more than a layer
+        (PrintModel("x", part(), OVER), False),  # its mirror image
         (
-            Known(
+            PrintModel(
                 "x",
                 solid(Part("x", "", (Solid(Region(contour((PLAN * 1.08).tolist())), 0, 3),)), 0.01),
                 LYING,
@@ -203,13 +212,13 @@ def test_a_print_is_known_wherever_it_lies(turn: float, shift: complex, over: bo
         ),
     ],
 )
-def test_what_is_like_no_part_is_none(known: Known, there: bool) -> None:
+def test_what_is_like_no_part_is_none(known: PrintModel, there: bool) -> None:
     assert (copy_of(printed(0.3, 5j), [known]) is not None) is there
     assert copy_of(printed(0.3, 5j), []) is None
 
 
 def copy(layers: Sequence[Layer]) -> Copy:
-    return Copy(Known("x", part(), LYING), Laid(0.0, 0j, 0.0), tuple(layers))
+    return Copy(PrintModel("x", part(), LYING), Laid(0.0, 0j, 0.0), tuple(layers))
 
 
 def test_layers_that_are_missing_are_told_where_most_are() -> None:

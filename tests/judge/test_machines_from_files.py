@@ -17,6 +17,8 @@ from camgen.findings import Where
 from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.outlines import Contour, Region, circle, polygon
 from camgen.geometry.rings import shape_of
+from camgen.judge.joints import Nominal
+from camgen.judge.measured import Files
 from camgen.judge.motion import Verdict, judge_machine
 from camgen.machine import (
     GROUND,
@@ -102,15 +104,10 @@ class Case:
         files = {name: sections(name, region, kind, folder) for name, region in regions.items()}
         mounts = self.mounts or tuple(Mount(name, name) for name in regions)
         return judge_machine(
-            kind,
-            Where(file="f"),
-            files,
-            self.machine,
-            self.features,
-            mounts,
+            Nominal(self.machine, self.features, mounts, asked),
+            Files(kind, Where(file="f"), files),
             THETA,
             TOLERANCE,
-            asked=asked,
         )  # type: ignore[arg-type]
 
     def wanted(self) -> list[Demand]:
@@ -450,12 +447,8 @@ def test_a_lost_outline_and_a_wrong_pin_are_told(tmp_path: Path) -> None:
         ({"rocker": files["rod"]}, "PIN_GAP", "no eye of 6 mm near 40.000 in rocker"),
     ):
         found = judge_machine(
-            "dxf",
-            Where(file="f"),
-            files | changed,
-            case.machine,
-            case.features,
-            case.mounts,
+            Nominal(case.machine, case.features, case.mounts),
+            Files("dxf", Where(file="f"), files | changed),
             THETA,
             TOLERANCE,
         )  # type: ignore[arg-type]

@@ -13,7 +13,8 @@ import pytest
 from camgen import tolerances
 from camgen.findings import Where
 from camgen.geometry.rings import Ring, Shape
-from camgen.judge.measured import measure, measure_faces
+from camgen.judge.joints import Nominal
+from camgen.judge.measured import Files, measure, measure_faces
 from camgen.judge.motion import Verdict, _nominal, judge_machine
 from camgen.machine.features import (
     CamOutline,
@@ -167,15 +168,10 @@ def files(**changed: object) -> dict[str, list[list[Shape]]]:
 def judged(mounts: tuple[Mount, ...] = LINKS, **changed: object) -> Verdict:
     asked = [Demand("way", place, stroke=True)]
     return judge_machine(
-        "dxf",
-        Where(file="file"),
-        files(**changed),
-        slider_crank(),
-        FEATURES,
-        mounts,
+        Nominal(slider_crank(), FEATURES, mounts, asked),
+        Files("dxf", Where(file="file"), files(**changed)),
         THETA,
         0.002,
-        asked=asked,
     )
 
 
@@ -223,7 +219,10 @@ def test_the_sound_machine_closes_on_its_files() -> None:
 
 def test_the_wanted_motion_is_the_machines_own_where_none_is_given() -> None:
     found = judge_machine(
-        "dxf", Where(file="file"), files(), slider_crank(), FEATURES, LINKS, THETA, 0.002
+        Nominal(slider_crank(), FEATURES, LINKS),
+        Files("dxf", Where(file="file"), files()),
+        THETA,
+        0.002,
     )
     assert [f.code for f in found.findings] == ["PIN_GAP", "MOTION_ERROR", "LASH"] and all(
         f.ok for f in found.findings
@@ -251,15 +250,10 @@ def test_a_link_that_is_turned_over_has_its_holes_mirrored() -> None:
         mounts = (LINKS[0], mount, *LINKS[2:])
         asked = [Demand("way", partial(place))]
         found = judge_machine(
-            "dxf",
-            Where(file="file"),
-            sections | {"rod": [[rod]]},
-            slider_crank(),
-            features,
-            mounts,
+            Nominal(slider_crank(), features, mounts, asked),
+            Files("dxf", Where(file="file"), sections | {"rod": [[rod]]}),
             THETA,
             0.002,
-            asked=asked,
         )
         assert all(f.ok for f in found.findings) is fine
 
@@ -278,7 +272,10 @@ def test_a_point_that_is_a_pin_s_hole_goes_with_that_hole() -> None:
     """The path of the rod's end: with its hole 0.1 mm further out the slider is further on by the same, and so is the point."""
     machine = replace(slider_crank(), outputs=(Output("pen", Path(Place("rod", 48 + 0j))),))
     found = judge_machine(
-        "dxf", Where(file="file"), files(eye=48.1 + 0j), machine, FEATURES, LINKS, THETA, 0.002
+        Nominal(machine, FEATURES, LINKS),
+        Files("dxf", Where(file="file"), files(eye=48.1 + 0j)),
+        THETA,
+        0.002,
     )
     assert found.proof is not None
     np.testing.assert_allclose(
@@ -293,7 +290,10 @@ def test_the_limit_of_the_motion_is_what_one_joint_and_all_roundings_do(
     """One joint's centre off by the chord tolerance; of a format that rounds, all of them by two steps of the largest place.
     Along the rod 1 mm is 1 / cos of its tilt at the slider, across the guide its tangent."""
     found = judge_machine(
-        kind, Where(file="file"), files(), slider_crank(), FEATURES, LINKS, THETA, 0.002
+        Nominal(slider_crank(), FEATURES, LINKS),
+        Files(kind, Where(file="file"), files()),
+        THETA,
+        0.002,
     )
     tilt = np.max(np.abs(np.arcsin(1.5 * np.sin(THETA) / 48)))
     pin, guide = 1 / math.cos(tilt), math.tan(tilt)
@@ -308,12 +308,8 @@ def test_the_limit_of_the_motion_is_what_one_joint_and_all_roundings_do(
 
 def test_a_fit_may_be_off_by_what_the_way_back_costs() -> None:
     found = judge_machine(
-        "dxf",
-        Where(file="file"),
-        files(),
-        slider_crank(),
-        FEATURES,
-        LINKS,
+        Nominal(slider_crank(), FEATURES, LINKS),
+        Files("dxf", Where(file="file"), files()),
         THETA,
         0.002,
         slack=0.01,
@@ -328,7 +324,10 @@ def test_of_several_outputs_the_one_most_over_its_own_limit_is_told() -> None:
     outputs = (Output("way", Along("guide")), Output("lean", Angle("rod")))
     machine = replace(slider_crank(), outputs=outputs)
     found = judge_machine(
-        "dxf", Where(file="file"), files(block=0.2j), machine, FEATURES, LINKS, THETA, 0.002
+        Nominal(machine, FEATURES, LINKS),
+        Files("dxf", Where(file="file"), files(block=0.2j)),
+        THETA,
+        0.002,
     )
     motion = next(f for f in found.findings if f.code == "MOTION_ERROR")
     assert ", lean, crank angle" in str(motion.where) and motion.unit == "deg"
@@ -359,11 +358,12 @@ def test_what_no_file_shows_counts_as_meant() -> None:
         (replace(plain, bore=bore), {"axle"}),
         (replace(plain, own=OwnTip("arm", tip, bore)), {"shaft"}),
     ):
-        left = _nominal(turning, [cam], mounts)
+        left = _nominal(Nominal(turning, [cam], mounts))
         assert {each.why.partition(" counts")[0] for each in left} == shown | {"mesh", "hub"}
     eyes = [PinEyes(name, tip, tip) for name in ("shaft", "axle", "hub")]
     assert [
-        each.why.partition(" counts")[0] for each in _nominal(turning, [plain, *eyes], mounts)
+        each.why.partition(" counts")[0]
+        for each in _nominal(Nominal(turning, [plain, *eyes], mounts))
     ] == ["mesh"]
 
 

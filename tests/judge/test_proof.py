@@ -17,7 +17,7 @@ from camgen.judge.contact import contact
 from camgen.judge.contact_tips import ArmTip
 from camgen.judge.joints import Closable, Rolled
 from camgen.judge.motion import _stroke
-from camgen.judge.proof import Proof, _Meant, with_laws
+from camgen.judge.proof import Proof, _NominalMotion, with_laws
 from camgen.judge.targets import judge_targets
 from camgen.machine import (
     GROUND,
@@ -71,7 +71,7 @@ def machine(rate: float = 1.0, start: float = 0.0, size: float = 0.4) -> Machine
 @pytest.mark.parametrize("rate, start", [(1.0, 0.0), (-1.0, 0.4), (3.0, -2.0), (-2.0, 5.0)])
 def test_where_a_body_stands_at_an_angle(rate: float, start: float) -> None:
     """All angles of the turn at which it does, in either sense, by its own law; an arm that swings has none."""
-    meant = _Meant(machine(rate, start), 0.0, math.tau)
+    meant = _NominalMotion(machine(rate, start), 0.0, math.tau)
     angles = np.array([0.5, -1.0, 2.0 + 6 * math.pi])
     for body, share in (("crank", 1.0), ("wheel", -0.5)):
         wanted = [
@@ -82,7 +82,9 @@ def test_where_a_body_stands_at_an_angle(rate: float, start: float) -> None:
         wanted = sorted(t for t in wanted if 0 <= t <= math.tau)
         assert sorted(meant.when(body, angles)) == pytest.approx(wanted, abs=1e-9)
     assert len(meant.when("arm", angles)) == len(meant.when(GROUND, np.zeros(1))) == 0
-    ends = _Meant(machine(rate, start), 0.0, 1.0).when("crank", np.array([start, start + rate]))
+    ends = _NominalMotion(machine(rate, start), 0.0, 1.0).when(
+        "crank", np.array([start, start + rate])
+    )
     assert sorted(ends) == pytest.approx([0.0, 1.0], abs=1e-9)
 
 

@@ -23,6 +23,8 @@ from camgen.files.dxf import read_dxf
 from camgen.findings import Where
 from camgen.geometry.rings import Ring, Shape, shape_of
 from camgen.judge.cams import judged_angles
+from camgen.judge.joints import Nominal
+from camgen.judge.measured import Files
 from camgen.judge.motion import judge_machine
 from camgen.judge.round_trip import Expected, Section, _judge_sections, judge_mesh
 from camgen.machine.features import CamOutline, Eye
@@ -455,15 +457,10 @@ def judged(folder: Path, first: float = 3.0, second: float = 3.0, **twin: object
     one, other = mechanism.assembly.mounts
     mounts = [one, replace(other, **twin)]  # type: ignore[arg-type]
     found = judge_machine(
-        "dxf",
-        Where(file="cam-*.dxf", kind="dxf"),
-        {"cam": [[shape]]},
-        mechanism.model,
-        features,
-        mounts,
+        Nominal(mechanism.model, features, mounts, mechanism.assembly.demands),
+        Files("dxf", Where(file="cam-*.dxf", kind="dxf"), {"cam": [[shape]]}),
         judged_angles(),
         0.001,
-        asked=mechanism.assembly.demands,
     )
     return {f.code for f in found.findings if not f.ok}
 

@@ -17,6 +17,8 @@ from camgen.files.dxf import read_dxf
 from camgen.findings import Where
 from camgen.geometry.rings import shape_of
 from camgen.judge.cams import judged_angles
+from camgen.judge.joints import Nominal
+from camgen.judge.measured import Files
 from camgen.judge.motion import judge_machine
 from camgen.machine.features import CamOutline, Eye
 from camgen.pipeline import build as pipeline
@@ -322,15 +324,10 @@ def between(
         for mount in mechanism.assembly.mounts
     ]
     found = judge_machine(
-        "dxf",
-        Where(file="c-*.dxf", kind="dxf"),
-        files,
-        mechanism.model,
-        (first, second),
-        mounts,
+        Nominal(mechanism.model, (first, second), mounts, mechanism.assembly.demands),
+        Files("dxf", Where(file="c-*.dxf", kind="dxf"), files),
         judged_angles(),
         0.001,
-        asked=mechanism.assembly.demands,
     )
     return {finding.code for finding in found.findings if not finding.ok}
 

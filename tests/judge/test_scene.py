@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgen.files.gltf import SECONDS, Moving, Shape, glb
+from camgen.files.gltf import SECONDS, Shape, Track, glb
 from camgen.geometry.mesh import Mesh, placing
 from camgen.judge.scene import Flight, judge_scene
 
@@ -31,8 +31,8 @@ FLIGHTS = {
 @pytest.fixture(scope="module")
 def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
     bodies = [
-        Moving("ground", STILL[:-1], STILL[:-1] + 0j, [("base-1", 0, placing(0, 0j, -3.0, 4.0))]),
-        Moving(
+        Track("ground", STILL[:-1], STILL[:-1] + 0j, [("base-1", 0, placing(0, 0j, -3.0, 4.0))]),
+        Track(
             "crank",
             THETA[:-1],
             STILL[:-1] + 0j,
@@ -41,7 +41,7 @@ def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
                 ("arm-2", 1, placing(0.2, 1j, 1.0, 4.0, True)),
             ],
         ),
-        Moving("slider", STILL[:-1], CAST[:-1], [("base-2", 0, placing(0.0, 0j, 10.0, 4.0))]),
+        Track("slider", STILL[:-1], CAST[:-1], [("base-2", 0, placing(0.0, 0j, 10.0, 4.0))]),
     ]
     found = tmp_path_factory.mktemp("scene") / "a.glb"
     found.write_bytes(
@@ -144,7 +144,7 @@ def test_where_the_machine_cannot_go_nothing_is_wanted(path: Path) -> None:
 def test_places_far_away_are_as_exact_as_float32(tmp_path: Path) -> None:
     """A body 3 m away: its places are rounded to 1.2e-4 mm, and no more than a few of those are granted."""
     far = np.full(90, 3000.1 + 2000.7j)
-    body = Moving("far", THETA[:-1], far, [("arm-1", 0, placing(0.3, 5j, 0, 4.0))])
+    body = Track("far", THETA[:-1], far, [("arm-1", 0, placing(0.3, 5j, 0, 4.0))])
     (tmp_path / "a.glb").write_bytes(glb("demo", [Shape("arm", WEDGE, "#ffffff")], [body]))
     flight = Flight("arm", THETA + 0.3, np.append(far, far[0]) + 5j * SPIN, 0.0, False, 4.0, 13.0)
     found = judge_scene(tmp_path / "a.glb", {"arm-1": flight}, SECONDS)

@@ -19,7 +19,7 @@ from camgen.errors import FileError
 from camgen.geometry.mesh import mesh_faults
 from camgen.measuring import meshes
 from camgen.measuring.meshes import read_mesh
-from camgen.measuring.outlines import read_outline
+from camgen.measuring.outlines import Hints, read_outline
 
 # a box of 10 x 20 x 30 mm, its corners by hand
 CORNERS = [(x, y, z) for x in (0, 10) for y in (0, 20) for z in (0, 30)]
@@ -105,7 +105,7 @@ def test_a_box_is_a_box_however_it_is_written(tmp_path: Path, name: str) -> None
         np.array([(0, 0, 0), (10, 20, 30)]), abs=1e-4
     )
     assert ("metres with y up" if name.endswith("glb") else "names no unit") in held.unit
-    outline = read_outline(tmp_path / name, 12.0)
+    outline = read_outline(tmp_path / name, Hints(12.0))
     assert outline.ring is not None and outline.ring.box == pytest.approx((0, 0, 10, 20), abs=1e-4)
     assert outline.remark.endswith(held.unit) and all(each.ok for each in outline.findings)
 

@@ -26,7 +26,7 @@ from camgen.cli import main
 from camgen.errors import DesignError, FileError, SpecError
 from camgen.judge.follower_table import read_follower
 from camgen.measuring.motion import low_passed, recover
-from camgen.measuring.outlines import read_outline
+from camgen.measuring.outlines import Hints, read_outline
 from camgen.pipeline import build as pipeline
 
 # disc, off centre, roller
@@ -274,7 +274,7 @@ def test_a_mesh_of_another_tool(tmp_path: Path, kind: str) -> None:
     else:
         package(path, mesh, "millimeter")
     for height in (None, 1.0):
-        outline = read_outline(path, height)
+        outline = read_outline(path, Hints(height))
         assert outline.ring is not None and all(finding.ok for finding in outline.findings)
         found = recover(outline.ring, read_follower(LEVER))
         wanted = four_bar(found.theta, 1)
@@ -283,7 +283,7 @@ def test_a_mesh_of_another_tool(tmp_path: Path, kind: str) -> None:
         )  # sagitta 2.5e-5 mm on an arm of 55, twice
         assert found.speed == pytest.approx(np.gradient(wanted, found.theta), abs=1e-3)
     with pytest.raises(FileError, match="no section at 7 mm"):
-        read_outline(path, 7.0)
+        read_outline(path, Hints(7.0))
 
 
 def test_the_shaft_is_where_the_user_says(tmp_path: Path) -> None:
@@ -305,10 +305,10 @@ def test_a_layer_can_be_named(tmp_path: Path) -> None:
         )
 
     path = drawing(tmp_path / "sheet.dxf", draw)
-    ring = read_outline(path, layer="cam").ring
+    ring = read_outline(path, Hints(layer="cam")).ring
     assert ring is not None and ring.area == pytest.approx(math.pi * A**2)
     with pytest.raises(FileError, match="Cam, FRAME"):
-        read_outline(path, layer="CUT")
+        read_outline(path, Hints(layer="CUT"))
 
 
 # ---- the low-pass --------------------------------------------------------------------------------------------------------
@@ -924,7 +924,7 @@ def test_a_frame_round_the_cam_is_told(tmp_path: Path) -> None:
     path = drawing(tmp_path / "framed.dxf", framed)
     told = {f.code: f.ok for f in read_outline(path).findings}
     assert told["CONTOUR"] is False
-    for chosen in ({"contour": 2}, {"layer": "CUT"}):
+    for chosen in ({"contour": 2}, {"hints": Hints(layer="CUT")}):
         outline = read_outline(path, **chosen)  # type: ignore[arg-type]
         assert outline.ring is not None and outline.ring.area == pytest.approx(math.pi * 900)
         assert {f.code: f.ok for f in outline.findings}["CONTOUR"]

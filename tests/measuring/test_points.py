@@ -17,7 +17,7 @@ from camgen.geometry.facets import facet_contour
 from camgen.judge.follower_table import read_follower
 from camgen.machines.sources import read_mechanism
 from camgen.measuring.motion import recover
-from camgen.measuring.outlines import read_outline
+from camgen.measuring.outlines import Hints, read_outline
 from camgen.measuring.points import read_points
 
 # disc, off centre
@@ -201,10 +201,10 @@ def test_points_out_of_order_cross(tmp_path: Path) -> None:
 def test_centres_of_a_probe(tmp_path: Path) -> None:
     """A ball of radius 2 rolled round the disc: its centres lie on a circle of 22; the disc's own motion is recovered."""
     path = places(tmp_path / "p.csv", z=E + (A + 2) * np.exp(1j * np.radians(np.arange(360))))
-    outline = read_outline(path, probe=2.0)
+    outline = read_outline(path, Hints(probe=2.0))
     assert outline.ring is not None and outline.ring.area == pytest.approx(np.pi * A**2, rel=1e-6)
     assert "radius of 2 mm is taken off" in outline.remark
     found = recover(outline.ring, read_follower("translating,shape=flat,at=0"))
     assert found.s == pytest.approx(A + E * np.sin(found.theta), abs=1e-5)
     with pytest.raises(FileError, match="a probe of radius 30 mm leaves not one piece"):
-        read_outline(path, probe=30.0)
+        read_outline(path, Hints(probe=30.0))

@@ -20,7 +20,7 @@ from camgen.errors import FileError
 from camgen.geometry.rings import Floats, Points
 from camgen.judge.follower_table import read_follower
 from camgen.measuring.motion import recover
-from camgen.measuring.outlines import Outline, read_outline
+from camgen.measuring.outlines import Hints, Outline, read_outline
 from camgen.measuring.scan import Scanning, read_scan
 
 COARSE = Glass(dpi=150)
@@ -33,8 +33,11 @@ def ring(centre: complex, radius: float) -> Points:
 DISC = (ring(5, 20), ring(0, 3))
 
 
-def moved(path: Path, how: Scanning | None = None) -> Floats:
-    return moved_by(read_outline(path, scanning=how))
+SCANNING = Scanning()
+
+
+def moved(path: Path, how: Scanning = SCANNING) -> Floats:
+    return moved_by(read_outline(path, Hints(scanning=how)))
 
 
 def moved_by(outline: Outline) -> Floats:
@@ -125,7 +128,7 @@ def test_command_line_states_the_uncertainty(
 
 def test_width_by_a_caliper_sets_the_scale(tmp_path: Path) -> None:
     path = saved(tmp_path / "disc.png", DISC, replace(COARSE, across=1.01, down=1.01))
-    outline = read_outline(path, scanning=Scanning(across=40.0))
+    outline = read_outline(path, Hints(scanning=Scanning(across=40.0)))
     assert outline.ring is not None
     assert outline.ring.area == pytest.approx(np.pi * 400, rel=2e-3)
     assert outline.numbers["scale_percent"] == pytest.approx(1, abs=0.1)
@@ -153,7 +156,7 @@ def test_two_scans_and_a_caliper_undo_the_scanner(tmp_path: Path) -> None:
         tmp_path, Glass(dpi=450, turn_deg=1, **SKEW), Glass(dpi=450, turn_deg=91.3, **SKEW)
     )
     width = max(float(np.abs(edges[0] - z).max()) for z in edges[0])
-    outline = read_outline(first, scanning=Scanning(others=others))
+    outline = read_outline(first, Hints(scanning=Scanning(others=others)))
     assert outline.ring is not None
     # what turns the plane is left out: the symmetric part of [1.003, 1.003 tan 1 deg; 0, 1] without its scale
     stretch, shear = SKEW["across"], SKEW["across"] * SKEW["shear"]
@@ -168,7 +171,7 @@ def test_two_scans_and_a_caliper_undo_the_scanner(tmp_path: Path) -> None:
     )
     assert "scanner_off_mm" in outline.numbers, "its common scale is still unknown"
     assert apart(moved(first), wanted) > 0.1
-    known = read_outline(first, scanning=Scanning(others=others, across=width))
+    known = read_outline(first, Hints(scanning=Scanning(others=others, across=width)))
     assert apart(moved_by(known), wanted) < 0.012
     assert "scanner_off_mm" not in known.numbers
 
@@ -177,7 +180,7 @@ def test_scans_that_lie_alike_tell_nothing_of_the_scanner(tmp_path: Path) -> Non
     first, others = several(
         tmp_path, *(Glass(dpi=150, turn_deg=turn, **SKEW) for turn in (0, 3, 180))
     )
-    outline = read_outline(first, scanning=Scanning(others=others))
+    outline = read_outline(first, Hints(scanning=Scanning(others=others)))
     assert "they do not tell the scanner's scale" in outline.remark
     assert "scanner_across_percent" not in outline.numbers
 
@@ -193,7 +196,7 @@ def test_three_scans_drop_dust_and_keep_a_bump(tmp_path: Path) -> None:
     )
     errors = []
     for how in (Scanning(), Scanning(others=others)):
-        outline = read_outline(first, scanning=how)
+        outline = read_outline(first, Hints(scanning=how))
         assert outline.ring is not None
         z = outline.ring.points
         off = np.abs(z) - np.interp(
@@ -212,7 +215,7 @@ def test_another_part_or_its_other_face_is_told(tmp_path: Path) -> None:
     with pytest.raises(
         FileError, match=r"b.png: does not show the part of a.png, or its other face"
     ):
-        read_outline(first, scanning=Scanning(others=(tmp_path / "b.png",)))
+        read_outline(first, Hints(scanning=Scanning(others=(tmp_path / "b.png",))))
 
 
 # ---- pictures that are wrong -----------------------------------------------------------------------------------------

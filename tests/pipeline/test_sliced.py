@@ -17,7 +17,7 @@ from camgen.files.stl import read_stl
 from camgen.findings import Where
 from camgen.geometry.mesh import slice_mesh
 from camgen.judge.round_trip import pieces_of
-from camgen.judge.sliced import Known, bodies, copy_of, shapes_of
+from camgen.judge.sliced import PrintModel, bodies, copy_of, shapes_of
 from camgen.judge.sliced_copies import judge_sliced_copies
 from camgen.pipeline.sliced import check_gcode, left_out
 
@@ -62,10 +62,13 @@ def test_a_part_that_lies_turned_over(folder):
     path = laid(folder, ["coupler"], mirrored=["coupler"])
     (body,) = bodies(read_gcode(path))
     solid = read_stl(folder / "bars-coupler.stl")
-    assert copy_of(body, [Known("coupler", solid, np.eye(3))]) is None
+    assert copy_of(body, [PrintModel("coupler", solid, np.eye(3))]) is None
     copy = copy_of(
         body,
-        [Known("coupler", solid, np.eye(3)), Known("coupler", solid, np.diag([-1.0, 1.0, -1.0]))],
+        [
+            PrintModel("coupler", solid, np.eye(3)),
+            PrintModel("coupler", solid, np.diag([-1.0, 1.0, -1.0])),
+        ],
     )
     assert copy.known.over and copy.height(copy.layers[0]) == pytest.approx(4 - LAYER / 2)
     (shape,) = shapes_of(copy, copy.layers[1])
@@ -80,7 +83,7 @@ def test_a_part_that_lies_turned_over(folder):
 def test_a_bar_whose_holes_differ_lies_one_way(folder, start):
     """The rocker's outline is alike after half a turn, its holes are not: 5.2 mm at its pivot, 5.0 at the other end."""
     (body,) = bodies(read_gcode(laid(folder, ["rocker"], start=start)))
-    copy = copy_of(body, [Known("rocker", read_stl(folder / "bars-rocker.stl"), np.eye(3))])
+    copy = copy_of(body, [PrintModel("rocker", read_stl(folder / "bars-rocker.stl"), np.eye(3))])
     (shape,) = shapes_of(copy, copy.layers[1])
     sizes = {round(hole.centroid.real): 2 * (hole.area / np.pi) ** 0.5 for hole in shape.holes}
     assert sizes == pytest.approx({0: 5.2, 50: 5.0}, abs=5e-3)

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from test_report import EVIL, Page, made_up
 
-from camgen.files.gltf import Moving, Shape, glb
+from camgen.files.gltf import Shape, Track, glb
 from camgen.findings import Finding, NotJudged, Where, at_least, at_most, told_once
 from camgen.geometry.mesh import Mesh
 from camgen.machine.features import PartPose
@@ -33,7 +33,7 @@ def solid() -> Report:
     """The report of test_report with the machine as a solid: two copies of one part, a plate, two steps."""
     theta = np.linspace(0, 2 * np.pi, 360, endpoint=False)
     lifted = np.column_stack([np.eye(3), [0, 0, 9.0]])
-    moving = Moving(
+    moving = Track(
         "cam", theta, np.zeros(360, complex), [("cam-1", 0, np.eye(3, 4)), ("cam-2", 0, lifted)]
     )
     scene = Scene(
