@@ -101,24 +101,21 @@ def left_out(not_judged: Sequence[NotJudged]) -> str:
     )
 
 
-def told_once(findings: Sequence[Finding]) -> list[tuple[Finding, str]]:
-    """Findings of one code, unit, limit and sentence as one, the worst, with all the places where it was found."""
+def worst_of_each(findings: Sequence[Finding]) -> list[tuple[Finding, str]]:
+    """Of findings of one code, unit, limit and sentence the worst, with all the places where they were made.
+
+    Sentences are alike that differ by numbers alone, as those of one fault in several files.
+    """
     groups: dict[tuple[object, ...], list[Finding]] = {}
     for finding in findings:
-        said = re.sub(
-            r"\d+(\.\d+)?", "#", finding.message
-        )  # but for figures, which differ from file to file
-        groups.setdefault((finding.code, finding.ok, finding.unit, finding.limit, said), []).append(
-            finding
-        )
-    worst = (
-        max(group, key=lambda f: -f.measured if f.floor else f.measured)
-        for group in groups.values()
-    )
-    return [
-        (f, "; ".join(dict.fromkeys(str(each.where) for each in group)))
-        for f, group in zip(worst, groups.values(), strict=True)
-    ]
+        sentence = re.sub(r"\d+(\.\d+)?", "#", finding.message)
+        kind = (finding.code, finding.ok, finding.unit, finding.limit, sentence)
+        groups.setdefault(kind, []).append(finding)
+    rows = []
+    for group in groups.values():
+        worst = max(group, key=lambda each: -each.measured if each.floor else each.measured)
+        rows.append((worst, "; ".join(dict.fromkeys(str(each.where) for each in group))))
+    return rows
 
 
 # Codes that every part's every file is checked for: many lines of one kind, of which the tightest tells enough.

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, TypeVar
@@ -15,9 +16,67 @@ T = TypeVar("T")
 ROWS = 1441  # of curves and of motion.csv: every quarter degree of a turn, both ends
 
 
+# Units whose writing in keys does not follow from the letters.
+_SUFFIXES = {"%": "percent", "1/s": "per s", "N m/rad": "n m per rad"}
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A number of the report: what it is, its unit, of what, as designed or measured; its key names it in report.json.
+
+    Figure("reaction {joint}", 3.2, "N", joint="A") has the key reaction_a_n.
+    """
+
+    quantity: str  # in words, with "{of}" or "{joint}" where these stand
+    value: float
+    unit: str = ""  # as people write it, such as "N m" or "mm/s²"; "" of a ratio or a count
+    of: str = ""  # output, cam, part or spring
+    joint: str = ""  # in words as in the model, in keys in small letters
+    kind: str = ""  # of the files in which it was measured, "" as designed
+    module: str = ""  # name of an included machine
+
+    @property
+    def key(self) -> str:
+        """Its name in report.json, such as motion_error_pen_dxf_mm."""
+        name = self.quantity.format(of=self.of, joint=self.joint.lower())
+        unit = _SUFFIXES.get(self.unit, self.unit.lower())
+        words = re.split(r"[ ,:/']+", f"{self.module} {name} {self.kind} {unit}")
+        return "_".join(filter(None, words)).translate({ord("²"): "2", ord("³"): "3"})
+
+
+def figures_in(unit: str = "", **values: float) -> list[Figure]:
+    """Several of one unit: figures_in("mm", base_radius=20, needle_stroke=16)."""
+    return [Figure(name.replace("_", " "), value, unit) for name, value in values.items()]
+
+
+class Figures(Mapping[str, float]):
+    """Figures in their order, asked for by key: figures["peak_torque_n_m"] is a value; of two with one key the last counts."""
+
+    def __init__(self, records: Iterable[Figure] = ()) -> None:
+        self._by_key = {each.key: each for each in records}
+
+    def __getitem__(self, key: str) -> float:
+        return self._by_key[key].value
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._by_key)
+
+    def __len__(self) -> int:
+        return len(self._by_key)
+
+    def __or__(self, more: Iterable[Figure] | Figures) -> Figures:
+        """These and more."""
+        return Figures([*self.records, *(more.records if isinstance(more, Figures) else more)])
+
+    @property
+    def records(self) -> Sequence[Figure]:
+        """The figures themselves."""
+        return tuple(self._by_key.values())
+
+
 @dataclass(frozen=True)
 class Plot:
-    """A figure of the report: series of (label, x, y); `marks` are vertical lines (label, x).
+    """Curves of the report: series of (label, x, y); `marks` are vertical lines (label, x).
 
     A plot over the cam angle has x in degrees. equal: a shape, one mm the same both ways; dots: names of series that are
     points, not a line; points: places with names, (name, x, y).
@@ -55,13 +114,14 @@ class Plot:
 class Table:
     """A table of the report: rows of text or numbers under the columns' names.
 
-    copies: of steps of assembly, what each row lays on: names of copies, such as cam-1, or of parts, for all their copies.
+    digits: of its numbers on the page, 3 where they are estimates. copies: of steps of assembly, what each row lays on: names of copies, such as cam-1, or of parts, for all their copies.
     """
 
     title: str
     columns: Sequence[str]
     rows: Sequence[Sequence[object]]
     copies: Sequence[Sequence[str]] = ()
+    digits: int = 6
 
 
 @dataclass(frozen=True)
@@ -139,7 +199,7 @@ class Study:
     columns: of motion.csv, where no contact gives them; (1441,) each, every quarter degree of a turn, both ends included.
     """
 
-    numbers: Mapping[str, float] = field(default_factory=dict)
+    numbers: Mapping[str, float] = field(default_factory=Figures)
     plots: Sequence[Plot] = ()
     tables: Sequence[Table] = ()
     sketches: Sequence[Sketch] = ()
@@ -149,13 +209,51 @@ class Study:
 
 def together(studies: Sequence[Study]) -> Study:
     """All of them as one; of figures with one name the first counts."""
-    numbers: dict[str, float] = {}
-    for each in studies:
-        numbers |= {name: value for name, value in each.numbers.items() if name not in numbers}
     return Study(
-        numbers,
+        united(each.numbers for each in studies),
         Later(lambda: [plot for each in studies for plot in each.plots]),
         Later(lambda: [table for each in studies for table in each.tables]),
         Later(lambda: [sketch for each in studies for sketch in each.sketches]),
         [note for each in studies for note in each.notes],
     )
+
+
+def united(all_numbers: Iterable[Mapping[str, float]]) -> Figures:
+    """Figures of several as one; of those with one key the first counts."""
+    found: dict[str, Figure] = {}
+    for numbers in all_numbers:
+        for each in records(numbers):
+            found.setdefault(each.key, each)
+    return Figures(found.values())
+
+
+def records(numbers: Mapping[str, float]) -> Sequence[Figure]:
+    """Figures, of machines that still give numbers by key alone by what the key says."""
+    if isinstance(numbers, Figures):
+        return numbers.records
+    found = []
+    for key, value in numbers.items():
+        unit = next((unit for end, unit in _UNITS.items() if key.endswith(end)), "")
+        stem = (
+            key[: -len(next(end for end, each in _UNITS.items() if each == unit))] if unit else key
+        )
+        found.append(Figure(stem.replace("_", " "), value, unit))
+    return found
+
+
+_PEOPLE = (
+    *(
+        "MPa m/s",
+        "N m/rad",
+        "N rad/s",
+        "N m s",
+        "deg/rad²",
+        "mm/rad²",
+        "deg/rad",
+        "mm/rad",
+        "kg m²",
+    ),
+    *("N/mm", "g mm", "N m", "mm/s²", "deg/s²", "rad/s", "mm/s", "deg/s", "1/s", "mm³", "mm²", "%"),
+    *("mm", "deg", "rpm", "MPa", "Hz", "N", "J", "W", "h", "g", "s"),
+)
+_UNITS = {"_" + Figure("", 0.0, unit).key: unit for unit in _PEOPLE}

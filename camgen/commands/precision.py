@@ -68,7 +68,8 @@ def tolerance(
     spec: Path, settings: Sequence[str], html: Path | None, as_json: bool, **counts: int
 ) -> None:
     """What print errors do to the motion of SPEC: a budget by where they arise, and the yield of many copies."""
-    from camgen.report.report import to_json, write_html
+    from camgen.report.page import write_html
+    from camgen.report.report import to_json
     from camgen.report.terminal import Bar
     from camgen.tolerance import report as tolerance_report
 

@@ -80,7 +80,9 @@ class Front:
 
     title: str  # of the page
     summary: str
-    axes: tuple[str, str]  # columns that are drawn, one over the other
+    axes: Mapping[
+        str, str
+    ]  # columns that are drawn, one over the other, and how a person reads them
     texts: Sequence[str]  # a spec for each design
     rows: Sequence[Mapping[str, Any]]  # of the table
     sketches: Sequence[Drawn]
@@ -105,10 +107,10 @@ class Front:
             table.writerows(self.rows)
             (folder / "front.csv").write_text(stream.getvalue(), encoding="utf-8", newline="\n")
         across, up = self.axes
-        captions = [
-            f"design {row['design']}: {_figure_text(row, across)}, {_figure_text(row, up)}, {row['verdict']}"
-            for row in self.rows
-        ]
+        captions = []
+        for row in self.rows:
+            figures = ", ".join(text.format(row[column]) for column, text in self.axes.items())
+            captions.append(f"design {row['design']}: {figures}, {row['verdict']}")
         pictures = [
             (picture(each, words), words)
             for each, words in zip(self.sketches, captions, strict=True)
@@ -124,12 +126,6 @@ class Front:
             [up],
             pictures,
         )
-
-
-def _figure_text(row: Mapping[str, Any], name: str) -> str:
-    """A figure of a row for people, its unit the last word of its name."""
-    what, _, unit = name.rpartition("_")
-    return f"{what.replace('_', ' ')} {row[name]:.4g} {unit}"
 
 
 Keep = Callable[[Front], None] | None
@@ -221,7 +217,7 @@ class Request:
         return results
 
     def front_rows(
-        self, front: Sequence[D], title: str, summary: str, axes: tuple[str, str], note: str
+        self, front: Sequence[D], title: str, summary: str, axes: Mapping[str, str], note: str
     ) -> list[dict[str, Any]]:
         """The rows of a front, which is kept where that is asked for."""
         rows = []
@@ -302,7 +298,10 @@ def _for_function(request: Request) -> str:
         f"{len(front)} four-bars: each is nearer to the function than all of better transmission, or transmits better "
         "than all nearer. Design 1 is 01.toml, and so on; what is refused cannot be built as it stands."
     )
-    axes = ("worst_error_deg", "transmission_deg")
+    axes = {
+        "worst_error_deg": "worst error {:.4g} deg",
+        "transmission_deg": "transmission {:.4g} deg",
+    }
     rows = request.front_rows(front, "Four-bars for the function", summary, axes, note)
 
     def error(each: functions.Generator) -> float:
@@ -359,9 +358,8 @@ def _for_path(request: Request) -> str:
         "nearer, of all designs or of those that can be built. Design 1 is 01.toml, and so on; what is refused cannot be "
         "built as it stands."
     )
-    rows = request.front_rows(
-        front, "Linkages for the path", summary, ("mean_distance_mm", "bars_mm"), note
-    )
+    axes = {"mean_distance_mm": "mean distance {:.4g} mm", "bars_mm": "bars {:.4g} mm"}
+    rows = request.front_rows(front, "Linkages for the path", summary, axes, note)
 
     def worth(each: Candidate) -> float:
         return (1 - each.design.error / goal.worst) * (1 - each.design.bars / goal.most)

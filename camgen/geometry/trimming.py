@@ -76,7 +76,7 @@ def trim(pieces: Sequence[Piece]) -> tuple[list[Piece], list[Cut]]:
                 0.0,
                 "mm",
                 f"x {z.real:.3f}, y {z.imag:.3f} mm",
-                "the tip cuts away more than the cam can lose: use a smaller tip_radius or a smaller swing",
+                "the tip cuts away more than the cam can lose: use a smaller tip or a smaller lift",
             )
     return outline, cuts
 

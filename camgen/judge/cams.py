@@ -21,6 +21,7 @@ from camgen.judge.measured import Files, Sections, read
 from camgen.machine.features import CamOutline, Flat, Mount, OwnTip
 from camgen.machine.model import Cam, Law, Machine
 from camgen.numerics import Floats
+from camgen.study import Figure
 
 
 def judged_angles() -> Floats:
@@ -190,7 +191,7 @@ class CamVerdict:
     """Findings and figures of cams; sound: whether the motion that each outline gives by itself is right."""
 
     findings: Sequence[Finding]
-    numbers: Mapping[str, float]
+    figures: Sequence[Figure]
     sound: bool
 
 
@@ -220,12 +221,12 @@ def judge_cams(
     where = files.where
     first = {cam: outlines[0] for cam, outlines in measured.items()}
     findings: list[Finding] = []
-    numbers: dict[str, float] = {}
+    figures: list[Figure] = []
     all_right = sound
     for cam, outlines in measured.items():
         joint = machine.joint(cam)
         assert isinstance(joint, Cam), f"{cam} is no cam"
-        name = "" if len(first) == 1 else f"{cam.replace(' ', '_')}_"
+        name = "" if len(first) == 1 else cam
         (unit, scale) = s_unit(joint)
         right = dict[str, bool]()
         for outline in outlines:
@@ -242,37 +243,35 @@ def judge_cams(
             outline_findings = followed.findings() if right[part] else []
             findings += outline_findings
             if drives:
-                numbers[f"pressure_angle_{name}{kind}_deg"] = followed.pressure_angle
-                numbers |= {
-                    f"undercut_{name}{kind}_{unit}": each.measured
+                steepest = followed.pressure_angle
+                figures.append(Figure("pressure angle {of}", steepest, "deg", name, kind=kind))
+                figures += [
+                    Figure("undercut {of}", each.measured, unit, name, kind=kind)
                     for each in outline_findings
                     if each.code == "UNDERCUT"
-                }
+                ]
             if outline.feature.own is not None:
-                finding, figures = _own_tip(
+                finding, own = _own_tip(
                     outline, outline.feature.own, where, motion(driven, True, file)
                 )
                 findings.append(finding)
-                numbers |= {
-                    f"{key}_{name}{kind}_{of}": value for (key, of), value in figures.items()
-                }
+                figures += [replace(each, of=name, kind=kind) for each in own]
         all_right &= all(right.values())
-        numbers |= _tips(outlines)
+        figures += _tips(outlines)
         for other in outlines[1:] if right[first[cam].feature.part] else ():
             if right[other.feature.part]:
                 parts = {first[cam].feature.part, other.feature.part}
                 finding, play = _overlap(joint, first[cam], other, named(where, parts), off)
                 findings.append(finding)
-                numbers[f"{'lash' if play >= 0 else 'preload'}_{name}{kind}_{unit}"] = scale * abs(
-                    play
-                )
-    return CamVerdict(findings, numbers, all_right)
+                quantity = "lash {of}" if play >= 0 else "preload {of}"
+                figures.append(Figure(quantity, scale * abs(play), unit, name, kind=kind))
+    return CamVerdict(findings, figures, all_right)
 
 
-def _tips(outlines: Sequence[Outline]) -> dict[str, float]:
+def _tips(outlines: Sequence[Outline]) -> list[Figure]:
     """Where a follower of several parts has its tips at s = 0, mm."""
     rides = {outline.feature.part: outline.law.contact.form for outline in outlines}
-    numbers: dict[str, float] = {}
+    figures: list[Figure] = []
     for part, form in rides.items() if len(rides) > 1 else ():
         if isinstance(form, ArmTip | ArmFace):
             place = form.pivot + (
@@ -281,19 +280,20 @@ def _tips(outlines: Sequence[Outline]) -> dict[str, float]:
         elif isinstance(form, SlideTip | SlideFace):
             place = form.start
         if not getattr(form, "inside", False):
-            key = f"tip_on_{part.replace('-', '_')}"
-            numbers |= {f"{key}_x_mm": place.real, f"{key}_y_mm": place.imag}
-    return numbers
+            name = part.replace("-", "_")
+            figures.append(Figure("tip on {of} x", place.real, "mm", name))
+            figures.append(Figure("tip on {of} y", place.imag, "mm", name))
+    return figures
 
 
 def _own_tip(
     outline: Outline, own: OwnTip, where: Where, motion: Finding
-) -> tuple[Finding, dict[tuple[str, str], float]]:
+) -> tuple[Finding, list[Figure]]:
     """TIP_MOTION: the motion with the tip that a part has, which may be off by the tolerance as well."""
     file = named(where, {own.part})
     if outline.own is None:
         reason = "the part has no such tip, or it does not fit the cam"
-        return at_most("TIP_MOTION", math.nan, 2 * motion.limit, motion.unit, file, reason), {}
+        return at_most("TIP_MOTION", math.nan, 2 * motion.limit, motion.unit, file, reason), []
     radius = getattr(outline.own.contact.form, "tip_radius", 0.0) - outline.feature.free
     what = "roller on the frame's pin" if own.radius is not None else "frame's own tip"
     remark = f"the {what}, radius {radius:.4f} mm, on the cam, both from the files"
@@ -305,7 +305,7 @@ def _own_tip(
         replace(motion.where, file=file.file),
         remark,
     )
-    return finding, {
-        ("tip_motion_error", motion.unit): motion.measured,
-        ("tip_radius", "mm"): radius,
-    }
+    return finding, [
+        Figure("tip motion error {of}", motion.measured, motion.unit),
+        Figure("tip radius {of}", radius, "mm"),
+    ]

@@ -11,7 +11,7 @@ Bodies do not turn, so all that happens is told by the way of the one as the oth
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,7 @@ from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.rings import Floats, Points
 from camgen.machine.features import Passing, Poses
 from camgen.numerics import crests
+from camgen.study import Figure
 
 _CHORDS = 90  # of the turn, to begin with
 _DENT = 1e-5  # mm, by which a vertex may lie inside its neighbours' line through the rounding to float32
@@ -49,10 +50,10 @@ class Least:
 
 @dataclass(frozen=True)
 class Clearances:
-    """Findings, numbers and curves (name, theta in deg, mm) of one kind of file."""
+    """Findings, figures and curves (name, theta in deg, mm) of one kind of file."""
 
     findings: tuple[Finding, ...]
-    numbers: Mapping[str, float]
+    figures: Sequence[Figure]
     curves: tuple[tuple[str, Floats, Floats], ...]
 
 
@@ -242,7 +243,7 @@ def judge_clearance(
     Bodies may graze: what the outlines of both may be off is allowed beside the pair's gap.
     """
     findings: list[Finding] = []
-    numbers: dict[str, float] = {}
+    figures: list[Figure] = []
     curves: list[tuple[str, Floats, Floats]] = []
     solid = FORMATS[kind].solid
 
@@ -286,11 +287,10 @@ def judge_clearance(
             curve = np.minimum(curve, signed_distances(area, way(turn)))
         else:
             findings.append(_finding(pair, least, slack, where))
-            numbers[f"clearance_{pair.name.lower().replace('/', '_')}_{kind}_mm"] = (
-                round(least.distance, _DIGITS) + 0.0
-            )
+            apart = round(least.distance, _DIGITS) + 0.0
+            figures.append(Figure("clearance {of}", apart, "mm", pair.name.lower(), kind=kind))
             curves.append((pair.name, np.degrees(turn), curve))
-    return Clearances(tuple(findings), numbers, tuple(curves))
+    return Clearances(tuple(findings), figures, tuple(curves))
 
 
 def _way(pair: Passing, poses: Poses) -> Way:

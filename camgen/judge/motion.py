@@ -20,10 +20,11 @@ from camgen.judge.proof import Proof, with_laws
 from camgen.machine.features import CamOutline, Demand, judged_outputs, parts_of
 from camgen.machine.model import Cam, Clutch, Output, bodies_of, unit_of
 from camgen.numerics import Floats
-from camgen.study import Table
+from camgen.study import Figure, Figures, Table
 
 _RANGE = 0.5  # of an output's range: with more play a mechanism is none
 _ROUNDING = 1e-10  # mm or rad, of an output that no joint moves, such as the driven link's angle
+MOTION_ERROR = "motion error {of}"  # its figure
 COLUMNS = ("joint", "play, mm", "meant, mm", "centres off, mm")
 
 
@@ -35,7 +36,7 @@ class Verdict:
     """
 
     findings: tuple[Finding, ...]
-    numbers: Mapping[str, float] = field(default_factory=dict)
+    numbers: Figures = field(default_factory=Figures)
     table: Table | None = None
     proof: Proof | None = None
     not_judged: tuple[NotJudged, ...] = ()
@@ -82,11 +83,9 @@ def judge_machine(
     )
     judged = closing.judged(proof)
     alone = len(judged) == 1
-    numbers: dict[str, float] = {}
+    numbers = Figures()
     for each in judged:
-        numbers |= each.numbers(
-            files.kind, "" if alone else f"{each.output.name.replace(' ', '_')}_"
-        )
+        numbers |= each.figures(files.kind, "" if alone else each.output.name)
     others = {
         outline.feature for outlines in measured.outlines.values() for outline in outlines[1:]
     }
@@ -97,7 +96,7 @@ def judge_machine(
         files, nominal.machine, measured.outlines, off, findings[-1].ok, closing.motion
     )
     findings += on_cams.findings
-    numbers |= on_cams.numbers
+    numbers |= on_cams.figures
     unseen = _nominal(nominal)
     if any(math.isinf(each.error) for each in judged):
         return Verdict(tuple(findings), numbers, not_judged=unseen)
@@ -271,17 +270,16 @@ class _Judged:
             return self.demand.lash, self.demand.lash_of
         return half, "half of the stroke: with more it is no mechanism"
 
-    def numbers(self, kind: str, name: str) -> dict[str, float]:
-        """Figures of the report."""
-        unit = self.unit
-        scale = self.scale
-        figures = {f"motion_error_{name}{kind}_{unit}": scale * self.error}
+    def figures(self, kind: str, name: str) -> list[Figure]:
+        """Figures of the report; name: of the output, "" where it is the only one."""
+        values = {MOTION_ERROR: self.error}
         if math.isfinite(self.error):
-            figures[f"clearance_band_{name}{kind}_{unit}"] = scale * self.band
-            figures[f"{'swing' if unit == 'deg' else 'stroke'}_recovered_{name}{kind}_{unit}"] = (
-                scale * self.made
-            )
-        return figures
+            moved = "swing" if self.unit == "deg" else "stroke"
+            values |= {"clearance band {of}": self.band, f"{moved} recovered {{of}}": self.made}
+        return [
+            Figure(quantity, self.scale * value, self.unit, name, kind=kind)
+            for quantity, value in values.items()
+        ]
 
     def _finding(
         self, code: str, measured: float, limit: float, where: Where, remark: str

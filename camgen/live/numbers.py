@@ -18,6 +18,17 @@ from camgen.schemas import Data, members_of, shortened, step_below
 
 _MOST = 12  # numbers of a list that get a slider each; longer lists are tables of points
 _PLAIN = re.compile(r"[\w+. -]{1,100}")  # a number or a word: no table, which could name a file
+# Of units for either kind of follower the one of a follower that slides (False) or swings (True).
+_UNITS: dict[tuple[str, bool | None], str] = {
+    ("mm or deg", False): "mm",
+    ("mm or deg", True): "deg",
+    ("N or N m", False): "N",
+    ("N or N m", True): "N m",
+    ("N/mm or N m/rad", False): "N/mm",
+    ("N/mm or N m/rad", True): "N m/rad",
+    ("N s/mm or N m s/rad", False): "N s/mm",
+    ("N s/mm or N m s/rad", True): "N m s/rad",
+}
 _AT_ZERO = {"deg": 30.0}  # how far a slider goes from 0, by unit; else 10
 
 
@@ -39,7 +50,7 @@ def numbers(data: Data, schema: Data) -> list[Number]:
     """The numbers and choices that the spec's tables hold, in their order; included machines keep theirs to themselves."""
     swings = _swings(data)
     return [
-        replace(each, unit=_of_follower(each.unit, swings))
+        replace(each, unit=_UNITS.get((each.unit, swings), each.unit))
         for key, value in data.items()
         if key != "mechanism"
         for each in _below((key,), value, schema, schema)
@@ -52,12 +63,6 @@ def _swings(data: Data) -> bool | None:
     follower = geometry.get("follower") if isinstance(geometry, dict) else None
     motion = follower.get("motion") if isinstance(follower, dict) else None
     return None if motion is None else bool(motion == "oscillating")
-
-
-def _of_follower(unit: str, swings: bool | None) -> str:
-    """Of two units, such as "mm or deg", that of a follower which slides, or swings; both where it is not known."""
-    slides, _, turns = unit.partition(" or ")
-    return unit if swings is None or not turns else turns if swings else slides
 
 
 def _below(path: Key, value: Any, above: Data, root: Data) -> Iterator[Number]:

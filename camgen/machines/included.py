@@ -30,7 +30,7 @@ from camgen.parts.catalogue import Bought
 from camgen.parts.generator.joined import Stand
 from camgen.parts.generator.mounted import InLine, UpperEnd, in_line, merged
 from camgen.parts.part import Part
-from camgen.study import Later, Sketch, Study
+from camgen.study import Figures, Later, Sketch, Study, records
 from camgen.tolerances import SAME_POINT
 
 if TYPE_CHECKING:
@@ -324,7 +324,7 @@ def study(each: IncludedMachine) -> Study:
     module = each.module
     prefix = module.prefix
     return Study(
-        {module.name(name): value for name, value in own.numbers.items()},
+        Figures(replace(each, module=prefix) for each in records(own.numbers)),
         Later(lambda: [replace(plot, title=f"{prefix}: {plot.title}") for plot in own.plots]),
         Later(lambda: [replace(table, title=f"{prefix}: {table.title}") for table in own.tables]),
         Later(lambda: [_sketch(sketch, module) for sketch in own.sketches]),

@@ -27,7 +27,8 @@ from camgen.machine.features import PartPose
 from camgen.measuring.outlines import Hints, Outline, read_outline
 from camgen.measuring.scan import PICTURES, Scanning
 from camgen.report.animation import Animation, Body
-from camgen.report.report import Report, write_csv, write_html, write_json
+from camgen.report.page import write_html
+from camgen.report.report import Report, write_csv, write_json
 from camgen.study import Plot, Table
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from camgen.geometry.outlines import Arc, Contour
 from camgen.machine.features import Eye, Faces, Feature, Mount, PinEyes, SlotFaces, heights
 from camgen.machine.model import Machine, Pin, Place, Slot
 from camgen.parts.catalogue import BEARINGS, Bearing
-from camgen.parts.part import Part
+from camgen.parts.part import Part, Role
 
 _SAME = 1e-6  # mm
 
@@ -33,6 +33,7 @@ class Journal:
     ball: Bearing | None = None  # on the pin; None of a plain bearing
     part: str = ""  # what the pin or shaft is in the list of parts
     slot: bool = False  # whether it is the walls of a slot
+    role: Role = ""  # of the pin or shaft
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,7 @@ class Post:
     material: str
     pull: float = 0.0  # of a spring, N
     part: str = ""  # what it is in the list of parts
+    role: Role = ""
 
 
 def _round(contour: Contour, eye: Eye) -> bool:
@@ -122,6 +124,10 @@ class _Places:
     def material(self, part: str | None) -> str:
         """Of a part."""
         return self.printed if part is not None and self.parts[part].made == "printed" else "steel"
+
+    def role(self, part: str | None) -> Role:
+        """Of a part."""
+        return "" if part is None else self.parts[part].role
 
 
 def journals(
@@ -191,9 +197,9 @@ def _in_slot(
     lever = min((abs((low + high) / 2 - face) for face in faces), default=0.0)
     materials = places.material(shaft.part), places.material(feature.walls.part)
     part = shaft.part or ""
-    return Journal(
-        feature.joint, shaft.diameter, high - low, lever, *materials, part=part, slot=True
-    )
+    size = (shaft.diameter, high - low, lever)
+    role = places.role(shaft.part)
+    return Journal(feature.joint, *size, *materials, part=part, slot=True, role=role)
 
 
 def _journal(feature: PinEyes, places: _Places, sides: Sequence[Place]) -> Journal | None:
@@ -228,6 +234,6 @@ def _journal(feature: PinEyes, places: _Places, sides: Sequence[Place]) -> Journ
     sizes = [(each.bore, each.outside) for each in feature.rings]
     ball = next((each for each in BEARINGS.values() if (each.bore, each.outside) in sizes), None)
     materials = places.material(shaft.part), places.material(turning[0].part)
-    return Journal(
-        feature.joint, shaft.diameter, high - low, lever, *materials, ball, shaft.part or ""
-    )
+    size = (shaft.diameter, high - low, lever)
+    role = places.role(shaft.part)
+    return Journal(feature.joint, *size, *materials, ball, shaft.part or "", role=role)

@@ -142,6 +142,7 @@ class Mounted:
     longest: float
     made: bool = True  # whether it hangs in the machine; else it is only proposed
     on_cam: bool = True  # whether it keeps a follower on its cam
+    name: str = "spring"  # in its figures
 
     @property
     def bought(self) -> Bought:

@@ -40,7 +40,7 @@ from camgen.pipeline.scope import ANY, Outcome, Stage, not_judged, of_parts, unh
 from camgen.pipeline.summary import plates_of
 from camgen.progress import Progress
 from camgen.report.report import Report
-from camgen.study import Plot, Study, Table
+from camgen.study import Figure, Figures, Plot, Study, Table, united
 from camgen.workers import Workers
 
 _SIDE_FILES = ("spec.toml", "motion.csv", "report.json", "manifest.json")
@@ -100,9 +100,8 @@ def judge(
             columns |= outcome.columns
     outcomes = [motion, *parts, *stages]
     sources: list[Outcome | Study] = [study, *outcomes, recovered]
-    numbers: dict[str, float] = {}
-    for each in sources:  # of two parts with a figure of one name the first one drives
-        numbers |= {name: value for name, value in each.numbers.items() if name not in numbers}
+    # of two parts with one figure the first drives
+    numbers = united(each.numbers for each in sources)
     findings = (*limits, *(finding for outcome in outcomes for finding in outcome.findings))
     report = Report(
         mechanism.name,
@@ -221,7 +220,7 @@ def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
     mechanism = case.mechanism
     pairs = mechanism.assembly.passing
     findings: list[Finding] = []
-    numbers: dict[str, float] = {}
+    figures: list[Figure] = []
     columns: dict[str, Floats] = {}
     plots = []
     for kind in (kind for kind in kinds if kind not in EXACT):
@@ -234,7 +233,7 @@ def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
             mechanism.accuracy.chord_tolerance,
         )
         findings += clearances.findings
-        numbers |= clearances.numbers
+        figures += clearances.figures
         plots.append(
             Plot(
                 f"Distance, from {kind.upper()}",
@@ -247,7 +246,7 @@ def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
             f"distance_{name.lower().replace('/', '_')}_mm_{kind}": distance
             for name, _, distance in clearances.curves
         }
-    return Outcome(findings, numbers, plots, columns=columns)
+    return Outcome(findings, Figures(figures), plots, columns=columns)
 
 
 def judge_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
@@ -292,7 +291,7 @@ def judge_laser(case: Case, kinds: Sequence[str]) -> Outcome:
     from camgen.judge.cams import judged_angles
     from camgen.pipeline.laser import judge_sheets
 
-    findings, sections, tables, numbers = judge_sheets(case)
+    findings, sections, tables, figures = judge_sheets(case)
     mechanism = case.mechanism
     parts = {name: {"dxf": sections[name]} if name in sections else {} for name in case.parts}
     low, high = mechanism.assembly.cycle.range
@@ -301,10 +300,11 @@ def judge_laser(case: Case, kinds: Sequence[str]) -> Outcome:
         judge_motion(
             mechanism, "dxf", parts, theta, Where(file=f"{mechanism.name}-sheets, *", kind="dxf")
         )
-        if numbers
+        if figures
         else None
     )
-    return Outcome([*findings, *(motion[0].findings if motion else ())], numbers, tables=tables)
+    every = [*findings, *(motion[0].findings if motion else ())]
+    return Outcome(every, Figures(figures), tables=tables)
 
 
 def judge_machining(case: Case, kinds: Sequence[str]) -> Outcome:
@@ -433,16 +433,19 @@ def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
     table = parts_table(mechanism, sides)
     rows = [row for row in table.rows if row[0] == "printed"]
     mass, minutes = (sum(float(str(row[column])) for row in rows) for column in (5, 6))
-    numbers = {"mass_g": mass, "print_time_h": minutes / 60}
+    figures = [Figure("mass", mass, "g"), Figure("print time", minutes / 60, "h")]
     if sides:
-        numbers["supports_mm2"] = sum(
-            part.count * sides[part.name].overhang for part in printed_parts(mechanism.assembly)
-        )
+        parts = printed_parts(mechanism.assembly)
+        overhang = sum(part.count * sides[part.name].overhang for part in parts)
+        figures.append(Figure("supports", overhang, "mm²"))
     layers, warnings = between(mechanism, sides)
     finding = judge_list(case.file("parts", "csv"), table)
     tables = [table, order_of_assembly(mechanism.assembly)]
     return Outcome(
-        [finding], numbers, tables=[*tables, *([layers] if layers.rows else [])], warnings=warnings
+        [finding],
+        Figures(figures),
+        tables=[*tables, *([layers] if layers.rows else [])],
+        warnings=warnings,
     )
 
 

@@ -28,7 +28,7 @@ from camgen.parts.sheets import why_not
 from camgen.pipeline.case import Case
 from camgen.pipeline.expectation import expected
 from camgen.spec import Laser
-from camgen.study import Table
+from camgen.study import Figure, Table
 
 _PACKED = 0.02  # mm, chord tolerance of outlines that are only to be nested
 _SIZE = Bound("a list of sheets", 20_000_000, most=200_000)
@@ -142,7 +142,7 @@ def _listed(path: Path) -> dict[int, list[SheetCopy]]:
 
 def judge_sheets(
     case: Case,
-) -> tuple[list[Finding], dict[str, Sections], list[Table], dict[str, float]]:
+) -> tuple[list[Finding], dict[str, Sections], list[Table], list[Figure]]:
     """Findings on all sheets; sections of every part, as cut of a sheet or else as drawn; tables; figures."""
     mechanism = case.mechanism
     laser = case.mechanism.laser
@@ -153,7 +153,7 @@ def judge_sheets(
     findings: list[Finding] = []
     sections: dict[str, Sections] = {}
     rows: list[tuple[object, ...]] = []
-    numbers: dict[str, float] = {}
+    figures: list[Figure] = []
     if parts:
         sheets = _listed(case.file("sheets", "csv"))
         strange = sorted(
@@ -173,7 +173,10 @@ def judge_sheets(
             sections |= {name: each.sections for name, each in verdicts.items()}
             rows += _rows(number, copies, laser)
         findings += _copies(sheets, parts, case)
-        numbers = {"sheets": float(len(sheets)), "sheet_density": _density(sheets, parts, laser)}
+        figures = [
+            Figure("sheets", len(sheets)),
+            Figure("sheet density", _density(sheets, parts, laser)),
+        ]
     for part in mechanism.assembly.parts:
         if part.name not in parts:
             rows.append(("none", part.name, part.count, "", why_not(part, laser.thickness)))
@@ -187,7 +190,7 @@ def judge_sheets(
         findings,
         sections,
         [Table("Cut of sheets, and what is made otherwise", columns, rows)],
-        numbers,
+        figures,
     )
 
 

@@ -255,7 +255,7 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
         "on the bed, mm^2",
         "overhang, mm^2",
     )
-    return Table("Parts list", columns, rows)
+    return Table("Parts list", columns, rows, digits=3)
 
 
 def _lying(side: Side | None) -> tuple[object, ...]:

@@ -25,7 +25,7 @@ from camgen.pipeline.case import Case
 from camgen.pipeline.expectation import expected
 from camgen.pipeline.making import compensation
 from camgen.pipeline.scope import Outcome
-from camgen.study import ROWS, Study, Table
+from camgen.study import ROWS, Figures, Study, Table
 
 if TYPE_CHECKING:
     from camgen.judge.measured import Sections
@@ -167,7 +167,7 @@ def moved_by(
         if motion is not None:
             curve.want(motion(theta, 0), motion(theta, 1))
     findings: list[Finding] = []
-    numbers: dict[str, float] = {}
+    numbers = Figures()
     tables = []
     nominal = []
     for kind in kinds:

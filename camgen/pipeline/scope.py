@@ -13,7 +13,7 @@ from camgen.geometry.outlines import Floats
 from camgen.machine.features import CamOutline, Flat
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.sheets import why_not
-from camgen.study import Plot, Table
+from camgen.study import Figures, Plot, Table
 
 if TYPE_CHECKING:
     from camgen.pipeline.case import Case
@@ -30,7 +30,7 @@ class Outcome:
     """What one stage found, for the report."""
 
     findings: Sequence[Finding] = ()
-    numbers: Mapping[str, float] = field(default_factory=dict)
+    numbers: Mapping[str, float] = field(default_factory=Figures)
     plots: Sequence[Plot] = ()
     tables: Sequence[Table] = ()
     columns: Mapping[str, Floats] = field(default_factory=dict)

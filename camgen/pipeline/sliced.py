@@ -25,6 +25,7 @@ from camgen.files.threemf import Item, read_3mf
 from camgen.findings import Finding, NotJudged, Where, at_most, in_file
 from camgen.geometry.rings import Floats, Shape
 from camgen.judge.measured import Sections, measure
+from camgen.judge.motion import MOTION_ERROR
 from camgen.judge.sliced import Copy, PrintModel, bodies, copy_of, envelope, outwards, shapes_of
 from camgen.judge.sliced_copies import judge_sliced_copies
 from camgen.machine.features import CamOutline, Eye, eyes, parts_of
@@ -38,11 +39,14 @@ from camgen.pipeline.making import compensation
 from camgen.pipeline.reading import Read, judge_motion, judge_part
 from camgen.progress import Progress, silent
 from camgen.report.report import Report
-from camgen.study import Table
+from camgen.study import Figure, Figures, Table
 
 _OVER = np.diag([-1.0, 1.0, -1.0])  # a part that lies turned over, as plates lay it
 _FLAT = 1e-6  # sine of the angle by which a part that lies flat may lean
 _ANGLES = 721  # at which the motion of one layer is judged
+# Kinds of figures: of the first layer, and over all layers.
+_FIRST = "first layer"
+_LAYERS = ("worst layer", "mean layer", "spread layer")
 _HIGH = 1e-3  # mm, by which a print may be higher or lower than its part
 _UNSEEN = 0.002  # mm, a resolution that costs nothing; PrusaSlicer writes 0 as 0.001
 _FOOT = 0.05  # mm, by which a first layer may be off a foot that the part itself makes smaller
@@ -139,7 +143,7 @@ def check_gcode(
     complete, absent = judge_sliced_copies(count, expected, plate_copies, where)
     findings.append(complete)
     progress("letting the parts touch")
-    motion, numbers, not_judged = _moved(case, prints, on_side, where)
+    motion, figures, not_judged = _moved(case, prints, on_side, where)
     columns = (
         "part",
         "layers",
@@ -166,10 +170,10 @@ def check_gcode(
         mechanism.name,
         mechanism.mechanism,
         [*findings, *motion],
-        numbers,
+        Figures(figures),
         tables=[table for table in tables if table.rows],
         not_judged=tuple(dict.fromkeys([*absent, *not_judged])),
-        remarks=_remarks(prints, numbers, settings),
+        remarks=_remarks(prints, figures, settings),
     )
 
 
@@ -365,7 +369,7 @@ def left_out(on_side: Collection[str], away: Collection[str]) -> list[NotJudged]
 
 def _moved(
     case: Case, prints: Mapping[str, _Print], on_side: Collection[str], where: Where
-) -> tuple[list[Finding], dict[str, float], list[NotJudged]]:
+) -> tuple[list[Finding], list[Figure], list[NotJudged]]:
     """Findings and figures of the machine closed on what is laid: the envelope, and layer by layer the cams."""
     from camgen.judge.cams import judged_angles
 
@@ -384,7 +388,7 @@ def _moved(
             if features
             else []
         )
-        return [], {}, [*left_out(sorted(on_side), ()), *nothing]
+        return [], [], [*left_out(sorted(on_side), ()), *nothing]
     not_judged = left_out(sorted(on_side), moving - set(present))
     kind = next(
         kind for kind in (*SOLID[::-1], "dxf") if case.file(next(iter(case.parts)), kind).exists()
@@ -398,16 +402,16 @@ def _moved(
     parts = replace(where, file=f"{where.file}, *")
     verdict = judge_motion(mechanism, "gcode", parts_read, theta, parts, mechanism.print.xy_step)
     if verdict is None:
-        return [], {}, not_judged
-    numbers = dict(verdict[0].numbers)
+        return [], [], not_judged
+    figures = [*verdict[0].numbers.records]
     cams = {
         feature.part: feature
         for feature in features
         if isinstance(feature, CamOutline) and feature.part in present
     }
     if cams:
-        numbers |= _by_layer(case, prints, parts_read, cams)
-    return list(verdict[0].findings), numbers, not_judged
+        figures += _by_layer(case, prints, parts_read, cams)
+    return list(verdict[0].findings), figures, not_judged
 
 
 def _as_filed(case: Case, name: str, kind: str) -> Read:
@@ -421,24 +425,21 @@ def _by_layer(
     prints: Mapping[str, _Print],
     parts: Mapping[str, Read],
     cams: Mapping[str, CamOutline],
-) -> dict[str, float]:
+) -> list[Figure]:
     """The greatest motion error of the machine with each layer of its cams alone: first, worst, mean and spread."""
     mechanism = case.mechanism
     theta = np.linspace(*mechanism.assembly.cycle.range, _ANGLES)
 
-    def error(sections: Mapping[str, Sections]) -> dict[str, float]:
+    def error(sections: Mapping[str, Sections]) -> dict[str, Figure]:
         result = judge_motion(
             mechanism,
             "gcode",
             {**parts, **{name: {"gcode": each} for name, each in sections.items()}},
             theta,
         )
-        figures = result[0].numbers if result is not None else {}
-        return {
-            key: value
-            for key, value in figures.items()
-            if key.startswith("motion_error_") and math.isfinite(value)
-        }
+        every = result[0].numbers.records if result is not None else ()
+        errors = (each for each in every if each.quantity == MOTION_ERROR)
+        return {each.of: each for each in errors if math.isfinite(each.value)}
 
     slabs = {name: prints[name].cam_layers(cam) for name, cam in cams.items()}
     heights = sorted({round(z, 3) for each in slabs.values() for z, _ in each})
@@ -449,18 +450,14 @@ def _by_layer(
         for z in heights
     ]
     first = error({name: [prints[name].first] for name in cams if prints[name].first})
-    numbers: dict[str, float] = {
-        key.replace("_gcode_", "_first_layer_"): value for key, value in first.items()
-    }
-    for key in layers[0] if layers else ():
-        each = np.array([layer.get(key, math.nan) for layer in layers])
-        for what, value in (
-            ("worst", np.nanmax(each)),
-            ("mean", np.nanmean(each)),
-            ("spread", np.nanstd(each)),
+    figures = [replace(each, kind=_FIRST) for each in first.values()]
+    for output, figure in layers[0].items() if layers else ():
+        values = [layer[output].value for layer in layers if output in layer]
+        for kind, value in zip(
+            _LAYERS, (np.max(values), np.mean(values), np.std(values)), strict=True
         ):
-            numbers[key.replace("_gcode_", f"_{what}_layer_")] = float(value)
-    return numbers
+            figures.append(replace(figure, value=float(value), kind=kind))
+    return figures
 
 
 def _eye_table(case: Case, prints: Mapping[str, _Print]) -> Table:
@@ -535,7 +532,7 @@ def _costs(key: str, value: str) -> bool:
 
 
 def _remarks(
-    prints: Mapping[str, _Print], numbers: Mapping[str, float], settings: Mapping[str, str]
+    prints: Mapping[str, _Print], figures: Sequence[Figure], settings: Mapping[str, str]
 ) -> list[str]:
     """What a person should read beside the findings."""
     remarks = [f"{key} = {value}: {said}" for key, value, said in _settings_table(settings).rows]
@@ -564,12 +561,9 @@ def _remarks(
         remarks.append(
             f"layers do not add up to the parts' heights, mm: {', '.join(off)}; print.layer tells where before slicing"
         )
-    for key, first in numbers.items():
-        if "_first_layer_" in key:
-            worst, mean, spread = (
-                numbers[key.replace("_first_", f"_{what}_")] for what in ("worst", "mean", "spread")
-            )
-            unit = key.rpartition("_")[2]
-            said = f"of layers taken alone the worst moves {worst:.4f} {unit} off, the mean {mean:.4f}, spread {spread:.4f}"
-            remarks.append(f"{said}; the first {first:.4f}")
+    values = {(each.kind, each.of): each.value for each in figures}
+    for first in (each for each in figures if each.kind == _FIRST):
+        worst, mean, spread = (values[kind, first.of] for kind in _LAYERS)
+        said = f"of layers taken alone the worst moves {worst:.4f} {first.unit} off, the mean {mean:.4f}, spread {spread:.4f}"
+        remarks.append(f"{said}; the first {first.value:.4f}")
     return remarks

@@ -13,8 +13,8 @@ from camgen.files.formats import SOLID
 from camgen.geometry.outlines import Floats
 from camgen.pipeline.case import Case
 from camgen.plotting import write_plots
-from camgen.report.page import once
-from camgen.report.report import Report, write_csv, write_html, write_json
+from camgen.report.page import once, write_html
+from camgen.report.report import Report, write_csv, write_json
 from camgen.study import Plate, Scene
 
 

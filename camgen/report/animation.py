@@ -84,7 +84,7 @@ _STILL_STYLE = (
 )
 
 
-def fixed(value: float) -> str:
+def decimals(value: float) -> str:
     """As the page's script writes a value."""
     return f"{value:.3f}".replace("-", "−") if math.isfinite(value) else "–"
 
@@ -98,7 +98,7 @@ def _xy(z: complex) -> str:
     return f"{_number(z.real)} {_number(z.imag)}"
 
 
-def _drawn(ring: Ring) -> Ring:
+def _coarse(ring: Ring) -> Ring:
     """The ring with few enough vertices to draw: one for each small step along it, then all edges straight."""
     points, bulges = np.asarray(ring[0], complex), np.asarray(ring[1], float)
     if len(points) <= DRAWN_VERTICES:
@@ -111,7 +111,7 @@ def _drawn(ring: Ring) -> Ring:
 
 def svg_path(ring: Ring) -> str:
     """SVG path of a ring in its own frame (y up under the drawing's mirror image, so bulges keep their sense)."""
-    points, bulges = _drawn(ring)
+    points, bulges = _coarse(ring)
     ends = np.roll(points, -1)
     chords = np.abs(ends - points)
     words = [f"M{_xy(points[0])}"]
@@ -126,12 +126,12 @@ def svg_path(ring: Ring) -> str:
     return "".join(words) + "Z"
 
 
-def _spread(body: Body) -> Points:
+def _hull(body: Body) -> Points:
     """Points whose hull is the body's, to a thousandth of its size: vertices, arcs' insides, circles."""
     groups = [np.zeros(1, complex), *(np.asarray(stroke, complex) for stroke in body.strokes)]
     groups += [] if body.course is None else [np.ravel(body.course)]
     for ring in body.rings:
-        points, bulges = _drawn(ring)
+        points, bulges = _coarse(ring)
         chord = np.roll(points, -1) - points
         sweep = 4 * np.arctan(bulges)
         for share in np.arange(8) / 8:
@@ -148,7 +148,7 @@ def _spread(body: Body) -> Points:
     return np.asarray(points[np.unique([np.argmax((points * way).real) for way in outward])])
 
 
-def _posed(pose: PartPose, count: int) -> tuple[Floats, Points]:
+def _pose_rows(pose: PartPose, count: int) -> tuple[Floats, Points]:
     """Angles, rad, and positions, mm, (count,) each, of a pose that may be constant."""
     return np.broadcast_to(pose.angle, count), np.broadcast_to(
         np.asarray(pose.place, complex), count
@@ -165,7 +165,7 @@ def frames(animation: Animation) -> dict[str, object]:
     """What the page's script needs: of each copy its [deg, x, y] by frame (a single one where it rests)."""
     poses = []
     for _, pose in _copies(animation):
-        angle, position = _posed(pose, len(animation.theta))
+        angle, position = _pose_rows(pose, len(animation.theta))
         rows = (
             np.round(np.column_stack([np.degrees(angle), position.real, position.imag]), 3) + 0.0
         ).tolist()
@@ -181,7 +181,7 @@ def frames(animation: Animation) -> dict[str, object]:
             str(k): body.z for k, body in enumerate(animation.bodies) if body.z is not None
         },
         "courses": {
-            str(k): _rounded(body.course)
+            str(k): _coordinates(body.course)
             for k, body in enumerate(animation.bodies)
             if body.course is not None
         },
@@ -189,7 +189,7 @@ def frames(animation: Animation) -> dict[str, object]:
     }
 
 
-def _rounded(course: Points) -> list[list[float]]:
+def _coordinates(course: Points) -> list[list[float]]:
     """x and y of each point of a polyline by turns, by frame."""
     flat = np.stack([course.real, course.imag], axis=-1).reshape(len(course), -1)
     return [[float(value) for value in row] for row in np.round(flat, 2) + 0.0]
@@ -200,8 +200,8 @@ def _drawing(animation: Animation, frame: int) -> tuple[str, str]:
     copies, count = _copies(animation), len(animation.theta)
     reach = []
     for k, pose in copies:
-        angle, position = _posed(pose, count)
-        shape = _spread(animation.bodies[k])
+        angle, position = _pose_rows(pose, count)
+        shape = _hull(animation.bodies[k])
         shape = -np.conj(shape) if pose.flipped else shape
         reach.append((position[:, None] + np.exp(1j * angle[:, None]) * shape).ravel())
     cloud = np.concatenate([np.zeros(1, complex), *reach])
@@ -226,7 +226,7 @@ def _drawing(animation: Animation, frame: int) -> tuple[str, str]:
     shapes = "".join(_shape(k, body, size / 60, frame) for k, body in enumerate(animation.bodies))
     dashes = f' stroke-dasharray="{_number(size / 80)} {_number(size / 160)}"'
     uses = "".join(
-        f'<use href="#body-{k}" class="c{k}"{dashes if pose.flipped else ""} {_placed(pose, frame, count)}/>'
+        f'<use href="#body-{k}" class="c{k}"{dashes if pose.flipped else ""} {_placement(pose, frame, count)}/>'
         for k, pose in copies
     )
     axes = f"M{_number(left)} 0H{_number(right)}M0 {_number(low)}V{_number(high)}"
@@ -264,8 +264,8 @@ def _shape(k: int, body: Body, cross: float, frame: int) -> str:
     )
 
 
-def _placed(pose: PartPose, frame: int, count: int) -> str:
-    angle, position = _posed(pose, count)
+def _placement(pose: PartPose, frame: int, count: int) -> str:
+    angle, position = _pose_rows(pose, count)
     if not np.isfinite(angle[frame] + position[frame]):
         return 'display="none"'
     mirror = "scale(-1 1)" if pose.flipped else ""
@@ -295,7 +295,7 @@ def player(animation: Animation, scene: bool = False) -> str:
         ""
         if animation.output is None
         else (
-            f'<span>{escape(animation.output_name.replace("_", " "))} <output id="value">{fixed(animation.output[0])}</output> '
+            f'<span>{escape(animation.output_name.replace("_", " "))} <output id="value">{decimals(animation.output[0])}</output> '
             f"{escape(animation.output_unit)}</span>"
         )
     )

@@ -9,40 +9,40 @@ import base64
 import gzip
 import json
 import math
-import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from html import escape
 from importlib.resources import files
+from os import PathLike
 from string import Template
-from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 import numpy as np
 
 from camgen._version import __version__
-from camgen.findings import Finding, NotJudged, told_once
 from camgen.plotting import SERIES
+from camgen.report import words
 from camgen.report.animation import frames, player
 from camgen.report.colours import part_colour
-from camgen.report.figures import figure
-from camgen.report.words import GROUPS, KINDS, NOISE, UNITS, Figure, figures, name, rounded
-
-if TYPE_CHECKING:
-    from camgen.report.report import Report
-    from camgen.study import Plot, Scene, Table
+from camgen.report.plots import plot_figure
+from camgen.report.report import Report, write_text
+from camgen.report.tables import (
+    NOISE_OF,
+    figure_lists,
+    html_table,
+    margins,
+    share_used,
+    to_change,
+    unit_text,
+    value_text,
+)
+from camgen.report.words import rounded
+from camgen.study import Plot, Scene, Table
 
 _FIRST_PLOTS = 12  # more curves than this are folded away; it fills rows of two, three and four
 _SERIES_DARK = ("#6db3f2", "#f2a069", "#74cf98", "#c99be8", "#dcc04e", "#f08fbf")
-_NOISE = {
-    "mm": 1e-6,
-    "deg": 1e-6,
-    "N": NOISE,
-    "N m": NOISE,
-    "W": NOISE,
-}  # what is less is rounding: 1 nm, a millionth of a deg
-_NEAR = 0.8  # share of its limit from which on a margin is shown unfolded
+_STROKES = ("stroke", "swing", "index", "{of} stroke")  # how far a machine moves
 
 
 @cache
@@ -70,7 +70,7 @@ def to_html(report: Report) -> str:
         style=_asset("page.css")
         + _palette(len(report.animation.bodies) if report.animation else 0),
         key=_key_figures(report),
-        change=to_change(report),
+        change=to_change(report.warnings, report.findings, report.not_judged),
         machine=machine,
         plots=_section("Curves", _plots(report.plots)),
         parts=_section("Parts", _parts(report))
@@ -86,6 +86,11 @@ def to_html(report: Report) -> str:
         script=_asset("page.js"),
         viewer=_viewer(report, scene) if scene is not None else "",
     )
+
+
+def write_html(path: str | PathLike[str], report: Report) -> None:
+    """Write report.html; FileError where it cannot be written."""
+    write_text(path, to_html(report))
 
 
 def _palette(count: int) -> str:
@@ -126,22 +131,11 @@ def _viewer(report: Report, scene: Scene) -> str:
     return "".join(blocks) + f"<script>{_asset('viewer.js')}</script>"
 
 
-# ---- pieces of text --------------------------------------------------------------------------------------------------
+# ---- pieces of text ----
 
 
-def _text(value: object) -> str:
-    """A cell: numbers with six digits and a true minus, anything else escaped."""
-    if isinstance(value, bool | np.bool_):
-        return "yes" if value else "no"
-    if isinstance(value, int | np.integer):
-        return str(value).replace("-", "−")
-    if isinstance(value, float | np.floating):
-        return rounded(float(value), 6)
-    return escape("" if value is None else str(value))
-
-
-def _link(file: str, words: str = "") -> str:
-    return f'<a href="{escape(quote(file))}">{escape(words or file)}</a>'
+def _link(file: str, text: str = "") -> str:
+    return f'<a href="{escape(quote(file))}">{escape(text or file)}</a>'
 
 
 def _section(title: str, body: str, kind: str = "") -> str:
@@ -150,52 +144,10 @@ def _section(title: str, body: str, kind: str = "") -> str:
     )
 
 
-def _unit(unit: str) -> str:
-    return f" <small>{escape(UNITS.get(unit, unit))}</small>" if unit else ""
-
-
-def _table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """A table with a caption."""
-
-    def line(row: Sequence[object]) -> str:
-        # What is only estimated, mass and time, is told to three digits.
-        cells = (
-            rounded(cell, 3)
-            if isinstance(cell, float) and column.endswith((", g", ", min"))
-            else _text(cell)
-            for column, cell in zip(columns, row, strict=True)
-        )
-        rest = "".join(
-            f"<td{kind(cell)}>{text}</td>" for cell, text in list(zip(row, cells, strict=True))[1:]
-        )
-        return f'<tr><th scope="row">{_text(row[0])}</th>{rest}</tr>'
-
-    def kind(cell: object) -> str:
-        return ' class="n"' if isinstance(cell, int | float | np.number) else ""
-
-    rows = list(rows)
-    models = rows[0] if rows else columns
-    named = (column.replace("^2", "²").replace("^3", "³") for column in columns)
-    heads = (
-        f'<th scope="col"{kind(m)}>{escape(c)}</th>' if c else "<td></td>"
-        for c, m in zip(named, models, strict=True)
-    )
-    head = "".join(heads)
-    head = f"<caption>{escape(title)}</caption><thead><tr>{head}</tr></thead>"
-    return _scrolling(title, f"<table>{head}<tbody>{''.join(map(line, rows))}</tbody></table>")
-
-
-def _scrolling(title: str, table: str) -> str:
-    """A table that scrolls sideways where it is too wide, by the arrow keys too."""
-    return (
-        f'<div class="scroll" tabindex="0" role="group" aria-label="{escape(title)}">{table}</div>'
-    )
-
-
 def _folded(table: Table) -> str:
     count = f"{len(table.rows)} row{'' if len(table.rows) == 1 else 's'}"
     summary = f"<summary>{escape(table.title)} <small>{count}</small></summary>"
-    return f"<details>{summary}{_table(table.title, table.columns, table.rows)}</details>"
+    return f"<details>{summary}{html_table(table)}</details>"
 
 
 # ---- verdict ---------------------------------------------------------------------------------------------------------
@@ -204,14 +156,10 @@ def _folded(table: Table) -> str:
 def _key_figures(report: Report) -> str:
     """Five figures that tell the most: how far it moves, how exactly, with what play and at which angles, how heavy it is."""
     found: list[tuple[str, float, str, str]] = []
-    listed = figures(report.numbers)
-    strokes = [
-        f
-        for f in listed
-        if f.name.endswith(("stroke", "Swing", "Stroke", "Indexing")) and "" in f.values
-    ]
-    found += [(f.name, f.values[""], f.unit, "") for f in strokes[:1]]
-    for code, words in (
+    designed = [row for row in words.rows(report.numbers) if "" in row.values]
+    strokes = [row for row in designed if row.quantity in _STROKES]
+    found += [(row.name, row.values[""], row.unit, "") for row in strokes[:1]]
+    for code, title in (
         ("MOTION_ERROR", "Motion error"),
         ("LASH", "Free play"),
         ("PRESSURE_ANGLE", "Pressure angle"),
@@ -224,146 +172,29 @@ def _key_figures(report: Report) -> str:
             if f.code == code and math.isfinite(f.measured) and (f.floor or code != "INTERFERENCE")
         ]
         if of:
-            worst = max(of, key=lambda f: (not f.ok, _used(f) or 0.0))
+            worst = max(of, key=lambda f: (not f.ok, share_used(f) or 0.0))
             limit = f"{'at least' if worst.floor else 'at most'} {rounded(worst.limit, 3)}"
-            found.append((words, worst.measured, worst.unit, limit))
-    for key, words in (
-        ("peak_torque", "Peak torque"),
+            found.append((title, worst.measured, worst.unit, limit))
+    for quantity, title in (
+        ("peak torque", "Peak torque"),
         ("mass", "Mass printed"),
-        ("print_time", "Time to print"),
+        ("print time", "Time to print"),
     ):
         found += [
-            (words, f.values[""], f.unit, "")
-            for f in listed
-            if "" in f.values and f.name == name(key)
+            (title, row.values[""], row.unit, "") for row in designed if row.quantity == quantity
         ]
     items = [
-        f"<div><dt>{escape(words)}</dt><dd>{_rounded(value, unit, 3)}{_unit(unit)} <small>{escape(limit)}</small></dd></div>"
-        for words, value, unit, limit in found[:5]
+        f"<div><dt>{escape(title)}</dt><dd>{value_text(value, unit, 3)}{unit_text(unit)} <small>{escape(limit)}</small></dd></div>"
+        for title, value, unit, limit in found[:5]
     ]
     return f'<dl class="key">{"".join(items)}</dl>' if items else ""
-
-
-def to_change(report: Report) -> str:
-    """What a person must know first: warnings, what fails with its numbers, and what was not judged."""
-    said = "".join(f"<p><b>{escape(text)}</b></p>" for text in report.warnings)
-    failing = told_once([finding for finding in report.findings if not finding.ok])
-    if not (failing or report.not_judged):
-        return said
-    rows = [
-        f'<tr class="bad"><td class="mark"><b>FAILS</b></td><th scope="row"><code>{escape(f.code)}</code> '
-        f"<small>{escape(where)}</small><p>{escape(f.message)}</p></th>"
-        f'<td class="n">{_text(f.measured)}{_unit(f.unit)}</td>'
-        f'<td class="n">{_SIGNS[f.sign]} {_text(f.limit)}{_unit(f.unit)}</td></tr>'
-        for f, where in failing
-    ]
-    rows += [_not_judged(each) for each in report.not_judged]
-    head = "".join(
-        f'<th scope="col">{words}</th>'
-        for words in ("Verdict", "What to change", "Measured", "Limit")
-    )
-    return f'{said}<table class="change"><thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>'
-
-
-def _not_judged(each: NotJudged) -> str:
-    return (
-        f'<tr class="open"><td class="mark"><b>NOT JUDGED</b></td><th scope="row"><code>{escape(each.code)}</code>'
-        f"<p>{escape(each.why)}</p></th><td></td><td></td></tr>"
-    )
-
-
-# ---- margins ---------------------------------------------------------------------------------------------------------
-
-
-def _used(finding: Finding) -> float | None:
-    """Share of its limit that a finding uses, above 1 where it fails; None where a share has no meaning."""
-    measured, limit = finding.measured, finding.limit
-    if not (math.isfinite(measured) and math.isfinite(limit)) or measured == limit:
-        return None
-    part, whole = (limit, measured) if finding.floor else (measured, limit)
-    return part / whole if part >= 0 and whole > 0 else None
-
-
-def _kind(finding: Finding) -> str:
-    """In which kind of file it was found, "" as designed."""
-    return finding.where.kind if finding.where.kind in KINDS else ""
-
-
-def _urgent(finding: Finding) -> tuple[bool, float]:
-    used = _used(finding)
-    return not finding.ok, -1.0 if used is None else used
-
-
-def margins(findings: Sequence[Finding]) -> str:
-    """One row a code: of each kind of file the finding that is nearest to its limit, or farthest beyond."""
-    groups: dict[tuple[str, str], list[Finding]] = {}
-    for finding in findings:
-        groups.setdefault((finding.code, finding.unit), []).append(finding)
-    worst = {key: max(group, key=_urgent) for key, group in groups.items()}
-    order = sorted(groups, key=lambda key: _urgent(worst[key]), reverse=True)
-    kinds = [kind for kind in ("", *KINDS) if any(_kind(finding) == kind for finding in findings)]
-    near = [
-        key
-        for key in order
-        if not worst[key].ok or (_used(worst[key]) or 0) >= _NEAR or worst[key].code in _ALWAYS
-    ]
-    shown = near if len(near) < len(order) - 1 else order
-    rest = [key for key in order if key not in shown]
-    text = _margins([groups[key] for key in shown], kinds) if shown else ""
-    if rest:
-        count = sum(len(groups[key]) for key in rest)
-        hold = f"{count} more findings of {len(rest)} kinds hold, none uses {_NEAR:.0%} of its limit".replace(
-            "%", " %"
-        )
-        text += f"<details><summary>{hold}</summary>{_margins([groups[key] for key in rest], kinds)}</details>"
-    return text
-
-
-_SIGNS = {"<=": "≤", ">=": "≥", ">": "&gt;"}
-_ALWAYS = ("MOTION_ERROR", "LASH", "PRESSURE_ANGLE", "TRANSMISSION_ANGLE", "INTERFERENCE")
-
-
-def _margins(groups: Sequence[Sequence[Finding]], kinds: Sequence[str]) -> str:
-    head = ["Finding", *(kind.upper() or "Design, assembly" for kind in kinds), "Limit"]
-    rows = []
-    for group in groups:
-        worst = max(group, key=_urgent)
-        cells = "".join(_cell([f for f in group if _kind(f) == kind], kind) for kind in kinds)
-        state = "ok" if worst.ok else "bad"
-        verdict = "holds" if worst.ok else "FAILS"
-        limit = f"{_SIGNS[worst.sign]}&nbsp;{rounded(worst.limit, 4)}{_unit(worst.unit)}"
-        rows.append(
-            f'<tr class="{state}"><th scope="row"><span class="mark"><b>{verdict}</b></span> <code>{escape(worst.code)}</code>'
-            f"<p>{escape(worst.message)} <small>{escape(str(worst.where))}</small></p></th>{cells}"
-            f'<td class="n" data-of="limit">{limit}</td></tr>'
-        )
-    columns = "".join(f'<th scope="col">{words}</th>' for words in head)
-    head_row = f"<thead><tr>{columns}</tr></thead>"
-    return _scrolling(
-        "Findings", f'<table class="rows">{head_row}<tbody>{"".join(rows)}</tbody></table>'
-    )
-
-
-def _cell(group: Sequence[Finding], kind: str) -> str:
-    """The tightest of some findings of one code in one kind of file, with the share of its limit."""
-    if not group:
-        return "<td></td>"
-    worst = max(group, key=_urgent)
-    used, bar = _used(worst), ""
-    if used is not None:
-        percent = f"{100 * used:.0f} %" if used < 10 else "> 1000 %"
-        # Eight tenths of the bar are the limit, so that a failing bar is seen to pass the mark.
-        bar = f'<span class="use"><span class="bar"><i style="width:{80 * min(used, 1.25):.1f}%"></i></span> {percent}</span>'
-    count = f" <small>tightest of {len(group)}</small>" if len(group) > 1 else ""
-    bad = "" if all(finding.ok for finding in group) else " bad"
-    return f'<td class="n{bad}" data-of="{kind.upper() or "designed"}">{rounded(worst.measured)}{count}{bar}</td>'
 
 
 # ---- curves, figures -------------------------------------------------------------------------------------------------
 
 
 def _plots(plots: Sequence[Plot]) -> str:
-    drawn = [figure(plot, f"plot-{k}") for k, plot in enumerate(once(plots))]
+    drawn = [plot_figure(plot, f"plot-{k}") for k, plot in enumerate(once(plots))]
     first, rest = drawn[:_FIRST_PLOTS], drawn[_FIRST_PLOTS:]
     said = f"{len(rest)} more curve{'' if len(rest) == 1 else 's'}"
     folded = (
@@ -379,10 +210,7 @@ def once(plots: Sequence[Plot]) -> list[Plot]:
     over their marks."""
     kept: list[Plot] = []
     for plot in plots:
-        noise = next(
-            (size for unit, size in _NOISE.items() if re.search(rf"(^|\W){unit}$", plot.y_label)),
-            0.0,
-        )
+        noise = NOISE_OF.get(plot.y_label, 0.0)
         if noise and all(np.nanmax(np.abs(y), initial=0.0) < noise for _, _, y in plot.series):
             continue
         at = next((k for k, other in enumerate(kept) if _shows(other, plot)), None)
@@ -395,11 +223,8 @@ def once(plots: Sequence[Plot]) -> list[Plot]:
 
 def _shows(plot: Plot, other: Plot) -> bool:
     """Whether a plot shows all curves of another one, to what can be seen."""
-    units = (
-        (plot.x_label.rpartition(", ")[2], plot.y_label),
-        (other.x_label.rpartition(", ")[2], other.y_label),
-    )
-    if units[0] != units[1] or plot.equal or other.equal or plot.turns != other.turns:
+    one_axis = plot.turns == other.turns and (plot.turns or plot.x_label == other.x_label)
+    if not one_axis or plot.y_label != other.y_label or plot.equal or other.equal:
         return False
     for _, x, y in other.series:
         size = float(np.ptp(y[np.isfinite(y)])) if np.isfinite(y).any() else 0.0
@@ -413,49 +238,6 @@ def _shows(plot: Plot, other: Plot) -> bool:
         if not (size > 0 and np.isfinite(y).all() and any(alike)):
             return False
     return bool(other.series)
-
-
-def figure_lists(numbers: Mapping[str, float]) -> str:
-    """The figures in groups, those of the files with a column for each kind."""
-    listed = figures(numbers)
-    text = ""
-    for group, _ in reversed(GROUPS):
-        members = [each for each in listed if each.group == group]
-        by_kind = [each for each in members if set(each.values) != {""}]
-        plain = [each for each in members if each not in by_kind]
-        body = "".join(
-            f"<div><dt>{escape(each.name)}</dt><dd>{_known(each, '')}{_unit(each.unit)}</dd></div>"
-            for each in plain
-        )
-        body = f"<dl>{body}</dl>" if body else ""
-        if by_kind:
-            kinds = [kind for kind in KINDS if any(kind in each.values for each in by_kind)]
-            rows = (_row(each, kinds) for each in by_kind)
-            body += _table(group, ["figure", "unit", *(kind.upper() for kind in kinds)], rows)
-        text += (
-            f"<details{' open' if len(members) <= 24 else ''}><summary>{group}</summary>{body}</details>"
-            if body
-            else ""
-        )
-    return text
-
-
-def _row(each: Figure, kinds: Sequence[str]) -> tuple[str, ...]:
-    return (
-        each.name,
-        each.unit,
-        *(_known(each, kind) if kind in each.values else "" for kind in kinds),
-    )
-
-
-def _known(each: Figure, kind: str) -> str:
-    """A figure's value, 0 for less than a nanometre or a millionth of a degree."""
-    return _rounded(each.values[kind], each.unit, 4)
-
-
-def _rounded(value: float, unit: str, digits: int) -> str:
-    """The same of any value and unit."""
-    return "0" if abs(value) < _NOISE.get(unit, 0.0) else rounded(value, digits)
 
 
 # ---- parts, plates, steps --------------------------------------------------------------------------------------------

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 from camgen._version import __version__
 from camgen.errors import FileError
 from camgen.findings import Finding, NotJudged, left_out
-from camgen.study import Plot, Scene, Table
+from camgen.study import Figures, Plot, Scene, Table, records
 
 if TYPE_CHECKING:
     from camgen.report.animation import Animation
@@ -43,7 +43,7 @@ class Report:
     name: str
     mechanism: str
     findings: Sequence[Finding]
-    numbers: Mapping[str, float] = field(default_factory=dict)
+    numbers: Mapping[str, float] = field(default_factory=Figures)
     parts: Sequence[Mapping[str, object]] = ()
     plots: Sequence[Plot] = ()
     tables: Sequence[Table] = ()
@@ -82,16 +82,12 @@ class Report:
         """For a notebook: the verdict, what fails, the margins and the figures that are not of one kind of file."""
         from html import escape
 
-        from camgen.report import page
+        from camgen.report.tables import figure_lists, margins, to_change
 
-        kinds = ("_dxf_", "_stl_", "_3mf_", "_step_")
-        figures = {
-            name: value
-            for name, value in self.numbers.items()
-            if not any(kind in name for kind in kinds)
-        }
-        found = f"<h3>{escape(self.name)}: {escape(self.verdict)}</h3>{page.to_change(self)}{page.margins(self.findings)}"
-        return found + page.figure_lists(figures)
+        designed = Figures(each for each in records(self.numbers) if not each.kind)
+        head = f"<h3>{escape(self.name)}: {escape(self.verdict)}</h3>"
+        changes = to_change(self.warnings, self.findings, self.not_judged)
+        return head + changes + margins(self.findings) + figure_lists(designed)
 
     def as_dict(self) -> dict[str, object]:
         """The report as report.json holds it: plain values, floats of 12 digits, None for nan and inf."""
@@ -122,7 +118,7 @@ def to_json(report: Report) -> str:
 
 def write_json(path: Path, report: Report) -> None:
     """Write report.json; FileError where it cannot be written."""
-    _write(path, to_json(report))
+    write_text(path, to_json(report))
 
 
 def write_csv(path: Path, columns: Mapping[str, ArrayLike]) -> None:
@@ -132,17 +128,11 @@ def write_csv(path: Path, columns: Mapping[str, ArrayLike]) -> None:
     # Adding 0 turns -0 into 0; one format of all lines at once is several times faster than one line at a time.
     cells = np.column_stack([np.asarray(column, float) for column in columns.values()]) + 0.0
     line = ",".join(["%.12g"] * cells.shape[1]) + "\n"
-    _write(path, header.getvalue() + (line * len(cells)) % tuple(cells.ravel().tolist()))
+    write_text(path, header.getvalue() + (line * len(cells)) % tuple(cells.ravel().tolist()))
 
 
-def write_html(path: Path, report: Report) -> None:
-    """Write report.html; FileError where it cannot be written."""
-    from camgen.report.page import to_html
-
-    _write(path, to_html(report))
-
-
-def _write(path: Path, text: str) -> None:
+def write_text(path: Path, text: str) -> None:
+    """Write a file; FileError where it cannot be written."""
     try:
         with open(path, "w", encoding="utf-8", newline="\n") as file:
             file.write(text)

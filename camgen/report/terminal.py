@@ -28,7 +28,7 @@ _BAR = 20  # characters of the bar of the progress line
 _TICKS = 2  # a second, at which it is drawn anew
 
 
-def _condensed(findings: Sequence[Finding]) -> list[tuple[Finding, int]]:
+def _digest(findings: Sequence[Finding]) -> list[tuple[Finding, int]]:
     """Findings to print, each with how many it stands for: of many routine checks that hold only the tightest."""
     from camgen.findings import ROUTINE
 
@@ -63,7 +63,7 @@ def print_report(report: Report, quiet: bool = False, verbose: bool = False) -> 
     quiet: what fails alone, and what this run did beside the result, for that is written nowhere; verbose: every finding by
     itself and in words, every file by name.
     """
-    from camgen.findings import left_out, told_once
+    from camgen.findings import left_out, worst_of_each
 
     failed = [finding for finding in report.findings if not finding.ok]
     if quiet and not failed:
@@ -72,11 +72,11 @@ def print_report(report: Report, quiet: bool = False, verbose: bool = False) -> 
         return
     if not quiet:
         _print_table(report, verbose)
-    for finding, where in told_once(failed):
-        _say(_in_words(finding, where))
+    for finding, where in worst_of_each(failed):
+        _say(_sentence(finding, where))
     for finding in report.findings if verbose else ():
         if finding.ok:
-            _say(_in_words(finding, str(finding.where)))
+            _say(_sentence(finding, str(finding.where)))
     for text in report.remarks if quiet else (*report.warnings, *report.remarks):
         _say(f"note: {text}")
     count = len(report.findings)
@@ -98,7 +98,7 @@ def print_report(report: Report, quiet: bool = False, verbose: bool = False) -> 
             f"what {'it means' if len(codes) == 1 else 'they mean'} and what helps: camgen explain {' '.join(codes)}"
         )
     for text in (
-        () if quiet or report.folder is None else _where_to_go(report, Path(report.folder), verbose)
+        () if quiet or report.folder is None else _next_steps(report, Path(report.folder), verbose)
     ):
         _say(text)
 
@@ -117,9 +117,7 @@ def _print(line: str) -> None:
 
 def _print_table(report: Report, every: bool) -> None:
     """The findings as a table of the terminal's width, those that fail first."""
-    findings = (
-        [(finding, 1) for finding in report.findings] if every else _condensed(report.findings)
-    )
+    findings = [(finding, 1) for finding in report.findings] if every else _digest(report.findings)
     bad = [_cells(report, finding, of) for finding, of in findings if not finding.ok]
     blank = dict.fromkeys(_COLUMNS, "")
     open_ = [
@@ -132,11 +130,11 @@ def _print_table(report: Report, every: bool) -> None:
     shown = [name for name in _COLUMNS if name in widths]
     line = "\u2500" if (sys.stdout.encoding or "").lower().startswith("utf") else "-"
     _say(f"{report.name} ({report.mechanism})", italic=True)
-    _say((" " * _BETWEEN).join(_filled(name, name, widths[name]) for name in shown), bold=True)
+    _say((" " * _BETWEEN).join(_cell(name, name, widths[name]) for name in shown), bold=True)
     _print(line * (sum(widths.values()) + _BETWEEN * (len(widths) - 1)))
     colours = {"ok": "green", "FAIL": "red", _OPEN: "yellow"}
     for row in rows:
-        *cells, verdict = (_filled(name, row[name], widths[name]) for name in shown)
+        *cells, verdict = (_cell(name, row[name], widths[name]) for name in shown)
         if row[""] == _OPEN:  # a reason without numbers: over all columns between, and never cut
             room = sum(widths[name] for name in shown[1:-1]) + _BETWEEN * (len(shown) - 3)
             cells = [cells[0], f"{row['where']:<{room}}"]
@@ -144,7 +142,7 @@ def _print_table(report: Report, every: bool) -> None:
         _print((" " * _BETWEEN).join([*cells, click.style(verdict, colour, bold=row[""] != "ok")]))
 
 
-def _filled(column: str, text: str, width: int) -> str:
+def _cell(column: str, text: str, width: int) -> str:
     """A cell as wide as its column."""
     text = text if len(text) <= width else f"{text[: width - 1]}\u2026"
     return f"{text:>{width}}" if column in ("measured", "limit", "margin") else f"{text:<{width}}"
@@ -159,7 +157,7 @@ def number(value: float, noise: float = NOISE) -> str:
     )
 
 
-def _in_words(finding: Finding, where: str) -> str:
+def _sentence(finding: Finding, where: str) -> str:
     """A finding as a sentence with its numbers."""
     unit = f" {finding.unit}" if finding.unit else ""
     size = f"{number(finding.measured, NOISE * finding.ok)}{unit}"
@@ -182,7 +180,7 @@ def _in_words(finding: Finding, where: str) -> str:
     )
 
 
-def _where_to_go(report: Report, folder: Path, every: bool) -> list[str]:
+def _next_steps(report: Report, folder: Path, every: bool) -> list[str]:
     """Where the files are, and what to open."""
     names = sorted(path.name for path in folder.iterdir()) if folder.is_dir() else []
     kinds = Counter(name.rpartition(".")[2] for name in names)

@@ -1,145 +1,120 @@
-"""Names and units that people read, for the figures that a machine gives under keys such as peak_speed_mm_s."""
+"""Names, groups and digits of figures as people read them."""
 
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-# Units as suffixes of a figure's key, the longest first.
-UNITS = {
-    "mpa_m_s": "MPa m/s",
-    "n_m_per_rad": "N m/rad",
-    "n_rad_s": "N rad/s",
-    "n_m_s": "N m s",
-    "deg_rad2": "deg/rad²",
-    "mm_rad2": "mm/rad²",
-    "deg_rad": "deg/rad",
-    "mm_rad": "mm/rad",
-    "kg_m2": "kg m²",
-    "n_mm": "N/mm",
-    "g_mm": "g mm",
-    "n_m": "N m",
-    "mm_s2": "mm/s²",
-    "deg_s2": "deg/s²",
-    "rad_s": "rad/s",
-    "mm_s": "mm/s",
-    "deg_s": "deg/s",
-    "per_s": "1/s",
-    "mm3": "mm³",
-    "mm2": "mm²",
-    "percent": "%",
-    "mm": "mm",
-    "deg": "deg",
-    "rpm": "rpm",
-    "mpa": "MPa",
-    "hz": "Hz",
-    "n": "N",
-    "j": "J",
-    "w": "W",
-    "h": "h",
-    "g": "g",
-    "s": "s",
-}
+from camgen.study import Figure, records
 
-# What quantities are called that a machine gives, where their keys do not say it in full.
+# What quantities are called whose own words do not say it in full.
 NAMES = {
-    "clearance_band": "worst case of the joints' play",
-    "motion_error": "motion error",
-    "tip_motion_error": "motion error of the tip alone",
-    "stroke_recovered": "stroke, from the file",
-    "swing_recovered": "swing, from the file",
-    "index_recovered": "indexing, from the file",
-    "lash": "free play of the follower",
-    "canvas_share_round": "canvas within 10 %, round collector",
-    "canvas_share_flat": "canvas within 10 %, flat collector",
+    "clearance band {of}": "worst case of the joints' play: {of}",
+    "motion error {of}": "motion error: {of}",
+    "tip motion error {of}": "motion error of the tip alone: {of}",
+    "stroke recovered {of}": "stroke, from the file: {of}",
+    "swing recovered {of}": "swing, from the file: {of}",
+    "index recovered": "indexing, from the file",
+    "lash {of}": "free play of the follower: {of}",
+    "canvas share {of}": "canvas within 10 %, {of} collector",
     "mass": "mass of what is printed",
-    "print_time": "time to print all",
+    "print time": "time to print all",
     "index": "indexing",
-    "let_down": "payout angle",
-    "let_down_ratio": "payout ratio",
-    "peak_speed_angle": "angle of the peak speed",
-    "wear": "wear, force times speed",
-    "swing_by_play_of_axle": "swing by the play of the axle",
-    "uniform_share": "share of uniform motion",
-    "residual_share": "share of the shaking force left",
+    "let down": "payout angle",
+    "let down ratio": "payout ratio",
+    "peak speed angle": "angle of the peak speed",
+    "wear {joint}": "wear, force times speed: {joint}",
+    "swing by play of axle": "swing by the play of the axle",
+    "uniform share": "share of uniform motion",
+    "residual share": "share of the shaking force left",
     "supports": "area that needs supports",
-    "pv_greatest": "pressure times speed of bearings, greatest",
-    "hertz_pressure": "Hertz pressure",
-    "flywheel_for_2_percent": "flywheel for a speed within 2 %",
-    "flywheel_for_10_percent": "flywheel for a speed within 10 %",
-    "balance_weight_at": "direction of the balance weight",
-    "balance_spring_at": "direction of the balance spring",
-    "print_error": "off by print errors",
-    "source_r": "R of the source, AC",
+    "pv max": "pressure times speed of bearings, greatest",
+    "hertz pressure {of}": "Hertz pressure: {of}",
+    "flywheel for 2 percent": "flywheel for a speed within 2 %",
+    "flywheel for 10 percent": "flywheel for a speed within 10 %",
+    "balance weight at": "direction of the balance weight",
+    "balance spring at": "direction of the balance spring",
+    "print error {of}": "off by print errors: {of}",
+    "source r": "R of the source, AC",
     **{
-        f"source_{sign}_{k}": f"{word}{'₁₂'[k - 1]} of the source"
+        f"source {sign} {k}": f"{word}{'₁₂'[k - 1]} of the source"
         for k in (1, 2)
         for sign, word in (("r", "r"), ("alpha", "α"), ("beta", "β"))
     },
+    "dwell within 0_25 mm": "dwell within 0.25 mm",
+    "feed max": "feed, greatest",
+    "feed max at": "feed, where greatest",
+    "feed min": "feed, least",
+    "feed min at": "feed, where least",
+    "transmission angle max": "transmission angle, greatest",
+    "transmission angle min": "transmission angle, least",
 }
 
-# Groups of figures, each with what its keys hold, in the order of the page; the first that matches counts.
-GROUPS = (
-    (
-        "From the files",
-        r"motion_error|clearance|recovered|lash|canvas_share|tip_radius|_dxf|_stl|_3mf|_step(?=_|$)",
-    ),
-    ("Making", r"^mass|print_time|supports|shaft_length|area|outline|section"),
-    (
-        "Forces and drive",
-        r"torque|force|reaction|energy|inertia|"
-        r"hertz|^pv|friction|drive|flywheel|balance|vibration|bearing_life|acceleration_factor|lift_off|follower_freq|"
-        r"kick|spring|wear|weight|shaking|harmonic|residual",
-    ),
-    ("Shape and contact", r"radius|profile|pressure|undercut|curvature|wall|tip_on"),
-    ("Motion", r""),
+# Groups of figures, and what belongs to each: what was measured in files, else by the quantity, else by the unit.
+FROM_FILES, MAKING, FORCES, SHAPE, MOTION = GROUPS = (
+    "From the files",
+    "Making",
+    "Forces and drive",
+    "Shape and contact",
+    "Motion",
 )
+_UNITS = {
+    FORCES: "N, N m, N m s, N/mm, N m/rad, N rad/s, MPa, MPa m/s, J, W, Hz, g mm, kg m²",
+    MAKING: "g, h, mm²",
+}
+_QUANTITIES = {
+    FORCES: "balance spring at, balance weight at, counterweight, counterweight {of}, counterweight at, crank counterweight at, "
+    "crank moment asked at, residual share, second harmonic share, spring stretch greatest, spring stretch least",
+    MAKING: "motor shaft length, outline length, shaft length",
+    SHAPE: "base radius, curvature radius min, disc wall, pitch curvature radius min, pitch radius max, pitch radius min, "
+    "prime radius, pressure angle, pressure angle low passed, pressure angle return, pressure angle rise, profile area, "
+    "profile length, radius max, radius min, undercut, {of} least radius, {of} pressure angle, tip on {of} x, tip on {of} y",
+}
+_GROUP_OF_UNIT = {unit: group for group, units in _UNITS.items() for unit in units.split(", ")}
+_GROUP_OF = {each: group for group, found in _QUANTITIES.items() for each in found.split(", ")}
 
 KINDS = ("dxf", "stl", "3mf", "step")  # of files that are measured
 NOISE = 1e-9  # what is less counts as 0: lengths are known to some nanometres at best
 
 
 @dataclass
-class Figure:
+class Row:
     """A figure as it is shown: name, unit, value, or one value for each kind of file that it was measured in."""
 
+    quantity: str
     name: str
     unit: str
     group: str
     values: dict[str, float] = field(default_factory=dict)
 
 
-def figures(numbers: Mapping[str, float]) -> list[Figure]:
+def rows(numbers: Mapping[str, float]) -> list[Row]:
     """The figures of a report, those of the kinds of files side by side."""
-    found: dict[tuple[str, str], Figure] = {}
-    for key, value in numbers.items():
-        suffix = next((unit for unit in UNITS if key.endswith("_" + unit)), "")
-        stem = key.removesuffix("_" + suffix) if suffix else key
-        kind = next((kind for kind in KINDS if re.search(rf"_{kind}(?=_|$)", stem)), "")
-        stem = re.sub(rf"_{kind}(?=_|$)", "", stem) if kind else stem
-        group = next(name for name, pattern in GROUPS if re.search(pattern, key))
-        figure = found.setdefault((stem, suffix), Figure(name(stem), UNITS.get(suffix, ""), group))
-        figure.values[kind] = float(value)
+    found: dict[tuple[str, str], Row] = {}
+    for each in records(numbers):
+        title = name(each)
+        row = found.setdefault(
+            (title, each.unit), Row(each.quantity, title, each.unit, group(each))
+        )
+        row.values[each.kind] = float(each.value)
+        if each.kind:
+            row.group = FROM_FILES
     return list(found.values())
 
 
-def name(stem: str) -> str:
-    """Words for a key without unit and kind: motion_error_pen is "motion error: pen"."""
-    known = max((k for k in NAMES if stem == k or stem.startswith(k + "_")), key=len, default="")
-    words = (
-        NAMES[known] + ": " + stem[len(known) + 1 :]
-        if known and known != stem
-        else NAMES.get(stem, stem)
-    )
-    words = re.sub(r"_(max|greatest)_at$", ", where greatest", words)
-    words = re.sub(r"_(min|least)_at$", ", where least", words)
-    words = re.sub(r"_(max|greatest)$", ", greatest", words)
-    words = re.sub(r"_(min|least)$", ", least", words)
-    words = re.sub(r"within (\d+) (\d+)", r"within \1.\2", words.replace("_", " "))
-    if re.search(r"\b(reaction|wear)\b", words):  # of a joint, whose point has a capital letter
-        words = re.sub(r"\b[a-w]\b", lambda letter: letter[0].upper(), words)
+def group(figure: Figure) -> str:
+    """Of GROUPS the one that a figure belongs to."""
+    if figure.kind:
+        return FROM_FILES
+    return _GROUP_OF.get(figure.quantity) or _GROUP_OF_UNIT.get(figure.unit, MOTION)
+
+
+def name(figure: Figure) -> str:
+    """What a person reads: "motion error {of}" is "Motion error: pen"."""
+    words = NAMES.get(figure.quantity, figure.quantity)
+    words = words.format(of=figure.of.replace("_", " "), joint=figure.joint).strip(" :")
+    words = f"{figure.module.replace('_', ' ')} {words}".strip()
     return words if words[1:2] in "₁₂" else words[:1].upper() + words[1:]
 
 

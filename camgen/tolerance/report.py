@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from camgen.machines.sources import Source, read_mechanism
 from camgen.numerics import Floats
 from camgen.progress import Progress, silent
 from camgen.report.report import Report
-from camgen.study import Plot, Table
+from camgen.study import Figure, Figures, Plot, Table
 from camgen.tolerance.findings import Judged
 from camgen.tolerance.findings import judged as copies_judged
 from camgen.tolerance.spread import Copies, Spread, copies_of, drawn_again, rolled, spread_of
@@ -23,6 +23,11 @@ from camgen.tolerance.timing import Timing, timings
 
 _SHARES = (0.5, 0.9, 0.95, 0.99, 0.997)  # of copies
 _BARS = 60
+# Figures of a yield, and of what is wanted by value.
+_YIELD = "{of} yield"
+_YIELD_FROM = "{of} yield from"
+_YIELD_TO = "{of} yield to"
+_TARGETS = "targets"
 _Z = 1.959964  # standard deviations either way of 95 %
 _HOLD = "copies that hold, %", "interval of 95 %, %"
 _SHOWN = 10  # of the worst copies
@@ -74,38 +79,32 @@ def tolerance(
     spread = spread_of(mechanism)
     struck = timings(mechanism)
     if not spread.modes and struck:
-        numbers: dict[str, float] = {}
-        return Report(
-            mechanism.name,
-            mechanism.mechanism,
-            (),
-            numbers,
-            (),
-            (),
-            _timings(struck, numbers),
-            _TIMED,
-        )
+        figures: list[Figure] = []
+        tables = _timings(struck, figures)
+        name = mechanism.name
+        return Report(name, mechanism.mechanism, (), Figures(figures), (), (), tables, _TIMED)
     if not spread.modes:
         why = "its bodies follow laws by themselves"
         raise DesignError("joints that print errors can displace", 0, 1, "", mechanism.name, why)
     progress("printing copies", 0.3)
     copies = copies_of(spread, samples, seed)
-    numbers = {}
-    tables, plots = [spread.budget(), _quantiles(spread, copies, numbers)], list[Plot]()
-    tables += _yields(spread, copies, numbers)
-    tables += _timings(struck, numbers)
+    figures = []
+    tables = [spread.budget(), _quantiles(spread, copies, figures)]
+    plots: list[Plot] = []
+    tables += _yields(spread, copies, figures)
+    tables += _timings(struck, figures)
     few = drawn_again(spread, seed, range(min(samples, MOST)))
-    tables += _kept(targets(spread, few), numbers) + _loops(loops(spread, few, seed), numbers)
+    tables += _kept(targets(spread, few), figures) + _loops(loops(spread, few, seed), figures)
     if judged:
         progress("judging copies", 0.5)
         tables += _findings(
-            copies_judged(spread, drawn_again(spread, seed, range(min(samples, judged)))), numbers
+            copies_judged(spread, drawn_again(spread, seed, range(min(samples, judged)))), figures
         )
     for k, output in enumerate(spread.outputs):
         progress(f"rolling the worst copies of {output.name}", 0.5 + 0.5 * k / len(spread.outputs))
         plots += _plots(spread, copies, output)
         if worst:
-            tables.append(_worst(spread, copies, output, seed, min(worst, samples), numbers))
+            tables.append(_worst(spread, copies, output, seed, min(worst, samples), figures))
     plots += [
         _histogram(f"Play of {cam}", "loosest place", least_unit(spread, name), loose, spread, name)
         for (name, cam), (loose, _, _) in copies.held.items()
@@ -115,12 +114,12 @@ def tolerance(
         mechanism.name,
         mechanism.mechanism,
         (),
-        numbers,
+        Figures(figures),
         (),
         plots,
         tables,
         notes,
-        summary=_summary(samples, numbers),
+        summary=_summary(samples, figures),
     )
 
 
@@ -136,26 +135,30 @@ def _waves(spread: Spread) -> list[str]:
     ]
 
 
-def _summary(samples: int, numbers: Mapping[str, float]) -> str:
+def _summary(samples: int, figures: Sequence[Figure]) -> str:
     """The worst of the yields, in a line."""
-    yields = {
-        name.removesuffix("yield_percent").rstrip("_"): value
-        for name, value in numbers.items()
-        if name.endswith("yield_percent")
-    }
+    yields = [each for each in figures if each.quantity == _YIELD]
     if not yields:
         return f"Errors of {samples} printed copies"
-    least = min(yields, key=lambda name: yields[name])
-    what = {"": "go together and keep their play", "targets": "keep what is wanted by value"}.get(
-        least, f"hold {least.upper()}"
+    least = min(yields, key=lambda each: each.value)
+    what = {"": "go together and keep their play", _TARGETS: "keep what is wanted by value"}.get(
+        least.of, f"hold {least.of.upper()}"
     )
-    low, high = (numbers.get(f"{least}_yield_{end}_percent") for end in ("from", "to"))
-    sure = (
-        ""
-        if low is None or high is None
-        else f" ({low:.0f} to {high:.0f} % with a confidence of 95 %)"
-    )
-    return f"Least yield: {yields[least]:.3g} % of copies {what}{sure}"
+    ends = [
+        f"{each.value:.0f}"
+        for quantity in (_YIELD_FROM, _YIELD_TO)
+        for each in figures
+        if each.quantity == quantity and each.of == least.of
+    ]
+    sure = f" ({' to '.join(ends)} % with a confidence of 95 %)" if ends else ""
+    return f"Least yield: {least.value:.3g} % of copies {what}{sure}"
+
+
+def _yield(of: str, holds: Floats | NDArray[np.bool_]) -> list[Figure]:
+    """Share of copies, (n,), that hold what it is of, and its interval."""
+    low, high = wilson(holds)
+    shares = {_YIELD: 100 * float(np.mean(holds)), _YIELD_FROM: low, _YIELD_TO: high}
+    return [Figure(quantity, share, "%", of) for quantity, share in shares.items()]
 
 
 def wilson(holds: Floats | NDArray[np.bool_]) -> tuple[float, float]:
@@ -176,31 +179,27 @@ def _sure(holds: Floats | NDArray[np.bool_]) -> str:
     return "{:.3g} to {:.3g}".format(*wilson(holds))
 
 
-def _named(output: Output) -> str:
-    return output.name.replace(" ", "_")
-
-
 def least_unit(spread: Spread, name: str) -> str:
     """What people read an output in."""
     return unit_of(next(each for each in spread.outputs if each.name == name))[0]
 
 
-def _quantiles(spread: Spread, copies: Copies, numbers: dict[str, float]) -> Table:
+def _quantiles(spread: Spread, copies: Copies, figures: list[Figure]) -> Table:
     """Worst error of a copy over its motion, which so many copies keep to."""
     rows = []
     for output in spread.outputs:
         unit, scale = unit_of(output)
         found = [float(np.quantile(copies.errors[output.name], share)) * scale for share in _SHARES]
-        numbers |= {
-            f"{_named(output)}_error_{100 * share:g}_percent_{unit}": value
+        figures += [
+            Figure(f"{{of}} error {100 * share:g} percent", value, unit, output.name)
             for share, value in zip(_SHARES, found, strict=True)
-        }
+        ]
         rows.append((output.name, unit, *found))
     heads = ("output", "unit", *(f"{100 * share:g} % of copies" for share in _SHARES))
     return Table("Largest error over the motion", heads, rows)
 
 
-def _yields(spread: Spread, copies: Copies, numbers: dict[str, float]) -> list[Table]:
+def _yields(spread: Spread, copies: Copies, figures: list[Figure]) -> list[Table]:
     """Share of copies that hold each finding which play and fits decide."""
     limits = {each.output: each.lash for each in spread.mechanism.assembly.demands}
     good = np.ones(len(copies.tight), bool) & ~copies.tight
@@ -227,14 +226,13 @@ def _yields(spread: Spread, copies: Copies, numbers: dict[str, float]) -> list[T
         if spread.air.get(cam, 0.0) < 0:
             code, what, holds = "LASH", "is pressed everywhere", loose <= 0
         rows.append((code, f"{cam} {what}", 0.0, "mm", 100 * float(np.mean(holds))))
-        numbers[f"tip_clearance_99_percent_{cam.replace(' ', '_')}_mm"] = float(
-            np.quantile(air, 0.99)
-        )
+        most = float(np.quantile(air, 0.99))
+        figures.append(Figure("tip clearance 99 percent {of}", most, "mm", cam))
         good &= holds
     if not rows:
         return []
     rows.append(("all of these", "", "", "", 100 * float(np.mean(good))))
-    numbers["yield_percent"] = 100 * float(np.mean(good))
+    figures.append(Figure(_YIELD, 100 * float(np.mean(good)), "%"))
     told = [
         Table(
             "Yield of play and fits alone",
@@ -252,9 +250,10 @@ def _yields(spread: Spread, copies: Copies, numbers: dict[str, float]) -> list[T
     return told
 
 
-def _findings(found: Sequence[Judged], numbers: dict[str, float]) -> list[Table]:
+def _findings(found: Sequence[Judged], figures: list[Figure]) -> list[Table]:
     """Each finding of copies that were judged one by one."""
     rows = []
+    least: dict[str, tuple[float, Judged]] = {}
     for each in found:
         limit, good = f"{each.sign} {each.limit:.4g}", 100 * float(np.mean(each.holds))
         mean, size = float(np.nanmean(each.values)), float(np.nanstd(each.values))
@@ -271,10 +270,10 @@ def _findings(found: Sequence[Judged], numbers: dict[str, float]) -> list[Table]
                 _sure(each.holds),
             )
         )
-        name = f"{each.code.lower()}_yield"
-        if good < numbers.get(f"{name}_percent", math.inf):
-            numbers[f"{name}_percent"] = good
-            numbers[f"{name}_from_percent"], numbers[f"{name}_to_percent"] = wilson(each.holds)
+        if each.code not in least or good < least[each.code][0]:
+            least[each.code] = good, each
+    for code, (_, worst) in least.items():
+        figures += _yield(code.lower(), worst.holds)
     heads = ("finding", "of", "unit", "limit", "as designed", "mean", "standard deviation", *_HOLD)
     return (
         [Table(f"Findings of the first {len(found[0].values)} copies, each judged", heads, rows)]
@@ -283,7 +282,7 @@ def _findings(found: Sequence[Judged], numbers: dict[str, float]) -> list[Table]
     )
 
 
-def _kept(found: Sequence[Kept], numbers: dict[str, float]) -> list[Table]:
+def _kept(found: Sequence[Kept], figures: list[Figure]) -> list[Table]:
     """Share of copies that keep what is wanted of the outputs by value."""
     rows = [
         (
@@ -298,9 +297,8 @@ def _kept(found: Sequence[Kept], numbers: dict[str, float]) -> list[Table]:
     ]
     if found:
         whole = np.all([each.holds for each in found], axis=0)
-        numbers["targets_yield_percent"] = 100 * float(np.mean(whole))
-        numbers["targets_yield_from_percent"], numbers["targets_yield_to_percent"] = wilson(whole)
-        rows.append(("all of these", "", "", "", numbers["targets_yield_percent"], _sure(whole)))  # type: ignore[arg-type]
+        figures += _yield(_TARGETS, whole)
+        rows.append(("all of these", "", "", "", 100 * float(np.mean(whole)), _sure(whole)))  # type: ignore[arg-type]
     title = (
         f"Yield of what is wanted by value, of the first {len(found[0].holds)} copies"
         if found
@@ -309,7 +307,7 @@ def _kept(found: Sequence[Kept], numbers: dict[str, float]) -> list[Table]:
     return [Table(title, ("finding", "output", "limit", "unit", *_HOLD), rows)] if found else []
 
 
-def _timings(found: Sequence[Timing], numbers: dict[str, float]) -> list[Table]:
+def _timings(found: Sequence[Timing], figures: list[Figure]) -> list[Table]:
     """How much earlier or later one of two bodies may be until they strike."""
     rows, least = list[tuple[object, ...]](), 90.0
     for each in found:
@@ -319,7 +317,7 @@ def _timings(found: Sequence[Timing], numbers: dict[str, float]) -> list[Table]:
         rows.append((each.pair, each.least, *exact, each.play, *loose))
         least = min(least, *loose)
     if found:
-        numbers["timing_tolerance_deg"] = least
+        figures.append(Figure("timing tolerance", least, "deg"))
     heads = (
         "pair",
         "nearest, mm",
@@ -342,14 +340,11 @@ def _timings(found: Sequence[Timing], numbers: dict[str, float]) -> list[Table]:
     )
 
 
-def _loops(found: Sequence[Loop], numbers: dict[str, float]) -> list[Table]:
+def _loops(found: Sequence[Loop], figures: list[Figure]) -> list[Table]:
     """Share of copies in which the smallest loop of a path is left."""
     for each in found:
-        shares = {"printed": each.printed, "loose": each.loose}
-        numbers |= {
-            f"{each.output.replace(' ', '_')}_loop_{how}_percent": 100 * share
-            for how, share in shares.items()
-        }
+        figures.append(Figure("{of} loop printed", 100 * each.printed, "%", each.output))
+        figures.append(Figure("{of} loop loose", 100 * each.loose, "%", each.output))
     rows = [
         (
             each.output,
@@ -373,7 +368,7 @@ def _loops(found: Sequence[Loop], numbers: dict[str, float]) -> list[Table]:
 
 
 def _worst(
-    spread: Spread, copies: Copies, output: Output, seed: int, count: int, numbers: dict[str, float]
+    spread: Spread, copies: Copies, output: Output, seed: int, count: int, figures: list[Figure]
 ) -> Table:
     """The copies with the largest errors: by first order, and really made."""
     unit, scale = unit_of(output)
@@ -389,7 +384,7 @@ def _worst(
         for k, real in zip(order, made, strict=True)
     ]
     if len(made):
-        numbers[f"{_named(output)}_error_worst_{unit}"] = float(np.max(made))
+        figures.append(Figure("{of} error worst", float(np.max(made)), unit, output.name))
     title = f"Worst copies of {output.name}, {unit}"
     title += f": the first {_SHOWN} of {count} that were rolled" if count > _SHOWN else ""
     return Table(title, ("copy", "first order", "rolled and closed"), rows[:_SHOWN])

@@ -47,7 +47,7 @@ from camgen.machine.run import Run, solve
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats
 from camgen.parts import materials
-from camgen.study import Study, Table
+from camgen.study import Figure, Figures, Study, Table
 from camgen.tolerances import SAME_POINT
 
 _ANGLES = 145  # of the turn, at which copies are looked at, and at least:
@@ -137,12 +137,12 @@ class Spread:
         """The budget, for a build's report."""
         if not self.modes:
             return Study()
-        numbers = {
-            f"print_error_{output.name.replace(' ', '_')}_{unit_of(output)[0]}": 3
-            * self._size(output, range(len(self.modes)))
-            for output in self.outputs
-        }
-        return Study(numbers, tables=[self.budget()])
+        every = range(len(self.modes))
+        figures = [
+            Figure("print error {of}", 3 * self._size(each, every), unit_of(each)[0], each.name)
+            for each in self.outputs
+        ]
+        return Study(Figures(figures), tables=[self.budget()])
 
 
 def spread_of(mechanism: Mechanism) -> Spread:

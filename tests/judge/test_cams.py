@@ -28,6 +28,7 @@ from camgen.judge.joints import Outline, Rolled
 from camgen.machine import GROUND, Body, Cam, Drive, Machine, Pin, Place, Pose, Slide
 from camgen.machine.features import CamMeant, CamOutline, Eye, Flat, Mount, OwnTip
 from camgen.machine.model import Floats
+from camgen.study import Figures
 
 TIP = Eye(None, 30 + 0j, 6.0, shaft=True)
 OFF = 0.002
@@ -56,7 +57,7 @@ def test_where_a_follower_has_its_tips() -> None:
     )
     groove = outline("other", SlideTip(2 + 30j, 1j, 3.0, 1, True), within)
     tip, foot = 60 + 5j + 50 * np.exp(2.6j), 60 + 5j + 4 * np.exp(-1.2j)
-    assert _tips([first, second]) == pytest.approx(
+    assert dict(Figures(_tips([first, second]))) == pytest.approx(
         {
             "tip_on_cam_x_mm": tip.real,
             "tip_on_cam_y_mm": tip.imag,
@@ -64,14 +65,14 @@ def test_where_a_follower_has_its_tips() -> None:
             "tip_on_return_cam_y_mm": foot.imag,
         }
     )
-    assert _tips([slide, face]) == {
+    assert Figures(_tips([slide, face])) == {
         "tip_on_cam_x_mm": 2,
         "tip_on_cam_y_mm": 30,
         "tip_on_top_x_mm": 0,
         "tip_on_top_y_mm": -31,
     }
-    assert _tips([slide, groove]) == {"tip_on_cam_x_mm": 2, "tip_on_cam_y_mm": 30}
-    assert _tips([first]) == _tips([slide, slide]) == {}
+    assert Figures(_tips([slide, groove])) == {"tip_on_cam_x_mm": 2, "tip_on_cam_y_mm": 30}
+    assert _tips([first]) == _tips([slide, slide]) == []
 
 
 @pytest.mark.parametrize(
@@ -308,6 +309,6 @@ def test_a_parts_own_tip_may_be_off_by_the_tolerance_as_well() -> None:
         str(finding.where) == "x-arm.dxf, cam angle 3 deg"
         and "frame's own tip, radius 3.0000 mm" in finding.message
     )
-    assert numbers == {("tip_motion_error", "mm"): 0.003, ("tip_radius", "mm"): pytest.approx(3.0)}
+    assert Figures(numbers) == {"tip_motion_error_mm": 0.003, "tip_radius_mm": pytest.approx(3.0)}
     lost, none = _own_tip(made, OwnTip("arm", TIP, TIP, 3.0), Where(file="x-*.dxf"), moved)
-    assert math.isnan(lost.measured) and not lost.ok and none == {}
+    assert math.isnan(lost.measured) and not lost.ok and none == []

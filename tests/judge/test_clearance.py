@@ -186,7 +186,9 @@ def test_what_outlines_may_be_off_is_grazing(
     size = math.hypot(90, 10) if kind == "stl" else 0.0
     slack = 0.02 + 4 * 2.0**-24 * size
     assert finding.message.endswith(f"up to {slack:.2g} mm either way is grazing")
-    assert found.numbers == {f"clearance_a_b_{kind}_mm": pytest.approx(20 - width, abs=1e-4)}
+    (figure,) = found.figures
+    assert figure.key == f"clearance_a_b_{kind}_mm"
+    assert figure.value == pytest.approx(20 - width, abs=1e-4)
     ((name, degrees, curve),) = found.curves
     assert name == "A/B" and degrees[-1] == 360 and np.allclose(curve, 20 - width, atol=1e-4)
 

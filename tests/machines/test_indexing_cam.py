@@ -22,6 +22,7 @@ from camgen.motion.laws import LAWS, MR_13_COSINES, MR_13_SINES, end_speed
 from camgen.pipeline import build as pipeline
 from camgen.reading import read
 from camgen.spec import dump, validate
+from camgen.study import Figures
 
 REFERENCE = tomllib.loads(
     (Path(__file__).resolve().parents[1] / "reference" / "indexing-cam.toml").read_text()
@@ -489,7 +490,8 @@ def test_designs_that_do_not_exist(keys: dict[str, Any], quantity: str) -> None:
 
 def test_card_of_the_source() -> None:
     """31 rows; P = Y G by the source's crank and spring, written out by hand, and what it differs from c on the 61 positions."""
-    table, plots, numbers = card(LAWS["mr-13"])
+    table, plots, printed = card(LAWS["mr-13"])
+    numbers = Figures(printed)
     assert [row[0] for row in table.rows] == list(range(31)) and [
         name for name, *_ in plots[0].series
     ] == ["c, the law", "P = Y G, the unloader"]
@@ -501,4 +503,4 @@ def test_card_of_the_source() -> None:
     assert numbers["card_effort_start_ratio"] == pytest.approx(2.498, abs=5e-4)
     assert numbers["card_effort_peak_ratio"] == pytest.approx(6.449, abs=5e-4)
     assert numbers["card_difference_max_ratio"] == pytest.approx(0.875, abs=5e-4)
-    assert card(LAWS["cycloidal"])[1:] == ([], {})
+    assert card(LAWS["cycloidal"])[1:] == ([], [])

@@ -66,7 +66,7 @@ def test_a_cam_that_moves_nothing_is_told_by_its_key(spans: list[float]) -> None
 def test_a_roller_too_large_is_told_by_its_key() -> None:
     with pytest.raises(
         DesignError,
-        match=r"^radius is 80 mm at cam disc on rocker.* use a smaller radius or a smaller lift$",
+        match=r"^tip_radius is 80 mm at cam disc on rocker.* use a smaller tip or a smaller lift$",
     ):
         _ = validate(Linkage, cam_machine(radius=80.0)).assembly
 

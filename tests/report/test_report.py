@@ -21,9 +21,10 @@ from camgen.errors import FileError
 from camgen.findings import Finding, Where, at_least, at_most
 from camgen.machine.features import PartPose
 from camgen.report.animation import Animation, Body, frames, still_svg, svg_path
-from camgen.report.page import _used, to_html
-from camgen.report.report import Report, to_json, write_csv, write_html, write_json
-from camgen.study import Plot, Table
+from camgen.report.page import to_html, write_html
+from camgen.report.report import Report, to_json, write_csv, write_json
+from camgen.report.tables import share_used
+from camgen.study import Figure, Figures, Plot, Table
 
 EVIL = '<script>alert("&")</script>'
 SVG = "{http://www.w3.org/2000/svg}"
@@ -68,7 +69,13 @@ def made_up(name: str = "demo", count: int = 120) -> Report:
             at_least("MIN_WALL", 0.5, 0.8, "mm", Where(EVIL), EVIL),
             at_most("LASH", math.nan, 0.01, "deg", Where("pair"), "cannot be told"),
         ],
-        numbers={"peak_speed_mm_s": 0.1 + 0.2, "ratio": math.inf, "worst_deg": np.float64("nan")},
+        numbers=Figures(
+            [
+                Figure("peak speed", 0.1 + 0.2, "mm/s"),
+                Figure("ratio", math.inf),
+                Figure("worst", np.float64("nan"), "deg"),
+            ]
+        ),
         parts=[
             {
                 "name": "cam",
@@ -245,7 +252,13 @@ def test_page_escapes_all_text(page: str) -> None:
     assert sum(tag == "script" for tag, _ in parsed.elements) == 2
     assert EVIL not in page and parsed.text().count(EVIL) >= 7
     hostile = to_html(
-        Report(EVIL, EVIL, [], numbers={EVIL: 1.0}, files=["javascript:alert(1)", '"><b>'])
+        Report(
+            EVIL,
+            EVIL,
+            [],
+            numbers=Figures([Figure("{of}", 1.0, of=EVIL)]),
+            files=["javascript:alert(1)", '"><b>'],
+        )
     )
     assert EVIL not in hostile
     links = [attributes["href"] for tag, attributes in Page(hostile).elements if tag == "a"]
@@ -300,16 +313,16 @@ def test_pose_without_an_answer_hides_the_body() -> None:
 
 
 def test_used_share_of_a_limit() -> None:
-    assert _used(at_most("A", 1, 4, "", Where(), "")) == 0.25
-    assert _used(at_most("A", 8, 4, "", Where(), "")) == 2
-    assert _used(at_least("A", 8, 4, "", Where(), "")) == 0.5
-    assert _used(at_least("A", 2, 4, "", Where(), "")) == 2
+    assert share_used(at_most("A", 1, 4, "", Where(), "")) == 0.25
+    assert share_used(at_most("A", 8, 4, "", Where(), "")) == 2
+    assert share_used(at_least("A", 8, 4, "", Where(), "")) == 0.5
+    assert share_used(at_least("A", 2, 4, "", Where(), "")) == 2
     for finding in (
         at_most("A", 0, 0, "", Where(), ""),
         at_most("A", -1, 4, "", Where(), ""),
         Finding("A", False, math.nan, 1, "", Where(), ""),
     ):
-        assert _used(finding) is None
+        assert share_used(finding) is None
 
 
 def arc_area(d: str) -> float:

@@ -21,6 +21,7 @@ from camgen.findings import Finding, Where, at_least, at_most
 from camgen.geometry.facets import facet_contour
 from camgen.machine.cams.followers import SwingingArm, SwingingFace
 from camgen.machine.cams.profile import DiscCam
+from camgen.study import Figure, Figures
 
 # deg, that a pressure angle may reach by usual advice
 SLIDE_PRESSURE = 30.0
@@ -76,15 +77,13 @@ def unit_of(cam: DiscCam[Any]) -> tuple[str, float]:
     return ("deg", math.degrees(1)) if swings(cam) else ("mm", 1.0)
 
 
-def undercut_numbers(cams: Sequence[DiscCam[Any]]) -> dict[str, float]:
+def undercut_numbers(cams: Sequence[DiscCam[Any]]) -> Figures:
     """What undercuts take: undercut_mm along the contact's path, and undercut_deg where the followers swing."""
     cuts = [cut for cam in cams for cut in cam.undercuts]
     depth = max((cut.depth for cut in cuts), default=0.0)
     unit, scale = unit_of(cams[0])
-    return {
-        f"undercut_{unit}": scale * max((cut.shortfall for cut in cuts), default=0.0),
-        "undercut_mm": depth,
-    }
+    shortfall = scale * max((cut.shortfall for cut in cuts), default=0.0)
+    return Figures([Figure("undercut", shortfall, unit), Figure("undercut", depth, "mm")])
 
 
 def cam_findings(

@@ -219,7 +219,7 @@ class DiscCam(Generic[F]):
                 0,
                 "",
                 "",
-                "use a smaller tip or a larger base_radius",
+                "use a smaller tip or a larger base circle",
                 "the groove's outer wall crosses itself",
             )
         return Contour(tuple(wall)).counter_clockwise()
@@ -341,7 +341,7 @@ class DiscCam(Generic[F]):
                 0.0,
                 "mm",
                 where,
-                "the face reaches the shaft's axis there: use a larger base_radius",
+                "the face reaches the shaft's axis there: use a larger base circle",
             )
         rho = self.tip.tip_radius
         raise DesignError(
@@ -350,7 +350,7 @@ class DiscCam(Generic[F]):
             rho - near,
             "mm",
             where,
-            "the tip reaches the shaft's axis there: use a smaller tip_radius or a smaller swing",
+            "the tip reaches the shaft's axis there: use a smaller tip or a smaller lift",
         )
 
     def _stretches(self) -> list[tuple[Piece, Motion]]:

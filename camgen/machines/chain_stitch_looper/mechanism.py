@@ -73,7 +73,7 @@ from camgen.motion.program import Program
 from camgen.motion.segments import LawChoice, SegmentTable, law_of, program, program_faults
 from camgen.parts.assembly import Assembly
 from camgen.spec import validate
-from camgen.study import Study
+from camgen.study import Study, figures_in, united
 from camgen.tolerances import SAME_POINT
 
 # What the source allows: key, least, greatest, unit.
@@ -425,11 +425,12 @@ class ChainStitchLooper(Mechanism):
     def study(self) -> Study:
         """Synchrogram and events, figures, loops, thread, velocity ratio; for the source's own inputs also its errata."""
         conditions = self._conditions if self._in_step else []
-        areas = {
-            "side_outline_area_mm2": self.bodies.side_outline().area,
-            "top_outline_area_mm2": self.bodies.top_outline().area,
-            "needle_section_area_mm2": self.bodies.section_outline().area,
-        }
+        areas = figures_in(
+            "mm²",
+            side_outline_area=self.bodies.side_outline().area,
+            top_outline_area=self.bodies.top_outline().area,
+            needle_section_area=self.bodies.section_outline().area,
+        )
         found = study(
             self.stitch,
             self.design,
@@ -449,7 +450,7 @@ class ChainStitchLooper(Mechanism):
         loops, table = lengths(self.design)
         return replace(
             found,
-            numbers={**found.numbers, **timing.numbers, **loops},
+            numbers=united([found.numbers, timing.numbers, loops]),
             sketches=sketches(self.design),
             tables=[*timing.tables, *rods, *found.tables, table],
             plots=[

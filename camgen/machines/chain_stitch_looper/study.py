@@ -13,7 +13,7 @@ from camgen.machines.chain_stitch_looper.ratio import Condition, ratio_range
 from camgen.machines.chain_stitch_looper.stitch import HOLDS, Design, Stitch, thread_per_stitch
 from camgen.machines.chain_stitch_looper.timing import FARTHEST, Clock
 from camgen.numerics import peak
-from camgen.study import ROWS, Plot, Study, Table
+from camgen.study import ROWS, Figure, Figures, Plot, Study, Table, figures_in
 
 # thickness, length and width of the stitch whose thread the source compares
 _EXAMPLE = (2.5, 3.0, 4.0)
@@ -34,7 +34,7 @@ def study(
     made: Design,
     length: float,
     conditions: Sequence[Condition],
-    areas: Mapping[str, float],
+    areas: Sequence[Figure],
     rpm: float,
 ) -> Study:
     """Numbers, plots and tables. made: what the parts follow; length: of a stitch; conditions: of the velocity ratio."""
@@ -48,7 +48,7 @@ def study(
     tables += [_loops(made), _tips(made), _thread(given, length), _positions(made)]
     if conditions:
         tables.append(_ratios(conditions, given.ratio))
-    numbers = {**_numbers(given, made, length, conditions, rpm), **areas}
+    numbers = Figures([*_numbers(given, made, length, conditions, rpm), *areas])
     notes = (_SOURCE, _PLANE.format(given.side_gap))
     return Study(numbers, _synchrogram(made), tables, (), notes, _columns(made))
 
@@ -85,7 +85,7 @@ def distortion_table(rows: Sequence[tuple[object, ...]]) -> Table:
 def timing_study(clock: Clock) -> Study:
     """How many degrees the spreaders may run late or early: of a finished machine, and of designs with another lag_deg."""
     rows: list[tuple[object, ...]] = []
-    numbers: dict[str, float] = {}
+    found: list[Figure] = []
 
     def text(angle: float, digits: int) -> str:
         beyond = f"over {math.degrees(FARTHEST):g}"
@@ -102,13 +102,15 @@ def timing_study(clock: Clock) -> Study:
         t = clock.timing(anew)
         for key, until, pair in (
             ("strike", "a needle strikes", (t.strike_lag, t.strike_lead)),
-            ("missed_loop", "a needle misses its loop", (t.missed_lag, t.missed_lead)),
+            ("missed loop", "a needle misses its loop", (t.missed_lag, t.missed_lead)),
         ):
             lag, lead = _deg(pair)
             rows.append((of, until, text(lag, 3), text(lead, 3)))
-            numbers |= {f"{name}_lag_to_{key}_deg": lag, f"{name}_lead_to_{key}_deg": lead}
+            found.append(Figure(f"{name} lag to {key}", lag, "deg"))
+            found.append(Figure(f"{name} lead to {key}", lead, "deg"))
         if not anew:
-            numbers["timing_tolerance_deg"] = math.degrees(t.least)
+            found.append(Figure("timing tolerance", math.degrees(t.least), "deg"))
+    numbers = Figures(found)
     columns = ("of", "until", "lag, deg", "lead, deg")
     table = Table("Timing: what the spreaders may be off", columns, rows)
     late, early = (text(numbers[f"timing_{way}_to_strike_deg"], 2) for way in ("lag", "lead"))
@@ -116,7 +118,7 @@ def timing_study(clock: Clock) -> Study:
         f"Timing: a needle strikes a spreader that runs late by {late} deg of the shaft or early by {early} deg; with "
         f"the loops, which a needle must not miss, either way {numbers['timing_tolerance_deg']:.2f} deg are left."
     )
-    numbers = {key: value for key, value in numbers.items() if math.isfinite(value)}
+    numbers = Figures(each for each in found if math.isfinite(each.value))
     return Study(numbers, tables=[table], notes=[note])
 
 
@@ -157,53 +159,66 @@ def _deg(angles: Sequence[float]) -> list[float]:
 
 def _numbers(
     given: Stitch, d: Design, length: float, conditions: Sequence[Condition], rpm: float
-) -> dict[str, float]:
+) -> list[Figure]:
     phi = np.linspace(0, math.tau, ROWS)
     per_second = rpm * math.tau / 60
-    numbers = {
-        "spreader_height_mm": given.height,
-        "nose_pitch_mm": given.pitch,
-        "nose_to_front_mm": d.l1,
-        "front_length_mm": d.l2,
-        "loop_seat_mm": d.l3,
-        "nose_length_mm": d.nose,
-        "front_slope_deg": math.degrees(d.slope),
-        "opening_mm": d.opening,
-        "needle_stroke_mm": d.needle_stroke,
-        "spreader_stroke_mm": d.spreader_stroke,
-        "between_pierces_mm": given.between,
-        "needle_peak_speed_mm_s": peak(d.risen(phi, 1)) * per_second,
-        "spreader_peak_speed_mm_s": peak(d.moved(phi, 1)) * per_second,
+    found = [
+        *figures_in(
+            "mm",
+            spreader_height=given.height,
+            nose_pitch=given.pitch,
+            nose_to_front=d.l1,
+            front_length=d.l2,
+            loop_seat=d.l3,
+            nose_length=d.nose,
+        ),
+        Figure("front slope", math.degrees(d.slope), "deg"),
+        Figure("opening", d.opening, "mm"),
+        Figure("{of} stroke", d.needle_stroke, "mm", "needle"),
+        Figure("{of} stroke", d.spreader_stroke, "mm", "spreader"),
+        Figure("between pierces", given.between, "mm"),
+        *figures_in(
+            "mm/s",
+            needle_peak_speed=peak(d.risen(phi, 1)) * per_second,
+            spreader_peak_speed=peak(d.moved(phi, 1)) * per_second,
+        ),
+    ]
+    lengths = {
+        "in fabric": d.in_fabric,
+        "pierce rise": d.rises,
+        "loop margin": d.margins,
+        "needed stroke": d.needed,
     }
-    pairs = {
-        "in_fabric_{}_mm": d.in_fabric,
-        "pierce_rise_{}_mm": d.rises,
-        "loop_margin_{}_mm": d.margins,
-        "needed_stroke_{}_mm": d.needed,
-        "capture_{}_deg": _deg(d.capture),
-        "pierce_{}_deg": _deg(d.pierce),
-        "shedding_{}_deg": _deg(d.shed),
-        "loop_angle_pierce_{}_deg": _deg(d.pierce_angles),
-        "loop_angle_shedding_{}_deg": _deg(d.shed_angles),
-        "out_of_fabric_{}_deg": _deg(d.out_of_fabric),
+    angles = {
+        "capture": d.capture,
+        "pierce": d.pierce,
+        "shedding": d.shed,
+        "loop angle pierce": d.pierce_angles,
+        "loop angle shedding": d.shed_angles,
+        "out of fabric": d.out_of_fabric,
     }
-    numbers |= {
-        name.format(k + 1): float(value)
-        for name, pair in pairs.items()
-        for k, value in enumerate(pair)
-    }
+    for quantities, unit, written in ((lengths, "mm", float), (angles, "deg", math.degrees)):
+        for quantity, pair in quantities.items():
+            for stitch, value in zip("12", pair, strict=True):
+                found.append(Figure(f"{quantity} {stitch}", written(value), unit))
     thread = thread_per_stitch(given.thickness, length, given.spacing)
-    numbers |= {f"thread_{name.replace('-', '_')}_mm": value for name, value in thread.items()}
+    found += [
+        Figure("thread {of}", value, "mm", name.replace("-", " ")) for name, value in thread.items()
+    ]
     works = ratio_range(conditions, given.ratio) if conditions else None
-    for name, (end, _) in zip(("min", "max"), works or (), strict=False):
-        if math.isfinite(end):
-            numbers[f"velocity_ratio_{name}"] = end
-    return {name: value for name, value in numbers.items() if not math.isnan(value)}
+    for end, (ratio, _) in zip(("min", "max"), works or (), strict=False):
+        if math.isfinite(ratio):
+            found.append(Figure(f"velocity ratio {end}", ratio))
+    return [each for each in found if not math.isnan(each.value)]
 
 
 def _synchrogram(d: Design) -> list[Plot]:
     phi = np.linspace(0, math.tau, ROWS)
-    marks = [(event, angle) for event, angle, *_ in _rows(d) if not math.isnan(angle)]
+    marks = [
+        (f"{event} {number}".strip(), angle)
+        for event, number, angle, *_ in _rows(d)
+        if not math.isnan(angle)
+    ]
     motion = {"needles S": d.risen(phi), "spreaders L": d.moved(phi)}
     tips = {f"tip of needle {k}": y for k, y in enumerate(d.tips(phi), 1)}
     tips |= {f"nose level {k}": np.full(phi.shape, -y) for k, y in enumerate(d.given.levels, 1)}
@@ -221,19 +236,19 @@ def _synchrogram(d: Design) -> list[Plot]:
     ]
 
 
-def _rows(d: Design) -> list[tuple[str, float, float, float]]:
-    """Events: name, angle in deg, S and L there, in the order of the turn."""
-    pairs = {"capture": d.capture, "pierce": d.pierce, "shedding": d.shed}
-    events = {f"{name} {k}": phi for name, pair in pairs.items() for k, phi in enumerate(pair, 1)}
+def _rows(d: Design) -> list[tuple[str, str, float, float, float]]:
+    """Events in the order of the turn: what happens, number of nose or needle, angle in deg, S and L there."""
+    pairs = (("capture", d.capture), ("pierce", d.pierce), ("shedding", d.shed))
+    events = [(name, str(k), phi) for name, pair in pairs for k, phi in enumerate(pair, 1)]
     half = d.given.feed / 2
-    events |= {"feed begins": math.pi - half, "feed ends": math.pi + half}
+    events += [("feed begins", "", math.pi - half), ("feed ends", "", math.pi + half)]
     rows = []
-    for name, phi in events.items():
+    for name, number, phi in events:
         s, moved = (math.nan, math.nan)
         if not math.isnan(phi):
             s, moved = (float(f(np.array([phi]))[0]) for f in (d.risen, d.moved))
-        rows.append((name, math.degrees(phi), s, moved))
-    return sorted(rows, key=lambda row: (math.isnan(row[1]), row[1]))
+        rows.append((name, number, math.degrees(phi), s, moved))
+    return sorted(rows, key=lambda row: (math.isnan(row[2]), row[2]))
 
 
 def _events(d: Design) -> Table:
@@ -243,12 +258,11 @@ def _events(d: Design) -> Table:
         "shedding": "nose {0} leaves the line of needle {1} on its way back",
     }
     rows = []
-    for name, *figures in _rows(d):
-        event, _, number = name.partition(" ")
+    for event, number, *places in _rows(d):
         said = "the fabric moves in between"
         if event in what:
             said = what[event].format(number, {"1": 2, "2": 1}[number])
-        rows.append((name, *figures, said))
+        rows.append((f"{event} {number}".strip(), *places, said))
     heads = ("event", "shaft angle, deg", "needles S, mm", "spreaders L, mm", "what happens")
     return Table("Events of a turn", heads, rows)
 

@@ -16,14 +16,14 @@ angle gamma' of the tables. The bulge by which a nose finds the loop lies across
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
 
 from camgen.geometry.outlines import Floats, Points
 from camgen.machines.chain_stitch_looper.stitch import Design
-from camgen.study import Plot, Sketch, Table
+from camgen.study import Figure, Figures, Plot, Sketch, Table
 
 _OVER = 6.0  # mm, by which what is drawn of a thread ends over its eye's highest place
 STITCHES = 3  # of the seam that is drawn
@@ -97,10 +97,10 @@ def sketches(d: Design) -> list[Sketch]:
     return [Sketch(f"thread {k + 1}", course=partial(course, d, k)) for k in (0, 1)]
 
 
-def lengths(d: Design) -> tuple[Mapping[str, float], Table]:
+def lengths(d: Design) -> tuple[Figures, Table]:
     """Of both loops at capture, at the pierce and at shedding: two legs each, mm."""
     rows = []
-    numbers = {}
+    found = []
     events = {"capture": d.capture, "pierce": d.entries, "shedding": d.shed}
     for k in (0, 1):
         for event, angles in events.items():
@@ -109,7 +109,7 @@ def lengths(d: Design) -> tuple[Mapping[str, float], Table]:
                 continue
             out, deep = (float(each[0]) for each in loop(d, k, np.array([phi])))
             length = 2 * math.hypot(out, deep)
-            numbers[f"loop_length_{event}_{k + 1}_mm"] = length
+            found.append(Figure(f"loop length {event} {k + 1}", length, "mm"))
             name = f"loop {k + 1}, {event}"
             tilt = math.degrees(math.atan2(out, deep))
             rows.append((name, math.degrees(phi), out, deep, length, tilt))
@@ -121,7 +121,7 @@ def lengths(d: Design) -> tuple[Mapping[str, float], Table]:
         "both legs, mm",
         "to the vertical, deg",
     )
-    return numbers, Table("Loops in the moving picture", columns, rows)
+    return Figures(found), Table("Loops in the moving picture", columns, rows)
 
 
 def seam(d: Design, stitch: float) -> Plot:

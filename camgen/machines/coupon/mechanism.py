@@ -30,7 +30,7 @@ from camgen.parts.assembly import Assembly
 from camgen.parts.hardware import headed, plate, rounded
 from camgen.parts.part import Layer, Part
 from camgen.spec import Length, MinWall, Record, quantity, unknown
-from camgen.study import Plot, Study, Table
+from camgen.study import Figure, Figures, Plot, Study, Table
 
 _OFF = 1.0  # mm, by which no printer is off: another size was measured
 _SLOT = 6.0  # mm, half the length of a gap
@@ -247,11 +247,11 @@ class Coupon(Mechanism):
         calibration = self.calibration
         if not calibration.rows:
             return Study(notes=self.remarks().printed)
-        numbers = {}
+        figures = []
         values = []
         for each in calibration.values:
             unit = "share" if each.unit == "1" else each.unit
-            numbers[f"print_{each.key}_{unit}"] = each.value
+            figures.append(Figure("print {of}", each.value, unit, each.key))
             values.append(
                 (each.key, each.value, each.measured, each.uncertainty, each.unit, each.source)
             )
@@ -271,7 +271,7 @@ class Coupon(Mechanism):
                 rows,
             ),
         ]
-        return Study(numbers, [plot], tables)
+        return Study(Figures(figures), [plot], tables)
 
     def remarks(self) -> Remarks:
         """What to paste, line by line, or what to do first."""

@@ -42,7 +42,7 @@ from camgen.machines.template import Template
 from camgen.parts.generator.discs import wall_of_disc
 from camgen.parts.generator.joined import Fitting
 from camgen.parts.generator.layout import Layout
-from camgen.study import Study
+from camgen.study import Figure, Figures, Study, records
 from camgen.tolerances import SAME_POINT
 from camgen.vocabulary import OldWords
 
@@ -272,16 +272,18 @@ class EccentricDrive(Template):
         """Stroke, peak speed and its angle, harmonics, travel; the published table where the lengths are the paper's."""
         g = self.geometry
         bore = g.shaft_diameter + self.print.press_clearance
-        numbers = {
-            "stroke_mm": self.outermost - self.innermost,
-            "motor_shaft_length_mm": self.assembly.motor.reach or 0.0,
-            "disc_wall_mm": g.eccentric_diameter / 2 - g.eccentricity - bore / 2,
-        }
+        wall = g.eccentric_diameter / 2 - g.eccentricity - bore / 2
+        figures = [
+            Figure("stroke", self.outermost - self.innermost, "mm"),
+            Figure("motor shaft length", self.assembly.motor.reach or 0.0, "mm"),
+            Figure("disc wall", wall, "mm"),
+            *(self.needle.figures if self.needle else ()),
+        ]
         lengths, loaded = (g.eccentricity, g.rod, g.offset), self.masses is not None
         found = study(self.linkage.chain, self.motion, lengths, self.motor.speed_rpm, loaded)
         needle = self.needle
         return replace(
             found,
-            numbers={**numbers, **(needle.numbers if needle else {}), **found.numbers},
+            numbers=Figures(figures) | records(found.numbers),
             sketches=(*found.sketches, *((needle.sketch(),) if needle else ())),
         )

@@ -26,7 +26,7 @@ from camgen.parts.generator.joined import Fitting
 from camgen.parts.generator.layout import Layout
 from camgen.parts.hardware import plate
 from camgen.parts.part import Held, Layer, Part
-from camgen.study import Sketch
+from camgen.study import Figure, Sketch
 
 TUBE, SLIDER, CLAMP = "needle-tube", "slider", "clamp"
 _FACETS = 0.02  # mm, by which a wall may seem thinner where it is measured on facets
@@ -335,14 +335,14 @@ class Needle:
         return Sketch("needle", (ends,), body=SLIDER)
 
     @property
-    def numbers(self) -> dict[str, float]:
+    def figures(self) -> list[Figure]:
         """Length of the wire and how far it stands out."""
         least, most = self.out
-        return {
-            "needle_length_mm": self.wire,
-            "needle_out_least_mm": least,
-            "needle_out_greatest_mm": most,
-        }
+        return [
+            Figure("needle length", self.wire, "mm"),
+            Figure("needle out, least", least, "mm"),
+            Figure("needle out, greatest", most, "mm"),
+        ]
 
     def findings(self, stroke: Band | None) -> list[Finding]:
         """NEEDLE_REACH, where the spec says how deep it is to go, and NEEDLE_GUIDED."""

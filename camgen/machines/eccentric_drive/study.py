@@ -10,7 +10,7 @@ import numpy as np
 from camgen.machine.landmarks import zeros
 from camgen.machine.model import Floats, Machine
 from camgen.machine.run import solve
-from camgen.study import Plot, Study, Table
+from camgen.study import Figure, Figures, Plot, Study, Table
 
 Motion = Callable[[Floats, int], Floats]
 
@@ -56,15 +56,16 @@ def study(
     theta, speed = np.radians(degrees), rpm * math.tau / 60
     at, top = _peak(motion)
     wave = np.abs(np.fft.rfft(motion(np.linspace(0, math.tau, 4096, endpoint=False), 1)))
-    numbers = {
-        "motor_speed_rad_s": speed,
-        "strokes_per_s": abs(rpm) / 60,
-        "peak_speed_mm_s": top * abs(speed),
-        "peak_speed_angle_deg": math.degrees(at),
-        "peak_speed_ratio": top / lengths[0],
-        "acceleration_outermost_mm_s2": float(motion(np.zeros(1), 2)[0]) * speed**2,
-        "second_harmonic_share": float(wave[2] / wave[1]),
-    }
+    outermost = float(motion(np.zeros(1), 2)[0]) * speed**2
+    figures = [
+        Figure("motor speed", speed, "rad/s"),
+        Figure("strokes", abs(rpm) / 60, "1/s"),
+        Figure("peak speed", top * abs(speed), "mm/s"),
+        Figure("peak speed angle", math.degrees(at), "deg"),
+        Figure("peak speed ratio", top / lengths[0]),
+        Figure("acceleration outermost", outermost, "mm/s²"),
+        Figure("second harmonic share", float(wave[2] / wave[1])),
+    ]
     label = "crank angle, deg"
     plots = [
         Plot(title, label, unit, [("exact", degrees, motion(theta, order) * speed**order * 1e-3)])
@@ -81,18 +82,18 @@ def study(
     notes: tuple[str, ...] = ()
     if lengths == _PAPER:
         plots.append(_other_sizes(machine))
-        numbers |= {"paper_speed_rad_s": PAPER_SPEED, "paper_peak_speed_mm_s": top * PAPER_SPEED}
+        figures.append(Figure("paper speed", PAPER_SPEED, "rad/s"))
+        figures.append(Figure("paper peak speed", top * PAPER_SPEED, "mm/s"))
         tables.append(_published(machine, motion))
         source = "Source: Sviridov, Vladimirov, Chusovitin, study of the crank-slider mechanism of a tattoo machine."
         notes = (source, *_ERRATA)
     if loaded:
         forces = solve(machine, theta).forces()
         (torque,) = forces.drives.values()
-        peaks = {
-            f"peak_force_{name.lower()}_n": float(np.max(np.abs(force)))
-            for name, force in forces.reactions.items()
-        }
-        numbers |= {**peaks, "peak_torque_n_m": float(np.max(np.abs(torque)))}
+        for name, force in forces.reactions.items():
+            peak = float(np.max(np.abs(force)))
+            figures.append(Figure("peak force {joint}", peak, "N", joint=name))
+        figures.append(Figure("peak torque", float(np.max(np.abs(torque))), "N m"))
         plots += [
             Plot(
                 "Joint forces",
@@ -102,7 +103,7 @@ def study(
             ),
             Plot("Driving torque", label, "N m", [("torque", degrees, torque)]),
         ]
-    return Study(numbers, plots, tables, (), notes)
+    return Study(Figures(figures), plots, tables, (), notes)
 
 
 def _peak(motion: Motion) -> tuple[float, float]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from camgen.machines.indexing_cam.unloader import CrankSpring
 from camgen.motion.laws import Floats, Law
-from camgen.study import Plot, Table
+from camgen.study import Figure, Plot, Table, figures_in
 
 # printed with MR-13; 0.3141592 is pi / 10 cut off
 GAMMA = math.pi / 10
@@ -31,7 +31,7 @@ def effort(a: Floats) -> Floats:
     return np.asarray(Y * unit(np.asarray(a, float)))
 
 
-def card(law: Law) -> tuple[Table, list[Plot], dict[str, float]]:
+def card(law: Law) -> tuple[Table, list[Plot], list[Figure]]:
     """Table of the law's 31 rows, of MR-13 with P in it, the plot of both curves, and the printed parameters as figures."""
     z = np.arange(ROWS)
     kappa = z / (2 * (ROWS - 1))
@@ -41,7 +41,7 @@ def card(law: Law) -> tuple[Table, list[Plot], dict[str, float]]:
     )
     values.append(values[1] * values[2])
     if law.name != "mr-13":
-        return _table(columns, z, values), [], {}
+        return _table(columns, z, values), [], []
     columns.append("P = Y G")
     values.append(effort(values[0]))
     whole = np.arange(2 * ROWS - 1) / (2 * (ROWS - 1))  # the source's peaks are those of its table
@@ -49,19 +49,21 @@ def card(law: Law) -> tuple[Table, list[Plot], dict[str, float]]:
     fine = np.linspace(0, 1, 601)
     c, p = law(fine, 2), effort(law(fine))
     curves = [("c, the law", fine, c), ("P = Y G, the unloader", fine, p)]
-    numbers = {
-        "card_gamma_deg": math.degrees(GAMMA),
-        "card_lambda_ratio": LAMBDA,
-        "card_x0_ratio": X0,
-        "card_y_ratio": Y,
-        "card_effort_start_ratio": float(p[0]),
-        "card_effort_peak_ratio": peak,
-        "card_difference_max_ratio": float(np.max(np.abs(apart))),
-    }
+    printed = [
+        Figure("card gamma", math.degrees(GAMMA), "deg"),
+        *figures_in(
+            card_lambda_ratio=LAMBDA,
+            card_x0_ratio=X0,
+            card_y_ratio=Y,
+            card_effort_start_ratio=float(p[0]),
+            card_effort_peak_ratio=peak,
+            card_difference_max_ratio=float(np.max(np.abs(apart))),
+        ),
+    ]
     return (
         _table(columns, z, values),
         [Plot("Card of the law MR-13", "kappa = t / T", "c, P", curves)],
-        numbers,
+        printed,
     )
 
 

@@ -23,7 +23,7 @@ from camgen.errors import Fault
 from camgen.machine.model import Turning
 from camgen.machines.indexing_cam.tables import Driver
 from camgen.motion.laws import Floats, Law, measured
-from camgen.study import Sketch
+from camgen.study import Figure, Sketch
 
 CRANK = "crank"
 ARM = "arm"
@@ -147,14 +147,14 @@ class TwoCranks:
         tables["drive"] = {**tables["drive"], "link": CRANK}
 
     @property
-    def numbers(self) -> dict[str, float]:
+    def figures(self) -> list[Figure]:
         """For the report."""
-        return {
-            "driver_offset_to_crank": self.share,
-            "driver_fastest_to_mean_speed": 1 / (1 - self.share),
-            "driver_slowest_to_mean_speed": 1 / (1 + self.share),
-            "cam_turn_deg": math.degrees(self.turn),
-        }
+        return [
+            Figure("driver offset to crank", self.share),
+            Figure("driver fastest to mean speed", 1 / (1 - self.share)),
+            Figure("driver slowest to mean speed", 1 / (1 + self.share)),
+            Figure("cam turn", math.degrees(self.turn), "deg"),
+        ]
 
     def sketches(self) -> tuple[Sketch, Sketch]:
         """Crank and arm, which are not made."""

@@ -66,7 +66,7 @@ from camgen.parts.disc_cams import holes_in, turning_note
 from camgen.parts.generator.beneath import room
 from camgen.parts.part import Layer, Part, windows
 from camgen.spec import validate
-from camgen.study import Later, Plot, Sketch, Study, Table
+from camgen.study import Figure, Figures, Later, Plot, Sketch, Study, Table, figures_in, records
 
 FOLLOWER = "follower"
 WHEEL = "drive_wheel"
@@ -666,41 +666,40 @@ class IndexingCam(CamTables, Template):
 
     def figures(self) -> Study:
         """Torques with and without the unloader, the law's curves, and what was taken from the source."""
-        numbers = {
-            "index_deg": self.geometry.index_deg,
-            "swing_deg": math.degrees(self.swing),
-            **{
-                f"{name.replace('-', '_')}_pressure_angle_deg": cam.steepest
-                for name, cam in self.cams.items()
-            },
-            **{
-                f"{name.replace('-', '_')}_least_radius_mm": cam.least_radius
-                for name, cam in self.cams.items()
+        cams = {name.replace("-", "_"): cam for name, cam in self.cams.items()}
+        own = [
+            Figure("index", self.geometry.index_deg, "deg"),
+            Figure("swing", math.degrees(self.swing), "deg"),
+            *(
+                Figure("{of} pressure angle", cam.steepest, "deg", name)
+                for name, cam in cams.items()
+            ),
+            *(
+                Figure("{of} least radius", cam.least_radius, "mm", name)
+                for name, cam in cams.items()
                 if math.isfinite(cam.least_radius)
-            },
-        }
-        numbers |= undercut_numbers([*self.cams.values()])
+            ),
+            *undercut_numbers([*self.cams.values()]).records,
+        ]
         if isinstance(self.unloading, CrankSpring):
             low, high = self.unloading.stretches
-            numbers |= {
-                "spring_stretch_least_mm": low,
-                "spring_stretch_greatest_mm": high,
-                "spring_force_least_n": self.unloading.stiffness * low,
-                "spring_force_greatest_n": self.unloading.stiffness * high,
-            }
+            stiffness = self.unloading.stiffness
+            own += figures_in("mm", spring_stretch_least=low, spring_stretch_greatest=high)
+            own.append(Figure("spring force, least", stiffness * low, "N"))
+            own.append(Figure("spring force, greatest", stiffness * high, "N"))
         wanted = self.synthesis
         asked = (wanted.weights, wanted.sines, wanted.cosines) if wanted else None
         found = self.indexing.study(self.cams, asked)
         theta = self.indexing.fine
         forces = solve(self.model, theta).forces()
         pressing = forces.pressing["contact"]
-        numbers |= dict(found.numbers)
-        numbers |= {
-            "peak_contact_force_n": peak(pressing, np.isfinite(pressing)),
-            "reaction_shaft_without_friction_n": peak(
-                forces.reactions["shaft"], np.isfinite(pressing)
-            ),
-        }
+        held = np.isfinite(pressing)
+        bare = peak(forces.reactions["shaft"], held)
+        numbers = Figures(own) | records(found.numbers)
+        numbers |= [
+            Figure("peak contact force", peak(pressing, held), "N"),
+            Figure("reaction {joint} without friction", bare, "N", joint="shaft"),
+        ]
         drawn = Plot(
             "Contact force",
             f"{self.indexing.angle}, deg",
@@ -717,7 +716,7 @@ class IndexingCam(CamTables, Template):
             ),
         ]
         if self.two_cranks is not None:
-            numbers |= self.two_cranks.numbers
+            numbers |= self.two_cranks.figures
             notes.append(CHAIN + (MADE if self.standing else NOT_MADE))
         plots, tables = (
             Later(lambda: [*found.plots, drawn]),
@@ -769,7 +768,10 @@ class IndexingCam(CamTables, Template):
             turn = {
                 kind: advance(ratio * s[:: self._sense], step.lost) for kind, s in motion.items()
             }
-        found = {f"index_recovered_{kind}_deg": math.degrees(value) for kind, value in turn.items()}
+        found = Figures(
+            Figure("index recovered", math.degrees(value), "deg", kind=kind)
+            for kind, value in turn.items()
+        )
         return Study(found, (), [] if step is None else [step.table(turn)])
 
     def _sketches(self) -> Sequence[Sketch]:

@@ -24,7 +24,7 @@ from camgen.machines.indexing_cam.unloader import Load, SpringTorque, Torques, t
 from camgen.motion.laws import Floats
 from camgen.motion.program import Program
 from camgen.numerics import halved
-from camgen.study import Plot, Table
+from camgen.study import Figure, Plot, Table, figures_in
 
 FORWARDS: Literal[
     -1
@@ -162,24 +162,27 @@ class Stepping:
 
     # ---- report -----------------------------------------------------------------------------------------------------
 
-    def numbers(
-        self, omega: float, pushing: Floats, load: Load, bare: Floats
-    ) -> Mapping[str, float]:
+    def figures(self, omega: float, pushing: Floats, load: Load, bare: Floats) -> Sequence[Figure]:
         """Advance, dwell, locking; pushing: as above, bare: the same without unloader, N m."""
         slope = float(self.program(np.array([self.sense * self.locks]), 1)[0])
         speed = self.ratio * abs(slope * omega)
-        return {
-            "advance_a_turn_deg": math.degrees(self.index),
-            "turn_to_dwell_ratio": (self.rise - self.locks) / (math.tau - self.rise + self.locks),
-            "dwell_share_ratio": 1 - (self.rise - self.locks) / math.tau,
-            "lost_motion_deg": math.degrees(self.lost),
-            "locking_speed_deg_s": math.degrees(speed),
-            "locking_energy_j": load.inertia * speed**2 / 2,
-            "freewheel_torque_least_n_m": float(np.nanmin(pushing)),
-            "freewheel_torque_greatest_n_m": float(np.nanmax(pushing)),
-            "brake_needed_n_m": max(0.0, load.friction - float(np.nanmin(pushing))),
-            "brake_needed_without_unloader_n_m": max(0.0, load.friction - float(np.nanmin(bare))),
-        }
+        turning = self.rise - self.locks
+        least = float(np.nanmin(pushing))
+        return [
+            Figure("advance a turn", math.degrees(self.index), "deg"),
+            Figure("turn to dwell ratio", turning / (math.tau - turning)),
+            Figure("dwell share ratio", 1 - turning / math.tau),
+            Figure("lost motion", math.degrees(self.lost), "deg"),
+            Figure("locking speed", math.degrees(speed), "deg/s"),
+            Figure("locking energy", load.inertia * speed**2 / 2, "J"),
+            *figures_in(
+                "N m",
+                freewheel_torque_least=least,
+                freewheel_torque_greatest=float(np.nanmax(pushing)),
+                brake_needed=max(0.0, load.friction - least),
+                brake_needed_without_unloader=max(0.0, load.friction - float(np.nanmin(bare))),
+            ),
+        ]
 
     def plots(self, angle: str, theta: Floats, pushing: Floats) -> Sequence[Plot]:
         """The link over the turns of the cam shaft that bring it round once, two at least; what pushes it."""

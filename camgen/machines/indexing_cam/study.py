@@ -20,7 +20,7 @@ from camgen.machines.indexing_cam.unloader import Load, SpringTorque, Torques, p
 from camgen.motion.laws import Floats, Law, largest
 from camgen.motion.program import Program
 from camgen.motion.spring_law import trade_off
-from camgen.study import ROWS, Later, Plot, Study, Table
+from camgen.study import ROWS, Figure, Figures, Later, Plot, Study, Table, figures_in
 from camgen.tolerances import LAW_CLOSES
 
 _FINE = 14_400  # cam angles at which peaks are looked for
@@ -217,7 +217,7 @@ class IndexingStudy:
         self, cams: Mapping[str, DiscCam], asked: tuple[Sequence[float], int, int] | None
     ) -> Study:
         """Numbers, plots, tables and notes; asked: weights, sines and cosines of laws to look for."""
-        table, curves, figures = card(self.law)
+        table, curves, printed = card(self.law)
 
         def tables() -> list[Table]:
             sprung = [self._unloaders(), self._speeds()] if self.spring else []
@@ -236,10 +236,10 @@ class IndexingStudy:
                 f"The law starts with c = {float(self.law(0.0, 2)):.6g}: it assumes that the spring pulls before the link moves, "
                 "so that the cam gives way rather than pushes. Without the unloader each end of the turn is a knock."
             )
-        numbers = self._numbers() | figures
+        numbers = Figures([*self._figures(), *printed])
         if self.step is not None:
             pushing, bare = self._pushing()
-            numbers |= self.step.numbers(self.omega, pushing, self.load, bare)
+            numbers |= self.step.figures(self.omega, pushing, self.load, bare)
 
         def plots() -> list[Plot]:
             stepping = (
@@ -251,7 +251,7 @@ class IndexingStudy:
 
         return Study(numbers, Later(plots), Later(tables), (), notes)
 
-    def _numbers(self) -> dict[str, float]:
+    def _figures(self) -> list[Figure]:
         _, turning, found = self._fine
         rise, back = self._spans
         stroke, still = self.load.ratio * self.swing, ~turning
@@ -259,31 +259,35 @@ class IndexingStudy:
             self.load.ratio * abs(self.omega) ** order * self.program.peak(order)
             for order in (1, 2)
         )
-        numbers = {
-            "turn_period_s": rise / abs(self.omega),
-            "return_period_s": back / abs(self.omega),
-            "turn_to_dwell_ratio": (rise + back) / (math.tau - rise - back)
-            if still.any()
-            else math.inf,
-            "link_peak_speed_deg_s": math.degrees(fastest),
-            "link_peak_acceleration_deg_s2": math.degrees(hardest),
-            "kinetic_energy_j": self.load.inertia * fastest**2 / 2,
-            "inertia_torque_peak_n_m": peak(found.inertia, turning),
-            "follower_torque_peak_without_n_m": peak(found.follower_bare, turning),
-            "follower_torque_peak_with_n_m": peak(found.follower, turning),
-            "shaft_torque_peak_without_n_m": peak(found.shaft_bare, turning),
-            "shaft_torque_peak_with_n_m": peak(found.shaft, turning),
-        }
+        dwells = math.tau - rise - back
+        listed = [
+            *figures_in(
+                "s", turn_period=rise / abs(self.omega), return_period=back / abs(self.omega)
+            ),
+            Figure("turn to dwell ratio", (rise + back) / dwells if still.any() else math.inf),
+            Figure("link peak speed", math.degrees(fastest), "deg/s"),
+            Figure("link peak acceleration", math.degrees(hardest), "deg/s²"),
+            Figure("kinetic energy", self.load.inertia * fastest**2 / 2, "J"),
+            *figures_in(
+                "N m",
+                inertia_torque_peak=peak(found.inertia, turning),
+                follower_torque_peak_without=peak(found.follower_bare, turning),
+                follower_torque_peak_with=peak(found.follower, turning),
+                shaft_torque_peak_without=peak(found.shaft_bare, turning),
+                shaft_torque_peak_with=peak(found.shaft, turning),
+            ),
+        ]
         if self.spring is not None:
             a = np.linspace(0, 0.5, 2001)
-            numbers |= {
-                "residual_share_percent": 100 * self.residual,
-                "spring_torque_peak_n_m": float(np.max(np.abs(self.spring(a)))),
-                "spring_energy_j": float(np.trapezoid(self.spring(a), a)) * stroke,
-                "spring_torque_in_dwell_n_m": float(self.spring(np.zeros(1))[0]),
-                "follower_torque_in_dwell_n_m": peak(found.follower, still),
-            }
-        return numbers
+            energy = float(np.trapezoid(self.spring(a), a)) * stroke
+            listed += [
+                Figure("residual share", 100 * self.residual, "%"),
+                Figure("spring torque peak", float(np.max(np.abs(self.spring(a)))), "N m"),
+                Figure("spring energy", energy, "J"),
+                Figure("spring torque in dwell", float(self.spring(np.zeros(1))[0]), "N m"),
+                Figure("follower torque in dwell", peak(found.follower, still), "N m"),
+            ]
+        return listed
 
     def _plots(self, cams: Mapping[str, DiscCam]) -> list[Plot]:
         theta = np.linspace(0, math.tau, ROWS)

@@ -31,7 +31,7 @@ from camgen.parts.assembly import Cycle
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.plates import steps
 from camgen.parts.generator.troughs import open_rails
-from camgen.study import ROWS, Later, Plot, Sketch, Study, Table
+from camgen.study import ROWS, Figure, Figures, Later, Plot, Sketch, Study, Table, records
 from camgen.tolerances import SAME_POINT
 
 _SPRINGS = (
@@ -127,7 +127,7 @@ def study(linkage: LinkageMotion, made: Build | None, angle: Callable[[], str]) 
     theta = np.linspace(*linkage.cycle.range, ROWS)
     run = linkage.run(theta)
     speed = linkage.chain.speed
-    numbers: dict[str, float] = {}
+    figures: list[Figure] = []
     rows = []
     for signal in linkage.signals:
         value, first, second = signal.scale * signal.rows(run)
@@ -136,19 +136,20 @@ def study(linkage: LinkageMotion, made: Build | None, angle: Callable[[], str]) 
         peak_acceleration = peak(second) * speed**2
         name = signal.name
         unit = signal.unit
-        numbers |= {
-            f"{name}_least_{unit}": low,
-            f"{name}_greatest_{unit}": high,
-            f"{name}_stroke_{unit}": high - low,
-            f"{name}_peak_speed_{unit}_s": peak_speed,
-            f"{name}_peak_acceleration_{unit}_s2": peak_acceleration,
-        }
+        figures += [
+            Figure("{of}, least", low, unit, name),
+            Figure("{of}, greatest", high, unit, name),
+            Figure("{of} stroke", high - low, unit, name),
+            Figure("{of} peak speed", peak_speed, f"{unit}/s", name),
+            Figure("{of} peak acceleration", peak_acceleration, f"{unit}/s²", name),
+        ]
         rows.append((name, unit, low, high, high - low, peak_speed, peak_acceleration))
     paths_of = _path_table(linkage, theta, run)
     for name, length, radius, *_ in paths_of:
-        numbers |= {f"{name}_length_mm": length, f"{name}_least_radius_mm": radius}
+        figures.append(Figure("{of} length", length, "mm", name))
+        figures.append(Figure("{of} least radius", radius, "mm", name))
     places, ratios = _extreme_places(linkage)
-    numbers |= ratios
+    figures += ratios
     tables = [Table("Outputs", _OUTPUTS, rows)]
     tables += [Table("Extreme positions", _EXTREMES, places)] if places else []
     tables += [Table("Paths", _PATHS, paths_of)] if paths_of else []
@@ -156,14 +157,14 @@ def study(linkage: LinkageMotion, made: Build | None, angle: Callable[[], str]) 
     lengths = four_bar_lengths(linkage.chain, linkage.driven)
     if lengths is not None:
         bar = four_bar(*lengths.values())
-        numbers["grashof_margin_mm"] = bar.margin
+        figures.append(Figure("grashof margin", bar.margin, "mm"))
         notes.append(
             f"A four-bar, by Grashof a {bar.kind}: the middle two lengths exceed the shortest and the longest by "
             f"{bar.margin:.6g} mm."
         )
     forces = Study() if made is None else _forces(linkage, made, theta, angle)
     return Study(
-        {**numbers, **forces.numbers},
+        Figures(figures) | records(forces.numbers),
         Later(lambda: [*_plots(linkage, theta, run, angle), *forces.plots]),
         [*tables, *forces.tables],
         Later(lambda: [*paths(linkage), *threads(linkage, made)]),
@@ -342,25 +343,26 @@ def _forces(linkage: LinkageMotion, made: Build, theta: Floats, angle: Callable[
     """Torque of the drive and reactions of the joints at an even turn, by the masses of the parts."""
     forces = solve(made.machine, theta).forces()
     torque = next(iter(forces.drives.values()))
-    numbers = {
-        "peak_torque_n_m": peak(torque),
-        "peak_kinetic_energy_j": float(forces.energy.max()),
-    }
+    figures = [
+        Figure("peak torque", peak(torque), "N m"),
+        Figure("peak kinetic energy", float(forces.energy.max()), "J"),
+    ]
     rows = []
     for name, load in {**forces.reactions, **forces.normals}.items():
         greatest = peak(load)
-        numbers[f"reaction_{name.lower().replace(' ', '_')}_n"] = greatest
+        figures.append(Figure("reaction {joint}", greatest, "N", joint=name))
         rows.append((name, greatest, math.degrees(theta[int(np.abs(load).argmax())])))
     heads = ("joint", "greatest, N", "at, deg")
     tables = [Table("Loads of the joints, without friction", heads, rows)]
     for cam in linkage.pressed:  # what a spring must give at least, along the follower's motion
-        unit = "n_m" if cam.slide is None else "n"
+        unit = "N m" if cam.slide is None else "N"
         push = (cam.leaves * forces.contacts[cam.name]).min()
-        numbers[f"hold_{cam.name.replace(' ', '_')}_{unit}"] = max(0.0, -float(push))
+        figures.append(Figure("hold {of}", max(0.0, -float(push)), unit, cam.name))
     of_springs = []
     for each in made.sprung:
         least, greatest = each.forces()
-        numbers |= {f"{each.figure}_least_n": least, f"{each.figure}_greatest_n": greatest}
+        figures.append(Figure("{of}, least", least, "N", each.figure))
+        figures.append(Figure("{of}, greatest", greatest, "N", each.figure))
         pull = each.pull
         of_springs.append(
             (each.name, pull.rate, pull.free, each.shortest, each.longest, least, greatest)
@@ -372,7 +374,7 @@ def _forces(linkage: LinkageMotion, made: Build, theta: Floats, angle: Callable[
         curve = [("torque", np.degrees(theta), torque)]
         return [Plot("Torque of the drive, without friction", f"{angle()}, deg", "N m", curve)]
 
-    return Study(numbers, Later(plots), tables)
+    return Study(Figures(figures), Later(plots), tables)
 
 
 def timing(run: Run, driven: str) -> Study:
@@ -453,10 +455,10 @@ def _course(linkage: LinkageMotion, thread: Sequence[str], theta: Floats) -> Poi
     return np.stack(places, axis=-1)
 
 
-def _extreme_places(linkage: LinkageMotion) -> tuple[list[tuple[object, ...]], dict[str, float]]:
+def _extreme_places(linkage: LinkageMotion) -> tuple[list[tuple[object, ...]], list[Figure]]:
     """Where angles and places turn back: there the output could not drive; the time ratio of each that goes to and fro."""
     rows: list[tuple[object, ...]] = []
-    ratios = {}
+    ratios: list[Figure] = []
     for wanted, course in zip(linkage.wanted, linkage.courses, strict=True):
         values = course.value
         if np.iscomplexobj(values) or abs(values[-1] - values[0]) > _RETURNS * np.ptp(values):
@@ -468,7 +470,7 @@ def _extreme_places(linkage: LinkageMotion) -> tuple[list[tuple[object, ...]], d
             kind = dead if inside else "end of the range"
             rows.append((wanted.name, course.unit, value, math.degrees(theta), kind))
         if course.strokes:
-            ratios[f"{wanted.name}_time_ratio"] = time_ratio(course)[0]
+            ratios.append(Figure("{of} time ratio", time_ratio(course)[0], of=wanted.name))
     return rows, ratios
 
 

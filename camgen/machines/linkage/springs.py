@@ -63,7 +63,8 @@ class MountedSpring:
 
     def mounted(self, pin: float, on_cam: bool) -> Mounted:
         """Where it works; pin: diameter, mm; on_cam: whether it keeps a follower on its cam."""
-        return Mounted(self.spring, *self.way(pin), on_cam=on_cam)
+        name = "spring" if self.name == RETURN else self.figure
+        return Mounted(self.spring, *self.way(pin), on_cam=on_cam, name=name)
 
     def bought(self, pin: float) -> Bought:
         """Its line in the list of parts; pin: diameter, mm."""

@@ -21,7 +21,7 @@ from camgen.machines.loads.rubbing import locking_friction, with_friction
 from camgen.machines.loads.tables import Drives
 from camgen.machines.loads.weights import Masses, with_masses
 from camgen.numerics import peak
-from camgen.study import Study, Table, together
+from camgen.study import Figure, Figures, Study, Table, together
 
 if TYPE_CHECKING:
     from camgen.machines.mechanism import Mechanism
@@ -89,7 +89,9 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
         run, forces, motor, lambda: locking_friction(machine, journals, load, theta)
     )
     hub = drive.hub_slip(
-        assembly.motor.hub, torque.numbers.get("drive_torque_n_m", 0.0), mechanism.material.name
+        assembly.motor.hub,
+        Figures(torque.figures).get("drive_torque_n_m", 0.0),
+        mechanism.material.name,
     )
     elastic = follower.elastic(run, load)
     springs = follower.springs(assembly.springs, machine.speed)
@@ -104,16 +106,16 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
         not_judged.append(NotJudged("SPRING_STRESS", why, needs))
     tips = LoadCheck(not_judged=not_judged)
     checks = (reach, tips, pins, posts, cams, torque, hub, elastic, springs)
-    numbers = {"shaking_force_n": peak(forces.shaking)}
+    figures = [Figure("shaking force", peak(forces.shaking), "N")]
     for name, reaction in forces.reactions.items():
-        numbers[f"reaction_{bearing.figure_key(name)}_n"] = peak(reaction)
-    numbers |= follower.balance(run, forces)
+        figures.append(Figure("reaction {joint}", peak(reaction), "N", joint=name))
+    figures += follower.balance(run, forces)
     if facts.arm_stiffness:
-        numbers["follower_arm_stiffness_n_m_per_rad"] = facts.arm_stiffness
+        figures.append(Figure("follower arm stiffness", facts.arm_stiffness, "N m/rad"))
     for check in checks:
-        numbers |= check.numbers
+        figures += check.figures
     study = Study(
-        {name: value for name, value in numbers.items() if math.isfinite(value)},
+        Figures(each for each in figures if math.isfinite(each.value)),
         [*torque.plots, *cams.plots, *elastic.plots],
         [_mass_table(masses), *pins.tables, *elastic.tables],
         notes=[*notes, *jumps(machine)],

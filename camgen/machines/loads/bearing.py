@@ -7,7 +7,6 @@ only beyond what every plastic bears, or beyond what the spec itself says; the t
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -29,7 +28,7 @@ from camgen.parts import materials
 from camgen.parts.assembly import Assembly
 from camgen.parts.catalogue import BEARINGS, Bearing
 from camgen.parts.journals import Journal, MaterialLimits, Post
-from camgen.study import Plot, Table
+from camgen.study import Figure, Plot, Table
 
 _RATED = tuple(each.name for each in BEARINGS.values() if each.rating)
 
@@ -40,7 +39,7 @@ class LoadCheck:
 
     findings: list[Finding] = field(default_factory=list)
     not_judged: list[NotJudged] = field(default_factory=list)
-    numbers: dict[str, float] = field(default_factory=dict)
+    figures: list[Figure] = field(default_factory=list)
     tables: list[Table] = field(default_factory=list)
     plots: list[Plot] = field(default_factory=list)
     pins: list[PinLoad] = field(default_factory=list)
@@ -55,11 +54,6 @@ class BallLoad:
     force: Floats  # N, (n,) over theta
     turning: Any  # rad/s, (n,) or one number
     name: str = "ball bearing"
-
-
-def figure_key(name: str) -> str:
-    """A name as part of a figure's key."""
-    return re.sub("[^a-z0-9]+", "_", name.lower())
 
 
 def plain_bearings(
@@ -115,7 +109,8 @@ def plain_bearings(
             )
         )
     if journals:
-        check.numbers["friction_heat_w"] = mean_torque(run.theta, _finite(forces.rubs))
+        heat = mean_torque(run.theta, _finite(forces.rubs))
+        check.figures.append(Figure("friction heat", heat, "W"))
     if not plain:
         return check
     worst, slides = max(plain, key=lambda each: each[1].pv / (limits(each[0].joint).pv or usual))
@@ -146,7 +141,7 @@ def plain_bearings(
     )
     rows.sort(key=lambda row: -float(str(row[6])))
     check.tables.append(Table("Plain bearings and pins, the hardest worked first", heads, rows))
-    check.numbers["pv_max_mpa_m_s"] = max(slides.pv for _, slides in plain)
+    check.figures.append(Figure("pv max", max(slides.pv for _, slides in plain), "MPa m/s"))
     return check
 
 
@@ -167,7 +162,14 @@ def bent_posts(
             force = float(np.max(np.abs(_finite(forces.pressing[post.by]))))
         name = f"{post.name}, under {post.by}"
         journal = Journal(
-            post.by, post.diameter, 0.0, post.lever, post.material, "", part=post.part
+            post.by,
+            post.diameter,
+            0.0,
+            post.lever,
+            post.material,
+            "",
+            part=post.part,
+            role=post.role,
         )
         pin = PinLoad(name, journal, force, limits(post.by), inertia_alone and not post.pull)
         if force > STILL and (post.name not in worst or pin.stress > worst[post.name].stress):
@@ -241,7 +243,7 @@ def contacts(run: Run, forces: Forces, assembly: Assembly) -> LoadCheck:
             digits=1,
         )
         check.findings.append(at_most("HERTZ", most, limit, "MPa", where, remark))
-        check.numbers[f"hertz_pressure_{joint.name.replace(' ', '_')}_mpa"] = most
+        check.figures.append(Figure("hertz pressure {of}", most, "MPa", joint.name))
         curve = [("line contact", np.degrees(theta), pressure)]
         title = f"Hertz pressure, {joint.name}"
         check.plots.append(Plot(title, "cam angle, deg", "MPa", curve))
@@ -273,7 +275,7 @@ def _bearing_life(check: LoadCheck, load: BallLoad, least: float | None) -> None
     rate = float(np.mean(turning)) / math.tau
     hours = strength.bearing_life(1e3 * bearing.rating, mean) / rate / 3600 if rate else math.inf
     hours = min(hours, 1e9)
-    check.numbers[f"bearing_life_{figure_key(load.joint)}_h"] = hours
+    check.figures.append(Figure("bearing life {joint}", hours, "h", joint=load.joint))
     if least is not None:
         remark = f"{bearing.name}, C = {bearing.rating:g} kN, under a mean of {mean:.4g} N; nine of ten reach it"
         where = Where(f"{load.name} of {load.joint}")

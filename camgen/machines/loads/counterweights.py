@@ -35,7 +35,7 @@ from camgen.parts.hardware import FACETS
 from camgen.parts.inertia import Solids, centre_of
 from camgen.parts.part import Layer, Part
 from camgen.spec import Length, Print, Record, quantity
-from camgen.study import Plot, Study, Table
+from camgen.study import Figure, Figures, Plot, Study, Table
 
 _SHARE = 0.01  # of the wanted moment, or the counterweight's own, by which that of the written solids may be off
 _G = 1e3  # g in a kg
@@ -267,17 +267,19 @@ def study(assembly: Assembly, spec: Counterweight | None, machine: Machine) -> S
     torque = [peak(each.drives[drive]) for each in forces]
     with_it, without = (body.mass * (body.centre - balance.about) for body in (full, bare))
     moment = _G * (with_it - without)
-    numbers = {
-        "counterweight_g": _G * (full.mass - bare.mass),
-        "counterweight_g_mm": abs(moment),
-        "counterweight_at_deg": math.degrees(cmath.phase(moment)),
-        "crank_moment_asked_g_mm": abs(balance.moment),
-        "crank_moment_asked_at_deg": math.degrees(cmath.phase(balance.moment)),
-        "counterweight_shaking_before_n": peaks["shaking force"][0],
-        "counterweight_shaking_after_n": peaks["shaking force"][1],
-        "counterweight_bearing_before_n": peaks[reaction][0],
-        "counterweight_bearing_after_n": peaks[reaction][1],
-    }
+    numbers = Figures(
+        [
+            Figure("counterweight", _G * (full.mass - bare.mass), "g"),
+            Figure("counterweight", abs(moment), "g mm"),
+            Figure("counterweight at", math.degrees(cmath.phase(moment)), "deg"),
+            Figure("crank moment asked", abs(balance.moment), "g mm"),
+            Figure("crank moment asked at", math.degrees(cmath.phase(balance.moment)), "deg"),
+            Figure("counterweight shaking before", peaks["shaking force"][0], "N"),
+            Figure("counterweight shaking after", peaks["shaking force"][1], "N"),
+            Figure("counterweight bearing before", peaks[reaction][0], "N"),
+            Figure("counterweight bearing after", peaks[reaction][1], "N"),
+        ]
+    )
     degrees = np.degrees(theta)
     plots = [
         Plot(

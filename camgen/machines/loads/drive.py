@@ -19,7 +19,7 @@ from camgen.parts import materials
 from camgen.parts.assembly import MotorSeat
 from camgen.parts.motors import SHAFTS, STEPPERS, Motor
 from camgen.parts.set_screws import HOLDS, TURNED, SetScrewHub
-from camgen.study import Plot
+from camgen.study import Figure, Plot
 
 _LEAST_SAID = 1e-4  # N m; of what is less no motor's maker speaks
 _NOTHING = 1e-12  # N m
@@ -100,22 +100,25 @@ def torque(
         """Inertia, kg m^2, of a flywheel for a swing of the speed."""
         return max(0.0, flywheel.inertia_for(energy, share, speed) - inertia)
 
-    check.numbers |= {
-        "drive_torque_n_m": most,
-        "drive_torque_mean_n_m": flywheel.mean_torque(theta, needed),
-        "drive_power_w": flywheel.mean_torque(theta, needed * drive.law(theta, 1) * speed),
-        "energy_swing_j": energy,
-        "turning_inertia_kg_m2": inertia,
-        **{f"flywheel_for_{100 * x:g}_percent_kg_m2": flywheel_for(x) for x in _SHOWN},
-    }
+    power = flywheel.mean_torque(theta, needed * drive.law(theta, 1) * speed)
+    check.figures += [
+        Figure("drive torque", most, "N m"),
+        Figure("drive torque mean", flywheel.mean_torque(theta, needed), "N m"),
+        Figure("drive power", power, "W"),
+        Figure("energy swing", energy, "J"),
+        Figure("turning inertia", inertia, "kg m²"),
+    ]
+    for share in _SHOWN:
+        quantity = f"flywheel for {100 * share:g} percent"
+        check.figures.append(Figure(quantity, flywheel_for(share), "kg m²"))
     if isinstance(drive.law, Turning) and abs(turn - math.tau) < 1e-9 and energy:
         size, place, left = flywheel.spring_on_shaft(drive.law(theta, 0), needed)
         if left < most and size > _ROUNDING * most:
-            check.numbers |= {
-                "balance_spring_n_m": size,
-                "balance_spring_at_deg": math.degrees(place),
-                "drive_torque_balanced_n_m": left,
-            }
+            check.figures += [
+                Figure("balance spring", size, "N m"),
+                Figure("balance spring at", math.degrees(place), "deg"),
+                Figure("drive torque balanced", left, "N m"),
+            ]
     degrees = np.degrees(theta)
     curves = [("with friction", degrees, needed), ("without", degrees, smooth)]
     title = "Torque that the motor gives, with friction in the joints and without"
@@ -123,7 +126,7 @@ def torque(
     fluctuation = None if drives is None else drives.fluctuation
     swing = min(1.0, flywheel.fluctuation_of(energy, inertia, speed)) if energy else 0.0
     if flywheel_given or fluctuation:
-        check.numbers["speed_fluctuation"] = swing
+        check.figures.append(Figure("speed fluctuation", swing))
     if fluctuation is not None:
         remark = (
             f"by {energy:.4g} J on {inertia:.4g} kg m^2 that turn; "
@@ -170,13 +173,13 @@ def hub_slip(hub: SetScrewHub | None, torque: float, plastic: str) -> LoadCheck:
     bears = materials.of(plastic).bears
     force = hub.force(bears)
     tightened = TURNED * force * hub.screw.nominal * MM
-    check.numbers |= {
-        "set_screw_tightened_n_m": tightened,
-        "set_screw_holds_along_shaft_n": HOLDS * force,
-    }
+    check.figures += [
+        Figure("set screw tightened", tightened, "N m"),
+        Figure("set screw holds along shaft", HOLDS * force, "N"),
+    ]
     if not hub.flat:
         holds = HOLDS * force * hub.bore / 2 * MM
-        check.numbers["set_screw_holds_n_m"] = holds
+        check.figures.append(Figure("set screw holds", holds, "N m"))
         remark = (
             f"{hub.thread} tightened with {tightened:.3g} N m, {force:.4g} N, as hard as its nut's wall of {plastic} bears "
             f"({bears:g} MPa); a shaft with a flat, or a thicker screw, holds more"

@@ -17,13 +17,13 @@ from camgen.machine.forces import Forces
 from camgen.machine.friction import smooth
 from camgen.machine.model import MM, Cam, Law, Machine, Turning
 from camgen.machine.run import Run, solve
-from camgen.machines.loads.bearing import LoadCheck, figure_key
+from camgen.machines.loads.bearing import LoadCheck
 from camgen.machines.loads.pressed import slow
 from camgen.machines.loads.tables import Weight
 from camgen.motion.laws import LAWS
 from camgen.motion.program import Program
 from camgen.numerics import Floats, peak
-from camgen.study import Plot, Table
+from camgen.study import Figure, Plot, Table
 
 if TYPE_CHECKING:
     from camgen.machine.cams.dynamics import Elastic
@@ -62,23 +62,24 @@ def elastic(run: Run, load: Weight | None) -> LoadCheck:
     bend = (cam.law(angle - _AT_JOINT, 2) + cam.law(angle + _AT_JOINT, 2)) / 2
     excited = Excitation(cam.law(angle, 0), bend * turned[1] ** 2 + cam.law(angle, 1) * turned[2])
     response = model.response(excited, speed)
-    key = cam.name.replace(" ", "_")
     rigid = peak(excited.acceleration) * speed**2
-    check.numbers |= {
-        f"follower_frequency_{key}_hz": model.frequency / math.tau,
-        f"vibration_{key}_{unit}": scale * peak(response.vibration),
-        f"acceleration_factor_{key}": peak(response.acceleration) / rigid if rigid else 1.0,
-    }
+    factor = peak(response.acceleration) / rigid if rigid else 1.0
+    check.figures += [
+        Figure("follower frequency {of}", model.frequency / math.tau, "Hz", cam.name),
+        Figure("vibration {of}", scale * peak(response.vibration), unit, cam.name),
+        Figure("acceleration factor {of}", factor, "", cam.name),
+    ]
     if program is not None:
         resting = response.vibration[in_dwells(program, angle)]
-        check.numbers[f"vibration_in_dwells_{key}_{unit}"] = scale * peak(resting)
+        figure = Figure("vibration in dwells {of}", scale * peak(resting), unit, cam.name)
+        check.figures.append(figure)
     if rate:
-        bent = (1 - model.share) * peak(excited.displacement)
-        check.numbers[f"vibration_bent_by_spring_{key}_{unit}"] = scale * abs(bent)
+        bent = scale * abs((1 - model.share) * peak(excited.displacement))
+        check.figures.append(Figure("vibration bent by spring {of}", bent, unit, cam.name))
     if isinstance(program, Polydyne):
         wanted = getattr(cam.law, "sign", 1) * program.wanted(angle)
         off = excited.displacement + response.behind - wanted
-        check.numbers[f"off_wanted_{key}_{unit}"] = scale * peak(off)
+        check.figures.append(Figure("off wanted {of}", scale * peak(off), unit, cam.name))
     degrees = np.degrees(theta)
     vibration = [
         ("vibration", degrees, scale * response.vibration),
@@ -100,7 +101,7 @@ def elastic(run: Run, load: Weight | None) -> LoadCheck:
         remark = f"with an elastic follower of {model.frequency / math.tau:.4g} Hz"
         if math.isfinite(rpm):
             remark += f"; contact is lost from {rpm:.6g} rpm"
-            check.numbers[f"lift_off_speed_{key}_rpm"] = rpm
+            check.figures.append(Figure("lift off speed {of}", rpm, "rpm", cam.name))
         push_unit = "N" if cam.slide else "N m"
         check.findings.append(
             lift_off(theta, push, push_unit, Where(joint=cam.name), remark, remark)
@@ -207,6 +208,7 @@ def _laws(program: Program | None, model: Elastic, speed: float) -> list[Table]:
 def springs(mounted: Mapping[str, Mounted], speed: float) -> LoadCheck:
     """SPRING_STRESS of each spring, SURGE of what holds a follower on its cam; by their names; speed: rad/s."""
     check = LoadCheck()
+    names = set[str]()
     turns = abs(speed) / math.tau
     for name, each in mounted.items():
         spring = each.spring
@@ -222,20 +224,20 @@ def springs(mounted: Mapping[str, Mounted], speed: float) -> LoadCheck:
                 "it; a thicker wire on fewer coils is faster"
             )
             check.findings.append(at_least("SURGE", surge, _SURGE * turns, "Hz", where, remark))
-        returns = name == "return spring" or not each.made
-        key = "spring" if returns else figure_key(name)
-        numbers = {
-            f"{key}_rate_n_mm": spring.rate,
-            f"{key}_stress_mpa": stress,
-            f"{key}_surge_hz": surge,
-            f"{key}_force_least_n": spring.force(each.shortest),
-            f"{key}_force_greatest_n": spring.force(each.longest),
-        }
-        check.numbers = check.numbers | numbers | check.numbers  # the first of one name counts
+        if each.name in names:
+            continue
+        names.add(each.name)
+        check.figures += [
+            Figure("{joint} rate", spring.rate, "N/mm", joint=each.name),
+            Figure("{joint} stress", stress, "MPa", joint=each.name),
+            Figure("{joint} surge", surge, "Hz", joint=each.name),
+            Figure("{joint} force, least", spring.force(each.shortest), "N", joint=each.name),
+            Figure("{joint} force, greatest", spring.force(each.longest), "N", joint=each.name),
+        ]
     return check
 
 
-def balance(run: Run, forces: Forces) -> Mapping[str, float]:
+def balance(run: Run, forces: Forces) -> list[Figure]:
     """One counterweight on the driven body that least shakes the ground: mass times radius, where, and the force left."""
     drive = run.machine.drives[0]
     shaking = forces.shaking
@@ -246,11 +248,11 @@ def balance(run: Run, forces: Forces) -> Mapping[str, float]:
         or not np.any(shaking)
         or abs(float(np.ptp(run.theta)) - math.tau) > 1e-9
     ):
-        return {}
+        return []
     angle = drive.law(run.theta, 0)
     moment, left = crank_weight(shaking, angle, run.machine.speed * drive.law.rate)
-    return {
-        "balance_weight_g_mm": 1e3 * abs(moment),
-        "balance_weight_at_deg": math.degrees(float(np.angle(-moment))),
-        "shaking_force_balanced_n": min(left, peak(shaking)),
-    }
+    return [
+        Figure("balance weight", 1e3 * abs(moment), "g mm"),
+        Figure("balance weight at", math.degrees(float(np.angle(-moment))), "deg"),
+        Figure("shaking force balanced", min(left, peak(shaking)), "N"),
+    ]

@@ -13,6 +13,7 @@ from camgen.parts.journals import Journal, MaterialLimits
 
 STILL = 1e-9  # N, below which nothing presses
 _STEEL = 350  # MPa
+_DIAMETER = {"pin": "pin_diameter", "shaft": "shaft_diameter", "crank-pin": "pin_diameter"}
 _STEEL_BY = {  # keys that make them of steel, and their value there
     "pin": {"pin": "dowel", "pins": "steel"},
     "shaft": {"shaft_made": "steel"},
@@ -99,13 +100,12 @@ def stronger(limits: MaterialLimits, pin: Journal) -> str:
     """What makes a pin or a shaft bear more, by the keys that its table of sizes has."""
     table = limits.table
     keys = limits.keys
-    kind = next((kind for kind in ("shaft", "crank-pin", "pin") if kind in pin.part), "")
-    diameter = f"{kind.removeprefix('crank-')}_diameter"
+    diameter = _DIAMETER.get(pin.role, "")
     wide = f" ({table}.{diameter})" if diameter in keys else ""
     if pin.shaft == materials.STEEL.name:
         return f"make it thicker{wide} or shorter"
     steel = f" and say so (limits.pin_stress_mpa = {_STEEL})"
-    for key, value in _STEEL_BY.get(kind, {}).items():
+    for key, value in _STEEL_BY.get(pin.role, {}).items():
         if key in keys:
             steel = f' ({table}.{key} = "{value}")'
             break

@@ -209,6 +209,7 @@ class Bodies:
                 centres=(0j,),
                 made=self._made,
                 notes=("glued into input crank and collar, turns in frame and pivot",),
+                role="shaft",
             ),
             Part(
                 "collar",
@@ -261,7 +262,7 @@ class Bodies:
     def _pin(self, name: str, title: str, diameter: float, length: float, made: str) -> Part:
         """A round pin so long below its head, pressed and glued in."""
         pin = headed(name, title, diameter, length, diameter + 2 * HEAD, HEAD)
-        return replace(pin, notes=(_GLUED,), made=made)
+        return replace(pin, notes=(_GLUED,), made=made, role="pin")
 
     def _post(self, name: str, title: str, diameter: float, length: float, count: int = 1) -> Part:
         """The same with a groove for the thread under its head."""

@@ -16,7 +16,7 @@ import numpy as np
 from camgen.machine.landmarks import TURN
 from camgen.machine.model import Body, Floats
 from camgen.machines.thread_take_up.feed import TakeUp
-from camgen.study import Table
+from camgen.study import Figure, Figures, Table
 
 ROCKER = TakeUp(
     19.28, 37.91, 47.13, 47.29, 56.8, 2.01, 1, (-24.83 + 43.7j, -62.62 + 157.23j)
@@ -53,7 +53,7 @@ def alike(t: TakeUp, other: TakeUp, bodies: Mapping[str, Body]) -> dict[str, Bod
 
 def against(
     t: TakeUp, bodies: Mapping[str, Body], speed: float, consumption: Floats | None
-) -> tuple[dict[str, float], Table]:
+) -> tuple[Figures, Table]:
     """Figures and a table of the two; speed: of the crank, rad/s; consumption: at 720 even angles, mm, None where not known."""
     pair = (t, bodies), (ROCKER, alike(t, ROCKER, bodies))
     figures: list[dict[str, float]] = []
@@ -78,15 +78,12 @@ def against(
         "mean wear measure of A, B, C, N rad/s": "more than twice",
     }
     rows = [(name, two[name], one[name], one[name] / two[name], said.get(name, "")) for name in two]
-    numbers = {
-        f"rocker_{key}": one[name]
-        for key, name in (
-            ("excess_mm", "least excess, mm"),
-            ("reaction_c_n", "greatest reaction at C, N"),
-            ("wear_n_rad_s", "mean wear measure of A, B, C, N rad/s"),
-        )
-        if not math.isnan(one[name])
-    }
+    found = [
+        Figure("rocker excess", one["least excess, mm"], "mm"),
+        Figure("rocker reaction {joint}", one["greatest reaction at C, N"], "N", joint="C"),
+        Figure("rocker wear", one["mean wear measure of A, B, C, N rad/s"], "N rad/s"),
+    ]
+    numbers = Figures(each for each in found if not math.isnan(each.value))
     columns = ("", "two cranks", "crank-rocker", "ratio", "the source's")
     return numbers, Table(
         "Two cranks against a crank-rocker of the same feed, found by a search", columns, rows

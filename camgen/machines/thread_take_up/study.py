@@ -22,7 +22,7 @@ from camgen.machines.thread_take_up.feed import TakeUp
 from camgen.machines.thread_take_up.rocker import ANGLES, against
 from camgen.parts import materials
 from camgen.spec import Coordinate, Length, Mass, Record, quantity
-from camgen.study import Later, Plot, Study, Table
+from camgen.study import Figure, Figures, Later, Plot, Study, Table, figures_in
 
 # The lengths of the source: OA, OC, and AB with BC as it prints them.
 _PUBLISHED, _PRINTED = (30.0, 9.0), (30.0, 19.0)
@@ -210,23 +210,24 @@ def study(
     t: TakeUp, rpm: float | None, masses: Masses | None, consumption: Consumption | None
 ) -> Study:
     """Figures, curves and tables; forces only with masses, and then with a speed."""
-    figures = [motion_numbers(each) for each in _readings(t)]
+    readings = [motion_numbers(each) for each in _readings(t)]
+    numbers = readings[0]
     notes = [*_NOTES, *(_ERRATA if _of_source(t) else ())]
     beside = list[Table]()
     if masses is not None and rpm is not None:
         speed = rpm * TURN / 60
-        for found, each in zip(figures, _readings(t), strict=True):
-            found |= force_numbers(each, masses.bodies(each), speed)
+        readings = [
+            found | force_numbers(each, masses.bodies(each), speed)
+            for found, each in zip(readings, _readings(t), strict=True)
+        ]
+        numbers = readings[0] | balance_numbers(t, masses, speed)
         notes.append(
             f"Forces at {rpm:g} rpm without gravity, friction, thread and the input crank's own mass, as in the source; the "
             "masses are those of the spec, not of the parts made here."
         )
-    numbers = dict(figures[0])
-    if masses is not None and rpm is not None:
-        numbers |= balance_numbers(t, masses, rpm * TURN / 60)
         if _of_source(t):
             drawn = None if consumption is None else consumption.at(ANGLES)
-            for each in _readings(t)[::-1]:  # of the spec's own the figures count
+            for each in _readings(t)[::-1]:  # of the spec's own the readings count
                 found, table = against(
                     each, masses.bodies(each), rpm * TURN / 60, drawn if each == t else None
                 )
@@ -234,12 +235,7 @@ def study(
             numbers |= found
     if consumption is not None:
         low, high = consumption.extremes(t)
-        numbers |= {
-            "thread_excess_max_mm": high[0],
-            "thread_excess_max_at_deg": math.degrees(high[1]),
-            "thread_excess_min_mm": low[0],
-            "thread_excess_min_at_deg": math.degrees(low[1]),
-        }
+        numbers |= [*_place("thread excess max", *high), *_place("thread excess min", *low)]
 
     def plots() -> list[Plot]:
         found = [*_motion_plots(t), _by_frame(t)]
@@ -247,7 +243,7 @@ def study(
         return found if consumption is None else [*found, _thread_plot(t, consumption)]
 
     def tables() -> list[Table]:
-        found = [_both(t, figures)] if _of_source(t) else []
+        found = [_both(t, readings)] if _of_source(t) else []
         found += [_turns(t), _influence(t)]
         if masses is not None and rpm is not None:
             found += [_centres(t, masses, rpm * TURN / 60), _balancing(t, masses, rpm * TURN / 60)]
@@ -256,10 +252,10 @@ def study(
     return Study(numbers, Later(plots), Later(tables), (), notes)
 
 
-def _both(t: TakeUp, figures: Sequence[Mapping[str, float]]) -> Table:
+def _both(t: TakeUp, readings: Sequence[Mapping[str, float]]) -> Table:
     """Figures of each reading of the source's lengths."""
-    keys = dict.fromkeys(key for found in figures for key in found)
-    rows = [[key, *(found.get(key, "") for found in figures)] for key in keys]
+    keys = dict.fromkeys(key for found in readings for key in found)
+    rows = [[key, *(found.get(key, "") for found in readings)] for key in keys]
     return Table("Both readings of the lengths", ("figure", *map(reading, _readings(t))), rows)
 
 
@@ -273,8 +269,14 @@ def _thread_plot(t: TakeUp, consumption: Consumption) -> Plot:
     return Plot("Supply and consumption of thread", _ALPHA, "mm", curves)
 
 
-def motion_numbers(t: TakeUp) -> dict[str, float]:
-    """Figures of feed, eye path and turning under plain names with units; those of a loop only where there is one."""
+def _place(quantity: str, value: float, angle: float, unit: str = "mm") -> list[Figure]:
+    """A figure, and at which angle, rad, it is so."""
+    at = Figure(f"{quantity} at", math.degrees(angle), "deg")
+    return [Figure(quantity, value, unit), at]
+
+
+def motion_numbers(t: TakeUp) -> Figures:
+    """Figures of feed, eye path and turning; those of a loop only where there is one."""
     lengths = (t.frame, t.crank, t.coupler, t.output)
     feed, stop = t.diagram, t.near_stop
     least, most = transmission_extremes(*lengths)
@@ -283,48 +285,45 @@ def motion_numbers(t: TakeUp) -> dict[str, float]:
     )
     loop = stop.crossings > 0
 
-    def placed(name: str, value: float, angle: float, unit: str = "") -> dict[str, float]:
-        return {name + unit: value, f"{name}_at_deg": math.degrees(angle)}
-
-    figures = {
-        "grashof_margin_mm": four_bar(*lengths).margin,
-        "transmission_angle_min_deg": math.degrees(least),
-        "transmission_angle_max_deg": math.degrees(most),
-        **placed("feed_max", *feed.longest, "_mm"),
-        **placed("feed_min", *feed.shortest, "_mm"),
-        "feed_range_mm": feed.range,
-        "let_down_deg": math.degrees(feed.let_down),
-        "let_down_ratio": feed.ratio,
-        "eye_path_crossings": float(stop.crossings),
-        "near_stop_x_mm": stop.centre.real,
-        "near_stop_y_mm": stop.centre.imag,
-        "near_stop_from_deg": math.degrees(stop.enters),
-        "near_stop_to_deg": math.degrees(stop.leaves),
-        "loop_width_mm": stop.width if loop else math.nan,
-        "loop_height_mm": stop.height if loop else math.nan,
-        **{
-            f"dwell_within_{radius:g}_mm_deg".replace(".", "_"): math.degrees(t.lingers(radius))
-            for radius in _STOPS
-        },
-        "cusp_eye_distance_mm": cusp[0],
-        "cusp_at_deg": math.degrees(cusp[1]),
-    }
+    found = [
+        Figure("grashof margin", four_bar(*lengths).margin, "mm"),
+        Figure("transmission angle min", math.degrees(least), "deg"),
+        Figure("transmission angle max", math.degrees(most), "deg"),
+        *_place("feed max", *feed.longest),
+        *_place("feed min", *feed.shortest),
+        Figure("feed range", feed.range, "mm"),
+        Figure("let down", math.degrees(feed.let_down), "deg"),
+        Figure("let down ratio", feed.ratio),
+        Figure("eye path crossings", stop.crossings),
+        *figures_in("mm", near_stop_x=stop.centre.real, near_stop_y=stop.centre.imag),
+        Figure("near stop from", math.degrees(stop.enters), "deg"),
+        Figure("near stop to", math.degrees(stop.leaves), "deg"),
+        Figure("loop width", stop.width if loop else math.nan, "mm"),
+        Figure("loop height", stop.height if loop else math.nan, "mm"),
+    ]
+    for radius in _STOPS:
+        within = f"{radius:g}".replace(".", "_")
+        found.append(Figure(f"dwell within {within} mm", math.degrees(t.lingers(radius)), "deg"))
+    found.append(Figure("cusp eye distance", cusp[0], "mm"))
+    found.append(Figure("cusp at", math.degrees(cusp[1]), "deg"))
     for link, output in (("coupler", False), ("output", True)):
         slow, fast = t.rate_extremes(output)
-        figures |= {**placed(f"{link}_rate_min", *slow), **placed(f"{link}_rate_max", *fast)}
-    return {name: value for name, value in figures.items() if not math.isnan(value)}
+        found += [*_place(f"{link} rate min", *slow, ""), *_place(f"{link} rate max", *fast, "")]
+    return Figures(each for each in found if not math.isnan(each.value))
 
 
-def force_numbers(t: TakeUp, bodies: Mapping[str, Body], speed: float) -> dict[str, float]:
+def force_numbers(t: TakeUp, bodies: Mapping[str, Body], speed: float) -> Figures:
     """Peak reactions, torque and wear measures at an input speed, rad/s."""
     forces = t.forces(_FORCES, bodies, speed)
     wear = t.wear(_FORCES, forces, speed)
-    return {
-        **{f"reaction_{name.lower()}_n": value for name, value in _peaks(forces).items()},
-        "peak_torque_n_m": _peak(forces.drives["motor"]),
-        **{f"wear_{name.lower()}_n_rad_s": value for name, value in wear.items()},
-        "wear_mean_n_rad_s": float(np.mean(list(wear.values()))),
-    }
+    return Figures(
+        [
+            *(Figure("reaction {joint}", v, "N", joint=name) for name, v in _peaks(forces).items()),
+            Figure("peak torque", _peak(forces.drives["motor"]), "N m"),
+            *(Figure("wear {joint}", v, "N rad/s", joint=name) for name, v in wear.items()),
+            Figure("wear mean", float(np.mean(list(wear.values()))), "N rad/s"),
+        ]
+    )
 
 
 def shaft_stress(t: TakeUp, masses: Masses, rpm: float, made: str, shaft: float) -> Finding:
@@ -477,23 +476,30 @@ def _centres(t: TakeUp, masses: Masses, speed: float) -> Table:
     return Table("Peak reactions, N", ("lengths", "centres of mass", "A", "B", "C"), rows)
 
 
-def balance_numbers(t: TakeUp, masses: Masses, speed: float) -> dict[str, float]:
+def balance_numbers(t: TakeUp, masses: Masses, speed: float) -> Figures:
     """Balancing as in the source, recomputed with the counterweights on; and the best weight on the input crank alone."""
     bodies, weighted = masses.bodies(t), masses.balanced(t)
     before, after = t.forces(_FORCES, bodies, speed), t.forces(_FORCES, weighted, speed)
     moment, left = crank_weight(before.reactions["O"], _FORCES, speed)
-    return {
-        "counterweight_coupler_g": 1e3 * (weighted["coupler"].mass - bodies["coupler"].mass),
-        "counterweight_output_crank_g": 1e3 * (weighted["output"].mass - bodies["output"].mass),
-        "shaking_force_n": _peak(before.shaking),
-        "balanced_shaking_force_n": _peak(after.shaking),
-        **{f"balanced_reaction_{name.lower()}_n": value for name, value in _peaks(after).items()},
-        "balanced_peak_torque_n_m": _peak(after.drives["motor"]),
-        "crank_counterweight_g_mm": 1e3 * abs(moment),
-        "crank_counterweight_at_deg": math.degrees(float(np.angle(moment))),
-        "reaction_o_n": _peak(before.reactions["O"]),
-        "reaction_o_with_crank_weight_n": left,
-    }
+    coupler = 1e3 * (weighted["coupler"].mass - bodies["coupler"].mass)
+    output = 1e3 * (weighted["output"].mass - bodies["output"].mass)
+    return Figures(
+        [
+            Figure("counterweight {of}", coupler, "g", "coupler"),
+            Figure("counterweight {of}", output, "g", "output crank"),
+            Figure("shaking force", _peak(before.shaking), "N"),
+            Figure("balanced shaking force", _peak(after.shaking), "N"),
+            *(
+                Figure("balanced reaction {joint}", value, "N", joint=name)
+                for name, value in _peaks(after).items()
+            ),
+            Figure("balanced peak torque", _peak(after.drives["motor"]), "N m"),
+            Figure("crank counterweight", 1e3 * abs(moment), "g mm"),
+            Figure("crank counterweight at", math.degrees(float(np.angle(moment))), "deg"),
+            Figure("reaction {joint}", _peak(before.reactions["O"]), "N", joint="O"),
+            Figure("reaction {joint} with crank weight", left, "N", joint="O"),
+        ]
+    )
 
 
 def _balancing(t: TakeUp, masses: Masses, speed: float) -> Table:

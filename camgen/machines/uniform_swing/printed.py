@@ -30,7 +30,7 @@ from camgen.parts.disc_cams import LAYOUT
 from camgen.parts.hardware import Collet, headed, plate, spacer
 from camgen.parts.journals import Journal
 from camgen.parts.part import Layer, Part, hull, rod
-from camgen.study import Study
+from camgen.study import Figure, Figures, Study
 
 _TOUCHING = 0.1  # mm beyond the tip's own surface, where cam and finger may seem to overlap because the tip touches the cam
 _PLACES = 361  # cam angles at which it does; `gap` is there for what lies between
@@ -302,11 +302,12 @@ class SwingMachine:
         """The shaft's length, what the axle's play is to the swing, and what is to be said of sizes."""
         # the frame shifts on its axle by half the clearance, which turns it until the tip is on the cam again
         across = abs(self.cam.follower.arm) * math.cos(math.radians(self.cam.steepest))
-        numbers = {
-            "shaft_length_mm": self.shaft_length,
-            "swing_by_play_of_axle_deg": math.degrees(self.play / 2 / across),
-        }
-        return Study(numbers, notes=(self.shaft_note, *self.smaller))
+        swing = math.degrees(self.play / 2 / across)
+        found = [
+            Figure("shaft length", self.shaft_length, "mm"),
+            Figure("swing by play of axle", swing, "deg"),
+        ]
+        return Study(Figures(found), notes=(self.shaft_note, *self.smaller))
 
     # ---- parts ------------------------------------------------------------------------------------------------------
 

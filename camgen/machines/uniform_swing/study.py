@@ -21,7 +21,7 @@ from camgen.machines.uniform_swing.pictures import Model, pictures
 from camgen.machines.uniform_swing.tables import SwingGeometry
 from camgen.machines.uniform_swing.web_thickness import BAND, STRIPS, blend_choice, canvas
 from camgen.numerics import greatest
-from camgen.study import ROWS, Plot, Sketch, Study, Table
+from camgen.study import ROWS, Figure, Figures, Plot, Sketch, Study, Table, figures_in
 
 _BLENDS = (
     0.0,
@@ -48,7 +48,7 @@ _NO_SPRING = "A sharp reversal needs an infinite force, so no spring keeps the f
 
 def canvas_study(theta: Floats, motion: Mapping[str, Floats]) -> Study:
     """Canvas laid by the motions recovered from files, (n,) rad over a whole turn; one that is not whole is left out."""
-    numbers: dict[str, float] = {}
+    found: list[Figure] = []
     rows: list[tuple[object, ...]] = []
     series = []
     for kind, s in motion.items():
@@ -58,7 +58,7 @@ def canvas_study(theta: Floats, motion: Mapping[str, Floats]) -> Study:
             laid = canvas(theta, s, flat, _JET)
             share = 100 * canvas(theta, s, flat, STRIPS).share
             middle = 100 * laid.spread(_MIDDLE)
-            numbers[f"canvas_share_{name}_{kind}_percent"] = share
+            found.append(Figure("canvas share {of}", share, "%", name, kind=kind))
             rows.append((f"{name} collector, from {kind.upper()}", share, middle))
             series.append((f"{name}, {kind.upper()}", laid.place, laid.thickness))
     if not series:
@@ -74,7 +74,7 @@ def canvas_study(theta: Floats, motion: Mapping[str, Floats]) -> Study:
     )
     columns = ("canvas", f"width within {BAND:.0%}, %", f"spread of the middle {_MIDDLE:.0%}, %")
     return Study(
-        numbers,
+        Figures(found),
         [plot],
         [Table("Thickness of the canvas, from the recovered motion", columns, rows)],
     )
@@ -136,26 +136,29 @@ def figures(cam: DiscCam, g: SwingGeometry, rpm: float) -> Study:
     speed = float(np.max(np.abs(cam.program(theta, 1))))
     radius = np.abs(cam.pitch(theta))
     rise, back = pressure_angles(cam)
-    numbers = {
-        "swing_deg": g.swing_deg,
-        "speed_ratio": 1 / speed,
-        **source_figures(g.pivot_distance, g.arm_offset, swing),
-        "uniform_share_percent": 100 * (1 - g.reversal_blend_deg / 180),
-        "follower_speed_deg_s": math.degrees(speed) * rpm * math.tau / 60,
-        "peak_speed_mm_s": abs(cam.follower.arm) * speed * rpm * math.tau / 60,
-        "pitch_radius_min_mm": float(np.min(radius)),
-        "pitch_radius_max_mm": float(np.max(radius)),
-        "pitch_curvature_radius_min_mm": 1 / greatest(cam.curvature, 0.0, math.tau)[1],
-        "profile_length_mm": cam.outline.length,
-        "profile_area_mm2": cam.outline.area,
-        "pressure_angle_rise_deg": rise,
-        "pressure_angle_return_deg": back,
-        **undercut_numbers([cam]),
-    }
+    turning = rpm * math.tau / 60
+    found = [
+        Figure("swing", g.swing_deg, "deg"),
+        Figure("speed ratio", 1 / speed),
+        *source_figures(g.pivot_distance, g.arm_offset, swing),
+        Figure("uniform share", 100 * (1 - g.reversal_blend_deg / 180), "%"),
+        Figure("follower speed", math.degrees(speed) * turning, "deg/s"),
+        Figure("peak speed", abs(cam.follower.arm) * speed * turning, "mm/s"),
+        *figures_in(
+            "mm",
+            pitch_radius_min=float(np.min(radius)),
+            pitch_radius_max=float(np.max(radius)),
+            pitch_curvature_radius_min=1 / greatest(cam.curvature, 0.0, math.tau)[1],
+            profile_length=cam.outline.length,
+        ),
+        Figure("profile area", cam.outline.area, "mm²"),
+        *figures_in("deg", pressure_angle_rise=rise, pressure_angle_return=back),
+        *undercut_numbers([cam]).records,
+    ]
     steep = ("exact profile", np.degrees(theta), np.degrees(cam.pressure_angle(theta)))
     drawn = pictures(Model(g.pivot_distance, g.arm_offset, swing, cam))
     return Study(
-        numbers,
+        Figures(found),
         [Plot("Pressure angle", "cam angle, deg", "deg", [steep]), *drawn],
         _undercuts(cam),
         notes=_notes(cam),
@@ -194,19 +197,18 @@ def _notes(cam: DiscCam) -> list[str]:
     return notes
 
 
-def source_figures(pivot: float, offset: float, swing: float) -> dict[str, float]:
+def source_figures(pivot: float, offset: float, swing: float) -> list[Figure]:
     """R, and at both ends of the swing alpha (angle OAC), r = OC and beta (of OC from Oy), by equations 2 to 5 of the source."""
     reach = math.hypot(pivot, offset)
     middle = math.atan2(offset, pivot)
-    numbers = {"source_r_mm": reach}
+    found = [Figure("source r", reach, "mm")]
     for k, alpha in ((1, middle - swing / 2), (2, middle + swing / 2)):
         tip = pivot - cmath.rect(reach, alpha)
-        numbers |= {
-            f"source_alpha_{k}_deg": math.degrees(alpha),
-            f"source_r_{k}_mm": abs(tip),
-            f"source_beta_{k}_deg": math.degrees(math.atan2(abs(tip.real), -tip.imag)),
-        }
-    return numbers
+        beta = math.atan2(abs(tip.real), -tip.imag)
+        found.append(Figure(f"source alpha {k}", math.degrees(alpha), "deg"))
+        found.append(Figure(f"source r {k}", abs(tip), "mm"))
+        found.append(Figure(f"source beta {k}", math.degrees(beta), "deg"))
+    return found
 
 
 def sketches(arm: SwingingArm, pair: bool, shaft: float) -> tuple[Sketch, Sketch]:
@@ -242,34 +244,33 @@ class SwingForces:
     def study(self) -> Study:
         """Curves and figures; where a spring closes the cam also the one that keeps contact."""
         loaded = self.loaded
-        numbers = {
-            "inertia_kg_m2": self.load.inertia,
-            "peak_contact_force_n": float(np.nanmax(loaded.force)),
-            "peak_torque_n_m": float(np.nanmax(np.abs(loaded.torque))),
-        }
+        found = [
+            Figure("inertia", self.load.inertia, "kg m²"),
+            Figure("peak contact force", float(np.nanmax(loaded.force)), "N"),
+            Figure("peak torque", float(np.nanmax(np.abs(loaded.torque))), "N m"),
+        ]
         notes = []
         if loaded.kick:
-            numbers["reversal_kick_n_m_s"] = loaded.kick
+            found.append(Figure("reversal kick", loaded.kick, "N m s"))
             notes.append(
                 f"A sharp reversal gives the follower a kick of {loaded.kick:.3g} N m s; the curves of force and torque leave "
                 "it out. A reversal_blend_deg spreads it."
             )
         plots = force_plots(loaded, "tip on cam") if np.any(loaded.effort) else []
         if self.lever is None:
-            return Study(numbers, plots, notes=notes)
+            return Study(Figures(found), plots, notes=notes)
         preload, rate = loaded.spring_needed(self.load)
         force = preload / self.lever * 1e3
         stiff = rate / self.lever**2 * 1e3
-        numbers |= {
-            "spring_preload_needed_n_m": preload,
-            "spring_rate_needed_n_m_per_rad": rate,
-            "spring_force_needed_n": force,
-            "spring_rate_needed_n_mm": stiff,
-        }
+        found += [
+            Figure("spring preload needed", preload, "N m"),
+            Figure("spring rate needed", rate, "N m/rad"),
+            Figure("spring force needed", force, "N"),
+            Figure("spring rate needed", stiff, "N/mm"),
+        ]
         kept = f"What keeps contact: a straight spring on a lever of {self.lever:g} mm that pulls with {force:.3g} N where "
         kept += "the tip is nearest to the shaft (spring.preload)"
         if math.isfinite(rate):
             kept += f" or, the other as given, has a rate of {stiff:.3g} N/mm (spring.rate)"
-        return Study(
-            numbers, plots, notes=[*notes, _NO_SPRING if math.isinf(preload) else f"{kept}."]
-        )
+        said = _NO_SPRING if math.isinf(preload) else f"{kept}."
+        return Study(Figures(found), plots, notes=[*notes, said])

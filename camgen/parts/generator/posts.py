@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 
 from camgen.parts.generator.bodies import Bodies
 from camgen.parts.journals import Post
+from camgen.parts.part import Role
 
 _STEEL = ("dowel", "shoulder")
 _SAME = 1e-6  # mm
@@ -39,6 +40,7 @@ def posts(bodies: Bodies, pulls: Mapping[str, float], printed: str) -> Iterator[
             if each.body == layout.carrier(body) and abs(each.at - layout.at(body, point)) < _SAME
         )
         part = next(pins, "")
+        role: Role = next((each.role for each in bodies.parts if each.name == part), "")
         for what, pull, at in bent:
             lever = max(0.0, at - faces[1], faces[0] - at)
-            yield Post(point, what, layout.turning(point), lever, material, pull, part)
+            yield Post(point, what, layout.turning(point), lever, material, pull, part, role)

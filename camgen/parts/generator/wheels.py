@@ -41,11 +41,6 @@ from camgen.parts.generator.sizes import Parts
 SECOND = "_2"  # of names: the other cam of a conjugate pair, and where its roller is
 _ROUND = np.linspace(0, math.tau, 721)
 NOSE = 3.0  # radii of a knife's disc, from there to its edge
-_WORDS = {
-    "tip_radius": "radius",
-    "a smaller swing": "a smaller lift",
-    "a larger base_radius": "a follower drawn further away",
-}
 _BESIDE = 0.5  # mm, of a face beside where it is touched
 
 
@@ -348,7 +343,7 @@ def outline(tip: Tip) -> Contour:
     try:
         return tip.cam.outline
     except DesignError as error:
-        raise named(error, f"cam {tip.joint.name}", error.remedy) from None
+        raise named(error, f"cam {tip.joint.name}") from None
 
 
 def groove_wall(tip: Tip, clearance: float) -> Contour | None:
@@ -358,7 +353,7 @@ def groove_wall(tip: Tip, clearance: float) -> Contour | None:
     try:
         return tip.cam.groove(clearance)
     except DesignError as error:
-        raise named(error, f"cam {tip.joint.name}", error.remedy) from None
+        raise named(error, f"cam {tip.joint.name}") from None
 
 
 def groove_rim(sizes: Parts) -> float:
@@ -366,10 +361,8 @@ def groove_rim(sizes: Parts) -> float:
     return sizes.pin_diameter + 2 * sizes.wall
 
 
-def named(error: DesignError, thing: str, remedy: str) -> DesignError:
-    """An error of a cam as one of a named thing, in the words of a linkage."""
+def named(error: DesignError, thing: str, remedy: str = "") -> DesignError:
+    """The same error, of a named thing; remedy: another one."""
     where = thing + (f", {error.where}" if error.where else "")
-    for word, own in _WORDS.items():
-        remedy = remedy.replace(word, own)
-    quantity = _WORDS.get(error.quantity, error.quantity)
-    return DesignError(quantity, error.value, error.limit, error.unit, where, remedy)
+    remedy = remedy or error.remedy
+    return DesignError(error.quantity, error.value, error.limit, error.unit, where, remedy)

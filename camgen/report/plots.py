@@ -59,9 +59,9 @@ def ticks(low: float, high: float, most: int = 6) -> list[float]:
     return [step * k for k in range(first, math.floor(high / step + 1e-9) + 1)]
 
 
-def figure(plot: Plot, own: str = "plot") -> str:
+def plot_figure(plot: Plot, own: str = "plot") -> str:
     """The plot as a figure of the page: title, keys with room for the values at the cursor, picture; own: begins its ids."""
-    drawn, curves = _drawn(plot)
+    drawn, curves = _picture(plot)
     keys = "".join(
         f'<li class="s{k % 6}"><svg class="k" viewBox="0 0 22 8" aria-hidden="true"><path class="curve" d="M0 4h22"/></svg>'
         f"{escape(curve.label)} <output></output></li>"
@@ -71,11 +71,11 @@ def figure(plot: Plot, own: str = "plot") -> str:
     state = " turn" if plot.turns else ""
     return (
         f'<figure class="plot{state}"><figcaption>{escape(plot.title.replace("_", " "))}</figcaption><ul class="keys">{keys}</ul>'
-        f"<svg {_naming(plot, f'0 0 {_WIDTH:g} {_HEIGHT:g}', own)}{drawn}{cursor}</svg></figure>"
+        f"<svg {_attributes(plot, f'0 0 {_WIDTH:g} {_HEIGHT:g}', own)}{drawn}{cursor}</svg></figure>"
     )
 
 
-def _naming(plot: Plot, box: str, own: str = "plot") -> str:
+def _attributes(plot: Plot, box: str, own: str = "plot") -> str:
     """Attributes, title and description of the picture."""
     names = ", ".join(label for label, _, _ in plot.series)
     return (
@@ -133,11 +133,11 @@ def _spread(low: float, high: float, share: float) -> tuple[float, float]:
     return low - share * (high - low), high + share * (high - low)
 
 
-def _drawn(plot: Plot) -> tuple[str, list[_Curve]]:
+def _picture(plot: Plot) -> tuple[str, list[_Curve]]:
     """The picture's inside, and the curves in it."""
     axes = _Axes(plot)
     curves = _curves(plot, axes)
-    pieces = [_ruled(plot, axes), *(_path(k, curve) for k, curve in enumerate(curves))]
+    pieces = [_grid(plot, axes), *(_path(k, curve) for k, curve in enumerate(curves))]
     for (label, x), row in zip(plot.marks, axes.rows, strict=True):
         at = axes.place(np.array([x]), np.array([1.0]))[0].real
         inside = at < (_LEFT + _RIGHT) / 2
@@ -147,14 +147,14 @@ def _drawn(plot: Plot) -> tuple[str, list[_Curve]]:
             f'y="{_n(_TOP + 9 + _ROW * row)}">{escape(label)}</text>'
         )
     pieces += [
-        _named(name, axes.place(np.array([x]), np.array([y]))[0]) for name, x, y in plot.points
+        _point(name, axes.place(np.array([x]), np.array([y]))[0]) for name, x, y in plot.points
     ]
     (x0, x1), (y0, y1) = axes.x, axes.y
     scale = f"{_LEFT:g} {_RIGHT:g} {x0:.9g} {x1:.9g} {_LOW:g} {_TOP:g} {y0:.9g} {y1:.9g}"
     return f'<g class="drawn" data-axes="{scale}">{"".join(pieces)}</g>', curves
 
 
-def _named(name: str, at: complex) -> str:
+def _point(name: str, at: complex) -> str:
     """A point with its name beside it, inside the frame."""
     left = at.real > _RIGHT - _LETTER * (len(name) + 1)
     side, x = ('class="end"', at.real - 4) if left else ('class="start"', at.real + 4)
@@ -164,7 +164,7 @@ def _named(name: str, at: complex) -> str:
     )
 
 
-def _ruled(plot: Plot, axes: _Axes) -> str:
+def _grid(plot: Plot, axes: _Axes) -> str:
     """Grid, frame, numbers and what the axes show."""
     size = max(map(abs, axes.y))
     power = 0 if 1e-3 <= size < 1e5 else math.floor(math.log10(size))
@@ -226,12 +226,12 @@ def _curves(plot: Plot, axes: _Axes) -> list[_Curve]:
         else:
             groups.append(([label], x, y, places))
     return [
-        _curve(_joined(labels).replace("+- ", "± "), x, y, axes, labels[0] in plot.dots)
+        _curve(_common_label(labels).replace("+- ", "± "), x, y, axes, labels[0] in plot.dots)
         for labels, x, y, _ in groups
     ]
 
 
-def _joined(labels: Sequence[str]) -> str:
+def _common_label(labels: Sequence[str]) -> str:
     """One name for curves that are the same: "x wanted", "x from DXF" are "x wanted = DXF"."""
     if len(labels) == 1:
         return labels[0]
@@ -258,14 +258,14 @@ def _curve(label: str, x: Floats, y: Floats, axes: _Axes, dots: bool) -> _Curve:
         lower = np.minimum(np.append(low, low[-1]), np.append(low[:1], low))
         upper = np.maximum(np.append(high, high[-1]), np.append(high[:1], high))
         top, bottom = (
-            simplified(axes.place(middle, upper), _FINE),
-            simplified(axes.place(middle, lower), _FINE),
+            simplification(axes.place(middle, upper), _FINE),
+            simplification(axes.place(middle, lower), _FINE),
         )
         return _Curve(label, np.concatenate([top, bottom[::-1]]), "band", len(top))
     return _Curve(label, places, "curve")
 
 
-def simplified(points: Points, tolerance: float) -> Points:
+def simplification(points: Points, tolerance: float) -> Points:
     """Some of the points (n,), so that none is farther than the tolerance from the line through them [Douglas, Peucker 1973]."""
     kept = np.zeros(len(points), bool)
     kept[[0, -1]] = True
@@ -301,7 +301,7 @@ def _path(k: int, curve: _Curve) -> str:
     known = np.isfinite(curve.points)
     starts = np.flatnonzero(known & ~np.append(False, known[:-1]))
     stops = np.flatnonzero(known & ~np.append(known[1:], False)) + 1
-    pieces = [simplified(curve.points[a:b], _FINE) for a, b in zip(starts, stops, strict=True)]
+    pieces = [simplification(curve.points[a:b], _FINE) for a, b in zip(starts, stops, strict=True)]
     return f'{group}<path class="curve" d="{"".join("M" + _line(piece) for piece in pieces)}"/></g>'
 
 

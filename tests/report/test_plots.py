@@ -12,9 +12,9 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from camgen.report.colours import part_colour
-from camgen.report.figures import figure, simplified, ticks
-from camgen.report.words import figures, name, rounded
-from camgen.study import Plot
+from camgen.report.plots import plot_figure, simplification, ticks
+from camgen.report.words import rounded, rows
+from camgen.study import Figure, Figures, Plot
 
 THETA = np.linspace(0, 360, 1441)
 
@@ -35,7 +35,7 @@ def drawn(text: str) -> list[np.ndarray]:
 
 
 def test_a_turn_has_its_ticks_a_cursor_and_a_name_for_all() -> None:
-    text = figure(
+    text = plot_figure(
         Plot(
             "Swing <wanted>",
             "cam angle, deg",
@@ -50,7 +50,7 @@ def test_a_turn_has_its_ticks_a_cursor_and_a_name_for_all() -> None:
     assert {"reversal", "cam angle, deg", "$deg$"} <= set(texts)
     assert root.find(".//path[@class='cursor']") is not None and root.attrib["class"] == "plot turn"
     assert "a & <b>" in "".join(root.find(".//ul").itertext())  # type: ignore[union-attr]
-    assert "cursor" not in figure(Plot("t", "place, mm", "mm", [("a", THETA / 9, THETA)]))
+    assert "cursor" not in plot_figure(Plot("t", "place, mm", "mm", [("a", THETA / 9, THETA)]))
 
 
 @pytest.mark.parametrize(
@@ -58,7 +58,7 @@ def test_a_turn_has_its_ticks_a_cursor_and_a_name_for_all() -> None:
     [np.sin(np.radians(THETA)), np.where(THETA < 180, THETA, 360 - THETA), np.exp(THETA / 90)],
 )
 def test_a_drawn_curve_is_the_curve(wave: np.ndarray) -> None:
-    (line,) = drawn(figure(Plot("t", "x", "y", [("a", THETA, wave)])))
+    (line,) = drawn(plot_figure(Plot("t", "x", "y", [("a", THETA, wave)])))
     assert len(line) < 500
     np.testing.assert_allclose(
         np.interp(THETA, line.real, line.imag), wave, atol=2e-3 * np.ptp(wave)
@@ -72,16 +72,16 @@ def test_curves_that_coincide_are_drawn_once_under_all_names() -> None:
         ("from DXF", THETA, wave + 1e-4),
         ("from STL", THETA, wave + 0.1),
     ]
-    text = figure(Plot("t", "x", "y", series))
+    text = plot_figure(Plot("t", "x", "y", series))
     assert len(drawn(text)) == 2 and "wanted = DXF" in text and "from STL" in text
     pair = [
         ("x from DXF", THETA, wave * 0),
         ("y from DXF", THETA, wave * 0),
         ("x from STL", THETA, wave),
     ]
-    assert "x DXF = y DXF" in figure(Plot("t", "x", "y", pair))
+    assert "x DXF = y DXF" in plot_figure(Plot("t", "x", "y", pair))
     gaps = [("a", THETA, wave), ("b", THETA, np.where(THETA > 90, wave, np.nan))]
-    assert len(re.findall("<li", figure(Plot("t", "x", "y", gaps)))) == 2
+    assert len(re.findall("<li", plot_figure(Plot("t", "x", "y", gaps)))) == 2
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.01, 1.0))
@@ -90,7 +90,7 @@ def test_what_oscillates_is_a_band_that_holds_it_and_is_no_wider(seed: int, size
     noise = size * np.random.default_rng(seed).uniform(-1, 1, len(THETA)) + np.sin(
         np.radians(THETA)
     )
-    text = figure(Plot("t", "x", "y", [("a", THETA, noise)]))
+    text = plot_figure(Plot("t", "x", "y", [("a", THETA, noise)]))
     upper = re.search(r'class="band" data-upper="(\d+)"', text)
     if upper is None:  # too fine to be seen against the rest
         assert size < 0.1
@@ -113,21 +113,21 @@ def test_a_path_is_drawn_at_one_scale_and_its_points_as_dots() -> None:
         (),
         True,
     )
-    text = figure(plot)
+    text = plot_figure(plot)
     left, right, x0, x1, low, top, y0, y1 = map(
         float, re.findall(r'data-axes="([^"]*)"', text)[0].split()
     )
     assert (right - left) / (x1 - x0) == pytest.approx((low - top) / (y1 - y0), rel=1e-6)
     assert "<circle" not in text
-    dotted = figure(Plot("Path", "x, mm", "y, mm", plot.series, (), True, ("every",)))
+    dotted = plot_figure(Plot("Path", "x, mm", "y, mm", plot.series, (), True, ("every",)))
     assert dotted.count("<circle") == len(turn[::60]) and len(drawn(dotted)) == 1
 
 
 def test_plots_of_nothing_known_and_of_nothing() -> None:
     gap = np.full(10, math.nan)
     for y in (gap, gap * 0 + np.inf, np.zeros(10)):
-        assert "nan" not in figure(Plot("t", "x", "y", [("a", np.arange(10.0), y)]))
-    assert "<svg" in figure(Plot("t", "x", "y", []))
+        assert "nan" not in plot_figure(Plot("t", "x", "y", [("a", np.arange(10.0), y)]))
+    assert "<svg" in plot_figure(Plot("t", "x", "y", []))
 
 
 @example(65536.78125, 0.00390625)
@@ -152,7 +152,7 @@ def test_no_point_is_farther_than_the_tolerance_from_the_simplified_line(
     heights: list[float], tolerance: float
 ) -> None:
     z = np.arange(len(heights)) + 1j * np.array(heights)
-    few = simplified(z, tolerance)
+    few = simplification(z, tolerance)
     assert few[0] == z[0] and few[-1] == z[-1]
     kept = few.real.astype(int)
     for a, b in zip(kept[:-1], kept[1:], strict=True):
@@ -173,36 +173,43 @@ def test_parts_have_colours_of_their_own_neighbours_ones_far_apart() -> None:
 
 
 def test_figures_have_words_units_and_the_kinds_of_files_side_by_side() -> None:
-    numbers = {
-        "motion_error_pen_dxf_mm": 1e-14,
-        "motion_error_pen_stl_mm": 2e-3,
-        "peak_torque_n_m": 0.1,
-        "strokes_per_s": 2.0,
-        "spring_rate_needed_n_mm": 3.0,
-        "spring_rate_needed_n_m_per_rad": 4.0,
-        "feed_max_at_deg": 22.0,
-    }
-    found = {f.name: f for f in figures(numbers)}
-    error = found["Motion error: pen"]
-    assert (
-        error.unit == "mm"
-        and error.values == {"dxf": 1e-14, "stl": 2e-3}
-        and error.group == "From the files"
+    numbers = Figures(
+        [
+            Figure("motion error {of}", 1e-14, "mm", "needle_bar", kind="dxf"),
+            Figure("motion error {of}", 2e-3, "mm", "needle_bar", kind="stl"),
+            Figure("peak torque", 0.1, "N m"),
+            Figure("strokes", 2.0, "1/s"),
+            Figure("spring rate needed", 3.0, "N/mm"),
+            Figure("spring rate needed", 4.0, "N m/rad"),
+            Figure("let down ratio", 2.0),
+            Figure("reaction {joint}", 5.0, "N", joint="C of shoulder", module="leg"),
+            Figure("{of} peak acceleration", 6.0, "mm/s²", "foot_x"),
+        ]
     )
-    assert found["Peak torque"].unit == "N m" and found["Strokes"].unit == "1/s"
-    assert (
-        found["Spring rate needed"].unit in ("N/mm", "N m/rad")
-        and found["Feed, where greatest"].unit == "deg"
-    )
-    assert name("let_down_ratio") == "Payout ratio"
-    assert (
-        name("reaction_c_of_shoulder") == "Reaction C of shoulder"
-        and name("source_r_1") == "r₁ of the source"
-    )
-    assert (
-        name("dwell_within_0_25") == "Dwell within 0.25"
-        and name("foot_x_stroke") == "Foot x stroke"
-    )
+    assert list(numbers) == [
+        "motion_error_needle_bar_dxf_mm",
+        "motion_error_needle_bar_stl_mm",
+        "peak_torque_n_m",
+        "strokes_per_s",
+        "spring_rate_needed_n_mm",
+        "spring_rate_needed_n_m_per_rad",
+        "let_down_ratio",
+        "leg_reaction_c_of_shoulder_n",
+        "foot_x_peak_acceleration_mm_s2",
+    ]
+    assert numbers["leg_reaction_c_of_shoulder_n"] == 5.0
+    listed = [(row.name, row.unit, row.group) for row in rows(numbers)]
+    assert listed == [
+        ("Motion error: needle bar", "mm", "From the files"),
+        ("Peak torque", "N m", "Forces and drive"),
+        ("Strokes", "1/s", "Motion"),
+        ("Spring rate needed", "N/mm", "Forces and drive"),
+        ("Spring rate needed", "N m/rad", "Forces and drive"),
+        ("Payout ratio", "", "Motion"),
+        ("Leg reaction C of shoulder", "N", "Forces and drive"),
+        ("Foot x peak acceleration", "mm/s²", "Motion"),
+    ]
+    assert rows(numbers)[0].values == {"dxf": 1e-14, "stl": 2e-3}
 
 
 @pytest.mark.parametrize(
@@ -234,7 +241,7 @@ def test_named_points_stand_where_they_are_and_within_the_frame() -> None:
         equal=True,
         points=[("A", 0.0, 0.0), ("far <C>", 10.0, 30.0)],
     )
-    root = ElementTree.fromstring(figure(shape))[-1]
+    root = ElementTree.fromstring(plot_figure(shape))[-1]
     rounds = [each for each in root.iter("circle") if each.get("class") == "named"]
     (ax, ay), (cx, cy) = ((float(each.get("cx", "")), float(each.get("cy", ""))) for each in rounds)
     line = next(
