@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from camgen.parts.generator.bodies import Bodies
 from camgen.parts.journals import Post
 
-_STEEL = ("dowel", "shoulder")
+_STEEL = ("turned", "dowel", "shoulder")
 _SAME = 1e-6  # mm
 
 
