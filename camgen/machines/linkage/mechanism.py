@@ -212,6 +212,9 @@ class Linkage(Mechanism):
             if name not in self.points
         ]
         threaded = [point for each in self.wanted for point in each.thread or ()]
+        if threaded and self.making.thread_posts is None:
+            posts = self.making.thread_post_sizes
+            found += posts.faults(self.print.nozzle, self.making.head)
         found += [
             Fault(("parts", "thread_posts", "diameters", name), "", "a point of a thread")
             for name in self.making.thread_post_sizes.diameters

@@ -322,7 +322,7 @@ class Parts(Record):
             *self._motor_faults(nozzle),
             *self._post_faults(nozzle),
             *self._shaft_faults(),
-            *self.thread_post_sizes.faults(nozzle, self.head),
+            *(self.thread_posts.faults(nozzle, self.head) if self.thread_posts else ()),
             *(
                 self._fault(key, f"at least the nozzle, {nozzle:g} mm")
                 for key in ("thickness", "wall", "head", "base_thickness", "rail_width")
