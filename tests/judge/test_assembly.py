@@ -97,14 +97,14 @@ def test_free_as_designed(tmp_path: Path, name: str) -> None:
 @pytest.mark.parametrize(
     "name, shifted, by, pair",
     [
-        ("thread-take-up", "guide_1", -1, "bell-crank-1 and guide-1"),
-        ("thread-take-up", "output_crank_1", 1j, "pivot-1 and output-crank-1"),
+        ("thread-take-up", "thread_post_1_1", -1, "coupler-1 and thread-post-1-1"),
+        ("thread-take-up", "output_1", 1j, "output-1 and pivot-C-1"),
         (
             "thread-take-up",
             "dowel_2",
             1,
-            "frame-1 and dowel-2",
-        ),  # fixed: it never moves as the frame sees it
+            "ground-1 and dowel-2",
+        ),  # fixed: it never moves as the plate sees it
         ("eccentric-drive", "rod_1", 1, "disc-1 and rod-1"),
         ("eccentric-drive", "slider_1", 1j, "ground-1 and slider-1"),
         ("chain-stitch-looper", "lower_spreader_1", 1j, "lower-spreader-1 and upper-spreader-1"),

@@ -149,23 +149,23 @@ def test_a_thread_lies_in_its_grooves_and_slips_along_plain_posts(tmp_path: Path
     )
     plain = threads(path, written(path, "thread-take-up", "parts.groove=0"))
     assert not plain["THREAD_HELD"].ok and not plain["THREAD_CLEAR"].ok
-    worn = solids("thread-take-up")["guide"]
+    worn = solids("thread-take-up")["thread-post-1"]
     thin = Mesh(worn.vertices * [0.6, 0.6, 1], worn.faces)
-    worn_out = threads(path, written(path, "thread-take-up", changed={"guide": thin}))
+    worn_out = threads(path, written(path, "thread-take-up", changed={"thread-post-1": thin}))
     assert worn_out["THREAD_HELD"].measured == pytest.approx(0.6, abs=1e-3)
 
 
 def test_a_thread_that_meets_a_head_or_a_guide_is_told(tmp_path: Path) -> None:
     path = tmp_path / "x.3mf"
-    high = solids("thread-take-up")["pin-a"]
+    high = solids("thread-take-up")["pin-1"]
     top = high.vertices.copy()
     top[top[:, 2] < 0.5, 2] -= (
         5.0  # the head, which lies on top in the machine, 5 mm higher: into the thread's heights
     )
     found = threads(
-        path, written(path, "thread-take-up", changed={"pin-a": Mesh(top, high.faces)})
+        path, written(path, "thread-take-up", changed={"pin-1": Mesh(top, high.faces)})
     )["THREAD_CLEAR"]
-    assert not found.ok and "pin-a-1" in str(found.where) and "deg" in str(found.where)
+    assert not found.ok and "pin-1-1" in str(found.where) and "deg" in str(found.where)
     between = machine("thread-take-up", "geometry.guides=[[-80,160],[-35,55]]")
     crossed = threads(
         path, written(path, "thread-take-up", "geometry.guides=[[-80,160],[-35,55]]")

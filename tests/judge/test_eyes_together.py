@@ -66,8 +66,8 @@ def damage(path: Path, part: str, eyes: Eyes, change: Change) -> None:
         *((kind, "linkage", "coupler", lambda z: z + 0.6, 0.6) for kind in ("dxf", "stl", "3mf")),
         ("dxf", "linkage", "ground", lambda z: z - 0.05j, 0.05),
         ("stl", "linkage", "ground", lambda z: z - 0.05j, 0.05),
-        ("dxf", "thread-take-up", "bell-crank", lambda z: (z - 19) * TURN + 19, None),
-        ("3mf", "thread-take-up", "bell-crank", lambda z: (z - 19) * TURN + 19, None),
+        ("dxf", "thread-take-up", "coupler", lambda z: (z - 19) * TURN + 19, None),
+        ("3mf", "thread-take-up", "coupler", lambda z: (z - 19) * TURN + 19, None),
     ],
 )
 def test_moved_together(

@@ -382,10 +382,11 @@ def test_which_parts_a_sheet_can_be(root):
         root / "specs" / "thread-take-up.toml", ("laser.thickness=4",)
     ).resolved()
     assert {part.name for part in sheet_parts(mechanism)} == {
-        "frame",
-        "output-crank",
-        "input-crank",
-        "bell-crank",
+        "ground",
+        "output",
+        "crank",
+        "coupler",
+        "spacer-1",
         "collar",
     }
     assert {part.name for part in printed_parts(mechanism.assembly)} == {
@@ -394,5 +395,5 @@ def test_which_parts_a_sheet_can_be(root):
     said = {
         part.name: why_not(part, mechanism.laser.thickness) for part in mechanism.assembly.parts
     }
-    assert said["shaft"] == "turned of steel" and said["guide"].startswith("stepped")
-    assert said["dowel"] == "8.2 mm thick, the sheet is 4"
+    assert said["shaft"] == "turned of steel" and said["thread-post-1"].startswith("stepped")
+    assert said["pivot-C"] == "4.2 mm thick, the sheet is 4"

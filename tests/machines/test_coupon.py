@@ -246,7 +246,7 @@ PINNED = {
     "uniform-swing": ("parts.pins=steel", {"cam-pin", "frame-pin"}),
     "thread-take-up": (
         "parts.pins=all-steel",
-        {"pin-a", "pin-b", "dowel", "finger", "guide", "shaft"},
+        {"pin-1", "pin-2", "dowel", "thread-post-1", "thread-post-2", "shaft"},
     ),
 }
 

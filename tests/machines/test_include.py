@@ -110,7 +110,7 @@ def test_whole_is_built_judged_and_built_again(
     assert again.ok
     for path in folder.iterdir():
         assert path.read_bytes() == (tmp_path / "again" / "two" / path.name).read_bytes(), path.name
-    file = folder / "two-thread-take-up-bell-crank.dxf"
+    file = folder / "two-thread-take-up-coupler.dxf"
     other = folder / "two-coupler.dxf"
     file.write_text(other.read_text(encoding="utf-8"), encoding="utf-8")
     assert not check(folder).ok
@@ -132,10 +132,7 @@ def test_machines_in_one_place_meet(root: Path, tables: dict[str, Any], tmp_path
         if not finding.ok
     ]
     assert {finding.code for finding in failed} == {"INTERFERENCE"}
-    assert any(
-        "coupler-1" in str(f.where) and "thread-take-up-bell-crank-1" in str(f.where)
-        for f in failed
-    )
+    assert any("coupler-1 and thread-take-up-coupler-1" in str(f.where) for f in failed)
 
 
 def test_a_linkage_is_included_too(root: Path, tables: dict[str, Any]) -> None:
@@ -344,15 +341,19 @@ def test_a_mounted_machine_stands_on_posts_and_turns_by_a_sleeve(root: Path) -> 
     assert ends["shaft-crank_web2"][1] == pytest.approx(ends["thread-take-up-shaft"][0])
     assert low < ends["shaft-crank_web2"][1] < high < ends["thread-take-up-collar"][0]
     assert ends["post-thread-take-up"] == pytest.approx(
-        [ends["second-plate"][1], ends["thread-take-up-frame"][0]]
+        [ends["second-plate"][1], ends["thread-take-up-ground"][0]]
     )
     take_up = read_mechanism(root / "specs" / "thread-take-up.toml")
     holes = sorted((complex(pose.place[0]) for pose in poses["post-thread-take-up"]), key=abs)
-    frame = next(part for part in take_up.assembly.parts if part.name == "frame").region
+    frame = next(part for part in take_up.assembly.parts if part.name == "ground").region
     drilled = [hole for hole in frame.holes if abs(hole.pieces[0].radius - 1.25) < 1e-9]
     assert holes == pytest.approx(sorted((hole.pieces[0].centre for hole in drilled), key=abs))
     bought = [each.name for each in machine.assembly.bought]
-    assert not [name for name in bought if "belt" in name or name.startswith("screw of the frame")]
+    assert not [
+        name
+        for name in bought
+        if "belt" in name or name.startswith("screw of the plate, from behind, thread")
+    ]
 
 
 def test_machines_with_shafts_alike_in_line_have_one_shaft_and_one_plate(root: Path) -> None:
@@ -367,20 +368,20 @@ def test_machines_with_shafts_alike_in_line_have_one_shaft_and_one_plate(root: P
         part.name: part
         for part in read_mechanism(root / "specs" / "thread-take-up.toml").assembly.parts
     }
-    assert not {f"thread-take-up-{name}" for name in ("frame", "shaft", "collar")} & parts.keys()
+    assert not {f"thread-take-up-{name}" for name in ("ground", "shaft", "collar")} & parts.keys()
     assert not [
         each.name
         for each in machine.assembly.bought
         if "belt" in each.name or each.name.startswith("stud")
     ]
-    crank, shaft = "thread-take-up-input-crank", "shaft-crank_web2"
+    crank, shaft = "thread-take-up-crank", "shaft-crank_web2"
     turned = [float(poses[name][0].angle[0]) + flat(parts[name], 0) for name in (crank, shaft)]
     assert math.remainder(turned[0] - turned[1], math.tau) == pytest.approx(0, abs=1e-9)
     top = poses[shaft][0].z + parts[shaft].thickness
     assert top == pytest.approx(poses[crank][0].z + parts[crank].thickness)
     small = [
         hole
-        for hole in own["frame"].region.holes
+        for hole in own["ground"].region.holes
         if abs(hole.pieces[0].radius) < 2 and hole.pieces[0].radius != 1.25
     ]
     assert len(small) == 4  # dowels and guides
@@ -392,11 +393,11 @@ def test_machines_with_shafts_alike_in_line_have_one_shaft_and_one_plate(root: P
             for each in plate.region.holes
         )
     upper = poses["second-plate"][0].z + plate.thickness
-    assert poses["thread-take-up-pivot"][0].z == pytest.approx(upper)
+    assert poses["thread-take-up-pivot-C"][0].z == pytest.approx(upper)
     marks = [each.eye for each in machine.assembly.features if isinstance(each, Mark)]
     assert [eye.part for eye in marks] == [
-        "thread-take-up-bell-crank",
         "second-plate",
+        "thread-take-up-coupler",
         "second-plate",
     ]
 

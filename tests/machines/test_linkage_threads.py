@@ -142,6 +142,13 @@ def test_faults_of_posts(sizes: dict[str, Any], key: str) -> None:
     assert [fault.key for fault in refused.value.faults] == [key]
 
 
+def test_heads_are_too_high_for_posts_only_where_there_is_a_thread() -> None:
+    linkage(parts={"head": 3}, output=[{"name": "eye", "point": "P"}])
+    with pytest.raises(SpecError) as refused:
+        linkage(parts={"head": 3})
+    assert [fault.key for fault in refused.value.faults] == ["parts.thread_posts.height"]
+
+
 @pytest.mark.parametrize(
     ("tables", "said"),
     [

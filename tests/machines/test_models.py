@@ -18,9 +18,9 @@ SPECS = Path(__file__).resolve().parents[2] / "specs"
 THETA = np.random.default_rng(5).uniform(0, 2 * np.pi, 200)
 # Spec, overrides, the output that is the wanted motion, and which body each part is fixed to.
 LINKS = {
-    "input-crank": "crank",
-    "bell-crank": "coupler",
-    "output-crank": "output",
+    "crank": "crank",
+    "coupler": "coupler",
+    "output": "output",
     "shaft": "crank",
 }
 SLIDERS = {name: name for name in ("needle-1", "needle-2", "lower-spreader", "upper-spreader")}

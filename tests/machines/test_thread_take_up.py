@@ -370,13 +370,13 @@ def test_no_part_runs_into_another() -> None:
 def test_a_guide_in_the_way_is_seen_by_both() -> None:
     found = made("geometry.guides=[[37, 14], [-80, 160]]")
     assert "GAP" in failing(found)
-    assert ("bell-crank", "guide") in collisions(found, np.radians(np.arange(40, 60, 1.0)))
+    assert ("coupler", "thread-post-1") in collisions(found, np.radians(np.arange(40, 60, 1.0)))
 
 
 def test_parts_fit_their_pins_and_stack() -> None:
     found = made()
     parts = {part.name: part for part in found.assembly.parts}
-    assert [parts[name].count for name in ("dowel", "guide")] == [2, 2]
+    assert [parts[name].count for name in ("dowel", "thread-post-1")] == [2, 2]
     poses = found.assembly.poses(np.zeros(1))
     assert {name: len(copies) for name, copies in poses.items() if name in parts} == {
         n: p.count for n, p in parts.items()
@@ -384,19 +384,19 @@ def test_parts_fit_their_pins_and_stack() -> None:
     top = {name: poses[name][0].z + parts[name].thickness for name in parts}
     level = 4.2
     heights = {
-        "frame": 4.0,
-        "pivot": 4 + level,
-        "output-crank": 4 + level,
-        "input-crank": 4 + 2 * level,
-        "bell-crank": 4 + 3 * level,
+        "ground": 4.0,
+        "pivot-C": 4 + level,
+        "output": 4 + level,
+        "crank": 4 + 2 * level,
+        "coupler": 4 + 3 * level,
     }
     assert {name: top[name] for name in heights} == EXACT(heights)
     # heads of 1 mm, a play of 0.2 above what they hold
-    assert top["pin-a"] == top["pin-b"] == EXACT(top["bell-crank"] + 1.2) and top["shaft"] == EXACT(
-        top["input-crank"]
+    assert top["pin-1"] == top["pin-2"] == EXACT(top["coupler"] + 1.2) and top["shaft"] == EXACT(
+        top["crank"]
     )
     assert top["collar"] == EXACT(-0.2)
-    assert top["finger"] == EXACT(top["guide"])
+    assert top["thread-post-2"] == EXACT(top["thread-post-1"])
 
 
 def test_shipped_spec_builds_and_checks(built: Callable[..., Path], tmp_path: Path) -> None:
@@ -422,11 +422,11 @@ def test_shipped_spec_builds_and_checks(built: Callable[..., Path], tmp_path: Pa
 @pytest.mark.parametrize(
     ("override", "message"),
     [
-        ("geometry.coupler=2.5", "wall of bell-crank|gap at joint"),
-        ("parts.pin_diameter=20", "wall of"),
-        ("geometry.eye_distance=1", "wall of bell-crank"),
-        ("geometry.guides=[[1, 1], [-80, 160]]", "wall of frame"),
-        ("parts={shaft_diameter=45, shaft_flat=3}", "wall of"),
+        ("geometry.coupler=2.5", "gap at joint"),
+        ("parts.pin_diameter=20", "crank and pin B"),
+        ("geometry.eye_distance=1", "pin B and post D"),
+        ("geometry.guides=[[1, 1], [-80, 160]]", "wall of the ground plate"),
+        ("parts={shaft_diameter=45, shaft_flat=3}", "crank and pin B"),
     ],
 )
 def test_holes_that_meet_are_refused(override: str, message: str) -> None:
@@ -568,10 +568,10 @@ def test_pins_bend_by_their_reaction(numbers: dict[str, float]) -> None:
 def test_what_is_bought() -> None:
     assert [line.name for line in made().assembly.bought] == [
         "drive",
-        "screw of the frame, from behind",
+        "screw of the plate, from behind",
     ]
     turned = [part.name for part in made().assembly.parts if part.made != "printed"]
-    assert turned == ["shaft", "pin-a", "pin-b"]
+    assert turned == ["shaft", "dowel", "pin-1", "pin-2"]
     assert all(part.made == "printed" for part in made('parts.pins="printed"').assembly.parts)
 
 
@@ -589,7 +589,7 @@ def test_the_flat_of_the_shaft_is_in_shaft_crank_and_collar() -> None:
     parts = {part.name: part for part in made().assembly.parts}
     for contour in (
         parts["shaft"].region.outer,
-        parts["input-crank"].region.holes[0],
+        parts["crank"].region.holes[0],
         parts["collar"].region.holes[0],
     ):
         assert abs(contour.area) == EXACT(9 * math.pi - _segment(3, 0.5), rel=1e-12)
@@ -641,6 +641,8 @@ def test_a_printed_shaft_is_told() -> None:
     assert not found.ok and found.measured == pytest.approx(
         16 * 1974.28 / (math.pi * 5.5**3), rel=1e-4
     )
+    steel = {f.code: f for f in made('parts.pins="all-steel"').limits()}["SHAFT_STRESS"]
+    assert steel.ok and steel.measured == found.measured
 
 
 def test_thick_pins_are_not_taken_for_their_heads(tmp_path: Path) -> None:

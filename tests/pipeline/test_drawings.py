@@ -50,7 +50,7 @@ def test_pins_of_a_linkage_are_pressed_in_one_link_and_turn_in_the_other() -> No
 
 def test_fits_follow_the_clearances_of_the_spec() -> None:
     _, found = facts("thread-take-up", "print.slide_clearance=0.3", "print.press_clearance=0.1")
-    told = [(fit.words.split(" on Ø"), fit.diameter) for fit in found["output-crank"].fits]
+    told = [(fit.words.split(" on Ø"), fit.diameter) for fit in found["output"].fits]
     assert [(word, round(hole - float(shaft), 6)) for (word, shaft), hole in told] == [
         ("slide", 0.3),
         ("press", 0.1),
@@ -81,7 +81,7 @@ def test_material_mass_number_and_date(tmp_path: Path) -> None:
             "2026-05-31",
             "ISO 2768-m",
         )
-    path, _ = write_drawing(tmp_path, "x", parts["output-crank"], 1e-3, found["output-crank"])
+    path, _ = write_drawing(tmp_path, "x", parts["output"], 1e-3, found["output"])
     texts = [entity.dxf.text for entity in ezdxf.readfile(path).modelspace().query("TEXT")]
     assert {"%%c26.8 slide on %%c26.6", "%%c3.5 press on %%c3.5", "2026-05-31"} <= set(texts)
 

@@ -28,6 +28,7 @@ ELSEWHERE = {
     "discs": "geometry.eccentric_diameter says it",
     "thread_posts": "it has no thread",
     "mount_diameter": "parts.screw says it",
+    "mount_screws": "four screws hold the plate",
     "make": "a slider with a groove is printed",
     **dict.fromkeys(("can", "motor", "set_screw", "hand_crank", "shaft"), "[motor] drives it"),
 }

@@ -40,7 +40,7 @@ from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.asked_range import refuse_range
 from camgen.machines.linkage.drawing import Drawing
 from camgen.machines.linkage.drawing_faults import drawing_faults
-from camgen.machines.linkage.weights import counterbalanced, weight_faults
+from camgen.machines.linkage.weights import counterbalanced, under_faults, weight_faults
 from camgen.machines.loads.applied import efforts
 from camgen.machines.loads.bearing import LoadCheck
 from camgen.machines.loads.counterweights import Counterweight, balance_of, found_moment
@@ -143,7 +143,9 @@ class Linkage(Mechanism):
         default=Parts.model_validate({}), description="sizes of the bodies"
     )
     layers: t.Layers = Field(
-        default={}, description="level of a link, cam or gear, 1 is the lowest; else found"
+        default={},
+        description="level of a link, cam or gear, 1 is the lowest, of a counterweight 0 under the plate; "
+        "else found",
     )
     allowed: Annotated[t.LinkageLimits, Field(alias="limits")] = Field(
         default=t.LinkageLimits.model_validate({}), description="what the designer accepts"
@@ -172,9 +174,15 @@ class Linkage(Mechanism):
         lying += [title for title, *_ in returns]
         if self.counterweight is not None:
             found += weight_faults(self.counterweight, self.drive, self.masses, lying)
+            found += under_faults(self.counterweight, self.making) if self._under else ()
             lying.append(NAME)
         found += [
             unknown(("layers", name), name, lying) for name in self.layers if name not in lying
+        ]
+        found += [
+            Fault(("layers", name), "0", "1 or more: 0, under the plate, is for a counterweight")
+            for name, level in self.layers.items()
+            if not level and name != NAME
         ]
         found += self.making.faults(self.links, self.print.nozzle, self.allowed.min_wall)
         turning_on = self.freewheels, self.links, self.gears, self.drive, self.making
@@ -204,6 +212,9 @@ class Linkage(Mechanism):
             if name not in self.points
         ]
         threaded = [point for each in self.wanted for point in each.thread or ()]
+        if threaded and self.making.thread_posts is None:
+            posts = self.making.thread_post_sizes
+            found += posts.faults(self.print.nozzle, self.making.head)
         found += [
             Fault(("parts", "thread_posts", "diameters", name), "", "a point of a thread")
             for name in self.making.thread_post_sizes.diameters
@@ -216,6 +227,11 @@ class Linkage(Mechanism):
             *found,
             *(inc.faults(self.includes, self._host) if self.includes else ()),
         ]
+
+    @property
+    def _under(self) -> bool:
+        """Whether its counterweight lies under the plate."""
+        return self.layers.get(NAME) == 0
 
     @property
     def _slotted(self) -> list[str]:
@@ -428,7 +444,7 @@ class Linkage(Mechanism):
         """What is made of it, and what holds machines that stand on it."""
         stands = tuple(each.stand for each in self.modules if each.stand is not None)
         return (
-            Bodies(replace(self._bare.layout, stands=stands), self._bare.weight)
+            Bodies(replace(self._bare.layout, stands=stands), self._bare.weight, self._bare.under)
             if stands
             else self._bare
         )
@@ -463,7 +479,8 @@ class Linkage(Mechanism):
             else MotorSeat(frame, bodies.shaft_reach, bodies.collar)
         )
         feet = len(bodies.layout.feet)
-        screws = () if bodies.layout.hangs else bodies.parts[0].centres[-2 - feet :][:2]
+        ends = bodies.parts[0].centres[-sizes.mount_screws - feet :]
+        screws = () if bodies.layout.hangs else ends[: sizes.mount_screws]
         fixings = tuple((z, sizes.mount_diameter) for z in screws)
         sprung = [each.bought(sizes.pin_diameter) for each in self.sprung]
         ways = {each.name: each.way(sizes.pin_diameter) for each in self.sprung}

@@ -412,4 +412,4 @@ class LinkageLimits(CamBears):
 Points = dict[Name, Place]
 Links = dict[Name, Annotated[tuple[Name, ...], Field(min_length=1, max_length=200)]]
 Lengths = dict[str, Length]
-Layers = dict[Name, Annotated[int, Field(ge=1, le=60)]]
+Layers = dict[Name, Annotated[int, Field(ge=0, le=60)]]

@@ -1,4 +1,4 @@
-"""The counterweight of a linkage's driven link: pressed on its shaft, on a level of its own.
+"""The counterweight of a linkage's driven link: pressed on its shaft, on a level of its own or under the plate.
 
 What it is to weigh follows from all other parts, and these from its level: the machine is laid out without it first, then with
 room for it, until its radius stays.
@@ -6,7 +6,7 @@ room for it, until its radius stays.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import replace
 
 from camgen.errors import Fault
@@ -18,6 +18,7 @@ from camgen.parts.counterweights import NAME
 from camgen.parts.generator.bodies import Bodies
 from camgen.parts.generator.joints import pivot_of
 from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.sizes import Parts
 from camgen.parts.generator.stacking import laid
 from camgen.parts.generator.wheels import Wheel
 
@@ -43,6 +44,16 @@ def weight_faults(
     return faults
 
 
+def under_faults(spec: Counterweight, sizes: Parts) -> Iterator[Fault]:
+    """What does not go with a counterweight under the plate."""
+    least = (spec.thickness or sizes.thickness) + 2
+    if sizes.face is not None:
+        yield Fault(("layers", NAME), "0", "1 or more: the motor is under the plate")
+    elif sizes.shaft_length < least:
+        right = f"at least {least:g} mm: the counterweight under the plate, and its play"
+        yield Fault(("parts", "shaft_length"), f"{sizes.shaft_length:g}", right)
+
+
 def counterbalanced(
     spec: Counterweight,
     layout: Layout,
@@ -55,7 +66,8 @@ def counterbalanced(
     run: samples over the whole motion; density: of what is printed, kg/m^3; weighed: the machine of some bodies with all masses.
     """
     link = layout.driven
-    bodies = Bodies(laid(layout, run))
+    under = layout.given.get(NAME) == 0
+    bodies = Bodies(laid(layout, run), under=0.0 if under else None)
     radius = 0.0
     for _ in range(_PASSES):
         whole = spec.given or spec.whole(weighed(bodies), link, pivot_of(bodies.layout, link))
@@ -70,6 +82,8 @@ def counterbalanced(
             f"pressed and glued on the shaft of {link}",
         )
         part, pins, reach = spec.fitted(whole - spec.other, own, seat, density)
+        if under:  # no level depends on it
+            return Bodies(bodies.layout, (part, pins), reach), whole
         placed = bodies.layout.weights
         if placed and abs(reach - radius) <= _SAME:
             break

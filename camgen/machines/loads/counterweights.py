@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated, Literal
 
@@ -23,7 +22,7 @@ from pydantic import Field
 from camgen.errors import DesignError, Fault
 from camgen.geometry.outlines import Contour, Region, circle
 from camgen.machine.balancing import crank_weight, with_weight
-from camgen.machine.features import Balance, Mount
+from camgen.machine.features import Balance
 from camgen.machine.model import Body, Machine, Pin
 from camgen.machine.run import solve
 from camgen.machines.loads.tables import Direction
@@ -177,41 +176,6 @@ class Counterweight(Record):
         made = "printed" if self.made == "printed" else CUT
         moment = wanted - own - of_sector * disc.volume * centre_of(disc)
         return counterweight(sector, seat.bore, moment, made, seat.min_wall, seat.note)
-
-
-class ShaftWeight:
-    """A counterweight pressed on the shaft of a crank that turns about its frame's origin, at joint "O"; mm.
-
-    solids: all else that is made; machine: with the masses of them; moment: of all that turns with the crank, complex g mm in
-    its axes.
-    """
-
-    def __init__(
-        self, spec: Counterweight, body: str, solids: Solids, machine: Machine, seat: ShaftSeat
-    ) -> None:
-        self.spec = spec
-        self.body = body
-        self.moment = spec.whole(machine, body, "O")
-        own = first_moment(body, 0j, solids)
-        self.part, self.pins, self.radius = spec.fitted(
-            self.moment - spec.other, own, seat, solids.density
-        )
-
-    @property
-    def parts(self) -> Sequence[Part]:
-        """The sector, and its pins."""
-        return (self.part, *(pin for pin, _ in self.pins[:1]))
-
-    def mounts(self, z: float) -> Sequence[Mount]:
-        """Its underside at a height."""
-        return (
-            Mount(self.part.name, self.body, z=z),
-            *(Mount(pin.name, self.body, at, z=z) for pin, at in self.pins),
-        )
-
-    def balance(self, solids: Solids) -> Balance:
-        """What the written solids are held to; solids: of the whole machine."""
-        return balance_of(self.body, "O", 0j, self.moment - self.spec.other, solids)
 
 
 def first_moment(body: str, about: complex, solids: Solids) -> complex:

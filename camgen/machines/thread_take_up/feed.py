@@ -194,13 +194,6 @@ class TakeUp:
             np.shape(theta)
         )
 
-    def thread(self, theta: Floats) -> Points:
-        """The thread from guide to eye to guide, (n, 3) complex mm; theta: (n,) rad."""
-        eye = self.path(theta)
-        return np.stack(
-            [np.full(eye.shape, self.guides[0]), eye, np.full(eye.shape, self.guides[1])], axis=-1
-        )
-
     # ---- feed --------------------------------------------------------------------------------------------------------
 
     def feed(self, theta: Floats, order: int = 0) -> Floats:

@@ -2,15 +2,14 @@
 
           M                    O fixed pivot (origin) of the input crank O-A, C that of the output crank C-B;
                                A-B-D the bell crank with the eye D, M and N the guides; the thread runs M-D-N.
-     A --- O-C                 Stacked from the frame up: frame, output crank, input crank, bell crank, thread. A layer
-     |   .                     is one thickness and one play high, so that flat faces run on each other.
-     B------- D
-                               The output crank turns on a disc ("pivot") about C, since the input shaft, 9 mm away,
-  N                            must pass through its bearing: so all is carried by one frame and open to the front.
-                               Pins, finger and guides have heads: nothing lifts off, and the thread, laid round finger
-                               and guides, does not slip off them. The frame is screwed on from behind.
+     A --- O-C                 Stacked from the plate up: output crank, input crank, bell crank, thread.
+     |   .
+     B------- D                The output crank turns on a disc about C, since the input shaft, 9 mm away, must pass
+                               through its bearing: so one plate carries all, and it is open to the front.
+  N
 
-The output is the feed L = |M - D| + |D - N|, mm.   [Semin, Korneenko, Kirillov, Mikheeva; see `feed`]
+As a linkage it has the links crank, coupler and output. The output is the feed L = |M - D| + |D - N|, mm.
+[Semin, Korneenko, Kirillov, Mikheeva; see `feed`]
 """
 
 from __future__ import annotations
@@ -19,27 +18,22 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import Field
 
-from camgen.errors import DesignError, Fault, SpecError
+from camgen.errors import DesignError, Fault, Key, SpecError
 from camgen.findings import Finding, Where, at_least, at_most
-from camgen.machine.closed_form import four_bar, refuse_gap, transmission_extremes
+from camgen.machine.closed_form import four_bar, refuse_gap
 from camgen.machine.features import Demand
-from camgen.machine.model import Floats, Machine, Points
-from camgen.machines.loads.counterweights import Counterweight, found_moment
-from camgen.machines.mechanism import Mechanism, refuse_failing
-from camgen.machines.thread_take_up.bodies import HEAD, LINKS, Bodies, features_of
+from camgen.machine.model import GROUND, Floats, Machine, Points
+from camgen.machines.linkage.weights import under_faults
+from camgen.machines.loads.counterweights import Counterweight
+from camgen.machines.mechanism import refuse_failing
+from camgen.machines.template import Template
 from camgen.machines.thread_take_up.feed import TakeUp
-from camgen.machines.thread_take_up.study import (
-    Consumption,
-    Masses,
-    force_numbers,
-    shaft_stress,
-    study,
-)
+from camgen.machines.thread_take_up.study import Consumption, Masses, shaft_stress, study
 from camgen.machines.thread_take_up.tables import (
     TakeUpGeometry,
     TakeUpLimits,
@@ -48,19 +42,32 @@ from camgen.machines.thread_take_up.tables import (
     Wanted,
 )
 from camgen.motion.synthesis import Variable, Wish, search
-from camgen.parts.assembly import Assembly, Frame, Shaft
-from camgen.parts.catalogue import Bought, screw_for, turning_text
+from camgen.parts.assembly import Assembly
+from camgen.parts.counterweights import NAME
+from camgen.parts.generator.sizes import Parts
 from camgen.parts.part import clearance
 from camgen.spec import validate
-from camgen.study import Sketch, Study
+from camgen.study import Study
 from camgen.tolerances import SAME_POINT
 
-_TURN = np.linspace(
-    0, math.tau, 1440, endpoint=False
-)  # where gaps are looked for; parts move < 0.2 mm between two
+_LINKS = {
+    GROUND: ("O", "C", "M", "N"),
+    "crank": ("O", "A"),
+    "coupler": ("A", "B", "D"),
+    "output": ("C", "B"),
+}
+_MOVING = ("crank", "coupler", "output")
+# own keys of what the sizes of a linkage call otherwise
+_OWN_KEYS: dict[Key, Key] = {
+    ("parts", "thread_posts", "height"): ("parts", "thread_height"),
+    ("parts", "thread_posts", "groove"): ("parts", "groove"),
+    ("parts", "base_thickness"): ("parts", "thickness"),
+}
+# where gaps are looked for; parts move < 0.2 mm between two
+_TURN = np.linspace(0, math.tau, 1440, endpoint=False)
 
 
-class ThreadTakeUp(Mechanism):
+class ThreadTakeUp(Template):
     """Spec and answers of a two-crank four-bar thread take-up; the output is the feed, mm."""
 
     geometry: TakeUpGeometry
@@ -81,71 +88,62 @@ class ThreadTakeUp(Mechanism):
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
-        p, nozzle, found = self.making, self.print.nozzle, []
-        weight, collar, below = self.counterweight, "the collar", p.thickness
+        nozzle = self.print.nozzle
+        wrong = self._sizes.faults(_LINKS, nozzle, self.allowed.min_wall)
+        own = {_OWN_KEYS.get(each.path, each.path): each for each in wrong}
+        found = [replace(each, path=path) for path, each in own.items()]
+        if self.allowed.min_wall < nozzle:
+            right = f"at least the nozzle, {nozzle:g} mm"
+            found.append(Fault(("limits", "min_wall"), f"{self.allowed.min_wall:g}", right))
+        weight = self.counterweight
         if weight is not None:
-            found += weight.faults()
-            collar, below = "the counterweight", weight.thickness or p.thickness
-            if self.motor is None and weight.given is None:
-                found.append(
-                    Fault(
-                        ("motor", "speed_rpm"),
-                        "",
-                        "missing: a number > 0, since a counterweight asks for the forces",
-                    )
-                )
-        room = p.shaft_length - below - self.print.slide_clearance
-        above, thin_groove = 2 * HEAD + self.allowed.gap, f"at least the nozzle, {nozzle:g} mm"
-        thin = {("limits", "min_wall"): self.allowed.min_wall}
-        thin |= {("parts", key): getattr(p, key) for key in ("wall", "thickness", "thread_height")}
-        checks = (
-            *(
-                (value >= nozzle, path, value, f"at least the nozzle, {nozzle:g} mm")
-                for path, value in thin.items()
-            ),
-            (
-                0.05 * p.shaft_diameter <= p.shaft_flat < 0.5 * p.shaft_diameter,
-                ("parts", "shaft_flat"),
-                p.shaft_flat,
-                "between a twentieth and half of shaft_diameter, so that it turns the crank",
-            ),
-            (
-                p.groove == 0 or p.groove >= nozzle,
-                ("parts", "groove"),
-                p.groove,
-                f"{thin_groove}, or 0: none",
-            ),
-            (
-                not p.groove or p.thread_height >= p.groove + above,
-                ("parts", "thread_height"),
-                p.thread_height,
-                f"at least {p.groove + above:g} mm: groove, shoulder, and the heads under it with limits.gap",
-            ),
-            (
-                room > 0,
-                ("parts", "shaft_length"),
-                p.shaft_length,
-                f"more than {p.shaft_length - room:g} mm: {collar} below the frame, and its play",
-            ),
-        )
-        found += [
-            Fault(path, f"{value:g}", expected)
-            for fine, path, value, expected in checks
-            if not fine
-        ]
-        if self.masses is not None and self.motor is None:
-            found.append(
-                Fault(
-                    ("motor", "speed_rpm"),
-                    "",
-                    "missing: a number > 0, since [masses] ask for the forces",
-                )
-            )
-        if self.consumption is not None:
-            found += self.consumption.faults()
+            found += [*weight.faults(), *under_faults(weight, self._sizes)]
+        forces = {
+            "a counterweight asks": weight is not None and weight.given is None,
+            "[masses] ask": self.masses is not None,
+        }
+        for why in (why for why, needed in forces.items() if needed and self.motor is None):
+            right = f"missing: a number > 0, since {why} for the forces"
+            found.append(Fault(("motor", "speed_rpm"), "", right))
+        return [*found, *(self.consumption.faults() if self.consumption else ())]
+
+    # ---- what it is as a linkage --------------------------------------------------------------------------------------
+
+    def tables(self) -> Mapping[str, Any]:
+        """Crank, coupler and output crank as they stand at theta = 0, and the thread over guides and eye."""
+        t = self.take_up
+        crank, coupler, output = (t.machine.start[link] for link in _MOVING)
+        places = {
+            "O": crank.place,
+            "A": coupler.place,
+            "B": output.place + np.exp(1j * output.angle) * t.output,
+            "C": output.place,
+            "D": coupler.place + np.exp(1j * coupler.angle) * t.eye,
+            "M": t.guides[0],
+            "N": t.guides[1],
+        }
+        found: dict[str, Any] = {
+            "points": {name: (float(z.real), float(z.imag)) for name, z in places.items()},
+            "links": _LINKS,
+            "drive": {
+                "link": "crank",
+                **({} if self.motor is None else {"speed_rpm": self.motor.speed_rpm}),
+            },
+            "output": ({"name": "feed", "thread": ("M", "D", "N")}, {"name": "eye", "point": "D"}),
+            "layers": {"output": 1, "crank": 2, "coupler": 3},
+            "parts": self._sizes,
+            "limits": self.allowed.model_dump(exclude={"gap", "excess"}, exclude_none=True),
+        }
+        found |= {"masses": self.masses.of_linkage(t)} if self.masses else {}
+        if self.counterweight:
+            found["layers"][NAME] = 0
+            found["counterweight"] = self.counterweight
         return found
 
-    # ---- motion ------------------------------------------------------------------------------------------------------
+    @property
+    def _sizes(self) -> Parts:
+        """Those of the linkage."""
+        return self.making.of_linkage(self.geometry.frame, self.print, self.allowed.min_wall)
 
     @cached_property
     def take_up(self) -> TakeUp:
@@ -189,182 +187,104 @@ class ThreadTakeUp(Mechanism):
 
     def _found(self) -> Mapping[str, object]:
         """Centres of mass, the moment of a counterweight, and what every mechanism fills in."""
-        weight = found_moment(self.bodies.weight.moment) if self.bodies.weight else {}
-        return {
-            **super()._found(),
-            **(self.masses.centres(self.take_up) if self.masses else {}),
-            **weight,
-        }
+        return {**super()._found(), **(self.masses.centres(self.take_up) if self.masses else {})}
 
     def _unloaded(self) -> Machine:
-        """Input crank, bell crank (coupler) and output crank; outputs "feed", mm, and the path "eye"."""
-        t, play, press = self.take_up, self.print.slide_clearance, self.print.press_clearance
-        made = t.loaded(self.masses.bodies(t) if self.masses else t.links, self._speed)
-        pins = [
-            replace(pin, clearance=play + (0 if pin.name == "C" else press)) for pin in made.joints
-        ]  # C has no pin
-        return replace(made, joints=tuple(pins))
+        """The linkage, at the motor's speed, rad/s; nan without one."""
+        return replace(super()._unloaded(), speed=self._speed)
 
     def motion(self, theta: Floats, order: int = 0) -> Floats:
         """Feed (mm) or its derivative to theta, (n,)."""
         return self.take_up.feed(theta, order)
 
-    # ---- parts -------------------------------------------------------------------------------------------------------
-
-    @cached_property
-    def bodies(self) -> Bodies:
-        """What its parts are."""
-        return Bodies(self)
+    def asked(self) -> tuple[Demand, ...]:
+        """The feed."""
+        return (Demand("feed", self.motion, stroke=True, lash=self.allowed.lash),)
 
     @cached_property
     def assembly(self) -> Assembly:
-        """Five flat parts, and the round ones: shaft with its collar or counterweight, pins, dowels, finger and guides.
+        """That of the linkage; the thread keeps the gap that is accepted, and nothing is said of a speed without a motor."""
+        made = super().assembly
+        strands = [replace(each, gap=self.allowed.gap) for each in made.strands]
+        size, still = f"for a {self._sizes.shaft_text}", self.motor is None
+        bought = [
+            replace(each, size=size) if still and each.role == "drive" else each
+            for each in made.bought
+        ]
+        return replace(made, strands=strands, bought=bought)
 
-        Every part is on its layer: frame 0, output crank and pivot 1, input crank 2, bell crank 3, thread above.
-        """
-        t, bodies = self.take_up, self.bodies
-        fixings = tuple(
-            (z, self.making.mount_diameter) for z in bodies.mount_holes(t.pivot, t.guides)
-        )
-        made = self._assembly(bodies.parts, bodies.mounts, features_of(self))
-        return replace(
-            made,
-            demands=(Demand("feed", self.motion, stroke=True, lash=self.allowed.lash),),
-            balances=(bodies.weight.balance(made.solids),) if bodies.weight else (),
-            strands=(bodies.strand,),
-            bought=self._bought(),
-            frame=Frame("frame", fixings),
-            shaft=Shaft("shaft", self.making.shaft_diameter, self.making.shaft_flat),
-        )
+    # ---- checks and figures -------------------------------------------------------------------------------------------
 
-    def _bought(self) -> Sequence[Bought]:
-        """Motor, and screws for mounting."""
-        p = self.making
-        screw = f"{screw_for(p.mount_diameter)}, at most {p.thickness:g} into the frame"
-        drive = "" if self.motor is None else f"{turning_text(self.motor.speed_rpm)}, "
-        if self.masses is not None and self.motor is not None:
-            figures = force_numbers(self.take_up, self.masses.bodies(self.take_up), self._speed)
-            drive += f"{figures['peak_torque_n_m']:.3g} N m at its peak, "
-        return (
-            Bought(
-                "drive",
-                "",
-                f"{drive}for a shaft of {p.shaft_diameter:g} with a flat {p.shaft_flat:g} deep",
-                1,
-                "drive",
-            ),
-            Bought("screw of the frame, from behind", "", screw, 3, "mount"),
-        )
-
-    # ---- assembly ----------------------------------------------------------------------------------------------------
-
-    def limits(self) -> Sequence[Finding]:
-        """Fold, transmission angle, gaps between what moves and what stands, excess thread, and the wishes."""
-        g, t = self.geometry, self.take_up
+    def findings(self) -> Sequence[Finding]:
+        """Fold, gaps between what moves and what stands, excess thread, and the wishes."""
+        g, t, p = self.geometry, self.take_up, self.making
         margin = four_bar(g.frame, g.input_crank, g.coupler, g.output_crank).margin
         play = 2 * self.print.slide_clearance
-        least, most = np.degrees(
-            transmission_extremes(g.frame, g.input_crank, g.coupler, g.output_crank)
+        said = (
+            "Grashof margin of the lengths; within the play of the four joints (half of it each) the chain could fold and "
+            "go on the wrong way"
         )
-        fold = math.radians((0 if least < 180 - most else 180) + g.frame_angle_deg)
-        findings = [
-            at_least(
-                "FOLD_MARGIN",
-                margin,
-                play,
-                "mm",
-                Where("lengths"),
-                "Grashof margin of the lengths; within the play of the four joints (half of it each) the chain could fold and "
-                "go on the wrong way",
-            ),
-            at_least(
-                "TRANSMISSION_ANGLE",
-                min(least, 180 - most),
-                self.allowed.transmission_angle_deg,
-                "deg",
-                Where(theta=fold, angle="crank angle", digits=None),
-                f"between coupler and output crank, {least:.4f} to {most:.4f} deg over the turn",
-            ),
-        ]
+        found = [at_least("FOLD_MARGIN", margin, play, "mm", Where("lengths"), said)]
         for name, (gap, theta) in self._gaps(t, _TURN).items():
             where = Where(name, theta=theta, angle="crank angle", digits=2)
-            remark = "least over the turn, by joints without play; under 0 they overlap"
-            findings.append(at_least("GAP", gap, self.allowed.gap, "mm", where, remark))
-        p, weight = self.making, self.bodies.weight_radius
-        if weight:
-            nearest = (
-                min(map(abs, self.bodies.mount_holes(t.pivot, t.guides)))
-                - p.mount_diameter
-                - weight
-            )
-            remark = 'beside a head twice as wide as its hole; counterweight.made = "steel" or more thickness makes it smaller'
-            findings.append(
-                at_least(
-                    "GAP",
-                    nearest,
-                    self.allowed.gap,
-                    "mm",
-                    Where("counterweight and the frame's screws"),
-                    remark,
-                )
-            )
+            said = "least over the turn, by joints without play; under 0 they overlap"
+            found.append(at_least("GAP", gap, self.allowed.gap, "mm", where, said))
         if self.masses is not None and self.motor is not None:
-            findings.append(
-                shaft_stress(
-                    t, self.masses, self.motor.speed_rpm, p.pins, p.shaft_diameter - p.shaft_flat
-                )
-            )
+            thick = p.shaft_diameter - p.shaft_flat
+            made = "printed" if p.pins == "printed" else "steel"
+            found.append(shaft_stress(t, self.masses, self.motor.speed_rpm, made, thick))
         if self.consumption is not None:
-            findings += self.consumption.findings(t, self.allowed.excess)
-        figures = self._figures(t)
+            found += self.consumption.findings(t, self.allowed.excess)
+        values = self._values(t)
         for wish in self._wishes():
-            value = figures[wish.name]
-            remark = f"{value:.6g} {wish.unit}; {'at least ' if wish.at_least else ''}{wish.wanted:g} wanted"
+            value = values[wish.name]
+            least = "at least " if wish.at_least else ""
+            said = f"{value:.6g} {wish.unit}; {least}{wish.wanted:g} wanted"
             off = abs(wish.miss(value)) * wish.tolerance
-            findings.append(
-                at_most(wish.name.upper(), off, wish.tolerance, wish.unit, Where("wanted"), remark)
-            )
-        return findings
+            code, where = wish.name.upper(), Where("wanted")
+            found.append(at_most(code, off, wish.tolerance, wish.unit, where, said))
+        return found
+
+    @cached_property
+    def _hubs(self) -> Mapping[str, Sequence[tuple[complex, float]]]:
+        """Those of each link, in its own axes: centre and radius, mm; the bell crank's eye last."""
+        return {link: self.linkage.sketched.round_hubs(link) for link in _MOVING}
 
     def _gaps(self, t: TakeUp, theta: Floats) -> Mapping[str, tuple[float, float]]:
         """Least gap of pin B and of each guide to what could meet it, mm, and its crank angle, rad."""
         p, run = self.making, t.run(theta)
-        links = {
-            name: self.bodies.bands[name][0]
-            for name in ("input-crank", "output-crank", "bell-crank")
-        }
         # the bell crank's eye moves in a search, the other hubs do not
-        links["bell-crank"] = (*links["bell-crank"][:2], (t.eye, links["bell-crank"][2][1]))
+        (a, b, (_, rim)) = self._hubs["coupler"]
+        links = {**self._hubs, "coupler": (a, b, (t.eye, rim))}
 
         def air(link: str, places: Points | complex) -> Floats:
-            pose = run.pose(LINKS[link])
-            return clearance(
-                links[link], np.asarray((places - pose.place) * np.exp(-1j * pose.angle), complex)
-            )
+            pose = run.pose(link)
+            seen = (places - pose.place) * np.exp(-1j * pose.angle)
+            return clearance(links[link], np.asarray(seen, complex))
 
-        gaps = {
-            "pin B and the input crank": air("input-crank", run.point("coupler", "B")[0])
-            - p.pin_diameter / 2
-        }
+        pin = run.point("coupler", "B")[0]
+        gaps = {"pin B and the crank": air("crank", pin) - p.pin_diameter / 2}
         eye = run.point("coupler", "D")[0]
+        heads = p.finger_diameter / 2 + 2 * self._sizes.head  # they pass each other
         for name, guide in zip("MN", t.guides, strict=True):
-            beside = {link.replace("-", " "): air(link, guide) for link in links}
-            beside["finger"] = (
-                np.abs(eye - guide) - p.finger_diameter / 2 - 2 * HEAD
-            )  # head beside head
+            beside = {f"the link {link}": air(link, guide) for link in links}
+            beside["the post of the eye"] = np.abs(eye - guide) - heads
             nearest = min(beside, key=lambda body: float(np.min(beside[body])))
-            gaps[f"guide {name} and the {nearest}"] = beside[nearest] - p.guide_diameter / 2
+            gaps[f"guide {name} and {nearest}"] = beside[nearest] - p.guide_diameter / 2
         return {
             name: (float(np.min(gap)), float(theta[np.argmin(gap)])) for name, gap in gaps.items()
         }
 
-    def study(self) -> Study:
-        """Eye path, near stop, feed diagram, turning, forces, wear and balancing, for both readings of the lengths."""
+    def figures(self) -> Study:
+        """Near stop, feed diagram, turning, forces, wear and balancing, for both readings of the lengths."""
         rpm = None if self.motor is None else self.motor.speed_rpm
-        found = study(self.take_up, rpm, self.masses, self.consumption)
-        path = self.take_up.path(np.linspace(0, math.tau, 721))
-        drawn = Sketch("eye path", (path,)), Sketch("thread", course=self.take_up.thread)
-        return Study(found.numbers, found.plots, found.tables, drawn, found.notes)
+        return study(self.take_up, rpm, self.masses, self.consumption)
+
+    def study(self) -> Study:
+        """Its own figures, and those of a linkage, at the motor's speed; without one the linkage's paths alone."""
+        if self.motor is not None:
+            return super().study()
+        return replace(self.figures(), sketches=self.linkage.study().sketches)
 
     # ---- synthesis ---------------------------------------------------------------------------------------------------
 
@@ -382,7 +302,7 @@ class ThreadTakeUp(Mechanism):
             if value
         ]
 
-    def _figures(self, t: TakeUp) -> Mapping[str, float]:
+    def _values(self, t: TakeUp) -> Mapping[str, float]:
         """What wishes are about; the dwell only where it is wished for."""
         if (wanted := self.wanted) is None:
             return {}
@@ -410,9 +330,10 @@ class ThreadTakeUp(Mechanism):
                 ]
             )
         g, (width, height) = self.geometry, self.print.bed
-        theta, rim = _TURN[::4], self.making.guide_diameter / 2 + self.making.wall
-        mount = self.making.mount_diameter / 2 + self.making.wall
-        base = self.take_up
+        theta, base, p = _TURN[::4], self.take_up, self.making
+        # the plate's hubs, with a screw beyond each
+        rim = p.guide_diameter / 2 + 2 * p.wall + p.mount_diameter
+        bearing = self.linkage.sketched.hub("C", GROUND)
 
         def take_up(x: Floats) -> TakeUp:
             return TakeUp(
@@ -431,8 +352,7 @@ class ThreadTakeUp(Mechanism):
         def measure(x: Floats) -> tuple[Mapping[str, float], Sequence[float]]:
             t = take_up(x)
             gaps = [gap for gap, _ in self._gaps(t, theta).values()]
-            mounts = ((z, mount) for z in self.bodies.mount_holes(t.pivot, t.guides))
-            hubs = ((t.pivot, self.bodies.bearing), *((guide, rim) for guide in t.guides), *mounts)
+            hubs = ((t.pivot, bearing), *((guide, rim) for guide in t.guides))
             corners = np.array(
                 [centre + side * r for centre, r in hubs for side in (1 + 1j, -1 - 1j)]
             )
@@ -441,7 +361,7 @@ class ThreadTakeUp(Mechanism):
             short = [min(0.0, gap - self.allowed.gap - 0.1) / 0.1 for gap in gaps] + [
                 min(0.0, s) for s in spare
             ]
-            return self._figures(t), short
+            return self._values(t), short
 
         def near(
             start: float, half: float, unit: float, low: float = -math.inf, high: float = math.inf

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import Field
@@ -101,6 +101,19 @@ class Masses(Record):
                 centre=complex(output),
                 inertia=self.output_crank_kg_m2,
             ),
+        }
+
+    def of_linkage(self, t: TakeUp) -> dict[str, Any]:
+        """[masses] of the linkage; the crank's come from its solid."""
+        bodies = self.bodies(t)
+        return {
+            name: {
+                "mass_g": 1e3 * body.mass,
+                "centre": (body.centre.real, body.centre.imag),
+                "inertia_kg_m2": body.inertia,
+            }
+            for name, body in bodies.items()
+            if name != "crank"
         }
 
     def centres(self, t: TakeUp) -> dict[str, object]:
@@ -410,9 +423,6 @@ def _peaks(forces: Forces) -> dict[str, float]:
 def _motion_plots(t: TakeUp) -> list[Plot]:
     feed = t.diagram
     paths = [(reading(each), each.path(_DRAWN)) for each in _readings(t)]
-    run = t.run(_DRAWN)
-    b = run.point("coupler", "B")[0]
-    arms = np.angle((run.point("crank", "A")[0] - b) / (run.point("output", "C")[0] - b))
     coupler, output = t.rates(_DRAWN)
     marks = [("greatest", math.degrees(feed.longest[1])), ("least", math.degrees(feed.shortest[1]))]
     return [
@@ -429,12 +439,6 @@ def _motion_plots(t: TakeUp) -> list[Plot]:
             "mm",
             [(reading(each), _DEGREES, each.feed(_DRAWN)) for each in _readings(t)],
             marks,
-        ),
-        Plot(
-            "Transmission angle",
-            _ALPHA,
-            "deg",
-            [("between coupler and output crank", _DEGREES, np.degrees(np.abs(arms)))],
         ),
         Plot(
             "Rates of turning",

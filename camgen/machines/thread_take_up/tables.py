@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal
 
 from pydantic import Field
 
 from camgen.machines.loads.tables import Bears, Drives
-from camgen.spec import Coordinate, Length, MinWall, Record, Rpm, quantity, turning
+from camgen.parts.generator.sizes import Parts
+from camgen.parts.hardware import FACETS
+from camgen.spec import Coordinate, Length, MinWall, Print, Record, Rpm, quantity, turning
 
+HEAD = 1.0  # mm, height of a head, and how far it stands out all round
 Point = tuple[Coordinate, Coordinate]
 
 
@@ -73,8 +77,8 @@ class TakeUpParts(Record):
     pin_diameter: Length = Field(default=3.5, description="of pins and dowels")
     pins: Literal["printed", "steel", "all-steel"] = Field(
         default="printed",
-        description='"printed"; "steel": A, B and shaft, turned as drawn\n'
-        '"all-steel": dowels, guides and finger as well, which stand upright and are thin',
+        description='"printed"; "steel": A, B, dowels and shaft, turned as drawn\n'
+        '"all-steel": guides and finger as well, which stand upright and are thin',
     )
     mount_diameter: Length = Field(
         default=2.5, description="of the frame's holes for screws from behind: core hole of M3"
@@ -89,6 +93,41 @@ class TakeUpParts(Record):
         description="height of their groove, in which the thread is held; 0: plain posts, along which it "
         "slips",
     )
+
+    def head(self, fits: Print, min_wall: float) -> float:
+        """Height of the heads of pins and posts, and how far they stand out all round, mm: spacers are as wide."""
+        return max(HEAD, min_wall + fits.slide_clearance / 2 + 2 * FACETS)
+
+    def bearing(self, frame: float, fits: Print, min_wall: float) -> float:
+        """Diameter of the disc about C, mm: a wall about the shaft, which is `frame` off, and about two dowels beside it."""
+        shaft = (self.shaft_diameter + fits.slide_clearance) / 2
+        dowel = (self.pin_diameter + fits.press_clearance) / 2
+        wall = max(self.wall, min_wall + 2 * FACETS)
+        beside = math.sqrt(max(0.0, (shaft + dowel + wall) ** 2 - frame**2))
+        return 2 * max(frame + shaft + wall, beside + dowel + wall)
+
+    def of_linkage(self, frame: float, fits: Print, min_wall: float) -> Parts:
+        """The sizes of the linkage; frame: from O to C, mm."""
+        same = {"thickness", "wall", "pin_diameter", "mount_diameter"}
+        same |= {"shaft_diameter", "shaft_length", "shaft_flat"}
+        steel = self.pins != "printed"
+        found = {
+            **self.model_dump(include=same),
+            "base_thickness": self.thickness,
+            "head": self.head(fits, min_wall),
+            "mount_screws": 3,
+            "pin": "turned" if steel else "printed",
+            "shaft_made": "steel" if steel else "printed",
+            "discs": {"C": self.bearing(frame, fits, min_wall)},
+            "thread_posts": {
+                "diameter": self.guide_diameter,
+                "diameters": {"D": self.finger_diameter},
+                "height": self.thread_height,
+                "groove": self.groove,
+                "made": "steel" if self.pins == "all-steel" else "printed",
+            },
+        }
+        return Parts.model_validate(found)
 
 
 class TakeUpLimits(Bears):

@@ -30,7 +30,7 @@ from camgen.machine.features import Feature, Mount, StandIn, Strand
 from camgen.parts.assembly import Shaft
 from camgen.parts.catalogue import Bought, fixed_motor, screw_for
 from camgen.parts.generator import plates
-from camgen.parts.generator.discs import cam_parts, disc_layer, gear_part, keeper
+from camgen.parts.generator.discs import cam_parts, disc_layer, gear_part, ground_disc, keeper
 from camgen.parts.generator.joined import GROUND
 from camgen.parts.generator.joints import features_of, part_name, point_of
 from camgen.parts.generator.layout import Layout
@@ -63,9 +63,13 @@ class Bodies:
     """What is made of a machine that is laid out."""
 
     def __init__(
-        self, layout: Layout, weight: tuple[Part, Sequence[tuple[Part, complex]]] | None = None
+        self,
+        layout: Layout,
+        weight: tuple[Part, Sequence[tuple[Part, complex]]] | None = None,
+        under: float | None = None,
     ) -> None:
         self.weight = weight  # on the driven link's shaft, with its pins and their places
+        self.under = under  # its radius, mm, where it lies under the plate in place of a collar
         self.layout, self.sizes, self.fits, self.min_wall = (
             layout,
             layout.sizes,
@@ -78,7 +82,8 @@ class Bodies:
         layout = self.layout
         moving = [link for link in layout.moving if link not in layout.alone]
         own = layout.fitted
-        base = ground_plate(layout, part_name(GROUND), self.collar_radius, self._pressed(GROUND))
+        beside = max(self.collar_radius, self.under or 0.0)
+        base = ground_plate(layout, part_name(GROUND), beside, self._pressed(GROUND))
         parts = [base, *(own.links.get(name) or self._link(name) for name in moving)]
         mounts = [Mount(part_name(GROUND), GROUND)]
         mounts += [
@@ -164,7 +169,7 @@ class Bodies:
         covers = len(self.of_role("cover"))
         screws = self.layout.cover.bought(covers) if self.layout.cover else []
         screws += [] if self.collar is None else self.collar.bought(self.collar.least_radius)
-        behind = Bought("screw of the plate, from behind", "", screw, 2, "mount")
+        behind = Bought("screw of the plate, from behind", "", screw, p.mount_screws, "mount")
         return [
             *motors,
             *(self.layout.fitted.bought if self.layout.fitted.held else [behind]),
@@ -190,7 +195,8 @@ class Bodies:
             if self.sizes.face is None
             else "the motor under the plate turns it: leave it room there"
         )
-        held = "two screws from behind, in the plate's outermost holes, hold it"
+        count = "two" if self.sizes.mount_screws == 2 else "three"
+        held = f"{count} screws from behind, in the plate's outermost holes, hold it"
         held = f"a board or frame of yours: {self.layout.fitted.held or held}."
         return f"{held}{open_} {turns[0].upper()}{turns[1:]}"
 
@@ -247,6 +253,7 @@ class Bodies:
             point
             for point in layout.points_of(link)
             if point in layout.pivots and layout.pressed_in(point) == link
+            if point not in layout.discs
         ]
         fixed = [point for point in fixed if link != GROUND or layout.in_first(point)]
         return (
@@ -278,25 +285,22 @@ class Bodies:
         if self.weight is None:
             return
         link, (part, pins) = self.layout.driven, self.weight
-        at, z = (
-            self.layout.at(link, self.layout.shaft_of(link)),
-            self.layout.floor(self.layout.level[part.name]),
-        )
+        at = self.layout.at(link, self.layout.shaft_of(link))
+        z = -self.fits.slide_clearance - part.thickness
+        if self.under is None:
+            z = self.layout.floor(self.layout.level[part.name])
         yield part, Mount(part.name, link, at, z=z)
         yield from ((pin, Mount(pin.name, link, at + place, z=z)) for pin, place in pins)
 
     def _stack(self, point: str) -> Iterator[Placed]:
         """Pin or shaft of a point, and what is threaded on it."""
-        s, layout, play, body = (
-            self.sizes,
-            self.layout,
-            self.fits.slide_clearance,
-            self.layout.pressed_in(point),
-        )
+        layout, body = self.layout, self.layout.pressed_in(point)
         if point in layout.carried:
             return
         at, bought = layout.at(body, point), layout.on_motor(point, GROUND)  # the motor's own shaft
-        if point in layout.discs:
+        if layout.on_ground(point):
+            yield from ground_disc(layout, point)
+        elif point in layout.discs:
             yield keeper(layout, point)
         for stub in stubs(layout, point):
             if point in layout.discs:
@@ -307,27 +311,19 @@ class Bodies:
                 yield self._shaft(layout.upper_web, stub, at)
             elif not bought:
                 yield self._shaft(body, stub, at)
-                name, bore = "collar", self._profile(self.fits.press_clearance)
-                if layout.clutch(point):
-                    name, bore = (
-                        f"collar-{body}",
-                        circle(0j, (s.shaft_diameter + self.fits.press_clearance) / 2),
-                    )
-                lowest = Part(
-                    name,
-                    "Collar of a shaft",
-                    (Layer(Region(circle(0j, self.collar_radius), (bore,)), 0.0, s.thickness),),
-                    centres=(0j,),
-                    min_wall=self.min_wall,
-                    notes=("pressed and glued on the shaft under the plate",),
-                )
-                yield lowest, Mount(name, layout.carrier(body), at, z=-play - s.thickness)
+                if self.under is None or body != layout.driven:
+                    yield self._collar(point, body, at)
             elif self.collar is not None:
                 yield (
                     self.collar.collar(),
                     Mount("shaft-collar", layout.carrier(body), at, z=stub.held[-1][1]),
                 )
         yield from bearings(layout, point)
+        yield from self._spacers(point, body, at)
+
+    def _spacers(self, point: str, body: str, at: complex) -> Iterator[Placed]:
+        """What keeps apart what is threaded on a pin or shaft that is fixed in a body."""
+        s, layout, play = self.sizes, self.layout, self.fits.slide_clearance
         for (_, under), (high, _) in (
             pair for stub in stubs(layout, point) for pair in pairwise(stub.held)
         ):
@@ -346,6 +342,23 @@ class Bodies:
                 mount = Mount("spacer", layout.carrier(body), at, z=under + play)
                 ring_part = replace(ring_part, role="spacer")
                 yield from ((ring_part, replace(mount, z=mount.z + k * step)) for k in range(rings))
+
+    def _collar(self, point: str, link: str, at: complex) -> Placed:
+        """Of a shaft, under the plate."""
+        s, press = self.sizes, self.fits.press_clearance
+        name, bore = "collar", self._profile(press)
+        if self.layout.clutch(point):
+            name, bore = f"collar-{link}", circle(0j, (s.shaft_diameter + press) / 2)
+        part = Part(
+            name,
+            "Collar of a shaft",
+            (Layer(Region(circle(0j, self.collar_radius), (bore,)), 0.0, s.thickness),),
+            centres=(0j,),
+            min_wall=self.min_wall,
+            notes=("pressed and glued on the shaft under the plate",),
+        )
+        z = -self.fits.slide_clearance - s.thickness
+        return part, Mount(name, self.layout.carrier(link), at, z=z)
 
     def _shaft(self, link: str, stub: Stub, at: complex) -> Placed:
         """A link's shaft, or the piece in its last web; the one that drives is longer below the plate."""

@@ -2,6 +2,7 @@
 
 eccentric    a pin that is a disc round the shaft of its link, of one piece with that; the strap of another link turns on it
 keeper       what lies on the disc, as a head on a pin, on the same shaft
+pivot        a pin that is a disc of the ground, on two dowels, in which a shaft turns; the shaft's link lies on it
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from camgen.machine.features import Mount
 from camgen.parts.catalogue import TURNED
 from camgen.parts.disc_cams import CamParts as Disc
 from camgen.parts.disc_cams import disc_parts
-from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.layout import GROUND, Layout, pivot_name
 from camgen.parts.generator.pins import Placed
 from camgen.parts.generator.wheels import GearWheel, Tip, groove_rim, groove_wall, named, outline
 from camgen.parts.hardware import plate, spacer
@@ -94,7 +95,7 @@ def _discs(layout: Layout, tip: Tip) -> Iterator[tuple[Part, float, complex]]:
         return
     for part in parts:
         yield replace(part, name=f"cam-{part.name}"), made.back if part.name == "back" else 0.0, 0j
-        how = TURNED if s.pin == "dowel" else "printed"
+        how = TURNED if s.pin in ("turned", "dowel") else "printed"
         pin = rod("cam-pin", "Pin of a groove cam's plates", s.pin_diameter, made.back + thick)
         pin = replace(pin, made=how)
         yield from ((pin, made.back, place) for place in part.centres[1:] if part.name != "back")
@@ -162,6 +163,31 @@ def disc_layer(layout: Layout, point: str) -> Layer:
     rim = circle(layout.at(link, point), layout.turning(point) / 2)
     top = layout.disc_top(point) - layout.floor(layout.level[link])
     return Layer(Region(rim, (bore,)), layout.thickness(link), round(top, 9))
+
+
+def ground_disc(layout: Layout, point: str) -> Iterator[Placed]:
+    """A disc of the ground, and the dowels that hold it on the plate."""
+    s, (_, shaft) = layout.sizes, layout.discs[point]
+    at, wide, bore = layout.at(GROUND, point), layout.turning(point), layout.hole(shaft, GROUND)
+    off = layout.at(GROUND, shaft) - at
+    wall_of_disc(abs(off), wide, bore, layout.min_wall, f"parts.discs.{point}")
+    name, dowels = pivot_name(point), layout.dowels(point)
+    holes = {"shaft": circle(off, bore / 2)}
+    holes |= {f"dowel {k}": circle(z - at, radius) for k, (z, radius) in enumerate(dowels, 1)}
+    high = round(layout.disc_top(point) - s.base_thickness, 9)
+    part = Part(
+        name,
+        f"Pivot {point} of the ground",
+        (Layer(plate(name, circle(0j, wide / 2), holes, layout.min_wall), 0.0, high),),
+        centres=(0j, off),
+        notes=("two dowels hold it on the plate; the shaft passes it",),
+        min_wall=layout.min_wall,
+    )
+    yield part, Mount(name, GROUND, at, z=s.base_thickness)
+    made = "printed" if s.pin == "printed" else TURNED
+    dowel = rod("dowel", "Dowel", s.pin_diameter, high + s.base_thickness)
+    dowel = replace(dowel, notes=("pressed and glued in",), made=made)
+    yield from ((dowel, Mount("dowel", GROUND, z)) for z, _ in dowels)
 
 
 def keeper(layout: Layout, point: str) -> Placed:

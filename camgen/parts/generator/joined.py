@@ -320,13 +320,22 @@ class Joined:
 
     @cached_property
     def discs(self) -> dict[str, tuple[str, str]]:
-        """Of each pin that is a disc its link, and the point of the shaft that goes through it."""
+        """Of each pin that is a disc its link, and the point of the shaft that goes through it; through one of the ground the
+        nearest."""
         found = {}
         for point in self.sizes.discs or ():
-            for shaft, link in self.shafts.items():
-                if link in self.pivots.get(point, ()) and shaft != point:
-                    found[point] = link, shaft
+            links = self.pivots.get(point, ())
+            shafts = [shaft for shaft in self.shafts if shaft != point]
+            if links[:1] == (GROUND,) and point not in self.shafts and shafts:
+                at = self.bodies[GROUND].points
+                found[point] = GROUND, min(shafts, key=lambda name: abs(at[name] - at[point]))
+            for shaft in (shaft for shaft in shafts if self.shafts[shaft] in links):
+                found[point] = self.shafts[shaft], shaft
         return found
+
+    def on_ground(self, point: str) -> bool:
+        """Whether a pin is a disc of the ground."""
+        return point in self.discs and self.discs[point][0] == GROUND
 
     def discs_on(self, shaft: str) -> list[str]:
         """Points of the discs through which the shaft at a point goes."""

@@ -26,7 +26,7 @@ from camgen.machine.features import (
     Steady,
 )
 from camgen.parts.generator.joined import GROUND
-from camgen.parts.generator.layout import Layout
+from camgen.parts.generator.layout import Layout, pivot_name
 from camgen.parts.generator.pins import bearing_name
 from camgen.parts.generator.plates import SECOND
 from camgen.parts.generator.stubs import in_upper
@@ -69,6 +69,10 @@ def _eye(layout: Layout, point: str, link: str, beside: str = "") -> Eye:
     """A link's hole at a point; of the ground the one in the plate that holds the other link's pin, or is nearer to it."""
     if link == GROUND and beside and in_upper(layout, point, beside):
         return Eye(SECOND, layout.at(GROUND, point), layout.far_hole(point))
+    for about, (on, shaft) in layout.discs.items():
+        if link == on == GROUND and point in (about, shaft):
+            at = layout.at(GROUND, point) - layout.at(GROUND, about)
+            return Eye(pivot_name(about), at, layout.hole(point, GROUND), shaft=point == about)
     disc = point in layout.discs and link == layout.pressed_in(point)
     return Eye(part_of(layout, link), layout.at(link, point), layout.hole(point, link), shaft=disc)
 

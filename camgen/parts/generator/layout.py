@@ -27,8 +27,14 @@ from camgen.parts.set_screws import SetScrewHub
 
 __all__ = ["GROUND", "Layout", "Stretched"]
 
+_PLAIN = ("printed", "turned", "dowel")  # pins that may stand in the plate, or hang from it
 SLEEVE = 1.5  # diameters of a shaft, how far a sleeve reaches on it at most
 _ROOM = 0.5  # mm, beyond a pin's way at both ends of its slot
+
+
+def pivot_name(point: str) -> str:
+    """Name of the part that is a disc of the ground."""
+    return f"pivot-{point}"
 
 
 class Layout(Joined):
@@ -128,11 +134,7 @@ class Layout(Joined):
             if links[0] == GROUND and point not in self.shafts
         }
         grounded = {point for point in grounded - self.hooked if point not in self.slots}
-        return (
-            {point for point in grounded if self.kind(point) in ("printed", "dowel")}
-            if self.sunk
-            else set()
-        )
+        return {point for point in grounded if self.kind(point) in _PLAIN} if self.sunk else set()
 
     def below(self, spring: Stretched) -> int:
         """How many levels a spring takes under its own."""
@@ -161,7 +163,7 @@ class Layout(Joined):
         if point in self.shafts:
             collar, step = self.collar(point), self._least + self.fits.slide_clearance
             return (0 if collar is None else math.ceil(collar.height / step)), 0
-        if len(self.thrown(point)) > 1:
+        if len(self.thrown(point)) > 1 or self.on_ground(point):
             return 0, 0
         if self.kind(point) == "shoulder":
             screw, least = self.sizes.shoulder, self._least
@@ -182,7 +184,7 @@ class Layout(Joined):
             return False
         if point in self.shafts:
             return self.shafts[point] in self.webs or not self.on_motor(point, GROUND)
-        return self.kind(point) in ("printed", "dowel")
+        return self.kind(point) in _PLAIN
 
     def cut(self, point: str) -> int | None:
         """The highest level of the lower stub of a point that is two, one on each plate; None of what goes through."""
@@ -521,10 +523,10 @@ class Layout(Joined):
             (link, self.thickness(link)) for link in self.pivots[point] if link not in self.alone
         ]
         discs = self.discs_on(point)
-        if discs:  # they are as thick as what turns on them, a keeper lies on each
-            top = max(map(self.disc_top, discs))
-            thick = top - self.floor(self.level[self.shafts[point]])
-            links = [(link, thick if link == self.shafts[point] else high) for link, high in links]
+        for carrier in {self.discs[disc][0] for disc in discs}:  # as thick as what turns on them
+            top = max(self.disc_top(disc) for disc in discs if self.discs[disc][0] == carrier)
+            thick = round(top - self.floor(self.level[carrier]), 9)
+            links = [(link, thick if link == carrier else high) for link, high in links]
         wheels = [wheel for wheel in self.wheels if self.shaft_of(wheel.link) == point]
         wheels += [
             tip.wheel for tip in self.tips if tip.rolls and tip.point == point
@@ -548,12 +550,22 @@ class Layout(Joined):
         found |= {
             (self.on(disc)[-1][0] + 1, self.disc_top(disc), self.disc_top(disc) + self.sizes.head)
             for disc in discs
+            if not self.on_ground(disc)
         }
         return sorted(found)
 
     def disc_top(self, point: str) -> float:
-        """Height of the upper side of a disc, where its keeper lies, a play over what turns on it, mm."""
-        return round(self.on(point)[-1][2] + self.fits.slide_clearance, 9)
+        """Height of the upper side of a disc, mm: its keeper lies there, a play over what turns on it; over one of the ground
+        the link of the shaft."""
+        play = 0.0 if self.on_ground(point) else self.fits.slide_clearance
+        return round(self.on(point)[-1][2] + play, 9)
+
+    def dowels(self, point: str) -> list[tuple[complex, float]]:
+        """Holes of the plate for the dowels of a disc of the ground, centre and radius, mm: across the way to its shaft."""
+        at, shaft = self.at(GROUND, point), self.at(GROUND, self.discs[point][1])
+        radius = (self.sizes.pin_diameter + self.fits.press_clearance) / 2
+        way = 1j * (at - shaft) / abs(at - shaft) * (self.turning(point) / 2 - self.rim - radius)
+        return [(at + way, radius), (at - way, radius)]
 
     def _beneath(self, name: str) -> list[int]:
         """Levels that a groove's back plate or a spring takes under its own."""

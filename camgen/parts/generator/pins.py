@@ -1,6 +1,7 @@
 """What goes through the links at a point, and holds them on each other.
 
 printed    a pin with a head, pressed into one link
+turned     the same of steel
 dowel      of steel, with a printed cap on what stands out
 shoulder   a shoulder screw, its shoulder through all links, a nut on its thread under them, a spacer under its head
 bearing    a printed pin; each link that turns on it has a ball bearing pressed into it from above, down on a lip; the pin's
@@ -19,7 +20,7 @@ from dataclasses import replace
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Region, circle, polygon
 from camgen.machine.features import Mount
-from camgen.parts.catalogue import BEARINGS, DOWELS, Bearing, dowel, next_dowel
+from camgen.parts.catalogue import BEARINGS, DOWELS, TURNED, Bearing, dowel, next_dowel
 from camgen.parts.generator.changes import Change, Unmade
 from camgen.parts.generator.joined import GROUND
 from camgen.parts.generator.layout import Layout
@@ -41,7 +42,7 @@ def refuse(layout: Layout) -> None:
     for point in layout.sizes.discs or ():
         links = layout.pivots.get(point, ())
         said = {
-            "no link with a shaft has it as a pin": point not in layout.discs or len(links) < 2,
+            "no shaft goes through it": point not in layout.discs or len(links) < 2,
             "it is in a slot": point in layout.slots,
             "a roller or a spring sits on it": point in layout.riders,
             "the shaft is interrupted": layout.sizes.shaft == "interrupted",
@@ -60,7 +61,8 @@ def refuse(layout: Layout) -> None:
             "it is the motor's shaft": layout.on_motor(point, GROUND),
             "a roller hangs on it": kind == "shoulder" and hangs,
             "it joins webs of the shaft": layout.kind(point) == "keyed",
-            'it is a shaft (of steel: parts.shaft_made = "steel")': kind in ("shoulder", "dowel")
+            'it is a shaft (of steel: parts.shaft_made = "steel")': kind
+            in ("shoulder", "dowel", "turned")
             and point in layout.shafts,
         }
         for why in (why for why, wrong in said.items() if wrong):
@@ -109,6 +111,11 @@ def _refuse_threads(layout: Layout) -> None:
             raise DesignError("posts of threads", 1, 0, "", f"point {point}: {why}", remedy)
 
 
+def _made_of(layout: Layout, point: str) -> str:
+    """How a pin with a head is made, for the list of parts."""
+    return TURNED if layout.kind(point) == "turned" else "printed"
+
+
 def pin(layout: Layout, point: str, stub: Stub) -> Iterator[Placed]:
     """The pin of a point, or a stub of it, and what holds it, on the link in which it is fixed."""
     s, play, link = layout.sizes, layout.fits.slide_clearance, layout.pressed_in(point)
@@ -152,7 +159,8 @@ def pin(layout: Layout, point: str, stub: Stub) -> Iterator[Placed]:
                 grip, wide = grip - play, bearing.shoulder
                 notes.append(f"its head bears on the inner ring of the {bearing.name} alone")
             made = headed("pin", "Pin", s.pin_diameter, grip, wide, s.head)
-            made = replace(made, notes=tuple(notes), role="pin")
+            how = _made_of(layout, point)
+            made = replace(made, notes=tuple(notes), role="pin", made=how)
             yield made, Mount("pin", body, at, 0.0, not hung, bottom - (play + s.head) * hung)
 
 
@@ -164,7 +172,9 @@ def _between(layout: Layout, point: str, stub: Stub) -> Placed:
         ("pressed and glued into both plates",),
     )
     if layout.kind(point) != "dowel":
-        return replace(rod("pin", "Pin", s.pin_diameter, whole), notes=notes, role="pin"), mount
+        whole_pin = rod("pin", "Pin", s.pin_diameter, whole)
+        how = _made_of(layout, point)
+        return replace(whole_pin, notes=notes, role="pin", made=how), mount
     length = dowel(s.pin_diameter, whole)
     if length < whole - s.base_thickness / 2:
         raise _as_printed(

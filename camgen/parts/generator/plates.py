@@ -8,6 +8,7 @@ second     hubs round what it holds: far ends of pins and shafts, pins that hang
 from __future__ import annotations
 
 import cmath
+import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from itertools import count, pairwise, product
@@ -117,8 +118,16 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
         for name, z in layout.points_of(GROUND).items()
         if name in layout.thread_posts or (name in layout.pivots and layout.in_first(name))
     }
+    pivots = [point for point in points if layout.on_ground(point)]
     holes = {
-        f"hole {point}": circle(z, layout.hole(point, GROUND) / 2) for point, z in points.items()
+        f"hole {point}": circle(z, layout.hole(point, GROUND) / 2)
+        for point, z in points.items()
+        if point not in pivots
+    }
+    holes |= {
+        f"dowel {k} of {point}": circle(z, wide)
+        for point in pivots
+        for k, (z, wide) in enumerate(layout.dowels(point), 1)
     }
     hubs = [(z, layout.hub(point, GROUND)) for point, z in points.items()]
     hubs += [disc for disc in layout.hubs(GROUND) if disc not in layout.round_hubs(GROUND)]
@@ -154,6 +163,8 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
     way = (b[0] - a[0]) / abs(b[0] - a[0]) if a[0] != b[0] else 1.0 + 0j
     _refuse_rails(layout, motor)
     screws = [] if layout.hangs else [a[0] - way * (a[1] + radius), b[0] + way * (b[1] + radius)]
+    if screws and s.mount_screws == 3:
+        screws.append(_third([*beside, *posts], a[0], way, radius))
     holes |= {f"screw {k}": circle(z, radius) for k, z in enumerate(screws, 1)}
     holes |= layout.fitted.holes
     holes |= {f"foot {k}": circle(z, wide / 2) for k, (z, wide) in enumerate(layout.feet, 1)}
@@ -183,6 +194,15 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
         notes=(*(["the outermost holes are for screws from behind"] if screws else []), *notes),
         points=tuple(points.items()),
     )
+
+
+def _third(
+    hubs: Sequence[tuple[complex, float]], origin: complex, way: complex, radius: float
+) -> complex:
+    """Place of a screw's hole beyond the hub that reaches farthest from a line; way: of that, a unit vector."""
+    off = [((z - origin) / way).imag for z, _ in hubs]
+    k = max(range(len(hubs)), key=lambda each: abs(off[each]) + hubs[each][1])
+    return hubs[k][0] + math.copysign(1, off[k]) * 1j * way * (hubs[k][1] + radius)
 
 
 def _refuse_rails(layout: Layout, motor: complex) -> None:

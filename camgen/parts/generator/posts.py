@@ -12,7 +12,7 @@ from camgen.parts.generator.bodies import Bodies
 from camgen.parts.journals import Post
 from camgen.parts.part import Role
 
-_STEEL = ("dowel", "shoulder")
+_STEEL = ("turned", "dowel", "shoulder")
 _SAME = 1e-6  # mm
 
 

@@ -70,7 +70,7 @@ class Shape(Record):
     )
 
 
-PinKind = Literal["printed", "dowel", "shoulder", "bearing"]
+PinKind = Literal["printed", "turned", "dowel", "shoulder", "bearing"]
 
 
 class Can(Record):
@@ -131,9 +131,9 @@ class Parts(Record):
     thickness: Length = Field(default=4.0, description="of links, cams and followers")
     pin: PinKind = Field(
         default="printed",
-        description='"printed": with a head; "dowel": bought, of steel, with a printed cap; "shoulder": a '
-        "screw and a nut;\n"
-        '"bearing": printed, in ball bearings that are pressed into the links',
+        description='"printed": with a head; "turned": the same of steel; "dowel": bought, of steel, with a '
+        "printed cap;\n"
+        '"shoulder": a screw and a nut; "bearing": printed, in ball bearings that are pressed into the links',
     )
     pins: dict[Name, PinKind] = Field(
         default={}, description='the same of single points: { A = "bearing" }'
@@ -141,7 +141,8 @@ class Parts(Record):
     pin_diameter: Length = Field(default=5.0, description="of the pins")
     discs: Annotated[dict[Name, Length], Field(min_length=1)] | None = Field(
         default=None,
-        description="diameter of pins through which their link's shaft goes: eccentrics, with a strap round each",
+        description="diameter of pins through which a shaft goes, with a strap round each: of its link, "
+        "eccentrics; or of the ground",
     )
     wall: Length = Field(default=2.0, description="round each hole")
     head: Length = Field(
@@ -195,6 +196,10 @@ class Parts(Record):
     )
     mount_diameter: Length = Field(
         default=2.5, description="of the plate's holes for screws from behind: core hole of M3"
+    )
+    mount_screws: Literal[2, 3] = Field(
+        default=2,
+        description="how many of those: at both ends of the plate; 3: and farthest from their line",
     )
     pen_diameter: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
         default=3.0, description="of the hole at a point that is an output and no pin; 0: none"
@@ -317,7 +322,7 @@ class Parts(Record):
             *self._motor_faults(nozzle),
             *self._post_faults(nozzle),
             *self._shaft_faults(),
-            *self.thread_post_sizes.faults(nozzle, self.head),
+            *(self.thread_posts.faults(nozzle, self.head) if self.thread_posts else ()),
             *(
                 self._fault(key, f"at least the nozzle, {nozzle:g} mm")
                 for key in ("thickness", "wall", "head", "base_thickness", "rail_width")

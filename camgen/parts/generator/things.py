@@ -170,7 +170,7 @@ def _axes(courses: _Courses, before: Over) -> tuple[list[Axis], Over]:
         strapped = _strapped(layout, point)
         if point in layout.discs:
             carrier = layout.discs[point][0]
-            over += [(link, carrier) for link in moving if link != carrier]
+            over += [(link, carrier) for link in moving if carrier not in (link, GROUND)]
         over += [(rider, link) for rider in layout.riders.get(point, ()) for link in strapped]
         held = (*held, *strapped)
         runs = layout.slotted_link(point) == GROUND
@@ -204,7 +204,7 @@ def _axes(courses: _Courses, before: Over) -> tuple[list[Axis], Over]:
 def _strapped(layout: Layout, point: str) -> list[str]:
     """Links at the eccentrics on the shaft of a point, but for what it turns."""
     links = [link for disc in layout.discs_on(point) for link in layout.pivots[disc]]
-    return [link for link in dict.fromkeys(links) if link != layout.shafts.get(point)]
+    return [link for link in dict.fromkeys(links) if link not in (GROUND, layout.shafts.get(point))]
 
 
 def _over_on_pin(
