@@ -106,7 +106,7 @@ class Mechanism(Spec, ABC):
         """What is made of it, as data; DesignError where it cannot be."""
 
     def _assembly(
-        self, parts: Sequence[Part], mounts: Sequence[Mount] = (), features: Sequence[Feature] = ()
+        self, parts: Sequence[Part], mounts: Sequence[Mount], features: Sequence[Feature] = ()
     ) -> Assembly:
         """These parts as a machine: pins as bearings, tips that are not made in the way of others."""
         cams = any(isinstance(each, CamOutline) for each in features)
