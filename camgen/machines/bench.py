@@ -32,7 +32,7 @@ from camgen.parts.catalogue import Bought, turning_text
 from camgen.parts.coils import Coil
 from camgen.parts.generator.bodies import Bodies
 from camgen.parts.generator.coils import coils_of
-from camgen.parts.generator.joined import Stretched
+from camgen.parts.generator.joined import StretchedSpring
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.posts import posts
 from camgen.parts.generator.sizes import Parts
@@ -98,7 +98,7 @@ class Bench:
         if self.spring is None:
             return self._bare
         layout = self._layout(self._named(True))
-        spring = Stretched(
+        spring = StretchedSpring(
             (GROUND, "post"),
             ("follower", self.returning.hook_name),
             self.spring.outside,

@@ -155,7 +155,8 @@ class Bodies:
 
     def bought(self, turning: str) -> list[Bought]:
         """Drive, of a speed for people, and screws."""
-        p, face = self.sizes, self.sizes.face
+        p = self.sizes
+        face = self.sizes.face
         screw = f"{screw_for(p.mount_diameter)}, at most {p.base_thickness:g} into the plate"
         shaft = p.shaft_text
         motors = (
@@ -202,7 +203,8 @@ class Bodies:
 
     def stand_ins(self) -> list[StandIn]:
         """The motor under the plate, and what is fitted."""
-        face, own = self.sizes.face, self.layout.fitted.stand_ins
+        face = self.sizes.face
+        own = self.layout.fitted.stand_ins
         if face is None:
             return [*own]
         at = self.layout.at(GROUND, self.layout.shaft_of(self.layout.driven))
@@ -327,10 +329,12 @@ class Bodies:
         for (_, under), (high, _) in (
             pair for stub in stubs(layout, point) for pair in pairwise(stub.held)
         ):
-            height, step = high - under - 2 * play, s.thickness + play
+            height = high - under - 2 * play
+            step = s.thickness + play
             rings = int((height + play) / step + 1e-9) if s.of_sheet else 1  # of sheet one a level
             if height >= min(s.head, s.thickness / 4):  # what is thinner is play
-                hole, wide = layout.turning(point) + play, layout.spacer_diameter(point)
+                hole = layout.turning(point) + play
+                wide = layout.spacer_diameter(point)
                 ring_part = spacer(
                     "spacer",
                     "Spacer",
@@ -445,7 +449,8 @@ class Bodies:
 
     def weighed(self, density: float, given: Collection[str]) -> m.Machine:
         """The fitted machine with the masses of its solids, but for links whose mass is given; density: kg/m^3."""
-        machine, solids = self.fitted(), self.solids(density)
+        machine = self.fitted()
+        solids = self.solids(density)
         kept = (GROUND, *given)
         bodies = (b if b.name in kept else solids.body(b) for b in machine.bodies)
         return replace(machine, bodies=tuple(bodies))

@@ -128,7 +128,8 @@ def features_of(layout: Layout, pins: Sequence[Mount]) -> Sequence[Feature]:
 
 def _pin_of(layout: Layout, pins: Sequence[Mount], point: str, link: str, beside: str) -> str:
     """The part that is the pin or shaft of a point, fixed in a link, on which another one turns."""
-    body, at = layout.carrier(link), layout.at(link, point)
+    body = layout.carrier(link)
+    at = layout.at(link, point)
     here = [each for each in pins if (each.body, each.at) == (body, at)]
     floor = layout.floor(layout.level[beside])
     return max(
@@ -149,10 +150,8 @@ def _steady(layout: Layout, pins: Sequence[Mount]) -> Iterator[Steady]:
         for point in layout.points_of(GROUND)
         if layout.second is not None and layout.in_second(point)
     ):
-        far, hangs = (
-            Eye(SECOND, layout.at(GROUND, point), layout.far_hole(point)),
-            layout.cut(point) is not None,
-        )
+        far = Eye(SECOND, layout.at(GROUND, point), layout.far_hole(point))
+        hangs = layout.cut(point) is not None
         if hangs and point not in layout.shafts:
             continue  # it is the joints' own
         joint = next(
@@ -201,7 +200,8 @@ def _tip(layout: Layout, tip: Tip) -> Eye | Flat:
     at = layout.at(link, tip.point)
     if tip.shape == "knife":
         return Eye(part_name(link), at, 0.0)
-    (low, high), away = tip.face(), tip.away(float(layout.machine.start_of(link).angle))
+    low, high = tip.face()
+    away = tip.away(float(layout.machine.start_of(link).angle))
     origin = at if tip.joint.slide is not None else pivot(layout.machine, link)[0]
     return Flat(
         part_name(link), origin + (low + high) / 2 * 1j * away, cmath.phase(-away), high - low
@@ -210,7 +210,8 @@ def _tip(layout: Layout, tip: Tip) -> Eye | Flat:
 
 def _outlines(layout: Layout, tip: Tip) -> Iterator[CamOutline]:
     """What a roller runs on, first what drives; the hole of its pin is what holds it."""
-    joint, name = tip.joint, f"cam-{tip.name}"
+    joint = tip.joint
+    name = f"cam-{tip.name}"
     driving = CamOutline(
         joint.name,
         f"{name}-inner" if tip.grooved else name,

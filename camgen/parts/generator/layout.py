@@ -19,13 +19,13 @@ from camgen.parts.catalogue import Bearing, narrowest
 from camgen.parts.generator.changes import Change
 from camgen.parts.generator.covers import Cover, cover
 from camgen.parts.generator.guides import COVERED, STEMS, Guide, Rails, Runner, Way, guide
-from camgen.parts.generator.joined import GROUND, Joined, Stretched
+from camgen.parts.generator.joined import GROUND, Connections, StretchedSpring
 from camgen.parts.generator.slotted import SlotHole, one_by_one
 from camgen.parts.generator.wheels import NOSE, Tip, pivot
 from camgen.parts.part import d_bore, hull, with_bar
 from camgen.parts.set_screws import SetScrewHub
 
-__all__ = ["GROUND", "Layout", "Stretched"]
+__all__ = ["GROUND", "Layout", "StretchedSpring"]
 
 _PLAIN = ("printed", "turned", "dowel")  # pins that may stand in the plate, or hang from it
 SLEEVE = 1.5  # diameters of a shaft, how far a sleeve reaches on it at most
@@ -37,7 +37,7 @@ def pivot_name(point: str) -> str:
     return f"pivot-{point}"
 
 
-class Layout(Joined):
+class Layout(Connections):
     """A machine and the sizes of its parts, on their levels."""
 
     def changed(self, change: Change) -> Layout:
@@ -136,7 +136,7 @@ class Layout(Joined):
         grounded = {point for point in grounded - self.hooked if point not in self.slots}
         return {point for point in grounded if self.kind(point) in _PLAIN} if self.sunk else set()
 
-    def below(self, spring: Stretched) -> int:
+    def below(self, spring: StretchedSpring) -> int:
         """How many levels a spring takes under its own."""
         needed = (
             self._under_eye(spring)
@@ -145,11 +145,12 @@ class Layout(Joined):
         )
         return max(0, math.ceil(needed / (self._least + self.fits.slide_clearance) - 1e-9) - 1)
 
-    def _under_eye(self, spring: Stretched) -> float:
+    def _under_eye(self, spring: StretchedSpring) -> float:
         """How far the eyes of a spring lie over the floor of its lowest level, mm: in the middle of its coils, which lie as low
         as they can without rubbing on what is beneath; of sheet on whole spacers."""
         air = self.fits.slide_clearance
-        middle, step = (spring.diameter - spring.wire) / 2 + air, self.sizes.thickness + air
+        middle = (spring.diameter - spring.wire) / 2 + air
+        step = self.sizes.thickness + air
         return step * math.ceil(middle / step - 1e-9) if self.sizes.of_sheet else middle
 
     def eye(self, name: str) -> tuple[float, float]:
@@ -166,7 +167,8 @@ class Layout(Joined):
         if len(self.thrown(point)) > 1 or self.on_ground(point):
             return 0, 0
         if self.kind(point) == "shoulder":
-            screw, least = self.sizes.shoulder, self._least
+            screw = self.sizes.shoulder
+            least = self._least
             step = least + self.fits.slide_clearance
             return math.ceil((screw.height + least / 2) / step), math.ceil(
                 screw.thread_length / step
@@ -211,7 +213,8 @@ class Layout(Joined):
 
     def profile(self, point: str, link: str) -> Contour | None:
         """A link's hole at a point where it has a flat: that of what turns it, or of a web's crank pin; None of a round one."""
-        s, fit = self.sizes, self.fits.press_clearance
+        s = self.sizes
+        fit = self.fits.press_clearance
         if self.shafts.get(point) == link or (link in self.webs and point in self.shafts):
             return d_bore(s.shaft_diameter + fit, s.shaft_flat)
         return (
@@ -227,7 +230,8 @@ class Layout(Joined):
 
     def head_room(self, point: str) -> float:
         """Height of the levels that are kept free over a pin's highest link, mm."""
-        over, play = self.beyond(point)[0], self.fits.slide_clearance
+        over = self.beyond(point)[0]
+        play = self.fits.slide_clearance
         return over * (self._least + play) - play
 
     @property
@@ -320,7 +324,8 @@ class Layout(Joined):
         found = {}
         for point, joint in self.slots.items():
             if joint.guide.body == link:
-                way, (low, high) = cmath.exp(1j * joint.angle), self.strokes[joint.name]
+                way = cmath.exp(1j * joint.angle)
+                low, high = self.strokes[joint.name]
                 found[point] = (
                     joint.guide.at + (low - _ROOM) * way,
                     joint.guide.at + (high + _ROOM) * way,
@@ -387,7 +392,8 @@ class Layout(Joined):
             return None
         start = float(self.machine.start_of(tip.joint.follower).angle)
         if tip.shape == "knife":
-            away, reach = tip.away(start), NOSE * self._nose
+            away = tip.away(start)
+            reach = NOSE * self._nose
             return (
                 self.at(tip.joint.follower, tip.point) + reach * away,
                 -away,
@@ -395,7 +401,8 @@ class Layout(Joined):
                 reach,
                 True,
             )
-        link, (low, high) = tip.joint.follower, tip.face()
+        link = tip.joint.follower
+        low, high = tip.face()
         hinge = pivot(self.machine, link)[0]
         hub = self.hub(next(name for name, z in self.points_of(link).items() if z == hinge), link)
         near, far = sorted((abs(low), abs(high)))
@@ -408,7 +415,8 @@ class Layout(Joined):
                 f"cam {tip.joint.name}",
                 "draw the hinge further off, and no other pins on this link: its hub must stay clear of the cam",
             )
-        facing, half = tip.away(start), 0.4 * hub
+        facing = tip.away(start)
+        half = 0.4 * hub
         return hinge + half * facing, math.copysign(1, low + high) * 1j * facing, half, far, False
 
     def hubs(self, link: str) -> list[tuple[complex, float]]:
@@ -424,7 +432,8 @@ class Layout(Joined):
 
     def arm_band(self, link: str) -> ArmBand | None:
         """The band of a link that is asked to be bent or narrower than its hubs; DesignError where it has not two of them."""
-        shape, hubs = self.sizes.shape(link), self.hubs(link)
+        shape = self.sizes.shape(link)
+        hubs = self.hubs(link)
         if not shape.bow and shape.width is None:
             return None
         key = f"parts.{link}.{'bow' if shape.bow else 'width'}"
@@ -630,6 +639,7 @@ class Layout(Joined):
     def ceiling(self) -> float:
         """Height of the underside of the second plate, a play over the highest thing, mm."""
         assert self.second is not None, "asked for with two plates alone"
-        play, most = self.fits.slide_clearance, max(self.level.values())
+        play = self.fits.slide_clearance
+        most = max(self.level.values())
         step = max(self._least, self.sizes.head, self.sizes.thickness) + play
         return round(self.top(most) + play + max(0, self.second.highest - most) * step, 9)

@@ -70,13 +70,15 @@ def refuse(layout: Layout) -> None:
                 f"{kind} pins", 1, 0, "", f"parts.pins.{point}: {why}", "leave it out"
             )
     for point in (point for point in layout.pivots if layout.kind(point) == "bearing"):
-        bearing, shaft = layout.bearing(point), point in layout.shafts
+        bearing = layout.bearing(point)
+        shaft = point in layout.shafts
         if bearing is None:
             sold = ", ".join(
                 f"{bore:g}" for bore in sorted({each.bore for each in BEARINGS.values()})
             )
             key = "parts.shaft_diameter" if shaft else "parts.pin_diameter"
-            remedy, wanted = f"use a bore of the bearings there are: {sold}", layout.turning(point)
+            remedy = f"use a bore of the bearings there are: {sold}"
+            wanted = layout.turning(point)
             error = DesignError(key, wanted, 0, "mm", f"pin {point}", remedy)
             near = min(
                 (each.bore for each in BEARINGS.values()), key=lambda bore: abs(bore - wanted)
@@ -87,10 +89,12 @@ def refuse(layout: Layout) -> None:
                 Change(f"{key} = {near:g}", {key.partition(".")[2]: near}),
             )
         for link in (link for link in layout.pivots[point] if (link == GROUND) == shaft):
-            least, key = bearing.width, "parts.base_thickness"
+            least = bearing.width
+            key = "parts.base_thickness"
             remedy = f"make it at least the width of a bearing {bearing.name}"
             if not shaft:
-                least, key = least_thickness(layout, bearing), f"parts.{link}.thickness"
+                least = least_thickness(layout, bearing)
+                key = f"parts.{link}.thickness"
                 remedy += f", a lip of {lip(layout):g} mm that holds it, and the play over it"
             if layout.thickness(link) < least:
                 error = DesignError(
@@ -118,12 +122,12 @@ def _made_of(layout: Layout, point: str) -> str:
 
 def pin(layout: Layout, point: str, stub: Stub) -> Iterator[Placed]:
     """The pin of a point, or a stub of it, and what holds it, on the link in which it is fixed."""
-    s, play, link = layout.sizes, layout.fits.slide_clearance, layout.pressed_in(point)
-    body, at, hung = (
-        layout.carrier(link),
-        layout.at(link, point),
-        point in layout.hung or stub.hangs,
-    )
+    s = layout.sizes
+    play = layout.fits.slide_clearance
+    link = layout.pressed_in(point)
+    body = layout.carrier(link)
+    at = layout.at(link, point)
+    hung = point in layout.hung or stub.hangs
     bottom = stub.held[0][0]
     grip = stub.held[-1][1] + play - bottom
     if stub.through:
@@ -133,7 +137,8 @@ def pin(layout: Layout, point: str, stub: Stub) -> Iterator[Placed]:
         case "keyed":
             ends = [top - low for low, top in (stub.held[0], stub.held[-1])]
             if layout.beyond(point)[0]:  # a head in place of the upper web
-                between, ends = grip - ends[0], [ends[0], 0.0]
+                between = grip - ends[0]
+                ends = [ends[0], 0.0]
             else:
                 between = stub.held[-1][0] - stub.held[0][1]
             head = s.pin_diameter / 2 + s.head, s.head
@@ -151,12 +156,14 @@ def pin(layout: Layout, point: str, stub: Stub) -> Iterator[Placed]:
         case "shoulder":
             yield from _shoulder(layout, grip, point, body, bottom)
         case _:
-            wide, notes = s.pin_diameter + 2 * s.head, ["pressed and glued in"]
+            wide = s.pin_diameter + 2 * s.head
+            notes = ["pressed and glued in"]
             bearing = layout.bearing(point)
             if (
                 bearing is not None
             ):  # its head reaches down to the inner ring, which lies a play below the link's upper side
-                grip, wide = grip - play, bearing.shoulder
+                grip = grip - play
+                wide = bearing.shoulder
                 notes.append(f"its head bears on the inner ring of the {bearing.name} alone")
             made = headed("pin", "Pin", s.pin_diameter, grip, wide, s.head)
             how = _made_of(layout, point)
@@ -166,7 +173,8 @@ def pin(layout: Layout, point: str, stub: Stub) -> Iterator[Placed]:
 
 def _between(layout: Layout, point: str, stub: Stub) -> Placed:
     """A pin without a head from plate to plate; a dowel where one is sold that ends in the upper one."""
-    s, whole = layout.sizes, stub.held[-1][1]
+    s = layout.sizes
+    whole = stub.held[-1][1]
     mount, notes = (
         Mount("pin", GROUND, layout.at(GROUND, point)),
         ("pressed and glued into both plates",),
@@ -231,7 +239,8 @@ def _dowel(layout: Layout, grip: float, point: str) -> tuple[Part, Part]:
     over = f", stands {out:g} mm out of its cap" if out > 0 else ""
     notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued in{over}",)
     steel = rod("pin", "Pin", s.pin_diameter, length)
-    hole, wide = s.pin_diameter + layout.fits.press_clearance, s.pin_diameter + 2 * s.head
+    hole = s.pin_diameter + layout.fits.press_clearance
+    wide = s.pin_diameter + 2 * s.head
     cap = spacer(
         "cap",
         "Cap of a pin",
@@ -265,13 +274,16 @@ def _dowel_length(layout: Layout, grip: float) -> tuple[float, float, float]:
 
 def tall(layout: Layout) -> frozenset[str]:
     """Points whose dowel stands out of its cap beyond the levels that are kept free for that."""
-    found, play = set(), layout.fits.slide_clearance
+    found = set()
+    play = layout.fits.slide_clearance
     for point in layout.pivots.keys() - layout.carried.keys() - layout.under_plate:
         if layout.kind(point) != "dowel" or layout.between_plates(point):
             continue
-        (low, under, _), (high, _, top) = layout.on(point)[0], layout.on(point)[-1]
+        low, under, _ = layout.on(point)[0]
+        high, _, top = layout.on(point)[-1]
         grip = top + play - under
-        beyond, levels = _dowel_length(layout, grip)[0] - grip, sum(layout.beyond(point))
+        beyond = _dowel_length(layout, grip)[0] - grip
+        levels = sum(layout.beyond(point))
         room = levels * (layout.sizes.thickness + play)
         room += under - layout.floor(low) if point in layout.hung else layout.top(high) - top
         if beyond > room + 1e-9:
@@ -283,8 +295,11 @@ def _shoulder(
     layout: Layout, grip: float, point: str, body: str, bottom: float
 ) -> Iterator[Placed]:
     """A shoulder screw through so much, mm, head up, its nut, and a spacer; DesignError where no such length is sold."""
-    screw, s, at = layout.sizes.shoulder, layout.sizes, layout.at(body, point)
-    length, room = screw.length(grip), layout.head_room(point) - screw.height
+    screw = layout.sizes.shoulder
+    s = layout.sizes
+    at = layout.at(body, point)
+    length = screw.length(grip)
+    room = layout.head_room(point) - screw.height
     if not grip <= length <= grip + room:
         kind = "dowel" if s.of_sheet else "printed"
         raise _as_printed(
@@ -304,7 +319,8 @@ def _shoulder(
         (screw.diameter, length),
         (screw.nominal, screw.thread_length),
     )
-    layers, z = [], 0.0
+    layers = []
+    z = 0.0
     for wide, high in discs:
         layers.append(Layer(Region(circle(0j, wide / 2)), z, z + high))
         z += high
@@ -364,10 +380,8 @@ def bearing_name(bearing: Bearing) -> str:
 
 
 def _bearing(layout: Layout, bearing: Bearing) -> Part:
-    title, notes = (
-        "Ball bearing",
-        [f"ball bearing {bearing.name}, {bearing.size}, pressed into its link"],
-    )
+    title = "Ball bearing"
+    notes = [f"ball bearing {bearing.name}, {bearing.size}, pressed into its link"]
     if bearing in [clutch for _, clutch in layout.freewheels.values()]:
         said = Held("seen from above, the ring can only turn counter-clockwise on its shaft")
         title, notes = (
@@ -383,15 +397,15 @@ def _bearing(layout: Layout, bearing: Bearing) -> Part:
 def hand_crank(layout: Layout) -> Iterator[Placed]:
     """Arm, knob and its pin under the plate, on the link that the shaft drives; nothing where none is asked for. Of sheet is the
     arm alone, the pin is a dowel."""
-    s, play, press, link = (
-        layout.sizes,
-        layout.fits.slide_clearance,
-        layout.fits.press_clearance,
-        layout.driven,
-    )
+    s = layout.sizes
+    play = layout.fits.slide_clearance
+    press = layout.fits.press_clearance
+    link = layout.driven
     if not s.hand_crank:
         return
-    at, knob, z = layout.at(link, layout.shaft_of(link)), complex(s.hand_crank), -s.shaft_length
+    at = layout.at(link, layout.shaft_of(link))
+    knob = complex(s.hand_crank)
+    z = -s.shaft_length
     bore = d_bore(s.shaft_diameter + press, s.shaft_flat)
     hubs = [(0j, s.shaft_diameter / 2 + s.head + s.wall), (knob, s.pin_diameter / 2 + s.wall)]
     region = plate(

@@ -72,7 +72,8 @@ def columns(
         for z, keeps in kept:
             clear &= np.abs(places - z) > radius + keeps + gap
         for course, least in needed:
-            left, n = np.flatnonzero(clear), course.shape[1]
+            left = np.flatnonzero(clear)
+            n = course.shape[1]
             apart = distance(np.tile(course, len(left)), np.repeat(places[left], n)[None])
             clear[left] = np.all(apart.reshape(-1, n) >= least, axis=1)
         return clear
@@ -100,7 +101,8 @@ def columns(
 
 def _quarters(low: complex, high: complex, beyond: float) -> Iterator[tuple[complex, Points]]:
     """Corners of a box, and the places that are tried in its quarters, no further than so much beyond it, mm; (n,) each."""
-    middle, half = (low + high) / 2, (high - low) / 2
+    middle = (low + high) / 2
+    half = (high - low) / 2
     reach = half.real + beyond, half.imag + beyond
     step = max(_STEP, max(reach) / _MOST_STEPS)
     x, y = (step * np.arange(-k, k + 1) for k in (int(each // step) for each in reach))
@@ -134,11 +136,11 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
     channels = layout.channels_in(False)
     holes |= layout.slot_holes(GROUND, channels.keys())
     hubs += [(z, layout.hub(point, GROUND)) for point, ends in channels.items() for z in ends]
-    radius, under = (
-        s.mount_diameter / 2,
-        collar + s.mount_diameter,
-    )  # a screw's head beside the collar
-    face, motor = s.face, points[layout.shaft_of(layout.driven)]
+    # a screw's head beside the collar
+    radius = s.mount_diameter / 2
+    under = collar + s.mount_diameter
+    face = s.face
+    motor = points[layout.shaft_of(layout.driven)]
     beside = [*hubs, *((points[shaft], under) for shaft in layout.shafts if shaft in points)]
     pockets = {}
     if face is not None:
@@ -170,7 +172,8 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
     holes |= {f"foot {k}": circle(z, wide / 2) for k, (z, wide) in enumerate(layout.feet, 1)}
     hubs += [(z, wide / 2 + layout.rim) for z, wide in layout.feet]
     outer = hull([*hubs, *((z, radius + s.wall) for z in screws)])
-    floor, whole = s.base_thickness, plate("ground plate", outer, holes, layout.min_wall)
+    floor = s.base_thickness
+    whole = plate("ground plate", outer, holes, layout.min_wall)
     heads = 0.0 if not sunk else _depth(s)
     layers = (
         [Layer(plate("ground plate", outer, holes | sunk, layout.min_wall), 0.0, heads)]
@@ -226,11 +229,13 @@ def _refuse_rails(layout: Layout, motor: complex) -> None:
 
 def motor_bar(layout: Layout) -> Iterator[tuple[Part, Mount]]:
     """What holds a motor with a round can from behind."""
-    s, face = layout.sizes, layout.sizes.face
+    s = layout.sizes
+    face = layout.sizes.face
     if face is None or not face.length:
         return
     boss = (face.boss + layout.fits.slide_clearance) / 2
-    hole, rim = face.screw.clearance / 2, layout.rim
+    hole = face.screw.clearance / 2
+    rim = layout.rim
     outer = hull([(0j, boss + rim), *((z, hole + rim) for z in face.screws)])
     holes = {f"screw {k}": circle(z, hole) for k, z in enumerate(face.screws, 1)}
     region = plate("motor bar", outer, {"boss": circle(0j, boss), **holes}, layout.min_wall)
@@ -248,7 +253,8 @@ def motor_bar(layout: Layout) -> Iterator[tuple[Part, Mount]]:
 
 def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
     """The second plate and its posts; nothing where none is asked for."""
-    s, floor = layout.sizes, layout.sizes.base_thickness
+    s = layout.sizes
+    floor = layout.sizes.base_thickness
     if layout.second is None:
         return
     points = {point: z for point, z in layout.points_of(GROUND).items() if layout.in_second(point)}
@@ -268,7 +274,9 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
         assert stand.merged is not None
         more += stand.merged.discs
         through |= {f"{stand.name} {k}": hole for k, hole in enumerate(stand.merged.holes, 1)}
-    outer, ceiling, depth = hull([*hubs, *more]), layout.ceiling, _depth(s)
+    outer = hull([*hubs, *more])
+    ceiling = layout.ceiling
+    depth = _depth(s)
     holes |= through | under
     heights = [(0.0, depth, below), (depth, floor - depth, {}), (floor - depth, floor, sunk)]
     if not below:
@@ -307,7 +315,8 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
     for stand in layout.stands:
         if stand.merged is not None:
             continue
-        name, foot = f"post-{stand.name}", ceiling + floor
+        name = f"post-{stand.name}"
+        foot = ceiling + floor
         wide = s.mount_diameter + 2 * s.wall  # no head: it stands beside what hangs under the frame
         post = spacer(
             name,
@@ -335,7 +344,9 @@ def _moved(error: DesignError, layout: Layout, screws: Collection[str]) -> Desig
 
 def _sleeve(layout: Layout, name: str, sleeve: Sleeve) -> tuple[Part, Mount]:
     """What joins the shaft that drives to another machine's over it."""
-    s, press, (low, middle) = layout.sizes, layout.fits.press_clearance, layout.line
+    s = layout.sizes
+    press = layout.fits.press_clearance
+    low, middle = layout.line
     rim = circle(0j, max(s.shaft_diameter, sleeve.diameter) / 2 + s.head + s.wall)
     bores = (
         d_bore(s.shaft_diameter + press, s.shaft_flat),
@@ -417,10 +428,12 @@ def steps(layout: Layout) -> list[str]:
 
 def motor_holes(layout: Layout) -> list[tuple[complex, float]]:
     """Holes of the plate for the motor's boss and for the heads of its screws, centre and radius, mm; none without one."""
-    face, point = layout.sizes.face, layout.shaft_of(layout.driven)
+    face = layout.sizes.face
+    point = layout.shaft_of(layout.driven)
     if face is None:
         return []
-    at, wide = layout.at(GROUND, point), (face.screw.head + HEAD_ROOM) / 2
+    at = layout.at(GROUND, point)
+    wide = (face.screw.head + HEAD_ROOM) / 2
     return [(at, layout.hole(point, GROUND) / 2), *((at + z, wide) for z in face.screws)]
 
 
