@@ -73,21 +73,15 @@ def refuse(layout: Layout) -> None:
         bearing = layout.bearing(point)
         shaft = point in layout.shafts
         if bearing is None:
-            sold = ", ".join(
-                f"{bore:g}" for bore in sorted({each.bore for each in BEARINGS.values()})
-            )
+            bores = [each.bore for each in BEARINGS.values()]
+            sold = ", ".join(f"{bore:g}" for bore in sorted(set(bores)))
             key = "parts.shaft_diameter" if shaft else "parts.pin_diameter"
             remedy = f"use a bore of the bearings there are: {sold}"
             wanted = layout.turning(point)
             error = DesignError(key, wanted, 0, "mm", f"pin {point}", remedy)
-            near = min(
-                (each.bore for each in BEARINGS.values()), key=lambda bore: abs(bore - wanted)
-            )
-            raise Unmade(
-                error,
-                "the nearest bore",
-                Change(f"{key} = {near:g}", {key.partition(".")[2]: near}),
-            )
+            near = min(bores, key=lambda bore: abs(bore - wanted))
+            change = Change(f"{key} = {near:g}", {key.partition(".")[2]: near})
+            raise Unmade(error, "the nearest bore", change)
         for link in (link for link in layout.pivots[point] if (link == GROUND) == shaft):
             least = bearing.width
             key = "parts.base_thickness"
@@ -97,9 +91,8 @@ def refuse(layout: Layout) -> None:
                 key = f"parts.{link}.thickness"
                 remedy += f", a lip of {lip(layout):g} mm that holds it, and the play over it"
             if layout.thickness(link) < least:
-                error = DesignError(
-                    key, layout.thickness(link), least, "mm", f"pin {point}", remedy
-                )
+                thickness = layout.thickness(link)
+                error = DesignError(key, thickness, least, "mm", f"pin {point}", remedy)
                 size = {"base_thickness": least} if shaft else {link: {"thickness": least}}
                 raise Unmade(error, "a thicker one", Change(f"{key} = {least:g}", size))
 
@@ -148,21 +141,19 @@ def pin(layout: Layout, point: str, stub: Stub) -> Iterator[Placed]:
             yield made, Mount(made.name, body, at, z=bottom)
         case "dowel":
             steel, cap = _dowel(layout, grip, point)
-            yield steel, Mount("pin", body, at, z=bottom - (play + steel.thickness - grip) * hung)
-            yield (
-                cap,
-                Mount("cap", body, at, z=bottom - play - cap.thickness if hung else bottom + grip),
-            )
+            low = bottom - (play + steel.thickness - grip) * hung
+            yield steel, Mount("pin", body, at, z=low)
+            low = bottom - play - cap.thickness if hung else bottom + grip
+            yield cap, Mount("cap", body, at, z=low)
         case "shoulder":
             yield from _shoulder(layout, grip, point, body, bottom)
         case _:
             wide = s.pin_diameter + 2 * s.head
             notes = ["pressed and glued in"]
             bearing = layout.bearing(point)
-            if (
-                bearing is not None
-            ):  # its head reaches down to the inner ring, which lies a play below the link's upper side
-                grip = grip - play
+            if bearing is not None:
+                # its head reaches down to the inner ring, which lies a play below the link's upper side
+                grip -= play
                 wide = bearing.shoulder
                 notes.append(f"its head bears on the inner ring of the {bearing.name} alone")
             made = headed("pin", "Pin", s.pin_diameter, grip, wide, s.head)
@@ -184,19 +175,14 @@ def _between(layout: Layout, point: str, stub: Stub) -> Placed:
         how = _made_of(layout, point)
         return replace(whole_pin, notes=notes, role="pin", made=how), mount
     length = dowel(s.pin_diameter, whole)
-    if length < whole - s.base_thickness / 2:
-        raise _as_printed(
-            point,
-            DesignError(
-                "length of the dowel",
-                length,
-                whole - s.base_thickness / 2,
-                "mm",
-                f"pin {point}",
-                "change parts.thickness or parts.base_thickness",
-                _unsold(s.pin_diameter, whole - s.base_thickness / 2, whole, point),
-            ),
-        )
+    least = whole - s.base_thickness / 2
+    if length < least:
+        remedy = "change parts.thickness or parts.base_thickness"
+        said = _unsold(s.pin_diameter, least, whole, point)
+        quantity = "length of the dowel"
+        where = f"pin {point}"
+        error = DesignError(quantity, length, least, "mm", where, remedy, said)
+        raise _as_printed(point, error)
     notes = (
         f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued into both plates",
     )
@@ -206,15 +192,12 @@ def _between(layout: Layout, point: str, stub: Stub) -> Placed:
 
 def _as_printed(point: str, error: DesignError, kind: str = "printed") -> Unmade:
     """An error of a pin that is bought, which a pin of another kind may mend."""
-    return Unmade(
-        error,
-        f"a pin that is {kind}",
-        Change(f'parts.pins.{point} = "{kind}"', {"pins": {point: kind}}),
-    )
+    change = Change(f'parts.pins.{point} = "{kind}"', {"pins": {point: kind}})
+    return Unmade(error, f"a pin that is {kind}", change)
 
 
 def _unsold(diameter: float, least: float, most: float, point: str) -> str:
-    """That no dowel of a diameter is sold which is at least and at most so long, mm, and why."""
+    """Sentence that no dowel of a diameter is sold which is at least and at most so long, mm, and why."""
     shortest, longest = DOWELS[diameter]
     if longest < least:
         return f"the longest dowel of {diameter:g} mm is {longest:g} mm, {least:.4g} mm are needed at pin {point}"
@@ -231,9 +214,8 @@ def _dowel(layout: Layout, grip: float, point: str) -> tuple[Part, Part]:
         remedy = f"change {s.thick_key} or parts.pin_diameter"
         remedy += ": thin dowels are sold shorter" if s.of_sheet else ""
         said = _unsold(s.pin_diameter, least, most, point)
-        error = DesignError(
-            "length of the dowel", length, least, "mm", f"pin {point}", remedy, said
-        )
+        quantity = "length of the dowel"
+        error = DesignError(quantity, length, least, "mm", f"pin {point}", remedy, said)
         raise error if s.of_sheet else _as_printed(point, error)
     out = round(length - grip - s.thickness, 2)
     over = f", stands {out:g} mm out of its cap" if out > 0 else ""
@@ -241,40 +223,31 @@ def _dowel(layout: Layout, grip: float, point: str) -> tuple[Part, Part]:
     steel = rod("pin", "Pin", s.pin_diameter, length)
     hole = s.pin_diameter + layout.fits.press_clearance
     wide = s.pin_diameter + 2 * s.head
-    cap = spacer(
-        "cap",
-        "Cap of a pin",
-        hole,
-        wide,
-        s.thickness if s.of_sheet else length - grip,
-        layout.min_wall,
-    )
+    thickness = s.thickness if s.of_sheet else length - grip
+    cap = spacer("cap", "Cap of a pin", hole, wide, thickness, layout.min_wall)
     steel = replace(steel, notes=notes, made="bought", role="pin")
     return steel, replace(cap, role="cap")
 
 
 def _dowel_length(layout: Layout, grip: float) -> tuple[float, float, float]:
-    """Length of the dowel through so much, the least that holds its cap, and the most, mm: as thick a cap is printed as it is
-    long, one of sheet is filled by three quarters, or by the next longer one, which stands out by less than another sheet."""
+    """Length of the dowel through so much, the least that holds its cap, and the most, mm.
+
+    As thick a cap is printed as it is long, one of sheet is filled by three quarters, or by the next longer one, which stands
+    out by less than another sheet.
+    """
     s = layout.sizes
-    if not s.of_sheet:
-        return (
-            dowel(s.pin_diameter, grip + s.thickness),
-            grip + max(layout.min_wall, s.head / 2),
-            grip + s.thickness,
-        )
-    least = grip + _HELD * s.thickness
     length = dowel(s.pin_diameter, grip + s.thickness)
-    return (
-        length if length >= least else next_dowel(s.pin_diameter, least),
-        least,
-        grip + 2 * s.thickness,
-    )
+    if not s.of_sheet:
+        return length, grip + max(layout.min_wall, s.head / 2), grip + s.thickness
+    least = grip + _HELD * s.thickness
+    if length < least:
+        length = next_dowel(s.pin_diameter, least)
+    return length, least, grip + 2 * s.thickness
 
 
 def tall(layout: Layout) -> frozenset[str]:
     """Points whose dowel stands out of its cap beyond the levels that are kept free for that."""
-    found = set()
+    points = set()
     play = layout.fits.slide_clearance
     for point in layout.pivots.keys() - layout.carried.keys() - layout.under_plate:
         if layout.kind(point) != "dowel" or layout.between_plates(point):
@@ -287,8 +260,8 @@ def tall(layout: Layout) -> frozenset[str]:
         room = levels * (layout.sizes.thickness + play)
         room += under - layout.floor(low) if point in layout.hung else layout.top(high) - top
         if beyond > room + 1e-9:
-            found.add(point)
-    return frozenset(found)
+            points.add(point)
+    return frozenset(points)
 
 
 def _shoulder(
@@ -347,19 +320,12 @@ def _shoulder(
     yield made, Mount("nut", body, at, z=bottom - screw.nut)
     if length - grip >= s.head / 2:  # what is thinner is play
         wide = screw.diameter + 2 * s.head
-        fill = spacer(
-            "spacer",
-            "Spacer",
-            screw.diameter + layout.fits.slide_clearance,
-            wide,
-            length - grip,
-            layout.min_wall,
-        )
+        hole = screw.diameter + layout.fits.slide_clearance
+        fill = spacer("spacer", "Spacer", hole, wide, length - grip, layout.min_wall)
         fill = replace(fill, role="spacer")
-        yield (
-            replace(fill, made="bought", notes=("washers",)) if s.of_sheet else fill,
-            Mount("spacer", body, at, z=bottom + grip),
-        )
+        if s.of_sheet:
+            fill = replace(fill, made="bought", notes=("washers",))
+        yield fill, Mount("spacer", body, at, z=bottom + grip)
 
 
 def bearings(layout: Layout, point: str) -> Iterator[Placed]:
