@@ -56,7 +56,7 @@ class IncludedMachine:
     module: Module
     mechanism: Mechanism  # of its own spec
     assembly: Assembly  # as it stands in the whole
-    stand: Stand | None = None  # of its frame, on the second plate; None where it stands by itself
+    stand: Stand | None  # of its frame, on the second plate; None where it stands by itself
 
 
 # ---- what they are ---------------------------------------------------------------------------------------------------

@@ -30,7 +30,7 @@ from camgen.machine.run import Run, solve
 from camgen.machines.free_play import ANGLES, of_pins, pins_alone
 from camgen.machines.loads.applied import efforts
 from camgen.machines.loads.rubbing import with_friction
-from camgen.machines.loads.tables import Bears, Weight
+from camgen.machines.loads.tables import LimitsTable, Weight
 from camgen.machines.loads.weights import with_gravity, with_masses
 from camgen.parts.assembly import Assembly, Cycle, Process, tips
 from camgen.parts.catalogue import DENSITY
@@ -106,7 +106,7 @@ class Mechanism(Spec, ABC):
         """What is made of it, as data; DesignError where it cannot be."""
 
     def _assembly(
-        self, parts: Sequence[Part], mounts: Sequence[Mount] = (), features: Sequence[Feature] = ()
+        self, parts: Sequence[Part], mounts: Sequence[Mount], features: Sequence[Feature] = ()
     ) -> Assembly:
         """These parts as a machine: pins as bearings, tips that are not made in the way of others."""
         cams = any(isinstance(each, CamOutline) for each in features)
@@ -132,7 +132,7 @@ class Mechanism(Spec, ABC):
     def _material_limits(self) -> MaterialLimits:
         """What the spec says of its materials, and the table with the sizes of its pins."""
         allowed = getattr(self, "allowed", None)
-        given = allowed if isinstance(allowed, Bears) else Bears()
+        given = allowed if isinstance(allowed, LimitsTable) else LimitsTable()
         return given.of_parts("parts", getattr(self, "making", None))
 
     @property

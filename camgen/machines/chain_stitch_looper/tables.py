@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from camgen.machines.loads.tables import Bears, Drives
+from camgen.machines.loads.tables import Drives, LimitsTable
 from camgen.motion.segments import LawChoice, SegmentTable
 from camgen.spec import Length, MinWall, Record, Rpm, quantity, turning
 
@@ -99,7 +99,7 @@ class StitchMotor(Drives):
     )
 
 
-class StitchLimits(Bears):
+class StitchLimits(LimitsTable):
     """What the designer accepts; a finding fails beyond it."""
 
     loop_angle_deg: Annotated[float, quantity("deg", ge=0, le=90)] = Field(

@@ -50,7 +50,7 @@ from camgen.machines.disc_cam.tables import (
 )
 from camgen.machines.disc_cam.walls import walls
 from camgen.machines.free_play import between
-from camgen.machines.loads.tables import CamBears
+from camgen.machines.loads.tables import CamLimitsTable
 from camgen.machines.loads.weights import gravity
 from camgen.machines.pairs import air_faults, still_faults
 from camgen.machines.template import Template, in_bodies
@@ -304,7 +304,7 @@ class DiscCamDrive(CamTables, Template):
         if self.load is not None:
             cam |= self.load.model_dump(include={"damping", "resistance", "polydyne"})
             found["masses"] = self.load.of_follower()
-        bears = self.allowed.model_dump(include={*CamBears.model_fields, "min_wall"})
+        bears = self.allowed.model_dump(include={*CamLimitsTable.model_fields, "min_wall"})
         own = {f"{key}{suffix}": getattr(self.allowed, key) for key in ("undercut", "lash")}
         return {
             "points": {name: (z.real, z.imag) for name, z in points.items()},

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from camgen.machines.loads.tables import CamBears, Drives, Weight
+from camgen.machines.loads.tables import CamLimitsTable, Drives, Weight
 from camgen.machines.pairs import Air
 from camgen.motion.polydyne import Lag
 from camgen.spec import Coordinate, Length, MinWall, Record, Rpm, quantity, turning
@@ -71,7 +71,7 @@ class DiscCamMotor(Drives):
     )
 
 
-class DiscCamLimits(CamBears):
+class DiscCamLimits(CamLimitsTable):
     """What the designer accepts; a finding fails beyond it."""
 
     undercut: Annotated[float, quantity("mm or deg", ge=0, le=1e6)] = Field(

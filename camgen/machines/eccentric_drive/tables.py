@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator
 
-from camgen.machines.loads.tables import Bears, Drives
+from camgen.machines.loads.tables import Drives, LimitsTable
 from camgen.parts.catalogue import CORE_HOLES
 from camgen.parts.generator import sizes
 from camgen.spec import Coordinate, Length, Mass, MinWall, Record, Rpm, quantity, turning
@@ -140,7 +140,7 @@ class Masses(Record):
         return {"rod": rod, "slider": {"mass_g": self.slider_g}}
 
 
-class EccentricLimits(Bears):
+class EccentricLimits(LimitsTable):
     """What the designer accepts; a finding fails beyond it."""
 
     transmission_angle_deg: Annotated[float, quantity("deg", gt=0, lt=90)] = Field(

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from camgen.errors import Fault, SpecError
-from camgen.machines.loads.tables import Direction, Drives, Positive, SwingingCamBears, Weight
+from camgen.machines.loads.tables import Direction, Drives, Positive, SwingingCamLimitsTable, Weight
 from camgen.machines.pairs import Air
 from camgen.motion.program import Segment
 from camgen.motion.segments import MATCHED, NamedLaw, backwards, law_of, turning_rows
@@ -260,7 +260,7 @@ class IndexingParts(ShaftHole):
     wall: Length = Field(default=4.0, description="wall that windows keep")
 
 
-class IndexingLimits(SwingingCamBears):
+class IndexingLimits(SwingingCamLimitsTable):
     """What the designer accepts; a finding fails beyond it."""
 
     lash_deg: Annotated[float, quantity("deg", ge=0, le=180)] = Field(

@@ -20,31 +20,23 @@ MOST_LINKS = 60  # they close together: the time grows with the cube of their nu
 def drawing_faults(drawing: Drawing) -> list[Fault]:
     """Names that are not there, points on no link, lengths between points of no link, links that nothing holds."""
     if not drawing.points:
-        return [
-            Fault(("points",), "an empty table", "the points of the drawing, such as O = [0, 0]")
-        ]
-    found = [
+        right = "the points of the drawing, such as O = [0, 0]"
+        return [Fault(("points",), "an empty table", right)]
+    faults = [
         *_link_faults(drawing),
         *_length_faults(drawing),
         *_joint_faults(drawing),
         *_output_faults(drawing),
     ]
-    return found or _shape_faults(drawing)
+    return faults or list(_shape_faults(drawing))
 
 
 def _link_faults(drawing: Drawing) -> Iterable[Fault]:
     if GROUND not in drawing.links:
-        near = next(
-            (
-                name
-                for name in drawing.links
-                if name.lower() in ("ground", "frame", "base", "fixed")
-            ),
-            None,
-        )
-        yield Fault(
-            ("links", "ground"), "", "missing: the link that stands still, by its points", near
-        )
+        usual = ("ground", "frame", "base", "fixed")
+        near = next((name for name in drawing.links if name.lower() in usual), None)
+        right = "missing: the link that stands still, by its points"
+        yield Fault(("links", "ground"), "", right, near)
     if len(drawing.links) > MOST_LINKS:
         right = f"at most {MOST_LINKS}, more would take many minutes: part the machine, and join it by [[include]]"
         yield Fault(("links",), f"{len(drawing.links)} links", right)
@@ -53,6 +45,15 @@ def _link_faults(drawing: Drawing) -> Iterable[Fault]:
         if seen.setdefault(name.lower(), name) != name:
             right = f"another name: {seen[name.lower()]} differs in its capitals alone, and so would their files"
             yield Fault(("links", name), "", right)
+    yield from _point_faults(drawing)
+    for name in drawing.links:
+        if name != GROUND and not _meets_another(drawing, name):
+            right = "nothing holds it: let it share a point with another link, or slide"
+            yield Fault(("links", name), "", right)
+
+
+def _point_faults(drawing: Drawing) -> Iterable[Fault]:
+    """Points that are not there, twice on a link, or on none."""
     for name, points in drawing.links.items():
         for k, point in enumerate(points):
             if point not in drawing.points:
@@ -63,13 +64,9 @@ def _link_faults(drawing: Drawing) -> Iterable[Fault]:
     for point in drawing.points:
         if point not in used:
             yield Fault(("points", point), "", "is on no link: name it in [links], or take it away")
-    for name in drawing.links:
-        if name != GROUND and not _joined(drawing, name):
-            right = "nothing holds it: let it share a point with another link, or slide"
-            yield Fault(("links", name), "", right)
 
 
-def _joined(drawing: Drawing, name: str) -> bool:
+def _meets_another(drawing: Drawing, name: str) -> bool:
     """Whether a link shares a point with another one, slides, or has part in a slot."""
     points = drawing.links[name]
     others = {point for other, points in drawing.links.items() if other != name for point in points}
@@ -83,26 +80,24 @@ def _joined(drawing: Drawing, name: str) -> bool:
 def _length_faults(drawing: Drawing) -> Iterable[Fault]:
     seen: dict[frozenset[str], str] = {}
     for key in drawing.lengths:
+        path = ("lengths", key)
         names = t.pair(key)
         if names is None:
-            yield Fault(("lengths", key), "", 'two points of one link, such as "A-B"')
+            yield Fault(path, "", 'two points of one link, such as "A-B"')
             continue
-        wrong = [point for point in names if point not in drawing.points]
-        for point in wrong:
-            yield unknown(("lengths", key), point, drawing.points)
-        if wrong:
+        lost = [point for point in names if point not in drawing.points]
+        if lost:
+            yield from (unknown(path, point, drawing.points) for point in lost)
             continue
-        if names[0] == names[1]:
-            yield Fault(("lengths", key), "", "two different points")
-        elif not any(set(names) <= set(points) for points in drawing.links.values()):
-            yield Fault(
-                ("lengths", key),
-                "",
-                f"two points of one link: no link carries both {names[0]} and {names[1]}",
-            )
-        elif frozenset(names) in seen:
-            yield Fault(("lengths", key), "", f"given twice: also as {seen[frozenset(names)]}")
-        seen[frozenset(names)] = key
+        pair = frozenset(names)
+        a, b = names
+        if a == b:
+            yield Fault(path, "", "two different points")
+        elif not any(pair.issubset(points) for points in drawing.links.values()):
+            yield Fault(path, "", f"two points of one link: no link carries both {a} and {b}")
+        elif pair in seen:
+            yield Fault(path, "", f"given twice: also as {seen[pair]}")
+        seen[pair] = key
 
 
 def _joint_faults(drawing: Drawing) -> Iterable[Fault]:
@@ -213,70 +208,26 @@ def _gear_faults(drawing: Drawing, path: Key, gear: t.Gear) -> Iterable[Fault]:
 def _cam_faults(drawing: Drawing, path: Key, cam: t.Cam) -> list[Fault]:
     faults = _link_fault(drawing, (*path, "cam"), cam.cam)
     if not faults and drawing.pivot(cam.cam) is None:
-        faults.append(
-            Fault(
-                (*path, "cam"),
-                repr(cam.cam),
-                "a link that shares a point with the ground: it turns there",
-            )
-        )
-    wrong_follower = _link_fault(drawing, (*path, "follower"), cam.follower)
-    if wrong_follower:
-        return [*faults, *wrong_follower]
-    if cam.follower == cam.cam:
-        return [
-            *faults,
-            Fault(
-                (*path, "follower"), repr(cam.follower), "another link: a cam does not move itself"
-            ),
-        ]
+        right = "a link that shares a point with the ground: it turns there"
+        faults = [Fault((*path, "cam"), repr(cam.cam), right)]
+    follower = (*path, "follower")
+    strange = _link_fault(drawing, follower, cam.follower)
+    if not strange and cam.follower == cam.cam:
+        right = "another link: a cam does not move itself"
+        strange = [Fault(follower, repr(cam.follower), right)]
+    if strange:
+        return [*faults, *strange]
     slide = drawing.slide_of(cam.follower)
     if drawing.pivot(cam.follower) is None and (slide is None or slide.on != GROUND):
-        faults.append(
-            Fault(
-                (*path, "follower"),
-                repr(cam.follower),
-                "a link that is pinned to the ground or slides on it",
-            )
-        )
-    if cam.at not in drawing.links[cam.follower]:
-        faults.append(
-            Fault(
-                (*path, "at"),
-                repr(cam.at),
-                f"a point of {cam.follower}: {', '.join(drawing.links[cam.follower])}",
-            )
-        )
-    if (cam.shape == "roller") != (cam.radius is not None):
-        fits = (
-            "the roller's radius"
-            if cam.shape == "roller"
-            else f"nothing here: a {cam.shape} has none"
-        )
-        faults.append(Fault((*path, "radius"), "", fits))
-    if cam.face_width is not None and cam.shape != "flat":
-        faults.append(
-            Fault(
-                (*path, "face_width"),
-                f"{cam.face_width:g}",
-                f"nothing here: a {cam.shape} has no face",
-            )
-        )
-    faults += _follower_faults(drawing, path, cam, slide is not None)
-    faults += air_faults((*path, "tip_clearance"), cam.tip_clearance, cam.closure, cam.radius)
-    wrong, right = (
-        (("lift_deg", "to_deg"), ("lift", "to"))
-        if slide
-        else (("lift", "to"), ("lift_deg", "to_deg"))
-    )
-    way = "slides" if slide else "swings"
-    for k, segment in enumerate(cam.segment):
-        for one, other in zip(wrong, right, strict=True):
-            if getattr(segment, one) is not None:
-                faults.append(
-                    Fault((*path, "segment", k, one), "", f"{other}: {cam.follower} {way}")
-                )
-    faults += still_faults((*path, "segment"), [segment.kind for segment in cam.segment])
+        right = "a link that is pinned to the ground or slides on it"
+        faults.append(Fault(follower, repr(cam.follower), right))
+    slides = slide is not None
+    faults += [
+        *_tip_faults(drawing, path, cam),
+        *_follower_faults(drawing, path, cam, slides),
+        *air_faults((*path, "tip_clearance"), cam.tip_clearance, cam.closure, cam.radius),
+        *_segment_faults((*path, "segment"), cam, slides),
+    ]
     if not faults:
         faults += _polydyne_faults(drawing, path, cam) if cam.polydyne else []
         try:
@@ -286,57 +237,78 @@ def _cam_faults(drawing: Drawing, path: Key, cam: t.Cam) -> list[Fault]:
     return faults
 
 
-def _follower_faults(drawing: Drawing, path: Key, cam: t.Cam, slides: bool) -> list[Fault]:
+def _tip_faults(drawing: Drawing, path: Key, cam: t.Cam) -> Iterable[Fault]:
+    """Of what touches a cam."""
+    points = drawing.links[cam.follower]
+    if cam.at not in points:
+        right = f"a point of {cam.follower}: {', '.join(points)}"
+        yield Fault((*path, "at"), repr(cam.at), right)
+    rolls = cam.shape == "roller"
+    if rolls != (cam.radius is not None):
+        right = "the roller's radius" if rolls else f"nothing here: a {cam.shape} has none"
+        yield Fault((*path, "radius"), "", right)
+    if cam.face_width is not None and cam.shape != "flat":
+        right = f"nothing here: a {cam.shape} has no face"
+        yield Fault((*path, "face_width"), f"{cam.face_width:g}", right)
+
+
+def _segment_faults(path: Key, cam: t.Cam, slides: bool) -> Iterable[Fault]:
+    """Of the segments of a cam's program."""
+    keys = {"lift": "lift_deg", "to": "to_deg"}
+    if slides:
+        keys = {angle: way for way, angle in keys.items()}
+    moves = "slides" if slides else "swings"
+    for k, segment in enumerate(cam.segment):
+        for key, other in keys.items():
+            if getattr(segment, key) is not None:
+                yield Fault((*path, k, key), "", f"{other}: {cam.follower} {moves}")
+    yield from still_faults(path, [segment.kind for segment in cam.segment])
+
+
+def _follower_faults(drawing: Drawing, path: Key, cam: t.Cam, slides: bool) -> Iterable[Fault]:
     """Of what holds and loads a follower."""
-    faults = []
     if cam.face_offset and (slides or cam.shape != "flat"):
-        what = "nothing here: where the face of a follower that swings lies"
-        faults.append(Fault((*path, "face_offset"), f"{cam.face_offset:g}", what))
-    if cam.spring is not None and cam.closure != "force":
-        what = 'nothing here: only closure "force" has a spring'
-        faults.append(Fault((*path, "spring"), "", what))
-    taken = [*drawing.points, *drawing.links]
-    if cam.spring is not None:
-        _, post, hook = drawing.returns[drawing.cam_name(cam)]
-        own = [post] if cam.shape == "roller" else [post, hook]
-        what = "another name: the return spring of a cam has it"
-        faults += [Fault(("points", name), "", what) for name in own if name in taken]
-    return faults
+        right = "nothing here: where the face of a follower that swings lies"
+        yield Fault((*path, "face_offset"), f"{cam.face_offset:g}", right)
+    if cam.spring is None:
+        return
+    if cam.closure != "force":
+        right = 'nothing here: only closure "force" has a spring'
+        yield Fault((*path, "spring"), "", right)
+    _, post, hook = drawing.returns[drawing.cam_name(cam)]
+    for name in [post] if cam.shape == "roller" else [post, hook]:
+        if name in drawing.points or name in drawing.links:
+            right = "another name: the return spring of a cam has it"
+            yield Fault(("points", name), "", right)
 
 
-def _polydyne_faults(drawing: Drawing, path: Key, cam: t.Cam) -> list[Fault]:
+def _polydyne_faults(drawing: Drawing, path: Key, cam: t.Cam) -> Iterable[Fault]:
     """What a correction for the follower's elasticity lacks."""
-    faults = []
     if drawing.stiffness is None:
-        faults.append(
-            Fault(("load", "stiffness"), "", "missing: a cam with polydyne corrects for it")
-        )
+        right = "missing: a cam with polydyne corrects for it"
+        yield Fault(("load", "stiffness"), "", right)
     known = all(point in drawing.points for point in drawing.links[cam.follower])
     if known and not drawing.inertia_of(cam):
-        what = f"mass_g of what slides, or inertia_kg_m2 of what swings: what moves behind the stiffness of cam {drawing.cam_name(cam)}"
-        faults.append(Fault(("masses", cam.follower), "", what))
+        right = f"mass_g of what slides, or inertia_kg_m2 of what swings: what moves behind the stiffness of cam {drawing.cam_name(cam)}"
+        yield Fault(("masses", cam.follower), "", right)
     if cam.spring is not None and not cam.spring.rate:
-        what = "above 0 with polydyne: it corrects for the spring, which is else found by the cam"
-        faults.append(Fault((*path, "spring", "rate"), "0", what))
+        right = "above 0 with polydyne: it corrects for the spring, which is else found by the cam"
+        yield Fault((*path, "spring", "rate"), "0", right)
+    polydyne = (*path, "polydyne")
     if drawing.turns_of(cam.cam) is None or drawing.drive.segments or drawing.drive.range_deg:
-        what = "false: a corrected cam turns evenly, with the drive or by gears"
-        faults.append(Fault((*path, "polydyne"), "true", what))
+        right = "false: a corrected cam turns evenly, with the drive or by gears"
+        yield Fault(polydyne, "true", right)
     if not drawing.moves_alone(cam.follower):
-        what = (
+        right = (
             f"false: more than {cam.follower} moves with this cam, so its inertia is not constant"
         )
-        faults.append(Fault((*path, "polydyne"), "true", what))
+        yield Fault(polydyne, "true", right)
     try:
         segments = drawing.given(cam, path).segments
     except SpecError:  # said of the program
-        return faults
-    return [
-        *faults,
-        *(
-            Fault((*path, "segment", k, "law"), repr(segments[k].law.name), NEEDED)
-            for k in rough(segments)
-        ),
-    ]
+        return
+    for k in rough(segments):
+        yield Fault((*path, "segment", k, "law"), repr(segments[k].law.name), NEEDED)
 
 
 def _output_faults(drawing: Drawing) -> Iterable[Fault]:
@@ -353,11 +325,10 @@ def _output_faults(drawing: Drawing) -> Iterable[Fault]:
         if output.name in [other.name for other in drawing.outputs[:k]]:
             yield Fault(("output", k, "name"), repr(output.name), "a name of its own")
         yield from _target_faults(drawing, ("output", k), output)
+    moving = [link for link in drawing.links if link != GROUND]
     for name in drawing.masses:
-        if name not in drawing.links or name == GROUND:
-            yield unknown(
-                ("masses", name), name, [link for link in drawing.links if link != GROUND]
-            )
+        if name not in moving:
+            yield unknown(("masses", name), name, moving)
 
 
 def _thread_faults(drawing: Drawing, path: Key, thread: Sequence[str]) -> Iterable[Fault]:
@@ -378,24 +349,14 @@ def _thread_faults(drawing: Drawing, path: Key, thread: Sequence[str]) -> Iterab
 
 
 def _target_faults(drawing: Drawing, path: Key, output: t.Wanted) -> Iterable[Fault]:
-    of_a_link = [
-        key
-        for key in ("points", "path", "straightness")
-        if output.point is None and getattr(output, key)
-    ]
-    of_a_point = [
-        key
-        for key in ("dwell", "time_ratio", "function")
-        if output.point is not None and getattr(output, key)
-    ]
-    yield from (
-        Fault((*path, key), "", "nothing here: it is asked of a point's path alone")
-        for key in of_a_link
-    )
-    yield from (
-        Fault((*path, key), "", "nothing here: it is asked of a link or a thread, not of a path")
-        for key in of_a_point
-    )
+    keys: tuple[str, ...] = ("points", "path", "straightness")
+    right = "nothing here: it is asked of a point's path alone"
+    if output.point is not None:
+        keys = ("dwell", "time_ratio", "function")
+        right = "nothing here: it is asked of a link or a thread, not of a path"
+    for key in keys:
+        if getattr(output, key):
+            yield Fault((*path, key), "", right)
     if output.points is not None:
         yield from output.points.faults((*path, "points"))
     if output.straightness is not None:
@@ -403,50 +364,38 @@ def _target_faults(drawing: Drawing, path: Key, output: t.Wanted) -> Iterable[Fa
     if drawing.drive.range_deg is None:
         return
     if output.time_ratio is not None:
-        yield Fault(
-            (*path, "time_ratio"),
-            "",
-            "nothing here: it is asked of a drive that turns all round, without range_deg",
-        )
+        right = "nothing here: it is asked of a drive that turns all round, without range_deg"
+        yield Fault((*path, "time_ratio"), "", right)
     low, high = drawing.drive.range_deg
-    asked = {
+    right = f"angles within drive.range_deg, {low:g} to {high:g}"
+    demands = {
         ("points", "theta_deg"): output.points and output.points.theta_deg,
         ("function", "at"): output.function and [pair[0] for pair in output.function.at],
         ("straightness", "range_deg"): output.straightness and output.straightness.range_deg,
     }
-    for key, angles in asked.items():
+    for where, angles in demands.items():
         if angles and not low <= min(angles) <= max(angles) <= high:
-            yield Fault(
-                (*path, *key),
-                str(list(angles)),
-                f"angles within drive.range_deg, {low:g} to {high:g}",
-            )
+            yield Fault((*path, *where), str(list(angles)), right)
 
 
-def _shape_faults(drawing: Drawing) -> list[Fault]:
+def _shape_faults(drawing: Drawing) -> Iterable[Fault]:
     """Links whose lengths contradict each other, or do not say which way."""
-    faults = []
     for name, points in drawing.links.items():
         lengths = drawing.lengths_of(points)
         drawn = drawing.drawn(points)
-        same = next(
-            (pair for pair in lengths if abs(drawn[pair[0]] - drawn[pair[1]]) < SAME_POINT), None
-        )
-        if same is not None:
-            a, b = (points[k] for k in same)
+        same = [pair for pair in lengths if abs(drawn[pair[0]] - drawn[pair[1]]) < SAME_POINT]
+        if same:
+            a, b = (points[k] for k in same[0])
             right = f"them apart: lengths.{a}-{b} says how far it is from one to the other, the drawing which way"
-            faults.append(Fault(("links", name), f"{a} and {b} are drawn at one place", right))
+            yield Fault(("links", name), f"{a} and {b} are drawn at one place", right)
             continue
         missed = shape(drawn, lengths)[1]
-        if missed > 1e3 * CLOSED * max(lengths.values(), default=1.0) and (
-            told := too_long(points, drawn, lengths)
-        ):
-            faults.append(Fault(("links", name), *told))
-        elif missed > 1e3 * CLOSED * max(lengths.values(), default=1.0):
-            said = ", ".join(
-                f"{points[a]}-{points[b]} = {length:g}" for (a, b), length in lengths.items()
-            )
-            right = f"lengths that can meet: they miss by {missed:.3g} mm (a side of a triangle is at most the sum of "
-            right += "the others; where no length is given the drawn distance counts)"
-            faults.append(Fault(("links", name), said, right))
-    return faults
+        if missed <= 1e3 * CLOSED * max(lengths.values(), default=1.0):
+            continue
+        given = (f"{points[a]}-{points[b]} = {length:g}" for (a, b), length in lengths.items())
+        right = (
+            f"lengths that can meet: they miss by {missed:.3g} mm (a side of a triangle is at most the sum of "
+            "the others; where no length is given the drawn distance counts)"
+        )
+        words = too_long(points, drawn, lengths) or (", ".join(given), right)
+        yield Fault(("links", name), *words)

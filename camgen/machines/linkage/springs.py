@@ -20,7 +20,7 @@ from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.drawing import RETURN, Drawing
 from camgen.machines.return_spring import ReturnSpring
 from camgen.parts.catalogue import Bought
-from camgen.parts.generator.joined import Stretched
+from camgen.parts.generator.joined import StretchedSpring
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.generator.wheels import pivot, tips
 from camgen.parts.springs import EYE, ExtensionSpring, Mounted, extension_spring
@@ -40,9 +40,9 @@ class MountedSpring:
     note: str = ""  # of its line in the list of parts
 
     @property
-    def stretched(self) -> Stretched:
+    def stretched(self) -> StretchedSpring:
         """What it takes up."""
-        return Stretched(*self.ends, self.spring.outside, self.spring.wire)
+        return StretchedSpring(*self.ends, self.spring.outside, self.spring.wire)
 
     @property
     def figure(self) -> str:

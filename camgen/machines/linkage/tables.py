@@ -23,7 +23,7 @@ from camgen.machine.targets import (
     TimeRatio,
     Trace,
 )
-from camgen.machines.loads.tables import CamBears
+from camgen.machines.loads.tables import CamLimitsTable
 from camgen.machines.pairs import Air
 from camgen.motion.program import Program
 from camgen.motion.segments import NamedLaw, SegmentTable, program
@@ -382,7 +382,7 @@ def pair(key: str) -> tuple[str, str] | None:
     return (names[0].strip(), names[1].strip()) if len(names) == 2 and all(names) else None
 
 
-class LinkageLimits(CamBears):
+class LinkageLimits(CamLimitsTable):
     """What the designer accepts; a finding fails beyond it."""
 
     transmission_angle_deg: Annotated[float, quantity("deg", ge=0, lt=90)] = Field(

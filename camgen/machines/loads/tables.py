@@ -92,7 +92,7 @@ class Weight(Record):
     )
 
 
-class Bears(Record):
+class LimitsTable(Record):
     """What the person who makes it knows of its materials; a finding fails beyond it."""
 
     hertz_mpa: Annotated[Positive, quantity("MPa")] | None = Field(
@@ -125,7 +125,7 @@ class Bears(Record):
         )
 
 
-class CamBears(Bears):
+class CamLimitsTable(LimitsTable):
     """What the designer accepts of cams, the same through every spec."""
 
     pressure_angle_deg: Annotated[float, quantity("deg", gt=0, le=90)] | None = Field(
@@ -153,7 +153,7 @@ class CamBears(Bears):
         )
 
 
-class SwingingCamBears(CamBears):
+class SwingingCamLimitsTable(CamLimitsTable):
     """What the designer accepts of cams whose followers all swing."""
 
     undercut_deg: Annotated[float, quantity("deg", ge=0, le=180)] = Field(

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from camgen.machines.loads.tables import Bears, Drives
+from camgen.machines.loads.tables import Drives, LimitsTable
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.hardware import FACETS
 from camgen.spec import Coordinate, Length, MinWall, Print, Record, Rpm, quantity, turning
@@ -130,7 +130,7 @@ class TakeUpParts(Record):
         return Parts.model_validate(found)
 
 
-class TakeUpLimits(Bears):
+class TakeUpLimits(LimitsTable):
     """What the designer accepts; a finding fails beyond it."""
 
     transmission_angle_deg: Annotated[float, quantity("deg", ge=0, lt=90)] = Field(

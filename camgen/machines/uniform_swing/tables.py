@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from camgen.machines.loads.tables import Drives, SwingingCamBears
+from camgen.machines.loads.tables import Drives, SwingingCamLimitsTable
 from camgen.machines.pairs import Air
 from camgen.parts.catalogue import BEARINGS, MOTOR_FACES, Bearing, MotorFace, flange
 from camgen.parts.disc_cams import ShaftHole
@@ -68,7 +68,7 @@ class SwingParts(ShaftHole):
     )
 
 
-class SwingLimits(SwingingCamBears):
+class SwingLimits(SwingingCamLimitsTable):
     """What the designer accepts; a finding fails beyond it."""
 
     lash_deg: Annotated[float, quantity("deg", ge=0, le=180)] = Field(

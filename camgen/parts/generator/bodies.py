@@ -155,15 +155,16 @@ class Bodies:
 
     def bought(self, turning: str) -> list[Bought]:
         """Drive, of a speed for people, and screws."""
-        p, face = self.sizes, self.sizes.face
+        p = self.sizes
+        face = self.sizes.face
         screw = f"{screw_for(p.mount_diameter)}, at most {p.base_thickness:g} into the plate"
         shaft = p.shaft_text
-        motors = (
-            [] if p.hand_crank else [Bought("drive", "", f"{turning}, for a {shaft}", 1, "drive")]
-        )
+        motors = []
+        if not p.hand_crank:
+            motors.append(Bought("drive", "", f"{turning}, for a {shaft}", 1, "drive"))
         if face is not None:
-            known = face.flat or not p.shaft_flat
-            shaft += "" if known else " (that of your motor is to be looked up: shaft_flat)"
+            if p.shaft_flat and not face.flat:
+                shaft += " (that of your motor is to be looked up: shaft_flat)"
             said = f"{turning}, {shaft}, at least {self.shaft_reach:.4g} long from its face"
             motors = fixed_motor("drive", face, said, p.base_thickness - p.pocket)
         covers = len(self.of_role("cover"))
@@ -180,29 +181,24 @@ class Bodies:
     @property
     def stands(self) -> str:
         """On what the plate stands, which is not made, and what turns the shaft."""
+        count = "two" if self.sizes.mount_screws == 2 else "three"
+        screws = f"{count} screws from behind, in the plate's outermost holes, hold it"
+        board = f"a board or frame of yours: {self.layout.fitted.held or screws}."
+        if self.sizes.face is not None:
+            return f"{board} The motor under the plate turns it: leave it room there"
         deep = -min(mount.z for mount in self.mounts)
-        open_ = (
-            f" It is open under the shaft, {deep:.4g} mm deep at least."
-            if deep > 0 and self.sizes.face is None
-            else ""
-        )
+        if deep > 0:
+            board += f" It is open under the shaft, {deep:.4g} mm deep at least."
+        if self.sizes.hand_crank:
+            return f"{board} The hand crank turns it from below"
         flat = self.sizes.shaft_flat
         by = f", by its flat {flat:g} deep" if flat else ""
-        turns = f"what is coupled to the shaft's lower end turns it{by}"
-        turns = "the hand crank turns it from below" if self.sizes.hand_crank else turns
-        turns = (
-            turns
-            if self.sizes.face is None
-            else "the motor under the plate turns it: leave it room there"
-        )
-        count = "two" if self.sizes.mount_screws == 2 else "three"
-        held = f"{count} screws from behind, in the plate's outermost holes, hold it"
-        held = f"a board or frame of yours: {self.layout.fitted.held or held}."
-        return f"{held}{open_} {turns[0].upper()}{turns[1:]}"
+        return f"{board} What is coupled to the shaft's lower end turns it{by}"
 
     def stand_ins(self) -> list[StandIn]:
         """The motor under the plate, and what is fitted."""
-        face, own = self.sizes.face, self.layout.fitted.stand_ins
+        face = self.sizes.face
+        own = self.layout.fitted.stand_ins
         if face is None:
             return [*own]
         at = self.layout.at(GROUND, self.layout.shaft_of(self.layout.driven))
@@ -252,17 +248,15 @@ class Bodies:
         fixed = [
             point
             for point in layout.points_of(link)
-            if point in layout.pivots and layout.pressed_in(point) == link
-            if point not in layout.discs
+            if point in layout.pivots
+            and layout.pressed_in(point) == link
+            and point not in layout.discs
+            and (link != GROUND or layout.in_first(point))
         ]
-        fixed = [point for point in fixed if link != GROUND or layout.in_first(point)]
-        return (
-            [
-                f"{listed('hole', fixed)} for {'a pin' if len(fixed) == 1 else 'pins'} pressed in tight"
-            ]
-            if fixed
-            else []
-        )
+        if not fixed:
+            return []
+        pins = "a pin" if len(fixed) == 1 else "pins"
+        return [f"{listed('hole', fixed)} for {pins} pressed in tight"]
 
     # ---- pins and shafts --------------------------------------------------------------------------------------------
 
@@ -327,10 +321,12 @@ class Bodies:
         for (_, under), (high, _) in (
             pair for stub in stubs(layout, point) for pair in pairwise(stub.held)
         ):
-            height, step = high - under - 2 * play, s.thickness + play
+            height = high - under - 2 * play
+            step = s.thickness + play
             rings = int((height + play) / step + 1e-9) if s.of_sheet else 1  # of sheet one a level
             if height >= min(s.head, s.thickness / 4):  # what is thinner is play
-                hole, wide = layout.turning(point) + play, layout.spacer_diameter(point)
+                hole = layout.turning(point) + play
+                wide = layout.spacer_diameter(point)
                 ring_part = spacer(
                     "spacer",
                     "Spacer",
@@ -417,27 +413,22 @@ class Bodies:
         """What its joints are measured on."""
         return features_of(self.layout, self.of_role("pin", "crank-pin", "shaft"))
 
-    def fitted(self) -> m.Machine:
+    def machine(self) -> m.Machine:
         """The machine with the clearances of its fits, diametral, mm, its slides where their bars are."""
+        layout = self.layout
         joints: list[m.Joint] = []
-        for joint in self.layout.machine.joints:
+        for joint in layout.machine.joints:
             if isinstance(joint, m.Slide):
-                joint = replace(
-                    self.layout.guides[joint.runner.body].joint, clearance=self.fits.slide_clearance
-                )
+                guide = layout.guides[joint.runner.body].joint
+                joint = replace(guide, clearance=self.fits.slide_clearance)
             elif isinstance(joint, m.Pin | m.Slot):
-                point, a, b = point_of(self.layout, joint)
-                joint = replace(
-                    joint, clearance=self.layout.fit(point, a) + self.layout.fit(point, b)
-                )
+                point, a, b = point_of(layout, joint)
+                joint = replace(joint, clearance=layout.fit(point, a) + layout.fit(point, b))
             elif isinstance(joint, m.Cam):
-                joint = with_touches(
-                    joint,
-                    self.layout.tips,
-                    self.layout.at(joint.cam, self.layout.shaft_of(joint.cam)),
-                )
+                shaft = layout.at(joint.cam, layout.shaft_of(joint.cam))
+                joint = with_touches(joint, layout.tips, shaft)
             joints.append(joint)
-        return replace(self.layout.machine, joints=tuple(joints))
+        return replace(layout.machine, joints=tuple(joints))
 
     def solids(self, density: float) -> Solids:
         """Its parts, as masses follow from them; density of what is printed, kg/m^3."""
@@ -445,7 +436,8 @@ class Bodies:
 
     def weighed(self, density: float, given: Collection[str]) -> m.Machine:
         """The fitted machine with the masses of its solids, but for links whose mass is given; density: kg/m^3."""
-        machine, solids = self.fitted(), self.solids(density)
+        machine = self.machine()
+        solids = self.solids(density)
         kept = (GROUND, *given)
         bodies = (b if b.name in kept else solids.body(b) for b in machine.bodies)
         return replace(machine, bodies=tuple(bodies))

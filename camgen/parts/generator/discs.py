@@ -40,7 +40,8 @@ class _Disc(Disc):
 def cam_parts(layout: Layout, tip: Tip) -> Iterator[Placed]:
     """A cam on its link's shaft, and the roller that runs on it."""
     link = tip.joint.cam
-    at, turned = layout.at(link, layout.shaft_of(link)), float(np.angle(tip.turn))
+    at = layout.at(link, layout.shaft_of(link))
+    turned = float(np.angle(tip.turn))
     floor = layout.floor(layout.level[tip.level])
     said = (
         f"drawn at theta = 0, level {layout.level[tip.level]}",
@@ -58,15 +59,19 @@ def cam_parts(layout: Layout, tip: Tip) -> Iterator[Placed]:
         )
     if not tip.rolls:
         return
-    hole, ring = layout.turning(tip.point) + layout.fits.slide_clearance, f"roller-{tip.name}"
-    thick, title = layout.wheel_thickness(link), f"Roller of cam {tip.joint.name}"
+    hole = layout.turning(tip.point) + layout.fits.slide_clearance
+    ring = f"roller-{tip.name}"
+    thick = layout.wheel_thickness(link)
+    title = f"Roller of cam {tip.joint.name}"
     roller = spacer(ring, title, hole, 2 * tip.radius, thick, layout.min_wall)
     yield roller, Mount(ring, tip.joint.follower, layout.at(tip.joint.follower, tip.point), z=floor)
 
 
 def _discs(layout: Layout, tip: Tip) -> Iterator[tuple[Part, float, complex]]:
     """The parts of a cam as drawn at theta = 0, how far the underside of each lies under the level's floor, and where, mm."""
-    s, play, press = layout.sizes, layout.fits.slide_clearance, layout.fits.press_clearance
+    s = layout.sizes
+    play = layout.fits.slide_clearance
+    press = layout.fits.press_clearance
     thick = layout.wheel_thickness(tip.joint.cam)
     made = _Disc(
         turn=float(-np.angle(tip.turn)),
@@ -78,7 +83,8 @@ def _discs(layout: Layout, tip: Tip) -> Iterator[tuple[Part, float, complex]]:
         rim=groove_rim(s),
         back=s.thickness + play,
     )
-    edge, wall = outline(tip), groove_wall(tip, play)
+    edge = outline(tip)
+    wall = groove_wall(tip, play)
     name = f"cam {tip.joint.name}"
     try:
         parts = disc_parts(
@@ -103,7 +109,9 @@ def _discs(layout: Layout, tip: Tip) -> Iterator[tuple[Part, float, complex]]:
 
 def gear_part(layout: Layout, wheel: GearWheel) -> Placed:
     """A gear's wheel on its link's shaft, as drawn at theta = 0."""
-    spur, sizes, press = wheel.spur, layout.sizes, layout.fits.press_clearance
+    spur = wheel.spur
+    sizes = layout.sizes
+    press = layout.fits.press_clearance
     start = float(layout.machine.start_of(wheel.link).angle)
     edge = spur.outline().moved(cmath.exp(1j * wheel.tooth))
     bore = d_bore(sizes.shaft_diameter + press, sizes.shaft_flat).moved(cmath.exp(1j * start))

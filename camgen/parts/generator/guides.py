@@ -40,7 +40,7 @@ class Guide:
     stems: list[tuple[complex, complex]]  # ends of each bar's middle line, in the runner's axes
     rails: list[tuple[complex, complex]]  # of each rail, in the guide's; pairs one after the other
     wing: Discs  # hubs beside the bar
-    covered: bool = False  # whether covers lie on the rails
+    covered: bool  # whether covers lie on the rails
 
     @property
     def pairs(self) -> list[list[tuple[complex, complex]]]:

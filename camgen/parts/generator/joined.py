@@ -38,58 +38,54 @@ GROUND = m.GROUND
 
 
 @dataclass(frozen=True)
-class Stretched:
-    """A spring between a body's point and another's, body and point each; diameter: outside, wire: of it, mm. Pins hold its
-    eyes."""
+class StretchedSpring:
+    """A spring between two points, whose pins hold its eyes."""
 
-    a: tuple[str, str]
+    a: tuple[str, str]  # body and point
     b: tuple[str, str]
-    diameter: float
-    wire: float
+    diameter: float  # mm, outside
+    wire: float  # mm
 
 
 @dataclass(frozen=True)
-class Second:
-    """The plate over all links. cuts: by the point of each pin and shaft that does not go through from plate to plate, the
-    highest level of its stub on the lower one, 0 where all hangs from this one; columns: places of the posts; highest: level
-    that is taken."""
+class SecondPlate:
+    """The plate over all links."""
 
+    # highest level of the lower stub of each pin and shaft that does not go from plate to plate, by its point; 0: all hangs
     cuts: Mapping[str, int]
-    columns: tuple[complex, ...]
-    highest: int
+    columns: tuple[complex, ...]  # places of the posts
+    highest: int  # level that is taken
 
 
 @dataclass(frozen=True)
 class Sleeve:
-    """What joins the upper end of the shaft to another one over it: diameter and flat of that, how far its flat is turned from
-    this one's, rad, and how far the sleeve reaches up on it, mm."""
+    """What joins the upper end of the shaft to another one over it."""
 
-    diameter: float
-    flat: float
-    turn: float
-    up: float
+    diameter: float  # mm, of the other
+    flat: float  # mm, of the other
+    turn: float  # rad, from this one's flat to the other's
+    up: float  # mm, how far the sleeve reaches up on the other
 
 
 @dataclass(frozen=True)
-class Merged:
-    """Another machine on the second plate, as the plate takes it: discs of its frame's outline, its holes, what stands on it
-    (heights over the plate's upper side) and how far the shaft reaches over that side, mm; places on the ground."""
+class MergedFrame:
+    """Another machine's frame as the second plate takes it; mm, places on the ground."""
 
-    discs: tuple[tuple[complex, float], ...]
+    discs: tuple[tuple[complex, float], ...]  # of its outline
     holes: tuple[Contour, ...]
-    above: tuple[Layer, ...]
-    shaft: float
+    above: tuple[Layer, ...]  # what stands on it, heights over the plate's upper side
+    shaft: float  # how far the shaft reaches over that side
 
 
 @dataclass(frozen=True)
 class Stand:
-    """Another machine's frame that stands on the second plate: posts under its screw holes, up to a height, mm."""
+    """Another machine's frame that stands on the second plate."""
 
     name: str
-    places: tuple[complex, ...]
-    high: float
-    sleeve: Sleeve | None = None
-    merged: Merged | None = None
+    places: tuple[complex, ...]  # of its screw holes, under which there are posts
+    high: float  # mm, of the posts' upper ends
+    sleeve: Sleeve | None
+    merged: MergedFrame | None
 
 
 @dataclass(frozen=True)
@@ -107,45 +103,33 @@ class Fitting:
 
 
 @dataclass(frozen=True)
-class Joined:
-    """A machine and the sizes of its parts.
+class Connections:
+    """A machine, the sizes of its parts, and what meets what; lengths mm."""
 
-    drawn: the machine, closed as drawn; driven: link that the drive turns; given: levels that are asked for; min_wall: mm;
-    strokes: least and greatest place along each slot and slide, mm; cams: what touches each; gears: teeth of the first
-    wheel of each, None where they are to be found; stems: how each
-    slide's runner reaches its rails; springs: by their names; sunk: whether the pins of the ground have their heads under
-    the plate, where they turn, and are pressed into their highest link; freewheels: of links that run on another's shaft, which
-    link that is and the one-way clutch; marks: of links, where a hole shows how they stand; carried: points of links that sit
-    on the shaft of another layout; feet: further holes of the plate, and their diameters, mm; hangs: whether these hold it;
-    second: the plate over all, once levels are found; weights: counterweights on shafts; tall: points of dowels that stand out
-    of their caps, for which there is a level more;
-    stands: what else stands on it; kept: discs on the ground that its posts keep clear of, mm; fitting: what makes `fitted` of
-    the layout on its levels.
-    """
-
-    drawn: m.Machine
-    driven: str
+    drawn: m.Machine  # closed as drawn
+    driven: str  # link that the drive turns
     sizes: Parts
     fits: Print
     min_wall: float
-    given: Mapping[str, int]
-    strokes: Mapping[str, tuple[float, float]]
-    cams: Mapping[str, Ridden] = field(default_factory=dict)
-    gears: Mapping[str, int | None] = field(default_factory=dict)
-    stems: Mapping[str, str] = field(default_factory=dict)
-    sunk: bool = False
-    springs: Mapping[str, Stretched] = field(default_factory=dict)
+    given: Mapping[str, int]  # levels that are asked for
+    strokes: Mapping[str, tuple[float, float]]  # least and greatest place along slots and slides
+    cams: Mapping[str, Ridden] = field(default_factory=dict)  # what touches each
+    gears: Mapping[str, int | None] = field(default_factory=dict)  # teeth of the first; None: open
+    stems: Mapping[str, str] = field(default_factory=dict)  # how slides' runners reach their rails
+    sunk: bool = False  # whether the ground's pins turn in the plate, heads under it
+    springs: Mapping[str, StretchedSpring] = field(default_factory=dict)
+    # the link on whose shaft a link runs, and its one-way clutch
     freewheels: Mapping[str, tuple[str, Bearing]] = field(default_factory=dict)
-    marks: Mapping[str, complex] = field(default_factory=dict)
-    carried: Mapping[str, str] = field(default_factory=dict)
-    feet: Sequence[tuple[complex, float]] = ()
-    hangs: bool = False
-    second: Second | None = None
-    weights: Sequence[Wheel] = ()
-    tall: frozenset[str] = frozenset()
-    stands: tuple[Stand, ...] = ()
-    kept: tuple[tuple[complex, float], ...] = ()
-    fitting: Callable[[Any], Fitting] | None = None
+    marks: Mapping[str, complex] = field(default_factory=dict)  # holes that show how links stand
+    carried: Mapping[str, str] = field(default_factory=dict)  # links on another layout's shaft
+    feet: Sequence[tuple[complex, float]] = ()  # further holes of the plate, diameters
+    hangs: bool = False  # whether these hold the plate
+    second: SecondPlate | None = None  # over all, once levels are found
+    weights: Sequence[Wheel] = ()  # counterweights on shafts
+    tall: frozenset[str] = frozenset()  # points of dowels that stand out of their caps by a level
+    stands: tuple[Stand, ...] = ()  # what else stands on the second plate
+    kept: tuple[tuple[complex, float], ...] = ()  # discs on the ground that posts keep clear of
+    fitting: Callable[[Any], Fitting] | None = None  # makes `fitted` of the layout on its levels
     fitted: Fitting = Fitting()
 
     # ---- joints -----------------------------------------------------------------------------------------------------
@@ -211,15 +195,12 @@ class Joined:
     @cached_property
     def slots(self) -> dict[str, m.Slot]:
         """The slot that a point's pin runs in, by the point's name."""
-        found: dict[str, m.Slot] = {}
-        for joint in (joint for joint in self.machine.joints if isinstance(joint, m.Slot)):
-            points = self.machine.body(joint.runner.body).points
-            found[next(name for name, z in points.items() if z == joint.runner.at)] = joint
-        if len(found) < sum(isinstance(joint, m.Slot) for joint in self.machine.joints):
-            raise DesignError(
-                "slots of one pin", 2, 1, "", "[[slot]]", "give each slot a pin of its own"
-            )
-        return found
+        joints = [joint for joint in self.machine.joints if isinstance(joint, m.Slot)]
+        slots = {self._named(joint.runner)[1]: joint for joint in joints}
+        if len(slots) < len(joints):
+            remedy = "give each slot a pin of its own"
+            raise DesignError("slots of one pin", 2, 1, "", "[[slot]]", remedy)
+        return slots
 
     def slotted_link(self, point: str) -> str:
         """The link with the slot in which a point's pin runs, "" where it runs in none."""
@@ -254,20 +235,21 @@ class Joined:
     @cached_property
     def pivots(self) -> dict[str, tuple[str, ...]]:
         """Links at each point with a pin, the ground first and one with a slot last, by the point's name."""
-        bodies, slots = self.bodies.values(), self.slots
-        ridden = {tip.point for tip in self.tips if tip.rolls} | self.hooked | set(self.carried)
-        carriers = {
-            name: [b.name for b in bodies if name in b.points]
-            for body in bodies
-            for name in body.points
-        }
+        slots = self.slots
+        single = {tip.point for tip in self.tips if tip.rolls}.union(
+            self.hooked, self.carried, slots
+        )
+        carriers: dict[str, list[str]] = {}
+        for body in self.bodies.values():
+            for point in body.points:
+                carriers.setdefault(point, []).append(body.name)
         return {
-            name: (
+            point: (
                 *sorted(links, key=lambda link: link != GROUND),
-                *([slots[name].guide.body] if name in slots else ()),
+                *([slots[point].guide.body] if point in slots else ()),
             )
-            for name, links in carriers.items()
-            if len(links) > 1 or name in slots or name in ridden
+            for point, links in carriers.items()
+            if len(links) > 1 or point in single
         }
 
     @cached_property
@@ -278,40 +260,36 @@ class Joined:
     @cached_property
     def alone(self) -> dict[str, str]:
         """Links that are no more than a wheel on their shaft, and the level of that wheel."""
-        carried = {wheel.link: wheel.level for wheel in reversed(self.wheels)}
-        shaped = (link for link in carried if self.sizes.shape(link).hub_diameter)
-        more = {link for link in carried if len(self.bodies[link].points) > 1}.union(shaped)
-        return {link: level for link, level in carried.items() if link not in more}
+        levels = {wheel.link: wheel.level for wheel in reversed(self.wheels)}
+        return {
+            link: level
+            for link, level in levels.items()
+            if len(self.bodies[link].points) <= 1 and not self.sizes.shape(link).hub_diameter
+        }
 
     @cached_property
     def shafts(self) -> dict[str, str]:
         """The link that is fixed on the shaft at a point: the driven one's first."""
-        carriers = dict.fromkeys(
-            [
-                self.driven,
-                *(wheel.link for wheel in self.wheels if wheel.link not in self.freewheels),
-            ]
-        )
-        found = {
-            next(
-                name for name, links in self.pivots.items() if links[0] == GROUND and link in links
-            ): link
-            for link in carriers
+        on_shafts = [wheel.link for wheel in self.wheels if wheel.link not in self.freewheels]
+        grounded = {point: links for point, links in self.pivots.items() if links[0] == GROUND}
+        shafts = {
+            next(point for point, links in grounded.items() if link in links): link
+            for link in dict.fromkeys([self.driven, *on_shafts])
         }
-        return {**found, **self.carried}
+        return {**shafts, **self.carried}
 
     @cached_property
     def riders(self) -> dict[str, list[str]]:
         """Levels of what sits on a pin or shaft beside the links, by the point's name."""
-        found: dict[str, list[str]] = {}
-        for tip in (tip for tip in self.tips if tip.rolls):
-            found.setdefault(tip.point, []).append(tip.level)
-        for wheel in self.wheels:
-            found.setdefault(self.shaft_of(wheel.link), []).append(wheel.level)
-        for name, each in self.springs.items():
-            for _, point in (each.a, each.b):
-                found.setdefault(point, []).append(name)
-        return found
+        pairs = [
+            *((tip.point, tip.level) for tip in self.tips if tip.rolls),
+            *((self.shaft_of(wheel.link), wheel.level) for wheel in self.wheels),
+            *((end[1], name) for name, each in self.springs.items() for end in (each.a, each.b)),
+        ]
+        riders: dict[str, list[str]] = {}
+        for point, level in pairs:
+            riders.setdefault(point, []).append(level)
+        return riders
 
     def shaft_of(self, link: str) -> str:
         """The point of a link's shaft."""
@@ -384,7 +362,8 @@ class Joined:
     @property
     def rim(self) -> float:
         """Width of the material round a hole, mm: where that is just the least wall, so much more as facets may take of it."""
-        wall, least = self.sizes.wall, self.min_wall
+        wall = self.sizes.wall
+        least = self.min_wall
         return max(wall, least + 2 * FACETS) if wall >= least else wall
 
     def on_motor(self, point: str, link: str) -> bool:

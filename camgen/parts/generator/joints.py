@@ -49,11 +49,10 @@ def point_of(layout: Layout, joint: m.Joint) -> tuple[str, str, str]:
         point = next(name for name, slot in layout.slots.items() if slot == joint)
         return point, layout.web_at(joint.runner.body, point), joint.guide.body
     assert isinstance(joint, m.Pin)
-    at = layout.machine.body(joint.a.body).points
-    joined = {
-        point: {layout.carrier(link) for link in links} for point, links in layout.pivots.items()
-    }
-    point = next(n for n, z in at.items() if z == joint.a.at and joint.b.body in joined.get(n, ()))
+    places = layout.machine.body(joint.a.body).points
+    here = [name for name, z in places.items() if z == joint.a.at]
+    links = (map(layout.carrier, layout.pivots.get(name, ())) for name in here)
+    point = next(name for name, on in zip(here, links, strict=True) if joint.b.body in on)
     return point, layout.web_at(joint.a.body, point), layout.web_at(joint.b.body, point)
 
 
@@ -88,37 +87,29 @@ def features_of(layout: Layout, pins: Sequence[Mount]) -> Sequence[Feature]:
         elif isinstance(joint, m.Pin | m.Slot):
             point, a, b = point_of(layout, joint)
             fixed = layout.pressed_in(point)
-            if layout.on_motor(
-                point, GROUND
-            ):  # its boss in the plate, its shaft in the link: the mean counts twice
+            if layout.on_motor(point, GROUND):
+                # its boss in the plate, its shaft in the link: the mean counts twice
                 pin = Eye(None, 0j, (layout.sizes.face.boss + layout.turning(point)) / 2, True)  # type: ignore[union-attr]
             elif point in layout.discs:  # a part of its link
                 found.append(PinEyes(joint.name, _eye(layout, point, a), _eye(layout, point, b)))
                 continue
             else:
-                pin = Eye(
-                    _pin_of(layout, pins, point, fixed, b if a == fixed else a),
-                    0j,
-                    layout.turning(point),
-                    True,
-                )
+                part = _pin_of(layout, pins, point, fixed, b if a == fixed else a)
+                pin = Eye(part, 0j, layout.turning(point), True)
             if isinstance(joint, m.Slot):
                 middle = sum(layout.slots_of(b)[point]) / 2
                 part = SECOND if b == GROUND and layout.in_second(point) else part_name(b)
                 walls = Faces(part, middle, joint.angle, layout.hole(point, b))
                 found.append(SlotFaces(joint.name, walls, _eye(layout, point, a), pin))
             else:
-                held = (layout.bearing_in(point, link) for link in (a, b))
+                bearings = (layout.bearing_in(point, link) for link in (a, b))
                 rings = tuple(
-                    Ring(bearing_name(each), each.bore, each.outside) for each in held if each
+                    Ring(bearing_name(each), each.bore, each.outside) for each in bearings if each
                 )
-                found.append(
-                    PinEyes(
-                        joint.name, _eye(layout, point, a, b), _eye(layout, point, b, a), pin, rings
-                    )
-                )
+                eyes = (_eye(layout, point, a, b), _eye(layout, point, b, a))
+                found.append(PinEyes(joint.name, *eyes, pin, rings))
     for one, other in zip(layout.toothed[0::2], layout.toothed[1::2], strict=True):
-        turns = pivot_of(layout, one.link), pivot_of(layout, other.link)
+        turns = (pivot_of(layout, one.link), pivot_of(layout, other.link))
         found.append(GearTeeth(one.joint.name, one.teeth, other.teeth, turns))
     found += [outline for tip in layout.tips for outline in _outlines(layout, tip)]
     found += [*_keyed(layout), *_steady(layout, pins)]
@@ -128,12 +119,11 @@ def features_of(layout: Layout, pins: Sequence[Mount]) -> Sequence[Feature]:
 
 def _pin_of(layout: Layout, pins: Sequence[Mount], point: str, link: str, beside: str) -> str:
     """The part that is the pin or shaft of a point, fixed in a link, on which another one turns."""
-    body, at = layout.carrier(link), layout.at(link, point)
-    here = [each for each in pins if (each.body, each.at) == (body, at)]
+    place = (layout.carrier(link), layout.at(link, point))
+    here = [each for each in pins if (each.body, each.at) == place]
     floor = layout.floor(layout.level[beside])
-    return max(
-        (each for each in here if each.z <= floor), key=lambda each: each.z, default=here[0]
-    ).part
+    below = (each for each in here if each.z <= floor)
+    return max(below, key=lambda each: each.z, default=here[0]).part
 
 
 def _keyed(layout: Layout) -> Iterator[Keyed]:
@@ -144,43 +134,31 @@ def _keyed(layout: Layout) -> Iterator[Keyed]:
 
 def _steady(layout: Layout, pins: Sequence[Mount]) -> Iterator[Steady]:
     """Pins and shafts that the second plate holds too."""
-    for point in (
-        point
-        for point in layout.points_of(GROUND)
-        if layout.second is not None and layout.in_second(point)
-    ):
-        far, hangs = (
-            Eye(SECOND, layout.at(GROUND, point), layout.far_hole(point)),
-            layout.cut(point) is not None,
-        )
+    for point in layout.points_of(GROUND):
+        if not layout.in_second(point):
+            continue
+        far = Eye(SECOND, layout.at(GROUND, point), layout.far_hole(point))
+        hangs = layout.cut(point) is not None
         if hangs and point not in layout.shafts:
             continue  # it is the joints' own
-        joint = next(
-            (
-                each.name
-                for each in layout.machine.joints
-                if isinstance(each, m.Pin)
-                and point_of(layout, each)[0] == point
-                and GROUND in (each.a.body, each.b.body)
-            ),
-            None,
-        )
-        if joint is None:
+        joints = [
+            each.name
+            for each in layout.machine.joints
+            if isinstance(each, m.Pin)
+            and point_of(layout, each)[0] == point
+            and GROUND in (each.a.body, each.b.body)
+        ]
+        if not joints:
             continue  # a spring's eye sits there
-        web = layout.upper_web
-        part = (
-            f"shaft-{web}"
-            if hangs
-            else _pin_of(layout, pins, point, layout.pressed_in(point), GROUND)
-        )
-        ends = (_eye(layout, point, layout.driven), _eye(layout, point, web)) if hangs else None
-        yield Steady(
-            joint,
-            _eye(layout, point, GROUND),
-            far,
-            Eye(part, 0j, layout.turning(point), True),
-            ends,
-        )
+        ends = None
+        if hangs:
+            web = layout.upper_web
+            part = f"shaft-{web}"
+            ends = (_eye(layout, point, layout.driven), _eye(layout, point, web))
+        else:
+            part = _pin_of(layout, pins, point, layout.pressed_in(point), GROUND)
+        pin = Eye(part, 0j, layout.turning(point), True)
+        yield Steady(joints[0], _eye(layout, point, GROUND), far, pin, ends)
 
 
 def pivot_of(layout: Layout, link: str) -> str:
@@ -201,16 +179,17 @@ def _tip(layout: Layout, tip: Tip) -> Eye | Flat:
     at = layout.at(link, tip.point)
     if tip.shape == "knife":
         return Eye(part_name(link), at, 0.0)
-    (low, high), away = tip.face(), tip.away(float(layout.machine.start_of(link).angle))
+    low, high = tip.face()
+    away = tip.away(float(layout.machine.start_of(link).angle))
     origin = at if tip.joint.slide is not None else pivot(layout.machine, link)[0]
-    return Flat(
-        part_name(link), origin + (low + high) / 2 * 1j * away, cmath.phase(-away), high - low
-    )
+    middle = origin + (low + high) / 2 * 1j * away
+    return Flat(part_name(link), middle, cmath.phase(-away), high - low)
 
 
 def _outlines(layout: Layout, tip: Tip) -> Iterator[CamOutline]:
     """What a roller runs on, first what drives; the hole of its pin is what holds it."""
-    joint, name = tip.joint, f"cam-{tip.name}"
+    joint = tip.joint
+    name = f"cam-{tip.name}"
     driving = CamOutline(
         joint.name,
         f"{name}-inner" if tip.grooved else name,
@@ -226,6 +205,5 @@ def _outlines(layout: Layout, tip: Tip) -> Iterator[CamOutline]:
     yield driving
     if tip.grooved:
         wall = cam_meant(tip.cam, tip.ridden.limits, outer=True)
-        yield replace(
-            driving, part=f"{name}-outer", inside=True, free=layout.fits.slide_clearance, meant=wall
-        )
+        free = layout.fits.slide_clearance
+        yield replace(driving, part=f"{name}-outer", inside=True, free=free, meant=wall)

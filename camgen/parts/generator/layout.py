@@ -19,13 +19,13 @@ from camgen.parts.catalogue import Bearing, narrowest
 from camgen.parts.generator.changes import Change
 from camgen.parts.generator.covers import Cover, cover
 from camgen.parts.generator.guides import COVERED, STEMS, Guide, Rails, Runner, Way, guide
-from camgen.parts.generator.joined import GROUND, Joined, Stretched
+from camgen.parts.generator.joined import GROUND, Connections, StretchedSpring
 from camgen.parts.generator.slotted import SlotHole, one_by_one
 from camgen.parts.generator.wheels import NOSE, Tip, pivot
 from camgen.parts.part import d_bore, hull, with_bar
 from camgen.parts.set_screws import SetScrewHub
 
-__all__ = ["GROUND", "Layout", "Stretched"]
+__all__ = ["GROUND", "Layout", "StretchedSpring"]
 
 _PLAIN = ("printed", "turned", "dowel")  # pins that may stand in the plate, or hang from it
 SLEEVE = 1.5  # diameters of a shaft, how far a sleeve reaches on it at most
@@ -37,7 +37,7 @@ def pivot_name(point: str) -> str:
     return f"pivot-{point}"
 
 
-class Layout(Joined):
+class Layout(Connections):
     """A machine and the sizes of its parts, on their levels."""
 
     def changed(self, change: Change) -> Layout:
@@ -55,44 +55,37 @@ class Layout(Joined):
         """Diameter of what turns at a point, mm."""
         if point in self.discs and self.sizes.discs is not None:
             return self.sizes.discs[point]
-        thin = (
-            self.sizes.shoulder.diameter
-            if self.kind(point) == "shoulder"
-            else self.sizes.pin_diameter
-        )
-        return self.sizes.shaft_diameter if point in self.shafts else thin
+        if point in self.shafts:
+            return self.sizes.shaft_diameter
+        if self.kind(point) == "shoulder":
+            return self.sizes.shoulder.diameter
+        return self.sizes.pin_diameter
 
     def kind(self, point: str) -> str:
-        """The kind of pin of a point; of a shaft "bearing" or "printed"; no bearing in a slot, or under what rides on it;
-        "keyed" of what joins webs, "disc" of one round a shaft."""
+        """The kind of pin of a point: "keyed" of what joins webs, "disc" of one round a shaft.
+
+        Of a shaft "bearing" or "printed"; no bearing in a slot, or under what rides on it.
+        """
         if point in self.discs:
             return "disc"
         if point in self.shafts:
             return "bearing" if self.clutch(point) else self.sizes.pins.get(point, "printed")
         if self.thrown(point):
             return "keyed"
-        found = self.sizes.pins.get(point, self.sizes.pin)
-        return (
-            "printed"
-            if found == "bearing" and (point in self.slots or point in self.riders)
-            else found
-        )
+        kind = self.sizes.pins.get(point, self.sizes.pin)
+        if kind == "bearing" and (point in self.slots or point in self.riders):
+            return "printed"
+        return kind
 
     def bearing(self, point: str) -> Bearing | None:
         """The narrowest ball bearing on the pin of a point, or the clutch of a shaft."""
-        return (
-            (self.clutch(point) or narrowest(self.turning(point)))
-            if self.kind(point) == "bearing"
-            else None
-        )
+        if self.kind(point) != "bearing":
+            return None
+        return self.clutch(point) or narrowest(self.turning(point))
 
     def bearing_in(self, point: str, link: str) -> Bearing | None:
         """The ball bearing in a link's hole at a point."""
-        return (
-            None
-            if self.kind(point) != "bearing" or link == self.pressed_in(point)
-            else self.bearing(point)
-        )
+        return None if link == self.pressed_in(point) else self.bearing(point)
 
     def spacer_diameter(self, point: str) -> float:
         """Of what keeps links apart on a pin or shaft, mm: it lies beside the seat of a bearing."""
@@ -112,8 +105,10 @@ class Layout(Joined):
         return found if screw is None else max(found, screw.head / 2, screw.flats / math.sqrt(3))
 
     def collar(self, point: str) -> SetScrewHub | None:
-        """What a set screw holds on the shaft of a motor at a point, over all that sits there; None where it is no motor's, or
-        nothing asks for it."""
+        """What a set screw holds on the shaft of a motor at a point, over all that sits there.
+
+        None where it is no motor's, or nothing asks for it.
+        """
         if self.sizes.face is None or self.shafts.get(point) != self.driven:
             return None
         return self.sizes.collar(self.fits.press_clearance, self.min_wall)
@@ -136,20 +131,20 @@ class Layout(Joined):
         grounded = {point for point in grounded - self.hooked if point not in self.slots}
         return {point for point in grounded if self.kind(point) in _PLAIN} if self.sunk else set()
 
-    def below(self, spring: Stretched) -> int:
+    def below(self, spring: StretchedSpring) -> int:
         """How many levels a spring takes under its own."""
-        needed = (
-            self._under_eye(spring)
-            + (spring.diameter + spring.wire) / 2
-            + self.fits.slide_clearance
-        )
-        return max(0, math.ceil(needed / (self._least + self.fits.slide_clearance) - 1e-9) - 1)
+        play = self.fits.slide_clearance
+        needed = self._under_eye(spring) + (spring.diameter + spring.wire) / 2 + play
+        return max(0, math.ceil(needed / (self._least + play) - 1e-9) - 1)
 
-    def _under_eye(self, spring: Stretched) -> float:
-        """How far the eyes of a spring lie over the floor of its lowest level, mm: in the middle of its coils, which lie as low
-        as they can without rubbing on what is beneath; of sheet on whole spacers."""
+    def _under_eye(self, spring: StretchedSpring) -> float:
+        """How far the eyes of a spring lie over the floor of its lowest level, mm: in the middle of its coils.
+
+        These lie as low as they can without rubbing on what is beneath; of sheet on whole spacers.
+        """
         air = self.fits.slide_clearance
-        middle, step = (spring.diameter - spring.wire) / 2 + air, self.sizes.thickness + air
+        middle = (spring.diameter - spring.wire) / 2 + air
+        step = self.sizes.thickness + air
         return step * math.ceil(middle / step - 1e-9) if self.sizes.of_sheet else middle
 
     def eye(self, name: str) -> tuple[float, float]:
@@ -166,11 +161,11 @@ class Layout(Joined):
         if len(self.thrown(point)) > 1 or self.on_ground(point):
             return 0, 0
         if self.kind(point) == "shoulder":
-            screw, least = self.sizes.shoulder, self._least
+            screw = self.sizes.shoulder
+            least = self._least
             step = least + self.fits.slide_clearance
-            return math.ceil((screw.height + least / 2) / step), math.ceil(
-                screw.thread_length / step
-            )
+            over = math.ceil((screw.height + least / 2) / step)
+            return over, math.ceil(screw.thread_length / step)
         taken = 1 + (point in self.tall)
         return (0, taken) if point in self.hung else (taken, 0)
 
@@ -205,20 +200,19 @@ class Layout(Joined):
 
     def far_hole(self, point: str) -> float:
         """Diameter of the second plate's hole at a point, mm: shafts turn in it, pins are pressed in."""
-        return self.turning(point) + (
-            self.fits.slide_clearance if point in self.shafts else self.fits.press_clearance
-        )
+        fits = self.fits
+        fit = fits.slide_clearance if point in self.shafts else fits.press_clearance
+        return self.turning(point) + fit
 
     def profile(self, point: str, link: str) -> Contour | None:
         """A link's hole at a point where it has a flat: that of what turns it, or of a web's crank pin; None of a round one."""
-        s, fit = self.sizes, self.fits.press_clearance
+        s = self.sizes
+        fit = self.fits.press_clearance
         if self.shafts.get(point) == link or (link in self.webs and point in self.shafts):
             return d_bore(s.shaft_diameter + fit, s.shaft_flat)
-        return (
-            d_bore(s.pin_diameter + fit, self.key_depth)
-            if link in self.thrown(point) and point not in self.shafts
-            else None
-        )
+        if link in self.thrown(point) and point not in self.shafts:
+            return d_bore(s.pin_diameter + fit, self.key_depth)
+        return None
 
     @property
     def key_depth(self) -> float:
@@ -227,7 +221,8 @@ class Layout(Joined):
 
     def head_room(self, point: str) -> float:
         """Height of the levels that are kept free over a pin's highest link, mm."""
-        over, play = self.beyond(point)[0], self.fits.slide_clearance
+        over = self.beyond(point)[0]
+        play = self.fits.slide_clearance
         return over * (self._least + play) - play
 
     @property
@@ -276,27 +271,22 @@ class Layout(Joined):
             return self.fits.slide_clearance
         if point in self.discs and link == self.pressed_in(point):
             return 0.0  # it is a part of its link
-        held = (
+        fixed = (
             link in self.thrown(point)
             or self.on_motor(point, link)
             or self.kind(point) == "bearing"
+            or link == self.pressed_in(point)
         )
-        fixed = held or link == self.pressed_in(point)
         return self.fits.press_clearance if fixed else self.fits.slide_clearance
 
     def hub(self, point: str, link: str) -> float:
         """Radius of a link's hub, mm, whichever fit its hole gets."""
-        wide = max(self.fits.press_clearance, self.fits.slide_clearance)
-        bare = point in self.pens or point in self.thread_posts
-        bearing = None if bare else self.bearing(point)
-        turning = (
-            bearing.outside
-            if bearing is not None and link not in self._fixing(point)
-            else self.turning(point)
-        )
-        hole = self.sizes.pen_diameter if point in self.pens else turning + wide
-        if self.on_motor(point, link) or point in self.thread_posts:
+        if point in self.pens or point in self.thread_posts or self.on_motor(point, link):
             hole = self.hole(point, link)
+        else:
+            bearing = None if link in self._fixing(point) else self.bearing(point)
+            turning = self.turning(point) if bearing is None else bearing.outside
+            hole = turning + max(self.fits.press_clearance, self.fits.slide_clearance)
         return (self.sizes.shape(link).hub_diameter or hole + 2 * self.rim) / 2
 
     def points_of(self, link: str) -> dict[str, complex]:
@@ -320,7 +310,8 @@ class Layout(Joined):
         found = {}
         for point, joint in self.slots.items():
             if joint.guide.body == link:
-                way, (low, high) = cmath.exp(1j * joint.angle), self.strokes[joint.name]
+                way = cmath.exp(1j * joint.angle)
+                low, high = self.strokes[joint.name]
                 found[point] = (
                     joint.guide.at + (low - _ROOM) * way,
                     joint.guide.at + (high + _ROOM) * way,
@@ -378,16 +369,16 @@ class Layout(Joined):
         return self.sizes.pin_diameter / 2 + self.sizes.wall
 
     def arm(self, tip: Tip) -> tuple[complex, complex, float, float, bool] | None:
-        """The bar with the face or knife of a link that swings: begin and direction of its middle line in the link's axes, half
-        width and length, mm, and whether it is pointed.
+        """The bar with the face or knife of a link that swings.
 
-        None of what slides; DesignError where a face's hub would be in the way.
+        Begin and direction of its middle line in the link's axes, half width and length, mm, and whether it is pointed. None of what slides; DesignError where a face's hub would be in the way.
         """
         if tip.joint.slide is not None:
             return None
         start = float(self.machine.start_of(tip.joint.follower).angle)
         if tip.shape == "knife":
-            away, reach = tip.away(start), NOSE * self._nose
+            away = tip.away(start)
+            reach = NOSE * self._nose
             return (
                 self.at(tip.joint.follower, tip.point) + reach * away,
                 -away,
@@ -395,36 +386,32 @@ class Layout(Joined):
                 reach,
                 True,
             )
-        link, (low, high) = tip.joint.follower, tip.face()
+        link = tip.joint.follower
+        low, high = tip.face()
         hinge = pivot(self.machine, link)[0]
         hub = self.hub(next(name for name, z in self.points_of(link).items() if z == hinge), link)
         near, far = sorted((abs(low), abs(high)))
         if low * high < 0 or near < hub or len(self.points_of(link)) > 1:
-            raise DesignError(
-                "place on the face where it is touched",
-                near,
-                hub,
-                "mm from the hinge",
-                f"cam {tip.joint.name}",
-                "draw the hinge further off, and no other pins on this link: its hub must stay clear of the cam",
-            )
-        facing, half = tip.away(start), 0.4 * hub
+            quantity = "place on the face where it is touched"
+            where = f"cam {tip.joint.name}"
+            remedy = "draw the hinge further off, and no other pins on this link: its hub must stay clear of the cam"
+            raise DesignError(quantity, near, hub, "mm from the hinge", where, remedy)
+        facing = tip.away(start)
+        half = 0.4 * hub
         return hinge + half * facing, math.copysign(1, low + high) * 1j * facing, half, far, False
 
     def hubs(self, link: str) -> list[tuple[complex, float]]:
         """What a link's band is drawn round: hubs, and the feet of rails that stand on it."""
-        found = self.round_hubs(link)
         wall = self.sizes.wall if link == GROUND else 0.0
-        for each in self.guides.values():
-            if each.joint.guide.body == link:
-                found += [
-                    (z, self.sizes.rail_width / 2 + wall) for ends in each.rails for z in ends
-                ]
-        return found
+        foot = self.sizes.rail_width / 2 + wall
+        guides = (each for each in self.guides.values() if each.joint.guide.body == link)
+        feet = ((z, foot) for each in guides for ends in each.rails for z in ends)
+        return [*self.round_hubs(link), *feet]
 
     def arm_band(self, link: str) -> ArmBand | None:
         """The band of a link that is asked to be bent or narrower than its hubs; DesignError where it has not two of them."""
-        shape, hubs = self.sizes.shape(link), self.hubs(link)
+        shape = self.sizes.shape(link)
+        hubs = self.hubs(link)
         if not shape.bow and shape.width is None:
             return None
         key = f"parts.{link}.{'bow' if shape.bow else 'width'}"
@@ -479,18 +466,16 @@ class Layout(Joined):
 
     def _clear(self, link: str) -> tuple[float, float]:
         """Between which places on the line of its slide no rails of a link may stand, for cams on their way up, mm."""
-        found = []
+        low = math.inf
+        high = -math.inf
         for tip in self.tips:
             if tip.joint.follower == link and (tip.grooved or tip.hung or not tip.rolls):
                 joint = self.slides[link]
                 away = self.at(GROUND, self.shaft_of(tip.joint.cam)) - joint.guide.at
                 middle = (away / cmath.exp(1j * joint.angle)).real
-                found.append((middle - tip.wheel.radius, middle + tip.wheel.radius))
-        return (
-            (min(low for low, _ in found), max(high for _, high in found))
-            if found
-            else (math.inf, -math.inf)
-        )
+                low = min(low, middle - tip.wheel.radius)
+                high = max(high, middle + tip.wheel.radius)
+        return low, high
 
     # ---- levels -----------------------------------------------------------------------------------------------------
 
@@ -510,10 +495,9 @@ class Layout(Joined):
         """What lies on a level: links, what touches on shafts, springs."""
         links = [link for link in self.moving if link not in self.alone]
         found = list(dict.fromkeys([*links, *(wheel.level for wheel in self.wheels)]))
-        if not self.springs.keys().isdisjoint(found):
-            raise ValueError(
-                f"a spring has the name of a link or wheel: {', '.join(self.springs.keys() & set(found))}"
-            )
+        twice = self.springs.keys() & set(found)
+        if twice:
+            raise ValueError(f"a spring has the name of a link or wheel: {', '.join(twice)}")
         return [*found, *self.springs]
 
     def on(self, point: str) -> list[tuple[int, float, float]]:
@@ -574,11 +558,9 @@ class Layout(Joined):
 
     def thickness(self, link: str) -> float:
         """Of a link, or of the wheel that it is alone, mm; of the ground's plate."""
-        return (
-            self.sizes.base_thickness
-            if link == GROUND
-            else self.sizes.shape(link).thickness or self.sizes.thickness
-        )
+        if link == GROUND:
+            return self.sizes.base_thickness
+        return self.sizes.shape(link).thickness or self.sizes.thickness
 
     def wheel_thickness(self, link: str) -> float:
         """Of the wheels on a link's shaft and of the rollers on them, mm."""
@@ -599,22 +581,20 @@ class Layout(Joined):
             *(level for name in names for level in self._beneath(name)),
         ]
         covered = {self.level[link] for link, each in self.guides.items() if each.covered}
-        levels += [
-            level + k
-            for level in covered
-            for k in range((self.cover.levels if self.cover else 0) + 1)
-        ]
-        thick += [(level, self.sizes.thickness) for level in levels]
-        found = [self.sizes.base_thickness]
+        above = self.cover.levels if self.cover else 0
+        levels += [level + k for level in covered for k in range(above + 1)]
+        usual = self.sizes.thickness
+        thick += [(level, usual) for level in levels]
+        heights = [self.sizes.base_thickness]
         for level in range(1, max(self.level.values()) + 1):
-            found.append(max([high for at, high in thick if at == level] or [self.sizes.thickness]))
-        return [found[0], *(max(high, self.sizes.head) for high in found[1:])]
+            highest = max((high for at, high in thick if at == level), default=usual)
+            heights.append(max(highest, self.sizes.head))
+        return heights
 
     def floor(self, level: int) -> float:
         """Height of a level's floor over the plate's underside, mm."""
-        return round(
-            sum(self._heights[:level]) + level * self.fits.slide_clearance, 9
-        )  # so that like pins are one part
+        # rounded, so that like pins are one part
+        return round(sum(self._heights[:level]) + level * self.fits.slide_clearance, 9)
 
     def top(self, level: int) -> float:
         """Height of the upper side of the thickest on a level, mm."""
@@ -630,6 +610,7 @@ class Layout(Joined):
     def ceiling(self) -> float:
         """Height of the underside of the second plate, a play over the highest thing, mm."""
         assert self.second is not None, "asked for with two plates alone"
-        play, most = self.fits.slide_clearance, max(self.level.values())
+        play = self.fits.slide_clearance
+        most = max(self.level.values())
         step = max(self._least, self.sizes.head, self.sizes.thickness) + play
         return round(self.top(most) + play + max(0, self.second.highest - most) * step, 9)

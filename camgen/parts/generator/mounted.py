@@ -20,7 +20,7 @@ from camgen.machine.features import Eye, Faces, Feature, Mount, PartPose, mapped
 from camgen.machine.joining import Module
 from camgen.machine.model import GROUND
 from camgen.parts.assembly import Assembly, Shaft, renamed
-from camgen.parts.generator.joined import Merged, Sleeve
+from camgen.parts.generator.joined import MergedFrame, Sleeve
 from camgen.parts.generator.layout import SLEEVE, Layout
 from camgen.parts.generator.plates import SECOND
 from camgen.parts.generator.sizes import Parts
@@ -61,7 +61,7 @@ class InLine:
     z: float  # mm, how far it is raised
     sleeve: Sleeve | None = None
     merging: Merging | None = None
-    merged: Merged | None = None  # what the plate takes
+    merged: MergedFrame | None = None  # what the plate takes
 
 
 def upper_end(layout: Layout) -> UpperEnd | None:
@@ -106,7 +106,7 @@ def in_line(made: Assembly, module: Module, host: UpperEnd, gap: float) -> InLin
 
 def _merged(
     made: Assembly, own: Shaft, pose: PartPose, shift: complex, host: UpperEnd
-) -> tuple[float, Merged] | None:
+) -> tuple[float, MergedFrame] | None:
     """How high the upper side of a machine's frame is over its underside, mm, and what the host's plate takes.
 
     None where something lies under the frame but shaft and collar, or where it is thicker than the plate. own, pose: its shaft, and where that is; shift: of its ground in the host's, mm.
@@ -141,7 +141,7 @@ def _merged(
     arcs = [piece for hole in holes for piece in hole.pieces if isinstance(piece, Arc)]
     discs = (*edges, *((arc.centre, arc.radius + host.sizes.wall) for arc in arcs))
     top = pose.z + made.by_name[own.part].thickness - floor
-    return floor, Merged(discs, holes, above, top)
+    return floor, MergedFrame(discs, holes, above, top)
 
 
 def _distance(place: complex, others: tuple[complex, ...] | list[complex]) -> float:

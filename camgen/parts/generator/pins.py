@@ -70,32 +70,29 @@ def refuse(layout: Layout) -> None:
                 f"{kind} pins", 1, 0, "", f"parts.pins.{point}: {why}", "leave it out"
             )
     for point in (point for point in layout.pivots if layout.kind(point) == "bearing"):
-        bearing, shaft = layout.bearing(point), point in layout.shafts
+        bearing = layout.bearing(point)
+        shaft = point in layout.shafts
         if bearing is None:
-            sold = ", ".join(
-                f"{bore:g}" for bore in sorted({each.bore for each in BEARINGS.values()})
-            )
+            bores = [each.bore for each in BEARINGS.values()]
+            sold = ", ".join(f"{bore:g}" for bore in sorted(set(bores)))
             key = "parts.shaft_diameter" if shaft else "parts.pin_diameter"
-            remedy, wanted = f"use a bore of the bearings there are: {sold}", layout.turning(point)
+            remedy = f"use a bore of the bearings there are: {sold}"
+            wanted = layout.turning(point)
             error = DesignError(key, wanted, 0, "mm", f"pin {point}", remedy)
-            near = min(
-                (each.bore for each in BEARINGS.values()), key=lambda bore: abs(bore - wanted)
-            )
-            raise Unmade(
-                error,
-                "the nearest bore",
-                Change(f"{key} = {near:g}", {key.partition(".")[2]: near}),
-            )
+            near = min(bores, key=lambda bore: abs(bore - wanted))
+            change = Change(f"{key} = {near:g}", {key.partition(".")[2]: near})
+            raise Unmade(error, "the nearest bore", change)
         for link in (link for link in layout.pivots[point] if (link == GROUND) == shaft):
-            least, key = bearing.width, "parts.base_thickness"
+            least = bearing.width
+            key = "parts.base_thickness"
             remedy = f"make it at least the width of a bearing {bearing.name}"
             if not shaft:
-                least, key = least_thickness(layout, bearing), f"parts.{link}.thickness"
+                least = least_thickness(layout, bearing)
+                key = f"parts.{link}.thickness"
                 remedy += f", a lip of {lip(layout):g} mm that holds it, and the play over it"
             if layout.thickness(link) < least:
-                error = DesignError(
-                    key, layout.thickness(link), least, "mm", f"pin {point}", remedy
-                )
+                thickness = layout.thickness(link)
+                error = DesignError(key, thickness, least, "mm", f"pin {point}", remedy)
                 size = {"base_thickness": least} if shaft else {link: {"thickness": least}}
                 raise Unmade(error, "a thicker one", Change(f"{key} = {least:g}", size))
 
@@ -118,12 +115,12 @@ def _made_of(layout: Layout, point: str) -> str:
 
 def pin(layout: Layout, point: str, stub: Stub) -> Iterator[Placed]:
     """The pin of a point, or a stub of it, and what holds it, on the link in which it is fixed."""
-    s, play, link = layout.sizes, layout.fits.slide_clearance, layout.pressed_in(point)
-    body, at, hung = (
-        layout.carrier(link),
-        layout.at(link, point),
-        point in layout.hung or stub.hangs,
-    )
+    s = layout.sizes
+    play = layout.fits.slide_clearance
+    link = layout.pressed_in(point)
+    body = layout.carrier(link)
+    at = layout.at(link, point)
+    hung = point in layout.hung or stub.hangs
     bottom = stub.held[0][0]
     grip = stub.held[-1][1] + play - bottom
     if stub.through:
@@ -133,7 +130,8 @@ def pin(layout: Layout, point: str, stub: Stub) -> Iterator[Placed]:
         case "keyed":
             ends = [top - low for low, top in (stub.held[0], stub.held[-1])]
             if layout.beyond(point)[0]:  # a head in place of the upper web
-                between, ends = grip - ends[0], [ends[0], 0.0]
+                between = grip - ends[0]
+                ends = [ends[0], 0.0]
             else:
                 between = stub.held[-1][0] - stub.held[0][1]
             head = s.pin_diameter / 2 + s.head, s.head
@@ -143,20 +141,20 @@ def pin(layout: Layout, point: str, stub: Stub) -> Iterator[Placed]:
             yield made, Mount(made.name, body, at, z=bottom)
         case "dowel":
             steel, cap = _dowel(layout, grip, point)
-            yield steel, Mount("pin", body, at, z=bottom - (play + steel.thickness - grip) * hung)
-            yield (
-                cap,
-                Mount("cap", body, at, z=bottom - play - cap.thickness if hung else bottom + grip),
-            )
+            low = bottom - (play + steel.thickness - grip) * hung
+            yield steel, Mount("pin", body, at, z=low)
+            low = bottom - play - cap.thickness if hung else bottom + grip
+            yield cap, Mount("cap", body, at, z=low)
         case "shoulder":
             yield from _shoulder(layout, grip, point, body, bottom)
         case _:
-            wide, notes = s.pin_diameter + 2 * s.head, ["pressed and glued in"]
+            wide = s.pin_diameter + 2 * s.head
+            notes = ["pressed and glued in"]
             bearing = layout.bearing(point)
-            if (
-                bearing is not None
-            ):  # its head reaches down to the inner ring, which lies a play below the link's upper side
-                grip, wide = grip - play, bearing.shoulder
+            if bearing is not None:
+                # its head reaches down to the inner ring, which lies a play below the link's upper side
+                grip -= play
+                wide = bearing.shoulder
                 notes.append(f"its head bears on the inner ring of the {bearing.name} alone")
             made = headed("pin", "Pin", s.pin_diameter, grip, wide, s.head)
             how = _made_of(layout, point)
@@ -166,7 +164,8 @@ def pin(layout: Layout, point: str, stub: Stub) -> Iterator[Placed]:
 
 def _between(layout: Layout, point: str, stub: Stub) -> Placed:
     """A pin without a head from plate to plate; a dowel where one is sold that ends in the upper one."""
-    s, whole = layout.sizes, stub.held[-1][1]
+    s = layout.sizes
+    whole = stub.held[-1][1]
     mount, notes = (
         Mount("pin", GROUND, layout.at(GROUND, point)),
         ("pressed and glued into both plates",),
@@ -176,19 +175,14 @@ def _between(layout: Layout, point: str, stub: Stub) -> Placed:
         how = _made_of(layout, point)
         return replace(whole_pin, notes=notes, role="pin", made=how), mount
     length = dowel(s.pin_diameter, whole)
-    if length < whole - s.base_thickness / 2:
-        raise _as_printed(
-            point,
-            DesignError(
-                "length of the dowel",
-                length,
-                whole - s.base_thickness / 2,
-                "mm",
-                f"pin {point}",
-                "change parts.thickness or parts.base_thickness",
-                _unsold(s.pin_diameter, whole - s.base_thickness / 2, whole, point),
-            ),
-        )
+    least = whole - s.base_thickness / 2
+    if length < least:
+        remedy = "change parts.thickness or parts.base_thickness"
+        said = _unsold(s.pin_diameter, least, whole, point)
+        quantity = "length of the dowel"
+        where = f"pin {point}"
+        error = DesignError(quantity, length, least, "mm", where, remedy, said)
+        raise _as_printed(point, error)
     notes = (
         f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued into both plates",
     )
@@ -198,15 +192,12 @@ def _between(layout: Layout, point: str, stub: Stub) -> Placed:
 
 def _as_printed(point: str, error: DesignError, kind: str = "printed") -> Unmade:
     """An error of a pin that is bought, which a pin of another kind may mend."""
-    return Unmade(
-        error,
-        f"a pin that is {kind}",
-        Change(f'parts.pins.{point} = "{kind}"', {"pins": {point: kind}}),
-    )
+    change = Change(f'parts.pins.{point} = "{kind}"', {"pins": {point: kind}})
+    return Unmade(error, f"a pin that is {kind}", change)
 
 
 def _unsold(diameter: float, least: float, most: float, point: str) -> str:
-    """That no dowel of a diameter is sold which is at least and at most so long, mm, and why."""
+    """Sentence that no dowel of a diameter is sold which is at least and at most so long, mm, and why."""
     shortest, longest = DOWELS[diameter]
     if longest < least:
         return f"the longest dowel of {diameter:g} mm is {longest:g} mm, {least:.4g} mm are needed at pin {point}"
@@ -223,68 +214,65 @@ def _dowel(layout: Layout, grip: float, point: str) -> tuple[Part, Part]:
         remedy = f"change {s.thick_key} or parts.pin_diameter"
         remedy += ": thin dowels are sold shorter" if s.of_sheet else ""
         said = _unsold(s.pin_diameter, least, most, point)
-        error = DesignError(
-            "length of the dowel", length, least, "mm", f"pin {point}", remedy, said
-        )
+        quantity = "length of the dowel"
+        error = DesignError(quantity, length, least, "mm", f"pin {point}", remedy, said)
         raise error if s.of_sheet else _as_printed(point, error)
     out = round(length - grip - s.thickness, 2)
     over = f", stands {out:g} mm out of its cap" if out > 0 else ""
     notes = (f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued in{over}",)
     steel = rod("pin", "Pin", s.pin_diameter, length)
-    hole, wide = s.pin_diameter + layout.fits.press_clearance, s.pin_diameter + 2 * s.head
-    cap = spacer(
-        "cap",
-        "Cap of a pin",
-        hole,
-        wide,
-        s.thickness if s.of_sheet else length - grip,
-        layout.min_wall,
-    )
+    hole = s.pin_diameter + layout.fits.press_clearance
+    wide = s.pin_diameter + 2 * s.head
+    thickness = s.thickness if s.of_sheet else length - grip
+    cap = spacer("cap", "Cap of a pin", hole, wide, thickness, layout.min_wall)
     steel = replace(steel, notes=notes, made="bought", role="pin")
     return steel, replace(cap, role="cap")
 
 
 def _dowel_length(layout: Layout, grip: float) -> tuple[float, float, float]:
-    """Length of the dowel through so much, the least that holds its cap, and the most, mm: as thick a cap is printed as it is
-    long, one of sheet is filled by three quarters, or by the next longer one, which stands out by less than another sheet."""
+    """Length of the dowel through so much, the least that holds its cap, and the most, mm.
+
+    As thick a cap is printed as it is long, one of sheet is filled by three quarters, or by the next longer one, which stands
+    out by less than another sheet.
+    """
     s = layout.sizes
-    if not s.of_sheet:
-        return (
-            dowel(s.pin_diameter, grip + s.thickness),
-            grip + max(layout.min_wall, s.head / 2),
-            grip + s.thickness,
-        )
-    least = grip + _HELD * s.thickness
     length = dowel(s.pin_diameter, grip + s.thickness)
-    return (
-        length if length >= least else next_dowel(s.pin_diameter, least),
-        least,
-        grip + 2 * s.thickness,
-    )
+    if not s.of_sheet:
+        return length, grip + max(layout.min_wall, s.head / 2), grip + s.thickness
+    least = grip + _HELD * s.thickness
+    if length < least:
+        length = next_dowel(s.pin_diameter, least)
+    return length, least, grip + 2 * s.thickness
 
 
 def tall(layout: Layout) -> frozenset[str]:
     """Points whose dowel stands out of its cap beyond the levels that are kept free for that."""
-    found, play = set(), layout.fits.slide_clearance
+    points = set()
+    play = layout.fits.slide_clearance
     for point in layout.pivots.keys() - layout.carried.keys() - layout.under_plate:
         if layout.kind(point) != "dowel" or layout.between_plates(point):
             continue
-        (low, under, _), (high, _, top) = layout.on(point)[0], layout.on(point)[-1]
+        low, under, _ = layout.on(point)[0]
+        high, _, top = layout.on(point)[-1]
         grip = top + play - under
-        beyond, levels = _dowel_length(layout, grip)[0] - grip, sum(layout.beyond(point))
+        beyond = _dowel_length(layout, grip)[0] - grip
+        levels = sum(layout.beyond(point))
         room = levels * (layout.sizes.thickness + play)
         room += under - layout.floor(low) if point in layout.hung else layout.top(high) - top
         if beyond > room + 1e-9:
-            found.add(point)
-    return frozenset(found)
+            points.add(point)
+    return frozenset(points)
 
 
 def _shoulder(
     layout: Layout, grip: float, point: str, body: str, bottom: float
 ) -> Iterator[Placed]:
     """A shoulder screw through so much, mm, head up, its nut, and a spacer; DesignError where no such length is sold."""
-    screw, s, at = layout.sizes.shoulder, layout.sizes, layout.at(body, point)
-    length, room = screw.length(grip), layout.head_room(point) - screw.height
+    screw = layout.sizes.shoulder
+    s = layout.sizes
+    at = layout.at(body, point)
+    length = screw.length(grip)
+    room = layout.head_room(point) - screw.height
     if not grip <= length <= grip + room:
         kind = "dowel" if s.of_sheet else "printed"
         raise _as_printed(
@@ -304,7 +292,8 @@ def _shoulder(
         (screw.diameter, length),
         (screw.nominal, screw.thread_length),
     )
-    layers, z = [], 0.0
+    layers = []
+    z = 0.0
     for wide, high in discs:
         layers.append(Layer(Region(circle(0j, wide / 2)), z, z + high))
         z += high
@@ -331,19 +320,12 @@ def _shoulder(
     yield made, Mount("nut", body, at, z=bottom - screw.nut)
     if length - grip >= s.head / 2:  # what is thinner is play
         wide = screw.diameter + 2 * s.head
-        fill = spacer(
-            "spacer",
-            "Spacer",
-            screw.diameter + layout.fits.slide_clearance,
-            wide,
-            length - grip,
-            layout.min_wall,
-        )
+        hole = screw.diameter + layout.fits.slide_clearance
+        fill = spacer("spacer", "Spacer", hole, wide, length - grip, layout.min_wall)
         fill = replace(fill, role="spacer")
-        yield (
-            replace(fill, made="bought", notes=("washers",)) if s.of_sheet else fill,
-            Mount("spacer", body, at, z=bottom + grip),
-        )
+        if s.of_sheet:
+            fill = replace(fill, made="bought", notes=("washers",))
+        yield fill, Mount("spacer", body, at, z=bottom + grip)
 
 
 def bearings(layout: Layout, point: str) -> Iterator[Placed]:
@@ -364,10 +346,8 @@ def bearing_name(bearing: Bearing) -> str:
 
 
 def _bearing(layout: Layout, bearing: Bearing) -> Part:
-    title, notes = (
-        "Ball bearing",
-        [f"ball bearing {bearing.name}, {bearing.size}, pressed into its link"],
-    )
+    title = "Ball bearing"
+    notes = [f"ball bearing {bearing.name}, {bearing.size}, pressed into its link"]
     if bearing in [clutch for _, clutch in layout.freewheels.values()]:
         said = Held("seen from above, the ring can only turn counter-clockwise on its shaft")
         title, notes = (
@@ -383,15 +363,15 @@ def _bearing(layout: Layout, bearing: Bearing) -> Part:
 def hand_crank(layout: Layout) -> Iterator[Placed]:
     """Arm, knob and its pin under the plate, on the link that the shaft drives; nothing where none is asked for. Of sheet is the
     arm alone, the pin is a dowel."""
-    s, play, press, link = (
-        layout.sizes,
-        layout.fits.slide_clearance,
-        layout.fits.press_clearance,
-        layout.driven,
-    )
+    s = layout.sizes
+    play = layout.fits.slide_clearance
+    press = layout.fits.press_clearance
+    link = layout.driven
     if not s.hand_crank:
         return
-    at, knob, z = layout.at(link, layout.shaft_of(link)), complex(s.hand_crank), -s.shaft_length
+    at = layout.at(link, layout.shaft_of(link))
+    knob = complex(s.hand_crank)
+    z = -s.shaft_length
     bore = d_bore(s.shaft_diameter + press, s.shaft_flat)
     hubs = [(0j, s.shaft_diameter / 2 + s.head + s.wall), (knob, s.pin_diameter / 2 + s.wall)]
     region = plate(

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import count, pairwise, product
 
@@ -48,23 +48,20 @@ def columns(
     corners: Sequence[complex],
     radius: float,
     gap: float,
-    kept: Sequence[tuple[complex, float]] = (),
+    kept: Sequence[tuple[complex, float]],
 ) -> tuple[complex, ...]:
-    """Places of four posts that all things pass by at `gap`, mm, on whichever level they lie: next to the corners of the box
-    round the ground's points, one in each quarter of it; kept: discs that their hubs do not meet.
+    """Places of four posts that all things pass by at `gap`, mm, on whichever level they lie.
 
-    They are looked for within _BEYOND of that box, then twice as far out, and so on: beyond what moves there is room.
+    They are next to the corners of the box round the ground's points, one in each quarter of it; kept: discs that their hubs
+    do not meet. They are looked for within _BEYOND of that box, then twice as far out, and so on: beyond what moves there is room.
     """
     low = complex(min(z.real for z in corners), min(z.imag for z in corners))
     high = complex(max(z.real for z in corners), max(z.imag for z in corners))
-    courses = [
-        (
-            (thing.place[None] if isinstance(thing, Axis) else thing.corners)[:, ::_EVERY],
-            thing.radius,
-        )
-        for thing in things
-    ]
-    needed = [(course, wide + radius + gap + ways(course)) for course, wide in courses]
+    needed = []
+    for thing in things:
+        corners_of = thing.place[None] if isinstance(thing, Axis) else thing.corners
+        course = corners_of[:, ::_EVERY]
+        needed.append((course, thing.radius + radius + gap + ways(course)))
 
     def free(places: Points) -> np.ndarray:
         """Which of the places nothing meets, (n,) bool."""
@@ -72,35 +69,32 @@ def columns(
         for z, keeps in kept:
             clear &= np.abs(places - z) > radius + keeps + gap
         for course, least in needed:
-            left, n = np.flatnonzero(clear), course.shape[1]
+            left = np.flatnonzero(clear)
+            n = course.shape[1]
             apart = distance(np.tile(course, len(left)), np.repeat(places[left], n)[None])
             clear[left] = np.all(apart.reshape(-1, n) >= least, axis=1)
         return clear
 
     for beyond in (_BEYOND * 2**k for k in count()):
-        found: list[complex] = []
+        posts: list[complex] = []
         for corner, quarter in _quarters(low, high, beyond):
-            apart = np.all(
-                [np.abs(quarter - other) > 2 * _LEAST * radius for other in found]
-                or [np.isfinite(quarter)],
-                axis=0,
-            )
-            near = quarter[apart][np.argsort(np.abs(quarter[apart] - corner), kind="stable")]
+            for post in posts:
+                quarter = quarter[np.abs(quarter - post) > 2 * _LEAST * radius]
+            near = quarter[np.argsort(np.abs(quarter - corner), kind="stable")]
             tries = (near[k : k + _AT_ONCE] for k in range(0, len(near), _AT_ONCE))
-            place = next(
-                (complex(some[clear][0]) for some in tries if (clear := free(some)).any()), None
-            )
+            place = next((some[clear][0] for some in tries if (clear := free(some)).any()), None)
             if place is None:
                 break
-            found.append(place)
+            posts.append(complex(place))
         else:
             break
-    return tuple(found)
+    return tuple(posts)
 
 
 def _quarters(low: complex, high: complex, beyond: float) -> Iterator[tuple[complex, Points]]:
     """Corners of a box, and the places that are tried in its quarters, no further than so much beyond it, mm; (n,) each."""
-    middle, half = (low + high) / 2, (high - low) / 2
+    middle = (low + high) / 2
+    half = (high - low) / 2
     reach = half.real + beyond, half.imag + beyond
     step = max(_STEP, max(reach) / _MOST_STEPS)
     x, y = (step * np.arange(-k, k + 1) for k in (int(each // step) for each in reach))
@@ -134,11 +128,11 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
     channels = layout.channels_in(False)
     holes |= layout.slot_holes(GROUND, channels.keys())
     hubs += [(z, layout.hub(point, GROUND)) for point, ends in channels.items() for z in ends]
-    radius, under = (
-        s.mount_diameter / 2,
-        collar + s.mount_diameter,
-    )  # a screw's head beside the collar
-    face, motor = s.face, points[layout.shaft_of(layout.driven)]
+    # a screw's head beside the collar
+    radius = s.mount_diameter / 2
+    under = collar + s.mount_diameter
+    face = s.face
+    motor = points[layout.shaft_of(layout.driven)]
     beside = [*hubs, *((points[shaft], under) for shaft in layout.shafts if shaft in points)]
     pockets = {}
     if face is not None:
@@ -170,7 +164,8 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
     holes |= {f"foot {k}": circle(z, wide / 2) for k, (z, wide) in enumerate(layout.feet, 1)}
     hubs += [(z, wide / 2 + layout.rim) for z, wide in layout.feet]
     outer = hull([*hubs, *((z, radius + s.wall) for z in screws)])
-    floor, whole = s.base_thickness, plate("ground plate", outer, holes, layout.min_wall)
+    floor = s.base_thickness
+    whole = plate("ground plate", outer, holes, layout.min_wall)
     heads = 0.0 if not sunk else _depth(s)
     layers = (
         [Layer(plate("ground plate", outer, holes | sunk, layout.min_wall), 0.0, heads)]
@@ -214,23 +209,21 @@ def _refuse_rails(layout: Layout, motor: complex) -> None:
             foot = min(1.0, max(0.0, ((motor - a) / (b - a)).real))
             wall = abs(a + foot * (b - a) - motor) - seat - layout.sizes.rail_width / 2
             if wall < layout.min_wall:
-                raise DesignError(
-                    "wall between the motor's seat and the guide",
-                    wall,
-                    layout.min_wall,
-                    "mm",
-                    f"rails of {link}",
-                    "draw the guide further from the shaft, or use a motor with a smaller boss",
-                )
+                quantity = "wall between the motor's seat and the guide"
+                remedy = "draw the guide further from the shaft, or use a motor with a smaller boss"
+                where = f"rails of {link}"
+                raise DesignError(quantity, wall, layout.min_wall, "mm", where, remedy)
 
 
 def motor_bar(layout: Layout) -> Iterator[tuple[Part, Mount]]:
     """What holds a motor with a round can from behind."""
-    s, face = layout.sizes, layout.sizes.face
+    s = layout.sizes
+    face = layout.sizes.face
     if face is None or not face.length:
         return
     boss = (face.boss + layout.fits.slide_clearance) / 2
-    hole, rim = face.screw.clearance / 2, layout.rim
+    hole = face.screw.clearance / 2
+    rim = layout.rim
     outer = hull([(0j, boss + rim), *((z, hole + rim) for z in face.screws)])
     holes = {f"screw {k}": circle(z, hole) for k, z in enumerate(face.screws, 1)}
     region = plate("motor bar", outer, {"boss": circle(0j, boss), **holes}, layout.min_wall)
@@ -248,31 +241,32 @@ def motor_bar(layout: Layout) -> Iterator[tuple[Part, Mount]]:
 
 def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
     """The second plate and its posts; nothing where none is asked for."""
-    s, floor = layout.sizes, layout.sizes.base_thickness
+    s = layout.sizes
+    floor = layout.sizes.base_thickness
     if layout.second is None:
         return
     points = {point: z for point, z in layout.points_of(GROUND).items() if layout.in_second(point)}
     holes = {f"hole {point}": circle(z, layout.far_hole(point) / 2) for point, z in points.items()}
     posts, through, sunk = _posts(layout)
-    hubs: list[tuple[complex, float]] = [
-        *posts,
-        *((z, layout.far_hole(point) / 2 + s.wall) for point, z in points.items()),
-    ]
+    hubs = [*posts, *((z, layout.far_hole(point) / 2 + s.wall) for point, z in points.items())]
     channels = layout.channels_in(True)
     holes |= layout.slot_holes(GROUND, channels.keys())
     hubs += [(z, layout.hub(point, GROUND)) for point, ends in channels.items() for z in ends]
-    more, under, below = _screwed(
-        layout, [z for each in layout.stands if each.merged is None for z in each.places], "stand"
-    )
-    for stand in (stand for stand in layout.stands if stand.merged is not None):
-        assert stand.merged is not None
-        more += stand.merged.discs
-        through |= {f"{stand.name} {k}": hole for k, hole in enumerate(stand.merged.holes, 1)}
-    outer, ceiling, depth = hull([*hubs, *more]), layout.ceiling, _depth(s)
+    feet = [z for each in layout.stands if each.merged is None for z in each.places]
+    more, under, below = _screws(layout, feet, "stand")
+    raised: list[Layer] = []
+    for stand in layout.stands:
+        if stand.merged is not None:
+            more += stand.merged.discs
+            through |= {f"{stand.name} {k}": hole for k, hole in enumerate(stand.merged.holes, 1)}
+            raised += stand.merged.above
+    outer = hull([*hubs, *more])
+    ceiling = layout.ceiling
+    depth = _depth(s)
     holes |= through | under
-    heights = [(0.0, depth, below), (depth, floor - depth, {}), (floor - depth, floor, sunk)]
-    if not below:
-        heights = [(0.0, floor - depth, {}), (floor - depth, floor, sunk)]
+    heights = [(0.0, floor - depth, {}), (floor - depth, floor, sunk)]
+    if below:
+        heights = [(0.0, depth, below), (depth, floor - depth, {}), (floor - depth, floor, sunk)]
     try:
         layers = tuple(
             Layer(plate("second plate", outer, holes | heads, layout.min_wall), *ends)
@@ -280,13 +274,8 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
         )
     except DesignError as error:
         raise _moved(error, layout, {*under, *below}) from None
-    raised = (
-        layer for stand in layout.stands if stand.merged is not None for layer in stand.merged.above
-    )
     layers += tuple(Layer(layer.region, floor + layer.z0, floor + layer.z1) for layer in raised)
-    hanging = [
-        point for point in points if point not in layout.shafts and layout.cut(point) is not None
-    ]
+    hanging = _hanging(layout, points)
     notes = [f"pins pressed in tight, heads down: {', '.join(hanging)}"] if hanging else []
     part = Part(
         SECOND,
@@ -299,24 +288,18 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
         points=tuple(points.items()),
     )
     yield part, Mount(SECOND, GROUND, z=ceiling)
-    post = spacer(
-        "post", "Post", s.mount_diameter, 2 * post_radius(s), ceiling - floor, layout.min_wall
-    )
+    core = s.mount_diameter
+    least = layout.min_wall
+    post = spacer("post", "Post", core, 2 * post_radius(s), ceiling - floor, least)
     post = replace(post, notes=(*post.notes, Held("each screwed on from below, through the plate")))
     yield from ((post, Mount("post", GROUND, z, z=floor)) for z in layout.second.columns)
     for stand in layout.stands:
         if stand.merged is not None:
             continue
-        name, foot = f"post-{stand.name}", ceiling + floor
-        wide = s.mount_diameter + 2 * s.wall  # no head: it stands beside what hangs under the frame
-        post = spacer(
-            name,
-            f"Post of {stand.name}",
-            s.mount_diameter,
-            wide,
-            stand.high - foot,
-            layout.min_wall,
-        )
+        name = f"post-{stand.name}"
+        foot = ceiling + floor
+        wide = core + 2 * s.wall  # no head: it stands beside what hangs under the frame
+        post = spacer(name, f"Post of {stand.name}", core, wide, stand.high - foot, least)
         yield from ((post, Mount(name, GROUND, z, z=foot)) for z in stand.places)
         if stand.sleeve is not None:
             yield _sleeve(layout, stand.name, stand.sleeve)
@@ -335,7 +318,9 @@ def _moved(error: DesignError, layout: Layout, screws: Collection[str]) -> Desig
 
 def _sleeve(layout: Layout, name: str, sleeve: Sleeve) -> tuple[Part, Mount]:
     """What joins the shaft that drives to another machine's over it."""
-    s, press, (low, middle) = layout.sizes, layout.fits.press_clearance, layout.line
+    s = layout.sizes
+    press = layout.fits.press_clearance
+    low, middle = layout.line
     rim = circle(0j, max(s.shaft_diameter, sleeve.diameter) / 2 + s.head + s.wall)
     bores = (
         d_bore(s.shaft_diameter + press, s.shaft_flat),
@@ -360,92 +345,93 @@ def _sleeve(layout: Layout, name: str, sleeve: Sleeve) -> tuple[Part, Mount]:
 
 def bought(layout: Layout) -> list[Bought]:
     """Screws of the posts."""
-    held = layout.sizes.post_screw
-    if layout.second is None or held is None:
+    s = layout.sizes
+    screw = s.post_screw
+    if layout.second is None or screw is None:
         return []
-    grip = layout.sizes.base_thickness - _depth(layout.sizes)
-    length = held.length(grip, (layout.ceiling - layout.sizes.base_thickness) / 2)
-    size = f"{held.thread} x {length:g}, into core holes of {layout.sizes.mount_diameter:g}"
+    length = screw.length(s.base_thickness - _depth(s), (layout.ceiling - s.base_thickness) / 2)
+    size = f"{screw.thread} x {length:g}, into core holes of {s.mount_diameter:g}"
     stands = sum(len(stand.places) for stand in layout.stands if stand.merged is None)
-    screws = Bought("screw of a post", held.standard, size, 2 * len(layout.second.columns) + stands)
-    stud = Bought(
-        "stud of a post, half of it in the frame on it", "ISO 4026", f"{held.thread} x 8", stands
+    screws = Bought(
+        "screw of a post", screw.standard, size, 2 * len(layout.second.columns) + stands
     )
-    return [screws, stud] if stands else [screws]
+    if not stands:
+        return [screws]
+    stud = "stud of a post, half of it in the frame on it"
+    return [screws, Bought(stud, "ISO 4026", f"{screw.thread} x 8", stands)]
 
 
 def steps(layout: Layout) -> list[str]:
     """In which order what the second plate and an interrupted shaft ask for goes together."""
-    found = []
-    for (low, held), (high, _) in pairwise(layout.webs.items()):
-        between = sorted(
-            (link for link in layout.pivots[held[1]] if link not in layout.webs),
-            key=layout.level.__getitem__,
-        )
-        found.append(
-            f"pin {held[1]} into {low}, {', '.join(between)} on it, {high} on its upper flat"
-        )
+    steps = []
+    webs = []
+    for (low, (_, point)), (high, _) in pairwise(layout.webs.items()):
+        rods = [link for link in layout.pivots[point] if link not in layout.webs]
+        between = ", ".join(sorted(rods, key=layout.level.__getitem__))
+        webs.append(f"pin {point} into {low}, {between} on it, {high} on its upper flat")
     if layout.webs:
-        upper = [f"the short shaft into {layout.upper_web}"] if layout.second is not None else []
-        found = [
-            f"The shaft is interrupted; from below, press and glue {'; '.join([*found, *upper])}."
-        ]
+        if layout.second is not None:
+            webs.append(f"the short shaft into {layout.upper_web}")
+        steps.append(f"The shaft is interrupted; from below, press and glue {'; '.join(webs)}.")
     if layout.second is not None:
         points = [point for point in layout.points_of(GROUND) if layout.in_second(point)]
-        hanging = [
-            point
-            for point in points
-            if layout.cut(point) is not None and point not in layout.shafts
-        ]
-        told = []
+        hanging = _hanging(layout, points)
+        sentences = ["The second plate goes on last."]
         if hanging:
             one = len(hanging) == 1
-            told.append(
+            sentences.append(
                 f"Its {listed('pin', hanging)} {'stands' if one else 'stand'} head down, under what turns on "
                 f"{'it: hold its head' if one else 'them: hold their heads'} from below while the plate is pressed "
                 f"and glued on {'it' if one else 'them'}."
             )
-        places = [
-            *([f"{', '.join(points)} find their holes"] if points else []),
-            *(f"pin {point} its slot" for point in layout.channels_in(True)),
-        ]
+        places = [f"{', '.join(points)} find their holes"] if points else []
+        places += [f"pin {point} its slot" for point in layout.channels_in(True)]
         so = f", so that {' and '.join(places)}," if places else ""
-        told.append(f"Lay it on the posts{so} and draw the screws tight crosswise.")
-        found.append(" ".join(["The second plate goes on last.", *told]))
-    return found
+        sentences.append(f"Lay it on the posts{so} and draw the screws tight crosswise.")
+        steps.append(" ".join(sentences))
+    return steps
+
+
+def _hanging(layout: Layout, points: Iterable[str]) -> list[str]:
+    """Points of the second plate whose pins hang from it."""
+    return [
+        point for point in points if point not in layout.shafts and layout.cut(point) is not None
+    ]
 
 
 def motor_holes(layout: Layout) -> list[tuple[complex, float]]:
     """Holes of the plate for the motor's boss and for the heads of its screws, centre and radius, mm; none without one."""
-    face, point = layout.sizes.face, layout.shaft_of(layout.driven)
+    face = layout.sizes.face
+    point = layout.shaft_of(layout.driven)
     if face is None:
         return []
-    at, wide = layout.at(GROUND, point), (face.screw.head + HEAD_ROOM) / 2
+    at = layout.at(GROUND, point)
+    wide = (face.screw.head + HEAD_ROOM) / 2
     return [(at, layout.hole(point, GROUND) / 2), *((at + z, wide) for z in face.screws)]
 
 
 def _depth(sizes: Parts) -> float:
     """Of the pockets for the heads of the posts' screws, mm."""
-    held = sizes.post_screw
-    assert held is not None, "the spec's faults have been looked for"
-    return held.height + SUNK
+    screw = sizes.post_screw
+    assert screw is not None, "a fault of the spec"
+    return screw.height + SUNK
 
 
 def _posts(
     layout: Layout,
 ) -> tuple[list[tuple[complex, float]], dict[str, Contour], dict[str, Contour]]:
     """Hubs of the posts, their screws' holes in a plate, and the pockets for the heads."""
-    return _screwed(layout, () if layout.second is None else layout.second.columns, "post")
+    return _screws(layout, () if layout.second is None else layout.second.columns, "post")
 
 
-def _screwed(
+def _screws(
     layout: Layout, places: Sequence[complex], name: str
 ) -> tuple[list[tuple[complex, float]], dict[str, Contour], dict[str, Contour]]:
-    """The same of any posts."""
-    held = layout.sizes.post_screw
-    if held is None:
+    """Hubs of posts at some places, their screws' holes in a plate, and the pockets for the heads."""
+    screw = layout.sizes.post_screw
+    if screw is None:
         return [], {}, {}
-    wide = (held.head + HEAD_ROOM) / 2
+    wide = (screw.head + HEAD_ROOM) / 2
     hubs = [(z, max(post_radius(layout.sizes), wide + layout.sizes.wall)) for z in places]
-    through = {f"{name} {k}": circle(z, held.clearance / 2) for k, z in enumerate(places, 1)}
+    through = {f"{name} {k}": circle(z, screw.clearance / 2) for k, z in enumerate(places, 1)}
     return hubs, through, {f"{name} {k}": circle(z, wide) for k, z in enumerate(places, 1)}

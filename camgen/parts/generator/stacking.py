@@ -11,7 +11,7 @@ from camgen.machine import model as m
 from camgen.machine.run import Run
 from camgen.parts.generator.cures import with_bows
 from camgen.parts.generator.guides import STEMS
-from camgen.parts.generator.joined import GROUND, Second
+from camgen.parts.generator.joined import GROUND, SecondPlate
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.pins import refuse, tall
 from camgen.parts.generator.plates import columns, post_radius
@@ -133,7 +133,9 @@ def covered(layout: Layout, run: Run) -> Layout:
     )
     return replace(
         layout,
-        second=Second(ends, places, max(span(thing, layout.level)[1] for thing in content.every)),
+        second=SecondPlate(
+            ends, places, max(span(thing, layout.level)[1] for thing in content.every)
+        ),
     )
 
 

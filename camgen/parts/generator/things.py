@@ -64,8 +64,11 @@ class _Courses:
 
 def _links(courses: _Courses) -> list[Band]:
     """Links, and their faces."""
-    layout, found = courses.layout, list[Band]()
-    for link in (link for link in layout.moving if link not in layout.alone):
+    layout = courses.layout
+    bands: list[Band] = []
+    for link in layout.moving:
+        if link in layout.alone:
+            continue
         arm = None if link in layout.guides else layout.arm_band(link)
         discs = layout.guides[link].bands if link in layout.guides else [layout.hubs(link)]
         if arm is not None:
@@ -81,13 +84,13 @@ def _links(courses: _Courses) -> list[Band]:
         slim, move = slimmer(layout, link)
         for each in discs:
             band = courses.band(f"link {link}", link, each, link)
-            found.append(replace(band, slim=slim, move=move, link=link))
+            bands.append(replace(band, slim=slim, move=move, link=link))
         bars = [bar for tip in layout.noses(link) if (bar := layout.arm(tip)) is not None]
         for start, way, half, length, _ in bars:
             ends = [(start, half), (start + length * way, half)]
             face = courses.band(f"face of link {link}", link, ends, link)
-            found.append(replace(face, move=f"other points of link {link}"))
-    return found
+            bands.append(replace(face, move=f"other points of link {link}"))
+    return bands
 
 
 def _tapered(
@@ -103,31 +106,35 @@ def _tapered(
 
 def _cams(courses: _Courses) -> tuple[list[Band], Over]:
     """Cams with their rollers. Under a groove's roller there is the back plate, under one that hangs the head of its pin."""
-    layout, found, over = courses.layout, list[Band](), Over()
+    layout = courses.layout
+    bands: list[Band] = []
+    over = Over()
     for tip in layout.tips:
-        cam, follower = tip.wheel, tip.joint.follower
+        cam = tip.wheel
+        follower = tip.joint.follower
         shaft = layout.shaft_of(cam.link)
         disc = courses.band(cam.about, GROUND, [(layout.at(GROUND, shaft), cam.radius)], tip.level)
         smaller = (
             f"a smaller {cam.about} (points.{tip.point} nearer to its shaft, or a smaller lift)"
         )
         move = f"points.{shaft} elsewhere"
-        found.append(replace(disc, below=int(tip.grooved), slim=smaller, move=move))
+        bands.append(replace(disc, below=int(tip.grooved), slim=smaller, move=move))
         if not tip.rolls:
             continue
         rolls = [(layout.at(follower, tip.point), tip.radius)]
         roller = courses.band(f"roller of {cam.about}", follower, rolls, tip.level)
         smaller = f"a smaller radius of the roller of {cam.about}"
         move = f"points.{tip.point} elsewhere"
-        found.append(replace(roller, below=int(tip.hung), slim=smaller, move=move))
+        bands.append(replace(roller, below=int(tip.hung), slim=smaller, move=move))
         above = tip.hung or tip.grooved
         over.append((follower, tip.level) if above else (tip.level, follower))
-    return found, over
+    return bands, over
 
 
 def _wheels(courses: _Courses) -> list[Band]:
     """Wheels of gears, counterweights."""
-    layout, found = courses.layout, list[Band]()
+    layout = courses.layout
+    bands = []
     for wheel in (*(each.wheel for each in layout.toothed), *layout.weights):
         shaft = layout.shaft_of(wheel.link)
         how = "shafts nearer to each other"
@@ -135,29 +142,35 @@ def _wheels(courses: _Courses) -> list[Band]:
             how = 'counterweight.made = "steel", or a greater thickness'
         disc = [(layout.at(GROUND, shaft), wheel.radius)]
         band = courses.band(wheel.about, GROUND, disc, wheel.level)
-        smaller, move = f"a smaller {wheel.about} ({how})", f"points.{shaft} elsewhere"
-        found.append(replace(band, slim=smaller, move=move))
-    return found
+        smaller = f"a smaller {wheel.about} ({how})"
+        move = f"points.{shaft} elsewhere"
+        bands.append(replace(band, slim=smaller, move=move))
+    return bands
 
 
 def _springs(courses: _Courses) -> tuple[list[Band], Over]:
     """Springs: over all else on their pins."""
-    layout, found, over = courses.layout, list[Band](), Over()
+    layout = courses.layout
+    bands = []
+    over = Over()
     for name, spring in layout.springs.items():
         ends = np.array([courses.way(*end) for end in (spring.a, spring.b)])
-        below, slim = layout.below(spring), "a thinner spring"
-        found.append(Band(name, ends, spring.diameter / 2, below=below, slim=slim))
+        below = layout.below(spring)
+        bands.append(Band(name, ends, spring.diameter / 2, below=below, slim="a thinner spring"))
         for _, point in (spring.a, spring.b):
             beside = (*layout.pivots[point], *layout.riders[point])
             over += [(name, other) for other in beside if other not in (GROUND, name)]
-    return found, over
+    return bands, over
 
 
 def _axes(courses: _Courses, before: Over) -> tuple[list[Axis], Over]:
     """Pins and shafts; before: what is known to lie over what."""
-    layout, found, over = courses.layout, list[Axis](), Over()
+    layout = courses.layout
+    found = list[Axis]()
+    over = Over()
     for point, links in layout.pivots.items():
-        moving, shaft = tuple(link for link in links if link != GROUND), layout.shafts.get(point)
+        moving = tuple(link for link in links if link != GROUND)
+        shaft = layout.shafts.get(point)
         moving = tuple(dict.fromkeys(layout.alone.get(link, link) for link in moving))
         hanging = (
             tuple(link for link in moving if link in layout.webs and link != shaft)
@@ -194,7 +207,8 @@ def _axes(courses: _Courses, before: Over) -> tuple[list[Axis], Over]:
         )
     for point, link in layout.thread_posts.items():
         if link != GROUND:  # those of the ground pass all levels, whichever order these have
-            name, half = f"post {point}", layout.sizes.thread_post_sizes.diameter_at(point) / 2
+            name = f"post {point}"
+            half = layout.sizes.thread_post_sizes.diameter_at(point) / 2
             found.append(
                 Axis(name, (link,), courses.way(link, point), half, over=_ALL, point=point)
             )
@@ -218,7 +232,9 @@ def _over_on_pin(
 
     moving: levels of its links; hanging: of those that hang from above; known: what is known already.
     """
-    shaft, thrown, over = layout.shafts.get(point), layout.thrown(point), Over()
+    shaft = layout.shafts.get(point)
+    thrown = layout.thrown(point)
+    over = Over()
     upper = layout.alone.get(shaft or "", shaft) or (*moving[-1:], GROUND)[0]
     if shaft is not None or (layout.slotted_link(point) not in ("", GROUND) and not thrown):
         over += [(upper, link) for link in moving if link not in (upper, *hanging)]
@@ -226,9 +242,8 @@ def _over_on_pin(
     # the shaft is round below and there alone
     loose = [layout.alone[link] for link in layout.freewheels if link in layout.pivots[point]]
     for level in loose:
-        over += [
-            (name, level) for name in held if name != level and (name, level) not in (*known, *over)
-        ]
+        pairs = [(name, level) for name in held if name != level]
+        over += [pair for pair in pairs if pair not in (*known, *over)]
     if shaft is not None and layout.webs.get(shaft):
         over += [(shaft, rider) for rider in layout.riders.get(point, ())]
     elif thrown:  # what turns on a throw, or runs on it, lies between its webs
@@ -241,47 +256,45 @@ def _over_on_pin(
 
 def _walls(courses: _Courses) -> tuple[list[Wall], Over]:
     """Rails and covers of what slides."""
-    layout, found, over = courses.layout, list[Wall](), Over()
+    layout = courses.layout
+    walls = []
+    over = Over()
     for link, each in layout.guides.items():
         on = each.joint.guide.body
-        base, move = "" if on == GROUND else on, "another line of the slide"
+        base = "" if on == GROUND else on
+        move = "another line of the slide"
         if each.covered and layout.cover is not None:
             cover = layout.cover
             for pair in each.pairs:
                 screws = cover.places(pair, layout.sizes.rail_width)
                 corners = courses.ways(on, [screws[k] for k in hull_corners(screws)])
-                cures = "parts.cover = false", move
+                cures = ("parts.cover = false", move)
                 name = f"cover of {link}"
-                found.append(Wall(name, corners, cover.radius, link, base, cover.levels, *cures))
+                walls.append(Wall(name, corners, cover.radius, link, base, cover.levels, *cures))
         else:
-            half, slim = layout.sizes.rail_width / 2, "a smaller parts.rail_width"
+            half = layout.sizes.rail_width / 2
+            slim = "a smaller parts.rail_width"
             for ends in each.rails:
                 rail = courses.ways(on, ends)
-                found.append(Wall(f"rail of {link}", rail, half, link, base, 0, slim, move))
-        over += [(link, on)] if on != GROUND else []
-    return found, over
+                walls.append(Wall(f"rail of {link}", rail, half, link, base, 0, slim, move))
+        if base:
+            over.append((link, base))
+    return walls, over
 
 
 def _openings(layout: Layout, count: int) -> list[Opening]:
     """Slots and other wide holes of the ground, at so many samples."""
-    found = []
+    openings = []
     for point, ends in layout.slots_of(GROUND).items():
-        corners, half = (
-            np.repeat(np.array(ends)[:, None], count, axis=1),
-            layout.slot_width(point) / 2 + layout.min_wall / 2,
-        )
+        corners = np.repeat(np.array(ends)[:, None], count, axis=1)
+        half = layout.slot_width(point) / 2 + layout.min_wall / 2
         move = f"another line of the slot of points.{point}"
-        found.append(Opening(f"slot of pin {point}", corners, half, f"pin {point}", move=move))
+        name = f"slot of pin {point}"
+        openings.append(Opening(name, corners, half, f"pin {point}", move=move))
     motor = layout.shaft_of(layout.driven)
     for z, radius in motor_holes(layout):
-        centre, half = np.full((1, count), z), radius + layout.min_wall / 2
-        found.append(
-            Opening(
-                "hole for the motor",
-                centre,
-                half,
-                f"shaft {motor}",
-                move=f"points.{motor} elsewhere",
-            )
-        )
-    return found
+        centre = np.full((1, count), z)
+        half = radius + layout.min_wall / 2
+        move = f"points.{motor} elsewhere"
+        openings.append(Opening("hole for the motor", centre, half, f"shaft {motor}", move=move))
+    return openings

@@ -24,7 +24,7 @@ def web_name(link: str, k: int) -> str:
     return link if k == 0 else f"{link}_web{k + 1}"
 
 
-def throws(links: Mapping[str, Sequence[str]], link: str, pins: Sequence[str] = ()) -> list[str]:
+def throws(links: Mapping[str, Sequence[str]], link: str, pins: Sequence[str]) -> list[str]:
     """Points of a link on which others turn, in its order; pins: those that run in a slot."""
     others = {point for name, points in links.items() if name != link for point in points}.union(
         pins
@@ -93,7 +93,7 @@ def keyed_pin(
     between: float,
     flat: float,
     head: tuple[float, float],
-    made: str = "printed",
+    made: str,
 ) -> Part:
     """A crank pin from its lower end up, mm: a flat as long as its web, round between them, a flat.
 

@@ -112,8 +112,8 @@ class Tip:
     leaves: Literal[1, -1]  # the sense of the follower that takes it off
     name: str  # of its parts
     ridden: Ridden
-    rim: float = 0.0  # how much further a groove's plates reach than its follower's way, mm
-    second: bool = False  # of a conjugate pair
+    rim: float  # how much further a groove's plates reach than its follower's way, mm
+    second: bool  # of a conjugate pair
 
     @property
     def radius(self) -> float:
