@@ -97,7 +97,7 @@ def test_a_disc_without_a_wall_says_which_has_one() -> None:
 
 @pytest.mark.parametrize(
     ("discs", "said"),
-    [({"P": 30.0}, "no link with a shaft"), ({"O": 30.0}, "no link with a shaft")],
+    [({"P": 30.0}, "no shaft goes through it"), ({"O": 30.0}, "no shaft goes through it")],
 )
 def test_what_is_no_disc_is_refused(discs: dict[str, float], said: str) -> None:
     with pytest.raises(DesignError, match=said):
