@@ -110,11 +110,15 @@ class SpecError(CamgenError):
         )
 
 
+def _message(sentence: str, remedy: str) -> str:
+    return f"{sentence}; {remedy}" if remedy else sentence
+
+
 class DesignError(CamgenError):
     """The spec is well formed but no such mechanism exists.
 
     quantity, value, limit, unit: what fails and by how much; where: at which angle or place, or between which two things;
-    remedy: what to change; said: the sentence that a person reads before the remedy, where the facts in a row would be none.
+    remedy: what to change.
     """
 
     exit_code = 3
@@ -127,9 +131,11 @@ class DesignError(CamgenError):
         unit: str,
         where: str | tuple[str, str] = "",
         remedy: str = "",
-        said: str = "",
     ) -> None:
-        self.quantity, self.value, self.limit, self.unit = quantity, value, limit, unit
+        self.quantity = quantity
+        self.value = value
+        self.limit = limit
+        self.unit = unit
         self.between: tuple[str, ...] = where if isinstance(where, tuple) else ()
         self.where = where if isinstance(where, str) else f"between {where[0]} and {where[1]}"
         self.remedy = remedy
@@ -137,21 +143,24 @@ class DesignError(CamgenError):
         place = f" {at}{self.where}" if self.where else ""
         of = f" {unit}" if unit else ""
         named = f" ({self.where})" if self.where else ""
-        if said:
-            told = said
-        elif unit == "" and (value, limit) == (0, 1):  # what is counted
-            told = f"there are no {quantity}{named}"
+        if unit == "" and (value, limit) == (0, 1):  # what is counted
+            sentence = f"there are no {quantity}{named}"
         elif unit == "" and limit == 0 and isinstance(value, int):
-            told = f"{quantity}: {value}, where none may be{named}"
+            sentence = f"{quantity}: {value}, where none may be{named}"
         else:
-            told = f"{quantity} is {value:.6g}{of}{place}, limit {limit:.6g}{of}"
-        self.sentence = told
-        super().__init__(f"{told}; {remedy}" if remedy else told)
+            sentence = f"{quantity} is {value:.6g}{of}{place}, limit {limit:.6g}{of}"
+        self.sentence = sentence
+        super().__init__(_message(sentence, remedy))
 
     def mended(self, remedy: str) -> Self:
-        """The same with another remedy."""
-        message = f"{self.sentence}; {remedy}" if remedy else self.sentence
-        return _sent(type(self), (message,), {**vars(self), "remedy": remedy})
+        """This error with another remedy."""
+        facts = {**vars(self), "remedy": remedy}
+        return _sent(type(self), (_message(self.sentence, remedy),), facts)
+
+    def saying(self, sentence: str) -> Self:
+        """This error with a sentence of its own before the remedy, where the facts in a row would be none."""
+        facts = {**vars(self), "sentence": sentence}
+        return _sent(type(self), (_message(sentence, self.remedy),), facts)
 
     @property
     def facts(self) -> dict[str, Any]:

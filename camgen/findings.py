@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import PurePath
 
 
@@ -67,6 +67,10 @@ class Finding:
     def sign(self) -> str:
         """How what is measured has to compare with the limit: "<=", ">=" or ">"."""
         return (">" if self.strict else ">=") if self.floor else "<="
+
+    def within(self, tolerance: float) -> Finding:
+        """The finding where a least value may be missed by so much; its limit is told as it was written."""
+        return replace(self, ok=bool(self.measured >= self.limit - tolerance))
 
     def as_dict(self) -> dict[str, object]:
         """The finding as report.json lists it."""
@@ -144,22 +148,9 @@ def at_most(
 
 
 def at_least(
-    code: str,
-    measured: float,
-    limit: float,
-    unit: str,
-    where: Where,
-    message: str,
-    tolerance: float = 0.0,
+    code: str, measured: float, limit: float, unit: str, where: Where, message: str
 ) -> Finding:
-    """A finding that holds when measured >= limit - tolerance; nan never holds. The limit is told as it was written."""
+    """A finding that holds when measured >= limit; nan never holds."""
     return Finding(
-        code,
-        bool(measured >= limit - tolerance),
-        float(measured),
-        float(limit),
-        unit,
-        where,
-        message,
-        True,
+        code, bool(measured >= limit), float(measured), float(limit), unit, where, message, True
     )

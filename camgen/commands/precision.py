@@ -74,7 +74,9 @@ def tolerance(
     from camgen.tolerance import report as tolerance_report
 
     with Bar() as progress:
-        report = tolerance_report.tolerance(spec, settings, progress=progress, **counts)
+        report = tolerance_report.tolerance(
+            spec, settings, tolerance_report.PrintRun(**counts), progress
+        )
     if html is not None:
         write_html(html, report)
     if as_json:

@@ -96,8 +96,7 @@ class Search:
                 "",
                 f"{self.count} tried",
                 "widen wanted.vary, or relax a limit",
-                f"none of {self.count} designs keeps every limit; the nearest one: {message}",
-            )
+            ).saying(f"none of {self.count} designs keeps every limit; the nearest one: {message}")
         return self.settings
 
     def costs(self, designs: Floats) -> Floats:

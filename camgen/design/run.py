@@ -90,7 +90,7 @@ class Front:
     def write(self, folder: Path) -> None:
         """01.toml, 02.toml, ..., front.csv and front.html; FileError where the folder exists."""
         from camgen.report.sketches import picture
-        from camgen.report.sweep_page import write_page
+        from camgen.report.sweep_page import SweepPage, write_page
 
         with file_errors():
             try:
@@ -115,17 +115,8 @@ class Front:
             (picture(each, words), words)
             for each, words in zip(self.sketches, captions, strict=True)
         ]
-        write_page(
-            folder / "front.html",
-            self.title,
-            self.summary,
-            list(self.rows[0]),
-            [across],
-            self.rows,
-            len(self.rows),
-            [up],
-            pictures,
-        )
+        page = SweepPage(self.title, self.summary, list(self.rows[0]), [across], [up], pictures)
+        write_page(folder / "front.html", page, self.rows, len(self.rows))
 
 
 Keep = Callable[[Front], None] | None
@@ -491,7 +482,8 @@ def choice(
             "",
             f"front of {len(front)}",
             f"{room}, or thinner parts",
-            f"none of {len(front)} designs can be built; the first: {front[0].prototype.obstacle}",
+        ).saying(
+            f"none of {len(front)} designs can be built; the first: {front[0].prototype.obstacle}"
         )
     if wanted.lash is not None:
         tight = [each for each in buildable if each.prototype.lash <= wanted.lash]
@@ -515,7 +507,14 @@ def choice(
         message = (
             f"none of {many} keeps its limits; the nearest to what is wanted: {nearest.refusal}"
         )
-        raise DesignError("designs that keep their limits", 0, 1, "", many, remedy, message)
+        raise DesignError(
+            "designs that keep their limits",
+            0,
+            1,
+            "",
+            many,
+            remedy,
+        ).saying(message)
     near = [each for each in can if error(each) <= aim.allowance]
     least = min(map(error, can))
     if not near and wanted.tolerance is None:
@@ -526,8 +525,9 @@ def choice(
             unit,
             "the nearest buildable design",
             f"{wanted.further}, or the wanted.tolerance that will do",
+        ).saying(
             f"the nearest buildable design is {least:.4g} {unit} {aim.off}; without wanted.tolerance a twentieth of {aim.size} "
-            f"is borne, {aim.allowance:.4g} {unit}",
+            f"is borne, {aim.allowance:.4g} {unit}"
         )
     if not near:
         remedy = f"{wanted.further}, or a wider wanted.tolerance"

@@ -323,5 +323,4 @@ def _finding(pair: Passing, least: Least, slack: float, where: Where) -> Finding
         "mm",
         replace(where, thing=f"{pair.name}: {where.thing}"),
         f"{words}; up to {slack:.2g} mm either way is grazing",
-        slack,
-    )
+    ).within(slack)

@@ -327,7 +327,16 @@ def _judge_sections(
             tolerances.WALL_FACETS, expected.chord_tolerance
         )  # what facets on both sides may take of a wall
         remark = f"smallest wall between contours; {facets:g} mm less holds too, for facets on both sides may take that"
-        findings.append(at_least("MIN_WALL", wall, expected.min_wall, "mm", where, remark, facets))
+        findings.append(
+            at_least(
+                "MIN_WALL",
+                wall,
+                expected.min_wall,
+                "mm",
+                where,
+                remark,
+            ).within(facets)
+        )
     return PartVerdict(tuple(findings), tuple(shapes for _, shapes in printed_sections))
 
 

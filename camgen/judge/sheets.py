@@ -152,7 +152,14 @@ def _fit(pieces: Sequence[Shape], beam: Beam, count: int, where: Where) -> list[
         )[1]
         remark = "smallest gap between the paths of two pieces"
         findings.append(
-            at_least("SHEET_FIT", float(near.min()), beam.gap, "mm", where, remark, 2 * FACETS)
+            at_least(
+                "SHEET_FIT",
+                float(near.min()),
+                beam.gap,
+                "mm",
+                where,
+                remark,
+            ).within(2 * FACETS)
         )
     return findings
 

@@ -107,7 +107,8 @@ def refuse_unsound(machine: Machine) -> Freedom:
                 "",
                 _joints(freedom.bound),
                 f"take away {'one of the' if len(second) > 1 else 'the'} {listed('drive', second)}",
-                f"{freedom.drives} drives for {_degrees(freedom.drives - freedom.spare)} ({_tally(freedom)})",
+            ).saying(
+                f"{freedom.drives} drives for {_degrees(freedom.drives - freedom.spare)} ({_tally(freedom)})"
             )
         if second:
             raise DesignError(
@@ -117,7 +118,8 @@ def refuse_unsound(machine: Machine) -> Freedom:
                 "",
                 _joints(freedom.bound),
                 "take away a joint or a link",
-                f"the chain is rigid: {_joints(freedom.bound)} leave no degree of freedom to drive ({_tally(freedom)})",
+            ).saying(
+                f"the chain is rigid: {_joints(freedom.bound)} leave no degree of freedom to drive ({_tally(freedom)})"
             )
         raise _locked_error(freedom)
     if freedom.moves:
@@ -137,8 +139,7 @@ def refuse_unsound(machine: Machine) -> Freedom:
             "",
             listed("link", freedom.loose, NAMED),
             remedy,
-            message,
-        )
+        ).saying(message)
     return freedom
 
 
@@ -151,8 +152,7 @@ def _locked_error(freedom: Freedom) -> DesignError:
         "",
         _joints(freedom.bound),
         "take away a link, or make one of its pins a slot",
-        f"{message} ({_tally(freedom)})",
-    )
+    ).saying(f"{message} ({_tally(freedom)})")
 
 
 def _tally(freedom: Freedom) -> str:
@@ -265,8 +265,7 @@ def close_drawing(machine: Machine) -> Machine:
             "mm",
             _joints(open_),
             "change the lengths of the links in this loop, or draw their points nearer to where they meet",
-            f"{message} by {gap:.6g} mm{_loop(machine, open_)}",
-        )
+        ).saying(f"{message} by {gap:.6g} mm{_loop(machine, open_)}")
     rows = q.reshape(-1, 3)
     start = {
         body: Pose(complex(x, y), float(angle))

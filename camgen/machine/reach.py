@@ -98,8 +98,7 @@ def refuse_partial(machine: Machine, least: float = 0.0) -> None:
         "deg",
         f"{names}: it closes from {low:.6g} to {high:.6g} deg",
         cure + _grashof(four_bar_lengths(machine, crank), crank),
-        f"the drive cannot turn fully: {closes}",
-    )
+    ).saying(f"the drive cannot turn fully: {closes}")
 
 
 def _without_folds(machine: Machine, span: Reach) -> tuple[float, float] | None:
@@ -230,8 +229,9 @@ def refuse_folds(machine: Machine, low: float = 0.0, high: float = math.tau) -> 
                 "",
                 f"{listed('joint', fold.joints)}, {math.degrees(fold.theta):.6g} deg (change point)",
                 "change a length, or keep drive.range_deg away from there",
+            ).saying(
                 f"change point at {math.degrees(fold.theta):.6g} deg: the links at {listed('joint', fold.joints)} lie in line "
-                f"and either branch can follow (sine of the transmission angle {max(fold.determinant, 0):.1g}, limit {FOLD:g})",
+                f"and either branch can follow (sine of the transmission angle {max(fold.determinant, 0):.1g}, limit {FOLD:g})"
             )
 
 

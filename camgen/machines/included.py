@@ -136,7 +136,14 @@ def _resolved(each: Include, host: Host) -> Mechanism:
         name = _name(each)
         said = f"{name}{f' ({each.source})' if each.source else ''}: {e.sentence}"
         quantity = f"{name}: {e.quantity}"
-        raise DesignError(quantity, e.value, e.limit, e.unit, e.where, e.remedy, said) from None
+        raise DesignError(
+            quantity,
+            e.value,
+            e.limit,
+            e.unit,
+            e.where,
+            e.remedy,
+        ).saying(said) from None
     return mechanism
 
 

@@ -42,7 +42,14 @@ def in_bodies() -> Iterator[None]:
             re.sub(r"\bparts\.(?!make)", "bodies.", words)
             for words in (error.quantity, error.where, error.remedy, error.sentence)
         )
-        raise DesignError(of, error.value, error.limit, error.unit, where, remedy, said) from None
+        raise DesignError(
+            of,
+            error.value,
+            error.limit,
+            error.unit,
+            where,
+            remedy,
+        ).saying(said) from None
 
 
 class Template(Mechanism):

@@ -194,8 +194,7 @@ def synthesise(
             "",
             f"weight {weight:g}",
             "use another weight",
-            message,
-        )
+        ).saying(message)
     best = [
         float(c) for c in x[:n] / (closes @ x[:n])
     ]  # the search closes to its tolerance, this to rounding

@@ -115,7 +115,8 @@ def exact(part: Part, tolerance: float) -> Brep:
             "",
             "",
             "take its STL or 3MF",
-            f"{part.name} is where two outlines that are extruded crosswise overlap; no exact solid of it can be written",
+        ).saying(
+            f"{part.name} is where two outlines that are extruded crosswise overlap; no exact solid of it can be written"
         )
     layers = [*part.layers, *part.engraved]
     points, strokes, runs = _divided([_outlines(layer, tolerance) for layer in layers])

@@ -225,7 +225,14 @@ def compensated(part: Part, fit: Compensation) -> Part:
             f"{part.name} is made of two crossed outlines and cannot be compensated for the print"
         )
         remedy = "leave its keys of [print] at 0, and let the slicer compensate"
-        raise DesignError("print fits of a crossed part", 1, 0, "", part.name, remedy, message)
+        raise DesignError(
+            "print fits of a crossed part",
+            1,
+            0,
+            "",
+            part.name,
+            remedy,
+        ).saying(message)
     if not -0.5 < fit.shrinkage < 0.5:
         raise DesignError("shrinkage", fit.shrinkage, 0.5, "", part.name, "a share such as 0.003")
     scale = 1 / (1 - fit.shrinkage)

@@ -93,8 +93,7 @@ def _check_simple(name: str, rim: Points) -> None:
             "",
             place,
             "its sizes do not go together",
-            message,
-        )
+        ).saying(message)
 
 
 # ---- shaft and axles -------------------------------------------------------------------------------------------------

@@ -226,22 +226,10 @@ def bound_axes(things: Things) -> set[str]:
 
 def _no_levels(given: Mapping[str, int]) -> Unlaid:
     if not given:
-        return Unlaid(
-            "levels found",
-            0,
-            1,
-            "",
-            "",
-            "",
-            "no order of levels has all that must lie over others over them",
+        return Unlaid("levels found", 0, 1, "").saying(
+            "no order of levels has all that must lie over others over them"
         )
     remedy = "set what the shaft drives highest on its pivot, and a slot over the link with its pin"
-    return Unlaid(
-        "levels found",
-        0,
-        1,
-        "",
-        "[layers]",
-        remedy,
-        "no order of levels with those of [layers] is free of collisions",
+    return Unlaid("levels found", 0, 1, "", "[layers]", remedy).saying(
+        "no order of levels with those of [layers] is free of collisions"
     )

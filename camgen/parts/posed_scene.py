@@ -45,7 +45,13 @@ def posed_scene(assembly: Assembly, solids: Mapping[str, Mesh], theta: float) ->
         if not math.isfinite(angle + abs(place)):
             where = f"{assembly.cycle.name} {math.degrees(theta):.6g} deg"
             message = f"the machine does not close at {where}"
-            raise DesignError(f"place of {name}", math.nan, math.nan, "mm", where, said=message)
+            raise DesignError(
+                f"place of {name}",
+                math.nan,
+                math.nan,
+                "mm",
+                where,
+            ).saying(message)
         graph.update(frame_from="world", frame_to=name, matrix=_square(placing(angle, place, 0, 0)))
     for name, solid in solids.items():
         scene.geometry[name] = Trimesh(solid.vertices, solid.faces, process=False)

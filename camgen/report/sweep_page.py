@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from html import escape
 from importlib.resources import files
 from pathlib import Path
 from string import Template
+from types import MappingProxyType
 from typing import Any
 
 from camgen.errors import file_errors
@@ -21,35 +23,39 @@ def shown_step(count: int) -> int:
     return -(-count // MOST)
 
 
-def write_page(
-    path: Path,
-    title: str,
-    summary: str,
-    columns: Sequence[str],
-    keys: Sequence[str],
-    rows: Iterable[Mapping[str, Any]],
-    count: int,
-    wished: Sequence[str] = (),
-    pictures: Sequence[tuple[str, str]] = (),
-    units: Mapping[str, str] | None = None,
-) -> None:
-    """Write the page of a sweep of `count` rows, of which those that `shown_step` says are given; keys: the columns that were
-    varied; wished: figures of a wish; pictures: SVG and what is said of each; units: of keys, the other columns name theirs last.
-    """
-    shown, step = [[row.get(column) for column in columns] for row in rows], shown_step(count)
+@dataclass(frozen=True)
+class SweepPage:
+    """What the page of a sweep says beside its rows."""
+
+    title: str
+    summary: str
+    columns: Sequence[str]
+    keys: Sequence[str]  # the columns that were varied
+    wishes: Sequence[str] = ()  # columns of the figures of a wish
+    pictures: Sequence[tuple[str, str]] = ()  # SVG, and what is said of each
+    units: Mapping[str, str] = MappingProxyType({})  # of keys; the other columns name theirs last
+
+
+def write_page(path: Path, page: SweepPage, rows: Iterable[Mapping[str, Any]], count: int) -> None:
+    """Write the page of a sweep of `count` rows, of which those that `shown_step` says are given."""
+    step = shown_step(count)
+    summary = page.summary
     if step > 1:
         summary += f" This page shows every variant whose number is a multiple of {step}; the table has all."
-    told = {
-        "columns": list(columns),
-        "keys": list(keys),
-        "units": units or {},
-        "wished": list(wished),
-        "rows": shown,
+    content = {
+        "columns": list(page.columns),
+        "keys": list(page.keys),
+        "units": dict(page.units),
+        "wished": list(page.wishes),
+        "rows": [[row.get(column) for column in page.columns] for row in rows],
     }
-    data = json.dumps(told, ensure_ascii=False).replace("<", "\\u003c")
-    page = Template(files("camgen.report").joinpath("sweep.html").read_text(encoding="utf-8"))
-    text = page.substitute(
-        title=escape(title), summary=escape(summary), gallery=gallery(pictures), data=data
+    data = json.dumps(content, ensure_ascii=False).replace("<", "\\u003c")
+    template = Template(files("camgen.report").joinpath("sweep.html").read_text(encoding="utf-8"))
+    text = template.substitute(
+        title=escape(page.title),
+        summary=escape(summary),
+        gallery=gallery(page.pictures),
+        data=data,
     )
     with file_errors():
         path.write_text(text, encoding="utf-8", newline="\n")

@@ -28,7 +28,7 @@ from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import Template, changed, prepare, read_tables
 from camgen.motion.tables import with_tables
 from camgen.progress import Progress, silent
-from camgen.report.sweep_page import shown_step, write_page
+from camgen.report.sweep_page import SweepPage, shown_step, write_page
 from camgen.spec import unknown
 from camgen.sweep.journal import Journal
 from camgen.sweep.tables import WRITERS, Row, pyarrow_at
@@ -347,18 +347,15 @@ def sweep(
             journal.strange,
         )
         keys = [axis.key for axis in task.variants.axes]
-        page = table.with_suffix(".html"), f"Sweep of {Path(task.source).stem}", result.summary
-        units = {key: unit(key) for key in keys}
-        sample = journal.rows(shown_step(count))
-        write_page(
-            *page,
+        page = SweepPage(
+            f"Sweep of {Path(task.source).stem}",
+            result.summary,
             result.columns,
             keys,
-            sample,
-            count,
             _wish_columns(task.data, result.columns),
-            units=units,
+            units={key: unit(key) for key in keys},
         )
+        write_page(table.with_suffix(".html"), page, journal.rows(shown_step(count)), count)
     finally:
         journal.close()
     journal.path.unlink()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,29 +50,40 @@ _TIMED = (
 )
 
 
+@dataclass(frozen=True)
+class PrintRun:
+    """How many copies are printed, and what is looked at of them."""
+
+    samples: int = 100_000
+    seed: int = 1
+    worst: int = 10  # copies of each output that are really rolled and closed
+    judged: int = 0  # the first copies of all, by each finding
+
+    def faults(self) -> list[Fault]:
+        """Counts that are none, by the option that sets them."""
+        counts = {"samples": 1, "worst": 0, "judged": 0}
+        faults = [
+            Fault((), str(count), f"from {least} to {_MOST}", source=f"--{option}")
+            for option, least in counts.items()
+            if not least <= (count := getattr(self, option)) <= _MOST
+        ]
+        if self.seed < 0:
+            faults.append(Fault((), str(self.seed), "0 or more", source="--seed"))
+        return faults
+
+
 def tolerance(
     spec: Source,
     overrides: Sequence[str] = (),
-    samples: int = 100_000,
-    seed: int = 1,
-    worst: int = 10,
+    printing: PrintRun | None = None,
     progress: Progress = silent,
-    *,
-    judged: int = 0,
 ) -> Report:
-    """So many printed copies of a mechanism, the worst of each output really rolled and closed, and the first `judged` of all
-    judged by each finding; nothing is written.
+    """Printed copies of a mechanism, the worst of each output really rolled and closed; nothing is written.
 
     SpecError for counts that are none; DesignError where no joint of the model bears an error.
     """
-    counts = (("--samples", samples, 1), ("--worst", worst, 0), ("--judged", judged, 0))
-    faults = [
-        Fault((), str(n), f"from {least} to {_MOST}", source=option)
-        for option, n, least in counts
-        if not least <= n <= _MOST
-    ]
-    if seed < 0:
-        faults.append(Fault((), str(seed), "0 or more", source="--seed"))
+    printing = printing or PrintRun()
+    faults = printing.faults()
     if faults:
         raise SpecError(faults, "command line")
     mechanism = read_mechanism(spec, overrides).resolved()
@@ -87,29 +99,44 @@ def tolerance(
         why = "its bodies follow laws by themselves"
         raise DesignError("joints that print errors can displace", 0, 1, "", mechanism.name, why)
     progress("printing copies", 0.3)
-    copies = copies_of(spread, samples, seed)
+    copies = copies_of(spread, printing.samples, printing.seed)
     figures = []
     tables = [spread.budget(), _quantiles(spread, copies, figures)]
     plots: list[Plot] = []
     tables += _yields(spread, copies, figures)
     tables += _timings(struck, figures)
-    few = drawn_again(spread, seed, range(min(samples, MOST)))
-    tables += _kept(targets(spread, few), figures) + _loops(loops(spread, few, seed), figures)
-    if judged:
+    few = drawn_again(spread, printing.seed, range(min(printing.samples, MOST)))
+    tables += _kept(targets(spread, few), figures) + _loops(
+        loops(spread, few, printing.seed), figures
+    )
+    if printing.judged:
         progress("judging copies", 0.5)
         tables += _findings(
-            copies_judged(spread, drawn_again(spread, seed, range(min(samples, judged)))), figures
+            copies_judged(
+                spread,
+                drawn_again(spread, printing.seed, range(min(printing.samples, printing.judged))),
+            ),
+            figures,
         )
     for k, output in enumerate(spread.outputs):
         progress(f"rolling the worst copies of {output.name}", 0.5 + 0.5 * k / len(spread.outputs))
         plots += _plots(spread, copies, output)
-        if worst:
-            tables.append(_worst(spread, copies, output, seed, min(worst, samples), figures))
+        if printing.worst:
+            tables.append(
+                _worst(
+                    spread,
+                    copies,
+                    output,
+                    printing.seed,
+                    min(printing.worst, printing.samples),
+                    figures,
+                )
+            )
     plots += [
         _histogram(f"Play of {cam}", "loosest place", least_unit(spread, name), loose, spread, name)
         for (name, cam), (loose, _, _) in copies.held.items()
     ]
-    notes = (f"{samples} copies, seed {seed}.", *_waves(spread), *_NOTES)
+    notes = (f"{printing.samples} copies, seed {printing.seed}.", *_waves(spread), *_NOTES)
     return Report(
         mechanism.name,
         mechanism.mechanism,
@@ -119,7 +146,7 @@ def tolerance(
         plots,
         tables,
         notes,
-        summary=_summary(samples, figures),
+        summary=_summary(printing.samples, figures),
     )
 
 

@@ -18,7 +18,7 @@ from camgen.machine.model import Cam
 from camgen.machine.run import solve
 from camgen.machines.pairs import remarks
 from camgen.pipeline import build as pipeline
-from camgen.tolerance.report import tolerance
+from camgen.tolerance.report import PrintRun, tolerance
 
 SPECS = Path(__file__).parents[2] / "specs"
 FLAT = ('geometry.follower={motion="translating",shape="flat"}', "limits.least_radius=1")
@@ -116,14 +116,13 @@ def test_air_that_cannot_be(settings: tuple[str, ...], said: str, tmp_path: Path
 def test_the_air_that_copies_ask_for_frees_them() -> None:
     """What 99 of 100 copies of the pair without air ask for, typed as its air, is what 99 of 100 hold with."""
     few = ("print.size_error=0.05",)
-    needed = tolerance(SPECS / "uniform-swing.toml", few, 20_000, 1, 0).numbers[
+    needed = tolerance(SPECS / "uniform-swing.toml", few, PrintRun(20_000, 1, 0)).numbers[
         "tip_clearance_99_percent_contact_mm"
     ]
 
     def holds(air: float, code: str) -> float:
-        found = tolerance(
-            SPECS / "uniform-swing.toml", (*few, f"geometry.tip_clearance={air}"), 20_000, 2, 0
-        )
+        settings = (*few, f"geometry.tip_clearance={air}")
+        found = tolerance(SPECS / "uniform-swing.toml", settings, PrintRun(20_000, 2, 0))
         (table,) = [each for each in found.tables if each.title == "Yield of play and fits alone"]
         (row,) = [row for row in table.rows if row[0] == code and "contact" in str(row[1])]
         return float(str(row[-1]))

@@ -15,7 +15,7 @@ from camgen.cli import main
 from camgen.errors import DesignError, SpecError
 from camgen.machine.print_errors import Sizes, waviness
 from camgen.machines.sources import read_mechanism
-from camgen.tolerance.report import tolerance
+from camgen.tolerance.report import PrintRun, tolerance
 from camgen.tolerance.spread import Spread, copies_of, drawn_again, rolled, sizes_of, spread_of
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
@@ -148,18 +148,22 @@ def test_the_pair_s_play_when_rolled() -> None:
 
 
 def test_air_at_the_tips_frees_the_pair() -> None:
-    report = tolerance(SPECS / "uniform-swing.toml", BLENDED, 20_000, 1, 0)
+    report = tolerance(SPECS / "uniform-swing.toml", BLENDED, PrintRun(20_000, 1, 0))
     assert (
         report.numbers["yield_percent"] < 10
         and 0.1 < report.numbers["tip_clearance_99_percent_contact_mm"] < 0.3
     )
-    fine = tolerance(SPECS / "uniform-swing.toml", (*BLENDED, "print.size_error=0.0"), 2_000, 1, 0)
+    fine = tolerance(
+        SPECS / "uniform-swing.toml", (*BLENDED, "print.size_error=0.0"), PrintRun(2_000, 1, 0)
+    )
     assert fine.numbers["swing_error_99_percent_deg"] == 0 and fine.numbers["yield_percent"] == 100
 
 
 def test_pins_that_do_not_go_in() -> None:
     """A fit of 0.2 and holes and pins of 0.1 each, so 0.1 sqrt 2 together: P(N(0.2, 0.1414) < 0) = 7.86 % for each of three."""
-    report = tolerance(SPECS / "eccentric-drive.toml", ("print.size_error=0.1",), 100_000, 1, 0)
+    report = tolerance(
+        SPECS / "eccentric-drive.toml", ("print.size_error=0.1",), PrintRun(100_000, 1, 0)
+    )
     (table,) = [each for each in report.tables if each.title == "Yield of play and fits alone"]
     row = next(row for row in table.rows if row[0] == "PIN_GAP")
     assert float(str(row[-1])) == pytest.approx(100 * (1 - 0.07865) ** 3, abs=0.5)
@@ -178,7 +182,7 @@ def test_sizes_of_a_printer() -> None:
 def test_orders_of_the_waves_are_a_key_and_said() -> None:
     """Waves of 2 to 12 a turn: the median is 0.133 where that of 2 to 4 is 0.124, as worked out elsewhere."""
     few, many = (
-        tolerance(SPECS / "disc-cam.toml", settings, 20_000, 1, 0)
+        tolerance(SPECS / "disc-cam.toml", settings, PrintRun(20_000, 1, 0))
         for settings in ((), ("print.form_orders=[2, 12]",))
     )
     medians = [report.numbers["lift_error_50_percent_mm"] for report in (few, many)]
@@ -186,7 +190,7 @@ def test_orders_of_the_waves_are_a_key_and_said() -> None:
     assert any("2 to 4 waves a turn" in note for note in few.notes) and any(
         "2 to 12 waves" in note for note in many.notes
     )
-    without = tolerance(SPECS / "disc-cam.toml", ("print.form_error=0.0",), 100, 1, 0)
+    without = tolerance(SPECS / "disc-cam.toml", ("print.form_error=0.0",), PrintRun(100, 1, 0))
     assert not any("waves a turn" in note for note in without.notes)
     fine = spread_of(
         read_mechanism(SPECS / "disc-cam.toml", ["print.form_orders=[30, 30]"]).resolved()
@@ -195,7 +199,7 @@ def test_orders_of_the_waves_are_a_key_and_said() -> None:
 
 
 def test_the_share_of_copies_stands_above_each_quantile() -> None:
-    report = tolerance(SPECS / "disc-cam.toml", (), 4_000, 7, 0)
+    report = tolerance(SPECS / "disc-cam.toml", (), PrintRun(4_000, 7, 0))
     (table,) = [each for each in report.tables if each.title == "Largest error over the motion"]
     errors = np.sort(copies_of(spread("disc-cam"), 4_000, 7).errors["lift"])
     for head, value in list(zip(table.columns, table.rows[0], strict=True))[2:]:
@@ -231,7 +235,7 @@ def test_a_hundred_thousand_pairs_in_a_second() -> None:
 
 def test_bad_counts_and_machines_without_modes() -> None:
     with pytest.raises(SpecError) as told:
-        tolerance(SPECS / "disc-cam.toml", (), 0, -1, -1)
+        tolerance(SPECS / "disc-cam.toml", (), PrintRun(0, -1, -1))
     assert [fault.key for fault in told.value.faults] == ["--samples", "--worst", "--seed"]
     with pytest.raises(DesignError, match="can displace"):
         tolerance(SPECS / "coupon.toml")

@@ -11,7 +11,7 @@ from test_tolerance import SPECS, spread
 
 from camgen.machine.model import Pin
 from camgen.tolerance.findings import Judged, _of_model, judged
-from camgen.tolerance.report import tolerance, wilson
+from camgen.tolerance.report import PrintRun, tolerance, wilson
 from camgen.tolerance.spread import Spread, drawn_again
 
 SPRUNG = ("load.mass_kg=0.3", "spring={rate=1,preload=0.1}")
@@ -126,7 +126,7 @@ def test_how_sure_a_yield_is(good: int, count: int) -> None:
 
 
 def test_yields_are_in_the_report() -> None:
-    report = tolerance(SPECS / "disc-cam.toml", SPRUNG, 200, 1, 0, judged=4)
+    report = tolerance(SPECS / "disc-cam.toml", SPRUNG, PrintRun(200, 1, 0, judged=4))
     (table,) = [
         each for each in report.tables if each.title.startswith("Findings of the first 4 copies")
     ]

@@ -9,7 +9,7 @@ import pytest
 
 from camgen.machine.run import solve
 from camgen.machines.sources import read_mechanism
-from camgen.tolerance.report import tolerance
+from camgen.tolerance.report import PrintRun, tolerance
 from camgen.tolerance.spread import Spread, drawn_again, rolled, spread_of
 from camgen.tolerance.targets import _crosses, loops, targets
 
@@ -53,9 +53,9 @@ def test_the_small_loop_of_a_take_up_lives_by_its_play() -> None:
 
 
 def test_the_report_tells_both() -> None:
-    told = tolerance(SPECS / "linkage.toml", WISH, samples=50, worst=0)
+    told = tolerance(SPECS / "linkage.toml", WISH, PrintRun(samples=50, worst=0))
     assert "targets_yield_percent" in told.numbers and any(
         table.title.startswith("Yield of what") for table in told.tables
     )
-    plain = tolerance(SPECS / "linkage.toml", samples=9, worst=0)
+    plain = tolerance(SPECS / "linkage.toml", printing=PrintRun(samples=9, worst=0))
     assert not any(table.title.startswith("Yield of what") for table in plain.tables)

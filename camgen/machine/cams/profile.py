@@ -220,8 +220,7 @@ class DiscCam(Generic[F]):
                 "",
                 "",
                 "use a smaller tip or a larger base circle",
-                "the groove's outer wall crosses itself",
-            )
+            ).saying("the groove's outer wall crosses itself")
         return Contour(tuple(wall)).counter_clockwise()
 
     def greatest(self, f: Callable[[Any], Floats]) -> tuple[float, float]:

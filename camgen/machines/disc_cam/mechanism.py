@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
 from typing import Annotated, Any, Literal, Self
@@ -33,6 +34,7 @@ from camgen.machine.cams.machine import (
     cam_outline,
     loaded,
 )
+from camgen.machine.cams.many import Figures
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.cams.sizing import least_base_radius
 from camgen.machine.features import CamOutline, Demand, Mount
@@ -48,7 +50,7 @@ from camgen.machines.disc_cam.tables import (
     LoadTable,
     SpringTable,
 )
-from camgen.machines.disc_cam.walls import walls
+from camgen.machines.disc_cam.walls import CamWalls
 from camgen.machines.free_play import between
 from camgen.machines.loads.tables import CamLimitsTable
 from camgen.machines.loads.weights import gravity
@@ -63,6 +65,9 @@ from camgen.parts.generator.troughs import open_rails
 from camgen.parts.part import Part
 from camgen.parts.springs import to_wind, wished
 from camgen.study import Later, Plot, Sketch, Study
+from camgen.tolerances import WALL_FACETS
+
+_TIE = 1e-6  # deg or mm from a limit, nearer than which a cam of many is looked at by itself
 
 
 class DiscCamDrive(CamTables, Template):
@@ -441,10 +446,35 @@ class DiscCamDrive(CamTables, Template):
 
     @classmethod
     def prepare(cls, many: Sequence[Self]) -> None:
-        """Figures of all their cams at once."""
-        from camgen.machines.disc_cam.variants import prepare
+        """Figures of all their cams at once, of those that are cams alone, given by their size, without load."""
+        from camgen.machines.disc_cam.variants import fill
 
-        prepare(many)
+        alone = []
+        for each in many:
+            if each.geometry.base_radius is not None and not each.standing and each.load is None:
+                with suppress(DesignError):  # told when its limits are asked for
+                    alone.append((each, each.cams))
+        filled = fill([(cams, each._sure) for each, cams in alone])
+        for (each, _), clears in zip(alone, filled, strict=True):
+            if clears:
+                vars(each).update(_clears_axle=True)
+
+    def _sure(self, cam: DiscCam[Any], figures: Figures) -> bool:
+        """Whether no rounding can turn a verdict on figures of a cam, and it clears its follower's axle in any case."""
+        follower = self.geometry.follower
+        limits = self.allowed
+        width = 2 * max(figures.face_to, -figures.face_from)
+        room = math.inf
+        if follower.motion == "oscillating":
+            width = figures.face_to - figures.face_from
+            room = (follower.pivot_distance or 0.0) - figures.farthest
+        near = [
+            figures.steepest - self.cam_limits.steepest(cam),
+            figures.least_radius - limits.least_radius,
+        ]
+        if follower.face_width:
+            near.append(width - follower.face_width)
+        return room > self.accuracy.chord_tolerance and not any(abs(each) < _TIE for each in near)
 
     def findings(self) -> Sequence[Finding]:
         """None beside those of its cams, which `limits` has."""
@@ -494,7 +524,14 @@ class DiscCamDrive(CamTables, Template):
         )
         return [
             *self.limits(),
-            *walls(self),
+            *CamWalls(
+                self.cams,
+                self.making,
+                self.geometry.closure == "groove",
+                self.allowed.min_wall,
+                2 * max(WALL_FACETS, self.accuracy.chord_tolerance),
+                lambda: self.assembly.parts,
+            ).findings(),
             *between(self.cams, air, self.allowed.lash / self._unit[1]),
         ]
 

@@ -4,69 +4,60 @@ lowest. Where that leaves open whether a keyway or a pin comes too near to a sid
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 from camgen.findings import Finding, Where, at_least
 from camgen.geometry.distances import thinnest_wall
 from camgen.geometry.facets import facet_contour
-from camgen.parts.disc_cams import pins_beside, refuse_wide
-from camgen.tolerances import WALL_FACETS
-
-if TYPE_CHECKING:
-    from camgen.machines.disc_cam.mechanism import DiscCamDrive
+from camgen.machine.cams.profile import DiscCam
+from camgen.parts.disc_cams import CamParts, pins_beside, refuse_wide
+from camgen.parts.part import Part
 
 _REMEDY = "a smaller bore or a larger base_radius widens it"
 
 
-def walls(drive: DiscCamDrive) -> list[Finding]:
-    """MIN_WALL of each cam; DesignError where bore, key, pin or hub leaves it."""
-    made, need, found = drive.making, drive.allowed.min_wall, []
-    grooved = drive.geometry.closure == "groove"
-    names = ["inner"] if grooved else ["cam"] if len(drive.cams) == 1 else ["cam-1", "cam-2"]
-    widest = pins_beside(made, need) + made.pin_diameter / 2 if grooved else made.reach
-    facets = 2 * max(
-        WALL_FACETS, drive.accuracy.chord_tolerance
-    )  # what the files may take of a wall, as there
-    for cam, name in zip(drive.cams, names, strict=True):
-        refuse_wide(name, cam.nearest, made.reach, made.hub_diameter if made.hub_height else 0.0)
-        where, wall = Where(f"holes and nearest side of {name}"), cam.nearest - widest
-        if wall < need and (grooved or made.shaft != "plain"):
-            return [*_laid(drive, facets), *_rim(drive, facets)]
-        found.append(at_least("MIN_WALL", wall, need, "mm", where, _REMEDY, facets))
-    return [*found, *_rim(drive, facets)]
+@dataclass(frozen=True)
+class CamWalls:
+    """Cams with their holes, and the wall that these must leave."""
 
+    cams: Sequence[DiscCam[Any]]  # one; both of a pair; the inner one of a groove
+    sizes: CamParts
+    grooved: bool
+    least: float  # mm
+    facets: float  # mm, what the files may take of a wall
+    plates: Callable[[], Sequence[Part]]  # as they are made
 
-def _laid(drive: DiscCamDrive, facets: float) -> list[Finding]:
-    """The same of the plates as they are made, facet by facet."""
-    found = []
-    for part in drive.assembly.parts:
-        outer, *holes = (
-            facet_contour(each, facets / 2) for each in (part.region.outer, *part.region.holes)
-        )
-        where, wall = (
-            Where(f"between the contours of {part.name}", part=part.name),
-            thinnest_wall(outer, holes),
-        )
-        found.append(
-            at_least("MIN_WALL", wall, drive.allowed.min_wall, "mm", where, _REMEDY, facets)
-        )
-    return found
+    def findings(self) -> list[Finding]:
+        """MIN_WALL of each cam; DesignError where bore, key, pin or hub leaves it."""
+        sizes = self.sizes
+        names = ["cam"] if len(self.cams) == 1 else ["cam-1", "cam-2"]
+        widest = sizes.reach
+        if self.grooved:
+            names = ["inner"]
+            widest = pins_beside(sizes, self.least) + sizes.pin_diameter / 2
+        hub = sizes.hub_diameter if sizes.hub_height else 0.0
+        walls = []
+        for cam, name in zip(self.cams, names, strict=True):
+            refuse_wide(name, cam.nearest, sizes.reach, hub)
+            wall = cam.nearest - widest
+            if wall < self.least and (self.grooved or sizes.shaft != "plain"):
+                walls = [self._of_plate(part) for part in self.plates()]
+                break
+            walls.append(self._wall(wall, Where(f"holes and nearest side of {name}")))
+        if self.grooved:
+            rim = (sizes.rim - sizes.pin_diameter) / 2
+            remedy = "a wider parts.rim or a smaller parts.pin_diameter widens it"
+            walls.append(self._wall(rim, Where("pins and edge of outer"), remedy))
+        return walls
 
+    def _of_plate(self, part: Part) -> Finding:
+        """The thinnest wall of a plate as it is made, facet by facet."""
+        contours = (part.region.outer, *part.region.holes)
+        outer, *holes = (facet_contour(each, self.facets / 2) for each in contours)
+        where = Where(f"between the contours of {part.name}", part=part.name)
+        return self._wall(thinnest_wall(outer, holes), where)
 
-def _rim(drive: DiscCamDrive, facets: float) -> list[Finding]:
-    """MIN_WALL from the pins in a groove's rim to its edge."""
-    if drive.geometry.closure != "groove":
-        return []
-    made, need = drive.making, drive.allowed.min_wall
-    said = "a wider parts.rim or a smaller parts.pin_diameter widens it"
-    return [
-        at_least(
-            "MIN_WALL",
-            (made.rim - made.pin_diameter) / 2,
-            need,
-            "mm",
-            Where("pins and edge of outer"),
-            said,
-            facets,
-        )
-    ]
+    def _wall(self, wall: float, where: Where, remedy: str = _REMEDY) -> Finding:
+        return at_least("MIN_WALL", wall, self.least, "mm", where, remedy).within(self.facets)

@@ -200,8 +200,7 @@ class IndexingStudy:
             Where("follower's axle", theta=float(theta[worst]), angle=self.angle),
             f"torque between roller and cam with a closing torque of {self.closing:g} N m; "
             f"more than {max(0.0, self.closing - float(seat[worst])):.4g} N m would keep it from leaving the cam",
-            tolerance=-ROUNDING * float(np.max(np.abs(seat))),
-        )
+        ).within(-ROUNDING * float(np.max(np.abs(seat))))
 
     def _pushing(self) -> tuple[Floats, Floats]:
         """Torque in the freewheel that turns the link, with the unloader and without it, (n,) N m, nan while it runs free."""

@@ -31,6 +31,7 @@ def refuse_range(machine: Machine, drive: Drive, least: float, most: float) -> N
                 "deg",
                 where,
                 "ask for a range within it",
+            ).saying(
                 f"{key} goes from {asked[0]:.6g} to {asked[1]:.6g} deg, more than the chain has: {said}, and "
-                f"opens at {where}",
+                f"opens at {where}"
             )

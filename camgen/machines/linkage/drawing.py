@@ -361,8 +361,7 @@ class Drawing:
                     "mm",
                     f"cam {name}",
                     remedy,
-                    f"cam {name}: {error}",
-                ) from None
+                ).saying(f"cam {name}: {error}") from None
             machine = _moved(machine, joint, ahead)
         return machine
 

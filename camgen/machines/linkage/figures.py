@@ -301,7 +301,14 @@ def targets(linkage: LinkageMotion) -> list[Finding]:
         if wanted.time_ratio is not None and not course.strokes:
             remedy = "ask time_ratio of an output that goes to and fro, or leave it out"
             said = f"output {wanted.name} {NO_STROKES}"
-            raise DesignError("strokes", 0, 2, "", wanted.name, remedy, said)
+            raise DesignError(
+                "strokes",
+                0,
+                2,
+                "",
+                wanted.name,
+                remedy,
+            ).saying(said)
     return [
         target.finding(course, Where(f"{wanted.name} as designed", output=wanted.name))
         for wanted, course in pairs

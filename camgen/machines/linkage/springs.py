@@ -199,13 +199,27 @@ def _mounted(spec: t.Spring, name: str, run: Run, sizes: Parts) -> MountedSpring
     if shortest < free - 1e-9:
         said = f"{where}: its points come as near as {shortest:.6g} mm, its free length is {free:.6g} mm, and it only pulls"
         remedy = "ask for a shorter one, or for a preload"
-        raise DesignError("length", shortest, free, "mm", where, remedy, said)
+        raise DesignError(
+            "length",
+            shortest,
+            free,
+            "mm",
+            where,
+            remedy,
+        ).saying(said)
     spring = extension_spring(spec.rate, free + pin, longest + pin, EYE * pin, sizes.hook)
     if spring is None:
         where = f"spring {name}"
         said = f"{where}: no spring of round wire has {spec.rate:.4g} N/mm, {free:.4g} mm free between pins of {pin:g} mm and bears "
         remedy = "ask for another rate or free length, draw its points further apart, or take thinner pins"
-        raise DesignError("length", longest, free, "mm", where, remedy, f"{said}{longest:.4g} mm")
+        raise DesignError(
+            "length",
+            longest,
+            free,
+            "mm",
+            where,
+            remedy,
+        ).saying(f"{said}{longest:.4g} mm")
     a, b = (m.Place(body, complex(run.machine.body(body).points[point])) for body, point in ends)
     return MountedSpring(
         name, (ends[0], ends[1]), m.Spring(name, a, b, spec.rate, free), spring, shortest, longest

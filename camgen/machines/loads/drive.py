@@ -59,7 +59,16 @@ def reach(drives: Drives | None, seat: MotorSeat) -> LoadCheck:
         return LoadCheck(not_judged=[NotJudged("SHAFT_REACH", why, said)])
     remark = f"over the motor's face; {said}; thinner parts need less"
     return LoadCheck(
-        [at_least("SHAFT_REACH", length, seat.reach, "mm", Where("motor"), remark, 1e-9)]
+        [
+            at_least(
+                "SHAFT_REACH",
+                length,
+                seat.reach,
+                "mm",
+                Where("motor"),
+                remark,
+            ).within(1e-9)
+        ]
     )
 
 

@@ -40,9 +40,10 @@ class Unmade(DesignError):
     """
 
     def __init__(self, error: DesignError, kind: str, change: Change) -> None:
-        remedy = f"{error.remedy}, or set {change.words}"
-        values = (error.quantity, error.value, error.limit, error.unit, error.where)
-        super().__init__(*values, remedy, error.sentence)
+        mended = error.mended(f"{error.remedy}, or set {change.words}")
+        super().__init__(error.quantity, error.value, error.limit, error.unit)
+        vars(self).update(vars(mended))
+        self.args = mended.args
         self.kind = kind
         self.change = change
         self.guess = error.remedy

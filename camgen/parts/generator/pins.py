@@ -181,7 +181,14 @@ def _between(layout: Layout, point: str, stub: Stub) -> Placed:
         said = _unsold(s.pin_diameter, least, whole, point)
         quantity = "length of the dowel"
         where = f"pin {point}"
-        error = DesignError(quantity, length, least, "mm", where, remedy, said)
+        error = DesignError(
+            quantity,
+            length,
+            least,
+            "mm",
+            where,
+            remedy,
+        ).saying(said)
         raise _as_printed(point, error)
     notes = (
         f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued into both plates",
@@ -215,7 +222,14 @@ def _dowel(layout: Layout, grip: float, point: str) -> tuple[Part, Part]:
         remedy += ": thin dowels are sold shorter" if s.of_sheet else ""
         said = _unsold(s.pin_diameter, least, most, point)
         quantity = "length of the dowel"
-        error = DesignError(quantity, length, least, "mm", f"pin {point}", remedy, said)
+        error = DesignError(
+            quantity,
+            length,
+            least,
+            "mm",
+            f"pin {point}",
+            remedy,
+        ).saying(said)
         raise error if s.of_sheet else _as_printed(point, error)
     out = round(length - grip - s.thickness, 2)
     over = f", stands {out:g} mm out of its cap" if out > 0 else ""

@@ -305,7 +305,14 @@ def gear_wheels(
         if joint.carrier != m.GROUND:
             remedy = "let both links of this [[gear]] turn on the ground"
             said = f"the axes of {where} lie on link {joint.carrier}, which moves, and no wheels are made on such"
-            raise DesignError("carriers that move", 1, 0, "", where, remedy, said)
+            raise DesignError(
+                "carriers that move",
+                1,
+                0,
+                "",
+                where,
+                remedy,
+            ).saying(said)
         way = pivot(machine, joint.b)[1] - pivot(machine, joint.a)[1]
         first, second = pair(abs(way), joint.ratio, backlash, least, teeth, where)
         line = cmath.phase(way)
