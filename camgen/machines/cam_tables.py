@@ -60,6 +60,9 @@ class CamTables(Mechanism):
         if self.bodies.discs:
             right = "nothing here: no link of this machine turns on an eccentric"
             faults.append(Fault(("parts", "discs"), "", right))
+        for name in self.bodies.thread_post_sizes.diameters:
+            right = "a point of a thread, and this machine has none"
+            faults.append(Fault(("parts", "thread_posts", "diameters", name), "", right))
         found = [replace(fault, path=("bodies", *fault.path[1:])) for fault in faults]
         return [
             *found,

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from html import escape
 from importlib.resources import files
 from pathlib import Path
 from string import Template
-from types import MappingProxyType
 from typing import Any
 
 from camgen.errors import file_errors
@@ -33,7 +32,9 @@ class SweepPage:
     keys: Sequence[str]  # the columns that were varied
     wishes: Sequence[str] = ()  # columns of the figures of a wish
     pictures: Sequence[tuple[str, str]] = ()  # SVG, and what is said of each
-    units: Mapping[str, str] = MappingProxyType({})  # of keys; the other columns name theirs last
+    units: Mapping[str, str] = field(
+        default_factory=dict
+    )  # of keys; the other columns name theirs last
 
 
 def write_page(path: Path, page: SweepPage, rows: Iterable[Mapping[str, Any]], count: int) -> None:

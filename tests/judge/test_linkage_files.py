@@ -304,9 +304,9 @@ def test_a_tight_hole_is_not_mended_by_a_wide_one(folder: Path) -> None:
 def test_a_shaft_hole_that_is_no_joint_stays_in_its_place(
     built: Callable[..., Path], tmp_path: Path
 ) -> None:
-    """The take-up's frame lets the shaft through to the pivot: a millimetre off, and it does not."""
+    """The take-up's plate lets the shaft through to the pivot: a millimetre off, and it does not."""
     folder = Path(shutil.copytree(built("thread-take-up"), tmp_path / "thread-take-up"))
-    path = folder / "thread-take-up-frame.dxf"
+    path = folder / "thread-take-up-ground.dxf"
     drawing = ezdxf.readfile(path)
     (hole,) = (
         c
@@ -328,7 +328,7 @@ def test_the_feed_is_taken_from_the_guides_in_the_file(
 ) -> None:
     """A guide's hole 0.1 mm off along the thread changes the feed, and the stroke with it."""
     folder = Path(shutil.copytree(built("thread-take-up"), tmp_path / "thread-take-up"))
-    path = folder / "thread-take-up-frame.dxf"
+    path = folder / "thread-take-up-ground.dxf"
     drawing = ezdxf.readfile(path)
     circles = drawing.modelspace().query("CIRCLE")
     (hole,) = (

@@ -375,7 +375,7 @@ def test_the_motor_shaft_is_told_and_judged() -> None:
     assert "round shaft of 2, at least 13.6 long from its face" in lines["drive"].size
     # 5 less a head of 2 sunk by 0.2, 25 of the can, 5 of the bar, and a nut of 1.6; 4 + 3 and a nut
     sizes = [lines[f"screw of the {what}"].size for what in ("motor", "wire clamp")]
-    assert sizes == ["M2 x 35", "M2 x 10"] and lines["nut"].count == 2  # without a tube
+    assert sizes == ["M2 x 35, with a nut", "M2 x 10"] and lines["nut"].count == 2  # without a tube
 
 
 def test_the_clamp_presses_on_the_wire_and_stays_outside_the_guide() -> None:
