@@ -155,76 +155,83 @@ def _meet(a: complex, r: float, c: float, s: float, side: int) -> complex:
     return a + way / abs(way) * (along + side * 1j * math.sqrt(r**2 - along**2))
 
 
+class Peer:
+    """The other program in a process of its own."""
+
+    def __init__(self, interpreter: str) -> None:
+        command = [interpreter, __file__, "--serve"]
+        self.process = subprocess.Popen(command, stdin=-1, stdout=-1, text=True)
+
+    def ask(self, line: object) -> Any:
+        """Its answer to a line."""
+        assert self.process.stdin
+        assert self.process.stdout
+        self.process.stdin.write(f"{json.dumps(line)}\n")
+        self.process.stdin.flush()
+        return json.loads(self.process.stdout.readline())
+
+    def close(self) -> None:
+        """End it."""
+        assert self.process.stdin
+        self.process.stdin.close()
+        self.process.wait()
+
+
 def main(interpreter: str | None) -> None:
     """Print the tables."""
-    import numpy as np
-
-    if (
-        interpreter is None
-        and importlib.util.find_spec("pylinkage")
-        and importlib.util.find_spec("numba")
-    ):
+    if interpreter is None and all(map(importlib.util.find_spec, ("pylinkage", "numba"))):
         interpreter = sys.executable
     peer = None
     if interpreter is None:
         print("pylinkage or numba is not installed: compared with nothing")
     else:
-        peer = subprocess.Popen([interpreter, __file__, "--serve"], stdin=-1, stdout=-1, text=True)
+        peer = Peer(interpreter)
+    for count in COUNTS:
+        compare("four-bar", count, peer)
+    for count in (3_600, 36_000):
+        compare("six-bar", count, peer)
+    if peer:
+        peer.close()
 
-    def ask(line: object) -> Any:
-        assert peer and peer.stdin and peer.stdout
-        peer.stdin.write(f"{json.dumps(line)}\n")
-        peer.stdin.flush()
-        return json.loads(peer.stdout.readline())
 
-    for machine, count in [
-        *(("four-bar", count) for count in COUNTS),
-        ("six-bar", 3_600),
-        ("six-bar", 36_000),
-    ]:
-        joints = joints_of(machine)
-        theta = np.arange(1, count + 1) * (2 * math.pi / count)
-        ours = {
-            "camgen, positions": lambda theta=theta, joints=joints: joints(theta, 0),
-            "camgen, positions and two derivatives": lambda theta=theta, joints=joints: joints(
-                theta, 2
-            ),
-        }
-        for job in ours.values():
-            job()
-        times: dict[str, list[float]] = {}
-        print(f"{machine}, {count:,} angles", end="")
-        if peer:
-            theirs = np.array(ask([machine, count])) @ [1, 1j]
-            here = joints(theta[:: max(1, count // 360)], 0)
-            # Its crank is stepped by adding, which drifts; its coarse answers carry that.
-            print(
-                f"; greatest difference {np.abs(theirs.T - [each[0] for each in here]).max():.1e} mm",
-                end="",
-            )
-        print()
-        for _ in range(ROUNDS):
-            for name, job in ours.items():
-                times.setdefault(name, []).append(clocked(job))
-            for name, spent in (ask("go") if peer else {}).items():
-                times.setdefault(name, []).append(spent)
-        base = min(times["camgen, positions and two derivatives"])
-        for name, spent in times.items():
-            print(
-                f"  {name:51} {min(spent):9.3f} ms   {min(spent) / base:6.2f} of positions and two derivatives"
-            )
-        if peer:
-            theirs_ms = min(times["pylinkage step_fast, positions"])
-            wanted = f", {WANTED[machine, count]:g} wanted" if (machine, count) in WANTED else ""
-            alike = min(times["camgen, positions"])
-            print(
-                f"  {theirs_ms / base:.1f} times as fast as its positions{wanted}; by positions alone {theirs_ms / alike:.1f}"
-            )
-    if peer and peer.stdin:
-        peer.stdin.close()
-        peer.wait()
-    print_blocks()
-    print_chains()
+def compare(machine: str, count: int, peer: Peer | None) -> None:
+    """Print the times of one machine at so many angles."""
+    import numpy as np
+
+    joints = joints_of(machine)
+    theta = np.arange(1, count + 1) * (2 * math.pi / count)
+    ours = {
+        "camgen, positions": lambda: joints(theta, 0),
+        "camgen, positions and two derivatives": lambda: joints(theta, 2),
+    }
+    for job in ours.values():
+        job()
+    times: dict[str, list[float]] = {}
+    print(f"{machine}, {count:,} angles", end="")
+    if peer:
+        theirs = np.array(peer.ask([machine, count])) @ [1, 1j]
+        here = joints(theta[:: max(1, count // 360)], 0)
+        # Its crank is stepped by adding, which drifts; its coarse answers carry that.
+        off = np.abs(theirs.T - [each[0] for each in here]).max()
+        print(f"; greatest difference {off:.1e} mm", end="")
+    print()
+    for _ in range(ROUNDS):
+        for name, job in ours.items():
+            times.setdefault(name, []).append(clocked(job))
+        for name, spent in (peer.ask("go") if peer else {}).items():
+            times.setdefault(name, []).append(spent)
+    base = min(times["camgen, positions and two derivatives"])
+    for name, spent in times.items():
+        print(
+            f"  {name:51} {min(spent):9.3f} ms   {min(spent) / base:6.2f} of positions and two derivatives"
+        )
+    if peer:
+        theirs_ms = min(times["pylinkage step_fast, positions"])
+        wanted = f", {WANTED[machine, count]:g} wanted" if (machine, count) in WANTED else ""
+        alike = min(times["camgen, positions"])
+        print(
+            f"  {theirs_ms / base:.1f} times as fast as its positions{wanted}; by positions alone {theirs_ms / alike:.1f}"
+        )
 
 
 def print_blocks() -> None:
