@@ -18,11 +18,21 @@ from typing import Any
 import numpy as np
 
 from camgen.errors import DesignError
-from camgen.machine.cams.followers import Follower, RoundTip, SlidingTip, SwingingArm, SwingingFace
+from camgen.machine.cams.followers import (
+    FlatFace,
+    Follower,
+    RoundTip,
+    SlidingTip,
+    SwingingArm,
+    SwingingFace,
+)
 from camgen.machine.cams.limits import CamLimits
 from camgen.machine.cams.profile import DiscCam
 from camgen.numerics import Floats, Points
 
+_CUSP = (
+    0.01  # mm, radius of curvature under a flat face, nearer than which to 0 a profile has a cusp
+)
 _GROWTH = 1.25  # from one try to the next, until a size is large enough
 _STEPS = 60
 _SETTLED = 1e-13  # of the size
@@ -188,4 +198,7 @@ def least_base_radius(cam: DiscCam[Any], limits: CamLimits, room: float) -> floa
 
     low = min(max(low, math.sqrt(max(0.0, (room + radius) ** 2 - beside**2))), high)
     steepest = math.radians(limits.steepest(cam))
-    return base(smallest(make, steepest, limits.least_radius, low, high))
+    least = limits.least_radius
+    if isinstance(follower, FlatFace) and abs(least) < _CUSP:
+        least = _CUSP
+    return base(smallest(make, steepest, least, low, high))
