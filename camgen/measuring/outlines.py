@@ -87,7 +87,10 @@ class Hints:
     probe: float = 0.0  # radius of the ball whose centres measured points are, mm
 
 
-def read_outline(path: Path, hints: Hints = Hints(), contour: int | None = None) -> Outline:
+AS_IT_IS = Hints()  # of a file of which nothing is said
+
+
+def read_outline(path: Path, hints: Hints = AS_IT_IS, contour: int | None = None) -> Outline:
     """The largest closed contour of a drawing, of a mesh's section, of a layer of G-code or of a scan, or through measured points.
 
     contour: 1 for the largest, 2 for the second largest, and so on; where none is asked for, a finding tells whether another

@@ -123,14 +123,8 @@ def pair(
     def refused(
         quantity: str, value: float, limit: float, unit: str, remedy: str, message: str = ""
     ) -> DesignError:
-        return DesignError(
-            quantity,
-            value,
-            limit,
-            unit,
-            where,
-            remedy,
-        ).saying(message)
+        error = DesignError(quantity, value, limit, unit, where, remedy)
+        return error.saying(message) if message else error
 
     if ratio > 0:
         remedy = "put a link with a wheel between, and two gears, each with a ratio below 0"
