@@ -17,19 +17,21 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from camgen.errors import DesignError
 from camgen.findings import Finding
 from camgen.machine.features import Demand
 from camgen.machine.model import Machine
-from camgen.machines.linkage.mechanism import Additions, Linkage
 from camgen.machines.mechanism import Mechanism, Remarks
 from camgen.parts.assembly import Assembly
-from camgen.parts.generator.joined import Fitting
-from camgen.parts.generator.layout import Layout
 from camgen.spec import validate
 from camgen.study import Study, together
+
+if TYPE_CHECKING:
+    from camgen.machines.linkage.mechanism import Additions, Linkage
+    from camgen.parts.generator.joined import Fitting
+    from camgen.parts.generator.layout import Layout
 
 
 @contextmanager
@@ -76,15 +78,21 @@ class Template(Mechanism):
 
     def fitting(self, layout: Layout) -> Fitting:
         """Parts of its own on a linkage that is laid out."""
+        from camgen.parts.generator.joined import Fitting
+
         return Fitting()
 
     def additions(self) -> Additions:
         """What is said of the linkage beside its tables."""
+        from camgen.machines.linkage.mechanism import Additions
+
         return Additions(self.fitting)
 
     @cached_property
     def linkage(self) -> Linkage:
         """The linkage that it is."""
+        from camgen.machines.linkage.mechanism import Linkage  # a cam alone needs none of it
+
         shared = {"print": self.print, "material": self.material, "accuracy": self.accuracy}
         more = {} if self.laser is None else {"laser": self.laser.model_dump()}
         load = {} if self.load is None else {"load": self.load}

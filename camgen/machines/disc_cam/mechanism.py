@@ -61,7 +61,6 @@ from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, program
 from camgen.parts.assembly import Assembly, FollowerFacts, MotorSeat
 from camgen.parts.disc_cams import CamParts, disc_parts, turning_note
-from camgen.parts.generator.troughs import open_rails
 from camgen.parts.part import Part
 from camgen.parts.springs import to_wind, wished
 from camgen.study import Later, Plot, Sketch, Study
@@ -615,7 +614,10 @@ class DiscCamDrive(CamTables, Template):
             notes.append(
                 "The velocity jumps, so the acceleration has no finite peak; its curve leaves the jumps out."
             )
-        notes += open_rails(self.linkage.bodies.layout) if self.standing else []
+        if self.standing:
+            from camgen.parts.generator.troughs import open_rails
+
+            notes += open_rails(self.linkage.bodies.layout)
         if self.allowed.continuous < 0:
             notes.append("Whether the motion jumps is not judged: limits.continuous = -1.")
         return notes
