@@ -18,7 +18,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
 from pydantic import Field
@@ -52,8 +52,6 @@ from camgen.machines.indexing_cam.unloader import (
     peak,
 )
 from camgen.machines.indexing_cam.unloader_crank import UnloaderCrank
-from camgen.machines.linkage.mechanism import Additions
-from camgen.machines.linkage.tables import LinkageLimits
 from camgen.machines.pairs import air_faults
 from camgen.machines.template import Template, in_bodies
 from camgen.motion.laws import Law
@@ -67,6 +65,9 @@ from camgen.parts.generator.beneath import room
 from camgen.parts.part import Layer, Part, windows
 from camgen.spec import validate
 from camgen.study import Figure, Figures, Later, Plot, Sketch, Study, Table, figures_in, records
+
+if TYPE_CHECKING:
+    from camgen.machines.linkage.mechanism import Additions
 
 FOLLOWER = "follower"
 WHEEL = "drive_wheel"
@@ -275,6 +276,8 @@ class IndexingCam(CamTables, Template):
 
     def tables(self) -> Mapping[str, Any]:
         """Cams, follower, gears and driven link; the chain before them, freewheels and unloader where there are such."""
+        from camgen.machines.linkage.tables import LinkageLimits
+
         g, f = self.geometry, self.geometry.follower
         first = self.arm(g.base_radius)
         turned = LINK if self.freewheel is None else WHEEL
@@ -349,6 +352,8 @@ class IndexingCam(CamTables, Template):
 
     def additions(self) -> Additions:
         """What loads the link; with a chain the cams' program behind it, and the law of its crank."""
+        from camgen.machines.linkage.mechanism import Additions
+
         found = Additions(loads=self._loads, advice=_ADVICE)
         if self.two_cranks is None:
             return found
