@@ -31,10 +31,8 @@ def edited(text: str, settings: Sequence[str]) -> str:
         elif holder[last] != value[last]:
             before = holder[last]
             holder[last] = value[last]
-            trivia, longer = (
-                holder[last].trivia,
-                len(holder[last].as_string()) - len(before.as_string()),
-            )
+            trivia = holder[last].trivia
+            longer = len(holder[last].as_string()) - len(before.as_string())
             if trivia.comment:  # stays in its column
                 trivia.comment_ws = " " * max(1, len(trivia.comment_ws) - longer)
     return tomlkit.dumps(document)

@@ -180,7 +180,8 @@ class DesignError(CamgenError):
 
 def listed(thing: str, names: Sequence[str], most: int = 10) -> str:
     """Names with what they are: "joint A", "joints A and B", "links a, b, c and 7 more"."""
-    shown, more = list(names[:most]), len(names) - most
+    shown = list(names[:most])
+    more = len(names) - most
     shown += [f"{more} more"] if more > 0 else []
     return (
         f"{thing} {shown[0]}"

@@ -73,7 +73,8 @@ def solve(matrices: Floats, right: Floats, holds: NDArray[np.bool_] | None = Non
                 columns = k + np.flatnonzero(filled[rows, k:].any(axis=0))
                 part = table[rows[:, None], columns]
                 sizes = np.abs(part[:, 0])
-                largest, pivot = sizes[0], np.zeros(n, np.intp)
+                largest = sizes[0]
+                pivot = np.zeros(n, np.intp)
                 for r in range(1, len(sizes)):
                     pivot = np.where(sizes[r] > largest, r, pivot)
                     largest = np.maximum(largest, sizes[r])
@@ -104,7 +105,8 @@ def solve(matrices: Floats, right: Floats, holds: NDArray[np.bool_] | None = Non
 def _solve_one(matrix: Floats, right: Floats) -> Floats:
     """The solution of one system (k, k) x = right, (k, m), likewise."""
     size = len(matrix)
-    table, found = np.concatenate([matrix, right], axis=1), np.full(right.shape, math.nan)
+    table = np.concatenate([matrix, right], axis=1)
+    found = np.full(right.shape, math.nan)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for k in range(size):
             best = k + int(np.argmax(np.abs(table[k:, k])))
@@ -139,7 +141,8 @@ def least_squares(table: Floats, right: Floats) -> Floats:
     """
     columns = [*np.array(table, float).T, np.array(right, float)]
     size = len(columns) - 1
-    triangle, shares = np.zeros((size, size)), np.zeros(size)
+    triangle = np.zeros((size, size))
+    shares = np.zeros(size)
     for k in range(size):
         square = float(np.sum(columns[k] ** 2))
         if math.sqrt(square) <= _DEPENDENT * math.sqrt(float(np.sum(table[:, k] ** 2))):
@@ -163,7 +166,8 @@ def gauss_legendre(n: int) -> tuple[Floats, Floats]:
     """Nodes and weights (n,) of Gauss and Legendre on -1..1, growing; Newton on the polynomial from its known estimates."""
     x = np.array([-math.cos(math.pi * (k + 0.75) / (n + 0.5)) for k in range(n)])
     for _ in range(100):
-        before, here = np.ones(n), x
+        before = np.ones(n)
+        here = x
         for k in range(2, n + 1):
             before, here = here, ((2 * k - 1) * x * here - (k - 1) * before) / k
         slope = n * (before - x * here) / (1 - x * x)
@@ -244,7 +248,8 @@ def crests(f: Callable[[Floats], Floats], low: Floats, high: Floats, steps: int 
     f(t): the n values at the n places t.
     """
     for _ in range(steps if low.size else 0):
-        left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
+        left = high - _GOLDEN * (high - low)
+        right = low + _GOLDEN * (high - low)
         rising = f(left) < f(right)
         low, high = np.where(rising, left, low), np.where(rising, high, right)
     return np.asarray((low + high) / 2)
@@ -261,11 +266,13 @@ def greatest(
 
     also: further places to try, where f has a corner.
     """
-    x, best = distinct(np.linspace(a, b, count), also), -math.inf
+    x = distinct(np.linspace(a, b, count), also)
+    best = -math.inf
     for _ in range(40):
         y = f(x)
         k = int(np.nanargmax(y))
-        low, high = x[max(k - 1, 0)], x[min(k + 1, len(x) - 1)]
+        low = x[max(k - 1, 0)]
+        high = x[min(k + 1, len(x) - 1)]
         # round a smooth crest f is flat to rounding long before the interval is
         flat = high - low <= 1e-7 * max(1.0, abs(b)) and y[k] - best <= 1e-15 * abs(best)
         if flat or high - low <= 1e-14 * max(1.0, abs(b)):

@@ -167,7 +167,8 @@ def references(data: Data, path: Key = ()) -> Iterator[Reference]:
 def _laws(value: Any, path: Key) -> Iterator[tuple[Key, Data]]:
     """Tables of laws that name a file in place of points, wherever a law may stand: as its name says, it is a table."""
     if isinstance(value, dict):
-        name, file = value.get("name"), value.get("file")
+        name = value.get("name")
+        file = value.get("file")
         if (
             isinstance(name, str)
             and isinstance(file, str)

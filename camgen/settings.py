@@ -27,7 +27,8 @@ def split_setting(setting: str) -> tuple[list[str], str]:
     """The keys of "lengths.'A-B' = 5", bare or quoted as in TOML, and the text behind "="; no keys where it has no such form."""
     if plain := _PLAIN.match(setting):
         return plain[0][:-1].split("."), setting[plain.end() :]
-    keys, place = list[str](), 0
+    keys = list[str]()
+    place = 0
     while found := _STEP.match(setting, place):
         quoted, literal, bare, end = found.groups()
         if quoted is not None:
@@ -54,14 +55,16 @@ def override(data: Data, setting: str) -> Data:
         raise SpecError(
             [Fault((), shown(setting), "KEY=VALUE, such as geometry.swing_deg=24", source="--set")]
         )
-    removed, value = not text.strip(), _value(text)
+    removed = not text.strip()
+    value = _value(text)
     deep = len(keys) + extent_of(value)[0]
     if deep > DEEPEST:
         raise SpecError([Fault((), f"nested {deep} deep", SHALLOWER, source="--set")])
     changed = dict(data)
     holder: Any = changed
     for depth, name in enumerate(keys, 1):
-        key, last = _key(holder, keys, depth), depth == len(keys)
+        key = _key(holder, keys, depth)
+        last = depth == len(keys)
         if removed and isinstance(holder, dict) and key not in holder:
             where = f" in {dotted(keys[: depth - 1])}" if depth > 1 else ""
             nearest = get_close_matches(name, holder, 1)

@@ -420,11 +420,13 @@ def _checked(
 
 def _respell(cls: type[Checked], data: Data, error: ValidationError) -> list[str]:
     """Rename what is unknown in one spelling and known in the other; what to tell of it."""
-    root, told = _json_schema(cls), list[str]()
+    root = _json_schema(cls)
+    told = list[str]()
     for item in error.errors(include_url=False):
         if item["type"] == "extra_forbidden":
             path, _, table = _locate(item["loc"], data, root)
-            holder, name = _at(data, path[:-1]), other_spelling(str(path[-1]), keys_of(table, root))
+            holder = _at(data, path[:-1])
+            name = other_spelling(str(path[-1]), keys_of(table, root))
             if name and isinstance(holder, dict) and name not in holder:
                 holder[name] = holder.pop(path[-1])
                 told.append(f"{'.'.join(map(str, path))} is read as {name}")
@@ -480,7 +482,8 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
     for item in error.errors(include_url=False):
         key = item["loc"][-1:] == ("[key]",)  # of a table whose keys are names
         path, node, table = _locate(item["loc"][: -1 if key else None], data, root)
-        expected, nearest = in_words(node, root), None
+        expected = in_words(node, root)
+        nearest = None
         no_such = item["type"] == "extra_forbidden"
         if no_such:
             keys = list(keys_of(table, root))
@@ -572,7 +575,8 @@ def dump(record: Spec) -> str:
 
 def _array(opened: str, lines: Iterator[str]) -> str:
     """An array that tomli_w spreads over lines, of which the first is read: on one line where it fits, and whole in any case."""
-    items, ends = [], ("]", "],")
+    items = []
+    ends = ("]", "],")
     while (line := next(lines)).strip() not in ends:
         items.append(line if line[-1] != "[" else _array(line, lines))
     short = opened + ", ".join(item.strip().removesuffix(",") for item in items) + line.strip()

@@ -34,7 +34,8 @@ def wording(data: Data, old_words: OldWords) -> Wording:
     typed: dict[Key, Key] = {}
     notes = []
     for old, new in old_words.items():
-        source, target = data.get(old[0]), data.get(new[0], {})
+        source = data.get(old[0])
+        target = data.get(new[0], {})
         if not (isinstance(source, dict) and isinstance(target, dict)):
             continue
         if len(old) == 1:

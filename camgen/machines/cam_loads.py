@@ -134,7 +134,8 @@ def force_study(
     found: Loaded, load: FollowerLoad, slides: bool, pushed: bool, weighs: bool
 ) -> Study:
     """Figures and curves of contact force, torque, power and reactions."""
-    forces, notes = found.forces, []
+    forces = found.forces
+    notes = []
     power = forces.power_in
     numbers = {
         "peak_contact_force_n": _peak(found.force),
@@ -180,7 +181,8 @@ def force_plots(found: Loaded, who: str) -> list[Plot]:
         np.degrees(found.theta),
         *(np.where(np.isinf(y), np.nan, y) for y in (found.force, found.torque)),
     )
-    label, of_motor = "cam angle, deg", "Torque on the motor, without friction in the joints"
+    label = "cam angle, deg"
+    of_motor = "Torque on the motor, without friction in the joints"
     driven = Plot(of_motor, label, "N m", [("drives the cam", degrees, torque)])
     return [Plot("Contact force", label, "N", [(who, degrees, force)]), driven]
 

@@ -46,11 +46,6 @@ class ReturnSpring:
     rate: float = 0.0  # wanted on the follower, N/mm or N m/rad; 0: found
     preload: float = 0.0  # wanted where the follower is lowest, N or N m; 0: found
 
-    @property
-    def hook_name(self) -> str:
-        """Of the follower's point."""
-        return "tip" if self.rolls else "hook"
-
     @cached_property
     def hooked(self) -> complex:
         """Its end from the follower's pivot, or from the axis where it slides; DesignError where there is no room for a pin."""
@@ -135,7 +130,8 @@ class ReturnSpring:
 
     def spring(self, least: float) -> ExtensionSpring:
         """The one that is wanted, or that pulls with `least` N at its shortest; DesignError where there is none such."""
-        eye, hook = EYE * self.sizes.pin_diameter, self.sizes.hook
+        eye = EYE * self.sizes.pin_diameter
+        hook = self.sizes.hook
         shortest, longest = self.way
         first, last = self._ends
         if not self.rate:

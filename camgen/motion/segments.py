@@ -243,7 +243,8 @@ def _levels(
 ) -> list[float]:
     """Displacement at each joint, from 0; nan where a fault leaves it open. Adds the faults of lift and to."""
     levels = [0.0]
-    lift, goal = (f"lift{suffix}", f"to{suffix}")
+    lift = f"lift{suffix}"
+    goal = f"to{suffix}"
     for k, table in enumerate(tables):
         level = levels[-1]
         at = (*path, k)

@@ -371,7 +371,9 @@ def nut(name: str, thread: str, count: int) -> Bought:
 
 def fixed_motor(name: str, face: MotorFace, shaft: str, grip: float) -> list[Bought]:
     """A motor with a shaft that is so described, and what fixes it through a grip, mm: screws, and nuts where its holes are plain."""
-    screw, length, count = face.screw, face.screw_length(grip), len(face.screws)
+    screw = face.screw
+    length = face.screw_length(grip)
+    count = len(face.screws)
     held = "with a nut" if face.plain else f"{length - grip:.3g} mm of it in the motor"
     size = f"{screw.thread} x {length:g}, {held}"
     return [

@@ -100,7 +100,8 @@ def _xy(z: complex) -> str:
 
 def _coarse(ring: Ring) -> Ring:
     """The ring with few enough vertices to draw: one for each small step along it, then all edges straight."""
-    points, bulges = np.asarray(ring[0], complex), np.asarray(ring[1], float)
+    points = np.asarray(ring[0], complex)
+    bulges = np.asarray(ring[1], float)
     if len(points) <= DRAWN_VERTICES:
         return points, bulges
     along = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(points)))])
@@ -197,7 +198,8 @@ def _coordinates(course: Points) -> list[list[float]]:
 
 def _drawing(animation: Animation, frame: int) -> tuple[str, str]:
     """View box and markup of the mechanism at a frame; the page's script moves the `use` elements."""
-    copies, count = _copies(animation), len(animation.theta)
+    copies = _copies(animation)
+    count = len(animation.theta)
     reach = []
     for k, pose in copies:
         angle, position = _pose_rows(pose, count)
@@ -206,7 +208,10 @@ def _drawing(animation: Animation, frame: int) -> tuple[str, str]:
         reach.append((position[:, None] + np.exp(1j * angle[:, None]) * shape).ravel())
     cloud = np.concatenate([np.zeros(1, complex), *reach])
     cloud = cloud[np.isfinite(cloud)]
-    left, right, low, high = cloud.real.min(), cloud.real.max(), cloud.imag.min(), cloud.imag.max()
+    left = cloud.real.min()
+    right = cloud.real.max()
+    low = cloud.imag.min()
+    high = cloud.imag.max()
     size = max(right - left, high - low, 1e-3)
     left, right, low, high = (
         left - 0.05 * size,
@@ -222,7 +227,8 @@ def _drawing(animation: Animation, frame: int) -> tuple[str, str]:
     grid = "".join(f"M{_xy(complex(x, low))}V{_number(high)}" for x in across)
     grid += "".join(f"M{_xy(complex(left, y))}H{_number(right)}" for y in up)
     scale = max(power * factor for factor in (1, 2, 5, 10, 20) if power * factor <= size / 4)
-    thin, bar = _number(size / 500), complex(left + 0.04 * size, low + 0.05 * size)
+    thin = _number(size / 500)
+    bar = complex(left + 0.04 * size, low + 0.05 * size)
     shapes = "".join(_shape(k, body, size / 60, frame) for k, body in enumerate(animation.bodies))
     dashes = f' stroke-dasharray="{_number(size / 80)} {_number(size / 160)}"'
     uses = "".join(

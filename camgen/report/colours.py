@@ -10,7 +10,8 @@ import math
 
 _GOLDEN = math.pi * (3 - math.sqrt(5))
 _FIRST = math.radians(250)  # blue
-_LIGHT, _DARK = (0.53, 0.43, 0.62), (0.74, 0.66, 0.83)
+_LIGHT = (0.53, 0.43, 0.62)
+_DARK = (0.74, 0.66, 0.83)
 
 
 def part_colour(k: int, dark: bool = False) -> str:
@@ -25,7 +26,8 @@ def part_colour(k: int, dark: bool = False) -> str:
 
 def _rgb(lightness: float, chroma: float, hue: float) -> tuple[float, float, float] | None:
     """sRGB, 0..1 each, of a colour in OKLCH; None where no screen shows it."""
-    a, b = chroma * math.cos(hue), chroma * math.sin(hue)
+    a = chroma * math.cos(hue)
+    b = chroma * math.sin(hue)
     long, medium, short = (
         (lightness + x * a + y * b) ** 3
         for x, y in (

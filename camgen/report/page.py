@@ -195,7 +195,8 @@ def _key_figures(report: Report) -> str:
 
 def _plots(plots: Sequence[Plot]) -> str:
     drawn = [plot_figure(plot, f"plot-{k}") for k, plot in enumerate(once(plots))]
-    first, rest = drawn[:_FIRST_PLOTS], drawn[_FIRST_PLOTS:]
+    first = drawn[:_FIRST_PLOTS]
+    rest = drawn[_FIRST_PLOTS:]
     said = f"{len(rest)} more curve{'' if len(rest) == 1 else 's'}"
     folded = (
         f'<details><summary>{said}</summary><div class="grid">{"".join(rest)}</div></details>'

@@ -102,10 +102,8 @@ class _Axes:
         self.y = low, high
         self.y = _spread(*self.y, 0.05)
         if plot.equal:  # the smaller range grows, so that a millimetre is as long both ways
-            across, up = (
-                (_RIGHT - _LEFT) / (self.x[1] - self.x[0]),
-                (_LOW - _TOP) / (self.y[1] - self.y[0]),
-            )
+            across = (_RIGHT - _LEFT) / (self.x[1] - self.x[0])
+            up = (_LOW - _TOP) / (self.y[1] - self.y[0])
             scale = min(across, up) * 0.95
             self.x, self.y = (
                 (sum(ends) / 2 - size / scale / 2, sum(ends) / 2 + size / scale / 2)
@@ -257,10 +255,8 @@ def _curve(label: str, x: Floats, y: Floats, axes: _Axes, dots: bool) -> _Curve:
         # at each border of two steps the wider of both, so that the band holds the whole curve
         lower = np.minimum(np.append(low, low[-1]), np.append(low[:1], low))
         upper = np.maximum(np.append(high, high[-1]), np.append(high[:1], high))
-        top, bottom = (
-            simplification(axes.place(middle, upper), _FINE),
-            simplification(axes.place(middle, lower), _FINE),
-        )
+        top = simplification(axes.place(middle, upper), _FINE)
+        bottom = simplification(axes.place(middle, lower), _FINE)
         return _Curve(label, np.concatenate([top, bottom[::-1]]), "band", len(top))
     return _Curve(label, places, "curve")
 
@@ -274,7 +270,8 @@ def simplification(points: Points, tolerance: float) -> Points:
         a, b = open_ends.pop()
         if b - a < 2:
             continue
-        chord, inner = points[b] - points[a], points[a + 1 : b] - points[a]
+        chord = points[b] - points[a]
+        inner = points[a + 1 : b] - points[a]
         size = abs(chord)
         off = np.abs((np.conj(chord) * inner).imag) / size if size > 1e-9 else np.abs(inner)
         k = int(np.argmax(off))
@@ -314,7 +311,8 @@ def _label_rows(plot: Plot, ends: tuple[float, float]) -> list[int]:
     taken: list[list[tuple[float, float]]] = []
     rows = []
     for label, x in plot.marks:
-        at, wide = (_RIGHT - _LEFT) * (x - ends[0]) / (ends[1] - ends[0]), _LETTER * len(label) + 6
+        at = (_RIGHT - _LEFT) * (x - ends[0]) / (ends[1] - ends[0])
+        wide = _LETTER * len(label) + 6
         left = at if x < sum(ends) / 2 else at - wide
         free = [
             k for k, row in enumerate(taken) if all(left >= b or left + wide <= a for a, b in row)

@@ -71,7 +71,8 @@ class Report:
     @property
     def verdict(self) -> str:
         """One line: how many findings hold or fail, and what was not judged."""
-        failed, count = sum(not finding.ok for finding in self.findings), len(self.findings)
+        failed = sum(not finding.ok for finding in self.findings)
+        count = len(self.findings)
         held = {0: self.summary, 1: "The one finding holds"}.get(
             count, f"All {count} findings hold"
         )

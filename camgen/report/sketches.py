@@ -29,10 +29,8 @@ class Drawn:
 def picture(drawn: Drawn, said: str) -> str:
     """The sketch as SVG; its size follows what is drawn."""
     every = np.concatenate([list(drawn.points.values()), drawn.path, drawn.wanted])
-    low, high = (
-        complex(every.real.min(), every.imag.min()),
-        complex(every.real.max(), every.imag.max()),
-    )
+    low = complex(every.real.min(), every.imag.min())
+    high = complex(every.real.max(), every.imag.max())
     scale = (_SIDE - 2 * _EDGE) / max((high - low).real, (high - low).imag, 1e-9)
     height = (high - low).imag * scale + 2 * _EDGE
 

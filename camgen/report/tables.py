@@ -101,7 +101,8 @@ def _not_judged(each: NotJudged) -> str:
 
 def share_used(finding: Finding) -> float | None:
     """Share of its limit that a finding uses, above 1 where it fails; None where a share has no meaning."""
-    measured, limit = finding.measured, finding.limit
+    measured = finding.measured
+    limit = finding.limit
     if not (math.isfinite(measured) and math.isfinite(limit)) or measured == limit:
         return None
     part, whole = (limit, measured) if finding.floor else (measured, limit)
@@ -173,7 +174,8 @@ def _cell(group: Sequence[Finding], kind: str) -> str:
     if not group:
         return "<td></td>"
     worst = max(group, key=_urgent)
-    used, bar = share_used(worst), ""
+    used = share_used(worst)
+    bar = ""
     if used is not None:
         percent = f"{100 * used:.0f} %" if used < 10 else "> 1000 %"
         # Eight tenths of the bar are the limit, so that a failing bar is seen to pass the mark.

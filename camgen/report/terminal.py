@@ -228,7 +228,8 @@ def _first_and_rest(plates: Sequence[str]) -> str:
 
 def _cells(report: Report, finding: Finding, of: int) -> dict[str, str]:
     """A row of the table by its columns; of: how many findings it stands for."""
-    margin, noise = abs(finding.limit - finding.measured), NOISE * finding.ok
+    margin = abs(finding.limit - finding.measured)
+    noise = NOISE * finding.ok
     limit = "none" if math.isnan(finding.limit) else f"{finding.sign} {number(finding.limit)}"
     where = replace(finding.where, file=finding.where.file.removeprefix(f"{report.name}-"))
     beside = str(replace(where, theta=None)) and where.angle in ("cam angle", "crank angle")

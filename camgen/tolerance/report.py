@@ -193,11 +193,10 @@ def wilson(holds: Floats | NDArray[np.bool_]) -> tuple[float, float]:
 
     The score interval of E. B. Wilson (1927).
     """
-    n, share = len(holds), float(np.mean(holds))
-    middle, half = (
-        share + _Z**2 / (2 * n),
-        _Z * math.sqrt(share * (1 - share) / n + _Z**2 / (4 * n**2)),
-    )
+    n = len(holds)
+    share = float(np.mean(holds))
+    middle = share + _Z**2 / (2 * n)
+    half = _Z * math.sqrt(share * (1 - share) / n + _Z**2 / (4 * n**2))
     low, high = (100 * (middle + sign * half) / (1 + _Z**2 / n) for sign in (-1, 1))
     return max(low, 0.0), min(high, 100.0)
 
@@ -249,9 +248,13 @@ def _yields(spread: Spread, copies: Copies, figures: list[Figure]) -> list[Table
     for (_, cam), each in copies.held.items():
         by_cam.setdefault(cam, each)  # of one that moves several outputs the first
     for cam, (loose, least, air) in by_cam.items():
-        code, what, holds = "INTERFERENCE", "jams nowhere", least >= 0
+        code = "INTERFERENCE"
+        what = "jams nowhere"
+        holds = least >= 0
         if spread.air.get(cam, 0.0) < 0:
-            code, what, holds = "LASH", "is pressed everywhere", loose <= 0
+            code = "LASH"
+            what = "is pressed everywhere"
+            holds = loose <= 0
         rows.append((code, f"{cam} {what}", 0.0, "mm", 100 * float(np.mean(holds))))
         most = float(np.quantile(air, 0.99))
         figures.append(Figure("tip clearance 99 percent {of}", most, "mm", cam))
@@ -282,8 +285,10 @@ def _findings(found: Sequence[Judged], figures: list[Figure]) -> list[Table]:
     rows = []
     least: dict[str, tuple[float, Judged]] = {}
     for each in found:
-        limit, good = f"{each.sign} {each.limit:.4g}", 100 * float(np.mean(each.holds))
-        mean, size = float(np.nanmean(each.values)), float(np.nanstd(each.values))
+        limit = f"{each.sign} {each.limit:.4g}"
+        good = 100 * float(np.mean(each.holds))
+        mean = float(np.nanmean(each.values))
+        size = float(np.nanstd(each.values))
         rows.append(
             (
                 each.code,
@@ -336,7 +341,8 @@ def _kept(found: Sequence[Kept], figures: list[Figure]) -> list[Table]:
 
 def _timings(found: Sequence[Timing], figures: list[Figure]) -> list[Table]:
     """How much earlier or later one of two bodies may be until they strike."""
-    rows, least = list[tuple[object, ...]](), 90.0
+    rows = list[tuple[object, ...]]()
+    least = 90.0
     for each in found:
         exact, loose = (
             [float(np.degrees(angle)) for angle in pair] for pair in (each.exact, each.loose)

@@ -220,7 +220,8 @@ class SwingingArm(RoundTip):
 
     def on_base(self, radius: float) -> Self:
         """By the triangle of axis, pivot and trace point, on the side from which s goes off."""
-        far, arm = abs(self.pivot), abs(self.arm)
+        far = abs(self.pivot)
+        arm = abs(self.arm)
         cosine = (far**2 + arm**2 - (radius + self.tip_radius) ** 2) / (2 * far * arm)
         if not abs(cosine) < 1:
             raise ValueError("pivot, arm and pitch circle make no triangle")

@@ -64,7 +64,8 @@ class CamTouch:
     def __call__(self, theta: Floats) -> tuple[Points, Points]:
         """Place, complex mm, and unit normal into the follower at cam angles theta, (n,) rad."""
         theta = math.pi - theta if self.mirrored else theta
-        place, normal = self.cam.profile(theta), self.cam.follower.normal(theta, self.cam.program)
+        place = self.cam.profile(theta)
+        normal = self.cam.follower.normal(theta, self.cam.program)
         if self.outer:
             place, normal = place + 2 * self.cam.tip.tip_radius * normal, -normal
         if self.mirrored:
@@ -105,7 +106,8 @@ def cam_machine(
     cams: the one that drives outwards, then a second one that drives back. speed: rad/s. touches: how the cams are touched,
     where it is not each by its own follower. The output is "lift" of a follower that slides, mm, "swing" of one on an arm, rad.
     """
-    follower, program = cams[0].follower, cams[0].program
+    follower = cams[0].follower
+    program = cams[0].program
     load = load or FollowerLoad()
     start = float(program(np.zeros(1))[0])
     body: Body
@@ -114,19 +116,20 @@ def cam_machine(
     slide: str | None = None
     match follower:
         case SlidingTip(rest, along) | SlidingFace(rest, along):
-            body, of, slide = (
-                Body("follower", {"tip": rest}, load.inertia, rest),
-                Along("guide"),
-                "guide",
-            )
+            body = Body("follower", {"tip": rest}, load.inertia, rest)
+            of = Along("guide")
+            slide = "guide"
             held = Slide(
                 "guide", Place(GROUND, rest), body.at("tip"), math.atan2(along.imag, along.real)
             )
-            pose, unit = Pose(along * start, 0.0), "mm"
+            pose = Pose(along * start, 0.0)
+            unit = "mm"
         case SwingingArm() | SwingingFace():
-            body, of = Body("follower", {"pivot": 0j}, inertia=load.inertia), Angle("follower")
+            body = Body("follower", {"pivot": 0j}, inertia=load.inertia)
+            of = Angle("follower")
             held = Pin("pivot", body.at("pivot"), Place(GROUND, follower.pivot))
-            pose, unit = Pose(follower.pivot, start), "rad"
+            pose = Pose(follower.pivot, start)
+            unit = "rad"
         case _:
             raise TypeError(f"no machine for {type(follower).__name__}")
     lowest = follower.leaves * float(np.min(follower.leaves * program(_turn(cams[0]))))
@@ -191,10 +194,12 @@ def cam_outline(
     swings: str | None = None
     match follower:
         case SwingingArm():
-            tip, swings = Eye(None, follower.arm, 2 * follower.tip_radius), "pivot"
+            tip = Eye(None, follower.arm, 2 * follower.tip_radius)
+            swings = "pivot"
         case SwingingFace():
             at = follower.facing * complex(follower.ahead, sum(cam.face_contact) / 2)
-            tip, swings = Flat(None, at, cmath.phase(-follower.facing), width or math.inf), "pivot"
+            tip = Flat(None, at, cmath.phase(-follower.facing), width or math.inf)
+            swings = "pivot"
         case SlidingTip():
             tip = Eye(None, follower.start, 2 * follower.tip_radius)
         case _:

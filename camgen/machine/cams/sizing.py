@@ -175,7 +175,9 @@ def least_base_radius(cam: DiscCam[Any], limits: CamLimits, room: float) -> floa
 
     cam: of any size: its follower's way, shape and program; room: radius of a circle that the cam must hold, mm.
     """
-    follower, radius, beside = cam.follower, 0.0, 0.0
+    follower = cam.follower
+    radius = 0.0
+    beside = 0.0
     if isinstance(follower, RoundTip):
         radius = follower.tip_radius
     if isinstance(follower, SlidingTip):
@@ -183,12 +185,15 @@ def least_base_radius(cam: DiscCam[Any], limits: CamLimits, room: float) -> floa
     stroke = float(np.ptp(cam.program.extremes))
     match follower:
         case SwingingFace(pivot, _, ahead):
-            low, high = radius + 1e-3 * abs(pivot), 0.999 * abs(pivot) + ahead
+            low = radius + 1e-3 * abs(pivot)
+            high = 0.999 * abs(pivot) + ahead
         case SwingingArm(pivot, arm):
             far, arm = abs(pivot), abs(arm)
-            low, high = max(1.001 * abs(far - arm), radius + 1e-3 * far), 0.999 * (far + arm)
+            low = max(1.001 * abs(far - arm), radius + 1e-3 * far)
+            high = 0.999 * (far + arm)
         case _:
-            low, high = radius + 1e-3 * stroke, 1e3 * (stroke + radius)
+            low = radius + 1e-3 * stroke
+            high = 1e3 * (stroke + radius)
 
     def base(size: float) -> float:
         return math.hypot(size, beside) - radius

@@ -244,7 +244,8 @@ def _rows(d: Design) -> list[tuple[str, str, float, float, float]]:
     events += [("feed begins", "", math.pi - half), ("feed ends", "", math.pi + half)]
     rows = []
     for name, number, phi in events:
-        s, moved = (math.nan, math.nan)
+        s = math.nan
+        moved = math.nan
         if not math.isnan(phi):
             s, moved = (float(f(np.array([phi]))[0]) for f in (d.risen, d.moved))
         rows.append((name, number, math.degrees(phi), s, moved))

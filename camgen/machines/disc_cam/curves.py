@@ -30,7 +30,8 @@ def plots(
     """
     unit, scale = of
     theta = np.union1d(np.linspace(0, math.tau, 1441), [b - 1e-9 for b in program.breaks if b > 0])
-    degrees, label = np.degrees(theta), "cam angle, deg"
+    degrees = np.degrees(theta)
+    label = "cam angle, deg"
     names = ("Displacement", "Velocity", "Acceleration", "Jerk")
     units = (unit, f"{unit}/s", f"{unit}/s^2", f"{unit}/s^3")
     marks = [

@@ -31,7 +31,8 @@ def standing_on(base: float, geometry: DiscCamGeometry, top: float) -> Sequence[
 
     top: greatest displacement, mm or rad. Raises DesignError where it cannot stand on that circle.
     """
-    f, both = geometry.follower, geometry.closure == "conjugate"
+    f = geometry.follower
+    both = geometry.closure == "conjugate"
     radius = f.radius or 0.0
     prime = base + radius
     if f.motion == "translating":

@@ -91,9 +91,13 @@ class DiscCamDrive(CamTables, Template):
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
-        g, f, p = self.geometry, self.geometry.follower, self.making
+        g = self.geometry
+        f = self.geometry.follower
+        p = self.making
         round_hub = 2 * (p.reach + self.allowed.min_wall) if not p.misfits() else 0.0
-        slides, flat, roller = f.motion == "translating", f.shape == "flat", f.shape == "roller"
+        slides = f.motion == "translating"
+        flat = f.shape == "flat"
+        roller = f.shape == "roller"
         found = []
         for key, belongs, needed, what in (
             ("radius", roller, True, "the radius of a roller"),
@@ -222,7 +226,9 @@ class DiscCamDrive(CamTables, Template):
     @property
     def _room(self) -> float:
         """Radius of the circle that holds the cam's shaft, its hub and a groove's pins, with walls, mm."""
-        p, sizes, wall = self.making, self.sizes, 2 * self.allowed.min_wall
+        p = self.making
+        sizes = self.sizes
+        wall = 2 * self.allowed.min_wall
         shaft = (
             (sizes.shaft_diameter + self.print.press_clearance) / 2 if self.standing else p.reach
         )
@@ -281,9 +287,12 @@ class DiscCamDrive(CamTables, Template):
 
     def tables(self) -> Mapping[str, Any]:
         """Cam and follower, which stands on its base circle; a spring where that is what holds it."""
-        f, suffix = self.geometry.follower, "" if self._unit[0] == "mm" else "_deg"
-        tip, follower = self._touching, self.cam.follower
-        points, links = {"shaft": 0j, "tip": tip}, {"ground": ["shaft"], "cam": ["shaft"]}
+        f = self.geometry.follower
+        suffix = "" if self._unit[0] == "mm" else "_deg"
+        tip = self._touching
+        follower = self.cam.follower
+        points = {"shaft": 0j, "tip": tip}
+        links = {"ground": ["shaft"], "cam": ["shaft"]}
         found: dict[str, Any] = {}
         if isinstance(follower, SlidingTip | SlidingFace):
             points |= {"rest": tip, "above": tip + follower.along}
@@ -381,7 +390,8 @@ class DiscCamDrive(CamTables, Template):
     def _bare(self) -> Assembly:
         """The cams alone."""
         made = self._assembly(self._plates, self._beside(), self._outlines())
-        spring, hub = wished(self._spring_wish), self.making.hub(self.allowed.min_wall)
+        spring = wished(self._spring_wish)
+        hub = self.making.hub(self.allowed.min_wall)
         screw = [] if hub is None else hub.bought(self.making.hub_diameter / 2)
         return replace(
             made,
@@ -395,7 +405,8 @@ class DiscCamDrive(CamTables, Template):
     @cached_property
     def _plates(self) -> Sequence[Part]:
         """The cam; both cams of a conjugate pair; or inner cam, outer ring and back plate of a groove."""
-        outlines, clearance = [cam.outline for cam in self.cams], self.print.slide_clearance
+        outlines = [cam.outline for cam in self.cams]
+        clearance = self.print.slide_clearance
         wall = self.cam.groove(clearance) if self.geometry.closure == "groove" else None
         roller = 2 * (self.geometry.follower.radius or 0.0)
         made = disc_parts(
@@ -598,10 +609,8 @@ class DiscCamDrive(CamTables, Template):
     def _forces(self) -> Study:
         if not self._loaded:
             return Study()
-        pushed, slides = (
-            self.geometry.closure == "force",
-            self.geometry.follower.motion == "translating",
-        )
+        pushed = self.geometry.closure == "force"
+        slides = self.geometry.follower.motion == "translating"
         return force_study(
             self._loaded, self._load or FollowerLoad(), slides, pushed, bool(gravity(self.load))
         )
@@ -624,7 +633,8 @@ class DiscCamDrive(CamTables, Template):
 
     def _sketch(self) -> Sketch:
         """The follower at s = 0, in the frame that its pose moves: the ground's, or one at the pivot."""
-        strokes, circles = [], []
+        strokes = []
+        circles = []
         for cam in self.cams:
             match cam.follower:
                 case SlidingTip(start, along, radius, leaves):

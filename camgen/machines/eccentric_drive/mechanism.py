@@ -71,14 +71,17 @@ class EccentricDrive(Template):
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
-        p, motor, slide = self.making, self.motor, self.print.slide_clearance
+        p = self.making
+        motor = self.motor
+        slide = self.print.slide_clearance
         found = [*p.faults(_LINKS, self.print.nozzle, self.allowed.min_wall)]
         for key, why in ELSEWHERE.items():
             if getattr(p, key) != type(p).model_fields[key].get_default(call_default_factory=True):
                 found.append(Fault(("parts", key), "", f"nothing here: {why}"))
         floor = p.slider_thickness - self.print.nozzle
         thin = floor - slide / 2 if p.tube_length else floor
-        shaft, least = self.geometry.shaft_diameter, 2 * rim(p, self.allowed.min_wall)
+        shaft = self.geometry.shaft_diameter
+        least = 2 * rim(p, self.allowed.min_wall)
         straight = "nothing here without parts.tube_length: it is the tube that the wire's point stands out of"
         kept = "so that a floor as thick as the nozzle stays"
         nozzle = f"at least the nozzle, {self.print.nozzle:g} mm"
@@ -147,9 +150,12 @@ class EccentricDrive(Template):
 
     def tables(self) -> Mapping[str, Any]:
         """Disc, rod and slider; the disc is a pin of its link, through which the motor's shaft goes."""
-        g, motor, p = self.geometry, self.motor, self.making
+        g = self.geometry
+        motor = self.motor
+        p = self.making
         self._refuse_gap()
-        outermost, sum_ = self.outermost, g.rod**2 - g.offset**2
+        outermost = self.outermost
+        sum_ = g.rod**2 - g.offset**2
         pin = g.eccentricity + math.sqrt(max(0.0, sum_))
         bears = self.allowed.model_dump(exclude={"stroke", "strokes_per_s"})
         can = motor.model_dump(include={"boss_diameter", "diameter", "length"})
@@ -279,7 +285,8 @@ class EccentricDrive(Template):
             Figure("disc wall", wall, "mm"),
             *(self.needle.figures if self.needle else ()),
         ]
-        lengths, loaded = (g.eccentricity, g.rod, g.offset), self.masses is not None
+        lengths = (g.eccentricity, g.rod, g.offset)
+        loaded = self.masses is not None
         found = study(self.linkage.chain, self.motion, lengths, self.motor.speed_rpm, loaded)
         needle = self.needle
         return replace(

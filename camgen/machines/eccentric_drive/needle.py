@@ -28,7 +28,9 @@ from camgen.parts.hardware import plate
 from camgen.parts.part import Held, Layer, Part
 from camgen.study import Figure, Sketch
 
-TUBE, SLIDER, CLAMP = "needle-tube", "slider", "clamp"
+TUBE = "needle-tube"
+SLIDER = "slider"
+CLAMP = "clamp"
 _FACETS = 0.02  # mm, by which a wall may seem thinner where it is measured on facets
 _AIR = 1.0  # mm, between what moves past each other end to end
 _GUIDED = 2.0  # diameters of the wire in the tube, at least: the 2 to 1 rule of sliding guides
@@ -138,9 +140,11 @@ class Needle:
 
     def fitting(self) -> Fitting:
         """All of it; where no tube is wanted, the slider with its clamp."""
-        s, place = self.sizes, complex(self.neck + self.long / 2)
+        s = self.sizes
+        place = complex(self.neck + self.long / 2)
         placed = [(self._clamp(), Mount(CLAMP, SLIDER, place, z=self._top))]
-        holes, tube = dict[str, Contour](), list[tuple[complex, float]]()
+        holes = dict[str, Contour]()
+        tube = list[tuple[complex, float]]()
         screws = [fastener("screw of the wire clamp", s.screw, s.slider_thickness + s.thickness, 2)]
         straight = ""
         stand_ins: tuple[StandIn, ...] = ()
@@ -152,7 +156,8 @@ class Needle:
             tube = [(z, self._screw.clearance) for z in ends]
             holes = {"window": self._window}
             screws.append(fastener("screw of the needle's tube", s.screw, self._height, 2))
-            straight, stand_ins = f", straight over {self.wire:.4g}", (self._stand_in(),)
+            straight = f", straight over {self.wire:.4g}"
+            stand_ins = (self._stand_in(),)
         mounting = f"{s.screw} x {s.base_thickness:g} and what carries it"
         bought = (
             *screws,
@@ -187,14 +192,16 @@ class Needle:
     @cached_property
     def _corners(self) -> tuple[tuple[complex, float], ...]:
         """Holes for mounting, in every corner of the plate, and their diameter."""
-        layout, cover = self.layout, self.layout.cover
+        layout = self.layout
+        cover = self.layout.cover
         face = self._motor_reach
         corner = max(self._screw.head / 2 + 1, self._rim)
         guide = layout.guides[SLIDER]
         rails = max(abs(z.imag - self.offset) for ends in guide.rails for z in ends)
         beside = rails + (cover.radius if cover else self.sizes.rail_width / 2)
         beside = max(beside, self._half + _AIR + layout.min_wall) + corner
-        top, bottom = max(self.offset + beside, face), min(self.offset - beside, -face)
+        top = max(self.offset + beside, face)
+        bottom = min(self.offset - beside, -face)
         end = self.mouth if self.sizes.tube_length else self.guided
         right = end - corner
         left = -(layout.sizes.face.reach if layout.sizes.face else 0.0) - corner
@@ -222,9 +229,15 @@ class Needle:
 
     def _slider(self) -> Part:
         """Bar on the guide: pin hole at the origin, along x a groove for the needle's wire, two screws for its clamp."""
-        s, layout, wall = self.sizes, self.layout, self.layout.min_wall
-        half, groove, neck = s.slider_width / 2, s.wire_diameter / 2, self.neck
-        front, wide, thick = neck + self.long, self._half, layout.thickness(SLIDER)
+        s = self.sizes
+        layout = self.layout
+        wall = self.layout.min_wall
+        half = s.slider_width / 2
+        groove = s.wire_diameter / 2
+        neck = self.neck
+        front = neck + self.long
+        wide = self._half
+        thick = layout.thickness(SLIDER)
         head = [complex(neck, -wide)] if wide > half else []
         head += [complex(front, -wide)]
         slot = [complex(front, -groove), complex(self.hook, -groove)]
@@ -246,7 +259,8 @@ class Needle:
             f"clamp screw {k}": circle(z, self._screw.clearance / 2)
             for k, z in enumerate(places, 1)
         }
-        floor, proud = thick - s.wire_diameter, thick - s.wire_diameter * _GRIP
+        floor = thick - s.wire_diameter
+        proud = thick - s.wire_diameter * _GRIP
         layers = (
             Layer(plate(SLIDER, edge(*head), pin | screws, wall), 0.0, floor),
             Layer(plate(SLIDER, edge(*head, *slot), pin | screws, wall), floor, proud),
@@ -292,12 +306,15 @@ class Needle:
 
     def _tube(self, lift: float) -> Part:
         """The block about its middle; the bore is as wide and high as the wire and a fit; lift: of the slider over the plate."""
-        s, wall, thick = self.sizes, self.layout.min_wall, self.layout.thickness(SLIDER)
+        s = self.sizes
+        wall = self.layout.min_wall
+        thick = self.layout.thickness(SLIDER)
         places = (-1j * self._tube_screws, 1j * self._tube_screws)
         half = complex(s.tube_length / 2, max(s.slider_width / 2, self._tube_screws + self._rim))
         holes = self._bored(places)
         whole = plate(TUBE, rectangle(-half, half), holes, wall)
-        low, high = lift + thick - s.wire_diameter - self._slide / 2, lift + thick + self._slide / 2
+        low = lift + thick - s.wire_diameter - self._slide / 2
+        high = lift + thick + self._slide / 2
         side = complex(half.real, self._bore / 2)
         beside = (
             Region(rectangle(-half, side.conjugate()), (holes["screw 1"],)),

@@ -53,7 +53,8 @@ def study(
     motion: the slider's way (theta, order), mm; lengths: eccentricity, rod, offset, mm.
     """
     degrees = np.linspace(0, 360, 1441)
-    theta, speed = np.radians(degrees), rpm * math.tau / 60
+    theta = np.radians(degrees)
+    speed = rpm * math.tau / 60
     at, top = _peak(motion)
     wave = np.abs(np.fft.rfft(motion(np.linspace(0, math.tau, 4096, endpoint=False), 1)))
     outermost = float(motion(np.zeros(1), 2)[0]) * speed**2
@@ -136,7 +137,8 @@ def _published(machine: Machine, motion: Motion) -> Table:
     """The paper's table beside exact values at the paper's speed; v3 positive towards the shaft, as printed."""
     theta = np.radians([row[0] for row in PUBLISHED])
     rod = solve(machine, theta, 1).angle("rod")
-    tilt, rate = np.degrees(rod[0]), rod[1] * PAPER_SPEED
+    tilt = np.degrees(rod[0])
+    rate = rod[1] * PAPER_SPEED
     exact = zip(
         *(_clean(values) for values in (motion(theta, 1) * PAPER_SPEED, tilt, rate)), strict=True
     )

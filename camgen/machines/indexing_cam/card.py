@@ -35,19 +35,19 @@ def card(law: Law) -> tuple[Table, list[Plot], list[Figure]]:
     """Table of the law's 31 rows, of MR-13 with P in it, the plot of both curves, and the printed parameters as figures."""
     z = np.arange(ROWS)
     kappa = z / (2 * (ROWS - 1))
-    columns, values = (
-        ["z", "a", "b", "c", "b c"],
-        [np.round(law(kappa, order), 12) for order in range(3)],
-    )
+    columns = ["z", "a", "b", "c", "b c"]
+    values = [np.round(law(kappa, order), 12) for order in range(3)]
     values.append(values[1] * values[2])
     if law.name != "mr-13":
         return _table(columns, z, values), [], []
     columns.append("P = Y G")
     values.append(effort(values[0]))
     whole = np.arange(2 * ROWS - 1) / (2 * (ROWS - 1))  # the source's peaks are those of its table
-    apart, peak = effort(law(whole)) - law(whole, 2), float(np.max(np.abs(effort(law(whole)))))
+    apart = effort(law(whole)) - law(whole, 2)
+    peak = float(np.max(np.abs(effort(law(whole)))))
     fine = np.linspace(0, 1, 601)
-    c, p = law(fine, 2), effort(law(fine))
+    c = law(fine, 2)
+    p = effort(law(fine))
     curves = [("c, the law", fine, c), ("P = Y G, the unloader", fine, p)]
     printed = [
         Figure("card gamma", math.degrees(GAMMA), "deg"),

@@ -60,7 +60,9 @@ class TwoCranks:
 
     def tau(self, psi: Floats) -> list[Floats]:
         """Angle of the crank at an angle of the arm, and its derivatives of order 1..3, each (n,) rad."""
-        e, s, c = self.share, np.sin(psi), np.cos(psi)
+        e = self.share
+        s = np.sin(psi)
+        c = np.cos(psi)
         x = [e * s, e * c, -e * s, -e * c]  # sin of the angle between both, and its derivatives
         w = 1 / np.sqrt(1 - x[0] ** 2)
         first = x[1] * w

@@ -111,7 +111,10 @@ class IndexingCam(CamTables, Template):
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
-        g, p, u, nozzle = self.geometry, self.making, self.unloader, self.print.nozzle
+        g = self.geometry
+        p = self.making
+        u = self.unloader
+        nozzle = self.print.nozzle
         spans = math.fsum((g.rise_deg, g.dwell_deg, self.return_deg))
         checks = [
             (
@@ -162,10 +165,8 @@ class IndexingCam(CamTables, Template):
             found.append(Fault(("synthesis",), "", 'an unloader: its torque is "none"'))
         if self.driver is not None:
             found += driver_faults(self.driver, (g.rise_deg, g.dwell_deg, self.return_deg))
-            between, wall = (
-                room(self.sizes, self.print, self.driver.crank, self.driver.offset),
-                self.sizes.wall,
-            )
+            between = room(self.sizes, self.print, self.driver.crank, self.driver.offset)
+            wall = self.sizes.wall
             if self.standing and between < wall:
                 right = f"at most {self.driver.offset - wall + between:.4g}: slot and shaft of the arm need a wall of {wall:g} mm"
                 found.append(
@@ -184,7 +185,8 @@ class IndexingCam(CamTables, Template):
         """This spec with the law that [synthesis] finds for its spring and its last weight; a spring of the old law stays,
         as a table. SpecError without [synthesis].
         """
-        wanted, spring = self.synthesis, self.unloading
+        wanted = self.synthesis
+        spring = self.unloading
         if wanted is None or spring is None:
             raise SpecError(
                 [Fault(("synthesis",), "", "missing: weights of the law to be looked for, [q]")]
@@ -244,7 +246,8 @@ class IndexingCam(CamTables, Template):
 
     def turns(self, law: Law, *degrees: float) -> Program:
         """There and back by a law: rise, dwell and return of so many degrees."""
-        spans, swing = [*degrees, 360 - math.fsum(degrees)], self.swing
+        spans = [*degrees, 360 - math.fsum(degrees)]
+        swing = self.swing
         shape = [
             ("rise", 0.0, swing),
             ("dwell", swing, 0.0),
@@ -278,7 +281,8 @@ class IndexingCam(CamTables, Template):
         """Cams, follower, gears and driven link; the chain before them, freewheels and unloader where there are such."""
         from camgen.machines.linkage.tables import LinkageLimits
 
-        g, f = self.geometry, self.geometry.follower
+        g = self.geometry
+        f = self.geometry.follower
         first = self.arm(g.base_radius)
         turned = LINK if self.freewheel is None else WHEEL
         points = {
@@ -380,7 +384,8 @@ class IndexingCam(CamTables, Template):
         """The unloader of a machine that is made; None where its spring is none that can be."""
         if not isinstance(self.unloading, CrankSpring):
             return None
-        f, ratio = self.geometry.follower, self.geometry.gear_ratio
+        f = self.geometry.follower
+        ratio = self.geometry.gear_ratio
         wheel = (self.link_centre.real - f.pivot_distance) * ratio / (1 + ratio)
         cams = [*self.cams.values()]
         return UnloaderCrank(
@@ -431,7 +436,8 @@ class IndexingCam(CamTables, Template):
     @cached_property
     def cams(self) -> Mapping[str, DiscCam]:
         """The cam engine for each cam by its part's name; DesignError where there is no such follower."""
-        f, air = self.geometry.follower, self.geometry.tip_clearance
+        f = self.geometry.follower
+        air = self.geometry.tip_clearance
         first = self.arm(self.geometry.base_radius)
         if self.geometry.closure == "force":
             return {"cam": DiscCam(self.cam_program, first)}
@@ -445,7 +451,8 @@ class IndexingCam(CamTables, Template):
     def arm(self, base: float) -> SwingingArm:
         """The follower on a base circle; DesignError where it cannot stand or swing there."""
         f = self.geometry.follower
-        low, high = abs(f.pivot_distance - f.arm), f.pivot_distance + f.arm
+        low = abs(f.pivot_distance - f.arm)
+        high = f.pivot_distance + f.arm
         radius = base + f.roller_radius
         if not low < radius < high:
             raise DesignError(
@@ -478,7 +485,8 @@ class IndexingCam(CamTables, Template):
     @cached_property
     def sizes(self) -> Sizes:
         """Of the machine's bodies; a plate is as thick as the freewheel in it."""
-        given, freewheel = super().sizes, CLUTCHES.get(super().sizes.shaft_diameter)
+        given = super().sizes
+        freewheel = CLUTCHES.get(super().sizes.shaft_diameter)
         if (
             self.freewheel is None
             or freewheel is None
@@ -543,7 +551,8 @@ class IndexingCam(CamTables, Template):
         if self.standing:
             with in_bodies():
                 return super().assembly
-        limits, bore = self.allowed.cam_limits, self.making.bore
+        limits = self.allowed.cam_limits
+        bore = self.making.bore
         outlines = [cam_outline(cam, name, limits, bore) for name, cam in self.cams.items()]
         beside = self.making.thickness + self.print.slide_clearance
         mounts = [Mount(name, "cam", z=0.0 if name == "cam" else beside) for name in self.cams]
@@ -570,7 +579,8 @@ class IndexingCam(CamTables, Template):
     def indexing(self) -> IndexingStudy:
         """What is asked of the drive."""
         load = self.load
-        spring, omega = self.unloading, self._speed
+        spring = self.unloading
+        omega = self._speed
         given = Load(
             load.inertia_kg_m2,
             load.follower_inertia_kg_m2,
@@ -601,7 +611,8 @@ class IndexingCam(CamTables, Template):
     @cached_property
     def unloading(self) -> SpringTorque | None:
         """Torque on the link over the share of its turn."""
-        u, stroke = self.unloader, math.radians(self.geometry.index_deg)
+        u = self.unloader
+        stroke = math.radians(self.geometry.index_deg)
         if u.torque == "none":
             return None
         if u.torque == "table":
@@ -723,15 +734,14 @@ class IndexingCam(CamTables, Template):
         if self.two_cranks is not None:
             numbers |= self.two_cranks.figures
             notes.append(CHAIN + (MADE if self.standing else NOT_MADE))
-        plots, tables = (
-            Later(lambda: [*found.plots, drawn]),
-            Later(lambda: [*found.tables, *self._compared()]),
-        )
+        plots = Later(lambda: [*found.plots, drawn])
+        tables = Later(lambda: [*found.tables, *self._compared()])
         return Study(numbers, plots, tables, sketches, notes)
 
     def _compared(self) -> Sequence[Table]:
         """The even drive beside uneven ones; nothing of a program that no chain of two turns to one of the cam serves."""
-        g, f = self.geometry, self.geometry.follower
+        g = self.geometry
+        f = self.geometry.follower
         spans = g.rise_deg, g.dwell_deg, self.return_deg
         if driver_faults(t.Driver(crank=1.0, offset=0.1), spans):
             return []
@@ -766,7 +776,8 @@ class IndexingCam(CamTables, Template):
 
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """The driven link's turn as the files give it."""
-        step, ratio = self.stepping, self.geometry.gear_ratio
+        step = self.stepping
+        ratio = self.geometry.gear_ratio
         if step is None:
             turn = {kind: ratio * float(np.ptp(s)) for kind, s in motion.items()}
         else:
@@ -785,7 +796,8 @@ class IndexingCam(CamTables, Template):
         size = self.geometry.follower.arm / 2
         arrow = [np.array([-size + 0j, size]), np.array([0.5j * size, size, -0.5j * size])]
         table = Sketch("driven-link", arrow, [(0j, size)], LINK)
-        bore, pivot = self.making.bore / 4, complex(self.geometry.follower.pivot_distance)
+        bore = self.making.bore / 4
+        pivot = complex(self.geometry.follower.pivot_distance)
         chain = () if self.two_cranks is None else self.two_cranks.sketches()
         return (
             *chain,

@@ -90,7 +90,8 @@ class Stepping:
 
     def wanted(self, tolerance: float) -> Advance:
         """The turn of the link in each turn of the cam, judged on its wheel; tolerance: deg."""
-        index, lost = math.degrees(self.index), math.degrees(self.lost)
+        index = math.degrees(self.index)
+        lost = math.degrees(self.lost)
         return Advance(
             value=index,
             tolerance=tolerance,

@@ -253,7 +253,8 @@ class IndexingStudy:
     def _figures(self) -> list[Figure]:
         _, turning, found = self._fine
         rise, back = self._spans
-        stroke, still = self.load.ratio * self.swing, ~turning
+        stroke = self.load.ratio * self.swing
+        still = ~turning
         fastest, hardest = (
             self.load.ratio * abs(self.omega) ** order * self.program.peak(order)
             for order in (1, 2)
@@ -290,15 +291,15 @@ class IndexingStudy:
 
     def _plots(self, cams: Mapping[str, DiscCam]) -> list[Plot]:
         theta = np.linspace(0, math.tau, ROWS)
-        x, label = np.degrees(theta), f"{self.angle}, deg"
-        found, ratio = self.at(theta), self.load.ratio
+        x = np.degrees(theta)
+        label = f"{self.angle}, deg"
+        found = self.at(theta)
+        ratio = self.load.ratio
         link = [
             np.degrees(ratio * self.program(theta, order) * self.omega**order) for order in range(4)
         ]
-        units, turned = (
-            ("deg", "deg/s", "deg/s²", "deg/s³"),
-            "Driven link" if self.step is None else "Wheel of the freewheel",
-        )
+        units = ("deg", "deg/s", "deg/s²", "deg/s³")
+        turned = "Driven link" if self.step is None else "Wheel of the freewheel"
         names = [
             f"{turned}: {name}"
             for name in ("angle", "speed", "acceleration", "jerk, jumps left out")
@@ -325,7 +326,8 @@ class IndexingStudy:
         ]
         if self.spring is not None:
             kappa = np.linspace(0, 1, 601)
-            position, rise = self.law(kappa), self._spans[0]
+            position = self.law(kappa)
+            rise = self._spans[0]
             if self.step is not None:
                 position = np.clip(
                     (position * ratio * self.swing - self.step.lost) / self.step.index, 0, 1
@@ -348,7 +350,8 @@ class IndexingStudy:
     def _peaks(self) -> Table:
         """Peaks of the law on its 61-point table and on the continuum."""
         points = np.arange(2 * _Z + 1) / (2 * _Z)
-        law, breaks = self.law, self.law.breaks
+        law = self.law
+        breaks = self.law.breaks
         rows = []
         curves: Sequence[tuple[str, Callable[[Floats], Floats]]] = (
             ("speed |b|", lambda u: law(u, 1)),
@@ -386,7 +389,8 @@ class IndexingStudy:
         rows = []
         for percent in _SPEEDS:
             found = self.at(theta, percent / 100)
-            bare, left = peak(found.follower_bare, turning), peak(found.follower, turning)
+            bare = peak(found.follower_bare, turning)
+            left = peak(found.follower, turning)
             rows.append([percent, bare, left, 100 * left / bare])
         columns = ("speed, %", "without, N m", "with, N m", "left, %")
         return Table(

@@ -46,7 +46,8 @@ def law_torque(law: Law, unit: float) -> SpringTorque:
     kappa = (
         0.5 * np.linspace(0, 1, _INVERSE) ** 2
     )  # the displacement grows as kappa^2: dense where it is small
-    position, pull = law(kappa), unit * law(kappa, 2)
+    position = law(kappa)
+    pull = unit * law(kappa, 2)
     root = np.sqrt(np.maximum(position, 0.0))
 
     def run_up(a: Floats) -> Floats:
@@ -107,7 +108,8 @@ def fitting(spring: CrankSpring, law: Law, unit: float) -> CrankSpring:
     from scipy.optimize import minimize_scalar
 
     kappa = np.linspace(0, 1.0 if spring.on else 0.5, _FITTED)
-    pull, asked = replace(spring, stiffness=1.0)(law(kappa)), unit * law(kappa, 2)
+    pull = replace(spring, stiffness=1.0)(law(kappa))
+    asked = unit * law(kappa, 2)
     size = float(np.abs(asked).max() / np.abs(pull).max())  # convex in the stiffness: one least
     found = minimize_scalar(
         lambda share: float(np.abs(asked - share * size * pull).max()),

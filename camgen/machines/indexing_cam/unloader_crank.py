@@ -65,15 +65,11 @@ class UnloaderCrank:
                 key=lambda each: abs(float(each) - ratio),
             )
             lead = math.degrees(math.pi - float(near) * abs(self.spring.stroke) / 2)
-            keys, key = (
-                "2 (180 - unloader.lead_deg) / geometry.index_deg",
-                f"unloader.lead_deg = {lead:.9g}",
-            )
+            keys = "2 (180 - unloader.lead_deg) / geometry.index_deg"
+            key = f"unloader.lead_deg = {lead:.9g}"
             if self.spring.on:
-                keys, key = (
-                    "360 / geometry.index_deg",
-                    f"geometry.index_deg = {360 / float(near):.9g}",
-                )
+                keys = "360 / geometry.index_deg"
+                key = f"geometry.index_deg = {360 / float(near):.9g}"
             raise DesignError(
                 "turns of the unloader's crank to one of the driven link",
                 ratio,
@@ -108,7 +104,8 @@ class UnloaderCrank:
     def _places(self) -> tuple[complex, complex]:
         """Axle of the crank and post: such that nothing is in their way, and the plate is small."""
         pin = self.sizes.pin_diameter / 2 + self.sizes.head + self.sizes.wall
-        reach, found = self.spring.crank + pin, list[tuple[complex, complex]]()
+        reach = self.spring.crank + pin
+        found = list[tuple[complex, complex]]()
         far = self.table + reach + _BESIDE
         share = abs(self.ratio) / (1 + abs(self.ratio))
         wheels = [
@@ -202,7 +199,8 @@ class UnloaderCrank:
         tables.setdefault("spring", []).append({**spring, "free": s.guide - s.crank - s.stretch})
 
     def _refuse_wire(self) -> None:
-        s, pin = self.spring, self.sizes.pin_diameter
+        s = self.spring
+        pin = self.sizes.pin_diameter
         free = s.guide - s.crank - s.stretch + pin
         shortest = s.guide - s.crank + pin
         longest = s.farthest + pin
@@ -225,6 +223,7 @@ def _around(points: Sequence[complex]) -> float:
 
 def _to_lines(places: np.ndarray, starts: np.ndarray, end: complex) -> np.ndarray:
     """Least distance of each place from straight lines to one end, (n,) mm."""
-    way, off = end - starts, places[:, None] - starts
+    way = end - starts
+    off = places[:, None] - starts
     share = np.clip((way.conj() * off).real / np.abs(way) ** 2, 0, 1)
     return np.asarray(np.abs(off - share * way).min(axis=1))

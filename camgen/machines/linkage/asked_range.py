@@ -12,12 +12,12 @@ from camgen.machines.linkage.tables import Drive
 
 def refuse_range(machine: Machine, drive: Drive, least: float, most: float) -> None:
     """Raise DesignError where the range asked for, rad, is more than the chain has."""
-    can, key = reach(machine), "drive.segment" if drive.segments else "drive.range_deg"
-    low, high = math.degrees(can.low), math.degrees(can.high)
-    asked, said = (
-        (math.degrees(least), math.degrees(most)),
-        f"it closes from {low:.6g} to {high:.6g} deg",
-    )
+    can = reach(machine)
+    key = "drive.segment" if drive.segments else "drive.range_deg"
+    low = math.degrees(can.low)
+    high = math.degrees(can.high)
+    asked = (math.degrees(least), math.degrees(most))
+    said = f"it closes from {low:.6g} to {high:.6g} deg"
     for value, limit, beyond, joints in (
         (asked[0], low, asked[0] < low, can.ends[0]),
         (asked[1], high, asked[1] > high, can.ends[1]),

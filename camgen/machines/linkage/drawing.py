@@ -166,7 +166,8 @@ class Drawing:
         held = [name for name, cam in self.named_cams.items() if cam.spring is not None]
         found = {}
         for name in held:
-            level, cam = level_of(name), self.named_cams[name]
+            level = level_of(name)
+            cam = self.named_cams[name]
             names = f"{RETURN}_{level}", f"{level}_post", f"{level}_hook"
             title, post, hook = (RETURN, "post", "hook") if len(held) == 1 else names
             found[name] = title, post, cam.at if cam.shape == "roller" else hook
@@ -222,7 +223,8 @@ class Drawing:
             return known
         made = self.given(cam, path)
         if cam.polydyne and self.stiffness is not None:
-            stiff, speed = self.stiffness, abs(self.speed_of(cam))
+            stiff = self.stiffness
+            speed = abs(self.speed_of(cam))
             mass = self.inertia_of(cam) * (1.0 if self.slide_of(cam.follower) is None else m.MM)
             rate = 0.0 if cam.spring is None else cam.spring.rate
             lag = Lag(mass * speed**2 / stiff, cam.damping * speed / stiff, rate / stiff)
@@ -331,7 +333,8 @@ class Drawing:
         for cam in self.cams:
             if cam.base_radius is None:
                 continue
-            name, base = self.cam_name(cam), cam.base_radius
+            name = self.cam_name(cam)
+            base = cam.base_radius
             if base == "least":
                 joint, follower = self._follower(cam)
                 assert isinstance(joint.law, CamLaw)
@@ -392,7 +395,8 @@ class Drawing:
         return m.Clutch(name, freewheel.wheel, freewheel.link, law, law.apart)
 
     def _bodies(self) -> tuple[dict[str, m.Body], dict[str, m.Pose]]:
-        bodies, start = {}, {}
+        bodies = {}
+        start = {}
         for name, points in self.links.items():
             drawn = self.drawn(points)
             exact = shape(drawn, self.lengths_of(points))[0]
@@ -536,7 +540,8 @@ def _moved(machine: m.Machine, joint: m.Cam, ahead: float) -> m.Machine:
         slide = machine.slide(joint.slide)
         pose = replace(pose, place=pose.place + ahead * cmath.exp(1j * slide.angle))
     else:
-        turn, hinge = cmath.exp(1j * ahead), pivot(machine, joint.follower)[1]
+        turn = cmath.exp(1j * ahead)
+        hinge = pivot(machine, joint.follower)[1]
         pose = m.Pose(hinge + (pose.place - hinge) * turn, pose.angle + ahead)
     joints = tuple(
         replace(joint, rest=joint.rest + ahead) if each.name == joint.name else each

@@ -270,7 +270,8 @@ class Linkage(Mechanism):
     @property
     def _rooms(self) -> Mapping[str, float]:
         """Radius of the circle that a cam must hold, by its closure, mm: its shaft, a groove's pins, with walls."""
-        sizes, wall = self.making, self.allowed.min_wall
+        sizes = self.making
+        wall = self.allowed.min_wall
         shaft = (sizes.shaft_diameter + self.print.press_clearance) / 2 + 2 * wall
         plain = dict.fromkeys(("force", "conjugate"), shaft)
         return {**plain, "groove": shaft + wall + 1.5 * sizes.pin_diameter}
@@ -287,7 +288,8 @@ class Linkage(Mechanism):
             return ()
         bare = self._bare
         top = max(high for _, high in inc.heights(bare.parts, bare.mounts))
-        play, end = self.print.slide_clearance, upper_end(bare.layout)
+        play = self.print.slide_clearance
+        end = upper_end(bare.layout)
         found = inc.stack(self.includes, self._host, self.chain, top, play, end)
         inc.distinct(
             found,
@@ -470,8 +472,10 @@ class Linkage(Mechanism):
     @property
     def _own(self) -> Assembly:
         """What is made without what is included."""
-        bodies, plastic = self.bodies, self.material.name
-        sizes, features = bodies.sizes, bodies.features()
+        bodies = self.bodies
+        plastic = self.material.name
+        sizes = bodies.sizes
+        features = bodies.features()
         frame = sizes.motor if sizes.can is None else ""
         motor = (
             MotorSeat()
@@ -526,13 +530,16 @@ class Linkage(Mechanism):
             return None
         name = part_name(cam.follower)
         arm = next(part for part in self.bodies.parts if part.name == name)
-        held, pushed = points[pivot], points[cam.at]
+        held = points[pivot]
+        pushed = points[cam.at]
         modulus = materials.of(self.material.name).elastic.modulus
         return bending_stiffness(arm, held, pushed, modulus) * abs(pushed - held) ** 2 * 1e-3
 
     def _balance(self, weight: Counterweight) -> Balance:
         """What the solids of the driven link with its counterweight are held to."""
-        link, made, whole = self.drive.link, self.bodies, self._balanced[1]
+        link = self.drive.link
+        made = self.bodies
+        whole = self._balanced[1]
         origin = made.layout.at(link, made.layout.shaft_of(link))
         pivot = pivot_of(made.layout, link)
         solids = made.solids(self._process.density)

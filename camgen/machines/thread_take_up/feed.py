@@ -159,7 +159,8 @@ class TakeUp:
             ("B", output, coupler),
             ("C", output, ground),
         )
-        a, c = complex(self.crank), self.pivot
+        a = complex(self.crank)
+        c = self.pivot
         way = c - a
         far = abs(way)  # where it does not close at theta = 0, A-B lies on the line of A and C
         foot = (self.coupler**2 - self.output**2 + far**2) / (2 * far) if far else self.coupler
@@ -302,7 +303,8 @@ class TakeUp:
 
         at = np.append(zeros(slope), 0.0)
         value = self.rates(at)[output]
-        low, high = int(np.nanargmin(value)), int(np.nanargmax(value))
+        low = int(np.nanargmin(value))
+        high = int(np.nanargmax(value))
         return (float(value[low]), float(at[low])), (float(value[high]), float(at[high]))
 
     def forces(self, theta: Floats, bodies: Mapping[str, Body], speed: float) -> Forces:

@@ -206,7 +206,8 @@ class ThreadTakeUp(Template):
         """That of the linkage; the thread keeps the gap that is accepted, and nothing is said of a speed without a motor."""
         made = super().assembly
         strands = [replace(each, gap=self.allowed.gap) for each in made.strands]
-        size, still = f"for a {self._sizes.shaft_text}", self.motor is None
+        size = f"for a {self._sizes.shaft_text}"
+        still = self.motor is None
         bought = [
             replace(each, size=size) if still and each.role == "drive" else each
             for each in made.bought
@@ -217,7 +218,9 @@ class ThreadTakeUp(Template):
 
     def findings(self) -> Sequence[Finding]:
         """Fold, gaps between what moves and what stands, excess thread, and the wishes."""
-        g, t, p = self.geometry, self.take_up, self.making
+        g = self.geometry
+        t = self.take_up
+        p = self.making
         margin = four_bar(g.frame, g.input_crank, g.coupler, g.output_crank).margin
         play = 2 * self.print.slide_clearance
         said = (
@@ -241,7 +244,8 @@ class ThreadTakeUp(Template):
             least = "at least " if wish.at_least else ""
             said = f"{value:.6g} {wish.unit}; {least}{wish.wanted:g} wanted"
             off = abs(wish.miss(value)) * wish.tolerance
-            code, where = wish.name.upper(), Where("wanted")
+            code = wish.name.upper()
+            where = Where("wanted")
             found.append(at_most(code, off, wish.tolerance, wish.unit, where, said))
         return found
 
@@ -252,7 +256,8 @@ class ThreadTakeUp(Template):
 
     def _gaps(self, t: TakeUp, theta: Floats) -> Mapping[str, tuple[float, float]]:
         """Least gap of pin B and of each guide to what could meet it, mm, and its crank angle, rad."""
-        p, run = self.making, t.run(theta)
+        p = self.making
+        run = t.run(theta)
         # the bell crank's eye moves in a search, the other hubs do not
         (a, b, (_, rim)) = self._hubs["coupler"]
         links = {**self._hubs, "coupler": (a, b, (t.eye, rim))}
@@ -330,7 +335,9 @@ class ThreadTakeUp(Template):
                 ]
             )
         g, (width, height) = self.geometry, self.print.bed
-        theta, base, p = _TURN[::4], self.take_up, self.making
+        theta = _TURN[::4]
+        base = self.take_up
+        p = self.making
         # the plate's hubs, with a screw beyond each
         rim = p.guide_diameter / 2 + 2 * p.wall + p.mount_diameter
         bearing = self.linkage.sketched.hub("C", GROUND)

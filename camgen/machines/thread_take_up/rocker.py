@@ -38,7 +38,8 @@ def alike(t: TakeUp, other: TakeUp, bodies: Mapping[str, Body]) -> dict[str, Bod
     """Links of the other take-up, as heavy by length as those of this one, their centres and inertias to scale."""
 
     def scaled(name: str, share: float) -> Body:
-        mine, yours = bodies[name], other.links[name]
+        mine = bodies[name]
+        yours = other.links[name]
         return replace(
             yours,
             mass=mine.mass * share,

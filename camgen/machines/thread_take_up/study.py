@@ -25,7 +25,8 @@ from camgen.spec import Coordinate, Length, Mass, Record, quantity
 from camgen.study import Figure, Figures, Later, Plot, Study, Table, figures_in
 
 # The lengths of the source: OA, OC, and AB with BC as it prints them.
-_PUBLISHED, _PRINTED = (30.0, 9.0), (30.0, 19.0)
+_PUBLISHED = (30.0, 9.0)
+_PRINTED = (30.0, 19.0)
 _EYE = (52.0, math.radians(90))  # its BD, and the angle with BA
 _FORCES = np.linspace(
     0, TURN, 7200, endpoint=False
@@ -82,7 +83,8 @@ class Masses(Record):
 
     def bodies(self, t: TakeUp, given: bool = True) -> dict[str, Body]:
         """Crank (massless: it only turns evenly), coupler and output crank; given: with the spec's centres of mass."""
-        coupler, output = (t.coupler + t.eye) / 3, t.output / 3
+        coupler = (t.coupler + t.eye) / 3
+        output = t.output / 3
         if given and self.coupler_centre is not None:
             coupler = complex(*self.coupler_centre)
         if given and self.output_crank_centre is not None:
@@ -119,7 +121,8 @@ class Masses(Record):
     def centres(self, t: TakeUp) -> dict[str, object]:
         """Both centres of mass, by their keys in a spec."""
         bodies = self.bodies(t)
-        coupler, output = bodies["coupler"].centre, bodies["output"].centre
+        coupler = bodies["coupler"].centre
+        output = bodies["output"].centre
         return {
             "masses.coupler_centre": (coupler.real, coupler.imag),
             "masses.output_crank_centre": output.real,
@@ -173,7 +176,8 @@ class Consumption(Record):
         """Least and greatest of supply less consumption, mm, each with its angle, rad: tried every 0.05 deg and at the knots."""
         theta = np.concatenate([_FORCES, np.radians(self.angles_deg), t.diagram.turns])
         excess = t.supply(theta) - self.at(theta)
-        low, high = int(np.argmin(excess)), int(np.argmax(excess))
+        low = int(np.argmin(excess))
+        high = int(np.argmax(excess))
         return (float(excess[low]), float(theta[low])), (float(excess[high]), float(theta[high]))
 
     def findings(self, t: TakeUp, limit: float) -> list[Finding]:
@@ -273,7 +277,8 @@ def _both(t: TakeUp, readings: Sequence[Mapping[str, float]]) -> Table:
 
 
 def _thread_plot(t: TakeUp, consumption: Consumption) -> Plot:
-    supply, drawn = t.supply(_DRAWN), consumption.at(_DRAWN)
+    supply = t.supply(_DRAWN)
+    drawn = consumption.at(_DRAWN)
     curves = [
         ("supply", _DEGREES, supply),
         ("consumption", _DEGREES, drawn),
@@ -291,7 +296,8 @@ def _place(quantity: str, value: float, angle: float, unit: str = "mm") -> list[
 def motion_numbers(t: TakeUp) -> Figures:
     """Figures of feed, eye path and turning; those of a loop only where there is one."""
     lengths = (t.frame, t.crank, t.coupler, t.output)
-    feed, stop = t.diagram, t.near_stop
+    feed = t.diagram
+    stop = t.near_stop
     least, most = transmission_extremes(*lengths)
     cusp = min(
         t.cusps(), key=lambda each: abs(each[0] - t.eye_distance), default=(math.nan, math.nan)
@@ -482,8 +488,10 @@ def _centres(t: TakeUp, masses: Masses, speed: float) -> Table:
 
 def balance_numbers(t: TakeUp, masses: Masses, speed: float) -> Figures:
     """Balancing as in the source, recomputed with the counterweights on; and the best weight on the input crank alone."""
-    bodies, weighted = masses.bodies(t), masses.balanced(t)
-    before, after = t.forces(_FORCES, bodies, speed), t.forces(_FORCES, weighted, speed)
+    bodies = masses.bodies(t)
+    weighted = masses.balanced(t)
+    before = t.forces(_FORCES, bodies, speed)
+    after = t.forces(_FORCES, weighted, speed)
     moment, left = crank_weight(before.reactions["O"], _FORCES, speed)
     coupler = 1e3 * (weighted["coupler"].mass - bodies["coupler"].mass)
     output = 1e3 * (weighted["output"].mass - bodies["output"].mass)

@@ -89,7 +89,8 @@ class Beneath:
             if body.name != self._crank
         )
         joints = tuple(joint for joint in machine.joints if joint.name not in own)
-        sizes, points = self.whole.sizes, machine.body(self._crank).points
+        sizes = self.whole.sizes
+        points = machine.body(self._crank).points
         pins = {point: kind for point, kind in sizes.pins.items() if point not in points}
         lower = {"motor": "none", "hand_crank": 0.0, "pins": pins}
         return replace(
@@ -119,7 +120,8 @@ class Beneath:
     @cached_property
     def bodies(self) -> Bodies:
         """Bracket, crank, arm, by heights over the bracket's underside."""
-        machine, sizes = self.whole.drawn, self.whole.sizes
+        machine = self.whole.drawn
+        sizes = self.whole.sizes
         motor, shaft = self._pin(self._crank)
         ground = replace(machine.body(GROUND), points={motor: shaft})
         (held,) = self._shaft_of_arm.points
@@ -151,7 +153,8 @@ class Beneath:
         (point,) = layout.slots
         top = max(level + layout.beyond(point)[0] for level, *_ in found.on(point))
         high = found.floor(top) + sizes.head - found.top(found.level[self.arm])
-        room, play = sizes.shaft_length, self.whole.fits.slide_clearance
+        room = sizes.shaft_length
+        play = self.whole.fits.slide_clearance
         least = sizes.thickness + high + 2 * play + found.thickness(self.arm)
         if room < least:
             raise DesignError(
@@ -173,7 +176,8 @@ class Beneath:
     @cached_property
     def feet(self) -> Sequence[complex]:
         """Places of the posts on the ground, mm: round the arm's way, as far as may be from the other shafts."""
-        s, arm = self.whole.sizes, self._pin(self.arm)[1]
+        s = self.whole.sizes
+        arm = self._pin(self.arm)[1]
         pin = s.pin_diameter + self.whole.fits.slide_clearance
         far = float(self.run.length(self._slot.name)[0].max()) + pin / 2 + s.wall + 0.5
         reach = far + self._post / 2 + _AIR
@@ -275,7 +279,8 @@ class Beneath:
     def _bought(self) -> list[Bought]:
         """Drive of the crank, screws of the posts."""
         drive = self.bodies.bought(turning_text(self._speed * 60 / math.tau))
-        screw, grip = SCREWS[_THREAD], -self._low
+        screw = SCREWS[_THREAD]
+        grip = -self._low
         size = f"{_THREAD} x {screw.length(grip, self.whole.sizes.base_thickness):g}"
         return [
             *(each for each in drive if "plate" not in each.name),
@@ -287,7 +292,8 @@ class Beneath:
         parts = [*made.parts, *self._made[0]]
         mounts = [*made.mounts, *self._made[1]]
         features = [*made.features, *self._features()]
-        bodies, face = self.bodies, self.whole.sizes.face
+        bodies = self.bodies
+        face = self.whole.sizes.face
         motor = MotorSeat()
         if face is not None:
             motor = MotorSeat(self.whole.sizes.motor, bodies.shaft_reach, bodies.collar)

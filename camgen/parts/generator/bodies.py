@@ -208,11 +208,9 @@ class Bodies:
     # ---- links and plate --------------------------------------------------------------------------------------------
 
     def _link(self, link: str) -> Part:
-        layout, points, thick = (
-            self.layout,
-            self.layout.points_of(link),
-            self.layout.thickness(link),
-        )
+        layout = self.layout
+        points = self.layout.points_of(link)
+        thick = self.layout.thickness(link)
         holes: dict[str, Contour] = {}
         discs = [point for point, (on, _) in layout.discs.items() if on == link]
         for point, z in ((point, z) for point, z in points.items() if point not in discs):
@@ -288,7 +286,8 @@ class Bodies:
 
     def _stack(self, point: str) -> Iterator[Placed]:
         """Pin or shaft of a point, and what is threaded on it."""
-        layout, body = self.layout, self.layout.pressed_in(point)
+        layout = self.layout
+        body = self.layout.pressed_in(point)
         if point in layout.carried:
             return
         at, bought = layout.at(body, point), layout.on_motor(point, GROUND)  # the motor's own shaft
@@ -317,7 +316,9 @@ class Bodies:
 
     def _spacers(self, point: str, body: str, at: complex) -> Iterator[Placed]:
         """What keeps apart what is threaded on a pin or shaft that is fixed in a body."""
-        s, layout, play = self.sizes, self.layout, self.fits.slide_clearance
+        s = self.sizes
+        layout = self.layout
+        play = self.fits.slide_clearance
         for (_, under), (high, _) in (
             pair for stub in stubs(layout, point) for pair in pairwise(stub.held)
         ):
@@ -341,10 +342,13 @@ class Bodies:
 
     def _collar(self, point: str, link: str, at: complex) -> Placed:
         """Of a shaft, under the plate."""
-        s, press = self.sizes, self.fits.press_clearance
-        name, bore = "collar", self._profile(press)
+        s = self.sizes
+        press = self.fits.press_clearance
+        name = "collar"
+        bore = self._profile(press)
         if self.layout.clutch(point):
-            name, bore = f"collar-{link}", circle(0j, (s.shaft_diameter + press) / 2)
+            name = f"collar-{link}"
+            bore = circle(0j, (s.shaft_diameter + press) / 2)
         part = Part(
             name,
             "Collar of a shaft",
@@ -358,10 +362,8 @@ class Bodies:
 
     def _shaft(self, link: str, stub: Stub, at: complex) -> Placed:
         """A link's shaft, or the piece in its last web; the one that drives is longer below the plate."""
-        driven, below = (
-            link == self.layout.driven,
-            self.sizes.thickness + 2 * self.fits.slide_clearance,
-        )
+        driven = link == self.layout.driven
+        below = self.sizes.thickness + 2 * self.fits.slide_clearance
         below = self.sizes.shaft_length if driven else -stub.held[0][0] if stub.hangs else below
         name = _SHAFT if driven else f"{_SHAFT}-{link}"
         sleeved = link in (self.layout.driven, self.layout.upper_web) and any(
@@ -379,12 +381,10 @@ class Bodies:
         said = f"glued into link {link}" + (
             ", turns in the second plate" if stub.hangs else " and the collar"
         )
-        s, size = (
-            self.sizes,
-            (
-                f"{self.sizes.shaft_diameter:g}",
-                f"x {below + top:g}",
-            ),
+        s = self.sizes
+        size = (
+            f"{self.sizes.shaft_diameter:g}",
+            f"x {below + top:g}",
         )
         flat = f", a flat {s.shaft_flat:g} deep" if s.shaft_flat else ""
         sized = [f"rod {size[0]} h9 {size[1]}{flat} all along"] if s.shaft_made == "steel" else []

@@ -120,10 +120,8 @@ def gear_part(layout: Layout, wheel: GearWheel) -> Placed:
     if wheel.link in layout.freewheels:
         on, clutch = layout.freewheels[wheel.link]
         wide = clutch.outside + press
-        bore, held = (
-            circle(0j, wide / 2),
-            f"turns on the shaft of {on}, a one-way clutch {clutch.name} pressed in",
-        )
+        bore = circle(0j, wide / 2)
+        held = f"turns on the shaft of {on}, a one-way clutch {clutch.name} pressed in"
     region = plate(f"wheel of {wheel.link}", edge, {"bore": bore}, layout.min_wall)
     notes = (
         f"drawn at theta = 0, level {layout.level[wheel.level]}",
@@ -176,10 +174,13 @@ def disc_layer(layout: Layout, point: str) -> Layer:
 def ground_disc(layout: Layout, point: str) -> Iterator[Placed]:
     """A disc of the ground, and the dowels that hold it on the plate."""
     s, (_, shaft) = layout.sizes, layout.discs[point]
-    at, wide, bore = layout.at(GROUND, point), layout.turning(point), layout.hole(shaft, GROUND)
+    at = layout.at(GROUND, point)
+    wide = layout.turning(point)
+    bore = layout.hole(shaft, GROUND)
     off = layout.at(GROUND, shaft) - at
     wall_of_disc(abs(off), wide, bore, layout.min_wall, f"parts.discs.{point}")
-    name, dowels = pivot_name(point), layout.dowels(point)
+    name = pivot_name(point)
+    dowels = layout.dowels(point)
     holes = {"shaft": circle(off, bore / 2)}
     holes |= {f"dowel {k}": circle(z - at, radius) for k, (z, radius) in enumerate(dowels, 1)}
     high = round(layout.disc_top(point) - s.base_thickness, 9)

@@ -97,10 +97,8 @@ class Layout(Connections):
         found = self.spacer_diameter(point) / 2
         if point in self.discs:
             return max(found, self.hub(point, self.pressed_in(point)))
-        screw, held = (
-            self.sizes.shoulder if self.kind(point) == "shoulder" else None,
-            self.collar(point),
-        )
+        screw = self.sizes.shoulder if self.kind(point) == "shoulder" else None
+        held = self.collar(point)
         found = found if held is None else max(found, held.least_radius)
         return found if screw is None else max(found, screw.head / 2, screw.flats / math.sqrt(3))
 
@@ -156,7 +154,8 @@ class Layout(Connections):
     def beyond(self, point: str) -> tuple[int, int]:
         """How many levels the head of a pin takes over its highest link, and it or a thread under its lowest."""
         if point in self.shafts:
-            collar, step = self.collar(point), self._least + self.fits.slide_clearance
+            collar = self.collar(point)
+            step = self._least + self.fits.slide_clearance
             return (0 if collar is None else math.ceil(collar.height / step)), 0
         if len(self.thrown(point)) > 1 or self.on_ground(point):
             return 0, 0
@@ -546,7 +545,8 @@ class Layout(Connections):
 
     def dowels(self, point: str) -> list[tuple[complex, float]]:
         """Holes of the plate for the dowels of a disc of the ground, centre and radius, mm: across the way to its shaft."""
-        at, shaft = self.at(GROUND, point), self.at(GROUND, self.discs[point][1])
+        at = self.at(GROUND, point)
+        shaft = self.at(GROUND, self.discs[point][1])
         radius = (self.sizes.pin_diameter + self.fits.press_clearance) / 2
         way = 1j * (at - shaft) / abs(at - shaft) * (self.turning(point) / 2 - self.rim - radius)
         return [(at + way, radius), (at - way, radius)]

@@ -166,10 +166,8 @@ def _between(layout: Layout, point: str, stub: Stub) -> Placed:
     """A pin without a head from plate to plate; a dowel where one is sold that ends in the upper one."""
     s = layout.sizes
     whole = stub.held[-1][1]
-    mount, notes = (
-        Mount("pin", GROUND, layout.at(GROUND, point)),
-        ("pressed and glued into both plates",),
-    )
+    mount = Mount("pin", GROUND, layout.at(GROUND, point))
+    notes = ("pressed and glued into both plates",)
     if layout.kind(point) != "dowel":
         whole_pin = rod("pin", "Pin", s.pin_diameter, whole)
         how = _made_of(layout, point)
@@ -364,10 +362,8 @@ def _bearing(layout: Layout, bearing: Bearing) -> Part:
     notes = [f"ball bearing {bearing.name}, {bearing.size}, pressed into its link"]
     if bearing in [clutch for _, clutch in layout.freewheels.values()]:
         said = Held("seen from above, the ring can only turn counter-clockwise on its shaft")
-        title, notes = (
-            "One-way clutch",
-            [f"one-way clutch {bearing.name}, {bearing.size}", "pressed in", said],
-        )
+        title = "One-way clutch"
+        notes = [f"one-way clutch {bearing.name}, {bearing.size}", "pressed in", said]
     ring = spacer(
         bearing_name(bearing), title, bearing.bore, bearing.outside, bearing.width, layout.min_wall
     )

@@ -174,10 +174,8 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
     )
     layers.append(Layer(whole, heads, floor))
     if pockets:
-        low, region = (
-            floor - s.pocket,
-            plate("ground plate", outer, holes | pockets, layout.min_wall),
-        )
+        low = floor - s.pocket
+        region = plate("ground plate", outer, holes | pockets, layout.min_wall)
         layers = [*layers[:-1], Layer(whole, heads, low), Layer(region, low, floor)]
     return Part(
         name,
