@@ -199,7 +199,7 @@ class Study:
     columns: of motion.csv, where no contact gives them; (1441,) each, every quarter degree of a turn, both ends included.
     """
 
-    numbers: Mapping[str, float] = field(default_factory=Figures)
+    numbers: Figures = field(default_factory=Figures)
     plots: Sequence[Plot] = ()
     tables: Sequence[Table] = ()
     sketches: Sequence[Sketch] = ()
@@ -218,42 +218,10 @@ def together(studies: Sequence[Study]) -> Study:
     )
 
 
-def united(all_numbers: Iterable[Mapping[str, float]]) -> Figures:
+def united(all_numbers: Iterable[Figures]) -> Figures:
     """Figures of several as one; of those with one key the first counts."""
     found: dict[str, Figure] = {}
     for numbers in all_numbers:
-        for each in records(numbers):
+        for each in numbers.records:
             found.setdefault(each.key, each)
     return Figures(found.values())
-
-
-def records(numbers: Mapping[str, float]) -> Sequence[Figure]:
-    """Figures, of machines that still give numbers by key alone by what the key says."""
-    if isinstance(numbers, Figures):
-        return numbers.records
-    found = []
-    for key, value in numbers.items():
-        unit = next((unit for end, unit in _UNITS.items() if key.endswith(end)), "")
-        stem = (
-            key[: -len(next(end for end, each in _UNITS.items() if each == unit))] if unit else key
-        )
-        found.append(Figure(stem.replace("_", " "), value, unit))
-    return found
-
-
-_PEOPLE = (
-    *(
-        "MPa m/s",
-        "N m/rad",
-        "N rad/s",
-        "N m s",
-        "deg/rad²",
-        "mm/rad²",
-        "deg/rad",
-        "mm/rad",
-        "kg m²",
-    ),
-    *("N/mm", "g mm", "N m", "mm/s²", "deg/s²", "rad/s", "mm/s", "deg/s", "1/s", "mm³", "mm²", "%"),
-    *("mm", "deg", "rpm", "MPa", "Hz", "N", "J", "W", "h", "g", "s"),
-)
-_UNITS = {"_" + Figure("", 0.0, unit).key: unit for unit in _PEOPLE}

@@ -19,7 +19,7 @@ import camgen
 from camgen.cli import main
 from camgen.findings import Finding, NotJudged, Where
 from camgen.report.report import Report
-from camgen.study import Figure, Figures, records
+from camgen.study import Figure, Figures
 
 SPECS = Path(__file__).resolve().parent.parent / "specs"
 DISC = SPECS / "disc-cam.toml"
@@ -184,7 +184,7 @@ UNITS = {
 def test_figures_have_plain_keys_and_known_units(name: str) -> None:
     numbers = camgen.load(SPECS / f"{name}.toml").study().numbers
     assert [key for key in numbers if not re.fullmatch("[a-z][a-z0-9]*(_[a-z0-9]+)+", key)] == []
-    assert {each.unit for each in records(numbers)} - UNITS == set()
+    assert {each.unit for each in numbers.records} - UNITS == set()
 
 
 @pytest.mark.parametrize("name", SPEC_NAMES)

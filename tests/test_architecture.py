@@ -219,14 +219,18 @@ PIECE = re.compile("_[a-z0-9_]*|[a-z0-9_]*_")  # of a key, such as _deg
 
 
 def reads_keys(module: str, tree: ast.AST) -> list[str]:
-    """Keys of figures that are taken apart: quantity, unit, what it is of and the kind of file are fields of a Figure."""
-    if module == "measuring.motion":  # to be mended
-        return []
+    """Keys of figures that are taken apart: quantity, unit, what it is of and the kind of file are fields of a Figure.
+
+    A name may be written with spaces: replace("_", " ").
+    """
     found = []
     for node in ast.walk(tree):
         pieces: list[ast.expr] = []
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
-            pieces = node.args if node.func.attr in PARSING else []
+            if node.func.attr in PARSING:
+                pieces = node.args
+            elif node.func.attr == "replace" and list(map(ast.unparse, node.args[:1])) != ["'_'"]:
+                pieces = node.args[:1]
         elif isinstance(node, ast.Compare) and isinstance(node.ops[0], ast.In | ast.NotIn):
             pieces = [node.left]
         texts = [
@@ -336,6 +340,7 @@ def test_a_circle_for_types_alone_is_seen() -> None:
         (reads_keys, "report.page", "unit = key.endswith('_mm')"),
         (reads_keys, "report.page", "end = key.rpartition('_')[2]"),
         (reads_keys, "report.page", "drawn = '_dxf_' in key"),
+        (reads_keys, "measuring.motion", "effect = key.replace('_off_mm', '_in_motion_mm')"),
         (reads_keys, "tolerance.report", "of = key.endswith(('_percent', '_deg'))"),
         (undocumented, "parts.part", '"""Parts."""\nclass A:\n    """A."""\n    def b(self): ...'),
     ],

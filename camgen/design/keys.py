@@ -127,19 +127,19 @@ class Search:
             if isinstance(mechanism, CamgenError):
                 raise mechanism
             findings = mechanism.forecast()
-            figures = mechanism.study().numbers
+            numbers = mechanism.study().numbers
         except (DesignError, SpecError) as error:
             self.reason = self.reason or " ".join(str(error).split())
             return _REFUSED
         name, sign = (
             (self.wish.least, 1) if self.wish.least is not None else (str(self.wish.most), -1)
         )
-        numbers = {
+        varied = {
             key: value
             for (key, ends), value in zip(self.wish.vary.items(), values.tolist(), strict=True)
             if not isinstance(ends[0], str)
         }
-        figures = {**figures, **numbers}
+        figures = {**numbers, **varied}
         self._refuse_unknown(figures, name)
         failing = [finding for finding in findings if not finding.ok]
         short = sum(_short(finding) for finding in failing)

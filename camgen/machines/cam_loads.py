@@ -10,9 +10,9 @@ import numpy as np
 
 from camgen.errors import Fault
 from camgen.findings import Finding
-from camgen.geometry.outlines import Floats
 from camgen.machine.cams.machine import FollowerLoad, Loaded
-from camgen.study import Plot, Study
+from camgen.numerics import peak
+from camgen.study import Figure, Figures, Plot, Study
 
 if TYPE_CHECKING:
     from camgen.machines.disc_cam.tables import LoadTable, SpringTable
@@ -124,7 +124,7 @@ def lift_off(
     """LIFT_OFF, with the spring that would keep the follower on; jumps: what is said where its speed does; lower: what lowers
     that spring."""
     preload, rate = found.spring_needed(load)
-    units = ("N", "N/mm") if slides else ("N m", "N m/rad")
+    units = _spring_units(slides)
     stiffer = f" or a spring.rate above {rate:.4g} {units[1]}" if math.isfinite(rate) else ""
     kept = f"a spring.preload above {preload:.4g} {units[0]}{stiffer} keeps it; {lower} lowers that"
     return found.keeps_contact(jumps if found.kick else kept)
@@ -137,41 +137,37 @@ def force_study(
     forces = found.forces
     notes = []
     power = forces.power_in
-    numbers = {
-        "peak_contact_force_n": _peak(found.force),
-        "peak_torque_n_m": _peak(found.torque),
-        "peak_power_w": float(np.nanmax(power)),
-        **{
-            f"reaction_{name}_without_friction_n": _peak(reaction)
-            for name, reaction in forces.reactions.items()
-        },
-        **{
-            f"reaction_{name}_without_friction_n": _peak(normal)
-            for name, normal in forces.normals.items()
-        },
-    }
+    greatest = peak(found.force)
+    reactions = [*forces.reactions.items(), *forces.normals.items()]
+    figures = [
+        Figure("peak contact force", greatest, "N"),
+        Figure("peak torque", peak(found.torque), "N m"),
+        Figure("peak power", float(np.nanmax(power)), "W"),
+        *(
+            Figure("reaction {joint} without friction", peak(reaction), "N", joint=name)
+            for name, reaction in reactions
+        ),
+    ]
     # of a round tip the force passes the tip, where the mass is: what is left is rounding
-    moments = {f"peak_moment_{name}_n_m": _peak(moment) for name, moment in forces.moments.items()}
-    numbers |= {
-        name: value
-        for name, value in moments.items()
-        if value > 1e-9 * numbers["peak_contact_force_n"]
-    }
+    figures += [
+        Figure("peak moment {joint}", peak(moment), "N m", joint=name)
+        for name, moment in forces.moments.items()
+        if peak(moment) > 1e-9 * greatest
+    ]
     if found.kick:
-        unit = "n_s" if slides else "n_m_s"
-        numbers[f"kick_{unit}"] = found.kick
+        figures.append(Figure("kick", found.kick, "N s" if slides else "N m s"))
         notes.append(
             "The follower's speed jumps, which kicks it; the curves of force and torque leave the kick out."
         )
     if pushed:
         preload, rate = found.spring_needed(load)
-        units = ("n", "n_mm") if slides else ("n_m", "n_m_per_rad")
-        numbers |= {
-            "least_contact_force_n": float(np.nanmin(found.force)),
-            f"spring_preload_needed_{units[0]}": preload,
-            f"spring_rate_needed_{units[1]}": rate,
-        }
-    numbers = {key: value for key, value in numbers.items() if math.isfinite(value)}
+        units = _spring_units(slides)
+        figures += [
+            Figure("least contact force", float(np.nanmin(found.force)), "N"),
+            Figure("spring preload needed", preload, units[0]),
+            Figure("spring rate needed", rate, units[1]),
+        ]
+    numbers = Figures(each for each in figures if math.isfinite(each.value))
     return Study(numbers, force_plots(found, "follower on cam"), (), (), _notes(weighs, notes))
 
 
@@ -192,5 +188,6 @@ def _notes(weighs: bool, more: Sequence[str]) -> tuple[str, ...]:
     return (f"Forces: at an even speed of the cam, {said} friction, play and elasticity.", *more)
 
 
-def _peak(values: Floats | np.ndarray) -> float:
-    return float(np.nanmax(np.abs(values)))
+def _spring_units(slides: bool) -> tuple[str, str]:
+    """Of a preload and a rate."""
+    return ("N", "N/mm") if slides else ("N m", "N m/rad")

@@ -30,7 +30,7 @@ from camgen.parts.catalogue import Bought
 from camgen.parts.generator.joined import Stand
 from camgen.parts.generator.mounted import InLine, UpperEnd, in_line, merged
 from camgen.parts.part import Part
-from camgen.study import Figures, Later, Sketch, Study, records
+from camgen.study import Figures, Later, Sketch, Study
 from camgen.tolerances import SAME_POINT
 
 if TYPE_CHECKING:
@@ -331,7 +331,7 @@ def study(each: IncludedMachine) -> Study:
     module = each.module
     prefix = module.prefix
     return Study(
-        Figures(replace(each, module=prefix) for each in records(own.numbers)),
+        Figures(replace(each, module=prefix) for each in own.numbers.records),
         Later(lambda: [replace(plot, title=f"{prefix}: {plot.title}") for plot in own.plots]),
         Later(lambda: [replace(table, title=f"{prefix}: {table.title}") for table in own.tables]),
         Later(lambda: [_sketch(sketch, module) for sketch in own.sketches]),

@@ -18,6 +18,7 @@ from camgen.geometry.registration import Laid, dense, deviation, lay_on_known
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.machine.features import CamOutline
 from camgen.machines.sources import read_mechanism
+from camgen.study import Figure, Figures, figures_in
 
 # mm: of the exact outline
 _CHORDS = 1e-4
@@ -35,7 +36,7 @@ class Comparison:
     ring: Ring
     wanted: Ring
     remark: str
-    numbers: dict[str, float] = field(default_factory=dict)
+    numbers: Figures = field(default_factory=Figures)
     angle: Floats = field(default_factory=lambda: np.zeros(0))
     outside: Floats = field(default_factory=lambda: np.zeros(0))
 
@@ -84,14 +85,15 @@ def compare(
         raise DesignError(what, best.laid.off, _ALIKE * size, "mm", str(spec), remedy)
     z = best.edge
     axis = best.image(0j)
-    numbers = {"fit_turn_deg": math.degrees(math.remainder(best.laid.turn, math.tau))}
+    turn = math.degrees(math.remainder(best.laid.turn, math.tau))
+    figures = [Figure("fit turn", turn, "deg")]
     sentences = [
         f"laid on {part.name} of {spec.name}"
         + (", turned over: its other face was measured" if best.over else "")
     ]
     if bore is not None:
         z = z - axis
-        numbers["bore_off_centre_mm"] = abs(axis)
+        figures.append(Figure("bore off centre", abs(axis), "mm"))
         sentences.append(
             f"the bore, which stays the axis, is {abs(axis):.4f} mm off the outline's own centre"
         )
@@ -99,27 +101,24 @@ def compare(
         long = 100 * (best.scale - 1)
         across = 200 * best.skew.real
         shear = 200 * best.skew.imag
-        numbers |= {
-            "scale_percent": long,
-            "scanner_across_percent": across,
-            "scanner_shear_percent": shear,
-        }
+        figures += figures_in("%", scale=long, scanner_across=across, scanner_shear=shear)
         sentences.append(
             f"the scanner's scale {long:+.3f} %, x beside y {across:+.3f} % and shear {shear:+.3f} % are found "
             "from the whole outline, which hides what the print itself shrank"
         )
     outside = deviation(z, dense(nominal, _STEP))
-    numbers |= {
-        "deviation_max_mm": float(outside.max()),
-        "deviation_min_mm": float(outside.min()),
-        "deviation_rms_mm": float(np.sqrt(np.mean(outside**2))),
-    }
+    figures += figures_in(
+        "mm",
+        deviation_max=float(outside.max()),
+        deviation_min=float(outside.min()),
+        deviation_rms=float(np.sqrt(np.mean(outside**2))),
+    )
     if math.isfinite(off):
         keys = [
             f"profile_compensation = {mechanism.print.profile_compensation + float(np.mean(outside)):.3f}"
         ]
         if bore is not None and part.bore is not None:
-            numbers["bore_deviation_mm"] = bore - part.bore
+            figures.append(Figure("bore deviation", bore - part.bore, "mm"))
             keys.append(
                 f"hole_compensation = {mechanism.print.hole_compensation + (part.bore - bore) / 2:.3f}"
             )
@@ -137,7 +136,7 @@ def compare(
         measured.counter_clockwise(),
         nominal_ring,
         "; ".join(sentences),
-        numbers,
+        Figures(figures),
         angle,
         outside[order],
     )

@@ -25,11 +25,11 @@ from camgen.judge.contact import contact
 from camgen.judge.follower_table import FollowerTable, pair_faults, read_follower
 from camgen.machine.features import PartPose
 from camgen.measuring.outlines import Hints, Outline, read_outline
-from camgen.measuring.scan import PICTURES, Scanning
+from camgen.measuring.scan import PICTURES, WALL_OFF, Scanning
 from camgen.report.animation import Animation, Body
 from camgen.report.page import write_html
 from camgen.report.report import Report, write_csv, write_json
-from camgen.study import Plot, Table
+from camgen.study import Figure, Figures, Plot, Table, figures_in
 
 if TYPE_CHECKING:
     from camgen.measuring.against import Comparison
@@ -41,6 +41,7 @@ _STEEPNESS = 4  # power of the low-pass: steeper ones ring at every corner of th
 _OVERLAP = 2e-3  # mm at two tips together that facets and decimals of a file may feign
 _ROUGH = 0.5  # deg, by which facets or noise may raise the largest pressure angle before it is told
 _FRAMES = 120  # of the moving picture
+_WAYS = {"deg": "swing", "mm": "stroke"}  # what the whole way is called, by its unit
 _PACKAGES = ("numpy", "pydantic", "ezdxf", "lib3mf", "scipy", "shapely", "trimesh")
 
 # ---- the motion ------------------------------------------------------------------------------------------------------
@@ -257,7 +258,7 @@ def _rolled(
         compared = _compared(first, path, request)
         ring = compared.ring
         if "scale_percent" in compared.numbers:  # found from the outline: it is off no more
-            numbers = {key: value for key, value in numbers.items() if key != "scanner_off_mm"}
+            numbers = Figures(each for each in numbers.records if each.key != "scanner_off_mm")
     progress("rolling")
     assert ring is not None and last.ring is not None
     motion = recover(ring, follower, request.harmonics)
@@ -270,8 +271,7 @@ def _rolled(
     rolling = _Rolling(path, ring, follower, motion, request.harmonics, play)
     remarks = [f"{file.name}: {outline.remark}" for (file, _), outline in outlines.items()]
     report, columns = _report(rolling, report, remarks)
-    numbers = {**report.numbers, **_measured(numbers, motion, follower)}
-    report = replace(report, numbers=numbers)
+    report = replace(report, numbers=report.numbers | _measured(numbers, motion, follower))
     if compared is not None:
         report, columns = _with_comparison(report, columns, compared, rolling)
     return report, columns
@@ -281,9 +281,7 @@ def _summary(report: Report, follower: FollowerTable) -> Iterator[str]:
     """What a person asked for, in a few lines: the rest is in the report."""
     numbers = report.numbers
     unit = follower.unit[0]
-    way = next(
-        (numbers[key] for key in (f"swing_{unit}", f"stroke_{unit}") if key in numbers), None
-    )
+    way = numbers.get(f"{_WAYS[unit]}_{unit}")
     if way is not None:
         sentence = f"the follower moves {way:.4g} {unit}"
         level = numbers.get(f"edge_level_in_motion_{unit}")
@@ -341,14 +339,12 @@ def _report(
         f"acceleration_{name}_rad2": motion.acceleration * scale,
         "pressure_angle_deg": np.degrees(motion.pressure_angle),
     }
-    numbers = _extremes(rolling)
+    figures = _extremes(rolling)
     if play is not None:
         columns[f"lash_{name}"] = play * scale
         findings.append(_overlap(in_file(rolling.path), play, motion, follower))
-        numbers |= {
-            f"lash_max_{name}": float(np.nanmax(play)) * scale,
-            f"lash_min_{name}": float(np.nanmin(play)) * scale,
-        }
+        ends = {"lash_max": np.nanmax(play), "lash_min": np.nanmin(play)}
+        figures += figures_in(name, **{key: float(end) * scale for key, end in ends.items()})
     turn = {key: np.append(value, value[0]) for key, value in columns.items()}
     turn["theta_deg"][-1] = 360.0
     harmonics = rolling.harmonics
@@ -382,7 +378,7 @@ def _report(
         empty.name,
         empty.mechanism,
         findings,
-        numbers,
+        Figures(figures),
         (),
         plots,
         (_table(motion, follower),),
@@ -412,26 +408,30 @@ def _counted(follower: FollowerTable, motion: Recovered) -> str:
     )
 
 
-def _extremes(rolling: _Rolling) -> dict[str, float]:
-    """Named numbers of the motion and the outline; what is low-passed is nan where contact is lost."""
+def _extremes(rolling: _Rolling) -> list[Figure]:
+    """Figures of the motion and the outline; what is low-passed is nan where contact is lost."""
     motion = rolling.motion
     ring = rolling.ring
     follower = rolling.follower
     edge = np.abs(follower.mounted(ring).samples())
     name, scale = follower.unit
-    swing = "swing_deg" if name == "deg" else "stroke_mm"
-    smooth = low_passed(motion.pressure_angle, 0, rolling.harmonics)
-    return {
-        swing: float(np.nanmax(motion.s) - np.nanmin(motion.s)) * scale,
-        f"peak_speed_{name}_rad": float(np.max(np.abs(motion.speed))) * scale,
-        f"peak_acceleration_{name}_rad2": float(np.max(np.abs(motion.acceleration))) * scale,
-        "pressure_angle_deg": math.degrees(float(np.nanmax(np.abs(motion.pressure_angle)))),
-        "pressure_angle_low_passed_deg": math.degrees(float(np.max(np.abs(smooth)))),
-        "radius_min_mm": float(edge.min()),
-        "radius_max_mm": float(edge.max()),
-        "outline_length_mm": ring.length,
-        "outline_area_mm2": abs(ring.area),
-    }
+    smooth_angle = low_passed(motion.pressure_angle, 0, rolling.harmonics)
+    speed, acceleration, smooth = (
+        float(np.max(np.abs(each))) for each in (motion.speed, motion.acceleration, smooth_angle)
+    )
+    way = float(np.nanmax(motion.s) - np.nanmin(motion.s))
+    steepest = float(np.nanmax(np.abs(motion.pressure_angle)))
+    return [
+        Figure(_WAYS[name], way * scale, name),
+        Figure("peak speed", speed * scale, f"{name}/rad"),
+        Figure("peak acceleration", acceleration * scale, f"{name}/rad²"),
+        Figure("pressure angle", math.degrees(steepest), "deg"),
+        Figure("pressure angle low passed", math.degrees(smooth), "deg"),
+        Figure("radius min", float(edge.min()), "mm"),
+        Figure("radius max", float(edge.max()), "mm"),
+        Figure("outline length", ring.length, "mm"),
+        Figure("outline area", abs(ring.area), "mm²"),
+    ]
 
 
 def _table(motion: Recovered, follower: FollowerTable) -> Table:
@@ -452,17 +452,14 @@ def _table(motion: Recovered, follower: FollowerTable) -> Table:
     return Table("Extremes", ("quantity", "unit", "least", "at, deg", "greatest", "at, deg"), rows)
 
 
-def _measured(
-    figures: Mapping[str, float], motion: Recovered, follower: FollowerTable
-) -> Mapping[str, float]:
-    """Figures of what measured the outline, and what each length that ends in _off_mm may do to the motion."""
+def _measured(figures: Figures, motion: Recovered, follower: FollowerTable) -> Figures:
+    """Figures of what measured the outline, and what each way in which the wall may be off does to the motion."""
     name, scale = follower.unit
-    effects = {
-        key.replace("_off_mm", f"_in_motion_{name}"): value / motion.lever * scale
-        for key, value in figures.items()
-        if key.endswith("_off_mm")
-    }
-    return {**figures, **effects}
+    return figures | [
+        replace(each, quantity="{of} in motion", value=each.value / motion.lever * scale, unit=name)
+        for each in figures.records
+        if each.quantity == WALL_OFF
+    ]
 
 
 def _compared(outline: Outline, path: Path, request: Request) -> Comparison:
@@ -476,7 +473,7 @@ def _compared(outline: Outline, path: Path, request: Request) -> Comparison:
     off = (
         math.nan
         if "scanner_off_mm" in figures
-        else sum(each for key, each in figures.items() if key.endswith("_off_mm"))
+        else sum(each.value for each in figures.records if each.quantity == WALL_OFF)
     )
     return compare(outline.ring, request.against, figures.get("bore_mm"), off, alone)
 
@@ -491,12 +488,12 @@ def _with_comparison(
     name, scale = rolling.follower.unit
     nominal = recover(compared.wanted, rolling.follower, rolling.harmonics).s
     miss = (rolling.motion.s - nominal) * scale
-    numbers = {
-        **report.numbers,
-        **compared.numbers,
-        f"motion_error_max_{name}": float(np.nanmax(np.abs(miss))),
-        f"motion_error_rms_{name}": float(np.sqrt(np.nanmean(miss**2))),
-    }
+    errors = figures_in(
+        name,
+        motion_error_max=float(np.nanmax(np.abs(miss))),
+        motion_error_rms=float(np.sqrt(np.nanmean(miss**2))),
+    )
+    numbers = report.numbers | compared.numbers | errors
     ends = {f"wanted_{name}": nominal * scale, f"error_{name}": miss}
     columns = {**columns, **{key: np.append(value, value[0]) for key, value in ends.items()}}
     plots = [

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
@@ -27,7 +27,15 @@ from camgen.geometry.mesh import mesh_faults, slice_mesh
 from camgen.geometry.rings import Floats, Ints, Points, Ring
 from camgen.measuring.meshes import MESH_SIZES, read_mesh
 from camgen.measuring.points import POINTS_SIZE, read_points
-from camgen.measuring.scan import LEAST_CONTRAST, PICTURE_SIZE, PICTURES, Scanning, scanned
+from camgen.measuring.scan import (
+    LEAST_CONTRAST,
+    PICTURE_SIZE,
+    PICTURES,
+    WALL_OFF,
+    Scanning,
+    scanned,
+)
+from camgen.study import Figure, Figures
 from camgen.tolerances import CURVE_CHORDS, SAME_POINT
 
 _SIZES = {f".{kind}": READABLE[kind].size for kind in ("dxf", "gcode")}
@@ -73,7 +81,7 @@ class Outline:
     ring: Ring | None  # counter-clockwise, mm; None where a finding says why
     findings: tuple[Finding, ...]
     remark: str  # a sentence on the reading
-    numbers: Mapping[str, float] = field(default_factory=dict)  # figures of what measured it
+    numbers: Figures = field(default_factory=Figures)  # of what measured it
 
 
 @dataclass(frozen=True)
@@ -122,7 +130,8 @@ def read_outline(path: Path, hints: Hints = AS_IT_IS, contour: int | None = None
             outline = _from_gcode(path, hints, contour)
         elif kind == ".csv":
             ring, off, remark = read_points(path, content, hints.probe)
-            outline = Outline(ring, (), remark, {"points_off_mm": off})
+            figures = Figures([Figure(WALL_OFF, off, "mm", "points")])
+            outline = Outline(ring, (), remark, figures)
         elif kind in PICTURES:
             outline = _from_scan(path, contour, hints.scanning)
         elif kind == ".dxf":

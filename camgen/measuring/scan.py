@@ -29,6 +29,7 @@ from camgen.errors import FileError, counted
 from camgen.geometry.registration import lay, middle, star, straighten
 from camgen.geometry.rings import Floats, Points, Ring, fit_circle
 from camgen.numerics import least_squares
+from camgen.study import Figure, Figures, figures_in
 
 PICTURES = {".png": ".png", ".jpg": ".jpg", ".jpeg": ".jpg", ".tif": ".tif", ".tiff": ".tif"}
 PICTURE_SIZE = Bound("a picture", 200_000_000)
@@ -47,6 +48,7 @@ _SCANNER = 0.003  # share by which one axis of a flatbed may be off
 _ONE_PART = 0.01  # of its size: what scans of one part may be apart
 _STRAYS = 4.0  # robust standard deviations beyond which a point is a speck's
 _INCH = 25.4
+WALL_OFF = "{of} off"  # of figures: what the wall may be off by the measuring, mm
 
 
 @dataclass(frozen=True)
@@ -80,7 +82,7 @@ class Scanned:
     rings: list[Ring]
     remark: str
     contrast: float
-    numbers: dict[str, float]
+    numbers: Figures
 
 
 # ---- one picture -----------------------------------------------------------------------------------------------------
@@ -308,19 +310,17 @@ def scanned(path: Path, how: Scanning) -> Scanned:
         [edge - bore for edge in (scan.outer, *scan.holes)]
         for scan, bore in zip(scans, bores, strict=True)
     ]
-    numbers: dict[str, float] = {
-        "scan_contrast": min(scan.contrast for scan in scans),
-        "edge_width_mm": first.width,
-    }
+    contrast = min(scan.contrast for scan in scans)
+    figures = [Figure("scan contrast", contrast), Figure("edge width", first.width, "mm")]
     remarks = [f"{first.dpi:.0f} dots per inch, the edge blurred over {first.width:.3f} mm"]
     unknown = _SCANNER
     if how.others:
-        shapes[0], resolved = _together(files, shapes, numbers, remarks)
+        shapes[0], resolved = _together(files, shapes, figures, remarks)
         unknown = _SCANNER / 2 if resolved else _SCANNER
     outline, *holes = shapes[0]
     if how.across is not None:
         width = _widest(outline)
-        numbers["scale_percent"] = 100 * (width / how.across - 1)
+        figures.append(Figure("scale", 100 * (width / how.across - 1), "%"))
         outline = outline * (how.across / width)
         holes = [hole * (how.across / width) for hole in holes]
         remarks.append(f"scaled to {how.across:g} mm at its widest, {width:.3f} mm by the dots")
@@ -329,30 +329,31 @@ def scanned(path: Path, how: Scanning) -> Scanned:
     outline = outline - centre
     holes = [hole - centre for hole in holes]
     if unknown:
-        numbers["scanner_off_mm"] = unknown * float(np.max(np.abs(outline)))
+        off = unknown * float(np.max(np.abs(outline)))
+        figures.append(Figure(WALL_OFF, off, "mm", "scanner"))
         needs = ["a scan turned by 90 deg (--second-scan)"] * (unknown == _SCANNER)
         needs += ["a caliper (--across)"] * (how.across is None)
         remarks.append(
-            f"the scanner's own scale may be off by {100 * unknown:g} %, {numbers['scanner_off_mm']:.3f} mm at the "
+            f"the scanner's own scale may be off by {100 * unknown:g} %, {off:.3f} mm at the "
             f"farthest point: measure it by {' and '.join(needs)}"
         )
     rings = [Ring(z, np.zeros(len(z))) for z in (outline, *holes)]
-    numbers["edge_level_off_mm"] = _LEVEL * first.width
-    numbers["bore_mm"] = diameter
+    level_off = _LEVEL * first.width
+    figures.append(Figure(WALL_OFF, level_off, "mm", "edge level"))
+    figures.append(Figure("bore", diameter, "mm"))
     remarks.append(f"the origin is in the middle of the hole of diameter {diameter:.3f} mm")
     remarks.append(_sizes(holes))
     remarks.append(
-        f"the level at which the edge is taken may shift it by {numbers['edge_level_off_mm']:.3f} mm all round"
+        f"the level at which the edge is taken may shift it by {level_off:.3f} mm all round"
     )
-    return Scanned(
-        rings, "; ".join(each for each in remarks if each), numbers["scan_contrast"], numbers
-    )
+    remark = "; ".join(each for each in remarks if each)
+    return Scanned(rings, remark, contrast, Figures(figures))
 
 
 def _together(
     files: Sequence[Path],
     shapes: Sequence[Sequence[Points]],
-    numbers: dict[str, float],
+    figures: list[Figure],
     remarks: list[str],
 ) -> tuple[list[Points], bool]:
     """One shape of several scans, in the frame of the first, and whether they tell the scanner's scale and skew."""
@@ -361,8 +362,7 @@ def _together(
     m = 0j
     if resolved:
         m, placements = lay(shapes[0], shapes[1:], distortion=True)
-        numbers["scanner_across_percent"] = 200 * m.real
-        numbers["scanner_shear_percent"] = 200 * m.imag
+        figures += figures_in("%", scanner_across=200 * m.real, scanner_shear=200 * m.imag)
         remarks.append(
             f"the scanner's x axis is {200 * m.real:+.3f} % long beside its y axis, its shear {200 * m.imag:+.3f} %"
         )
@@ -386,10 +386,11 @@ def _together(
         ),
     ]
     if all(map(star, back)):
-        outline, numbers["edge_repeat_mm"] = middle(back)
+        outline, repeat = middle(back)
+        figures.append(Figure("edge repeat", repeat, "mm"))
         remarks.append(
             f"{len(files)} scans laid on each other, the middle one taken at each angle; they repeat within "
-            f"{numbers['edge_repeat_mm']:.4f} mm (rms), which says less than what is common to all"
+            f"{repeat:.4f} mm (rms), which says less than what is common to all"
         )
     else:
         remarks.append(

@@ -30,7 +30,7 @@ class Outcome:
     """What one stage found, for the report."""
 
     findings: Sequence[Finding] = ()
-    numbers: Mapping[str, float] = field(default_factory=Figures)
+    numbers: Figures = field(default_factory=Figures)
     plots: Sequence[Plot] = ()
     tables: Sequence[Table] = ()
     columns: Mapping[str, Floats] = field(default_factory=dict)

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 from camgen._version import __version__
 from camgen.errors import FileError
 from camgen.findings import Finding, NotJudged, left_out
-from camgen.study import Figures, Plot, Scene, Table, records
+from camgen.study import Figures, Plot, Scene, Table
 
 if TYPE_CHECKING:
     from camgen.report.animation import Animation
@@ -43,7 +43,7 @@ class Report:
     name: str
     mechanism: str
     findings: Sequence[Finding]
-    numbers: Mapping[str, float] = field(default_factory=Figures)
+    numbers: Figures = field(default_factory=Figures)
     parts: Sequence[Mapping[str, object]] = ()
     plots: Sequence[Plot] = ()
     tables: Sequence[Table] = ()
@@ -85,7 +85,7 @@ class Report:
 
         from camgen.report.tables import figure_lists, margins, to_change
 
-        designed = Figures(each for each in records(self.numbers) if not each.kind)
+        designed = Figures(each for each in self.numbers.records if not each.kind)
         head = f"<h3>{escape(self.name)}: {escape(self.verdict)}</h3>"
         changes = to_change(self.warnings, self.findings, self.not_judged)
         return head + changes + margins(self.findings) + figure_lists(designed)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from html import escape
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from camgen.findings import Finding, NotJudged, worst_of_each
 from camgen.report import words
 from camgen.report.words import KINDS, NOISE, rounded
-from camgen.study import Table
+from camgen.study import Figures, Table
 
 NOISE_OF = {
     "mm": 1e-6,
@@ -185,7 +185,7 @@ def _cell(group: Sequence[Finding], kind: str) -> str:
     return f'<td class="n{bad}" data-of="{kind.upper() or "designed"}">{rounded(worst.measured)}{count}{bar}</td>'
 
 
-def figure_lists(numbers: Mapping[str, float]) -> str:
+def figure_lists(numbers: Figures) -> str:
     """The figures in groups, those of the files with a column for each kind."""
     rows = words.rows(numbers)
     text = ""

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from camgen.study import Figure, records
+from camgen.study import Figure, Figures
 
 # What quantities are called whose own words do not say it in full.
 NAMES = {
@@ -60,7 +59,7 @@ FROM_FILES, MAKING, FORCES, SHAPE, MOTION = GROUPS = (
     "Motion",
 )
 _UNITS = {
-    FORCES: "N, N m, N m s, N/mm, N m/rad, N rad/s, MPa, MPa m/s, J, W, Hz, g mm, kg m²",
+    FORCES: "N, N m, N s, N m s, N/mm, N m/rad, N rad/s, MPa, MPa m/s, J, W, Hz, g mm, kg m²",
     MAKING: "g, h, mm²",
 }
 _QUANTITIES = {
@@ -89,10 +88,10 @@ class Row:
     values: dict[str, float] = field(default_factory=dict)
 
 
-def rows(numbers: Mapping[str, float]) -> list[Row]:
+def rows(numbers: Figures) -> list[Row]:
     """The figures of a report, those of the kinds of files side by side."""
     found: dict[tuple[str, str], Row] = {}
-    for each in records(numbers):
+    for each in numbers.records:
         title = name(each)
         row = found.setdefault(
             (title, each.unit), Row(each.quantity, title, each.unit, group(each))

@@ -45,7 +45,7 @@ _PLAIN = 0.02  # least sine between the profile and its radius, and least share 
 
 
 @dataclass(frozen=True)
-class Figures:
+class ProfileFigures:
     """Of one cam: pressure angle, deg; least radius, length, farthest and nearest point, between where and where a face is
     touched, mm; area, mm^2.
     """
@@ -60,9 +60,9 @@ class Figures:
     face_to: float
 
 
-def figures_of(cams: Sequence[DiscCam[Any]]) -> list[Figures | None]:
+def figures_of(cams: Sequence[DiscCam[Any]]) -> list[ProfileFigures | None]:
     """Figures of each cam; None for one that has to be looked at by itself."""
-    figures: list[Figures | None] = [None] * len(cams)
+    figures: list[ProfileFigures | None] = [None] * len(cams)
     kin: dict[Hashable, list[int]] = {}
     for k, cam in enumerate(cams):
         if not cam.program.discontinuities(1):
@@ -176,7 +176,7 @@ class _Kin:
                 )
         return stretches
 
-    def figures(self) -> list[Figures | None]:
+    def figures(self) -> list[ProfileFigures | None]:
         """Figures of all of them."""
         everyone = slice(None)
         flat = issubclass(type(self.cams[0].cutter), FlatFace)
@@ -212,7 +212,8 @@ class _Kin:
         rows = np.stack([steepest, least, length, area, farthest, nearest, *ends]).T
         plain &= ~np.isnan(rows).any(axis=1)
         return [
-            Figures(*row) if fine else None for fine, row in zip(plain, rows.tolist(), strict=True)
+            ProfileFigures(*row) if fine else None
+            for fine, row in zip(plain, rows.tolist(), strict=True)
         ]
 
     def _peak(self, figure: Figure, courses: Sequence[Motion]) -> Floats:

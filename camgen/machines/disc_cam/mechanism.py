@@ -34,7 +34,7 @@ from camgen.machine.cams.machine import (
     cam_outline,
     loaded,
 )
-from camgen.machine.cams.many import Figures
+from camgen.machine.cams.many import ProfileFigures
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.cams.sizing import least_base_radius
 from camgen.machine.features import CamOutline, Demand, Mount
@@ -63,7 +63,7 @@ from camgen.parts.assembly import Assembly, FollowerFacts, MotorSeat
 from camgen.parts.disc_cams import CamParts, disc_parts, turning_note
 from camgen.parts.part import Part
 from camgen.parts.springs import to_wind, wished
-from camgen.study import Later, Plot, Sketch, Study
+from camgen.study import Figure, Figures, Later, Plot, Sketch, Study
 from camgen.tolerances import WALL_FACETS
 
 _TIE = 1e-6  # deg or mm from a limit, nearer than which a cam of many is looked at by itself
@@ -469,7 +469,7 @@ class DiscCamDrive(CamTables, Template):
             if clears:
                 vars(each).update(_clears_axle=True)
 
-    def _sure(self, cam: DiscCam[Any], figures: Figures) -> bool:
+    def _sure(self, cam: DiscCam[Any], figures: ProfileFigures) -> bool:
         """Whether no rounding can turn a verdict on figures of a cam, and it clears its follower's axle in any case."""
         follower = self.geometry.follower
         limits = self.allowed
@@ -580,30 +580,30 @@ class DiscCamDrive(CamTables, Template):
         shaft = Sketch("ground", (), ((0j, self.making.bore / 4),))
         return [] if self.standing else [self._sketch(), shaft]
 
-    def _figures(self) -> Mapping[str, float]:
+    def _figures(self) -> Figures:
         """Sizes of the cam, peaks of its motion, and of its forces."""
         unit, scale = self._unit
         f, cam, low, high = self.geometry.follower, self.cam, *self._highest
         peaks = [scale * abs(self._speed) ** k * self.program.peak(k) for k in (1, 2)]
-        numbers = {
-            "stroke_mm" if unit == "mm" else "swing_deg": scale * (high - low),
-            "base_radius_mm": self.base_radius,
-            "prime_radius_mm": self.base_radius + (f.radius or 0.0),
-            "pressure_angle_deg": max(each.steepest for each in self.cams),
-            "curvature_radius_min_mm": min(each.least_radius for each in self.cams),
-            f"peak_speed_{unit}_s": peaks[0],
-            f"peak_acceleration_{unit}_s2": peaks[1],
-            "profile_length_mm": cam.length,
-            "profile_area_mm2": cam.area,
-            **undercut_numbers(self.cams),
-        }
+        figures = [
+            Figure("stroke" if unit == "mm" else "swing", scale * (high - low), unit),
+            Figure("base radius", self.base_radius, "mm"),
+            Figure("prime radius", self.base_radius + (f.radius or 0.0), "mm"),
+            Figure("pressure angle", max(each.steepest for each in self.cams), "deg"),
+            Figure("curvature radius min", min(each.least_radius for each in self.cams), "mm"),
+            Figure("peak speed", peaks[0], f"{unit}/s"),
+            Figure("peak acceleration", peaks[1], f"{unit}/s²"),
+            Figure("profile length", cam.length, "mm"),
+            Figure("profile area", cam.area, "mm²"),
+            *undercut_numbers(self.cams).records,
+        ]
         if f.shape == "flat":
-            numbers["face_width_needed_mm"] = max(
-                high - low for low, high in (each.face_contact for each in self.cams)
-            )
+            wide = max(high - low for low, high in (each.face_contact for each in self.cams))
+            figures.append(Figure("face width needed", wide, "mm"))
         else:
-            numbers["pitch_curvature_radius_min_mm"] = cam.least_radius + cam.tip.tip_radius
-        return numbers | dict(self._forces.numbers)
+            pitch = cam.least_radius + cam.tip.tip_radius
+            figures.append(Figure("pitch curvature radius min", pitch, "mm"))
+        return Figures(figures) | self._forces.numbers
 
     @cached_property
     def _forces(self) -> Study:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from camgen.machine.cams.many import Figures, figures_of
+from camgen.machine.cams.many import ProfileFigures, figures_of
 from camgen.machine.cams.profile import DiscCam
 
-Sure = Callable[[DiscCam[Any], Figures], bool]
+Sure = Callable[[DiscCam[Any], ProfileFigures], bool]
 
 
 def fill(variants: Sequence[tuple[Sequence[DiscCam[Any]], Sure]]) -> list[bool]:

@@ -42,7 +42,7 @@ from camgen.machines.template import Template
 from camgen.parts.generator.discs import wall_of_disc
 from camgen.parts.generator.joined import Fitting
 from camgen.parts.generator.layout import Layout
-from camgen.study import Figure, Figures, Study, records
+from camgen.study import Figure, Figures, Study
 from camgen.tolerances import SAME_POINT
 from camgen.vocabulary import OldWords
 
@@ -291,6 +291,6 @@ class EccentricDrive(Template):
         needle = self.needle
         return replace(
             found,
-            numbers=Figures(figures) | records(found.numbers),
+            numbers=Figures(figures) | found.numbers,
             sketches=(*found.sketches, *((needle.sketch(),) if needle else ())),
         )

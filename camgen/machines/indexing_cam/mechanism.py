@@ -64,7 +64,7 @@ from camgen.parts.disc_cams import holes_in, turning_note
 from camgen.parts.generator.beneath import room
 from camgen.parts.part import Layer, Part, windows
 from camgen.spec import validate
-from camgen.study import Figure, Figures, Later, Plot, Sketch, Study, Table, figures_in, records
+from camgen.study import Figure, Figures, Later, Plot, Sketch, Study, Table, figures_in
 
 if TYPE_CHECKING:
     from camgen.machines.linkage.mechanism import Additions
@@ -711,7 +711,7 @@ class IndexingCam(CamTables, Template):
         pressing = forces.pressing["contact"]
         held = np.isfinite(pressing)
         bare = peak(forces.reactions["shaft"], held)
-        numbers = Figures(own) | records(found.numbers)
+        numbers = Figures(own) | found.numbers
         numbers |= [
             Figure("peak contact force", peak(pressing, held), "N"),
             Figure("reaction {joint} without friction", bare, "N", joint="shaft"),

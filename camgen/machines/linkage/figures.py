@@ -31,7 +31,7 @@ from camgen.parts.assembly import Cycle
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.plates import steps
 from camgen.parts.generator.troughs import open_rails
-from camgen.study import ROWS, Figure, Figures, Later, Plot, Sketch, Study, Table, records
+from camgen.study import ROWS, Figure, Figures, Later, Plot, Sketch, Study, Table
 from camgen.tolerances import SAME_POINT
 
 _SPRINGS = (
@@ -164,7 +164,7 @@ def study(linkage: LinkageMotion, made: Build | None, angle: Callable[[], str]) 
         )
     forces = Study() if made is None else _forces(linkage, made, theta, angle)
     return Study(
-        Figures(figures) | records(forces.numbers),
+        Figures(figures) | forces.numbers,
         Later(lambda: [*_plots(linkage, theta, run, angle), *forces.plots]),
         [*tables, *forces.tables],
         Later(lambda: [*paths(linkage), *threads(linkage, made)]),
