@@ -2,7 +2,7 @@
 
 [[segment]]
 kind = "rise"                                          # "rise", "dwell" or "return"
-span_deg = 90
+span_deg = 90                                          # may be left out of one dwell: the rest of the turn
 lift = 10                                              # or to = 10: the displacement at the end
 law = "modified-sine"                                  # a name of LAWS, or "matched" (joins its neighbours in v and a)
 law = { name = "modified-sine", constant_velocity = 0.2 }
@@ -19,10 +19,10 @@ from dataclasses import replace
 from functools import lru_cache
 from itertools import groupby
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
-from pydantic import BeforeValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field
 
 from camgen.errors import Fault, Key, SpecError
 from camgen.motion.laws import LAWS, UNIFORM, Law, fourier, modified_sine, polynomial_law, table_law
@@ -55,6 +55,7 @@ _NEEDED = {
     "table": ("points", "file"),
 }  # one of them
 _FULL_TURN_SLACK = 1e-9  # deg, of rounding in a sum of spans
+_LEAST_SPAN = 1e-3  # deg
 
 Terms = Annotated[tuple[Annotated[float, quantity("1")], ...], Field(max_length=50)]
 Condition = tuple[
@@ -109,13 +110,40 @@ NamedLaw = Annotated[
 ]
 
 
-class SegmentTable(Record):
-    """One segment of a program as a spec gives it; `lift` is how far it rises or returns, `to` where it ends."""
+class Span(Record):
+    """A stretch of the turn, by what the program does in it."""
 
     kind: Literal["rise", "dwell", "return"] = Field(description='"rise", "dwell" or "return"')
-    span_deg: Annotated[float, quantity("deg", ge=1e-3, le=360)] = Field(
-        description="angle of the turn that it takes"
+    span_deg: Annotated[float, quantity("deg", ge=_LEAST_SPAN, le=360)] | None = Field(
+        default=None,
+        description="of the turn, or of a drive's period; left out of one dwell: the rest",
     )
+
+
+S = TypeVar("S", bound=Span)
+
+
+def whole_turn(rows: tuple[S, ...]) -> tuple[S, ...]:
+    """The rows, the one dwell without a span with what the others leave of the turn; as they are where there is none such."""
+    free = [k for k, row in enumerate(rows) if row.span_deg is None]
+    rest = round(360 - _total(rows), 9)
+    if len(free) != 1 or rows[free[0]].kind != "dwell" or rest < _LEAST_SPAN:
+        return rows
+    k = free[0]
+    return (*rows[:k], rows[k].model_copy(update={"span_deg": rest}), *rows[k + 1 :])
+
+
+def _total(rows: Sequence[Span]) -> float:
+    """Sum of the spans that are given, deg."""
+    return math.fsum(row.span_deg or 0.0 for row in rows)
+
+
+WholeTurn = AfterValidator(whole_turn)  # of the segments of one program
+
+
+class SegmentTable(Span):
+    """One segment of a program as a spec gives it; `lift` is how far it rises or returns, `to` where it ends."""
+
     lift: Annotated[float, quantity("mm or deg", ge=1e-3, le=1e6)] | None = Field(
         default=None, description="how far; or to, the displacement at the end"
     )
@@ -185,25 +213,15 @@ def program(
     return builder(tuple(tables), unit, path, turn, suffix)
 
 
-@lru_cache(
-    maxsize=256
-)  # variants of a sweep mostly share their program, and with it all that is known of it
+# variants of a sweep mostly share their program, and with it all that is known of it
+@lru_cache(maxsize=256)
 def _program(
     tables: tuple[SegmentTable, ...], unit: float, path: Key, turn: float, suffix: str
 ) -> Program:
     faults: list[Fault] = []
     levels = _levels(tables, path, suffix, faults)
     laws = [_law(table, (*path, k, "law"), faults) for k, table in enumerate(tables)]
-    total = math.fsum(table.span_deg for table in tables)
-    if not abs(total - 360) <= _FULL_TURN_SLACK:
-        much = f"{abs(total - 360):g} deg too {'much' if total > 360 else 'little'}"
-        faults.append(
-            Fault(
-                path,
-                f"the spans make {total:.12g} deg",
-                f"span_deg of all segments that make 360 ({much})",
-            )
-        )
+    faults += _span_faults(tables, path)
     rounding = 1e-12 * float(np.nanmax(np.abs(levels)))
     whole = (
         turn * round(levels[-1] / turn)
@@ -236,6 +254,22 @@ def program_faults(tables: Sequence[SegmentTable], path: Key = ("segment",)) -> 
     except SpecError as error:
         return error.faults
     return ()
+
+
+def _span_faults(tables: Sequence[SegmentTable], path: Key) -> list[Fault]:
+    """What is wrong with spans that are left out, or with the sum of all."""
+    free = [k for k, table in enumerate(tables) if table.span_deg is None]
+    total = _total(tables)
+    if not free and not abs(total - 360) <= _FULL_TURN_SLACK:
+        much = f"{abs(total - 360):g} deg too {'much' if total > 360 else 'little'}"
+        right = f"span_deg of all segments that make 360 ({much})"
+        return [Fault(path, f"the spans make {total:.12g} deg", right)]
+    moving = [k for k in free if tables[k].kind != "dwell"]
+    alone = "missing: only one dwell may leave it out; it takes the rest of the turn"
+    if moving or len(free) > 1:
+        return [Fault((*path, k, "span_deg"), "", alone) for k in moving or free[1:]]
+    taken = f"nothing is left of the turn: the other spans make {total:.12g} deg"
+    return [Fault((*path, k, "span_deg"), "", taken) for k in free]
 
 
 def _levels(
@@ -331,7 +365,7 @@ def _segments(
     tables: Sequence[SegmentTable], levels: Sequence[float], laws: Sequence[Law | None]
 ) -> list[Segment]:
     """The segments; those without a law are matched to their neighbours."""
-    spans = [math.radians(table.span_deg) for table in tables]
+    spans = [math.radians(table.span_deg or 0.0) for table in tables]
     segments = [
         None if law is None else Segment(table.kind, span, begin, end - begin, law)
         for table, law, span, begin, end in zip(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import tomllib
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import pytest
@@ -20,6 +20,7 @@ from camgen.motion.segments import (
     FAMILIES,
     LawChoice,
     SegmentTable,
+    WholeTurn,
     law_of,
     program,
     program_faults,
@@ -29,7 +30,7 @@ from camgen.spec import Spec, dump, validate
 
 
 class Sample(Spec):
-    segment: tuple[SegmentTable, ...]
+    segment: Annotated[tuple[SegmentTable, ...], WholeTurn]
 
     def faults(self) -> Any:
         return program_faults(self.segment)
@@ -126,6 +127,16 @@ def test_matched_segments_take_speed_and_acceleration_from_their_neighbours() ->
     assert whole.discontinuities(3) == []
 
 
+def test_a_dwell_without_a_span_takes_the_rest() -> None:
+    free = DWELL.replace("span_deg = 90", "")
+    whole = spec(segments(RISE, DWELL, BACK))
+    assert spec(segments(RISE, free, BACK)) == whole, "the record has the value"
+    assert dump(spec(segments(RISE, free, BACK))) == dump(whole), "and so has the resolved spec"
+    wider = spec(segments(RISE.replace("90", "110.3"), free, BACK)).segment
+    assert wider[1].span_deg == 69.7
+    assert program(wider).joints[-1] == pytest.approx(math.tau, abs=1e-12)
+
+
 # ---- faults ----------------------------------------------------------------------------------------------------------
 
 
@@ -136,6 +147,21 @@ def test_matched_segments_take_speed_and_acceleration_from_their_neighbours() ->
             (RISE, BACK),
             "segment",
             "270 deg | span_deg of all segments that make 360 (90 deg too little)",
+        ),
+        (
+            (RISE.replace("span_deg = 90", ""), DWELL, BACK),
+            "segment.0.span_deg",
+            "missing: only one dwell may leave it out",
+        ),
+        (
+            (RISE, DWELL.replace("span_deg = 90", ""), DWELL.replace("span_deg = 90", ""), BACK),
+            "segment.2.span_deg",
+            "missing: only one dwell may leave it out",
+        ),
+        (
+            (RISE.replace("90", "180"), DWELL.replace("span_deg = 90", ""), BACK),
+            "segment.1.span_deg",
+            "nothing is left of the turn: the other spans make 360 deg",
         ),
         (
             (RISE, DWELL, DWELL, BACK),

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from camgen.machines.loads.tables import Drives, LimitsTable
-from camgen.motion.segments import LawChoice, SegmentTable
+from camgen.motion.segments import LawChoice, SegmentTable, WholeTurn
 from camgen.spec import Length, MinWall, Record, Rpm, quantity, turning
 
 Both = tuple[Length, Length]
@@ -72,10 +72,10 @@ class Timing(Record):
         default="simple-harmonic", description="any law of `camgen list`, for rise and return alike"
     )
     spreader: Law = Field(default="simple-harmonic", description="the same")
-    needle_segment: tuple[StrokeSegment, ...] = Field(
+    needle_segment: Annotated[tuple[StrokeSegment, ...], WholeTurn] = Field(
         default=(), description="a program of its own instead of a law, from 0 up to 1 and back"
     )
-    spreader_segment: tuple[StrokeSegment, ...] = Field(
+    spreader_segment: Annotated[tuple[StrokeSegment, ...], WholeTurn] = Field(
         default=(), description="the same of the spreaders"
     )
     distortion: tuple[Distortion, Distortion] = Field(

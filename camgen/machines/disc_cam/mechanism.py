@@ -58,7 +58,7 @@ from camgen.machines.pairs import air_faults, still_faults
 from camgen.machines.template import Template, in_bodies
 from camgen.motion.polydyne import polydyne
 from camgen.motion.program import Program
-from camgen.motion.segments import SegmentTable, program
+from camgen.motion.segments import SegmentTable, WholeTurn, program
 from camgen.parts.assembly import Assembly, FollowerFacts, MotorSeat
 from camgen.parts.disc_cams import CamParts, disc_parts, turning_note
 from camgen.parts.part import Part
@@ -73,8 +73,8 @@ class DiscCamDrive(CamTables, Template):
     """Spec and answers of a disc cam; the output is the follower's displacement s, mm or rad, 0 on the base circle."""
 
     geometry: DiscCamGeometry
-    segment: Annotated[tuple[SegmentTable, ...], Field(min_length=1, max_length=100)] = Field(
-        description="of the motion: one after another they make the turn"
+    segment: Annotated[tuple[SegmentTable, ...], Field(min_length=1, max_length=100), WholeTurn] = (
+        Field(description="of the motion: one after another they make the turn")
     )
     motor: DiscCamMotor = DiscCamMotor.model_construct()
     load: LoadTable | None = Field(

@@ -26,7 +26,7 @@ from camgen.machine.targets import (
 from camgen.machines.loads.tables import CamLimitsTable
 from camgen.machines.pairs import Air
 from camgen.motion.program import Program
-from camgen.motion.segments import NamedLaw, SegmentTable, program
+from camgen.motion.segments import NamedLaw, SegmentTable, Span, WholeTurn, program
 from camgen.parts.generator.sizes import Name
 from camgen.spec import Coordinate, Length, MinWall, Record, Rpm, quantity, turning
 
@@ -35,14 +35,11 @@ Two = tuple[Name, Name]
 Degrees = Annotated[float, quantity("deg", ge=-36000, le=36000)]
 
 
-class DriveSegment(Record):
+class DriveSegment(Span):
     """One segment of a drive's program, such as a stepper runs; a rise turns the driven link counter-clockwise."""
 
     kind: Literal["rise", "dwell", "return"] = Field(
         description='"rise": counter-clockwise; "return": clockwise; or "dwell"'
-    )
-    span_deg: Annotated[float, quantity("deg", ge=1e-3, le=360)] = Field(
-        description="of the period; all segments make 360"
     )
     lift_deg: Annotated[float, quantity("deg", ge=1e-3, le=3600)] | None = Field(
         default=None,
@@ -69,6 +66,7 @@ class Drive(Record):
     segments: Annotated[
         tuple[DriveSegment, ...],
         Field(alias="segment", max_length=100),
+        WholeTurn,
     ] = Field(
         default=(),
         description="a program in place of an even turn, as a stepper runs it; speed_rpm counts periods",
@@ -174,14 +172,11 @@ class Freewheel(Record):
     name: Name | None = Field(default=None, description="of the joint; both links unless given")
 
 
-class CamSegment(Record):
+class CamSegment(Span):
     """One segment of a cam's program; lift_deg and to_deg for a follower that swings, lift and to for one that slides."""
 
     kind: Literal["rise", "dwell", "return"] = Field(
         description='"rise": away from the cam\'s shaft; "return": back to it; or "dwell"'
-    )
-    span_deg: Annotated[float, quantity("deg", ge=1e-3, le=360)] = Field(
-        description="of the cam's turn; all segments make 360"
     )
     lift: Length | None = Field(
         default=None, description="how far a follower slides; or to, where it ends"
@@ -255,9 +250,11 @@ class Cam(Record):
     )
     tip_clearance: Air = 0.0
     name: Name | None = Field(default=None, description="of the joint; both links unless given")
-    segment: Annotated[tuple[CamSegment, ...], Field(min_length=1, max_length=100)] = Field(
-        description="the program, as a disc cam's; lift_deg of a follower that swings, lift of one that "
-        "slides"
+    segment: Annotated[tuple[CamSegment, ...], Field(min_length=1, max_length=100), WholeTurn] = (
+        Field(
+            description="the program, as a disc cam's; lift_deg of a follower that swings, lift of one that "
+            "slides"
+        )
     )
 
 
