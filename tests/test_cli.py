@@ -291,7 +291,7 @@ def test_json_of_a_wrong_spec_lists_its_faults(run: Run, tmp_path: Path, starter
     found = json.loads(out)
     assert (code, found["exit_code"]) == (2, 2)
     assert [fault["path"] for fault in found["faults"]] == ["geometry.swing_deg", "x"]
-    assert set(found["faults"][0]) == {"path", "value", "expected", "nearest"}
+    assert set(found["faults"][0]) == {"path", "value", "expected", "nearest", "line"}
 
 
 def test_json_is_the_text_of_report_json(run: Run, tmp_path: Path, starter: Path) -> None:
