@@ -65,6 +65,7 @@ class Fault:
     nearest: str | None = None  # known key or name
     source: str = ""  # what holds the key, where it is not the spec: an option, a line of a file
     unknown: bool = False  # whether there is no such key
+    line: int | None = None  # of the spec's file, from 1, where it stands or its table begins
 
     @property
     def key(self) -> str:
@@ -79,15 +80,17 @@ class Fault:
             "value": self.value,
             "expected": self.expected,
             "nearest": self.nearest,
+            "line": self.line,
         }
 
     def __str__(self) -> str:
+        place = self.key if self.line is None else f"line {self.line}: {self.key}"
         if self.unknown:
             known = f"{UNKNOWN}; did you mean '{self.nearest}'?" if self.nearest else self.expected
-            return printable(f"{self.key}: {known}")
+            return printable(f"{place}: {known}")
         hint = f" (did you mean '{self.nearest}'?)" if self.nearest else ""
         found = f": {self.value} - expected" if self.value else " -"
-        return printable(f"{self.key}{found} {self.expected}{hint}")
+        return printable(f"{place}{found} {self.expected}{hint}")
 
 
 class SpecError(CamgenError):

@@ -217,6 +217,68 @@ def _place(before: str) -> str:
     return f"line {before.count(chr(10)) + 1}, column {len(before) - before.rfind(chr(10))}"
 
 
+# What may hold brackets, "=" and line breaks that are not the file's own, then these themselves.
+_TOKEN = re.compile(
+    r"""(?s)\#[^\n]*|\"{3}(?:\\.|[^\\])*?\"{3}|'{3}.*?'{3}|"(?:\\.|[^"\\\n])*"|'[^'\n]*'|[\[\]{}=\n]"""
+)
+
+
+def lines(text: str) -> dict[Key, int]:
+    """Where the tables and keys of a TOML file begin, each by its line from 1; not what stands in inline tables and lists."""
+    found: dict[Key, int] = {}
+    rows: dict[Key, int] = {}  # the last one of each array of tables
+    table: Key = ()
+    line = 1
+    begin = depth = 0  # of the statement, and how many lists are open in it
+    key = header = ""
+    for token in _TOKEN.finditer(f"{text}\n"):
+        sign = token[0]
+        opened = bool(key or header)
+        before = "" if opened and sign != "\n" or depth else text[begin : token.start()].strip()
+        if sign == "=" and not opened:
+            key = before
+            found.setdefault((*table, *_steps(f"{key} = 0")), line)
+        elif sign == "[" and not (opened or before):
+            header = sign
+        elif sign in "[{" and key:
+            depth += 1
+        elif sign in "]}" and key:
+            depth -= 1
+        elif sign == "\n" and not depth:
+            if header:
+                table = _resolved(_steps(before), before.startswith("[["), rows)
+                found.setdefault(table, line)
+            begin = token.end()
+            key = header = ""
+        line += sign.count("\n")
+    return found
+
+
+def _steps(statement: str) -> Key:
+    """Names of a header, or of the key of a statement."""
+    steps: list[str] = []
+    value: Any = tomllib.loads(statement)
+    while value:
+        if isinstance(value, dict):
+            ((step, value),) = value.items()
+            steps.append(step)
+        else:
+            (value,) = value
+    return tuple(steps)
+
+
+def _resolved(names: Key, row: bool, rows: dict[Key, int]) -> Key:
+    """A header's names with the places in lists of tables that they stand for; row: whether it begins another one."""
+    path: Key = ()
+    for k, name in enumerate(names):
+        path = (*path, name)
+        if row and k == len(names) - 1:
+            rows[path] = rows.get(path, -1) + 1
+        if path in rows:
+            path = (*path, rows[path])
+    return path
+
+
 def _syntax_fault(text: str, error: Exception) -> Fault:
     """Fault for what tomllib says, "reason (at line 3, column 5)" or "reason (at end of document)"."""
     if isinstance(error, RecursionError):
@@ -227,6 +289,26 @@ def _syntax_fault(text: str, error: Exception) -> Fault:
     reason, line, column = said.groups()
     end = text.rstrip()
     place = f"line {line}, column {column}" if line else _place(end)
-    lines = (text if line else end).split("\n")
-    quoted = lines[int(line) - 1 if line else -1].strip()
-    return Fault((), shortened(quoted), f"valid TOML: {reason}", source=place)
+    rows = (text if line else end).split("\n")
+    quoted = rows[int(line) - 1 if line else -1].strip()
+    return Fault((), shortened(quoted), _syntax_in_words(quoted, reason), source=place)
+
+
+_COMMA = re.compile(r"=\s*([+-]?\d+),(\d+)\s*(?:#.*)?$")
+_UNQUOTED = re.compile(r"=\s*([A-Za-z][\w .-]*?)\s*(?:#.*)?$")
+_WITH_UNIT = re.compile(r"=\s*([+-]?[\d.]+)\s*([a-zA-Z°]+)\s*(?:#.*)?$")
+_TWICE = re.compile(r"Cannot declare \(.*\) twice")
+
+
+def _syntax_in_words(line: str, reason: str) -> str:
+    """What a line that is no TOML should be: usual mistakes by their cure, others by tomllib's reason."""
+    if number := _COMMA.search(line):
+        return f"a decimal point, not a comma: {number[1]}.{number[2]}"
+    if number := _WITH_UNIT.search(line):
+        return f"a number without a unit: {number[1]}"
+    if (word := _UNQUOTED.search(line)) and word[1] not in ("true", "false", "inf", "nan"):
+        return f'quotes round text: "{word[1]}"'
+    if _TWICE.fullmatch(reason) and line.startswith("[") and not line.startswith("[["):
+        name = line.partition("]")[0].strip("[ ")
+        return f"[{name}] once only; each row of a list begins with [[{name}]]"
+    return f"valid TOML: {reason}"

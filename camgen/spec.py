@@ -8,6 +8,7 @@ schema    class -> JSON Schema, for editors
 
 from __future__ import annotations
 
+import math
 import re
 import sys
 from collections.abc import Collection, Iterable, Iterator, Sequence
@@ -512,6 +513,8 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
         elif item["type"] == "value_error":
             expected = str(item["ctx"]["error"])
         value = _at(data, path)
+        if node is not None and not (no_such or key):
+            expected = _meant(path, value, node) or expected
         if (
             item["type"] == "too_short"
             and isinstance(value, list | tuple)
@@ -526,6 +529,43 @@ def _faults(cls: type[Checked], data: Data, error: ValidationError) -> list[Faul
             Fault(tuple(path), given, expected, nearest, "" if path else "spec", no_such),
         )
     return list(found.values())
+
+
+_NUMBER = re.compile(r"([+-]?\d+(?:[.,]\d+)?)\s*(\S*)")
+# What a number is in and how people write that, with the size of each.
+_UNITS: dict[str, tuple[str, dict[str, float]]] = {
+    "mm": (
+        "lengths are in mm",
+        {"mm": 1, "cm": 10, "m": 1000, "um": 1e-3, "in": 25.4, "inch": 25.4, '"': 25.4},
+    ),
+    "deg": ("angles are in degrees", {"deg": 1, "°": 1, "rad": math.degrees(1)}),
+    "rpm": ("speeds are in rpm", {"rpm": 1, "1/min": 1, "1/s": 60}),
+    "g": ("masses are in g", {"g": 1, "kg": 1000}),
+}
+
+
+def _meant(path: Sequence[str | int], value: object, node: Data) -> str:
+    """What to write in place of a number that is a text, perhaps with its unit, or of a table that is to be a list; or "" """
+    if isinstance(value, dict) and "array" in {
+        each.get("type") for each in (node, *node.get("anyOf", ()))
+    }:
+        return f"a list, each row of which begins with [[{dotted(path)}]]"
+    unit = unit_of(node)
+    found = _NUMBER.fullmatch(value.strip()) if isinstance(value, str) and unit else None
+    if found is None or unit is None:
+        return ""
+    number, written = found[1].replace(",", "."), found[2]
+    if not written:
+        return f"a number without quotes: write {number}"
+    several = {each: _UNITS.get(each, ("", {each: 1.0})) for each in unit.split(" or ")}
+    words = several[unit][0] if unit in several else ""
+    words = words or f"it is in {unit}"
+    size = next((sizes[written] for _, sizes in several.values() if written in sizes), None)
+    return (
+        ""
+        if size is None
+        else f"a number without a unit; {words}: write {float(number) * size:.6g}"
+    )
 
 
 def _locate(

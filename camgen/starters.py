@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import json
+import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from copy import deepcopy
+from functools import reduce
+from operator import getitem
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from camgen import spec as specs
-from camgen.errors import file_errors
+from camgen.errors import SpecError, file_errors
 from camgen.machines import MECHANISMS, load
 from camgen.schemas import step_below
 from camgen.settings import split_setting
@@ -40,6 +45,71 @@ def examples() -> list[str]:
 def text(name: str) -> str:
     """The starter of a mechanism, or an example."""
     return next(folder().rglob(f"{name}.toml")).read_text(encoding="utf-8")
+
+
+_WIDE = 110  # characters of a line
+
+
+def short(name: str) -> str:
+    """The same machine in few lines: no comments, no key that has its default; what is short stands on one line."""
+    title = text(name).partition("\n")[0]
+    data = _without_defaults(tomllib.loads(text(name)))
+    lines: list[str] = []
+    tables: list[str] = []
+    for key, value in data.items():
+        line = _line(_key(key), value)
+        if not isinstance(value, dict | list) or len(line) <= _WIDE and len(value) == 1:
+            lines.append(line)
+        elif isinstance(value, list):
+            lines += [f"{_key(key)} = [", *(f"  {_inline(row)}," for row in value), "]"]
+        else:
+            inner = (_line(_key(below), each) for below, each in value.items())
+            tables += ["", f"[{_key(key)}]", *inner]
+    return "\n".join([title, *lines, *tables, ""])
+
+
+def _without_defaults(data: Data) -> Data:
+    """A spec's tables without the keys that change nothing; rows of lists stay whole."""
+    cls = load(str(data["mechanism"]))
+    record = specs.validate(cls, data)
+    for *tables, key in _paths(data):
+        fewer = deepcopy(data)
+        del reduce(getitem, tables, fewer)[key]
+        with suppress(SpecError):
+            if specs.validate(cls, fewer) == record:
+                data = fewer
+    return data
+
+
+def _paths(table: Data, above: Sequence[str] = ()) -> Iterator[list[str]]:
+    """Steps to each key of some tables, those within a table before itself."""
+    for key, value in table.items():
+        if isinstance(value, dict):
+            yield from _paths(value, (*above, key))
+        yield [*above, key]
+
+
+def _line(key: str, value: Any) -> str:
+    """A key with its value; of a table with one key a key with a dot."""
+    if isinstance(value, dict) and len(value) == 1:
+        ((below, inner),) = value.items()
+        return _line(f"{key}.{_key(below)}", inner)
+    return f"{key} = {_inline(value)}"
+
+
+def _key(key: str) -> str:
+    return key if re.fullmatch(r"[\w-]+", key, re.ASCII) else json.dumps(key, ensure_ascii=False)
+
+
+def _inline(value: Any) -> str:
+    """A value on one line."""
+    if isinstance(value, dict):
+        return (
+            "{ " + ", ".join(f"{_key(key)} = {_inline(each)}" for key, each in value.items()) + " }"
+        )
+    if isinstance(value, list):
+        return f"[{', '.join(map(_inline, value))}]"
+    return json.dumps(value, ensure_ascii=False) if isinstance(value, str | bool) else repr(value)
 
 
 def kind(name: str) -> str:

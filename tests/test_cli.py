@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import io
 import json
 import os
 import pty
@@ -20,7 +21,7 @@ from typing import Any
 
 import pytest
 
-from camgen import __version__
+from camgen import __version__, starters
 from camgen.cli import main
 from camgen.errors import DesignError, FileError
 from camgen.findings import Where, at_most
@@ -291,7 +292,7 @@ def test_json_of_a_wrong_spec_lists_its_faults(run: Run, tmp_path: Path, starter
     found = json.loads(out)
     assert (code, found["exit_code"]) == (2, 2)
     assert [fault["path"] for fault in found["faults"]] == ["geometry.swing_deg", "x"]
-    assert set(found["faults"][0]) == {"path", "value", "expected", "nearest"}
+    assert set(found["faults"][0]) == {"path", "value", "expected", "nearest", "line"}
 
 
 def test_json_is_the_text_of_report_json(run: Run, tmp_path: Path, starter: Path) -> None:
@@ -439,6 +440,27 @@ def test_new_prints_and_writes_the_starter(
     code, _, err = run("new", mechanism, file)
     assert code == 4 and "exists already" in err
     assert file.read_text() == "changed"
+
+
+def test_new_alone_lists_and_asks(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "mine.toml"
+    monkeypatch.setattr("sys.stdin", io.StringIO(f"valve\n{file}\n"))
+    code, out, err = run("new")
+    assert (code, out) == (0, "") and "disc-cam " in err and "file [my-valve.toml]" in err
+    assert file.read_text(encoding="utf-8").endswith(starters.text("valve"))
+    monkeypatch.setattr("sys.stdin", io.StringIO("valv\n"))
+    code, _, err = run("new")
+    assert code == 2 and "did you mean 'valve'?" in err
+
+
+def test_new_short_writes_few_lines(run: Run, tmp_path: Path) -> None:
+    code, out, _ = run("new", "--short", "disc-cam")
+    assert code == 0 and out == f"#:schema ./disc-cam.schema.json\n{starters.short('disc-cam')}"
+    chain = tmp_path / "chain.txt"
+    code, _, err = run("new", "--short", "linkage", "--from", chain)
+    assert code == 2 and "--short" in err
 
 
 def test_list_names_every_mechanism_and_law(run: Run) -> None:

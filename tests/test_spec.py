@@ -8,6 +8,8 @@ import sys
 import time
 import tomllib
 from collections.abc import Sequence
+from functools import reduce
+from operator import getitem
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -21,10 +23,13 @@ from pydantic_core import PydanticCustomError
 from camgen import starters
 from camgen.errors import Fault, FileError, SpecError
 from camgen.machines import MECHANISMS, load
-from camgen.reading import read
+from camgen.machines.sources import read_mechanism
+from camgen.reading import lines, read
 from camgen.schemas import keys_of, step_below
 from camgen.settings import override
 from camgen.spec import Length, Record, Spec, choose, dump, schema, unknown, validate
+
+TOP = Path(__file__).parents[1]
 
 
 def even(teeth: int) -> int:
@@ -89,7 +94,7 @@ def faults(data: dict[str, Any]) -> dict[str, Fault]:
     [
         ({"width": -1}, "shape.width", "-1", "a number >= 0.001 and <= 1000000"),
         ({"width": 0}, "shape.width", "0", "a number >= 0.001 and <= 1000000"),
-        ({"width": "2"}, "shape.width", "'2'", "a number >= 0.001 and <= 1000000"),
+        ({"width": "2"}, "shape.width", "'2'", "a number without quotes: write 2"),
         ({"width": True}, "shape.width", "true", "a number >= 0.001 and <= 1000000"),
         ({"width": float("nan")}, "shape.width", "nan", "a number >= 0.001 and <= 1000000"),
         ({"width": float("-inf")}, "shape.width", "-inf", "a number >= 0.001 and <= 1000000"),
@@ -211,6 +216,106 @@ def test_syntax_fault_has_line_and_column(
     (fault,) = caught.value.faults
     assert fault.key == place
     assert words in str(caught.value) and str(path) in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "line, cure",
+    [
+        ("width = 12,5  # mm", "a decimal point, not a comma: 12.5"),
+        ("width = 25 mm", "a number without a unit: 25"),
+        ("side = left", 'quotes round text: "left"'),
+        ("[shape]", "[shape] once only; each row of a list begins with [[shape]]"),
+    ],
+)
+def test_usual_mistakes_are_told_by_their_cure(tmp_path: Path, line: str, cure: str) -> None:
+    path = tmp_path / "s.toml"
+    path.write_text(f"[shape]\n{line}\n")
+    with pytest.raises(SpecError, match=r"line 2, column \d+: ") as caught:
+        read(path)
+    assert caught.value.faults[0].expected == cure
+
+
+@pytest.mark.parametrize(
+    "width, said",
+    [
+        ("25 mm", "lengths are in mm: write 25"),
+        ("2,5cm", "lengths are in mm: write 25"),
+        ('1"', "lengths are in mm: write 25.4"),
+        ("12,5", "a number without quotes: write 12.5"),
+        ("25 apples", "a number >= 0.001 and <= 1000000"),
+    ],
+)
+def test_a_number_in_quotes_is_told_as_it_should_be_written(width: str, said: str) -> None:
+    assert said in faults(box() | {"shape": {"width": width, "height": 30}})["shape.width"].expected
+
+
+def test_lines_of_keys_and_tables() -> None:
+    """Neither what stands in texts and comments counts, nor what goes on over several lines; rows count from 0."""
+    text = """a = "b = ["
+[t] # [u]
+c = [
+  1, # d = 2
+  { e = 2 },
+]
+f.g = 1
+[[r]]
+h = '''
+i = 3
+[z]
+'''
+[r.s]
+[[r]]
+"x.y" = 3
+[[r.u]]
+[[r.u]]
+v = 1
+"""
+    assert lines(text) == {
+        ("a",): 1,
+        ("t",): 2,
+        ("t", "c"): 3,
+        ("t", "f", "g"): 7,
+        ("r", 0): 8,
+        ("r", 0, "h"): 9,
+        ("r", 0, "s"): 13,
+        ("r", 1): 14,
+        ("r", 1, "x.y"): 15,
+        ("r", 1, "u", 0): 16,
+        ("r", 1, "u", 1): 17,
+        ("r", 1, "u", 1, "v"): 18,
+    }
+
+
+@pytest.mark.parametrize("spec", [*(TOP / "specs").rglob("*.toml")], ids=lambda path: path.stem)
+def test_each_key_of_our_specs_has_its_line(spec: Path) -> None:
+    text = spec.read_text(encoding="utf-8")
+    data = tomllib.loads(text)
+    rows = text.splitlines()
+    found = lines(text)
+    assert len(found) >= len(data)
+    for path, line in found.items():
+        reduce(getitem, path, data)
+        name = next(step for step in reversed(path) if isinstance(step, str))
+        assert name in rows[line - 1]
+
+
+def test_faults_of_a_file_tell_their_lines_in_order(tmp_path: Path) -> None:
+    path = tmp_path / "s.toml"
+    starter = (TOP / "specs" / "disc-cam.toml").read_text(encoding="utf-8")
+    path.write_text(
+        starter.replace("base_radius = 25", "base_raduis = 25").replace("lift = 12", "lift = -1")
+    )
+    rows = path.read_text(encoding="utf-8").splitlines()
+    settings = ["motor.speed_rpm=0"]
+    with pytest.raises(SpecError) as caught:
+        read_mechanism(path, settings)
+    *own, anew = caught.value.faults
+    assert anew.line is None and str(anew).startswith("motor.speed_rpm: 0")
+    assert [rows[fault.line - 1].split()[0] for fault in own if fault.line] == [
+        "base_raduis",
+        "lift",
+    ]
+    assert str(own[0]).startswith(f"line {own[0].line}: geometry.base_raduis: unknown key")
 
 
 @pytest.mark.parametrize("content", ["a = " + "[" * 5000, "a = " + "9" * 5000])

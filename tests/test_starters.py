@@ -205,3 +205,20 @@ def test_a_key_in_the_other_spelling_is_built_and_noted(run: Any, tmp_path: Any)
 @pytest.mark.parametrize("mechanism", MECHANISMS)
 def test_starter_is_valid(mechanism: str) -> None:
     validate(load(mechanism), tomllib.loads(starters.text(mechanism)))
+
+
+@pytest.mark.parametrize("name", [*MECHANISMS, *starters.examples()])
+def test_a_short_starter_is_the_same_machine(name: str) -> None:
+    """By the class of the spec: of the same record, without comments but its title."""
+    cls = load(starters.kind(name))
+    short = starters.short(name)
+    title, *lines = short.splitlines()
+    assert title[0] == "#" and not any(line.startswith("#") for line in lines)
+    long = starters.text(name)
+    assert validate(cls, tomllib.loads(short)) == validate(cls, tomllib.loads(long))
+    keys = [line for line in long.splitlines() if line and line[0] != "#"]
+    assert len(list(filter(None, lines))) <= len(keys)
+
+
+def test_the_shortest_way_to_a_cam_has_fifteen_lines() -> None:
+    assert len(starters.short("disc-cam").splitlines()) == 15

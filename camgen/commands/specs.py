@@ -12,8 +12,11 @@ from camgen.errors import Fault, SpecError, printable
 
 
 @click.command()
-@click.argument("mechanism", shell_complete=completed(specs_known))
+@click.argument("mechanism", required=False, shell_complete=completed(specs_known))
 @click.argument("file", required=False, type=click.Path(path_type=Path))
+@click.option(
+    "--short", is_flag=True, help="Some 15 lines: no comments, no key that has its default."
+)
 @click.option(
     "--from",
     "source",
@@ -21,10 +24,10 @@ from camgen.errors import Fault, SpecError, printable
     type=click.Path(path_type=Path),
     help="PMKS lines, or pylinkage's JSON.",
 )
-def new(mechanism: str, file: Path | None, source: Path | None) -> None:
+def new(mechanism: str | None, file: Path | None, short: bool, source: Path | None) -> None:
     """Write a commented starter spec of a MECHANISM, or an example, to FILE, or print it; it builds as it is.
 
-    camgen list names them all.
+    Without a MECHANISM it lists them all and asks.
 
     With --from a linkage ("linkage" or "machine") is read from a file of another program: PMKS lines,
     J[R, P[x, y], L[ground, crank]], or the JSON of pylinkage's mechanism_to_dict.
@@ -32,10 +35,15 @@ def new(mechanism: str, file: Path | None, source: Path | None) -> None:
     from camgen import starters
     from camgen.machines import load
 
+    if mechanism is None:
+        mechanism, file = _asked()
     mechanism = "linkage" if mechanism == "machine" and source is not None else mechanism
     kind = starters.kind(known("MECHANISM", mechanism, specs_known(), "camgen list"))
     if source is None:
-        text = starters.text(mechanism)
+        text = starters.short(mechanism) if short else starters.text(mechanism)
+    elif short:
+        alone = "nothing here: what is read from another program has no comments"
+        raise SpecError([Fault((), "", alone, source="--short")], "command line")
     elif mechanism != "linkage":
         alone = "nothing here: only a linkage is read from another program"
         raise SpecError([Fault((), str(source), alone, source="--from")], "command line")
@@ -60,6 +68,27 @@ def new(mechanism: str, file: Path | None, source: Path | None) -> None:
             err=True,
         )
     click.echo(printable(f"next: change it, then camgen build {file}"), err=True)
+
+
+def _asked() -> tuple[str, Path]:
+    """Name of a starter or an example out of the list, and a file for it, as a person types them; SpecError where nobody does."""
+    from camgen import starters
+
+    for name in specs_known():
+        click.echo(f"  {name:<20} {starters.summary(name)}", err=True)
+    try:
+        name = str(click.prompt("which one", err=True))
+        known("MECHANISM", name, specs_known(), "camgen list")
+        file = Path(click.prompt("file", f"my-{name}.toml", err=True))
+    except (
+        click.Abort,
+        OSError,
+        RuntimeError,
+    ):  # no input: its end, none that is readable, a closed one
+        click.echo(err=True)
+        missing = "missing: camgen new MECHANISM FILE"
+        raise SpecError([Fault(("MECHANISM",), "", missing)], "command line") from None
+    return name, file
 
 
 @click.command()

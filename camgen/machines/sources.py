@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from os import PathLike
 from pathlib import Path
@@ -12,11 +13,12 @@ from typing import Any
 
 from camgen import reading
 from camgen import spec as specs
-from camgen.errors import CamgenError, DesignError, SpecError, dotted
+from camgen.bounds import read_bytes
+from camgen.errors import CamgenError, DesignError, Fault, SpecError, dotted
 from camgen.machines import MECHANISMS, load
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.tables import with_tables
-from camgen.settings import override
+from camgen.settings import override, split_setting
 
 Source = str | PathLike[str] | Mapping[str, Any] | Mechanism
 
@@ -28,7 +30,28 @@ def read_mechanism(spec: Source, overrides: Sequence[str] = ()) -> Mechanism:
     """
     if isinstance(spec, Mechanism):
         return spec
-    return changed(*read_tables(spec), overrides)
+    try:
+        return changed(*read_tables(spec), overrides)
+    except SpecError as error:
+        if isinstance(spec, Mapping) or error.source != str(spec):
+            raise
+        raise _located(error, Path(spec), overrides) from None
+
+
+def _located(error: SpecError, spec: Path, overrides: Sequence[str]) -> SpecError:
+    """The error with the line of each fault, in their order; keys that were set anew have none."""
+    lines = reading.lines(read_bytes(spec, reading.SPEC_FILE).decode("utf-8-sig"))
+    anew = [split_setting(setting)[0] for setting in overrides]
+
+    def located(fault: Fault) -> Fault:
+        path = fault.path
+        if fault.source or any(list(map(str, path[: len(key)])) == key for key in anew):
+            return fault
+        held = (path[:k] for k in range(len(path), 0, -1))
+        return replace(fault, line=next((lines[each] for each in held if each in lines), None))
+
+    faults = map(located, error.faults)
+    return SpecError(sorted(faults, key=lambda fault: fault.line or math.inf), error.source)
 
 
 def read_tables(spec: Source) -> tuple[reading.Data, str, Path]:
