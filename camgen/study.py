@@ -129,7 +129,7 @@ class Sketch:
     """What is drawn but not made: strokes (polylines, complex mm) and circles (centre, radius) on a body of the model.
 
     course: of what changes its shape, such as a thread: theta, (n,) rad -> one polyline on the ground, (n, k) complex mm.
-    z: height at which a course lies, mm; None of what is drawn in the plane alone.
+    z: height at which it lies, mm; None: as high as the parts of its `level`, a body of the model, of its own where none is named.
     """
 
     name: str
@@ -138,6 +138,7 @@ class Sketch:
     body: str = "ground"
     course: Callable[[Floats], Points] | None = None
     z: float | None = None
+    level: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,12 +157,21 @@ class Step:
     copies: Sequence[str]
 
 
+@dataclass(frozen=True)
+class HoleLabel:
+    """A hole as its drawing names it: label, shape in words, and the middle of it in the part's frame, mm."""
+
+    label: str
+    shape: str
+    place: tuple[float, float, float]
+
+
 @dataclass(frozen=True, eq=False)
 class Scene:
     """The machine in three dimensions.
 
     glb: with one turn as its animation; copies: names of its parts' copies, in the order of its nodes; work: what the steps
-    are of.
+    are of; holes: of each part, in the order of its meshes.
     """
 
     glb: bytes
@@ -169,6 +179,7 @@ class Scene:
     plates: Sequence[Plate]
     steps: Sequence[Step]
     work: str = "Assembly, step by step"
+    holes: Sequence[Sequence[HoleLabel]] = ()
 
 
 class Later(Sequence[T]):

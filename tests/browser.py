@@ -25,7 +25,8 @@ FLAGS = (
     "--no-first-run",
 )
 
-# Turns, cuts and hides the machine of a report; says what was seen: how many pixels of the canvas are drawn, and the values.
+# Turns, cuts, explodes and hides the machine of a report, scrolls over it and names a part; says what was seen: how many pixels of
+# the canvas are drawn, in all and at its edges, and the values.
 PROBE = """(async () => {
   const until = async what => {
     for (let k = 0; k < 600 && !what(); k++) await new Promise(done => setTimeout(done, 20));
@@ -35,8 +36,11 @@ PROBE = """(async () => {
   const seen = () => {
     const copy = Object.assign(document.createElement("canvas"), { width: 200, height: 150 }), flat = copy.getContext("2d");
     flat.drawImage(canvas, 0, 0, 200, 150);
-    return flat.getImageData(0, 0, 200, 150).data.filter((value, k) => k % 4 == 3 && value > 0).length;
+    const drawn = (...frame) => flat.getImageData(...frame).data.filter((value, k) => k % 4 == 3 && value > 0).length;
+    found.edges = Math.max(found.edges || 0, drawn(0, 0, 200, 1), drawn(0, 149, 200, 1), drawn(0, 0, 1, 150), drawn(199, 0, 1, 150));
+    return drawn(0, 0, 200, 150);
   };
+  const scrolls = () => canvas.dispatchEvent(new WheelEvent("wheel", { deltaY: 1, cancelable: true }));
   const after = async change => {
     const before = canvas.dataset.drawn;
     change();
@@ -47,6 +51,12 @@ PROBE = """(async () => {
   await until(() => camgen.solid && canvas.dataset.drawn);
   found.start = await after(() => camgen.show(0));
   found.turned = await after(() => camgen.show(77));
+  found.wheel = [scrolls()];
+  canvas.focus();
+  found.wheel.push(scrolls());
+  await after(() => canvas.dispatchEvent(new KeyboardEvent("keydown", { key: "Enter" })));
+  found.part = byId("part").textContent;
+  await after(() => byId("home").click());
   found.angle = byId("angle").value;
   found.cuts = [];  // across each axis; half of a row of needles is little, but not across all
   for (const axis of ["x", "y", "z"]) found.cuts.push(await after(cut(axis)));
@@ -214,6 +224,9 @@ def chromium(path: Path) -> str:
         [] if found["hidden"] == 0 and found["drawing"] == "hidden" else ["hidden parts are seen"]
     )
     wrong += [] if found["small"] > 100 else ["no small views"]
+    wrong += [f"{found['edges']} pixels at the edges"] if found["edges"] else []
+    wrong += [] if found["wheel"] == [True, False] else ["the wheel scrolls where it is to zoom"]
+    wrong += [] if found["part"] else ["no part is named"]
     full = columns >= min(3, curves) and lacks <= 1
     wrong += [] if full else [f"{curves} curves in {columns} columns, {lacks} pixels left empty"]
     return "; ".join(wrong + ([f"{found['wide']} pixels too wide"] if found["wide"] > 0 else []))

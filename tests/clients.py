@@ -792,6 +792,12 @@ DAMAGES: list[tuple[Client, str, Callable[[Path], None]]] = [
         "faulty",
         lambda path: edited_text(path, "</body>", "<script>nothing.here()</script></body>"),
     ),
+    (chromium, "too near", lambda path: edited_text(path, "fill = 0.94", "fill = 1.6")),
+    (
+        chromium,
+        "greedy wheel",
+        lambda path: edited_text(path, "if (!focused()) event", "if (false) event"),
+    ),
     (gmsh, "face lost", lambda path: edited_step(path, r"(CLOSED_SHELL\('',\()#\d+,", r"\1")),
     (gmsh, "metres", lambda path: edited_step(path, r"SI_UNIT\(.MILLI.", "SI_UNIT($")),
     (

@@ -349,6 +349,7 @@ def _sketch(sketch: Sketch, module: Module) -> Sketch:
         module.body(sketch.body),
         None if sketch.course is None else partial(_ahead, sketch.course, module),
         None if sketch.z is None else sketch.z + module.z,
+        module.body(sketch.level) if sketch.level else "",
     )
 
 

@@ -90,9 +90,14 @@ class Part:
         return max(layer.z1 for layer in self.layers)
 
     @property
+    def drawn(self) -> Layer:
+        """The layer that a laser cuts and the drawing shows."""
+        return self.layers[self.cut]
+
+    @property
     def region(self) -> Region:
         """The region that a laser cuts."""
-        return self.layers[self.cut].region
+        return self.drawn.region
 
     @property
     def volume(self) -> float:

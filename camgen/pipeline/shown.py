@@ -12,16 +12,16 @@ import numpy as np
 from camgen.errors import DesignError
 from camgen.geometry.arcs import bulges, fit_arcs
 from camgen.geometry.outlines import extent
-from camgen.machine.features import PartPose
+from camgen.machine.features import PartPose, heights
 from camgen.machine.model import Output, Path, Pose, unit_of
 from camgen.machine.run import solve
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats, Points
-from camgen.parts.assembly import order_of_assembly
+from camgen.parts.assembly import Assembly, order_of_assembly
 from camgen.parts.coils import spring_sketches
 from camgen.report.animation import Animation, Body
 from camgen.report.colours import part_colour
-from camgen.study import Plate, Scene, Sketch, Step
+from camgen.study import HoleLabel, Plate, Scene, Sketch, Step
 
 if TYPE_CHECKING:
     from camgen.geometry.mesh import Mesh
@@ -59,9 +59,9 @@ def animation(mechanism: Mechanism, sketches: Sequence[Sketch] | None = None) ->
     for s in (*shapes, *spring_sketches(assembly.coils, assembly.courses)):
         body = courses[s.body]
         course = None if s.course is None else s.course(theta)
-        bodies.append(
-            Body(s.name, [PartPose(body.place, body.angle)], (), s.strokes, s.circles, course, s.z)
-        )
+        stands = [PartPose(body.place, body.angle)]
+        heights = _heights(assembly, s)
+        bodies.append(Body(s.name, stands, (), s.strokes, s.circles, course, heights))
     if not mechanism.assembly.features:
         return Animation(theta, bodies, mechanism.motion(theta), "output", "mm")
     output = mechanism.model.outputs[0]
@@ -75,6 +75,26 @@ def animation(mechanism: Mechanism, sketches: Sequence[Sketch] | None = None) ->
         unit,
         mechanism.assembly.cycle.turns,
     )
+
+
+def _heights(assembly: Assembly, sketch: Sketch) -> tuple[float, float] | None:
+    """From where to where a sketch reaches, mm: a line among the parts of a body in the middle of the largest of them; a body
+    without parts, such as the follower of cams alone, along all that are there."""
+    if sketch.z is not None:
+        return sketch.z, sketch.z
+    parts = {part.name: part for part in assembly.parts}
+    plates = [(mount, parts[mount.part], parts[mount.part].drawn) for mount in assembly.mounts]
+    reach = [heights(mount, part.thickness, at.z0, at.z1) for mount, part, at in plates]
+    level = sketch.level or sketch.body
+    own = [
+        (at.region.area, sum(high) / 2)
+        for (mount, _, at), high in zip(plates, reach, strict=True)
+        if mount.body == level
+    ]
+    if own:
+        middle = max(own)[1]
+        return middle, middle
+    return (min(low for low, _ in reach), max(high for _, high in reach)) if reach else None
 
 
 def _reachable(mechanism: Mechanism, output: Output, theta: Floats) -> Floats:
@@ -135,7 +155,21 @@ def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
         plates,
         steps,
         table.title if mechanism.assembly.work else Scene.work,
+        [hole_labels(part) for part in parts],
     )
+
+
+def hole_labels(part: Part) -> list[HoleLabel]:
+    """The holes of a part as its drawing names them."""
+    from camgen.files.dimensions import holes_of
+
+    layer = part.drawn
+    return [
+        HoleLabel(
+            label, hole.shape, (hole.middle.real, hole.middle.imag, (layer.z0 + layer.z1) / 2)
+        )
+        for label, hole in holes_of(layer.region.holes, part.points)
+    ]
 
 
 def flights(mechanism: Mechanism) -> dict[str, Flight]:

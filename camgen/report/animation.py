@@ -29,7 +29,7 @@ class Body:
     rings: closed outlines (points (n,) complex, bulges (n,)), drawn even-odd, so holes are rings too; bulge k is
     tan(sweep / 4) of the arc from point k to the next, positive counter-clockwise, 0 a straight edge.
     strokes: open polylines (n,) complex; circles: (centre, radius). course: an open polyline of its own for each frame,
-    (frames, k) complex, such as a thread; z: its height, mm, None of what is drawn in the plane alone.
+    (frames, k) complex, such as a thread. heights: of what is no part, from where to where it reaches, mm, the same of a line.
     """
 
     name: str
@@ -38,7 +38,7 @@ class Body:
     strokes: Sequence[Points] = ()
     circles: Sequence[tuple[complex, float]] = ()
     course: Points | None = None
-    z: float | None = None
+    heights: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -179,7 +179,9 @@ def frames(animation: Animation) -> dict[str, object]:
         "poses": poses,
         "flipped": [pose.flipped for _, pose in _copies(animation)],
         "heights": {
-            str(k): body.z for k, body in enumerate(animation.bodies) if body.z is not None
+            str(k): np.round(body.heights, 3).tolist()
+            for k, body in enumerate(animation.bodies)
+            if body.heights is not None
         },
         "courses": {
             str(k): _coordinates(body.course)
@@ -312,6 +314,7 @@ def player(animation: Animation, scene: bool = False) -> str:
         '<desc id="drawn-what">Seen along the axes, y up: '
         f"{escape(names)}.</desc>{drawing}</svg>{_CANVAS if scene else ''}</div>"
         f'<div class="controls"{"" if animation.moves else " hidden"}><button type="button" id="play" hidden>Play</button>'
+        f"{_SPEED}"
         '<input id="theta" type="range" min="0" max="360" step="0.5" value="0" aria-label="angle of the drive, degrees" hidden>'
         f'<p><span>θ <output id="angle">0.0</output> deg</span>{value}</p></div>'
         f'<details class="legend" open><summary>{"View and parts" if scene else "Parts"}</summary>{_TOOLS if scene else ""}'
@@ -319,13 +322,20 @@ def player(animation: Animation, scene: bool = False) -> str:
     )
 
 
+_SPEED = (
+    '<select id="speed" aria-label="speed" hidden><option value="0.1">× 0.1</option><option value="0.25">× 0.25</option>'
+    '<option value="0.5">× 0.5</option><option value="1" selected>× 1</option><option value="2">× 2</option>'
+    '<option value="4">× 4</option></select>'
+)
 _CANVAS = (
     '<canvas id="machine" tabindex="0" role="img" aria-label="The machine in three dimensions: drag or arrow keys turn it, '
-    'plus and minus zoom, 0 shows it as at first" hidden></canvas>'
+    'plus and minus zoom, 0 shows it as at first, Enter names one part after the other" hidden></canvas>'
+    '<div id="holes" aria-hidden="true"></div><p id="part" aria-live="polite" hidden></p>'
 )
 _TOOLS = (
-    '<div class="tools" hidden><button type="button" id="flat" aria-pressed="false">Drawing</button>'
-    '<button type="button" id="home">View</button>'
+    '<div class="tools" hidden><button type="button" id="home">Reset view</button>'
+    '<button type="button" id="full">Full screen</button><button type="button" id="save">Save picture</button>'
+    '<button type="button" id="flat" aria-pressed="false">Drawing</button>'
     '<label>Explode <input id="explode" type="range" min="0" max="1" step="0.01" value="0"></label>'
     '<label>Section <select id="section"><option value="">none</option><option>x</option><option>y</option><option>z</option>'
     '</select></label><input id="cut" type="range" min="0" max="1" step="0.005" value="0.5" aria-label="place of the section" '

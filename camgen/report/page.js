@@ -4,7 +4,7 @@ const camgen = (() => {
   const data = JSON.parse(document.getElementById("frames").textContent);
   const byId = id => document.getElementById(id);
   const followers = [];
-  const secondsPerTurn = 8;
+  const secondsPerTurn = 8;  // at the usual speed
   const turns = data.turns || 1;  // of the drive, after which all is where it was
   let deg = 0, lap = 0, running = false, before = 0;
 
@@ -17,8 +17,8 @@ const camgen = (() => {
     what(deg);
   }
   // solid: a viewer shows the machine, the drawing rests; turned: share of all turns at an angle of this one
-  // heights: of courses that are drawn in three dimensions too
-  const page = { follow, show, courseAt, heights: data.heights, solid: false, turned: angle => (lap + angle / 360) / turns };
+  // heights: of what is no part and is drawn in three dimensions too
+  const page = { follow, show, courseAt, poseAt, heights: data.heights, solid: false, turned: angle => (lap + angle / 360) / turns };
   let folded = [];  // what is unfolded to be printed
   addEventListener("beforeprint", () => {
     folded = [...document.querySelectorAll("details:not([open])")];
@@ -30,7 +30,7 @@ const camgen = (() => {
 
   // ---- the drawing and its read-out ----
 
-  const play = byId("play"), slider = byId("theta");
+  const play = byId("play"), slider = byId("theta"), speed = byId("speed");
   const copies = document.querySelectorAll("#mechanism use");
   const between = (a, b, share) => a + (b - a) * share;
   follow(() => {
@@ -43,23 +43,28 @@ const camgen = (() => {
     }
     if (!page.solid) draw();
   });
-  function courseAt(k) {  // a course where it now is: x and y by turns
-    const place = page.turned(deg % 360) * data.frames, i = Math.floor(place), share = place - i, j = (i + 1) % data.frames;
-    return data.courses[k][i].map((value, n) => between(value, data.courses[k][j][n], j ? share : 0));  // a turn may begin anew
+  function present() { return page.turned(deg % 360); }  // share of all turns
+  function courseAt(k, turned = present()) {  // a course at a share of all turns: x and y by turns; nothing where there is none
+    const place = turned % 1 * data.frames, i = Math.floor(place), share = place - i, j = (i + 1) % data.frames;
+    return data.courses[k]?.[i].map((value, n) => between(value, data.courses[k][j][n], j ? share : 0));  // a turn may begin anew
   }
   function draw() {
-    const place = page.turned(deg % 360) * data.frames, i = Math.floor(place), share = place - i, j = (i + 1) % data.frames;
     Object.keys(data.courses).forEach(k => {
       document.querySelector("#body-" + k + " path").setAttribute("d", "M" + courseAt(k).map(value => value.toFixed(2)).join(" "));
     });
     copies.forEach((copy, k) => {
-      const states = data.poses[k], a = states[i % states.length], b = states[j % states.length];
+      const pose = poseAt(k);
       copy.toggleAttribute("display", false);
-      if (!a || !b) { copy.setAttribute("display", "none"); return; }
-      const turn = b[0] - a[0] - 360 * Math.round((b[0] - a[0]) / 360);
-      copy.setAttribute("transform", "translate(" + between(a[1], b[1], share) + " " + between(a[2], b[2], share) + ")rotate(" +
-        (a[0] + turn * share) + ")" + (data.flipped[k] ? "scale(-1 1)" : ""));
+      if (pose) copy.setAttribute("transform", "translate(" + pose[1] + " " + pose[2] + ")rotate(" + pose[0] + ")" + (data.flipped[k] ? "scale(-1 1)" : ""));
+      else copy.setAttribute("display", "none");
     });
+  }
+  function poseAt(k, turned = present()) {  // of a copy: deg, x and y, null where the machine cannot go
+    const place = turned % 1 * data.frames, i = Math.floor(place), share = place - i;
+    const states = data.poses[k], a = states[i % states.length], b = states[(i + 1) % data.frames % states.length];
+    if (!a || !b) return null;
+    const turn = b[0] - a[0] - 360 * Math.round((b[0] - a[0]) / 360);
+    return [a[0] + turn * share, between(a[1], b[1], share), between(a[2], b[2], share)];
   }
   page.draw = draw;
   addEventListener("beforeprint", draw);
@@ -152,7 +157,7 @@ const camgen = (() => {
 
   function step(now) {
     if (!running) return;
-    const next = deg + (now - before) / 1000 * 360 / secondsPerTurn;
+    const next = deg + (now - before) / 1000 * 360 / secondsPerTurn * Number(speed.value);
     lap = (lap + Math.floor(next / 360)) % turns;
     show(next % 360);
     before = now;
@@ -168,7 +173,7 @@ const camgen = (() => {
     if (asked) { run(false); show(((Number(asked[1]) % 360) + 360) % 360); }
     return asked;
   }
-  play.hidden = slider.hidden = false;
+  play.hidden = slider.hidden = speed.hidden = false;
   play.addEventListener("click", () => run(!running));
   slider.addEventListener("input", () => { run(false); show(Number(slider.value)); });
   addEventListener("hashchange", fromAddress);

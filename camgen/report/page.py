@@ -10,7 +10,7 @@ import gzip
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import astuple, replace
 from functools import cache
 from html import escape
 from importlib.resources import files
@@ -121,13 +121,17 @@ def _viewer(report: Report, scene: Scene) -> str:
             for plate in scene.plates
         ],
         "steps": [[place[copy] for copy in step.copies] for step in scene.steps],
+        "parts": [
+            [str(part.get("title", "")), [[*astuple(hole)] for hole in holes]]
+            for part, holes in zip(report.parts, scene.holes, strict=False)
+        ],
     }
     machine = gzip.compress(scene.glb, mtime=0)
     data = {"three": packed, "glb": base64.b64encode(machine).decode()}
     blocks = [f'<script type="text/plain" id="{key}">{text}</script>' for key, text in data.items()]
-    blocks.append(
-        f'<script type="application/json" id="lying">{json.dumps(lying, separators=(",", ":"))}</script>'
-    )
+    # No text can end the script element.
+    said = json.dumps(lying, separators=(",", ":")).replace("<", r"\u003c")
+    blocks.append(f'<script type="application/json" id="lying">{said}</script>')
     return "".join(blocks) + f"<script>{_asset('viewer.js')}</script>"
 
 

@@ -6,7 +6,7 @@
 export {
   BackSide, Box3, BufferAttribute, BufferGeometry, Color, AlwaysStencilFunc, DecrementWrapStencilOp, DirectionalLight, DoubleSide,
   FrontSide, Group, HemisphereLight, IncrementWrapStencilOp, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial,
-  MeshLambertMaterial, NotEqualStencilFunc, PerspectiveCamera, Plane, PlaneGeometry, Quaternion, Scene, Sphere, Vector3,
+  MeshLambertMaterial, NotEqualStencilFunc, PerspectiveCamera, Plane, PlaneGeometry, Quaternion, Raycaster, Scene, Sphere, Vector3,
   WebGLRenderer, ZeroStencilOp,
 } from "three";
 export { OrbitControls } from "three/addons/controls/OrbitControls.js";

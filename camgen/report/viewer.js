@@ -87,9 +87,22 @@
     solid.setAttribute("position", new THREE.BufferAttribute(corners, 3));
     solid.setAttribute("normal", new THREE.BufferAttribute(normals, 3));
     edges.setAttribute("position", new THREE.BufferAttribute(new Float32Array(lines), 3));
-    solid.computeBoundingBox();
     solid.computeBoundingSphere();
-    return { solid, edges };
+    return { solid, edges, ends: extremes(places) };
+  }
+  // Of points, x, y and z by turns, those that are farthest in 48 directions.
+  function extremes(places) {
+    const found = new Set();
+    for (let k = 0; k < 48; k++) {
+      const angle = (k % 16) * Math.PI / 8, x = Math.cos(angle), y = Math.sin(angle), z = Math.floor(k / 16) - 1;
+      let far = -Infinity, at = 0;
+      for (let i = 0; i < places.length; i += 3) {
+        const reach = x * places[i] + y * places[i + 1] + z * places[i + 2];
+        if (reach > far) { far = reach; at = i; }
+      }
+      found.add(at);
+    }
+    return [...found].map(i => new THREE.Vector3(places[i], places[i + 1], places[i + 2]));
   }
 
   // ---- scenes ----
@@ -110,24 +123,47 @@
   const variable = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
   const colour = k => new THREE.Color(variable("--p" + k) || "#888888");
   const ahead = () => new THREE.Vector3(0.55, -1, 0.9).normalize();  // the first view: from the front, above and right
-  function look(camera, box) {  // so that a box just fits the picture
-    const centre = box.getCenter(new THREE.Vector3()), up = Math.tan(camera.fov * Math.PI / 360), radius = box.getSize(new THREE.Vector3()).length() / 2;
+  const fill = 0.94;  // share of the picture
+  function look(camera, points, from) {  // from a direction, so that the points just fit the picture
+    const up = fill * Math.tan(camera.fov * Math.PI / 360), across = up * camera.aspect, place = new THREE.Vector3();
     camera.up.set(0, 0, 1);
-    camera.position.copy(centre).add(ahead());
-    camera.lookAt(centre);
+    camera.position.copy(from);
+    camera.lookAt(place);
     const turned = camera.quaternion.clone().invert();
-    let far = 0;
-    for (let k = 0; k < 8; k++) {
-      const corner = new THREE.Vector3(...["x", "y", "z"].map((axis, n) => (k >> n & 1 ? box.max : box.min)[axis]));
-      corner.sub(centre).applyQuaternion(turned);
-      far = Math.max(far, corner.z + Math.abs(corner.x) / (up * camera.aspect), corner.z + Math.abs(corner.y) / up);
-    }
-    far *= 1.02;
-    camera.position.copy(centre).addScaledVector(ahead(), far);
-    camera.near = far / 50;
-    camera.far = far + 20 * radius;
+    let right = -Infinity, left = -Infinity, top = -Infinity, low = -Infinity, near = -Infinity, far = Infinity;
+    points.forEach(point => {
+      place.copy(point).applyQuaternion(turned);
+      right = Math.max(right, place.x + place.z * across);
+      left = Math.max(left, place.z * across - place.x);
+      top = Math.max(top, place.y + place.z * up);
+      low = Math.max(low, place.z * up - place.y);
+      near = Math.max(near, place.z);
+      far = Math.min(far, place.z);
+    });
+    const away = Math.max((right + left) / (2 * across), (top + low) / (2 * up)), middle = (near + far) / 2;
+    const centre = new THREE.Vector3((right - left) / 2, (top - low) / 2, middle).applyQuaternion(camera.quaternion);
+    const radius = new THREE.Box3().setFromPoints(points).getSize(place).length() / 2;
+    camera.position.copy(centre).addScaledVector(from, away - middle);
+    camera.near = (away - middle) / 50;
+    camera.far = away - middle + 20 * radius;
     camera.updateProjectionMatrix();
     return new THREE.Sphere(centre, radius);
+  }
+
+  // Corners of triangles: bands of half a width along lines, and discs, from a height to another one.
+  function bands(lines, discs, half, low, high) {
+    const out = [];
+    const prism = ring => ring.forEach(([x, y], k) => {
+      const [u, v] = ring[(k + 1) % ring.length];
+      if (k > 1) [high, low].slice(0, 1 + (high > low)).forEach(z => out.push(...ring[0], z, ...ring[k - 1], z, x, y, z));
+      if (high > low) out.push(x, y, low, u, v, low, u, v, high, x, y, low, u, v, high, x, y, high);
+    });
+    lines.forEach(line => line.slice(1).forEach(([u, v], k) => {
+      const [x, y] = line[k], size = Math.hypot(u - x, v - y) || 1, a = half * (y - v) / size, b = half * (u - x) / size;
+      prism([[x - a, y - b], [u - a, v - b], [u + a, v + b], [x + a, y + b]]);
+    }));
+    discs.forEach(([x, y, radius]) => prism([...Array(48).keys()].map(k => [x + radius * Math.cos(k * Math.PI / 24), y + radius * Math.sin(k * Math.PI / 24)])));
+    return new THREE.BufferAttribute(new Float32Array(out), 3);
   }
 
   function show(renderer, canvas, machine, lying) {
@@ -151,56 +187,70 @@
 
     // -- where all is at an angle --
     const q = new THREE.Quaternion(), p = new THREE.Vector3();
-    function turn(deg) {
+    let apart = false;  // exploded
+    function turn(turned) {
       bodies.forEach(body => body.channels.forEach(({ path, values }) => {
-        const wide = path === "rotation" ? 4 : 3, n = values.length / wide - 1, place = camgen.turned(deg) * n;
+        const wide = path === "rotation" ? 4 : 3, n = values.length / wide - 1, place = turned * n;
         const i = Math.min(n - 1, Math.floor(place)), share = place - i;
         if (path === "rotation") body.group.quaternion.fromArray(values, 4 * i).slerp(q.fromArray(values, 4 * i + 4), share);
         else body.group.position.fromArray(values, 3 * i).lerp(p.fromArray(values, 3 * i + 3), share);
       }));
-    }
-    // -- springs: flat bands that change their shape, at a height --
-    const wide = 0.4;  // mm, half of a band
-    const coils = Object.entries(camgen.heights).map(([k, z]) => {
-      const pieces = camgen.courseAt(k).length / 2 - 1;
-      const line = new THREE.Mesh(new THREE.BufferGeometry(), new THREE.MeshBasicMaterial({ side: THREE.DoubleSide }));
-      line.geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(18 * pieces), 3));
-      line.frustumCulled = false;
-      scene.add(line);
-      return { k, z, line };
-    });
-    let apart = false;  // exploded
-    function strung() {
-      coils.forEach(({ k, line }) => { line.visible = !apart && document.querySelector('.legend [data-body="' + k + '"]').checked; });
-    }
-    function stretch() {
-      coils.forEach(({ k, z, line }) => {
-        const at = camgen.courseAt(k), place = line.geometry.attributes.position;
-        for (let n = 0; n + 3 < at.length; n += 2) {
-          const x = at[n + 2] - at[n], y = at[n + 3] - at[n + 1], size = Math.hypot(x, y) || 1, u = -wide * y / size, v = wide * x / size;
-          [[0, 1], [0, -1], [2, 1], [2, 1], [0, -1], [2, -1]].forEach(([end, side], corner) =>
-            place.setXYZ(3 * n + corner, at[n + end] + side * u, at[n + end + 1] + side * v, z));
+      sketches.forEach(({ k, copy, course, mesh, half, low }) => {
+        const pose = camgen.poseAt(copy, turned);
+        mesh.visible = Boolean(pose) && !apart && shown(k);
+        if (course && mesh.visible) {
+          const flat = camgen.courseAt(k, turned), line = [];
+          for (let n = 0; n < flat.length; n += 2) line.push([flat[n], flat[n + 1]]);
+          mesh.geometry.setAttribute("position", bands([line], [], half, low, low));
+        } else if (pose) {
+          mesh.rotation.z = pose[0] * Math.PI / 180;
+          mesh.position.set(pose[1], pose[2], 0);
         }
-        place.needsUpdate = true;
+        mesh.updateMatrixWorld();
       });
     }
+    const shown = k => document.querySelector('.legend [data-body="' + k + '"]')?.checked ?? true;
+
+    // -- what is no part: paths, threads, springs, the follower of a cam alone; the drawing has their shapes --
+    const uses = [...document.querySelectorAll("#mechanism use")];
+    const sketches = Object.entries(camgen.heights).map(([k, [low, high]]) => {
+      const symbol = byId("body-" + k), copy = uses.findIndex(use => use.getAttribute("href") === "#body-" + k);
+      const discs = [...symbol.querySelectorAll("circle")].map(disc => ["cx", "cy", "r"].map(name => Number(disc.getAttribute(name))));
+      const lines = [...symbol.querySelectorAll("path")].flatMap(path => path.getAttribute("d").split("M").slice(1))
+        .map(line => line.split("L").map(place => place.split(" ").map(Number)));
+      const half = Math.max(0.4, 0.4 * Math.min(...discs.map(disc => disc[2]), 10)), side = THREE.DoubleSide;
+      const mesh = new THREE.Mesh(new THREE.BufferGeometry(), high > low
+        ? new THREE.MeshLambertMaterial({ side, transparent: true, opacity: 0.45, depthWrite: false }) : new THREE.MeshBasicMaterial({ side }));
+      mesh.geometry.setAttribute("position", bands(lines, discs, discs.length ? half : 0.4, low, high));
+      mesh.geometry.computeVertexNormals();
+      mesh.frustumCulled = false;
+      scene.add(mesh);
+      return { k, copy, course: Boolean(camgen.courseAt(k, 0)), mesh, half: 0.4, low, ends: extremes(mesh.geometry.attributes.position.array) };
+    });
+
+    // -- all places where something comes, with the copy that comes there; apart, copies are lifted --
+    const reach = [], moments = 24;
+    copies.forEach(copy => { copy.shown.matrix.copy(copy.home); copy.lift = 0; });
+    for (let moment = 0; moment < moments; moment++) {
+      turn(moment / moments);
+      scene.updateMatrixWorld(true);
+      copies.forEach(copy => copy.part.ends.forEach(end => reach.push([end.clone().applyMatrix4(copy.shown.matrixWorld), copy])));
+      sketches.forEach(({ mesh, ends }) => ends.forEach(end => reach.push([end.clone().applyMatrix4(mesh.matrixWorld), null])));
+    }
+    const box = new THREE.Box3().setFromPoints(reach.filter(([, copy]) => copy).map(([place]) => place));
+    const radius = box.getBoundingSphere(new THREE.Sphere()).radius;
+    let ball = new THREE.Sphere();
     function spread(share) {
-      apart = share > 0;
-      strung();
-      const gap = steps.length > 1 ? share * 1.7 * ball.radius / (steps.length - 1) : 0;
+      apart = share > 0 && steps.length > 1;
+      const gap = steps.length > 1 ? share * 1.7 * radius / (steps.length - 1) : 0;
       copies.forEach(copy => {
-        copy.shown.matrix.makeTranslation(0, 0, copy.rank * gap).multiply(copy.home);
+        copy.lift = copy.rank * gap;
+        copy.shown.matrix.makeTranslation(0, 0, copy.lift).multiply(copy.home);
         copy.shown.matrixWorldNeedsUpdate = true;
       });
+      turn(now());
     }
-    const box = new THREE.Box3();
-    copies.forEach(copy => { copy.shown.matrix.copy(copy.home); });
-    for (let deg = 0; deg < 360; deg += 30) {
-      turn(deg);
-      scene.updateMatrixWorld(true);
-      copies.forEach(copy => box.union(copy.part.solid.boundingBox.clone().applyMatrix4(copy.shown.matrixWorld)));
-    }
-    let ball = box.getBoundingSphere(new THREE.Sphere());
+    const now = () => camgen.turned(Number(byId("theta").value));
 
     // -- section: of each copy its back faces less its front faces are where the plane lies inside; there a cap is drawn --
     const caps = new THREE.Group();
@@ -211,6 +261,7 @@
       const planes = cut.axis ? [plane] : [];
       parts.forEach(part => { Object.assign(part.material, { clippingPlanes: planes, needsUpdate: true }); });
       Object.assign(edge, { clippingPlanes: planes, needsUpdate: true });
+      pick(picked);
       if (!cut.axis) return;
       const whole = new THREE.PlaneGeometry(8 * ball.radius, 8 * ball.radius);
       copies.forEach((copy, k) => {
@@ -248,15 +299,64 @@
       });
     }
 
+    // -- one part is named, with its holes as its drawing calls them --
+    let picked = -1;  // number of its copy
+    const name = byId("part"), labels = byId("holes");
+    function pick(k) {
+      copies.forEach(copy => { copy.shown.children[0].material = copy.part.material; });
+      picked = k;
+      name.hidden = k < 0;
+      labels.replaceChildren();
+      if (k < 0) return;
+      const { part, shown } = copies[k], [title, holes] = lying.parts[part.number] || ["", []];
+      const bright = shown.children[0].material = part.material.clone();
+      bright.clippingPlanes = part.material.clippingPlanes;
+      bright.emissive.copy(part.material.color).lerp(new THREE.Color(1, 1, 1), 0.35).multiplyScalar(0.6);
+      const called = part.name.replaceAll("_", " "), kinds = holes.slice(0, 12).map(([label, shape]) => label + " (" + shape + ")");
+      if (holes.length > 12) kinds.push("and " + (holes.length - 12) + " more");
+      name.textContent = (title.toLowerCase().includes(called) ? title : called + ": " + title) + (holes.length ? "; holes " + kinds.join(", ") : "");
+      labels.append(...holes.map(([label]) => Object.assign(document.createElement("b"), { textContent: label })));
+    }
+    function placed() {  // the labels, and where they are in the picture, px
+      const { clientWidth: width, clientHeight: height } = canvas;
+      return [...labels.children].map((label, n) => {
+        const { part, shown } = copies[picked], at = p.set(...lying.parts[part.number][1][n][2]).applyMatrix4(shown.matrixWorld).project(camera);
+        return [label, (at.x + 1) / 2 * width, (1 - at.y) / 2 * height];
+      });
+    }
+    const ray = new THREE.Raycaster();
+    function under(x, y) {  // number of the copy that is seen there, -1 of none
+      const frame = canvas.getBoundingClientRect();
+      ray.setFromCamera({ x: 2 * (x - frame.left) / frame.width - 1, y: 1 - 2 * (y - frame.top) / frame.height }, camera);
+      const seen = copies.filter(copy => copy.shown.visible).map(copy => copy.shown.children[0]);
+      const hit = ray.intersectObjects(seen, false).find(({ point }) => !cut.axis || plane.distanceToPoint(point) >= 0);
+      return hit ? copies.findIndex(copy => copy.shown.children[0] === hit.object) : -1;
+    }
+    let pressed = null;
+    canvas.addEventListener("pointerdown", event => {
+      pressed = event.isPrimary ? event : null;
+      if (event.pointerType === "touch" && !focused()) event.stopImmediatePropagation();
+    });
+    canvas.addEventListener("pointerup", event => {
+      if (!pressed || Math.hypot(event.clientX - pressed.clientX, event.clientY - pressed.clientY) > 8) return;
+      canvas.focus({ preventScroll: true });
+      pick(under(event.clientX, event.clientY));
+      ask();
+    });
+    // The wheel and a finger move the page until the view has the focus.
+    const focused = () => document.activeElement === canvas;
+    canvas.addEventListener("wheel", event => { if (!focused()) event.stopImmediatePropagation(); }, { passive: true });
+    canvas.title = "Drag to turn; click a part for its name, then the wheel zooms";
+
     // -- what the page says of parts --
     function dress() {
       parts.forEach(part => {
-        const checkbox = document.querySelector('.legend [data-body="' + part.number + '"]');
         part.material.color.copy(colour(part.number));
-        copies.filter(copy => copy.part === part).forEach(copy => { copy.shown.visible = !checkbox || checkbox.checked; });
+        copies.filter(copy => copy.part === part).forEach(copy => { copy.shown.visible = shown(part.number); });
       });
-      coils.forEach(({ k, line }) => line.material.color.copy(colour(k)));
-      strung();
+      sketches.forEach(({ k, mesh }) => mesh.material.color.copy(colour(k)));
+      if (picked >= 0 && !copies[picked].shown.visible) picked = -1;
+      turn(now());
       edge.color.set(variable("--ink"));
       capped();
     }
@@ -271,28 +371,52 @@
         sun.position.copy(camera.position).addScaledVector(camera.up, ball.radius);
         aim();
         renderer.render(scene, camera);
+        placed().forEach(([label, x, y]) => { label.style.transform = "translate(" + x + "px, " + y + "px) translate(-50%, -50%)"; });
         canvas.dataset.drawn = Number(canvas.dataset.drawn || 0) + 1;
       });
     }
+    let held = false;  // whether a person has turned or moved the view
     function fit() {
       const { clientWidth: width, clientHeight: height } = canvas;
       if (!width || !height) return;
       renderer.setSize(width, height, false);
       camera.aspect = width / height;
       camera.updateProjectionMatrix();
+      if (!held) frame(ahead());
       ask();
     }
     const controls = new THREE.OrbitControls(camera, canvas);
     controls.enableDamping = false;
-    function home() {
-      camera.aspect = canvas.clientWidth / Math.max(1, canvas.clientHeight);
-      ball = look(camera, box);
+    function frame(from) {  // all that comes into sight over a turn
+      const lifted = ([place, copy]) => copy ? p.copy(place).setZ(place.z + copy.lift).clone() : place;
+      ball = look(camera, reach.filter(([, copy]) => copy || !apart).map(lifted), from);
       controls.target.copy(ball.center);
       controls.update();
       ask();
     }
+    function home() {  // as at first
+      held = false;
+      byId("explode").value = 0;
+      byId("section").value = cut.axis = "";
+      byId("cut").hidden = true;
+      pick(-1);
+      capped();
+      spread(0);
+      frame(ahead());
+    }
+    const touched = () => { canvas.style.touchAction = focused() ? "none" : "auto"; };
+    ["focus", "blur"].forEach(name => canvas.addEventListener(name, touched));
+    touched();
+    controls.addEventListener("start", () => { held = true; });
     controls.addEventListener("change", ask);
     canvas.addEventListener("keydown", event => {
+      if (event.key === "Enter" || event.key === "Escape") {
+        const seen = [...copies.keys()].filter(k => copies[k].shown.visible);
+        pick(event.key === "Enter" ? seen.find(k => k > picked) ?? -1 : -1);
+        if (event.key === "Escape") canvas.blur();
+        ask();
+        return;
+      }
       const round = new THREE.Vector3().subVectors(camera.position, controls.target);
       const turns = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] }[event.key];
       const zoom = { "+": 1 / 1.1, "=": 1 / 1.1, "-": 1.1 }[event.key];
@@ -304,6 +428,7 @@
       else if (event.key === "0" || event.key === "Home") { home(); return; }
       else return;
       event.preventDefault();
+      held = true;
       camera.position.copy(controls.target).add(round);
       controls.update();
       ask();
@@ -315,13 +440,42 @@
       canvas.hidden = drawing;
       svg.style.display = drawing ? "" : "none";
       camgen.solid = !drawing;
+      labels.hidden = byId("save").hidden = drawing;
+      if (drawing) pick(-1);
       flat.setAttribute("aria-pressed", drawing);
       if (drawing) camgen.draw(); else fit();
     }
     document.querySelector(".tools").hidden = false;
     flat.addEventListener("click", () => plain(!canvas.hidden));
     byId("home").addEventListener("click", home);
-    byId("explode").addEventListener("input", event => { spread(Number(event.target.value)); ask(); });
+    const player = document.querySelector(".player"), full = byId("full");
+    full.hidden = !document.fullscreenEnabled;
+    full.addEventListener("click", () => document.fullscreenElement ? document.exitFullscreen() : player.requestFullscreen());
+    document.addEventListener("fullscreenchange", () => { full.textContent = document.fullscreenElement ? "Leave full screen" : "Full screen"; });
+    byId("save").addEventListener("click", () => {  // 1600 pixels wide or more, on the page's ground, with the names of holes
+      const sheet = document.createElement("canvas"), ratio = renderer.getPixelRatio(), picture = sheet.getContext("2d");
+      const fine = Math.max(2, 1600 / canvas.clientWidth);
+      renderer.setPixelRatio(fine);
+      renderer.render(scene, camera);
+      Object.assign(sheet, { width: canvas.width, height: canvas.height });
+      picture.fillStyle = variable("--card");
+      picture.fillRect(0, 0, sheet.width, sheet.height);
+      picture.drawImage(canvas, 0, 0);
+      Object.assign(picture, { fillStyle: variable("--ink"), font: "bold " + 12 * fine + "px sans-serif", textAlign: "center", textBaseline: "middle" });
+      placed().forEach(([label, x, y]) => picture.fillText(label.textContent, fine * x, fine * y));
+      renderer.setPixelRatio(ratio);
+      ask();
+      sheet.toBlob(file => {
+        const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(file), download: document.querySelector("h1").textContent + ".png" });
+        link.click();
+        setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+      });
+    });
+    byId("explode").closest("label").hidden = steps.length < 2;
+    byId("explode").addEventListener("input", event => {
+      spread(Number(event.target.value));
+      frame(p.subVectors(camera.position, controls.target).normalize().clone());
+    });
     byId("section").addEventListener("change", event => { cut.axis = event.target.value; byId("cut").hidden = !cut.axis; capped(); ask(); });
     byId("cut").addEventListener("input", event => { cut.share = Number(event.target.value); ask(); });
     document.addEventListener("parts", () => { dress(); ask(); });
@@ -329,8 +483,13 @@
 
     dress();
     plain(false);
-    home();
-    camgen.follow(deg => { turn(deg); stretch(); ask(); });
+    spread(0);
+    frame(ahead());
+    if (matchMedia("(pointer: coarse)").matches) {
+      name.textContent = "Tap, then turn and zoom";
+      name.hidden = false;
+    }
+    camgen.follow(deg => { turn(camgen.turned(deg)); ask(); });
     new ResizeObserver(fit).observe(canvas);
 
     // -- small views of parts, plates and steps: one renderer draws them one after the other as they come into sight --
@@ -340,11 +499,12 @@
       if (!target.dataset.seen) return;
       small ||= new THREE.WebGLRenderer({ canvas: Object.assign(document.createElement("canvas"), { width: 320, height: 220 }), alpha: true, antialias: !slow });
       const [what, number] = target.dataset.view.split("-"), scene = new THREE.Scene(), sun = lit(scene);
-      const line = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.6, color: variable("--ink") });
+      const line = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.6, color: variable("--ink") }), ends = [];
       const put = (part, matrix, faint) => {
         const more = faint ? { transparent: true, opacity: 0.25, depthWrite: false } : {};
         const item = object(part, surface({ color: colour(part.number), ...more }), line);
         item.matrix.copy(matrix);
+        ends.push(...part.ends.map(end => end.clone().applyMatrix4(matrix)));
         if (faint) item.remove(item.children[1]);
         scene.add(item);
       };
@@ -356,11 +516,10 @@
           const copy = copies[k], placed = new THREE.Matrix4().compose(copy.group.position, copy.group.quaternion, copy.group.scale);
           put(copy.part, placed.multiply(copy.home), step < number);
         });
-        turn(Number(byId("theta").value));
+        turn(now());
       }
       const view = new THREE.PerspectiveCamera(28, 320 / 220, 1, 1000);
-      scene.updateMatrixWorld(true);
-      look(view, new THREE.Box3().setFromObject(scene));
+      look(view, ends, ahead());
       sun.position.copy(view.position).addScaledVector(view.up, 50);
       small.render(scene, view);
       const context = target.getContext("2d");

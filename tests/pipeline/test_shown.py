@@ -15,7 +15,7 @@ import trimesh
 from camgen.parts.assembly import order_of_assembly
 from camgen.pipeline import build as pipeline
 from camgen.pipeline.making import assembled
-from camgen.pipeline.shown import scene
+from camgen.pipeline.shown import animation, scene
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 UP = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]]) / 1000  # (x, y, z) mm to (x, z, -y) m
@@ -81,3 +81,28 @@ def test_the_glb_is_the_assembly_and_moves_as_it_does(name: str) -> None:
             assert abs(complex(values[0], values[1]) - complex(pose.place[0])) < 1e-4
         moved += 1
     assert moved >= 2
+
+
+def test_holes_have_the_names_of_the_drawing_and_lie_where_they_are() -> None:
+    machine = pipeline.read_mechanism(SPECS / "quick-return.toml").resolved()
+    labels = dict(zip(machine.assembly.parts, scene(machine, []).holes, strict=True))
+    crank = next(part for part in labels if part.name == "crank")
+    points = dict(crank.points)
+    assert set(points) <= {hole.label for hole in labels[crank]}
+    for hole in labels[crank]:
+        x, y, z = hole.place
+        assert 0 < z < crank.thickness
+        if hole.label in points:
+            assert complex(x, y) == pytest.approx(points[hole.label], abs=1e-6)
+
+
+def test_paths_lie_among_their_body_and_followers_of_cams_alone_as_high_as_the_cam() -> None:
+    machine = pipeline.read_mechanism(SPECS / "walking-leg.toml").resolved()
+    (path,) = [body for body in animation(machine).bodies if body.heights]
+    foot = next(mount for mount in machine.assembly.mounts if mount.part == "foot")
+    thick = next(part.thickness for part in machine.assembly.parts if part.name == "foot")
+    assert path.heights is not None and path.heights[0] == path.heights[1]
+    assert foot.z < path.heights[0] < foot.z + thick
+    cam = pipeline.read_mechanism(SPECS / "disc-cam.toml").resolved()
+    follower, _ = [body.heights for body in animation(cam).bodies if body.heights]
+    assert follower == (0, cam.assembly.parts[0].drawn.z1)

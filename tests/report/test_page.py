@@ -23,7 +23,7 @@ from camgen.report.animation import Animation, Body, player
 from camgen.report.page import once, to_html
 from camgen.report.report import Report
 from camgen.report.tables import margins
-from camgen.study import Figure, Figures, Plate, Plot, Scene, Step, Table
+from camgen.study import Figure, Figures, HoleLabel, Plate, Plot, Scene, Step, Table
 
 CORNERS = [[0, 0, 0], [9, 0, 0], [0, 9, 0], [0, 0, 9]]
 FACES = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
@@ -42,6 +42,7 @@ def solid() -> Report:
         ["cam-1", "cam-2"],
         [Plate("demo-plate.3mf", [("cam", lifted)])],
         [Step("first", ["cam-1"]), Step(EVIL, ["cam-2"]), Step("nut", [])],
+        holes=[[HoleLabel(EVIL, "Ø4", (1.0, 2.0, 3.0))]],
     )
     return replace(
         made_up(), scene=scene, files=["spec.toml", "demo-assembly.glb", "demo-cam-drawing.pdf"]
@@ -69,7 +70,11 @@ def test_the_machine_is_in_the_page_and_the_library_that_shows_it(page: str) -> 
         and b"http" not in library.replace(b"http://www.w3.org/1999/xhtml", b"")
     )
     lying = json.loads(script(page, "lying"))
-    assert lying == {"plates": [[[0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 9]]], "steps": [[0], [1], []]}
+    assert lying == {
+        "plates": [[[0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 9]]],
+        "steps": [[0], [1], []],
+        "parts": [["", [[EVIL, "Ø4", [1, 2, 3]]]]],
+    }
 
 
 def test_the_bundle_is_what_its_entry_file_makes_and_bears_its_licence() -> None:
@@ -77,7 +82,7 @@ def test_the_bundle_is_what_its_entry_file_makes_and_bears_its_licence() -> None
     packed = folder.joinpath("three.bundle.js.gz").read_bytes()
     assert len(packed) < 150_000
     # by esbuild 0.28.2 of three 0.187.0, as three.entry.js says
-    wanted = "4cd28b4496b6ffb1a3d9356afbe69be7bb80ac17d1cc348da3d1f918772e7d6c"
+    wanted = "f172d3c10d2ea4af29fa619670fb73def7632e2f0d7459b1e36f0ca0ec00f46c"
     assert hashlib.sha256(gzip.decompress(packed)).hexdigest() == wanted
     assert "MIT License" in folder.joinpath("three.LICENSE").read_text(encoding="utf-8")
     entry = folder.joinpath("three.entry.js").read_text(encoding="utf-8")

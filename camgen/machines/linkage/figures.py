@@ -423,9 +423,11 @@ def _centrodes(linkage: LinkageMotion, run: Run) -> list[Plot]:
 def paths(linkage: LinkageMotion) -> tuple[Sketch, ...]:
     """Paths of points, on the ground, and the places that they shall pass, with the room that they have."""
     run = linkage.run(np.linspace(*linkage.cycle.range, ROWS // 2), 0)
-    outputs = [output for output in linkage.chain.outputs if isinstance(output.of, m.Path)]
+    outputs = linkage.chain.outputs
+    levels = {each.name: each.of.of.body for each in outputs if isinstance(each.of, m.Path)}
     sketches = [
-        Sketch(_path_of(each.name), (np.asarray(run[each.name], complex),)) for each in outputs
+        Sketch(_path_of(name), (np.asarray(run[name], complex),), level=level)
+        for name, level in levels.items()
     ]
     for wanted in linkage.wanted:
         for goal in (wanted.points, wanted.path):
@@ -439,7 +441,8 @@ def paths(linkage: LinkageMotion) -> tuple[Sketch, ...]:
             else:
                 radius = max(float(np.ptp(z.real) + np.ptp(z.imag)) / 250, SAME_POINT)
                 dots = [(place, radius) for place in goal.places]
-            sketches.append(Sketch(f"{wanted.name}: wanted", strokes, dots))
+            level = levels.get(wanted.name, "")
+            sketches.append(Sketch(f"{wanted.name}: wanted", strokes, dots, level=level))
     return tuple(sketches)
 
 
