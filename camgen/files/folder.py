@@ -26,6 +26,7 @@ from typing import Any, BinaryIO
 from camgen._version import __version__
 from camgen.bounds import Bound, read_bytes
 from camgen.errors import FileError
+from camgen.files.shelves import located
 
 MANIFEST = "manifest.json"
 _MANIFEST_SIZE = Bound("a manifest", 10_000_000)
@@ -112,7 +113,9 @@ class Staged:
         if not (self.target / MANIFEST).is_file():
             return
         self.gone = [
-            name for name in manifest_files(self.target) if not (self._new / name).is_file()
+            name
+            for name in manifest_files(self.target)
+            if not located(self._new / Path(name).name).is_file()
         ]
         texts = {
             path.name: path.read_bytes()

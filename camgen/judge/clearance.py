@@ -232,13 +232,14 @@ def drawn_outline(path: Path, part: str, mirrored: bool, tolerance: float) -> li
 
 def judge_clearance(
     kind: str,
-    folder: Path,
-    prefix: str,
+    file: Callable[[str, str], Path],
     pairs: Sequence[Passing],
     poses: Poses,
     chord_tolerance: float,
 ) -> Clearances:
-    """Whether all pairs stay apart over the turn, on the files <prefix>-<part>.<kind> in a folder.
+    """Whether all pairs stay apart over the turn, on their files.
+
+    file: path of a part's file of a kind.
 
     Bodies may graze: what the outlines of both may be off is allowed beside the pair's gap.
     """
@@ -247,11 +248,8 @@ def judge_clearance(
     curves: list[tuple[str, Floats, Floats]] = []
     solid = FORMATS[kind].solid
 
-    def files(part: str) -> Path:
-        return folder / f"{prefix}-{part}.{kind}"
-
     for pair in pairs:
-        names = f"{prefix}-{pair.a}.{kind} and {prefix}-{pair.b}.{kind}"
+        names = " and ".join(file(name, kind).name for name in (pair.a, pair.b))
         where = Where(names, kind=kind, part=pair.a, other=pair.b)
         rest = poses(np.zeros(1))
         way = _way(pair, poses)
@@ -263,13 +261,13 @@ def judge_clearance(
             try:
                 if solid:
                     a, b = (
-                        sections(files(name), name, plane - rest[name][0].z)
+                        sections(file(name, kind), name, plane - rest[name][0].z)
                         for name in (pair.a, pair.b)
                     )
                 else:
                     drawings = (pair.drawn.get(name, (name, False)) for name in (pair.a, pair.b))
                     a, b = (
-                        drawn_outline(files(name), name, over, chord_tolerance)
+                        drawn_outline(file(name, kind), name, over, chord_tolerance)
                         for name, over in drawings
                     )
             except ValueError as error:

@@ -11,6 +11,7 @@ from camgen.errors import Fault, FileError, SpecError
 from camgen.files.folder import MANIFEST, SPEC, Staged, changed_files, read_manifest, write_manifest
 from camgen.files.formats import ANY_KIND, FORMATS
 from camgen.files.formats import KINDS as KINDS
+from camgen.files.shelves import put_away
 from camgen.findings import at_most, in_file
 from camgen.machines.sources import Source
 from camgen.machines.sources import read_mechanism as read_mechanism
@@ -18,7 +19,7 @@ from camgen.pipeline.case import Case, cores
 from camgen.pipeline.judging import judge, read_parts
 from camgen.pipeline.making import make_parts, put_together
 from camgen.pipeline.rebuild import Rebuild, judged_files, kinds_of, packages_of, system
-from camgen.pipeline.summary import Summary, seen, write_report, write_texts
+from camgen.pipeline.summary import Summary, report_files, seen, write_report, write_texts
 from camgen.progress import Progress, silent
 from camgen.report.report import Report
 from camgen.workers import Workers
@@ -73,7 +74,9 @@ def build(
         write_texts(case, folder)
         report, columns = judge(case, kinds, reading, workers, progress)
         progress("writing the report", 0.85)
-        write_report(Summary(kinds, report, columns, scene), case, folder)
+        summary = Summary(kinds, report, columns, scene)
+        put_away(folder, [MANIFEST, *report_files(summary)])
+        write_report(summary, case, folder)
         write_manifest(folder, packages_of(kinds), {"kinds": kinds, "system": system()})
     said = f"{staged.target / 'spec.toml'} was changed since its build and is written again; the changed one is kept as"
     remarks = [*hints, *mechanism.remarks().printed, *(f"{said} {name}" for name in staged.kept)]

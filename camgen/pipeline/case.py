@@ -9,6 +9,7 @@ from pathlib import Path
 
 from camgen.errors import Fault, SpecError
 from camgen.files.formats import FORMATS
+from camgen.files.shelves import listed, located, shelved
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
 from camgen.parts.part import Part
@@ -31,8 +32,21 @@ class Case:
         return {part.name: part for part in self.mechanism.assembly.parts}
 
     def file(self, part: str, ending: str) -> Path:
-        """Path of a part's file."""
-        return self.folder / f"{self.mechanism.name}-{part}.{ending}"
+        """Path of a part's file, on its shelf where it is on one."""
+        return located(self.folder / f"{self.mechanism.name}-{part}.{ending}")
+
+    def files(self, pattern: str) -> list[Path]:
+        """Files by a pattern of their names behind the mechanism's."""
+        return listed(self.folder, f"{self.mechanism.name}-{pattern}")
+
+    def place(self, path: Path) -> str:
+        """A file of the folder as the manifest names it."""
+        return path.relative_to(self.folder).as_posix()
+
+    @property
+    def places(self) -> dict[str, str]:
+        """Files on shelves by their names, each as the manifest has it."""
+        return {path.name: self.place(path) for path in shelved(self.folder)}
 
     def __reduce__(self) -> tuple[Callable[[Path], Case], tuple[Path]]:
         return _reopened, (self.folder,)

@@ -226,8 +226,7 @@ def pass_by(case: Case, kinds: Sequence[str]) -> Outcome:
     for kind in (kind for kind in kinds if kind not in EXACT):
         clearances = judge_clearance(
             kind,
-            case.folder,
-            mechanism.name,
+            case.file,
             pairs,
             mechanism.assembly.poses,
             mechanism.accuracy.chord_tolerance,

@@ -114,11 +114,7 @@ def make_sheets(case: Case) -> None:
 
 def sheet_files(case: Case) -> list[Path]:
     """The files of all sheets that are there, and their list."""
-    sheets = sorted(
-        case.folder.glob(f"{case.mechanism.name}-sheet-*"),
-        key=lambda path: (len(path.name), path.name),
-    )
-    return [path for path in (*sheets, case.file("sheets", "csv")) if path.exists()]
+    return [path for path in (*case.files("sheet-*"), case.file("sheets", "csv")) if path.exists()]
 
 
 def _listed(path: Path) -> dict[int, list[SheetCopy]]:

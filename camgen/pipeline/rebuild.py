@@ -25,6 +25,7 @@ import numpy as np
 from camgen._version import __version__
 from camgen.files.folder import MANIFEST, SPEC, versions
 from camgen.files.formats import ANY_KIND, FORMATS
+from camgen.files.shelves import located
 from camgen.findings import NotJudged, at_most, in_file
 from camgen.geometry.outlines import Floats
 from camgen.pipeline.case import Case
@@ -95,15 +96,14 @@ def _files(case: Case, kind: str) -> list[Path]:
     if kind == "report":
         return [case.folder / "report.html", case.file("assembly", "glb")]
     if kind == "plots":
-        return sorted(case.folder.glob(f"{case.mechanism.name}-plot-*"))
+        return case.files("plot-*")
     return [case.file(name, kind) for name in case.parts]
 
 
 def judged_files(case: Case, names: Collection[str]) -> set[str]:
-    """Names of the files that are judged by what they hold."""
-    parts = {path.name for kind in FORMATS for path in _files(case, kind)} | {
-        path.name for path in sheet_files(case)
-    }
+    """Those of the files, as the manifest names them, that are judged by what they hold."""
+    paths = [path for kind in FORMATS for path in _files(case, kind)]
+    parts = {case.place(path) for path in (*paths, *sheet_files(case))}
     return parts | {SPEC} | {name for name in names if name.endswith((".3mf", ".step"))}
 
 
@@ -133,12 +133,16 @@ class Rebuild:
         with TemporaryDirectory() as scratch:
             folder = Path(scratch)
             self._make(folder, workers)
-            names = sorted(path.name for path in folder.iterdir())
+            anew = {
+                self.case.place(located(self.case.folder / path.name)): path
+                for path in sorted(folder.iterdir())
+            }
+            names = sorted(anew)
             compared = [name for name in names if name not in changes and name not in left_out]
             differences = {
                 name: said
                 for name in compared
-                if (said := _difference(self.case.folder / name, folder / name))
+                if (said := _difference(self.case.folder / name, anew[name]))
             }
         judged = {*names, *judged_files(self.case, files), MANIFEST, *left_out}
         differences |= {name: "is made by no such build" for name in files if name not in judged}

@@ -37,6 +37,7 @@ from camgen.pipeline.case import Case
 from camgen.pipeline.expectation import facetted
 from camgen.pipeline.making import compensation
 from camgen.pipeline.reading import Read, judge_motion, judge_part
+from camgen.pipeline.summary import plates_of
 from camgen.progress import Progress, silent
 from camgen.report.report import Report
 from camgen.study import Figure, Figures, Table
@@ -103,10 +104,7 @@ def check_gcode(
     mechanism = case.mechanism
     fit = compensation(case.mechanism) or Compensation()
     _each_once(plates)
-    packages = {
-        path.name: read_3mf(path).items
-        for path in sorted(case.folder.glob(f"{mechanism.name}-plate*.3mf"))
-    }
+    packages = {path.name: read_3mf(path).items for path in plates_of(case)}
     models = _known(case, packages.values())
     prints: dict[str, _Print] = {}
     findings: list[Finding] = []

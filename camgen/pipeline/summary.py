@@ -20,10 +20,7 @@ from camgen.study import Plate, Scene
 
 def plates_of(case: Case) -> list[Path]:
     """The plate files of a build, in their order."""
-    return sorted(
-        case.folder.glob(f"{case.mechanism.name}-plate*.3mf"),
-        key=lambda path: (len(path.name), path.name),
-    )
+    return case.files("plate*.3mf")
 
 
 def seen(case: Case, kinds: Collection[str]) -> Scene | None:
@@ -68,6 +65,15 @@ class Summary:
     scene: Scene | None
 
 
+def report_files(summary: Summary) -> list[str]:
+    """Names of what `write_report` writes, but plots."""
+    return [
+        "report.json",
+        *(["motion.csv"] if summary.columns else []),
+        *(["report.html"] if "report" in summary.kinds else []),
+    ]
+
+
 def write_report(summary: Summary, case: Case, folder: Path) -> None:
     """Write motion.csv, report.json, and where they are asked for report.html and plots."""
     if summary.columns:
@@ -75,7 +81,12 @@ def write_report(summary: Summary, case: Case, folder: Path) -> None:
     if "report" in summary.kinds:
         from camgen.pipeline.shown import animation
 
-        report = replace(summary.report, animation=animation(case.mechanism), scene=summary.scene)
+        report = replace(
+            summary.report,
+            animation=animation(case.mechanism),
+            scene=summary.scene,
+            places=case.places,
+        )
         write_html(folder / "report.html", report)
     if "plots" in summary.kinds:
         write_plots(folder, case.mechanism.name, once(summary.report.plots))

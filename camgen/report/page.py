@@ -74,13 +74,15 @@ def to_html(report: Report) -> str:
         machine=machine,
         plots=_section("Curves", _plots(report.plots)),
         parts=_section("Parts", _parts(report))
-        + _section("Plates, ready to print", _plates(scene), "plates")
+        + _section("Plates, ready to print", _plates(report), "plates")
         + _section(scene.work if scene else "", _steps(scene), "steps"),
         findings=_section("Margins", margins(report.findings)),
         numbers=_section("Figures", figure_lists(report.numbers)),
         tables=_section("Tables", "".join(map(_folded, report.all_tables))),
         notes=_section("Notes", "".join(f"<p>{escape(note)}</p>" for note in report.notes)),
-        files=", ".join(_link(file) for file in report.files if not file.endswith("-drawing.pdf")),
+        files=", ".join(
+            _link(report, file) for file in report.files if not file.endswith("-drawing.pdf")
+        ),
         # Names stay out of the data, so no text of a user's can end the script element.
         frames=json.dumps(turn, separators=(",", ":"), allow_nan=False),
         script=_asset("page.js"),
@@ -138,8 +140,9 @@ def _viewer(report: Report, scene: Scene) -> str:
 # ---- pieces of text ----
 
 
-def _link(file: str, text: str = "") -> str:
-    return f'<a href="{escape(quote(file))}">{escape(text or file)}</a>'
+def _link(report: Report, file: str, text: str = "") -> str:
+    place = report.places.get(file, file)
+    return f'<a href="{escape(quote(place))}">{escape(text or file)}</a>'
 
 
 def _section(title: str, body: str, kind: str = "") -> str:
@@ -255,9 +258,9 @@ def _parts(report: Report) -> str:
         label = str(part["name"])
         listed = part.get("files", ())
         assert isinstance(listed, Sequence)
-        links = [_link(str(file), str(file).rpartition(".")[2].upper()) for file in listed]
+        links = [_link(report, str(file), str(file).rpartition(".")[2].upper()) for file in listed]
         drawing = f"{report.name}-{label}-drawing.pdf"
-        links += [_link(drawing, "PDF")] if drawing in report.files else []
+        links += [_link(report, drawing, "PDF")] if drawing in report.files else []
         facts = [str(part["title"])] if part.get("title") else []
         facts += (
             [f"{rounded(_float(part['thickness_mm']), 3)} mm high"]
@@ -274,7 +277,7 @@ def _parts(report: Report) -> str:
         )
         cards.append(_card(title, "; ".join(facts), links, f"part-{k}", report.scene is not None))
     whole = [file for file in report.files if file.startswith(f"{report.name}-assembly.")]
-    links = [_link(file, file.rpartition(".")[2].upper()) for file in whole]
+    links = [_link(report, file, file.rpartition(".")[2].upper()) for file in whole]
     return (f'<p class="links">All together: {" ".join(links)}</p>' if links else "") + _cards(
         cards
     )
@@ -285,14 +288,14 @@ def _float(value: object) -> float:
     return float(value)
 
 
-def _plates(scene: Scene | None) -> str:
-    if scene is None:
+def _plates(report: Report) -> str:
+    if report.scene is None:
         return ""
     cards = []
-    for k, plate in enumerate(scene.plates):
+    for k, plate in enumerate(report.scene.plates):
         copies = f"{len(plate.copies)} {'copy' if len(plate.copies) == 1 else 'copies'}"
         cards.append(
-            _card(f"Plate {k + 1}", copies, [_link(plate.file, "3MF")], f"plate-{k}", True)
+            _card(f"Plate {k + 1}", copies, [_link(report, plate.file, "3MF")], f"plate-{k}", True)
         )
     return _cards(cards)
 

@@ -182,13 +182,14 @@ def _sentence(finding: Finding, where: str) -> str:
 
 def _next_steps(report: Report, folder: Path, every: bool) -> list[str]:
     """Where the files are, and what to open."""
-    names = sorted(path.name for path in folder.iterdir()) if folder.is_dir() else []
+    paths = {path.name: path for path in sorted(folder.rglob("*")) if path.is_file()}
+    names = [*paths]
     kinds = Counter(name.rpartition(".")[2] for name in names)
     known = "dxf", "stl", "3mf", "step", "glb", "svg", "png", "pdf"
     held = ", ".join(f"{kinds[kind]} {kind.upper()}" for kind in known if kinds[kind])
     said = [f"files are in {folder}{f': {held}' if held else ''}"]
     if every:
-        said += [f"  {folder / name}" for name in names]
+        said += [f"  {path}" for path in paths.values()]
     plates = [
         name for name in names if re.fullmatch(rf"{re.escape(report.name)}-plate(-\d+)?\.3mf", name)
     ]
@@ -198,15 +199,14 @@ def _next_steps(report: Report, folder: Path, every: bool) -> list[str]:
             f"open {folder / 'report.html'} in a browser to see it{' move' if moves else ''}"
         )
     if plates:
-        said.append(
-            f"print {folder / _first_and_rest(sorted(plates, key=lambda name: (len(name), name)))}"
-        )
+        plates.sort(key=lambda name: (len(name), name))
+        said.append(f"print {paths[plates[0]].parent / _first_and_rest(plates)}")
     sheets = [
         name for name in names if re.fullmatch(rf"{re.escape(report.name)}-sheet-\d+\.svg", name)
     ]
     if sheets:
         said.append(
-            f"cut {folder / sheets[0]}{f' and {len(sheets) - 1} more' if len(sheets) > 1 else ''}"
+            f"cut {paths[sheets[0]]}{f' and {len(sheets) - 1} more' if len(sheets) > 1 else ''}"
         )
     found = f"{report.name}-print.toml"
     if found in names:
