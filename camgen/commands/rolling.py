@@ -114,7 +114,7 @@ def motion(
     A mesh is one part: STL, 3MF, OBJ, PLY, OFF or GLB. OBJ, PLY, OFF and STL name no unit and are taken as mm with z up; a GLB
     is in metres with y up.
 
-    A scan (PNG, JPEG, TIFF; pip install 'camgen[scan]') shows one part on an even ground; its bore is the shaft. Points are
+    A scan (PNG, JPEG, TIFF; with the extra "scan") shows one part on an even ground; its bore is the shaft. Points are
     a CSV with columns x,y in order or angle,radius, mm and degrees.
 
     Writes OUT/<file>-motion/ with report.html, report.json and motion.csv: displacement, speed,

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from camgen.bounds import bounded
 from camgen.errors import FileError
+from camgen.extras import install_line
 from camgen.machines.sources import files_of
 from camgen.reading import SPEC_FILE
 
@@ -57,7 +58,7 @@ def _need() -> None:
         import starlette
         import uvicorn  # noqa: F401
     except ImportError as error:
-        raise FileError("a live page", f"needs {error.name}: pip install 'camgen[live]'") from None
+        raise FileError("a live page", f"needs {error.name}: {install_line('live')}") from None
     assert starlette
 
 

@@ -26,6 +26,7 @@ import numpy as np
 
 from camgen.bounds import Bound, read_bytes
 from camgen.errors import FileError, counted
+from camgen.extras import install_line
 from camgen.geometry.registration import lay, middle, star, straighten
 from camgen.geometry.rings import Floats, Points, Ring, fit_circle
 from camgen.numerics import least_squares
@@ -97,7 +98,7 @@ def read_scan(path: Path, dpi: float | None = None) -> Scan:
         import contourpy
         from PIL import Image, UnidentifiedImageError
     except ImportError:
-        raise FileError(path, "needs Pillow and contourpy: pip install 'camgen[scan]'") from None
+        raise FileError(path, f"needs Pillow and contourpy: {install_line('scan')}") from None
     try:
         content = read_bytes(path, PICTURE_SIZE)
         with warnings.catch_warnings(), _any_size(Image):

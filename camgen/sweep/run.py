@@ -24,6 +24,7 @@ import numpy as np
 
 from camgen._version import __version__
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, counted
+from camgen.extras import install_line
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import Template, changed, prepare, read_tables
 from camgen.motion.tables import with_tables
@@ -211,7 +212,7 @@ class Cluster:
         try:
             import distributed
         except ImportError:
-            raise FileError(self.address, "needs Dask: pip install 'camgen[cluster]'") from None
+            raise FileError(self.address, f"needs Dask: {install_line('cluster')}") from None
         cluster: Any = distributed  # without types
         try:
             with cluster.Client(self.address, timeout=self.patience) as client:

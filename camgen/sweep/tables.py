@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from camgen.errors import FileError, file_errors
+from camgen.extras import install_line
 
 Row = dict[str, Any]
 
@@ -33,7 +34,7 @@ def pyarrow_at(path: Path) -> Any:
     except ImportError:
         raise FileError(
             path,
-            "needs pyarrow: pip install 'camgen[table]'; a name that ends in .csv needs nothing",
+            f"needs pyarrow: {install_line('table')}; a name that ends in .csv needs nothing",
         ) from None
     return pyarrow
 
