@@ -32,6 +32,7 @@ class MountedSpring:
     """A spring in its machine."""
 
     name: str
+    figure: str  # how the names of its figures begin
     ends: tuple[tuple[str, str], tuple[str, str]]  # body and point of each
     pull: m.Spring  # as a load
     spring: ExtensionSpring
@@ -43,12 +44,6 @@ class MountedSpring:
     def stretched(self) -> StretchedSpring:
         """What it takes up."""
         return StretchedSpring(*self.ends, self.spring.outside, self.spring.wire)
-
-    @property
-    def figure(self) -> str:
-        """How the names of its figures begin."""
-        known = self.name.startswith(("spring", RETURN))
-        return self.name if known else f"spring_{self.name}"
 
     def forces(self) -> tuple[float, float]:
         """Its least and greatest pull, N."""
@@ -108,7 +103,7 @@ class Returning:
         shortest, longest = (length - pin for length in self.spring.way)
         note = "" if self.spring.given else f"; {self.spring.of_a_shop(least)}"
         ends = ((m.GROUND, self.post), (self.cam.follower, self.hook))
-        return MountedSpring(self.name, ends, pull, spring, shortest, longest, note)
+        return MountedSpring(self.name, self.name, ends, pull, spring, shortest, longest, note)
 
 
 def returning(machine: m.Machine, drawing: Drawing, sizes: Parts, play: float) -> list[Returning]:
@@ -221,9 +216,9 @@ def _mounted(spec: t.Spring, name: str, run: Run, sizes: Parts) -> MountedSpring
             remedy,
         ).saying(f"{said}{longest:.4g} mm")
     a, b = (m.Place(body, complex(run.machine.body(body).points[point])) for body, point in ends)
-    return MountedSpring(
-        name, (ends[0], ends[1]), m.Spring(name, a, b, spec.rate, free), spring, shortest, longest
-    )
+    figure = f"spring_{spec.name}" if spec.name else name
+    pull = m.Spring(name, a, b, spec.rate, free)
+    return MountedSpring(name, figure, (ends[0], ends[1]), pull, spring, shortest, longest)
 
 
 def _carrier(machine: m.Machine, point: str) -> str:

@@ -198,7 +198,7 @@ def balance_of(body: str, joint: str, about: complex, moment: complex, solids: S
     density = {
         part.name: 1e-6 * solids.density_of(part) for part in solids.parts if part.name in parts
     }
-    weights = [part for part in solids.parts if part.name.startswith(NAME)]
+    weights = [part for part in solids.parts if part.role == "counterweight"]
     own = first_moment(body, about, replace(solids, parts=weights))
     return Balance(body, joint, about, moment, density, _SHARE * max(abs(moment), abs(own)))
 

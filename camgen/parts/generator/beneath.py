@@ -283,7 +283,7 @@ class Beneath:
         grip = -self._low
         size = f"{_THREAD} x {screw.length(grip, self.whole.sizes.base_thickness):g}"
         return [
-            *(each for each in drive if "plate" not in each.name),
+            *(each for each in drive if each.role != "mount"),
             Bought("screw of a post", screw.standard, size, _POSTS),
         ]
 
