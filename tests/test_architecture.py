@@ -191,12 +191,7 @@ PARSING = {
 
 
 def reads_prose(module: str, tree: ast.AST) -> list[str]:
-    """Texts for people, and names, that are taken apart again: what they say is a field of its own.
-
-    `findings` may compare sentences but for their figures, to tell one that many findings say once.
-    """
-    if module == "findings":
-        return []
+    """Texts for people, and names, that are taken apart again: what they say is a field of its own."""
 
     def prose(node: ast.AST) -> bool:
         text = isinstance(node, ast.Call) and ast.unparse(node.func) == "str"
@@ -341,6 +336,7 @@ def test_a_circle_for_types_alone_is_seen() -> None:
         (reads_prose, "report.page", "last = finding.where.endswith('deg')"),
         (reads_prose, "report.page", "kind = str(finding.where).rpartition('.')"),
         (reads_prose, "parts.plates", "if 'stand' not in error.where: pass"),
+        (reads_prose, "findings", "kind = re.sub('[0-9]', '#', finding.message)"),
         (reads_prose, "report.page", "said = re.sub('x', '', finding.message)"),
         (reads_prose, "report.plots", "parts = re.fullmatch('(x |y )?(.*)', label)"),
         (reads_prose, "parts.springs", "known = self.name.startswith(('spring', RETURN))"),
