@@ -89,7 +89,6 @@ STRONGEST = 75.0
 # [igus.co.uk/info/plain-bearings-p210-material-data: iglidur P210 0.4; igus.eu: J260 0.35; igus.com: J 9,700 psi ft/min, 0.34].
 # Grease that stays doubles it, oil makes it five times as much [igus.com, p x v value and lubrication, table 1.4].
 PV_MOST = 0.4
-PV_OILED = 5.0
 
 # Coefficient of dry friction of two printed faces [doi 10.2478/msp-2025-0039: printed PLA 0.62-0.76, PA6 0.66-1.10], and of a
 # bearing's plastic on steel [iglidur P210: 0.07-0.19].
