@@ -223,7 +223,7 @@ def _followers(path: Path, request: Request) -> tuple[FollowerTable, FollowerTab
 
     if request.second is not None and other is None:
         expected = "--second-follower, the tip that rides on it"
-        raise SpecError(fault(request.second, expected, "--second"))
+        raise SpecError(fault(request.second, expected, "--second"), "command line")
     if request.against is not None and (
         other is not None or follower.inside or follower.contour not in (None, 1)
     ):
