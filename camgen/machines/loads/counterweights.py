@@ -104,14 +104,12 @@ class Counterweight(Record):
             return None
         return cmath.rect(self.moment_g_mm, math.radians(self.at_deg))
 
-    def whole(self, machine: Machine, link: str, pin: str) -> complex:
-        """The moment of all that turns with the crank, complex g mm in its axes: as given, or the best for this machine.
+    def best(self, machine: Machine, link: str, pin: str) -> complex:
+        """The best moment of all that turns with the crank, complex g mm in its axes, for this machine.
 
         machine: with the masses of what else moves; link, pin: the crank and its joint with the ground. DesignError where it
         does not turn evenly.
         """
-        if self.given is not None:
-            return self.given
         light = [
             replace(body, mass=0.0, inertia=0.0) if body.name == link else body
             for body in machine.bodies
