@@ -460,6 +460,8 @@ def test_weight_of_a_follower_presses_or_lifts(deg: float | None, pull: float) -
     codes = {each.code for each in given.findings}
     assert ("HERTZ" in codes) is (pull < 6)
     assert ("HERTZ" in {each.code for each in given.not_judged}) is (pull > 6)
+    turns = [plot.x_label for plot in (*study.plots, *given.study.plots) if plot.turns]
+    assert set(turns) == {"cam angle, deg"}
     # torque without friction, in the one report as in the other
     torque = next(
         plot for plot in given.study.plots if plot.title.startswith("Torque that the motor gives")

@@ -86,7 +86,11 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
         why = "no ball bearing of the machine is loaded"
         cams.not_judged.append(NotJudged("BEARING_LIFE", why, "a ball bearing"))
     torque = drive.torque(
-        run, forces, motor, lambda: locking_friction(machine, journals, load, theta)
+        run,
+        forces,
+        motor,
+        assembly.cycle.name,
+        lambda: locking_friction(machine, journals, load, theta),
     )
     hub = drive.hub_slip(
         assembly.motor.hub,

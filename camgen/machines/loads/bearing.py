@@ -246,7 +246,7 @@ def contacts(run: Run, forces: Forces, assembly: Assembly) -> LoadCheck:
         check.figures.append(Figure("hertz pressure {of}", most, "MPa", joint.name))
         curve = [("line contact", np.degrees(theta), pressure)]
         title = f"Hertz pressure, {joint.name}"
-        check.plots.append(Plot(title, "cam angle, deg", "MPa", curve))
+        check.plots.append(Plot(title, f"{assembly.cycle.name}, deg", "MPa", curve))
         if roller is not None:  # it turns as far as the cam's profile is long
             profile, _ = joint.touches[0](angle)
             turns = float(np.sum(np.abs(np.diff(profile)))) / (math.pi * roller.outside)

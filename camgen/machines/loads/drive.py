@@ -73,11 +73,15 @@ def reach(drives: Drives | None, seat: MotorSeat) -> LoadCheck:
 
 
 def torque(
-    run: Run, forces: Forces, drives: Drives | None, locking: Callable[[], str] = str
+    run: Run,
+    forces: Forces,
+    drives: Drives | None,
+    angle: str = "crank angle",
+    locking: Callable[[], str] = str,
 ) -> LoadCheck:
     """SELF_LOCKING, torque, power and evenness of the machine's drives, which are one shaft: seen from the first of them.
 
-    locking: of a machine that locks says by which friction, and which it would bear.
+    angle: what theta is called; locking: of a machine that locks says by which friction, and which it would bear.
     """
     check = LoadCheck()
     speed = run.machine.speed
@@ -131,7 +135,7 @@ def torque(
     degrees = np.degrees(theta)
     curves = [("with friction", degrees, needed), ("without", degrees, smooth)]
     title = "Torque that the motor gives, with friction in the joints and without"
-    check.plots.append(Plot(title, "angle of the drive, deg", "N m", curves))
+    check.plots.append(Plot(title, f"{angle}, deg", "N m", curves))
     fluctuation = None if drives is None else drives.fluctuation
     swing = min(1.0, flywheel.fluctuation_of(energy, inertia, speed)) if energy else 0.0
     if flywheel_given or fluctuation:
