@@ -158,13 +158,8 @@ class Bought:
     role: Literal["", "drive", "mount"] = ""  # turns the machine; holds its frame from behind
 
 
-# Density of printed plastics, g/cm^3. Source: the generic profiles of UltiMaker's fdm_materials
-# (generic_pla.xml.fdm_material and its neighbours, element <density>).
-DENSITY = {"PLA": 1.24, "PETG": 1.27, "ABS": 1.10, "ASA": 1.06, "nylon": 1.14, "PC": 1.19}
-
 CUT = "cut of steel"
 TURNED = "turned of steel"  # how pins are made that a print does not bear
-STEEL = 7.85  # g/cm^3, of what is bought to turn on
 
 # Lengths in which screws are sold, mm [ISO 4762, ISO 7380-1].
 SCREW_LENGTHS = (

@@ -67,7 +67,7 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
         return Assessment(reach.findings, study, left_out)
     theta = np.linspace(*assembly.cycle.range, _MANY if len(machine.bodies) <= _BODIES else _FEW)
     journals = assembly.journals
-    run = solve(with_friction(machine, journals, load), theta)
+    run = solve(with_friction(machine, journals, load, mechanism.material.name), theta)
     forces = run.forces()
     # friction may spare a pin, and may be less than its table says
     smooth = solve(machine, theta).forces()
@@ -86,7 +86,10 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
         why = "no ball bearing of the machine is loaded"
         cams.not_judged.append(NotJudged("BEARING_LIFE", why, "a ball bearing"))
     torque = drive.torque(
-        run, forces, motor, lambda: locking_friction(machine, journals, load, theta)
+        run,
+        forces,
+        motor,
+        lambda: locking_friction(machine, journals, load, mechanism.material.name, theta),
     )
     hub = drive.hub_slip(
         assembly.motor.hub,

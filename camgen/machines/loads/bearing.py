@@ -115,6 +115,9 @@ def plain_bearings(
         return check
     worst, slides = max(plain, key=lambda each: each[1].pv / (limits(each[0].joint).pv or usual))
     limit = limits(worst.joint).pv
+    if limit is None and not materials.of(worst.hole).printed:
+        why = f"{slides.pv:.3g} MPa m/s in {worst.joint}; what {worst.hole} bears depends on oil and on its shaft"
+        check.not_judged.append(NotJudged("PV", why, "limits.pv_mpa_m_s"))
     remark = f"{slides.power:.3g} W of heat at a friction of {coefficient(worst, load):g}"
     remark += (
         f"; limits.pv_mpa_m_s; a plastic made for bearings bears {usual:g} dry"
@@ -125,7 +128,8 @@ def plain_bearings(
     )
     size = f"{worst.diameter:g} x {worst.length:.4g} mm"
     where = Where(f"pin {worst.joint}, {size}", joint=worst.joint)
-    check.findings.append(at_most("PV", slides.pv, limit or usual, "MPa m/s", where, remark))
+    if limit or materials.of(worst.hole).printed:
+        check.findings.append(at_most("PV", slides.pv, limit or usual, "MPa m/s", where, remark))
     heads = (
         "pin",
         "diameter, mm",
@@ -181,12 +185,12 @@ def bent_posts(
 def contacts(run: Run, forces: Forces, assembly: Assembly) -> LoadCheck:
     """HERTZ of every cam that says how it is touched, and BEARING_LIFE of a roller.
 
-    A tip that is no bearing is of the cam's own plastic.
+    A tip that is no bearing is of the cam's own material.
     """
     check = LoadCheck()
     theta = run.theta
     roller = assembly.follower.roller
-    own = materials.of(assembly.process.plastic)
+    own = materials.of(assembly.process.material)
     tip = materials.STEEL if roller else own
     for joint in run.machine.joints:
         outline = assembly.outlines.get(joint.name)
@@ -224,13 +228,12 @@ def contacts(run: Run, forces: Forces, assembly: Assembly) -> LoadCheck:
             pressure = np.fmax(pressure, line)
         worst = int(np.nanargmax(pressure))
         most = float(pressure[worst])
-        limit = limits.hertz or strength.YIELDS * materials.STRONGEST
-        by = (
-            "limits.hertz_mpa"
-            if limits.hertz
-            else f"no limit is published for prints of {own.name}: beyond this the strongest printed plastic flows (PC, "
-            f"{materials.STRONGEST:g} MPa in its plane, 1.79 times that in a line contact)"
-        )
+        limit = limits.hertz or own.hertz
+        by = "limits.hertz_mpa" if limits.hertz else own.hertz_source
+        check.figures.append(Figure("hertz pressure {of}", most, "MPa", joint.name))
+        curve = [("line contact", np.degrees(theta), pressure)]
+        title = f"Hertz pressure, {joint.name}"
+        check.plots.append(Plot(title, "cam angle, deg", "MPa", curve))
         remark = (
             f"by {force[worst]:.4g} N on a line of {length:.4g} mm, {tip.name} on {own.name}; {by}; "
             "the ends of the line press harder still: round them"
@@ -242,11 +245,11 @@ def contacts(run: Run, forces: Forces, assembly: Assembly) -> LoadCheck:
             theta=float(theta[worst]),
             digits=1,
         )
-        check.findings.append(at_most("HERTZ", most, limit, "MPa", where, remark))
-        check.figures.append(Figure("hertz pressure {of}", most, "MPa", joint.name))
-        curve = [("line contact", np.degrees(theta), pressure)]
-        title = f"Hertz pressure, {joint.name}"
-        check.plots.append(Plot(title, "cam angle, deg", "MPa", curve))
+        if limit is None:
+            why = f"{most:.4g} MPa at {joint.name}, and no limit is published for {own.name}"
+            check.not_judged.append(NotJudged("HERTZ", why, "limits.hertz_mpa"))
+        else:
+            check.findings.append(at_most("HERTZ", most, limit, "MPa", where, remark))
         if roller is not None:  # it turns as far as the cam's profile is long
             profile, _ = joint.touches[0](angle)
             turns = float(np.sum(np.abs(np.diff(profile)))) / (math.pi * roller.outside)
