@@ -18,7 +18,7 @@ from camgen.files.formats import EXACT, FORMATS, Job, write_part
 from camgen.machines.mechanism import Mechanism
 from camgen.parts import materials
 from camgen.parts.assembly import cut_of_sheet, printed_parts
-from camgen.parts.catalogue import TURNED, Bought
+from camgen.parts.catalogue import CAM_FOLLOWERS, TURNED, Bought
 from camgen.parts.fits import Compensation, compensated
 from camgen.pipeline.case import Case
 from camgen.pipeline.summary import draw_part
@@ -242,6 +242,9 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
             mass = volume * density * 1e-3
         rows.append((how, part.name, what, part.count, volume or "", mass, *blank[1:]))
     things = list(mechanism.assembly.bought)
+    rollers = [cam.roller for cam in mechanism.assembly.outlines.values()]
+    if mechanism.load is not None and mechanism.load.cam_follower and not any(rollers):
+        things.append(CAM_FOLLOWERS[mechanism.load.cam_follower].bought(len(rollers)))
     if any("glued" in note for part in parts for note in part.notes) and "glue" not in {
         thing.name for thing in things
     }:

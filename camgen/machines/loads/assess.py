@@ -78,7 +78,7 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
     )
     pins = bearing.plain_bearings(run, on_pins, journals, assembly.limits_of, load)
     posts = bearing.bent_posts(on_pins, assembly.posts, assembly.limits_of, not machine.loads)
-    cams = bearing.contacts(run, forces, assembly)
+    cams = bearing.contacts(run, forces, assembly, load)
     lives = {each.code for check in (pins, cams) for each in check.findings}
     lives |= {each.code for check in (pins, cams) for each in check.not_judged}
     asked = any(assembly.limits_of(joint.name).bearing_life is not None for joint in machine.joints)
