@@ -177,16 +177,35 @@ class Print(Record):
 
 
 class Material(Record):
-    """What is printed with."""
+    """What is printed with, or what the parts are cut of."""
 
-    name: Literal["PLA", "PETG", "ABS", "ASA", "nylon", "PC"] = Field(
-        default="PLA", description='"PLA", "PETG", "ABS", "ASA", "nylon" or "PC"'
+    name: Literal[
+        "PLA",
+        "PETG",
+        "ABS",
+        "ASA",
+        "nylon",
+        "PC",
+        "C45",
+        "42CrMo4",
+        "16MnCr5",
+        "stainless",
+        "aluminium",
+        "brass",
+        "POM",
+        "plywood",
+        "acrylic",
+    ] = Field(
+        default="PLA",
+        description='printed: "PLA", "PETG", "ABS", "ASA", "nylon" or "PC"; cut: "C45", "42CrMo4", '
+        '"16MnCr5" (hardened), "stainless", "aluminium", "brass", "POM", "plywood" or "acrylic"',
     )
     density: Annotated[float, quantity("g/cm^3", gt=0, le=25)] | None = Field(
         default=None, description="where it differs from the usual one"
     )
     infill: Annotated[float, quantity("1", gt=0, le=1)] = Field(
-        default=1.0, description="share of the volume that is plastic, walls and filling together"
+        default=1.0,
+        description="share of the volume that is material: of prints walls and filling together",
     )
 
 
@@ -326,7 +345,8 @@ class Spec(Checked):
         default=Print.model_construct(), description="your printer, and the fits that it needs"
     )
     material: Material = Field(
-        default=Material.model_construct(), description="what is printed with"
+        default=Material.model_construct(),
+        description="what is printed with, or what parts are cut of",
     )
     accuracy: Accuracy = Field(
         default=Accuracy.model_construct(), description="of the outlines in the files"

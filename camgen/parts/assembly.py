@@ -33,7 +33,7 @@ from camgen.machine.features import (
 from camgen.machine.joining import Module
 from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Lazy, solve
-from camgen.parts import coils
+from camgen.parts import coils, materials
 from camgen.parts.catalogue import Bearing, Bought
 from camgen.parts.coils import Coil
 from camgen.parts.inertia import Solids
@@ -112,7 +112,7 @@ class Process:
     tolerance: float  # mm, by which facets lie off an arc
     gap: float  # mm, that bodies keep which move past each other
     fixing: Fixing  # of parts on each other
-    plastic: str  # that is printed
+    material: str  # of all that is no bought, turned or steel part
     density: float  # kg/m^3, of it
     sheet: float | None = None  # mm, thickness of what a laser cuts; None: it cuts nothing
 
@@ -225,7 +225,9 @@ def tips(
 
 
 def printed_parts(assembly: Assembly) -> list[Part]:
-    """Parts that are laid out on plates: not what is bought, or turned, or cut of a sheet."""
+    """Parts that are laid out on plates: not what is bought, or turned, or cut, of a sheet or otherwise."""
+    if not materials.of(assembly.process.material).printed:
+        return []
     return [
         part
         for part in assembly.parts
@@ -326,7 +328,7 @@ def joined(host: Assembly, others: Sequence[Assembly], machine: Machine) -> Asse
         springs={name: spring for each in all_ for name, spring in each.springs.items()},
         **lists,
     )
-    bearings = journals(machine, whole.features, whole.parts, whole.mounts, host.process.plastic)
+    bearings = journals(machine, whole.features, whole.parts, whole.mounts, host.process.material)
     return replace(whole, journals=bearings)
 
 

@@ -14,7 +14,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from camgen.parts.catalogue import STEEL, Bought
+from camgen.parts.catalogue import Bought
+from camgen.parts.materials import STEEL
 
 WIRES = (0.2, 0.25, 0.32, 0.4, 0.5, 0.63, 0.8, 1.0, 1.25, 1.6, 2.0)  # mm, of the series R10
 EYE = 1.1  # of a spring, to the pin that it hooks on
@@ -61,7 +62,7 @@ class ExtensionSpring:
     def surge(self) -> float:
         """Frequency of its own coils, Hz."""
         mean = self.outside - self.wire
-        mass = math.pi**2 * self.wire**2 * mean * self.coils / 4 * STEEL * 1e-6  # kg
+        mass = math.pi**2 * self.wire**2 * mean * self.coils / 4 * STEEL.density * 1e-6  # kg
         return math.sqrt(1e3 * self.rate / mass) / 2
 
     def least_free(self, hook: float = 0.0) -> float:

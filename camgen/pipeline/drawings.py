@@ -15,7 +15,8 @@ from camgen.files.title_block import Facts, Fit
 from camgen.machine.features import PinEyes
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.assembly import cut_of_sheet
-from camgen.parts.catalogue import CUT, STEEL, TURNED
+from camgen.parts.catalogue import CUT, TURNED
+from camgen.parts.materials import STEEL
 from camgen.parts.part import Part
 from camgen.parts.steps import standing
 from camgen.tolerances import SAME_POINT
@@ -37,7 +38,9 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         else "steel"
         if steel
         else part.made,
-        mass_g=part.volume * (mechanism.assembly.process.density if printed else 1e3 * STEEL) * 1e-6
+        mass_g=part.volume
+        * (mechanism.assembly.process.density if printed else 1e3 * STEEL.density)
+        * 1e-6
         if printed or steel
         else None,
         tolerance=sheet.tolerance,

@@ -23,6 +23,7 @@ from camgen.geometry.outlines import Floats
 from camgen.judge.copies import judge_copies, judge_exact_copies
 from camgen.judge.round_trip import judge_solid
 from camgen.machines.mechanism import Mechanism
+from camgen.parts import materials
 from camgen.parts.assembly import bodies_in_motion, order_of_assembly, printed_parts
 from camgen.parts.part import Part
 from camgen.pipeline.case import Case
@@ -194,21 +195,23 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
         stages.append(
             Stage((), "copies of exact solids in the assembly", EXACT, judge_exact_assembly)
         )
-    stages.append(
-        Stage(
-            ("BED_FIT",),
-            "room on the printer's bed",
-            SOLID,
-            judge_plates if "3mf" in kinds else fit_bed,
+    printed = materials.of(mechanism.material.name).printed
+    if printed:
+        stages.append(
+            Stage(
+                ("BED_FIT",),
+                "room on the printer's bed",
+                SOLID,
+                judge_plates if "3mf" in kinds else fit_bed,
+            )
         )
-    )
     if "report" in kinds and any(kind in SOLID for kind in kinds):
         stages.append(Stage((), "the machine in motion, as viewers show it", SOLID, judge_seen))
     return [
         *stages,
         Stage((), work=list_parts),
         Stage((), work=bear_loads),
-        Stage((), work=print_errors),
+        *([Stage((), work=print_errors)] if printed else []),
         *of_parts(mechanism),
     ]
 
@@ -431,9 +434,11 @@ def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
     mechanism = case.mechanism
     sides = lying_sides(mechanism, written(case) if "3mf" in kinds else {})
     table = parts_table(mechanism, sides)
-    rows = [row for row in table.rows if row[0] == "printed"]
-    mass, minutes = (sum(float(str(row[column])) for row in rows) for column in (5, 6))
-    figures = [Figure("mass", mass, "g"), Figure("print time", minutes / 60, "h")]
+    rows = [row for row in table.rows if row[5] != ""]
+    figures = [Figure("mass", sum(float(str(row[5])) for row in rows), "g")]
+    if materials.of(mechanism.material.name).printed:
+        minutes = sum(float(str(row[6])) for row in rows)
+        figures.append(Figure("print time", minutes / 60, "h"))
     if sides:
         parts = printed_parts(mechanism.assembly)
         overhang = sum(part.count * sides[part.name].overhang for part in parts)

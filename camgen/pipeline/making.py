@@ -16,8 +16,9 @@ from camgen import spec as specs
 from camgen.errors import DesignError
 from camgen.files.formats import EXACT, FORMATS, Job, write_part
 from camgen.machines.mechanism import Mechanism
+from camgen.parts import materials
 from camgen.parts.assembly import cut_of_sheet, printed_parts
-from camgen.parts.catalogue import DENSITY, TURNED, Bought
+from camgen.parts.catalogue import CAM_FOLLOWERS, TURNED, Bought
 from camgen.parts.fits import Compensation, compensated
 from camgen.pipeline.case import Case
 from camgen.pipeline.summary import draw_part
@@ -202,12 +203,13 @@ def assembled(mechanism: Mechanism) -> list[Placed]:
 def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyType({})) -> Table:
     """The list of parts: what is printed, with material, mass and time of all copies, then what is cut, turned or bought.
 
-    sides: on which printed parts lie on the bed, where their solids are known.
+    sides: on which printed parts lie on the bed, where their solids are known. Of a material that is not printed nothing is said
+    of printing.
     """
     from camgen.files.parts_list import parts_list
 
-    material = mechanism.material
-    density = (material.density or DENSITY[material.name]) * material.infill
+    material = mechanism.material.name
+    density = mechanism.assembly.process.density * 1e-3
     parts = mechanism.assembly.parts
     printed = printed_parts(mechanism.assembly)
     rows: list[tuple[object, ...]] = [
@@ -222,7 +224,7 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
             *_lying(sides.get(row.part)),
         )
         for row in parts_list(
-            printed, material.name, mechanism.print.nozzle, density, sides, mechanism.print.layer
+            printed, material, mechanism.print.nozzle, density, sides, mechanism.print.layer
         )
     ]
     blank: tuple[object, ...] = ("",) * 5
@@ -232,10 +234,17 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
         bought = part.made == "bought"
         has_size = part.made in ("bought", TURNED)
         what = ": ".join([part.title, *part.notes[: int(has_size)]])
-        volume = "" if bought else part.count * part.volume
+        volume = 0.0 if bought else part.count * part.volume
+        mass: object = ""
         how = "cut of sheet" if cut_of_sheet(mechanism.assembly, part) else part.made
-        rows.append((how, part.name, what, part.count, volume, *blank))
+        if how == "printed":
+            how = f"made of {material}"
+            mass = volume * density * 1e-3
+        rows.append((how, part.name, what, part.count, volume or "", mass, *blank[1:]))
     things = list(mechanism.assembly.bought)
+    rollers = [cam.roller for cam in mechanism.assembly.outlines.values()]
+    if mechanism.load is not None and mechanism.load.cam_follower and not any(rollers):
+        things.append(CAM_FOLLOWERS[mechanism.load.cam_follower].bought(len(rollers)))
     if any("glued" in note for part in parts for note in part.notes) and "glue" not in {
         thing.name for thing in things
     }:
@@ -249,13 +258,14 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
         "what",
         "count",
         "material, mm^3",
-        f"mass in {material.name}, g",
+        f"mass in {material}, g",
         "print time, min",
         "lies",
         "on the bed, mm^2",
         "overhang, mm^2",
     )
-    return Table("Parts list", columns, rows, digits=3)
+    kept = len(columns) if materials.of(material).printed else columns.index("print time, min")
+    return Table("Parts list", columns[:kept], [row[:kept] for row in rows], digits=3)
 
 
 def _lying(side: Side | None) -> tuple[object, ...]:

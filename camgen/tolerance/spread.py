@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from camgen.errors import Fault, SpecError
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.joints import Rolled
@@ -59,14 +60,16 @@ _CHUNK = 2000  # copies at a time: their errors stay in the processor's cache
 def sizes_of(mechanism: Mechanism) -> Sizes:
     """Standard deviations of the spec's printer: as it says, else by the usual tolerance of its plastic, taken as three of them.
 
-    A wall's is half of a size's, which has two walls; that of an outline's form, a quarter, is an estimate.
+    A wall's is half of a size's, which has two walls; that of an outline's form, a quarter, is an estimate. SpecError where the
+    spec says none of a material that is not printed.
     """
     given = mechanism.print
-    size = (
-        materials.of(mechanism.material.name).spread / 3
-        if given.size_error is None
-        else given.size_error
-    )
+    usual = materials.of(mechanism.material.name).spread
+    if given.size_error is None and usual is None:
+        name = mechanism.material.name
+        expected = f"the standard deviation of a size, mm: no usual one is known of {name}, which is not printed"
+        raise SpecError([Fault(("print", "size_error"), "", expected)])
+    size = (usual or 0.0) / 3 if given.size_error is None else given.size_error
     place = size / math.sqrt(2) if given.place_error is None else given.place_error
     form = size / 4 if given.form_error is None else given.form_error
     return Sizes(size / 2, form, place, size, given.form_orders or ORDERS)

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgen import tolerances
-from camgen.files.parts_list import DENSITY, parts_list
+from camgen.files.parts_list import parts_list
 from camgen.files.plates import (
     Layout,
     Spot,
@@ -281,7 +281,7 @@ def test_parts_list_by_hand() -> None:
         3 * (600 / (0.4 * 0.2 * 60) + 15 * 6) / 60
     )  # 4.8 mm^3/s, 15 layers of 6 s
     assert parts_list([block("cube", 10, 20, 3)], "PETG")[0].mass_g / row.mass_g == pytest.approx(
-        DENSITY["PETG"] / 1.24
+        1.27 / 1.24
     )
     with pytest.raises(KeyError):
         parts_list([], "cheese")

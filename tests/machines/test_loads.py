@@ -533,7 +533,7 @@ def test_ball_bearings_roll() -> None:
         str(f.where) for f in given.findings if f.code == "PIN_STRESS"
     }
     run = solve(
-        with_friction(weighed(drive).machine, drive.assembly.journals, None),
+        with_friction(weighed(drive).machine, drive.assembly.journals, None, "PLA"),
         np.linspace(0, math.tau, 1441),
     )
     forces, heat = run.forces(), 0.0

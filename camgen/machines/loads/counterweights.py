@@ -28,10 +28,11 @@ from camgen.machine.run import solve
 from camgen.machines.loads.tables import Direction
 from camgen.numerics import peak
 from camgen.parts.assembly import Assembly
-from camgen.parts.catalogue import CUT, STEEL
+from camgen.parts.catalogue import CUT
 from camgen.parts.counterweights import NAME, Sector, counterweight
 from camgen.parts.hardware import FACETS
 from camgen.parts.inertia import Solids, centre_of
+from camgen.parts.materials import STEEL
 from camgen.parts.part import Layer, Part
 from camgen.spec import Length, Print, Record, quantity
 from camgen.study import Figure, Figures, Plot, Study, Table
@@ -157,7 +158,7 @@ class Counterweight(Record):
         wanted: moment of all parts that turn with the crank; own: that of those that there are without it, complex g mm.
         density: of what is printed, kg/m^3.
         """
-        of_sector = (1e3 * STEEL if self.made == "steel" else density) * 1e-6  # g/mm^3
+        of_sector = (1e3 * STEEL.density if self.made == "steel" else density) * 1e-6  # g/mm^3
         thickness = self.thickness or seat.thickness
         disc = Part(NAME, "", (Layer(Region(circle(0j, seat.hub), (seat.bore,)), 0.0, thickness),))
         sector = Sector(
@@ -168,7 +169,7 @@ class Counterweight(Record):
             self.pins,
             self.pin_diameter,
             seat.fits.press_clearance,
-            STEEL * 1e-3,
+            STEEL.density * 1e-3,
             max(seat.min_wall, seat.fits.nozzle) + 2 * FACETS,
         )
         made = "printed" if self.made == "printed" else CUT

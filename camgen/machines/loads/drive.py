@@ -17,7 +17,7 @@ from camgen.machines.loads.tables import Drives
 from camgen.numerics import Floats, peak
 from camgen.parts import materials
 from camgen.parts.assembly import MotorSeat
-from camgen.parts.motors import SHAFTS, STEPPERS, Motor
+from camgen.parts.motors import GEARED, SHAFTS, STEPPERS, Motor
 from camgen.parts.set_screws import HOLDS, TURNED, SetScrewHub
 from camgen.study import Figure, Plot
 
@@ -31,6 +31,10 @@ def motor_of(drives: Drives | None) -> Motor | None:
     """What the motor can give; None where the spec says nothing of it."""
     if drives is None:
         return None
+    if drives.model in GEARED:
+        row = GEARED[drives.model]
+        said = f"{row.model} at {row.volts:g} V, from {row.stall:.3g} N m at stall to {row.no_load_rpm:.3g} rpm without load"
+        return Motor(row.stall, row.no_load_rpm * math.tau / 60, said)
     if drives.model is not None:
         said = f"{drives.model} holds so much and gives less as it turns"
         return Motor(STEPPERS[drives.model].holding, said=said)

@@ -53,7 +53,7 @@ class PinLoad:
         shaft = self.journal.shaft
         return (
             limit is not None
-            and shaft != materials.STEEL.name
+            and materials.of(shaft).printed
             and materials.of(shaft).bears < self.stress <= limit
         )
 
@@ -102,7 +102,7 @@ def stronger(limits: MaterialLimits, pin: Journal) -> str:
     keys = limits.keys
     diameter = _DIAMETER.get(pin.role, "")
     wide = f" ({table}.{diameter})" if diameter in keys else ""
-    if pin.shaft == materials.STEEL.name:
+    if not materials.of(pin.shaft).printed:
         return f"make it thicker{wide} or shorter"
     steel = f" and say so (limits.pin_stress_mpa = {_STEEL})"
     for key, value in _STEEL_BY.get(pin.role, {}).items():

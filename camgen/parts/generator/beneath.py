@@ -304,7 +304,7 @@ class Beneath:
             features=features,
             stand_ins=self._stand_ins(),
             bought=[*self._bought(), *(each for each in made.bought if each.role != "drive")],
-            journals=journals(made.machine, features, parts, mounts, made.process.plastic),
+            journals=journals(made.machine, features, parts, mounts, made.process.material),
             motor=motor,
         )
 
