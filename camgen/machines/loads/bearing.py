@@ -205,7 +205,7 @@ def contacts(run: Run, forces: Forces, assembly: Assembly) -> LoadCheck:
             check.not_judged.append(NotJudged("HERTZ", why, "a roller or a flat face"))
             continue
         part = assembly.by_name[outline.part]
-        layer = part.layers[part.cut]
+        layer = part.layers[part.drawn_layer]
         length = layer.z1 - layer.z0
         angle = _angle(run, joint.cam) - joint.phase
         first = forces.contacts[joint.name] * joint.leaves >= 0
