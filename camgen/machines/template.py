@@ -30,7 +30,7 @@ from camgen.study import Study, together
 
 if TYPE_CHECKING:
     from camgen.machines.linkage.mechanism import Additions, Linkage
-    from camgen.parts.generator.joined import Fitting
+    from camgen.parts.generator.connections import Fitting
     from camgen.parts.generator.layout import Layout
 
 
@@ -70,7 +70,7 @@ class Template(Mechanism):
         """Numbers, curves and tables of its own."""
 
     @abstractmethod
-    def asked(self) -> tuple[Demand, ...]:
+    def demands(self) -> tuple[Demand, ...]:
         """What is asked of its outputs."""
 
     def refuse(self) -> None:
@@ -78,7 +78,7 @@ class Template(Mechanism):
 
     def fitting(self, layout: Layout) -> Fitting:
         """Parts of its own on a linkage that is laid out."""
-        from camgen.parts.generator.joined import Fitting
+        from camgen.parts.generator.connections import Fitting
 
         return Fitting()
 
@@ -97,10 +97,10 @@ class Template(Mechanism):
         more = {} if self.laser is None else {"laser": self.laser.model_dump()}
         load = {} if self.load is None else {"load": self.load}
         base = {"mechanism": "linkage", "name": self.name, **shared, **more, **load}
-        found = validate(Linkage, {**base, **self.tables()})
-        vars(found)["additions"] = self.additions()
-        vars(found).pop("_drawing", None)  # validated without them
-        return found
+        linkage = validate(Linkage, {**base, **self.tables()})
+        vars(linkage)["additions"] = self.additions()
+        vars(linkage).pop("_drawing", None)  # validated without them
+        return linkage
 
     def _unloaded(self) -> Machine:
         return self.linkage._unloaded()
@@ -110,7 +110,7 @@ class Template(Mechanism):
         """That of the linkage, with what is asked here."""
         self.refuse()
         return replace(
-            self.linkage.assembly, demands=self.asked(), material_limits=self._material_limits
+            self.linkage.assembly, demands=self.demands(), material_limits=self._material_limits
         )
 
     def _found(self) -> Mapping[str, object]:

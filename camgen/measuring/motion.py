@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from camgen.errors import DesignError, Fault, FileError, SpecError
-from camgen.files.folder import Staged, write_manifest
+from camgen.files.folder import StagingFolder, write_manifest
 from camgen.findings import Finding, Where, at_least, at_most, in_file
 from camgen.geometry.rings import Floats, Ring
 from camgen.judge.contact import contact
@@ -198,7 +198,7 @@ def run(
     if all(outline.ring is not None for outline in outlines.values()):
         report, columns = _rolled(report, outlines, request, followers, progress)
     report = replace(report, remarks=list(_summary(report, follower)))
-    with Staged(out / report.name) as folder:
+    with StagingFolder(out / report.name) as folder:
         if columns:
             progress("writing the report")
             write_csv(folder / "motion.csv", columns)

@@ -41,7 +41,7 @@ from camgen.parts.journals import Journal, MaterialLimits, Post, journals
 from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.sheets import why_not
-from camgen.parts.springs import Mounted
+from camgen.parts.springs import WorkingSpring
 from camgen.parts.steps import Fixing, order
 from camgen.study import Later, Table
 
@@ -134,7 +134,9 @@ class Assembly:
     balances: Sequence[Balance] = ()  # what the solids of cranks with counterweights are held to
     coils: Sequence[Coil] = ()  # extension springs
     bought: Sequence[Bought] = ()  # by their standards
-    springs: Mapping[str, Mounted] = field(default_factory=dict)  # at work, by names in findings
+    springs: Mapping[str, WorkingSpring] = field(
+        default_factory=dict
+    )  # at work, by names in findings
     journals: Mapping[str, Journal] = field(default_factory=dict)  # plain bearings, by joint
     posts: Sequence[Post] = ()  # pins that only a spring or a roller bends
     frame: Frame | None = None
@@ -153,7 +155,7 @@ class Assembly:
     @cached_property
     def exact(self) -> Machine:
         """The machine as exact parts move it: cams that the spec undercuts give what they can."""
-        laws = {name: cam.meant.given for name, cam in self.outlines.items() if cam.meant.given}
+        laws = {name: cam.nominal.law for name, cam in self.outlines.items() if cam.nominal.law}
         joints = [
             replace(joint, law=laws[joint.name])
             if isinstance(joint, Cam) and joint.name in laws
@@ -215,7 +217,7 @@ def tips(
         joint = machine.joint(cam.joint)
         assert isinstance(joint, Cam), f"{cam.joint} is no cam"
         mount = [mount for mount in mounts if mount.part == cam.part][cam.copy]
-        layer = part.layers[part.cut]
+        layer = part.layers[part.drawn_layer]
         high = heights(mount, part.thickness, layer.z0, layer.z1)
         disc = (cam.tip.at, cam.tip.diameter / 2, *high)
         stand_ins.append(
@@ -231,7 +233,7 @@ def printed_parts(assembly: Assembly) -> list[Part]:
     return [
         part
         for part in assembly.parts
-        if part.made == "printed" and not cut_of_sheet(assembly, part)
+        if part.process == "printed" and not cut_of_sheet(assembly, part)
     ]
 
 

@@ -56,14 +56,14 @@ class Solids:
 
     def density_of(self, part: Part) -> float:
         """Of one of its parts, kg/m^3."""
-        return self.density if part.made == "printed" else 1e3 * materials.STEEL.density
+        return self.density if part.process == "printed" else 1e3 * materials.STEEL.density
 
     def body(self, body: Body) -> Body:
         """The body with mass, centre and inertia of all that is mounted on it."""
         masses = []
         for mount in self.mounts:
             part = self.by_name.get(mount.part)
-            if mount.body != body.name or part is None or part.made in _SHOWN:
+            if mount.body != body.name or part is None or part.process in _SHOWN:
                 continue
             heavy = self.density_of(part)
             mass = part.volume * heavy * MM**3

@@ -123,7 +123,9 @@ class _Places:
 
     def material(self, part: str | None) -> str:
         """Of a part."""
-        return self.printed if part is not None and self.parts[part].made == "printed" else "steel"
+        return (
+            self.printed if part is not None and self.parts[part].process == "printed" else "steel"
+        )
 
     def role(self, part: str | None) -> Role:
         """Of a part."""

@@ -56,7 +56,7 @@ class Curves:
             self._lawful = True
             reachable = proof.reachable(name, self.theta)[0]
         if self._wanted is None:
-            self.want(*proof.wanted(name, self.theta))
+            self.want(*proof.nominal(name, self.theta))
         moved = proof.moved(name, self.theta)
         self.recovered[kind] = moved.value
         self._put(name.capitalize(), kind, moved.value, own=True)

@@ -27,10 +27,10 @@ from camgen.parts import materials
 from camgen.parts.assembly import bodies_in_motion, order_of_assembly, printed_parts
 from camgen.parts.part import Part
 from camgen.pipeline.case import Case
-from camgen.pipeline.expectation import expected
+from camgen.pipeline.expectation import nominal_part
 from camgen.pipeline.making import (
     PLATE_GAP,
-    assembled,
+    assembly_copies,
     compensation,
     lying_sides,
     parts_table,
@@ -206,7 +206,9 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
             )
         )
     if "report" in kinds and any(kind in SOLID for kind in kinds):
-        stages.append(Stage((), "the machine in motion, as viewers show it", SOLID, judge_seen))
+        stages.append(
+            Stage((), "the machine in motion, as viewers show it", SOLID, judge_animation)
+        )
     return [
         *stages,
         Stage((), work=list_parts),
@@ -267,14 +269,14 @@ def judge_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
             name: mesh for name, mesh in read_3mf(path).meshes.items() if name in case.parts
         }
         for name, mesh in originals.items():
-            shape = expected(
+            shape = nominal_part(
                 case.parts[name], mechanism.accuracy.chord_tolerance, mechanism.assembly.features
             )
             verdict = judge_solid(
                 mesh, shape, replace(in_file(path), part=name), FORMATS["3mf"].rounding
             )
             findings += [finding for finding in verdict.findings if not finding.ok]
-    places = [(copy.object, copy.transform) for copy in assembled(mechanism)]
+    places = [(copy.object, copy.transform) for copy in assembly_copies(mechanism)]
     return Outcome([*findings, judge_copies(path, originals, places)])
 
 
@@ -282,7 +284,9 @@ def judge_exact_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
     """ROUND_TRIP of the assembly of exact solids: every copy of every part that has one, where it belongs at theta = 0."""
     files = {name: file for name in case.parts if (file := case.file(name, "step")).exists()}
     places = [
-        (copy.object, copy.transform) for copy in assembled(case.mechanism) if copy.object in files
+        (copy.object, copy.transform)
+        for copy in assembly_copies(case.mechanism)
+        if copy.object in files
     ]
     return Outcome(
         [judge_exact_copies(case.file("assembly", "step"), files, places)] if places else []
@@ -413,7 +417,7 @@ def fit_bed(case: Case, kinds: Sequence[str]) -> Outcome:
     return Outcome(findings)
 
 
-def judge_seen(case: Case, kinds: Sequence[str]) -> Outcome:
+def judge_animation(case: Case, kinds: Sequence[str]) -> Outcome:
     """The machine in motion, against where its parts are at the angles that the animation shows."""
     from camgen.files.gltf import SECONDS
     from camgen.judge.scene import judge_scene

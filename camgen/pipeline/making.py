@@ -28,7 +28,7 @@ from camgen.workers import Workers
 
 if TYPE_CHECKING:
     from camgen.files.plates import Side
-    from camgen.files.threemf import Placed
+    from camgen.files.threemf import PartCopy
     from camgen.geometry.mesh import Mesh
 
 PLATE_GAP = 3.0  # mm between bodies on a plate: room for a brim of two lines each
@@ -78,7 +78,7 @@ def put_together(case: Case, only: frozenset[str], solids: Made, progress: Progr
     write_3mf(
         case.folder / f"{mechanism.name}-assembly.3mf",
         meshes,
-        assembled(mechanism),
+        assembly_copies(mechanism),
         _key(mechanism),
     )
     if not parts:
@@ -159,7 +159,7 @@ def write_exact_assembly(case: Case) -> None:
     mechanism = case.mechanism
     parts = [part for part in case.parts.values() if case.file(part.name, "step").exists()]
     bodies = {part.name: exact(part, mechanism.accuracy.chord_tolerance) for part in parts}
-    copies = [copy for copy in assembled(mechanism) if copy.object in bodies]
+    copies = [copy for copy in assembly_copies(mechanism) if copy.object in bodies]
     if copies:
         titles = {part.name: part.title for part in parts}
         write_step(
@@ -181,14 +181,14 @@ def compensation(mechanism: Mechanism) -> Compensation | None:
     return fit if fit.hole or fit.profile or fit.shrinkage or fit.foot else None
 
 
-def assembled(mechanism: Mechanism) -> list[Placed]:
+def assembly_copies(mechanism: Mechanism) -> list[PartCopy]:
     """Every copy of every part where it is at theta = 0."""
-    from camgen.files.threemf import Placed
+    from camgen.files.threemf import PartCopy
     from camgen.geometry.mesh import placing
 
     poses = mechanism.assembly.poses(np.zeros(1))
     return [
-        Placed(
+        PartCopy(
             part.name,
             f"{part.name}-{k + 1}",
             placing(
@@ -231,12 +231,12 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
     for part in (
         part for part in parts if part not in printed
     ):  # what is bought has a size, what is turned a volume
-        bought = part.made == "bought"
-        has_size = part.made in ("bought", TURNED)
+        bought = part.process == "bought"
+        has_size = part.process in ("bought", TURNED)
         what = ": ".join([part.title, *part.notes[: int(has_size)]])
         volume = 0.0 if bought else part.count * part.volume
         mass: object = ""
-        how = "cut of sheet" if cut_of_sheet(mechanism.assembly, part) else part.made
+        how = "cut of sheet" if cut_of_sheet(mechanism.assembly, part) else part.process
         if how == "printed":
             how = f"made of {material}"
             mass = volume * density * 1e-3

@@ -18,7 +18,7 @@ import numpy as np
 from camgen.errors import Fault, SpecError
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.rings import Ring, Shape
-from camgen.judge.joints import Rolled
+from camgen.judge.joints import RollingLaw
 from camgen.machine.closing import close
 from camgen.machine.constraints import Constraints
 from camgen.machine.features import CamOutline, Eye, Mark, judged_outputs
@@ -197,18 +197,18 @@ def _holes(mechanism: Mechanism, outputs: Sequence[Output]) -> dict[str, Place]:
         for mount in mechanism.assembly.mounts
         if mount.part == eye.part
     ]
-    found: dict[str, Place] = {}
+    holes: dict[str, Place] = {}
     for output in outputs:
         for place in places_of(output.of):
             if any(body == place.body and abs(at - place.at) < SAME_POINT for body, at in made):
-                if hole_at(mechanism.model, place, found) is None:
+                if hole_at(mechanism.model, place, holes) is None:
                     points = mechanism.model.body(place.body).points
                     name = next(
                         (name for name, at in points.items() if abs(at - place.at) < SAME_POINT),
                         output.name,
                     )
-                    found[f"{name}, {place.body}"] = place
-    return found
+                    holes[f"{name}, {place.body}"] = place
+    return holes
 
 
 @dataclass(frozen=True)
@@ -307,7 +307,7 @@ def drawn_again(spread: Spread, seed: int, which: Sequence[int]) -> Floats:
 # ---- the worst, really made ------------------------------------------------------------------------------------------
 
 
-def rolled(spread: Spread, errors: Floats) -> dict[str, Any]:
+def rolled_outputs(spread: Spread, errors: Floats) -> dict[str, Any]:
     """Outputs of copies with these errors, (copies, modes) mm, over theta, less those of one without: by rolling and closing.
 
     Returns (copies, n) each, in the output's own unit.
@@ -322,10 +322,10 @@ def rolled(spread: Spread, errors: Floats) -> dict[str, Any]:
 
 def laws_of(
     spread: Spread, errors: Floats, shifted: Machine
-) -> dict[str, tuple[CamOutline, Rolled]]:
+) -> dict[str, tuple[CamOutline, RollingLaw]]:
     """Of each cam of one copy what its follower rolls to on the displaced outline, and the outline with its own tip; shifted: the
     machine with its joints' centres off, see `shifted_by`."""
-    from camgen.judge.cams import rolled as rolled_on
+    from camgen.judge.cams import outline_and_law
 
     mechanism = spread.mechanism
     given: dict[str, dict[str, list[float]]] = {}
@@ -361,7 +361,7 @@ def laws_of(
             )
         laws[joint.name] = (
             outline,
-            rolled_on(shifted, outline, mechanism.assembly.mounts, [[Shape(ring, ())]])[1],
+            outline_and_law(shifted, outline, mechanism.assembly.mounts, [[Shape(ring, ())]])[1],
         )
     return laws
 

@@ -14,7 +14,7 @@ import pytest
 from judged import wrong
 
 from camgen.errors import DesignError, SpecError
-from camgen.files.threemf import Placed, write_3mf
+from camgen.files.threemf import PartCopy, write_3mf
 from camgen.geometry.mesh import placing
 from camgen.judge.assembly import sweep
 from camgen.machine.run import solve
@@ -199,7 +199,7 @@ def test_crank_and_arm_hang_under_the_plate(made: IndexingCam) -> None:
     )
     assert high["post"] == pytest.approx(0) and low["post"] == pytest.approx(high["bracket"])
     assert high["bracket"] < low["driver-crank"]
-    assert parts["post"].count == 4 and parts["driver-crank"].made == "printed"
+    assert parts["post"].count == 4 and parts["driver-crank"].process == "printed"
     bought = {each.name: each for each in made.assembly.bought}
     assert bought["screw of a post"].count == 4 and "60" in bought["drive"].size
     assert {"motor", "block", "arm", "two_to_one"} <= {
@@ -248,7 +248,7 @@ def test_a_crank_that_meets_its_arm_is_found(
             where = placing(
                 float(pose.angle[0]), complex(pose.place[0]), z, each.thickness, pose.flipped
             )
-            items.append(Placed(each.name, f"{each.name}-{k + 1}", where))
+            items.append(PartCopy(each.name, f"{each.name}-{k + 1}", where))
     write_3mf(tmp_path / "x.3mf", {each.name: solid(each, 0.02) for each in kept}, items, "key")
     moved, names = bodies_in_motion(made.assembly), {each.name for each in kept}
     moved = replace(

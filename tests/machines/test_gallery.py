@@ -39,7 +39,7 @@ def test_standing_indexing_cams_hold_on_shafts_of_steel(name: str) -> None:
     assert (
         all(finding.ok for finding in (*machine.limits(), *found.findings)) and not found.warnings
     )
-    assert {part.made for part in machine.assembly.parts if part.name.startswith("shaft")} <= {
+    assert {part.process for part in machine.assembly.parts if part.name.startswith("shaft")} <= {
         "turned of steel",
         "bought",
     }

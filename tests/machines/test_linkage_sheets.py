@@ -63,17 +63,17 @@ def test_all_of_a_walker_is_of_the_sheet(thickness):
     """Rings fill the empty levels, one a level, and dowels reach through all."""
     machine = camgen.load(laser("two-leg-walker", sheet=thickness)).resolved()
     parts = {part.name: part for part in machine.assembly.parts}
-    assert {part.made for part in parts.values()} == {
+    assert {part.process for part in parts.values()} == {
         "printed",
         "turned of steel",
         "bought",
     } and not printed_parts(machine.assembly)
-    assert {part.thickness for part in parts.values() if part.made == "printed"} == {thickness}
+    assert {part.thickness for part in parts.values() if part.process == "printed"} == {thickness}
     step = thickness + machine.print.slide_clearance
     levels = {
         round((mount.z - machine.print.slide_clearance) / step, 6)
         for mount in machine.assembly.mounts
-        if parts[mount.part].made == "printed"
+        if parts[mount.part].process == "printed"
     }
     assert levels - {-1.0} and all(
         level % 1 in (0, pytest.approx(1 - machine.print.slide_clearance / step, abs=1e-5))
@@ -104,7 +104,7 @@ def test_a_hand_crank_of_sheet_is_turned_by_a_dowel():
         and "knob" not in parts
         and not printed_parts(machine.assembly)
     )
-    assert parts["knob-pin"].made == "bought" and parts["knob-pin"].thickness == 18
+    assert parts["knob-pin"].process == "bought" and parts["knob-pin"].thickness == 18
     assert stands["hand-crank"].z == -15 and stands["knob-pin"].z == pytest.approx(-15 + 3 - 18)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError
-from camgen.files.threemf import Placed, write_3mf
+from camgen.files.threemf import PartCopy, write_3mf
 from camgen.geometry.mesh import Mesh, placing
 from camgen.judge.assembly import sweep
 from camgen.machine.run import solve
@@ -153,7 +153,7 @@ def test_parts_out_of_place_are_found_out(
                 each.thickness,
                 pose.flipped,
             )
-            items.append(Placed(each.name, f"{each.name}-{k + 1}", where))
+            items.append(PartCopy(each.name, f"{each.name}-{k + 1}", where))
     write_3mf(tmp_path / "x.3mf", meshes, items, "key")
     failed = [
         set(str(f.where).partition(":")[0].split(" and "))

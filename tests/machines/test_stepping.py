@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError, SpecError
-from camgen.files.threemf import Placed, write_3mf
+from camgen.files.threemf import PartCopy, write_3mf
 from camgen.findings import Where
 from camgen.geometry.mesh import placing
 from camgen.judge.assembly import sweep
@@ -208,12 +208,12 @@ def test_shaft_and_wheel_run_in_clutches(made: IndexingCam) -> None:
     """Two of one kind, in the plate and the wheel, as thick as they are; a round steel rod through both, its flat above them."""
     parts = {part.name: part for part in made.assembly.parts}
     clutch = parts["bearing-hfl0615"]
-    assert (clutch.count, clutch.made, clutch.thickness) == (2, "bought", 15.0)
+    assert (clutch.count, clutch.process, clutch.thickness) == (2, "bought", 15.0)
     assert parts["ground"].thickness == parts["gear-gears-drive_wheel"].thickness == 15.0
     rod, flat = parts["shaft-driven_link"].layers
     assert len(rod.region.outer.pieces) < len(flat.region.outer.pieces)
     assert (
-        parts["shaft-driven_link"].made == "bought"
+        parts["shaft-driven_link"].process == "bought"
         and parts["collar-driven_link"].bore == parts["collar"].bore
     )
     ways = {mount.part: mount for mount in made.assembly.mounts}
@@ -270,7 +270,7 @@ def test_a_wheel_out_of_place_is_found(
                 pose.z + raised * (each.name == part),
             )
             where = placing(angle, complex(pose.place[0]), z, each.thickness, pose.flipped)
-            items.append(Placed(each.name, f"{each.name}-{k + 1}", where))
+            items.append(PartCopy(each.name, f"{each.name}-{k + 1}", where))
     write_3mf(tmp_path / "x.3mf", {each.name: solid(each, 0.02) for each in kept}, items, "key")
     moved, names = bodies_in_motion(made.assembly), {each.name for each in kept}
     moved = replace(

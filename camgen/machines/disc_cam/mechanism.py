@@ -399,7 +399,7 @@ class DiscCamDrive(CamTables, Template):
             bought=[*screw, *to_wind(spring)],
             motor=MotorSeat(hub=hub),
             follower=FollowerFacts(wish=self._spring_wish),
-            demands=self.asked(),
+            demands=self.demands(),
         )
 
     @cached_property
@@ -438,7 +438,7 @@ class DiscCamDrive(CamTables, Template):
         }
         return [Mount(part.name, "cam", z=heights.get(part.name, 0.0)) for part in self._plates]
 
-    def asked(self) -> tuple[Demand, ...]:
+    def demands(self) -> tuple[Demand, ...]:
         """The play that is borne."""
         return (Demand(self.model.outputs[0].name, lash=self.allowed.lash / self._unit[1]),)
 

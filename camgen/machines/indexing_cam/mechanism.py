@@ -558,9 +558,9 @@ class IndexingCam(CamTables, Template):
         mounts = [Mount(name, "cam", z=0.0 if name == "cam" else beside) for name in self.cams]
         made = self._assembly(self._cams(), mounts, outlines)
         cycle = replace(made.cycle, turns=self.linkage.turns)
-        return replace(made, demands=self.asked(), cycle=cycle)
+        return replace(made, demands=self.demands(), cycle=cycle)
 
-    def asked(self) -> tuple[Demand, ...]:
+    def demands(self) -> tuple[Demand, ...]:
         """The play of the follower that is borne; the link of cams alone follows by gears that are not made."""
         swing = math.radians(self.allowed.lash_deg)
         link = swing * self.geometry.gear_ratio

@@ -20,10 +20,10 @@ from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.drawing import RETURN, Drawing
 from camgen.machines.return_spring import ReturnSpring
 from camgen.parts.catalogue import Bought
-from camgen.parts.generator.joined import StretchedSpring
+from camgen.parts.generator.connections import StretchedSpring
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.generator.wheels import pivot, tips
-from camgen.parts.springs import EYE, ExtensionSpring, Mounted, extension_spring
+from camgen.parts.springs import EYE, ExtensionSpring, WorkingSpring, extension_spring
 from camgen.spec import unknown
 
 
@@ -56,10 +56,10 @@ class MountedSpring:
         """Its shortest and longest inside its eyes, mm; pin: diameter, mm."""
         return self.shortest + pin, self.longest + pin
 
-    def mounted(self, pin: float, on_cam: bool) -> Mounted:
+    def mounted(self, pin: float, on_cam: bool) -> WorkingSpring:
         """Where it works; pin: diameter, mm; on_cam: whether it keeps a follower on its cam."""
         name = "spring" if self.name == RETURN else self.figure
-        return Mounted(self.spring, *self.way(pin), on_cam=on_cam, name=name)
+        return WorkingSpring(self.spring, *self.way(pin), on_cam=on_cam, name=name)
 
     def bought(self, pin: float) -> Bought:
         """Its line in the list of parts; pin: diameter, mm."""
@@ -121,7 +121,7 @@ def returning(machine: m.Machine, drawing: Drawing, sizes: Parts, play: float) -
 
 def mounted(
     sprung: Sequence[MountedSpring], cams: Sequence[m.Cam], pin: float
-) -> dict[str, Mounted]:
+) -> dict[str, WorkingSpring]:
     """Where they work, by their names in findings; cams: that only a force keeps closed; pin: diameter, mm."""
     followers = {cam.follower for cam in cams}
     return {

@@ -385,7 +385,7 @@ class SwingMachine:
                 rod(name, title, diameter, length),
                 count=2,
                 notes=("pressed and glued",),
-                made=made,
+                process=made,
             )
             for name, title, length in wanted
             if length

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError
-from camgen.files.threemf import Placed, read_3mf, write_3mf
+from camgen.files.threemf import PartCopy, read_3mf, write_3mf
 from camgen.geometry.mesh import placing
 from camgen.judge.assembly import sweep
 from camgen.machines.disc_cam.mechanism import DiscCamDrive
@@ -55,7 +55,7 @@ def shifted(
             at, z = complex(pose.place[0]), pose.z
             at, z = (at + by, z - lower) if each.name == part else (at, z)
             where = placing(float(pose.angle[0]), at, z, each.thickness, pose.flipped)
-            items.append(Placed(each.name, f"{each.name}-{k + 1}", where))
+            items.append(PartCopy(each.name, f"{each.name}-{k + 1}", where))
     write_3mf(
         path, {each.name: solid(each, 0.005) for each in machine.assembly.parts}, items, "key"
     )
