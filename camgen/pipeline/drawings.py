@@ -89,6 +89,7 @@ def _said(mechanism: Mechanism, part: str, place: complex) -> Iterator[float]:
     sizes = [
         getattr(table, name, None)
         for table in tables
+        if getattr(table, "make", "") != "cams"
         for name in ("shaft_diameter", "boss_diameter")
     ]
     yield from (size for size in sizes if size and abs(place) < SAME_POINT)
