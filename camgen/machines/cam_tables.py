@@ -95,9 +95,11 @@ class CamTables(Template):
     def size_faults(self, *links: str, slides: bool = False, grooves: bool = False) -> list[Fault]:
         """What is wrong with [parts], of a machine with these links; slides, grooves: whether it has such."""
         sizes = self.sizes
-        if not self.standing:
-            return sizes.misfits()
-        faults = sizes.faults(("ground", *links), self.print.nozzle)
+        if self.standing:
+            faults = sizes.faults(("ground", *links), self.print.nozzle)
+            faults += sheets.faults(sizes, self.laser, int(slides), int(grooves))
+        else:
+            faults = sizes.misfits()
         if sizes.shaft != "through":
             right = '"through": no link turns on a point of the cam'
             faults.append(Fault(("parts", "shaft"), repr(sizes.shaft), right))
@@ -107,7 +109,7 @@ class CamTables(Template):
         for name in sizes.thread_post_sizes.diameters:
             right = "a point of a thread, and this machine has none"
             faults.append(Fault(("parts", "thread_posts", "diameters", name), "", right))
-        return [*faults, *sheets.faults(sizes, self.laser, int(slides), int(grooves))]
+        return faults
 
     def remarks(self) -> Remarks:
         """Keys of [parts] that are set, not as the starter sets them, and that are those of cams alone."""
