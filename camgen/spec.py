@@ -42,7 +42,7 @@ from camgen.schemas import (
     tables_of,
     unit_of,
 )
-from camgen.vocabulary import OldWords, wording
+from camgen.vocabulary import OldWords, Wording, wording
 
 _WIDE = 110  # characters of a line of TOML
 
@@ -308,6 +308,11 @@ class Checked(Record):
 
     _hints: tuple[str, ...] = PrivateAttr(())
 
+    @classmethod
+    def wording(cls, data: Data) -> Wording:
+        """The tables in the words of today."""
+        return wording(data, cls.old_words)
+
     @property
     def hints(self) -> tuple[str, ...]:
         """What to tell of keys that were read in another spelling."""
@@ -407,8 +412,8 @@ def validate(
     told of such.
     like: tables and the record that was made of them: what is the same object in both tables is not checked again.
     """
-    words = wording(data, cls.old_words)
-    before = None if like is None else (wording(like[0], cls.old_words).data, like[1])
+    words = cls.wording(data)
+    before = None if like is None else (cls.wording(like[0]).data, like[1])
     try:
         return _checked(cls, words.data, (*hints, *words.notes), before)
     except SpecError as error:
@@ -656,6 +661,8 @@ def schema(cls: type[Spec], mechanism: str | None = None) -> Data:
     if mechanism is not None:
         found["properties"]["mechanism"]["const"] = mechanism
     for old, new in cls.old_words.items():
+        if len(old) == 3:
+            continue
         holders = [found] if len(old) == 1 else tables_of(found["properties"][old[0]], found)
         for keys in (holder["properties"] for holder in holders):
             if old[-1] not in keys:

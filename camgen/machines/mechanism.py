@@ -130,10 +130,10 @@ class Mechanism(Spec, ABC):
 
     @property
     def _material_limits(self) -> MaterialLimits:
-        """What the spec says of its materials, and the table with the sizes of its pins."""
+        """What the spec says of its materials, and the keys with the sizes of its pins."""
         allowed = getattr(self, "allowed", None)
         given = allowed if isinstance(allowed, LimitsTable) else LimitsTable()
-        return given.of_parts("parts", getattr(self, "making", None))
+        return given.of_parts(getattr(self, "making", None))
 
     @property
     def _process(self) -> Process:

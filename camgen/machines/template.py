@@ -11,15 +11,12 @@ All else, such as parts, levels, pins, forces, limits of joints, is that of any 
 
 from __future__ import annotations
 
-import re
 from abc import abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
 
-from camgen.errors import DesignError
 from camgen.findings import Finding
 from camgen.machine.features import Demand
 from camgen.machine.model import Machine
@@ -32,26 +29,6 @@ if TYPE_CHECKING:
     from camgen.machines.linkage.mechanism import Additions, Linkage
     from camgen.parts.generator.connections import Fitting
     from camgen.parts.generator.layout import Layout
-
-
-@contextmanager
-def in_bodies() -> Iterator[None]:
-    """A DesignError names the keys of [bodies], where those sizes are, in place of [parts]."""
-    try:
-        yield
-    except DesignError as error:
-        of, where, remedy, said = (
-            re.sub(r"\bparts\.(?!make)", "bodies.", words)
-            for words in (error.quantity, error.where, error.remedy, error.sentence)
-        )
-        raise DesignError(
-            of,
-            error.value,
-            error.limit,
-            error.unit,
-            where,
-            remedy,
-        ).saying(said) from None
 
 
 class Template(Mechanism):

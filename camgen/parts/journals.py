@@ -44,8 +44,7 @@ class MaterialLimits:
     pv: float | None = None  # MPa m/s, of plain bearings
     pin_stress: float | None = None  # MPa
     bearing_life: float | None = None  # h, of ball bearings
-    table: str = ""  # of the sizes of pins and shafts
-    keys: frozenset[str] = frozenset()  # that this table has
+    keys: frozenset[str] = frozenset()  # of [parts], with the sizes of pins and shafts
 
 
 @dataclass(frozen=True)

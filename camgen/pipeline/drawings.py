@@ -92,6 +92,7 @@ def _nominal_diameters(mechanism: Mechanism, part: str, place: complex) -> Itera
     sizes = [
         getattr(table, name, None)
         for table in tables
+        if getattr(table, "make", "") != "cams"
         for name in ("shaft_diameter", "boss_diameter")
     ]
     yield from (size for size in sizes if size and abs(place) < SAME_POINT)

@@ -154,7 +154,7 @@ def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
     idle = mechanism.remarks().unused
     if idle:
         sentences.append(
-            f'{", ".join(idle)} {"is" if len(idle) == 1 else "are"} not used with parts.make = "machine": see [bodies]'
+            f'{", ".join(idle)} {"acts" if len(idle) == 1 else "act"} on cams alone (parts.make = "cams")'
         )
     curves = mechanism.files.curves
     if (

@@ -27,7 +27,7 @@ THETA = np.radians(np.arange(1.0, 360.0, 2.0))
 
 def machine(**tables: Any) -> IndexingCam:
     data = read(SPECS / "indexing-cam.toml")
-    data["parts"]["make"], data["bodies"]["pin_diameter"] = "machine", 5.0
+    data["parts"] |= {"make": "printed", "pin_diameter": 5.0}
     for name, table in tables.items():
         data[name] = {**data[name], **table}
     return validate(IndexingCam, data)
@@ -188,7 +188,7 @@ def test_both_ends_of_a_spring_lie_along_it_and_cover_it(starter: IndexingCam) -
 
 def test_an_ideal_spring_is_not_made_and_that_is_told(starter: IndexingCam) -> None:
     data = read(SPECS / "indexing-cam.toml")
-    data["parts"]["make"], data["unloader"] = "machine", {"torque": "law"}
+    data["parts"]["make"], data["unloader"] = "printed", {"torque": "law"}
     ideal = validate(IndexingCam, data)
     assert ideal.unloader_crank is None and not any(
         "spring" in each.name for each in ideal.assembly.bought

@@ -51,7 +51,7 @@ def design(make: str = "cams", **tables: Any) -> IndexingCam:
 
 @pytest.fixture(scope="module")
 def made() -> IndexingCam:
-    return design("machine")
+    return design("printed")
 
 
 def verdicts(spec: IndexingCam, code: str) -> list[tuple[bool, float]]:
@@ -324,8 +324,8 @@ def test_files_of_cams_alone(tmp_path: Path) -> None:
             'unloader.torque.*"crank" or "none" with',
         ),
         (
-            {"bodies": {"shaft_diameter": 7.0}},
-            "bodies.shaft_diameter: 7 - expected a bore of freewheels, 6, 8, 10 mm",
+            {"parts": {"shaft_diameter": 7.0}},
+            "parts.shaft_diameter: 7 - expected a bore of freewheels, 6, 8, 10 mm",
         ),
         ({"freewheel": {"lost_deg": 50.0}}, "freewheel.lost_deg"),
     ],
@@ -346,8 +346,8 @@ def test_what_cannot_turn_on_is_told(tables: dict[str, Any], said: str) -> None:
 
 
 def test_a_plate_thinner_than_its_clutch_is_told_with_the_benchs_key() -> None:
-    with pytest.raises(DesignError, match="bodies.base_thickness is 8 mm.*limit 15 mm"):
-        _ = design("machine", bodies={"base_thickness": 8.0}).assembly
+    with pytest.raises(DesignError, match="parts.base_thickness is 8 mm.*limit 15 mm"):
+        _ = design("printed", parts={"base_thickness": 8.0}).assembly
 
 
 def test_the_clutch_is_a_joint_of_two_bodies(made: IndexingCam) -> None:

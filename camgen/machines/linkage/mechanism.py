@@ -154,7 +154,7 @@ class Linkage(Mechanism):
     @model_validator(mode="before")
     @classmethod
     def _of_sheet(cls, data: Any) -> Any:
-        return freewheels.filled(sheets.filled(data, "parts"))
+        return freewheels.filled(sheets.filled(data))
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
@@ -190,7 +190,6 @@ class Linkage(Mechanism):
         found += sheets.faults(
             self.making,
             self.laser,
-            "parts",
             len(self.slides),
             sum(c.closure == "groove" for c in self.cams),
         )

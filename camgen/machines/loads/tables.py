@@ -133,14 +133,13 @@ class LimitsTable(Record):
         default=None, description="that a roller's ball bearing has to run; not judged unless given"
     )
 
-    def of_parts(self, table: str, sizes: Record | None) -> MaterialLimits:
-        """As data, with the keys of the table of sizes that says what pins are made of."""
+    def of_parts(self, sizes: Record | None) -> MaterialLimits:
+        """As data, with the keys of [parts], which says what pins are made of."""
         return MaterialLimits(
             self.hertz_mpa,
             self.pv_mpa_m_s,
             self.pin_stress_mpa,
             self.bearing_life_h,
-            table,
             frozenset() if sizes is None else frozenset(type(sizes).model_fields),
         )
 

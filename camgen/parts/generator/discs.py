@@ -77,7 +77,7 @@ def _discs(layout: Layout, tip: Tip) -> Iterator[tuple[Part, float, complex]]:
         turn=float(-np.angle(tip.turn)),
         thickness=thick,
         bore=s.shaft_diameter + press,
-        shaft="d-flat",
+        bore_shape="d-flat",
         flat_depth=s.shaft_flat,
         pin_diameter=s.pin_diameter,
         rim=groove_rim(s),
