@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-import re
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import PurePath
@@ -106,15 +106,19 @@ def left_out(not_judged: Sequence[NotJudged]) -> str:
 
 
 def worst_of_each(findings: Sequence[Finding]) -> list[tuple[Finding, str]]:
-    """Of findings of one code, unit, limit and sentence the worst, with all the places where they were made.
+    """Of findings of one check the worst, with all the places where they were made, such as several files or parts.
 
-    Sentences are alike that differ by numbers alone, as those of one fault in several files.
+    One check: of one code, unit and limit, on one output of one machine. Two at the very same place are two checks.
     """
     groups: dict[tuple[object, ...], list[Finding]] = {}
+    count = Counter[tuple[object, ...]]()
     for finding in findings:
-        sentence = re.sub(r"\d+(\.\d+)?", "#", finding.message)
-        kind = (finding.code, finding.ok, finding.unit, finding.limit, sentence)
-        groups.setdefault(kind, []).append(finding)
+        where = finding.where
+        limit = (finding.sign, finding.limit, finding.unit)
+        check = (finding.code, *limit, where.module, where.output)
+        place = (*check, replace(where, theta=None))
+        groups.setdefault((*check, count[place]), []).append(finding)
+        count[place] += 1
     rows = []
     for group in groups.values():
         worst = max(group, key=lambda each: -each.measured if each.floor else each.measured)

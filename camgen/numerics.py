@@ -155,11 +155,13 @@ def least_squares(table: Floats, right: Floats) -> Floats:
                 triangle[k, j] = share
             else:
                 shares[k] = share
-    found = np.zeros(size)
+    solution = np.zeros(size)
     for k in range(size - 1, -1, -1):
         if triangle[k, k]:
-            found[k] = shares[k] - sum(float(triangle[k, j] * found[j]) for j in range(k + 1, size))
-    return found
+            solution[k] = shares[k] - sum(
+                float(triangle[k, j] * solution[j]) for j in range(k + 1, size)
+            )
+    return solution
 
 
 def gauss_legendre(n: int) -> tuple[Floats, Floats]:

@@ -101,7 +101,7 @@ def _draw(axes: Axes, plot: Plot, log: bool) -> None:
     """Draw a plot: its series, marks and named points."""
     for k, (label, x, y) in enumerate(plot.series):
         colour = SERIES[k % len(SERIES)]
-        label = label.replace("_", " ").replace("+-", "±")
+        label = label.replace("_", " ")
         heights = np.where(np.isfinite(y), y, np.nan)
         if plot.series[k][0] in plot.dots:
             axes.plot(x, heights, "o", color=colour, markersize=3, label=label)

@@ -40,8 +40,8 @@ def step_below(node: Data | None, step: str | int, root: Data) -> Data | None:
             if isinstance(member.get("additionalProperties"), dict)
         ]
         free += [rule for pattern, rule in names if re.search(pattern, step)]
-        found: Data | None = keys_of(node, root).get(step) or next(iter(free), None)
-        return found
+        table: Data | None = keys_of(node, root).get(step) or next(iter(free), None)
+        return table
     for member in members_of(node or {}, root):
         items: list[Data] = member.get("prefixItems", [])
         if member.get("type") == "array":
@@ -60,10 +60,10 @@ def other_spelling(key: str, known: Collection[str]) -> str | None:
 
 def tables_of(node: Data | None, root: Data) -> list[Data]:
     """The tables that a value may be, or a list of it may hold."""
-    found = []
+    tables = []
     for member in members_of(node or {}, root):
-        found += tables_of(member["items"], root) if "items" in member else [member]
-    return found
+        tables += tables_of(member["items"], root) if "items" in member else [member]
+    return tables
 
 
 def unit_of(node: Data) -> str | None:

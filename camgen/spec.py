@@ -42,7 +42,7 @@ from camgen.schemas import (
     tables_of,
     unit_of,
 )
-from camgen.vocabulary import OldWords, wording
+from camgen.vocabulary import OldWords, Wording, wording
 
 _WIDE = 110  # characters of a line of TOML
 
@@ -177,16 +177,35 @@ class Print(Record):
 
 
 class Material(Record):
-    """What is printed with."""
+    """What is printed with, or what the parts are cut of."""
 
-    name: Literal["PLA", "PETG", "ABS", "ASA", "nylon", "PC"] = Field(
-        default="PLA", description='"PLA", "PETG", "ABS", "ASA", "nylon" or "PC"'
+    name: Literal[
+        "PLA",
+        "PETG",
+        "ABS",
+        "ASA",
+        "nylon",
+        "PC",
+        "C45",
+        "42CrMo4",
+        "16MnCr5",
+        "stainless",
+        "aluminium",
+        "brass",
+        "POM",
+        "plywood",
+        "acrylic",
+    ] = Field(
+        default="PLA",
+        description='printed: "PLA", "PETG", "ABS", "ASA", "nylon" or "PC"; cut: "C45", "42CrMo4", '
+        '"16MnCr5" (hardened), "stainless", "aluminium", "brass", "POM", "plywood" or "acrylic"',
     )
     density: Annotated[float, quantity("g/cm^3", gt=0, le=25)] | None = Field(
         default=None, description="where it differs from the usual one"
     )
     infill: Annotated[float, quantity("1", gt=0, le=1)] = Field(
-        default=1.0, description="share of the volume that is plastic, walls and filling together"
+        default=1.0,
+        description="share of the volume that is material: of prints walls and filling together",
     )
 
 
@@ -289,6 +308,11 @@ class Checked(Record):
 
     _hints: tuple[str, ...] = PrivateAttr(())
 
+    @classmethod
+    def wording(cls, data: Data) -> Wording:
+        """The tables in the words of today."""
+        return wording(data, cls.old_words)
+
     @property
     def hints(self) -> tuple[str, ...]:
         """What to tell of keys that were read in another spelling."""
@@ -326,7 +350,8 @@ class Spec(Checked):
         default=Print.model_construct(), description="your printer, and the fits that it needs"
     )
     material: Material = Field(
-        default=Material.model_construct(), description="what is printed with"
+        default=Material.model_construct(),
+        description="what is printed with, or what parts are cut of",
     )
     accuracy: Accuracy = Field(
         default=Accuracy.model_construct(), description="of the outlines in the files"
@@ -387,8 +412,8 @@ def validate(
     told of such.
     like: tables and the record that was made of them: what is the same object in both tables is not checked again.
     """
-    words = wording(data, cls.old_words)
-    before = None if like is None else (wording(like[0], cls.old_words).data, like[1])
+    words = cls.wording(data)
+    before = None if like is None else (cls.wording(like[0]).data, like[1])
     try:
         return _checked(cls, words.data, (*hints, *words.notes), before)
     except SpecError as error:
@@ -636,6 +661,8 @@ def schema(cls: type[Spec], mechanism: str | None = None) -> Data:
     if mechanism is not None:
         found["properties"]["mechanism"]["const"] = mechanism
     for old, new in cls.old_words.items():
+        if len(old) == 3:
+            continue
         holders = [found] if len(old) == 1 else tables_of(found["properties"][old[0]], found)
         for keys in (holder["properties"] for holder in holders):
             if old[-1] not in keys:

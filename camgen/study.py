@@ -79,7 +79,8 @@ class Plot:
     """Curves of the report: series of (label, x, y); `marks` are vertical lines (label, x).
 
     A plot over the cam angle has x in degrees. equal: a shape, one mm the same both ways; dots: names of series that are
-    points, not a line; points: places with names, (name, x, y).
+    points, not a line; points: places with names, (name, x, y); sources: of labels such as "x from DXF" what they show and
+    where it is from, ("x", "DXF").
     """
 
     title: str
@@ -90,6 +91,7 @@ class Plot:
     equal: bool = False
     dots: Sequence[str] = ()
     points: Sequence[tuple[str, float, float]] = ()
+    sources: Mapping[str, tuple[str, str]] = field(default_factory=dict)
 
     @property
     def ends(self) -> tuple[float, float] | None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from camgen.errors import Fault, Key, dotted
 from camgen.reading import Data
 
-# Of a table, ("output",), or of a key in one, ("parts", "flange"): the word of today.
+# Of a table, ("output",), of a key in one, ("parts", "flange"), or of its value, ("parts", "make", "machine"): the word of today.
 OldWords = Mapping[tuple[str, ...], tuple[str, ...]]
 
 
@@ -40,7 +40,7 @@ def wording(data: Data, old_words: OldWords) -> Wording:
             continue
         if len(old) == 1:
             moved = {key: key for key in source}
-        elif old[1] in source and not isinstance(source[old[1]], dict):
+        elif _has(source, *old[1:]):
             moved = {old[1]: new[1]}
         else:
             continue
@@ -50,10 +50,20 @@ def wording(data: Data, old_words: OldWords) -> Wording:
         data = {key: value for key, value in data.items() if key != old[0]}
         if len(old) > 1:
             data[old[0]] = left
-        data[new[0]] = {**into, **{key: source[word] for word, key in moved.items()}}
+        data[new[0]] = {**into, **{key: (*new[2:], source[word])[0] for word, key in moved.items()}}
         typed |= {(new[0], key): (old[0], word) for word, key in moved.items()}
         if not into:
             typed[new[:1]] = old[:1]
         place = f", in place of {', '.join(beside)} beside it" if beside else ""
-        notes.append(f"{dotted(old)} is read as {dotted(new)}{place}")
+        notes.append(f"{_written(old)} is read as {_written(new)}{place}")
     return Wording(data, typed, tuple(notes))
+
+
+def _has(table: Data, key: str, *value: str) -> bool:
+    """Whether a table has a key that is no table; with that value, if one is given."""
+    return key in table and not isinstance(table[key], dict) and value in ((), (table[key],))
+
+
+def _written(word: tuple[str, ...]) -> str:
+    """A table, key or value as a person writes it."""
+    return dotted(word) if len(word) < 3 else f'{dotted(word[:2])} = "{word[2]}"'

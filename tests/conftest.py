@@ -51,6 +51,14 @@ def one_core() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(scope="session", autouse=True)
+def flat() -> Iterator[None]:
+    """Builds lie flat, by whatever number of files, but for the tests of shelves: one name, one path."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("camgen.files.shelves.MOST_FLAT", 10**6)
+        yield
+
+
 Built = Callable[..., Path]
 Once = Callable[[str, Callable[[Path], None]], Path]
 

@@ -181,7 +181,9 @@ PROSE = {
     "remedy",
     "sentence",
     "title",
-}  # of findings, errors, tables: for people
+    "label",
+    "name",
+}  # of findings, errors, tables, plots, parts: for people, or to tell one from another
 PARSING = {
     *("startswith", "endswith", "removeprefix", "removesuffix", "find", "index"),
     *("split", "rsplit", "partition", "rpartition", "splitlines", "count"),
@@ -189,24 +191,22 @@ PARSING = {
 
 
 def reads_prose(module: str, tree: ast.AST) -> list[str]:
-    """Texts for people that are taken apart again: what they say is a field of its own.
-
-    `findings` may compare sentences but for their figures, to tell one that many findings say once.
-    """
-    if module == "findings":
-        return []
+    """Texts for people, and names, that are taken apart again: what they say is a field of its own."""
 
     def prose(node: ast.AST) -> bool:
         text = isinstance(node, ast.Call) and ast.unparse(node.func) == "str"
         if isinstance(node, ast.Call) and text and node.args:
             node = node.args[0]
+        if isinstance(node, ast.Name):
+            return node.id in PROSE - {"name"}
         return isinstance(node, ast.Attribute) and node.attr in PROSE
 
     found = []
     for node in ast.walk(tree):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
             of, method = node.func.value, node.func.attr
-            by_pattern = ast.unparse(of) == "re" and any(map(prose, node.args))
+            reads = ast.unparse(of) == "re" and method != "escape"
+            by_pattern = reads and any(map(prose, node.args))
             if by_pattern or (method in PARSING and prose(of)):
                 found.append(f"{module} reads {ast.unparse(node)}")
         elif isinstance(node, ast.Compare) and isinstance(node.ops[0], ast.In | ast.NotIn):
@@ -336,7 +336,10 @@ def test_a_circle_for_types_alone_is_seen() -> None:
         (reads_prose, "report.page", "last = finding.where.endswith('deg')"),
         (reads_prose, "report.page", "kind = str(finding.where).rpartition('.')"),
         (reads_prose, "parts.plates", "if 'stand' not in error.where: pass"),
+        (reads_prose, "findings", "kind = re.sub('[0-9]', '#', finding.message)"),
         (reads_prose, "report.page", "said = re.sub('x', '', finding.message)"),
+        (reads_prose, "report.plots", "parts = re.fullmatch('(x |y )?(.*)', label)"),
+        (reads_prose, "parts.springs", "known = self.name.startswith(('spring', RETURN))"),
         (reads_keys, "report.page", "unit = key.endswith('_mm')"),
         (reads_keys, "report.page", "end = key.rpartition('_')[2]"),
         (reads_keys, "report.page", "drawn = '_dxf_' in key"),

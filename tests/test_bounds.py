@@ -273,7 +273,7 @@ def test_triangles_are_counted_before_they_are_read(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from camgen.files.stl import read_stl
-    from camgen.files.threemf import Placed, read_3mf, write_3mf
+    from camgen.files.threemf import PartCopy, read_3mf, write_3mf
     from camgen.geometry.mesh import Mesh
 
     assert MOST_TRIANGLES == 2_000_000
@@ -298,7 +298,7 @@ def test_triangles_are_counted_before_they_are_read(
     )
     corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float)
     faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
-    write_3mf(tmp_path / "d.3mf", {"d": Mesh(corners, faces)}, [Placed("d", "d")], "d")
+    write_3mf(tmp_path / "d.3mf", {"d": Mesh(corners, faces)}, [PartCopy("d", "d")], "d")
     with pytest.raises(FileError, match="has 4 triangles, 3 at most"):
         read_3mf(tmp_path / "d.3mf")
 

@@ -532,9 +532,9 @@ import sys, time
 from pathlib import Path
 from camgen.pipeline import build as pipeline
 from camgen.cli import main
-from camgen.files.folder import Staged
+from camgen.files.folder import StagingFolder
 def build(spec, out, only, overrides, progress, jobs):
-    with Staged(out / "cam") as folder:
+    with StagingFolder(out / "cam") as folder:
         (folder / "half.dxf").write_text("half")
         progress("turning the handle")
         print("ready", flush=True)

@@ -82,7 +82,7 @@ def test_what_a_picture_shows() -> None:
         "torque_of_a",
         "theta, deg",
         "mm/s^2",
-        [("wanted", X, X**2), ("+- play", X, np.where(X > 90, np.nan, -X)), ("hits", X, X)],
+        [("wanted", X, X**2), ("± play", X, np.where(X > 90, np.nan, -X)), ("hits", X, X)],
         marks=[("least", 90.0)],
         dots=("hits",),
         points=[("A", 10.0, 20.0)],

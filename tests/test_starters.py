@@ -17,7 +17,7 @@ from camgen.parts.generator.sizes import Parts
 from camgen.schemas import step_below, tables_of
 from camgen.spec import schema, validate
 
-# Tables that stand on one line, whose keys are seen in examples; those of [bodies] are shown by the starter of a linkage.
+# Tables that stand on one line, whose keys are seen in examples.
 INLINE = {
     "LawChoice",
     "Stroke",
@@ -33,6 +33,11 @@ INLINE = {
     "Can",
     "ThreadPosts",
 }
+SHARED = {
+    "EccentricSizes",
+    "DiscCamParts",
+    "IndexingParts",
+}  # they have the keys of a linkage's [parts]
 OWN = {"source"}  # of an include: written by camgen, not by a person
 
 # What a key's name may end in, and the unit that it then has: the longest ending counts.
@@ -145,11 +150,9 @@ def test_starter_shows_every_key(mechanism: str) -> None:
         for key, node in table.get("properties", {}).items():
             if node.get("deprecated"):  # the old name of another
                 continue
-            free = (name in INLINE or name in ("Sizes", "Shape")) and re.search(
-                rf"\b{key} = ", texts
-            )
+            free = (name in INLINE or name == "Shape") and re.search(rf"\b{key} = ", texts)
             # The starter points to a linkage's [parts] for what it shares with them.
-            shared = name == "EccentricSizes" and key in Parts.model_fields and key in linkage
+            shared = name in SHARED and key in Parts.model_fields and key in linkage
             own = key in OWN or (name, key) == ("", "masses")
             assert (id(table), key) in shown or free or shared or own, (name, key)
 

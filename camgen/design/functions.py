@@ -26,7 +26,7 @@ from camgen.errors import DesignError
 from camgen.machine.targets import Function
 from camgen.numerics import Floats, solve
 from camgen.reading import Data
-from camgen.report.sketches import Drawn
+from camgen.report.sketches import Sketch
 
 ROCKER = "rocker"
 CRANK = "crank"
@@ -118,13 +118,13 @@ class Generator:
         return Prototype(self.data(self.least_tolerance), error)
 
     @cached_property
-    def sketch(self) -> Drawn:
+    def sketch(self) -> Sketch:
         """What a sketch shows: the first position, and the way of the rocker's end."""
         turns = np.array([x for x, _ in self.wish.turns])
         psi = self._rocker(np.radians(np.linspace(turns.min(), turns.max(), 60)))
         way = self.wish.frame * (1 + self.lengths[2] * np.exp(1j * psi))
         points = {name: complex(*place) for name, place in self.points.items()}
-        return Drawn(points, [("O", "A"), ("A", "B"), ("C", "B")], ["O", "C"], way, way[:0])
+        return Sketch(points, [("O", "A"), ("A", "B"), ("C", "B")], ["O", "C"], way, way[:0])
 
     def row(self, number: int) -> dict[str, Any]:
         """What a table of the front shows."""

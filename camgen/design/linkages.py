@@ -15,7 +15,7 @@ from camgen.design.prototype import Prototype, miss, rounded_up
 from camgen.machine.targets import Trace, path_distance
 from camgen.numerics import Points
 from camgen.reading import Data
-from camgen.report.sketches import Drawn
+from camgen.report.sketches import Sketch
 
 TRACED = "P"
 CRANK = "crank"
@@ -92,14 +92,14 @@ class Candidate:
         )
 
     @cached_property
-    def sketch(self) -> Drawn:
+    def sketch(self) -> Sketch:
         """What a sketch shows."""
         chain = self.design.chain
         every = dict(zip(names(chain), self.design.points, strict=True))
         still = [name for k, name in enumerate(every) if k == 0 or 2 <= k < chain.base]
         links = [points for name, points in self.links.items() if name != "ground"]
         line = self.wanted if self.joined else self.wanted[:0]
-        return Drawn(
+        return Sketch(
             every,
             links,
             still,

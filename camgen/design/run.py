@@ -25,7 +25,7 @@ from camgen.edits import edited, with_tables
 from camgen.errors import DesignError, Fault, FileError, SpecError, counted, dotted, file_errors
 from camgen.machines.sources import Source, changed, read_mechanism, read_tables
 from camgen.numerics import Points
-from camgen.report.sketches import Drawn
+from camgen.report.sketches import Sketch
 from camgen.settings import override
 from camgen.workers import Workers
 
@@ -61,7 +61,7 @@ class Design(Protocol):
         """Whether it can be made, and its play."""
 
     @property
-    def sketch(self) -> Drawn:
+    def sketch(self) -> Sketch:
         """What a sketch shows."""
 
     def data(self, tolerance: float | None = None) -> reading.Data:
@@ -85,7 +85,7 @@ class Front:
     ]  # columns that are drawn, one over the other, and how a person reads them
     texts: Sequence[str]  # a spec for each design
     rows: Sequence[Mapping[str, Any]]  # of the table
-    sketches: Sequence[Drawn]
+    sketches: Sequence[Sketch]
 
     def write(self, folder: Path) -> None:
         """01.toml, 02.toml, ..., front.csv and front.html; FileError where the folder exists."""

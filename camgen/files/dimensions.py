@@ -65,7 +65,7 @@ def standing_of(part: Part, labels: Collection[str]) -> dict[int, tuple[str, Hol
             for name, place in part.points
             if disc and name not in labels and abs(place - disc[0]) < SAME_POINT
         ]
-        if disc and names and k != part.cut:
+        if disc and names and k != part.drawn_layer:
             bosses[k] = names[0], Hole(disc[0], f"Ø{number(2 * disc[1])}", *disc)
     return bosses
 
@@ -205,7 +205,7 @@ def layer_rows(
     layers = part.layers
     hole_keys = {(hole.place, hole.shape) for hole in holes}
     rows: list[tuple[str, str, str, str]] = []
-    sloped = part.crossed is not None
+    sloped = part.side_profile is not None
     if len(layers) > STACK:
         for z0, z1 in dict.fromkeys((layer.z0, layer.z1) for layer in layers):
             outers = [
@@ -249,10 +249,11 @@ def layer_rows(
             ("", number((h.place - zero).real), number((h.place - zero).imag), shape_of(h))
             for h in own
         ]
-    if part.crossed is not None:
+    if part.side_profile is not None:
         rows.append(("", "X", "Z", "Edges from above:"))
         above = [
-            contour.moved(1, -zero.real) for contour in (part.crossed.outer, *part.crossed.holes)
+            contour.moved(1, -zero.real)
+            for contour in (part.side_profile.outer, *part.side_profile.holes)
         ]
         rows += [("", *row) for contour in above for row in edge_rows(contour, sloped)]
     return rows

@@ -122,8 +122,12 @@ class _Layout:
         self.placed = (
             facts.position > 0 and len([hole for _, hole in self.named if hole.radius]) > 1
         )
-        others = [each for k, each in enumerate(part.layers) if k != part.cut]
-        covered = [each for each in others if part.crossed and each.z1 <= part.layers[part.cut].z0]
+        others = [each for k, each in enumerate(part.layers) if k != part.drawn_layer]
+        covered = [
+            each
+            for each in others
+            if part.side_profile and each.z1 <= part.layers[part.drawn_layer].z0
+        ]
         holes = set(part.region.holes)
         hidden = [
             c for each in covered for c in (each.region.outer, *each.region.holes) if c not in holes
@@ -133,10 +137,12 @@ class _Layout:
         )
         self.above = _contours([each for each in others if each not in covered], tolerance)
         self.beyond = (
-            [] if part.crossed is None else views.from_above(part, part.crossed, tolerance)
+            []
+            if part.side_profile is None
+            else views.from_above(part, part.side_profile, tolerance)
         )
         self.section = views.section(part, tolerance)
-        self.depth = part.thickness if part.crossed or self.section else 0.0
+        self.depth = part.thickness if part.side_profile or self.section else 0.0
         self.engraved = _contours(part.engraved, tolerance)
         self.turns = free(part.region.outer) and part.bore is not None
         self.rows = self._rows()
@@ -548,7 +554,7 @@ class _Layout:
     def _notes(self, tolerance: float) -> list[str]:
         part = self.part
         across = extent([self.outer])
-        alike = len({layer.region for layer in part.layers}) == 1 and part.crossed is None
+        alike = len({layer.region for layer in part.layers}) == 1 and part.side_profile is None
         upright = part.thickness > max((across[1] - across[0]).real, (across[1] - across[0]).imag)
         lines = [
             f"{'Length' if upright else 'Thickness' if alike else 'Height over all'} {number(part.thickness)}"
@@ -564,7 +570,7 @@ class _Layout:
             x = circle[0].real
             y = circle[0].imag
             lines.append(f"Outline Ø{number(2 * circle[1])} about X {number(x)}, Y {number(y)}")
-        if part.crossed is not None:
+        if part.side_profile is not None:
             lines.append("Material is what lies within both outlines, along z and from above")
         if len(part.layers) > STACK:
             lines.append(f"{len(part.layers)} layers, see the STL")

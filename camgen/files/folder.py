@@ -44,8 +44,8 @@ _in_use: set[Path] = (
 )  # staging folders of this process, whose locks do not hold against itself
 
 
-class Staged:
-    """`with Staged(target) as folder:` gives a fresh folder beside the target; it takes the target's place at the end.
+class StagingFolder:
+    """`with StagingFolder(target) as folder:` gives a fresh folder beside the target; it takes the target's place at the end.
 
     An earlier result stays as it is until the block has succeeded, and after any exception or Ctrl-C. FileError where
     the target holds anything that its manifest does not list, where it is no folder, and for any OSError in the block.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from camgen.parts.catalogue import DENSITY
+from camgen.parts import materials
 from camgen.parts.part import Part
 
 if TYPE_CHECKING:
@@ -43,10 +43,10 @@ def parts_list(
 ) -> list[Row]:
     """A row for each part: exact volume, mass by the material's density, time = volume / flow + layers * overhead.
 
-    The flow is nozzle * layer * PRINT_SPEED; layer: mm, LAYER_SHARE * nozzle unless given. KeyError for a plastic not in DENSITY
+    The flow is nozzle * layer * PRINT_SPEED; layer: mm, LAYER_SHARE * nozzle unless given. KeyError for an unknown material
     unless its density (g/cm^3) is given. sides: on which each part lies; without them as drawn.
     """
-    density = (DENSITY[material] if density is None else density) / 1000  # g/mm^3
+    density = (materials.of(material).density if density is None else density) / 1000  # g/mm^3
     layer = layer or LAYER_SHARE * nozzle
     flow = nozzle * layer * PRINT_SPEED
     rows = []

@@ -27,7 +27,7 @@ from camgen.geometry.outlines import Floats, Points
 from camgen.parts.part import Part
 
 if TYPE_CHECKING:
-    from camgen.files.threemf import Placed
+    from camgen.files.threemf import PartCopy
 
 _STEEP = np.cos(np.radians(45)) + 1e-6  # a chamfer of 45 deg prints
 _FLAT = 1e-3  # mm, by which a face that lies on the bed may be off it
@@ -318,14 +318,14 @@ def write_plates(
     return paths
 
 
-def placed(spots: Sequence[Spot]) -> list[Placed]:
+def placed(spots: Sequence[Spot]) -> list[PartCopy]:
     """The copies of a plate."""
-    from camgen.files.threemf import Placed
+    from camgen.files.threemf import PartCopy
     from camgen.geometry.mesh import placing
 
     copies = []
     for spot in spots:
         place = placing(spot.angle, spot.position, spot.z, 0.0)
         transform = np.column_stack([place[:, :3] @ spot.turn, place[:, 3]]) + 0.0
-        copies.append(Placed(spot.part, f"{spot.part} {spot.copy}", transform))
+        copies.append(PartCopy(spot.part, f"{spot.part} {spot.copy}", transform))
     return copies

@@ -14,7 +14,7 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
-_MOST = 20  # files that lie flat
+MOST_FLAT = 20  # files
 _SHELVES = (
     ("cad", re.compile(r".*-assembly\.(3mf|glb|step)|.*-(path|profile)\.csv")),
     ("drawings", re.compile(r".*-drawing\.(pdf|dxf)")),
@@ -50,7 +50,7 @@ def listed(folder: Path, pattern: str) -> list[Path]:
 def put_away(folder: Path, names: Iterable[str]) -> None:
     """Move the files of a build onto their shelves where it has many; names: of those that are still to come to the top."""
     files = [path for path in folder.iterdir() if path.is_file()]
-    if len(files) + len({*names} - {path.name for path in files}) <= _MOST:
+    if len(files) + len({*names} - {path.name for path in files}) <= MOST_FLAT:
         return
     for path in files:
         if name := shelf(path.name):

@@ -18,7 +18,7 @@ from camgen._version import __version__
 from camgen.bounds import read_bytes
 from camgen.errors import FileError
 from camgen.files.formats import FORMATS, Job
-from camgen.files.threemf import Placed
+from camgen.files.threemf import PartCopy
 from camgen.geometry.brep import Brep, Edge, Face, Loop
 from camgen.geometry.outlines import Floats
 from camgen.parts.exact import SAME, exact
@@ -41,7 +41,7 @@ def write_step(
     bodies: Mapping[str, Brep],
     titles: Mapping[str, str],
     title: str,
-    copies: Sequence[Placed] = (),
+    copies: Sequence[PartCopy] = (),
 ) -> None:
     """Write bodies by name, with titles for people: each a part by itself, or with copies all in the places of an assembly."""
     out = _Entities()
@@ -216,7 +216,7 @@ def _rise(body: Brep, step: tuple[int, bool]) -> bool:
 
 
 def _assembly(
-    out: _Entities, name: str, shapes: Mapping[str, tuple[int, int]], copies: Sequence[Placed]
+    out: _Entities, name: str, shapes: Mapping[str, tuple[int, int]], copies: Sequence[PartCopy]
 ) -> None:
     """All copies in their places, each under its own name."""
     whole = _defined(out, name, name)
@@ -314,7 +314,7 @@ def read_part(path: Path, name: str) -> tuple[Brep, list[str]]:
     return next(iter(bodies.values()), Brep(np.empty((0, 3)), (), ())), remarks
 
 
-def read_step(path: Path) -> tuple[dict[str, Brep], list[Placed], list[str]]:
+def read_step(path: Path) -> tuple[dict[str, Brep], list[PartCopy], list[str]]:
     """Bodies by the names of their products, copies in an assembly, and remarks: corners off their curves or surfaces, mm.
 
     FileError where it cannot be read, is cut short, or holds other things than upright walls between level faces.
@@ -423,7 +423,7 @@ class _Reader:
         _, at, z, x = self.get(ref, "AXIS2_PLACEMENT_3D")
         return self.point(at), self.point(z), self.point(x)
 
-    def read(self) -> tuple[dict[str, Brep], list[Placed], list[str]]:
+    def read(self) -> tuple[dict[str, Brep], list[PartCopy], list[str]]:
         """Bodies, copies, remarks."""
         remarks = []
         scale = [self.get(ref, "SI_UNIT") for ref, _ in self.all("LENGTH_UNIT")]
@@ -452,7 +452,7 @@ class _Reader:
             transform = self.get(relation, "REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION")[0]
             at, z, x = self.frame(self.get(transform, "ITEM_DEFINED_TRANSFORMATION")[3])
             copies.append(
-                Placed(names[part], str(label), np.column_stack([x, np.cross(z, x), z, at]))
+                PartCopy(names[part], str(label), np.column_stack([x, np.cross(z, x), z, at]))
             )
         if self.worst > SAME:
             remarks.append(

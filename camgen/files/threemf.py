@@ -64,11 +64,11 @@ Object = tuple[str, int]
 def write_part(path: Path, job: Job) -> None:
     """Write the part's solid under its name."""
     assert job.solid is not None, "a file of a solid is asked for"
-    write_3mf(path, {job.name: job.solid}, [Placed(job.name, job.name)], job.key)
+    write_3mf(path, {job.name: job.solid}, [PartCopy(job.name, job.name)], job.key)
 
 
 @dataclass(frozen=True, eq=False)
-class Placed:
+class PartCopy:
     """One copy in a 3MF: its object's name, its own name, a rotation with shift (3, 4) for column vectors."""
 
     object: str
@@ -76,7 +76,7 @@ class Placed:
     transform: Floats = field(default_factory=lambda: np.eye(3, 4))
 
 
-def write_3mf(path: Path, objects: Mapping[str, Mesh], items: Sequence[Placed], key: str) -> None:
+def write_3mf(path: Path, objects: Mapping[str, Mesh], items: Sequence[PartCopy], key: str) -> None:
     """Write a 3MF of named meshes and their copies; `key` (the spec's hash) makes every UUID, so same key, same bytes.
 
     A copy in place under its object's own name is a build item of the mesh; any other is a named components object

@@ -104,7 +104,7 @@ def plan_bores(part: Part, tolerance: float) -> list[Contour]:
 
 def above_bores(part: Part, tolerance: float) -> list[Contour]:
     """Boxes of a crossed part's bores along z in the view from above: x + iz."""
-    boxes = _boxes(part, tolerance, 0) if part.crossed is not None else []
+    boxes = _boxes(part, tolerance, 0) if part.side_profile is not None else []
     return [rectangle(complex(x0, a), complex(x1, b)) for x0, x1, a, b in boxes]
 
 
@@ -116,8 +116,8 @@ def _boxes(
     for layer, low, high in _holes(part, tolerance):
         z0 = layer.z0
         z1 = layer.z1
-        if part.crossed is not None:
-            bottom, top = _span(part.crossed, (low.real + high.real) / 2, tolerance)
+        if part.side_profile is not None:
+            bottom, top = _span(part.side_profile, (low.real + high.real) / 2, tolerance)
             z0 = max(z0, bottom)
             z1 = min(z1, top)
         ends = (low.imag, high.imag) if axis else (low.real, high.real)
@@ -136,8 +136,8 @@ def _holes(part: Part, tolerance: float) -> Iterator[tuple[Layer, complex, compl
 def _across(part: Part, tolerance: float) -> list[tuple[complex, complex, float, float]]:
     """Of bores along y the corners of their boxes, x + iz, and from where to where they go: y."""
     boxes = (
-        [extent([fit_arcs(hole, tolerance)]) for hole in part.crossed.holes]
-        if part.crossed is not None
+        [extent([fit_arcs(hole, tolerance)]) for hole in part.side_profile.holes]
+        if part.side_profile is not None
         else []
     )
     return [
@@ -176,7 +176,7 @@ def section(part: Part, tolerance: float) -> Section | None:
         as_circle(layer.region.outer) for layer in layers
     )
     if (
-        part.crossed is not None
+        part.side_profile is not None
         or plain
         or len(layers) > _MOST
         or len({layer.region for layer in layers}) < 2

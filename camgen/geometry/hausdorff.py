@@ -70,13 +70,13 @@ class Stray:
     proven: float  # mm, no place of the line is farther
 
     @property
-    def seen(self) -> float:
+    def farthest(self) -> float:
         """Distance of the farthest place that was seen, mm."""
         return abs(self.place - self.foot)
 
 
 def stray(line: Edges, other: Edges, resolution: float) -> Stray:
-    """How far a line strays from another one; resolution: mm > 0, by which `proven` may be more than `seen`."""
+    """How far a line strays from another one; resolution: mm > 0, by which `proven` may be more than `farthest`."""
     import shapely
 
     ways = np.stack([other.a, other.b], axis=1)
@@ -105,8 +105,8 @@ def stray(line: Edges, other: Edges, resolution: float) -> Stray:
         by_way = edges.away(middle) + np.abs(pieces.b - pieces.a) / 2
         by_ends = np.maximum(edges.away(pieces.a), edges.away(pieces.b))
         distance = np.minimum(by_way, by_ends)
-        in_question = distance > best.seen + resolution
-        proven = max(proven, best.seen, float(np.max(distance[~in_question], initial=0.0)))
+        in_question = distance > best.farthest + resolution
+        proven = max(proven, best.farthest, float(np.max(distance[~in_question], initial=0.0)))
         begins = np.concatenate([pieces.a[in_question], middle[in_question]])
         pieces = Edges(begins, np.concatenate([middle[in_question], pieces.b[in_question]]))
     return Stray(best.place, best.foot, proven)

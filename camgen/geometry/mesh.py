@@ -120,7 +120,7 @@ class MeshFaults:
         return self.open_edges + self.flipped_edges + self.crowded_edges + self.degenerate
 
     @property
-    def told(self) -> str:
+    def defects(self) -> str:
         """The faults that there are, for people; empty where there is none."""
         kinds = [
             (self.open_edges, "open edge", "open edges"),

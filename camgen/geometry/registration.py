@@ -29,7 +29,7 @@ _ROUNDS = 30
 
 
 @dataclass(frozen=True)
-class Laid:
+class Registration:
     """How one shape lies on another, and the rms distance, mm, of the points that count."""
 
     turn: float
@@ -51,14 +51,14 @@ def lay(
     others: Sequence[Sequence[Points]],
     distortion: bool = False,
     start: float | None = None,
-) -> tuple[complex, list[Laid]]:
+) -> tuple[complex, list[Registration]]:
     """Distortion m common to all shapes (0 unless it is asked for), and how the first, straightened, lies on each other one.
 
     The origin of each is near one point of the body, the first of its edges the outline. start: a turn to begin with, rad;
     without one that at which the outlines' radii are most alike.
     """
     poses = [
-        Laid(turn_between(shape[0], other[0]) if start is None else start, 0j, np.inf)
+        Registration(turn_between(shape[0], other[0]) if start is None else start, 0j, np.inf)
         for other in others
     ]
     points = np.concatenate(shape)
@@ -95,7 +95,7 @@ def lay(
         m += common
         own_steps = step[2 if distortion else 0 :].reshape(-1, 3)
         poses = [
-            Laid(each.turn + a, each.shift + complex(x, y), off)
+            Registration(each.turn + a, each.shift + complex(x, y), off)
             for each, (a, x, y), off in zip(poses, own_steps, misses, strict=True)
         ]
         if np.max(np.abs(step)) < 1e-8:
@@ -105,7 +105,7 @@ def lay(
 
 def lay_on_known(
     outline: Points, reference: Points, device: bool = False
-) -> tuple[Points, complex, float, Laid]:
+) -> tuple[Points, complex, float, Registration]:
     """A measured outline laid on one that is known, in the known one's frame: (n,) mm; m and scale of what measured it, found
     if device and otherwise 0 and 1; how it lay, seen from both centres of area.
     """
@@ -136,7 +136,7 @@ def lay_on_known(
         if max(map(abs, (a, x, y, *more))) < 1e-9:
             break
     placed = np.exp(1j * turn) / scale * straighten(points, m) + shift
-    return np.asarray(placed), m, scale, Laid(turn, shift, off)
+    return np.asarray(placed), m, scale, Registration(turn, shift, off)
 
 
 def deviation(outline: Points, reference: Points) -> Floats:

@@ -19,7 +19,7 @@ from camgen.errors import counted
 from camgen.files.threemf import Item, Package, read_3mf
 from camgen.findings import Finding, at_least, at_most, in_file
 from camgen.geometry.rings import Floats, Points, Ring
-from camgen.judge.interference import Pair, interference, swept
+from camgen.judge.interference import Pair, interference, sweep_clearances
 from camgen.judge.slabs import Body, Course, Slab, slabs_of
 from camgen.machine.features import (
     CamOutline,
@@ -95,7 +95,7 @@ def sweep(path: Path, machine: SweptMachine) -> tuple[list[Finding], list[Row]]:
                     courses[stand_in.body],
                 )
             )
-        clearances = swept(
+        clearances = sweep_clearances(
             bodies,
             _touching(machine, parts, spare),
             machine.gap,

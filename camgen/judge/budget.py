@@ -11,7 +11,7 @@ from camgen.files.formats import DRAWN, FORMATS, SOLID
 from camgen.geometry.deviation import outline_error
 from camgen.geometry.outlines import Contour, Floats
 from camgen.geometry.rings import Ring, Shape
-from camgen.judge.cams import judged_angles, rolled, s_unit
+from camgen.judge.cams import judged_angles, outline_and_law, s_unit
 from camgen.judge.joints import Nominal
 from camgen.judge.measured import Sections
 from camgen.machine.features import CamOutline
@@ -47,7 +47,7 @@ def error_budget(
 
     def follow(sections: Sections) -> tuple[Ring, Floats]:
         """The outline about its bore, and s on it."""
-        ring, law = rolled(nominal.machine, drive, nominal.mounts, sections)
+        ring, law = outline_and_law(nominal.machine, drive, nominal.mounts, sections)
         return ring, law(theta)
 
     def off(ring: Ring) -> float:
@@ -56,7 +56,7 @@ def error_budget(
     def largest(a: Floats, b: Floats) -> float:
         return scale * float(np.nanmax(np.abs(a - b)))
 
-    exact = (drive.meant.given or joint.law)(theta, 0)
+    exact = (drive.nominal.law or joint.law)(theta, 0)
     rows = [
         (
             "law: undercut that the spec implies",

@@ -16,7 +16,7 @@ from camgen.findings import Finding, Where, at_most
 from camgen.geometry.rings import Ring
 from camgen.judge.contact_faces import ArmFace, SlideFace
 from camgen.judge.contact_tips import ArmTip, SlideTip
-from camgen.judge.joints import Outline, Rolled, assembled
+from camgen.judge.joints import Outline, RollingLaw, measured_machine
 from camgen.judge.measured import Files, Sections, read
 from camgen.machine.features import CamOutline, Flat, Mount, OwnTip
 from camgen.machine.model import Cam, Law, Machine
@@ -35,14 +35,14 @@ def s_unit(joint: Cam) -> tuple[str, float]:
     return ("deg", math.degrees(1)) if joint.slide is None else ("mm", 1.0)
 
 
-def given(joint: Cam, outline: Outline) -> Law:
+def outline_law(joint: Cam, outline: Outline) -> Law:
     """s as the exact outline gives it, by the joint as it is meant."""
-    return outline.feature.meant.given or joint.law
+    return outline.feature.nominal.law or joint.law
 
 
-def rolled(
+def outline_and_law(
     machine: Machine, outline: CamOutline, mounts: Sequence[Mount], sections: Sections
-) -> tuple[Ring, Rolled]:
+) -> tuple[Ring, RollingLaw]:
     """The outline in a part's sections, about its bore in the part's frame, and what the follower rolls to on it; ValueError
     where it does not fit. A tip on another part counts as meant."""
     tip = outline.tip
@@ -56,12 +56,12 @@ def rolled(
             else tip_on_body,
         )
     features = read([outline], {outline.part: sections}, False)
-    law = assembled(machine, [outline], mounts, features).outlines[outline.joint][0].law
+    law = measured_machine(machine, [outline], mounts, features).outlines[outline.joint][0].law
     away = 0j if outline.bore is None else features.eyes[outline.bore].centre
     return features.rings[outline].moved(shift=-away), law
 
 
-def limit(law: Rolled, off: float) -> float:
+def limit(law: RollingLaw, off: float) -> float:
     """Largest error of s that an outline gives which is off by so much, mm, with spare for the second order."""
     return off * (1 + tolerances.BOUND_SPARE) / float(np.min(law.lever(judged_angles())))
 
@@ -74,11 +74,11 @@ class FollowerOnOutline:
         self.outline = outline
         self.where = where
         self.theta = judged_angles()
-        self.meant = outline.feature.meant
+        self.nominal = outline.feature.nominal
         self.touch = outline.law.contact.touch(self.theta)
         self.limit = limit(outline.law, off)
         self.unit, self.scale = s_unit(joint)
-        self._given = given(joint, outline)
+        self._law = outline_law(joint, outline)
 
     def place(self, k: int) -> Where:
         """The file, and the judged angle k."""
@@ -92,7 +92,7 @@ class FollowerOnOutline:
     def undercut(self) -> Finding | None:
         """UNDERCUT: what is lost of the wanted motion; None where the exact outline loses nothing."""
         wanted = self.joint.law(self.theta, 0)
-        reachable = self._given(self.theta, 0)
+        reachable = self._law(self.theta, 0)
         if not np.any(wanted != reachable):
             return None
         loss = np.where(wanted != reachable, np.abs(self.touch.angle - wanted), 0.0)
@@ -100,7 +100,7 @@ class FollowerOnOutline:
         return at_most(
             "UNDERCUT",
             self.scale * loss[worst],
-            self.scale * (self.meant.undercut + self.limit),
+            self.scale * (self.nominal.undercut + self.limit),
             self.unit,
             self.place(worst),
             "motion that the file loses where it is undercut; the limit is the spec's and the outline tolerance",
@@ -125,19 +125,19 @@ class FollowerOnOutline:
 
     def ripple(self) -> Finding | None:
         """SPEED_RIPPLE: speed averaged over a window of cam angle, against the same average of what is reachable."""
-        if math.isinf(self.meant.ripple):
+        if math.isinf(self.nominal.ripple):
             return None
         theta = self.theta
         half = math.radians(tolerances.SPEED_WINDOW_DEG) / 2
-        rolled = self.outline.law.contact
-        turn = rolled.angle(theta + half) - rolled.angle(theta - half)
-        wanted_turn = self._given(theta + half, 0) - self._given(theta - half, 0)
+        outline_and_law = self.outline.law.contact
+        turn = outline_and_law.angle(theta + half) - outline_and_law.angle(theta - half)
+        wanted_turn = self._law(theta + half, 0) - self._law(theta - half, 0)
         off = np.abs(turn - wanted_turn)
         worst = int(np.argmax(off))
         return at_most(
             "SPEED_RIPPLE",
             float(off[worst]) / float(np.max(np.abs(wanted_turn))),
-            self.meant.ripple,
+            self.nominal.ripple,
             "share",
             self.place(worst),
             f"of the greatest speed, averaged over {tolerances.SPEED_WINDOW_DEG:g} deg of cam angle; "

@@ -174,10 +174,10 @@ class _Approach:
         corners = np.stack(
             [starts + ends[0], stops + ends[0], stops + ends[1], starts + ends[1]], axis=1
         )
-        swept = shapely.polygons(np.stack([corners.real, corners.imag], axis=2))
+        way = shapely.polygons(np.stack([corners.real, corners.imag], axis=2))
         start = _moved(self.guest, self.coordinates, np.array([turn]), np.array(ends[:1]))
         shapely.prepare(self.home)
-        return not np.any(shapely.dwithin(self.home, np.append(swept, start), distance))
+        return not np.any(shapely.dwithin(self.home, np.append(way, start), distance))
 
     def round(self) -> _Approach | None:
         """The same with the disc about the guest's calmest point in its place; None where it is one."""
@@ -358,7 +358,7 @@ def _search_about(approach: _Approach, best: _Best, accuracy: _Accuracy) -> bool
     return True
 
 
-def swept(
+def sweep_clearances(
     bodies: Sequence[Body],
     contacts: Mapping[Pair, float],
     needed: float = 0.0,

@@ -26,10 +26,10 @@ from camgen.machine.features import (
     Feature,
     Flat,
     GearTeeth,
-    Keyed,
     Mark,
     Mount,
     PinEyes,
+    SharedFlat,
     SlideFaces,
     SlotFaces,
     Steady,
@@ -58,7 +58,7 @@ _SLOPE = 1e-6  # rad of cam angle, over which the slope of a rolled motion is ta
 
 
 @dataclass(frozen=True)
-class Rolled:
+class RollingLaw:
     """A cam's law as its follower rolls: theta is the cam's angle less the phase; s in rad, or mm where it slides.
 
     arm: mm, None where it slides; least: way of the tip square to the outline per unit of s, mm, where it is known; middle: of
@@ -80,14 +80,14 @@ class Rolled:
                 np.shape(theta)
             )  # a facet has none; only the start of Newton's method asks for it
         key = order, np.shape(theta), np.asarray(theta).tobytes()
-        if key not in self._known:
-            if len(self._known) >= _KNOWN:
-                del self._known[next(iter(self._known))]
-            self._known[key] = self._slope(theta) if order else self.contact.angle(theta)
-        return self._known[key]
+        if key not in self._answers:
+            if len(self._answers) >= _KNOWN:
+                del self._answers[next(iter(self._answers))]
+            self._answers[key] = self._slope(theta) if order else self.contact.angle(theta)
+        return self._answers[key]
 
     @cached_property
-    def _known(self) -> dict[tuple[int, tuple[int, ...], bytes], Floats]:
+    def _answers(self) -> dict[tuple[int, tuple[int, ...], bytes], Floats]:
         """What was asked last: where a cam turns evenly, each step of Newton's method and each output ask for the same."""
         return {}
 
@@ -112,7 +112,7 @@ class Fit:
     """How a joint fits, mm."""
 
     play: float  # as measured
-    meant: float  # the play that is wanted
+    nominal: float  # the play that is wanted
     misfit: float  # how much the worst of its features is off
     shifts: tuple[float, float] = (0.0, 0.0)  # of each side
     parts: tuple[str, str] = ("", "")  # of each side, "" where it is none
@@ -124,9 +124,9 @@ class Outline:
     off) and as wide as it is (`tight`); own: with the tip that a part has, None where no tip was found."""
 
     feature: CamOutline
-    law: Rolled
-    tight: Rolled
-    own: Rolled | None = None
+    law: RollingLaw
+    tight: RollingLaw
+    own: RollingLaw | None = None
 
     def play(self, other: Outline, theta: Floats) -> Floats:
         """Way of the follower from this outline to another one, rad or mm, (n,); below 0 they are in each other's way."""
@@ -156,14 +156,14 @@ class Closable:
     radii: Mapping[str, float]
 
 
-def assembled(
+def measured_machine(
     machine: Machine, features: Sequence[Feature], mounts: Sequence[Mount], readings: Readings
 ) -> Closable:
     """The machine with its joints and outputs where the features are.
 
     ValueError, with the joint's name, where a feature's part stands on neither of its bodies, or a follower misses its cam.
     """
-    builder = _Builder(machine, mounts, keyed(features, mounts, readings), readings)
+    builder = _Builder(machine, mounts, mounts_on_flats(features, mounts, readings), readings)
     for kind in (
         PinEyes,
         Steady,
@@ -186,10 +186,12 @@ def assembled(
     )
 
 
-def keyed(features: Sequence[Feature], mounts: Sequence[Mount], readings: Readings) -> list[Mount]:
+def mounts_on_flats(
+    features: Sequence[Feature], mounts: Sequence[Mount], readings: Readings
+) -> list[Mount]:
     """The mounts, those of parts on a pin with a flat where its holes and flats, as found, put them."""
     keyed_mounts = list(mounts)
-    for feature in (feature for feature in features if isinstance(feature, Keyed)):
+    for feature in (feature for feature in features if isinstance(feature, SharedFlat)):
         k, n = (
             next(k for k, mount in enumerate(keyed_mounts) if mount.part == eye.part)
             for eye in (feature.a, feature.b)
@@ -211,7 +213,7 @@ class _Side:
     """One of the two features that a joint fits together."""
 
     part: str | None
-    meant: float  # its size, mm
+    nominal: float  # its size, mm
     size: float  # as measured, mm
     shift: float  # of its centre, mm
 
@@ -231,7 +233,7 @@ class _Builder:
         self.made = dict(zip(mounts, keyed_mounts, strict=True))
         self.found = readings
         self.joints = {joint.name: joint for joint in machine.joints}
-        self.meant = {joint.name: joint for joint in machine.joints if isinstance(joint, Pin)}
+        self.nominal = {joint.name: joint for joint in machine.joints if isinstance(joint, Pin)}
         self.fits: dict[str, Fit] = {}
         self.outlines: dict[str, list[Outline]] = {}
         self.radii: dict[str, float] = {}
@@ -267,7 +269,7 @@ class _Builder:
             raise ValueError(f"{part} is not mounted on {place.body}")
         return min(mounts, key=lambda mount: abs(mount.place(at) - place.at))
 
-    def _placed(self, eye: Eye, place: Place) -> Place:
+    def _place_of(self, eye: Eye, place: Place) -> Place:
         """The place moved to where its eye was found."""
         if eye.part is None:
             return place
@@ -293,7 +295,7 @@ class _Builder:
         # in either order
         if not fits(a, b) and fits(b, a):
             a, b = b, a
-        new = replace(joint, a=self._placed(a, joint.a), b=self._placed(b, joint.b))
+        new = replace(joint, a=self._place_of(a, joint.a), b=self._place_of(b, joint.b))
         rings = sum(ring.outside - ring.bore for ring in feature.rings)
         sides = (
             _Side(a.part, a.diameter - rings, self._size(a) - rings, abs(new.a.at - joint.a.at)),
@@ -306,7 +308,7 @@ class _Builder:
         """How far the far end is off the joint's axis is a misfit of the joint, and so are sizes there."""
         eyes = self.found.eyes
         ground = joint.a if joint.a.body == GROUND else joint.b
-        shifts = [self._placed(eye, ground).at - ground.at for eye in (feature.near, feature.far)]
+        shifts = [self._place_of(eye, ground).at - ground.at for eye in (feature.near, feature.far)]
         off = abs(shifts[1] - shifts[0])
         if feature.webs is not None:
             body = joint.b if ground is joint.a else joint.a
@@ -339,7 +341,7 @@ class _Builder:
 
         a, b = sides
         measured_play = play(a.size, b.size, self._size(pin) if pin else None)
-        nominal_play = play(a.meant, b.meant, pin.diameter if pin else None)
+        nominal_play = play(a.nominal, b.nominal, pin.diameter if pin else None)
         misfit = abs(measured_play - nominal_play) / (
             1 if pin is None else 2
         )  # a pin is in two holes, so their play counts by the half
@@ -385,7 +387,7 @@ class _Builder:
 
     def _slot(self, feature: SlotFaces, joint: Slot) -> Slot:
         guide, angle = self._line(feature.walls, joint.guide, joint.angle)
-        runner = self._placed(feature.eye, joint.runner)
+        runner = self._place_of(feature.eye, joint.runner)
         walls = feature.walls
         eye = feature.eye
         width = self.found.faces[walls].width
@@ -396,7 +398,7 @@ class _Builder:
         self._fit(joint.name, sides, (eye,), feature.pin)
         return replace(joint, guide=guide, runner=runner, angle=angle)
 
-    def _held(self, pin: str, body: str) -> tuple[complex, complex]:
+    def _pin_places(self, pin: str, body: str) -> tuple[complex, complex]:
         """Where a pin holds a body: in the body's frame and on the ground."""
         joint = self.joints[pin]
         assert isinstance(joint, Pin), f"{pin} is no pin"
@@ -406,9 +408,9 @@ class _Builder:
         """Its joint stays: which outline drives is said later."""
         try:
             tip, facing, radius = self._tip(feature, joint)
-            law = tight = self._rolled(feature, joint, tip, facing, radius, feature.free)
+            law = tight = self._rolling_law(feature, joint, tip, facing, radius, feature.free)
             if feature.free:
-                tight = self._rolled(feature, joint, tip, facing, radius, 0.0)
+                tight = self._rolling_law(feature, joint, tip, facing, radius, 0.0)
         except ValueError as fault:
             raise ValueError(f"{joint.name}: {fault}") from None
         outlines = self.outlines.setdefault(joint.name, [])
@@ -426,9 +428,9 @@ class _Builder:
             if not self._on(teeth.part, body):
                 raise ValueError(f"{joint.name}: {teeth.part} is not mounted on {body}")
             off += teeth.count * (reading.tooth - teeth.tooth)
-            nominal = self.meant[pin]
+            nominal = self.nominal[pin]
             before.append(nominal.a.at if nominal.a.body == GROUND else nominal.b.at)
-            after.append(self._held(pin, body)[1])
+            after.append(self._pin_places(pin, body)[1])
         meant_line = before[1] - before[0]
         line = after[1] - after[0]
         lean = cmath.phase(line / meant_line)
@@ -452,7 +454,7 @@ class _Builder:
         self.radii[joint.name] = radius
         return replace(joint, phase=phase)
 
-    def _own(self, feature: CamOutline, joint: Cam) -> Rolled | None:
+    def _own(self, feature: CamOutline, joint: Cam) -> RollingLaw | None:
         """What the follower's own tip rolls to; None where it is lost or does not fit the cam."""
         own = feature.own
         eyes = self.found.eyes
@@ -466,11 +468,11 @@ class _Builder:
         )
         radius = eyes[own.tip].diameter / 2 if own.radius is None else own.radius
         try:
-            return self._rolled(feature, joint, tip, None, radius, feature.free)
+            return self._rolling_law(feature, joint, tip, None, radius, feature.free)
         except ValueError:
             return None
 
-    def _rolled(
+    def _rolling_law(
         self,
         feature: CamOutline,
         joint: Cam,
@@ -478,10 +480,10 @@ class _Builder:
         facing: complex | None,
         radius: float,
         air: float,
-    ) -> Rolled:
+    ) -> RollingLaw:
         """What a follower with this tip, so much larger, mm, rolls to on one outline."""
         radius += air
-        own, centre = self._held(feature.turns, joint.cam)
+        own, centre = self._pin_places(feature.turns, joint.cam)
         mounts = [
             mount for mount in self.mounts if (mount.part, mount.body) == (feature.part, joint.cam)
         ]
@@ -496,7 +498,7 @@ class _Builder:
         ring = self.found.rings[feature].moved(turn, shift, mirror=mount.flipped)
         form: Form
         if feature.swings is not None:
-            axle, pivot = self._held(feature.swings, joint.follower)
+            axle, pivot = self._pin_places(feature.swings, joint.follower)
             rest = cmath.exp(1j * joint.rest)
             arm = rest * (tip - axle)
             start = pivot - centre
@@ -526,7 +528,7 @@ class _Builder:
                 form = SlideTip(start, along, radius, feature.leaves, feature.inside)
             else:
                 form = SlideFace(start - air * feature.leaves * along, along, feature.leaves)
-        return Rolled(contact(ring, form), lever, feature.meant.lever, middle, turn, shift)
+        return RollingLaw(contact(ring, form), lever, feature.nominal.lever, middle, turn, shift)
 
     def _tip(self, feature: CamOutline, joint: Cam) -> tuple[complex, complex | None, float]:
         """The follower's tip in its body's frame: its place, its face's direction, its radius, mm."""
@@ -557,7 +559,7 @@ class _Builder:
                     if (mount.part, mount.body) == (eye.part, place.body) and abs(
                         mount.place(eye.at) - place.at
                     ) < SAME_POINT:
-                        return self._placed(eye, place)
+                        return self._place_of(eye, place)
             return place
 
         return replace(output, of=placed(output.of, measured_place))

@@ -27,7 +27,7 @@ from camgen.geometry.rings import Floats, Ints, Points, Ring
 from camgen.judge.contact_faces import ArmFace, SlideFace
 from camgen.judge.contact_tips import ArmTip, SlideTip
 from camgen.judge.contours import contour_error
-from camgen.judge.joints import Rolled
+from camgen.judge.joints import RollingLaw
 from camgen.judge.round_trip import MILLIMETRES, PART_LAYERS
 from camgen.judge.sheets import FACETS, along, widened
 from camgen.tolerances import BOUND_SPARE
@@ -59,7 +59,7 @@ class Profile:
 
 
 def judge_profile(
-    table: Path, profile: Profile, ring: Ring, law: Rolled, step_deg: float, tolerance: float
+    table: Path, profile: Profile, ring: Ring, law: RollingLaw, step_deg: float, tolerance: float
 ) -> list[Finding]:
     """ROUND_TRIP of each column of a profile's table.
 
@@ -95,7 +95,7 @@ def judge_profile(
 
 
 @dataclass(frozen=True)
-class _Seen:
+class _EdgeDistances:
     """Places against a ring, (m,) each: how far apart, mm; the nearest edge; how far a normal leans from that of the best edge
     that passes there, and how far it may, rad."""
 
@@ -153,7 +153,7 @@ class _Edges:
             return _BEND * self.tolerance / self.length**2
         return np.full(self.count, _ROUGH * float(np.max(np.abs(self.curvature))))
 
-    def seen(self, z: Points) -> tuple[Floats, Points]:
+    def distances(self, z: Points) -> tuple[Floats, Points]:
         """Distance of each place from each edge, mm, and the outward normal there, (m, n)."""
         a = self.ring.points
         b = self.ring.ends
@@ -175,7 +175,7 @@ class _Edges:
         normal = np.where(flat, -1j * way / np.abs(way), np.sign(curved) * spoke / np.abs(spoke))
         return np.where(flat, straight, arc), normal
 
-    def against(self, z: Points, normal: Points) -> _Seen:
+    def against(self, z: Points, normal: Points) -> _EdgeDistances:
         """Places with their normals, (m,), against the edges."""
         apart = []
         nearest = []
@@ -183,7 +183,7 @@ class _Edges:
         limit = []
         for k in range(0, len(z), max(_BLOCK // self.count, 1)):
             block = slice(k, k + max(_BLOCK // self.count, 1))
-            distance, outward = self.seen(z[block])
+            distance, outward = self.distances(z[block])
             passes = distance <= np.maximum(np.min(distance, axis=1), 2 * self.tolerance)[:, None]
             off = np.where(passes, np.abs(np.angle(normal[block, None] * np.conj(outward))), np.inf)
             best = np.argmin(off / self.turn_limit, axis=1)
@@ -191,7 +191,7 @@ class _Edges:
             nearest.append(np.argmin(distance, axis=1))
             lean.append(off[np.arange(len(best)), best])
             limit.append(self.turn_limit[best])
-        return _Seen(*map(np.concatenate, (apart, nearest, lean, limit)))
+        return _EdgeDistances(*map(np.concatenate, (apart, nearest, lean, limit)))
 
 
 # ---- the follower ----------------------------------------------------------------------------------------------------
@@ -204,7 +204,7 @@ class _Follower:
     which s takes it off the outline.
     """
 
-    def __init__(self, law: Rolled, theta: Floats) -> None:
+    def __init__(self, law: RollingLaw, theta: Floats) -> None:
         form = law.contact.form
         assert isinstance(form, ArmTip | SlideTip | ArmFace | SlideFace), (
             f"{form} is no follower of a cam"
@@ -264,7 +264,7 @@ class _Rows:
         self.normal = follower.law.turn * profile.normal * np.exp(1j * profile.theta)
         spoke = follower.centre - self.place if follower.facing is None else follower.facing
         self.spoke = np.where(self.riding, spoke / np.maximum(np.abs(spoke), _DIGIT), self.normal)
-        self.seen = edges.against(profile.place, profile.normal)
+        self.distances = edges.against(profile.place, profile.normal)
 
     def _worst(
         self, columns: str, error: Floats, limit: Floats | float, unit: str, message: str
@@ -292,7 +292,7 @@ class _Rows:
 
     def places(self) -> Finding:
         """Of the places, and of corners on which the follower rides."""
-        off = self.seen.apart.copy()
+        off = self.distances.apart.copy()
         corners = np.abs(self.profile.place[self.riding, None] - self.edges.ring.points)
         off[self.riding] = np.min(corners, axis=1, initial=np.inf)
         remark = f"{len(off)} places against the outline that is cut, those without a normal against its corners"
@@ -346,10 +346,10 @@ class _Rows:
 
     def normals(self) -> Finding:
         """Of the normals, against the outline."""
-        lean = np.where(self.riding, 0.0, self.seen.lean)
+        lean = np.where(self.riding, 0.0, self.distances.lean)
         remark = "the row's normal against the outline that is cut; the limit is what arcs within the tolerance may lean"
         return self._worst(
-            "normal_deg", np.degrees(lean), np.degrees(self.seen.limit), "deg", remark
+            "normal_deg", np.degrees(lean), np.degrees(self.distances.limit), "deg", remark
         )
 
     def pressure(self) -> Finding:
@@ -376,7 +376,7 @@ class _Rows:
         means = self._turns()
         steps = np.stack([np.roll(means, k) for k in (2, 1, 0, -1)])
         on_one_arc = np.stack(
-            [np.roll(self.seen.nearest, k) == self.seen.nearest for k in (-2, -1, 1, 2)]
+            [np.roll(self.distances.nearest, k) == self.distances.nearest for k in (-2, -1, 1, 2)]
         ).all(axis=0)
         on_one_arc &= np.isfinite(steps).all(axis=0)
         least = np.min(steps, axis=0)
@@ -404,7 +404,7 @@ class _Rows:
     def _bends(self) -> tuple[Floats, Floats, Floats]:
         """Least and greatest curvature of the edges from the row before to the row after, and how far off they may be, 1/mm."""
         edges = self.edges
-        nearest = self.seen.nearest
+        nearest = self.distances.nearest
         count = self.edges.count
         before, after = (
             (np.roll(nearest, k) - nearest + count // 2) % count - count // 2 for k in (1, -1)

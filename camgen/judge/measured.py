@@ -19,8 +19,8 @@ from camgen.machine.features import (
     Feature,
     Flat,
     GearTeeth,
-    Keyed,
     OwnTip,
+    SharedFlat,
     SlideFaces,
     SlotFaces,
     Teeth,
@@ -51,7 +51,7 @@ class Files:
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredEye:
     """An eye as found in a file, mm."""
 
     centre: complex
@@ -59,7 +59,7 @@ class Measured:
     spread: float = 0.0  # how far the centres at several heights lie apart
 
 
-def measure(eye: Eye, sections: Sections) -> Measured | None:
+def measure(eye: Eye, sections: Sections) -> MeasuredEye | None:
     """The eye in the sections of its part, at all heights at which it is there; None where no ring comes near it."""
     circles_of_eye: list[tuple[Circle, float]] = []
     least = min(_SAME_HOLE * eye.diameter, max(_HEAD, 0.02 * eye.diameter))
@@ -80,7 +80,7 @@ def measure(eye: Eye, sections: Sections) -> Measured | None:
     sizes = [c.diameter if eye.shaft else free for c, free in circles_of_eye]
     spread = float(np.max(np.abs(centres - centres[0])))
     size = max(each for each in sizes if each <= min(sizes) + _SHANK) if eye.shaft else min(sizes)
-    return Measured(complex(centres.mean()), size, spread)
+    return MeasuredEye(complex(centres.mean()), size, spread)
 
 
 def _free(circle: Circle, ring: Ring) -> float:
@@ -93,7 +93,7 @@ def _free(circle: Circle, ring: Ring) -> float:
     return min(circle.diameter, 2 * float(facets.min(initial=np.inf)))
 
 
-def measure_end(eye: Eye, sections: Sections) -> Measured | None:
+def measure_end(eye: Eye, sections: Sections) -> MeasuredEye | None:
     """A rounded end of an outline, such as a follower's own tip: the circle through what lies near the nominal one."""
     circles = []
     for ring in (shape.outer for shapes in sections for shape in shapes):
@@ -104,29 +104,29 @@ def measure_end(eye: Eye, sections: Sections) -> Measured | None:
     if not circles:
         return None
     centres = np.array([centre for centre, _ in circles])
-    return Measured(
+    return MeasuredEye(
         complex(centres.mean()),
         2 * max(r for _, r in circles),
         float(np.max(np.abs(centres - centres[0]))),
     )
 
 
-def measure_bore(eye: Eye, sections: Sections) -> Measured:
+def measure_bore(eye: Eye, sections: Sections) -> MeasuredEye:
     """A bore by its round part, so that no keyway counts, at the lowest height; the meant one where none is there."""
     holes = [hole for shapes in sections[:1] for shape in shapes[:1] for hole in shape.holes]
     if not holes:
-        return Measured(eye.at, eye.diameter)
+        return MeasuredEye(eye.at, eye.diameter)
     nearest = min(holes, key=lambda ring: float(np.min(np.abs(ring.points - eye.at))))
     circle = bore_circle(nearest.moved(shift=-eye.at), eye.diameter)
-    return Measured(eye.at + circle.centre, circle.diameter)
+    return MeasuredEye(eye.at + circle.centre, circle.diameter)
 
 
-def _measure_own(own: OwnTip, sections: Sections) -> Measured | None:
+def _measure_own(own: OwnTip, sections: Sections) -> MeasuredEye | None:
     """A follower's own tip: a seat, a rounded end, or the nearest corner of a knife edge."""
     if own.tip.diameter:
         return measure_end(own.tip, sections) if own.tip.shaft else measure(own.tip, sections)
     corners = np.concatenate([shape.outer.points for shapes in sections for shape in shapes])
-    return Measured(complex(corners[np.argmin(np.abs(corners - own.tip.at))]), 0.0)
+    return MeasuredEye(complex(corners[np.argmin(np.abs(corners - own.tip.at))]), 0.0)
 
 
 @dataclass(frozen=True)
@@ -182,12 +182,12 @@ def _face(
 class Readings:
     """All features of a machine as the files of one kind show them."""
 
-    eyes: dict[Eye, Measured] = field(default_factory=dict)
+    eyes: dict[Eye, MeasuredEye] = field(default_factory=dict)
     faces: dict[Faces, MeasuredFaces] = field(default_factory=dict)
     flats: dict[Flat, Flat] = field(default_factory=dict)
     rings: dict[CamOutline, Ring] = field(default_factory=dict)
     teeth: dict[Teeth, Teeth] = field(default_factory=dict)
-    facing: dict[Keyed, tuple[float, float]] = field(default_factory=dict)
+    facing: dict[SharedFlat, tuple[float, float]] = field(default_factory=dict)
     lost: list[str] = field(default_factory=list)  # sentences on what they do not show
 
 
@@ -208,7 +208,7 @@ def read(features: Sequence[Feature], files: Mapping[str, Sections], drawing: bo
             case GearTeeth(joint=joint, a=a, b=b):
                 reader.teeth(joint, a)
                 reader.teeth(joint, b)
-            case Keyed():
+            case SharedFlat():
                 reader.flats(feature)
     return reader.readings
 
@@ -227,7 +227,7 @@ class _Reader:
     def eye(self, eye: Eye, tip: bool) -> None:
         """A hole, or a shaft; tip: whether a follower may have it as its own rounded end."""
         if eye.part is None or not eye.diameter:
-            self.readings.eyes[eye] = Measured(eye.at, eye.diameter)
+            self.readings.eyes[eye] = MeasuredEye(eye.at, eye.diameter)
             return
         sections = self.files[eye.part]
         circle = measure(eye, sections)
@@ -284,7 +284,7 @@ class _Reader:
         else:
             self.readings.teeth[nominal] = teeth
 
-    def flats(self, feature: Keyed) -> None:
+    def flats(self, feature: SharedFlat) -> None:
         """The flats of two holes on one pin."""
         angles = []
         for eye in (feature.a, feature.b):

@@ -14,7 +14,7 @@ from camgen import tolerances
 from camgen.files.formats import READABLE
 from camgen.findings import Finding, NotJudged, Where, at_most
 from camgen.judge.cams import judge_cams, named
-from camgen.judge.joints import Closable, Fit, Nominal, Outline, assembled
+from camgen.judge.joints import Closable, Fit, Nominal, Outline, measured_machine
 from camgen.judge.measured import Files, Sections, read
 from camgen.judge.proof import Proof, with_laws
 from camgen.machine.features import CamOutline, Demand, judged_outputs, parts_of
@@ -70,7 +70,7 @@ def judge_machine(
         else 0.0
     )
     try:
-        measured = assembled(nominal.machine, features, nominal.mounts, readings)
+        measured = measured_machine(nominal.machine, features, nominal.mounts, readings)
         closing = _Closing(nominal, measured, theta, chord_tolerance, rounding)
         first = {name: outlines[0] for name, outlines in measured.outlines.items()}
         proof = closing.proof(first)
@@ -81,7 +81,7 @@ def judge_machine(
         if measured.fits
         else []
     )
-    judged = closing.judged(proof)
+    judged = closing.results(proof)
     alone = len(judged) == 1
     numbers = Figures()
     for each in judged:
@@ -108,14 +108,15 @@ def judge_machine(
     strokes = [each for each in judged if each.demand.stroke]
     if strokes:
         findings.append(
-            max(strokes, key=lambda each: abs(each.made - each.meant) / each.limit).stroke(
-                where, alone
-            )
+            max(
+                strokes,
+                key=lambda each: abs(each.measured_stroke - each.nominal_stroke) / each.limit,
+            ).stroke(where, alone)
         )
     return Verdict(tuple(findings), numbers, _table(files.kind, judged, proof), proof, unseen)
 
 
-def _motion_error(judged: Sequence[_Judged], where: Where) -> Finding:
+def _motion_error(judged: Sequence[_OutputResult], where: Where) -> Finding:
     """MOTION_ERROR of the output that comes worst off against its own limit."""
     worst = max(judged, key=lambda each: each.error / each.limit)
     return worst.motion(where, len(judged) == 1)
@@ -161,7 +162,7 @@ class _Closing:
             (name, outline.own if own and outline.own else outline.law)
             for name, outline in driven.items()
         )
-        laws_given = tuple((name, outline.feature.meant.given) for name, outline in driven.items())
+        laws_given = tuple((name, outline.feature.nominal.law) for name, outline in driven.items())
         machine = replace(with_laws(self.measured.machine, laws), outputs=tuple(self.outputs))
         measured = replace(self.measured, machine=machine)
         return Proof(
@@ -171,11 +172,11 @@ class _Closing:
             tuple((name, law) for name, law in laws_given if law is not None),
         )
 
-    def judged(self, proof: Proof) -> list[_Judged]:
+    def results(self, proof: Proof) -> list[_OutputResult]:
         """Its outputs against what is asked of them."""
         wishes = {each.output: each for each in self.nominal.demands}
         return [
-            _Judged(
+            _OutputResult(
                 output,
                 wishes.get(output.name, Demand(output.name)),
                 proof,
@@ -188,10 +189,10 @@ class _Closing:
 
     def motion(self, driven: Mapping[str, Outline], own: bool, where: Where) -> Finding:
         """MOTION_ERROR of the machine driven by other outlines than the first, or tips."""
-        return _motion_error(self.judged(self.proof(driven, own)), where)
+        return _motion_error(self.results(self.proof(driven, own)), where)
 
 
-class _Judged:
+class _OutputResult:
     """One output against the wanted one."""
 
     def __init__(
@@ -225,7 +226,7 @@ class _Judged:
         self.limit = max(limit, _ROUNDING)
         self.every = np.concatenate([theta, proof.corners])
         off = [
-            np.abs(self.recovered(part)[0] - self.wanted(part)[0])
+            np.abs(self.measured(part)[0] - self.nominal(part)[0])
             for part in (theta, proof.corners)
             if len(part)
         ]
@@ -234,7 +235,7 @@ class _Judged:
         self.worst = int(np.argmax(self.off))
         self.error = float(self.off[self.worst])
 
-    def wanted(self, theta: Floats) -> tuple[Any, Any]:
+    def nominal(self, theta: Floats) -> tuple[Any, Any]:
         """The wanted value and slope, (n,)."""
         motion = self.demand.motion
         return (
@@ -243,7 +244,7 @@ class _Judged:
             else (motion(theta, 0), motion(theta, 1))
         )
 
-    def recovered(self, theta: Floats) -> tuple[Any, Any]:
+    def measured(self, theta: Floats) -> tuple[Any, Any]:
         """The same as the files give it."""
         return self.proof.outcome(self.output.name, theta)
 
@@ -253,19 +254,19 @@ class _Judged:
         return float(np.max(self.moved.play))
 
     @cached_property
-    def made(self) -> float:
+    def measured_stroke(self) -> float:
         """Difference of the extremes as the files give it."""
-        return _stroke(self.theta, self.moved.value, self.recovered)
+        return _stroke(self.theta, self.moved.value, self.measured)
 
     @cached_property
-    def meant(self) -> float:
+    def nominal_stroke(self) -> float:
         """The same as it is wanted."""
-        return _stroke(self.theta, self.wanted(self.theta)[0], self.wanted)
+        return _stroke(self.theta, self.nominal(self.theta)[0], self.nominal)
 
     @property
     def lash(self) -> tuple[float, str]:
         """The play that is borne, and why no more."""
-        half = self.made * _RANGE
+        half = self.measured_stroke * _RANGE
         if self.demand.lash < half:
             return self.demand.lash, self.demand.lash_of
         return half, "half of the stroke: with more it is no mechanism"
@@ -275,7 +276,10 @@ class _Judged:
         values = {MOTION_ERROR: self.error}
         if math.isfinite(self.error):
             moved = "swing" if self.unit == "deg" else "stroke"
-            values |= {"clearance band {of}": self.band, f"{moved} recovered {{of}}": self.made}
+            values |= {
+                "clearance band {of}": self.band,
+                f"{moved} recovered {{of}}": self.measured_stroke,
+            }
         return [
             Figure(quantity, self.scale * value, self.unit, name, kind=kind)
             for quantity, value in values.items()
@@ -326,19 +330,19 @@ class _Judged:
 
     def stroke(self, where: Where, alone: bool) -> Finding:
         """STROKE_ERROR."""
-        measured = self.scale * self.made
-        nominal = self.scale * self.meant
+        measured = self.scale * self.measured_stroke
+        nominal = self.scale * self.nominal_stroke
         remark = f"{measured:.6f} {self.unit} recovered, {nominal:.6f} {self.unit} wanted"
         return self._finding(
             "STROKE_ERROR",
-            abs(self.made - self.meant),
+            abs(self.measured_stroke - self.nominal_stroke),
             self.limit,
             self._where(where, alone),
             remark,
         )
 
 
-def _table(kind: str, judged: Sequence[_Judged], proof: Proof) -> Table:
+def _table(kind: str, judged: Sequence[_OutputResult], proof: Proof) -> Table:
     """Of each measured joint: its fit, and what its play and its centres' shift do to each output at the worst angle."""
     columns = [*COLUMNS]
     for each in judged:
@@ -348,7 +352,7 @@ def _table(kind: str, judged: Sequence[_Judged], proof: Proof) -> Table:
         ]
     rows: list[list[object]] = []
     for name, fit in proof.fits.items():
-        row: list[object] = [name, fit.play, fit.meant, max(fit.shifts)]
+        row: list[object] = [name, fit.play, fit.nominal, max(fit.shifts)]
         for each in judged:
             factor = each.scale * each.reach[name]
             row += [factor * max(fit.play, 0.0) / 2, factor * sum(fit.shifts)]
@@ -378,7 +382,7 @@ def _fit(fits: Mapping[str, Fit], limit: float, where: Where) -> Finding:
         limit,
         "mm",
         replace(where, joint=worst),
-        f"play {fit.play:.4f} mm, {fit.meant:.4f} mm wanted; worst of {len(fits)} joints, by each "
+        f"play {fit.play:.4f} mm, {fit.nominal:.4f} mm wanted; worst of {len(fits)} joints, by each "
         "hole's diameter and by the centres at several heights",
     )
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from camgen.judge.cams import judged_angles
-from camgen.judge.joints import Closable, Rolled
+from camgen.judge.joints import Closable, RollingLaw
 from camgen.machine.closing import LoopClosure, close
 from camgen.machine.constraints import Constraints
 from camgen.machine.model import Cam, Law, Machine
@@ -120,7 +120,7 @@ class Proof:
         self._system = Constraints(measured.machine)
         self._seen: dict[bytes, Mapping[str, Response]] = {}
 
-    def wanted(self, output: str, theta: Floats) -> tuple[Any, Any]:
+    def nominal(self, output: str, theta: Floats) -> tuple[Any, Any]:
         """The output and its slope by the joints as they are meant, (n,)."""
         return self._meant.outcome(output, theta)
 
@@ -135,7 +135,7 @@ class Proof:
         angles = [
             self._meant.when(joint.cam, law.contact.changes + joint.phase)
             for joint, law in cams
-            if isinstance(law, Rolled)
+            if isinstance(law, RollingLaw)
         ]
         return np.concatenate([np.empty(0), *angles])
 
@@ -173,7 +173,7 @@ class Proof:
                 np.broadcast_to(self._system.angle(joint.cam, closed.q) - joint.phase, theta.shape)
             )
             for joint in self.machine.joints
-            if isinstance(joint, Cam) and isinstance(joint.law, Rolled)
+            if isinstance(joint, Cam) and isinstance(joint.law, RollingLaw)
         }
         responses = {}
         shares_of_outputs = self._system.shares(

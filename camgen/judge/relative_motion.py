@@ -61,20 +61,20 @@ class Motion:
 
     def path(self, centre: complex, reach: float) -> Floats:
         """How far points of the guest, at most `reach` from a centre, have gone at most by each angle of the grid, (n,) mm."""
-        if centre not in self._gone:
-            self._gone[centre] = _gone(self.shifts + self.turns * centre)
-        return self._gone[centre] + reach * self._turned
+        if centre not in self._path_bounds:
+            self._path_bounds[centre] = _path_bound(self.shifts + self.turns * centre)
+        return self._path_bounds[centre] + reach * self._turn_bound
 
     @functools.cached_property
-    def _gone(self) -> dict[complex, Floats]:
+    def _path_bounds(self) -> dict[complex, Floats]:
         return {}
 
     @functools.cached_property
-    def _turned(self) -> Floats:
-        return _gone(self.turns)
+    def _turn_bound(self) -> Floats:
+        return _path_bound(self.turns)
 
 
-def _gone(places: Points) -> Floats:
+def _path_bound(places: Points) -> Floats:
     """Bound of the way along a grid by each of its angles, (n,): the sum of chords, each with the greatest bend beside it.
 
     A bend is a second difference. Half of it bounds what the speed in a step differs from its chord's where the second

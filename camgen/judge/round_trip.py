@@ -43,7 +43,7 @@ class Section:
 
 
 @dataclass(frozen=True)
-class Expected:
+class NominalPart:
     """What a part's files should hold, as plain numbers and points.
 
     Where eyes lie to each other is judged elsewhere, by how parts move; so is where they lie to an outline that a follower
@@ -51,24 +51,21 @@ class Expected:
     """
 
     part: str
-    sections: tuple[
-        Section, ...
-    ]  # of its layers, from the bottom, then of what lies below or above them
-    cut: int  # the section that its drawing shows
+    # of its layers, from the bottom, then of what lies below or above them
+    sections: tuple[Section, ...]
+    drawn_section: int  # the one that its drawing shows
     volume: float  # mm^3
     levels: tuple[float, ...]  # heights of its flat faces, mm, the underside first
     facets: float  # volume that facets may take, mm^3
     min_wall: float  # mm
     chord_tolerance: float  # mm
-    bore: float | None = (
-        None  # diameter of the hole on whose centre it turns, where the motion tells its place
-    )
+    # diameter of the hole on whose centre it turns, where the motion tells its place
+    bore: float | None = None
     eyes: tuple[tuple[complex, float], ...] = ()  # of joints: centre and diameter, mm
     rolls: bool = False  # whether a follower runs on its outline
-    stacked: bool = (
-        True  # whether `levels` are all of them; of another part the lowest and the highest place
-    )
-    undo: Undo | None = None  # how a mesh was changed for the printer
+    # whether `levels` are all of them; of another part the lowest and the highest place
+    levels_complete: bool = True
+    print_change: PrintChange | None = None  # how a mesh was changed for the printer
     marks: Points = field(
         default_factory=lambda: np.empty((0, 2), complex)
     )  # (n, 2), ends of strokes
@@ -76,7 +73,7 @@ class Expected:
 
 
 @dataclass(frozen=True)
-class Undo:
+class PrintChange:
     """What the printer does to a mesh that was sent to it, see `as_printed.printed`; files are judged as they print."""
 
     hole: float  # by which holes become smaller, mm
@@ -103,7 +100,7 @@ class PartVerdict:
     ] = ()  # pieces at each height, none where it could not be recovered
 
 
-def judge_drawing(path: Path, expected: Expected) -> PartVerdict:
+def judge_drawing(path: Path, expected: NominalPart) -> PartVerdict:
     """Units, closed contours, holes and walls of a drawing that is to be cut."""
     form = FORMATS[path.suffix[1:]]
     where = in_file(path)
@@ -136,7 +133,11 @@ def judge_drawing(path: Path, expected: Expected) -> PartVerdict:
     if not closed.ok:
         return PartVerdict(tuple(findings))
     return _judge_sections(
-        [(expected.sections[expected.cut], drawing.cut)], expected, where, form.rounding, findings
+        [(expected.sections[expected.drawn_section], drawing.cut)],
+        expected,
+        where,
+        form.rounding,
+        findings,
     )
 
 
@@ -164,7 +165,7 @@ def _misdrawn(engraved: Sequence[Ring], nominal: Sequence[Ring], tolerance: floa
     return [] if off <= 2 * tolerance else [f"an engraved contour is {off:.4g} mm off"]
 
 
-def judge_dimensioned(path: Path, expected: Expected) -> Finding:
+def judge_dimensioned(path: Path, expected: NominalPart) -> Finding:
     """ROUND_TRIP of the contours that a dimensioned drawing shows at the part's own size."""
     rings, faults = read_contours(path)
     if faults:
@@ -173,7 +174,7 @@ def judge_dimensioned(path: Path, expected: Expected) -> Finding:
     return next(finding for finding in findings if finding.code == "ROUND_TRIP")
 
 
-def judge_mesh(path: Path, expected: Expected) -> PartVerdict:
+def judge_mesh(path: Path, expected: NominalPart) -> PartVerdict:
     """Watertightness, volume, sections and walls of the one solid in a file."""
     mesh, remarks = read_solid(path, expected.part)
     if remarks:
@@ -181,7 +182,7 @@ def judge_mesh(path: Path, expected: Expected) -> PartVerdict:
     return judge_solid(mesh, expected, in_file(path), FORMATS[path.suffix[1:]].rounding)
 
 
-def judge_exact(path: Path, expected: Expected) -> PartVerdict:
+def judge_exact(path: Path, expected: NominalPart) -> PartVerdict:
     """Closed shell, volume, sections and walls of the one exact solid in a file."""
     body, remarks = read_exact(path, expected.part)
     where = in_file(path)
@@ -207,12 +208,14 @@ def judge_exact(path: Path, expected: Expected) -> PartVerdict:
     )
 
 
-def judge_cut(rings: Sequence[Ring], expected: Expected, where: Where) -> PartVerdict:
+def judge_cut(rings: Sequence[Ring], expected: NominalPart, where: Where) -> PartVerdict:
     """Contours and walls of a part as it is cut of a sheet, in the part's frame."""
-    return _judge_sections([(expected.sections[expected.cut], rings)], expected, where, 0.0, [])
+    return _judge_sections(
+        [(expected.sections[expected.drawn_section], rings)], expected, where, 0.0, []
+    )
 
 
-def judge_solid(mesh: Mesh, expected: Expected, where: Where, rounding: float) -> PartVerdict:
+def judge_solid(mesh: Mesh, expected: NominalPart, where: Where, rounding: float) -> PartVerdict:
     """Watertightness, volume, sections and walls of a solid; rounding: of a length in its file, as a share."""
     faults = mesh_faults(mesh)
     count = faults.count + abs(faults.bodies - 1)
@@ -223,7 +226,7 @@ def judge_solid(mesh: Mesh, expected: Expected, where: Where, rounding: float) -
             0,
             "faults",
             where,
-            f"{faults.told or 'no fault'} in {counted(faults.bodies, 'body', 'bodies')} of {len(mesh.faces)} triangles",
+            f"{faults.defects or 'no fault'} in {counted(faults.bodies, 'body', 'bodies')} of {len(mesh.faces)} triangles",
         )
     ]
     if count:
@@ -241,11 +244,11 @@ def judge_solid(mesh: Mesh, expected: Expected, where: Where, rounding: float) -
     return _judge_sections(sections, expected, where, rounding, findings, level_error)
 
 
-def _level_error(heights: Floats, expected: Expected) -> float:
+def _level_error(heights: Floats, expected: NominalPart) -> float:
     """How far flat faces are from where they belong, mm; all of a stack's corners lie on such a face."""
     levels = distinct(heights)
     nominal = np.array(expected.levels)
-    if not expected.stacked:
+    if not expected.levels_complete:
         levels = levels[[0, -1]]
     distances = np.abs(levels[:, None] - nominal)
     return float(max(np.max(np.min(distances, axis=0)), np.max(np.min(distances, axis=1))))
@@ -256,7 +259,7 @@ def strange(path: Path, remarks: Sequence[str]) -> Finding:
     return at_most("ROUND_TRIP", len(remarks), 0, "warnings", in_file(path), "; ".join(remarks))
 
 
-def _volume(volume: float, expected: Expected, where: Where) -> Finding:
+def _volume(volume: float, expected: NominalPart, where: Where) -> Finding:
     limit = tolerances.VOLUME_SHARE * expected.volume + expected.facets
     return at_most(
         "VOLUME",
@@ -270,14 +273,14 @@ def _volume(volume: float, expected: Expected, where: Where) -> Finding:
 
 def _judge_sections(
     rings_by_section: Sequence[tuple[Section, Sequence[Ring]]],
-    expected: Expected,
+    expected: NominalPart,
     where: Where,
     rounding: float,
     findings: list[Finding],
     level_error: float = 0.0,
 ) -> PartVerdict:
     """Whether every section holds the contours that were meant, and how thin its walls are."""
-    undo = expected.undo
+    undo = expected.print_change
     try:
         sections = [
             (section, pieces_of(rings) if len(section.shapes) > 1 else (shape_of(rings),))
@@ -292,7 +295,7 @@ def _judge_sections(
         findings.append(at_most("ROUND_TRIP", math.nan, 0, "mm", where, str(error)))
         return PartVerdict(tuple(findings))
     steps = 4.0
-    if not expected.stacked:  # corners near each other are one
+    if not expected.levels_complete:  # corners near each other are one
         steps += math.sqrt(2) * tolerances.MERGED_STEPS
     limit = 2 * expected.chord_tolerance + steps * rounding + (undo.slack if undo else 0.0)
     off = level_error
@@ -367,11 +370,13 @@ def _wall(shape: Shape) -> float:
     return thinnest_wall(outer, holes)
 
 
-def _is_bore(ring: Ring, expected: Expected) -> bool:
+def _is_bore(ring: Ring, expected: NominalPart) -> bool:
     return expected.bore is not None and abs(ring.centroid) < expected.bore / 2
 
 
-def _bore_shift(shapes: Sequence[Shape], nominal: Sequence[Shape], expected: Expected) -> complex:
+def _bore_shift(
+    shapes: Sequence[Shape], nominal: Sequence[Shape], expected: NominalPart
+) -> complex:
     """How far the bore in a section is from its place, mm: motion tells that, and at all heights it is the same."""
     holes = [hole for shape in shapes for hole in shape.holes]
     bores = [
@@ -390,7 +395,7 @@ def _bore_shift(shapes: Sequence[Shape], nominal: Sequence[Shape], expected: Exp
 def _section_error(
     shapes: Sequence[Shape],
     nominal: Sequence[Shape],
-    expected: Expected,
+    expected: NominalPart,
     bore_shift: complex,
     eyes: list[tuple[complex, complex]],
 ) -> float:
@@ -424,7 +429,7 @@ def _section_error(
 def _aside(
     eyes: Sequence[tuple[complex, complex]],
     sections: Sequence[tuple[Section, Sequence[Shape]]],
-    expected: Expected,
+    expected: NominalPart,
 ) -> float:
     """How far a part's eyes (meant, found) lie together from their places in its outline, mm: what a rigid motion of them all
     explains, where it leaves less than half of that unexplained. 0 where all outlines are eyes themselves.
@@ -447,7 +452,7 @@ def _apart(a: Ring, b: Ring) -> float:
     return abs(a.centroid - b.centroid) + abs(math.sqrt(abs(a.area)) - math.sqrt(abs(b.area)))
 
 
-def _is_eye(ring: Ring, expected: Expected) -> bool:
+def _is_eye(ring: Ring, expected: NominalPart) -> bool:
     """Whether a contour that is meant is that of a joint, by its place and its size."""
     near = 2 * expected.chord_tolerance
     size = 2 * math.sqrt(abs(ring.area) / math.pi)

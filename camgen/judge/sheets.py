@@ -22,7 +22,7 @@ from camgen.files.dxf import read_dxf
 from camgen.findings import Finding, Where, at_least, at_most, in_file
 from camgen.geometry.distances import point_to_ring
 from camgen.geometry.rings import Points, Ring, Shape
-from camgen.judge.round_trip import MILLIMETRES, Expected, PartVerdict, judge_cut, pieces_of
+from camgen.judge.round_trip import MILLIMETRES, NominalPart, PartVerdict, judge_cut, pieces_of
 from camgen.tolerances import WAY_BACK
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ class Beam:
 
 
 def judge_sheet(
-    dxf: Path, svg: Path, copies: Sequence[SheetCopy], parts: Mapping[str, Expected], beam: Beam
+    dxf: Path, svg: Path, copies: Sequence[SheetCopy], parts: Mapping[str, NominalPart], beam: Beam
 ) -> tuple[list[Finding], dict[str, PartVerdict]]:
     """Findings on one sheet in both formats, and its parts as cut, by name, in their own frames.
 
@@ -98,7 +98,9 @@ def judge_sheet(
             break
         expected = parts[copy.part]
         turn = cmath.rect(1, copy.angle)
-        middle = turn * expected.sections[expected.cut].shapes[0].outer.centroid + copy.place
+        middle = (
+            turn * expected.sections[expected.drawn_section].shapes[0].outer.centroid + copy.place
+        )
         piece = min(pieces, key=lambda shape: abs(shape.outer.centroid - middle))
         path = piece.moved(shift=-copy.place).moved(1 / turn)
         place = replace(where, part=f"{copy.part}-{copy.copy}")
@@ -219,11 +221,11 @@ def widened(ring: Ring, distance: float, sharp: bool = True) -> Ring:
     return Ring(z, np.zeros(len(z)))
 
 
-def _kerf(path: Shape, expected: Expected, kerf: float, where: Where) -> Finding:
+def _kerf(path: Shape, expected: NominalPart, kerf: float, where: Where) -> Finding:
     """KERF: how far the part as cut is from the outline that was meant, where inner corners come out round."""
     import shapely
 
-    shape = expected.sections[expected.cut].shapes[0]
+    shape = expected.sections[expected.drawn_section].shapes[0]
     off = 0.0
     allowed = 0.0
     holes = list(path.holes)

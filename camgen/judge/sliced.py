@@ -21,7 +21,7 @@ import numpy as np
 from camgen.errors import counted
 from camgen.findings import Finding, Where, at_most
 from camgen.geometry.mesh import Mesh, components, slice_mesh
-from camgen.geometry.registration import Laid, dense, deviation, lay
+from camgen.geometry.registration import Registration, dense, deviation, lay
 from camgen.geometry.rings import Floats, Points, Ring, Shape
 from camgen.judge.round_trip import pieces_of
 
@@ -94,7 +94,7 @@ class Copy:
     """A body that is the print of a part: bed = exp(i turn) * lying + place; off: rms mm of its outline half way up."""
 
     known: PrintModel
-    laid: Laid
+    laid: Registration
     layers: tuple[Layer, ...]
 
     def inside(self, ring: Ring, shrinkage: float = 0.0) -> Ring:
@@ -232,7 +232,7 @@ def _laid(
     centre: complex,
     turns: Sequence[float],
     to_beat: float,
-) -> Laid:
+) -> Registration:
     """How the section of a solid lies on the edges of a body, seen from the frame of the solid and of the bed."""
     from scipy.spatial import cKDTree
 
@@ -252,12 +252,12 @@ def _laid(
         to_solid = trees[1].query(_xy((body_points[::thin] - shift) / spun))[0]
         return float(np.sqrt(max(np.mean(to_body**2), np.mean(to_solid**2))))
 
-    def from_start(start: float, most: int) -> Laid:
+    def from_start(start: float, most: int) -> Registration:
         some = [z[:: max(1, len(solid_points) // most)] for z in solid_edges]
         placement = lay(some, [body_edges], start=start)[1][0]
-        return Laid(placement.turn, placement.shift, off(placement.turn, placement.shift))
+        return Registration(placement.turn, placement.shift, off(placement.turn, placement.shift))
 
-    best = Laid(0.0, 0j, math.inf)
+    best = Registration(0.0, 0j, math.inf)
     even = np.linspace(0, math.tau, _STARTS, endpoint=False).tolist()
     for start in (*turns, *even):
         if best.off <= _ALIKE:
@@ -271,7 +271,9 @@ def _laid(
         best = min(best, from_start(likely, _FEW), key=lambda laid: laid.off)
     if best.off < min(to_beat, _NO_OTHER):
         best = min(best, from_start(best.turn, _MANY), key=lambda laid: laid.off)
-    return Laid(best.turn, best.shift + centre - cmath.exp(1j * best.turn) * middle, best.off)
+    return Registration(
+        best.turn, best.shift + centre - cmath.exp(1j * best.turn) * middle, best.off
+    )
 
 
 def _xy(z: Points) -> Floats:

@@ -129,10 +129,10 @@ class OwnTip:
 
 
 @dataclass(frozen=True, eq=False)
-class CamMeant:
+class NominalCam:
     """What one exact outline gives, and what of it the designer accepts; s in rad, or mm where the follower slides."""
 
-    given: Law | None = None  # s over the cam's angle where the spec undercuts the joint's law
+    law: Law | None = None  # s over the cam's angle where the spec undercuts the joint's law
     # least way of the follower off the contact's tangent, mm per unit of s; None: as measured
     lever: float | None = None
     ripple: float = math.inf  # of the speed, as a share of the greatest
@@ -164,7 +164,7 @@ class CamOutline:
     )
     own: OwnTip | None = None  # the tip as a part has it, judged by itself
     roller: str | None = None  # the part that runs there, where the tip is its seat
-    meant: CamMeant = CamMeant()
+    nominal: NominalCam = NominalCam()
 
 
 @dataclass(frozen=True)
@@ -189,7 +189,7 @@ class GearTeeth:
 
 
 @dataclass(frozen=True)
-class Keyed:
+class SharedFlat:
     """Two parts of one body on one pin with a flat: the first tells where the second stands, whatever its mount says."""
 
     a: Eye  # its hole in either
@@ -216,7 +216,7 @@ class Mark:
     eye: Eye
 
 
-Feature = PinEyes | SlideFaces | SlotFaces | CamOutline | GearTeeth | Keyed | Steady | Mark
+Feature = PinEyes | SlideFaces | SlotFaces | CamOutline | GearTeeth | SharedFlat | Steady | Mark
 
 
 @dataclass(frozen=True)

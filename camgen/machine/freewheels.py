@@ -58,7 +58,7 @@ class Ratchet:
         flat = _FLAT * float(np.ptp(ahead))
         rising = np.diff(ahead) > flat
         rest = int(np.argmin(rising))
-        found = list[Stroke]()
+        strokes = list[Stroke]()
         done = 0.0
         if not rising.any() or rising[rest] or abs(ahead[-1] - ahead[0]) > max(flat, 1e-9):
             said = "its wheel swings to and fro, and comes back after a turn"
@@ -74,15 +74,15 @@ class Ratchet:
             end = self._crossing(high - flat, peak - 2 * step, peak)
             gain = high - low - self.lost
             if gain > 0:
-                found.append(Stroke(begin, end, low, high, done))
+                strokes.append(Stroke(begin, end, low, high, done))
                 done += gain
-        if not found:
+        if not strokes:
             said = "let the wheel swing further, or lose less"
             most = math.degrees(float(np.ptp(ahead)))
             raise DesignError(
                 "lost motion", math.degrees(self.lost), most, "deg", "freewheel", said
             )
-        return tuple(found)
+        return tuple(strokes)
 
     def _crossing(self, level: float, low: float, high: float) -> float:
         """The time at which the wheel passes an angle on its way forwards, rad."""

@@ -52,7 +52,7 @@ class Vectors:
 
 
 @dataclass(frozen=True)
-class Known:
+class BlockInputs:
     """What earlier blocks give a block, as jets."""
 
     loops: tuple[Jet, ...]  # the known part of each
@@ -61,7 +61,7 @@ class Known:
     relations: tuple[Jet, ...]
     plain: bool = False  # whether they are numbers, not arrays
 
-    def at(self, k: int) -> Known:
+    def at(self, k: int) -> BlockInputs:
         """The same at the k-th angle alone, in plain numbers: a hundred times faster there than arrays."""
 
         def cut(jet: Jet) -> Jet:
@@ -69,7 +69,7 @@ class Known:
                 row[k].item() if isinstance(row, np.ndarray) and row.ndim else row for row in jet
             ]
 
-        return Known(
+        return BlockInputs(
             tuple(cut(jet) for jet in self.loops),
             tuple((c, j, cut(jet)) for c, j, jet in self.ways),
             {name: cut(jet) for name, jet in self.lengths.items()},
@@ -159,7 +159,7 @@ class Block:
 
     # ---- the equations at x, (m, n) ----
 
-    def _plain(self, x: Floats, known: Known) -> tuple[Any, Known]:
+    def _plain(self, x: Floats, known: BlockInputs) -> tuple[Any, BlockInputs]:
         """The unknowns one by one; of a single angle in plain numbers."""
         if x.shape[1] != 1:
             return x, known
@@ -174,7 +174,7 @@ class Block:
             else [unit_turn(angle) for angle in angles]
         )
 
-    def _turning(self, x: Any, known: Known) -> list[_Turning]:
+    def _turning(self, x: Any, known: BlockInputs) -> list[_Turning]:
         """Each loop's vectors that turn with an unknown angle."""
         turns = self._turns(x)
         loops = []
@@ -204,7 +204,7 @@ class Block:
             rows.T[place[::-1]] = value
         return rows
 
-    def equations(self, x: Floats, known: Known) -> tuple[Floats, Floats]:
+    def equations(self, x: Floats, known: BlockInputs) -> tuple[Floats, Floats]:
         """Residuals (n, m) and their slopes (n, m, m) at x, (m, n)."""
         n = x.shape[1]
         at, known = self._plain(x, known)
@@ -244,7 +244,7 @@ class Block:
             residual[row,] = value
         return self._filled(n, residual, self.size), self._filled(n, slope, self.size, self.size)
 
-    def forcing(self, x: Floats, known: Known, rates: Floats | None) -> Floats:
+    def forcing(self, x: Floats, known: BlockInputs, rates: Floats | None) -> Floats:
         """The residual's next derivative, (n, m), with that of x at zero: the first, or with rates x', (m, n), the second."""
         n = x.shape[1]
         order = 1 if rates is None else 2
@@ -273,7 +273,7 @@ class Block:
             right[row,] = value
         return self._filled(n, right, self.size)
 
-    def determinant(self, x: Floats, known: Known) -> Floats:
+    def determinant(self, x: Floats, known: BlockInputs) -> Floats:
         """Of the slopes with columns of length 1, (n,): 0 at a dead or change point, at most 1."""
         slope = self.equations(x, known)[1]
         with np.errstate(all="ignore"):
@@ -285,14 +285,16 @@ class Block:
 
     # ---- solving ----
 
-    def rates(self, x: Floats, known: Known, slope: Floats, order: int) -> list[Floats]:
+    def rates(self, x: Floats, known: BlockInputs, slope: Floats, order: int) -> list[Floats]:
         """x', x'' as far as the order asks, (m, n) each."""
         rates: list[Floats] = []
         for k in range(order):
             rates.append(solved(slope, -self.forcing(x, known, rates[0] if k else None)).T)
         return rates
 
-    def converge(self, x: Floats, known: Known, near: float = NEAR) -> tuple[Floats, Floats] | None:
+    def converge(
+        self, x: Floats, known: BlockInputs, near: float = NEAR
+    ) -> tuple[Floats, Floats] | None:
         """A single position from a guess, (m, 1), with its slopes; None where the corrections do not shrink.
 
         near: the last correction by the unknowns' size; with more than NEAR it is a knot, not a solution.
@@ -313,7 +315,7 @@ class Block:
             last = size
         return None
 
-    def _closed(self, residual: Floats, known: Known) -> NDArray[np.bool_]:
+    def _closed(self, residual: Floats, known: BlockInputs) -> NDArray[np.bool_]:
         loops = (np.abs(jet[0]) for jet in known.loops)
         size = self.scale + max(
             (float(np.max(sizes, where=np.isfinite(sizes), initial=0.0)) for sizes in loops),
@@ -322,7 +324,7 @@ class Block:
         closed: NDArray[np.bool_] = np.abs(residual).max(axis=1) <= 10 * CLOSED * size
         return closed
 
-    def follow(self, known_at: Callable[[Floats], Known], low: float, high: float) -> Trace:
+    def follow(self, known_at: Callable[[Floats], BlockInputs], low: float, high: float) -> Trace:
         """Knots from the drawn position at theta = 0 out to both ends of the range, or as far as the chain closes."""
         known = known_at(np.zeros(1))
         first = self.converge(self.start[:, None], known)
@@ -338,7 +340,7 @@ class Block:
         return Trace(theta, np.swapaxes(rows, 0, 1), signs, (below, above))
 
     def _side(
-        self, known_at: Callable[[Floats], Known], end: float, jets: Floats, sign: float
+        self, known_at: Callable[[Floats], BlockInputs], end: float, jets: Floats, sign: float
     ) -> tuple[list[tuple[float, Floats, float]], bool]:
         """Knots (theta, jets, sign) from the drawn position towards one end, and whether the chain ends before it."""
         knots: list[tuple[float, Floats, float]] = []
@@ -383,7 +385,7 @@ class Block:
             share = min(1.0, 2 * share)
         return knots, False
 
-    def solve(self, theta: Floats, known: Known, order: int) -> list[Floats]:
+    def solve(self, theta: Floats, known: BlockInputs, order: int) -> list[Floats]:
         """x and its derivatives, (m, n) each; nan where the block does not close."""
         assert self.trace is not None
         guess = self.trace.guess(theta)

@@ -29,7 +29,7 @@ from camgen.machine.jets import (
     unit_turn,
 )
 from camgen.machine.model import GROUND, Along, Angle, Output, Path, Place, Turning
-from camgen.machine.newton import Block, Known, Trace, Vectors
+from camgen.machine.newton import Block, BlockInputs, Trace, Vectors
 from camgen.machine.order import Groups, Key, Relation
 from camgen.numerics import Floats, Points
 
@@ -229,7 +229,7 @@ class State:
                 terms.append((-scale, through(law, argument, relation.shift, self.order)))
         return combined(terms, self.order, scale * constant)
 
-    def known(self, block: Block) -> Known:
+    def known(self, block: Block) -> BlockInputs:
         """What a larger block needs."""
         sums = [self.sum(loop, block.angles, block.lengths) for loop in block.loops]
         ways = tuple(
@@ -241,7 +241,7 @@ class State:
         }
         lengths = {slide: self.lengths[slide] for slide in turning if slide in self.lengths}
         about = tuple(self.relation(relation, unknown) for relation in block.relations)
-        return Known(tuple(total for total, _ in sums), ways, lengths, about)
+        return BlockInputs(tuple(total for total, _ in sums), ways, lengths, about)
 
     # ---- steps ----
 

@@ -5,7 +5,8 @@ line contact    half width b = sqrt(4 F R / (pi L E*)), greatest pressure p = 2 
                 [Hertz; Norton, Machine Design, eqs. 7.14, 7.15; Roark's Formulas for Stress and Strain, table 14.1, case 2]
 pin             bent as a beam that is held at one end, 32 F l / (pi d^3); sheared by 4/3 of F / area [beam theory]
 plain bearing   pressure F / (d l) on the projected area; sliding speed at its rim; heat: friction times both
-ball bearing    life (C / P)^3 million turns, P the cubic mean of the load over the turning [ISO 281]
+rolling bearing life (C / P)^p million turns, P the mean of that power of the load over the turning; p = 3 of balls, 10/3 of
+                rollers [ISO 281]
 """
 
 from __future__ import annotations
@@ -101,16 +102,20 @@ def sliding(force: Any, turning: Any, diameter: float, length: float, friction: 
     )
 
 
-def cubic_mean(force: Any, turning: Any) -> float:
-    """Equivalent load of a ball bearing whose load and speed change: cubic mean over the turning, N."""
+BALLS = 3.0  # exponent of a bearing's life [ISO 281; skf.com, basic rating life]
+ROLLERS = 10 / 3
+
+
+def mean_load(force: Any, turning: Any, exponent: float = BALLS) -> float:
+    """Equivalent load of a bearing whose load and speed change: mean of that power over the turning, N."""
     share = np.abs(turning)
     return (
-        float((np.sum(np.abs(force) ** 3 * share) / np.sum(share)) ** (1 / 3))
+        float((np.sum(np.abs(force) ** exponent * share) / np.sum(share)) ** (1 / exponent))
         if np.any(share)
         else 0.0
     )
 
 
-def bearing_life(rating: float, load: float) -> float:
-    """Turns that nine of ten ball bearings reach: (C / P)^3 million; rating C and load P in the same unit."""
-    return 1e6 * (rating / load) ** 3 if load else math.inf
+def bearing_life(rating: float, load: float, exponent: float = BALLS) -> float:
+    """Turns that nine of ten bearings reach: (C / P)^exponent million; rating C and load P in the same unit."""
+    return 1e6 * (rating / load) ** exponent if load else math.inf

@@ -268,7 +268,7 @@ class Trace(Record):
         x = distance.place.real
         y = distance.place.imag
         message = f"path and wanted {'line' if self.joined else 'places'} are farthest apart at ({x:.4g}, {y:.4g}) of the "
-        message += f"{'path' if distance.of_path else 'wanted one'}, {distance.seen:.6g} mm; proven for all of both, not only the corners"
+        message += f"{'path' if distance.of_path else 'wanted one'}, {distance.farthest:.6g} mm; proven for all of both, not only the corners"
         return at_most(self.code, distance.proven, self.tolerance, "mm", where, message)
 
 
@@ -425,7 +425,7 @@ class PathDistance:
     proven: float  # mm, no place of either is farther from the other one
 
     @property
-    def seen(self) -> float:
+    def farthest(self) -> float:
         """Distance of the farthest place that was seen, mm."""
         return abs(self.place - self.foot)
 
@@ -442,7 +442,7 @@ def path_distance(
     fine = max(resolution, _FINEST * max(path.length, target.length))
     forth = stray(path, target, fine)
     back = stray(target, path, fine)
-    far = forth if forth.seen >= back.seen else back
+    far = forth if forth.farthest >= back.farthest else back
     return PathDistance(far.place, far.foot, far is forth, max(forth.proven, back.proven) + sag)
 
 

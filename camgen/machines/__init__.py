@@ -23,5 +23,5 @@ MECHANISMS = {
 def load(name: str) -> type[Mechanism]:
     """The class of a mechanism in MECHANISMS; only its own module is imported."""
     module, _, cls = MECHANISMS[name].partition(":")
-    found: type[Mechanism] = getattr(import_module(module), cls)
-    return found
+    mechanism_class: type[Mechanism] = getattr(import_module(module), cls)
+    return mechanism_class

@@ -97,7 +97,7 @@ def unweighed(deg: float, inertia: bool, made: bool) -> Fault | None:
     why = (
         "the follower's inertia says nothing of its mass and its centre, on which weight pulls"
         if inertia
-        else ('no follower is made whose weight is known (parts.make = "machine")')
+        else ('no follower is made whose weight is known (parts.make = "printed")')
     )
     return Fault(
         ("load", "gravity_deg"), f"{deg:g}", f"nothing here: {why}; left out, the cam lies flat"

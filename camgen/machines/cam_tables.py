@@ -1,102 +1,124 @@
-"""Tables of mechanisms whose cams are made alone, or with parts.make = "machine" all that it takes to turn them on a bench."""
+"""Tables of mechanisms whose cams are made alone, or with parts.make = "printed" or "laser" all that it takes to turn them."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Collection
 from dataclasses import replace
-from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
 from camgen.errors import Fault
 from camgen.machines.linkage import sheets
-from camgen.machines.mechanism import Mechanism, Remarks
+from camgen.machines.mechanism import Remarks
+from camgen.machines.template import Template
+from camgen.parts.disc_cams import OLD_BORES, ShaftHole
 from camgen.parts.generator.sizes import Parts
-from camgen.parts.journals import MaterialLimits
+from camgen.reading import Data
+from camgen.vocabulary import OldWords, Wording, wording
 
 
-class Sizes(Parts):
-    """Sizes of the parts of a machine, as [parts] of a linkage has them."""
+class CamSizes(ShaftHole, Parts):
+    """Sizes of cams that are made alone, and of a machine's bodies, as any linkage has them."""
 
-
-class CamTables(Mechanism):
-    """Base of mechanisms whose spec makes the cams alone, by [parts], or a whole machine, by [bodies]."""
-
-    bodies: Sizes | None = Field(
-        default=None,
-        description='make = "machine": sizes of its parts, as [parts] of a linkage (specs/linkage.toml)',
+    make: Literal["cams", "printed", "laser"] = Field(  # type: ignore[assignment]
+        default="cams",
+        description='"cams": the cams alone; "printed": a machine that stands on a bench;\n'
+        '"laser": that of layers of the sheet of [laser], as thick as it, with pins and shaft of steel',
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_machine(cls, data: Any) -> Any:
+        """A machine's sizes are those of a linkage, where nothing else is said."""
+        if data.get("make", "cams") == "cams":
+            return data
+        usual = {key: field.default for key, field in Parts.model_fields.items() if key != "make"}
+        own = {key: value for key, value in usual.items() if cls.model_fields[key].default != value}
+        return {**own, **data}
+
+    def of_linkage(self) -> dict[str, Any]:
+        """[parts] of the linkage that the machine is."""
+        keys = {*Parts.model_fields, *self.shapes}
+        return self.model_dump(by_alias=True, exclude_none=True, include=keys)
+
+
+class CamTables(Template):
+    """Base of mechanisms whose spec makes the cams alone, or a whole machine."""
+
+    old_words: ClassVar[OldWords] = {
+        **Template.old_words,
+        **OLD_BORES,
+        ("parts", "make", "machine"): ("parts", "make", "printed"),
+        ("bodies",): ("parts",),
+    }
+    doubled: ClassVar[Collection[str]]  # keys that [parts] of cams alone and [bodies] both had
+
+    @classmethod
+    def wording(cls, data: Data) -> Wording:
+        """The tables in the words of today: of keys that two tables had, only that of what is made counts."""
+        parts = data.get("parts", {})
+        bodies = data.get("bodies", {})
+        unread: list[str] = []
+        if isinstance(parts, dict) and isinstance(bodies, dict):
+            make = parts.get("make", "cams")
+            if make == "machine":
+                unread = [f"parts.{key}" for key in cls.doubled if key in parts]
+                left = {key: value for key, value in parts.items() if key not in cls.doubled}
+                data = {**data, "parts": left}
+            elif make == "cams" and bodies:
+                unused = {"make", *cls.doubled}
+                left = {key: value for key, value in bodies.items() if key not in unused}
+                data = {**data, "bodies": left}
+        found = wording(data, cls.old_words)
+        notes = [
+            f'{key} is not read with parts.make = "machine": write "printed"' for key in unread
+        ]
+        return replace(found, notes=(*found.notes, *notes))
 
     @property
     @abstractmethod
+    def sizes(self) -> CamSizes:
+        """[parts], with what is found of it."""
+
+    @property
     def standing(self) -> bool:
         """Whether the whole machine is made."""
-
-    @cached_property
-    def sizes(self) -> Sizes:
-        """Of the machine's bodies."""
-        return self.bodies or Sizes.model_validate({})
+        return self.sizes.make != "cams"
 
     @model_validator(mode="before")
     @classmethod
     def _of_sheet(cls, data: Any) -> Any:
-        return sheets.filled(data, "bodies")
+        return sheets.filled(data)
 
     def size_faults(self, *links: str, slides: bool = False, grooves: bool = False) -> list[Fault]:
-        """What is wrong with [bodies] of a machine with these links; slides, grooves: whether it has such."""
-        if self.bodies is None:
-            return []
-        faults = self.bodies.faults(("ground", *links), self.print.nozzle)
-        if self.bodies.shaft != "through":
-            faults.append(
-                Fault(
-                    ("parts", "shaft"),
-                    self.bodies.shaft,
-                    '"through": no link turns on a point of the cam',
-                )
-            )
-        if self.bodies.discs:
+        """What is wrong with [parts], of a machine with these links; slides, grooves: whether it has such."""
+        sizes = self.sizes
+        if self.standing:
+            faults = sizes.faults(("ground", *links), self.print.nozzle)
+            faults += sheets.faults(sizes, self.laser, int(slides), int(grooves))
+        else:
+            faults = sizes.misfits()
+        if sizes.shaft != "through":
+            right = '"through": no link turns on a point of the cam'
+            faults.append(Fault(("parts", "shaft"), repr(sizes.shaft), right))
+        if sizes.discs:
             right = "nothing here: no link of this machine turns on an eccentric"
             faults.append(Fault(("parts", "discs"), "", right))
-        for name in self.bodies.thread_post_sizes.diameters:
+        for name in sizes.thread_post_sizes.diameters:
             right = "a point of a thread, and this machine has none"
             faults.append(Fault(("parts", "thread_posts", "diameters", name), "", right))
-        found = [replace(fault, path=("bodies", *fault.path[1:])) for fault in faults]
-        return [
-            *found,
-            *sheets.faults(self.bodies, self.laser, "bodies", int(slides), int(grooves)),
-        ]
+        return faults
 
     def remarks(self) -> Remarks:
-        """Keys of [parts] that are set, not as the starter sets them, and that those of [bodies] replace."""
-        making = getattr(self, "making", None)
-        if making is None or not self.standing:
+        """Keys of [parts] that are set, not as the starter sets them, and that are those of cams alone."""
+        if not self.standing:
             return Remarks()
-        fields = {
-            key: (getattr(making, key), field)
-            for key, field in type(making).model_fields.items()
-            if key != "make"
-        }
         unused = [
             f"parts.{key}"
-            for key, (value, field) in fields.items()
-            if value not in (field.default, *(field.examples or ()))
+            for key, field in type(self.sizes).model_fields.items()
+            if key not in Parts.model_fields
+            and getattr(self.sizes, key) not in (field.default, *(field.examples or ()))
         ]
         return Remarks(unused=unused)
-
-    @property
-    def _material_limits(self) -> MaterialLimits:
-        """With the keys of [bodies] of a machine."""
-        found = super()._material_limits
-        if not self.standing:
-            return found
-        return replace(found, table="bodies", keys=frozenset(type(self.sizes).model_fields))
-
-    def _found(self) -> Mapping[str, object]:
-        """Sizes of a machine's bodies, and what every mechanism fills in."""
-        return {
-            **super()._found(),
-            **({"bodies": self.sizes.model_dump()} if self.standing else {}),
-        }

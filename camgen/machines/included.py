@@ -27,7 +27,7 @@ from camgen.motion.tables import with_tables
 from camgen.numerics import Floats, Points
 from camgen.parts.assembly import Assembly, renamed
 from camgen.parts.catalogue import Bought
-from camgen.parts.generator.joined import Stand
+from camgen.parts.generator.connections import Stand
 from camgen.parts.generator.mounted import InLine, UpperEnd, in_line, merged
 from camgen.parts.part import Part
 from camgen.study import Figures, Later, Sketch, Study

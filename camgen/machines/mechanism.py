@@ -32,8 +32,8 @@ from camgen.machines.loads.applied import efforts
 from camgen.machines.loads.rubbing import with_friction
 from camgen.machines.loads.tables import LimitsTable, Weight
 from camgen.machines.loads.weights import with_gravity, with_masses
+from camgen.parts import materials
 from camgen.parts.assembly import Assembly, Cycle, Process, tips
-from camgen.parts.catalogue import DENSITY
 from camgen.parts.inertia import printed_density
 from camgen.parts.journals import MaterialLimits, journals
 from camgen.parts.part import Part
@@ -89,7 +89,7 @@ class Mechanism(Spec, ABC):
         DesignError where a linkage's solids cannot be made.
         """
         machine = with_masses(self.model, self.assembly.solids, self.load).machine
-        return with_friction(machine, self.assembly.journals, self.load)
+        return with_friction(machine, self.assembly.journals, self.load, self.material.name)
 
     @property
     def _pulled(self) -> Machine:
@@ -130,10 +130,10 @@ class Mechanism(Spec, ABC):
 
     @property
     def _material_limits(self) -> MaterialLimits:
-        """What the spec says of its materials, and the table with the sizes of its pins."""
+        """What the spec says of its materials, and the keys with the sizes of its pins."""
         allowed = getattr(self, "allowed", None)
         given = allowed if isinstance(allowed, LimitsTable) else LimitsTable()
-        return given.of_parts("parts", getattr(self, "making", None))
+        return given.of_parts(getattr(self, "making", None))
 
     @property
     def _process(self) -> Process:
@@ -202,7 +202,9 @@ class Mechanism(Spec, ABC):
 
     def _found(self) -> Mapping[str, object]:
         """What the spec leaves open and camgen works out, by dotted keys; DesignError where nothing fits."""
-        return {"material.density": self.material.density or DENSITY[self.material.name]}
+        return {
+            "material.density": self.material.density or materials.of(self.material.name).density
+        }
 
     def resolved(self) -> Self:
         """A spec that makes the same files, with everything filled in that camgen works out."""

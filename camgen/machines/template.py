@@ -11,15 +11,12 @@ All else, such as parts, levels, pins, forces, limits of joints, is that of any 
 
 from __future__ import annotations
 
-import re
 from abc import abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
 
-from camgen.errors import DesignError
 from camgen.findings import Finding
 from camgen.machine.features import Demand
 from camgen.machine.model import Machine
@@ -30,28 +27,8 @@ from camgen.study import Study, together
 
 if TYPE_CHECKING:
     from camgen.machines.linkage.mechanism import Additions, Linkage
-    from camgen.parts.generator.joined import Fitting
+    from camgen.parts.generator.connections import Fitting
     from camgen.parts.generator.layout import Layout
-
-
-@contextmanager
-def in_bodies() -> Iterator[None]:
-    """A DesignError names the keys of [bodies], where those sizes are, in place of [parts]."""
-    try:
-        yield
-    except DesignError as error:
-        of, where, remedy, said = (
-            re.sub(r"\bparts\.(?!make)", "bodies.", words)
-            for words in (error.quantity, error.where, error.remedy, error.sentence)
-        )
-        raise DesignError(
-            of,
-            error.value,
-            error.limit,
-            error.unit,
-            where,
-            remedy,
-        ).saying(said) from None
 
 
 class Template(Mechanism):
@@ -70,7 +47,7 @@ class Template(Mechanism):
         """Numbers, curves and tables of its own."""
 
     @abstractmethod
-    def asked(self) -> tuple[Demand, ...]:
+    def demands(self) -> tuple[Demand, ...]:
         """What is asked of its outputs."""
 
     def refuse(self) -> None:
@@ -78,7 +55,7 @@ class Template(Mechanism):
 
     def fitting(self, layout: Layout) -> Fitting:
         """Parts of its own on a linkage that is laid out."""
-        from camgen.parts.generator.joined import Fitting
+        from camgen.parts.generator.connections import Fitting
 
         return Fitting()
 
@@ -97,10 +74,10 @@ class Template(Mechanism):
         more = {} if self.laser is None else {"laser": self.laser.model_dump()}
         load = {} if self.load is None else {"load": self.load}
         base = {"mechanism": "linkage", "name": self.name, **shared, **more, **load}
-        found = validate(Linkage, {**base, **self.tables()})
-        vars(found)["additions"] = self.additions()
-        vars(found).pop("_drawing", None)  # validated without them
-        return found
+        linkage = validate(Linkage, {**base, **self.tables()})
+        vars(linkage)["additions"] = self.additions()
+        vars(linkage).pop("_drawing", None)  # validated without them
+        return linkage
 
     def _unloaded(self) -> Machine:
         return self.linkage._unloaded()
@@ -110,7 +87,7 @@ class Template(Mechanism):
         """That of the linkage, with what is asked here."""
         self.refuse()
         return replace(
-            self.linkage.assembly, demands=self.asked(), material_limits=self._material_limits
+            self.linkage.assembly, demands=self.demands(), material_limits=self._material_limits
         )
 
     def _found(self) -> Mapping[str, object]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.geometry.facets import facet_contour
-from camgen.geometry.registration import Laid, dense, deviation, lay_on_known
+from camgen.geometry.registration import Registration, dense, deviation, lay_on_known
 from camgen.geometry.rings import Floats, Points, Ring
 from camgen.machine.features import CamOutline
 from camgen.machines.sources import read_mechanism
@@ -152,7 +152,7 @@ class _Registration:
     over: bool  # whether it was turned over
     skew: complex  # of the scanner: as w of the part it sees w + skew conj(w)
     scale: float  # of the scanner
-    laid: Laid
+    laid: Registration
 
     @classmethod
     def of(cls, edge: Points, known: Points, over: bool, scanner_unknown: bool) -> _Registration:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from camgen.errors import DesignError, Fault, FileError, SpecError
-from camgen.files.folder import Staged, write_manifest
+from camgen.files.folder import StagingFolder, write_manifest
 from camgen.files.shelves import located
 from camgen.findings import Finding, Where, at_least, at_most, in_file
 from camgen.geometry.rings import Floats, Ring
@@ -202,7 +202,7 @@ def run(
     if all(outline.ring is not None for outline in outlines.values()):
         report, columns = _rolled(report, outlines, request, followers, progress)
     report = replace(report, remarks=list(_summary(report, follower)))
-    with Staged(out / report.name) as folder:
+    with StagingFolder(out / report.name) as folder:
         if columns:
             progress("writing the report")
             write_csv(folder / "motion.csv", columns)
@@ -227,7 +227,7 @@ def _followers(path: Path, request: Request) -> tuple[FollowerTable, FollowerTab
 
     if request.second is not None and other is None:
         expected = "--second-follower, the tip that rides on it"
-        raise SpecError(fault(request.second, expected, "--second"))
+        raise SpecError(fault(request.second, expected, "--second"), "command line")
     if request.against is not None and (
         other is not None or follower.inside or follower.contour not in (None, 1)
     ):

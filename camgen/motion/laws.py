@@ -597,7 +597,6 @@ LAWS = {
         ),
     )
 }
-POLYNOMIAL_345 = LAWS["3-4-5"]
 
 # Speed goes from +1 to -1 by the 3-4-5 law, so displacement is u - 2 * integral of 3-4-5: it starts and ends at 0.
 # Acceleration and jerk vanish at both ends, so it joins uniform motion up to the third derivative.

@@ -150,7 +150,7 @@ class Program:
 
     def _jumps(self, order: int) -> Sequence[Jump]:
         """Those of one order, looked for once."""
-        if order not in self._found:
+        if order not in self._jumps_by_order:
             starts: list[float] = self.joints.tolist()
             slack = LAW_CLOSES * max(_size(s, order) for s in self.segments)
             jumps = list(zip(starts, self.jumps(order), strict=False))
@@ -160,13 +160,13 @@ class Program:
                     (begin + u * s.span, rate * step)
                     for u, step in zip(s.law.breaks, s.law.steps[order], strict=True)
                 ]
-            self._found[order] = [
+            self._jumps_by_order[order] = [
                 Jump(order, theta, size) for theta, size in jumps if abs(size) > slack
             ]
-        return self._found[order]
+        return self._jumps_by_order[order]
 
     @cached_property
-    def _found(self) -> dict[int, Sequence[Jump]]:
+    def _jumps_by_order(self) -> dict[int, Sequence[Jump]]:
         return {}
 
     @cached_property

@@ -33,7 +33,7 @@ from camgen.machine.features import (
 from camgen.machine.joining import Module
 from camgen.machine.model import GROUND, Cam, Machine, Pose
 from camgen.machine.run import Lazy, solve
-from camgen.parts import coils
+from camgen.parts import coils, materials
 from camgen.parts.catalogue import Bearing, Bought
 from camgen.parts.coils import Coil
 from camgen.parts.inertia import Solids
@@ -41,7 +41,7 @@ from camgen.parts.journals import Journal, MaterialLimits, Post, journals
 from camgen.parts.part import Part
 from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.sheets import why_not
-from camgen.parts.springs import Mounted
+from camgen.parts.springs import WorkingSpring
 from camgen.parts.steps import Fixing, order
 from camgen.study import Later, Table
 
@@ -112,7 +112,7 @@ class Process:
     tolerance: float  # mm, by which facets lie off an arc
     gap: float  # mm, that bodies keep which move past each other
     fixing: Fixing  # of parts on each other
-    plastic: str  # that is printed
+    material: str  # of all that is no bought, turned or steel part
     density: float  # kg/m^3, of it
     sheet: float | None = None  # mm, thickness of what a laser cuts; None: it cuts nothing
 
@@ -134,7 +134,9 @@ class Assembly:
     balances: Sequence[Balance] = ()  # what the solids of cranks with counterweights are held to
     coils: Sequence[Coil] = ()  # extension springs
     bought: Sequence[Bought] = ()  # by their standards
-    springs: Mapping[str, Mounted] = field(default_factory=dict)  # at work, by names in findings
+    springs: Mapping[str, WorkingSpring] = field(
+        default_factory=dict
+    )  # at work, by names in findings
     journals: Mapping[str, Journal] = field(default_factory=dict)  # plain bearings, by joint
     posts: Sequence[Post] = ()  # pins that only a spring or a roller bends
     frame: Frame | None = None
@@ -153,7 +155,7 @@ class Assembly:
     @cached_property
     def exact(self) -> Machine:
         """The machine as exact parts move it: cams that the spec undercuts give what they can."""
-        laws = {name: cam.meant.given for name, cam in self.outlines.items() if cam.meant.given}
+        laws = {name: cam.nominal.law for name, cam in self.outlines.items() if cam.nominal.law}
         joints = [
             replace(joint, law=laws[joint.name])
             if isinstance(joint, Cam) and joint.name in laws
@@ -215,7 +217,7 @@ def tips(
         joint = machine.joint(cam.joint)
         assert isinstance(joint, Cam), f"{cam.joint} is no cam"
         mount = [mount for mount in mounts if mount.part == cam.part][cam.copy]
-        layer = part.layers[part.cut]
+        layer = part.layers[part.drawn_layer]
         high = heights(mount, part.thickness, layer.z0, layer.z1)
         disc = (cam.tip.at, cam.tip.diameter / 2, *high)
         stand_ins.append(
@@ -225,11 +227,13 @@ def tips(
 
 
 def printed_parts(assembly: Assembly) -> list[Part]:
-    """Parts that are laid out on plates: not what is bought, or turned, or cut of a sheet."""
+    """Parts that are laid out on plates: not what is bought, or turned, or cut, of a sheet or otherwise."""
+    if not materials.of(assembly.process.material).printed:
+        return []
     return [
         part
         for part in assembly.parts
-        if part.made == "printed" and not cut_of_sheet(assembly, part)
+        if part.process == "printed" and not cut_of_sheet(assembly, part)
     ]
 
 
@@ -326,7 +330,7 @@ def joined(host: Assembly, others: Sequence[Assembly], machine: Machine) -> Asse
         springs={name: spring for each in all_ for name, spring in each.springs.items()},
         **lists,
     )
-    bearings = journals(machine, whole.features, whole.parts, whole.mounts, host.process.plastic)
+    bearings = journals(machine, whole.features, whole.parts, whole.mounts, host.process.material)
     return replace(whole, journals=bearings)
 
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 
 @dataclass(frozen=True)
@@ -55,6 +55,7 @@ class Bearing:
     width: float
     standard: str = "ISO 15"
     rating: float | None = None  # dynamic, C, kN; None: not published
+    exponent: ClassVar[float] = 3.0  # of its life
 
     @property
     def shoulder(self) -> float:
@@ -100,6 +101,28 @@ class ShoulderScrew:
 
 
 @dataclass(frozen=True)
+class CamFollower:
+    """A roller on needles with a stud, in the sizes of ISO 7063; mm.
+
+    rating: dynamic, C, kN, of IKO's CF with a cage, whose dimensions it has; that of other makers differs.
+    """
+
+    name: str
+    outside: float  # diameter of its ring
+    width: float  # of the ring
+    stud: float  # diameter, in a hole H7
+    thread: str
+    length: float  # of the stud, with its thread
+    rating: float
+    exponent: ClassVar[float] = 10 / 3  # of its life
+
+    def bought(self, count: int) -> Bought:
+        """Its line in the list of parts."""
+        size = f"{self.name}: ring {self.outside:g} x {self.width:g}, stud {self.stud:g} x {self.length:g} in a hole H7, {self.thread}"
+        return Bought("cam follower", "ISO 7063", size, count)
+
+
+@dataclass(frozen=True)
 class MotorFace:
     """Face of a motor about its shaft; mm."""
 
@@ -108,7 +131,7 @@ class MotorFace:
     boss_height: float
     screws: tuple[complex, ...]  # places of their holes
     screw: Screw
-    half: float  # of the body's width across
+    half: float  # of the width of a square about its shaft that holds the body
     shaft: float  # usual diameter, 0 where the frame sets none
     depth: float = (
         math.inf
@@ -123,8 +146,9 @@ class MotorFace:
         """What it is, as a list of parts says it."""
         if self.length:
             return f"can {2 * self.half:g} x {self.length:g}, collar {self.boss:g}"
-        nema = self.name.upper().replace("-", " ")
-        return f"{nema} frame" if self.standard else f"with a plain {self.name}"
+        if self.standard:
+            return f"{self.name.upper().replace('-', ' ')} frame"
+        return self.name.upper() if self.shaft else f"with a plain {self.name}"
 
     @property
     def reach(self) -> float:
@@ -158,13 +182,8 @@ class Bought:
     role: Literal["", "drive", "mount"] = ""  # turns the machine; holds its frame from behind
 
 
-# Density of printed plastics, g/cm^3. Source: the generic profiles of UltiMaker's fdm_materials
-# (generic_pla.xml.fdm_material and its neighbours, element <density>).
-DENSITY = {"PLA": 1.24, "PETG": 1.27, "ABS": 1.10, "ASA": 1.06, "nylon": 1.14, "PC": 1.19}
-
 CUT = "cut of steel"
 TURNED = "turned of steel"  # how pins are made that a print does not bear
-STEEL = 7.85  # g/cm^3, of what is bought to turn on
 
 # Lengths in which screws are sold, mm [ISO 4762, ISO 7380-1].
 SCREW_LENGTHS = (
@@ -218,6 +237,24 @@ BEARINGS = {
         Bearing("625", 5, 16, 5, rating=1.14),
         Bearing("626", 6, 19, 6, rating=2.34),
         Bearing("608", 8, 22, 7, rating=3.45),
+    )
+}
+
+# Cam followers: IKO, C-Lube Cam Followers, CF .. WBUUR/SG [scribd.com/document/676557690]; ring, stud and length of KR19 to KR35
+# as INA has them [nodeshk.com/ina/art/track-roller-clearance.html].
+CAM_FOLLOWERS = {
+    row.name: row
+    for row in (
+        CamFollower("KR16", 16, 11, 6, "M6 x 1", 16, 3.66),
+        CamFollower("KR19", 19, 11, 8, "M8 x 1.25", 20, 4.25),
+        CamFollower("KR22", 22, 12, 10, "M10 x 1.25", 23, 5.43),
+        CamFollower("KR26", 26, 12, 10, "M10 x 1.25", 23, 5.43),
+        CamFollower("KR30", 30, 14, 12, "M12 x 1.5", 25, 7.91),
+        CamFollower("KR32", 32, 14, 12, "M12 x 1.5", 25, 7.91),
+        CamFollower("KR35", 35, 18, 16, "M16 x 1.5", 32.5, 12.0),
+        CamFollower("KR40", 40, 20, 18, "M18 x 1.5", 36.5, 14.8),
+        CamFollower("KR47", 47, 24, 20, "M20 x 1.5", 40.5, 20.7),
+        CamFollower("KR52", 52, 24, 20, "M20 x 1.5", 40.5, 20.7),
     )
 }
 
@@ -328,6 +365,21 @@ MOTOR_FACES = {
         # 4.5 over the flat: usual
         MotorFace("nema-17", 22.0, 2.0, _square(31.0), SCREWS["M3"], 42.3 / 2, 5.0, 4.5, flat=0.5),
         MotorFace("nema-23", 38.1, 1.6, _square(47.14), SCREWS["M5"], 57.0 / 2, 6.35, 4.8, True),
+        # its shaft is 8 beside the middle of the can and of the ears, 3 over both flats [felixsu7/smart-medicine-container,
+        # 3d_model/stepper.scad: from data sheet and measurement]
+        MotorFace(
+            "28byj-48",
+            9.0,
+            1.5,
+            (17.5 - 8j, -17.5 - 8j),
+            SCREWS["M3"],
+            (28.0 / 2 + 8) / math.sqrt(2),
+            5.0,
+            0.8,
+            True,
+            "",
+            flat=1.0,
+        ),
     )
 }
 

@@ -143,7 +143,7 @@ def counterweight(
         centres=(0j,),
         notes=(note, moment_note),
         min_wall=min_wall,
-        made=made,
+        process=made,
         role="counterweight",
     )
     places = [z * turn for z in sector.places(rim)]
@@ -153,7 +153,7 @@ def counterweight(
         rod(f"{NAME}-pin", "Pin of the counterweight", sector.pin, sector.thickness),
         count=sector.pins,
         notes=("pressed and glued in",),
-        made=TURNED,
+        process=TURNED,
         role="counterweight",
     )
     return part, [(pin, z) for z in places], rim

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field
+from pydantic import Field
 
 from camgen.errors import DesignError, Fault
 from camgen.geometry.distances import point_to_ring, thinnest_wall
@@ -17,14 +17,13 @@ from camgen.geometry.outlines import Contour, Points, Region, circle
 from camgen.parts.part import Layer, Part, d_bore, keyed_bore
 from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Length, Record, quantity
+from camgen.vocabulary import OldWords
 
 Thickness = Annotated[float, quantity("mm", ge=0.1, le=1000)]
 Bore = Annotated[Length, Field(description="of the shaft's hole")]
-ShaftForm = Annotated[
+BoreShape = Annotated[
     Literal["plain", "keyway", "d-flat"],
-    Field(
-        description='its hole: "plain", "keyway" (key_width, key_depth) or "d-flat" (flat_depth), on +y'
-    ),
+    Field(description='"plain", "keyway" (key_width, key_depth) or "d-flat" (flat_depth), on +y'),
 ]
 KeyWidth = Annotated[Length, Field(description="of the keyway")]
 KeyDepth = Annotated[Length, Field(description="keyway's floor above the bore's circle")]
@@ -35,29 +34,22 @@ LAYOUT = (
 )
 
 
-def _no_laser(make: object) -> object:
-    """What is asked of sheet is told where it is had."""
-    if make == "laser":
-        raise ValueError(
-            '"machine" or "cams": [laser] cuts a cam without a hub (parts.hub_height = 0) whose parts.thickness is '
-            'laser.thickness; bodies.make = "laser" makes the bench of a disc cam or an indexing cam of sheet; tapered '
-            "collet, headed axles and posts of a uniform swing are no sheets"
-        )
-    return make
-
-
-Make = Annotated[Literal["machine", "cams"], BeforeValidator(_no_laser)]
+# How the shaft's hole was said before, beside how a linkage's shaft is.
+OLD_BORES: OldWords = {
+    ("parts", "shaft", shape): ("parts", "bore_shape", shape)
+    for shape in ("plain", "keyway", "d-flat")
+}
 
 
 class ShaftHole(Record):
     """A cam's bore, and what keeps it from turning on its shaft."""
 
-    make: Make = Field(
-        default="cams", description='"cams": the cams alone; "machine": all parts of the machine'
+    thickness: Thickness = Field(
+        default=6.0,
+        description="of the cam, without its hub; of a machine 4, of links, cams and followers",
     )
-    thickness: Thickness = Field(default=6.0, description="of the cam, without its hub")
     bore: Bore = 8.0
-    shaft: ShaftForm = "plain"
+    bore_shape: BoreShape = "plain"
     key_width: KeyWidth = 2.0
     key_depth: KeyDepth = 1.0
     flat_depth: FlatDepth = 0.5
@@ -66,16 +58,16 @@ class ShaftHole(Record):
         """Keys or flats that are no match for the bore."""
         limit = f"less than the bore, {self.bore:g} mm"
         faults = []
-        if self.shaft == "d-flat" and self.flat_depth >= self.bore:
+        if self.bore_shape == "d-flat" and self.flat_depth >= self.bore:
             faults.append(Fault(("parts", "flat_depth"), f"{self.flat_depth:g}", limit))
-        if self.shaft == "keyway" and self.key_width >= self.bore:
+        if self.bore_shape == "keyway" and self.key_width >= self.bore:
             faults.append(Fault(("parts", "key_width"), f"{self.key_width:g}", limit))
         return faults
 
     @property
     def reach(self) -> float:
         """How far the shaft hole reaches from the axis, mm."""
-        keyed = self.shaft == "keyway"
+        keyed = self.bore_shape == "keyway"
         return (
             math.hypot(self.key_width / 2, self.bore / 2 + self.key_depth)
             if keyed
@@ -84,22 +76,22 @@ class ShaftHole(Record):
 
     def hole(self) -> Contour:
         """The shaft hole; keyway or flat on Oy."""
-        if self.shaft == "keyway":
+        if self.bore_shape == "keyway":
             return keyed_bore(self.bore, self.key_width, self.key_depth)
         return (
             d_bore(self.bore, self.flat_depth)
-            if self.shaft == "d-flat"
+            if self.bore_shape == "d-flat"
             else circle(0j, self.bore / 2)
         )
 
     def notes(self) -> tuple[str, ...]:
         """What the drawing says of the hole beside the numbers."""
         bore = f"hole A: bore {self.bore:g}"
-        if self.shaft == "keyway":
+        if self.bore_shape == "keyway":
             return (
                 f"{bore}, keyway on +Y {self.key_width:g} wide, its floor {self.key_depth:g} above the bore",
             )
-        if self.shaft == "d-flat":
+        if self.bore_shape == "d-flat":
             return (f"{bore}, flat on +Y {self.flat_depth:g} below its top",)
         return ()
 
@@ -107,20 +99,19 @@ class ShaftHole(Record):
 class CamParts(ShaftHole):
     """The cam as a body; pins, rim and back belong to a groove."""
 
-    make: Make = Field(
-        default="cams",
-        description='"cams": the cams alone; "machine": a machine that stands on a bench, by the sizes of [bodies]:\n'
-        "cam, follower, roller, guide or pivot, plate, shaft, pins, return spring",
-    )
     hub_diameter: Length = Field(default=16.0, description="of the hub on top of the cam")
     hub_height: Annotated[float, quantity("mm", ge=0, le=1000, examples=[6.0])] = Field(
         default=0.0, description="on top of the cam; 0: none, as in a groove"
     )
     set_screw: Literal["none", "M2", "M2.5", "M3", "M4", "M5"] = Field(
         default="none",
-        description='"none"; or "M2" to "M5": in the hub, with its nut; on a flat where there is one',
+        description='"none"; or "M2" to "M5": in the hub, with its nut, on a flat where there is one;\n'
+        "of a machine in a collar on its motor's shaft, so that nothing walks off",
     )
-    pin_diameter: Length = Field(default=3.0, description="groove: pins that join its plates")
+    pin_diameter: Length = Field(
+        default=3.0,
+        description="groove: of the pins that join its plates; of a machine 5, of all pins",
+    )
     rim: Length = Field(default=8.0, description="groove: outside its outer wall")
     back: Thickness = Field(default=3.0, description="groove: thickness of the back plate")
 
@@ -128,14 +119,14 @@ class CamParts(ShaftHole):
         """The hub with its set screw; None where it has none."""
         if self.set_screw == "none":
             return None
-        flat = self.flat_depth if self.shaft == "d-flat" else 0.0
+        flat = self.flat_depth if self.bore_shape == "d-flat" else 0.0
         return SetScrewHub(self.set_screw, self.bore, flat, min_wall, min_wall)
 
     def misfits(self) -> list[Fault]:
         """Keys that are no match for the bore, a hub that its set screw does not fit."""
         faults = super().misfits()
         hub = self.hub(0.8)
-        if hub is not None and self.shaft == "keyway":
+        if hub is not None and self.bore_shape == "keyway":
             expected = 'nothing here: it is square to a key; "d-flat" or "plain"'
             faults.append(Fault(("parts", "set_screw"), repr(self.set_screw), expected))
         elif hub is not None and self.hub_height < hub.height:

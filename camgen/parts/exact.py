@@ -107,7 +107,7 @@ def exact(part: Part, tolerance: float) -> Brep:
 
     DesignError, with what to do, for a crossed part, and for layers that meet in a line or do not make exactly one body.
     """
-    if part.crossed is not None:
+    if part.side_profile is not None:
         raise DesignError(
             "exact solid",
             1,

@@ -220,7 +220,7 @@ def compensated(part: Part, fit: Compensation) -> Part:
     DesignError where an outline or a wall vanishes, the chamfer is twice as high as the lowest layer, or the part is crossed: its
     walls lean to the plane in which a printer shrinks and swells it, so no outline of it can be compensated by itself.
     """
-    if part.crossed is not None:
+    if part.side_profile is not None:
         message = (
             f"{part.name} is made of two crossed outlines and cannot be compensated for the print"
         )
@@ -237,7 +237,7 @@ def compensated(part: Part, fit: Compensation) -> Part:
         raise DesignError("shrinkage", fit.shrinkage, 0.5, "", part.name, "a share such as 0.003")
     scale = 1 / (1 - fit.shrinkage)
     layers: list[Layer] = []
-    cut = part.cut
+    cut = part.drawn_layer
     bottom = min(layer.z0 for layer in part.layers)
     for index, layer in enumerate(part.layers):
         floor = layer.z0
@@ -254,7 +254,7 @@ def compensated(part: Part, fit: Compensation) -> Part:
                 region = _fit(layer.region, fit.hole + inset, fit.profile + inset, part.name)
                 layers.append(Layer(region.moved(scale), floor, bottom + foot * (k + 1) / steps))
                 floor = layers[-1].z1
-            cut += steps if index <= part.cut else 0
+            cut += steps if index <= part.drawn_layer else 0
         layers.append(
             Layer(
                 _fit(layer.region, fit.hole, fit.profile, part.name).moved(scale),
@@ -268,7 +268,7 @@ def compensated(part: Part, fit: Compensation) -> Part:
         engraved=tuple(replace(layer, region=layer.region.moved(scale)) for layer in part.engraved),
         centres=tuple(z * scale for z in part.centres),
         bore=None if part.bore is None else (part.bore + 2 * fit.hole) * scale,
-        cut=cut,
+        drawn_layer=cut,
     )
 
 

@@ -266,7 +266,7 @@ def headed(
         Layer(Region(circle(0j, head_diameter / 2)), 0.0, head),
         Layer(Region(circle(0j, diameter / 2)), head, head + length),
     )
-    return Part(name, title, layers, centres=(0j,), cut=1)
+    return Part(name, title, layers, centres=(0j,), drawn_layer=1)
 
 
 def grooved(pin: Part, groove: float) -> Part:
@@ -280,7 +280,7 @@ def grooved(pin: Part, groove: float) -> Part:
         Layer(head.region, bottom, top),
         Layer(shank.region, top, shank.z1),
     )
-    return replace(pin, layers=layers, cut=3)
+    return replace(pin, layers=layers, drawn_layer=3)
 
 
 def spacer(

@@ -13,7 +13,7 @@ from camgen.geometry.outlines import Contour
 from camgen.machine.balancing import together
 from camgen.machine.features import Mount
 from camgen.machine.model import MM, Body
-from camgen.parts.catalogue import DENSITY, STEEL
+from camgen.parts import materials
 from camgen.parts.part import Part
 from camgen.spec import Material
 
@@ -56,14 +56,14 @@ class Solids:
 
     def density_of(self, part: Part) -> float:
         """Of one of its parts, kg/m^3."""
-        return self.density if part.made == "printed" else 1e3 * STEEL
+        return self.density if part.process == "printed" else 1e3 * materials.STEEL.density
 
     def body(self, body: Body) -> Body:
         """The body with mass, centre and inertia of all that is mounted on it."""
         masses = []
         for mount in self.mounts:
             part = self.by_name.get(mount.part)
-            if mount.body != body.name or part is None or part.made in _SHOWN:
+            if mount.body != body.name or part is None or part.process in _SHOWN:
                 continue
             heavy = self.density_of(part)
             mass = part.volume * heavy * MM**3
@@ -74,8 +74,8 @@ class Solids:
 
 
 def printed_density(material: Material) -> float:
-    """Of what is printed, kg/m^3, its filling as it is."""
-    return 1e3 * (material.density or DENSITY[material.name]) * material.infill
+    """Of what is made of it, kg/m^3, its filling as it is."""
+    return 1e3 * (material.density or materials.of(material.name).density) * material.infill
 
 
 def _contours(part: Part) -> Iterator[tuple[float, Contour]]:

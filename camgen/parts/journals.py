@@ -44,8 +44,7 @@ class MaterialLimits:
     pv: float | None = None  # MPa m/s, of plain bearings
     pin_stress: float | None = None  # MPa
     bearing_life: float | None = None  # h, of ball bearings
-    table: str = ""  # of the sizes of pins and shafts
-    keys: frozenset[str] = frozenset()  # that this table has
+    keys: frozenset[str] = frozenset()  # of [parts], with the sizes of pins and shafts
 
 
 @dataclass(frozen=True)
@@ -123,7 +122,9 @@ class _Places:
 
     def material(self, part: str | None) -> str:
         """Of a part."""
-        return self.printed if part is not None and self.parts[part].made == "printed" else "steel"
+        return (
+            self.printed if part is not None and self.parts[part].process == "printed" else "steel"
+        )
 
     def role(self, part: str | None) -> Role:
         """Of a part."""

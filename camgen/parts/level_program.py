@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from camgen.parts.level_rules import Axis, Band, Opening, Rule, Thing, Things, Unlaid, Wall
+from camgen.parts.level_rules import Axis, Band, NoLevels, Opening, Rule, Thing, Things, Wall
 
 # what a level, a high link, a broken rule cost; a level of a pin costs 1
 LEVEL = 100.0
@@ -193,7 +193,7 @@ class _Program:
 def program(things: Things, given: Mapping[str, int], strict: bool = False) -> Solution | None:
     """The best levels, those given kept; rules that cannot be kept are broken at a price, or `strict`: None then.
 
-    Raises Unlaid where no order has all that must lie over others over them.
+    Raises NoLevels where no order has all that must lie over others over them.
     """
     solution = _Program(things, given, strict).solution()
     if solution is None and not strict:
@@ -224,12 +224,12 @@ def bound_axes(things: Things) -> set[str]:
     return {axis.name for axis in things.axes if axis.far and (axis.runs or axis.name in blocked)}
 
 
-def _no_levels(given: Mapping[str, int]) -> Unlaid:
+def _no_levels(given: Mapping[str, int]) -> NoLevels:
     if not given:
-        return Unlaid("levels found", 0, 1, "").saying(
+        return NoLevels("levels found", 0, 1, "").saying(
             "no order of levels has all that must lie over others over them"
         )
     remedy = "set what the shaft drives highest on its pivot, and a slot over the link with its pin"
-    return Unlaid("levels found", 0, 1, "", "[layers]", remedy).saying(
+    return NoLevels("levels found", 0, 1, "", "[layers]", remedy).saying(
         "no order of levels with those of [layers] is free of collisions"
     )

@@ -117,11 +117,11 @@ class Things:
         return [rule for a, b in combinations(ways, 2) if (rule := _meets(a, b, self.gap))]
 
 
-class Unlaid(DesignError):
+class NoLevels(DesignError):
     """No levels are free of collisions."""
 
 
-class Crowded(Unlaid):
+class NoPassage(NoLevels):
     """What cannot pass on any level: two things, how far their middle lines come to each other (mm, at theta, rad), what they
     need, and how many more such pairs there are. The remedy names keys that make them slimmer, where half as thick would do, or
     move them."""
@@ -239,7 +239,7 @@ def span(thing: Thing, level: Mapping[str, int]) -> tuple[int, int]:
     return 0 if thing.ground else min(levels) - thing.under, max(levels) + thing.over
 
 
-def cut(axis: Axis, rules: Sequence[Rule], level: Mapping[str, int]) -> int | None:
+def split_level(axis: Axis, rules: Sequence[Rule], level: Mapping[str, int]) -> int | None:
     """Highest level of the lower stub of an axis between two plates, such that most of its rules hold; None: it goes through."""
     spans = [span(other, level) for rule in rules for other in _others(rule, axis)]
     if not spans and not axis.high:
@@ -275,7 +275,7 @@ def plates_of(axis: Axis, at: int, level: Mapping[str, int]) -> tuple[bool, bool
     )
 
 
-def kept(rule: Rule, level: Mapping[str, int], ends: Mapping[str, int | None]) -> bool:
+def holds(rule: Rule, level: Mapping[str, int], ends: Mapping[str, int | None]) -> bool:
     """Whether two things share no level; ends: the cuts of axes between two plates."""
     a = rule.a
     b = rule.b

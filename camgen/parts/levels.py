@@ -29,14 +29,14 @@ from camgen.parts.level_program import LOW, bound_axes, least_levels, program
 from camgen.parts.level_rules import (
     Axis,
     Band,
-    Crowded,
+    NoPassage,
     Opening,
     Rule,
     Thing,
     Things,
-    cut,
-    kept,
+    holds,
     span,
+    split_level,
 )
 
 _NODES = 20_000  # of the search, some 0.5 s; then the integer program, which takes that to load
@@ -61,7 +61,7 @@ def quick_levels(things: Things, given: Mapping[str, int] | None = None) -> dict
 
 
 def levels(things: Things, theta: Floats, given: Mapping[str, int] | None = None) -> dict[str, int]:
-    """Levels by name, as `quick_levels`, by a longer search; Crowded, with what meets and at which theta, where there are none.
+    """Levels by name, as `quick_levels`, by a longer search; NoPassage, with what meets and at which theta, where there are none.
 
     theta: (n,) rad, of the samples.
     """
@@ -72,10 +72,10 @@ def levels(things: Things, theta: Floats, given: Mapping[str, int] | None = None
     solution = solution or program(things, given)
     assert solution is not None, "rules may be broken"
     ends = _ends(things, solution.level)
-    broken = [rule for rule in things.rules if not kept(rule, solution.level, ends)]
+    broken = [rule for rule in things.rules if not holds(rule, solution.level, ends)]
     if broken:
         rule = min(broken, key=lambda each: each.distance - each.needed)
-        raise Crowded(
+        raise NoPassage(
             rule.a, rule.b, rule.distance, rule.needed, float(theta[rule.k]), len(broken) - 1
         )
     return solution.level
@@ -92,7 +92,11 @@ def _ends(things: Things, level: Mapping[str, int]) -> dict[str, int | None]:
     plate a link of theirs is held; that of any other axis lets most of what meets it pass."""
     far = {axis.name: axis for axis in things.axes if axis.far}
     bound = bound_axes(things)
-    ends = {name: cut(axis, things.rules, level) for name, axis in far.items() if name not in bound}
+    ends = {
+        name: split_level(axis, things.rules, level)
+        for name, axis in far.items()
+        if name not in bound
+    }
     if bound:
         solution = program(things, level)
         assert solution is not None, "rules may be broken"

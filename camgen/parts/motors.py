@@ -1,4 +1,4 @@
-"""Motors by their model: what torque they give at a speed, and how far their shafts reach.
+"""Motors by their model: what torque they give at a speed, and how far their shafts reach. Each row has its source.
 
 A stepper's model tells its holding torque, which no stepper gives while it turns; a motor with brushes its torque at stall
 and its speed without load, between which its torque falls in a straight line.
@@ -29,6 +29,35 @@ STEPPERS = {
         Stepper("35STH48", "nema-14", 0.40),
         Stepper("17HS19-2004S1", "nema-17", 0.59),
         Stepper("17HS24", "nema-17", 0.65),
+        # geared 1:64 in the motor; pulls in and holds more than 34.3 mN m [its maker's table, as in many libraries for it]
+        Stepper("28BYJ-48", "28byj-48", 0.0343),
+    )
+}
+
+_KGF_CM = 0.0980665  # N m
+
+
+@dataclass(frozen=True)
+class Geared:
+    """A motor with brushes and its gears: torque at stall, N m, and speed without load, rpm, at this voltage."""
+
+    model: str
+    volts: float
+    stall: float
+    no_load_rpm: float
+    source: str
+
+
+_POLOLU = "Pololu, Micro Metal Gearmotors, rev 2.0: low power, stall by extrapolation"
+GEARED = {
+    row.model: row
+    for row in (
+        Geared("TT-1:48", 6.0, 0.4 * _KGF_CM, 200.0, "zbotic.in, TT gear motor for robot car"),
+        Geared("N20-100:1", 6.0, 0.74 * _KGF_CM, 130.0, _POLOLU),
+        Geared("N20-298:1", 6.0, 2.0 * _KGF_CM, 45.0, _POLOLU),
+        # servos turn to and fro by half a turn; their speed is that of 60 deg in so many seconds
+        Geared("SG90", 4.8, 1.8 * _KGF_CM, 10 / 0.12, "musefsales.com, servo motor SG90"),
+        Geared("MG90S", 4.8, 1.8 * _KGF_CM, 10 / 0.1, "MG90S-Datasheet.pdf of TrDA-hab/Projects"),
     )
 }
 
@@ -38,6 +67,7 @@ SHAFTS = {
     "nema-14": (5.0, 21.0),
     "nema-17": (5.0, 24.0),
     "nema-23": (6.35, 24.0),
+    "28byj-48": (5.0, 10.0),  # [studiopieters.nl/stepper-motor: shaft and bearing]
 }
 
 

@@ -54,7 +54,7 @@ Role = Literal[
 ]
 
 
-class Held(str):
+class HoldingNote(str):
     """A note that says how a part is held, or which way it lies; the steps of assembly have it too."""
 
 
@@ -74,13 +74,12 @@ class Part:
     notes: tuple[str, ...] = ()  # for people
     bore: float | None = None  # diameter of the hole on whose centre the part turns, if it has one
     min_wall: float = 0.0  # thinnest that its designer accepts, mm
-    cut: int = 0  # the layer that a laser cuts and the drawing shows, which has the joints
+    drawn_layer: int = 0  # the one that a laser cuts and the drawing shows, which has the joints
     # region of the plane (x, z), as x + iz, that is extruded along y: only what lies in it too is material
-    crossed: Region | None = None
-    edges: tuple[
-        Edge, ...
-    ] = ()  # of a crossed part, those that are rounded, none meeting another's arc
-    made: str = "printed"  # how, for the list of parts
+    side_profile: Region | None = None
+    # of a part with a side profile, those that are rounded, none meeting another's arc
+    edges: tuple[Edge, ...] = ()
+    process: str = "printed"  # how, for the list of parts
     points: tuple[tuple[str, complex], ...] = ()  # of the spec, mm, which a drawing calls by name
     role: Role = ""  # what it is in a machine, where a machine has many of its kind
 
@@ -92,7 +91,7 @@ class Part:
     @property
     def drawn(self) -> Layer:
         """The layer that a laser cuts and the drawing shows."""
-        return self.layers[self.cut]
+        return self.layers[self.drawn_layer]
 
     @property
     def region(self) -> Region:
@@ -102,9 +101,9 @@ class Part:
     @property
     def volume(self) -> float:
         """Exact volume, mm^3, of layers that do not overlap less the engraving."""
-        if self.crossed is not None:
+        if self.side_profile is not None:
             whole = sum(
-                volume(layer.region, self.crossed, layer.z0, layer.z1) for layer in self.layers
+                volume(layer.region, self.side_profile, layer.z0, layer.z1) for layer in self.layers
             )
             return whole - sum(edge.volume for edge in self.edges)
         return sum(layer.volume for layer in self.layers) - sum(
@@ -122,9 +121,9 @@ class Part:
     def walls(self) -> float:
         """Area of the upright walls, mm^2, or more: facets within a tolerance cost at most so much volume per mm of it."""
         area = sum(layer.region.length * (layer.z1 - layer.z0) for layer in self.layers)
-        if self.crossed is not None:
+        if self.side_profile is not None:
             low, high = zip(*(spread(layer.region) for layer in self.layers), strict=True)
-            area += self.crossed.length * (max(high) - min(low))
+            area += self.side_profile.length * (max(high) - min(low))
         return area
 
 

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from camgen.errors import DesignError
 from camgen.geometry.outlines import Arc, Contour, Line, Piece, Region, circle, rectangle
 from camgen.parts.catalogue import SCREWS, Bought, Screw, nut
-from camgen.parts.part import Held, Layer, Part, d_bore
+from camgen.parts.part import HoldingNote, Layer, Part, d_bore
 
 HOLDS = 0.2  # of the screw's force, as friction of its point on the shaft
 TURNED = 0.2  # torque over force times diameter of a dry screw, as the source above counts
@@ -169,5 +169,5 @@ class SetScrewHub:
             centres=(0j,),
             bore=self.bore,
             min_wall=min(self.thin, self.wall),
-            notes=(Held(f"set screw {self.thread} in its nut, tight on the shaft"),),
+            notes=(HoldingNote(f"set screw {self.thread} in its nut, tight on the shaft"),),
         )

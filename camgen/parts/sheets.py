@@ -9,10 +9,10 @@ _SAME = 1e-6  # mm, thicknesses that are one
 
 def why_not(part: Part, thickness: float) -> str:
     """Why a part cannot be cut of a sheet of a thickness, mm; "" where it can."""
-    if part.crossed is not None:
+    if part.side_profile is not None:
         return "crossed: its outline changes with height"
-    if part.made != "printed":
-        return part.made
+    if part.process != "printed":
+        return part.process
     if len({(layer.z0, layer.z1) for layer in part.layers}) > 1:
         return "stepped: its layers have different outlines"
     if len(part.layers) > 1:

@@ -32,12 +32,12 @@ def solid(part: Part, tolerance: float) -> Mesh:
     circumscribed, so that a pin still fits. A crossed part has no engraving. Raises DesignError where an outline crosses
     itself or another one, or where the layers do not make exactly one body.
     """
-    alone = len(part.layers) == 1 and not part.engraved and part.crossed is None
+    alone = len(part.layers) == 1 and not part.engraved and part.side_profile is None
     layers = [
         _prism(layer, tolerance, part.name, pocket=False, fine=alone) for layer in part.layers
     ]
     pockets = [_prism(layer, tolerance, part.name, pocket=True) for layer in part.engraved]
-    if part.crossed is not None:
+    if part.side_profile is not None:
         mesh = _cross(layers, part, tolerance)
     elif not alone:
         mesh = _combine(layers, pockets)
@@ -150,8 +150,8 @@ def _cross(layers: Sequence[Mesh], part: Part, tolerance: float) -> Mesh:
 
     stack = manifold3d.Manifold.batch_boolean([_manifold(m) for m in layers], manifold3d.OpType.Add)
     reach = 1 + max(float(np.max(np.abs(m.vertices[:, 1]))) for m in layers)
-    assert part.crossed is not None
-    upright = _prism(Layer(part.crossed, -reach, reach), tolerance, part.name, pocket=False)
+    assert part.side_profile is not None
+    upright = _prism(Layer(part.side_profile, -reach, reach), tolerance, part.name, pocket=False)
     # (x, y, z) to (x, z, y) is a mirror image, so the faces turn round
     across = Mesh(
         np.ascontiguousarray(upright.vertices[:, [0, 2, 1]]),

@@ -14,7 +14,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from camgen.parts.catalogue import STEEL, Bought
+from camgen.parts.catalogue import Bought
+from camgen.parts.materials import STEEL
 
 WIRES = (0.2, 0.25, 0.32, 0.4, 0.5, 0.63, 0.8, 1.0, 1.25, 1.6, 2.0)  # mm, of the series R10
 EYE = 1.1  # of a spring, to the pin that it hooks on
@@ -61,7 +62,7 @@ class ExtensionSpring:
     def surge(self) -> float:
         """Frequency of its own coils, Hz."""
         mean = self.outside - self.wire
-        mass = math.pi**2 * self.wire**2 * mean * self.coils / 4 * STEEL * 1e-6  # kg
+        mass = math.pi**2 * self.wire**2 * mean * self.coils / 4 * STEEL.density * 1e-6  # kg
         return math.sqrt(1e3 * self.rate / mass) / 2
 
     def least_free(self, hook: float = 0.0) -> float:
@@ -134,7 +135,7 @@ def pulling(
 
 
 @dataclass(frozen=True)
-class Mounted:
+class WorkingSpring:
     """A spring where it works."""
 
     spring: ExtensionSpring
@@ -150,11 +151,11 @@ class Mounted:
         return self.spring.bought(self.shortest, self.longest)
 
 
-def wound(rate: float, low: float, travel: float) -> Mounted | None:
+def wound(rate: float, low: float, travel: float) -> WorkingSpring | None:
     """A spring to be wound that pulls with `low` N at its shortest and by `rate` N/mm more over its travel, mm; the shortest
     whose stress its wire bears; None where none can be. Without a rate it grows by a third over its travel."""
     stiff = rate or low / 3 / travel
-    springs: list[Mounted] = []
+    springs: list[WorkingSpring] = []
     for index in (6.0, 8.0, 10.0, 12.0):
         for wire in WIRES:
             mean = index * wire
@@ -163,18 +164,18 @@ def wound(rate: float, low: float, travel: float) -> Mounted | None:
             spring = ExtensionSpring(wire, mean + wire, coils, spring.least_free(), stiff)
             shortest = spring.free + low / stiff
             if coils >= _LEAST_COILS and spring.stress(shortest + travel) <= spring.strength:
-                springs.append(Mounted(spring, shortest, shortest + travel, False))
+                springs.append(WorkingSpring(spring, shortest, shortest + travel, False))
     return min(springs, key=lambda each: each.shortest, default=None)
 
 
-def wished(wish: tuple[float, float, float] | None) -> dict[str, Mounted]:
+def wished(wish: tuple[float, float, float] | None) -> dict[str, WorkingSpring]:
     """A return spring that is no part, by its name in findings; wish: rate, N/mm, least pull, N, travel, mm. None where none
     is asked for, or none can be."""
     spring = None if wish is None else wound(*wish)
     return {} if spring is None else {"return spring, to be wound": spring}
 
 
-def to_wind(springs: Mapping[str, Mounted]) -> list[Bought]:
+def to_wind(springs: Mapping[str, WorkingSpring]) -> list[Bought]:
     """Lines in the list of parts of those that are no part."""
     return [
         replace(spring.bought, name=name) for name, spring in springs.items() if not spring.made

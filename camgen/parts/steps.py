@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 
 from camgen.geometry.outlines import Arc, Contour
 from camgen.machine.features import Mount, PartPose, PinEyes, heights
-from camgen.parts.part import Held, Layer, Part
+from camgen.parts.part import HoldingNote, Layer, Part
 from camgen.study import Table
 from camgen.tolerances import SAME_POINT
 
@@ -119,7 +119,10 @@ class Fixing:
 
     def words(self, hole: Round | Slot, holder: Part, outline: Round, held: Part) -> str:
         """How an outline is fixed in a hole; "" where it goes through with play, or both are bought to go together."""
-        if hole.diameter - outline.diameter > self.play or holder.made == held.made == "bought":
+        if (
+            hole.diameter - outline.diameter > self.play
+            or holder.process == held.process == "bought"
+        ):
             return ""
         if holder.name in self.rings:
             return ""  # the ring turns with its pin, and holds it by nothing
@@ -180,7 +183,7 @@ def order(
             (
                 count,
                 parts[k].name,
-                _held(parts[k]),
+                _holding_notes(parts[k]),
                 where,
                 len(group),
                 z,
@@ -192,9 +195,9 @@ def order(
     return Table("Assembly from the bottom up, by height", COLUMNS, rows, names)
 
 
-def _held(part: Part) -> str:
+def _holding_notes(part: Part) -> str:
     """What a part is, and what its notes say of how it is held."""
-    notes = [note for note in part.notes if isinstance(note, Held)]
+    notes = [note for note in part.notes if isinstance(note, HoldingNote)]
     return f"{part.title}: {'; '.join(notes)}" if notes else part.title
 
 

@@ -8,7 +8,14 @@ from pathlib import Path
 
 from camgen import spec as specs
 from camgen.errors import Fault, FileError, SpecError
-from camgen.files.folder import MANIFEST, SPEC, Staged, changed_files, read_manifest, write_manifest
+from camgen.files.folder import (
+    MANIFEST,
+    SPEC,
+    StagingFolder,
+    changed_files,
+    read_manifest,
+    write_manifest,
+)
 from camgen.files.formats import ANY_KIND, FORMATS
 from camgen.files.formats import KINDS as KINDS
 from camgen.files.shelves import put_away
@@ -19,7 +26,7 @@ from camgen.pipeline.case import Case, cores
 from camgen.pipeline.judging import judge, read_parts
 from camgen.pipeline.making import make_parts, put_together
 from camgen.pipeline.rebuild import Rebuild, judged_files, kinds_of, packages_of, system
-from camgen.pipeline.summary import Summary, report_files, seen, write_report, write_texts
+from camgen.pipeline.summary import Summary, report_files, scene_of, write_report, write_texts
 from camgen.progress import Progress, silent
 from camgen.report.report import Report
 from camgen.workers import Workers
@@ -58,7 +65,7 @@ def build(
     mechanism = mechanism.resolved()
     if only >= frozenset(KINDS) and mechanism.files.step:
         only |= {"step"}
-    staged = Staged(out / mechanism.name)
+    staged = StagingFolder(out / mechanism.name)
     number_of_cores = cores(jobs, mechanism, only)
     with staged as folder, Workers(number_of_cores) as workers:
         (folder / SPEC).write_text(specs.dump(mechanism), encoding="utf-8")
@@ -68,7 +75,7 @@ def build(
         reading = read_parts(case, kinds, workers)
         put_together(case, only, meshes, progress)
         del meshes
-        scene = seen(case, kinds)
+        scene = scene_of(case, kinds)
         if scene is not None:
             case.file("assembly", "glb").write_bytes(scene.glb)
         write_texts(case, folder)

@@ -37,6 +37,7 @@ class Curves:
         self.unit, self.scale = unit_of(output)
         self.columns: dict[str, Floats] = {}
         self._plots: dict[str, list[tuple[str, Floats, Floats]]] = {}
+        self._sources: dict[str, tuple[str, str]] = {}
         self._wanted: Any = None
         self._lawful = False  # whether the wanted motion is the machine's own
         self._sense = ""  # how an angle turns on
@@ -44,26 +45,25 @@ class Curves:
     def want(self, value: Any, slope: Any) -> None:
         """The wanted motion and its slope, (n,)."""
         self._wanted = value
-        self._put(self.output.name.capitalize(), "wanted", value, "")
-        self._put(_SPEED, "wanted", self._mean(value) if self.cams else slope)
+        self._put(self.output.name.capitalize(), "", value, own=True)
+        self._put(_SPEED, "", self._mean(value) if self.cams else slope)
 
     def add(self, kind: str, proof: Proof) -> None:
         """What a kind of file gives."""
         name = self.output.name
-        source = f"from {kind.upper()}"
         reachable = self._wanted
         if reachable is None or self._lawful:
             self._lawful = True
             reachable = proof.reachable(name, self.theta)[0]
         if self._wanted is None:
-            self.want(*proof.wanted(name, self.theta))
+            self.want(*proof.nominal(name, self.theta))
         moved = proof.moved(name, self.theta)
         self.recovered[kind] = moved.value
-        self._put(name.capitalize(), source, moved.value, kind)
-        self._put(_SPEED, source, self._mean(moved.value) if self.cams else moved.slope)
-        self._put(_ERROR, source, moved.value - reachable)
+        self._put(name.capitalize(), kind, moved.value, own=True)
+        self._put(_SPEED, kind, self._mean(moved.value) if self.cams else moved.slope)
+        self._put(_ERROR, kind, moved.value - reachable)
         if np.any(moved.play):
-            self._put(_BAND, f"+- {source}", moved.play)
+            self._put(_BAND, kind, moved.play)
 
     def _mean(self, value: Any) -> Any:
         """Slope to theta, a mean over the window of SPEED_RIPPLE."""
@@ -75,18 +75,19 @@ class Curves:
         mean = (ahead - behind) / (2 * step * math.tau / len(turn))
         return np.append(mean, mean[0])
 
-    def _put(self, title: str, label: str, values: Any, of: str | None = None) -> None:
-        """Add a curve to a plot; of: and a column, from that kind of file, "" as designed."""
-        parts = {"x": values.real, "y": values.imag} if np.iscomplexobj(values) else {"": values}
+    def _put(self, title: str, kind: str, values: Any, own: bool = False) -> None:
+        """Add a curve to a plot; kind: of the file, "" as wanted; own: the output itself, which gets a column, too."""
+        plain = {"±" if title == _BAND else "": values}
+        parts = {"x": values.real, "y": values.imag} if np.iscomplexobj(values) else plain
         for axis, part in parts.items():
             shown = self.scale * part
-            if title == self.output.name.capitalize() and self.unit == "deg":
+            if own and self.unit == "deg":
                 self._sense = _turned(float(shown[-1] - shown[0]))
-            self._plots.setdefault(title, []).append(
-                (f"{axis} {label}".strip(), np.degrees(self.theta), shown)
-            )
-            if of is not None:
-                words = (self.output.name.replace(" ", "_"), axis, self.unit, of)
+            label = f"{axis} {f'from {kind.upper()}' if kind else 'wanted'}".strip()
+            self._sources[label] = (axis, kind.upper() or "wanted")
+            self._plots.setdefault(title, []).append((label, np.degrees(self.theta), shown))
+            if own:
+                words = (self.output.name.replace(" ", "_"), axis, self.unit, kind)
                 self.columns["_".join(word for word in words if word)] = shown
 
     def plots(self) -> list[Plot]:
@@ -107,6 +108,7 @@ class Curves:
                 "cam angle, deg" if self.cams else "crank angle, deg",
                 units.get(title, self.unit),
                 self._plots[title],
+                sources=self._sources,
             )
             for title in titles
         ]

@@ -15,7 +15,8 @@ from camgen.files.title_block import Facts, Fit
 from camgen.machine.features import PinEyes
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.assembly import cut_of_sheet
-from camgen.parts.catalogue import CUT, STEEL, TURNED
+from camgen.parts.catalogue import CUT, TURNED
+from camgen.parts.materials import STEEL
 from camgen.parts.part import Part
 from camgen.parts.steps import standing
 from camgen.tolerances import SAME_POINT
@@ -25,8 +26,8 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
     """What the drawing of one of its parts says."""
     sheet = mechanism.drawing
     of_sheet = cut_of_sheet(mechanism.assembly, part)
-    printed = part.made == "printed" and not of_sheet
-    steel = part.made in (TURNED, CUT)
+    printed = part.process == "printed" and not of_sheet
+    steel = part.process in (TURNED, CUT)
     names = [each.name for each in mechanism.assembly.parts]
     return Facts(
         mechanism=mechanism.mechanism,
@@ -36,8 +37,10 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         if printed
         else "steel"
         if steel
-        else part.made,
-        mass_g=part.volume * (mechanism.assembly.process.density if printed else 1e3 * STEEL) * 1e-6
+        else part.process,
+        mass_g=part.volume
+        * (mechanism.assembly.process.density if printed else 1e3 * STEEL.density)
+        * 1e-6
         if printed or steel
         else None,
         tolerance=sheet.tolerance,
@@ -71,7 +74,7 @@ def _fits(mechanism: Mechanism, part: Part) -> Iterator[Fit]:
         ):
             if not radius or (place, radius) in holes:
                 continue
-            inside = list(_said(mechanism, part.name, place))
+            inside = list(_nominal_diameters(mechanism, part.name, place))
             for pose in poses[part.name]:
                 bore = standing(part, pose, layer, place, radius)
                 inside += [shaft.diameter for shaft in shafts if bore.holds(shaft)]
@@ -83,12 +86,13 @@ def _fits(mechanism: Mechanism, part: Part) -> Iterator[Fit]:
                     break
 
 
-def _said(mechanism: Mechanism, part: str, place: complex) -> Iterator[float]:
+def _nominal_diameters(mechanism: Mechanism, part: str, place: complex) -> Iterator[float]:
     """Diameters, mm, of what goes through a part's hole and no file shows: as its joints say, and a motor's at its own datum."""
     tables = [getattr(mechanism, name, None) for name in ("geometry", "making", "motor")]
     sizes = [
         getattr(table, name, None)
         for table in tables
+        if getattr(table, "make", "") != "cams"
         for name in ("shaft_diameter", "boss_diameter")
     ]
     yield from (size for size in sizes if size and abs(place) < SAME_POINT)

@@ -13,7 +13,7 @@ from camgen.geometry.facets import facet_contour
 from camgen.geometry.mesh import Mesh, slice_mesh
 from camgen.geometry.outlines import Floats, Line, Region
 from camgen.geometry.rings import Ring, Shape
-from camgen.judge.round_trip import Expected, Section, Undo
+from camgen.judge.round_trip import NominalPart, PrintChange, Section
 from camgen.machine.features import CamOutline, Feature, eyes_of
 from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Part
@@ -25,13 +25,13 @@ _LEVEL = 0.75  # slope of a wall below which a facet off by the tolerance shows 
 _BESIDE = 4.0  # chord tolerances from the ends of a layer
 
 
-def expected(
+def nominal_part(
     part: Part,
     tolerance: float,
     features: Sequence[Feature] = (),
     fit: Compensation | None = None,
     files: Files | None = None,
-) -> Expected:
+) -> NominalPart:
     """What a file of a part should hold, as plain numbers and points for the judge; files: what a drawing is asked to show.
 
     With a fit the file holds the compensated part: its volume counts. Its sections are judged as they print; those of the
@@ -47,15 +47,15 @@ def expected(
     low = levels[0] + (fit.foot_of(part) if fit is not None else 0.0)
     # Half the tolerance, so that arcs in a file that are off by all of it stay within the limit, which is twice of it; a
     # crossed body is what its facets make it, for near the top of a round one the width grows without bound.
-    fine = tolerance / 2 if part.crossed is None else tolerance
+    fine = tolerance / 2 if part.side_profile is None else tolerance
     sections, engraved = _sections(part, fine, low)
-    cut = _spans(part).index((part.layers[part.cut].z0, part.layers[part.cut].z1))
+    cut = _spans(part).index((part.layers[part.drawn_layer].z0, part.layers[part.drawn_layer].z1))
     if (
-        part.crossed is not None
+        part.side_profile is not None
     ):  # what a cut shows changes with its height; the drawing has the whole region
-        under, over = spread(part.crossed)
+        under, over = spread(part.side_profile)
         levels = [max(levels[0], under), min(levels[-1], over)]
-        through = _crossings(part, part.crossed, tolerance, sections)
+        through = _crossings(part, part.side_profile, tolerance, sections)
         sections = [*through, replace(sections[cut], heights=())]
         cut = len(through)
     if fit is not None:
@@ -64,7 +64,7 @@ def expected(
             replace(section, sent=True) for section in all_sections if section.heights[-1] < low
         ]
         engraved = [replace(section, sent=True) for section in pockets] if fit.hole else engraved
-    return Expected(
+    return NominalPart(
         part.name,
         (*sections, *engraved),
         cut,
@@ -76,8 +76,8 @@ def expected(
         bore=part.bore if turns else None,  # otherwise its place is judged as that of any hole
         eyes=eyes_of(part.name, features),
         rolls=any(cam.part == part.name for cam in cams),
-        stacked=part.crossed is None,
-        undo=Undo(fit.hole, fit.profile, fit.shrinkage) if fit is not None else None,
+        levels_complete=part.side_profile is None,
+        print_change=PrintChange(fit.hole, fit.profile, fit.shrinkage) if fit is not None else None,
         marks=center_marks(part.region, part.centres if files and files.center_marks else ()),
         engraved=tuple(facetted(Region(each), fine).outer for each in part.engraving)
         if files and files.engrave
@@ -103,7 +103,7 @@ def _sections(part: Part, tolerance: float, low: float) -> tuple[list[Section], 
         sections.append(
             Section(tuple(bottom + (top - bottom) * fraction for fraction in _HEIGHTS), shapes)
         )
-        if pockets and len(shapes) == 1 and part.crossed is None:
+        if pockets and len(shapes) == 1 and part.side_profile is None:
             rings = tuple(facetted(layer.region, tolerance).outer for layer in pockets)
             middle = (top + min(layer.z1 for layer in pockets)) / 2
             engraved.append(

@@ -23,13 +23,14 @@ from camgen.geometry.outlines import Floats
 from camgen.judge.copies import judge_copies, judge_exact_copies
 from camgen.judge.round_trip import judge_solid
 from camgen.machines.mechanism import Mechanism
+from camgen.parts import materials
 from camgen.parts.assembly import bodies_in_motion, order_of_assembly, printed_parts
 from camgen.parts.part import Part
 from camgen.pipeline.case import Case
-from camgen.pipeline.expectation import expected
+from camgen.pipeline.expectation import nominal_part
 from camgen.pipeline.making import (
     PLATE_GAP,
-    assembled,
+    assembly_copies,
     compensation,
     lying_sides,
     parts_table,
@@ -194,21 +195,25 @@ def _stages(mechanism: Mechanism, kinds: Sequence[str]) -> list[Stage]:
         stages.append(
             Stage((), "copies of exact solids in the assembly", EXACT, judge_exact_assembly)
         )
-    stages.append(
-        Stage(
-            ("BED_FIT",),
-            "room on the printer's bed",
-            SOLID,
-            judge_plates if "3mf" in kinds else fit_bed,
+    printed = materials.of(mechanism.material.name).printed
+    if printed:
+        stages.append(
+            Stage(
+                ("BED_FIT",),
+                "room on the printer's bed",
+                SOLID,
+                judge_plates if "3mf" in kinds else fit_bed,
+            )
         )
-    )
     if "report" in kinds and any(kind in SOLID for kind in kinds):
-        stages.append(Stage((), "the machine in motion, as viewers show it", SOLID, judge_seen))
+        stages.append(
+            Stage((), "the machine in motion, as viewers show it", SOLID, judge_animation)
+        )
     return [
         *stages,
         Stage((), work=list_parts),
         Stage((), work=bear_loads),
-        Stage((), work=print_errors),
+        *([Stage((), work=print_errors)] if printed else []),
         *of_parts(mechanism),
     ]
 
@@ -263,14 +268,14 @@ def judge_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
             name: mesh for name, mesh in read_3mf(path).meshes.items() if name in case.parts
         }
         for name, mesh in originals.items():
-            shape = expected(
+            shape = nominal_part(
                 case.parts[name], mechanism.accuracy.chord_tolerance, mechanism.assembly.features
             )
             verdict = judge_solid(
                 mesh, shape, replace(in_file(path), part=name), FORMATS["3mf"].rounding
             )
             findings += [finding for finding in verdict.findings if not finding.ok]
-    places = [(copy.object, copy.transform) for copy in assembled(mechanism)]
+    places = [(copy.object, copy.transform) for copy in assembly_copies(mechanism)]
     return Outcome([*findings, judge_copies(path, originals, places)])
 
 
@@ -278,7 +283,9 @@ def judge_exact_assembly(case: Case, kinds: Sequence[str]) -> Outcome:
     """ROUND_TRIP of the assembly of exact solids: every copy of every part that has one, where it belongs at theta = 0."""
     files = {name: file for name in case.parts if (file := case.file(name, "step")).exists()}
     places = [
-        (copy.object, copy.transform) for copy in assembled(case.mechanism) if copy.object in files
+        (copy.object, copy.transform)
+        for copy in assembly_copies(case.mechanism)
+        if copy.object in files
     ]
     return Outcome(
         [judge_exact_copies(case.file("assembly", "step"), files, places)] if places else []
@@ -409,7 +416,7 @@ def fit_bed(case: Case, kinds: Sequence[str]) -> Outcome:
     return Outcome(findings)
 
 
-def judge_seen(case: Case, kinds: Sequence[str]) -> Outcome:
+def judge_animation(case: Case, kinds: Sequence[str]) -> Outcome:
     """The machine in motion, against where its parts are at the angles that the animation shows."""
     from camgen.files.gltf import SECONDS
     from camgen.judge.scene import judge_scene
@@ -430,9 +437,11 @@ def list_parts(case: Case, kinds: Sequence[str]) -> Outcome:
     mechanism = case.mechanism
     sides = lying_sides(mechanism, written(case) if "3mf" in kinds else {})
     table = parts_table(mechanism, sides)
-    rows = [row for row in table.rows if row[0] == "printed"]
-    mass, minutes = (sum(float(str(row[column])) for row in rows) for column in (5, 6))
-    figures = [Figure("mass", mass, "g"), Figure("print time", minutes / 60, "h")]
+    rows = [row for row in table.rows if row[5] != ""]
+    figures = [Figure("mass", sum(float(str(row[5])) for row in rows), "g")]
+    if materials.of(mechanism.material.name).printed:
+        minutes = sum(float(str(row[6])) for row in rows)
+        figures.append(Figure("print time", minutes / 60, "h"))
     if sides:
         parts = printed_parts(mechanism.assembly)
         overhang = sum(part.count * sides[part.name].overhang for part in parts)

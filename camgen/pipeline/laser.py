@@ -26,7 +26,7 @@ from camgen.parts.nesting import Spot, nest
 from camgen.parts.part import Part
 from camgen.parts.sheets import why_not
 from camgen.pipeline.case import Case
-from camgen.pipeline.expectation import expected
+from camgen.pipeline.expectation import nominal_part
 from camgen.spec import Laser
 from camgen.study import Figure, Table
 
@@ -160,7 +160,7 @@ def judge_sheets(
                 case.file("sheets", "csv"),
                 f"lists {', '.join(strange)}, which are not cut of sheets",
             )
-        shapes = {name: expected(part, tolerance, features) for name, part in parts.items()}
+        shapes = {name: nominal_part(part, tolerance, features) for name, part in parts.items()}
         beam = Beam(laser.kerf, laser.gap, laser.sheet)
         for number, copies in sorted(sheets.items()):
             dxf, svg = (case.file(f"sheet-{number}", ending) for ending in ("dxf", "svg"))
@@ -177,7 +177,7 @@ def judge_sheets(
         if part.name not in parts:
             rows.append(("none", part.name, part.count, "", why_not(part, laser.thickness)))
         if part.name not in sections and case.file(part.name, "dxf").exists():
-            shape = expected(part, tolerance, features, None, mechanism.files)
+            shape = nominal_part(part, tolerance, features, None, mechanism.files)
             verdict = judge_drawing(case.file(part.name, "dxf"), shape)
             if verdict.sections:
                 sections[part.name] = verdict.sections

@@ -21,8 +21,8 @@ from camgen.findings import Finding, at_most, in_file
 from camgen.geometry.arcs import fit_arcs
 from camgen.geometry.outlines import Arc, Piece, Region, end_point, start_point
 from camgen.geometry.rings import Ring
-from camgen.judge.cams import rolled
-from camgen.judge.joints import Rolled
+from camgen.judge.cams import outline_and_law
+from camgen.judge.joints import RollingLaw
 from camgen.judge.machine_tables import Profile, Step, judge_path, judge_profile
 from camgen.judge.round_trip import pieces_of
 from camgen.machine.cams.machine import CamTouch
@@ -211,14 +211,16 @@ def judge_tables(case: Case) -> list[Finding]:
     return findings
 
 
-def _rolled(mechanism: Mechanism, part: str, rings: Sequence[Ring]) -> Rolled:
+def _rolled(mechanism: Mechanism, part: str, rings: Sequence[Ring]) -> RollingLaw:
     """What the follower rolls to on a part's outline as it is drawn; ValueError where it does not fit."""
     feature = next(
         each
         for each in mechanism.assembly.features
         if isinstance(each, CamOutline) and each.part == part
     )
-    return rolled(mechanism.model, feature, mechanism.assembly.mounts, [pieces_of(rings)])[1]
+    return outline_and_law(mechanism.model, feature, mechanism.assembly.mounts, [pieces_of(rings)])[
+        1
+    ]
 
 
 def _rows(path: Path, columns: Sequence[str]) -> list[list[str]]:

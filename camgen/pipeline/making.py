@@ -16,8 +16,9 @@ from camgen import spec as specs
 from camgen.errors import DesignError
 from camgen.files.formats import EXACT, FORMATS, Job, write_part
 from camgen.machines.mechanism import Mechanism
+from camgen.parts import materials
 from camgen.parts.assembly import cut_of_sheet, printed_parts
-from camgen.parts.catalogue import DENSITY, TURNED, Bought
+from camgen.parts.catalogue import CAM_FOLLOWERS, TURNED, Bought
 from camgen.parts.fits import Compensation, compensated
 from camgen.pipeline.case import Case
 from camgen.pipeline.summary import draw_part
@@ -27,7 +28,7 @@ from camgen.workers import Workers
 
 if TYPE_CHECKING:
     from camgen.files.plates import Side
-    from camgen.files.threemf import Placed
+    from camgen.files.threemf import PartCopy
     from camgen.geometry.mesh import Mesh
 
 PLATE_GAP = 3.0  # mm between bodies on a plate: room for a brim of two lines each
@@ -77,7 +78,7 @@ def put_together(case: Case, only: frozenset[str], solids: Made, progress: Progr
     write_3mf(
         case.folder / f"{mechanism.name}-assembly.3mf",
         meshes,
-        assembled(mechanism),
+        assembly_copies(mechanism),
         _key(mechanism),
     )
     if not parts:
@@ -158,7 +159,7 @@ def write_exact_assembly(case: Case) -> None:
     mechanism = case.mechanism
     parts = [part for part in case.parts.values() if case.file(part.name, "step").exists()]
     bodies = {part.name: exact(part, mechanism.accuracy.chord_tolerance) for part in parts}
-    copies = [copy for copy in assembled(mechanism) if copy.object in bodies]
+    copies = [copy for copy in assembly_copies(mechanism) if copy.object in bodies]
     if copies:
         titles = {part.name: part.title for part in parts}
         write_step(
@@ -180,14 +181,14 @@ def compensation(mechanism: Mechanism) -> Compensation | None:
     return fit if fit.hole or fit.profile or fit.shrinkage or fit.foot else None
 
 
-def assembled(mechanism: Mechanism) -> list[Placed]:
+def assembly_copies(mechanism: Mechanism) -> list[PartCopy]:
     """Every copy of every part where it is at theta = 0."""
-    from camgen.files.threemf import Placed
+    from camgen.files.threemf import PartCopy
     from camgen.geometry.mesh import placing
 
     poses = mechanism.assembly.poses(np.zeros(1))
     return [
-        Placed(
+        PartCopy(
             part.name,
             f"{part.name}-{k + 1}",
             placing(
@@ -202,12 +203,13 @@ def assembled(mechanism: Mechanism) -> list[Placed]:
 def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyType({})) -> Table:
     """The list of parts: what is printed, with material, mass and time of all copies, then what is cut, turned or bought.
 
-    sides: on which printed parts lie on the bed, where their solids are known.
+    sides: on which printed parts lie on the bed, where their solids are known. Of a material that is not printed nothing is said
+    of printing.
     """
     from camgen.files.parts_list import parts_list
 
-    material = mechanism.material
-    density = (material.density or DENSITY[material.name]) * material.infill
+    material = mechanism.material.name
+    density = mechanism.assembly.process.density * 1e-3
     parts = mechanism.assembly.parts
     printed = printed_parts(mechanism.assembly)
     rows: list[tuple[object, ...]] = [
@@ -222,20 +224,27 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
             *_lying(sides.get(row.part)),
         )
         for row in parts_list(
-            printed, material.name, mechanism.print.nozzle, density, sides, mechanism.print.layer
+            printed, material, mechanism.print.nozzle, density, sides, mechanism.print.layer
         )
     ]
     blank: tuple[object, ...] = ("",) * 5
     for part in (
         part for part in parts if part not in printed
     ):  # what is bought has a size, what is turned a volume
-        bought = part.made == "bought"
-        has_size = part.made in ("bought", TURNED)
+        bought = part.process == "bought"
+        has_size = part.process in ("bought", TURNED)
         what = ": ".join([part.title, *part.notes[: int(has_size)]])
-        volume = "" if bought else part.count * part.volume
-        how = "cut of sheet" if cut_of_sheet(mechanism.assembly, part) else part.made
-        rows.append((how, part.name, what, part.count, volume, *blank))
+        volume = 0.0 if bought else part.count * part.volume
+        mass: object = ""
+        how = "cut of sheet" if cut_of_sheet(mechanism.assembly, part) else part.process
+        if how == "printed":
+            how = f"made of {material}"
+            mass = volume * density * 1e-3
+        rows.append((how, part.name, what, part.count, volume or "", mass, *blank[1:]))
     things = list(mechanism.assembly.bought)
+    rollers = [cam.roller for cam in mechanism.assembly.outlines.values()]
+    if mechanism.load is not None and mechanism.load.cam_follower and not any(rollers):
+        things.append(CAM_FOLLOWERS[mechanism.load.cam_follower].bought(len(rollers)))
     if any("glued" in note for part in parts for note in part.notes) and "glue" not in {
         thing.name for thing in things
     }:
@@ -249,13 +258,14 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
         "what",
         "count",
         "material, mm^3",
-        f"mass in {material.name}, g",
+        f"mass in {material}, g",
         "print time, min",
         "lies",
         "on the bed, mm^2",
         "overhang, mm^2",
     )
-    return Table("Parts list", columns, rows, digits=3)
+    kept = len(columns) if materials.of(material).printed else columns.index("print time, min")
+    return Table("Parts list", columns[:kept], [row[:kept] for row in rows], digits=3)
 
 
 def _lying(side: Side | None) -> tuple[object, ...]:

@@ -16,13 +16,19 @@ from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.as_printed import printed
-from camgen.judge.round_trip import Undo, judge_dimensioned, judge_drawing, judge_exact, judge_mesh
+from camgen.judge.round_trip import (
+    PrintChange,
+    judge_dimensioned,
+    judge_drawing,
+    judge_exact,
+    judge_mesh,
+)
 from camgen.machine.features import CamOutline, Feature, judged_outputs, parts_of
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Part
 from camgen.pipeline.case import Case
-from camgen.pipeline.expectation import expected
+from camgen.pipeline.expectation import nominal_part
 from camgen.pipeline.making import compensation
 from camgen.pipeline.scope import Outcome
 from camgen.study import ROWS, Figures, Study, Table
@@ -71,7 +77,7 @@ def judge_part(
             continue
         solid = FORMATS[kind].solid
         sent, drawn = (fit, None) if solid else (None, mechanism.files)
-        shape = expected(part, tolerance, features, sent, drawn)
+        shape = nominal_part(part, tolerance, features, sent, drawn)
         verdict = _JUDGES[FORMATS[kind].holds](path, shape)
         findings += verdict.findings
         if kind == "dxf" and dimensioned:
@@ -129,7 +135,7 @@ def judge_motion(
     if not features or parts_of(features) & lost:
         return None
     fit = compensation(mechanism) if READABLE[kind].solid else None
-    slack = Undo(fit.hole, fit.profile, fit.shrinkage).slack if fit is not None else 0.0
+    slack = PrintChange(fit.hole, fit.profile, fit.shrinkage).slack if fit is not None else 0.0
     assembly = mechanism.assembly
     verdict = judge_machine(
         Nominal(mechanism.model, features, assembly.mounts, assembly.demands),

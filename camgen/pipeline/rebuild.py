@@ -32,7 +32,7 @@ from camgen.pipeline.case import Case
 from camgen.pipeline.laser import sheet_files
 from camgen.pipeline.making import lying_sides, write_parts_list, written
 from camgen.pipeline.scope import Outcome
-from camgen.pipeline.summary import Summary, draw_part, seen, write_report, write_texts
+from camgen.pipeline.summary import Summary, draw_part, scene_of, write_report, write_texts
 from camgen.report.report import Report
 from camgen.workers import Workers
 
@@ -191,7 +191,7 @@ class Rebuild:
         tasks = workers.map(
             draw_part, repeat(case, len(drawings)), drawings, repeat(folder, len(drawings))
         )
-        scene = seen(case, kinds)
+        scene = scene_of(case, kinds)
         if scene is not None:
             copy.file("assembly", "glb").write_bytes(scene.glb)
         sides = lying_sides(case.mechanism, written(case) if "3mf" in kinds else {})

@@ -72,7 +72,7 @@ def of_parts(mechanism: Mechanism) -> list[Stage]:
     features = mechanism.assembly.features
     cams = [feature for feature in features if isinstance(feature, CamOutline)]
     if cams:
-        ripple = ("SPEED_RIPPLE",) if any(math.isfinite(cam.meant.ripple) for cam in cams) else ()
+        ripple = ("SPEED_RIPPLE",) if any(math.isfinite(cam.nominal.ripple) for cam in cams) else ()
         stages.append(Stage(("MOTION_ERROR", *ripple), "the follower, rolled on the outline", READ))
     if len(cams) > len({cam.joint for cam in cams}):
         stages.append(
@@ -154,7 +154,7 @@ def unheard(mechanism: Mechanism, kinds: Collection[str]) -> tuple[str, ...]:
     idle = mechanism.remarks().unused
     if idle:
         sentences.append(
-            f'{", ".join(idle)} {"is" if len(idle) == 1 else "are"} not used with parts.make = "machine": see [bodies]'
+            f'{", ".join(idle)} {"acts" if len(idle) == 1 else "act"} on cams alone (parts.make = "cams")'
         )
     curves = mechanism.files.curves
     if (

@@ -105,7 +105,7 @@ def check_gcode(
     fit = compensation(case.mechanism) or Compensation()
     _each_once(plates)
     packages = {path.name: read_3mf(path).items for path in plates_of(case)}
-    models = _known(case, packages.values())
+    models = _print_models(case, packages.values())
     prints: dict[str, _Print] = {}
     findings: list[Finding] = []
     on_side: set[str] = set()
@@ -141,7 +141,7 @@ def check_gcode(
     complete, absent = judge_sliced_copies(count, expected, plate_copies, where)
     findings.append(complete)
     progress("letting the parts touch")
-    motion, figures, not_judged = _moved(case, prints, on_side, where)
+    motion, figures, not_judged = _motion_of_print(case, prints, on_side, where)
     columns = (
         "part",
         "layers",
@@ -190,7 +190,7 @@ def _each_once(plates: Sequence[Path]) -> None:
             )
 
 
-def _known(case: Case, packages: Iterable[Sequence[Item]]) -> list[PrintModel]:
+def _print_models(case: Case, packages: Iterable[Sequence[Item]]) -> list[PrintModel]:
     """The printed parts of a folder as they were sent, on the sides on which its plates, with these items, lay them."""
     sides_of: dict[str, list[tuple[Floats, float]]] = {}
     for items in packages:
@@ -247,7 +247,7 @@ def _add(printed: _Print, copy: Copy, part: Part, fit: Compensation, where: Wher
     worst = 0.0
     fault = ""
     rows = []
-    for z0, z1 in spans if part.crossed is None else ():
+    for z0, z1 in spans if part.side_profile is None else ():
         meant = tuple(
             facetted(layer.region, 1e-3)
             for layer in part.layers
@@ -365,7 +365,7 @@ def left_out(on_side: Collection[str], away: Collection[str]) -> list[NotJudged]
     return reasons
 
 
-def _moved(
+def _motion_of_print(
     case: Case, prints: Mapping[str, _Print], on_side: Collection[str], where: Where
 ) -> tuple[list[Finding], list[Figure], list[NotJudged]]:
     """Findings and figures of the machine closed on what is laid: the envelope, and layer by layer the cams."""

@@ -23,7 +23,7 @@ def plates_of(case: Case) -> list[Path]:
     return case.files("plate*.3mf")
 
 
-def seen(case: Case, kinds: Collection[str]) -> Scene | None:
+def scene_of(case: Case, kinds: Collection[str]) -> Scene | None:
     """The machine in three dimensions, with the plates as they lie in the folder; None where nothing asks for it."""
     if "report" not in kinds or not any(kind in kinds for kind in SOLID):
         return None

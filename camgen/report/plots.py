@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
-import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 
@@ -224,22 +223,19 @@ def _curves(plot: Plot, axes: _Axes) -> list[_Curve]:
         else:
             groups.append(([label], x, y, places))
     return [
-        _curve(_common_label(labels).replace("+- ", "± "), x, y, axes, labels[0] in plot.dots)
+        _curve(_common_label(labels, plot.sources), x, y, axes, labels[0] in plot.dots)
         for labels, x, y, _ in groups
     ]
 
 
-def _common_label(labels: Sequence[str]) -> str:
+def _common_label(labels: Sequence[str], sources: Mapping[str, tuple[str, str]]) -> str:
     """One name for curves that are the same: "x wanted", "x from DXF" are "x wanted = DXF"."""
     if len(labels) == 1:
         return labels[0]
-    parts = [
-        found.groups("")
-        for label in labels
-        if (found := re.fullmatch(r"(x |y |\+- )?(?:from )?(.*)", label))
-    ]
+    parts = [sources.get(label, ("", label)) for label in labels]
     first = parts[0][0]
-    return first + " = ".join(name if axis == first else axis + name for axis, name in parts)
+    names = (name if what == first else f"{what} {name}".strip() for what, name in parts)
+    return f"{first} {' = '.join(names)}".strip()
 
 
 def _curve(label: str, x: Floats, y: Floats, axes: _Axes, dots: bool) -> _Curve:

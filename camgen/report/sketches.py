@@ -16,7 +16,7 @@ _EDGE = 12.0  # round it
 
 
 @dataclass(frozen=True)
-class Drawn:
+class Sketch:
     """points: places by name, complex mm; links: names of the points of each; still: points at rest; path, wanted: complex mm."""
 
     points: Mapping[str, complex]
@@ -26,7 +26,7 @@ class Drawn:
     wanted: Points
 
 
-def picture(drawn: Drawn, said: str) -> str:
+def picture(drawn: Sketch, said: str) -> str:
     """The sketch as SVG; its size follows what is drawn."""
     every = np.concatenate([list(drawn.points.values()), drawn.path, drawn.wanted])
     low = complex(every.real.min(), every.imag.min())

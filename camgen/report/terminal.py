@@ -253,12 +253,12 @@ def _widths(rows: Sequence[Mapping[str, str]], room: int) -> dict[str, int]:
         if rows
         else {}
     )
-    found = {name: full[name] for name in _ALWAYS if name in full}
+    widths = {name: full[name] for name in _ALWAYS if name in full}
     for name, least in _GIVE_WAY.items() if rows else ():
-        left = room - sum(found.values()) - _BETWEEN * len(found) - 1
+        left = room - sum(widths.values()) - _BETWEEN * len(widths) - 1
         if left >= min(full[name], least or full[name]):
-            found[name] = min(full[name], left, _WIDE)
-    return found
+            widths[name] = min(full[name], left, _WIDE)
+    return widths
 
 
 class Bar:

@@ -22,7 +22,7 @@ from camgen.errors import DesignError
 from camgen.files.dxf import write_dxf
 from camgen.files.formats import FORMATS, USUAL
 from camgen.files.stl import write_stl
-from camgen.files.threemf import Placed, write_3mf
+from camgen.files.threemf import PartCopy, write_3mf
 from camgen.findings import ROUTINE, Finding, Where
 from camgen.geometry.arcs import fit_arcs, theoretical_arcs
 from camgen.geometry.crossing import crossed_at
@@ -117,7 +117,9 @@ def _subjects(mechanism: Mechanism) -> tuple[dict[str, Part], dict[str, Contour]
     cam_parts = {cam.part for cam in _cams(mechanism)}
     passing = {name for contact in contacts for name in (contact.a, contact.b)}
     touching = parts_of(mechanism.assembly.features) | passing
-    even = {name for name, part in parts.items() if part.crossed is None and len(part.layers) == 1}
+    even = {
+        name for name, part in parts.items() if part.side_profile is None and len(part.layers) == 1
+    }
     flat = cam_parts | touching & even or even
     inside = {cam.part for cam in _cams(mechanism) if cam.inside}
     outlines = {}
@@ -165,7 +167,7 @@ def _row(spec: Path, tolerance: float, folder: Path) -> Row:
             )
         for name, mesh in meshes.items():
             write_stl(case.file(name, "stl"), mesh, name)
-            write_3mf(case.file(name, "3mf"), {name: mesh}, [Placed(name, name)], name)
+            write_3mf(case.file(name, "3mf"), {name: mesh}, [PartCopy(name, name)], name)
     counts: dict[str, int] = {}
     outline: dict[str, float] = {}
     motion: dict[str, float] = {}
@@ -285,8 +287,10 @@ def _section(part: Part, height: float) -> list[Points]:
         return Shape(Ring(points, np.zeros(len(points))), ())
 
     shapes = [fine(layer.region) for layer in part.layers if layer.z0 <= height < layer.z1]
-    if part.crossed is not None:
+    if part.side_profile is not None:
         shapes = [
-            piece for shape in shapes for piece in crossed_at(shape, fine(part.crossed), height)
+            piece
+            for shape in shapes
+            for piece in crossed_at(shape, fine(part.side_profile), height)
         ]
     return [shape.outer.points for shape in shapes]

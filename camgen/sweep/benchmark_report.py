@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from camgen.files.folder import Staged, write_manifest
+from camgen.files.folder import StagingFolder, write_manifest
 from camgen.files.formats import FORMATS
 from camgen.geometry.outlines import Floats
 from camgen.plotting import figure_of, image
@@ -31,7 +31,7 @@ def run(specs: Sequence[Path], out: Path, progress: Progress = silent) -> list[B
 
     Raises SpecError, DesignError or FileError.
     """
-    with Staged(out / FOLDER) as folder:
+    with StagingFolder(out / FOLDER) as folder:
         benches = []
         for k, spec in enumerate(specs):
 

@@ -27,7 +27,7 @@ from camgen.machine.model import Along, Angle, Cam, Law, Machine, Output
 from camgen.machine.reach import folds
 from camgen.machine.run import solve
 from camgen.machines.loads.assess import assess
-from camgen.machines.loads.pressed import by_force
+from camgen.machines.loads.lift_off import by_force
 from camgen.machines.loads.weights import with_gravity
 from camgen.machines.mechanism import Mechanism
 from camgen.numerics import Floats
@@ -38,7 +38,7 @@ _LITTLE = 1e-3  # of its limit, of what needs no yield
 
 
 @dataclass(frozen=True)
-class Judged:
+class CopiesFinding:
     """A finding of copies: what it is of, its limit and how they compare with it; values, (copies,), as designed first."""
 
     code: str
@@ -51,16 +51,16 @@ class Judged:
     holds: Floats
 
 
-def judged(spread: Spread, errors: Floats) -> list[Judged]:
+def copies_findings(spread: Spread, errors: Floats) -> list[CopiesFinding]:
     """All findings of copies with these errors, (copies, modes) mm, that differ between them; worst yield first."""
     bends = _bends(spread)
     limits = spread.mechanism.limits()
     exact = np.zeros(len(spread.modes))
-    first = _followed(spread, exact, spread.mechanism.model)
+    first = _followers(spread, exact, spread.mechanism.model)
     designed, *copies = (
-        _named(_of_copy(spread, each, bends, limits, first)) for each in (exact, *errors)
+        _by_place(_of_copy(spread, each, bends, limits, first)) for each in (exact, *errors)
     )
-    found = []
+    findings = []
     for (code, what), finding in designed.items():
         made = [copy.get((code, what)) for copy in copies]
         values = np.array([math.nan if each is None else each.measured for each in made])
@@ -73,8 +73,8 @@ def judged(spread: Spread, errors: Floats) -> list[Judged]:
         if not little and not np.all(
             np.abs(values - finding.measured) <= _SAME * abs(finding.measured)
         ):
-            found.append(
-                Judged(
+            findings.append(
+                CopiesFinding(
                     code,
                     what,
                     finding.unit,
@@ -85,10 +85,10 @@ def judged(spread: Spread, errors: Floats) -> list[Judged]:
                     holds,
                 )
             )
-    return sorted(found, key=lambda each: float(np.mean(each.holds)))
+    return sorted(findings, key=lambda each: float(np.mean(each.holds)))
 
 
-def _named(findings: Iterator[Finding]) -> dict[tuple[str, str], Finding]:
+def _by_place(findings: Iterator[Finding]) -> dict[tuple[str, str], Finding]:
     """By code and place, less the angle there; of several at one place the worst."""
     named: dict[tuple[str, str], Finding] = {}
     for each in findings:
@@ -117,7 +117,7 @@ def _of_copy(
     steepest = min(
         (each.limit for each in limits if each.code == "PRESSURE_ANGLE"), default=math.inf
     )
-    for name, followed in _followed(spread, errors, shifted, first).items():
+    for name, followed in _followers(spread, errors, shifted, first).items():
         steep = followed.pressure_angle - first[name].pressure_angle + _steepest(first[name])
         yield from (
             each for each in followed.findings() if each.code != "UNDERCUT"
@@ -137,21 +137,25 @@ def _of_copy(
         yield from (*assess(mechanism, machine).findings, *_of_model(mechanism, machine, limits))
 
 
-def _followed(
+def _followers(
     spread: Spread,
     errors: Floats,
     shifted: Machine,
     first: Mapping[str, FollowerOnOutline] | None = None,
 ) -> dict[str, FollowerOnOutline]:
     """Of each cam its follower on the displaced outline; first: what it is held against, where that is not the wanted motion."""
-    found = {}
+    followers = {}
     for name, (outline, law) in laws_of(spread, errors, shifted).items():
         joint = spread.mechanism.model.joint(name)
         assert isinstance(joint, Cam)
         if first is not None:
-            outline = replace(outline, meant=replace(outline.meant, given=first[name].outline.law))
-        found[name] = FollowerOnOutline(joint, Outline(outline, law, law), Where(joint=name), 0.0)
-    return found
+            outline = replace(
+                outline, nominal=replace(outline.nominal, law=first[name].outline.law)
+            )
+        followers[name] = FollowerOnOutline(
+            joint, Outline(outline, law, law), Where(joint=name), 0.0
+        )
+    return followers
 
 
 def _steepest(design: FollowerOnOutline) -> float:

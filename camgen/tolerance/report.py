@@ -16,10 +16,16 @@ from camgen.numerics import Floats
 from camgen.progress import Progress, silent
 from camgen.report.report import Report
 from camgen.study import Figure, Figures, Plot, Table
-from camgen.tolerance.findings import Judged
-from camgen.tolerance.findings import judged as copies_judged
-from camgen.tolerance.spread import Copies, Spread, copies_of, drawn_again, rolled, spread_of
-from camgen.tolerance.targets import MOST, Kept, Loop, loops, targets
+from camgen.tolerance.findings import CopiesFinding, copies_findings
+from camgen.tolerance.spread import (
+    Copies,
+    Spread,
+    copies_of,
+    drawn_again,
+    rolled_outputs,
+    spread_of,
+)
+from camgen.tolerance.targets import MOST, Loop, TargetYield, loops, targets
 from camgen.tolerance.timing import Timing, timings
 
 _SHARES = (0.5, 0.9, 0.95, 0.99, 0.997)  # of copies
@@ -106,13 +112,13 @@ def tolerance(
     tables += _yields(spread, copies, figures)
     tables += _timings(struck, figures)
     few = drawn_again(spread, printing.seed, range(min(printing.samples, MOST)))
-    tables += _kept(targets(spread, few), figures) + _loops(
+    tables += _target_yields(targets(spread, few), figures) + _loops(
         loops(spread, few, printing.seed), figures
     )
     if printing.judged:
         progress("judging copies", 0.5)
         tables += _findings(
-            copies_judged(
+            copies_findings(
                 spread,
                 drawn_again(spread, printing.seed, range(min(printing.samples, printing.judged))),
             ),
@@ -280,10 +286,10 @@ def _yields(spread: Spread, copies: Copies, figures: list[Figure]) -> list[Table
     return told
 
 
-def _findings(found: Sequence[Judged], figures: list[Figure]) -> list[Table]:
+def _findings(found: Sequence[CopiesFinding], figures: list[Figure]) -> list[Table]:
     """Each finding of copies that were judged one by one."""
     rows = []
-    least: dict[str, tuple[float, Judged]] = {}
+    least: dict[str, tuple[float, CopiesFinding]] = {}
     for each in found:
         limit = f"{each.sign} {each.limit:.4g}"
         good = 100 * float(np.mean(each.holds))
@@ -314,7 +320,7 @@ def _findings(found: Sequence[Judged], figures: list[Figure]) -> list[Table]:
     )
 
 
-def _kept(found: Sequence[Kept], figures: list[Figure]) -> list[Table]:
+def _target_yields(found: Sequence[TargetYield], figures: list[Figure]) -> list[Table]:
     """Share of copies that keep what is wanted of the outputs by value."""
     rows = [
         (
@@ -407,9 +413,9 @@ def _worst(
     unit, scale = unit_of(output)
     order = np.argsort(-copies.errors[output.name], kind="stable")[:count]
     made = (
-        np.abs(rolled(spread, drawn_again(spread, seed, [int(k) for k in order]))[output.name]).max(
-            axis=1
-        )
+        np.abs(
+            rolled_outputs(spread, drawn_again(spread, seed, [int(k) for k in order]))[output.name]
+        ).max(axis=1)
         * scale
     )
     rows = [

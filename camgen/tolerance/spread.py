@@ -15,9 +15,10 @@ from typing import Any
 
 import numpy as np
 
+from camgen.errors import Fault, SpecError
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.rings import Ring, Shape
-from camgen.judge.joints import Rolled
+from camgen.judge.joints import RollingLaw
 from camgen.machine.closing import close
 from camgen.machine.constraints import Constraints
 from camgen.machine.features import CamOutline, Eye, Mark, judged_outputs
@@ -59,14 +60,16 @@ _CHUNK = 2000  # copies at a time: their errors stay in the processor's cache
 def sizes_of(mechanism: Mechanism) -> Sizes:
     """Standard deviations of the spec's printer: as it says, else by the usual tolerance of its plastic, taken as three of them.
 
-    A wall's is half of a size's, which has two walls; that of an outline's form, a quarter, is an estimate.
+    A wall's is half of a size's, which has two walls; that of an outline's form, a quarter, is an estimate. SpecError where the
+    spec says none of a material that is not printed.
     """
     given = mechanism.print
-    size = (
-        materials.of(mechanism.material.name).spread / 3
-        if given.size_error is None
-        else given.size_error
-    )
+    usual = materials.of(mechanism.material.name).spread
+    if given.size_error is None and usual is None:
+        name = mechanism.material.name
+        expected = f"the standard deviation of a size, mm: no usual one is known of {name}, which is not printed"
+        raise SpecError([Fault(("print", "size_error"), "", expected)])
+    size = (usual or 0.0) / 3 if given.size_error is None else given.size_error
     place = size / math.sqrt(2) if given.place_error is None else given.place_error
     form = size / 4 if given.form_error is None else given.form_error
     return Sizes(size / 2, form, place, size, given.form_orders or ORDERS)
@@ -194,18 +197,18 @@ def _holes(mechanism: Mechanism, outputs: Sequence[Output]) -> dict[str, Place]:
         for mount in mechanism.assembly.mounts
         if mount.part == eye.part
     ]
-    found: dict[str, Place] = {}
+    holes: dict[str, Place] = {}
     for output in outputs:
         for place in places_of(output.of):
             if any(body == place.body and abs(at - place.at) < SAME_POINT for body, at in made):
-                if hole_at(mechanism.model, place, found) is None:
+                if hole_at(mechanism.model, place, holes) is None:
                     points = mechanism.model.body(place.body).points
                     name = next(
                         (name for name, at in points.items() if abs(at - place.at) < SAME_POINT),
                         output.name,
                     )
-                    found[f"{name}, {place.body}"] = place
-    return found
+                    holes[f"{name}, {place.body}"] = place
+    return holes
 
 
 @dataclass(frozen=True)
@@ -304,7 +307,7 @@ def drawn_again(spread: Spread, seed: int, which: Sequence[int]) -> Floats:
 # ---- the worst, really made ------------------------------------------------------------------------------------------
 
 
-def rolled(spread: Spread, errors: Floats) -> dict[str, Any]:
+def rolled_outputs(spread: Spread, errors: Floats) -> dict[str, Any]:
     """Outputs of copies with these errors, (copies, modes) mm, over theta, less those of one without: by rolling and closing.
 
     Returns (copies, n) each, in the output's own unit.
@@ -319,10 +322,10 @@ def rolled(spread: Spread, errors: Floats) -> dict[str, Any]:
 
 def laws_of(
     spread: Spread, errors: Floats, shifted: Machine
-) -> dict[str, tuple[CamOutline, Rolled]]:
+) -> dict[str, tuple[CamOutline, RollingLaw]]:
     """Of each cam of one copy what its follower rolls to on the displaced outline, and the outline with its own tip; shifted: the
     machine with its joints' centres off, see `shifted_by`."""
-    from camgen.judge.cams import rolled as rolled_on
+    from camgen.judge.cams import outline_and_law
 
     mechanism = spread.mechanism
     given: dict[str, dict[str, list[float]]] = {}
@@ -358,7 +361,7 @@ def laws_of(
             )
         laws[joint.name] = (
             outline,
-            rolled_on(shifted, outline, mechanism.assembly.mounts, [[Shape(ring, ())]])[1],
+            outline_and_law(shifted, outline, mechanism.assembly.mounts, [[Shape(ring, ())]])[1],
         )
     return laws
 

@@ -28,7 +28,7 @@ _SIDE = 60  # pieces of a loop, and as many on either side of it
 
 
 @dataclass(frozen=True)
-class Kept:
+class TargetYield:
     """Of a target of an output which copies keep it, (copies,); its code, limit and unit."""
 
     output: str
@@ -38,7 +38,7 @@ class Kept:
     holds: Floats
 
 
-def targets(spread: Spread, errors: Floats) -> list[Kept]:
+def targets(spread: Spread, errors: Floats) -> list[TargetYield]:
     """All targets of the judged outputs; errors: of copies, (copies, modes) mm."""
     wanted = {each.output: each.targets for each in spread.mechanism.assembly.demands}
     outputs = [output for output in spread.outputs if wanted.get(output.name)]
@@ -46,7 +46,7 @@ def targets(spread: Spread, errors: Floats) -> list[Kept]:
         return []
     run = solve(spread.mechanism.model, spread.theta, 1)
     whole = abs(float(np.ptp(spread.theta)) - 2 * np.pi) < 1e-9
-    found = []
+    yields = []
     for output in outputs:
         unit, scale = unit_of(output)
         value, slope = scale * run.derivatives(output.name)
@@ -59,8 +59,8 @@ def targets(spread: Spread, errors: Floats) -> list[Kept]:
         for target in wanted[output.name]:
             made = [target.finding(course, Where()) for course in courses]
             holds = np.array([each.ok for each in made])
-            found.append(Kept(output.name, target.code, made[0].limit, made[0].unit, holds))
-    return found
+            yields.append(TargetYield(output.name, target.code, made[0].limit, made[0].unit, holds))
+    return yields
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ def loops(spread: Spread, errors: Floats, seed: int) -> list[Loop]:
         path, modes = _moved(spread, output, theta)
         inside = path[_SIDE : 2 * _SIDE + 1]
         extent = float(max(np.ptp(inside.real), np.ptp(inside.imag)))
-        pushed = errors + _pushed(spread, len(errors), seed)
+        pushed = errors + _pin_play_errors(spread, len(errors), seed)
         left = [
             float(np.mean([_crosses(path + each @ modes) for each in made]))
             for made in (errors, pushed)
@@ -116,7 +116,7 @@ def _moved(spread: Spread, output: Output, theta: Floats) -> tuple[Points, Point
     )
 
 
-def _pushed(spread: Spread, copies: int, seed: int) -> Floats:
+def _pin_play_errors(spread: Spread, copies: int, seed: int) -> Floats:
     """Each pin with play somewhere in it, as errors of a centre, (copies, modes) mm: of the side that no output goes with."""
     machine = spread.mechanism.model
     chance = np.random.default_rng(seed)

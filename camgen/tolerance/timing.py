@@ -82,11 +82,11 @@ def _sections(
 ) -> list[list[Points]]:
     """Outlines of both bodies at a height of the ground, of their solids."""
     rest = mechanism.assembly.poses(np.zeros(1))
-    found = []
+    sections = []
     for name in (pair.a, pair.b):
         rings = slice_mesh(solids[name], plane - rest[name][0].z)
-        found.append([ring.points for ring in rings if ring.area > 0])
-    return found
+        sections.append([ring.points for ring in rings if ring.area > 0])
+    return sections
 
 
 def _play(mechanism: Mechanism, body: str) -> float:

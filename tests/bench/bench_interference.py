@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from camgen.geometry.rings import Points, Ring
-from camgen.judge.interference import interference, swept
+from camgen.judge.interference import interference, sweep_clearances
 from camgen.judge.slabs import Body, Slab, slabs_of
 from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
@@ -112,7 +112,7 @@ def main() -> None:
         ("take-up", more, {}, gap),
     ):
         began = time.process_time()
-        found = swept(these, touching, needed)
+        found = sweep_clearances(these, touching, needed)
         spent = time.process_time() - began
         for c in found:
             print(

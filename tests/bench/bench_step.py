@@ -92,10 +92,10 @@ def body(part: Part, tolerance: float) -> Any:
         whole = BRepAlgoAPI_Fuse(whole, each).Shape()
     for engraved in part.engraved:
         whole = BRepAlgoAPI_Cut(whole, prism(engraved, tolerance)).Shape()
-    if part.crossed is not None:  # its second outline is one of x and z, along y
+    if part.side_profile is not None:  # its second outline is one of x and z, along y
         upright = gp_Trsf()
         upright.SetRotation(gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(1, 0, 0)), 1.5707963267948966)
-        across = prism(Layer(part.crossed, -REACH, REACH), tolerance)
+        across = prism(Layer(part.side_profile, -REACH, REACH), tolerance)
         across = BRepBuilderAPI_Transform(across, upright, True).Shape()
         whole = BRepAlgoAPI_Common(whole, across).Shape()
     cleaned = ShapeUpgrade_UnifySameDomain(whole, True, True, False)

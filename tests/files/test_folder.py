@@ -19,7 +19,7 @@ import pytest
 
 from camgen.errors import FileError
 from camgen.files import folder as folders
-from camgen.files.folder import MANIFEST, Staged, manifest_files, write_manifest
+from camgen.files.folder import MANIFEST, StagingFolder, manifest_files, write_manifest
 
 
 def tree(folder: Path) -> dict[str, bytes]:
@@ -33,7 +33,7 @@ def tree(folder: Path) -> dict[str, bytes]:
 
 def make(target: Path, text: str = "first", extra: str | None = None) -> None:
     """A result as a build makes it."""
-    with Staged(target) as folder:
+    with StagingFolder(target) as folder:
         (folder / "a.txt").write_text(text)
         (folder / "sub").mkdir()
         (folder / "sub" / "b.txt").write_text(text)
@@ -67,21 +67,21 @@ def test_any_exception_leaves_the_earlier_result(
 ) -> None:
     make(tmp_path / "cam")
     before = tree(tmp_path)
-    with pytest.raises(error), Staged(tmp_path / "cam") as folder:
+    with pytest.raises(error), StagingFolder(tmp_path / "cam") as folder:
         (folder / "a.txt").write_text("half")
         raise error
     assert tree(tmp_path) == before
 
 
 def test_failure_leaves_no_parents_behind(tmp_path: Path) -> None:
-    with pytest.raises(ValueError), Staged(tmp_path / "deep" / "out" / "cam"):
+    with pytest.raises(ValueError), StagingFolder(tmp_path / "deep" / "out" / "cam"):
         raise ValueError
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_way_through_a_folder_that_is_not_there_yet(tmp_path: Path) -> None:
     target = tmp_path / "x" / ".." / "y" / "cam"
-    with pytest.raises(ValueError), Staged(target):
+    with pytest.raises(ValueError), StagingFolder(target):
         raise ValueError
     assert list(tmp_path.iterdir()) == []
     make(target)
@@ -92,7 +92,7 @@ def test_a_way_through_a_folder_that_is_not_there_yet(tmp_path: Path) -> None:
 
 def test_earlier_result_stays_while_the_new_one_is_made(tmp_path: Path) -> None:
     make(tmp_path / "cam")
-    with Staged(tmp_path / "cam") as folder:
+    with StagingFolder(tmp_path / "cam") as folder:
         assert (tmp_path / "cam" / "a.txt").read_text() == "first"
         assert os.stat(folder).st_dev == os.stat(tmp_path).st_dev
         (folder / "a.txt").write_text("second")
@@ -187,7 +187,7 @@ def test_result_that_cannot_be_brought_back_at_once_is_not_thrown_away(
         make(tmp_path / "cam", "second")
     assert not (tmp_path / "cam").exists()
     renames.undo()
-    with pytest.raises(ValueError), Staged(tmp_path / "cam"):
+    with pytest.raises(ValueError), StagingFolder(tmp_path / "cam"):
         raise ValueError
     assert tree(tmp_path) == before
 
@@ -210,7 +210,7 @@ if when == "between":
     os.rename = first_then_killed
 if when == "after":
     folders._remove = killed
-with folders.Staged(target) as folder:
+with folders.StagingFolder(target) as folder:
     (folder / "a.txt").write_text("killed")
     if when == "work":
         killed()
@@ -235,7 +235,7 @@ def test_what_a_killed_build_left_is_swept_and_brought_back(
     assert len(list(tmp_path.iterdir())) == (2 if left else 1) and target.exists() is bool(left)
     if left:
         assert (target / "a.txt").read_text() == left
-    with pytest.raises(ValueError), Staged(tmp_path / "other"):
+    with pytest.raises(ValueError), StagingFolder(tmp_path / "other"):
         raise ValueError
     assert [path.name for path in tmp_path.iterdir()] == ["cam"]
     assert left == "killed" or tree(tmp_path) == before
@@ -255,7 +255,7 @@ def test_folder_of_a_build_that_runs_is_left_alone(tmp_path: Path) -> None:
     ) as other:
         assert other.stdin and other.stdout
         name = other.stdout.readline().strip()
-        with Staged(tmp_path / "cam") as mine:
+        with StagingFolder(tmp_path / "cam") as mine:
             make(tmp_path / "cam", "second")
             assert (tmp_path / name / "new" / "a.txt").read_text() == "killed" and mine.exists()
             write_manifest(mine, [])
@@ -297,7 +297,7 @@ def test_folder_with_more_in_it_is_left_alone(tmp_path: Path) -> None:
 
 def with_spec(target: Path, text: str) -> list[str]:
     """A build of a spec; names of what it kept."""
-    staged = Staged(target)
+    staged = StagingFolder(target)
     with staged as folder:
         (folder / "spec.toml").write_text(text)
         write_manifest(folder, [])
@@ -382,7 +382,7 @@ def test_file_added_to_a_result_protects_it(tmp_path: Path, name: str) -> None:
 
 def test_file_added_while_the_work_is_done_protects_the_folder(tmp_path: Path) -> None:
     make(tmp_path / "cam")
-    with pytest.raises(FileError, match="notes.txt"), Staged(tmp_path / "cam"):
+    with pytest.raises(FileError, match="notes.txt"), StagingFolder(tmp_path / "cam"):
         (tmp_path / "cam" / "notes.txt").write_text("mine")
     assert (tmp_path / "cam" / "notes.txt").read_text() == "mine"
     assert (tmp_path / "cam" / "a.txt").read_text() == "first"
@@ -437,7 +437,7 @@ def test_read_only_parent(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
 def test_full_disk_names_the_file_where_it_was_to_be(tmp_path: Path) -> None:
     make(tmp_path / "cam")
     before = tree(tmp_path)
-    with pytest.raises(FileError) as caught, Staged(tmp_path / "cam") as folder:
+    with pytest.raises(FileError) as caught, StagingFolder(tmp_path / "cam") as folder:
         (folder / "a.txt").write_text("half")
         raise OSError(errno.ENOSPC, "No space left on device", str(folder / "b.stl"))
     assert caught.value.path == str(tmp_path / "cam" / "b.stl")
@@ -454,9 +454,9 @@ def test_write_that_the_system_cuts_short(tmp_path: Path) -> None:
         import sys
         from pathlib import Path
         from camgen.errors import FileError
-        from camgen.files.folder import Staged
+        from camgen.files.folder import StagingFolder
         try:
-            with Staged(Path(sys.argv[1])) as folder:
+            with StagingFolder(Path(sys.argv[1])) as folder:
                 (folder / "big.stl").write_bytes(bytes(1_000_000))
         except FileError as error:
             print(error)

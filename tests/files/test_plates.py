@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from camgen import tolerances
-from camgen.files.parts_list import DENSITY, parts_list
+from camgen.files.parts_list import parts_list
 from camgen.files.plates import (
     Layout,
     Spot,
@@ -23,7 +23,7 @@ from camgen.files.plates import (
     side,
     write_plates,
 )
-from camgen.files.threemf import Placed, read_3mf, write_3mf
+from camgen.files.threemf import PartCopy, read_3mf, write_3mf
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Region, circle, polygon
 from camgen.judge.copies import judge_copies
@@ -212,7 +212,7 @@ def test_a_mirrored_copy_on_a_plate_is_told(tmp_path: Path) -> None:
     write_3mf(
         tmp_path / "x.3mf",
         meshes,
-        [Placed("ledge", "ledge 1", np.diag([1.0, 1.0, -1.0, 0])[:3])],
+        [PartCopy("ledge", "ledge 1", np.diag([1.0, 1.0, -1.0, 0])[:3])],
         "key",
     )
     assert judge_copies(tmp_path / "x.3mf", meshes).message == "a copy of ledge is mirrored or flat"
@@ -242,7 +242,7 @@ def test_a_damaged_copy_is_named(tmp_path: Path, damage: dict[str, np.ndarray], 
         write_3mf(
             tmp_path / "x.3mf",
             {**meshes, "peg": peg},
-            [Placed("rib", "rib"), Placed("peg", "peg 1", where)],
+            [PartCopy("rib", "rib"), PartCopy("peg", "peg 1", where)],
             "key",
         )
         found = judge_copies(tmp_path / "x.3mf", meshes, [("rib", np.eye(3, 4)), ("peg", at)])
@@ -257,7 +257,7 @@ def test_copies_are_as_exact_as_the_digits_of_the_furthest_place(
     """One at the origin, one 50 m away: what rounding leaves of a place grows with it."""
     meshes = meshes_of([block("peg", 6, 8, 1)])
     places = [np.eye(3, 4), np.column_stack([np.eye(3), [far, 0, 0]])]
-    placed = [Placed("peg", f"peg {k}", at) for k, at in enumerate(places, 1)]
+    placed = [PartCopy("peg", f"peg {k}", at) for k, at in enumerate(places, 1)]
     write_3mf(tmp_path / "x.3mf", meshes, placed, "key")
     found = judge_copies(tmp_path / "x.3mf", meshes, [("peg", at) for at in places])
     reach = np.max(np.abs(meshes["peg"].vertices))
@@ -281,7 +281,7 @@ def test_parts_list_by_hand() -> None:
         3 * (600 / (0.4 * 0.2 * 60) + 15 * 6) / 60
     )  # 4.8 mm^3/s, 15 layers of 6 s
     assert parts_list([block("cube", 10, 20, 3)], "PETG")[0].mass_g / row.mass_g == pytest.approx(
-        DENSITY["PETG"] / 1.24
+        1.27 / 1.24
     )
     with pytest.raises(KeyError):
         parts_list([], "cheese")

@@ -223,7 +223,7 @@ def test_3mf_read_with_its_assembly(tmp_path: Path) -> None:
 def test_copies_under_each_other_s_names_are_told(tmp_path: Path) -> None:
     """Part numbers exchanged, or what two items build: each mesh is still in its place, but a slicer shows it as another part."""
     path, mesh = tmp_path / "pair.3mf", prism(SQUARE)
-    copies = [threemf.Placed("cam", "cam-1"), threemf.Placed("pin-1", "pin-1 1")]
+    copies = [threemf.PartCopy("cam", "cam-1"), threemf.PartCopy("pin-1", "pin-1 1")]
     threemf.write_3mf(path, {"cam": mesh, "pin-1": mesh}, copies, "key")
     assert read_3mf(path).remarks == []
     with zipfile.ZipFile(path) as package:

@@ -176,7 +176,7 @@ def test_views_are_the_shadows_of_the_body_that_is_made(
         assert unlike(moved_to(drawn_side, seen), seen) < FACETS, name
         # heights stand beside each other: the view from the left is not moved up or down, the one from above not sideways
         assert drawn_side.bounds[1::2] == pytest.approx(seen.bounds[1::2], abs=FACETS), name
-        if sheet.part.crossed is not None:
+        if sheet.part.side_profile is not None:
             seen = shadow(mesh, 1, (0, 2), -1)
             drawn_above = filled(shapely.union_all(above))
             assert unlike(moved_to(drawn_above, seen), seen) < FACETS, name
@@ -229,7 +229,7 @@ def assert_section_is_that_of_the_body(
 def test_the_volume_of_a_crossed_body_follows_from_its_views(tmp_path: Path) -> None:
     """Outlines along z and from above that begin at the same x are those of one layer; rounded edges take under 0.5 %."""
     for part in pipeline.read_mechanism(SPECS / "chain-stitch-looper.toml", []).assembly.parts:
-        if part.crossed is None:
+        if part.side_profile is None:
             continue
         plan, _, above = views(drawn(part, tmp_path, 5e-4))
         holes = [
@@ -299,7 +299,7 @@ def test_bores_are_dashed_in_the_view_from_the_left(sheets: list[Drawn]) -> None
                 _, low, _, high = sheet_box(Region(hole))
                 mine = [box for box in sides if abs(box[1] - low) + abs(box[3] - high) < FACETS]
                 assert mine, (sheet.part.name, low, high)
-                long = layer.z1 - layer.z0 if sheet.part.crossed is None else 0.0
+                long = layer.z1 - layer.z0 if sheet.part.side_profile is None else 0.0
                 assert max(box[2] - box[0] for box in mine) > long - FACETS, sheet.part.name
 
 

@@ -10,7 +10,7 @@ from test_solids import cam, hub
 from camgen.errors import FileError
 from camgen.files.formats import Job, read_exact, write_part
 from camgen.files.step import read_step, write_step
-from camgen.files.threemf import Placed
+from camgen.files.threemf import PartCopy
 from camgen.geometry.mesh import placing
 from camgen.geometry.outlines import Region, rectangle
 from camgen.judge.copies import judge_exact_copies
@@ -18,7 +18,7 @@ from camgen.judge.round_trip import judge_exact
 from camgen.parts.exact import exact
 from camgen.parts.part import Layer, Part
 from camgen.pipeline.build import KINDS, build, check
-from camgen.pipeline.expectation import expected
+from camgen.pipeline.expectation import nominal_part
 
 TOLERANCE = 1e-3
 
@@ -35,7 +35,7 @@ def written(folder, part):
 def failing(path, part):
     return {
         finding.code
-        for finding in judge_exact(path, expected(part, TOLERANCE)).findings
+        for finding in judge_exact(path, nominal_part(part, TOLERANCE)).findings
         if not finding.ok
     }
 
@@ -143,9 +143,9 @@ def test_an_assembly(tmp_path):
     files = {part.name: written(tmp_path, part) for part in (hub(), plate)}
     bodies = {part.name: exact(part, TOLERANCE) for part in (hub(), plate)}
     copies = [
-        Placed("hub", "hub-1", placing(0.3, 4 - 2j, 5, 12, True)),
-        Placed("plate", "plate-1"),
-        Placed("plate", "plate-2", placing(-2.0, 1j, -3, 1)),
+        PartCopy("hub", "hub-1", placing(0.3, 4 - 2j, 5, 12, True)),
+        PartCopy("plate", "plate-1"),
+        PartCopy("plate", "plate-2", placing(-2.0, 1j, -3, 1)),
     ]
     path, places = tmp_path / "a.step", [(copy.object, copy.transform) for copy in copies]
     write_step(path, bodies, {}, "a", copies)

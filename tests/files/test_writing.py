@@ -16,7 +16,7 @@ from camgen import __version__
 from camgen.files.dxf import read_dxf, write_dxf
 from camgen.files.formats import FORMATS, Job, read_exact, read_solid, write_part
 from camgen.files.stl import write_stl
-from camgen.files.threemf import Placed, write_3mf
+from camgen.files.threemf import PartCopy, write_3mf
 from camgen.geometry.mesh import placing
 from camgen.geometry.outlines import Region, circle
 from camgen.parts.solids import solid
@@ -142,7 +142,7 @@ def listed(iterator, current):
 
 def test_3mf_of_a_part(tmp_path):
     mesh = solid(cam(), TOLERANCE)
-    write_3mf(tmp_path / "cam.3mf", {"cam": mesh}, [Placed("cam", "cam")], "key")
+    write_3mf(tmp_path / "cam.3mf", {"cam": mesh}, [PartCopy("cam", "cam")], "key")
     model = read_strictly(tmp_path / "cam.3mf")
     (thing,) = listed(model.GetMeshObjects(), "GetCurrentMeshObject")
     assert thing.GetName() == "cam" and thing.IsManifoldAndOriented()
@@ -154,9 +154,9 @@ def test_3mf_of_a_part(tmp_path):
 
 
 def test_3mf_says_what_it_is_and_gives_each_part_one_colour(tmp_path):
-    mesh, two = solid(hub(), 0.1), [Placed("hub", "hub-1"), Placed("rod", "rod-1")]
+    mesh, two = solid(hub(), 0.1), [PartCopy("hub", "hub-1"), PartCopy("rod", "rod-1")]
     write_3mf(tmp_path / "x-assembly.3mf", {"hub": mesh, "rod": mesh}, two, "key")
-    write_3mf(tmp_path / "x-rod.3mf", {"rod": mesh}, [Placed("rod", "rod")], "key")
+    write_3mf(tmp_path / "x-rod.3mf", {"rod": mesh}, [PartCopy("rod", "rod")], "key")
     colours = {}
     for name in ("x-assembly", "x-rod"):
         model = read_strictly(tmp_path / f"{name}.3mf")
@@ -185,7 +185,7 @@ def test_3mf_says_what_it_is_and_gives_each_part_one_colour(tmp_path):
 def test_3mf_of_an_assembly(tmp_path):
     part = cam()
     turned = placing(0.3, 2 + 1j, 8, part.thickness, flipped=True)
-    items = [Placed("cam", "cam-1"), Placed("cam", "cam-2", turned)]
+    items = [PartCopy("cam", "cam-1"), PartCopy("cam", "cam-2", turned)]
     write_3mf(tmp_path / "a.3mf", {"cam": solid(part, TOLERANCE)}, items, "key")
     model = read_strictly(tmp_path / "a.3mf")
     copies = list(listed(model.GetComponentsObjects(), "GetCurrentComponentsObject"))
@@ -247,7 +247,7 @@ sys.path.insert(0, sys.argv[3])
 from test_solids import cam, hub
 from camgen.files.dxf import write_dxf
 from camgen.files.stl import write_stl
-from camgen.files.threemf import Placed, write_3mf
+from camgen.files.threemf import PartCopy, write_3mf
 from camgen.geometry.mesh import placing
 from camgen.files.drawing import write_drawing
 from camgen.files.title_block import Facts
@@ -257,7 +257,7 @@ for part in (cam(), hub()):
     mesh = solid(part, 1e-3)
     write_dxf(folder / f"{part.name}.dxf", part.region, part.centres, 1e-3)
     write_stl(folder / f"{part.name}.stl", mesh, part.name)
-    write_3mf(folder / f"{part.name}.3mf", {"p": mesh}, [Placed("p", "a", placing(1, 0j, 3, 6)), Placed("p", "p")], "k")
+    write_3mf(folder / f"{part.name}.3mf", {"p": mesh}, [PartCopy("p", "a", placing(1, 0j, 3, 6)), PartCopy("p", "p")], "k")
     write_drawing(folder, "x", part, 1e-3, Facts("none"))
 """
 
@@ -283,5 +283,5 @@ def test_same_bytes_in_other_processes_on_other_days(tmp_path):
 def test_another_key_makes_other_ids(tmp_path):
     mesh = solid(hub(), 0.1)
     for key in ("one", "two"):
-        write_3mf(tmp_path / f"{key}.3mf", {"p": mesh}, [Placed("p", "p")], key)
+        write_3mf(tmp_path / f"{key}.3mf", {"p": mesh}, [PartCopy("p", "p")], key)
     assert (tmp_path / "one.3mf").read_bytes() != (tmp_path / "two.3mf").read_bytes()

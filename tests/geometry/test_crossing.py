@@ -81,7 +81,7 @@ def test_cut_has_a_piece_for_each_span() -> None:
 )
 def test_mesh_is_closed_and_as_large(crossed: Region) -> None:
     taller = Region(polygon([-4, 2, 2 + 4j, -4 + 3j]))
-    part = Part("x", "X", (Layer(PLATE, 0, 1.3), Layer(taller, 1.3, 4)), crossed=crossed)
+    part = Part("x", "X", (Layer(PLATE, 0, 1.3), Layer(taller, 1.3, 4)), side_profile=crossed)
     made = solid(part, 1e-4)
     faults = mesh_faults(made)
     assert faults.count == 0 and faults.bodies == 1
@@ -100,7 +100,7 @@ def test_mesh_is_closed_and_as_large(crossed: Region) -> None:
 
 
 def test_crossed_that_misses_is_refused() -> None:
-    part = Part("x", "X", (Layer(PLATE, 0, 1),), crossed=Region(circle(20 + 0.5j, 1.0)))
+    part = Part("x", "X", (Layer(PLATE, 0, 1),), side_profile=Region(circle(20 + 0.5j, 1.0)))
     with pytest.raises(DesignError):
         solid(part, 1e-3)
 
@@ -160,7 +160,11 @@ def test_edge_of_a_box_is_an_arc_in_every_plane_across(up: int, out: int, mirror
     box = Region(polygon([0 - 2j, 8 - 2j, 8 + 2j, 0 + 2j]).moved(side, mirror=mirror))
     wide = Region(polygon([-9 - 9j, 9 - 9j, 9 + 9j, -9 + 9j]))
     part = Part(
-        "x", "X", (Layer(box, low, high),), crossed=wide, edges=(edge.mirrored if mirror else edge,)
+        "x",
+        "X",
+        (Layer(box, low, high),),
+        side_profile=wide,
+        edges=(edge.mirrored if mirror else edge,),
     )
     mesh = solid(part, 1e-4)
     assert mesh_faults(mesh).count == 0

@@ -31,8 +31,8 @@ def test_between_the_corners_of_a_polygon_its_circle_strays_by_the_height_of_an_
     found = stray(Edges.of_line(circle), Edges.of_line(polygon), 1e-4)
     height = 50 * (1 - math.cos(math.pi / corners))
     assert (
-        found.seen == pytest.approx(height, abs=1e-3)
-        and height - 1e-3 <= found.proven <= found.seen + 1e-4
+        found.farthest == pytest.approx(height, abs=1e-3)
+        and height - 1e-3 <= found.proven <= found.farthest + 1e-4
     )
 
 
@@ -78,10 +78,10 @@ def test_no_place_of_a_line_is_farther_than_what_is_proven(
     away = shapely.distance(shapely.points(places.real, places.imag), line(b))
     step = max(abs(q - p) for p, q in zip(a, a[1:], strict=False)) / 199
     assert away.max() <= found.proven + 1e-9 <= away.max() + step / 2 + resolution + 2e-9
-    assert found.seen == pytest.approx(
+    assert found.farthest == pytest.approx(
         float(line(b).distance(shapely.Point(found.place.real, found.place.imag))), abs=1e-9
     )
     assert (
         line(a).distance(shapely.Point(found.place.real, found.place.imag)) < 1e-9
-        and found.proven <= found.seen + resolution
+        and found.proven <= found.farthest + resolution
     )

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgen.files.threemf import Placed, read_3mf, write_3mf
+from camgen.files.threemf import PartCopy, read_3mf, write_3mf
 from camgen.findings import Finding
 from camgen.geometry.mesh import Mesh, placing
 from camgen.geometry.rings import Floats
@@ -71,7 +71,7 @@ def swept(path: Path, name: str, *settings: str, **shifts: complex) -> list[Find
             copy = f"{part.name}-{k + 1}"
             at = complex(pose.place[0]) + shifts.get(copy.replace("-", "_"), 0j)
             items.append(
-                Placed(
+                PartCopy(
                     part.name,
                     copy,
                     placing(float(pose.angle[0]), at, pose.z, part.thickness, pose.flipped),
@@ -132,7 +132,7 @@ def test_a_body_that_is_flat_is_named(tmp_path: Path) -> None:
     swept(path, "eccentric-drive")
     package = read_3mf(path)
     items = [
-        Placed(item.name, f"{item.name}-{k}", item.transform)
+        PartCopy(item.name, f"{item.name}-{k}", item.transform)
         for k, item in enumerate(package.items)
     ]
     meshes = {

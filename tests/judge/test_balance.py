@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from camgen.files.threemf import Placed, write_3mf
+from camgen.files.threemf import PartCopy, write_3mf
 from camgen.findings import Finding
 from camgen.geometry.mesh import Mesh, placing
 from camgen.judge.balance import first_moment, judge_balance
@@ -50,7 +50,7 @@ def written(
         for k, pose in enumerate(start[part.name]):
             angle = float(pose.angle[0]) + turned * part.name.startswith("counterweight")
             at = placing(angle, complex(pose.place[0]), pose.z, part.thickness, pose.flipped)
-            items.append(Placed(part.name, f"{part.name}-{k + 1}", at))
+            items.append(PartCopy(part.name, f"{part.name}-{k + 1}", at))
     write_3mf(path, {**solids(name, *settings), **(changed or {})}, items, "key")
     return found
 
@@ -206,7 +206,7 @@ def test_the_crank_of_an_included_machine_is_weighed(tmp_path: Path) -> None:
             parts[name].thickness,
             place.flipped,
         )
-        items.append(Placed(name, name, at))
+        items.append(PartCopy(name, name, at))
     meshes = {mount.part: solid(parts[mount.part], 0.02) for mount in on}
     for left, holds in (
         (items, True),

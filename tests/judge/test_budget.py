@@ -14,7 +14,7 @@ from camgen.geometry.rings import Ring, Shape
 from camgen.judge.budget import Stages, error_budget
 from camgen.judge.joints import Nominal
 from camgen.machine import GROUND, Body, Cam, Drive, Machine, Pin, Place, Pose, Slide
-from camgen.machine.features import CamMeant, CamOutline, Flat, Mount
+from camgen.machine.features import CamOutline, Flat, Mount, NominalCam
 from camgen.machine.model import Floats
 
 OFF = 4.0
@@ -41,11 +41,11 @@ def test_each_stage_adds_its_own(undercut: float) -> None:
         {"cam": Pose(0j, 0.0), "follower": Pose(complex(RADIUS + OFF), 0.0)},
     )
     meant = (
-        CamMeant(given=lambda theta, order=0: lift(theta, order) - undercut * (order == 0))
+        NominalCam(law=lambda theta, order=0: lift(theta, order) - undercut * (order == 0))
         if undercut
-        else CamMeant()
+        else NominalCam()
     )
-    drive = CamOutline("lift", "cam", "O", None, Flat(None, 0j, math.pi, 30.0), meant=meant)
+    drive = CamOutline("lift", "cam", "O", None, Flat(None, 0j, math.pi, 30.0), nominal=meant)
     facets = polygon(OFF + RADIUS * np.exp(2j * np.pi * np.arange(COUNT) / COUNT))
     moved = polygon(facets.points + 3e-3 * np.exp(2j * np.pi * np.arange(COUNT) / COUNT))
     drawn = Ring(*bulges(fit_arcs(circle(complex(OFF), RADIUS), 1e-3))).moved(shift=1e-4)

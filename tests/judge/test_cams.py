@@ -18,15 +18,15 @@ from camgen.judge.cams import (
     judged_angles,
     limit,
     named,
-    rolled,
+    outline_and_law,
     s_unit,
 )
 from camgen.judge.contact import contact
 from camgen.judge.contact_faces import ArmFace, SlideFace
 from camgen.judge.contact_tips import ArmTip, Form, SlideTip
-from camgen.judge.joints import Outline, Rolled
+from camgen.judge.joints import Outline, RollingLaw
 from camgen.machine import GROUND, Body, Cam, Drive, Machine, Pin, Place, Pose, Slide
-from camgen.machine.features import CamMeant, CamOutline, Eye, Flat, Mount, OwnTip
+from camgen.machine.features import CamOutline, Eye, Flat, Mount, NominalCam, OwnTip
 from camgen.machine.model import Floats
 from camgen.study import Figures
 
@@ -42,7 +42,7 @@ def outline(
     part: str, form: Form, ring: Ring, air: float = 0.0, arm: float | None = None, **keys: object
 ) -> Outline:
     feature = CamOutline("lift", part, "O", None, TIP, leaves=form.leaves, free=air, **keys)  # type: ignore[arg-type,attr-defined]
-    law = Rolled(contact(ring, form), arm)
+    law = RollingLaw(contact(ring, form), arm)
     return Outline(feature, law, law)
 
 
@@ -161,7 +161,7 @@ def test_an_outline_is_seen_about_its_bore(bored: bool, phase: float) -> None:
     for tip, more in zip(tips, (3.0, 0.0), strict=True):
         given_ = CamOutline("lift", "cam", "O", None, tip, bore=bore)
         sections = [[Shape(disc(axis + 4 + off, 16.0), (disc(axis + off, 2.5),))]]
-        ring, law = rolled(machine, given_, mounts, sections)
+        ring, law = outline_and_law(machine, given_, mounts, sections)
         assert ring.centroid == pytest.approx(4 if bored else axis + 4 + off, abs=1e-6)
         centre = (4 if bored else 4 + off) * np.exp(1j * (theta + phase))
         across = centre.imag if more else 0.0
@@ -202,7 +202,7 @@ def test_contact_runs_along_a_face_by_the_eccentricity(
     """4 mm to either side of the stem's line; the face's middle may lie beside it."""
     ring = disc(4 + 0j, 16.0)
     feature = CamOutline("lift", "cam", "O", None, Flat(None, 0j, math.pi, width), leaves=1)
-    law = Rolled(contact(ring, SlideFace(16 + 0j, 1 + 0j, 1)), None, middle=middle)
+    law = RollingLaw(contact(ring, SlideFace(16 + 0j, 1 + 0j, 1)), None, middle=middle)
     finding = FollowerOnOutline(CAM, Outline(feature, law, law), Where(file="x"), OFF).on_face()
     assert (
         finding is not None
@@ -236,7 +236,7 @@ def test_speed_ripple_is_of_the_greatest_speed_over_a_window(more: float) -> Non
         "cam",
         SlideFace(16 + 0j, 1 + 0j, 1),
         disc(4 * (1 + more) + 0j, 16.0),
-        meant=CamMeant(ripple=0.01),
+        nominal=NominalCam(ripple=0.01),
     )
     finding = FollowerOnOutline(CAM, made, Where(file="x"), OFF).ripple()
     assert (
@@ -245,7 +245,7 @@ def test_speed_ripple_is_of_the_greatest_speed_over_a_window(more: float) -> Non
         and finding.ok is (more == 0)
     )
     shaken = outline(
-        "cam", SlideFace(16 + 0j, 1 + 0j, 1), disc(4 + 1j, 16.0), meant=CamMeant(ripple=0.01)
+        "cam", SlideFace(16 + 0j, 1 + 0j, 1), disc(4 + 1j, 16.0), nominal=NominalCam(ripple=0.01)
     )
     off = FollowerOnOutline(
         CAM, shaken, Where(file="x"), OFF
@@ -270,8 +270,8 @@ def test_what_is_lost_of_the_wanted_motion_counts_where_the_exact_outline_loses_
 
     joint = Cam("lift", "cam", "follower", wanted, slide="stem", phase=0.3, closure="force")
     for accepted, ok in ((0.41, True), (0.39, False)):
-        meant = CamMeant(given=Harmonic(), undercut=accepted)
-        made = outline("cam", SlideFace(16 + 0j, 1 + 0j, 1), disc(4 + 0j, 15.9), meant=meant)
+        meant = NominalCam(law=Harmonic(), undercut=accepted)
+        made = outline("cam", SlideFace(16 + 0j, 1 + 0j, 1), disc(4 + 0j, 15.9), nominal=meant)
         finding = FollowerOnOutline(joint, made, Where(file="x"), OFF).undercut()
         assert (
             finding is not None

@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from camgen import reading, spec
 from camgen.files.dxf import write_dxf
 from camgen.files.stl import write_stl
-from camgen.files.threemf import Placed, write_3mf
+from camgen.files.threemf import PartCopy, write_3mf
 from camgen.geometry.outlines import Region, polygon
 from camgen.judge.clearance import (
     _bulges,
@@ -339,7 +339,10 @@ def written(m: ChainStitchLooper, folder: Path) -> None:
         mesh = solid(part, m.accuracy.chord_tolerance)
         write_stl(folder / f"x-{part.name}.stl", mesh, part.name)
         write_3mf(
-            folder / f"x-{part.name}.3mf", {part.name: mesh}, [Placed(part.name, part.name)], "key"
+            folder / f"x-{part.name}.3mf",
+            {part.name: mesh},
+            [PartCopy(part.name, part.name)],
+            "key",
         )
 
 

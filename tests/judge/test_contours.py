@@ -37,7 +37,7 @@ from camgen.parts.fits import compensated
 from camgen.parts.part import Layer, Part
 from camgen.parts.solids import solid
 from camgen.pipeline.build import read_mechanism
-from camgen.pipeline.expectation import expected
+from camgen.pipeline.expectation import nominal_part
 from camgen.pipeline.making import compensation
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
@@ -109,7 +109,7 @@ def failing(name: str, part: str, kind: str, made: Part, folder: Path) -> set[st
     else:
         write_stl(path, solid(made, tolerance), "x")
     fit = compensation(mechanism) if kind != "dxf" else None
-    meant = expected(part_of(name, part), tolerance, mechanism.assembly.features, fit)
+    meant = nominal_part(part_of(name, part), tolerance, mechanism.assembly.features, fit)
     judged = (judge_drawing if kind == "dxf" else judge_mesh)(path, meant)
     return {finding.code for finding in judged.findings if not finding.ok}
 
@@ -297,7 +297,9 @@ def test_a_top_face_at_another_height_is_told(by: float, tmp_path: Path) -> None
     vertices = mesh.vertices.copy()
     vertices[np.isclose(vertices[:, 2], vertices[:, 2].max()), 2] += by
     write_stl(tmp_path / "x.stl", Mesh(vertices, mesh.faces), "x")
-    judged = judge_mesh(tmp_path / "x.stl", expected(whole, tolerance, mechanism.assembly.features))
+    judged = judge_mesh(
+        tmp_path / "x.stl", nominal_part(whole, tolerance, mechanism.assembly.features)
+    )
     assert {finding.code for finding in judged.findings if not finding.ok} == {"ROUND_TRIP"}
 
 
@@ -305,19 +307,21 @@ def test_a_notch_between_the_usual_heights_is_told(tmp_path: Path) -> None:
     """0.2 mm high and 2 mm deep, into the far end of a crossed body whose walls need not be upright; its volume is as meant."""
     mechanism, part = machine("looper"), part_of("looper", "upper-spreader")
     tolerance, whole = mechanism.accuracy.chord_tolerance, replace(part, edges=())
-    assert whole.crossed is not None
+    assert whole.side_profile is not None
     face = shapely.Polygon(
-        [(z.real, z.imag) for z in facet_contour(whole.crossed.outer, tolerance)]
+        [(z.real, z.imag) for z in facet_contour(whole.side_profile.outer, tolerance)]
     )
     for notched in (
         face,
         face.difference(shapely.box(face.bounds[2] - 2, 3.95, face.bounds[2] + 1, 4.15)),
     ):
-        made = replace(whole, crossed=region_of(notched))
+        made = replace(whole, side_profile=region_of(notched))
         write_stl(tmp_path / "x.stl", solid(made, tolerance), "x")
         judged = judge_mesh(
             tmp_path / "x.stl",
-            replace(expected(whole, tolerance, mechanism.assembly.features), volume=made.volume),
+            replace(
+                nominal_part(whole, tolerance, mechanism.assembly.features), volume=made.volume
+            ),
         )
         told = {finding.code for finding in judged.findings if not finding.ok}
         assert told == ({"ROUND_TRIP"} if notched is not face else set())
@@ -338,7 +342,7 @@ def test_a_slit_whose_corners_all_lie_on_the_outline_is_told(tmp_path: Path) -> 
         (square.difference(shapely.box(-6, -1, 4.999, -0.999)), {"ROUND_TRIP"}),
     ):
         write_dxf(path, region_of(face), (), 0.001, "lines")
-        judged = judge_drawing(path, expected(plate, 0.001))
+        judged = judge_drawing(path, nominal_part(plate, 0.001))
         assert {finding.code for finding in judged.findings if not finding.ok} == codes
 
 

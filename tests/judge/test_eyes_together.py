@@ -15,7 +15,7 @@ import pytest
 from judged import mechanism_of, wrong
 
 from camgen.files.stl import read_stl, write_stl
-from camgen.files.threemf import Placed, read_3mf, write_3mf
+from camgen.files.threemf import PartCopy, read_3mf, write_3mf
 from camgen.geometry.mesh import Mesh
 from camgen.machine.features import eyes_of
 from camgen.pipeline import build as pipeline
@@ -52,7 +52,7 @@ def damage(path: Path, part: str, eyes: Eyes, change: Change) -> None:
         package = read_3mf(path)
         meshes = package.meshes | {part: changed(package.meshes[part], eyes, change)}
         items = [
-            Placed(item.name, f"{item.name}-{k}", item.transform)
+            PartCopy(item.name, f"{item.name}-{k}", item.transform)
             for k, item in enumerate(package.items)
         ]
         if len(items) == 1:

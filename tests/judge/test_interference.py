@@ -12,11 +12,11 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgen.files.threemf import Placed, write_3mf
+from camgen.files.threemf import PartCopy, write_3mf
 from camgen.geometry.mesh import Mesh, placing
 from camgen.geometry.outlines import Region, circle, polygon
 from camgen.geometry.rings import Floats, Points, Ring
-from camgen.judge.interference import Clearance, _Approach, interference, swept
+from camgen.judge.interference import Clearance, _Approach, interference, sweep_clearances
 from camgen.judge.relative_motion import Motion
 from camgen.judge.slabs import Body, Course, Slab, judge_plate, slabs_of
 from camgen.parts.part import Layer, Part
@@ -60,7 +60,7 @@ def test_eccentric_disc_and_a_wall() -> None:
     """An eccentric reaches e + r: its gap to a wall at x is x - e - r, at theta = 0 for e on Ox."""
     gap = 0.3
     wall = Body("wall", slabs(box(25 + gap - 50j, 40 + 50j)))
-    c = only(swept([Body("cam", slabs(disc(5, 20)), SPIN), wall], {}, 0.25))
+    c = only(sweep_clearances([Body("cam", slabs(disc(5, 20)), SPIN), wall], {}, 0.25))
     assert c.proven <= gap <= c.gap + 1e-9 or abs(c.gap - gap) < 0.005
     assert c.proven >= 0.25 and min(c.theta, math.tau - c.theta) < 0.1
     assert interference([c], 0.25)[0].ok and not interference([c], 0.31)[0].ok
@@ -69,7 +69,9 @@ def test_eccentric_disc_and_a_wall() -> None:
 def test_turning_square_by_brute_force() -> None:
     square, post = box(-10 - 10j, 10 + 10j), disc(17.3 + 2j, 3)
     c = only(
-        swept([Body("square", slabs(square), SPIN), Body("post", slabs(post))], {}, resolution=1e-4)
+        sweep_clearances(
+            [Body("square", slabs(square), SPIN), Body("post", slabs(post))], {}, resolution=1e-4
+        )
     )
     theta = np.linspace(0, math.tau, 100_001)
     centre = (17.3 + 2j) * np.exp(-1j * theta)
@@ -87,10 +89,10 @@ def test_of_sections_at_several_heights_the_widest_counts() -> None:
     cam = Body(
         "cam", (Slab(0.0, 3.0, (disc(5, 20),)), Slab(3.0, 6.0, (disc(5, 20), disc(9, 2)))), SPIN
     )
-    alone = only(swept([cam, Body("wall", (wall[1],))], {}, 0.25))
+    alone = only(sweep_clearances([cam, Body("wall", (wall[1],))], {}, 0.25))
     assert alone.proven <= 0.3 <= alone.gap + 0.005
     for slabs_of_wall in (wall, wall[::-1]):
-        c = only(swept([cam, Body("wall", slabs_of_wall)], {}, 0.25))
+        c = only(sweep_clearances([cam, Body("wall", slabs_of_wall)], {}, 0.25))
         assert (c.gap, c.proven, c.evaluations) == (alone.gap, alone.proven, alone.evaluations)
 
 
@@ -109,8 +111,10 @@ def test_a_piece_is_halved_across_its_longer_side(wide: bool) -> None:
 def test_shifted_by_a_hair() -> None:
     """A shaft with 0.1 mm of air keeps 0.05 mm; moved by 0.04 mm further than it may, it does not."""
     cam = Body("cam", slabs(disc(0, 20), disc(0, 4)), SPIN)
-    fine = interference(swept([cam, Body("shaft", slabs(disc(0, 3.9)))], {}, 0.05), 0.05)
-    moved = interference(swept([cam, Body("shaft", slabs(disc(0.055, 3.9)))], {}, 0.05), 0.05)
+    fine = interference(sweep_clearances([cam, Body("shaft", slabs(disc(0, 3.9)))], {}, 0.05), 0.05)
+    moved = interference(
+        sweep_clearances([cam, Body("shaft", slabs(disc(0.055, 3.9)))], {}, 0.05), 0.05
+    )
     assert [f.ok for f in fine + moved] == [True, False]
     assert 0.05 <= fine[0].measured <= 0.1 and moved[0].measured <= 0.045
 
@@ -120,8 +124,8 @@ def test_body_shifted_into_another_by_a_twentieth_of_a_millimetre() -> None:
     touching = Body("wall", slabs(box(25.002 - 50j, 40 + 50j)))
     pushed = Body("wall", slabs(box(24.952 - 50j, 40 + 50j)))
     pair = {frozenset(("cam", "wall")): 0.01}
-    assert interference(swept([cam, touching], pair), 0.0)[0].ok
-    failed = only(swept([cam, pushed], pair))
+    assert interference(sweep_clearances([cam, touching], pair), 0.0)[0].ok
+    failed = only(sweep_clearances([cam, pushed], pair))
     assert not interference([failed], 0.0)[0].ok
     assert failed.gap == pytest.approx(-0.048, abs=0.003)
     assert min(failed.theta, math.tau - failed.theta) < math.radians(1)
@@ -135,7 +139,9 @@ def test_an_overlap_may_be_as_deep_as_is_allowed(allowed: float, round_: bool) -
     for share in (0.5, 0.9, 1.1, 1.5):
         depth = share * allowed
         other = slabs(disc(27 - depth, 2) if round_ else box(25 - depth - 50j, 40 + 50j))
-        c = only(swept([cam, Body("wall", other)], {frozenset(("cam", "wall")): allowed}))
+        c = only(
+            sweep_clearances([cam, Body("wall", other)], {frozenset(("cam", "wall")): allowed})
+        )
         assert interference([c], 0.0)[0].ok is (share < 1)
         if share > 1:
             assert -c.gap == pytest.approx(depth, abs=0.006) and -c.proven >= depth - 1e-9
@@ -158,7 +164,9 @@ def test_what_is_thinner_than_it_may_overlap_says_nothing(thin: str) -> None:
             else box(complex(20, -wide[1] / 2), complex(30, wide[1] / 2))
         )
         c = only(
-            swept([Body("a", slabs(home)), Body("b", slabs(guest), SPIN)], {frozenset("ab"): 0.3})
+            sweep_clearances(
+                [Body("a", slabs(home)), Body("b", slabs(guest), SPIN)], {frozenset("ab"): 0.3}
+            )
         )
         assert interference([c], 0.0)[0].ok is holds
 
@@ -174,11 +182,11 @@ def test_spikes_that_meet_between_two_samples() -> None:
     assert np.all(np.abs(40.05 * np.exp(1j * grid) - 40.05 * at) > 0.2), (
         "a coarse grid sees nothing"
     )
-    c = only(swept([turning, Body("stator", slabs(still))], {}))
+    c = only(sweep_clearances([turning, Body("stator", slabs(still))], {}))
     assert c.gap <= 0 and not interference([c], 0.0)[0].ok
     assert math.degrees(c.theta) == pytest.approx(123.4567, abs=0.1)
     clear = ring(at * np.array([60 - 10j, 60 + 10j, 40.15 + 0.02j, 40.15 - 0.02j]))
-    assert interference(swept([turning, Body("stator", slabs(clear))], {}), 0.0)[0].ok
+    assert interference(sweep_clearances([turning, Body("stator", slabs(clear))], {}), 0.0)[0].ok
 
 
 @pytest.mark.parametrize("short, ok", [(0.0, True), (0.3, False)])
@@ -189,7 +197,7 @@ def test_pin_that_meets_the_end_of_its_slot(short: float, ok: bool) -> None:
     slot = 60 - np.concatenate([41.7 * np.exp(1j * angles), 38.3 * np.exp(1j * angles[::-1])])
     base = Body("base", slabs(box(-40 - 60j, 80 + 60j), ring(slot)))
     axle = Body("axle", slabs(disc(0, 1.5)), swing_arm(0.26), at=-40 + 0j)
-    assert interference(swept([base, axle], {}, 0.1), 0.1)[0].ok is ok
+    assert interference(sweep_clearances([base, axle], {}, 0.1), 0.1)[0].ok is ok
 
 
 @given(st.floats(0.1, 3), st.floats(5, 12), st.floats(0.2, 2.9))
@@ -198,19 +206,21 @@ def test_proven_gap_is_never_above_the_true_one(e: float, r: float, air: float) 
     """Eccentric of radius r in a round hole: the air left is hole radius - e - r wherever it turns."""
     hole = disc(0, e + r + air, 720)
     c = only(
-        swept([Body("cam", slabs(disc(e, r)), SPIN), Body("ring", slabs(disc(0, 30), hole))], {})
+        sweep_clearances(
+            [Body("cam", slabs(disc(e, r)), SPIN), Body("ring", slabs(disc(0, 30), hole))], {}
+        )
     )
     assert c.proven <= air and c.gap >= air - 0.01 and c.proven > 0.5 * air - 0.02
 
 
 def test_heights() -> None:
     stacked = [Body("a", slabs(disc(0, 5))), Body("b", slabs(disc(0, 5)), SPIN, z=5.0)]
-    assert swept(stacked, {}) == []
+    assert sweep_clearances(stacked, {}) == []
     stud = (Slab(0.0, 4.0, (disc(20, 1),)), Slab(4.0, 5.0, (disc(0, 1),)))
     upright = [Body("a", stud), Body("b", (Slab(0.0, 2.0, (disc(-20, 1),)),))]
-    assert only(swept(upright, {})).gap > 30
+    assert only(sweep_clearances(upright, {})).gap > 30
     raised = [Body("a", stud, at=-40), Body("b", (Slab(0.0, 0.5, (disc(-20, 1),)),), z=1.5)]
-    assert only(swept(raised, {})).gap < 0
+    assert only(sweep_clearances(raised, {})).gap < 0
 
 
 def test_bodies_of_one_course_are_judged_once() -> None:
@@ -218,14 +228,14 @@ def test_bodies_of_one_course_are_judged_once() -> None:
         Body("cam", slabs(disc(0, 20), disc(8, 1.5)), SPIN),
         Body("pin", slabs(disc(8, 1.49)), SPIN),
     )
-    assert only(swept([cam, pin], {})).evaluations == 1
+    assert only(sweep_clearances([cam, pin], {})).evaluations == 1
 
 
 def test_overlap_that_is_more_than_an_area() -> None:
     """An overlap of areas and a line: the largest circle is that of the corner cut off, 1 mm wide, the line none."""
     home = Body("block", slabs(box(0, 10 + 10j)))
     hook = Body("hook", slabs(ring([9, 20, 20 + 10j, 10 + 10j, 10 + 4j, 9 + 4j])))
-    assert only(swept([home, hook], {})).gap == pytest.approx(-1.0, abs=0.01)
+    assert only(sweep_clearances([home, hook], {})).gap == pytest.approx(-1.0, abs=0.01)
 
 
 @pytest.mark.parametrize("oversize, ok", [(0.02, True), (0.2, False)])
@@ -233,7 +243,7 @@ def test_an_undeclared_press_fit(oversize: float, ok: bool) -> None:
     """A pin too large by 2 t overlaps its hole in a ring t wide, all round; fixed together they may do so by 0.02 mm."""
     plate = Body("plate", slabs(disc(0, 8), disc(0, 2)), SPIN)
     pin = Body("pin", slabs(disc(0, 2 + oversize / 2)), SPIN)
-    c = only(swept([plate, pin], {}, 0.08, mounted=0.02))
+    c = only(sweep_clearances([plate, pin], {}, 0.08, mounted=0.02))
     assert c.at_rest and interference([c], 0.08)[0].ok is ok
     assert ok or c.gap == pytest.approx(-oversize / 2, abs=0.005)
 
@@ -284,7 +294,7 @@ def test_bound_against_brute_force(
         (0.0, 0.25),
         (100.0, 0.0),
     ):  # roughly where there is room, finely where it matters
-        c = only(swept(bodies, {}, needed, resolution=0.01))
+        c = only(sweep_clearances(bodies, {}, needed, resolution=0.01))
         if true == 0:
             assert c.gap <= 0
         else:
@@ -298,7 +308,7 @@ def test_far_ends_do_not_slow_down_a_bearing() -> None:
     """A crank 200 mm long with 0.1 mm of air round its axle: what is far from the joint is not near the axle."""
     crank = Body("crank", slabs(ring([-8 - 8j, 200 - 4j, 200 + 4j, -8 + 8j]), disc(0, 4.1)), SPIN)
     square = ring(4 * np.exp(1j * np.linspace(0, 6, 90)))  # with a flat, so no disc
-    c = only(swept([crank, Body("axle", slabs(square))], {}, 0.08))
+    c = only(sweep_clearances([crank, Body("axle", slabs(square))], {}, 0.08))
     assert 0.08 <= c.proven <= 0.1 and c.evaluations < 1000
 
 
@@ -310,14 +320,16 @@ def test_a_course_that_jumps_is_refused(size: float, often: int) -> None:
         lambda t: t + size * np.sin(often * t) * (np.abs(t / grid - np.round(t / grid)) > 1e-6)
     )
     with pytest.raises(ValueError, match="faster than its course"):
-        swept([Body("cam", slabs(disc(5, 20)), jumpy), Body("post", slabs(disc(26, 0.5, 8)))], {})
+        sweep_clearances(
+            [Body("cam", slabs(disc(5, 20)), jumpy), Body("post", slabs(disc(26, 0.5, 8)))], {}
+        )
 
 
 def test_false_names_are_refused() -> None:
     with pytest.raises(ValueError, match="unknown bodies"):
-        swept([Body("cam", slabs(disc(5, 20)))], {frozenset(("cam", "post")): 0.01})
+        sweep_clearances([Body("cam", slabs(disc(5, 20)))], {frozenset(("cam", "post")): 0.01})
     with pytest.raises(ValueError, match="twice"):
-        swept([Body("cam", slabs(disc(5, 20))), Body("cam", slabs(disc(5, 20)))], {})
+        sweep_clearances([Body("cam", slabs(disc(5, 20))), Body("cam", slabs(disc(5, 20)))], {})
 
 
 def mesh(part: Part) -> Mesh:
@@ -347,8 +359,8 @@ def test_slabs_of_a_stepped_part_and_of_a_cone() -> None:
 def plate(path: Path, shift: complex, lift: float = 0.0) -> Path:
     block = solid(Part("block", "", (Layer(Region(polygon([0, 10, 10 + 10j, 10j])), 0, 3),)), 0.01)
     places = [
-        Placed("block", "block 1", placing(0, 5 + 5j, 0, 3)),
-        Placed("block", "block 2", placing(0, shift, lift, 3)),
+        PartCopy("block", "block 1", placing(0, 5 + 5j, 0, 3)),
+        PartCopy("block", "block 2", placing(0, shift, lift, 3)),
     ]
     write_3mf(path, {"block": block}, places, "key")
     return path
@@ -375,7 +387,7 @@ def test_a_plate_of_one_body(tmp_path: Path) -> None:
     write_3mf(
         tmp_path / "x.3mf",
         {"block": block},
-        [Placed("block", "block 1", placing(0, 95 + 5j, 0, 3))],
+        [PartCopy("block", "block 1", placing(0, 95 + 5j, 0, 3))],
         "key",
     )
     out, lift = judge_plate(tmp_path / "x.3mf", (100.0, 60.0), 2.0)
@@ -399,7 +411,9 @@ def test_what_slides_on_a_straight_line_is_looked_at_as_a_whole(nose: float) -> 
         return np.zeros(t.shape), along * (20 * np.sin(t)).astype(complex)
 
     c = only(
-        swept([Body("wall", stacks[0]), Body("bar", stacks[1], slide)], {}, 0.02, resolution=1e-3)
+        sweep_clearances(
+            [Body("wall", stacks[0]), Body("bar", stacks[1], slide)], {}, 0.02, resolution=1e-3
+        )
     )
     assert c.gap == pytest.approx(0.08 - nose, abs=0.005) if nose < 0.08 else c.gap <= 0
     assert c.evaluations < 10_000
@@ -475,14 +489,21 @@ def test_of_stacks_of_many_sections_the_nearest_pair_counts(layers: int, deep: i
         Slab(k, k + 1.0, (box(complex(26 + 0.05 * abs(k - out), -50), 40 + 50j),))
         for k in range(layers)
     ]
-    c = only(swept([Body("tower", tuple(tower), SPIN), Body("wall", tuple(wall))], {}, 0.9))
+    c = only(
+        sweep_clearances([Body("tower", tuple(tower), SPIN), Body("wall", tuple(wall))], {}, 0.9)
+    )
     assert c.proven <= 1.0 + 1e-9 and c.gap == pytest.approx(1.0, abs=0.03)
     shaft = [Slab(k, k + 1.0, (disc(0, 2 + (k == out), 90),)) for k in range(layers)]
-    pushed = only(swept([Body("tower", tuple(tower), SPIN), Body("shaft", tuple(shaft))], {}))
+    pushed = only(
+        sweep_clearances([Body("tower", tuple(tower), SPIN), Body("shaft", tuple(shaft))], {})
+    )
     assert pushed.gap == pytest.approx(-6.0, abs=0.01)  # the shaft's whole width
     assert (
         interference(
-            swept([Body("tower", tuple(tower), SPIN), Body("wall", tuple(wall))], {}, 1.1), 1.1
+            sweep_clearances(
+                [Body("tower", tuple(tower), SPIN), Body("wall", tuple(wall))], {}, 1.1
+            ),
+            1.1,
         )[0].ok
         is False
     )
@@ -493,11 +514,11 @@ def test_the_depth_of_an_overlap_is_the_largest_circle_in_it(depth: float) -> No
     """A bar that lies on a stud, or turns through it: a strip, or the bar's width."""
     touch = {frozenset(("bar", "stud")): 1e-3}
     bar, stud = box(-30 - 2j, 30 + 2j), Body("stud", slabs(box(complex(-8, 2 - depth), 8 + 20j)))
-    turning = only(swept([Body("bar", slabs(bar), SPIN), stud], touch))
+    turning = only(sweep_clearances([Body("bar", slabs(bar), SPIN), stud], touch))
     assert (
         turning.gap == pytest.approx(-4.0, abs=0.006) and turning.proven <= turning.gap
     )  # somewhere across its whole width
-    still = only(swept([Body("bar", slabs(bar)), stud], touch))
+    still = only(sweep_clearances([Body("bar", slabs(bar)), stud], touch))
     assert still.gap == pytest.approx(-depth, abs=0.006) and still.at_rest
 
 
@@ -510,7 +531,7 @@ def test_a_part_of_the_turn_is_judged_alone() -> None:
         ((-1.0, 1.3), True),
         ((2.8, 6.0), False),
     ):
-        c = only(swept([cam, post], {}, 0.05, turn=turn))
+        c = only(sweep_clearances([cam, post], {}, 0.05, turn=turn))
         assert (c.gap <= 0) is meets and turn[0] <= c.theta <= turn[1]
         theta = np.linspace(*turn, 20_001)
         true = float(np.min(np.abs(5 * np.exp(1j * theta) - 26j))) - 22

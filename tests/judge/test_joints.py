@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from camgen.judge.joints import assembled, keyed
-from camgen.judge.measured import Measured, MeasuredFaces, Readings
+from camgen.judge.joints import measured_machine, mounts_on_flats
+from camgen.judge.measured import MeasuredEye, MeasuredFaces, Readings
 from camgen.machine import (
     GROUND,
     Angle,
@@ -35,11 +35,11 @@ from camgen.machine.features import (
     Faces,
     Feature,
     GearTeeth,
-    Keyed,
     Mark,
     Mount,
     PinEyes,
     Ring,
+    SharedFlat,
     SlideFaces,
     SlotFaces,
     Steady,
@@ -111,7 +111,7 @@ def test_measured_teeth_lie_in_each_others_gaps(
     assert isinstance(gear, GearTeeth)
     found = Readings(
         {
-            eye: Measured(eye.at + (moved[k] if eye.part == "plate" else 0), eye.diameter)
+            eye: MeasuredEye(eye.at + (moved[k] if eye.part == "plate" else 0), eye.diameter)
             for k, pin in enumerate(features[:2])
             if isinstance(pin, PinEyes)
             for eye in (pin.a, pin.b, pin.pin)
@@ -124,7 +124,7 @@ def test_measured_teeth_lie_in_each_others_gaps(
     ]
     found.teeth = dict(zip((gear.a, gear.b), made, strict=True))
     mounts = (Mount("plate", GROUND), Mount("a", "first"), Mount("b", "second"))
-    closable = assembled(machine, features, mounts, found)
+    closable = measured_machine(machine, features, mounts, found)
     theta = np.linspace(0, 2, 7)
     closed = close(Constraints(closable.machine), theta)
     apart = line + moved[1] - moved[0]
@@ -136,7 +136,7 @@ def test_measured_teeth_lie_in_each_others_gaps(
     fit = closable.fits["mesh"]
     space, wider = math.pi * MODULE, 2 * (abs(apart) - abs(line)) * math.tan(math.radians(20))
     assert fit.play == pytest.approx(space - sum(thick) + wider, abs=1e-9)
-    assert fit.meant == pytest.approx(space - 6.0, abs=1e-9)
+    assert fit.nominal == pytest.approx(space - 6.0, abs=1e-9)
     assert fit.misfit == pytest.approx(
         max(abs(wider), *(abs(each - 3.0) for each in thick)), abs=1e-9
     )
@@ -194,14 +194,14 @@ def test_a_pin_is_where_its_eyes_are(
     feature = PinEyes("P", *(eyes[::-1] if swapped and not shaft else eyes), third)
     found = Readings(
         {
-            eye: Measured(eye.at + shift, eye.diameter + size, spread)
+            eye: MeasuredEye(eye.at + shift, eye.diameter + size, spread)
             for eye, shift, size, spread in zip(eyes, shifts, sizes, spreads, strict=False)
         }
     )
     if third is not None:
-        found.eyes[third] = Measured(0j, 4.0 + sizes[2])
+        found.eyes[third] = MeasuredEye(0j, 4.0 + sizes[2])
     pin = Pin("P", Place("crank", PLACES[0]), Place("rod", PLACES[1]))
-    closable = assembled(machine(pin), [feature], mounts, found)
+    closable = measured_machine(machine(pin), [feature], mounts, found)
     (joint,) = closable.machine.joints
     assert isinstance(joint, Pin)
     for side, place, mount, shift in zip((joint.a, joint.b), PLACES, mounts, shifts, strict=True):
@@ -211,8 +211,8 @@ def test_a_pin_is_where_its_eyes_are(
         )
     fit = closable.fits["P"]
     air = sizes[1] - sizes[0] if shaft else sizes[0] + sizes[1] - 2 * sizes[2]
-    assert fit.meant == pytest.approx(0.3 if shaft else 0.7) and fit.play == pytest.approx(
-        fit.meant + air
+    assert fit.nominal == pytest.approx(0.3 if shaft else 0.7) and fit.play == pytest.approx(
+        fit.nominal + air
     )
     assert fit.misfit == pytest.approx(
         max(abs(air) / (1 if shaft else 2), *map(abs, sizes[:2]), *spreads)
@@ -230,16 +230,16 @@ def test_a_bearing_takes_its_thickness_of_the_hole() -> None:
     feature = PinEyes("P", *eyes, pin, rings=(Ring("ball", 4.0, 9.0),))
     found = Readings(
         {
-            eyes[0]: Measured(eyes[0].at, 9.06),
-            eyes[1]: Measured(eyes[1].at, 4.2),
-            pin: Measured(0j, 4.0),
+            eyes[0]: MeasuredEye(eyes[0].at, 9.06),
+            eyes[1]: MeasuredEye(eyes[1].at, 4.2),
+            pin: MeasuredEye(0j, 4.0),
         }
     )
     pins = Pin("P", Place("crank", PLACES[0]), Place("rod", PLACES[1]))
-    fit = assembled(machine(pins), [feature], [Mount("a", "crank"), Mount("b", "rod")], found).fits[
-        "P"
-    ]
-    assert (fit.meant, fit.play, fit.misfit) == pytest.approx((0.2, 0.26, 0.06))
+    fit = measured_machine(
+        machine(pins), [feature], [Mount("a", "crank"), Mount("b", "rod")], found
+    ).fits["P"]
+    assert (fit.nominal, fit.play, fit.misfit) == pytest.approx((0.2, 0.26, 0.06))
 
 
 def test_of_two_copies_the_one_at_the_joint_counts() -> None:
@@ -250,16 +250,18 @@ def test_of_two_copies_the_one_at_the_joint_counts() -> None:
         Mount("a", "crank", PLACES[0] - 1j, angle=math.pi / 2),
         Mount("a", "rod"),
     ]
-    found = Readings({eyes[0]: Measured(1.1 + 0j, 4.0), eyes[1]: Measured(PLACES[1], 0.0)})
+    found = Readings({eyes[0]: MeasuredEye(1.1 + 0j, 4.0), eyes[1]: MeasuredEye(PLACES[1], 0.0)})
     pin = Pin("P", Place("crank", PLACES[0]), Place("rod", PLACES[1]))
-    (joint,) = assembled(machine(pin), [PinEyes("P", *eyes)], mounts[:2], found).machine.joints
+    (joint,) = measured_machine(
+        machine(pin), [PinEyes("P", *eyes)], mounts[:2], found
+    ).machine.joints
     assert isinstance(joint, Pin)
     assert (joint.a.at, joint.b.at) == (pytest.approx(PLACES[0] + 0.1j), PLACES[1])
     with pytest.raises(ValueError, match="a is not mounted on crank"):
-        assembled(machine(pin), [PinEyes("P", *eyes)], [Mount("a", "elsewhere")], found)
+        measured_machine(machine(pin), [PinEyes("P", *eyes)], [Mount("a", "elsewhere")], found)
     with pytest.raises(ValueError, match="P is no joint for SlideFaces"):
         faces = Faces("a", 0j, 0.0, 8)
-        assembled(machine(pin), [SlideFaces("P", faces, faces)], mounts, found)
+        measured_machine(machine(pin), [SlideFaces("P", faces, faces)], mounts, found)
 
 
 @pytest.mark.parametrize(
@@ -297,14 +299,14 @@ def test_what_is_off_at_the_far_end_of_a_shaft_is_a_misfit(
     aside = 0.2 + 0.1j if webs else 0.0  # both webs
     found = Readings(
         {
-            near: Measured(near.at + together, 5.02),
-            own: Measured(aside, 5.0),
-            end: Measured(2 + aside, 5.0),
-            far: Measured(far.at + together + off, 5.2 + sizes[0], spread),
-            pin: Measured(0j, 5.0 + sizes[1]),
+            near: MeasuredEye(near.at + together, 5.02),
+            own: MeasuredEye(aside, 5.0),
+            end: MeasuredEye(2 + aside, 5.0),
+            far: MeasuredEye(far.at + together + off, 5.2 + sizes[0], spread),
+            pin: MeasuredEye(0j, 5.0 + sizes[1]),
         }
     )
-    fit = assembled(
+    fit = measured_machine(
         Machine(BODIES[:1], (ground,), (), {"crank": Pose(3 + 4j, 0.0)}), features, mounts, found
     ).fits["O"]
     apart = 0.03 if webs else 0.0
@@ -329,8 +331,8 @@ def test_places_of_outputs_go_with_what_they_are_of(
     eyes = [Eye(m.part, drawn(m, at), 4.0) for m, at in zip(mounts, PLACES, strict=True)]
     mark = Eye("b", drawn(mounts[1], guide), 2.0)
     found = Readings(
-        {eye: Measured(eye.at + shifts[0], 4.0) for eye in eyes}
-        | {mark: Measured(mark.at + shifts[1], 2.0)}
+        {eye: MeasuredEye(eye.at + shifts[0], 4.0) for eye in eyes}
+        | {mark: MeasuredEye(mark.at + shifts[1], 2.0)}
     )
     pin = Pin("P", Place("crank", PLACES[0]), Place("rod", PLACES[1]))
     places = (
@@ -341,7 +343,7 @@ def test_places_of_outputs_go_with_what_they_are_of(
     )
     outputs = tuple(Output(str(k), Path(place)) for k, place in enumerate(places))
     features: list[Feature] = [PinEyes("P", *eyes), Mark(mark)]
-    made = assembled(
+    made = measured_machine(
         replace(machine(pin), outputs=outputs), features, [*mounts, Mount("b", "crank", 99j)], found
     ).machine
     spin = cmath.exp(1j * mounts[1].angle)
@@ -351,7 +353,7 @@ def test_places_of_outputs_go_with_what_they_are_of(
         pytest.approx(at, abs=1e-9) for at in wanted
     ]  # type: ignore[union-attr]
     turning = replace(machine(pin), outputs=(Output("turn", Angle("rod"), "rad"),))
-    assert assembled(turning, features, mounts, found).machine.outputs == turning.outputs
+    assert measured_machine(turning, features, mounts, found).machine.outputs == turning.outputs
 
 
 # ---- faces ---------------------------------------------------------------------------------------------------------------
@@ -418,7 +420,7 @@ def test_a_slide_is_the_middle_line_of_its_faces(
         found.faces[one] = MeasuredFaces(off[k], lean[k], one.width + widths[k])
         faces.append(one)
     slide = Slide("S", Place("crank", PLACES[0]), Place("rod", PLACES[1]), angle=angle, turn=turn)
-    closable = assembled(machine(slide), [SlideFaces("S", *faces)], mounts, found)
+    closable = measured_machine(machine(slide), [SlideFaces("S", *faces)], mounts, found)
     (joint,) = closable.machine.joints
     assert isinstance(joint, Slide)
     at, way = crossing(mounts[0], faces[0], found.faces[faces[0]], PLACES[0], along[0])
@@ -432,7 +434,7 @@ def test_a_slide_is_the_middle_line_of_its_faces(
         pytest.approx(way - own_way, abs=1e-9),
     )
     fit = closable.fits["S"]
-    assert (fit.meant, fit.play) == pytest.approx((0.4, 0.4 + widths[0] - widths[1]))
+    assert (fit.nominal, fit.play) == pytest.approx((0.4, 0.4 + widths[0] - widths[1]))
     assert fit.misfit == pytest.approx(abs(widths[0] - widths[1]))
     assert fit.shifts == pytest.approx((abs(at - PLACES[0]), abs(block - PLACES[1])), abs=1e-9)
 
@@ -463,13 +465,13 @@ def test_a_slot_is_the_middle_line_of_its_walls(
     pin = Eye(None, 0j, 4.0, shaft=True)
     found = Readings(
         {
-            eye: Measured(PLACES[1] + shift, 4.2 + sizes[1], spread),
-            pin: Measured(0j, 4.0 + sizes[2]),
+            eye: MeasuredEye(PLACES[1] + shift, 4.2 + sizes[1], spread),
+            pin: MeasuredEye(0j, 4.0 + sizes[2]),
         }
     )
     found.faces[walls] = MeasuredFaces(off, lean, 4.3 + sizes[0])
     slot = Slot("S", Place("crank", PLACES[0]), Place("rod", PLACES[1]), angle=angle)
-    closable = assembled(machine(slot), [SlotFaces("S", walls, eye, pin)], mounts, found)
+    closable = measured_machine(machine(slot), [SlotFaces("S", walls, eye, pin)], mounts, found)
     (joint,) = closable.machine.joints
     assert isinstance(joint, Slot)
     at, way = crossing(mounts[0], walls, found.faces[walls], PLACES[0], angle)
@@ -479,7 +481,7 @@ def test_a_slot_is_the_middle_line_of_its_walls(
     )
     assert joint.runner.at == pytest.approx(PLACES[1] + shift, abs=1e-9)
     fit, air = closable.fits["S"], sizes[0] + sizes[1] - 2 * sizes[2]
-    assert (fit.meant, fit.play) == pytest.approx((0.5, 0.5 + air))
+    assert (fit.nominal, fit.play) == pytest.approx((0.5, 0.5 + air))
     assert fit.misfit == pytest.approx(max(abs(air) / 2, abs(sizes[1]), spread))
     assert fit.shifts == pytest.approx((abs(at - PLACES[0]), abs(shift)), abs=1e-9)
 
@@ -489,7 +491,7 @@ def test_rails_on_the_runner_are_refused() -> None:
     slide = Slide("S", Place("crank"), Place("rod"))
     found = Readings(faces={each: MeasuredFaces(0.0, 0.0, 8.0) for each in faces})
     with pytest.raises(ValueError, match="S: a is mounted on its runner"):
-        assembled(
+        measured_machine(
             machine(slide),
             [SlideFaces("S", *faces)],
             [Mount("a", "rod"), Mount("b", "crank")],
@@ -516,12 +518,14 @@ def test_a_part_on_a_pin_with_a_flat_stands_hole_on_hole_and_flat_beside_flat(
     facing: tuple[float, float],
 ) -> None:
     """Wherever its own mount puts it; other parts stay."""
-    key = Keyed(Eye("a", 0j, 5.0), Eye("b", 0j, 5.0), 0.0)
+    key = SharedFlat(Eye("a", 0j, 5.0), Eye("b", 0j, 5.0), 0.0)
     found = Readings(
-        {key.a: Measured(holes[0], 5.0), key.b: Measured(holes[1], 5.0)}, facing={key: facing}
+        {key.a: MeasuredEye(holes[0], 5.0), key.b: MeasuredEye(holes[1], 5.0)}, facing={key: facing}
     )
     first, other = Mount("a", "crank", at, turned, flipped, 2.0), Mount("c", "crank", 1j, 0.5)
-    same, kept, moved = keyed([key], [first, other, Mount("b", "crank", 99j, 2.0, z=7.0)], found)
+    same, kept, moved = mounts_on_flats(
+        [key], [first, other, Mount("b", "crank", 99j, 2.0, z=7.0)], found
+    )
     assert (same, kept) == (first, other) and (moved.part, moved.body, moved.z) == (
         "b",
         "crank",

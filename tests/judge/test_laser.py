@@ -23,7 +23,7 @@ from camgen.parts.fits import Compensation, compensated
 from camgen.parts.part import Layer, Part, keyed_bore
 from camgen.parts.sheets import why_not
 from camgen.pipeline.build import build
-from camgen.pipeline.expectation import expected
+from camgen.pipeline.expectation import nominal_part
 from camgen.pipeline.laser import sheet_parts
 
 TOLERANCE = 1e-3
@@ -53,7 +53,7 @@ def written(folder, part, kerf=KERF, places=((0.5, 50 + 45j), (-2.0, 140 + 50j))
     for file in files:
         write_sheet(file, pieces, (200.0, 100.0), TOLERANCE)
     laid = [SheetCopy("plate", k + 1, angle, at) for k, (angle, at) in enumerate(places)]
-    return files, laid, {"plate": expected(part, TOLERANCE)}, BEAM
+    return files, laid, {"plate": nominal_part(part, TOLERANCE)}, BEAM
 
 
 def failing(files, laid, meant, beam=BEAM):
@@ -390,7 +390,7 @@ def test_which_parts_a_sheet_can_be(root):
         "collar",
     }
     assert {part.name for part in printed_parts(mechanism.assembly)} == {
-        p.name for p in mechanism.assembly.parts if p.made == "printed"
+        p.name for p in mechanism.assembly.parts if p.process == "printed"
     } - {part.name for part in sheet_parts(mechanism)}  # what is cut lies on no print plate
     said = {
         part.name: why_not(part, mechanism.laser.thickness) for part in mechanism.assembly.parts

@@ -17,7 +17,7 @@ from camgen.findings import Where
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Region, circle
 from camgen.geometry.outlines import polygon as contour
-from camgen.geometry.registration import Laid
+from camgen.geometry.registration import Registration
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.sliced import (
     Copy,
@@ -218,7 +218,7 @@ def test_what_is_like_no_part_is_none(known: PrintModel, there: bool) -> None:
 
 
 def copy(layers: Sequence[Layer]) -> Copy:
-    return Copy(PrintModel("x", part(), LYING), Laid(0.0, 0j, 0.0), tuple(layers))
+    return Copy(PrintModel("x", part(), LYING), Registration(0.0, 0j, 0.0), tuple(layers))
 
 
 def test_layers_that_are_missing_are_told_where_most_are() -> None:

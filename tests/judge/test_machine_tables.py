@@ -16,7 +16,7 @@ from camgen.geometry.rings import Ring
 from camgen.judge.contact import contact
 from camgen.judge.contact_faces import ArmFace, SlideFace
 from camgen.judge.contact_tips import ArmTip, SlideTip
-from camgen.judge.joints import Rolled
+from camgen.judge.joints import RollingLaw
 from camgen.judge.machine_tables import Profile, judge_profile
 
 # mm: of the disc, of its centre from the shaft, of the roller
@@ -89,7 +89,7 @@ def judged(
     form: object, table: Profile, ring: Ring | None = None, tolerance: float = TOLERANCE
 ) -> list[Finding]:
     ring = disc() if ring is None else ring
-    law = Rolled(contact(ring, form), None)  # type: ignore[arg-type]
+    law = RollingLaw(contact(ring, form), None)  # type: ignore[arg-type]
     return judge_profile(TABLE, table, ring, law, STEP, tolerance)
 
 

@@ -38,7 +38,6 @@ from camgen.machine import (
     solve,
 )
 from camgen.machine.features import (
-    CamMeant,
     CamOutline,
     Demand,
     Eye,
@@ -46,6 +45,7 @@ from camgen.machine.features import (
     Feature,
     Flat,
     Mount,
+    NominalCam,
     PinEyes,
     SlideFaces,
     SlotFaces,
@@ -424,9 +424,9 @@ def test_what_is_judged_on_the_cam_of_any_machine(kind: str, tmp_path: Path) -> 
         (1e-9, 0.11, {"SPEED_RIPPLE"}),
         (0.01, 0.09, {"UNDERCUT"}),
     ):
-        meant = CamMeant(lift.law, None, ripple, math.radians(undercut))
+        meant = NominalCam(lift.law, None, ripple, math.radians(undercut))
         features = tuple(
-            replace(f, meant=meant) if isinstance(f, CamOutline) else f for f in case.features
+            replace(f, nominal=meant) if isinstance(f, CamOutline) else f for f in case.features
         )
         found = replace(case, machine=machine, features=features).judged(kind, tmp_path)
         told = failing(found)

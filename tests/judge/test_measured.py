@@ -15,7 +15,7 @@ from shapes import polygon
 
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.measured import (
-    Measured,
+    MeasuredEye,
     MeasuredFaces,
     measure,
     measure_bore,
@@ -30,8 +30,8 @@ from camgen.machine.features import (
     Faces,
     Flat,
     GearTeeth,
-    Keyed,
     OwnTip,
+    SharedFlat,
     SlideFaces,
     SlotFaces,
     Teeth,
@@ -139,7 +139,7 @@ def test_a_flat_is_told_by_the_direction_in_which_it_faces(
         for by in off
     ]
     opposite = [[Shape(rim, (hole_with_flat(0.1j, 2.5, facing + math.pi, depth, onward),))]]
-    found = read([Keyed(a, b, facing)], {"a": heights, "b": opposite}, drawing=False)
+    found = read([SharedFlat(a, b, facing)], {"a": heights, "b": opposite}, drawing=False)
     (seen,) = found.facing.values()
     assert seen == pytest.approx((facing + sum(off) / 2, facing), abs=1e-9)
 
@@ -154,7 +154,7 @@ def test_a_hole_without_its_flat_is_lost(lost: str, wide: float) -> None:
         each.part: [[Shape(rim, (hole_with_flat(each.at, 2.5, 0.0, depths[each.part], True),))]]
         for each in eyes
     }
-    found = read([Keyed(*eyes, 0.0)], files, drawing=False)
+    found = read([SharedFlat(*eyes, 0.0)], files, drawing=False)
     place = {"a": "3.000+0.000j", "b": "-4.000+0.000j"}
     flats = [line for line in found.lost if "flat" in line]
     assert flats == ([f"no flat in {lost} near {place[lost]}"] if lost else [])
@@ -298,7 +298,7 @@ def test_a_bore_with_a_keyway_is_its_round_part() -> None:
     found = measure_bore(eye, [[Shape(PLATE, (other, keyed))], [Shape(PLATE, (above,))]])
     assert found.centre == pytest.approx(8 + 0.1j, abs=1e-6)
     assert found.diameter == pytest.approx(2 * math.hypot(0.9, 2.4), abs=1e-5)
-    assert measure_bore(eye, [[Shape(PLATE, ())]]) == Measured(eye.at, eye.diameter)
+    assert measure_bore(eye, [[Shape(PLATE, ())]]) == MeasuredEye(eye.at, eye.diameter)
 
 
 # ---- faces ---------------------------------------------------------------------------------------------------------------
@@ -399,7 +399,7 @@ def test_an_outline_is_the_largest_of_its_part_with_the_material_on_its_left() -
     assert found.rings[outside].area == pytest.approx(rim.area) and found.rings[
         inside
     ].area == pytest.approx(-hole.area)
-    assert found.eyes[tip] == Measured(30 + 0j, 6.0) and found.lost == []
+    assert found.eyes[tip] == MeasuredEye(30 + 0j, 6.0) and found.lost == []
     for missing in ({}, {"cam": [[]]}):
         assert read([outside], missing, drawing=False).lost == ["lift: the outline of cam is lost"]
 
@@ -489,7 +489,7 @@ def test_what_a_drawing_does_not_show_counts_as_meant() -> None:
     assert read([slide], files, drawing=False).lost == ["guide: a face or its eye is lost"]
     slot = SlotFaces("slot", replace(runner, drawn=True), Eye(None, 0j, 4.0))
     found = read([slot, slide], files, drawing=True)
-    assert set(found.faces) == {runner, rails} and found.eyes == {slot.eye: Measured(0j, 4.0)}
+    assert set(found.faces) == {runner, rails} and found.eyes == {slot.eye: MeasuredEye(0j, 4.0)}
 
 
 def test_teeth_that_are_lost_are_told() -> None:

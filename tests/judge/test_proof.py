@@ -15,7 +15,7 @@ from camgen.findings import Where
 from camgen.judge import proof as module
 from camgen.judge.contact import contact
 from camgen.judge.contact_tips import ArmTip
-from camgen.judge.joints import Closable, Rolled
+from camgen.judge.joints import Closable, RollingLaw
 from camgen.judge.motion import _stroke
 from camgen.judge.proof import Proof, _NominalMotion, with_laws
 from camgen.judge.targets import judge_targets
@@ -106,7 +106,7 @@ def test_what_is_asked_in_parts_or_again_is_the_same(monkeypatch: pytest.MonkeyP
             moved = found.moved("arm", theta)
             np.testing.assert_allclose(moved.value, arm(theta, 0.41), atol=1e-12)
             np.testing.assert_allclose(moved.slope, -0.41 * np.sin(theta - 0.3), atol=1e-12)
-            value, slope = found.wanted("arm", theta)
+            value, slope = found.nominal("arm", theta)
             np.testing.assert_allclose(value, arm(theta, 0.4), atol=1e-12)
             np.testing.assert_allclose(slope, -0.4 * np.sin(theta - 0.3), atol=1e-12)
             end, speed = found.outcome("end", theta)
@@ -133,7 +133,7 @@ def test_laws_take_the_place_of_those_of_cams_alone() -> None:
         machine(), Closable(machine(), {}, {}, {}), theta, (("lift", other), ("gear", other))
     )
     np.testing.assert_allclose(found.reachable("arm", theta)[0], arm(theta, 0.2), atol=1e-12)
-    np.testing.assert_allclose(found.wanted("arm", theta)[0], arm(theta, 0.4), atol=1e-12)
+    np.testing.assert_allclose(found.nominal("arm", theta)[0], arm(theta, 0.4), atol=1e-12)
     kept = with_laws(machine(), (("lift", other),))
     assert [joint.name for joint in kept.joints] == [joint.name for joint in machine().joints]
     assert kept.joint("lift").law is other and isinstance(kept.joint("gear"), Gear)  # type: ignore[union-attr]
@@ -144,7 +144,7 @@ def test_corners_are_where_the_tip_passes_a_vertex() -> None:
     that the vertex is seen from the shaft acos(R / 2 L) from that line. The square is mounted 0.3 rad ahead of the cam."""
     far, corner = 60.0, 10 * math.sqrt(2)
     square = polygon(corner * np.exp(1j * (np.arange(4) + 0.5) * math.pi / 2))
-    law = Rolled(contact(square, ArmTip(far * 1j, -far * 1j * np.exp(0.2j), 0.0, 1)), None)
+    law = RollingLaw(contact(square, ArmTip(far * 1j, -far * 1j * np.exp(0.2j), 0.0, 1)), None)
     found = proof(with_laws(machine(), (("lift", law),)), np.linspace(0, math.tau, 1001)).corners
     seen = math.pi / 2 - math.acos(
         corner / (2 * far)

@@ -12,7 +12,7 @@ from camgen.geometry.rings import Ring
 from camgen.judge.contact import contact
 from camgen.judge.contact_faces import ArmFace, SlideFace
 from camgen.judge.contact_tips import ArmTip, Form, SlideTip
-from camgen.judge.joints import Rolled
+from camgen.judge.joints import RollingLaw
 
 THETA = np.random.default_rng(4).uniform(0, math.tau, 60)
 TRIANGLE = np.array([14 - 3j, -9 + 12j, -6 - 11j])
@@ -29,26 +29,28 @@ FORMS: dict[str, tuple[Form, float | None]] = {
 def test_a_lever_is_what_the_follower_moves_for_an_outline_that_is_larger(name: str) -> None:
     """All round by 1 um: s grows by that over the lever, where no pressure angle is steeper than 75 deg."""
     form, arm = FORMS[name]
-    here, more = (Rolled(contact(rounded(TRIANGLE, 5 + h), form), arm) for h in (0.0, 1e-6))
+    here, more = (RollingLaw(contact(rounded(TRIANGLE, 5 + h), form), arm) for h in (0.0, 1e-6))
     moved = np.abs(more(THETA) - here(THETA)) / 1e-6
     steep = np.abs(here.contact.touch(THETA).pressure_angle) > math.radians(74)
     assert np.count_nonzero(~steep) > 30
     np.testing.assert_allclose(here.lever(THETA)[~steep], 1 / moved[~steep], rtol=1e-4)
     least = 0.25 * (arm or 1.0)
     assert np.min(here.lever(THETA)) >= least * (1 - 1e-12)
-    assert np.all(Rolled(here.contact, arm, least=7.0).lever(THETA) == 7.0)
+    assert np.all(RollingLaw(here.contact, arm, least=7.0).lever(THETA) == 7.0)
 
 
 def test_where_a_tip_is_pushed_nearly_along_the_outline_its_lever_is_no_less() -> None:
     """A long nose that comes round to an arm: its cosine counts as 0.25, and a face's place as a quarter of its arm."""
     long = rounded(np.array([25 + 0j, -3 + 4j, -3 - 4j]), 1.0)
     theta = np.linspace(0, math.tau, 400)
-    tip = Rolled(contact(long, FORMS["tip on an arm"][0]), 50.0)
+    tip = RollingLaw(contact(long, FORMS["tip on an arm"][0]), 50.0)
     angles = np.abs(tip.contact.touch(theta).pressure_angle)
     assert np.nanmax(angles) > math.radians(76)
     wanted = 50 * np.maximum(np.cos(angles), 0.25)
     np.testing.assert_allclose(tip.lever(theta), wanted)
-    face = Rolled(contact(rounded(TRIANGLE, 5.0), ArmFace(60 + 0j, np.exp(-1.2j), 4.0, 1)), 500.0)
+    face = RollingLaw(
+        contact(rounded(TRIANGLE, 5.0), ArmFace(60 + 0j, np.exp(-1.2j), 4.0, 1)), 500.0
+    )
     assert np.all(face.lever(theta) == 125.0)  # of an arm of 500 mm it is nowhere as far out
 
 
@@ -56,7 +58,7 @@ def test_where_a_tip_is_pushed_nearly_along_the_outline_its_lever_is_no_less() -
 def test_a_slope_is_that_of_the_motion_and_is_kept(name: str) -> None:
     """On arcs, where the motion is smooth, by wider differences; asked again among others it is the same."""
     form, arm = FORMS[name]
-    law = Rolled(contact(Ring(4 + 15 * np.array([1, -1 + 0j]), np.ones(2)), form), arm)
+    law = RollingLaw(contact(Ring(4 + 15 * np.array([1, -1 + 0j]), np.ones(2)), form), arm)
     wide = (law(THETA + 1e-4) - law(THETA - 1e-4)) / 2e-4
     np.testing.assert_allclose(law(THETA, 1), wide, rtol=1e-5, atol=1e-6)
     assert np.all(law(THETA, 2) == 0) and law(THETA, 2).shape == THETA.shape

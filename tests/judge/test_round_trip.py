@@ -22,9 +22,9 @@ from camgen.geometry.outlines import Region, circle
 from camgen.geometry.outlines import polygon as contour
 from camgen.geometry.rings import Ring, Shape
 from camgen.judge.round_trip import (
-    Expected,
+    NominalPart,
+    PrintChange,
     Section,
-    Undo,
     judge_cut,
     judge_dimensioned,
     judge_solid,
@@ -46,12 +46,12 @@ def plate(width: float = 60.0, height: float = 30.0) -> Ring:
     return polygon(np.array([-corner, corner.conjugate(), corner, -corner.conjugate()]))
 
 
-def expected(*shapes: Shape, **keys: object) -> Expected:
-    whole = Expected("x", (Section((1.0,), shapes),), 0, 100.0, (0.0, 3.0), 0.0, 1.0, TOLERANCE)
+def expected(*shapes: Shape, **keys: object) -> NominalPart:
+    whole = NominalPart("x", (Section((1.0,), shapes),), 0, 100.0, (0.0, 3.0), 0.0, 1.0, TOLERANCE)
     return replace(whole, **keys)  # type: ignore[arg-type]
 
 
-def judged(meant: Expected, rings: Sequence[Ring]) -> dict[str, Finding]:
+def judged(meant: NominalPart, rings: Sequence[Ring]) -> dict[str, Finding]:
     return {finding.code: finding for finding in judge_cut(rings, meant, Where("x")).findings}
 
 
@@ -246,7 +246,7 @@ def test_flat_faces_off_their_height_are_told(off: float, which: str) -> None:
         "ROUND_TRIP"
     ].ok is (off == 0)
     # of what is not stacked only the lowest and the highest place count
-    loose = replace(meant, stacked=False, levels=(levels[0], levels[-1]))
+    loose = replace(meant, levels_complete=False, levels=(levels[0], levels[-1]))
     found = {
         f.code: f for f in judge_solid(solid(part, TOLERANCE), loose, Where("x"), 0.0).findings
     }
@@ -279,9 +279,9 @@ def test_the_limit_is_two_tolerances_and_what_the_format_rounds(
     """Of a share of the largest coordinate four steps, of merged corners their steps more; and what a way back may cost."""
     part = Part("x", "", (Layer(Region(contour([0, 40, 40 + 10j, 10j])), 0, 3),))
     shape = Shape(polygon(np.array([0, 40, 40 + 10j, 10j])), ())
-    back = Undo(-undo, undo / 2, 0.0) if undo else None
+    back = PrintChange(-undo, undo / 2, 0.0) if undo else None
     sections = Section((1.0,), (shape,), sent=True), Section((1.0,), (shape,))
-    meant = expected(sections=sections, volume=1200.0, stacked=stacked, undo=back)
+    meant = expected(sections=sections, volume=1200.0, levels_complete=stacked, print_change=back)
     found = {
         f.code: f for f in judge_solid(solid(part, TOLERANCE), meant, Where("x"), rounding).findings
     }["ROUND_TRIP"]
@@ -323,6 +323,6 @@ def test_faults_of_a_mesh_are_counted_before_all_else() -> None:
 
 def test_what_a_way_back_leaves_nothing_of_is_told() -> None:
     thin = Shape(plate(20, 0.2), ())
-    undone = expected(thin, undo=Undo(0.0, -0.3, 0.0))
+    undone = expected(thin, print_change=PrintChange(0.0, -0.3, 0.0))
     finding = judged(undone, [thin.outer])["ROUND_TRIP"]
     assert math.isnan(finding.measured) and "nothing is left" in finding.message

@@ -26,11 +26,11 @@ from camgen.judge.cams import judged_angles
 from camgen.judge.joints import Nominal
 from camgen.judge.measured import Files
 from camgen.judge.motion import judge_machine
-from camgen.judge.round_trip import Expected, Section, _judge_sections, judge_mesh
+from camgen.judge.round_trip import NominalPart, Section, _judge_sections, judge_mesh
 from camgen.machine.features import CamOutline, Eye
 from camgen.machines.mechanism import Mechanism
 from camgen.pipeline import build as pipeline
-from camgen.pipeline.expectation import expected
+from camgen.pipeline.expectation import nominal_part
 
 # No windows, so that the cam's holes are alike in a mirror and only the profile tells.
 OVERRIDES = ("parts.windows=0", "name='cam'", "parts.make='cams'", "parts.bore=8")
@@ -146,7 +146,7 @@ def test_stl_of_the_wrong_thickness(folder: Path) -> None:
 def test_stl_of_another_volume(folder: Path) -> None:
     """A part that should weigh more than the file's, all its contours alike."""
     mechanism = pipeline.read_mechanism(folder / "spec.toml")
-    meant = expected(mechanism.assembly.parts[0], 0.001, mechanism.assembly.features)
+    meant = nominal_part(mechanism.assembly.parts[0], 0.001, mechanism.assembly.features)
     codes = []
     for share in (1.0, 1.01):
         judged = judge_mesh(folder / "cam-cam.stl", replace(meant, volume=share * meant.volume))
@@ -163,7 +163,7 @@ def test_holes_that_are_in_another_piece_are_told() -> None:
 
     plates, holes = (ring(0, 10), ring(30, 10)), (ring(-4, 2), ring(4, 2), ring(30, 2))
     meant = Section((0.5,), (Shape(plates[0], holes[:1]), Shape(plates[1], holes[2:])))
-    part = Expected("x", (meant,), 0, 1.0, (0.0, 1.0), 1.0, 0.1, 0.001)
+    part = NominalPart("x", (meant,), 0, 1.0, (0.0, 1.0), 1.0, 0.1, 0.001)
     for found, ok in ((holes[::2], True), (holes[:2], False)):
         judged = _judge_sections([(meant, [*plates, *found])], part, "x.stl", 0.0, [])
         assert [f.ok for f in judged.findings if f.code == "ROUND_TRIP"] == [ok]

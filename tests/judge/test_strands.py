@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import shapely
 
-from camgen.files.threemf import Placed, write_3mf
+from camgen.files.threemf import PartCopy, write_3mf
 from camgen.findings import Finding
 from camgen.geometry.mesh import placing
 from camgen.geometry.outlines import Region, circle, polygon
@@ -63,7 +63,7 @@ def judged(
 ) -> list[Finding]:
     """Findings of one thread; places: of each part on which body, and where on the ground at theta = 0."""
     items = [
-        Placed(name, f"{name}-{k + 1}", placing(start if body == "arm" else 0.0, at, 0.0, 0.0))
+        PartCopy(name, f"{name}-{k + 1}", placing(start if body == "arm" else 0.0, at, 0.0, 0.0))
         for name, all_ in places.items()
         for k, (body, at) in enumerate(all_)
     ]

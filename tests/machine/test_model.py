@@ -157,7 +157,7 @@ FEATURES = (
     ),
     f.GearTeeth("gear", f.Teeth("part", 9, 9.0, 1.0), f.Teeth("part", 9, 9.0, 1.0), ("pin", "pin")),
     f.Mark(EYE),
-    f.Keyed(EYE, EYE, 0.0),
+    f.SharedFlat(EYE, EYE, 0.0),
     f.Steady("pin", EYE, EYE, EYE, (EYE, EYE)),
 )
 

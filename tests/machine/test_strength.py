@@ -64,9 +64,15 @@ def test_bearing_of_shigley() -> None:
     assert math.isinf(strength.bearing_life(1.0, 0.0))
 
 
+def test_bearing_of_rollers() -> None:
+    """machinecalcs.com: C / P = 6 gives 216 million turns of balls, about 392 million of rollers."""
+    assert strength.bearing_life(30, 5) == pytest.approx(216e6)
+    assert strength.bearing_life(30, 5, strength.ROLLERS) == pytest.approx(392e6, rel=2e-3)
+
+
 def test_mean_load_of_a_bearing_is_cubic() -> None:
-    assert strength.cubic_mean(np.full(5, 7.0), np.ones(5)) == pytest.approx(7.0)
-    assert strength.cubic_mean(np.array([2.0, 0.0]), np.ones(2)) == pytest.approx(
+    assert strength.mean_load(np.full(5, 7.0), np.ones(5)) == pytest.approx(7.0)
+    assert strength.mean_load(np.array([2.0, 0.0]), np.ones(2)) == pytest.approx(
         4 ** (1 / 3)
     )  # half the turns at 2, half at 0
 

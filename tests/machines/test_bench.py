@@ -29,7 +29,7 @@ from camgen.spec import validate
 
 Floats = np.ndarray
 SPECS = Path(__file__).resolve().parents[2] / "specs"
-MACHINE = "parts.make='machine'"
+MACHINE = "parts.make='printed'"
 ARM = 'geometry.follower={motion="oscillating",shape="roller",radius=5,pivot_distance=60,arm=50}'
 FLAT = 'geometry.follower={motion="translating",shape="flat"}'
 
@@ -54,7 +54,7 @@ def curves(folder: Path) -> dict[str, Floats]:
 def drive(**tables: Any) -> DiscCamDrive:
     """The starter spec as a machine, with keys of its tables changed."""
     data = read(SPECS / "disc-cam.toml")
-    data["parts"]["make"] = "machine"
+    data["parts"]["make"] = "printed"
     for name, table in tables.items():
         data[name] = {**data.get(name, {}), **table}
     return validate(DiscCamDrive, data)
@@ -117,7 +117,7 @@ def test_the_table_of_an_indexing_cam_turns_by_half_and_rests(tmp_path: Path) ->
 
 def test_gears_that_cannot_be_and_a_follower_that_no_spring_holds_are_told() -> None:
     data = read(SPECS / "indexing-cam.toml")
-    data["parts"]["make"] = "machine"
+    data["parts"]["make"] = "printed"
     with pytest.raises(DesignError, match="whole teeth"):
         _ = validate(
             IndexingCam, {**data, "geometry": {**data["geometry"], "gear_ratio": 2 * math.pi}}
@@ -251,7 +251,7 @@ def test_a_fast_heavy_follower_gets_a_spring_that_holds_it_and_a_weak_one_is_tol
             DesignError,
             r"return spring.*\[spring\]",
         ),
-        ({"bodies": {"thickness": 0.1}}, SpecError, r"bodies.thickness.*nozzle"),
+        ({"parts": {"thickness": 0.1}}, SpecError, r"parts.thickness.*nozzle"),
     ],
 )
 def test_what_cannot_be_made_is_told(
@@ -346,7 +346,7 @@ def test_a_motor_under_the_plate_and_its_seat_30_um_off(tmp_path: Path) -> None:
 )
 def test_a_motor_that_does_not_fit_is_told(sizes: dict[str, Any], said: str) -> None:
     with pytest.raises(SpecError, match=said):
-        drive(bodies=sizes)
+        drive(parts=sizes)
 
 
 def test_the_report_names_the_spring(sound: Path) -> None:
@@ -373,21 +373,46 @@ def test_a_groove_of_no_base_radius_gets_room_for_its_pins() -> None:
 def test_keys_that_a_machine_replaces_are_named(parts: dict[str, float], idle: list[str]) -> None:
     """What is set, and not what the starter brings, the hub of a cam alone; with the cams alone they all act."""
     assert drive().remarks().unused == [] and drive(parts=parts).remarks().unused == idle
-    told = [
-        each for each in unheard(drive(parts=parts), ("dxf",)) if "not used with parts.make" in each
-    ]
+    told = [each for each in unheard(drive(parts=parts), ("dxf",)) if "on cams alone" in each]
     assert len(told) == 1 and all(key in told[0] for key in idle)
     alone = read(SPECS / "disc-cam.toml")
     assert validate(DiscCamDrive, alone).remarks().unused == ()
 
 
-def test_a_dowel_that_is_not_sold_is_told_by_keys_of_the_bench() -> None:
+def test_a_dowel_that_is_not_sold_is_told_by_keys() -> None:
     """Dowels of 5 mm end at 50 mm (ISO 2338); a post of the return spring as high as four thick levels asks for more."""
-    spec = drive(
-        parts={"make": "machine"}, bodies={"pin": "dowel", "thickness": 30, "shaft_length": 40}
-    )
+    spec = drive(parts={"pin": "dowel", "thickness": 30, "shaft_length": 40})
     with pytest.raises(
         DesignError, match=r"the longest dowel of 5 mm is 50 mm, [\d.]+ mm are needed at pin"
     ) as caught:
         _ = spec.assembly
-    assert "parts." not in str(caught.value) and "bodies.thickness" in str(caught.value)
+    assert "parts.thickness" in str(caught.value)
+
+
+OLD = {"make": "machine", "thickness": 6.0, "shaft": "keyway"}
+
+
+@pytest.mark.parametrize(
+    ("parts", "bodies", "today"),
+    [
+        (OLD, {"thickness": 5.0, "pin": "dowel"}, {"thickness": 5.0, "pin": "dowel"}),
+        (OLD, {}, {"thickness": 4.0, "pin_diameter": 5.0}),
+        (OLD | {"make": "cams"}, {"make": "laser", "thickness": 5.0}, OLD | {"make": "cams"}),
+    ],
+)
+def test_a_spec_of_two_tables_is_read_as_before(
+    parts: dict[str, Any], bodies: dict[str, Any], today: dict[str, Any]
+) -> None:
+    """[parts] had the sizes of cams alone, [bodies] those of a machine; each acted where it was made."""
+    data = read(SPECS / "disc-cam.toml")
+    old = validate(DiscCamDrive, {**data, "parts": parts, "bodies": bodies})
+    made = {"make": "printed", **today, "bore_shape": "keyway"}
+    made.pop("shaft", None)
+    assert old.making == validate(DiscCamDrive, {**data, "parts": made}).making
+    assert 'parts.shaft = "keyway" is read as parts.bore_shape = "keyway"' in old.hints
+    assert "bodies is read as parts" in old.hints
+
+
+def test_faults_of_an_old_table_are_told_by_its_name() -> None:
+    with pytest.raises(SpecError, match=r"bodies.thickness: 0.1 .*nozzle"):
+        drive(parts={"make": "machine"}, bodies={"thickness": 0.1})

@@ -255,5 +255,5 @@ PINNED = {
 def test_upright_pins_may_be_of_steel(name: str) -> None:
     setting, pins = PINNED[name]
     machine = read_mechanism(starters.folder() / f"{name}.toml", (setting,))
-    steel = {part.name for part in machine.assembly.parts if part.made == "turned of steel"}
+    steel = {part.name for part in machine.assembly.parts if part.process == "turned of steel"}
     assert steel == pins and not pins & {part.name for part in printed_parts(machine.assembly)}

@@ -27,7 +27,7 @@ from camgen.geometry.distances import point_to_ring
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.mesh import slice_mesh
 from camgen.geometry.rings import Ring, Shape, bore_circle, fit_circle, shape_of
-from camgen.judge.cams import rolled
+from camgen.judge.cams import outline_and_law
 from camgen.judge.contact import RollingContact, contact
 from camgen.judge.contact_tips import ArmTip, SlideTip
 from camgen.machine.cams.profile import DiscCam
@@ -141,7 +141,7 @@ def on(made: DiscCamDrive, shape: Shape) -> RollingContact:
     """The follower on an outline."""
     outline = made.assembly.features[0]
     assert isinstance(outline, CamOutline)
-    return rolled(made.model, outline, made.assembly.mounts, [[shape]])[1].contact
+    return outline_and_law(made.model, outline, made.assembly.mounts, [[shape]])[1].contact
 
 
 @pytest.mark.parametrize("offset", [0.0, 7.0])

@@ -14,7 +14,7 @@ import pytest
 from judged import wrong
 
 from camgen.errors import DesignError, SpecError
-from camgen.files.threemf import Placed, write_3mf
+from camgen.files.threemf import PartCopy, write_3mf
 from camgen.geometry.mesh import placing
 from camgen.judge.assembly import sweep
 from camgen.machine.run import solve
@@ -141,7 +141,7 @@ def test_files_of_a_cam_that_turns_unevenly(built: Callable[..., Path], tmp_path
             "geometry.return_deg: 100 - expected rise_deg, 120",
         ),
         (
-            {"driver": {"offset": 12.0}, "parts": {"make": "machine"}},
+            {"driver": {"offset": 12.0}, "parts": {"make": "printed"}},
             "driver.offset: 12 - expected at most 11.* wall of 2 mm",
         ),
     ],
@@ -161,7 +161,7 @@ def test_a_program_that_is_not_the_same_there_and_back_has_no_comparison() -> No
 
 @pytest.fixture(scope="module")
 def made() -> IndexingCam:
-    return design(driver={"offset": 8.0}, parts={"make": "machine"})
+    return design(driver={"offset": 8.0}, parts={"make": "printed"})
 
 
 def test_the_made_chain_moves_the_link_as_the_drawn_one(made: IndexingCam) -> None:
@@ -199,7 +199,7 @@ def test_crank_and_arm_hang_under_the_plate(made: IndexingCam) -> None:
     )
     assert high["post"] == pytest.approx(0) and low["post"] == pytest.approx(high["bracket"])
     assert high["bracket"] < low["driver-crank"]
-    assert parts["post"].count == 4 and parts["driver-crank"].made == "printed"
+    assert parts["post"].count == 4 and parts["driver-crank"].process == "printed"
     bought = {each.name: each for each in made.assembly.bought}
     assert bought["screw of a post"].count == 4 and "60" in bought["drive"].size
     assert {"motor", "block", "arm", "two_to_one"} <= {
@@ -213,8 +213,7 @@ def test_crank_and_arm_hang_under_the_plate(made: IndexingCam) -> None:
 def test_a_motor_turns_the_crank_under_its_bracket() -> None:
     spec = design(
         driver={"offset": 8.0},
-        parts={"make": "machine"},
-        bodies={"motor": "nema-17", "shaft_diameter": 5.0},
+        parts={"make": "printed", "motor": "nema-17", "shaft_diameter": 5.0},
     )
     assert (
         len(next(part for part in spec.assembly.parts if part.name == "bracket").layers) == 2
@@ -229,8 +228,8 @@ def test_a_motor_turns_the_crank_under_its_bracket() -> None:
 
 
 def test_a_shaft_too_short_for_what_lies_under_the_plate_is_told() -> None:
-    short = design(driver={"offset": 8.0}, parts={"make": "machine"}, bodies={"shaft_length": 9.0})
-    with pytest.raises(DesignError, match="bodies.shaft_length.*make it longer"):
+    short = design(driver={"offset": 8.0}, parts={"make": "printed", "shaft_length": 9.0})
+    with pytest.raises(DesignError, match="parts.shaft_length.*make it longer"):
         _ = short.assembly
 
 
@@ -248,7 +247,7 @@ def test_a_crank_that_meets_its_arm_is_found(
             where = placing(
                 float(pose.angle[0]), complex(pose.place[0]), z, each.thickness, pose.flipped
             )
-            items.append(Placed(each.name, f"{each.name}-{k + 1}", where))
+            items.append(PartCopy(each.name, f"{each.name}-{k + 1}", where))
     write_3mf(tmp_path / "x.3mf", {each.name: solid(each, 0.02) for each in kept}, items, "key")
     moved, names = bodies_in_motion(made.assembly), {each.name for each in kept}
     moved = replace(

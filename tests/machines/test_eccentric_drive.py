@@ -20,7 +20,7 @@ from camgen.machines.eccentric_drive.mechanism import EccentricDrive
 from camgen.machines.loads.assess import assess
 from camgen.parts.solids import solid
 from camgen.pipeline import build as pipeline
-from camgen.pipeline.making import assembled
+from camgen.pipeline.making import assembly_copies
 from camgen.spec import validate
 
 SPEC = Path(__file__).resolve().parents[2] / "specs" / "eccentric-drive.toml"
@@ -167,7 +167,7 @@ def test_nothing_overlaps_on_the_turn(keys: dict[str, Any]) -> None:
     for angle in np.radians([0, 75, 180, 270]):
         object.__setattr__(m, "poses", lambda theta, angle=angle: poses(np.asarray(theta) + angle))
         bodies = []
-        for placed in assembled(m):
+        for placed in assembly_copies(m):
             mesh = meshes[placed.object]
             raw = manifold3d.Mesh64(
                 np.ascontiguousarray(mesh.vertices), mesh.faces.astype(np.uint64)
@@ -348,7 +348,7 @@ def test_old_words_are_taken_and_noted() -> None:
         for word, key in zip([*old, "pins"], new, strict=True)
     )
     pins = [part for part in before.assembly.parts if part.name.startswith("pin-")]
-    assert [pin.made for pin in pins] == ["bought"] and "ISO 2338" in pins[0].notes[0]
+    assert [pin.process for pin in pins] == ["bought"] and "ISO 2338" in pins[0].notes[0]
     both = design(
         parts__strap_wall=2.5, parts__wall=3.0
     )  # such as --set over a spec that was filled in

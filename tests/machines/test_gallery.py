@@ -33,13 +33,13 @@ def test_each_spec_builds(path: Path, tmp_path: Path) -> None:
 def test_standing_indexing_cams_hold_on_shafts_of_steel(name: str) -> None:
     """There and back, and by half turns: all that needs no file; printed, the same shafts break, and the key is named."""
     tables = tomllib.loads(starters.text(name))
-    tables["parts"]["make"] = "machine"
+    tables["parts"]["make"] = "printed"
     machine = load(tables)
     found = assess(machine)
     assert (
         all(finding.ok for finding in (*machine.limits(), *found.findings)) and not found.warnings
     )
-    assert {part.made for part in machine.assembly.parts if part.name.startswith("shaft")} <= {
+    assert {part.process for part in machine.assembly.parts if part.name.startswith("shaft")} <= {
         "turned of steel",
         "bought",
     }
@@ -49,10 +49,10 @@ def test_standing_indexing_cams_hold_on_shafts_of_steel(name: str) -> None:
         "turned of steel",
         f"Shaft: rod 6 h9 x {shaft.thickness:g}, a flat 0.8 deep all along",
     )
-    tables["bodies"]["shaft_made"] = "printed"
+    tables["parts"]["shaft_made"] = "printed"
     broken = [finding for finding in assess(load(tables)).findings if not finding.ok]
     assert {finding.code for finding in broken} == {"PIN_STRESS"} and broken
-    assert all('bodies.shaft_made = "steel"' in finding.message for finding in broken)
+    assert all('parts.shaft_made = "steel"' in finding.message for finding in broken)
 
 
 def test_an_example_is_named_once_and_none_needs_another_file() -> None:

@@ -344,7 +344,7 @@ def test_steel_dowels_in_place_of_printed_pins(root: Path, tmp_path: Path) -> No
     assert report.ok, [finding for finding in report.findings if not finding.ok]
     table = (tmp_path / "linkage" / "linkage-parts.csv").read_text(encoding="utf-8")
     bought = validate(Linkage, read(tmp_path / "linkage" / "spec.toml")).assembly.parts
-    lengths = {part.thickness for part in bought if part.made == "bought"}
+    lengths = {part.thickness for part in bought if part.process == "bought"}
     assert lengths and all(length % 2 == 0 for length in lengths) and "bought" in table
     with pytest.raises(SpecError, match=r"parts.pin_diameter.*dowels are sold"):
         validate(

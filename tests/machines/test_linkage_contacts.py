@@ -15,7 +15,7 @@ from camgen.machine.run import solve
 from camgen.machines.loads.assess import assess
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
-from camgen.tolerance.spread import copies_of, rolled, spread_of
+from camgen.tolerance.spread import copies_of, rolled_outputs, spread_of
 
 TURN = np.linspace(0, math.tau, 181)
 CASES: list[
@@ -122,6 +122,6 @@ def test_print_errors_of_its_outline_reach_the_output() -> None:
     errors = np.zeros((1, len(spread.modes)))
     errors[0, [mode.kind for mode in spread.modes].index("offset")] = 0.05
     first = errors @ spread.found["out"].modes
-    np.testing.assert_allclose(rolled(spread, errors)["out"], first, atol=2e-3)
+    np.testing.assert_allclose(rolled_outputs(spread, errors)["out"], first, atol=2e-3)
     assert np.max(np.abs(first)) > 0.04
     assert np.all(np.isfinite(copies_of(spread, 50, 1).errors["out"]))

@@ -54,6 +54,14 @@ def test_the_drive_gives_what_the_spring_takes(four_bar: dict[str, Any]) -> None
     assert np.max(np.abs(found - torque)[2:-2]) < 2e-3 * np.abs(torque).max()
 
 
+def test_figures_of_a_spring_that_has_a_name_begin_with_spring(four_bar: dict[str, Any]) -> None:
+    plain = validate(Linkage, four_bar).study().numbers
+    for name in ("left", "spring_left"):
+        four_bar["spring"][0]["name"] = name
+        numbers = validate(Linkage, four_bar).study().numbers
+        assert numbers[f"spring_{name}_greatest_n"] == plain["spring_greatest_n"]
+
+
 def test_free_length_and_preload_say_the_same(four_bar: dict[str, Any]) -> None:
     free = validate(Linkage, four_bar).sprung[0].pull.free
     four_bar["spring"][0] = {"between": ["B", "S"], "rate": 0.3, "free": free}

@@ -29,7 +29,7 @@ from camgen.parts.solids import solid
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 MOVED = (
-    "parts.make='machine'",
+    "parts.make='printed'",
     "nozzle.inertia_kg_m2=0.002",
     "motor.speed_rpm=120",
     "geometry.reversal_blend_deg=20",
@@ -271,12 +271,12 @@ def test_a_printed_pin_is_not_taken_for_steel_in_silence() -> None:
     [
         (
             "disc-cam",
-            ("parts.make='machine'",),
+            ("parts.make='printed'",),
             {
-                "bodies.pin_diameter",
-                'bodies.pin = "dowel"',
-                "bodies.shaft_diameter",
-                'bodies.shaft_made = "steel"',
+                "parts.pin_diameter",
+                'parts.pin = "dowel"',
+                "parts.shaft_diameter",
+                'parts.shaft_made = "steel"',
             },
         ),
         (
@@ -411,13 +411,13 @@ def test_a_counterweight_takes_off_what_is_told() -> None:
 
 
 def test_springs_of_the_bench_and_to_be_wound() -> None:
-    bench = judged("disc-cam", "parts.make='machine'")
+    bench = judged("disc-cam", "parts.make='printed'")
     codes = {each.code: each for each in bench.findings}
     assert codes["SPRING_STRESS"].ok and codes["SURGE"].ok and codes["SURGE"].unit == "Hz"
     surge = bench.study.numbers["spring_surge_hz"]
     fast = judged(
         "disc-cam",
-        "parts.make='machine'",
+        "parts.make='printed'",
         "spring={rate=0.5, preload=20}",
         "load={mass_kg=0.01}",
         f"motor.speed_rpm={surge * 60 / 3:.0f}",
@@ -460,6 +460,8 @@ def test_weight_of_a_follower_presses_or_lifts(deg: float | None, pull: float) -
     codes = {each.code for each in given.findings}
     assert ("HERTZ" in codes) is (pull < 6)
     assert ("HERTZ" in {each.code for each in given.not_judged}) is (pull > 6)
+    turns = [plot.x_label for plot in (*study.plots, *given.study.plots) if plot.turns]
+    assert set(turns) == {"cam angle, deg"}
     # torque without friction, in the one report as in the other
     torque = next(
         plot for plot in given.study.plots if plot.title.startswith("Torque that the motor gives")
@@ -469,7 +471,7 @@ def test_weight_of_a_follower_presses_or_lifts(deg: float | None, pull: float) -
 
 def test_a_spring_of_the_bench_bears_the_weight() -> None:
     """1.5 times what lifts, 2 * 9.81 + 2 N; inwards weight helps and the least spring is enough."""
-    asked = ("load.mass_kg=2", "load.resistance=2", "motor.speed_rpm=10", "parts.make='machine'")
+    asked = ("load.mass_kg=2", "load.resistance=2", "motor.speed_rpm=10", "parts.make='printed'")
     up, down = (made("disc-cam", *asked, f"load.gravity_deg={deg}") for deg in (90, -90))
     pull = assess(up).study.numbers["spring_force_least_n"]
     assert pull == pytest.approx(1.5 * (2 * 9.80665 - 2), abs=0.15)
@@ -531,7 +533,7 @@ def test_ball_bearings_roll() -> None:
         str(f.where) for f in given.findings if f.code == "PIN_STRESS"
     }
     run = solve(
-        with_friction(weighed(drive).machine, drive.assembly.journals, None),
+        with_friction(weighed(drive).machine, drive.assembly.journals, None, "PLA"),
         np.linspace(0, math.tau, 1441),
     )
     forces, heat = run.forces(), 0.0
@@ -629,7 +631,7 @@ def test_a_pin_in_a_slot_rubs_along_it_and_turns() -> None:
 
 # ---- pins that only a spring or a roller bends -----------------------------------------------------------------------
 
-PRESSED = ("parts.make='machine'", "load.mass_kg=0.02", "motor.speed_rpm=10")
+PRESSED = ("parts.make='printed'", "load.mass_kg=0.02", "motor.speed_rpm=10")
 
 
 def test_the_post_of_a_return_spring_by_hand() -> None:
@@ -653,7 +655,7 @@ def test_the_post_of_a_return_spring_by_hand() -> None:
     }
     assert "pin post, under return_spring" in broken
     assert {str(each.where) for each in heavy.findings if str(each.where).startswith("pin tip")}
-    steel = judged("disc-cam", *PRESSED, "spring.preload=35", "bodies.pin='dowel'")
+    steel = judged("disc-cam", *PRESSED, "spring.preload=35", "parts.pin='dowel'")
     assert all(
         each.ok for each in steel.findings if str(each.where).startswith(("pin post", "pin tip"))
     )
@@ -663,7 +665,7 @@ def test_the_pin_of_a_roller_in_a_groove_bends_by_the_contact() -> None:
     """No spring pulls; the roller's middle over its follower's face, 0.2 + 4 / 2, bends its pin by the greatest force."""
     drive = made(
         "disc-cam",
-        "parts.make='machine'",
+        "parts.make='printed'",
         "geometry.closure='groove'",
         "parts.hub_height=0",
         "load.mass_kg=5",

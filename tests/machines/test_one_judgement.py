@@ -54,7 +54,7 @@ def disc_spec(
         "geometry": {"base_radius": base, "closure": closure, "follower": follower},
         "segment": [rise, rest, back, rest],
         "motor": {"speed_rpm": 60},
-        "parts": {"make": "machine"},
+        "parts": {"make": "printed"},
     }
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError
-from camgen.files.threemf import Placed, write_3mf
+from camgen.files.threemf import PartCopy, write_3mf
 from camgen.geometry.mesh import Mesh, placing
 from camgen.judge.assembly import sweep
 from camgen.machine.run import solve
@@ -27,7 +27,7 @@ THETA = np.radians(np.arange(1.0, 360.0, 2.0))
 
 def machine(**tables: Any) -> IndexingCam:
     data = read(SPECS / "indexing-cam.toml")
-    data["parts"]["make"], data["bodies"]["pin_diameter"] = "machine", 5.0
+    data["parts"] |= {"make": "printed", "pin_diameter": 5.0}
     for name, table in tables.items():
         data[name] = {**data[name], **table}
     return validate(IndexingCam, data)
@@ -153,7 +153,7 @@ def test_parts_out_of_place_are_found_out(
                 each.thickness,
                 pose.flipped,
             )
-            items.append(Placed(each.name, f"{each.name}-{k + 1}", where))
+            items.append(PartCopy(each.name, f"{each.name}-{k + 1}", where))
     write_3mf(tmp_path / "x.3mf", meshes, items, "key")
     failed = [
         set(str(f.where).partition(":")[0].split(" and "))
@@ -188,7 +188,7 @@ def test_both_ends_of_a_spring_lie_along_it_and_cover_it(starter: IndexingCam) -
 
 def test_an_ideal_spring_is_not_made_and_that_is_told(starter: IndexingCam) -> None:
     data = read(SPECS / "indexing-cam.toml")
-    data["parts"]["make"], data["unloader"] = "machine", {"torque": "law"}
+    data["parts"]["make"], data["unloader"] = "printed", {"torque": "law"}
     ideal = validate(IndexingCam, data)
     assert ideal.unloader_crank is None and not any(
         "spring" in each.name for each in ideal.assembly.bought

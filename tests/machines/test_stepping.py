@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError, SpecError
-from camgen.files.threemf import Placed, write_3mf
+from camgen.files.threemf import PartCopy, write_3mf
 from camgen.findings import Where
 from camgen.geometry.mesh import placing
 from camgen.judge.assembly import sweep
@@ -51,7 +51,7 @@ def design(make: str = "cams", **tables: Any) -> IndexingCam:
 
 @pytest.fixture(scope="module")
 def made() -> IndexingCam:
-    return design("machine")
+    return design("printed")
 
 
 def verdicts(spec: IndexingCam, code: str) -> list[tuple[bool, float]]:
@@ -208,12 +208,12 @@ def test_shaft_and_wheel_run_in_clutches(made: IndexingCam) -> None:
     """Two of one kind, in the plate and the wheel, as thick as they are; a round steel rod through both, its flat above them."""
     parts = {part.name: part for part in made.assembly.parts}
     clutch = parts["bearing-hfl0615"]
-    assert (clutch.count, clutch.made, clutch.thickness) == (2, "bought", 15.0)
+    assert (clutch.count, clutch.process, clutch.thickness) == (2, "bought", 15.0)
     assert parts["ground"].thickness == parts["gear-gears-drive_wheel"].thickness == 15.0
     rod, flat = parts["shaft-driven_link"].layers
     assert len(rod.region.outer.pieces) < len(flat.region.outer.pieces)
     assert (
-        parts["shaft-driven_link"].made == "bought"
+        parts["shaft-driven_link"].process == "bought"
         and parts["collar-driven_link"].bore == parts["collar"].bore
     )
     ways = {mount.part: mount for mount in made.assembly.mounts}
@@ -270,7 +270,7 @@ def test_a_wheel_out_of_place_is_found(
                 pose.z + raised * (each.name == part),
             )
             where = placing(angle, complex(pose.place[0]), z, each.thickness, pose.flipped)
-            items.append(Placed(each.name, f"{each.name}-{k + 1}", where))
+            items.append(PartCopy(each.name, f"{each.name}-{k + 1}", where))
     write_3mf(tmp_path / "x.3mf", {each.name: solid(each, 0.02) for each in kept}, items, "key")
     moved, names = bodies_in_motion(made.assembly), {each.name for each in kept}
     moved = replace(
@@ -324,8 +324,8 @@ def test_files_of_cams_alone(tmp_path: Path) -> None:
             'unloader.torque.*"crank" or "none" with',
         ),
         (
-            {"bodies": {"shaft_diameter": 7.0}},
-            "bodies.shaft_diameter: 7 - expected a bore of freewheels, 6, 8, 10 mm",
+            {"parts": {"shaft_diameter": 7.0}},
+            "parts.shaft_diameter: 7 - expected a bore of freewheels, 6, 8, 10 mm",
         ),
         ({"freewheel": {"lost_deg": 50.0}}, "freewheel.lost_deg"),
     ],
@@ -346,8 +346,8 @@ def test_what_cannot_turn_on_is_told(tables: dict[str, Any], said: str) -> None:
 
 
 def test_a_plate_thinner_than_its_clutch_is_told_with_the_benchs_key() -> None:
-    with pytest.raises(DesignError, match="bodies.base_thickness is 8 mm.*limit 15 mm"):
-        _ = design("machine", bodies={"base_thickness": 8.0}).assembly
+    with pytest.raises(DesignError, match="parts.base_thickness is 8 mm.*limit 15 mm"):
+        _ = design("printed", parts={"base_thickness": 8.0}).assembly
 
 
 def test_the_clutch_is_a_joint_of_two_bodies(made: IndexingCam) -> None:

@@ -279,7 +279,7 @@ def unfixed(machine: Mechanism) -> list[str]:
     """What is tight and not said to be fixed when the later of both comes, and what is said to be and is not."""
     holes, outlines = edges(machine)
     press, slide = machine.print.press_clearance, machine.print.slide_clearance
-    made = {part.name: part.made for part in machine.assembly.parts}
+    made = {part.name: part.process for part in machine.assembly.parts}
     rings = {ring.part for each in machine.assembly.features for ring in getattr(each, "rings", ())}
     tight: set[frozenset[str]] = set()
     for hole in holes:

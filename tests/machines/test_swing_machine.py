@@ -17,7 +17,7 @@ from judged import wrong
 
 from camgen.errors import DesignError, SpecError
 from camgen.files.stl import read_stl
-from camgen.files.threemf import Placed, read_3mf, write_3mf
+from camgen.files.threemf import PartCopy, read_3mf, write_3mf
 from camgen.geometry.arcs import as_circle
 from camgen.geometry.mesh import Mesh, placing
 from camgen.geometry.outlines import circle
@@ -283,7 +283,7 @@ def assembled(path: Path, mechanism: Mechanism, **changes: Any) -> None:
             place = placing(
                 float(pose.angle[0]) + turn, at, pose.z + lift, parts[part].thickness, pose.flipped
             )
-            items.append(Placed(part, f"{part}-{k + 1}", place))
+            items.append(PartCopy(part, f"{part}-{k + 1}", place))
     write_3mf(path, meshes, items, "key")
 
 
@@ -316,7 +316,7 @@ def test_an_axle_that_meets_the_end_of_its_slot(tmp_path: Path) -> None:
 def test_a_lost_copy(tmp_path: Path) -> None:
     whole, path = machine(), tmp_path / "x.3mf"
     mesh = solid(whole.assembly.parts[0], 0.01)
-    write_3mf(path, {"cam": mesh}, [Placed("cam", "cam-1")], "key")
+    write_3mf(path, {"cam": mesh}, [PartCopy("cam", "cam-1")], "key")
     assert [said.split()[0] for said in swept(path, whole)] == ["ROUND_TRIP"]
 
 
@@ -350,7 +350,7 @@ def test_a_roller_whose_hole_is_off(tmp_path: Path) -> None:
 def test_a_plate_that_lost_its_copies(folder: Path) -> None:
     package = read_3mf(folder / f"{NAME}-plate.3mf")
     items = [
-        Placed(item.name, f"{item.name} {k}", item.transform)
+        PartCopy(item.name, f"{item.name} {k}", item.transform)
         for k, item in enumerate(package.items)
     ]
     write_3mf(folder / f"{NAME}-plate.3mf", package.meshes, items[1:], "key")

@@ -170,8 +170,8 @@ def test_nuts_lie_between_both_frames_or_below_one() -> None:
     for part, pocket in ((pair, 1), (single, 0)):
         areas = [[abs(hole.area) for hole in layer.region.holes] for layer in part.layers]
         assert sum(area == pytest.approx(hexagon) for area in areas[pocket]) == 2
-        assert part.cut == 1 - pocket and not any(
-            area == pytest.approx(hexagon) for area in areas[part.cut]
+        assert part.drawn_layer == 1 - pocket and not any(
+            area == pytest.approx(hexagon) for area in areas[part.drawn_layer]
         )
     with pytest.raises(DesignError, match="thickness of the frame"):
         frame(nut=nut, thickness=2.0).part(0.8)

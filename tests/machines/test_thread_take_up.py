@@ -570,9 +570,9 @@ def test_what_is_bought() -> None:
         "drive",
         "screw of the plate, from behind",
     ]
-    turned = [part.name for part in made().assembly.parts if part.made != "printed"]
+    turned = [part.name for part in made().assembly.parts if part.process != "printed"]
     assert turned == ["shaft", "dowel", "pin-1", "pin-2"]
-    assert all(part.made == "printed" for part in made('parts.pins="printed"').assembly.parts)
+    assert all(part.process == "printed" for part in made('parts.pins="printed"').assembly.parts)
 
 
 def test_the_starters_consumption_holds(tmp_path: Path) -> None:

@@ -868,7 +868,8 @@ def test_a_second_file_needs_a_second_follower(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = disc(tmp_path / "d.dxf")
-    assert run(capsys, path, "--follower", LEVER, "--second", path, "-o", tmp_path)[0] == 2
+    code, _, err = run(capsys, path, "--follower", LEVER, "--second", path, "-o", tmp_path)
+    assert code == 2 and "command line: 1 fault" in err
 
 
 def test_followers_that_miss_the_outline(

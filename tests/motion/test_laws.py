@@ -23,7 +23,6 @@ from camgen.motion.laws import (
     LAWS,
     MR_13_COSINES,
     MR_13_SINES,
-    POLYNOMIAL_345,
     TURN,
     TURN_PEAK,
     UNIFORM,
@@ -53,7 +52,7 @@ MR_13 = REFERENCE["mr_13"]
 def sampled(n: int = 10) -> Law:
     u = np.linspace(0, 1, n)
     return table_law(
-        list(zip(90 + 60 * u, 5 + 12 * POLYNOMIAL_345(u), strict=True)), "12 mm over 60 deg"
+        list(zip(90 + 60 * u, 5 + 12 * LAWS["3-4-5"](u), strict=True)), "12 mm over 60 deg"
     )
 
 
@@ -426,14 +425,14 @@ def test_mr_13_peaks_of_the_table_and_of_the_law() -> None:
 
 def test_a_table_of_a_known_law_gives_the_law() -> None:
     """A cubic spline is of fourth order: 16 times nearer with twice the points."""
-    errors = [float(np.max(np.abs(sampled(n)(U) - POLYNOMIAL_345(U)))) for n in (17, 33, 65)]
+    errors = [float(np.max(np.abs(sampled(n)(U) - LAWS["3-4-5"](U)))) for n in (17, 33, 65)]
     assert errors[0] < 1e-4 and all(13 < a / b < 19 for a, b in pairwise(errors))
     law = sampled()
     assert (
         law.source == "12 mm over 60 deg" and law.smoothness == 1
     )  # the spline's acceleration starts with a step
     np.testing.assert_allclose(
-        law(np.linspace(0, 1, 10)), POLYNOMIAL_345(np.linspace(0, 1, 10)), atol=1e-15
+        law(np.linspace(0, 1, 10)), LAWS["3-4-5"](np.linspace(0, 1, 10)), atol=1e-15
     )
 
 

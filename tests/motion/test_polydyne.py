@@ -222,7 +222,7 @@ def test_a_machine_is_corrected_for_the_spring_that_it_has() -> None:
         *SMOOTH[:4],
         "load.damping_ratio=0",
         "motor.speed_rpm=120",
-        "parts.make='machine'",
+        "parts.make='printed'",
         "load.polydyne=true",
     )
     made = read_mechanism(spec, (*slow, "spring.preload=6", "spring.rate=0.4"))

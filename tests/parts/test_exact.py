@@ -121,7 +121,7 @@ def test_nearly_equal_outlines_are_one():
 
 def test_what_is_refused():
     crossed = Part(
-        "x", "X", (Layer(Region(rectangle(0, 1 + 1j)), 0, 1),), crossed=Region(circle(0, 1))
+        "x", "X", (Layer(Region(rectangle(0, 1 + 1j)), 0, 1),), side_profile=Region(circle(0, 1))
     )
     with pytest.raises(DesignError, match="crosswise.*take its STL"):
         exact(crossed, TOLERANCE)

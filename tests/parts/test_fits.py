@@ -158,7 +158,7 @@ def test_compensated_part() -> None:
         (0.4, 5),
     ]
     assert (
-        part.cut == 2
+        part.drawn_layer == 2
         and part.bore == pytest.approx(8.2 / 0.98)
         and part.centres == (pytest.approx(7 / 0.98),)
     )
@@ -184,7 +184,7 @@ def test_fits_that_leave_no_material(fit: Compensation, quantity: str) -> None:
 
 
 def test_a_crossed_part_has_no_fits() -> None:
-    crossed = replace(bush(), crossed=Region(circle(2.5j, 2.5)))
+    crossed = replace(bush(), side_profile=Region(circle(2.5j, 2.5)))
     with pytest.raises(DesignError, match="bush is made of two crossed outlines"):
         compensated(crossed, Compensation(hole=0.1))
 
@@ -229,7 +229,7 @@ def test_motion_survives_the_fits(root: Path) -> None:
     fit = Compensation(hole=0.1, profile=0.12, shrinkage=0.004)
     made = compensated(part, fit)
     tolerance = 1e-3
-    z = facet_contour(made.layers[made.cut].region.outer.counter_clockwise(), tolerance)
+    z = facet_contour(made.layers[made.drawn_layer].region.outer.counter_clockwise(), tolerance)
     file = Shape(Ring(z, np.zeros(len(z))), ())
     theta = np.random.default_rng(5).random(2000) * 2 * math.pi
     limit = tolerance / (abs(tip.arm) * math.cos(np.max(spec.cam.pressure_angle(theta)))) * 1.05

@@ -13,7 +13,7 @@ import trimesh
 
 import camgen
 from camgen.pipeline import shown
-from camgen.pipeline.making import assembled
+from camgen.pipeline.making import assembly_copies
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 NAMES = ["linkage", "disc-cam", "uniform-swing", "gallery/scotch-yoke"]
@@ -42,7 +42,7 @@ def test_every_copy_stands_where_its_body_is_and_is_its_part(name: str) -> None:
         mesh = scene.geometry[part.name]
         slack = part.walls * machine.accuracy.chord_tolerance + 1e-6 * part.volume
         assert mesh.is_watertight and abs(mesh.volume - part.volume) <= slack
-    for copy in assembled(machine):  # as the assembly's file has them
+    for copy in assembly_copies(machine):  # as the assembly's file has them
         matrix, _ = scenes[0.0].graph[copy.name]
         assert matrix[:3] == pytest.approx(copy.transform, abs=1e-9)
 

@@ -26,11 +26,11 @@ HUB = (
     "spring.preload=20",
 )
 MOTOR = (
-    "parts.make='machine'",
-    "bodies.motor=nema-17",
-    "bodies.shaft_diameter=5.0",
-    "bodies.shaft_flat=0.5",
-    "bodies.set_screw=M3",
+    "parts.make='printed'",
+    "parts.motor=nema-17",
+    "parts.shaft_diameter=5.0",
+    "parts.shaft_flat=0.5",
+    "parts.set_screw=M3",
 )
 
 
@@ -100,7 +100,7 @@ def test_faults_of_a_set_screw() -> None:
     for settings, path in (
         (("parts.set_screw=M3", "parts.hub_height=5"), "parts.hub_height"),
         (("parts.set_screw=M3", "parts.hub_height=9", "parts.shaft=keyway"), "parts.set_screw"),
-        (("parts.make='machine'", "bodies.set_screw=M3"), "bodies.set_screw"),
+        (("parts.make='printed'", "parts.set_screw=M3"), "parts.set_screw"),
     ):
         with pytest.raises(SpecError) as caught:
             read_mechanism(SPECS / "disc-cam.toml", settings)

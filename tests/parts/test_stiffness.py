@@ -58,7 +58,7 @@ def test_the_follower_of_a_machine_tells_its_own() -> None:
     """Between the even bar as wide as its hubs, and a tenth of it."""
     spec = starters.folder() / "disc-cam.toml"
     machine = read_mechanism(
-        spec, ("parts.make='machine'", FOLLOWER, "segment.0.lift=15", "geometry.base_radius=25")
+        spec, ("parts.make='printed'", FOLLOWER, "segment.0.lift=15", "geometry.base_radius=25")
     )
     found = assess(machine).study.numbers["follower_arm_stiffness_n_m_per_rad"]
     even = 3 * 3500 * (4 * 12**3 / 12) / 50**3 * 50**2 * 1e-3

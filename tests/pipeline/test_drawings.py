@@ -72,7 +72,7 @@ def test_material_mass_number_and_date(tmp_path: Path) -> None:
     )
     parts = {part.name: part for part in mechanism.assembly.parts}
     for k, (name, one) in enumerate(found.items(), 1):
-        printed = parts[name].made == "printed"
+        printed = parts[name].process == "printed"
         density = 1.24 * 0.5 if printed else 7.85  # g/cm^3: PLA at half its filling, steel
         assert one.material == ("PLA" if printed else "steel")
         assert one.mass_g == pytest.approx(parts[name].volume / 1000 * density)

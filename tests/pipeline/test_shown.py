@@ -14,7 +14,7 @@ import trimesh
 
 from camgen.parts.assembly import order_of_assembly
 from camgen.pipeline import build as pipeline
-from camgen.pipeline.making import assembled
+from camgen.pipeline.making import assembly_copies
 from camgen.pipeline.shown import animation, scene
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
@@ -45,7 +45,7 @@ def test_the_glb_is_the_assembly_and_moves_as_it_does(name: str) -> None:
     seen = scene(machine, [])
     shown = trimesh.load(io.BytesIO(seen.glb), file_type="glb")
     assert sorted(shown.graph.nodes_geometry) == sorted(seen.copies)
-    for copy in assembled(machine):
+    for copy in assembly_copies(machine):
         matrix, geometry = shown.graph[copy.name]
         wanted = np.column_stack([UP @ copy.transform[:, :3], UP @ copy.transform[:, 3]])
         np.testing.assert_allclose(matrix[:3], wanted, atol=1e-9)

@@ -185,10 +185,13 @@ def test_step_is_a_kind_of_file_and_estimates_have_three_digits() -> None:
     assert all(text in parsed.text() for text in ("12.3", "98.8")) and "12.34" not in parsed.text()
 
 
+BEYOND = ((3.0, "too wide"), (1.0, "off the bed"))
+
+
 def test_one_fault_in_all_files_is_one_row() -> None:
     stroke = [
-        at_most("STROKE", size, 0.1, "mm", Where(kind), f"off by {size}")
-        for kind, size in (("design", 0.5), ("dxf", 0.6))
+        at_most("STROKE", size, 0.1, "mm", Where(kind, theta=theta), said)
+        for kind, size, theta, said in (("design", 0.5, 1.0, "as drawn"), ("dxf", 0.6, 2.0, "cut"))
     ]
     told = worst_of_each(
         [
@@ -198,10 +201,17 @@ def test_one_fault_in_all_files_is_one_row() -> None:
         ]
     )
     assert [(finding.measured, where) for finding, where in told] == [
-        (0.6, "design; dxf"),
+        (0.6, "design, cam angle 57.296 deg; dxf, cam angle 114.592 deg"),
         (0.7, "stl"),
         (1, "a"),
     ]
+    fit = [at_most("BED_FIT", size, 0, "mm", Where(file="a.stl"), said) for size, said in BEYOND]
+    assert [finding.message for finding, _ in worst_of_each(fit)] == ["too wide", "off the bed"]
+    pen, foot = (
+        at_most("STROKE", 2, 1, "mm", Where(file="a.stl", output=name), "")
+        for name in ("pen", "foot")
+    )
+    assert [finding for finding, _ in worst_of_each([pen, foot])] == [pen, foot]
 
 
 def test_margins_have_one_row_a_code_and_a_column_a_kind() -> None:

@@ -72,14 +72,17 @@ def test_curves_that_coincide_are_drawn_once_under_all_names() -> None:
         ("from DXF", THETA, wave + 1e-4),
         ("from STL", THETA, wave + 0.1),
     ]
-    text = plot_figure(Plot("t", "x", "y", series))
+    sources = {"wanted": ("", "wanted"), "from DXF": ("", "DXF"), "from STL": ("", "STL")}
+    text = plot_figure(Plot("t", "x", "y", series, sources=sources))
     assert len(drawn(text)) == 2 and "wanted = DXF" in text and "from STL" in text
     pair = [
         ("x from DXF", THETA, wave * 0),
         ("y from DXF", THETA, wave * 0),
         ("x from STL", THETA, wave),
     ]
-    assert "x DXF = y DXF" in plot_figure(Plot("t", "x", "y", pair))
+    sources = {f"{axis} from DXF": (axis, "DXF") for axis in "xy"}
+    assert "x DXF = y DXF" in plot_figure(Plot("t", "x", "y", pair, sources=sources))
+    assert "x from DXF = y from DXF" in plot_figure(Plot("t", "x", "y", pair))
     gaps = [("a", THETA, wave), ("b", THETA, np.where(THETA > 90, wave, np.nan))]
     assert len(re.findall("<li", plot_figure(Plot("t", "x", "y", gaps)))) == 2
 

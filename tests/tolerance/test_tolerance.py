@@ -16,7 +16,14 @@ from camgen.errors import DesignError, SpecError
 from camgen.machine.print_errors import Sizes, waviness
 from camgen.machines.sources import read_mechanism
 from camgen.tolerance.report import PrintRun, tolerance
-from camgen.tolerance.spread import Spread, copies_of, drawn_again, rolled, sizes_of, spread_of
+from camgen.tolerance.spread import (
+    Spread,
+    copies_of,
+    drawn_again,
+    rolled_outputs,
+    sizes_of,
+    spread_of,
+)
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 BLENDED = ("parts.make='cams'", "geometry.reversal_blend_deg=25")
@@ -42,7 +49,7 @@ def test_every_mode_is_what_rolling_and_closing_give(name: str, settings: tuple[
     """By the judge's route: outlines displaced and rolled, joints shifted and closed by Newton; errors of 2 um."""
     found = spread(name, *settings)
     errors = 2e-3 * np.eye(len(found.modes))
-    made = rolled(found, errors)
+    made = rolled_outputs(found, errors)
     for output in found.outputs:
         linear = errors @ found.found[output.name].modes
         size = np.abs(linear).max()
@@ -120,7 +127,9 @@ def test_the_worst_copies_are_worst_when_rolled() -> None:
     found = spread("uniform-swing", *BLENDED)
     copies = copies_of(found, 100_000, 1)
     order = np.argsort(-copies.errors["swing"])[:50]
-    made = np.abs(rolled(found, drawn_again(found, 1, list(map(int, order))))["swing"]).max(axis=1)
+    made = np.abs(rolled_outputs(found, drawn_again(found, 1, list(map(int, order))))["swing"]).max(
+        axis=1
+    )
     assert np.degrees(np.abs(made - copies.errors["swing"][order])).max() < 0.03  # of 0.7 deg
     assert np.mean(made) == pytest.approx(np.mean(copies.errors["swing"][order]), rel=0.02)
 

@@ -10,7 +10,7 @@ import pytest
 from test_tolerance import SPECS, spread
 
 from camgen.machine.model import Pin
-from camgen.tolerance.findings import Judged, _of_model, judged
+from camgen.tolerance.findings import CopiesFinding, _of_model, copies_findings
 from camgen.tolerance.report import PrintRun, tolerance, wilson
 from camgen.tolerance.spread import Spread, drawn_again
 
@@ -25,7 +25,7 @@ def errors(found: Spread, **sizes: float) -> Any:
     return made[None]
 
 
-def only(found: list[Judged], code: str) -> Judged:
+def only(found: list[CopiesFinding], code: str) -> CopiesFinding:
     (each,) = [each for each in found if each.code == code]
     return each
 
@@ -48,7 +48,7 @@ def test_transmission_angle_of_a_copy_is_that_of_its_lengths() -> None:
         math.degrees(math.acos((coupler**2 + rocker**2 - d**2) / (2 * coupler * rocker)))
         for d in (frame - crank, frame + crank)
     ]
-    angle = only(judged(found, made), "TRANSMISSION_ANGLE")
+    angle = only(copies_findings(found, made), "TRANSMISSION_ANGLE")
     assert angle.values[0] == pytest.approx(min(min(mu, 180 - mu) for mu in corners), abs=1e-4)
     assert abs(angle.values[0] - angle.designed) > 1 and angle.holds[0]
 
@@ -57,7 +57,7 @@ def test_an_outline_that_stands_out_presses_its_spring() -> None:
     """In the low dwell it lifts the follower by as much: force = preload + rate x 0.1 mm; 0.2 mm too small, it is let go."""
     found = spread("disc-cam", *SPRUNG)
     for off, left, holds in ((0.05, 0.15, True), (-0.2, -0.1, False)):
-        lift_off = only(judged(found, errors(found, offset=off)), "LIFT_OFF")
+        lift_off = only(copies_findings(found, errors(found, offset=off)), "LIFT_OFF")
         assert lift_off.designed == pytest.approx(0.1, abs=1e-3) and lift_off.values[
             0
         ] == pytest.approx(left, abs=2e-3)
@@ -84,7 +84,7 @@ def test_a_bore_beside_its_centre_ripples_the_speed() -> None:
     """It moves the follower by a sine of 0.1 mm over the turn, more where the pressure angle changes: 0.1 mm/rad of the greatest
     speed of the modified sine, 1.76 x 12 mm in 100 deg."""
     found = spread("disc-cam")
-    ripple = only(judged(found, errors(found, bore=0.1)), "SPEED_RIPPLE")
+    ripple = only(copies_findings(found, errors(found, bore=0.1)), "SPEED_RIPPLE")
     share = 0.1 / (1.7596 * 12 / math.radians(100))
     assert share < ripple.values[0] < 1.6 * share and ripple.holds[0] == (ripple.values[0] <= 0.01)
 
@@ -100,7 +100,7 @@ def test_pressure_angle_of_a_copy_is_that_of_its_curve(off: float) -> None:
     exact, moved = (
         math.degrees(np.max(np.arcsin(pitch.imag / abs(pitch + each)))) for each in (0.0, off)
     )
-    angle = only(judged(found, errors(found, offset=off)), "PRESSURE_ANGLE")
+    angle = only(copies_findings(found, errors(found, offset=off)), "PRESSURE_ANGLE")
     assert angle.designed == pytest.approx(exact, abs=2e-3)
     assert angle.values[0] - angle.designed == pytest.approx(moved - exact, abs=0.02)
 
@@ -110,7 +110,7 @@ def test_yield_does_not_hang_on_the_facets() -> None:
     means = []
     for chord in (1e-3, 1e-4):
         found = spread("disc-cam", f"accuracy.chord_tolerance={chord}")
-        angle = only(judged(found, drawn_again(found, 0, range(8))), "PRESSURE_ANGLE")
+        angle = only(copies_findings(found, drawn_again(found, 0, range(8))), "PRESSURE_ANGLE")
         assert abs(angle.values.mean() - angle.designed) < angle.values.std()
         means.append(angle.values.mean())
     assert means[0] == pytest.approx(means[1], abs=0.2 * angle.values.std())

@@ -10,7 +10,7 @@ import pytest
 from camgen.machine.run import solve
 from camgen.machines.sources import read_mechanism
 from camgen.tolerance.report import PrintRun, tolerance
-from camgen.tolerance.spread import Spread, drawn_again, rolled, spread_of
+from camgen.tolerance.spread import Spread, drawn_again, rolled_outputs, spread_of
 from camgen.tolerance.targets import _crosses, loops, targets
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
@@ -26,7 +26,7 @@ def test_copies_keep_a_stroke_as_often_as_machines_that_are_closed_anew() -> Non
     errors = drawn_again(found, 1, range(60))
     (kept,) = targets(found, errors)
     nominal = solve(found.mechanism.model, found.theta, 0)["swing"]
-    strokes = np.degrees(np.ptp(nominal + rolled(found, errors)["swing"], axis=1))
+    strokes = np.degrees(np.ptp(nominal + rolled_outputs(found, errors)["swing"], axis=1))
     off = np.abs(strokes - 47.694)
     clear = np.abs(off - 0.1) > 0.01  # but for those at the limit itself: 145 angles, first order
     assert kept.code == "STROKE_ERROR" and clear.sum() > 40 and 5 < kept.holds.sum() < 55

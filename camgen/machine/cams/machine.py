@@ -22,7 +22,7 @@ from camgen.findings import Finding, Where
 from camgen.machine.cams.followers import SlidingFace, SlidingTip, SwingingArm, SwingingFace
 from camgen.machine.cams.limits import CamLimits
 from camgen.machine.cams.profile import DiscCam
-from camgen.machine.features import CamMeant, CamOutline, Eye, Flat
+from camgen.machine.features import CamOutline, Eye, Flat, NominalCam
 from camgen.machine.forces import Forces
 from camgen.machine.model import (
     GROUND,
@@ -163,7 +163,7 @@ def cam_machine(
     )
 
 
-def cam_meant(cam: DiscCam[Any], limits: CamLimits, outer: bool = False) -> CamMeant:
+def nominal_cam(cam: DiscCam[Any], limits: CamLimits, outer: bool = False) -> NominalCam:
     """What a cam's exact outline gives, and what of it is accepted; outer: of the outer wall of its groove."""
     match cam.follower:
         case SwingingArm(_, arm):
@@ -173,7 +173,7 @@ def cam_meant(cam: DiscCam[Any], limits: CamLimits, outer: bool = False) -> CamM
         case _:
             lever = math.cos(math.radians(cam.steepest))
     given = cam.reachable if cam.undercuts and not outer else None
-    return CamMeant(given, lever, limits.ripple, limits.undercut)
+    return NominalCam(given, lever, limits.ripple, limits.undercut)
 
 
 def cam_outline(
@@ -220,7 +220,7 @@ def cam_outline(
         inside=outer,
         free=cam.air if free is None else free,
         bore=None if bore is None else Eye(part, 0j, bore),
-        meant=cam_meant(cam, limits, outer),
+        nominal=nominal_cam(cam, limits, outer),
     )
 
 

@@ -214,14 +214,14 @@ class Bodies:
         mirrored = (
             replace(layer, region=layer.region.moved(-1, mirror=True)) for layer in upper.layers
         )
-        assert upper.crossed is not None
+        assert upper.side_profile is not None
         lower = replace(
             upper,
             name="lower-spreader",
             title="Lower spreader (P1), mirror image",
             layers=tuple(mirrored),
             centres=tuple(-z.conjugate() for z in upper.centres),
-            crossed=upper.crossed.moved(-1, mirror=True),
+            side_profile=upper.side_profile.moved(-1, mirror=True),
             edges=tuple(edge.mirrored for edge in upper.edges),
         )
         notes = (*self._sizes, "to check a spreader by; not to be built in")
@@ -313,14 +313,14 @@ class Bodies:
             outline = polygon(
                 [0j, complex(r, h), complex(r, top), complex(-r, top), complex(-r, h)]
             )
-            crossed = Region(circle(complex(0, r), r))
+            profile = Region(circle(complex(0, r), r))
             notes = (
                 "stands in for the bought needle; cone and wedge have the same section in this plane",
             )
             layers = (Layer(Region(outline), 0.0, 2 * r),)
             title = f"Dummy of needle {k + 1}, not to be made"
             return Part(
-                f"needle-{k + 1}", title, layers, notes=notes, crossed=crossed, made="dummy"
+                f"needle-{k + 1}", title, layers, notes=notes, side_profile=profile, process="dummy"
             )
 
         return needle(0), needle(1)
@@ -344,8 +344,8 @@ class Bodies:
             "Dummy of the needle plate, not to be made",
             (Layer(Region(outline), 0.0, 2 * half),),
             notes=("stands in for the machine's own plate",),
-            crossed=Region(top, holes),
-            made="dummy",
+            side_profile=Region(top, holes),
+            process="dummy",
         )
 
 

@@ -103,7 +103,7 @@ class ChainStitchLooper(Mechanism):
         g = self.geometry
         p = self.making
         t = self.timing
-        found = [
+        faults = [
             fault
             for name, choice, tables in self._moves()
             for fault in (
@@ -114,13 +114,13 @@ class ChainStitchLooper(Mechanism):
         ]
         if any(t.distortion) and not self._harmonic:
             right = "[0, 0] with other laws than simple-harmonic"
-            found.append(Fault(("timing", "distortion"), f"{list(t.distortion)}", right))
-        if not found:
+            faults.append(Fault(("timing", "distortion"), f"{list(t.distortion)}", right))
+        if not faults:
             for name, _, tables in self._moves():
                 top = max(float(s.start) for s in program(tables).segments) if tables else 1.0
                 if abs(top - 1) > 1e-9:
                     path = ("timing", f"{name}_segment")
-                    found.append(Fault(path, f"rises to {top:g}", "a program from 0 up to 1"))
+                    faults.append(Fault(path, f"rises to {top:g}", "a program from 0 up to 1"))
         checks = [
             (
                 p.plate_thickness < g.plate_to_spreader,
@@ -162,10 +162,10 @@ class ChainStitchLooper(Mechanism):
                 low, high = getattr(self.wanted, key)
                 right = f"the least value first, then the greatest; {high:g} is less"
                 checks.append((low <= high, ("wanted", key), low, right))
-        found += [
+        faults += [
             Fault(path, f"{value:g}", right) for fine, path, value, right in checks if not fine
         ]
-        return found
+        return faults
 
     @property
     def _harmonic(self) -> bool:

@@ -12,11 +12,11 @@ roller runs between the cam and an outer wall, three plates pinned together.   [
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field
@@ -47,6 +47,7 @@ from camgen.machines.disc_cam.tables import (
     DiscCamGeometry,
     DiscCamLimits,
     DiscCamMotor,
+    DiscCamParts,
     LoadTable,
     SpringTable,
 )
@@ -55,12 +56,11 @@ from camgen.machines.free_play import between
 from camgen.machines.loads.tables import CamLimitsTable
 from camgen.machines.loads.weights import gravity
 from camgen.machines.pairs import air_faults, still_faults
-from camgen.machines.template import Template, in_bodies
 from camgen.motion.polydyne import polydyne
 from camgen.motion.program import Program
 from camgen.motion.segments import SegmentTable, WholeTurn, program
 from camgen.parts.assembly import Assembly, FollowerFacts, MotorSeat
-from camgen.parts.disc_cams import CamParts, disc_parts, turning_note
+from camgen.parts.disc_cams import disc_parts, turning_note
 from camgen.parts.part import Part
 from camgen.parts.springs import to_wind, wished
 from camgen.study import Figure, Figures, Later, Plot, Sketch, Study
@@ -69,8 +69,10 @@ from camgen.tolerances import WALL_FACETS
 _TIE = 1e-6  # deg or mm from a limit, nearer than which a cam of many is looked at by itself
 
 
-class DiscCamDrive(CamTables, Template):
+class DiscCamDrive(CamTables):
     """Spec and answers of a disc cam; the output is the follower's displacement s, mm or rad, 0 on the base circle."""
+
+    doubled: ClassVar[Collection[str]] = ("thickness", "pin_diameter", "set_screw")
 
     geometry: DiscCamGeometry
     segment: Annotated[tuple[SegmentTable, ...], Field(min_length=1, max_length=100), WholeTurn] = (
@@ -86,7 +88,7 @@ class DiscCamDrive(CamTables, Template):
         default=None,
         description='closure "force": what presses it on the cam; the report says what is needed',
     )
-    making: Annotated[CamParts, Field(alias="parts")] = CamParts.model_construct()
+    making: Annotated[DiscCamParts, Field(alias="parts")] = DiscCamParts.model_construct()
     allowed: Annotated[DiscCamLimits, Field(alias="limits")] = DiscCamLimits.model_construct()
 
     def faults(self) -> Sequence[Fault]:
@@ -144,7 +146,7 @@ class DiscCamDrive(CamTables, Template):
                 "0: a groove's plates have no hub",
             ),
             (
-                p.pin_diameter < p.rim,
+                self.standing or p.pin_diameter < p.rim,
                 ("parts", "pin_diameter"),
                 p.pin_diameter,
                 f"less than the rim, {p.rim:g} mm",
@@ -159,7 +161,6 @@ class DiscCamDrive(CamTables, Template):
         for fine, path, value, expected in checks:
             shown = value if isinstance(value, str) else f"{value:g}"
             found += [] if fine else [Fault(path, shown, expected)]
-        found += p.misfits()
         try:
             self._given  # noqa: B018
         except SpecError as error:
@@ -227,13 +228,9 @@ class DiscCamDrive(CamTables, Template):
     def _room(self) -> float:
         """Radius of the circle that holds the cam's shaft, its hub and a groove's pins, with walls, mm."""
         p = self.making
-        sizes = self.sizes
         wall = 2 * self.allowed.min_wall
-        shaft = (
-            (sizes.shaft_diameter + self.print.press_clearance) / 2 if self.standing else p.reach
-        )
-        pin = sizes.pin_diameter if self.standing else p.pin_diameter
-        pins = wall / 2 + 1.5 * pin if self.geometry.closure == "groove" else 0.0
+        shaft = (p.shaft_diameter + self.print.press_clearance) / 2 if self.standing else p.reach
+        pins = wall / 2 + 1.5 * p.pin_diameter if self.geometry.closure == "groove" else 0.0
         hub = 0.0 if self.standing or not p.hub_height else p.hub_diameter
         return max(shaft + pins, hub / 2) + wall
 
@@ -263,9 +260,9 @@ class DiscCamDrive(CamTables, Template):
         return self.cams[0]
 
     @property
-    def standing(self) -> bool:
-        """Whether the whole machine is made."""
-        return self.making.make == "machine"
+    def sizes(self) -> DiscCamParts:
+        """[parts]."""
+        return self.making
 
     def _alone(self) -> Machine:
         """Cam and follower; output "lift", mm, or "swing", rad."""
@@ -280,8 +277,7 @@ class DiscCamDrive(CamTables, Template):
     def _unloaded(self) -> Machine:
         if not self.standing:
             return self._alone()
-        with in_bodies():
-            return super()._unloaded()
+        return super()._unloaded()
 
     # ---- what it is as a linkage ------------------------------------------------------------------------------------
 
@@ -325,7 +321,7 @@ class DiscCamDrive(CamTables, Template):
             "drive": {"link": "cam", "speed_rpm": self.motor.speed_rpm},
             "cam": (cam,),
             "output": ({"name": "swing" if suffix else "lift", "link": "follower"},),
-            "parts": self.sizes.model_dump(by_alias=True, exclude_none=True),
+            "parts": self.making.of_linkage(),
             "limits": bears | own,
             **found,
         }
@@ -362,8 +358,7 @@ class DiscCamDrive(CamTables, Template):
         """The cams, or the whole machine."""
         if not self.standing:
             return self._bare()
-        with in_bodies():
-            return super().assembly
+        return super().assembly
 
     @cached_property
     def _load(self) -> FollowerLoad | None:
@@ -399,7 +394,7 @@ class DiscCamDrive(CamTables, Template):
             bought=[*screw, *to_wind(spring)],
             motor=MotorSeat(hub=hub),
             follower=FollowerFacts(wish=self._spring_wish),
-            demands=self.asked(),
+            demands=self.demands(),
         )
 
     @cached_property
@@ -438,7 +433,7 @@ class DiscCamDrive(CamTables, Template):
         }
         return [Mount(part.name, "cam", z=heights.get(part.name, 0.0)) for part in self._plates]
 
-    def asked(self) -> tuple[Demand, ...]:
+    def demands(self) -> tuple[Demand, ...]:
         """The play that is borne."""
         return (Demand(self.model.outputs[0].name, lash=self.allowed.lash / self._unit[1]),)
 

@@ -6,9 +6,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from camgen.machines.cam_tables import CamSizes
 from camgen.machines.loads.tables import CamLimitsTable, Drives, Weight
 from camgen.machines.pairs import Air
 from camgen.motion.polydyne import Lag
+from camgen.parts.disc_cams import CamParts
 from camgen.spec import Coordinate, Length, MinWall, Record, Rpm, quantity, turning
 
 
@@ -69,6 +71,10 @@ class DiscCamMotor(Drives):
         default=60.0,
         description="of the cam; below 0 it turns clockwise: the program runs in the sense of turning",
     )
+
+
+class DiscCamParts(CamParts, CamSizes):
+    """Sizes of cams alone, and of a machine's bodies; a further table by a link's name is the shape of that link."""
 
 
 class DiscCamLimits(CamLimitsTable):

@@ -42,7 +42,7 @@ class CamWalls:
         for cam, name in zip(self.cams, names, strict=True):
             refuse_wide(name, cam.nearest, sizes.reach, hub)
             wall = cam.nearest - widest
-            if wall < self.least and (self.grooved or sizes.shaft != "plain"):
+            if wall < self.least and (self.grooved or sizes.bore_shape != "plain"):
                 walls = [self._of_plate(part) for part in self.plates()]
                 break
             walls.append(self._wall(wall, Where(f"holes and nearest side of {name}")))

@@ -39,8 +39,8 @@ from camgen.machines.eccentric_drive.tables import (
 )
 from camgen.machines.loads.counterweights import Counterweight
 from camgen.machines.template import Template
+from camgen.parts.generator.connections import Fitting
 from camgen.parts.generator.discs import wall_of_disc
-from camgen.parts.generator.joined import Fitting
 from camgen.parts.generator.layout import Layout
 from camgen.study import Figure, Figures, Study
 from camgen.tolerances import SAME_POINT
@@ -224,7 +224,7 @@ class EccentricDrive(Template):
             self.linkage.run(theta, order).derivatives("travel")[order], float
         ).reshape(np.shape(theta))
 
-    def asked(self) -> tuple[Demand, ...]:
+    def demands(self) -> tuple[Demand, ...]:
         """The slider's way."""
         return (Demand("travel", self.motion, stroke=True, lash=self.allowed.lash),)
 

@@ -22,10 +22,10 @@ from camgen.machine.features import Mount, StandIn
 from camgen.machine.model import GROUND
 from camgen.machines.eccentric_drive.tables import Band, EccentricSizes
 from camgen.parts.catalogue import SCREWS, Bought, Screw, fastener, nut
-from camgen.parts.generator.joined import Fitting
+from camgen.parts.generator.connections import Fitting
 from camgen.parts.generator.layout import Layout
 from camgen.parts.hardware import plate
-from camgen.parts.part import Held, Layer, Part
+from camgen.parts.part import HoldingNote, Layer, Part
 from camgen.study import Figure, Sketch
 
 TUBE = "needle-tube"
@@ -291,7 +291,7 @@ class Needle:
             "Wire clamp",
             (Layer(region, 0.0, self.sizes.thickness),),
             centres=places,
-            notes=(Held("screws and nuts hold it on the needle's wire"),),
+            notes=(HoldingNote("screws and nuts hold it on the needle's wire"),),
             min_wall=self.layout.min_wall,
         )
 
@@ -333,7 +333,7 @@ class Needle:
             min_wall=wall,
             notes=(
                 f"the needle's wire slides in its bore, {self._bore:g} square",
-                Held("two screws hold it on the plate"),
+                HoldingNote("two screws hold it on the plate"),
             ),
         )
 
@@ -368,10 +368,13 @@ class Needle:
         longer = "a longer parts.tube_length or parts.wire_length"
         said = f"wire in the tube, its point {least:.4g} mm past the mouth; {longer}"
         wanted = _GUIDED * s.wire_diameter
-        found = [at_least("NEEDLE_GUIDED", held, wanted, "mm", Where("innermost"), said)]
+        findings = [at_least("NEEDLE_GUIDED", held, wanted, "mm", Where("innermost"), said)]
         if stroke is None:
-            return found
+            return findings
         said = f"point past the tube's mouth, {least:.4g} mm at the innermost place; parts.wire_length sets it"
         reach = round(most, 9)
-        found.append(at_least("NEEDLE_REACH", reach, stroke[0], "mm", Where("outermost"), said))
-        return [*found, at_most("NEEDLE_REACH", reach, stroke[1], "mm", Where("outermost"), said)]
+        findings.append(at_least("NEEDLE_REACH", reach, stroke[0], "mm", Where("outermost"), said))
+        return [
+            *findings,
+            at_most("NEEDLE_REACH", reach, stroke[1], "mm", Where("outermost"), said),
+        ]

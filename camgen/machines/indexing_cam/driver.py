@@ -32,7 +32,7 @@ CHAIN = (
     "(Whitworth's turning block), 2 to 1. Angles of the report grow evenly with the time; those of the outlines and of the "
     "pressure angle are the cam's own. "
 )
-NOT_MADE = 'The chain is not made, with a belt or an idler between arm and cam; parts.make = "machine" makes it, with two wheels.'
+NOT_MADE = 'The chain is not made, with a belt or an idler between arm and cam; parts.make = "printed" makes it, with two wheels.'
 MADE = (
     "The arm's axle stands inside the path of the crank, so crank and arm are held from either side: the arm's shaft from the "
     "plate above them, the crank's from a bracket below. The arm's wheel turns the cam's, so they turn against each other."

@@ -15,10 +15,10 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 import numpy as np
 from pydantic import Field
@@ -33,7 +33,7 @@ from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machine.features import Demand, Mount
 from camgen.machine.run import solve
 from camgen.machine.targets import advance
-from camgen.machines.cam_tables import CamTables, Sizes
+from camgen.machines.cam_tables import CamTables
 from camgen.machines.free_play import between
 from camgen.machines.indexing_cam import tables as t
 from camgen.machines.indexing_cam.comparison import Comparison
@@ -53,7 +53,6 @@ from camgen.machines.indexing_cam.unloader import (
 )
 from camgen.machines.indexing_cam.unloader_crank import UnloaderCrank
 from camgen.machines.pairs import air_faults
-from camgen.machines.template import Template, in_bodies
 from camgen.motion.laws import Law
 from camgen.motion.program import Program, Segment
 from camgen.motion.segments import law_of
@@ -81,8 +80,10 @@ _ADVICE = Advice(
 )
 
 
-class IndexingCam(CamTables, Template):
+class IndexingCam(CamTables):
     """Spec and answers of an indexing cam; the output is the follower's angle s, rad, 0 in the inner dwell."""
+
+    doubled: ClassVar[Collection[str]] = ("thickness", "wall")
 
     geometry: t.IndexingGeometry
     motor: t.IndexingMotor = t.IndexingMotor()
@@ -123,7 +124,12 @@ class IndexingCam(CamTables, Template):
                 g.dwell_deg,
                 f"rise_deg, dwell_deg and return_deg of at most 360 together, they make {spans:g}",
             ),
-            (p.wall >= nozzle, ("parts", "wall"), p.wall, f"at least the nozzle, {nozzle:g} mm"),
+            (
+                self.standing or p.wall >= nozzle,
+                ("parts", "wall"),
+                p.wall,
+                f"at least the nozzle, {nozzle:g} mm",
+            ),
             (
                 self.allowed.min_wall >= nozzle,
                 ("limits", "min_wall"),
@@ -156,7 +162,7 @@ class IndexingCam(CamTables, Template):
             sold = ", ".join(f"{bore:g}" for bore in CLUTCHES)
             found.append(
                 Fault(
-                    ("bodies", "shaft_diameter"),
+                    ("parts", "shaft_diameter"),
                     f"{self.sizes.shaft_diameter:g}",
                     f"a bore of freewheels, {sold} mm",
                 )
@@ -179,7 +185,7 @@ class IndexingCam(CamTables, Template):
         found += air_faults(
             ("geometry", "tip_clearance"), g.tip_clearance, g.closure, g.follower.roller_radius
         )
-        return [*found, *p.misfits(), *self.size_faults(FOLLOWER, "driven-link"), *g.law_faults()]
+        return [*found, *self.size_faults(FOLLOWER, "driven-link"), *g.law_faults()]
 
     def designed(self) -> Self:
         """This spec with the law that [synthesis] finds for its spring and its last weight; a spring of the old law stays,
@@ -304,7 +310,6 @@ class IndexingCam(CamTables, Template):
             FOLLOWER: self.load.follower_inertia_kg_m2,
         }
         shapes = {LINK: {"hub_diameter": f.arm}}
-        sizes = self.sizes.model_dump(exclude_none=True)
         found: dict[str, Any] = {
             "drive": {"link": "cam", "speed_rpm": self.motor.speed_rpm},
             "cam": [self._cam_table()],
@@ -314,7 +319,7 @@ class IndexingCam(CamTables, Template):
                 for link, value in inertia.items()
                 if value
             },
-            "parts": {**shapes, **{key.replace("-", "_"): value for key, value in sizes.items()}},
+            "parts": {**shapes, **self._linkage_sizes},
             "limits": self.allowed.model_dump(include={*LinkageLimits.model_fields}),
         }
         if self.freewheel is not None:
@@ -328,6 +333,13 @@ class IndexingCam(CamTables, Template):
             self.unloader_crank.draw(points, links, gears, found)
         places = {name: (z.real, z.imag) for name, z in points.items()}
         return {"points": places, "links": links, "gear": gears, **found}
+
+    @property
+    def _linkage_sizes(self) -> dict[str, Any]:
+        """[parts] of the linkage; of cams alone only what turns on by freewheels asks for."""
+        if not self.standing:
+            return {} if self.freewheel is None else {"shaft_diameter": self.making.shaft_diameter}
+        return {key.replace("-", "_"): value for key, value in self.sizes.of_linkage().items()}
 
     def _cam_table(self) -> dict[str, Any]:
         """[[cam]]; behind a chain its program is given beside the tables."""
@@ -395,8 +407,7 @@ class IndexingCam(CamTables, Template):
     def _unloaded(self) -> m.Machine:
         """Of what is made, or where that is the cams alone as designed: exact, without play."""
         if self.standing:
-            with in_bodies():
-                return super()._unloaded()
+            return super()._unloaded()
         chain = self.linkage.chain
         touches = tuple(CamTouch(cam) for cam in self.cams.values())
         joints = tuple(
@@ -414,6 +425,7 @@ class IndexingCam(CamTables, Template):
             **super()._found(),
             "geometry.return_deg": self.return_deg,
             "limits.pressure_angle_deg": steepest,
+            **({"parts.base_thickness": self.sizes.base_thickness} if self.standing else {}),
         }
         if self.unloader.torque == "law":
             found |= {"unloader.balance": self._balance, "unloader.design_rpm": self._design_rpm}
@@ -477,16 +489,11 @@ class IndexingCam(CamTables, Template):
             )
         return found
 
-    @property
-    def standing(self) -> bool:
-        """Whether the whole machine is made."""
-        return self.making.make == "machine"
-
     @cached_property
-    def sizes(self) -> Sizes:
-        """Of the machine's bodies; a plate is as thick as the freewheel in it."""
-        given = super().sizes
-        freewheel = CLUTCHES.get(super().sizes.shaft_diameter)
+    def sizes(self) -> t.IndexingParts:
+        """[parts]; a plate is as thick as the freewheel in it."""
+        given = self.making
+        freewheel = CLUTCHES.get(given.shaft_diameter)
         if (
             self.freewheel is None
             or freewheel is None
@@ -549,8 +556,7 @@ class IndexingCam(CamTables, Template):
     def assembly(self) -> Assembly:
         """The whole machine, or the cams alone."""
         if self.standing:
-            with in_bodies():
-                return super().assembly
+            return super().assembly
         limits = self.allowed.cam_limits
         bore = self.making.bore
         outlines = [cam_outline(cam, name, limits, bore) for name, cam in self.cams.items()]
@@ -558,9 +564,9 @@ class IndexingCam(CamTables, Template):
         mounts = [Mount(name, "cam", z=0.0 if name == "cam" else beside) for name in self.cams]
         made = self._assembly(self._cams(), mounts, outlines)
         cycle = replace(made.cycle, turns=self.linkage.turns)
-        return replace(made, demands=self.asked(), cycle=cycle)
+        return replace(made, demands=self.demands(), cycle=cycle)
 
-    def asked(self) -> tuple[Demand, ...]:
+    def demands(self) -> tuple[Demand, ...]:
         """The play of the follower that is borne; the link of cams alone follows by gears that are not made."""
         swing = math.radians(self.allowed.lash_deg)
         link = swing * self.geometry.gear_ratio

@@ -157,7 +157,7 @@ class Stepping:
                 self.limit,
                 "N m",
                 Where("freewheels of the driven link"),
-                "the greatest torque that they bear; use a thicker bodies.shaft_diameter, less speed or less inertia",
+                "the greatest torque that they bear; use a thicker parts.shaft_diameter, less speed or less inertia",
             ),
         ]
 

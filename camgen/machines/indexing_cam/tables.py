@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from camgen.errors import Fault, SpecError
+from camgen.machines.cam_tables import CamSizes
 from camgen.machines.loads.tables import Direction, Drives, Positive, SwingingCamLimitsTable, Weight
 from camgen.machines.pairs import Air
 from camgen.motion.program import Segment
@@ -16,12 +17,10 @@ from camgen.motion.segments import MATCHED, NamedLaw, backwards, law_of, turning
 from camgen.motion.spring_law import characteristic
 from camgen.parts.disc_cams import (
     Bore,
+    BoreShape,
     FlatDepth,
     KeyDepth,
     KeyWidth,
-    Make,
-    ShaftForm,
-    ShaftHole,
     Thickness,
 )
 from camgen.spec import Length, MinWall, Record, Rpm, quantity, turning
@@ -236,28 +235,23 @@ class SynthesisTable(Record):
     cosines: Annotated[int, Field(ge=0, le=3)] = Field(default=1, description="terms of the law")
 
 
-class IndexingParts(ShaftHole):
-    """The cams as bodies."""
+class IndexingParts(CamSizes):
+    """Sizes of cams alone, and of a machine's bodies; a further table by a link's name is the shape of that link."""
 
-    make: Make = Field(
-        default="cams",
-        description='"cams": the cams alone; "machine": a machine that stands on a bench, by the sizes of '
-        "[bodies]:\n"
-        "cams, rollers, follower, its gear and that of the driven link, a round table on it, "
-        "plate, shafts and pins;\n"
-        'with closure "force" a return spring; with an unloader of torque "crank" that and '
-        "its spring to buy",
+    thickness: Thickness = Field(
+        default=8.0, description="of a cam; of a machine 4, of links, cams and followers"
     )
-    thickness: Thickness = Field(default=8.0, description="of a cam")
     bore: Bore = 12.0
-    shaft: ShaftForm = "keyway"
+    bore_shape: BoreShape = "keyway"
     key_width: KeyWidth = 4.0
     key_depth: KeyDepth = 1.8
     flat_depth: FlatDepth = 1.0
     windows: Annotated[int, Field(ge=0, le=24)] = Field(
         default=0, description="lightening windows at most"
     )
-    wall: Length = Field(default=4.0, description="wall that windows keep")
+    wall: Length = Field(
+        default=4.0, description="of a cam, what windows keep; of a machine 2, round each hole"
+    )
 
 
 class IndexingLimits(SwingingCamLimitsTable):

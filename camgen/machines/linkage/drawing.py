@@ -108,11 +108,11 @@ class Drawing:
 
     def levels_of_joints(self) -> list[str]:
         """Names in [layers] of what has a level of its own beside the links: cams, the second one of a pair, gears."""
-        found = [level_of(self.gear_name(gear)) for gear in self.gears]
+        levels = [level_of(self.gear_name(gear)) for gear in self.gears]
         for cam in (cam for cam in self.cams if cam.shape == "roller"):
             key = level_of(self.cam_name(cam))
-            found += [key, key + SECOND] if cam.closure == "conjugate" else [key]
-        return found
+            levels += [key, key + SECOND] if cam.closure == "conjugate" else [key]
+        return levels
 
     # ---- looking up -----------------------------------------------------------------------------------------------
 
@@ -126,13 +126,13 @@ class Drawing:
 
     def lengths_of(self, points: Sequence[str]) -> dict[tuple[int, int], float]:
         """Lengths that are given between these points, by their places in the row, mm."""
-        found = {}
+        lengths = {}
         for key, length in self.lengths.items():
             names = t.pair(key)
             if names and set(names) <= set(points):
                 a, b = sorted(points.index(name) for name in names)
-                found[a, b] = length
-        return found
+                lengths[a, b] = length
+        return lengths
 
     def pivot(self, link: str) -> str | None:
         """The point at which a link is pinned to the ground."""
@@ -164,14 +164,14 @@ class Drawing:
     def returns(self) -> dict[str, tuple[str, str, str]]:
         """Of each return spring its name and those of its points, on the ground and on the follower, by the cam's joint."""
         held = [name for name, cam in self.named_cams.items() if cam.spring is not None]
-        found = {}
+        pairs = {}
         for name in held:
             level = level_of(name)
             cam = self.named_cams[name]
             names = f"{RETURN}_{level}", f"{level}_post", f"{level}_hook"
             title, post, hook = (RETURN, "post", "hook") if len(held) == 1 else names
-            found[name] = title, post, cam.at if cam.shape == "roller" else hook
-        return found
+            pairs[name] = title, post, cam.at if cam.shape == "roller" else hook
+        return pairs
 
     def turns_of(self, link: str) -> float | None:
         """Turns of a link for one of the driven one, by gears, below 0 against it; None where no gears join them."""
@@ -221,7 +221,7 @@ class Drawing:
         known = self.programs.get(self.cam_name(cam))
         if known is not None:
             return known
-        made = self.given(cam, path)
+        made = self.written_program(cam, path)
         if cam.polydyne and self.stiffness is not None:
             stiff = self.stiffness
             speed = abs(self.speed_of(cam))
@@ -232,7 +232,7 @@ class Drawing:
         turns = self.drive.range_deg is None
         return made.backwards() if turns and self.speed_of(cam) < 0 else made
 
-    def given(self, cam: t.Cam, path: Key) -> Program:
+    def written_program(self, cam: t.Cam, path: Key) -> Program:
         """A cam's segments one after the other."""
         swings = self.slide_of(cam.follower) is None
         rows = tuple(
@@ -266,7 +266,7 @@ class Drawing:
             for cam in self.cams
         }
 
-    def kicked(self) -> list[str]:
+    def kicks(self) -> list[str]:
         """Names of cams whose follower's speed jumps."""
         programs = {self.cam_name(cam): self.program_of(cam) for cam in self.cams}
         return [
@@ -329,7 +329,7 @@ class Drawing:
     @cached_property
     def bases(self) -> dict[str, float]:
         """Base radius of each cam that says it, by its joint, mm; DesignError where none keeps to the limits."""
-        found = {}
+        radii = {}
         for cam in self.cams:
             if cam.base_radius is None:
                 continue
@@ -341,8 +341,8 @@ class Drawing:
                 made = DiscCam(joint.law.signed, follower, cam.tip_clearance)
                 room = self.rooms.get(cam.closure, 0.0)
                 base = least_base_radius(made, self.ridden[name].limits, room)
-            found[name] = base
-        return found
+            radii[name] = base
+        return radii
 
     @property
     def _on_bases(self) -> m.Machine:
@@ -418,21 +418,21 @@ class Drawing:
         return bodies, start
 
     def _pins(self, bodies: Mapping[str, m.Body]) -> list[m.Joint]:
-        found: list[m.Joint] = []
+        pins: list[m.Joint] = []
         for point in self.points:
             links = [name for name, points in self.links.items() if point in points]
             links.sort(key=lambda name: name != GROUND)
             for other in links[1:]:
                 name = point if len(links) == 2 else f"{point} of {other}"
-                found.append(m.Pin(name, bodies[links[0]].at(point), bodies[other].at(point)))
-        return found
+                pins.append(m.Pin(name, bodies[links[0]].at(point), bodies[other].at(point)))
+        return pins
 
     def _line(self, body: m.Body, along: t.Two) -> tuple[complex, float]:
         a, b = (complex(body.points[point]) for point in along)
         return a, cmath.phase(b - a)
 
     def _slides(self, bodies: Mapping[str, m.Body], start: Mapping[str, m.Pose]) -> list[m.Joint]:
-        found: list[m.Joint] = []
+        slides: list[m.Joint] = []
         for slide in self.slides:
             base = m.Pose(0j, 0.0) if slide.on == GROUND else start[slide.on]
             through, angle = self._line(bodies[slide.on], slide.along)
@@ -440,7 +440,7 @@ class Drawing:
             place = (self.at(runner) - base.place) * cmath.exp(-1j * base.angle)
             away = (place - through) * cmath.exp(-1j * angle)
             aside = through + 1j * away.imag * cmath.exp(1j * angle)
-            found.append(
+            slides.append(
                 m.Slide(
                     self.slide_name(slide),
                     m.Place(slide.on, aside),
@@ -449,15 +449,15 @@ class Drawing:
                     start[slide.link].angle - base.angle,
                 )
             )
-        return found
+        return slides
 
     def _slots(self, bodies: Mapping[str, m.Body]) -> list[m.Joint]:
-        found: list[m.Joint] = []
+        slots: list[m.Joint] = []
         for slot in self.slots:
             through, angle = self._line(bodies[slot.link], slot.along)
             carrier = self.carrier(slot)
             assert carrier is not None, "drawing_faults has looked"
-            found.append(
+            slots.append(
                 m.Slot(
                     self.slot_name(slot),
                     m.Place(slot.link, through),
@@ -465,7 +465,7 @@ class Drawing:
                     angle,
                 )
             )
-        return found
+        return slots
 
     def _gear(self, gear: t.Gear, start: Mapping[str, m.Pose]) -> m.Gear:
         carriers = [

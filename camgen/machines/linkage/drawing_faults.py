@@ -231,7 +231,7 @@ def _cam_faults(drawing: Drawing, path: Key, cam: t.Cam) -> list[Fault]:
     if not faults:
         faults += _polydyne_faults(drawing, path, cam) if cam.polydyne else []
         try:
-            drawing.given(cam, path)
+            drawing.written_program(cam, path)
         except SpecError as error:
             faults += error.faults
     return faults
@@ -304,7 +304,7 @@ def _polydyne_faults(drawing: Drawing, path: Key, cam: t.Cam) -> Iterable[Fault]
         )
         yield Fault(polydyne, "true", right)
     try:
-        segments = drawing.given(cam, path).segments
+        segments = drawing.written_program(cam, path).segments
     except SpecError:  # said of the program
         return
     for k in rough(segments):

@@ -26,6 +26,7 @@ from camgen.machines.free_play import accepted
 from camgen.machines.linkage.signals import Signal, signals_of
 from camgen.machines.linkage.springs import MountedSpring
 from camgen.machines.linkage.tables import LinkageLimits, Slot, Wanted
+from camgen.machines.loads.lift_off import by_force
 from camgen.numerics import peak
 from camgen.parts.assembly import Cycle
 from camgen.parts.generator.layout import Layout
@@ -102,12 +103,6 @@ class LinkageMotion:
             courses.append(Course(theta, value, slope, unit, not self.cycle.to_and_fro))
         return courses
 
-    @property
-    def pressed(self) -> list[m.Cam]:
-        """Cams whose followers a force holds."""
-        joints = (joint for joint in self.chain.joints if isinstance(joint, m.Cam))
-        return [joint for joint in joints if joint.closure == "force"]
-
 
 @dataclass(frozen=True)
 class Build:
@@ -175,7 +170,7 @@ def study(linkage: LinkageMotion, made: Build | None, angle: Callable[[], str]) 
 def _notes(linkage: LinkageMotion, made: Build | None) -> list[str]:
     """What a person should know of its springs, rails, slots and links."""
     notes = []
-    for cam in linkage.pressed:
+    for cam in by_force(linkage.chain):
         figure = f"hold_{cam.name.replace(' ', '_')} is the least that it needs"
         least = f"no spring is made for it; {figure}"
         if linkage.springs:
@@ -361,7 +356,9 @@ def _forces(linkage: LinkageMotion, made: Build, theta: Floats, angle: Callable[
         rows.append((name, greatest, math.degrees(theta[int(np.abs(load).argmax())])))
     heads = ("joint", "greatest, N", "at, deg")
     tables = [Table("Loads of the joints, without friction", heads, rows)]
-    for cam in linkage.pressed:  # what a spring must give at least, along the follower's motion
+    for cam in by_force(
+        linkage.chain
+    ):  # what a spring must give at least, along the follower's motion
         unit = "N m" if cam.slide is None else "N"
         push = (cam.leaves * forces.contacts[cam.name]).min()
         figures.append(Figure("hold {of}", max(0.0, -float(push)), unit, cam.name))

@@ -44,7 +44,7 @@ from camgen.machines.linkage.weights import counterbalanced, under_faults, weigh
 from camgen.machines.loads.applied import efforts
 from camgen.machines.loads.bearing import LoadCheck
 from camgen.machines.loads.counterweights import Counterweight, balance_of, found_moment
-from camgen.machines.loads.pressed import by_force, pressed
+from camgen.machines.loads.lift_off import by_force, lift_off
 from camgen.machines.loads.tables import Drives
 from camgen.machines.loads.weights import gravity
 from camgen.machines.mechanism import Mechanism, Remarks
@@ -60,13 +60,13 @@ from camgen.parts.generator.beneath import Beneath
 from camgen.parts.generator.bodies import Bodies
 from camgen.parts.generator.changes import Change
 from camgen.parts.generator.coils import coils_of
-from camgen.parts.generator.joined import Fitting
+from camgen.parts.generator.connections import Fitting
 from camgen.parts.generator.joints import part_name, pivot_of
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.mounted import upper_end
 from camgen.parts.generator.posts import posts
 from camgen.parts.generator.sizes import Name, Parts
-from camgen.parts.generator.stacking import first_choice, lacking, laid
+from camgen.parts.generator.stacking import first_choice, lacking, with_levels
 from camgen.parts.generator.trials import with_cures
 from camgen.parts.journals import journals
 from camgen.parts.part import Part
@@ -154,7 +154,7 @@ class Linkage(Mechanism):
     @model_validator(mode="before")
     @classmethod
     def _of_sheet(cls, data: Any) -> Any:
-        return freewheels.filled(sheets.filled(data, "parts"))
+        return freewheels.filled(sheets.filled(data))
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""
@@ -190,7 +190,6 @@ class Linkage(Mechanism):
         found += sheets.faults(
             self.making,
             self.laser,
-            "parts",
             len(self.slides),
             sum(c.closure == "groove" for c in self.cams),
         )
@@ -290,13 +289,13 @@ class Linkage(Mechanism):
         top = max(high for _, high in inc.heights(bare.parts, bare.mounts))
         play = self.print.slide_clearance
         end = upper_end(bare.layout)
-        found = inc.stack(self.includes, self._host, self.chain, top, play, end)
+        modules = inc.stack(self.includes, self._host, self.chain, top, play, end)
         inc.distinct(
-            found,
+            modules,
             bare.parts,
-            lambda: joined(self.chain, {each.module: each.mechanism.model for each in found}),
+            lambda: joined(self.chain, {each.module: each.mechanism.model for each in modules}),
         )
-        return found
+        return modules
 
     @cached_property
     def _fitted(self) -> m.Machine:
@@ -307,7 +306,7 @@ class Linkage(Mechanism):
         return self._weighed_with(bodies, self.sprung)
 
     def _weighed_with(self, bodies: Bodies, springs: Sequence[coils.MountedSpring]) -> m.Machine:
-        machine = bodies.weighed(self._process.density, self.masses)
+        machine = bodies.with_masses(self._process.density, self.masses)
         if self._beneath is not None:
             machine = self._beneath.joined(machine, self._process.density)
         pulls = (each.pull for each in springs)
@@ -355,7 +354,7 @@ class Linkage(Mechanism):
     def _unreturned(self) -> Forces:
         """Of the machine without its return springs, over the turns of its drive."""
         bodies = Bodies(
-            laid(self._layout_with(self._hung), self.run(self.cycle.theta(_SAMPLES), 0))
+            with_levels(self._layout_with(self._hung), self.run(self.cycle.theta(_SAMPLES), 0))
         )
         machine = self._weighed_with(bodies, self._hung)
         own = () if self.load is None else efforts(self.load.on, machine)
@@ -576,7 +575,7 @@ class Linkage(Mechanism):
     def _laid(self) -> tuple[Bodies, complex]:
         run = self.run(self.cycle.theta(_SAMPLES), 0)
         if self.counterweight is None:
-            return Bodies(laid(self._layout, run)), 0j
+            return Bodies(with_levels(self._layout, run)), 0j
         return counterbalanced(
             self.counterweight, self._layout, run, self._process.density, self._weighed
         )
@@ -621,7 +620,7 @@ class Linkage(Mechanism):
                 for each in self.freewheels
                 if (hub := self.making.shape(each.link).hub_diameter)
             },
-            kept=inc.clearings(self.includes, lambda: self._host),
+            keep_outs=inc.clearings(self.includes, lambda: self._host),
             fitting=self.additions.fitting,
         )
 
@@ -694,7 +693,7 @@ class Linkage(Mechanism):
         if not cams or lacking(self._layout) is not None:
             return LoadCheck()
         theta = np.linspace(*self.cycle.range, len(_SAMPLES) + 1)
-        return pressed(self._pulled, cams, self._drawing.kicked(), theta, self.assembly.cycle.name)
+        return lift_off(self._pulled, cams, self._drawing.kicks(), theta, self.assembly.cycle.name)
 
     def remarks(self) -> Remarks:
         """How many links are closed together on what each kind of file shows."""

@@ -18,9 +18,9 @@ _PIN = 4.0  # mm, diameter of the thickest dowels that are taken unasked
 _STEEL = ("dowel", "shoulder")
 
 
-def filled(data: Any, table: str) -> Any:
-    """The tables of a spec with what the sheet decides where `table`, of parts, asks for it and leaves it open."""
-    parts = data.get(table) if isinstance(data, Mapping) else None
+def filled(data: Any) -> Any:
+    """The tables of a spec with what the sheet decides where [parts] asks for it and leaves it open."""
+    parts = data.get("parts") if isinstance(data, Mapping) else None
     if not isinstance(parts, Mapping) or parts.get("make") != "laser":
         return data
     laser = data.get("laser")
@@ -40,58 +40,56 @@ def filled(data: Any, table: str) -> Any:
         "head": min(_HEAD, thickness),
         "pin_diameter": max((wide for wide in dowels if wide <= _PIN), default=_PIN),
     }
-    return {**data, table: {**of_sheet, **parts}}
+    return {**data, "parts": {**of_sheet, **parts}}
 
 
-def faults(
-    sizes: Parts, laser: Laser | None, table: str, slides: int = 0, grooves: int = 0
-) -> list[Fault]:
+def faults(sizes: Parts, laser: Laser | None, slides: int = 0, grooves: int = 0) -> list[Fault]:
     """What no layers of sheet can be; slides, grooves: how many there are."""
     if sizes.make != "laser":
         return []
     if laser is None:
         right = "a table [laser] beside it: kerf, thickness, sheet, gap"
-        return [Fault((table, "make"), "'laser'", right)]
+        return [Fault(("parts", "make"), "'laser'", right)]
     same = f"{laser.thickness:g}, as thick as laser.thickness: all is cut of one sheet"
     thicknesses: dict[Key, float | None] = {
-        (table, "thickness"): sizes.thickness,
-        (table, "base_thickness"): sizes.base_thickness,
-        **{(table, link, "thickness"): shape.thickness for link, shape in sizes.shapes.items()},
+        ("parts", "thickness"): sizes.thickness,
+        ("parts", "base_thickness"): sizes.base_thickness,
+        **{("parts", link, "thickness"): shape.thickness for link, shape in sizes.shapes.items()},
     }
     kinds: dict[Key, str] = {
-        (table, "pin"): sizes.pin,
-        **{(table, "pins", point): kind for point, kind in sizes.pins.items()},
+        ("parts", "pin"): sizes.pin,
+        **{("parts", "pins", point): kind for point, kind in sizes.pins.items()},
     }
     bought = '"dowel" or "shoulder": with make = "laser" pins are bought'
     others: list[tuple[bool, Key, str, str]] = [
         (
             sizes.shaft_made != "steel",
-            (table, "shaft_made"),
+            ("parts", "shaft_made"),
             repr(sizes.shaft_made),
             '"steel": no sheet is a shaft',
         ),
         (
             sizes.motor != "none",
-            (table, "motor"),
+            ("parts", "motor"),
             repr(sizes.motor),
             '"none": the heads of its screws lie in pockets of the plate, and a laser cuts none',
         ),
         (
             sizes.plates > 1,
-            (table, "plates"),
+            ("parts", "plates"),
             f"{sizes.plates}",
             "1: a second one is screwed on printed posts, heads in pockets",
         ),
         (
             sizes.shaft != "through",
-            (table, "shaft"),
+            ("parts", "shaft"),
             repr(sizes.shaft),
             '"through": crank pins with flats are printed',
         ),
         (
             slides > 0,
             ("slide",),
-            f"{slides} with {table}.make = 'laser'",
+            f"{slides} with parts.make = 'laser'",
             "slots and pins in place of it, of a cam a follower that swings: rails stand on plates, and no sheet does",
         ),
         (

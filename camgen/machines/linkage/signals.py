@@ -36,14 +36,14 @@ class Signal:
 
 def signals_of(machine: Machine) -> tuple[Signal, ...]:
     """What the outputs of a machine give, as single numbers."""
-    found = []
+    signals = []
     for output in machine.outputs:
         if isinstance(output.of, Path):
-            found += [
+            signals += [
                 Signal(f"{output.name}_x", "mm", output.name),
                 Signal(f"{output.name}_y", "mm", output.name, 1j),
             ]
         else:
             unit = "deg" if isinstance(output.of, Angle) else "mm"
-            found.append(Signal(output.name, unit, output.name))
-    return tuple(found)
+            signals.append(Signal(output.name, unit, output.name))
+    return tuple(signals)

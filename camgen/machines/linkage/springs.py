@@ -20,10 +20,10 @@ from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.drawing import RETURN, Drawing
 from camgen.machines.return_spring import ReturnSpring
 from camgen.parts.catalogue import Bought
-from camgen.parts.generator.joined import StretchedSpring
+from camgen.parts.generator.connections import StretchedSpring
 from camgen.parts.generator.sizes import Parts
 from camgen.parts.generator.wheels import pivot, tips
-from camgen.parts.springs import EYE, ExtensionSpring, Mounted, extension_spring
+from camgen.parts.springs import EYE, ExtensionSpring, WorkingSpring, extension_spring
 from camgen.spec import unknown
 
 
@@ -32,6 +32,7 @@ class MountedSpring:
     """A spring in its machine."""
 
     name: str
+    figure: str  # how the names of its figures begin
     ends: tuple[tuple[str, str], tuple[str, str]]  # body and point of each
     pull: m.Spring  # as a load
     spring: ExtensionSpring
@@ -44,12 +45,6 @@ class MountedSpring:
         """What it takes up."""
         return StretchedSpring(*self.ends, self.spring.outside, self.spring.wire)
 
-    @property
-    def figure(self) -> str:
-        """How the names of its figures begin."""
-        known = self.name.startswith(("spring", RETURN))
-        return self.name if known else f"spring_{self.name}"
-
     def forces(self) -> tuple[float, float]:
         """Its least and greatest pull, N."""
         least, most = (
@@ -61,10 +56,10 @@ class MountedSpring:
         """Its shortest and longest inside its eyes, mm; pin: diameter, mm."""
         return self.shortest + pin, self.longest + pin
 
-    def mounted(self, pin: float, on_cam: bool) -> Mounted:
+    def mounted(self, pin: float, on_cam: bool) -> WorkingSpring:
         """Where it works; pin: diameter, mm; on_cam: whether it keeps a follower on its cam."""
         name = "spring" if self.name == RETURN else self.figure
-        return Mounted(self.spring, *self.way(pin), on_cam=on_cam, name=name)
+        return WorkingSpring(self.spring, *self.way(pin), on_cam=on_cam, name=name)
 
     def bought(self, pin: float) -> Bought:
         """Its line in the list of parts; pin: diameter, mm."""
@@ -108,7 +103,7 @@ class Returning:
         shortest, longest = (length - pin for length in self.spring.way)
         note = "" if self.spring.given else f"; {self.spring.of_a_shop(least)}"
         ends = ((m.GROUND, self.post), (self.cam.follower, self.hook))
-        return MountedSpring(self.name, ends, pull, spring, shortest, longest, note)
+        return MountedSpring(self.name, self.name, ends, pull, spring, shortest, longest, note)
 
 
 def returning(machine: m.Machine, drawing: Drawing, sizes: Parts, play: float) -> list[Returning]:
@@ -126,7 +121,7 @@ def returning(machine: m.Machine, drawing: Drawing, sizes: Parts, play: float) -
 
 def mounted(
     sprung: Sequence[MountedSpring], cams: Sequence[m.Cam], pin: float
-) -> dict[str, Mounted]:
+) -> dict[str, WorkingSpring]:
     """Where they work, by their names in findings; cams: that only a force keeps closed; pin: diameter, mm."""
     followers = {cam.follower for cam in cams}
     return {
@@ -221,9 +216,9 @@ def _mounted(spec: t.Spring, name: str, run: Run, sizes: Parts) -> MountedSpring
             remedy,
         ).saying(f"{said}{longest:.4g} mm")
     a, b = (m.Place(body, complex(run.machine.body(body).points[point])) for body, point in ends)
-    return MountedSpring(
-        name, (ends[0], ends[1]), m.Spring(name, a, b, spec.rate, free), spring, shortest, longest
-    )
+    figure = f"spring_{spec.name}" if spec.name else name
+    pull = m.Spring(name, a, b, spec.rate, free)
+    return MountedSpring(name, figure, (ends[0], ends[1]), pull, spring, shortest, longest)
 
 
 def _carrier(machine: m.Machine, point: str) -> str:

@@ -19,7 +19,7 @@ from camgen.parts.generator.bodies import Bodies
 from camgen.parts.generator.joints import pivot_of
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.sizes import Parts
-from camgen.parts.generator.stacking import laid
+from camgen.parts.generator.stacking import with_levels
 from camgen.parts.generator.wheels import Wheel
 
 # of layouts; mm, change of the radius that is none
@@ -67,10 +67,12 @@ def counterbalanced(
     """
     link = layout.driven
     under = layout.given.get(NAME) == 0
-    bodies = Bodies(laid(layout, run), under=0.0 if under else None)
+    bodies = Bodies(with_levels(layout, run), under=0.0 if under else None)
     radius = 0.0
     for _ in range(_PASSES):
-        whole = spec.given or spec.whole(weighed(bodies), link, pivot_of(bodies.layout, link))
+        pivot = pivot_of(bodies.layout, link)
+        given = spec.given
+        whole = spec.best(weighed(bodies), link, pivot) if given is None else given
         at = bodies.layout.at(link, bodies.layout.shaft_of(link))
         own = first_moment(link, at, bodies.solids(density))
         seat = ShaftSeat(
@@ -88,7 +90,7 @@ def counterbalanced(
         if placed and abs(reach - radius) <= _SAME:
             break
         radius = reach
-        given = bodies.layout.given if placed else layout.given
+        levels = bodies.layout.given if placed else layout.given
         wheel = Wheel(NAME, link, radius + _ROOM, NAME, part.thickness)
-        bodies = Bodies(laid(replace(layout, weights=(wheel,), given=given), run))
+        bodies = Bodies(with_levels(replace(layout, weights=(wheel,), given=levels), run))
     return Bodies(bodies.layout, (part, pins)), whole

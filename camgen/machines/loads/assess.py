@@ -67,7 +67,7 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
         return Assessment(reach.findings, study, left_out)
     theta = np.linspace(*assembly.cycle.range, _MANY if len(machine.bodies) <= _BODIES else _FEW)
     journals = assembly.journals
-    run = solve(with_friction(machine, journals, load), theta)
+    run = solve(with_friction(machine, journals, load, mechanism.material.name), theta)
     forces = run.forces()
     # friction may spare a pin, and may be less than its table says
     smooth = solve(machine, theta).forces()
@@ -78,7 +78,7 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
     )
     pins = bearing.plain_bearings(run, on_pins, journals, assembly.limits_of, load)
     posts = bearing.bent_posts(on_pins, assembly.posts, assembly.limits_of, not machine.loads)
-    cams = bearing.contacts(run, forces, assembly)
+    cams = bearing.contacts(run, forces, assembly, load)
     lives = {each.code for check in (pins, cams) for each in check.findings}
     lives |= {each.code for check in (pins, cams) for each in check.not_judged}
     asked = any(assembly.limits_of(joint.name).bearing_life is not None for joint in machine.joints)
@@ -86,7 +86,11 @@ def assess(mechanism: Mechanism, model: Machine | None = None) -> Assessment:
         why = "no ball bearing of the machine is loaded"
         cams.not_judged.append(NotJudged("BEARING_LIFE", why, "a ball bearing"))
     torque = drive.torque(
-        run, forces, motor, lambda: locking_friction(machine, journals, load, theta)
+        run,
+        forces,
+        motor,
+        assembly.cycle.name,
+        lambda: locking_friction(machine, journals, load, mechanism.material.name, theta),
     )
     hub = drive.hub_slip(
         assembly.motor.hub,

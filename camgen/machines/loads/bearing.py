@@ -15,6 +15,7 @@ import numpy as np
 
 from camgen.findings import Finding, NotJudged, Where, at_least, at_most
 from camgen.machine import strength
+from camgen.machine.features import CamOutline
 from camgen.machine.flywheel import mean_torque
 from camgen.machine.forces import Forces
 from camgen.machine.friction import circle
@@ -26,9 +27,10 @@ from camgen.machines.loads.tables import Weight
 from camgen.numerics import Floats
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly
-from camgen.parts.catalogue import BEARINGS, Bearing
+from camgen.parts.catalogue import BEARINGS, CAM_FOLLOWERS, Bearing, CamFollower
 from camgen.parts.journals import Journal, MaterialLimits, Post
 from camgen.study import Figure, Plot, Table
+from camgen.tolerances import SAME_POINT
 
 _RATED = tuple(each.name for each in BEARINGS.values() if each.rating)
 
@@ -47,10 +49,10 @@ class LoadCheck:
 
 @dataclass(frozen=True)
 class BallLoad:
-    """A ball bearing at work."""
+    """A rolling bearing at work."""
 
     joint: str
-    bearing: Bearing
+    bearing: Bearing | CamFollower
     force: Floats  # N, (n,) over theta
     turning: Any  # rad/s, (n,) or one number
     name: str = "ball bearing"
@@ -115,6 +117,9 @@ def plain_bearings(
         return check
     worst, slides = max(plain, key=lambda each: each[1].pv / (limits(each[0].joint).pv or usual))
     limit = limits(worst.joint).pv
+    if limit is None and not materials.of(worst.hole).printed:
+        why = f"{slides.pv:.3g} MPa m/s in {worst.joint}; what {worst.hole} bears depends on oil and on its shaft"
+        check.not_judged.append(NotJudged("PV", why, "limits.pv_mpa_m_s"))
     remark = f"{slides.power:.3g} W of heat at a friction of {coefficient(worst, load):g}"
     remark += (
         f"; limits.pv_mpa_m_s; a plastic made for bearings bears {usual:g} dry"
@@ -125,7 +130,8 @@ def plain_bearings(
     )
     size = f"{worst.diameter:g} x {worst.length:.4g} mm"
     where = Where(f"pin {worst.joint}, {size}", joint=worst.joint)
-    check.findings.append(at_most("PV", slides.pv, limit or usual, "MPa m/s", where, remark))
+    if limit or materials.of(worst.hole).printed:
+        check.findings.append(at_most("PV", slides.pv, limit or usual, "MPa m/s", where, remark))
     heads = (
         "pin",
         "diameter, mm",
@@ -178,15 +184,16 @@ def bent_posts(
     return LoadCheck([pin.finding() for pin in pins], pins=pins)
 
 
-def contacts(run: Run, forces: Forces, assembly: Assembly) -> LoadCheck:
+def contacts(run: Run, forces: Forces, assembly: Assembly, load: Weight | None) -> LoadCheck:
     """HERTZ of every cam that says how it is touched, and BEARING_LIFE of a roller.
 
-    A tip that is no bearing is of the cam's own plastic.
+    A tip that is no bearing is of the cam's own material.
     """
     check = LoadCheck()
     theta = run.theta
-    roller = assembly.follower.roller
-    own = materials.of(assembly.process.plastic)
+    named = None if load is None or load.cam_follower is None else CAM_FOLLOWERS[load.cam_follower]
+    roller = assembly.follower.roller or named
+    own = materials.of(assembly.process.material)
     tip = materials.STEEL if roller else own
     for joint in run.machine.joints:
         outline = assembly.outlines.get(joint.name)
@@ -205,8 +212,10 @@ def contacts(run: Run, forces: Forces, assembly: Assembly) -> LoadCheck:
             check.not_judged.append(NotJudged("HERTZ", why, "a roller or a flat face"))
             continue
         part = assembly.by_name[outline.part]
-        layer = part.layers[part.cut]
+        layer = part.layers[part.drawn_layer]
         length = layer.z1 - layer.z0
+        if named is not None:
+            length = min(length, named.width)
         angle = _angle(run, joint.cam) - joint.phase
         first = forces.contacts[joint.name] * joint.leaves >= 0
         pressure = np.zeros(len(theta))
@@ -224,13 +233,12 @@ def contacts(run: Run, forces: Forces, assembly: Assembly) -> LoadCheck:
             pressure = np.fmax(pressure, line)
         worst = int(np.nanargmax(pressure))
         most = float(pressure[worst])
-        limit = limits.hertz or strength.YIELDS * materials.STRONGEST
-        by = (
-            "limits.hertz_mpa"
-            if limits.hertz
-            else f"no limit is published for prints of {own.name}: beyond this the strongest printed plastic flows (PC, "
-            f"{materials.STRONGEST:g} MPa in its plane, 1.79 times that in a line contact)"
-        )
+        limit = limits.hertz or own.hertz
+        by = "limits.hertz_mpa" if limits.hertz else own.hertz_source
+        check.figures.append(Figure("hertz pressure {of}", most, "MPa", joint.name))
+        curve = [("line contact", np.degrees(theta), pressure)]
+        title = f"Hertz pressure, {joint.name}"
+        check.plots.append(Plot(title, f"{assembly.cycle.name}, deg", "MPa", curve))
         remark = (
             f"by {force[worst]:.4g} N on a line of {length:.4g} mm, {tip.name} on {own.name}; {by}; "
             "the ends of the line press harder still: round them"
@@ -242,12 +250,16 @@ def contacts(run: Run, forces: Forces, assembly: Assembly) -> LoadCheck:
             theta=float(theta[worst]),
             digits=1,
         )
-        check.findings.append(at_most("HERTZ", most, limit, "MPa", where, remark))
-        check.figures.append(Figure("hertz pressure {of}", most, "MPa", joint.name))
-        curve = [("line contact", np.degrees(theta), pressure)]
-        title = f"Hertz pressure, {joint.name}"
-        check.plots.append(Plot(title, "cam angle, deg", "MPa", curve))
-        if roller is not None:  # it turns as far as the cam's profile is long
+        if limit is None:
+            why = f"{most:.4g} MPa at {joint.name}, and no limit is published for {own.name}"
+            check.not_judged.append(NotJudged("HERTZ", why, "limits.hertz_mpa"))
+        else:
+            check.findings.append(at_most("HERTZ", most, limit, "MPa", where, remark))
+        if roller is None:
+            continue
+        if roller is named and (misfit := _misfit(named, outline, joint)):
+            check.not_judged.append(NotJudged("BEARING_LIFE", *misfit))
+        else:  # it turns as far as the cam's profile is long
             profile, _ = joint.touches[0](angle)
             turns = float(np.sum(np.abs(np.diff(profile)))) / (math.pi * roller.outside)
             turning = turns * math.tau * run.machine.speed / float(np.ptp(theta))
@@ -256,13 +268,25 @@ def contacts(run: Run, forces: Forces, assembly: Assembly) -> LoadCheck:
     return check
 
 
+def _misfit(follower: CamFollower, outline: CamOutline, joint: Cam) -> tuple[str, str] | None:
+    """Why a bought cam follower cannot be the roller of a joint, and what would be right; None where it can."""
+    if outline.roller is not None:
+        why = f"the roller at {joint.name} is a made part, not a {follower.name}"
+        return why, "no load.cam_follower, or cams alone"
+    radius = _tip_radius(joint.touches[0])
+    if abs(radius - follower.outside / 2) > SAME_POINT:
+        why = f"{follower.name} has a radius of {follower.outside / 2:g} mm, the tip at {joint.name} {radius:g}"
+        return why, f"a tip of {follower.outside / 2:g} mm, or another load.cam_follower"
+    return None
+
+
 def _tip_radius(touch: Any) -> float:
     """Radius of the tip that touches a cam, mm; inf of a face."""
     return float(getattr(touch.cam.follower, "tip_radius", math.inf))
 
 
 def _bearing_life(check: LoadCheck, load: BallLoad, least: float | None) -> None:
-    """BEARING_LIFE of a ball bearing; one that goes to and fro wears by the way that it goes. least: limit of the spec, h."""
+    """BEARING_LIFE of a rolling bearing; one that goes to and fro wears by the way that it goes. least: limit of the spec, h."""
     bearing = load.bearing
     if not bearing.rating:
         if least is not None:
@@ -271,10 +295,10 @@ def _bearing_life(check: LoadCheck, load: BallLoad, least: float | None) -> None
             check.not_judged.append(NotJudged("BEARING_LIFE", why, needs))
         return
     turning = np.abs(load.turning) + np.zeros(len(load.force))
-    mean = strength.cubic_mean(np.maximum(load.force, 0.0), turning)
+    mean = strength.mean_load(np.maximum(load.force, 0.0), turning, bearing.exponent)
     rate = float(np.mean(turning)) / math.tau
-    hours = strength.bearing_life(1e3 * bearing.rating, mean) / rate / 3600 if rate else math.inf
-    hours = min(hours, 1e9)
+    turns = strength.bearing_life(1e3 * bearing.rating, mean, bearing.exponent)
+    hours = min(turns / rate / 3600 if rate else math.inf, 1e9)
     check.figures.append(Figure("bearing life {joint}", hours, "h", joint=load.joint))
     if least is not None:
         remark = f"{bearing.name}, C = {bearing.rating:g} kN, under a mean of {mean:.4g} N; nine of ten reach it"

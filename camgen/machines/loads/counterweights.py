@@ -28,10 +28,11 @@ from camgen.machine.run import solve
 from camgen.machines.loads.tables import Direction
 from camgen.numerics import peak
 from camgen.parts.assembly import Assembly
-from camgen.parts.catalogue import CUT, STEEL
+from camgen.parts.catalogue import CUT
 from camgen.parts.counterweights import NAME, Sector, counterweight
 from camgen.parts.hardware import FACETS
 from camgen.parts.inertia import Solids, centre_of
+from camgen.parts.materials import STEEL
 from camgen.parts.part import Layer, Part
 from camgen.spec import Length, Print, Record, quantity
 from camgen.study import Figure, Figures, Plot, Study, Table
@@ -104,14 +105,12 @@ class Counterweight(Record):
             return None
         return cmath.rect(self.moment_g_mm, math.radians(self.at_deg))
 
-    def whole(self, machine: Machine, link: str, pin: str) -> complex:
-        """The moment of all that turns with the crank, complex g mm in its axes: as given, or the best for this machine.
+    def best(self, machine: Machine, link: str, pin: str) -> complex:
+        """The best moment of all that turns with the crank, complex g mm in its axes, for this machine.
 
         machine: with the masses of what else moves; link, pin: the crank and its joint with the ground. DesignError where it
         does not turn evenly.
         """
-        if self.given is not None:
-            return self.given
         light = [
             replace(body, mass=0.0, inertia=0.0) if body.name == link else body
             for body in machine.bodies
@@ -159,7 +158,7 @@ class Counterweight(Record):
         wanted: moment of all parts that turn with the crank; own: that of those that there are without it, complex g mm.
         density: of what is printed, kg/m^3.
         """
-        of_sector = (1e3 * STEEL if self.made == "steel" else density) * 1e-6  # g/mm^3
+        of_sector = (1e3 * STEEL.density if self.made == "steel" else density) * 1e-6  # g/mm^3
         thickness = self.thickness or seat.thickness
         disc = Part(NAME, "", (Layer(Region(circle(0j, seat.hub), (seat.bore,)), 0.0, thickness),))
         sector = Sector(
@@ -170,7 +169,7 @@ class Counterweight(Record):
             self.pins,
             self.pin_diameter,
             seat.fits.press_clearance,
-            STEEL * 1e-3,
+            STEEL.density * 1e-3,
             max(seat.min_wall, seat.fits.nozzle) + 2 * FACETS,
         )
         made = "printed" if self.made == "printed" else CUT
@@ -198,7 +197,7 @@ def balance_of(body: str, joint: str, about: complex, moment: complex, solids: S
     density = {
         part.name: 1e-6 * solids.density_of(part) for part in solids.parts if part.name in parts
     }
-    weights = [part for part in solids.parts if part.name.startswith(NAME)]
+    weights = [part for part in solids.parts if part.role == "counterweight"]
     own = first_moment(body, about, replace(solids, parts=weights))
     return Balance(body, joint, about, moment, density, _SHARE * max(abs(moment), abs(own)))
 

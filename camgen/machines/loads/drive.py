@@ -17,7 +17,7 @@ from camgen.machines.loads.tables import Drives
 from camgen.numerics import Floats, peak
 from camgen.parts import materials
 from camgen.parts.assembly import MotorSeat
-from camgen.parts.motors import SHAFTS, STEPPERS, Motor
+from camgen.parts.motors import GEARED, SHAFTS, STEPPERS, Motor
 from camgen.parts.set_screws import HOLDS, TURNED, SetScrewHub
 from camgen.study import Figure, Plot
 
@@ -31,6 +31,10 @@ def motor_of(drives: Drives | None) -> Motor | None:
     """What the motor can give; None where the spec says nothing of it."""
     if drives is None:
         return None
+    if drives.model in GEARED:
+        row = GEARED[drives.model]
+        said = f"{row.model} at {row.volts:g} V, from {row.stall:.3g} N m at stall to {row.no_load_rpm:.3g} rpm without load"
+        return Motor(row.stall, row.no_load_rpm * math.tau / 60, said)
     if drives.model is not None:
         said = f"{drives.model} holds so much and gives less as it turns"
         return Motor(STEPPERS[drives.model].holding, said=said)
@@ -73,11 +77,15 @@ def reach(drives: Drives | None, seat: MotorSeat) -> LoadCheck:
 
 
 def torque(
-    run: Run, forces: Forces, drives: Drives | None, locking: Callable[[], str] = str
+    run: Run,
+    forces: Forces,
+    drives: Drives | None,
+    angle: str = "crank angle",
+    locking: Callable[[], str] = str,
 ) -> LoadCheck:
     """SELF_LOCKING, torque, power and evenness of the machine's drives, which are one shaft: seen from the first of them.
 
-    locking: of a machine that locks says by which friction, and which it would bear.
+    angle: what theta is called; locking: of a machine that locks says by which friction, and which it would bear.
     """
     check = LoadCheck()
     speed = run.machine.speed
@@ -131,7 +139,7 @@ def torque(
     degrees = np.degrees(theta)
     curves = [("with friction", degrees, needed), ("without", degrees, smooth)]
     title = "Torque that the motor gives, with friction in the joints and without"
-    check.plots.append(Plot(title, "angle of the drive, deg", "N m", curves))
+    check.plots.append(Plot(title, f"{angle}, deg", "N m", curves))
     fluctuation = None if drives is None else drives.fluctuation
     swing = min(1.0, flywheel.fluctuation_of(energy, inertia, speed)) if energy else 0.0
     if flywheel_given or fluctuation:

@@ -18,7 +18,7 @@ from camgen.machine.friction import smooth
 from camgen.machine.model import MM, Cam, Law, Machine, Turning
 from camgen.machine.run import Run, solve
 from camgen.machines.loads.bearing import LoadCheck
-from camgen.machines.loads.pressed import slow
+from camgen.machines.loads.lift_off import slow
 from camgen.machines.loads.tables import Weight
 from camgen.motion.laws import LAWS
 from camgen.motion.program import Program
@@ -27,7 +27,7 @@ from camgen.study import Figure, Plot, Table
 
 if TYPE_CHECKING:
     from camgen.machine.cams.dynamics import Elastic
-    from camgen.parts.springs import Mounted
+    from camgen.parts.springs import WorkingSpring
 
 # times the cam's turns, that a spring's own frequency is to be; 15 to 20 is usual advice
 _SURGE = 15.0
@@ -127,7 +127,7 @@ def in_dwells(program: Program, angle: Floats) -> Any:
 
 
 @dataclass(frozen=True)
-class Displaced:
+class PerturbedLaw:
     """A law of which one derivative is larger by a constant."""
 
     law: Law
@@ -150,7 +150,7 @@ def restraint(run: Run, cam: Cam) -> tuple[float, float]:
     size = _STEP * float(np.ptp(cam.law(run.angle(cam.cam)[0] - cam.phase, 0)))
 
     def exerted(order: int, by: float, machine: Machine) -> Floats:
-        moved = replace(cam, law=Displaced(cam.law, order, by), friction=0.0)
+        moved = replace(cam, law=PerturbedLaw(cam.law, order, by), friction=0.0)
         joints = tuple(moved if each.name == cam.name else each for each in machine.joints)
         return solve(replace(machine, joints=joints), run.theta).forces().contacts[cam.name]
 
@@ -205,7 +205,7 @@ def _laws(program: Program | None, model: Elastic, speed: float) -> list[Table]:
     return [Table(title, ("law", "vibration left, % of the lift", ""), rows)]
 
 
-def springs(mounted: Mapping[str, Mounted], speed: float) -> LoadCheck:
+def springs(mounted: Mapping[str, WorkingSpring], speed: float) -> LoadCheck:
     """SPRING_STRESS of each spring, SURGE of what holds a follower on its cam; by their names; speed: rad/s."""
     check = LoadCheck()
     names = set[str]()

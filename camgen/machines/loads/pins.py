@@ -53,7 +53,7 @@ class PinLoad:
         shaft = self.journal.shaft
         return (
             limit is not None
-            and shaft != materials.STEEL.name
+            and materials.of(shaft).printed
             and materials.of(shaft).bears < self.stress <= limit
         )
 
@@ -98,15 +98,14 @@ def overstated(pins: Sequence[PinLoad]) -> tuple[str, ...]:
 
 def stronger(limits: MaterialLimits, pin: Journal) -> str:
     """What makes a pin or a shaft bear more, by the keys that its table of sizes has."""
-    table = limits.table
     keys = limits.keys
     diameter = _DIAMETER.get(pin.role, "")
-    wide = f" ({table}.{diameter})" if diameter in keys else ""
-    if pin.shaft == materials.STEEL.name:
+    wide = f" (parts.{diameter})" if diameter in keys else ""
+    if not materials.of(pin.shaft).printed:
         return f"make it thicker{wide} or shorter"
     steel = f" and say so (limits.pin_stress_mpa = {_STEEL})"
     for key, value in _STEEL_BY.get(pin.role, {}).items():
         if key in keys:
-            steel = f' ({table}.{key} = "{value}")'
+            steel = f' (parts.{key} = "{value}")'
             break
     return f"make it thicker{wide} or shorter, or of steel{steel}"

@@ -24,21 +24,25 @@ def coefficient(journal: Journal, load: Weight | None) -> float:
     if journal.ball:
         return materials.FRICTION_BALL
     if journal.slot or (load is not None and load.friction is not None):
-        return guide(load)
-    steel = "steel" in (journal.shaft, journal.hole)
-    return materials.FRICTION_STEEL if steel else materials.FRICTION_PRINTED
+        return guide(load, journal.hole)
+    return materials.friction_of(journal.shaft, journal.hole)
 
 
-def guide(load: Weight | None) -> float:
-    """Of slides and slots: that of the spec, or of printed plastic."""
-    return materials.FRICTION_PRINTED if load is None or load.friction is None else load.friction
+def guide(load: Weight | None, own: str) -> float:
+    """Of slides and slots: that of the spec, or of the machine's own material on itself."""
+    return (
+        materials.friction_of(own, own) if load is None or load.friction is None else load.friction
+    )
 
 
 def with_friction(
-    machine: Machine, journals: Mapping[str, Journal], load: Weight | None
+    machine: Machine, journals: Mapping[str, Journal], load: Weight | None, own: str
 ) -> Machine:
-    """The machine with friction in its pins, as far as their bearings are known, its guides and its cams' contacts."""
-    guides = guide(load)
+    """The machine with friction in its pins, as far as their bearings are known, its guides and its cams' contacts.
+
+    own: the material that it is made of.
+    """
+    guides = guide(load, own)
     touching = 0.0 if load is None else load.contact_friction
     joints: list[Joint] = []
     for joint in machine.joints:
@@ -56,18 +60,18 @@ def with_friction(
 
 
 def locking_friction(
-    machine: Machine, journals: Mapping[str, Journal], load: Weight | None, theta: Floats
+    machine: Machine, journals: Mapping[str, Journal], load: Weight | None, own: str, theta: Floats
 ) -> str:
     """Of a machine that friction locks somewhere at theta, (n,) rad: with which coefficients, and which it would bear."""
     used = {coefficient(journal, load) for journal in journals.values() if not journal.ball}
     if any(isinstance(joint, Slide | Slot) for joint in machine.joints):
-        used.add(guide(load))
+        used.add(guide(load, own))
     low = 0.0
     high = max(used)
     while high - low > _STEP:
         mu = (low + high) / 2
         trial = (load or Weight()).model_copy(update={"friction": mu})
-        locks = solve(with_friction(machine, journals, trial), theta).forces().locks
+        locks = solve(with_friction(machine, journals, trial, own), theta).forces().locks
         low, high = (low, mu) if np.any(locks) else (mu, high)
     given = load is not None and load.friction is not None
     by = "load.friction" if given else "usual for its materials"

@@ -13,7 +13,23 @@ from camgen.parts.journals import MaterialLimits
 from camgen.spec import Length, Record, quantity
 
 Positive = Annotated[float, Field(gt=0, le=1e6)]
-Model = Literal["42STH48-2004AC", "42STH40-1004A", "42STH20", "35STH48", "17HS19-2004S1", "17HS24"]
+Model = Literal[
+    "42STH48-2004AC",
+    "42STH40-1004A",
+    "42STH20",
+    "35STH48",
+    "17HS19-2004S1",
+    "17HS24",
+    "28BYJ-48",
+    "TT-1:48",
+    "N20-100:1",
+    "N20-298:1",
+    "SG90",
+    "MG90S",
+]
+CamFollowerName = Literal[
+    "KR16", "KR19", "KR22", "KR26", "KR30", "KR32", "KR35", "KR40", "KR47", "KR52"
+]
 Direction = Annotated[float, quantity("deg", ge=-360, le=360)]
 
 
@@ -25,7 +41,7 @@ class Drives(Record):
     )
     model: Model | None = Field(
         default=None,
-        description="or a stepper of the catalogue, by its holding torque: see camgen schema",
+        description="or one of the catalogue: stepper, TT or N20 gearmotor, servo; see camgen schema",
     )
     stall_torque_n_m: Annotated[Positive, quantity("N m")] | None = Field(
         default=None,
@@ -79,11 +95,15 @@ class Weight(Record):
     )
     friction: Annotated[float, quantity("1", ge=0, le=3)] | None = Field(
         default=None,
-        description="coefficient of pins and guides; left out: 0.7 of two prints, 0.2 with steel, 0.0015 "
-        "of ball bearings",
+        description="coefficient of pins and guides; left out: 0.7 of prints, 0.42 of metals, 0.2 of both, "
+        "0.0015 of ball bearings",
     )
     contact_friction: Annotated[float, quantity("1", ge=0, le=3)] = Field(
         default=0.0, description="coefficient of what slides on a cam"
+    )
+    cam_follower: CamFollowerName | None = Field(
+        default=None,
+        description='bought roller on the cams, "KR16" to "KR52" by its diameter: listed, its life judged',
     )
     on: Annotated[tuple[Applied, ...], Field(max_length=100)] = Field(
         default=(),
@@ -113,14 +133,13 @@ class LimitsTable(Record):
         default=None, description="that a roller's ball bearing has to run; not judged unless given"
     )
 
-    def of_parts(self, table: str, sizes: Record | None) -> MaterialLimits:
-        """As data, with the keys of the table of sizes that says what pins are made of."""
+    def of_parts(self, sizes: Record | None) -> MaterialLimits:
+        """As data, with the keys of [parts], which says what pins are made of."""
         return MaterialLimits(
             self.hertz_mpa,
             self.pv_mpa_m_s,
             self.pin_stress_mpa,
             self.bearing_life_h,
-            table,
             frozenset() if sizes is None else frozenset(type(sizes).model_fields),
         )
 

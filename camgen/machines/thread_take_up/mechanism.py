@@ -197,7 +197,7 @@ class ThreadTakeUp(Template):
         """Feed (mm) or its derivative to theta, (n,)."""
         return self.take_up.feed(theta, order)
 
-    def asked(self) -> tuple[Demand, ...]:
+    def demands(self) -> tuple[Demand, ...]:
         """The feed."""
         return (Demand("feed", self.motion, stroke=True, lash=self.allowed.lash),)
 
@@ -227,17 +227,17 @@ class ThreadTakeUp(Template):
             "Grashof margin of the lengths; within the play of the four joints (half of it each) the chain could fold and "
             "go on the wrong way"
         )
-        found = [at_least("FOLD_MARGIN", margin, play, "mm", Where("lengths"), said)]
+        findings = [at_least("FOLD_MARGIN", margin, play, "mm", Where("lengths"), said)]
         for name, (gap, theta) in self._gaps(t, _TURN).items():
             where = Where(name, theta=theta, angle="crank angle", digits=2)
             said = "least over the turn, by joints without play; under 0 they overlap"
-            found.append(at_least("GAP", gap, self.allowed.gap, "mm", where, said))
+            findings.append(at_least("GAP", gap, self.allowed.gap, "mm", where, said))
         if self.masses is not None and self.motor is not None:
             thick = p.shaft_diameter - p.shaft_flat
             made = "printed" if p.pins == "printed" else "steel"
-            found.append(shaft_stress(t, self.masses, self.motor.speed_rpm, made, thick))
+            findings.append(shaft_stress(t, self.masses, self.motor.speed_rpm, made, thick))
         if self.consumption is not None:
-            found += self.consumption.findings(t, self.allowed.excess)
+            findings += self.consumption.findings(t, self.allowed.excess)
         values = self._values(t)
         for wish in self._wishes():
             value = values[wish.name]
@@ -246,8 +246,8 @@ class ThreadTakeUp(Template):
             off = abs(wish.miss(value)) * wish.tolerance
             code = wish.name.upper()
             where = Where("wanted")
-            found.append(at_most(code, off, wish.tolerance, wish.unit, where, said))
-        return found
+            findings.append(at_most(code, off, wish.tolerance, wish.unit, where, said))
+        return findings
 
     @cached_property
     def _hubs(self) -> Mapping[str, Sequence[tuple[complex, float]]]:

@@ -150,21 +150,21 @@ class Consumption(Record):
 
     def faults(self) -> list[Fault]:
         """What is wrong between the two lists."""
-        found = []
+        faults = []
         if any(b <= a for a, b in zip(self.angles_deg, self.angles_deg[1:], strict=False)):
-            found.append(
+            faults.append(
                 Fault(("consumption", "angles_deg"), "", "angles that grow from one to the next")
             )
         if len(self.angles_deg) != len(self.length_mm):
             count = f"{len(self.length_mm)} lengths"
-            found.append(
+            faults.append(
                 Fault(
                     ("consumption", "length_mm"),
                     count,
                     f"as many as angles_deg, {len(self.angles_deg)}",
                 )
             )
-        return found
+        return faults
 
     def at(self, theta: Floats) -> Floats:
         """Length at theta, (n,) mm."""

@@ -52,7 +52,7 @@ class CamPlate:
     def _placed(self) -> tuple[complex, float]:
         """Place of one pin hole and the wall that both keep."""
         p = self.sizes.making
-        if p.make == "machine" and p.pin_diameter:
+        if p.make == "printed" and p.pin_diameter:
             return self.room.pins(self.rim)
         return Pins(p.pin_diameter, p.reach, p.wall, self.sizes.min_wall).placed(self.rim)
 

@@ -16,7 +16,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -49,6 +49,7 @@ from camgen.machines.uniform_swing.study import (
     sketches,
 )
 from camgen.machines.uniform_swing.tables import (
+    OLD_WORDS,
     BaseTable,
     ColletTable,
     FrameTable,
@@ -65,10 +66,13 @@ from camgen.parts.assembly import Assembly, FollowerFacts, MotorSeat
 from camgen.parts.inertia import inertia_of
 from camgen.parts.springs import to_wind, wished
 from camgen.study import ROWS, Later, Study, together
+from camgen.vocabulary import OldWords
 
 
 class UniformSwing(Mechanism):
     """Spec and answers of a uniform-swing cam drive; the output is the follower's angle s, rad, 0 in mid position."""
+
+    old_words: ClassVar[OldWords] = {**Mechanism.old_words, **OLD_WORDS}
 
     geometry: SwingGeometry
     motor: SwingMotor = SwingMotor.model_construct()
@@ -93,7 +97,7 @@ class UniformSwing(Mechanism):
         found += air_faults(("geometry", "tip_clearance"), g.tip_clearance, g.closure, g.tip_radius)
         deg = None if self.load is None else self.load.gravity_deg
         if deg is not None:
-            weight = unweighed(deg, bool(self.nozzle.inertia_kg_m2), p.make == "machine")
+            weight = unweighed(deg, bool(self.nozzle.inertia_kg_m2), p.make == "printed")
             found += [] if weight is None else [weight]
         return [*found, *p.misfits()]
 
@@ -218,7 +222,7 @@ class UniformSwing(Mechanism):
     @cached_property
     def machine(self) -> SwingMachine | None:
         """All that is made round the cam; None of cams alone. DesignError where there is no room for it."""
-        if self.making.make != "machine":
+        if self.making.make != "printed":
             return None
         plate = self.plate
         plate.room.check()

@@ -135,7 +135,7 @@ class SwingMachine:
         reach = f"{self.shaft_length:g} mm over its face"
         if self.sizes.plain:
             return f"{thick} and to reach {self.shaft_needed:g} to {reach}"
-        flat = f", with a flat {p.flat_depth:g} deep," if p.shaft == "d-flat" else ""
+        flat = f", with a flat {p.flat_depth:g} deep," if p.bore_shape == "d-flat" else ""
         return f"{thick}{flat} and to reach {reach}"
 
     # ---- base and frame ---------------------------------------------------------------------------------------------
@@ -385,7 +385,7 @@ class SwingMachine:
                 rod(name, title, diameter, length),
                 count=2,
                 notes=("pressed and glued",),
-                made=made,
+                process=made,
             )
             for name, title, length in wanted
             if length
@@ -483,7 +483,7 @@ class SwingMachine:
         boss = min(face.boss_height, s.base.thickness)
         if boss:
             bought.append(StandIn("motor boss", GROUND, ((0j, face.boss / 2, 0.0, boss),)))
-        flat = p.flat_depth if p.shaft == "d-flat" else 0.0
+        flat = p.flat_depth if p.bore_shape == "d-flat" else 0.0
         round_part = (-0.5j * flat, (p.bore - flat) / 2)  # the largest disc beside a flat
         bought.append(StandIn("shaft", "cam", ((*round_part, boss, self.shaft_length),)))
         tips = (

@@ -270,7 +270,7 @@ def faults(sizes: SwingSizes) -> list[Fault]:
             "mark_depth",
             f"less than the thickness, {p.thickness:g} mm",
         ),
-        *(_machine_checks(sizes) if p.make == "machine" else ()),
+        *(_machine_checks(sizes) if p.make == "printed" else ()),
     ]
     return [
         Fault((table, key), f"{sizes.value(table, key):g}", right)
@@ -300,7 +300,7 @@ def _machine_checks(sizes: SwingSizes) -> Iterator[tuple[bool, str, str, str]]:
         said = f"at least limits.min_wall, {sizes.min_wall:g} mm"
         thick = sizes.value(table, key)
         yield not thick or thick >= sizes.min_wall, table, key, said
-    measured = p.shaft == "d-flat" and p.bore == motor.shaft and motor.flat
+    measured = p.bore_shape == "d-flat" and p.bore == motor.shaft and motor.flat
     said = f'{motor.flat:g}, the flat of the shaft of base.motor = "{base.motor}", {motor.shaft - motor.flat:g} over its flat'
     yield not measured or p.flat_depth == motor.flat, "parts", "flat_depth", said
     said = "more than 0: pins join the two cams on a plain shaft"

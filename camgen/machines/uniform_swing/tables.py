@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from camgen.machines.loads.tables import Drives, SwingingCamLimitsTable
 from camgen.machines.pairs import Air
 from camgen.parts.catalogue import BEARINGS, MOTOR_FACES, Bearing, MotorFace, flange
-from camgen.parts.disc_cams import ShaftHole
+from camgen.parts.disc_cams import OLD_BORES, ShaftHole
 from camgen.spec import Length, MinWall, Print, Record, Rpm, quantity, turning
+from camgen.vocabulary import OldWords
 
 Thread = Literal["M2", "M2.5", "M3", "M4", "M5", "M6"]
 Tip = Literal["plate", "pin", "MR63", "MR85", "MR105", "623", "624", "625", "626", "608"]
@@ -44,9 +45,24 @@ class SwingMotor(Drives):
     )
 
 
-class SwingParts(ShaftHole):
-    """The cam as a body; make: "machine" adds all the other parts of the printed machine."""
+OLD_WORDS: OldWords = {**OLD_BORES, ("parts", "make", "machine"): ("parts", "make", "printed")}
 
+
+def _no_laser(make: object) -> object:
+    """Where sheet is asked for, what can be cut of it."""
+    if make == "laser":
+        raise ValueError(
+            '"printed" or "cams": collet, headed axles and posts are no sheets; [laser] cuts cams as thick as laser.thickness'
+        )
+    return make
+
+
+class SwingParts(ShaftHole):
+    """The cam as a body; make: "printed" adds all the other parts of the machine."""
+
+    make: Annotated[Literal["printed", "cams"], BeforeValidator(_no_laser)] = Field(
+        default="cams", description='"cams": the cams alone; "printed": all parts of the machine'
+    )
     thickness: Length = Field(default=6.0, description="of cams and frame plates")
     pin_diameter: Annotated[float, quantity("mm", ge=0, le=1e6)] = Field(
         default=3.0, description="two holes that match when one cam is turned over; 0: none"
@@ -218,7 +234,7 @@ class SwingSizes:
     @property
     def plain(self) -> bool:
         """Whether a collet clamps the shaft."""
-        return self.making.shaft == "plain"
+        return self.making.bore_shape == "plain"
 
     @property
     def seat(self) -> float:

@@ -27,7 +27,7 @@ from camgen.parts.catalogue import SCREWS, Bought, turning_text
 from camgen.parts.generator.bodies import Bodies
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.sizes import Parts
-from camgen.parts.generator.stacking import laid
+from camgen.parts.generator.stacking import with_levels
 from camgen.parts.hardware import spacer
 from camgen.parts.journals import journals
 from camgen.parts.part import Part
@@ -103,7 +103,7 @@ class Beneath:
 
     def joined(self, machine: Machine, density: float) -> Machine:
         """That machine, with masses and fits, and these bodies as they are made; density: kg/m^3."""
-        own = self.bodies.weighed(density, ())
+        own = self.bodies.with_masses(density, ())
         bodies = [
             together(body, own.body(body.name)) if body.name == self.arm else body
             for body in machine.bodies
@@ -145,11 +145,11 @@ class Beneath:
             self.whole.min_wall,
             {},
             {},
-            carried={held: self.arm},
+            guest_links={held: self.arm},
             feet=tuple((place, SCREWS[_THREAD].clearance) for place in self.feet),
             hangs=True,
         )
-        found = laid(layout, self.run)
+        found = with_levels(layout, self.run)
         (point,) = layout.slots
         top = max(level + layout.beyond(point)[0] for level, *_ in found.on(point))
         high = found.floor(top) + sizes.head - found.top(found.level[self.arm])
@@ -183,8 +183,8 @@ class Beneath:
         reach = far + self._post / 2 + _AIR
         ways = [cmath.exp(1j * math.radians(turn)) for turn in range(0, 90, 5)]
         rounds = [[arm + reach * way * 1j**k for k in range(_POSTS)] for way in ways]
-        found = max(rounds, key=self._room)
-        room = self._room(found)
+        places = max(rounds, key=self._room)
+        room = self._room(places)
         needed = self._post / 2 + s.shaft_diameter / 2 + s.head + s.wall + _AIR
         if room < needed:
             raise DesignError(
@@ -195,7 +195,7 @@ class Beneath:
                 f"links {self._crank} and {self.arm} under the plate",
                 "use a smaller or larger crank, or shafts that are further apart",
             )
-        return found
+        return places
 
     def _room(self, places: Sequence[complex]) -> float:
         """Least distance of places from the shafts of the links over the plate, mm."""
@@ -283,7 +283,7 @@ class Beneath:
         grip = -self._low
         size = f"{_THREAD} x {screw.length(grip, self.whole.sizes.base_thickness):g}"
         return [
-            *(each for each in drive if "plate" not in each.name),
+            *(each for each in drive if each.role != "mount"),
             Bought("screw of a post", screw.standard, size, _POSTS),
         ]
 
@@ -304,7 +304,7 @@ class Beneath:
             features=features,
             stand_ins=self._stand_ins(),
             bought=[*self._bought(), *(each for each in made.bought if each.role != "drive")],
-            journals=journals(made.machine, features, parts, mounts, made.process.plastic),
+            journals=journals(made.machine, features, parts, mounts, made.process.material),
             motor=motor,
         )
 

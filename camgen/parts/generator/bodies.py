@@ -30,11 +30,11 @@ from camgen.machine.features import Feature, Mount, StandIn, Strand
 from camgen.parts.assembly import Shaft
 from camgen.parts.catalogue import Bought, fixed_motor, screw_for
 from camgen.parts.generator import plates
+from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.discs import cam_parts, disc_layer, gear_part, ground_disc, keeper
-from camgen.parts.generator.joined import GROUND
 from camgen.parts.generator.joints import features_of, part_name, point_of
 from camgen.parts.generator.layout import Layout
-from camgen.parts.generator.pins import Placed, bearings, hand_crank, pin
+from camgen.parts.generator.pins import MountedPart, bearings, hand_crank, pin
 from camgen.parts.generator.plates import ground_plate, second
 from camgen.parts.generator.seats import link_layers
 from camgen.parts.generator.stubs import Stub, stubs
@@ -94,7 +94,7 @@ class Bodies:
         titles: dict[Part, str] = {}
         for part, mount in [
             *(each for tip in layout.tips for each in cam_parts(layout, tip)),
-            *(gear_part(layout, wheel) for wheel in layout.toothed),
+            *(gear_part(layout, wheel) for wheel in layout.gear_wheels),
             *(each for point in layout.pivots for each in self._stack(point)),
             *covers(layout),
             *hand_crank(layout),
@@ -102,7 +102,7 @@ class Bodies:
             *second(layout),
             *self._counterweight(),
             *thread_posts(layout),
-            *own.placed,
+            *own.parts,
         ]:
             if part not in names:  # what is alike is one part
                 number = sum(each.role == part.role for each in names) + 1
@@ -173,7 +173,7 @@ class Bodies:
         behind = Bought("screw of the plate, from behind", "", screw, p.mount_screws, "mount")
         return [
             *motors,
-            *(self.layout.fitted.bought if self.layout.fitted.held else [behind]),
+            *(self.layout.fitted.bought if self.layout.fitted.holder else [behind]),
             *screws,
             *plates.bought(self.layout),
         ]
@@ -183,7 +183,7 @@ class Bodies:
         """On what the plate stands, which is not made, and what turns the shaft."""
         count = "two" if self.sizes.mount_screws == 2 else "three"
         screws = f"{count} screws from behind, in the plate's outermost holes, hold it"
-        board = f"a board or frame of yours: {self.layout.fitted.held or screws}."
+        board = f"a board or frame of yours: {self.layout.fitted.holder or screws}."
         if self.sizes.face is not None:
             return f"{board} The motor under the plate turns it: leave it room there"
         deep = -min(mount.z for mount in self.mounts)
@@ -237,7 +237,7 @@ class Bodies:
             notes=tuple(notes),
             bore=bore,
             min_wall=self.min_wall,
-            cut=len(layers) - 1,
+            drawn_layer=len(layers) - 1,
             points=tuple(points.items()),
         )
 
@@ -272,7 +272,7 @@ class Bodies:
         """Of what is pressed on a shaft."""
         return self._profile(self.fits.press_clearance)
 
-    def _counterweight(self) -> Iterator[Placed]:
+    def _counterweight(self) -> Iterator[MountedPart]:
         """The counterweight and its pins."""
         if self.weight is None:
             return
@@ -284,11 +284,11 @@ class Bodies:
         yield part, Mount(part.name, link, at, z=z)
         yield from ((pin, Mount(pin.name, link, at + place, z=z)) for pin, place in pins)
 
-    def _stack(self, point: str) -> Iterator[Placed]:
+    def _stack(self, point: str) -> Iterator[MountedPart]:
         """Pin or shaft of a point, and what is threaded on it."""
         layout = self.layout
         body = self.layout.pressed_in(point)
-        if point in layout.carried:
+        if point in layout.guest_links:
             return
         at, bought = layout.at(body, point), layout.on_motor(point, GROUND)  # the motor's own shaft
         if layout.on_ground(point):
@@ -309,18 +309,18 @@ class Bodies:
             elif self.collar is not None:
                 yield (
                     self.collar.collar(),
-                    Mount("shaft-collar", layout.carrier(body), at, z=stub.held[-1][1]),
+                    Mount("shaft-collar", layout.carrier(body), at, z=stub.grips[-1][1]),
                 )
         yield from bearings(layout, point)
         yield from self._spacers(point, body, at)
 
-    def _spacers(self, point: str, body: str, at: complex) -> Iterator[Placed]:
+    def _spacers(self, point: str, body: str, at: complex) -> Iterator[MountedPart]:
         """What keeps apart what is threaded on a pin or shaft that is fixed in a body."""
         s = self.sizes
         layout = self.layout
         play = self.fits.slide_clearance
         for (_, under), (high, _) in (
-            pair for stub in stubs(layout, point) for pair in pairwise(stub.held)
+            pair for stub in stubs(layout, point) for pair in pairwise(stub.grips)
         ):
             height = high - under - 2 * play
             step = s.thickness + play
@@ -340,7 +340,7 @@ class Bodies:
                 ring_part = replace(ring_part, role="spacer")
                 yield from ((ring_part, replace(mount, z=mount.z + k * step)) for k in range(rings))
 
-    def _collar(self, point: str, link: str, at: complex) -> Placed:
+    def _collar(self, point: str, link: str, at: complex) -> MountedPart:
         """Of a shaft, under the plate."""
         s = self.sizes
         press = self.fits.press_clearance
@@ -360,16 +360,16 @@ class Bodies:
         z = -self.fits.slide_clearance - s.thickness
         return part, Mount(name, self.layout.carrier(link), at, z=z)
 
-    def _shaft(self, link: str, stub: Stub, at: complex) -> Placed:
+    def _shaft(self, link: str, stub: Stub, at: complex) -> MountedPart:
         """A link's shaft, or the piece in its last web; the one that drives is longer below the plate."""
         driven = link == self.layout.driven
         below = self.sizes.thickness + 2 * self.fits.slide_clearance
-        below = self.sizes.shaft_length if driven else -stub.held[0][0] if stub.hangs else below
+        below = self.sizes.shaft_length if driven else -stub.grips[0][0] if stub.hangs else below
         name = _SHAFT if driven else f"{_SHAFT}-{link}"
         sleeved = link in (self.layout.driven, self.layout.upper_web) and any(
             stand.sleeve for stand in self.layout.stands
         )
-        top = self.layout.line[1] if stub.far and sleeved else stub.held[-1][1]
+        top = self.layout.line[1] if stub.far and sleeved else stub.grips[-1][1]
         reach = [stand.merged.shaft for stand in self.layout.stands if stand.merged is not None]
         top += (
             max(reach, default=0.0)
@@ -394,7 +394,7 @@ class Bodies:
             (layer,),
             centres=(0j,),
             notes=(*sized, said),
-            made=s.shafts_made,
+            process=s.shafts_made,
             role="shaft",
         )
         loose = [wheel for wheel, (on, _) in self.layout.freewheels.items() if on == link]
@@ -403,7 +403,11 @@ class Bodies:
             rod = Layer(Region(circle(0j, self.sizes.shaft_diameter / 2)), 0.0, end)
             hard = f"hardened steel rod {size[0]} h6 {size[1]}{flat} ground on its upper end"
             part = replace(
-                part, layers=(rod, replace(layer, z0=end)), notes=(hard, said), made="bought", cut=1
+                part,
+                layers=(rod, replace(layer, z0=end)),
+                notes=(hard, said),
+                process="bought",
+                drawn_layer=1,
             )
         return part, Mount(name, self.layout.carrier(link), at, z=-below)
 
@@ -434,7 +438,7 @@ class Bodies:
         """Its parts, as masses follow from them; density of what is printed, kg/m^3."""
         return Solids(self.parts, self.mounts, density)
 
-    def weighed(self, density: float, given: Collection[str]) -> m.Machine:
+    def with_masses(self, density: float, given: Collection[str]) -> m.Machine:
         """The fitted machine with the masses of its solids, but for links whose mass is given; density: kg/m^3."""
         machine = self.machine()
         solids = self.solids(density)

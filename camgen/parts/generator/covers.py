@@ -17,7 +17,7 @@ from camgen.parts.catalogue import CORE_HOLES, HEAD_ROOM, SCREWS, Bought, Screw
 from camgen.parts.generator.changes import Change, Unmade
 from camgen.parts.generator.sizes import SUNK, Parts
 from camgen.parts.hardware import plate
-from camgen.parts.part import Held, Layer, Part, hull
+from camgen.parts.part import HoldingNote, Layer, Part, hull
 from camgen.spec import Print
 
 _THREADS = ("M3", "M2.5", "M2")  # the first that the rails hold
@@ -74,7 +74,7 @@ class Cover:
             (low, high),
             centres=tuple(own),
             min_wall=min_wall,
-            notes=(Held(f"held on its rails by {screws}, heads sunk"),),
+            notes=(HoldingNote(f"held on its rails by {screws}, heads sunk"),),
             role="cover",
         )
 

@@ -18,9 +18,9 @@ from itertools import islice, product, zip_longest
 
 from camgen.errors import DesignError
 from camgen.parts.generator.changes import Change, Unmade
-from camgen.parts.generator.joined import GROUND
+from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.layout import Layout
-from camgen.parts.level_rules import Axis, Band, Crowded, Unlaid
+from camgen.parts.level_rules import Axis, Band, NoLevels, NoPassage
 
 BOUGHT = ("dowel", "shoulder")  # pins that are sold in some lengths
 _BOWS = (1.1, 2.0, 4.0)  # of the room that is lacking
@@ -82,11 +82,11 @@ def with_cures(
         both = (replace(kind, changes=list(map(change.also, kind.changes))) for kind in more)
         cures += _first(both, makes)
     by = f"mended by {', or by '.join(cures)}"
-    if not isinstance(refused, Unlaid | Unmade):  # what it asks for is no guess
+    if not isinstance(refused, NoLevels | Unmade):  # what it asks for is no guess
         return refused.mended(f"{by}; else {refused.remedy}") if cures else refused
     remedy = refused.guess if isinstance(refused, Unmade) else refused.remedy
     tried = list(dict.fromkeys(kind.name for kind in kinds))
-    if isinstance(refused, Crowded) and not cures and {_SMALL, _SLIM} & set(tried):
+    if isinstance(refused, NoPassage) and not cures and {_SMALL, _SLIM} & set(tried):
         remedy = refused.room(slimmer=False)  # no guess of what was tried in vain
     guess = f"a guess: {remedy}" if remedy else ""
     if cures:
@@ -101,7 +101,7 @@ def _first(kinds: Iterable[Kind], makes: Callable[[Change], bool]) -> list[str]:
     return list(islice(filter(None, words), _MOST))
 
 
-def with_bows(layout: Layout, refused: Crowded) -> Iterator[Layout]:
+def with_bows(layout: Layout, refused: NoPassage) -> Iterator[Layout]:
     """Layouts in which one of the two that cannot pass is bent, from slight to wide; of links whose bow the spec leaves open."""
     ways = (
         _bows(link, refused.needed - refused.distance)
@@ -112,13 +112,13 @@ def with_bows(layout: Layout, refused: Crowded) -> Iterator[Layout]:
         yield from (layout.changed(each) for each in bows if each is not None)
 
 
-def _links(refused: Crowded) -> list[str]:
+def _links(refused: NoPassage) -> list[str]:
     """Links of the two that cannot pass."""
     pair = (refused.a, refused.b)
     return [thing.link for thing in pair if isinstance(thing, Band) and thing.link]
 
 
-def _bendable(layout: Layout, refused: Crowded) -> list[str]:
+def _bendable(layout: Layout, refused: NoPassage) -> list[str]:
     """Links of the two that cannot pass with two hubs, straight."""
     return [
         link
@@ -158,7 +158,7 @@ def _kinds(layout: Layout, refused: DesignError) -> Iterator[Kind]:
 
 def _of_room(layout: Layout, refused: DesignError) -> Iterator[Kind]:
     """What makes room for two things, where they cannot pass."""
-    if not isinstance(refused, Crowded):
+    if not isinstance(refused, NoPassage):
         return
     s = layout.sizes
     short = refused.needed - refused.distance

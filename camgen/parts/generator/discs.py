@@ -20,10 +20,10 @@ from camgen.parts.catalogue import TURNED
 from camgen.parts.disc_cams import CamParts as Disc
 from camgen.parts.disc_cams import disc_parts
 from camgen.parts.generator.layout import GROUND, Layout, pivot_name
-from camgen.parts.generator.pins import Placed
+from camgen.parts.generator.pins import MountedPart
 from camgen.parts.generator.wheels import GearWheel, Tip, groove_rim, groove_wall, named, outline
 from camgen.parts.hardware import plate, spacer
-from camgen.parts.part import Held, Layer, Part, d_bore, rod
+from camgen.parts.part import HoldingNote, Layer, Part, d_bore, rod
 from camgen.tolerances import SAME_POINT
 
 
@@ -37,7 +37,7 @@ class _Disc(Disc):
         return super().hole().moved(cmath.exp(1j * self.turn))
 
 
-def cam_parts(layout: Layout, tip: Tip) -> Iterator[Placed]:
+def cam_parts(layout: Layout, tip: Tip) -> Iterator[MountedPart]:
     """A cam on its link's shaft, and the roller that runs on it."""
     link = tip.joint.cam
     at = layout.at(link, layout.shaft_of(link))
@@ -77,7 +77,7 @@ def _discs(layout: Layout, tip: Tip) -> Iterator[tuple[Part, float, complex]]:
         turn=float(-np.angle(tip.turn)),
         thickness=thick,
         bore=s.shaft_diameter + press,
-        shaft="d-flat",
+        bore_shape="d-flat",
         flat_depth=s.shaft_flat,
         pin_diameter=s.pin_diameter,
         rim=groove_rim(s),
@@ -103,11 +103,11 @@ def _discs(layout: Layout, tip: Tip) -> Iterator[tuple[Part, float, complex]]:
         yield replace(part, name=f"cam-{part.name}"), made.back if part.name == "back" else 0.0, 0j
         how = TURNED if s.pin in ("turned", "dowel") else "printed"
         pin = rod("cam-pin", "Pin of a groove cam's plates", s.pin_diameter, made.back + thick)
-        pin = replace(pin, made=how)
+        pin = replace(pin, process=how)
         yield from ((pin, made.back, place) for place in part.centres[1:] if part.name != "back")
 
 
-def gear_part(layout: Layout, wheel: GearWheel) -> Placed:
+def gear_part(layout: Layout, wheel: GearWheel) -> MountedPart:
     """A gear's wheel on its link's shaft, as drawn at theta = 0."""
     spur = wheel.spur
     sizes = layout.sizes
@@ -171,7 +171,7 @@ def disc_layer(layout: Layout, point: str) -> Layer:
     return Layer(Region(rim, (bore,)), layout.thickness(link), round(top, 9))
 
 
-def ground_disc(layout: Layout, point: str) -> Iterator[Placed]:
+def ground_disc(layout: Layout, point: str) -> Iterator[MountedPart]:
     """A disc of the ground, and the dowels that hold it on the plate."""
     s, (_, shaft) = layout.sizes, layout.discs[point]
     at = layout.at(GROUND, point)
@@ -195,11 +195,11 @@ def ground_disc(layout: Layout, point: str) -> Iterator[Placed]:
     yield part, Mount(name, GROUND, at, z=s.base_thickness)
     made = "printed" if s.pin == "printed" else TURNED
     dowel = rod("dowel", "Dowel", s.pin_diameter, high + s.base_thickness)
-    dowel = replace(dowel, notes=("pressed and glued in",), made=made)
+    dowel = replace(dowel, notes=("pressed and glued in",), process=made)
     yield from ((dowel, Mount("dowel", GROUND, z)) for z, _ in dowels)
 
 
-def keeper(layout: Layout, point: str) -> Placed:
+def keeper(layout: Layout, point: str) -> MountedPart:
     """What keeps a link on a disc."""
     link, shaft = layout.discs[point]
     at = layout.at(link, shaft)
@@ -211,7 +211,7 @@ def keeper(layout: Layout, point: str) -> Placed:
         (Layer(region, 0.0, layout.sizes.head),),
         centres=(0j,),
         min_wall=layout.min_wall,
-        notes=(Held(f"pressed and glued on the shaft over {link}, in line with its disc"),),
+        notes=(HoldingNote(f"pressed and glued on the shaft over {link}, in line with its disc"),),
         role="keeper",
     )
     return part, Mount(part.name, layout.carrier(link), at, z=layout.disc_top(point))

@@ -9,7 +9,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 from camgen.machine import model as m
-from camgen.machine.cams.machine import cam_meant
+from camgen.machine.cams.machine import nominal_cam
 from camgen.machine.features import (
     CamOutline,
     Eye,
@@ -17,15 +17,15 @@ from camgen.machine.features import (
     Feature,
     Flat,
     GearTeeth,
-    Keyed,
     Mark,
     Mount,
     PinEyes,
     Ring,
+    SharedFlat,
     SlotFaces,
     Steady,
 )
-from camgen.parts.generator.joined import GROUND
+from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.layout import Layout, pivot_name
 from camgen.parts.generator.pins import bearing_name
 from camgen.parts.generator.plates import SECOND
@@ -60,7 +60,7 @@ def part_of(layout: Layout, link: str) -> str:
     """Name of the part that a link is; of one that is a wheel alone, that wheel's."""
     level = layout.alone.get(link)
     parts = {tip.level: f"cam-{tip.name}{'-inner' * tip.grooved}" for tip in layout.tips}
-    parts |= {each.level: each.part for each in layout.toothed if each.link == link}
+    parts |= {each.level: each.part for each in layout.gear_wheels if each.link == link}
     return part_name(link) if level is None else parts[level]
 
 
@@ -108,7 +108,7 @@ def features_of(layout: Layout, pins: Sequence[Mount]) -> Sequence[Feature]:
                 )
                 eyes = (_eye(layout, point, a, b), _eye(layout, point, b, a))
                 found.append(PinEyes(joint.name, *eyes, pin, rings))
-    for one, other in zip(layout.toothed[0::2], layout.toothed[1::2], strict=True):
+    for one, other in zip(layout.gear_wheels[0::2], layout.gear_wheels[1::2], strict=True):
         turns = (pivot_of(layout, one.link), pivot_of(layout, other.link))
         found.append(GearTeeth(one.joint.name, one.teeth, other.teeth, turns))
     found += [outline for tip in layout.tips for outline in _outlines(layout, tip)]
@@ -126,10 +126,10 @@ def _pin_of(layout: Layout, pins: Sequence[Mount], point: str, link: str, beside
     return max(below, key=lambda each: each.z, default=here[0]).part
 
 
-def _keyed(layout: Layout) -> Iterator[Keyed]:
+def _keyed(layout: Layout) -> Iterator[SharedFlat]:
     """Webs on one crank pin."""
     for (low, held), (high, _) in pairwise(layout.webs.items()):
-        yield Keyed(_eye(layout, held[1], low), _eye(layout, held[1], high), math.pi / 2)
+        yield SharedFlat(_eye(layout, held[1], low), _eye(layout, held[1], high), math.pi / 2)
 
 
 def _steady(layout: Layout, pins: Sequence[Mount]) -> Iterator[Steady]:
@@ -138,7 +138,7 @@ def _steady(layout: Layout, pins: Sequence[Mount]) -> Iterator[Steady]:
         if not layout.in_second(point):
             continue
         far = Eye(SECOND, layout.at(GROUND, point), layout.far_hole(point))
-        hangs = layout.cut(point) is not None
+        hangs = layout.split_level(point) is not None
         if hangs and point not in layout.shafts:
             continue  # it is the joints' own
         joints = [
@@ -200,10 +200,10 @@ def _outlines(layout: Layout, tip: Tip) -> Iterator[CamOutline]:
         tip.leaves,
         free=tip.cam.air,
         roller=f"roller-{tip.name}" if tip.rolls else None,
-        meant=cam_meant(tip.cam, tip.ridden.limits),
+        nominal=nominal_cam(tip.cam, tip.ridden.limits),
     )
     yield driving
     if tip.grooved:
-        wall = cam_meant(tip.cam, tip.ridden.limits, outer=True)
+        wall = nominal_cam(tip.cam, tip.ridden.limits, outer=True)
         free = layout.fits.slide_clearance
-        yield replace(driving, part=f"{name}-outer", inside=True, free=free, meant=wall)
+        yield replace(driving, part=f"{name}-outer", inside=True, free=free, nominal=wall)

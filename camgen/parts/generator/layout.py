@@ -17,9 +17,9 @@ from camgen.geometry.outlines import Contour
 from camgen.parts.bands import ArmBand
 from camgen.parts.catalogue import Bearing, narrowest
 from camgen.parts.generator.changes import Change
+from camgen.parts.generator.connections import GROUND, Connections, StretchedSpring
 from camgen.parts.generator.covers import Cover, cover
 from camgen.parts.generator.guides import COVERED, STEMS, Guide, Rails, Runner, Way, guide
-from camgen.parts.generator.joined import GROUND, Connections, StretchedSpring
 from camgen.parts.generator.slotted import SlotHole, one_by_one
 from camgen.parts.generator.wheels import NOSE, Tip, pivot
 from camgen.parts.part import d_bore, hull, with_bar
@@ -70,7 +70,7 @@ class Layout(Connections):
             return "disc"
         if point in self.shafts:
             return "bearing" if self.clutch(point) else self.sizes.pins.get(point, "printed")
-        if self.thrown(point):
+        if self.webs_at(point):
             return "keyed"
         kind = self.sizes.pins.get(point, self.sizes.pin)
         if kind == "bearing" and (point in self.slots or point in self.riders):
@@ -112,7 +112,7 @@ class Layout(Connections):
         return self.sizes.collar(self.fits.press_clearance, self.min_wall)
 
     @cached_property
-    def hung(self) -> set[str]:
+    def hung_points(self) -> set[str]:
         """Points whose pin has its head below: under a roller that hangs from its follower, or under the plate."""
         return {tip.point for tip in self.tips if tip.hung} | self.under_plate
 
@@ -126,7 +126,7 @@ class Layout(Connections):
             for point, links in self.pivots.items()
             if links[0] == GROUND and point not in self.shafts
         }
-        grounded = {point for point in grounded - self.hooked if point not in self.slots}
+        grounded = {point for point in grounded - self.hook_points if point not in self.slots}
         return {point for point in grounded if self.kind(point) in _PLAIN} if self.sunk else set()
 
     def below(self, spring: StretchedSpring) -> int:
@@ -157,7 +157,7 @@ class Layout(Connections):
             collar = self.collar(point)
             step = self._least + self.fits.slide_clearance
             return (0 if collar is None else math.ceil(collar.height / step)), 0
-        if len(self.thrown(point)) > 1 or self.on_ground(point):
+        if len(self.webs_at(point)) > 1 or self.on_ground(point):
             return 0, 0
         if self.kind(point) == "shoulder":
             screw = self.sizes.shoulder
@@ -166,7 +166,7 @@ class Layout(Connections):
             over = math.ceil((screw.height + least / 2) / step)
             return over, math.ceil(screw.thread_length / step)
         taken = 1 + (point in self.tall)
-        return (0, taken) if point in self.hung else (taken, 0)
+        return (0, taken) if point in self.hung_points else (taken, 0)
 
     def heads(self) -> list[Layout]:
         """It, and where one plate holds the ground's pins, it with their heads under that."""
@@ -180,13 +180,13 @@ class Layout(Connections):
             return self.shafts[point] in self.webs or not self.on_motor(point, GROUND)
         return self.kind(point) in _PLAIN
 
-    def cut(self, point: str) -> int | None:
+    def split_level(self, point: str) -> int | None:
         """The highest level of the lower stub of a point that is two, one on each plate; None of what goes through."""
         return None if self.second is None else self.second.cuts.get(point)
 
     def in_second(self, point: str) -> bool:
         """Whether the second plate holds what stands on the ground at a point, or a stub of it."""
-        at = self.cut(point)
+        at = self.split_level(point)
         return (
             self.second is not None
             and self.between_plates(point)
@@ -195,7 +195,7 @@ class Layout(Connections):
 
     def in_first(self, point: str) -> bool:
         """Whether the plate under level 1 holds what stands on the ground at a point, or a stub of it."""
-        return self.cut(point) != 0 or point in self.shafts
+        return self.split_level(point) != 0 or point in self.shafts
 
     def far_hole(self, point: str) -> float:
         """Diameter of the second plate's hole at a point, mm: shafts turn in it, pins are pressed in."""
@@ -209,7 +209,7 @@ class Layout(Connections):
         fit = self.fits.press_clearance
         if self.shafts.get(point) == link or (link in self.webs and point in self.shafts):
             return d_bore(s.shaft_diameter + fit, s.shaft_flat)
-        if link in self.thrown(point) and point not in self.shafts:
+        if link in self.webs_at(point) and point not in self.shafts:
             return d_bore(s.pin_diameter + fit, self.key_depth)
         return None
 
@@ -271,7 +271,7 @@ class Layout(Connections):
         if point in self.discs and link == self.pressed_in(point):
             return 0.0  # it is a part of its link
         fixed = (
-            link in self.thrown(point)
+            link in self.webs_at(point)
             or self.on_motor(point, link)
             or self.kind(point) == "bearing"
             or link == self.pressed_in(point)
@@ -306,16 +306,16 @@ class Layout(Connections):
 
     def slots_of(self, link: str) -> dict[str, tuple[complex, complex]]:
         """Both ends of a pin's way in each slot of a link, room included, in the link's axes."""
-        found = {}
+        slots = {}
         for point, joint in self.slots.items():
             if joint.guide.body == link:
                 way = cmath.exp(1j * joint.angle)
                 low, high = self.strokes[joint.name]
-                found[point] = (
+                slots[point] = (
                     joint.guide.at + (low - _ROOM) * way,
                     joint.guide.at + (high + _ROOM) * way,
                 )
-        return found
+        return slots
 
     def slot_width(self, point: str) -> float:
         """Of the slot in which a point's pin runs, mm."""
@@ -516,26 +516,26 @@ class Layout(Connections):
         ]  # its roller is as thick
         links += [(wheel.level, wheel.high or self.wheel_thickness(wheel.link)) for wheel in wheels]
         floors = [(self.level[name], self.floor(self.level[name]), thick) for name, thick in links]
-        found = {(level, low, low + thick) for level, low, thick in floors}
+        levels = {(level, low, low + thick) for level, low, thick in floors}
         grooves = [
             tip.level for tip in self.tips if tip.grooved and self.shaft_of(tip.joint.cam) == point
         ]
-        found |= {
+        levels |= {
             (level, self.floor(level), self.top(level))
             for name in grooves
             for level in self._beneath(name)
         }
-        found |= {
+        levels |= {
             (self.level[name], *self.eye(name))
             for name in self.riders.get(point, ())
             if name in self.springs
         }
-        found |= {
+        levels |= {
             (self.on(disc)[-1][0] + 1, self.disc_top(disc), self.disc_top(disc) + self.sizes.head)
             for disc in discs
             if not self.on_ground(disc)
         }
-        return sorted(found)
+        return sorted(levels)
 
     def disc_top(self, point: str) -> float:
         """Height of the upper side of a disc, mm: its keeper lies there, a play over what turns on it; over one of the ground

@@ -20,7 +20,7 @@ from camgen.machine.features import Eye, Faces, Feature, Mount, PartPose, mapped
 from camgen.machine.joining import Module
 from camgen.machine.model import GROUND
 from camgen.parts.assembly import Assembly, Shaft, renamed
-from camgen.parts.generator.joined import MergedFrame, Sleeve
+from camgen.parts.generator.connections import MergedFrame, Sleeve
 from camgen.parts.generator.layout import SLEEVE, Layout
 from camgen.parts.generator.plates import SECOND
 from camgen.parts.generator.sizes import Parts
@@ -70,7 +70,7 @@ def upper_end(layout: Layout) -> UpperEnd | None:
         return None
     point = layout.shaft_of(layout.driven)
     axis = layout.at(GROUND, point) if layout.in_second(point) else None
-    shaft = "shaft" if layout.cut(point) is None else f"shaft-{layout.upper_web}"
+    shaft = "shaft" if layout.split_level(point) is None else f"shaft-{layout.upper_web}"
     angle = float(layout.machine.start_of(layout.driven).angle)
     return UpperEnd(axis, layout.line[1], angle, layout.sizes, shaft, layout.ceiling)
 
@@ -119,8 +119,8 @@ def _merged(
     own_parts = (frame.part, own.part, own.collar)
     lowest = min(mount.z for mount in made.mounts if mount.part not in own_parts)
     plate = made.by_name[frame.part]
-    floor = plate.layers[plate.cut].z1
-    if lowest < 0 or floor > host.sizes.base_thickness or plate.cut:
+    floor = plate.layers[plate.drawn_layer].z1
+    if lowest < 0 or floor > host.sizes.base_thickness or plate.drawn_layer:
         return None
     screws = [z for z, _ in made.frame.fixings]
     left_out = (complex(pose.place[0]), *screws)

@@ -22,18 +22,18 @@ from camgen.geometry.outlines import Region, circle, polygon
 from camgen.machine.features import Mount
 from camgen.parts.catalogue import BEARINGS, DOWELS, TURNED, Bearing, dowel, next_dowel
 from camgen.parts.generator.changes import Change, Unmade
-from camgen.parts.generator.joined import GROUND
+from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.seats import least_thickness, lip, seat_floor
 from camgen.parts.generator.stubs import Stub
 from camgen.parts.generator.webs import keyed_pin
 from camgen.parts.hardware import headed, plate, spacer
-from camgen.parts.part import Held, Layer, Part, d_bore, hull, rod
+from camgen.parts.part import HoldingNote, Layer, Part, d_bore, hull, rod
 
 _HELD = 0.75  # of the thickness of a cap of sheet: its pin fills that at least
 KNOB = 4.0  # lengths of a hand crank's knob to the pin's diameter
 
-Placed = tuple[Part, Mount]
+MountedPart = tuple[Part, Mount]
 
 
 def refuse(layout: Layout) -> None:
@@ -113,27 +113,27 @@ def _made_of(layout: Layout, point: str) -> str:
     return TURNED if layout.kind(point) == "turned" else "printed"
 
 
-def pin(layout: Layout, point: str, stub: Stub) -> Iterator[Placed]:
+def pin(layout: Layout, point: str, stub: Stub) -> Iterator[MountedPart]:
     """The pin of a point, or a stub of it, and what holds it, on the link in which it is fixed."""
     s = layout.sizes
     play = layout.fits.slide_clearance
     link = layout.pressed_in(point)
     body = layout.carrier(link)
     at = layout.at(link, point)
-    hung = point in layout.hung or stub.hangs
-    bottom = stub.held[0][0]
-    grip = stub.held[-1][1] + play - bottom
+    hung = point in layout.hung_points or stub.hangs
+    bottom = stub.grips[0][0]
+    grip = stub.grips[-1][1] + play - bottom
     if stub.through:
         yield _between(layout, point, stub)
         return
     match layout.kind(point):
         case "keyed":
-            ends = [top - low for low, top in (stub.held[0], stub.held[-1])]
+            ends = [top - low for low, top in (stub.grips[0], stub.grips[-1])]
             if layout.beyond(point)[0]:  # a head in place of the upper web
                 between = grip - ends[0]
                 ends = [ends[0], 0.0]
             else:
-                between = stub.held[-1][0] - stub.held[0][1]
+                between = stub.grips[-1][0] - stub.grips[0][1]
             head = s.pin_diameter / 2 + s.head, s.head
             made = keyed_pin(
                 s.pin_diameter, (ends[0], ends[1]), between, layout.key_depth, head, s.shafts_made
@@ -158,20 +158,20 @@ def pin(layout: Layout, point: str, stub: Stub) -> Iterator[Placed]:
                 notes.append(f"its head bears on the inner ring of the {bearing.name} alone")
             made = headed("pin", "Pin", s.pin_diameter, grip, wide, s.head)
             how = _made_of(layout, point)
-            made = replace(made, notes=tuple(notes), role="pin", made=how)
+            made = replace(made, notes=tuple(notes), role="pin", process=how)
             yield made, Mount("pin", body, at, 0.0, not hung, bottom - (play + s.head) * hung)
 
 
-def _between(layout: Layout, point: str, stub: Stub) -> Placed:
+def _between(layout: Layout, point: str, stub: Stub) -> MountedPart:
     """A pin without a head from plate to plate; a dowel where one is sold that ends in the upper one."""
     s = layout.sizes
-    whole = stub.held[-1][1]
+    whole = stub.grips[-1][1]
     mount = Mount("pin", GROUND, layout.at(GROUND, point))
     notes = ("pressed and glued into both plates",)
     if layout.kind(point) != "dowel":
         whole_pin = rod("pin", "Pin", s.pin_diameter, whole)
         how = _made_of(layout, point)
-        return replace(whole_pin, notes=notes, role="pin", made=how), mount
+        return replace(whole_pin, notes=notes, role="pin", process=how), mount
     length = dowel(s.pin_diameter, whole)
     least = whole - s.base_thickness / 2
     if length < least:
@@ -192,7 +192,7 @@ def _between(layout: Layout, point: str, stub: Stub) -> Placed:
         f"dowel ISO 2338, {s.pin_diameter:g} m6 x {length:g}, pressed and glued into both plates",
     )
     steel = rod("pin", "Pin", s.pin_diameter, length)
-    return replace(steel, notes=notes, made="bought", role="pin"), mount
+    return replace(steel, notes=notes, process="bought", role="pin"), mount
 
 
 def _as_printed(point: str, error: DesignError, kind: str = "printed") -> Unmade:
@@ -237,7 +237,7 @@ def _dowel(layout: Layout, grip: float, point: str) -> tuple[Part, Part]:
     wide = s.pin_diameter + 2 * s.head
     thickness = s.thickness if s.of_sheet else length - grip
     cap = spacer("cap", "Cap of a pin", hole, wide, thickness, layout.min_wall)
-    steel = replace(steel, notes=notes, made="bought", role="pin")
+    steel = replace(steel, notes=notes, process="bought", role="pin")
     return steel, replace(cap, role="cap")
 
 
@@ -261,7 +261,7 @@ def tall(layout: Layout) -> frozenset[str]:
     """Points whose dowel stands out of its cap beyond the levels that are kept free for that."""
     points = set()
     play = layout.fits.slide_clearance
-    for point in layout.pivots.keys() - layout.carried.keys() - layout.under_plate:
+    for point in layout.pivots.keys() - layout.guest_links.keys() - layout.under_plate:
         if layout.kind(point) != "dowel" or layout.between_plates(point):
             continue
         low, under, _ = layout.on(point)[0]
@@ -270,7 +270,7 @@ def tall(layout: Layout) -> frozenset[str]:
         beyond = _dowel_length(layout, grip)[0] - grip
         levels = sum(layout.beyond(point))
         room = levels * (layout.sizes.thickness + play)
-        room += under - layout.floor(low) if point in layout.hung else layout.top(high) - top
+        room += under - layout.floor(low) if point in layout.hung_points else layout.top(high) - top
         if beyond > room + 1e-9:
             points.add(point)
     return frozenset(points)
@@ -278,7 +278,7 @@ def tall(layout: Layout) -> frozenset[str]:
 
 def _shoulder(
     layout: Layout, grip: float, point: str, body: str, bottom: float
-) -> Iterator[Placed]:
+) -> Iterator[MountedPart]:
     """A shoulder screw through so much, mm, head up, its nut, and a spacer; DesignError where no such length is sold."""
     screw = layout.sizes.shoulder
     s = layout.sizes
@@ -314,7 +314,14 @@ def _shoulder(
         "glued in",
     )
     steel = Part(
-        "pin", "Pin", tuple(layers), centres=(0j,), notes=notes, cut=1, made="bought", role="pin"
+        "pin",
+        "Pin",
+        tuple(layers),
+        centres=(0j,),
+        notes=notes,
+        drawn_layer=1,
+        process="bought",
+        role="pin",
     )
     yield steel, Mount("pin", body, at, 0.0, True, bottom - screw.thread_length)
     corners = [cmath.rect(screw.flats / math.sqrt(3), math.tau * k / 6) for k in range(6)]
@@ -326,7 +333,7 @@ def _shoulder(
         (Layer(nut, 0.0, screw.nut),),
         centres=(0j,),
         notes=tight,
-        made="bought",
+        process="bought",
         role="nut",
     )
     yield made, Mount("nut", body, at, z=bottom - screw.nut)
@@ -336,11 +343,11 @@ def _shoulder(
         fill = spacer("spacer", "Spacer", hole, wide, length - grip, layout.min_wall)
         fill = replace(fill, role="spacer")
         if s.of_sheet:
-            fill = replace(fill, made="bought", notes=("washers",))
+            fill = replace(fill, process="bought", notes=("washers",))
         yield fill, Mount("spacer", body, at, z=bottom + grip)
 
 
-def bearings(layout: Layout, point: str) -> Iterator[Placed]:
+def bearings(layout: Layout, point: str) -> Iterator[MountedPart]:
     """The ball bearings in the links at a point."""
     for link in layout.pivots[point]:
         bearing = layout.bearing_in(point, link)
@@ -361,16 +368,16 @@ def _bearing(layout: Layout, bearing: Bearing) -> Part:
     title = "Ball bearing"
     notes = [f"ball bearing {bearing.name}, {bearing.size}, pressed into its link"]
     if bearing in [clutch for _, clutch in layout.freewheels.values()]:
-        said = Held("seen from above, the ring can only turn counter-clockwise on its shaft")
+        said = HoldingNote("seen from above, the ring can only turn counter-clockwise on its shaft")
         title = "One-way clutch"
         notes = [f"one-way clutch {bearing.name}, {bearing.size}", "pressed in", said]
     ring = spacer(
         bearing_name(bearing), title, bearing.bore, bearing.outside, bearing.width, layout.min_wall
     )
-    return replace(ring, notes=tuple(notes), made="bought")
+    return replace(ring, notes=tuple(notes), process="bought")
 
 
-def hand_crank(layout: Layout) -> Iterator[Placed]:
+def hand_crank(layout: Layout) -> Iterator[MountedPart]:
     """Arm, knob and its pin under the plate, on the link that the shaft drives; nothing where none is asked for. Of sheet is the
     arm alone, the pin is a dowel."""
     s = layout.sizes
@@ -408,7 +415,7 @@ def hand_crank(layout: Layout) -> Iterator[Placed]:
             f"dowel ISO 2338, {s.pin_diameter:g} m6 x {long:g}, pressed and glued in, flush with the crank's upper face",
         )
         steel = rod("knob-pin", "Pin of the knob", s.pin_diameter, long)
-        steel = replace(steel, notes=said, made="bought")
+        steel = replace(steel, notes=said, process="bought")
         yield steel, Mount("knob-pin", link, at + knob, z=z + s.thickness - long)
         return
     turns = spacer(

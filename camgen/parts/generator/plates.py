@@ -20,13 +20,13 @@ from camgen.geometry.convex import distance
 from camgen.geometry.outlines import Contour, Points, circle
 from camgen.machine.features import Mount
 from camgen.parts.catalogue import HEAD_ROOM, Bought
-from camgen.parts.generator.joined import Sleeve
+from camgen.parts.generator.connections import Sleeve
 from camgen.parts.generator.layout import GROUND, Layout
 from camgen.parts.generator.sizes import SUNK, Parts
 from camgen.parts.generator.troughs import rails
 from camgen.parts.hardware import plate, spacer
 from camgen.parts.level_rules import Axis, Thing, ways
-from camgen.parts.part import Held, Layer, Part, d_bore, hull
+from camgen.parts.part import HoldingNote, Layer, Part, d_bore, hull
 
 SECOND = "second-plate"
 # mm, between places that are tried for a post, and how far beyond the ground's points at first
@@ -183,7 +183,7 @@ def ground_plate(layout: Layout, name: str, collar: float, notes: Sequence[str])
         (*layers, *rails(layout, GROUND, floor)),
         centres=(*points.values(), *screws, *(z for z, _ in layout.feet)),
         min_wall=layout.min_wall,
-        cut=int(bool(sunk)),
+        drawn_layer=int(bool(sunk)),
         notes=(*(["the outermost holes are for screws from behind"] if screws else []), *notes),
         points=tuple(points.items()),
     )
@@ -279,17 +279,19 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
         SECOND,
         "Second plate",
         layers,
-        cut=len(heights) - 2,
+        drawn_layer=len(heights) - 2,
         centres=tuple(points.values()),
         min_wall=layout.min_wall,
-        notes=(Held(f"screwed on {len(posts)} posts, over all"), *notes),
+        notes=(HoldingNote(f"screwed on {len(posts)} posts, over all"), *notes),
         points=tuple(points.items()),
     )
     yield part, Mount(SECOND, GROUND, z=ceiling)
     core = s.mount_diameter
     least = layout.min_wall
     post = spacer("post", "Post", core, 2 * post_radius(s), ceiling - floor, least)
-    post = replace(post, notes=(*post.notes, Held("each screwed on from below, through the plate")))
+    post = replace(
+        post, notes=(*post.notes, HoldingNote("each screwed on from below, through the plate"))
+    )
     yield from ((post, Mount("post", GROUND, z, z=floor)) for z in layout.second.columns)
     for stand in layout.stands:
         if stand.merged is not None:
@@ -393,7 +395,9 @@ def steps(layout: Layout) -> list[str]:
 def _hanging(layout: Layout, points: Iterable[str]) -> list[str]:
     """Points of the second plate whose pins hang from it."""
     return [
-        point for point in points if point not in layout.shafts and layout.cut(point) is not None
+        point
+        for point in points
+        if point not in layout.shafts and layout.split_level(point) is not None
     ]
 
 

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 from camgen.geometry.outlines import Contour, circle
 from camgen.parts.catalogue import Bearing
-from camgen.parts.generator.joined import GROUND
+from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.layout import Layout
 from camgen.parts.hardware import plate
 from camgen.parts.part import Layer

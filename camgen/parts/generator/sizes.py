@@ -171,9 +171,12 @@ class Parts(Record):
         "interrupted shaft",
     )
     shaft_length: Length = Field(default=15.0, description="of the shaft below the plate")
-    motor: Literal["none", "nema-8", "nema-11", "nema-14", "nema-17", "nema-23"] = Field(
-        default="none",
-        description='"none"; or "nema-17" (8, 11, 14, 23): screwed under the plate, its own shaft drives',
+    motor: Literal["none", "nema-8", "nema-11", "nema-14", "nema-17", "nema-23", "28byj-48"] = (
+        Field(
+            default="none",
+            description='"none"; or "nema-17" (8, 11, 14, 23) or "28byj-48": screwed under the plate, its own '
+            "shaft drives",
+        )
     )
     can: Can | None = Field(
         default=None,

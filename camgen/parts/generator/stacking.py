@@ -9,18 +9,18 @@ from itertools import product
 from camgen.errors import DesignError
 from camgen.machine import model as m
 from camgen.machine.run import Run
+from camgen.parts.generator.connections import GROUND, SecondPlate
 from camgen.parts.generator.cures import with_bows
 from camgen.parts.generator.guides import STEMS
-from camgen.parts.generator.joined import GROUND, SecondPlate
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.pins import refuse, tall
 from camgen.parts.generator.plates import columns, post_radius
 from camgen.parts.generator.things import things
-from camgen.parts.level_rules import Crowded, span
+from camgen.parts.level_rules import NoPassage, span
 from camgen.parts.levels import cuts, levels, quick_levels
 
 
-def laid(layout: Layout, run: Run) -> Layout:
+def with_levels(layout: Layout, run: Run) -> Layout:
     """The layout with the strokes of its slots and slides, stems, heads and levels; run: samples over the whole motion.
 
     Stems are tried in their order, the first that leaves room for all counts. The ground's pins have their heads on top, or
@@ -37,15 +37,15 @@ def laid(layout: Layout, run: Run) -> Layout:
                 refused = refused or error
                 continue
             if best is not None:
-                return covered(best, run)
+                return with_fitting(best, run)
     assert refused is not None
-    if not isinstance(refused, Crowded):
+    if not isinstance(refused, NoPassage):
         raise refused
     for choice in with_bows(tries[0], refused):
         with suppress(DesignError):
             best = _lowest(choice, run, False)
             if best is not None:
-                return covered(best, run)
+                return with_fitting(best, run)
     raise refused
 
 
@@ -64,7 +64,7 @@ def _with_stems(layout: Layout, run: Run) -> list[Layout]:
 
 
 def attempts(layout: Layout) -> list[str]:
-    """What `laid` has tried where it refuses, in words."""
+    """What `with_levels` has tried where it refuses, in words."""
     found = [
         "all orders of the levels",
         *(["heads over and under the plate"] if layout.sizes.plates < 2 else []),
@@ -111,14 +111,14 @@ def _with_dowels(layout: Layout, run: Run, explain: bool) -> Layout | None:
     return _with_dowels(replace(layout, tall=layout.tall | more), run, explain) if more else made
 
 
-def covered(layout: Layout, run: Run) -> Layout:
+def with_fitting(layout: Layout, run: Run) -> Layout:
     """A layout on its levels with what is fitted to it, and with the second plate, where one is asked for; run: samples over the
     whole motion."""
     if layout.fitting is not None:
         own = layout.fitting(layout)
         feet = (*layout.feet, *own.feet)
-        kept = (*layout.kept, *own.kept)
-        layout = replace(layout, fitted=own, feet=feet, hangs=bool(feet), kept=kept)
+        keep_outs = (*layout.keep_outs, *own.keep_outs)
+        layout = replace(layout, fitted=own, feet=feet, hangs=bool(feet), keep_outs=keep_outs)
     if layout.sizes.plates < 2:
         return layout
     content = things(layout, run)
@@ -129,7 +129,7 @@ def covered(layout: Layout, run: Run) -> Layout:
         list(layout.points_of(GROUND).values()),
         post_radius(layout.sizes),
         content.gap,
-        layout.kept,
+        layout.keep_outs,
     )
     return replace(
         layout,
@@ -153,7 +153,7 @@ def found_levels(layout: Layout, run: Run, explain: bool) -> dict[str, int] | No
 def lacking(layout: Layout) -> DesignError | None:
     """What to say of joints of which no bodies are made."""
     try:
-        layout.toothed  # noqa: B018
+        layout.gear_wheels  # noqa: B018
     except DesignError as error:
         return error
     slid = next((tip for tip in layout.tips if tip.hung and tip.joint.slide is not None), None)

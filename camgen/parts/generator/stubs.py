@@ -11,7 +11,7 @@ from camgen.parts.generator.layout import Layout
 class Stub:
     """A pin or shaft, or a piece of one."""
 
-    held: list[tuple[float, float]]  # mm, sides of what sits on it, plates included, from below
+    grips: list[tuple[float, float]]  # mm, sides of what sits on it, plates included, from below
     far: bool = False  # whether the second plate holds it
     hangs: bool = False  # whether that alone holds it
 
@@ -28,7 +28,7 @@ def stubs(layout: Layout, point: str) -> list[Stub]:
     if layout.second is None or not layout.between_plates(point):
         return [_inside(layout, point, Stub(held))]
     end = (layout.ceiling, layout.ceiling + layout.sizes.base_thickness)
-    at = layout.cut(point)
+    at = layout.split_level(point)
     if at is None:
         return [Stub([*held, end], far=True)]
     low = [each for each, (level, *_) in zip(held, levels, strict=True) if level <= at]
@@ -43,12 +43,12 @@ def _inside(layout: Layout, point: str, stub: Stub) -> Stub:
     if point not in layout.channels:
         return stub
     play = layout.fits.slide_clearance
-    low, *between, high = stub.held
+    low, *between, high = stub.grips
     if stub.hangs:
         high = high[0], high[1] - play
     else:
         low = low[0] + play, low[1]
-    return replace(stub, held=[low, *between, high])
+    return replace(stub, grips=[low, *between, high])
 
 
 def in_upper(layout: Layout, point: str, link: str) -> bool:
@@ -56,7 +56,7 @@ def in_upper(layout: Layout, point: str, link: str) -> bool:
     if layout.second is None or not layout.between_plates(point) or point in layout.shafts:
         return False
     level = layout.level[link]
-    cut = layout.cut(point)
+    cut = layout.split_level(point)
     if cut is not None:
         return level > cut
     return 2 * layout.floor(level) > layout.ceiling + layout.sizes.base_thickness

@@ -11,8 +11,8 @@ import numpy as np
 from camgen.geometry.convex import hull_corners
 from camgen.machine.run import Run
 from camgen.numerics import Points
+from camgen.parts.generator.connections import GROUND
 from camgen.parts.generator.cures import slimmer, slimmer_pin
-from camgen.parts.generator.joined import GROUND
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.plates import motor_holes
 from camgen.parts.level_rules import Axis, Band, Opening, Things, Wall
@@ -135,7 +135,7 @@ def _wheels(courses: _Courses) -> list[Band]:
     """Wheels of gears, counterweights."""
     layout = courses.layout
     bands = []
-    for wheel in (*(each.wheel for each in layout.toothed), *layout.weights):
+    for wheel in (*(each.wheel for each in layout.gear_wheels), *layout.weights):
         shaft = layout.shaft_of(wheel.link)
         how = "shafts nearer to each other"
         if wheel in layout.weights:
@@ -233,10 +233,10 @@ def _over_on_pin(
     moving: levels of its links; hanging: of those that hang from above; known: what is known already.
     """
     shaft = layout.shafts.get(point)
-    thrown = layout.thrown(point)
+    webs = layout.webs_at(point)
     over = Over()
     upper = layout.alone.get(shaft or "", shaft) or (*moving[-1:], GROUND)[0]
-    if shaft is not None or (layout.slotted_link(point) not in ("", GROUND) and not thrown):
+    if shaft is not None or (layout.slotted_link(point) not in ("", GROUND) and not webs):
         over += [(upper, link) for link in moving if link not in (upper, *hanging)]
     held = (*moving, *layout.riders.get(point, ()))
     # the shaft is round below and there alone
@@ -246,8 +246,8 @@ def _over_on_pin(
         over += [pair for pair in pairs if pair not in (*known, *over)]
     if shaft is not None and layout.webs.get(shaft):
         over += [(shaft, rider) for rider in layout.riders.get(point, ())]
-    elif thrown:  # what turns on a throw, or runs on it, lies between its webs
-        low, *high = thrown
+    elif webs:  # what turns on a throw, or runs on it, lies between its webs
+        low, *high = webs
         between = [link for link in held if link not in layout.webs]
         over += [(link, low) for link in between]
         over += [(web, link) for web in high for link in between]

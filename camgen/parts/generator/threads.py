@@ -12,13 +12,13 @@ from dataclasses import replace
 from camgen.machine.features import Mount, Strand
 from camgen.parts.catalogue import TURNED
 from camgen.parts.generator.layout import Layout
-from camgen.parts.generator.pins import Placed
+from camgen.parts.generator.pins import MountedPart
 from camgen.parts.hardware import grooved, headed
 
 HELD = 0.5  # of what a head and a shoulder stand out, which is enough to hold a thread
 
 
-def thread_posts(layout: Layout) -> Iterator[Placed]:
+def thread_posts(layout: Layout) -> Iterator[MountedPart]:
     """The posts of all threads."""
     head = layout.sizes.head
     sizes = layout.sizes.thread_post_sizes
@@ -36,7 +36,7 @@ def thread_posts(layout: Layout) -> Iterator[Placed]:
             post = grooved(post, sizes.groove)
         mount = Mount("", layout.carrier(link), layout.at(link, point), flipped=True, z=foot)
         made = TURNED if steel else "printed"
-        yield replace(post, role="thread-post", notes=tuple(notes), made=made), mount
+        yield replace(post, role="thread-post", notes=tuple(notes), process=made), mount
 
 
 def strands(layout: Layout, posts: Sequence[Mount]) -> list[Strand]:

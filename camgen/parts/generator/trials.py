@@ -10,7 +10,7 @@ from camgen.parts.generator import cures
 from camgen.parts.generator.changes import Change
 from camgen.parts.generator.layout import Layout
 from camgen.parts.generator.stacking import attempts, first_choice, has_levels, refusal
-from camgen.parts.level_rules import Crowded
+from camgen.parts.level_rules import NoPassage
 from camgen.parts.part import Part
 
 
@@ -33,5 +33,5 @@ def with_cures(
         return refusal(first.changed(change), run)
 
     return cures.with_cures(
-        first, refused, makes, why_not, attempts(first) if isinstance(refused, Crowded) else ()
+        first, refused, makes, why_not, attempts(first) if isinstance(refused, NoPassage) else ()
     )

@@ -32,9 +32,11 @@ def throws(links: Mapping[str, Sequence[str]], link: str, pins: Sequence[str]) -
     return [point for point in links[link] if point in others and point not in links[m.GROUND]]
 
 
-def webs(link: str, shaft: str, thrown: Sequence[str], back: bool) -> dict[str, tuple[str, ...]]:
+def webs(
+    link: str, shaft: str, throw_points: Sequence[str], back: bool
+) -> dict[str, tuple[str, ...]]:
     """Points of each web by its name, from below; back: whether the last leads back to the axis. Nothing without a throw."""
-    chain = [shaft, *thrown, *([shaft] if back else [])] if thrown else []
+    chain = [shaft, *throw_points, *([shaft] if back else [])] if throw_points else []
     return {web_name(link, k): both for k, both in enumerate(pairwise(chain))}
 
 
@@ -72,15 +74,15 @@ def faults(
     pins: Sequence[str],
 ) -> list[Fault]:
     """Why a link's shaft cannot be interrupted."""
-    thrown = throws(links, link, pins)
+    throw_points = throws(links, link, pins)
     key = ("parts", "shaft")
-    if not thrown:
+    if not throw_points:
         right = f'"through": no other link turns on a point of {link}, which drives'
         return [Fault(key, "interrupted", right)]
     right = f"another name: a web of the interrupted shaft of {link} has it"
-    names = [web_name(link, k) for k in range(1, len(thrown) + 1)]
+    names = [web_name(link, k) for k in range(1, len(throw_points) + 1)]
     faults = [Fault(("links", name), "", right) for name in names if name in links]
-    for a, b in pairwise(thrown):
+    for a, b in pairwise(throw_points):
         if a in points and b in points and points[a] == points[b]:
             right = f"throws that follow each other apart: {a} and {b} lie at one place"
             faults.append(Fault(key, "interrupted", right))
@@ -113,7 +115,7 @@ def keyed_pin(
         (Layer(Region(keyed), 0.0, low), round_, end),
         centres=(0j,),
         notes=("its flats turn the webs: pressed and glued in",),
-        cut=1,
-        made=made,
+        drawn_layer=1,
+        process=made,
         role="crank-pin",
     )

@@ -19,7 +19,7 @@ from camgen.machine.cams.followers import SlidingFace, SlidingTip, SwingingFace
 from camgen.machine.cams.machine import CamTouch, FollowerLoad, cam_machine, loaded
 from camgen.machine.cams.profile import DiscCam, SwingingArm
 from camgen.machines.disc_cam.mechanism import DiscCamDrive
-from camgen.motion.laws import POLYNOMIAL_345
+from camgen.motion.laws import LAWS
 from camgen.motion.program import Program, Segment, uniform_swing
 from camgen.parts.inertia import inertia_of
 from camgen.parts.part import Layer, Part
@@ -69,7 +69,7 @@ def lifted() -> Program:
     )
     return Program(
         tuple(
-            Segment("", a, b, c, POLYNOMIAL_345)
+            Segment("", a, b, c, LAWS["3-4-5"])
             for a, b, c in zip(spans, starts, scales, strict=True)
         )
     )

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from camgen.errors import DesignError
-from camgen.files.threemf import Placed, read_3mf, write_3mf
+from camgen.files.threemf import PartCopy, read_3mf, write_3mf
 from camgen.geometry.mesh import placing
 from camgen.judge.assembly import sweep
 from camgen.machines.disc_cam.mechanism import DiscCamDrive
@@ -39,9 +39,9 @@ YOKE = {
 }
 
 
-def drive(**bodies: Any) -> DiscCamDrive:
+def drive(**sizes: Any) -> DiscCamDrive:
     data = read(SPECS / "disc-cam.toml")
-    data["parts"]["make"], data["bodies"] = "machine", bodies
+    data["parts"] |= {"make": "printed", **sizes}
     return validate(DiscCamDrive, data)
 
 
@@ -55,7 +55,7 @@ def shifted(
             at, z = complex(pose.place[0]), pose.z
             at, z = (at + by, z - lower) if each.name == part else (at, z)
             where = placing(float(pose.angle[0]), at, z, each.thickness, pose.flipped)
-            items.append(Placed(each.name, f"{each.name}-{k + 1}", where))
+            items.append(PartCopy(each.name, f"{each.name}-{k + 1}", where))
     write_3mf(
         path, {each.name: solid(each, 0.005) for each in machine.assembly.parts}, items, "key"
     )
@@ -69,7 +69,7 @@ def shifted(
 def test_a_follower_has_its_play_under_a_cover_in_the_file(tmp_path: Path) -> None:
     """Heights in the written assembly: 0.2 mm under the follower and 0.2 over it; the cover is on the rails; four screws M3."""
     report = build(
-        SPECS / "disc-cam.toml", tmp_path, frozenset({"3mf", "report"}), ["parts.make='machine'"]
+        SPECS / "disc-cam.toml", tmp_path, frozenset({"3mf", "report"}), ["parts.make='printed'"]
     )
     assert report.ok
     found = {
@@ -159,7 +159,7 @@ def test_rails_without_covers_are_told_and_rails_that_hold_no_screw_refused() ->
     assert any("open above" in note for note in bare.study().notes)
     assert not any("open above" in note for note in drive().study().notes)
     with pytest.raises(
-        DesignError, match=r"bodies.rail_width.*1.5 mm.*limit 3.2.*bodies.cover = false"
+        DesignError, match=r"parts.rail_width.*1.5 mm.*limit 3.2.*parts.cover = false"
     ):
         _ = drive(rail_width=1.5).assembly
     assert [b.size for b in drive(rail_width=3.2).assembly.bought if b.name == "screw of a cover"][

@@ -53,7 +53,7 @@ def test_shoulder_screws_are_those_of_the_standard(
     assert sum(part.count for part in screws) == sum(part.count for part in nuts) == 3
     for part in screws:
         wide = [2 * float(np.abs(layer.region.outer.pieces[0].at(0.0))) for layer in part.layers]
-        assert wide == [head, shoulder, thread] and part.made == "bought"
+        assert wide == [head, shoulder, thread] and part.process == "bought"
         assert part.layers[0].z1 == high and part.thickness - part.layers[1].z1 == long
         assert part.layers[1].z1 - part.layers[1].z0 in (10, 12, 16, 20, 25, 30)
 
@@ -115,7 +115,7 @@ def test_a_bearing_holds_its_link_down(root: Path, monkeypatch: pytest.MonkeyPat
     assert [(layer.z0, layer.z1) for layer in rocker.layers] == [
         (0, 1.3),
         (1.3, 4),
-    ] and rocker.cut == 1
+    ] and rocker.drawn_layer == 1
     sizes = [
         [math.sqrt(4 * abs(hole.area) / math.pi) for hole in layer.region.holes]
         for layer in rocker.layers

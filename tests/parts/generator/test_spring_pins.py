@@ -37,9 +37,9 @@ def bench(**tables: Any) -> Mechanism:
             "geometry": {"closure": "force", "follower": follower},
             "segment": segments,
             "motor": {"speed_rpm": 60},
-            "parts": {"make": "machine"},
             "limits": {"pressure_angle_deg": 45},
             **tables,
+            "parts": {"make": "printed", **tables.get("parts", {})},
         }
     )
 
@@ -110,8 +110,8 @@ def spans(machine: Mechanism, body: str, at: complex) -> dict[str, list[tuple[fl
     "machine",
     [
         bench(),
-        bench(bodies={"pin": "dowel"}),
-        bench(bodies={"make": "laser"}, laser={"thickness": 3.0}),
+        bench(parts={"pin": "dowel"}),
+        bench(parts={"make": "laser"}, laser={"thickness": 3.0}),
         own_linkage(),
     ],
     ids=["printed", "dowel", "laser", "linkage"],
@@ -131,7 +131,7 @@ def test_a_roller_under_a_spring_cannot_climb_off_its_cam(machine: Mechanism) ->
 
 @pytest.mark.parametrize(
     "machine",
-    [bench(), bench(bodies={"pin": "dowel"}), own_linkage(), including()],
+    [bench(), bench(parts={"pin": "dowel"}), own_linkage(), including()],
     ids=["bench", "dowel", "linkage", "included"],
 )
 def test_a_spring_comes_before_the_heads_that_are_wider_than_its_eyes(machine: Mechanism) -> None:

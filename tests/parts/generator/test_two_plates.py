@@ -16,9 +16,9 @@ import tomli_w
 from judged import wrong
 
 from camgen.errors import DesignError, SpecError
-from camgen.judge.joints import keyed
-from camgen.judge.measured import Measured, Readings
-from camgen.machine.features import Eye, Keyed, Mount, Steady
+from camgen.judge.joints import mounts_on_flats
+from camgen.judge.measured import MeasuredEye, Readings
+from camgen.machine.features import Eye, Mount, SharedFlat, Steady
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.machines.loads.assess import assess
 from camgen.pipeline.build import build
@@ -92,12 +92,12 @@ def test_a_shaft_of_steel_has_crank_pins_of_steel() -> None:
     for made, asked in (("turned of steel", {"shaft_made": "steel"}), ("printed", {})):
         machine = linkage(parts={**parts, **asked}, limits={"pin_stress_mpa": 1e-6})
         shaft = {
-            part.made
+            part.process
             for part in machine.assembly.parts
             if part.name.startswith(("shaft", "crank-pin"))
         }
         assert shaft == {made} and {
-            part.made for part in machine.assembly.parts if part.name.startswith("pin")
+            part.process for part in machine.assembly.parts if part.name.startswith("pin")
         } == {"printed"}
         told = {
             str(f.where): f.message
@@ -200,10 +200,10 @@ def test_a_web_whose_flat_is_turned_is_found(folder: Path, tmp_path: Path) -> No
 
 def test_webs_follow_each_others_flats() -> None:
     """A flat that faces 2 deg elsewhere in the second web turns it back by 2 deg about the pin."""
-    joint = Keyed(Eye("a", 15, 5), Eye("b", 15, 5), math.pi / 2)
-    found = Readings({joint.a: Measured(15.1, 5), joint.b: Measured(15, 5)})
+    joint = SharedFlat(Eye("a", 15, 5), Eye("b", 15, 5), math.pi / 2)
+    found = Readings({joint.a: MeasuredEye(15.1, 5), joint.b: MeasuredEye(15, 5)})
     found.facing[joint] = math.pi / 2, math.pi / 2 + math.radians(2)
-    mount = keyed([joint], [Mount("a", "crank"), Mount("b", "crank")], found)[1]
+    mount = mounts_on_flats([joint], [Mount("a", "crank"), Mount("b", "crank")], found)[1]
     assert mount.place(15 + 0j) == pytest.approx(15.1)
     assert mount.place(-15 + 0j) == pytest.approx(15.1 - 30 * np.exp(-1j * math.radians(2)))
 

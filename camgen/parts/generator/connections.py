@@ -95,11 +95,13 @@ class Fitting:
     feet: tuple[tuple[complex, float], ...] = ()  # holes for screws that hold the plate, diameters
     holes: Mapping[str, Contour] = field(default_factory=dict)  # further ones of the plate
     links: Mapping[str, Part] = field(default_factory=dict)  # bodies of links in place of theirs
-    placed: tuple[tuple[Part, Mount], ...] = ()  # further parts
+    parts: tuple[tuple[Part, Mount], ...] = ()  # further parts
     stand_ins: tuple[StandIn, ...] = ()
     bought: tuple[Bought, ...] = ()
-    held: str = ""  # what holds the plate, as the last step says
-    kept: tuple[tuple[complex, float], ...] = ()  # discs on the ground that posts keep clear of
+    holder: str = ""  # what holds the plate, as the last step says
+    keep_outs: tuple[
+        tuple[complex, float], ...
+    ] = ()  # discs on the ground that posts keep clear of
 
 
 @dataclass(frozen=True)
@@ -121,14 +123,16 @@ class Connections:
     # the link on whose shaft a link runs, and its one-way clutch
     freewheels: Mapping[str, tuple[str, Bearing]] = field(default_factory=dict)
     marks: Mapping[str, complex] = field(default_factory=dict)  # holes that show how links stand
-    carried: Mapping[str, str] = field(default_factory=dict)  # links on another layout's shaft
+    guest_links: Mapping[str, str] = field(default_factory=dict)  # links on another layout's shaft
     feet: Sequence[tuple[complex, float]] = ()  # further holes of the plate, diameters
     hangs: bool = False  # whether these hold the plate
     second: SecondPlate | None = None  # over all, once levels are found
     weights: Sequence[Wheel] = ()  # counterweights on shafts
     tall: frozenset[str] = frozenset()  # points of dowels that stand out of their caps by a level
     stands: tuple[Stand, ...] = ()  # what else stands on the second plate
-    kept: tuple[tuple[complex, float], ...] = ()  # discs on the ground that posts keep clear of
+    keep_outs: tuple[
+        tuple[complex, float], ...
+    ] = ()  # discs on the ground that posts keep clear of
     fitting: Callable[[Any], Fitting] | None = None  # makes `fitted` of the layout on its levels
     fitted: Fitting = Fitting()
 
@@ -177,7 +181,7 @@ class Connections:
         """The last web, which turns in the second plate."""
         return [*self.webs, self.driven][max(0, len(self.webs) - 1)]
 
-    def thrown(self, point: str) -> list[str]:
+    def webs_at(self, point: str) -> list[str]:
         """Webs that the pin or shaft of a point joins, from below."""
         return [
             link
@@ -217,7 +221,7 @@ class Connections:
         return tips(self.machine, self.cams, self.sizes, self.fits.slide_clearance)
 
     @cached_property
-    def toothed(self) -> list[GearWheel]:
+    def gear_wheels(self) -> list[GearWheel]:
         """Wheels of gears; their backlash is the clearance of what slides, their least module two nozzles."""
         return gear_wheels(
             self.machine, self.gears, self.fits.slide_clearance, 2 * self.fits.nozzle
@@ -228,7 +232,7 @@ class Connections:
         """Cam discs, gears' wheels, counterweights."""
         return [
             *(tip.wheel for tip in self.tips),
-            *(each.wheel for each in self.toothed),
+            *(each.wheel for each in self.gear_wheels),
             *self.weights,
         ]
 
@@ -237,7 +241,7 @@ class Connections:
         """Links at each point with a pin, the ground first and one with a slot last, by the point's name."""
         slots = self.slots
         single = {tip.point for tip in self.tips if tip.rolls}.union(
-            self.hooked, self.carried, slots
+            self.hook_points, self.guest_links, slots
         )
         carriers: dict[str, list[str]] = {}
         for body in self.bodies.values():
@@ -253,7 +257,7 @@ class Connections:
         }
 
     @cached_property
-    def hooked(self) -> set[str]:
+    def hook_points(self) -> set[str]:
         """Points on whose pin a spring's eye sits."""
         return {point for each in self.springs.values() for _, point in (each.a, each.b)}
 
@@ -276,7 +280,7 @@ class Connections:
             next(point for point, links in grounded.items() if link in links): link
             for link in dict.fromkeys([self.driven, *on_shafts])
         }
-        return {**shafts, **self.carried}
+        return {**shafts, **self.guest_links}
 
     @cached_property
     def riders(self) -> dict[str, list[str]]:
@@ -300,16 +304,16 @@ class Connections:
     def discs(self) -> dict[str, tuple[str, str]]:
         """Of each pin that is a disc its link, and the point of the shaft that goes through it; through one of the ground the
         nearest."""
-        found = {}
+        discs = {}
         for point in self.sizes.discs or ():
             links = self.pivots.get(point, ())
             shafts = [shaft for shaft in self.shafts if shaft != point]
             if links[:1] == (GROUND,) and point not in self.shafts and shafts:
                 at = self.bodies[GROUND].points
-                found[point] = GROUND, min(shafts, key=lambda name: abs(at[name] - at[point]))
+                discs[point] = GROUND, min(shafts, key=lambda name: abs(at[name] - at[point]))
             for shaft in (shaft for shaft in shafts if self.shafts[shaft] in links):
-                found[point] = self.shafts[shaft], shaft
-        return found
+                discs[point] = self.shafts[shaft], shaft
+        return discs
 
     def on_ground(self, point: str) -> bool:
         """Whether a pin is a disc of the ground."""
@@ -328,11 +332,11 @@ class Connections:
     @cached_property
     def threads(self) -> dict[str, tuple[tuple[str, str], ...]]:
         """Links and points of the posts that each thread passes, by the name of its output."""
-        found = {}
+        threads = {}
         for output in self.machine.outputs:
             if isinstance(output.of, m.Function) and output.of.value is thread_length:
-                found[output.name] = tuple(map(self._named, output.of.of))
-        return found
+                threads[output.name] = tuple(map(self._named, output.of.of))
+        return threads
 
     def _named(self, place: m.Place) -> tuple[str, str]:
         """The body of a place, and which of its points that is."""
@@ -347,7 +351,7 @@ class Connections:
     @cached_property
     def pens(self) -> dict[str, str]:
         """The link of each point that is an output and no pin."""
-        found = {}
+        pens = {}
         for output in self.machine.outputs:
             if (
                 isinstance(output.of, m.Path)
@@ -356,8 +360,8 @@ class Connections:
             ):
                 body, name = self._named(output.of.of)
                 if name not in self.pivots and name not in self.thread_posts:
-                    found[name] = body
-        return found
+                    pens[name] = body
+        return pens
 
     @property
     def rim(self) -> float:

@@ -31,12 +31,12 @@ def slow(machine: Machine) -> Machine:
     return replace(machine, speed=_SLOW * machine.speed)
 
 
-def pressed(
-    machine: Machine, cams: Sequence[Cam], kicked: Collection[str], theta: Floats, angle: str
+def lift_off(
+    machine: Machine, cams: Sequence[Cam], kicks: Collection[str], theta: Floats, angle: str
 ) -> LoadCheck:
     """LIFT_OFF of some of its cams, not judged where no spring, weight or load acts on the follower.
 
-    machine: with its masses and loads, without friction in its pins; kicked: joints whose follower's speed jumps; theta: (n,)
+    machine: with its masses and loads, without friction in its pins; kicks: joints whose follower's speed jumps; theta: (n,)
     rad; angle: what theta is called.
     """
     check = LoadCheck()
@@ -53,7 +53,7 @@ def pressed(
             continue
         unit = "N" if cam.slide else "N m"
         least = max(0.0, -float(np.nanmin(effort)))
-        jumps = cam.name in kicked
+        jumps = cam.name in kicks
         remedy = (
             f"a little over {least:.4g} {unit} more on {cam.follower} keep it, towards the cam at all angles: a spring "
             "([cam.spring], [[spring]], or its preload), a weight or a load ([load]) that pulls that way; less mass or speed lowers it"

@@ -1,0 +1,109 @@
+"""Motors and cam followers of the catalogue: their rows against what was read, and what a machine makes of them."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from camgen.machine import strength
+from camgen.machines.loads.assess import Assessment, assess
+from camgen.machines.loads.drive import motor_of
+from camgen.machines.loads.tables import Drives, Model
+from camgen.machines.mechanism import Mechanism
+from camgen.machines.sources import read_mechanism
+from camgen.parts.catalogue import CAM_FOLLOWERS, MOTOR_FACES
+from camgen.parts.motors import GEARED, SHAFTS, STEPPERS
+from camgen.pipeline.making import parts_table
+
+ROOT = Path(__file__).resolve().parents[2]
+FACTS = tomllib.loads((ROOT / "tests" / "reference" / "bought.toml").read_text(encoding="utf-8"))
+CAM = (
+    "load.mass_kg=2",
+    "spring.rate=5",
+    "spring.preload=40",
+    "limits.bearing_life_h=1000",
+)
+
+
+def made(name: str, *settings: str) -> Mechanism:
+    return read_mechanism(ROOT / "specs" / f"{name}.toml", settings).resolved()
+
+
+@pytest.mark.parametrize("row", FACTS["cam_followers"], ids=lambda row: row[0])
+def test_a_cam_follower_is_what_its_maker_says(row: list[object]) -> None:
+    name, outside, width, stud, thread, length, newtons = row
+    follower = CAM_FOLLOWERS[str(name)]
+    assert [
+        follower.outside,
+        follower.width,
+        follower.stud,
+        follower.thread,
+        follower.length,
+    ] == [outside, width, stud, thread, length]
+    assert follower.rating == pytest.approx(float(str(newtons)) / 1000)
+    if name in FACTS["ina"]:
+        assert [outside, stud] == FACTS["ina"][name]
+
+
+@pytest.mark.parametrize("name", GEARED)
+def test_a_gearmotor_gives_what_was_read(name: str) -> None:
+    volts, kgf_cm, rpm = FACTS["geared"][name]
+    motor = motor_of(Drives(model=name))  # type: ignore[arg-type]
+    assert motor is not None and f"at {volts:g} V" in motor.said
+    assert motor.torque(0.0) == pytest.approx(kgf_cm * 0.0980665)
+    assert motor.no_load * 60 / math.tau == pytest.approx(rpm)
+    assert motor.torque(motor.no_load / 2) == pytest.approx(motor.stall / 2)
+
+
+def test_every_model_that_may_be_named_has_a_row() -> None:
+    assert set(Model.__args__) == {*STEPPERS, *GEARED}  # type: ignore[attr-defined]
+
+
+def test_28byj_48_sits_under_the_plate_beside_its_shaft() -> None:
+    facts = FACTS["28byj-48"]
+    face = MOTOR_FACES["28byj-48"]
+    between = abs(face.screws[0] - face.screws[1])
+    middle = sum(face.screws) / 2
+    assert (between, abs(middle)) == (facts["holes"], facts["shaft_beside"])
+    assert (face.shaft, face.shaft - 2 * face.flat) == (facts["shaft"], facts["over_both_flats"])
+    assert face.reach >= abs(middle) + facts["can"] / 2 - 1e-9
+    assert STEPPERS["28BYJ-48"].holding == facts["torque_n_m"]
+    machine = made("quick-return", "parts.motor=28byj-48", "motor.model=28BYJ-48")
+    (plate,) = (part for part in machine.assembly.parts if part.name == "ground")
+    holes = [hole for layer in plate.layers for hole in layer.region.holes]
+    assert len(holes) >= 3  # seat of the boss, and two for screws
+    bought = {thing.name: thing.size for thing in machine.assembly.bought}
+    assert bought["drive"].startswith("28BYJ-48, ") and "frame" not in bought["drive"]
+    assert SHAFTS["28byj-48"][0] == face.shaft
+
+
+def life(*settings: str) -> Assessment:
+    return assess(made("disc-cam", *CAM, *settings))
+
+
+def test_life_of_a_cam_follower_by_hand() -> None:
+    """With a steady load the life is (C / P)^(10/3) million turns of the ring, which rolls round the profile once a turn."""
+    given = life("load.cam_follower=KR16", "geometry.follower.radius=8")
+    (finding,) = (each for each in given.findings if each.code == "BEARING_LIFE")
+    assert finding.ok and "KR16" in finding.message and "nine of ten" in finding.message
+    mean = float(finding.message.split("mean of ")[1].split(" N")[0])
+    rate = finding.measured * 3600
+    turns = strength.bearing_life(3660.0, mean, strength.ROLLERS)
+    ring = turns / rate  # turns a second, at 60 rpm of a cam of some 28 mm radius
+    assert 28 / 8 * 0.8 < ring < 28 / 8 * 1.4
+
+
+def test_a_cam_follower_of_another_size_is_not_judged() -> None:
+    given = life("load.cam_follower=KR19", "geometry.follower.radius=8")
+    (left,) = (each for each in given.not_judged if each.code == "BEARING_LIFE")
+    assert "9.5 mm" in left.why and "a tip of 9.5 mm" in left.needs
+
+
+def test_a_cam_follower_is_in_the_list_of_parts_where_the_roller_is_not_made() -> None:
+    alone = made("disc-cam", *CAM, "load.cam_follower=KR16")
+    whole = made("disc-cam", *CAM, "load.cam_follower=KR16", "parts.make=machine")
+    names = [[row[1] for row in parts_table(each).rows] for each in (alone, whole)]
+    assert "cam follower" in names[0] and "cam follower" not in names[1]

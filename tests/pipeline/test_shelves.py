@@ -1,0 +1,135 @@
+"""A machine of many files lies in folders by use: found, judged, linked and compared as a flat one is."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from pathlib import Path
+from urllib.parse import unquote
+
+import pytest
+
+from camgen.errors import FileError
+from camgen.files.shelves import listed, located, put_away, shelf
+from camgen.measuring.motion import Request, run
+from camgen.pipeline.build import build, check
+
+GROOVE = """
+mechanism = "disc-cam"
+name = "many"
+segment = [
+  { kind = "rise", span_deg = 180, lift = 8, law = "cycloidal" },
+  { kind = "return", to = 0, span_deg = 180, law = "cycloidal" },
+]
+[geometry]
+base_radius = 25
+closure = "groove"
+follower = { motion = "translating", shape = "roller", radius = 5 }
+[files]
+profile_step_deg = 5
+cutter_radius = 3
+[laser]
+thickness = 6
+"""
+KINDS = frozenset({"dxf", "stl", "3mf", "step", "report"})
+
+
+@pytest.fixture(scope="module")
+def shelved(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("shelves")
+    spec = folder / "many.toml"
+    spec.write_text(GROOVE, encoding="utf-8")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("camgen.files.shelves.MOST_FLAT", 20)
+        report = build(spec, folder, KINDS)
+    assert report.ok, [finding for finding in report.findings if not finding.ok]
+    return folder / "many"
+
+
+@pytest.mark.parametrize(
+    "name, where",
+    [
+        ("a-cam.dxf", "cad"),
+        ("a-cam.step", "cad"),
+        ("a-assembly.3mf", "cad"),
+        ("a-assembly.glb", "cad"),
+        ("a-cam-path.dxf", "cad"),
+        ("a-cam.stl", "print"),
+        ("a-plate-2.3mf", "print"),
+        ("a-cam-drawing.dxf", "drawings"),
+        ("a-sheet-1.dxf", "laser"),
+        ("a-parts.csv", ""),
+        ("motion.csv", ""),
+        ("spec.toml", ""),
+        ("report.html", ""),
+    ],
+)
+def test_each_file_has_its_shelf(name: str, where: str) -> None:
+    assert shelf(name) == where
+
+
+def test_few_files_lie_flat_and_one_more_does_not(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("camgen.files.shelves.MOST_FLAT", 3)
+    for name in ("a.dxf", "a.stl"):
+        (tmp_path / name).touch()
+    put_away(tmp_path, ["manifest.json"])
+    assert located(tmp_path / "a.dxf") == tmp_path / "a.dxf"
+    put_away(tmp_path, ["manifest.json", "report.json"])
+    assert located(tmp_path / "a.dxf") == tmp_path / "cad" / "a.dxf"
+    assert listed(tmp_path, "a.*") == [tmp_path / "cad" / "a.dxf", tmp_path / "print" / "a.stl"]
+
+
+def test_the_manifest_tells_each_path_and_the_top_holds_what_is_read(shelved: Path) -> None:
+    manifest = json.loads((shelved / "manifest.json").read_text(encoding="utf-8"))
+    files = [path.relative_to(shelved).as_posix() for path in shelved.rglob("*") if path.is_file()]
+    assert sorted([*manifest["files"], "manifest.json"]) == sorted(files)
+    top = {path.name for path in shelved.iterdir()}
+    assert {"cad", "drawings", "laser", "print", "report.html", "many-parts.csv"} <= top
+    assert not any(shelf(name) for name in top)
+
+
+def test_the_page_links_to_files_where_they_lie(shelved: Path) -> None:
+    page = (shelved / "report.html").read_text(encoding="utf-8")
+    links = {unquote(link) for link in re.findall(r'<a href="([^"#:]+)"', page)}
+    assert {"print/many-plate.3mf", "laser/many-sheet-1.svg"} <= links
+    assert not [link for link in links if not (shelved / link).is_file()]
+
+
+def test_it_is_judged_again_and_a_changed_drawing_is_named_by_its_path(
+    shelved: Path, tmp_path: Path
+) -> None:
+    folder = tmp_path / "many"
+    shutil.copytree(shelved, folder)
+    assert check(folder).ok
+    (drawing,) = (folder / "drawings").glob("*-back-drawing.dxf")
+    drawing.write_bytes(drawing.read_bytes() + b"\n")
+    failed = {finding.code: finding for finding in check(folder).findings if not finding.ok}
+    assert (
+        failed.keys() == {"MANIFEST"} and f"drawings/{drawing.name}" in failed["MANIFEST"].message
+    )
+    drawing.unlink()
+    with pytest.raises(FileError, match=f"drawings/{drawing.name}"):
+        check(folder)
+
+
+def test_a_damaged_part_on_its_shelf_fails(shelved: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "many"
+    shutil.copytree(shelved, folder)
+    part = folder / "cad" / "many-inner.dxf"
+    part.write_text(re.sub(r"(?m)^10\n.*$", "10\n1.0", part.read_text(), count=3))
+    assert not check(folder).ok
+
+
+def test_motion_finds_a_file_by_the_name_that_it_has_in_a_flat_folder(
+    shelved: Path, tmp_path: Path
+) -> None:
+    follower = {"motion": "translating", "shape": "roller", "radius": 5}
+    request = Request(follower=follower)
+    flat, shelf_ = (
+        run(path, request, tmp_path).numbers
+        for path in (shelved / "many-inner.dxf", shelved / "cad" / "many-inner.dxf")
+    )
+    assert flat == shelf_ and flat
