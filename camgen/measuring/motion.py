@@ -19,7 +19,6 @@ import numpy as np
 
 from camgen.errors import DesignError, Fault, FileError, SpecError
 from camgen.files.folder import StagingFolder, write_manifest
-from camgen.files.shelves import located
 from camgen.findings import Finding, Where, at_least, at_most, in_file
 from camgen.geometry.rings import Floats, Ring
 from camgen.judge.contact import contact
@@ -182,9 +181,6 @@ def run(
 
     Raises SpecError, FileError or DesignError; where the outline is open or crosses itself, a finding says so.
     """
-    path = located(path)
-    if request.second is not None:
-        request = replace(request, second=located(request.second))
     followers = _followers(path, request)
     follower, other = followers
     # what is rolled on: file and contour, one or two

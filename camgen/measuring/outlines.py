@@ -20,6 +20,7 @@ import numpy as np
 from camgen.bounds import bounded
 from camgen.errors import FileError, counted
 from camgen.files.formats import READABLE
+from camgen.files.shelves import located
 from camgen.findings import Finding, at_least, at_most, in_file
 from camgen.geometry.chains import Chain, joined, nearest_gap
 from camgen.geometry.distances import inside
@@ -103,9 +104,10 @@ def read_outline(path: Path, hints: Hints = AS_IT_IS, contour: int | None = None
 
     contour: 1 for the largest, 2 for the second largest, and so on; where none is asked for, a finding tells whether another
     contour could be meant. What a drawing's switched-off or frozen layers hold does not count. Other units than millimetres
-    are turned into them, with a finding.
+    are turned into them, with a finding. A file of a build is found on its shelf, too.
     FileError where the file cannot be read, is empty, too large, or not what its ending says.
     """
+    path = located(path)
     kind = {".bgcode": ".gcode", **PICTURES}.get(path.suffix.lower(), path.suffix.lower())
     if kind not in ENDINGS:
         raise FileError(
