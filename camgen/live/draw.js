@@ -270,7 +270,8 @@ function draw(seen) {
     render();
   });
 
-  svg.addEventListener("pointermove", event => {
+  const MOVED = "onpointerrawupdate" in svg ? "pointerrawupdate" : "pointermove";  // at once, or with the next frame
+  svg.addEventListener(MOVED, event => {
     const before = pointers.get(event.pointerId);
     if (before && pointers.size === 2) { pinch(event); return; }
     if (before) pointers.set(event.pointerId, event);
@@ -279,7 +280,7 @@ function draw(seen) {
     else if (drag.point && drag.places) {
       const basis = tried && tried.start || drag.whole;
       drag.places = { ...basis, [drag.point]: snapped(event) };
-      attempt(moves(event), event.timeStamp);
+      attempt(moves(event));
       if (seen.start) return;  // drawn with the answer
     } else drag.to = aim(event);
     render();
@@ -481,6 +482,6 @@ function draw(seen) {
   choose("move");
 }
 
-const lags = [];  // ms, from a pointer's place to the picture that follows it
+const lags = [];  // ms, from a place of the pointer that the page was told to the picture that follows it
 if (byId("sheet")) draw(JSON.parse(byId("data").textContent));
 else if (document.body.classList.contains("start")) start();

@@ -125,7 +125,8 @@ def _serve(
     from camgen.live.guard import Few, word
 
     gc.enable()  # a server runs long
-    with socket.socket() as place:
+    # by its protocol asyncio knows that answers must not wait for the other side's receipts, 40 ms each
+    with socket.socket(proto=socket.IPPROTO_TCP) as place:
         if os.name == "posix":  # elsewhere another program could take the port, too
             place.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
@@ -134,6 +135,7 @@ def _serve(
             raise FileError(
                 f"127.0.0.1:{port}", f"{error.strerror}; choose another --port"
             ) from None
+        place.listen()  # who comes before the server stands waits for it
         secret = word()
         address = f"http://127.0.0.1:{place.getsockname()[1]}/{secret}/"
         say(f"{address}  (Ctrl-C ends it)")
