@@ -26,16 +26,21 @@ def edited(text: str, settings: Sequence[str]) -> str:
             if isinstance(step, str) and step not in holder:
                 holder[step] = tomlkit.table()
             holder, value = holder[step], value[step]
-        if isinstance(last, str) and last not in holder:
-            holder[last] = value[last]
-        elif holder[last] != value[last]:
-            before = holder[last]
-            holder[last] = value[last]
-            trivia = holder[last].trivia
-            longer = len(holder[last].as_string()) - len(before.as_string())
-            if trivia.comment:  # stays in its column
-                trivia.comment_ws = " " * max(1, len(trivia.comment_ws) - longer)
+        put(holder, last, value[last])
     return tomlkit.dumps(document)
+
+
+def put(holder: Any, key: str | int, value: Any) -> None:
+    """Set a key of a document's table, or an item of its list; a comment behind it stays in its column."""
+    if isinstance(key, str) and key not in holder:
+        holder[key] = value
+    elif holder[key] != value:
+        before = holder[key]
+        holder[key] = value
+        trivia = holder[key].trivia
+        longer = len(holder[key].as_string()) - len(before.as_string())
+        if trivia.comment:
+            trivia.comment_ws = " " * max(1, len(trivia.comment_ws) - longer)
 
 
 def with_tables(

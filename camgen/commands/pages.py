@@ -38,7 +38,7 @@ def watch(spec: Path, **served: Any) -> None:
 
 
 @click.command(epilog=EXIT_CODES)
-@click.argument("spec", type=click.Path(path_type=Path))
+@click.argument("spec", type=click.Path(path_type=Path), required=False)
 @click.option(
     "-o",
     "--out",
@@ -48,11 +48,16 @@ def watch(spec: Path, **served: Any) -> None:
 )
 @_port
 @_browser
-def explore(spec: Path, **served: Any) -> None:
-    """Show SPEC with sliders for its numbers, on a page that this machine alone can open; saved when you ask for it."""
+def explore(spec: Path | None, **served: Any) -> None:
+    """Draw a linkage with the mouse, or try any SPEC with sliders, on a page that this machine alone can open.
+
+    Without SPEC it begins with an empty sheet or a linkage of the gallery. Saved when you ask for it.
+    """
+    from camgen import starters
     from camgen.live import run
 
-    run.explore(spec, say=_say, **served)
+    names = ("linkage", *starters.examples())
+    run.explore(spec, say=_say, gallery={each: starters.text(each) for each in names}, **served)
 
 
 def _say(text: str) -> None:

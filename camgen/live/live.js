@@ -1,4 +1,4 @@
-// The page of `camgen explore` and of `camgen watch`: what is shown is the report's own page in a frame. A new one takes the old
+// The pages of `camgen explore` and of `camgen watch`: what is shown is the report's own page in a frame. A new one takes the old
 // one's place when it is there, at the same angle of the drive and the same place of the page.
 "use strict";
 const byId = id => document.getElementById(id);
@@ -55,9 +55,9 @@ async function ask(path, asked) {
   }
 }
 
-// ---- explore: a line for each value ----
+// ---- a line for each value; moved() while one changes, rested() when it has ----
 
-function explore(numbers) {
+function form(numbers, moved, rested = () => {}) {
   const boxes = new Map(), tables = new Map();
   const plain = value => typeof value === "number" ? String(value) : value === true ? "true" : value === false ? "false" : value;
   const settings = () => Object.fromEntries(numbers.filter(n => boxes.get(n.key).value.trim() !== plain(n.value))
@@ -103,10 +103,12 @@ function explore(numbers) {
         range.value = Number(range.value) + way * number.step * (event.shiftKey ? 10 : 1);
         range.dispatchEvent(new Event("input"));
       });
+      range.addEventListener("change", () => rested());
       box.range = range;
       line.append(range);
     }
     box.addEventListener("input", () => { follow(box); moved(); });
+    box.addEventListener("change", () => rested());
     boxes.set(number.key, box);
     tables.get(table).lastChild.append(line);
   }
@@ -119,14 +121,34 @@ function explore(numbers) {
     box.range.max = Math.max(box.range.max, value);
     box.range.value = value;
   }
-  function reset() {
+  function reset(values = numbers) {  // values: other ones of the same keys
+    numbers = values;
     for (const number of numbers) {
       const box = boxes.get(number.key);
       box.value = plain(number.value);
       follow(box);
     }
-    moved();
   }
+  byId("find").oninput = () => {
+    const words = byId("find").value.toLowerCase().split(/\s+/).filter(Boolean);
+    for (const details of tables.values()) {
+      let some = false;
+      details.querySelectorAll(".number").forEach(line => {
+        line.hidden = !words.every(word => line.dataset.key.toLowerCase().includes(word));
+        some = some || !line.hidden;
+      });
+      details.hidden = !some;
+      if (words.length && some) details.open = true;
+    }
+  };
+  reset();
+  return { settings, reset, keys: numbers.map(number => number.key).join() };
+}
+
+// ---- explore: what the values make ----
+
+function explore(numbers) {
+  const values = form(numbers, () => moved()), settings = values.settings;
 
   // One request in flight; what moves meanwhile is asked for again after it. Where the whole answer takes long, a quick one
   // comes while values move, and the whole when they rest; at first the quick one too, for its verdict and picture.
@@ -158,20 +180,8 @@ function explore(numbers) {
     busy = false;
   }
 
-  byId("undo").addEventListener("click", reset);
+  byId("undo").addEventListener("click", () => { values.reset(); moved(); });
   byId("numbers").addEventListener("submit", event => event.preventDefault());
-  byId("find").addEventListener("input", () => {
-    const words = byId("find").value.toLowerCase().split(/\s+/).filter(Boolean);
-    for (const details of tables.values()) {
-      let some = false;
-      details.querySelectorAll(".number").forEach(line => {
-        line.hidden = !words.every(word => line.dataset.key.toLowerCase().includes(word));
-        some = some || !line.hidden;
-      });
-      details.hidden = !some;
-      if (words.length && some) details.open = true;
-    }
-  });
   byId("save").addEventListener("click", async () => {
     const saved = settings(), answer = await ask("save", { settings: saved });
     if (answer.ok) {
@@ -191,7 +201,7 @@ function explore(numbers) {
     byId("note").hidden = Boolean(answer.folder);
     if (answer.folder) show(frame => { frame.src = "out/report.html"; });
   });
-  reset();
+  moved();
 }
 
 // ---- watch: a new report when there is one ----
@@ -212,5 +222,5 @@ async function watch() {
   }
 }
 
-if (byId("data")) explore(JSON.parse(byId("data").textContent));
-else watch();
+if (document.body.classList.contains("watch")) watch();
+else if (byId("save") && !byId("sheet")) explore(JSON.parse(byId("data").textContent));

@@ -9,7 +9,7 @@ import tempfile
 import threading
 import time
 import webbrowser
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from html import escape
 from pathlib import Path
@@ -19,7 +19,7 @@ from camgen.bounds import bounded
 from camgen.errors import FileError
 from camgen.extras import install_line
 from camgen.machines.sources import files_of
-from camgen.reading import SPEC_FILE
+from camgen.reading import SPEC_FILE, read
 
 if TYPE_CHECKING:
     from starlette.applications import Starlette
@@ -32,12 +32,28 @@ if TYPE_CHECKING:
 _EVERY = 0.2  # s between two looks at the files
 
 
-def explore(spec: Path, out: Path, port: int, browser: bool, say: Say) -> None:
-    """Serve the spec with sliders until Ctrl-C; FileError where the extra is missing or the port is taken."""
+def explore(
+    spec: Path | None,
+    out: Path,
+    port: int,
+    browser: bool,
+    say: Say,
+    gallery: Mapping[str, str] | None = None,
+) -> None:
+    """Serve the spec until Ctrl-C, a linkage to draw on, any other with sliders; without one an empty sheet or the gallery.
+
+    gallery: texts of specs by their names. FileError where the extra is missing or the port is taken.
+    """
     _need()
+    from camgen.live.board import Board
     from camgen.live.server import Explorer
 
-    _serve(Explorer(spec, out).app, port, spec.parent if browser else None, say)
+    if spec is None or read(spec).get("mechanism") == "linkage":
+        app = Board(spec, out, gallery).app
+    else:
+        app = Explorer(spec, out).app
+    folder = Path() if spec is None else spec.parent
+    _serve(app, port, folder if browser else None, say)
 
 
 def watch(spec: Path, out: Path, port: int, browser: bool, say: Say) -> None:
@@ -110,7 +126,8 @@ def _serve(
     from camgen.live.guard import Few, word
 
     gc.enable()  # a server runs long
-    with socket.socket() as place:
+    # by its protocol asyncio knows that answers must not wait for the other side's receipts, 40 ms each
+    with socket.socket(proto=socket.IPPROTO_TCP) as place:
         if os.name == "posix":  # elsewhere another program could take the port, too
             place.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
@@ -119,6 +136,7 @@ def _serve(
             raise FileError(
                 f"127.0.0.1:{port}", f"{error.strerror}; choose another --port"
             ) from None
+        place.listen()  # who comes before the server stands waits for it
         secret = word()
         address = f"http://127.0.0.1:{place.getsockname()[1]}/{secret}/"
         say(f"{address}  (Ctrl-C ends it)")

@@ -31,6 +31,7 @@ from camgen.live.guard import OnlyHere
 from camgen.live.numbers import Number, numbers, overrides, write
 from camgen.live.preview import failure, preview
 from camgen.machines import MECHANISMS, load
+from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import changed, read_tables
 from camgen.pipeline.build import KINDS, build
 
@@ -38,6 +39,8 @@ _POLICY = (
     "default-src 'none'; script-src 'self' 'unsafe-inline'; style-src 'self' 'unsafe-inline'; connect-src 'self'; "
     "frame-src 'self'; frame-ancestors 'self'"
 )
+
+_FILES = {"live.js": "javascript", "draw.js": "javascript", "live.css": "css"}
 
 Answer = dict[str, Any]
 
@@ -53,12 +56,12 @@ class LastBuild:
         self.answer = Answer(building=True)
         self.lock = Lock()
 
-    def build(self, settings: list[str]) -> Answer:
-        """Build it with some keys set anew; the answer has its verdict, or why there is none."""
+    def build(self, settings: list[str], made: Mechanism | None = None) -> Answer:
+        """Build it with some keys set anew, or what was made of it; the answer has its verdict, or why there is none."""
         with self.lock:
             self.answer = Answer(building=True)
             try:
-                report = build(self.spec, self.out, frozenset(KINDS), settings)
+                report = build(made or self.spec, self.out, frozenset(KINDS), settings)
                 assert report.folder is not None, "a build writes a folder"
                 self.folder = Path(report.folder)
                 verdict = report.verdict
@@ -166,7 +169,7 @@ class Explorer:
 
     def app(self, word: str) -> Starlette:
         """What serves it, below the word."""
-        return _app(
+        return served(
             word,
             self.page,
             self.last_build,
@@ -180,18 +183,21 @@ def watcher(last_build: LastBuild, word: str) -> Starlette:
     def state(_request: Answer) -> Answer:
         return {"number": last_build.number, **last_build.answer}
 
-    return _app(word, partial(_page, "watch.html", last_build.spec), last_build, {"/state": state})
+    return served(
+        word, partial(_page, "watch.html", last_build.spec), last_build, {"/state": state}
+    )
 
 
 def _page(file: str, spec: Path, **more: str) -> str:
-    return Template(_asset(file)).substitute(name=escape(spec.name), **more)
+    return Template(asset(file)).substitute(name=escape(spec.name), **more)
 
 
-def _asset(file: str) -> str:
+def asset(file: str) -> str:
+    """A page, script or style of ours."""
     return files("camgen.live").joinpath(file).read_text(encoding="utf-8")
 
 
-def _app(
+def served(
     word: str,
     page: Callable[[], str],
     last_build: LastBuild,
@@ -206,13 +212,10 @@ def _app(
             return PlainTextResponse(str(error), 500)
         return Response(text, media_type="text/html", headers={"Content-Security-Policy": _POLICY})
 
-    script = Response(_asset("live.js"), media_type="text/javascript")
-    style = Response(_asset("live.css"), media_type="text/css")
-    routes = [
-        Route("/", shown),
-        Route("/live.js", script),
-        Route("/live.css", style),
-        Mount("/out", app=last_build),
+    routes = [Route("/", shown), Mount("/out", app=last_build)]
+    routes += [
+        Route(f"/{file}", Response(asset(file), media_type=f"text/{kind}"))
+        for file, kind in _FILES.items()
     ]
     routes += [Route(path, _answering(reply), methods=["POST"]) for path, reply in answers.items()]
     return Starlette(routes=routes, middleware=[Middleware(OnlyHere, word=word)])

@@ -65,11 +65,16 @@ def read_tables(spec: Source) -> tuple[reading.Data, str, Path]:
         data = reading.read(Path(spec))
         source = str(spec)
         folder = Path(spec).parent
-    if "include" in data:
-        from camgen.machines.included import opened
+    return opened_tables(data, folder), source, folder
 
-        data = opened(data, folder)
-    return data, source, folder
+
+def opened_tables(data: reading.Data, folder: Path) -> reading.Data:
+    """The tables with those of the specs that they include, seen from a folder."""
+    if "include" not in data:
+        return data
+    from camgen.machines.included import opened
+
+    return opened(data, folder)
 
 
 def files_of(spec: Path) -> list[Path]:

@@ -279,12 +279,12 @@ class Drawing:
 
     def machine(self) -> m.Machine:
         """The model, closed at theta = 0; DesignError where it does not close, is loose or locked."""
-        machine = freedom.close_drawing(self._on_bases)
+        machine = freedom.close_drawing(self.rough)
         freedom.refuse_unsound(machine)
         return machine
 
     @cached_property
-    def _rough(self) -> m.Machine:
+    def _open(self) -> m.Machine:
         """The model as drawn, open where lengths are others than drawn."""
         bodies, start = self._bodies()
         joints = [*self._pins(bodies), *self._slides(bodies, start), *self._slots(bodies)]
@@ -321,10 +321,10 @@ class Drawing:
     def _follower(self, cam: t.Cam) -> tuple[m.Cam, Follower]:
         """A cam's joint, and its follower as drawn, about the cam's axis."""
         name = self.cam_name(cam)
-        joint = self._rough.joint(name)
+        joint = self._open.joint(name)
         assert isinstance(joint, m.Cam)
         sign: Literal[1, -1] = 1 if joint.leaves > 0 else -1
-        return joint, follower_of(self._rough, joint, self.ridden[name], cam.at, sign)
+        return joint, follower_of(self._open, joint, self.ridden[name], cam.at, sign)
 
     @cached_property
     def bases(self) -> dict[str, float]:
@@ -345,9 +345,9 @@ class Drawing:
         return radii
 
     @property
-    def _on_bases(self) -> m.Machine:
-        """The rough model, each follower that says its base radius on that; DesignError where it cannot stand there."""
-        machine = self._rough
+    def rough(self) -> m.Machine:
+        """The model not yet closed, each follower that says its base radius on that; DesignError where it cannot stand there."""
+        machine = self._open
         for cam in self.cams:
             name = self.cam_name(cam)
             if name not in self.bases:

@@ -1,0 +1,370 @@
+"""`camgen explore` of a linkage: its text with what was done to it, what the page draws of it, and the page's requests."""
+
+from __future__ import annotations
+
+import json
+import math
+import tomllib
+from collections.abc import Mapping, Sequence
+from functools import lru_cache, reduce
+from hashlib import sha256
+from html import escape
+from pathlib import Path
+from string import Template
+from threading import Lock
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from camgen import reading
+from camgen import spec as specs
+from camgen.bounds import read_bytes
+from camgen.edits import edited
+from camgen.errors import DesignError, Fault, FileError, SpecError, file_errors
+from camgen.findings import Finding
+from camgen.live.gallery import cards, usable
+from camgen.live.numbers import numbers, overrides, write
+from camgen.live.operations import FILE_NAME, applied, moved
+from camgen.live.preview import failure, preview
+from camgen.live.server import Answer, LastBuild, asset, served
+from camgen.machines import load
+from camgen.machines.linkage.mechanism import Linkage
+from camgen.machines.linkage.traces import angles, idle, traces
+from camgen.machines.sources import changed, opened_tables
+from camgen.numerics import Points
+from camgen.report.report import Report
+from camgen.settings import override
+
+if TYPE_CHECKING:
+    from starlette.applications import Starlette
+
+_MOST_UNDONE = 500
+_EMPTY = """# Drawn with camgen explore.
+
+mechanism = "linkage"
+name = "my-linkage"
+
+[points]                            # mm, at theta = 0
+
+[links]
+
+[drive]
+speed_rpm = 30
+"""
+
+
+class Board:
+    """A linkage's text while it is drawn. Without a spec a page with the gallery comes first."""
+
+    def __init__(
+        self, spec: Path | None, out: Path, gallery: Mapping[str, str] | None = None
+    ) -> None:
+        """gallery: texts of specs by their names; those are shown that are linkages and name no file."""
+        self.spec = spec
+        self.gallery = usable(gallery or {})
+        self.last_build = LastBuild(spec or Path("sheet.toml"), out)
+        self.lock = Lock()
+        self.digest = ""
+        self.text: str | None = None
+        self.saved = ""
+        self.past: list[str] = []
+        self.future: list[str] = []
+        if spec is not None:
+            self._read(spec)
+
+    def _read(self, spec: Path) -> None:
+        """Take the text as its file has it now; what was drawn before stays behind Undo."""
+        reading.read(spec)
+        raw = read_bytes(spec, reading.SPEC_FILE)
+        digest = sha256(raw).hexdigest()
+        if digest == self.digest:
+            return
+        if self.text is not None:
+            self.past.append(self.text)
+        self.digest = digest
+        self.saved = raw.decode("utf-8-sig")
+        self._take(self.saved)
+
+    def _take(self, text: str) -> None:
+        """Show this text."""
+        self.text = text
+        self.tables = reading.tables(tomllib.loads(text))
+        self.linkage: Linkage | None = None
+        self.faults: Sequence[Fault] = ()
+        self.reason = ""
+        try:
+            self.linkage = self._linkage(self.tables)
+        except SpecError as error:
+            self.faults = error.faults
+            return
+        try:
+            self.linkage.chain  # noqa: B018
+        except DesignError as error:
+            self.reason = str(error)
+
+    @property
+    def folder(self) -> Path:
+        """Where files are that the spec names."""
+        return Path() if self.spec is None else self.spec.parent
+
+    def _linkage(self, tables: reading.Data, shown: bool = True) -> Linkage:
+        """The machine of some tables; shown: as the sheet has it, also where no output is chosen yet."""
+        first = next(iter(_sheet(tables)["points"]), None)
+        if shown and "output" not in tables and first:
+            tables = {**tables, "output": [{"name": "sheet", "point": first}]}
+        made = changed(opened_tables(tables, self.folder), "sheet", self.folder)
+        assert isinstance(made, Linkage)
+        return made
+
+    # ---- what the page asks for ----
+
+    def draw(self, request: Answer) -> Answer:
+        """Do an operation; try = true: only show what it would do, as while a hand drags."""
+        with self.lock:
+            if request.get("try") is True:
+                return self._tried(request)
+            text = self._after(request)
+            if text != self.text:
+                self.past = [*self.past, self._shown][-_MOST_UNDONE:]
+                self.future.clear()
+                self._take(text)
+            return self._seen()
+
+    def undo(self, _request: Answer) -> Answer:
+        """Take the last operation back."""
+        return self._step(self.past, self.future)
+
+    def redo(self, _request: Answer) -> Answer:
+        """Do again what was taken back."""
+        return self._step(self.future, self.past)
+
+    def rest(self, _request: Answer) -> Answer:
+        """What takes a moment: keys of [points] that have no effect, and the verdict of the design's own limits."""
+        linkage = self.linkage
+        if linkage is None or self.reason or "output" not in self.tables:
+            return Answer(ok=False, verdict="", errors=[], idle=[])
+        keys = [f"points.{key}" for key in idle(linkage)]
+        try:
+            findings = linkage.forecast()
+        except DesignError as error:
+            return failure("cannot be made", [str(error)]) | {"idle": keys}
+        report = Report(linkage.name, linkage.mechanism, findings)
+        said = [_failing(finding) for finding in findings if not finding.ok]
+        return Answer(ok=report.ok, verdict=report.verdict, errors=said, idle=keys)
+
+    def preview(self, request: Answer) -> Answer:
+        """The report's page of what is drawn, by what needs no file."""
+        with self.lock:
+            tables = opened_tables(self.tables, self.folder)
+        return preview(tables, "sheet", self.folder, [], request.get("quick") is True)
+
+    def build(self, _request: Answer) -> Answer:
+        """All files of what is drawn."""
+        with self.lock:
+            made = self._linkage(self.tables, shown=False)
+        return self.last_build.build([], made)
+
+    def save(self, _request: Answer) -> Answer:
+        """Write the text into its file, which has to be as it was read; of a new sheet into one by its name."""
+        with self.lock:
+            text = self._shown
+            raw = text.encode("utf-8")
+            if self.spec is None:
+                self.spec = self._new_file(raw)
+            else:
+                before = read_bytes(self.spec, reading.SPEC_FILE)
+                if sha256(before).hexdigest() != self.digest:
+                    right = "was changed since this page read it; reload the page to see it, and Undo to have yours again"
+                    raise FileError(self.spec, right)
+                write(self.spec, text)
+            self.digest = sha256(raw).hexdigest()
+            self.saved = text
+            return {**self._seen(), "verdict": f"saved in {self.spec.name}"}
+
+    def start(self, request: Answer) -> Answer:
+        """Begin with an empty sheet, or with one of the gallery."""
+        name = request.get("name")
+        with self.lock:
+            if name and name not in self.gallery:
+                raise SpecError([specs.unknown(("name",), str(name), self.gallery)], "gallery")
+            self._take(self.gallery[str(name)] if name else _EMPTY)
+        return Answer(ok=True, verdict="", errors=[])
+
+    # ---- how it answers ----
+
+    @property
+    def _shown(self) -> str:
+        if self.text is None:
+            raise SpecError(
+                [Fault(("sheet",), "", "begin with an empty sheet or a spec of the gallery")],
+                "sheet",
+            )
+        return self.text
+
+    def _after(self, request: Answer) -> str:
+        """The text after an operation; `set` gives keys other values."""
+        if request.get("op") == "set":
+            return edited(self._shown, self._settings(request))
+        return applied(self._shown, request)
+
+    def _settings(self, request: Answer) -> list[str]:
+        return overrides(request.get("settings"), self._numbers())
+
+    def _numbers(self) -> Any:
+        return numbers(self.tables, _schema())
+
+    def _step(self, back: list[str], ahead: list[str]) -> Answer:
+        with self.lock:
+            if back:
+                ahead.append(self._shown)
+                self._take(back.pop())
+            return self._seen()
+
+    def _tried(self, request: Answer) -> Answer:
+        """Where the points go: of places in between a drag, or of keys that a slider moves."""
+        linkage = self.linkage
+        points = lengths = None
+        try:
+            if request.get("op") == "set":
+                settings = self._settings(request)
+                linkage = self._linkage(reduce(override, settings, self.tables))
+                points = {**linkage.points}
+            elif linkage is not None:
+                points, lengths = moved(self.tables, request)
+            return Answer(ok=True, **_motion(linkage, points, lengths))
+        except SpecError as error:
+            return Answer(ok=True, faults=_told(error.faults), **_motion(None))
+        except (KeyError, TypeError, ValueError):
+            raise SpecError(
+                [Fault(("points",), "", "places of points of the sheet")], "sheet"
+            ) from None
+
+    def _seen(self) -> Answer:
+        """All that the page shows of the text."""
+        return Answer(
+            ok=not self.faults and not self.reason,
+            verdict="",
+            errors=[],
+            sheet=_sheet(self.tables),
+            faults=_told(self.faults),
+            file="new sheet" if self.spec is None else self.spec.name,
+            undo=bool(self.past),
+            redo=bool(self.future),
+            changed=self.text != self.saved,
+            text=self.text,
+            numbers=[vars(number) for number in self._numbers()],
+            **(_motion(self.linkage) | ({"reason": self.reason} if self.reason else {})),
+        )
+
+    # ---- files and pages ----
+
+    def _new_file(self, raw: bytes) -> Path:
+        name = self.tables.get("name")
+        if not isinstance(name, str) or not FILE_NAME.fullmatch(name):
+            raise SpecError(
+                [Fault(("name",), str(name), "a name of small letters a-z, digits and hyphens")],
+                "sheet",
+            )
+        path = Path(f"{name}.toml")
+        if path.exists():
+            raise FileError(path, "is there already; give the sheet another name")
+        with file_errors(), open(path, "xb") as file:
+            file.write(raw)
+        return path
+
+    def page(self) -> str:
+        """The sheet with its file as it is now; first the gallery, where there is no spec."""
+        with self.lock:
+            if self.spec is not None:
+                self._read(self.spec)
+            if self.text is None:
+                return Template(asset("start.html")).substitute(cards=cards(self.gallery))
+            seen = self._seen()
+        data = json.dumps(seen, ensure_ascii=False).replace("<", "\\u003c")
+        return Template(asset("draw.html")).substitute(name=escape(seen["file"]), data=data)
+
+    def app(self, word: str) -> Starlette:
+        """What serves it, below the word."""
+        asked = ("draw", "undo", "redo", "rest", "preview", "build", "save", "start")
+        answers = {f"/{name}": getattr(self, name) for name in asked}
+        return served(word, self.page, self.last_build, answers)
+
+
+# ---- what is drawn ---------------------------------------------------------------------------------------------------
+
+
+@lru_cache(maxsize=1)
+def _schema() -> Any:
+    return specs.schema(load("linkage"), "linkage")
+
+
+def _failing(finding: Finding) -> str:
+    bound = f"at {'least' if finding.floor else 'most'} {finding.limit:.4g}"
+    measured = f"{finding.measured:.4g} {finding.unit}, {bound}"
+    return f"{finding.code}, {finding.where}: {measured}; {finding.message}"
+
+
+def _told(faults: Sequence[Fault]) -> list[Answer]:
+    """Each fault with the steps of its key, by which the page finds its place."""
+    return [{"path": list(fault.path), "text": str(fault)} for fault in faults]
+
+
+def _sheet(tables: reading.Data) -> Answer:
+    """What there is to draw, also of tables that are no machine yet."""
+    points = {
+        name: [float(x) for x in place]
+        for name, place in _table(tables, "points").items()
+        if isinstance(place, list)
+        and len(place) == 2
+        and all(isinstance(x, int | float) for x in place)
+    }
+    links = {
+        name: [point for point in each if isinstance(point, str) and point in points]
+        for name, each in _table(tables, "links").items()
+        if isinstance(each, list)
+    }
+    kinds = ("slide", "slot", "gear", "cam", "output")
+    rows = {kind: [row for row in tables.get(kind, ()) if isinstance(row, dict)] for kind in kinds}
+    return {
+        "name": str(tables.get("name", "")),
+        "points": points,
+        "links": links,
+        "lengths": _table(tables, "lengths"),
+        "drive": _table(tables, "drive").get("link", ""),
+        **rows,
+    }
+
+
+def _table(tables: reading.Data, name: str) -> reading.Data:
+    value = tables.get(name)
+    return value if isinstance(value, dict) else {}
+
+
+def _motion(linkage: Linkage | None, points: Any = None, lengths: Any = None) -> Answer:
+    """Places of all points, drawn (`start`) and over the turn (`paths`: x, y, x, y, ..., mm; null where it does not close)."""
+    if linkage is None:
+        return {"start": None, "paths": {}, "reason": ""}
+    theta = angles(linkage)
+    try:
+        found = traces(linkage, np.append(0.0, theta), points, lengths)
+    except (DesignError, ArithmeticError, ValueError) as error:
+        return {"start": None, "paths": {}, "reason": str(error)}
+    closed = np.all([np.isfinite(z) for z in found.values()], axis=0)
+    if not closed[0]:
+        reason = "it does not close as drawn: lengths and places contradict each other"
+        return {"start": None, "paths": {}, "reason": reason}
+    return {
+        "start": {name: [z[0].real, z[0].imag] for name, z in found.items()},
+        "paths": {name: _flat(z[1:]) for name, z in found.items()},
+        "reason": "" if closed.all() else _part_of_turn(np.degrees(theta), closed[1:]),
+    }
+
+
+def _part_of_turn(theta: Any, closed: Any) -> str:
+    share = f"closes at {100 * closed.mean():.0f} % of the angles of its drive"
+    return f"{share}: the others are drawn as gaps"
+
+
+def _flat(places: Points) -> list[float | None]:
+    rounded = np.round(np.stack([places.real, places.imag], axis=1), 3)
+    return [None if math.isnan(value) else value for place in rounded.tolist() for value in place]

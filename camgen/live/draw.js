@@ -1,0 +1,487 @@
+// The sheet of `camgen explore`: a linkage drawn with mouse, finger or keys. Every operation is done by camgen in the spec's text;
+// while a hand drags, camgen says where all points go, and nothing is written.
+"use strict";
+
+function start() {  // the page before: an empty sheet, or one of the gallery
+  document.querySelectorAll("[data-start]").forEach(button => button.addEventListener("click", async () => {
+    const answer = await ask("start", { name: button.dataset.start });
+    byId("said").hidden = answer.ok;
+    if (answer.ok) location.reload(); else tell(answer, "");
+  }));
+}
+
+const TOOLS = [
+  ["move", "v", "Move", "Drag a point; onto another one pins them together. Drag the paper to shift it, turn the wheel to zoom."],
+  ["link", "l", "Link", "Press where the link begins, drag to where it ends; on a point it is pinned there."],
+  ["point", "p", "Point", "Press on a link and drag to the new point's place; on a point of another link it is pinned there."],
+  ["ground", "g", "Ground", "Click the points that stand still; once more lets one go."],
+  ["slide", "s", "Slide", "Press on a point, or on a link, and drag in the direction in which it slides."],
+  ["slot", "t", "Slot", "Press on a point and drag onto the link in whose slot it runs."],
+  ["drive", "d", "Drive", "Click the link that drives; it is pinned to the ground."],
+  ["output", "o", "Output", "Click the point whose path counts, or a link whose motion does; once more takes it away."],
+  ["delete", "x", "Delete", "Click a point or a link to take it away."],
+];
+
+function draw(seen) {
+  const svg = byId("sheet"), pointers = new Map();
+  let tool = "move", picked = null, drag = null, tried = null, values = null, playing = 0, scale = 4, centre = [0, 0], idle = [], note = "";
+
+  // ---- places ----
+
+  const size = () => [svg.clientWidth || 800, svg.clientHeight || 500];
+  const onScreen = ([x, y]) => { const [w, h] = size(); return [(x - centre[0]) * scale + w / 2, h / 2 - (y - centre[1]) * scale]; };
+  const onPaper = event => {
+    const box = svg.getBoundingClientRect(), [w, h] = size();
+    return [(event.clientX - box.left - w / 2) / scale + centre[0], (h / 2 - event.clientY + box.top) / scale + centre[1]];
+  };
+  const step = () => 10 ** Math.floor(Math.log10(6 / scale));
+  const snapped = (event, place = onPaper(event)) => {
+    const to = event.shiftKey ? 0.01 : step();
+    return place.map(x => Number((Math.round(x / to) * to).toFixed(3)));
+  };
+  const away = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
+  const ground = () => seen.sheet.links.ground || [];
+  const moving = () => Object.entries(seen.sheet.links).filter(([name]) => name !== "ground");
+  const now = () => tried || seen;
+
+  function places() {  // of all points, as they are to be shown
+    const drawn = { ...seen.sheet.points, ...(drag && drag.places), ...now().start }, turn = Number(byId("turn").value);
+    if (!turn || !now().start) return drawn;
+    return Object.fromEntries(Object.entries(drawn).map(([name, place]) => {
+      const path = now().paths[name], at = turn * (path.length / 2 - 1), k = Math.min(Math.floor(at), path.length / 2 - 2), share = at - k;
+      const between = axis => path[2 * k + axis] === null || path[2 * k + 2 + axis] === null ? NaN
+        : path[2 * k + axis] * (1 - share) + path[2 * k + 2 + axis] * share;
+      return [name, [between(0), between(1)]];
+    }));
+  }
+
+  function hit(event, no = () => false) {  // the point, or else the link, beneath a pointer
+    const at = places(), here = onPaper(event), near = (event.pointerType === "touch" ? 22 : 11) / scale;
+    const points = Object.keys(at).filter(name => !no(name)).map(name => [away(at[name], here), name]).sort((a, b) => a[0] - b[0]);
+    if (points.length && points[0][0] < near) return { point: points[0][1] };
+    const links = moving().map(([name, points]) => [fromLink(here, points.map(point => at[point])), name]).sort((a, b) => a[0] - b[0]);
+    return links.length && links[0][0] < near ? { link: links[0][1] } : {};
+  }
+
+  function fromLink(here, corners) {  // distance of a place from a link's body
+    let best = Infinity, inside = false;
+    corners.forEach((a, k) => {
+      const b = corners[(k + 1) % corners.length], way = [b[0] - a[0], b[1] - a[1]], long = way[0] ** 2 + way[1] ** 2;
+      const share = long ? Math.max(0, Math.min(1, ((here[0] - a[0]) * way[0] + (here[1] - a[1]) * way[1]) / long)) : 0;
+      best = Math.min(best, away(here, [a[0] + share * way[0], a[1] + share * way[1]]));
+      if (a[1] > here[1] !== b[1] > here[1] && here[0] < a[0] + way[0] * (here[1] - a[1]) / way[1]) inside = !inside;
+    });
+    return inside && corners.length > 2 ? 0 : best;
+  }
+
+  function fit() {
+    const all = Object.values(seen.sheet.points).concat(shownPaths().flatMap(name => pairs(seen.paths[name])));
+    const [w, h] = size(), xs = all.map(p => p[0]), ys = all.map(p => p[1]);
+    if (!all.length) { scale = 4; centre = [0, 0]; return; }
+    const low = [Math.min(...xs), Math.min(...ys)], high = [Math.max(...xs), Math.max(...ys)];
+    centre = [0, 1].map(k => (low[k] + high[k]) / 2);
+    scale = Math.min(w / (high[0] - low[0] + 30), h / (high[1] - low[1] + 30), 12);
+  }
+
+  // ---- the picture ----
+
+  const pairs = (flat = []) => Array.from({ length: flat.length / 2 }, (_, k) => [flat[2 * k], flat[2 * k + 1]]).filter(([x]) => x !== null);
+  const shownPaths = () => {
+    const of = seen.sheet.output.map(row => row.point).filter(Boolean);
+    if (picked && picked.point) of.push(picked.point);
+    return [...new Set(of)].filter(name => now().paths[name] && !ground().includes(name));
+  };
+  const escaped = text => String(text).replace(/[&<>"]/g, c => `&#${c.charCodeAt(0)};`);
+  const words = (at, text, kind, more = "") => `<text class="${kind}" x="${at[0].toFixed(1)}" y="${at[1].toFixed(1)}" ${more}>${escaped(text)}</text>`;
+
+  function curve(flat) {  // of x, y, x, y, ...; broken where it does not close
+    let text = "", pen = "M";
+    for (let k = 0; k < flat.length; k += 2) {
+      if (flat[k] === null) { pen = "M"; continue; }
+      const [x, y] = onScreen([flat[k], flat[k + 1]]);
+      text += pen + x.toFixed(1) + " " + y.toFixed(1);
+      pen = "L";
+    }
+    return text;
+  }
+
+  function render() {
+    const at = places(), to = name => onScreen(at[name] || [NaN, NaN]), [w, h] = size(), out = [];
+    const there = name => at[name] && isFinite(at[name][0]), grid = step() * 10, chosen = picked || {};
+    for (const axis of [0, 1]) {
+      const half = (axis ? h : w) / 2 / scale;
+      for (let k = Math.ceil((centre[axis] - half) / grid); k * grid < centre[axis] + half; k++) {
+        const x = onScreen([k * grid, k * grid])[axis];
+        out.push(`<path class="grid${k ? "" : " axis"}" d="${axis ? `M0 ${x}H${w}` : `M${x} 0V${h}`}"/>`);
+      }
+    }
+    for (const name of shownPaths()) out.push(`<path class="path${seen.sheet.output.some(row => row.point === name) ? "" : " other"}" d="${curve(now().paths[name])}"/>`);
+    for (const row of [...seen.sheet.slide, ...seen.sheet.slot]) {
+      const [a, b] = row.along.map(to);
+      if (row.along.every(there)) out.push(`<path class="rail" d="M${a}L${b}"/>`);
+    }
+    moving().forEach(([name, points], k) => {
+      if (!points.length || !points.every(there)) return;
+      const kind = `link k${k % 6}${name === seen.sheet.drive ? " drives" : ""}${name === chosen.link ? " picked" : ""}`, shape = points.map(to);
+      const slides = points.length === 1 && seen.sheet.slide.find(row => row.link === name);
+      if (slides && slides.along.every(there)) {
+        const [a, b] = slides.along.map(to), turn = Math.atan2(b[1] - a[1], b[0] - a[0]) * 180 / Math.PI, [x, y] = shape[0];
+        out.push(`<rect class="${kind}" x="${x - 16}" y="${y - 10}" width="32" height="20" rx="3" transform="rotate(${turn} ${x} ${y})"/>`);
+      } else out.push(`<path class="${kind}" d="M${shape.join("L")}${points.length > 2 ? "Z" : ""}"/>`);
+      if (name === chosen.link) for (const [a, b, held] of lengths(points)) {
+        const p = to(a), q = to(b), value = held ? held[1] : away(at[a], at[b]);
+        out.push(words([(p[0] + q[0]) / 2, (p[1] + q[1]) / 2 - 6], (held ? "= " : "") + Number(value.toFixed(2)), held ? "size held" : "size",
+          `data-between="${a} ${b}"`));
+      }
+      if (name === seen.sheet.drive) {
+        const pivot = points.find(point => ground().includes(point));
+        if (pivot) out.push(arrow(to(pivot)));
+      }
+    });
+    for (const name of Object.keys(at).filter(there)) {
+      const [x, y] = to(name), still = ground().includes(name);
+      if (still) out.push(`<path class="stand" d="M${x} ${y}l-9 15h18zM${x - 13} ${y + 15}h26"/>`);
+      const kind = `pin${name === chosen.point ? " picked" : ""}${seen.sheet.output.some(row => row.point === name) ? " output" : ""}`;
+      out.push(`<circle class="${kind}" cx="${x}" cy="${y}" r="5"/>`, words([x + 9, y - 8], name, "name"));
+    }
+    for (const { path, text } of now().faults || []) {  // each where it is
+      const on = path[0] === "points" ? [path[1]] : path[0] === "links" ? seen.sheet.links[path[1]] : path[0] === "lengths" ? String(path[1]).split("-") : [];
+      const of = (on || []).filter(there).map(to);
+      if (of.length) out.push(words([of.reduce((s, p) => s + p[0], 0) / of.length + 9, of.reduce((s, p) => s + p[1], 0) / of.length + 18], text, "wrong"));
+    }
+    if (drag && drag.from) out.push(`<path class="rubber" d="M${onScreen(drag.from)}L${onScreen(drag.to)}"/>`);
+    svg.innerHTML = out.join("");
+    byId("hint").textContent = note || now().reason || TOOLS.find(each => each[0] === tool)[3];
+    byId("hint").className = note || now().reason ? "wrong" : "";
+  }
+
+  const arrow = ([x, y]) => `<path class="turns" d="M${x + 20} ${y}A20 20 0 1 0 ${x} ${y + 20}m-1 -5l1 5l-5 2"/>`;
+
+  function lengths(points) {  // pairs of a link's points, each with the length that is held
+    const held = Object.entries(seen.sheet.lengths);
+    return points.flatMap((a, k) => points.slice(k + 1).map(b => [a, b,
+      held.find(([key]) => { const ends = key.split("-").map(end => end.trim()); return ends.includes(a) && ends.includes(b); })]));
+  }
+
+  // ---- operations ----
+
+  async function commit(asked, path = "draw") {
+    const answer = await ask(path, asked);
+    drag = tried = null;
+    note = "";
+    if (answer.sheet) take(answer);
+    else { tell(answer, ""); note = answer.errors.join("; "); }
+    render();
+    return answer;
+  }
+
+  function take(answer) {
+    const news = answer.text !== byId("text").textContent;
+    seen = answer;
+    if (picked && !(picked.point in seen.sheet.points) && !(picked.link in seen.sheet.links)) picked = null;  // it is gone
+    const keys = seen.numbers.map(number => number.key).join();
+    if (values && values.keys === keys) values.reset(seen.numbers);
+    else values = form(seen.numbers, () => attempt({ op: "set", settings: values.settings() }), rested);
+    byId("undo").disabled = !seen.undo;
+    byId("redo").disabled = !seen.redo;
+    byId("save").disabled = !seen.changed;
+    byId("text").textContent = seen.text;
+    const wish = wanted();
+    tell({ ok: seen.ok, open: Boolean(wish), verdict: wish || seen.verdict || (seen.faults.length ? "not a machine yet"
+      : seen.reason ? "does not move as wanted" : "closes over its whole turn"),
+      errors: wish ? [] : [...seen.faults.map(fault => fault.text), ...(seen.reason ? [seen.reason] : [])] }, "");
+    document.querySelector("h1").textContent = seen.file;
+    panel();
+    if (!byId("stage").hidden && news) report();
+    if (news) rest();
+    else grey();
+  }
+
+  function wanted() {  // what a sheet lacks to be a machine
+    const sheet = seen.sheet;
+    return !moving().length ? "Draw a link" : !ground().length ? "Choose the points that stand still (Ground)"
+      : !sheet.drive ? "Choose the link that drives (Drive)" : !sheet.output.length ? "Choose what counts (Output)" : "";
+  }
+
+  async function rested() {
+    const settings = values.settings();
+    if (Object.keys(settings).length) await commit({ op: "set", settings });
+  }
+
+  async function rest() {  // what takes a moment
+    const of = seen, answer = await ask("rest", {});
+    if (of !== seen) return;
+    idle = answer.idle || [];
+    grey();
+    if (answer.verdict && byId("stage").hidden) tell(answer, "by the design's own limits");
+  }
+
+  function grey() {  // keys without effect
+    document.querySelectorAll(".number").forEach(line => {
+      const none = idle.includes(line.dataset.key);
+      line.classList.toggle("idle", none);
+      line.title = none ? "no effect: [lengths] say where it is" : "";
+    });
+  }
+
+  let flying = false, waiting = null;
+  async function attempt(asked, stamp = performance.now()) {  // one request at a time, always the last one
+    if (flying) { waiting = [asked, stamp]; return; }
+    flying = true;
+    const answer = await ask("draw", { ...asked, try: true });
+    flying = false;
+    if (drag || asked.op === "set") {
+      if (answer.paths) tried = answer;
+      render();
+      lags.push(performance.now() - stamp);
+      document.body.dataset.tries = lags.length;
+    }
+    if (waiting) { const next = waiting; waiting = null; attempt(...next); }
+  }
+
+  function moves(event) {  // the operation that a drag of a point is
+    return { op: "move", points: drag.places, follow: !byId("hold").checked || event.altKey };
+  }
+
+  // ---- pointers ----
+
+  svg.addEventListener("pointerdown", event => {
+    svg.focus({ preventScroll: true });
+    svg.setPointerCapture(event.pointerId);
+    pointers.set(event.pointerId, event);
+    if (pointers.size === 2) { drag = tried = null; return; }
+    const label = event.target.dataset.between, what = hit(event);
+    if (label) { lock(...label.split(" ")); return; }
+    note = "";
+    byId("turn").value = playing = 0;
+    byId("play").textContent = "Play";
+    picked = what.point || what.link ? what : null;
+    panel();
+    if (tool === "move" && what.point) {
+      const whole = seen.start ? Object.fromEntries(Object.entries(seen.start).map(([name, place]) => [name, place.map(x => Math.round(x * 1e4) / 1e4)])) : {};
+      drag = { point: what.point, places: {}, whole, pressed: event };
+    } else if (tool === "move" || (tool !== "link" && event.button === 1)) drag = { pan: [...centre], pressed: event };
+    else if (["ground", "drive", "output", "delete"].includes(tool)) click(what);
+    else if (tool === "link" && drag && drag.from) finish(event);
+    else if (tool === "link" || what.point || (what.link && tool !== "slot")) {
+      const from = what.point && tool !== "point" ? places()[what.point] : snapped(event);
+      drag = { ...what, from, to: from, pressed: event };
+    }
+    render();
+  });
+
+  const MOVED = "onpointerrawupdate" in svg ? "pointerrawupdate" : "pointermove";  // at once, or with the next frame
+  svg.addEventListener(MOVED, event => {
+    const before = pointers.get(event.pointerId);
+    if (before && pointers.size === 2) { pinch(event); return; }
+    if (before) pointers.set(event.pointerId, event);
+    if (!drag) return;
+    if (drag.pan) centre = [drag.pan[0] - (event.clientX - drag.pressed.clientX) / scale, drag.pan[1] + (event.clientY - drag.pressed.clientY) / scale];
+    else if (drag.point && drag.places) {
+      const basis = tried && tried.start || drag.whole;
+      drag.places = { ...basis, [drag.point]: snapped(event) };
+      attempt(moves(event));
+      if (seen.start) return;  // drawn with the answer
+    } else drag.to = aim(event);
+    render();
+  });
+
+  function aim(event) {  // where a rubber line ends: at a point, on the grid, nearly level or upright made so
+    const what = hit(event, name => tool !== "link" && name === drag.point), place = snapped(event);
+    if (what.point && tool !== "slide") return places()[what.point];
+    if (tool === "slide") for (const axis of [0, 1]) if (Math.abs(place[axis] - drag.from[axis]) < 0.08 * away(place, drag.from)) place[axis] = drag.from[axis];
+    return place;
+  }
+
+  function pinch(event) {
+    const [a, b] = [...pointers.values()], before = Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY);
+    pointers.set(event.pointerId, event);
+    const [c, d] = [...pointers.values()];
+    centre = [centre[0] - (c.clientX + d.clientX - a.clientX - b.clientX) / 2 / scale, centre[1] + (c.clientY + d.clientY - a.clientY - b.clientY) / 2 / scale];
+    scale *= Math.hypot(c.clientX - d.clientX, c.clientY - d.clientY) / Math.max(before, 1);
+    render();
+  }
+
+  svg.addEventListener("pointerup", event => {
+    pointers.delete(event.pointerId);
+    const far = drag && Math.hypot(event.clientX - drag.pressed.clientX, event.clientY - drag.pressed.clientY) > 5;
+    if (!drag || drag.pan) drag = null;
+    else if (far) finish(event);
+    else if (tool !== "link") drag = null;  // of a link a second click sets the end
+    render();
+  });
+  svg.addEventListener("pointercancel", event => { pointers.delete(event.pointerId); drag = tried = null; render(); });
+  svg.addEventListener("wheel", event => {
+    event.preventDefault();
+    const here = onPaper(event), share = Math.exp(-event.deltaY / 500), was = scale;
+    scale = Math.max(0.05, Math.min(200, scale * share));
+    centre = centre.map((x, k) => here[k] - (here[k] - x) * was / scale);
+    render();
+  }, { passive: false });
+
+  async function finish(event) {  // what a drag has come to
+    const on = hit(event, name => name === drag.point && tool !== "link"), mine = drag;
+    const end = on.point || mine.to;
+    if (tool === "move") {
+      waiting = null;
+      if (on.point && !sameLink(on.point, mine.point)) { await commit({ op: "join", point: mine.point, to: on.point }); return; }
+      const answer = await commit({ ...moves(event), points: changed(mine) });
+      if (answer.sheet && away(answer.sheet.points[mine.point], mine.places[mine.point]) > 0.02) {
+        note = `${mine.point} is held by lengths: hold Alt while you drag, and they follow`;
+        render();
+      }
+    } else if (tool === "link") {
+      const from = mine.point || mine.from;
+      if (mine.link) { const first = await commit({ op: "point", link: mine.link, at: mine.from }); await commit({ op: "link", ends: [newest(first), end] }); }
+      else await commit({ op: "link", ends: [from, end] });
+    } else if (tool === "point") {
+      const link = mine.link || moving().filter(([, points]) => points.includes(mine.point)).map(([name]) => name)[0];
+      if (link) await commit({ op: "point", link, at: end });
+      else { drag = null; note = "press on a link, not on the ground"; }
+    } else if (tool === "slide") await commit({ op: "slide", ...(mine.point ? { point: mine.point } : { link: mine.link }), along: [mine.from.map(short), mine.to.map(short)] });
+    else if (tool === "slot" && on.link) await commit({ op: "slot", point: mine.point, link: on.link });
+    drag = null;
+    render();
+  }
+
+  const short = x => Math.round(x * 100) / 100;
+  const newest = answer => answer.sheet ? Object.keys(answer.sheet.points).pop() : "";
+  const sameLink = (a, b) => Object.values(seen.sheet.links).some(points => points.includes(a) && points.includes(b));
+
+  function changed(mine) {  // places that differ from the drawn ones, where they came to rest
+    const rest = byId("hold").checked && tried && tried.start ? { ...mine.places, ...tried.start } : mine.places;
+    return Object.fromEntries(Object.entries(rest).filter(([name, place]) => away(place, seen.sheet.points[name]) > 0.006));
+  }
+
+  function click(what) {
+    if (tool === "ground" && what.point) commit({ op: "ground", point: what.point });
+    else if (tool === "drive" && (what.link || what.point)) {
+      const link = what.link || moving().filter(([, points]) => points.includes(what.point)).map(([name]) => name)[0];
+      if (link) commit({ op: "drive", link });
+    } else if (["output", "delete"].includes(tool) && (what.point || what.link)) commit({ op: tool, ...what });
+  }
+
+  function lock(a, b) {  // hold a length, or let it follow
+    const held = lengths([a, b])[0][2], at = places();
+    commit({ op: "length", between: [a, b], value: held ? null : short(away(at[a], at[b])) });
+  }
+
+  // ---- what is picked ----
+
+  function panel() {  // of the sheet where nothing is
+    const box = byId("picked"), key = !picked ? "sheet" : picked.point ? "point" : "link", name = picked ? picked[key] : seen.sheet.name;
+    const line = (label, ...inputs) => { const row = document.createElement("label"); row.append(label + " ", ...inputs); return row; };
+    const input = (type, value, change) => {
+      const made = Object.assign(document.createElement("input"), { type });
+      if (type === "checkbox") made.checked = value; else made.value = value;
+      made.addEventListener("change", () => change(made));
+      return made;
+    };
+    const legend = Object.assign(document.createElement("legend"), { textContent: key });
+    const rows = [line("name", input("text", name, async made => {
+      const to = made.value.trim(), answer = await commit({ op: "rename", ...picked, to });
+      if (answer.sheet && picked) { picked = { [key]: to }; panel(); render(); }
+    }))];
+    if (key === "link") for (const [a, b, held] of lengths(seen.sheet.links[name] || [])) {
+      const value = held ? held[1] : short(away(places()[a], places()[b]));
+      rows.push(line(`${a}-${b}`, input("text", value, made => commit({ op: "length", between: [a, b], value: Number(made.value) })),
+        input("checkbox", Boolean(held), () => lock(a, b)), "held"));
+    }
+    const gone = Object.assign(document.createElement("button"), { type: "button", textContent: "Delete", title: "Del" });
+    gone.addEventListener("click", () => commit({ op: "delete", ...picked }));
+    box.replaceChildren(legend, ...rows, ...(picked ? [gone] : []));
+  }
+
+  // ---- buttons and keys ----
+
+  function choose(name) {
+    tool = name;
+    drag = null;
+    note = "";
+    document.querySelectorAll("#tools button").forEach(button => button.setAttribute("aria-pressed", button.dataset.tool === name));
+    svg.dataset.tool = name;
+    view("sheet");
+    render();
+  }
+
+  function view(name) {
+    for (const id of ["sheet", "stage", "text"]) byId(id).toggleAttribute("hidden", id !== name);
+    byId("hint").hidden = name !== "sheet";
+    document.querySelectorAll("[data-view]").forEach(button => button.setAttribute("aria-pressed", button.dataset.view === name));
+  }
+
+  async function report() {
+    const answer = await ask("preview", { quick: false });
+    if (answer.page) show(frame => { frame.srcdoc = answer.page; });
+    tell(answer, "by the design's own limits, before any file is made");
+  }
+
+  function play(time) {
+    if (!playing) return;
+    if (playing > 1) byId("turn").value = (Number(byId("turn").value) + (time - playing) / 4000) % 1;
+    playing = time;
+    render();
+    requestAnimationFrame(play);
+  }
+  function playOrStop() {
+    playing = playing || !seen.start ? 0 : 1;
+    byId("play").textContent = playing ? "Stop" : "Play";
+    requestAnimationFrame(play);
+  }
+
+  for (const [name, key, label, about] of TOOLS) {
+    const button = Object.assign(document.createElement("button"), { type: "button", textContent: label, title: `${about} (${key.toUpperCase()})` });
+    button.dataset.tool = name;
+    button.addEventListener("click", () => choose(name));
+    byId("tools").append(button);
+  }
+  document.querySelectorAll("[data-view]").forEach(button => button.addEventListener("click", () => {
+    view(button.dataset.view);
+    if (button.dataset.view === "stage") report(); else take(seen);
+    render();
+  }));
+  byId("undo").addEventListener("click", () => commit({}, "undo"));
+  byId("redo").addEventListener("click", () => commit({}, "redo"));
+  byId("save").addEventListener("click", () => commit({}, "save"));
+  byId("fit").addEventListener("click", () => { fit(); render(); });
+  byId("play").addEventListener("click", playOrStop);
+  byId("turn").addEventListener("input", render);
+  byId("numbers").addEventListener("submit", event => event.preventDefault());
+  byId("build").addEventListener("click", async () => {
+    const button = byId("build"), began = performance.now();
+    button.disabled = true;
+    button.textContent = "Building\u2026";
+    const answer = await ask("build", {});
+    button.disabled = false;
+    button.textContent = "Build files";
+    tell(answer, Math.round((performance.now() - began) / 1000) + " s" + (answer.folder ? ", files in " + answer.folder : ""));
+    if (answer.folder) { view("stage"); show(frame => { frame.src = "out/report.html"; }); }
+  });
+  document.addEventListener("keydown", event => {
+    if (event.target.closest("input:not([type=range]):not([type=checkbox]), select, textarea")) return;
+    const key = event.key.toLowerCase(), named = TOOLS.find(each => each[1] === key);
+    if (event.ctrlKey || event.metaKey) {
+      if (key === "z" || key === "y") { event.preventDefault(); commit({}, key === "y" || event.shiftKey ? "redo" : "undo"); }
+      return;
+    }
+    const way = { arrowleft: [-1, 0], arrowright: [1, 0], arrowup: [0, 1], arrowdown: [0, -1] }[key];
+    if (key === "escape") { if (!drag) choose("move"); drag = tried = picked = null; panel(); render(); }
+    else if ((key === "delete" || key === "backspace") && picked) commit({ op: "delete", ...picked });
+    else if (key === "f") { fit(); render(); }
+    else if (key === " " && event.target === svg) playOrStop();
+    else if (way && picked && picked.point && event.target === svg) {
+      const place = seen.sheet.points[picked.point].map((x, k) => short(x + way[k] * step()));
+      commit({ op: "move", points: { [picked.point]: place }, follow: !byId("hold").checked || event.altKey });
+    } else if (named) choose(named[0]);
+    else return;
+    event.preventDefault();
+  });
+  addEventListener("resize", render);
+  take(seen);
+  fit();
+  choose("move");
+}
+
+const lags = [];  // ms, from a place of the pointer that the page was told to the picture that follows it
+if (byId("sheet")) draw(JSON.parse(byId("data").textContent));
+else if (document.body.classList.contains("start")) start();

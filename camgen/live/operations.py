@@ -1,0 +1,453 @@
+"""What a hand does on the sheet, each as one change of the spec's text: comments, order and layout stay.
+
+An operation is {"op": name, ...}; places are [x, y] in mm. What it cannot do is refused in words, and the text stays as it was.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterator, Mapping
+from itertools import count
+from typing import Any
+
+from camgen.edits import put
+from camgen.errors import Fault, SpecError
+from camgen.machines.linkage.tables import pair
+from camgen.schemas import shortened
+from camgen.spec import unknown
+
+GROUND = "ground"
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
+FILE_NAME = re.compile(r"(?=.{1,60}$)[a-z0-9]+(-[a-z0-9]+)*")
+_FAR = 1e4  # mm, that a place may be from the origin
+_OF_POINTS = ("along", "pin", "at", "point", "thread", "between")  # keys that name points
+_OF_LINKS = ("link", "on", "a", "b", "cam", "follower", "wheel")
+_BY_LINK = ("masses", "parts", "layers", "bodies")  # tables with a key for each link
+
+Request = Mapping[str, Any]
+
+
+def refused(key: str, value: object, right: str) -> SpecError:
+    """The refusal of a part of an operation."""
+    return SpecError([Fault((key,), shortened(str(value)), right)], "sheet")
+
+
+def number(value: float) -> float:
+    """To a hundredth, as a person writes it."""
+    short = round(value, 2)
+    return int(short) if short == int(short) else short
+
+
+class Draft:
+    """A spec's document while an operation changes it."""
+
+    def __init__(self, text: str) -> None:
+        import tomlkit
+
+        self.document: Any = tomlkit.parse(text)
+
+    def text(self) -> str:
+        """As it is now."""
+        import tomlkit
+
+        return tomlkit.dumps(self.document)
+
+    # ---- what is there ----
+
+    def table(self, name: str) -> Any:
+        """A table of the spec, made where it has none."""
+        import tomlkit
+
+        if name not in self.document:
+            self.document.add(tomlkit.nl())
+            self.document.add(name, tomlkit.table())
+        return self.document[name]
+
+    @property
+    def points(self) -> Any:
+        """Table [points]."""
+        return self.table("points")
+
+    @property
+    def links(self) -> Any:
+        """Table [links]."""
+        return self.table("links")
+
+    @property
+    def lengths(self) -> Any:
+        """Table [lengths]; an empty one that is not kept where the spec has none."""
+        return self.document.get("lengths", {})
+
+    def rows(self) -> Iterator[tuple[Any, int]]:
+        """Each row of each list of tables, by its list and its place there, the last first."""
+        for value in list(self.document.values()):
+            if isinstance(value, list) and value and isinstance(value[0], dict):
+                yield from ((value, k) for k in reversed(range(len(value))))
+
+    def named(self, request: Request, key: str, names: Any) -> str:
+        """A name in the request that has to be there already."""
+        name = request.get(key)
+        if not isinstance(name, str) or name not in names:
+            raise SpecError([unknown((key,), name, names)], "sheet")
+        return name
+
+    def place(self, key: str, value: object) -> list[float]:
+        """A place in a request, mm."""
+        if (
+            isinstance(value, list)
+            and len(value) == 2
+            and all(isinstance(each, int | float) and abs(each) <= _FAR for each in value)
+        ):
+            return [number(each) for each in value]
+        raise refused(key, value, f"a place [x, y], mm, at most {_FAR:g} from the origin")
+
+    def fresh(self, names: Any, first: str) -> str:
+        """A name that is not taken, as the first or with a number behind it."""
+        taken = {name.lower() for name in names}
+        return next(
+            name
+            for k in count(1)
+            if (name := first if k == 1 else f"{first}_{k}").lower() not in taken
+        )
+
+    def point(self, key: str, value: object) -> str:
+        """A point by its name, or a new one at a place."""
+        if isinstance(value, str):
+            return self.named({key: value}, key, self.points)
+        place = self.place(key, value)
+        letters = ["O", *"ABCDEFGHIJKLMNPQRSTUVWXYZ"]
+        names = (f"{letter}{k or ''}" for k in count() for letter in letters)
+        taken = {name.lower() for name in self.points}
+        name = next(name for name in names if name.lower() not in taken)
+        self.points[name] = place
+        return name
+
+    def carry(self, link: str, point: str) -> None:
+        """Put a point on a link."""
+        if link not in self.links:
+            self.links[link] = [point]
+        elif point not in self.links[link]:
+            self.links[link].append(point)
+
+    def append(self, table: str, row: Mapping[str, Any]) -> None:
+        """One more row of a list of tables."""
+        import tomlkit
+
+        if not isinstance(self.document.get(table), list):
+            self.document.pop(table, None)
+            self.document.add(tomlkit.nl())
+            self.document.add(table, tomlkit.aot())
+        made = tomlkit.table()
+        for key, value in row.items():
+            made[key] = value
+        self.document[table].append(made)
+
+    def drive_if_none(self) -> None:
+        """Let the first link on the ground drive, where none does."""
+        drive = self.document.get("drive", {})
+        ground = set(self.links.get(GROUND, ()))
+        able = [name for name in self.links if name != GROUND and ground & {*self.links[name]}]
+        if able and drive.get("link", "") not in self.links:
+            put(self.table("drive"), "link", able[0])
+
+    # ---- taking away, and other names ----
+
+    def sweep(self) -> None:
+        """Take away what hangs on nothing: links of one point that do not slide, points of no link, lengths within no link."""
+        held = {
+            row[key]
+            for rows, k in self.rows()
+            for row in [rows[k]]
+            for key in ("link", "on")
+            if key in row
+        }
+        for name in [name for name in self.links if name != GROUND and name not in held]:
+            if len(self.links[name]) < 2:
+                self.drop_link(name)
+        used = {point for points in self.links.values() for point in points}
+        for name in [name for name in self.points if name not in used]:
+            self.drop_point(name)
+        within = [set(points) for points in self.links.values()]
+        for key in list(self.lengths):
+            ends = pair(key)
+            if ends is None or not any(points.issuperset(ends) for points in within):
+                self.lengths.pop(key)
+
+    def drop_point(self, name: str) -> None:
+        """Take a point off the sheet."""
+        self.points.pop(name, None)
+        for points in self.links.values():
+            if name in points:
+                points.remove(name)
+        self.drop_rows(_OF_POINTS, name)
+
+    def drop_link(self, name: str) -> None:
+        """Take a link off the sheet, and what is said of it."""
+        self.links.pop(name, None)
+        self.drop_rows(_OF_LINKS, name)
+        if self.document.get("drive", {}).get("link") == name:
+            self.document["drive"].pop("link")
+        for table in _BY_LINK:
+            self.document.get(table, {}).pop(name, None)
+
+    def drop_rows(self, keys: tuple[str, ...], name: str) -> None:
+        """Take away the rows that name a point or a link."""
+        for rows, k in self.rows():
+            row = rows[k]
+            if any(name == row.get(key) or _holds(row.get(key), name) for key in keys):
+                rows.pop(k)
+        for table in [key for key, value in self.document.items() if value == []]:
+            self.document.pop(table)
+
+    def replace(self, keys: tuple[str, ...], name: str, other: str) -> None:
+        """Name another point or link in all rows."""
+        for rows, k in self.rows():
+            for key in keys:
+                value = rows[k].get(key)
+                if value == name:
+                    put(rows[k], key, other)
+                elif _holds(value, name):
+                    value[value.index(name)] = other
+
+
+def _holds(value: Any, name: str) -> bool:
+    return isinstance(value, list) and name in value
+
+
+# ---- the operations --------------------------------------------------------------------------------------------------
+
+
+def _move(draft: Draft, request: Request) -> None:
+    """Points to other places; lengths that are held stay, or follow (follow = true)."""
+    places = request.get("points")
+    if not isinstance(places, Mapping):
+        raise refused("points", places, "places by their points")
+    for name, place in places.items():
+        draft.named({"points": name}, "points", draft.points)
+        put(draft.points, name, draft.place("points", place))
+    if request.get("follow") is True:
+        for key in draft.lengths:
+            ends = pair(key)
+            if ends and not set(ends).isdisjoint(places):
+                put(draft.lengths, key, _drawn(draft, *ends))
+
+
+def _drawn(draft: Draft, a: str, b: str) -> float:
+    """Distance of two points as drawn, mm."""
+    return max(0.01, number(math.dist(draft.points[a], draft.points[b])))
+
+
+def _link(draft: Draft, request: Request) -> None:
+    """A link between two ends: points that are there, or places of new ones."""
+    ends = request.get("ends")
+    if not isinstance(ends, list) or len(ends) != 2:
+        raise refused("ends", ends, "two ends, each a point or a place")
+    if ends[0] == ends[1]:
+        raise refused("ends", ends[0], "two different ends")
+    points = [draft.point("ends", end) for end in ends]
+    draft.links[draft.fresh(draft.links, "link")] = points
+    draft.drive_if_none()
+
+
+def _point(draft: Draft, request: Request) -> None:
+    """A point, there already or new, on a link."""
+    link = draft.named(request, "link", draft.links)
+    draft.carry(link, draft.point("at", request.get("at")))
+
+
+def _ground(draft: Draft, request: Request) -> None:
+    """Pin a point to the ground, or let it go."""
+    point = draft.named(request, "point", draft.points)
+    ground = draft.links.get(GROUND, [])
+    if point in ground:
+        ground.remove(point)
+        draft.sweep()
+    else:
+        draft.carry(GROUND, point)
+        draft.drive_if_none()
+
+
+def _join(draft: Draft, request: Request) -> None:
+    """Pin what meets at one point to what meets at another."""
+    gone = draft.named(request, "point", draft.points)
+    kept = draft.named(request, "to", draft.points)
+    shared = [name for name, points in draft.links.items() if gone in points and kept in points]
+    if gone == kept or shared:
+        raise refused("to", kept, f"a point of another link than {gone} is on")
+    _rename_point(draft, gone, kept)
+    draft.points.pop(gone)
+
+
+def _rename_point(draft: Draft, name: str, other: str) -> None:
+    for points in draft.links.values():
+        if name in points:
+            points[points.index(name)] = other
+    for key in list(draft.lengths):
+        ends = pair(key)
+        if ends and name in ends:
+            value = draft.lengths.pop(key)
+            new = "-".join(other if end == name else end for end in ends)
+            draft.lengths.setdefault(new, value)
+    draft.replace(_OF_POINTS, name, other)
+
+
+def _slide(draft: Draft, request: Request) -> None:
+    """Let a link, or a slider at a point, slide on the ground along a line between two new points of it."""
+    ends = request.get("along")
+    if not isinstance(ends, list) or len(ends) != 2 or ends[0] == ends[1]:
+        raise refused("along", ends, "two places that lie apart")
+    places = [draft.place("along", end) for end in ends]
+    if "point" in request:
+        point = draft.named(request, "point", draft.points)
+        if point in draft.links.get(GROUND, ()):
+            raise refused("point", point, "a point that moves: this one stands on the ground")
+        link = draft.fresh(draft.links, "slider")
+        draft.links[link] = [point]
+    else:
+        link = draft.named(request, "link", [name for name in draft.links if name != GROUND])
+    along = [draft.point("along", place) for place in places]
+    for each in along:
+        draft.carry(GROUND, each)
+    draft.append("slide", {"link": link, "along": along})
+
+
+def _slot(draft: Draft, request: Request) -> None:
+    """Let a point run in a slot of a link, along two points of it."""
+    pin = draft.named(request, "point", draft.points)
+    link = draft.named(request, "link", draft.links)
+    points = [each for each in draft.links[link] if each != pin]
+    if len(points) < 2 or pin in draft.links[link]:
+        raise refused("link", link, f"a link with two points, and without {pin}")
+    draft.append("slot", {"pin": pin, "link": link, "along": points[:2]})
+
+
+def _drive(draft: Draft, request: Request) -> None:
+    """The link that drives."""
+    link = draft.named(request, "link", [name for name in draft.links if name != GROUND])
+    if set(draft.links[link]).isdisjoint(draft.links.get(GROUND, ())):
+        raise refused("link", link, "a link that is pinned to the ground")
+    put(draft.table("drive"), "link", link)
+
+
+def _output(draft: Draft, request: Request) -> None:
+    """Show and judge a point's path or a link's motion, or no longer."""
+    key = "point" if "point" in request else "link"
+    name = draft.named(request, key, draft.points if key == "point" else draft.links)
+    kept = draft.document.get("output", [])
+    for k in reversed(range(len(kept))):
+        if kept[k].get(key) == name:
+            kept.pop(k)
+            if not kept:
+                draft.document.pop("output")
+            return
+    names = [row.get("name", "") for row in kept]
+    draft.append("output", {"name": draft.fresh(names, name), key: name})
+
+
+def _length(draft: Draft, request: Request) -> None:
+    """Hold the length between two points of a link at a value, mm; without one it follows the drawing."""
+    ends = request.get("between")
+    if not isinstance(ends, list) or len(ends) != 2:
+        raise refused("between", ends, "two points")
+    a, b = (draft.named({"between": end}, "between", draft.points) for end in ends)
+    value = request.get("value")
+    known = [key for key in draft.lengths if set(pair(key) or ()) == {a, b}]
+    if value is None:
+        for key in known:
+            draft.lengths.pop(key)
+        return
+    if not isinstance(value, int | float) or not 1e-3 <= value <= 2 * _FAR:
+        raise refused("value", value, "a length, mm, above 0")
+    if not any({a, b} <= {*points} for points in draft.links.values()):
+        raise refused("between", f"{a}-{b}", "two points of one link")
+    if known:
+        put(draft.lengths, known[0], number(value))
+        return
+    from tomlkit.items import KeyType, SingleKey
+
+    draft.table("lengths").append(SingleKey(f"{a}-{b}", t=KeyType.Basic), number(value))
+
+
+def _delete(draft: Draft, request: Request) -> None:
+    """Take away a point or a link, and what is said of it."""
+    if "point" in request:
+        draft.drop_point(draft.named(request, "point", draft.points))
+    else:
+        draft.drop_link(
+            draft.named(request, "link", [each for each in draft.links if each != GROUND])
+        )
+    draft.sweep()
+
+
+def _rename(draft: Draft, request: Request) -> None:
+    """Give a point, a link or the sheet another name."""
+    if request.keys().isdisjoint(("point", "link")):
+        name = request.get("to")
+        if not isinstance(name, str) or not FILE_NAME.fullmatch(name):
+            raise refused("to", name, "a name of small letters a-z, digits and hyphens, at most 60")
+        put(draft.document, "name", name)
+        return
+    is_point = "point" in request
+    names = draft.points if is_point else [each for each in draft.links if each != GROUND]
+    name = draft.named(request, "point" if is_point else "link", names)
+    other = request.get("to")
+    if not isinstance(other, str) or not _NAME.fullmatch(other):
+        raise refused("to", other, "a name of letters, digits and _, a letter first, at most 40")
+    if other.lower() in {each.lower() for each in (draft.points if is_point else draft.links)} - {
+        name.lower()
+    }:
+        raise refused("to", other, "a name that is not taken")
+    if is_point:
+        _rename_point(draft, name, other)
+        _rekey(draft.points, name, other)
+        return
+    draft.replace(_OF_LINKS, name, other)
+    if draft.document.get("drive", {}).get("link") == name:
+        put(draft.document["drive"], "link", other)
+    for table in ("links", *_BY_LINK):
+        if name in draft.document.get(table, {}):
+            _rekey(draft.document[table], name, other)
+
+
+def _rekey(table: Any, name: str, other: str) -> None:
+    """A key's other name, at the end of its table."""
+    table[other] = table.pop(name)
+
+
+OPERATIONS: dict[str, Callable[[Draft, Request], None]] = {
+    "move": _move,
+    "link": _link,
+    "point": _point,
+    "ground": _ground,
+    "join": _join,
+    "slide": _slide,
+    "slot": _slot,
+    "drive": _drive,
+    "output": _output,
+    "length": _length,
+    "delete": _delete,
+    "rename": _rename,
+}
+
+
+def applied(text: str, request: Request) -> str:
+    """The text after an operation; SpecError where it cannot be done."""
+    name = request.get("op")
+    if not isinstance(name, str) or name not in OPERATIONS:
+        raise SpecError([unknown(("op",), name, OPERATIONS)], "sheet")
+    draft = Draft(text)
+    OPERATIONS[name](draft, request)
+    return draft.text()
+
+
+def moved(tables: Mapping[str, Any], request: Request) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Points and lengths after a move, without its text: what a hand that drags asks for many times a second."""
+    points = {**tables["points"], **request["points"]}
+    lengths = dict(tables.get("lengths", {}))
+    if request.get("follow") is True:
+        for key in lengths:
+            ends = pair(key)
+            if ends and not set(ends).isdisjoint(request["points"]):
+                lengths[key] = max(0.01, math.dist(points[ends[0]], points[ends[1]]))
+    return points, lengths

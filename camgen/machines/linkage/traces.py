@@ -1,0 +1,69 @@
+"""Where a linkage's points go while a hand moves them: nothing is checked, and the drawing is not closed first."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from camgen.machine.model import GROUND
+from camgen.machine.run import solve
+from camgen.machines.linkage.mechanism import Linkage
+from camgen.numerics import Floats, Points
+
+COUNT = 73  # angles of a turn, both ends included: a path is smooth to the eye
+
+Places = Mapping[str, tuple[float, float]]
+Lengths = Mapping[str, float]
+
+
+def angles(linkage: Linkage, count: int = COUNT) -> Floats:
+    """Angles of the driven link from its drawn one, (count,) rad: a turn, its range, or what its program runs through."""
+    program = linkage.drive.program()
+    if program is not None:
+        return np.asarray(program(np.linspace(0, math.tau, count)))
+    return np.radians(np.linspace(*(linkage.drive.range_deg or (0.0, 360.0)), count))
+
+
+def traces(
+    linkage: Linkage, theta: Floats, points: Places | None = None, lengths: Lengths | None = None
+) -> dict[str, Points]:
+    """Place of each point at these angles, (n,) complex mm; nan where the machine does not close.
+
+    theta: (n,) rad; points, lengths: in place of those of the spec, mm. The branch is that of the drawn places.
+    Raises DesignError where the joints hold too much or too little.
+    """
+    drawing = linkage._drawing
+    if points is not None:
+        drawing = replace(drawing, points=points)
+    if lengths is not None:
+        drawing = replace(drawing, lengths=lengths)
+    machine = drawing.rough
+    run = solve(machine, theta, 0)
+    return {
+        point: np.full(theta.shape, body.points[point])
+        if body.name == GROUND
+        else run.point(body.name, point)[0]
+        for body in reversed(machine.bodies)
+        for point in body.points
+    }
+
+
+def idle(linkage: Linkage) -> list[str]:
+    """Coordinates of [points] that change nothing, "B.0" its x: lengths and the branch decide where the point is."""
+    theta = np.append(0.0, angles(linkage, 9)[:-1])
+    measured = {name.strip() for pair in linkage.lengths for name in pair.split("-")}
+    before = traces(linkage, theta)
+    size = max(abs(z).max() for z in before.values())
+    found = []
+    for name in (name for name in linkage.points if name in measured):
+        for axis in (0, 1):
+            place = list(linkage.points[name])
+            place[axis] += 1e-3 * size
+            after = traces(linkage, theta, {**linkage.points, name: (place[0], place[1])})
+            moved = max(float(np.max(np.abs(after[each] - before[each]))) for each in before)
+            if moved <= 1e-9 * size:
+                found.append(f"{name}.{axis}")
+    return found

@@ -1,0 +1,369 @@
+"""A linkage that is drawn: each operation in the spec's text, undo, what the page is told, where it is saved."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from starlette.testclient import TestClient
+
+from camgen import starters
+from camgen.errors import SpecError
+from camgen.live.board import Board
+from camgen.live.gallery import cards, usable
+from camgen.live.operations import OPERATIONS, applied
+from camgen.machines.linkage.mechanism import Linkage
+from camgen.machines.linkage.traces import angles, idle, traces
+from camgen.machines.sources import changed, read_mechanism
+
+HOME = "http://127.0.0.1:8000"
+WORD = "a-word-of-chance"
+LEG = starters.text("walking-leg")
+FOUR = """# a four-bar
+mechanism = "linkage"
+name = "bar"
+
+[points]                # mm
+O = [0, 0]              # shaft
+A = [10, 20]
+B = [60, 40]            # far end
+C = [60, 0]
+
+[links]
+ground = ["O", "C"]     # stands
+crank = ["O", "A"]
+coupler = ["A", "B"]
+rocker = ["C", "B"]
+
+[lengths]
+"O-A" = 22.36           # crank
+
+[drive]
+link = "crank"
+speed_rpm = 30
+
+[[output]]
+name = "far"
+point = "B"
+"""
+# Each operation on the four-bar: lines that go and lines that come.
+DONE: list[tuple[dict[str, Any], set[str], set[str]]] = [
+    (
+        {"op": "move", "points": {"B": [61.5, 40.25]}},
+        {"B = [60, 40]            # far end"},
+        {"B = [61.5, 40.25]       # far end"},
+    ),
+    (
+        {"op": "move", "points": {"A": [3, 4]}, "follow": True},
+        {"A = [10, 20]", '"O-A" = 22.36           # crank'},
+        {"A = [3, 4]", '"O-A" = 5               # crank'},
+    ),
+    (
+        {"op": "link", "ends": ["A", [30.004, 70]]},
+        set(),
+        {"D = [30, 70]", 'link = ["A", "D"]'},
+    ),
+    (
+        {"op": "point", "link": "coupler", "at": [30, 70]},
+        {'coupler = ["A", "B"]'},
+        {"D = [30, 70]", 'coupler = ["A", "B", "D"]'},
+    ),
+    (
+        {"op": "ground", "point": "B"},
+        {'ground = ["O", "C"]     # stands'},
+        {'ground = ["O", "C", "B"]     # stands'},
+    ),
+    (
+        {"op": "join", "point": "B", "to": "O"},
+        {
+            "B = [60, 40]            # far end",
+            'coupler = ["A", "B"]',
+            'rocker = ["C", "B"]',
+            'point = "B"',
+        },
+        {'coupler = ["A", "O"]', 'rocker = ["C", "O"]', 'point = "O"'},
+    ),
+    (
+        {"op": "slide", "point": "B", "along": [[60, 40], [100, 40]]},
+        {'ground = ["O", "C"]     # stands'},
+        {
+            'ground = ["O", "C", "D", "E"]     # stands',
+            "D = [60, 40]",
+            "E = [100, 40]",
+            'slider = ["B"]',
+            "[[slide]]",
+            'link = "slider"',
+            'along = ["D", "E"]',
+        },
+    ),
+    (
+        {"op": "slot", "point": "B", "link": "crank"},
+        set(),
+        {"[[slot]]", 'pin = "B"', 'link = "crank"', 'along = ["O", "A"]'},
+    ),
+    (
+        {"op": "drive", "link": "rocker"},
+        {'link = "crank"'},
+        {'link = "rocker"'},
+    ),
+    ({"op": "output", "point": "B"}, {"[[output]]", 'name = "far"', 'point = "B"'}, set()),
+    (
+        {"op": "output", "link": "rocker"},
+        set(),
+        {"[[output]]", 'name = "rocker"', 'link = "rocker"'},
+    ),
+    (
+        {"op": "length", "between": ["B", "A"], "value": 53.849},
+        set(),
+        {'"B-A" = 53.85'},
+    ),
+    (
+        {"op": "length", "between": ["A", "O"], "value": None},
+        {'"O-A" = 22.36           # crank'},
+        set(),
+    ),
+    (
+        {"op": "delete", "point": "B"},
+        {
+            "B = [60, 40]            # far end",
+            'coupler = ["A", "B"]',
+            'rocker = ["C", "B"]',
+            "[[output]]",
+            'name = "far"',
+            'point = "B"',
+        },
+        set(),
+    ),
+    (
+        {"op": "delete", "link": "crank"},
+        {"O = ", 'crank = ["O", "A"]', '"O-A" = 22.36           # crank', 'link = "crank"'},
+        set(),
+    ),
+    (
+        {"op": "rename", "point": "B", "to": "pen"},
+        {
+            "B = [60, 40]            # far end",
+            'coupler = ["A", "B"]',
+            'rocker = ["C", "B"]',
+            'point = "B"',
+        },
+        {
+            "pen = [60, 40]            # far end",
+            'coupler = ["A", "pen"]',
+            'rocker = ["C", "pen"]',
+            'point = "pen"',
+        },
+    ),
+    (
+        {"op": "rename", "link": "crank", "to": "arm"},
+        {'crank = ["O", "A"]', 'link = "crank"'},
+        {'arm = ["O", "A"]', 'link = "arm"'},
+    ),
+    ({"op": "rename", "to": "leg-2"}, {'name = "bar"'}, {'name = "leg-2"'}),
+]
+REFUSED: list[tuple[dict[str, Any], str]] = [
+    ({}, "op"),
+    ({"op": "explode"}, "op"),
+    ({"op": "move", "points": {"Z": [0, 0]}}, "points: 'Z'"),
+    ({"op": "move", "points": {"B": [math.nan, 0]}}, "a place [x, y]"),
+    ({"op": "move", "points": {"B": [1e9, 0]}}, "at most 10000"),
+    ({"op": "link", "ends": ["A"]}, "two ends"),
+    ({"op": "link", "ends": ["A", "A"]}, "two different ends"),
+    ({"op": "point", "link": "crnk", "at": [0, 0]}, "crank"),
+    ({"op": "ground", "point": ["O"]}, "point"),
+    ({"op": "join", "point": "A", "to": "O"}, "a point of another link"),
+    ({"op": "slide", "point": "O", "along": [[0, 0], [1, 0]]}, "stands on the ground"),
+    ({"op": "slide", "point": "B", "along": [[0, 0], [0, 0]]}, "lie apart"),
+    ({"op": "slot", "point": "A", "link": "crank"}, "without A"),
+    ({"op": "drive", "link": "coupler"}, "pinned to the ground"),
+    ({"op": "drive", "link": "ground"}, "link"),
+    ({"op": "length", "between": ["A", "C"], "value": 5}, "two points of one link"),
+    ({"op": "length", "between": ["A", "B"], "value": -5}, "above 0"),
+    ({"op": "delete", "link": "ground"}, "link"),
+    ({"op": "rename", "link": "crank", "to": "no name"}, "a name of letters"),
+    ({"op": "rename", "link": "crank", "to": "Rocker"}, "not taken"),
+    ({"op": "rename", "to": "../up"}, "small letters"),
+]
+
+
+def board(folder: Path, text: str = FOUR) -> Board:
+    spec = folder / "bar.toml"
+    spec.write_text(text, encoding="utf-8")
+    return Board(spec, folder / "out")
+
+
+def client(board: Board) -> TestClient:
+    return TestClient(board.app(WORD), base_url=f"{HOME}/{WORD}/", headers={"origin": HOME})
+
+
+@pytest.mark.parametrize("request_, gone, new", DONE, ids=lambda each: str(each)[:40])
+def test_an_operation_changes_its_lines_alone(
+    request_: dict[str, Any], gone: set[str], new: set[str], tmp_path: Path
+) -> None:
+    drawn = board(tmp_path)
+    drawn.draw(request_)
+    before, after = FOUR.splitlines(), (drawn.text or "").splitlines()
+    lost = {line for line in before if line not in after}
+    assert all(any(line.startswith(each) for each in gone) for line in lost), lost - gone
+    assert {line for line in after if line and line not in before} <= new
+    assert all(any(line == each for line in after) for each in new)
+    assert sum(line not in before for line in after) or lost
+    tomllib.loads(drawn.text or "")
+    drawn.undo({})
+    assert drawn.text == FOUR and drawn.saved == FOUR, "to the byte"
+    drawn.redo({})
+    assert (drawn.text or "").splitlines() == after
+
+
+def test_each_operation_is_tried() -> None:
+    assert {each["op"] for each, _, _ in DONE} == set(OPERATIONS)
+
+
+@pytest.mark.parametrize("request_, says", REFUSED, ids=lambda each: str(each)[:40])
+def test_what_cannot_be_done_is_refused_in_words(request_: dict[str, Any], says: str) -> None:
+    with pytest.raises(SpecError) as error:
+        applied(FOUR, request_)
+    assert says in str(error.value)
+
+
+def test_a_four_bar_from_an_empty_sheet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As with the mouse: three links, two points on the ground, a point on the coupler, its path."""
+    monkeypatch.chdir(tmp_path)
+    page = client(Board(None, tmp_path / "out", {"walking-leg": LEG}))
+    assert 'data-start="walking-leg"' in page.get("/").text
+    assert page.post("/draw", json={"op": "output", "point": "A"}).status_code == 409
+    assert page.post("/start", json={"name": "nothing"}).status_code == 409
+    assert page.post("/start", json={}).json()["ok"]
+    done = [
+        {"op": "link", "ends": [[0, 0], [10, 20]]},
+        {"op": "link", "ends": ["A", [60, 40]]},
+        {"op": "link", "ends": ["B", [60, 0]]},
+        {"op": "ground", "point": "O"},
+        {"op": "ground", "point": "C"},
+        {"op": "point", "link": "link_2", "at": [30, 70]},
+        {"op": "output", "point": "D"},
+    ]
+    answers = [page.post("/draw", json=each).json() for each in done]
+    assert not answers[2]["ok"] and answers[2]["start"] is None and answers[2]["faults"]
+    assert "degrees of freedom left over" in answers[3]["reason"], "drawn as drawn, and why"
+    whole = answers[-1]
+    assert whole["ok"] and whole["sheet"]["drive"] == "link" and len(whole["paths"]["D"]) == 2 * 73
+    assert page.post("/rest", json={}).json()["verdict"].endswith("hold")
+    assert page.post("/save", json={}).json()["verdict"] == "saved in my-linkage.toml"
+    assert read_mechanism(tmp_path / "my-linkage.toml").name == "my-linkage"
+    other = client(Board(None, tmp_path / "out"))
+    other.post("/start", json={})
+    refused = other.post("/save", json={})
+    assert refused.status_code == 409 and "is there already" in refused.json()["errors"][0]
+
+
+def test_a_drag_shows_where_all_points_go_and_writes_nothing(tmp_path: Path) -> None:
+    drawn = board(tmp_path, LEG)
+    tried = drawn.draw({"op": "move", "points": {"C": [-40, -7]}, "try": True})
+    assert drawn.text == LEG and not drawn.past
+    other = read_mechanism(drawn.spec or "", ["points.C=[-40, -7]"])
+    run = other.solve(np.radians([0, 90]), 0)["foot"]
+    assert tried["start"]["P"] == pytest.approx([run[0].real, run[0].imag], abs=1e-9)
+    assert tried["paths"]["P"][36:38] == pytest.approx([run[1].real, run[1].imag], abs=6e-4)
+    follows = {"op": "move", "points": {"P": [-40, -95]}, "follow": True, "try": True}
+    assert drawn.draw(follows)["start"]["P"] == pytest.approx([-40, -95], abs=0.05)
+    held = drawn.draw({**follows, "follow": False})
+    assert math.dist(held["start"]["P"], drawn.tables["points"]["P"]) < 0.02
+
+
+def test_what_does_not_close_is_drawn_as_drawn(tmp_path: Path) -> None:
+    drawn = board(tmp_path)
+    long = drawn.draw({"op": "length", "between": ["A", "B"], "value": 500})
+    assert long["start"] is None and "contradict" in long["reason"] and not long["ok"]
+    assert long["sheet"]["points"]["B"] == [60, 40]
+    part = drawn.draw({"op": "length", "between": ["A", "B"], "value": 30})
+    assert part["start"] and None in part["paths"]["B"] and part["reason"]
+    odd = board(tmp_path, FOUR.replace("[60, 40]", '"far"').replace('"C"]     #', '"C", 7] #'))
+    seen = odd.draw({"op": "move", "points": {"A": [1, 2]}})
+    assert "B" not in seen["sheet"]["points"] and seen["faults"][0]["path"][0] in (
+        "points",
+        "links",
+    )
+
+
+def test_coordinates_without_effect_are_those_that_lengths_decide(tmp_path: Path) -> None:
+    """Of Jansen's leg all but the two on the ground and the crank's direction; each is tried in the machine's own route."""
+    drawn = board(tmp_path, LEG)
+    keys = drawn.rest({})["idle"]
+    assert keys == ["points.A.0", *(f"points.{point}.{k}" for point in "BDEFP" for k in (0, 1))]
+    theta = np.radians([0.0, 100.0])
+    before = read_mechanism(drawn.spec or "").solve(theta, 0)["foot"]
+    for key in (*keys, "points.C.0", "points.A.1"):
+        at, axis = key.split(".")[1:]
+        value = drawn.tables["points"][at][int(axis)] + 0.2
+        after = read_mechanism(drawn.spec or "", [f"{key}={value}"]).solve(theta, 0)["foot"]
+        assert (float(np.abs(after - before).max()) < 1e-9) == (key in keys), key
+
+
+def test_sliders_of_a_drawn_sheet_are_undone_like_all_else(tmp_path: Path) -> None:
+    drawn = board(tmp_path)
+    asked = {"op": "set", "settings": {"lengths.O-A": "20"}}
+    assert drawn.draw({**asked, "try": True})["start"]["A"] == pytest.approx(
+        [20 / math.sqrt(5), 40 / math.sqrt(5)]
+    )
+    seen = drawn.draw(asked)
+    assert '"O-A" = 20              # crank' in seen["text"] and seen["undo"] and seen["changed"]
+    assert not drawn.undo({})["changed"]
+    with pytest.raises(SpecError):
+        drawn.draw({"op": "set", "settings": {"name": "x"}})
+    with pytest.raises(SpecError):
+        drawn.draw({"op": "move", "points": 3, "try": True})
+
+
+def test_a_file_changed_by_someone_else_is_not_overwritten_and_nothing_is_lost(
+    tmp_path: Path,
+) -> None:
+    drawn = board(tmp_path)
+    page = client(drawn)
+    page.post("/draw", json={"op": "move", "points": {"B": [61, 40]}})
+    mine = drawn.text
+    (tmp_path / "bar.toml").write_text(FOUR + "# theirs\n", encoding="utf-8")
+    refused = page.post("/save", json={})
+    assert refused.status_code == 409 and "was changed since" in refused.json()["errors"][0]
+    assert "# theirs" in page.get("/").text, "loaded anew"
+    assert page.post("/undo", json={}).json()["text"] == mine
+    assert page.post("/save", json={}).json()["ok"]
+    assert (tmp_path / "bar.toml").read_text(encoding="utf-8") == mine
+
+
+def test_a_build_of_what_is_drawn(tmp_path: Path) -> None:
+    drawn = board(tmp_path)
+    page = client(drawn)
+    page.post("/draw", json={"op": "rename", "to": "drawn"})
+    built = page.post("/build", json={}).json()
+    assert built["folder"] == str(tmp_path / "out" / "drawn") and built["errors"] == []
+    assert "MOTION_ERROR" in page.get("/out/report.html").text
+    page.post("/draw", json={"op": "output", "point": "B"})
+    assert "output" in page.post("/build", json={}).json()["errors"][0]
+    page.post("/undo", json={})
+    assert 'id="mechanism"' in page.post("/preview", json={"quick": True}).json()["page"]
+
+
+def test_the_gallery_has_pictures_of_linkages_that_stand_alone() -> None:
+    texts = {name: starters.text(name) for name in ("four-bar", "disc-cam", "stitch-head")}
+    assert [*usable(texts)] == ["four-bar"]
+    card = cards(usable(texts))
+    assert card.count("<polyline") == 4 and "Hoeken" in card and "nan" not in card
+
+
+@pytest.mark.parametrize("name", [*usable({n: starters.text(n) for n in starters.examples()})])
+def test_places_of_a_drag_are_those_of_the_machine(name: str) -> None:
+    """By the quick way without closing the drawing, and by the mechanism's own."""
+    made = changed(tomllib.loads(starters.text(name)), name, Path())
+    assert isinstance(made, Linkage)
+    theta = angles(made, 13)
+    found = traces(made, theta)
+    run = made.solve(theta, 0)
+    for each in made.wanted:
+        if each.point:
+            assert np.abs(found[each.point] - run[each.name]).max() < 1e-9
+    assert not [key for key in idle(made) if key.split(".")[0] not in made.points]
