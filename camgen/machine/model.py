@@ -416,12 +416,13 @@ class Machine:
         loads = [load for load in self.loads if not isinstance(load, Gravity)]
         for records in (self.bodies, (*self.joints, *self.drives), loads, self.outputs):
             names = [each.name for each in records]
-            if twice := {name for name in names if names.count(name) > 1}:
-                raise NamedTwice(sorted(twice))
+            if len(set(names)) < len(names):
+                raise NamedTwice(sorted({name for name in names if names.count(name) > 1}))
         slides = [joint.name for joint in self.joints if isinstance(joint, Slide | Slot)]
+        known = {*bodies, GROUND}
         for each in (*self.joints, *self.drives, *loads, *self.outputs):
             for body in bodies_of(each):
-                if body not in (*bodies, GROUND):
+                if body not in known:
                     raise ValueError(f"{each.name} is on {body}, which is no body")
             slide = slide_of(each)
             if slide is not None and slide not in slides:

@@ -28,7 +28,7 @@ def drawing_faults(drawing: Drawing) -> list[Fault]:
         *_joint_faults(drawing),
         *_output_faults(drawing),
     ]
-    return faults or list(_shape_faults(drawing))
+    return faults or list(shape_faults(drawing))
 
 
 def _link_faults(drawing: Drawing) -> Iterable[Fault]:
@@ -378,7 +378,7 @@ def _target_faults(drawing: Drawing, path: Key, output: t.Wanted) -> Iterable[Fa
             yield Fault((*path, *where), str(list(angles)), right)
 
 
-def _shape_faults(drawing: Drawing) -> Iterable[Fault]:
+def shape_faults(drawing: Drawing) -> Iterable[Fault]:
     """Links whose lengths contradict each other, or do not say which way."""
     for name, points in drawing.links.items():
         lengths = drawing.lengths_of(points)
