@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from difflib import get_close_matches
+from functools import lru_cache
 from typing import Any
 
 from camgen.errors import Fault, SpecError, dotted
@@ -62,13 +63,20 @@ def override(data: Data, setting: str) -> Data:
 
 def assigned(data: Data, key: str, value: Any) -> Data:
     """The same of a key as a person types it, "lengths.A-B", and a value of Python; None removes the key."""
-    keys, rest = split_setting(f"{key}=")
-    if not all(keys) or rest:
+    keys = _steps(key)
+    if not keys:
         raise SpecError([Fault((), shown(key), "such as geometry.swing_deg", source="key")])
     try:
         return _assigned(data, keys, _plain(value))
     except SpecError as error:
         raise SpecError([replace(fault, source="") for fault in error.faults]) from None
+
+
+@lru_cache(maxsize=256)
+def _steps(key: str) -> tuple[str, ...]:
+    """The steps of a key; none where it is no key."""
+    keys, rest = split_setting(f"{key}=")
+    return tuple(keys) if all(keys) and not rest else ()
 
 
 def setting_of(key: str, value: Any) -> str:
@@ -101,7 +109,7 @@ def _toml(value: Any) -> str:
 def _assigned(data: Data, keys: Sequence[str], value: Any) -> Data:
     """Copy of the tables with the value at the keys, removed where it is None."""
     removed = value is None
-    deep = len(keys) + extent_of(value)[0]
+    deep = len(keys) + (extent_of(value)[0] if isinstance(value, dict | list) else 0)
     if deep > DEEPEST:
         raise SpecError([Fault((), f"nested {deep} deep", SHALLOWER, source="--set")])
     changed = dict(data)

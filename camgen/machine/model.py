@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, TypeVar
 
@@ -459,6 +460,12 @@ class Machine:
     def output(self, name: str) -> Output:
         """The named output."""
         return _named(name, self.outputs, "output")
+
+    def started(self, start: Mapping[str, Pose]) -> Machine:
+        """The same with other poses of all its moving bodies at theta = 0; not checked again."""
+        machine = copy(self)
+        object.__setattr__(machine, "start", start)
+        return machine
 
     def start_of(self, body: str) -> Pose:
         """The body's pose as drawn."""

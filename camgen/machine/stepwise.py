@@ -6,7 +6,7 @@ Only what is clear is decided here. Near a fold, as drawn, closed or on its way,
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -34,7 +34,7 @@ def closed_by_dyads(machine: Machine) -> Machine | None:
         return None
     with np.errstate(all="ignore"):
         start = {body.name: _pose(machine, state, body.name) for body in machine.moving}
-    closed = replace(machine, start=start)
+    closed = machine.started(start)
     keep_chain(closed, machine)
     return closed
 
@@ -44,7 +44,12 @@ def stays_clear(machine: Machine, low: float = 0.0, high: float = math.tau) -> b
     chain = chain_of(machine)
     if not all(isinstance(step, Direct | Dyad) for step in chain.steps):
         return False
-    return _clear(chain, chain.state(np.linspace(low, high, LOOKED + 1), 0))
+    return _clear(chain, chain.state(_samples(low, high), 0))
+
+
+@lru_cache(maxsize=4)
+def _samples(low: float, high: float) -> Floats:
+    return np.linspace(low, high, LOOKED + 1)
 
 
 def _clear(chain: Chain, state: State) -> bool:

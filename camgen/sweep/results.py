@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 _SHOWN = 12  # rows of a table that is printed
-_FIRST = 6  # of its columns
+_FIRST = 6  # of its columns, beside the keys, that say something
 
 
 @dataclass(frozen=True, repr=False)
@@ -132,7 +132,8 @@ class SweepTable:
 
     def __repr__(self) -> str:
         """The verdicts, and the first rows."""
-        columns = [*self.columns][: _FIRST + len(self.keys)]
+        told = [name for name in self.columns if any(row.get(name) != "" for row in self.rows)]
+        columns = told[: _FIRST + len(self.keys)]
         cells = self._cells(columns, _SHOWN)
         widths = [max(len(line[k]) for line in cells) for k in range(len(columns))]
         lines = ["  ".join(map(str.ljust, line, widths)).rstrip() for line in cells]

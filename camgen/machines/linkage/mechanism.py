@@ -231,10 +231,18 @@ class Linkage(Mechanism):
 
     def faults_beside(self, before: Checked, changed: Collection[str]) -> Sequence[Fault]:
         """Of other lengths alone: whether links can have them."""
-        same_keys = isinstance(before, Linkage) and self.lengths.keys() == before.lengths.keys()
-        if changed == {"lengths"} and same_keys and not self.includes:
-            return list(shape_faults(self._drawing))
-        return self.faults()
+        assert isinstance(before, Linkage)
+        same_keys = self.lengths.keys() == before.lengths.keys()
+        if changed != {"lengths"} or not same_keys or self.includes:
+            return self.faults()
+        others = (key for key, length in self.lengths.items() if length != before.lengths[key])
+        ends = [{*(t.pair(key) or ())} for key in others]
+        links = {
+            name: points
+            for name, points in self.links.items()
+            if any(both.issubset(points) for both in ends)
+        }
+        return list(shape_faults(self._drawing, links))
 
     @property
     def _under(self) -> bool:
