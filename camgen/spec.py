@@ -104,7 +104,7 @@ class Record(BaseModel):
 
     def __setattr__(self, name: str, value: Any) -> None:
         """SpecError: a record stays as it was read; what is private is its own."""
-        if not name.startswith("_"):
+        if name[:1] != "_":
             right = f'a record stays as it is; machine.replace({{"{name}": ...}}), by the whole key, gives another one'
             raise SpecError([Fault((name,), "", right)])
         super().__setattr__(name, value)

@@ -36,5 +36,5 @@ def frame(page: str) -> str:
 def _notebook() -> Any:
     """The shell of the notebook that this runs in; None elsewhere."""
     interactive = sys.modules.get("IPython")
-    shell = None if interactive is None else interactive.get_ipython()  # type: ignore[attr-defined]
+    shell = None if interactive is None else interactive.get_ipython()
     return shell if hasattr(shell, "kernel") else None
