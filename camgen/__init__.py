@@ -1,9 +1,13 @@
 """camgen: cam and linkage CAD geometry from a text spec, with the motion proved from the written files.
 
-    load     spec -> Mechanism: its motion, parts, poses, limits and study as data
-    build    spec -> files in OUT/<name>/, read back and judged -> Report
-    check    folder of an earlier build -> Report, from its files alone
-    motion   an outline in any drawing or mesh, a follower -> the follower's motion
+    load       spec -> Mechanism: its motion, parts, poses, limits and study as data; `replace` sets keys anew
+    build      spec -> files in OUT/<name>/, read back and judged -> Report
+    check      folder of an earlier build -> Report, from its files alone
+    motion     an outline in any drawing or mesh, a follower -> the follower's motion
+    sweep      spec, values of its keys -> SweepTable: each variant judged, a row each
+    design     spec with what is wanted -> DesignResult: the machine that fulfils it
+    tolerance  spec -> Report: what print errors do to the motion
+    explain    code of a finding -> what it means and what helps
 
 Lengths are millimetres and angles radians; keys and figures that end in `_deg` are degrees. Nothing is printed. What a user
 can get wrong is a CamgenError: SpecError, DesignError or FileError. Only what a call needs is imported, when it is called.
@@ -11,21 +15,27 @@ can get wrong is a CamgenError: SpecError, DesignError or FileError. Only what a
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from os import PathLike
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, Literal, cast
 
-from camgen import motion as _wing  # noqa: F401  loaded first: later on it would take the place of the function of its name
+from camgen import design as _design  # noqa: F401  wings, loaded first: later on they would take the place of the functions
+from camgen import motion as _motion  # noqa: F401  of their names
+from camgen import sweep as _sweep  # noqa: F401
+from camgen import tolerance as _tolerance  # noqa: F401
 from camgen._version import __version__ as __version__
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, file_errors
 
 if TYPE_CHECKING:
+    from camgen.design.run import DesignResult
     from camgen.findings import Finding
+    from camgen.guide import Explanation
     from camgen.machine.forces import Forces
     from camgen.machine.run import Play, Run
     from camgen.machines.mechanism import Mechanism
     from camgen.measuring.motion import Recovered
     from camgen.report.report import Report
+    from camgen.sweep.results import SweepTable
 
     class Loaded(Mechanism):
         """A mechanism whose spec's tables are attributes: which ones, its kind says as the program runs."""
@@ -36,6 +46,7 @@ if TYPE_CHECKING:
 __all__ = [
     "CamgenError",
     "DesignError",
+    "DesignResult",
     "Fault",
     "FileError",
     "Finding",
@@ -44,17 +55,24 @@ __all__ = [
     "Report",
     "Run",
     "SpecError",
+    "SweepTable",
     "build",
     "check",
+    "design",
+    "explain",
     "load",
     "motion",
+    "sweep",
+    "tolerance",
 ]
 _LATER = {
+    "DesignResult": "design.run",
     "Finding": "findings",
     "Forces": "machine.forces",
     "Play": "machine.run",
     "Report": "report.report",
     "Run": "machine.run",
+    "SweepTable": "sweep.results",
 }
 
 
@@ -153,4 +171,83 @@ def motion(
         return roll(Path(file), follower, height, layer, harmonics)
 
 
-motion.__name__ = "camgen.motion"  # by which Python finds the modules of the wing in `import camgen.motion.laws as laws`
+def sweep(
+    spec: str | PathLike[str] | Mapping[str, Any] | Mechanism,
+    vary: Mapping[str, str | Iterable[Any]],
+    how: Literal["grid", "zip"] | int = "grid",
+    only: str | Iterable[str] = (),
+    out: str | PathLike[str] = "out",
+    jobs: int = 1,
+) -> SweepTable:
+    """Judge many variants of a spec: `camgen.sweep(cam, {"geometry.base_radius": range(20, 41, 5)})`.
+
+    vary: values of each key, which is typed as for `--set`, or a text as of `--vary`, "20:40:5"; how: "grid", all values
+    with all, "zip", first with first and so on, or the number of variants of a Latin hypercube between two ends of each key;
+    only: kinds of files, "dxf", to make, read back and judge of each variant in a folder in `out`: without it closed-form
+    limits and figures are judged, and nothing is written; jobs: processes, 0: one for each core.
+    Raises SpecError for a key that no spec has; a variant that is wrong or cannot be made is a row that says so.
+    """
+    from pathlib import Path
+
+    from camgen.sweep.results import swept
+    from camgen.sweep.run import task_of
+    from camgen.sweep.variants import variants_of
+    from camgen.workers import core_count
+
+    kinds = only.split(",") if isinstance(only, str) else tuple(only)
+    with file_errors():
+        task = task_of(spec, variants_of(vary, how), (), (), kinds, Path(out).absolute())
+        return swept(task, core_count(jobs))
+
+
+def design(
+    spec: str | PathLike[str] | Mapping[str, Any] | Mechanism,
+    jobs: int = 1,
+    say: Callable[[str], None] = lambda text: None,
+) -> DesignResult:
+    """Search for what a spec's table [wanted] asks: a linkage for a path or a function, or values of keys that hold all limits.
+
+    jobs: cores to use, 0: all; say: is handed lines on how it goes, such as print. The result has `machine`, `text`, its
+    spec, `front`, all designs that are best in something, and `notes`.
+    Raises SpecError with the faults of wish and spec; DesignError, with the nearest that was reached, where nothing fulfils it.
+    """
+    from camgen.design.run import found
+    from camgen.workers import core_count
+
+    with file_errors():
+        return found(spec, jobs=core_count(jobs), say=say)
+
+
+def tolerance(
+    spec: str | PathLike[str] | Mapping[str, Any] | Mechanism,
+    samples: int = 100_000,
+    seed: int = 1,
+    worst: int = 50,
+    judged: int = 50,
+) -> Report:
+    """What print errors do to the motion: a budget by where they arise, and the yield of many printed copies, as tables.
+
+    samples: copies; seed: the same gives the same copies; worst: how many of the worst are really rolled and closed;
+    judged: how many are judged by every finding.
+    Raises SpecError; DesignError where no joint bears an error.
+    """
+    from camgen.tolerance.report import PrintRun
+    from camgen.tolerance.report import tolerance as copies
+
+    with file_errors():
+        return copies(spec, (), PrintRun(samples, seed, worst, judged))
+
+
+def explain(code: str | Finding | None = None) -> Explanation:
+    """What a finding's code means, its formula, where its limit comes from and what helps; without a code all, a line each.
+
+    Raises SpecError, with the nearest, for a code that there is none of.
+    """
+    from camgen.guide import explanation
+
+    return explanation(code if code is None or isinstance(code, str) else code.code)
+
+
+for _function in (design, motion, sweep, tolerance):
+    # by which Python finds the modules of the wing in `import camgen.motion.laws as laws`
+    _function.__name__ = f"camgen.{_function.__name__}"

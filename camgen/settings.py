@@ -5,11 +5,14 @@
 
 from __future__ import annotations
 
+import json
 import re
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
+from dataclasses import replace
 from difflib import get_close_matches
+from functools import lru_cache
 from typing import Any
 
 from camgen.errors import Fault, SpecError, dotted
@@ -55,9 +58,58 @@ def override(data: Data, setting: str) -> Data:
         raise SpecError(
             [Fault((), shown(setting), "KEY=VALUE, such as geometry.swing_deg=24", source="--set")]
         )
-    removed = not text.strip()
-    value = _value(text)
-    deep = len(keys) + extent_of(value)[0]
+    return _assigned(data, keys, None if not text.strip() else _value(text))
+
+
+def assigned(data: Data, key: str, value: Any) -> Data:
+    """The same of a key as a person types it, "lengths.A-B", and a value of Python; None removes the key."""
+    keys = _steps(key)
+    if not keys:
+        raise SpecError([Fault((), shown(key), "such as geometry.swing_deg", source="key")])
+    try:
+        return _assigned(data, keys, _plain(value))
+    except SpecError as error:
+        raise SpecError([replace(fault, source="") for fault in error.faults]) from None
+
+
+@lru_cache(maxsize=256)
+def _steps(key: str) -> tuple[str, ...]:
+    """The steps of a key; none where it is no key."""
+    keys, rest = split_setting(f"{key}=")
+    return tuple(keys) if all(keys) and not rest else ()
+
+
+def setting_of(key: str, value: Any) -> str:
+    """A key and a value of Python as text of `--set`."""
+    return f"{key}={_toml(_plain(value))}"
+
+
+def _plain(value: Any) -> Any:
+    """A value of Python as tables hold it: numpy's numbers and arrays, ranges and tuples as numbers and lists."""
+    if isinstance(value, str | bool | float | int) and type(value).__module__ == "builtins":
+        return value
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return {each: _plain(item) for each, item in value.items()}
+    return [_plain(item) for item in value] if isinstance(value, Sequence) else value
+
+
+def _toml(value: Any) -> str:
+    """A plain value on one line of TOML."""
+    if isinstance(value, dict):
+        return (
+            f"{{{', '.join(f'{json.dumps(key)} = {_toml(item)}' for key, item in value.items())}}}"
+        )
+    if isinstance(value, list):
+        return f"[{', '.join(map(_toml, value))}]"
+    return repr(value) if isinstance(value, float) else json.dumps(value, ensure_ascii=False)
+
+
+def _assigned(data: Data, keys: Sequence[str], value: Any) -> Data:
+    """Copy of the tables with the value at the keys, removed where it is None."""
+    removed = value is None
+    deep = len(keys) + (extent_of(value)[0] if isinstance(value, dict | list) else 0)
     if deep > DEEPEST:
         raise SpecError([Fault((), f"nested {deep} deep", SHALLOWER, source="--set")])
     changed = dict(data)

@@ -15,7 +15,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from copy import deepcopy
 from datetime import date
 from difflib import get_close_matches
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Annotated, Any, ClassVar, Literal, TypeVar, get_args
 
 from pydantic import (
@@ -101,6 +101,13 @@ class Record(BaseModel):
     model_config = ConfigDict(
         frozen=True, extra="forbid", strict=True, allow_inf_nan=False, defer_build=True
     )
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """SpecError: a record stays as it was read; what is private is its own."""
+        if name[:1] != "_":
+            right = f'a record stays as it is; machine.replace({{"{name}": ...}}), by the whole key, gives another one'
+            raise SpecError([Fault((name,), "", right)])
+        super().__setattr__(name, value)
 
 
 class Accuracy(Record):
@@ -322,6 +329,10 @@ class Checked(Record):
         """What is wrong between keys that are right one by one; `validate` lists it with the rest."""
         return ()
 
+    def faults_beside(self, before: Checked, changed: Collection[str]) -> Sequence[Fault]:
+        """The same beside a record without faults, of which some tables were changed."""
+        return self.faults()
+
 
 def _no_device(name: str) -> str:
     if re.fullmatch(r"con|prn|aux|nul|(com|lpt)\d", name):
@@ -365,6 +376,19 @@ class Spec(Checked):
         default=None,
         description="cuts what is flat from sheet: with this table a whole build lays it out (SVG, DXF)",
     )
+
+    @cached_property
+    def source_tables(self) -> Data:
+        """Its tables as they were given; of a spec that was made without them with every default."""
+        tables: Data = _lists(self.model_dump(by_alias=True, exclude_none=True))
+        return tables
+
+
+def _lists(value: Any) -> Any:
+    """The value with lists in place of tuples, as tables have them."""
+    if isinstance(value, dict):
+        return {key: _lists(item) for key, item in value.items()}
+    return [_lists(item) for item in value] if isinstance(value, tuple | list) else value
 
 
 S = TypeVar("S", bound=Checked)
@@ -426,7 +450,7 @@ def _checked(
 ) -> S:
     """The tables in the words of today as a record; see `validate`."""
     old, made = (
-        like if like is not None and type(like[1]) is cls and "laser" not in data else (None, None)
+        like if like is not None and type(like[1]) is cls and "laser" not in data else ({}, None)
     )  # it fills tables
     try:
         record = cls.model_validate(_tuples(data, old, made))
@@ -438,7 +462,11 @@ def _checked(
             return _checked(cls, data, (*hints, *told))
         raise SpecError(_faults(cls, data, error)) from None
     record._hints = hints
-    faults = record.faults()
+    if made is None:
+        faults = record.faults()
+    else:
+        changed = {key for key in {*data, *old} if data.get(key) is not old.get(key)}
+        faults = record.faults_beside(made, changed)
     if faults:
         raise SpecError(faults)
     return record
@@ -470,11 +498,11 @@ def _tuples(value: Any, old: Any = None, made: Any = None) -> Any:
     -0 becomes 0, which it equals: results that are kept for equal records are to be the same to the bit. So does what is smaller
     than any normal float: of such numbers some functions make errors.
     """
+    if value is old and made is not None:
+        return made
     if isinstance(value, dict):
         if not (isinstance(made, Record) and isinstance(old, dict)):
             return {key: _tuples(item) for key, item in value.items()}
-        if value is old:
-            return made
         names = _names(type(made))
         return {
             key: _tuples(item, old[key], getattr(made, names[key]))

@@ -6,11 +6,15 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from camgen.errors import CamgenError
 from camgen.numerics import Floats, Points
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 T = TypeVar("T")
 ROWS = 1441  # of curves and of motion.csv: every quarter degree of a turn, both ends
@@ -238,3 +242,12 @@ def united(all_numbers: Iterable[Figures]) -> Figures:
         for each in numbers.records:
             found.setdefault(each.key, each)
     return Figures(found.values())
+
+
+def data_frame(columns: Mapping[str, Sequence[object] | Floats]) -> DataFrame:
+    """Columns of one length by their names as a DataFrame of pandas; CamgenError where that is not installed."""
+    try:
+        import pandas
+    except ImportError:
+        raise CamgenError("to_dataframe needs pandas: pip install pandas") from None
+    return pandas.DataFrame(columns)

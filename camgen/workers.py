@@ -12,7 +12,7 @@ from functools import partial
 from types import TracebackType
 from typing import TYPE_CHECKING, TypeVar
 
-from camgen.errors import FileError
+from camgen.errors import Fault, FileError, SpecError
 
 if TYPE_CHECKING:
     from concurrent.futures import Future, ProcessPoolExecutor
@@ -24,6 +24,14 @@ def all_cores() -> int:
     """How many this process may use."""
     allowed = getattr(os, "sched_getaffinity", None)
     return len(allowed(0)) if allowed else os.cpu_count() or 1
+
+
+def core_count(jobs: int) -> int:
+    """So many cores, 0: all; SpecError where that is no such number."""
+    if not isinstance(jobs, int) or jobs < 0:
+        fault = Fault(("jobs",), repr(jobs), "a whole number of cores, 0: all of them")
+        raise SpecError([fault])
+    return jobs or all_cores()
 
 
 class Workers:

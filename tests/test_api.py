@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import cProfile
+import html
 import json
 import math
 import pickle
@@ -9,6 +11,8 @@ import re
 import subprocess
 import sys
 import tomllib
+import types
+import webbrowser
 from pathlib import Path
 from typing import Any
 
@@ -163,6 +167,9 @@ def test_import_is_light_and_the_wing_of_motion_leaves_the_function_be() -> None
         "assert not {'numpy', 'pydantic', 'click', 'tomllib'} & set(sys.modules), 'heavy'\n"
         "import camgen.motion.laws as laws\nfrom camgen.motion import segments\n"
         "assert callable(camgen.motion) and camgen.motion.__doc__.startswith('Motion of a follower')\n"
+        "import camgen.sweep.variants as variants, camgen.design.wanted as wanted\n"
+        "from camgen.tolerance import report\n"
+        "assert all(map(callable, (camgen.sweep, camgen.design, camgen.tolerance, camgen.explain)))\n"
         "assert all(getattr(camgen, name).__doc__ for name in camgen.__all__)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
@@ -229,3 +236,245 @@ def test_a_notebook_shows_the_verdict_then_what_fails_escaped() -> None:
     )
     assert "b &amp; c.dxf" in page and "otion error" not in page
     assert "The one finding holds" in Report("a", "b", [held])._repr_html_()
+
+
+# ---- another machine, many machines --------------------------------------------------------------------------------
+
+LINKAGE = SPECS / "linkage.toml"
+
+
+def test_replace_gives_what_load_gives() -> None:
+    cam = camgen.load(DISC)
+    spec = tables()
+    spec["geometry"]["base_radius"] = 30
+    spec["segment"][0]["law"] = "cycloidal"
+    other = cam.replace({"geometry.base_radius": np.float64(30), "segment.0.law": "cycloidal"})
+    assert other == camgen.load(spec) and other != cam == camgen.load(DISC)
+    assert other.replace({"geometry.base_radius": 25, "segment.0.law": "modified-sine"}) == cam
+    limits = cam.replace({"limits": None})
+    assert (
+        limits.allowed == camgen.load({k: v for k, v in tables().items() if k != "limits"}).allowed
+    )
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "said"),
+    [
+        (
+            "geometry.base_raduis",
+            30,
+            "geometry.base_raduis: unknown key; did you mean 'base_radius'",
+        ),
+        ("geometry.base_radius", -1, "geometry.base_radius: -1"),
+        ("geometry.base_radius", "wide", "geometry.base_radius: 'wide'"),
+        ("geometry.base_radius", math.nan, "geometry.base_radius"),
+        ("geometry.base_radius", object(), "geometry.base_radius"),
+        ("segment.9.lift", 3, "there is no 9"),
+        ("mechanism", "linkage", "'disc-cam', as it is"),
+        ("a..b", 1, "a..b"),
+        ("spring", None, "nothing to remove"),
+    ],
+)
+def test_replace_refuses_by_the_key(key: str, value: object, said: str) -> None:
+    with pytest.raises(camgen.SpecError, match=re.escape(said)):
+        camgen.load(DISC).replace({key: value})
+
+
+def test_a_record_stays_as_it_is() -> None:
+    cam = camgen.load(DISC)
+    for holder, name in ((cam, "name"), (cam.geometry, "base_radius")):
+        with pytest.raises(camgen.SpecError, match=f"{name} - .*machine.replace"):
+            setattr(holder, name, "x")
+
+
+def evaluated(base: Any, k: int) -> Any:
+    """The pen's path of the k-th four-bar."""
+    lengths = {
+        "lengths.O-A": 18 + 0.2 * k,
+        "lengths.A-B": 57 + 0.3 * k,
+        "lengths.C-B": 53 - 0.3 * k,
+    }
+    return base.replace(lengths).solve(np.linspace(0, math.tau, 72, endpoint=False), 0)["pen"]
+
+
+def test_other_lengths_give_what_the_general_way_gives(monkeypatch: pytest.MonkeyPatch) -> None:
+    from camgen.machines.linkage import drawing, mechanism
+
+    quick = [evaluated(camgen.load(LINKAGE), k) for k in range(20)]
+    monkeypatch.setattr(drawing, "closed_by_dyads", lambda machine: None)
+    monkeypatch.setattr(mechanism, "stays_clear", lambda *_: False)
+    spec = tomllib.loads(LINKAGE.read_text(encoding="utf-8"))
+    for k, pen in enumerate(quick):
+        spec["lengths"] |= {"O-A": 18 + 0.2 * k, "A-B": 57 + 0.3 * k, "C-B": 53 - 0.3 * k}
+        assert np.abs(evaluated(camgen.load(spec), k) - pen).max() < 1e-12 * 100
+
+
+def test_a_four_bar_is_evaluated_by_few_calls() -> None:
+    """Some 0.4 ms, `tests/bench/bench_python.py`; the calls of functions do not depend on who else uses the machine."""
+    base = camgen.load(LINKAGE)
+    evaluated(base, 0)
+    profile = cProfile.Profile()
+    profile.runcall(lambda: [evaluated(base, k) for k in range(10)])
+    calls = sum(row.callcount for row in profile.getstats())
+    assert calls / 10 < 1_600
+
+
+def test_a_refused_design_says_so_as_of_a_spec() -> None:
+    machine = camgen.load(LINKAGE).replace({"lengths.O-A": 45})
+    with pytest.raises(camgen.DesignError, match="the drive cannot turn fully"):
+        machine.solve([0.0])
+
+
+def test_a_run_as_columns_and_as_a_frame() -> None:
+    run = camgen.load(LINKAGE).solve(np.radians([0, 90, 180]))
+    assert list(run.outputs) == ["pen", "swing"]
+    assert run.outputs["pen"].tolist() == run["pen"].tolist()
+    frame = run.to_dataframe(order=1)
+    assert list(frame) == [
+        *("theta_deg", "pen_x_mm", "pen_y_mm", "swing_deg"),
+        *("pen_x_mm_per_s", "pen_y_mm_per_s", "swing_deg_per_s"),
+    ]
+    assert list(frame["theta_deg"]) == pytest.approx([0, 90, 180])
+    assert frame["pen_y_mm"].tolist() == run["pen"].imag.tolist()
+    assert np.radians(frame["swing_deg_per_s"]).tolist() == pytest.approx(run.velocity["swing"])
+    assert repr(run).splitlines()[0] == "Run at 3 angles, 0 to 180 deg"
+
+
+def test_without_pandas_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(camgen.CamgenError, match="pip install pandas"):
+        camgen.load(LINKAGE).solve([0.0]).to_dataframe()
+
+
+def test_what_a_notebook_prints_is_short() -> None:
+    cam = camgen.load(DISC)
+    assert repr(cam) == "<disc-cam 'disc-cam': print() shows its spec>"
+    assert tomllib.loads(str(cam))["geometry"]["base_radius"] == 25
+    report = Report(
+        "cam", "disc-cam", [Finding("FAILS", False, 3.0, 2.0, "mm", Where("b.dxf"), "off")]
+    )
+    assert repr(report) == "cam (disc-cam): 1 of 1 findings fails\n  FAILS: off"
+    assert camgen.explain("pressure-angle")._repr_markdown_().startswith("## PRESSURE_ANGLE\n")
+    assert camgen.explain().count("\n- `") > 50
+
+
+def test_a_sweep_is_the_commands_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    laws = ["cycloidal", "modified-sine"]
+    swept = camgen.sweep(
+        camgen.load(DISC), {"geometry.base_radius": (14, 22), "segment.0.law": laws}
+    )
+    assert capsys.readouterr() == ("", "")
+    file = tmp_path / "table.csv"
+    vary = [
+        "--vary",
+        "geometry.base_radius=14,22",
+        "--vary",
+        "segment.0.law=cycloidal,modified-sine",
+    ]
+    with pytest.raises(SystemExit):
+        main(["sweep", str(DISC), *vary, "-o", str(file)])
+    swept.write(tmp_path / "mine.csv")
+    assert (tmp_path / "mine.csv").read_bytes() == file.read_bytes()
+    assert swept["geometry.base_radius"].tolist() == [14, 14, 22, 22] and len(swept) == 4
+    assert swept.machine(3) == camgen.load(DISC).replace(
+        {"geometry.base_radius": 22, "segment.0.law": "modified-sine"}
+    )
+    assert swept.to_dataframe().shape == (4, len(swept.columns) - 1)
+    assert swept._repr_html_().count("<tr>") == 5
+
+
+def test_the_front_of_a_sweep_is_what_nothing_beats() -> None:
+    swept = camgen.sweep(DISC, {"geometry.base_radius": "3:40"}, how=12)
+    size, angle = "geometry.base_radius", "pressure_angle_deg"
+    held = [row for row in swept if row["verdict"] == "limits hold"]
+    best = [
+        row["variant"]
+        for row in held
+        if not any(
+            other[size] <= row[size] and other[angle] <= row[angle] and other is not row
+            for other in held
+        )
+    ]
+    assert [row["variant"] for row in swept.front(least=[size, angle])] == best
+    assert 0 < len(held) < len(swept) and len(swept.holding) == len(held)
+    assert swept.plot(size, angle).axes[0].get_ylabel() == angle
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (
+            lambda: camgen.sweep(DISC, {"geometry.base_raduis": [1, 2]}),
+            "did you mean 'base_radius'",
+        ),
+        (lambda: camgen.sweep(DISC, {}), "at least one"),
+        (lambda: camgen.sweep(DISC, {"geometry.base_radius": []}), "no value"),
+        (lambda: camgen.sweep(DISC, {"geometry.base_radius": [20]}, how="gird"), "how: 'gird'"),  # type: ignore[arg-type]
+        (lambda: camgen.sweep(DISC, {"geometry.base_radius": [20]}, jobs=-1), "jobs: -1"),
+        (
+            lambda: camgen.sweep(DISC, {"geometry.base_radius": [20]})["stroke"],
+            "did you mean 'stroke_mm'",
+        ),
+        (lambda: camgen.sweep(DISC, {"geometry.base_radius": [20]}).machine(1), "0 to 0"),
+        (lambda: camgen.explain("PRESURE_ANGLE"), "did you mean 'PRESSURE_ANGLE'"),
+        (lambda: camgen.design(DISC), "wanted"),
+        (lambda: camgen.tolerance(DISC, samples=0), "samples"),
+    ],
+)
+def test_what_is_asked_wrongly_of_many_is_a_spec_error(call: Any, said: str) -> None:
+    with pytest.raises(camgen.SpecError, match=re.escape(said)):
+        call()
+
+
+def test_design_gives_the_machine_whose_text_the_command_prints(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    spec = tables() | {
+        "wanted": {"vary": {"geometry.base_radius": [3, 30]}, "least": "base_radius_mm"}
+    }
+    said: list[str] = []
+    found = camgen.design(spec, say=said.append)
+    assert found.machine == camgen.load(tomllib.loads(found.text)) and found.front is None
+    assert found.notes == said and repr(found).startswith("Found <disc-cam 'disc-cam'")
+    assert 3 < found.machine.geometry.base_radius < 25
+    assert capsys.readouterr() == ("", "")
+
+
+# ---- show ----------------------------------------------------------------------------------------------------------
+
+
+class Shell:
+    """What a notebook's kernel gives."""
+
+    kernel = object()
+
+    def __init__(self) -> None:
+        self.published: list[dict[str, str]] = []
+        self.display_pub = self
+
+    def publish(self, data: dict[str, str]) -> None:
+        self.published.append(data)
+
+
+def test_the_report_shows_its_page_in_a_notebook_and_else_in_a_browser(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    report = Report("a", "disc-cam", (), folder=tmp_path)
+    with pytest.raises(camgen.FileError, match="there is no page"):
+        report.show()
+    page = tmp_path / "report.html"
+    page.write_text('<p class="x">moves & turns</p>', encoding="utf-8")
+    opened: list[str] = []
+    monkeypatch.setattr(webbrowser, "open", lambda uri: opened.append(uri) or True)
+    report.show()
+    assert opened == [page.as_uri()]
+    shell = Shell()
+    monkeypatch.setitem(sys.modules, "IPython", types.SimpleNamespace(get_ipython=lambda: shell))
+    report.show()
+    ((published,),) = ([each["text/html"] for each in shell.published],)
+    source = re.search('srcdoc="([^"]*)"', published)
+    assert source is not None and html.unescape(source[1]) == page.read_text() and len(opened) == 1
+    monkeypatch.delitem(sys.modules, "IPython")
+    monkeypatch.setattr(webbrowser, "open", lambda uri: False)
+    with pytest.raises(camgen.FileError, match="no browser"):
+        report.show()

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ast
+import json
 import re
 import shlex
+import webbrowser
 from pathlib import Path
 from typing import Any
 
@@ -132,6 +134,51 @@ def test_what_a_page_says_to_type_works(
             assert program == "camgen" and code == (int(wanted[1]) if wanted else 0), (
                 f"{line}\n{out}{err}"
             )
+
+
+NOTEBOOK = Path(guide.__file__).parent / "python.ipynb"
+
+
+def displayed(value: Any) -> str:
+    """What a notebook shows of the last expression of a cell: of a picture nothing but that there is one."""
+    for kind in ("_repr_html_", "_repr_markdown_", "_repr_png_"):
+        said = getattr(value, kind)() if hasattr(value, kind) else None
+        if said is not None:
+            return str(said)
+    return "" if value is None else repr(value)
+
+
+def test_the_notebook_runs_from_its_first_cell_to_its_last(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    notebook = json.loads(NOTEBOOK.read_text(encoding="utf-8"))
+    cells = ["".join(cell["source"]) for cell in notebook["cells"] if cell["cell_type"] == "code"]
+    assert not any(cell.get("outputs") for cell in notebook["cells"]), (
+        "runs of a person's are not kept"
+    )
+    opened: list[str] = []
+    monkeypatch.setattr(webbrowser, "open", lambda uri: opened.append(uri) or True)
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, Any] = {}
+    shown = []
+    for number, cell in enumerate(cells):
+        *body, last = ast.parse(cell).body
+        ends = isinstance(last, ast.Expr)
+        statements = ast.Module(body if ends else [*body, last], [])
+        exec(compile(statements, f"cell {number}", "exec"), names)
+        if isinstance(last, ast.Expr):
+            value = eval(compile(ast.Expression(last.value), f"cell {number}", "eval"), names)
+            shown.append(displayed(value))
+    assert names["least"] < 0.75 and names["report"].ok and len(names["swept"]) == 8
+    assert [Path(uri).name for uri in opened] == ["report.html"]
+    text = "\n".join(shown)
+    for words in ("Run at 361 angles", "8 variants", "findings hold", "## LASH", "PNG"):
+        assert words in text
+    said = capsys.readouterr().out
+    assert (
+        "lengths.O-A: -60 - expected" in said
+        and "drive.speed: unknown key; did you mean 'speed_rpm'?" in said
+    )
 
 
 def test_the_guide_is_shown_and_listed(run: Any) -> None:  # noqa: F811

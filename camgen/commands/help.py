@@ -39,15 +39,10 @@ def list_() -> None:
 @click.argument("codes", metavar="[CODE]...", nargs=-1, shell_complete=completed(guide.entries))
 def explain(codes: Sequence[str]) -> None:
     """Say what a finding means, its formula, where its limit comes from and what helps; without a CODE, list them."""
-    entries = guide.entries()
     if codes:
-        names = [
-            known("CODE", code.upper().replace("-", "_"), entries, "camgen explain")
-            for code in codes
-        ]
-        show("\n".join(entries[code] for code in names))
+        show("\n".join(map(guide.explanation, codes)))
         return
-    for code, entry in entries.items():
+    for code, entry in guide.entries().items():
         click.echo(f"{code:<20} {guide.in_short(entry)}")
 
 

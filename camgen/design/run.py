@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
@@ -23,7 +24,8 @@ from camgen.design.prototype import Prototype
 from camgen.design.wanted import FunctionWish, KeyWish, PathWish, asked_for, wish, without
 from camgen.edits import edited, with_tables
 from camgen.errors import DesignError, Fault, FileError, SpecError, counted, dotted, file_errors
-from camgen.machines.sources import Source, changed, read_mechanism, read_tables
+from camgen.machines.mechanism import Mechanism
+from camgen.machines.sources import Source, changed, read_mechanism, read_tables, tables_of_text
 from camgen.numerics import Points
 from camgen.report.sketches import Sketch
 from camgen.settings import override
@@ -74,7 +76,7 @@ class Design(Protocol):
 D = TypeVar("D", bound=Design)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Front:
     """Designs that no other one beats."""
 
@@ -86,6 +88,27 @@ class Front:
     texts: Sequence[str]  # a spec for each design
     rows: Sequence[Mapping[str, Any]]  # of the table
     sketches: Sequence[Sketch]
+
+    def __repr__(self) -> str:
+        """Its title and figures."""
+        return "\n".join([self.title, *(f"  {words}" for words in self._captions())])
+
+    def _repr_html_(self) -> str:
+        """For a notebook: its table."""
+        head = "".join(f"<th>{escape(name)}</th>" for name in self.rows[0])
+        rows = [
+            "".join(f"<td>{escape(str(cell))}</td>" for cell in row.values()) for row in self.rows
+        ]
+        body = "".join(f"<tr>{row}</tr>" for row in (head, *rows))
+        return f"<h4>{escape(self.title)}</h4><p>{escape(self.summary)}</p><table>{body}</table>"
+
+    def _captions(self) -> list[str]:
+        """What is said of each design."""
+        captions = []
+        for row in self.rows:
+            figures = ", ".join(text.format(row[column]) for column, text in self.axes.items())
+            captions.append(f"design {row['design']}: {figures}, {row['verdict']}")
+        return captions
 
     def write(self, folder: Path) -> None:
         """01.toml, 02.toml, ..., front.csv and front.html; FileError where the folder exists."""
@@ -107,13 +130,9 @@ class Front:
             table.writerows(self.rows)
             (folder / "front.csv").write_text(stream.getvalue(), encoding="utf-8", newline="\n")
         across, up = self.axes
-        captions = []
-        for row in self.rows:
-            figures = ", ".join(text.format(row[column]) for column, text in self.axes.items())
-            captions.append(f"design {row['design']}: {figures}, {row['verdict']}")
         pictures = [
             (picture(each, words), words)
-            for each, words in zip(self.sketches, captions, strict=True)
+            for each, words in zip(self.sketches, self._captions(), strict=True)
         ]
         page = SweepPage(self.title, self.summary, list(self.rows[0]), [across], [up], pictures)
         write_page(folder / "front.html", page, self.rows, len(self.rows))
@@ -162,6 +181,52 @@ def design(
         return specs.dump(designed())
     search = {"path": _for_path, "function": _for_function, "vary": _for_keys}[kind]
     return search(Request(data, source, folder, text, ends, jobs, say, keep))
+
+
+@dataclass(frozen=True, repr=False)
+class DesignResult:
+    """What a search found."""
+
+    text: str  # of the spec, as `camgen design` writes it
+    machine: Mechanism  # that it is
+    front: (
+        Front | None
+    )  # of a search for a path or a function: all designs that are best in something
+    notes: Sequence[str]  # how it went
+
+    def __repr__(self) -> str:
+        """The machine, and how the search went."""
+        many = "" if self.front is None else f", one of {counted(len(self.front.texts), 'design')}"
+        return "\n  ".join([f"Found {self.machine!r}{many}", *self.notes])
+
+    def _repr_html_(self) -> str:
+        """For a notebook: how it went, the machine, the front as a table."""
+        notes = "<br>".join(map(escape, self.notes))
+        front = "" if self.front is None else self.front._repr_html_()
+        return f"<p>{notes}</p>{self.machine._repr_html_()}{front}"
+
+
+def found(
+    spec: Source,
+    settings: Sequence[str] = (),
+    jobs: int = 1,
+    say: Say = lambda text: None,
+) -> DesignResult:
+    """The same as `design`, with the machine, and the front of a search that has one."""
+    fronts: list[Front] = []
+    notes: list[str] = []
+
+    def noted(text: str) -> None:
+        notes.append(text)
+        say(text)
+
+    data, _, folder = read_tables(spec)
+    for setting in settings:
+        data = override(data, setting)
+    keep = fronts.append if asked_for(data) in ("path", "function") else None
+    text = design(spec, settings, jobs, noted, keep)
+    machine = changed(*tables_of_text(text, folder))
+    return DesignResult(text, machine, fronts[0] if fronts else None, notes)
 
 
 def _text_of(spec: str | Path) -> tuple[str, str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 _PAGES = Path(__file__).parent
@@ -53,6 +54,35 @@ def entries() -> dict[str, str]:
     """What is said of each code of a finding, as Markdown under its own head, in the order of the page."""
     parts = re.split(r"^## (?=[A-Z_]+$)", page("findings"), flags=re.MULTILINE)[1:]
     return {part.partition("\n")[0]: f"## {part.strip()}\n" for part in parts}
+
+
+class Explanation(str):
+    """What is said of codes, Markdown: a notebook lays it out."""
+
+    def __repr__(self) -> str:
+        """The text as it is."""
+        return str(self)
+
+    def _repr_markdown_(self) -> str:
+        return str(self)
+
+
+def explanation(code: str | None = None) -> Explanation:
+    """What a code means, its formula, where its limit comes from and what helps; without one all codes, a line each.
+
+    SpecError, with the nearest, for a code that there is none of.
+    """
+    known = entries()
+    if code is None:
+        return Explanation("\n".join(f"- `{name}` {in_short(known[name])}" for name in known))
+    name = code.upper().replace("-", "_")
+    if name not in known:
+        from camgen.errors import SpecError
+        from camgen.spec import unknown
+
+        fault = replace(unknown(("CODE",), name, known), expected="one that 'camgen explain' lists")
+        raise SpecError([fault], "command line")
+    return Explanation(known[name])
 
 
 def in_short(entry: str) -> str:

@@ -216,21 +216,19 @@ class Chain:
         levers = [loop.levers.get(g, 0j) for g in angles]
         if len(angles) == 2 and all(levers):
             z1, z2 = (lever * np.exp(1j * x) for lever, x in zip(levers, start, strict=True))
-            return Dyad("angles", block, 1 if (np.conj(z1 + z2) * z1).imag >= 0 else -1)
+            side = float((np.conj(z1 + z2) * z1).imag)
+            return _dyad("angles", block, side, abs(z1 * z2))
         if len(angles) == 1 and lengths[0] in ways:
             group, way = ways[lengths[0]]
             if group == angles[0]:
-                foot = levers[0] * np.conj(way)
-                return Dyad("inverted", block, 1 if foot.real + start[1] >= 0 else -1)
+                foot = complex(levers[0] * np.conj(way)) + start[1]
+                return _dyad("inverted", block, foot.real, abs(foot))
             if levers[0]:
                 facing = way * np.exp(1j * _start_angle(machine, self.groups, group))
-                return Dyad(
-                    "slider",
-                    block,
-                    1 if (np.conj(facing) * levers[0] * np.exp(1j * start[0])).real >= 0 else -1,
-                )
+                ahead = (np.conj(facing) * levers[0] * np.exp(1j * start[0])).real
+                return _dyad("slider", block, float(ahead), abs(levers[0]))
         if len(lengths) == 2 and set(lengths) == set(ways):
-            return Dyad("lengths", block, 1)
+            return _dyad("lengths", block, 1.0, 1.0)
         return block
 
     # ---- solving ----
@@ -296,6 +294,11 @@ def _add(levers: dict[str, complex], group: str, lever: complex) -> None:
         levers[group] = levers.get(group, 0j) + lever
 
 
+def _dyad(kind: str, block: Block, side: float, size: float) -> Dyad:
+    """A dyad on the side of its fold on which it is drawn."""
+    return Dyad(kind, block, 1 if side >= 0 else -1, abs(side) / max(size, 1e-300))
+
+
 def _start_angle(machine: Machine, groups: Groups, group: str) -> float:
     """A group's angle as drawn: its first body's."""
     return 0.0 if group == GROUND else float(machine.start_of(group).angle) - groups.excess[group]
@@ -322,3 +325,8 @@ def chain_of(machine: Machine) -> Chain:
     if machine not in _chains:
         _chains[machine] = Chain(machine)
     return _chains[machine]
+
+
+def keep_chain(machine: Machine, like: Machine) -> None:
+    """Let a machine have the chain of another one, from which it differs in nothing that decides a position."""
+    _chains[machine] = chain_of(like)

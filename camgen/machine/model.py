@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, TypeVar
 
@@ -416,12 +417,13 @@ class Machine:
         loads = [load for load in self.loads if not isinstance(load, Gravity)]
         for records in (self.bodies, (*self.joints, *self.drives), loads, self.outputs):
             names = [each.name for each in records]
-            if twice := {name for name in names if names.count(name) > 1}:
-                raise NamedTwice(sorted(twice))
+            if len(set(names)) < len(names):
+                raise NamedTwice(sorted({name for name in names if names.count(name) > 1}))
         slides = [joint.name for joint in self.joints if isinstance(joint, Slide | Slot)]
+        known = {*bodies, GROUND}
         for each in (*self.joints, *self.drives, *loads, *self.outputs):
             for body in bodies_of(each):
-                if body not in (*bodies, GROUND):
+                if body not in known:
                     raise ValueError(f"{each.name} is on {body}, which is no body")
             slide = slide_of(each)
             if slide is not None and slide not in slides:
@@ -458,6 +460,12 @@ class Machine:
     def output(self, name: str) -> Output:
         """The named output."""
         return _named(name, self.outputs, "output")
+
+    def started(self, start: Mapping[str, Pose]) -> Machine:
+        """The same with other poses of all its moving bodies at theta = 0; not checked again."""
+        machine = copy(self)
+        object.__setattr__(machine, "start", start)
+        return machine
 
     def start_of(self, body: str) -> Pose:
         """The body's pose as drawn."""

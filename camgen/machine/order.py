@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from graphlib import TopologicalSorter
 
 import numpy as np
@@ -193,14 +194,22 @@ def holds(machine: Machine, groups: Groups) -> dict[Key, set[Key]]:
 
 def components(machine: Machine, groups: Groups) -> Order:
     """The machine's equations, parted into those that are solved together."""
-    table = {equation: sorted(row) for equation, row in holds(machine, groups).items()}
+    rows = tuple((equation, tuple(sorted(row))) for equation, row in holds(machine, groups).items())
+    bodies = (
+        key
+        for body in machine.moving  # what no equation names is loose
+        for key in (("x", body.name), ("y", body.name), ("angle", groups.of[body.name]))
+        if key[1] != GROUND
+    )
+    return _ordered(rows, tuple(bodies))
+
+
+@lru_cache(maxsize=64)  # variants of a machine differ in lengths alone
+def _ordered(rows: tuple[tuple[Key, tuple[Key, ...]], ...], bodies: tuple[Key, ...]) -> Order:
+    """Equations by what each holds, and the unknowns of bodies, parted."""
+    table = dict(rows)
     unknowns = dict.fromkeys(key for row in table.values() for key in row)
-    for body in machine.moving:  # what no equation names is loose
-        unknowns |= dict.fromkeys(
-            key
-            for key in (("x", body.name), ("y", body.name), ("angle", groups.of[body.name]))
-            if key[1] != GROUND
-        )
+    unknowns |= dict.fromkeys(bodies)
     owner = matching(table)  # the equation that each unknown is solved from
     unknown_of = {equation: key for key, equation in owner.items()}
     free = [key for key in unknowns if key not in owner]
@@ -242,8 +251,8 @@ def components(machine: Machine, groups: Groups) -> Order:
     blocks = [inside[which] for which in sorter.static_order()]
     return Order(
         tuple(
-            Component(tuple(rows), tuple(unknown_of[equation] for equation in rows))
-            for rows in blocks
+            Component(tuple(block), tuple(unknown_of[equation] for equation in block))
+            for block in blocks
         ),
         (),
         (),

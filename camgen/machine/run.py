@@ -14,13 +14,14 @@ from camgen.machine.constraints import Constraints
 from camgen.machine.forces import Forces, kinetostatics, peaks
 from camgen.machine.jets import fill
 from camgen.machine.loops import chain_of
-from camgen.machine.model import Machine, Path, Place, Pose, unit_of
+from camgen.machine.model import Machine, Output, Path, Place, Pose, unit_of
 from camgen.machine.state import State
 from camgen.numerics import Floats, Points
-from camgen.study import Plot
+from camgen.study import Plot, data_frame
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from pandas import DataFrame
 
 # Angles solved at a time: long enough to hide the cost of a call, short enough to stay in the processor's cache.
 BLOCK = 16384
@@ -94,6 +95,13 @@ class Lazy(Mapping[str, T]):
         return len(self._names)
 
 
+def _parts(output: Output, values: Floats | Points) -> dict[str, Floats]:
+    """An output's values in the unit in which people read them; of a path by its axes."""
+    if isinstance(output.of, Path):
+        return {"x": values.real, "y": values.imag}
+    return {"": unit_of(output)[1] * values.real}
+
+
 class Run:
     """What a machine does at theta, (n,) rad. run["name"] is an output: rad, mm, or complex mm for a path, (n,).
 
@@ -123,6 +131,23 @@ class Run:
     def __contains__(self, name: object) -> bool:
         return name in tuple(self)
 
+    def __repr__(self) -> str:
+        """Its angles, and what each output does."""
+        sweep = f"{np.degrees(self.theta[0]):.6g} to {np.degrees(self.theta[-1]):.6g} deg"
+        said = [f"Run at {self.theta.size} angles{f', {sweep}' if self.theta.size else ''}"]
+        return "\n  ".join([*said, *map(self._said, self)])
+
+    def _said(self, name: str) -> str:
+        """An output in a line: between what it moves."""
+        output = self.machine.output(name)
+        unit = unit_of(output)[0]
+        ends = [
+            f"{axis} {np.nanmin(rows):.6g} to {np.nanmax(rows):.6g}".strip()
+            for axis, rows in _parts(output, self[name]).items()
+            if np.isfinite(rows).any()
+        ]
+        return f"{name}: {', '.join(ends)} {unit}" if ends else f"{name}: does not close"
+
     def __getitem__(self, name: str) -> Floats | Points:
         rows: Floats | Points = self.derivatives(name)[0]
         return rows
@@ -144,6 +169,11 @@ class Run:
         return rows
 
     @property
+    def outputs(self) -> Mapping[str, Floats | Points]:
+        """Of each output by name: rad, mm, or complex mm for a path, (n,)."""
+        return Lazy(self, self.__getitem__)
+
+    @property
     def velocity(self) -> Mapping[str, Floats | Points]:
         """Of each output by name: rad/s, mm/s."""
         return self._rates(1)
@@ -158,6 +188,24 @@ class Run:
         if order > self.order:
             raise ValueError(f"solved with order {self.order}; order={order} is needed")
         return Lazy(self, lambda name: self.derivatives(name)[order] * self.machine.speed**order)
+
+    def columns(self, order: int = 0) -> dict[str, Floats]:
+        """The outputs as motion.csv has them, (n,) each: theta_deg, swing_deg, ram_mm, pen_x_mm, pen_y_mm.
+
+        order: 1 with their velocities, swing_deg_per_s, 2 with their accelerations too, swing_deg_per_s2.
+        """
+        columns = {"theta_deg": np.degrees(self.theta)}
+        for each, per in enumerate(("", "_per_s", "_per_s2")[: order + 1]):
+            values = self._rates(each)
+            for output in self.machine.outputs:
+                unit = unit_of(output)[0]
+                for axis, rows in _parts(output, values[output.name]).items():
+                    columns["_".join(filter(None, (output.name, axis, unit))) + per] = rows
+        return columns
+
+    def to_dataframe(self, order: int = 0) -> DataFrame:
+        """The same columns as a DataFrame of pandas; CamgenError where that is not installed."""
+        return data_frame(self.columns(order))
 
     def pose(self, body: str) -> Pose:
         """A body's frame on the ground: place (n,) complex mm, angle (n,) rad, continuous."""

@@ -52,6 +52,7 @@ class Dyad:
     kind: str  # "angles", "slider", "inverted", "lengths"
     block: Block
     branch: int  # the sign at the start
+    sine: float = 0.0  # of its transmission angle as drawn, without a sign
 
 
 Step = Direct | Dyad | Block

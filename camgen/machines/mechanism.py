@@ -12,16 +12,18 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from operator import getitem
-from typing import TYPE_CHECKING, ClassVar, Self
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field
 
-from camgen.errors import DesignError
+from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, NotJudged
 from camgen.geometry.outlines import Floats
 from camgen.machine.features import CamOutline, Feature, Mount
@@ -32,13 +34,16 @@ from camgen.machines.loads.applied import efforts
 from camgen.machines.loads.rubbing import with_friction
 from camgen.machines.loads.tables import LimitsTable, Weight
 from camgen.machines.loads.weights import with_gravity, with_masses
+from camgen.motion.tables import with_tables
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly, Cycle, Process, tips
 from camgen.parts.inertia import printed_density
 from camgen.parts.journals import MaterialLimits, journals
 from camgen.parts.part import Part
 from camgen.parts.steps import Fixing
-from camgen.spec import Spec, validate
+from camgen.reading import Data
+from camgen.settings import assigned
+from camgen.spec import Spec, dump, validate
 from camgen.study import Later, Study
 
 if TYPE_CHECKING:
@@ -63,6 +68,40 @@ class Mechanism(Spec, ABC):
     fixed: ClassVar[str] = (
         "pressed and glued"  # how parts go together that do not turn on each other
     )
+
+    def __repr__(self) -> str:
+        """Its kind and name, and how to see more."""
+        return f"<{self.mechanism} {self.name!r}: print() shows its spec>"
+
+    def __str__(self) -> str:
+        """Its spec as TOML, with every default."""
+        return dump(self)
+
+    def _repr_html_(self) -> str:
+        """For a notebook: its kind and name, and its spec folded away."""
+        from html import escape
+
+        head = f"<b>{escape(self.name)}</b> ({escape(self.mechanism)})"
+        return f"<details><summary>{head}</summary><pre>{escape(str(self))}</pre></details>"
+
+    def replace(self, changes: Mapping[str, object]) -> Self:
+        """The same machine with some keys of its spec set anew: `machine.replace({"geometry.base_radius": 30})`.
+
+        A key is typed as for `--set`, of a list by its index: "segment.0.lift"; None removes it. Files are seen from here.
+        Raises SpecError with every fault, by its key.
+        """
+        before = self.source_tables
+        data = before
+        for key, value in changes.items():
+            data = assigned(data, key, value)
+        if data.get("mechanism") != self.mechanism:
+            fault = Fault(
+                ("mechanism",), repr(data.get("mechanism")), f"{self.mechanism!r}, as it is"
+            )
+            raise SpecError([fault])
+        if not all(isinstance(value, float | int) for value in changes.values()):
+            data = with_tables(data, Path())
+        return made(type(self), data, like=(before, self))
 
     @abstractmethod
     def _unloaded(self) -> Machine:
@@ -221,6 +260,26 @@ class Mechanism(Spec, ABC):
     def recovered(self, theta: Floats, motion: Mapping[str, Floats]) -> Study:
         """What follows from the motion recovered from each kind of file, (n,) over a whole turn, both ends included."""
         return Study()
+
+
+M = TypeVar("M", bound=Mechanism)
+
+
+def made(
+    kind: type[M],
+    data: Data,
+    source: str = "spec",
+    hints: tuple[str, ...] = (),
+    like: tuple[Data, Spec] | None = None,
+) -> M:
+    """The mechanism of some tables, as `validate` makes it, with faults of its loads; it keeps the tables."""
+    mechanism = validate(kind, data, source, hints, like)
+    vars(mechanism)["source_tables"] = data
+    if mechanism.load is not None and mechanism.load.on:
+        # faults of loads on what is not there; a design that does not exist is refused later
+        with suppress(DesignError):
+            mechanism.model  # noqa: B018
+    return mechanism
 
 
 def refuse_failing(mechanism: Mechanism) -> None:

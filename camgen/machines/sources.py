@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -16,7 +17,7 @@ from camgen import spec as specs
 from camgen.bounds import read_bytes
 from camgen.errors import CamgenError, DesignError, Fault, SpecError, dotted
 from camgen.machines import MECHANISMS, load
-from camgen.machines.mechanism import Mechanism
+from camgen.machines.mechanism import Mechanism, made
 from camgen.motion.tables import with_tables
 from camgen.settings import override, split_setting
 
@@ -56,9 +57,8 @@ def _located(error: SpecError, spec: Path, overrides: Sequence[str]) -> SpecErro
 
 def read_tables(spec: Source) -> tuple[reading.Data, str, Path]:
     """The tables of a spec with those of the specs that it includes, what it is called in errors, and its folder."""
-    assert not isinstance(spec, Mechanism), "has no tables of its own"
-    if isinstance(spec, Mapping):
-        data = reading.tables(spec)
+    if isinstance(spec, Mechanism | Mapping):
+        data = spec.source_tables if isinstance(spec, Mechanism) else reading.tables(spec)
         source = "spec"
         folder = Path()
     else:
@@ -66,6 +66,11 @@ def read_tables(spec: Source) -> tuple[reading.Data, str, Path]:
         source = str(spec)
         folder = Path(spec).parent
     return opened_tables(data, folder), source, folder
+
+
+def tables_of_text(text: str, folder: Path) -> tuple[reading.Data, str, Path]:
+    """The same of a spec's text, of which files are seen from the folder."""
+    return opened_tables(reading.tables(tomllib.loads(text)), folder), "spec", folder
 
 
 def opened_tables(data: reading.Data, folder: Path) -> reading.Data:
@@ -115,12 +120,7 @@ def changed(
     )
     data = with_tables(data, folder, source)
     kind = load(specs.choose(data, MECHANISMS, source))
-    mechanism = specs.validate(kind, data, source, hints, like)
-    if mechanism.load is not None and mechanism.load.on:
-        # faults of loads on what is not there; a design that does not exist is refused later
-        with suppress(DesignError):
-            mechanism.model  # noqa: B018
-    return mechanism
+    return made(kind, data, source, hints, like)
 
 
 @dataclass(frozen=True)

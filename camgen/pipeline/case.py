@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
 
-from camgen.errors import Fault, SpecError
 from camgen.files.formats import FORMATS
 from camgen.files.shelves import listed, located, shelved
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
 from camgen.parts.part import Part
-from camgen.workers import all_cores
+from camgen.workers import all_cores, core_count
 
 _FEW = 3  # parts that are made sooner than other processes have begun
 _MOST = 4  # cores that one machine's parts and the sweep of them keep busy
@@ -63,11 +62,7 @@ def cores(jobs: int | None, mechanism: Mechanism, kinds: Collection[str]) -> int
     SpecError where what is said is no such number.
     """
     if jobs is not None:
-        if not isinstance(jobs, int) or jobs < 0:
-            raise SpecError(
-                [Fault(("jobs",), repr(jobs), "a whole number of cores, 0: all of them")]
-            )
-        return jobs or all_cores()
+        return core_count(jobs)
     several = len(mechanism.assembly.parts) > _FEW and any(
         kind in FORMATS and FORMATS[kind].solid for kind in kinds
     )

@@ -13,6 +13,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from os import PathLike
+from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 Path = str | PathLike[str]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Report:
     """All that a build found out.
 
@@ -80,16 +81,40 @@ class Report:
         said = f"{failed} of {count} findings fail{'s' if failed == 1 else ''}" if failed else held
         return f"{said}; NOT JUDGED: {left_out(self.not_judged)}" if self.not_judged else said
 
+    def show(self) -> None:
+        """Show the page of the build, with the machine in motion: below the cell of a notebook, else in a browser.
+
+        FileError where the build made none, or no browser opens.
+        """
+        from camgen.report.notebook import show_page
+
+        page = None if self.folder is None else FilePath(self.folder) / "report.html"
+        if page is None or not page.is_file():
+            why = 'there is no page; camgen.build makes it, unless only= leaves "report" out'
+            raise FileError(page or self.name, why)
+        show_page(page)
+
+    def __repr__(self) -> str:
+        """The verdict, what fails, and where the files are."""
+        lines = [f"{self.name} ({self.mechanism}): {self.verdict}"]
+        lines += [f"  {each.code}: {each.message}" for each in self.findings if not each.ok]
+        lines += [] if self.folder is None else [f"  files: {self.folder}"]
+        return "\n".join(lines)
+
     def _repr_html_(self) -> str:
-        """For a notebook: the verdict, what fails, the margins and the figures that are not of one kind of file."""
+        """For a notebook: the verdict, what fails, the margins and the figures that are not of one kind of file.
+
+        Of a report without findings the tables.
+        """
         from html import escape
 
-        from camgen.report.tables import figure_lists, margins, to_change
+        from camgen.report.tables import figure_lists, html_table, margins, to_change
 
         designed = Figures(each for each in self.numbers.records if not each.kind)
         head = f"<h3>{escape(self.name)}: {escape(self.verdict)}</h3>"
         changes = to_change(self.warnings, self.findings, self.not_judged)
-        return head + changes + margins(self.findings) + figure_lists(designed)
+        tables = "" if self.findings else "".join(map(html_table, self.all_tables))
+        return head + changes + margins(self.findings) + figure_lists(designed) + tables
 
     def as_dict(self) -> dict[str, object]:
         """The report as report.json holds it: plain values, floats of 12 digits, None for nan and inf."""

@@ -15,6 +15,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
@@ -26,13 +27,13 @@ from camgen._version import __version__
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, counted
 from camgen.extras import install_line
 from camgen.machines.mechanism import Mechanism
-from camgen.machines.sources import Template, changed, prepare, read_tables
+from camgen.machines.sources import Source, Template, changed, prepare, read_tables
 from camgen.motion.tables import with_tables
 from camgen.progress import Progress, silent
 from camgen.report.sweep_page import SweepPage, shown_step, write_page
 from camgen.spec import unknown
 from camgen.sweep.journal import Journal
-from camgen.sweep.tables import WRITERS, Row, pyarrow_at
+from camgen.sweep.tables import Row, writer_of
 from camgen.sweep.variants import Variants
 from camgen.workers import end_with_parent
 
@@ -298,15 +299,37 @@ def sweep(
     table: ends in .csv or .parquet. unit: of a key, for the page.
     SpecError for a key that no spec has, too many variants (with the time they would take).
     """
-    count = task.variants.count
-    write = WRITERS.get(table.suffix.lower())
-    if write is None:
-        raise SpecError(
-            [Fault((), table.name, f"a name that ends in {' or '.join(WRITERS)}", source="-o")],
-            "command line",
+    write = writer_of(table)
+    journal = table.with_name(table.name + ".journal")
+    with judged(task, journal, engine, jobs, progress) as (result, rows):
+        write(table, result.columns, rows())
+        keys = [axis.key for axis in task.variants.axes]
+        page = SweepPage(
+            f"Sweep of {Path(task.source).stem}",
+            result.summary,
+            result.columns,
+            keys,
+            _wish_columns(task.data, result.columns),
+            units={key: unit(key) for key in keys},
         )
-    if table.suffix == ".parquet":
-        pyarrow_at(table)
+        count = result.count
+        write_page(table.with_suffix(".html"), page, rows(shown_step(count)), count)
+    return result
+
+
+Rows = Callable[..., Iterator[Row]]
+
+
+@contextmanager
+def judged(
+    task: Task,
+    path: Path,
+    engine: Engine = here,
+    jobs: int = 1,
+    progress: Progress = silent,
+) -> Iterator[tuple[SweepResult, Rows]]:
+    """What all variants came to, and their rows, all or every so many; the journal, a file, goes away unless that fails."""
+    count = task.variants.count
     began = time.perf_counter()
     first, each = _pace(task)
     if count > MOST:
@@ -314,7 +337,7 @@ def sweep(
         took = f"at {1e3 * each:.2g} ms each they would take {_span(count * each / max(jobs, 1))} on {cores}"
         most = f"at most {MOST:,}, for {took}; fewer values, or --latin N"
         raise SpecError([Fault((), f"{count:,} variants", most, source="--vary")], "command line")
-    journal = Journal(table.with_name(table.name + ".journal"), task.digest, count)
+    journal = Journal(path, task.digest, count)
     try:
         before = journal.done
         journal.add(first)
@@ -336,7 +359,6 @@ def sweep(
             reasons[row["fails"] or row["reason"].partition("\n")[0]] += 1
             columns |= dict.fromkeys(row)
         del reasons[""]
-        write(table, list(columns), journal.rows())
         result = SweepResult(
             count,
             dict(verdicts),
@@ -347,20 +369,10 @@ def sweep(
             list(columns),
             journal.strange,
         )
-        keys = [axis.key for axis in task.variants.axes]
-        page = SweepPage(
-            f"Sweep of {Path(task.source).stem}",
-            result.summary,
-            result.columns,
-            keys,
-            _wish_columns(task.data, result.columns),
-            units={key: unit(key) for key in keys},
-        )
-        write_page(table.with_suffix(".html"), page, journal.rows(shown_step(count)), count)
+        yield result, journal.rows
     finally:
         journal.close()
     journal.path.unlink()
-    return result
 
 
 def _pace(task: Task) -> tuple[list[Row], float]:
@@ -454,14 +466,14 @@ def _span(seconds: float) -> str:
 
 
 def task_of(
-    spec: Path,
+    spec: Source,
     variants: Variants,
     settings: Sequence[str],
     keep: Sequence[str],
     build: Sequence[str],
     out: Path,
 ) -> Task:
-    """The task of a spec file."""
+    """The task of a spec."""
     data, source, folder = read_tables(spec)
     return Task(
         data, source, folder.absolute(), variants, tuple(settings), tuple(keep), tuple(build), out

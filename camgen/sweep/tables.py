@@ -8,7 +8,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from camgen.errors import FileError, file_errors
+from camgen.errors import Fault, FileError, SpecError, file_errors
 from camgen.extras import install_line
 
 Row = dict[str, Any]
@@ -71,7 +71,16 @@ def _write_parquet(path: Path, columns: Sequence[str], rows: Iterator[Row]) -> N
         os.replace(part, path)
 
 
-WRITERS: dict[str, Callable[[Path, Sequence[str], Iterator[Row]], None]] = {
-    ".csv": _write_csv,
-    ".parquet": _write_parquet,
-}
+Writer = Callable[[Path, Sequence[str], Iterator[Row]], None]
+_WRITERS: dict[str, Writer] = {".csv": _write_csv, ".parquet": _write_parquet}
+
+
+def writer_of(path: Path) -> Writer:
+    """What writes a table of this name; SpecError where nothing does, FileError where its package is missing."""
+    write = _WRITERS.get(path.suffix.lower())
+    if write is None:
+        right = f"a name that ends in {' or '.join(_WRITERS)}"
+        raise SpecError([Fault((), path.name, right, source="-o")], "command line")
+    if write is _write_parquet:
+        pyarrow_at(path)
+    return write

@@ -7,15 +7,15 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from camgen.errors import Fault, SpecError, dotted
-from camgen.settings import split_setting
+from camgen.settings import setting_of, split_setting
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _RANGE = re.compile(rf"\s*({_NUMBER}):({_NUMBER})(?::(\d{{1,16}}))?\s*")
@@ -109,6 +109,20 @@ def axis(text: str) -> Axis:
             "command line",
         )
     return Axis(key, low=low, high=high, count=count)
+
+
+def axis_of(key: str, values: str | Iterable[Any], ends: bool = False) -> Axis:
+    """A key and its values from Python: all of them, or a text as of `axis`; ends: two numbers are those of a range."""
+    if isinstance(values, str):
+        return axis(f"{key}={values}")
+    items = list(values)
+    if ends and len(items) == 2 and not any(isinstance(item, str) for item in items):
+        low, high = items
+        return axis(f"{key}={low!r}:{high!r}")
+    if not items:
+        raise SpecError([Fault((), "no value", _FORM, source=f"vary {key}")])
+    name = dotted(split_setting(f"{key}=")[0])
+    return Axis(name, tuple(split_setting(setting_of(key, item))[1] for item in items))
 
 
 def _split(text: str) -> list[str]:
@@ -205,6 +219,18 @@ class Variants:
     def set_to(self, values: Sequence[str]) -> list[str]:
         """Values of the keys, in the order of the axes, as texts of `--set`."""
         return [f"{each.key}={value}" for each, value in zip(self.axes, values, strict=True)]
+
+
+def variants_of(
+    vary: Mapping[str, str | Iterable[Any]], how: Literal["grid", "zip"] | int = "grid"
+) -> Variants:
+    """The variants of keys and their values; how: all with all, side by side, or so many as a Latin hypercube."""
+    latin = 0 if isinstance(how, str) else how
+    axes = tuple(axis_of(key, values, latin > 0) for key, values in vary.items())
+    if how not in ("grid", "zip") and latin < 1:
+        right = '"grid", "zip", or how many a Latin hypercube has'
+        raise SpecError([Fault((), repr(how), right, source="how")])
+    return Variants(axes, "latin" if latin else "zip" if how == "zip" else "grid", latin)
 
 
 def variants(

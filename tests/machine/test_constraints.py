@@ -110,7 +110,7 @@ ROWS = (
     {"state"},
     {"loops"},
     {"reach", "run"},
-    {"cams", "centrodes", "joining", "print_errors"},
+    {"cams", "centrodes", "joining", "print_errors", "stepwise"},
     {"__init__"},
 )
 

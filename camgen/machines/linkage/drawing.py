@@ -27,6 +27,7 @@ from camgen.machine.freewheels import Ratchet
 from camgen.machine.jets import thread_length
 from camgen.machine.programs import CamLaw
 from camgen.machine.run import solve
+from camgen.machine.stepwise import closed_by_dyads
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.links import shape
 from camgen.motion.polydyne import Lag, polydyne
@@ -58,6 +59,7 @@ class Drawing:
     freewheels: Sequence[t.Freewheel] = ()
     programs: Mapping[str, Program] = field(default_factory=dict)  # of cams, by their joints
     advice: Advice | None = None  # on cams, in the words of a template
+    play: float = 0.0  # of each pin, slide and slot, diametral, mm
 
     # ---- names ----------------------------------------------------------------------------------------------------
 
@@ -127,12 +129,17 @@ class Drawing:
     def lengths_of(self, points: Sequence[str]) -> dict[tuple[int, int], float]:
         """Lengths that are given between these points, by their places in the row, mm."""
         lengths = {}
-        for key, length in self.lengths.items():
-            names = t.pair(key)
-            if names and set(names) <= set(points):
+        for names, length in self._lengths:
+            if names[0] in points and names[1] in points:
                 a, b = sorted(points.index(name) for name in names)
                 lengths[a, b] = length
         return lengths
+
+    @cached_property
+    def _lengths(self) -> list[tuple[tuple[str, str], float]]:
+        """The lengths, by the points between which they are."""
+        pairs = ((t.pair(key), length) for key, length in self.lengths.items())
+        return [(names, length) for names, length in pairs if names]
 
     def pivot(self, link: str) -> str | None:
         """The point at which a link is pinned to the ground."""
@@ -279,7 +286,11 @@ class Drawing:
 
     def machine(self) -> m.Machine:
         """The model, closed at theta = 0; DesignError where it does not close, is loose or locked."""
-        machine = freedom.close_drawing(self.rough)
+        drawn = self.rough
+        closed = closed_by_dyads(drawn)
+        if closed is not None:
+            return closed
+        machine = freedom.close_drawing(drawn)
         freedom.refuse_unsound(machine)
         return machine
 
@@ -424,7 +435,9 @@ class Drawing:
             links.sort(key=lambda name: name != GROUND)
             for other in links[1:]:
                 name = point if len(links) == 2 else f"{point} of {other}"
-                pins.append(m.Pin(name, bodies[links[0]].at(point), bodies[other].at(point)))
+                pins.append(
+                    m.Pin(name, bodies[links[0]].at(point), bodies[other].at(point), self.play)
+                )
         return pins
 
     def _line(self, body: m.Body, along: t.Two) -> tuple[complex, float]:
@@ -447,6 +460,7 @@ class Drawing:
                     bodies[slide.link].at(runner),
                     angle,
                     start[slide.link].angle - base.angle,
+                    self.play,
                 )
             )
         return slides
@@ -463,6 +477,7 @@ class Drawing:
                     m.Place(slot.link, through),
                     bodies[carrier].at(slot.pin),
                     angle,
+                    self.play,
                 )
             )
         return slots

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from camgen.errors import Fault, Key, SpecError
 from camgen.machine.model import GROUND
@@ -28,7 +28,7 @@ def drawing_faults(drawing: Drawing) -> list[Fault]:
         *_joint_faults(drawing),
         *_output_faults(drawing),
     ]
-    return faults or list(_shape_faults(drawing))
+    return faults or list(shape_faults(drawing, drawing.links))
 
 
 def _link_faults(drawing: Drawing) -> Iterable[Fault]:
@@ -378,9 +378,9 @@ def _target_faults(drawing: Drawing, path: Key, output: t.Wanted) -> Iterable[Fa
             yield Fault((*path, *where), str(list(angles)), right)
 
 
-def _shape_faults(drawing: Drawing) -> Iterable[Fault]:
-    """Links whose lengths contradict each other, or do not say which way."""
-    for name, points in drawing.links.items():
+def shape_faults(drawing: Drawing, links: Mapping[str, Sequence[str]]) -> Iterable[Fault]:
+    """Those of these links whose lengths contradict each other, or do not say which way."""
+    for name, points in links.items():
         lengths = drawing.lengths_of(points)
         drawn = drawing.drawn(points)
         same = [pair for pair in lengths if abs(drawn[pair[0]] - drawn[pair[1]]) < SAME_POINT]

@@ -5,7 +5,9 @@ A link's axes have their origin at its first point and x towards its second; of 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from itertools import combinations
 
 import numpy as np
@@ -14,6 +16,7 @@ from camgen.numerics import Floats, Points, peak
 
 STEPS = 200  # of the search for a shape; three or four suffice unless the points lie on one line
 CLOSED = 1e-13  # of its size: lengths that are met
+FLAT = 1e-3  # height of a triangle by its size, below which it is sought as any other shape is
 
 
 def shape(drawn: Points, lengths: Mapping[tuple[int, int], float]) -> tuple[Points, float]:
@@ -22,6 +25,45 @@ def shape(drawn: Points, lengths: Mapping[tuple[int, int], float]) -> tuple[Poin
     drawn: (n,) complex mm. Distances without a length stay as drawn, or as near as may be where there are more of them
     than a rigid body has freedoms (least squares). The first point stays, and so does the direction to the second.
     """
+    points, missed = _shape(tuple(drawn.tolist()), tuple(lengths.items()))
+    return np.array(points, complex), missed
+
+
+@lru_cache(maxsize=256)  # of variants most links are the same
+def _shape(
+    drawn: tuple[complex, ...], lengths: tuple[tuple[tuple[int, int], float], ...]
+) -> tuple[tuple[complex, ...], float]:
+    """The same of what can be kept."""
+    triangle = _triangle(drawn, dict(lengths)) if lengths else None
+    if triangle is not None:
+        return triangle, 0.0
+    found, missed = _nearest(np.array(drawn, complex), dict(lengths))
+    return tuple(found.tolist()), missed
+
+
+def _triangle(
+    drawn: Sequence[complex], lengths: Mapping[tuple[int, int], float]
+) -> tuple[complex, ...] | None:
+    """Two or three points by their distances; None of more, and of those that lie on one line or cannot be."""
+    if len(drawn) not in (2, 3) or drawn[0] == drawn[1]:
+        return None
+    along = (drawn[1] - drawn[0]) / abs(drawn[1] - drawn[0])
+    base = lengths.get((0, 1), abs(drawn[1] - drawn[0]))
+    ends = drawn[0], drawn[0] + along * base
+    if len(drawn) == 2:
+        return ends
+    near = lengths.get((0, 2), abs(drawn[2] - drawn[0]))
+    far = lengths.get((1, 2), abs(drawn[2] - drawn[1]))
+    across = ((drawn[2] - drawn[0]) * along.conjugate()).imag
+    x = ((near - far) * (near + far) + base**2) / (2 * base)
+    square = (near - x) * (near + x)
+    if not square > (FLAT * max(base, near, far)) ** 2 or abs(across) <= FLAT * near:
+        return None
+    return *ends, drawn[0] + along * complex(x, math.copysign(math.sqrt(square), across))
+
+
+def _nearest(drawn: Points, lengths: Mapping[tuple[int, int], float]) -> tuple[Points, float]:
+    """The points by Newton's method; see `shape`."""
     pairs = list(combinations(range(len(drawn)), 2))
     fixed = [k for k, each in enumerate(pairs) if each in lengths]
     free = [k for k, each in enumerate(pairs) if each not in lengths]

@@ -12,7 +12,7 @@ whole period: a harmonic motion from the least angle of the range to the greates
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Annotated, Any, Self
@@ -33,13 +33,14 @@ from camgen.machine.joining import joined
 from camgen.machine.programs import DriveLaw
 from camgen.machine.reach import refuse_folds, refuse_partial
 from camgen.machine.run import Run, solve
+from camgen.machine.stepwise import stays_clear
 from camgen.machines import included as inc
 from camgen.machines.linkage import bridges, figures, freewheels, sheets
 from camgen.machines.linkage import springs as coils
 from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.asked_range import refuse_range
 from camgen.machines.linkage.drawing import Drawing
-from camgen.machines.linkage.drawing_faults import drawing_faults
+from camgen.machines.linkage.drawing_faults import drawing_faults, shape_faults
 from camgen.machines.linkage.weights import counterbalanced, under_faults, weight_faults
 from camgen.machines.loads.applied import efforts
 from camgen.machines.loads.bearing import LoadCheck
@@ -71,7 +72,7 @@ from camgen.parts.generator.trials import with_cures
 from camgen.parts.journals import journals
 from camgen.parts.part import Part
 from camgen.parts.stiffness import bending_stiffness
-from camgen.spec import unknown, validate
+from camgen.spec import Checked, unknown, validate
 from camgen.study import ROWS, Later, Study, together
 
 _SAMPLES = np.linspace(
@@ -227,6 +228,21 @@ class Linkage(Mechanism):
             *(inc.faults(self.includes, self._host) if self.includes else ()),
         ]
 
+    def faults_beside(self, before: Checked, changed: Collection[str]) -> Sequence[Fault]:
+        """Of other lengths alone: whether links can have them."""
+        assert isinstance(before, Linkage)
+        same_keys = self.lengths.keys() == before.lengths.keys()
+        if changed != {"lengths"} or not same_keys or self.includes:
+            return self.faults()
+        others = (key for key, length in self.lengths.items() if length != before.lengths[key])
+        ends = [{*(t.pair(key) or ())} for key in others]
+        links = {
+            name: points
+            for name, points in self.links.items()
+            if any(both.issubset(points) for both in ends)
+        }
+        return list(shape_faults(self._drawing, links))
+
     @property
     def _under(self) -> bool:
         """Whether its counterweight lies under the plate."""
@@ -264,6 +280,7 @@ class Linkage(Mechanism):
             self.freewheels,
             self.additions.programs,
             self.additions.advice,
+            self.print.slide_clearance + self.print.press_clearance,
         )
 
     @property
@@ -367,16 +384,9 @@ class Linkage(Mechanism):
 
         Each pin has the play of one that is pressed into one of its links.
         """
-        play = self.print.slide_clearance + self.print.press_clearance
         chain = self._drawing.machine()
         for spring in self._returning:
             chain = spring.on(chain)
-        kinds = m.Pin | m.Slot | m.Slide
-        joints = tuple(
-            replace(joint, clearance=play) if isinstance(joint, kinds) else joint
-            for joint in chain.joints
-        )
-        chain = replace(chain, joints=joints)
         law: m.Law | None
         program = self.drive.program()
         if program is None:
@@ -385,11 +395,13 @@ class Linkage(Mechanism):
         else:
             law = DriveLaw(program, chain.start[self.drive.link].angle)
             reach = law.reach
-        if reach is None:
-            refuse_partial(chain, self.allowed.transmission_angle_deg)
-        else:
+        clear = stays_clear(chain, *(reach or (0.0, math.tau)))
+        if reach is not None:
             refuse_range(chain, self.drive, *reach)
-        refuse_folds(chain, *(reach or (0.0, math.tau)))
+        elif not clear:
+            refuse_partial(chain, self.allowed.transmission_angle_deg)
+        if not clear:
+            refuse_folds(chain, *(reach or (0.0, math.tau)))
         law = self.additions.drive or law
         if law is not None:
             drive, *held = chain.drives

@@ -7,6 +7,7 @@ lengths override drawn distances. Two links that share a point are pinned there.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
@@ -373,6 +374,7 @@ class Masses(Record):
     )
 
 
+@lru_cache(maxsize=1024)
 def pair(key: str) -> tuple[str, str] | None:
     """The two points of a key of [lengths], "A-B"; None where it is none."""
     names = key.split("-")
