@@ -9,7 +9,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from camgen.files.formats import SOLID
+from camgen.files.formats import RENDERED, SOLID
 from camgen.geometry.outlines import Floats
 from camgen.pipeline.case import Case
 from camgen.plotting import write_plots
@@ -24,6 +24,11 @@ def plates_of(case: Case) -> list[Path]:
         case.folder.glob(f"{case.mechanism.name}-plate*.3mf"),
         key=lambda path: (len(path.name), path.name),
     )
+
+
+def rendered_file(case: Case, folder: Path, kind: str) -> Path:
+    """Where a picture of the whole machine lies, of a kind of RENDERED."""
+    return folder / f"{case.mechanism.name}-{kind}.{RENDERED[kind]}"
 
 
 def scene_of(case: Case, kinds: Collection[str]) -> Scene | None:
@@ -69,7 +74,7 @@ class Summary:
 
 
 def write_report(summary: Summary, case: Case, folder: Path) -> None:
-    """Write motion.csv, report.json, and where they are asked for report.html and plots."""
+    """Write motion.csv, report.json, and where they are asked for report.html, plots and pictures of the machine."""
     if summary.columns:
         write_csv(folder / "motion.csv", summary.columns)
     if "report" in summary.kinds:
@@ -79,4 +84,8 @@ def write_report(summary: Summary, case: Case, folder: Path) -> None:
         write_html(folder / "report.html", report)
     if "plots" in summary.kinds:
         write_plots(folder, case.mechanism.name, once(summary.report.plots))
+    for kind in RENDERED.keys() & summary.kinds:
+        from camgen.pipeline.shown import rendered
+
+        rendered_file(case, folder, kind).write_bytes(rendered(case.mechanism, kind))
     write_json(folder / "report.json", summary.report)

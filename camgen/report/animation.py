@@ -61,7 +61,7 @@ class Animation:
         """Whether anything moves at all: a coupon does not."""
         poses = [pose for body in self.bodies for pose in body.poses]
         changes = any(
-            np.ptp(values) > 0
+            len(np.unique(values)) > 1
             for pose in poses
             for values in (pose.angle, np.real(pose.place), np.imag(pose.place))
         )

@@ -184,7 +184,7 @@ def _next_steps(report: Report, folder: Path, every: bool) -> list[str]:
     """Where the files are, and what to open."""
     names = sorted(path.name for path in folder.iterdir()) if folder.is_dir() else []
     kinds = Counter(name.rpartition(".")[2] for name in names)
-    known = "dxf", "stl", "3mf", "step", "glb", "svg", "png", "pdf"
+    known = "dxf", "stl", "3mf", "step", "glb", "svg", "png", "gif", "pdf"
     held = ", ".join(f"{kinds[kind]} {kind.upper()}" for kind in known if kinds[kind])
     said = [f"files are in {folder}{f': {held}' if held else ''}"]
     if every:
