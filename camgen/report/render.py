@@ -48,6 +48,7 @@ _FILM = (560, 420)
 _FRAMES = 60  # of one turn
 _MOST_FRAMES = 180
 _SECONDS = 4.0  # that a turn takes
+_PALETTE = 10  # of how many frames one is looked at for the colours of all
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,8 @@ def film(shapes: Sequence[Shape], tracks: Sequence[Track], animation: Animation)
     wanted = min(_FRAMES * animation.turns, _MOST_FRAMES)
     chosen = range(0, count, max(1, count // wanted))
     images = [_image(solids, animation, frame, view) for frame in chosen]
-    colours = images[0].quantize(255, Image.Quantize.MEDIANCUT)
+    several = np.concatenate([np.asarray(image) for image in images[::_PALETTE]])
+    colours = Image.fromarray(several).quantize(255, Image.Quantize.MEDIANCUT)
     painted = [image.quantize(palette=colours, dither=Image.Dither.NONE) for image in images]
     pause = round(100 * _SECONDS * animation.turns / len(painted)) * 10  # ms
     rest = {"save_all": True, "append_images": painted[1:], "duration": pause, "loop": 0}
