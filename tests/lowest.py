@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from camgen.files.formats import RENDERED
 from camgen.machines import MECHANISMS
 from camgen.pipeline.build import ANY_KIND, build
 
@@ -44,7 +45,7 @@ def test_the_lowest_version_is_here(dependency: str) -> None:
 def test_each_mechanism_is_built(name: str, tmp_path: Path) -> None:
     kinds = set(ANY_KIND) if name == EVERYTHING else {"dxf", "stl"}
     report = build(TOP / "specs" / f"{name}.toml", tmp_path, frozenset(kinds))
-    endings = {"report": "html", "plots": "png"}
+    endings = {"report": "html", "plots": "png", **RENDERED}
     assert report.ok and {path.suffix for path in (tmp_path / name).iterdir()} >= {
         f".{endings.get(kind, kind)}" for kind in kinds
     }

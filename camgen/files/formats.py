@@ -73,7 +73,8 @@ DRAWN, SOLID, EXACT = (
 )
 USUAL = (*DRAWN, *SOLID)  # made where nobody asks for other ones
 KINDS = (*USUAL, "report")  # what a build makes where nobody says which
-ANY_KIND = (*FORMATS, "report", "plots")  # that can be asked for
+RENDERED = {"picture": "png", "animation": "gif"}  # of the machine as a whole, by their endings
+ANY_KIND = (*FORMATS, "report", "plots", *RENDERED)  # that can be asked for
 
 
 @dataclass(frozen=True)

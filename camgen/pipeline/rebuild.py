@@ -24,7 +24,7 @@ import numpy as np
 
 from camgen._version import __version__
 from camgen.files.folder import MANIFEST, SPEC, versions
-from camgen.files.formats import ANY_KIND, FORMATS
+from camgen.files.formats import ANY_KIND, FORMATS, RENDERED
 from camgen.files.shelves import located
 from camgen.findings import NotJudged, at_most, in_file
 from camgen.geometry.outlines import Floats
@@ -32,7 +32,14 @@ from camgen.pipeline.case import Case
 from camgen.pipeline.laser import sheet_files
 from camgen.pipeline.making import lying_sides, write_parts_list, written
 from camgen.pipeline.scope import Outcome
-from camgen.pipeline.summary import Summary, draw_part, scene_of, write_report, write_texts
+from camgen.pipeline.summary import (
+    Summary,
+    draw_part,
+    rendered_file,
+    scene_of,
+    write_report,
+    write_texts,
+)
 from camgen.report.report import Report
 from camgen.workers import Workers
 
@@ -50,6 +57,7 @@ _PACKAGES = (
     "tomli-w",
 )
 _OF_PLOTS = ("matplotlib", "pillow")
+_OF_PICTURES = ("pillow",)
 _OF_FILES = {"motion.csv", "report.html", "report.json"}  # follow from the parts' files as well
 _OF_JUDGEMENT = {"report.html", "report.json"}  # say what fails
 _TEXTS = {
@@ -77,7 +85,8 @@ def system() -> str:
 
 def packages_of(kinds: Collection[str]) -> tuple[str, ...]:
     """The packages that make files of these kinds."""
-    return (*_PACKAGES, *(_OF_PLOTS if "plots" in kinds else ()))
+    pictures = _OF_PICTURES if RENDERED.keys() & kinds else ()
+    return (*_PACKAGES, *(_OF_PLOTS if "plots" in kinds else pictures))
 
 
 def kinds_of(case: Case, manifest: Mapping[str, Any]) -> list[str]:
@@ -95,6 +104,8 @@ def _files(case: Case, kind: str) -> list[Path]:
     """Files that a build makes of a kind, where nothing else asks for them."""
     if kind == "report":
         return [case.folder / "report.html", case.file("assembly", "glb")]
+    if kind in RENDERED:
+        return [rendered_file(case, case.folder, kind)]
     if kind == "plots":
         return case.files("plot-*")
     return [case.file(name, kind) for name in case.parts]

@@ -24,6 +24,7 @@ from camgen.report.colours import part_colour
 from camgen.study import HoleLabel, Plate, Scene, Sketch, Step
 
 if TYPE_CHECKING:
+    from camgen.files.gltf import Shape, Track
     from camgen.geometry.mesh import Mesh
     from camgen.judge.scene import Flight
     from camgen.parts.part import Part
@@ -112,31 +113,11 @@ def _reachable(mechanism: Mechanism, output: Output, theta: Floats) -> Floats:
 
 def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
     """The machine in three dimensions, from coarse solids of its exact parts; plates: what was laid out."""
-    from camgen.files.gltf import Shape, Track, glb
-    from camgen.geometry.mesh import placing
+    from camgen.files.gltf import glb
 
     parts = mechanism.assembly.parts
-    courses = mechanism.assembly.courses(_turn(mechanism, _FRAMES_3D))
-    number = {part.name: k for k, part in enumerate(parts)}
-    shapes = [
-        Shape(part.name, _coarse(part, mechanism.accuracy.chord_tolerance), part_colour(k))
-        for k, part in enumerate(parts)
-    ]
-    copies: Counter[str] = Counter()
-    bodies: dict[str, list[tuple[str, int, Floats]]] = {}
-    for mount in mechanism.assembly.mounts:
-        copies[mount.part] += 1
-        k = number[mount.part]
-        stands = placing(mount.angle, complex(mount.at), mount.z, parts[k].thickness, mount.flipped)
-        bodies.setdefault(mount.body, []).append((f"{mount.part}-{copies[mount.part]}", k, stands))
-    frames = mechanism.assembly.cycle.turns * _FRAMES_3D
-    tracks = [
-        Track(name, *_over(courses[name], frames), copies_of_body)
-        for name, copies_of_body in bodies.items()
-    ]
-    parts_of = {
-        copy: parts[k].name for copies_of_body in bodies.values() for copy, k, _ in copies_of_body
-    }
+    shapes, tracks = solids(mechanism, _FRAMES_3D)
+    parts_of = {copy: parts[k].name for track in tracks for copy, k, _ in track.copies}
     order = list(parts_of)
     table = order_of_assembly(mechanism.assembly)
     steps = []
@@ -157,6 +138,40 @@ def scene(mechanism: Mechanism, plates: Sequence[Plate]) -> Scene:
         table.title if mechanism.assembly.work else Scene.work,
         [hole_labels(part) for part in parts],
     )
+
+
+def solids(mechanism: Mechanism, frames: int) -> tuple[list[Shape], list[Track]]:
+    """Coarse solids of the parts, and where their copies are at so many frames a turn."""
+    from camgen.files.gltf import Shape, Track
+    from camgen.geometry.mesh import placing
+
+    parts = mechanism.assembly.parts
+    courses = mechanism.assembly.courses(_turn(mechanism, frames))
+    number = {part.name: k for k, part in enumerate(parts)}
+    shapes = [
+        Shape(part.name, _coarse(part, mechanism.accuracy.chord_tolerance), part_colour(k))
+        for k, part in enumerate(parts)
+    ]
+    copies: Counter[str] = Counter()
+    bodies: dict[str, list[tuple[str, int, Floats]]] = {}
+    for mount in mechanism.assembly.mounts:
+        copies[mount.part] += 1
+        k = number[mount.part]
+        stands = placing(mount.angle, complex(mount.at), mount.z, parts[k].thickness, mount.flipped)
+        bodies.setdefault(mount.body, []).append((f"{mount.part}-{copies[mount.part]}", k, stands))
+    tracks = [
+        Track(name, *_over(courses[name], frames * mechanism.assembly.cycle.turns), copies_of_body)
+        for name, copies_of_body in bodies.items()
+    ]
+    return shapes, tracks
+
+
+def rendered(mechanism: Mechanism, kind: str) -> bytes:
+    """The machine drawn without a graphics card: "picture" as PNG, "animation" one turn as GIF."""
+    from camgen.report import render
+
+    draw = render.picture if kind == "picture" else render.film
+    return draw(*solids(mechanism, _FRAMES), animation(mechanism))
 
 
 def hole_labels(part: Part) -> list[HoleLabel]:

@@ -9,7 +9,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from camgen.files.formats import SOLID
+from camgen.files.formats import RENDERED, SOLID
 from camgen.geometry.outlines import Floats
 from camgen.pipeline.case import Case
 from camgen.plotting import write_plots
@@ -21,6 +21,11 @@ from camgen.study import Plate, Scene
 def plates_of(case: Case) -> list[Path]:
     """The plate files of a build, in their order."""
     return case.files("plate*.3mf")
+
+
+def rendered_file(case: Case, folder: Path, kind: str) -> Path:
+    """Where a picture of the whole machine lies, of a kind of RENDERED."""
+    return folder / f"{case.mechanism.name}-{kind}.{RENDERED[kind]}"
 
 
 def scene_of(case: Case, kinds: Collection[str]) -> Scene | None:
@@ -75,7 +80,7 @@ def report_files(summary: Summary) -> list[str]:
 
 
 def write_report(summary: Summary, case: Case, folder: Path) -> None:
-    """Write motion.csv, report.json, and where they are asked for report.html and plots."""
+    """Write motion.csv, report.json, and where they are asked for report.html, plots and pictures of the machine."""
     if summary.columns:
         write_csv(folder / "motion.csv", summary.columns)
     if "report" in summary.kinds:
@@ -90,4 +95,8 @@ def write_report(summary: Summary, case: Case, folder: Path) -> None:
         write_html(folder / "report.html", report)
     if "plots" in summary.kinds:
         write_plots(folder, case.mechanism.name, once(summary.report.plots))
+    for kind in RENDERED.keys() & summary.kinds:
+        from camgen.pipeline.shown import rendered
+
+        rendered_file(case, folder, kind).write_bytes(rendered(case.mechanism, kind))
     write_json(folder / "report.json", summary.report)

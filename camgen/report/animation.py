@@ -61,7 +61,7 @@ class Animation:
         """Whether anything moves at all: a coupon does not."""
         poses = [pose for body in self.bodies for pose in body.poses]
         changes = any(
-            np.ptp(values) > 0
+            len(np.unique(values)) > 1
             for pose in poses
             for values in (pose.angle, np.real(pose.place), np.imag(pose.place))
         )
@@ -329,7 +329,7 @@ _SPEED = (
 )
 _CANVAS = (
     '<canvas id="machine" tabindex="0" role="img" aria-label="The machine in three dimensions: drag or arrow keys turn it, '
-    'plus and minus zoom, 0 shows it as at first, Enter names one part after the other" hidden></canvas>'
+    'plus and minus zoom, 0 shows it as at first, Enter names one part after the other, space plays" hidden></canvas>'
     '<div id="holes" aria-hidden="true"></div><p id="part" aria-live="polite" hidden></p>'
 )
 _TOOLS = (

@@ -185,7 +185,7 @@ def _next_steps(report: Report, folder: Path, every: bool) -> list[str]:
     paths = {path.name: path for path in sorted(folder.rglob("*")) if path.is_file()}
     names = [*paths]
     kinds = Counter(name.rpartition(".")[2] for name in names)
-    known = "dxf", "stl", "3mf", "step", "glb", "svg", "png", "pdf"
+    known = "dxf", "stl", "3mf", "step", "glb", "svg", "png", "gif", "pdf"
     held = ", ".join(f"{kinds[kind]} {kind.upper()}" for kind in known if kinds[kind])
     said = [f"files are in {folder}{f': {held}' if held else ''}"]
     if every:

@@ -410,6 +410,11 @@
     controls.addEventListener("start", () => { held = true; });
     controls.addEventListener("change", ask);
     canvas.addEventListener("keydown", event => {
+      if (event.key === " ") {
+        event.preventDefault();
+        byId("play").click();
+        return;
+      }
       if (event.key === "Enter" || event.key === "Escape") {
         const seen = [...copies.keys()].filter(k => copies[k].shown.visible);
         pick(event.key === "Enter" ? seen.find(k => k > picked) ?? -1 : -1);
