@@ -14,6 +14,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from string import ascii_uppercase
 
 import numpy as np
 
@@ -647,7 +648,8 @@ class _Layout:
     def _second(self) -> str:
         """Letter of the datum that a keyway is: one that names no hole."""
         names = {label for label, _ in self.named}
-        return next(letter for letter in "BCDEFGHJKLMN" if letter not in names)
+        taken = {*names, self.datum_letter, "I", "O"}
+        return next(letter for letter in ascii_uppercase if letter not in taken)
 
     def _key_detail(self) -> None:
         """A bore's keyway enlarged, with its sizes, their tolerances and the datums, under the tables."""

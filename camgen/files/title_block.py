@@ -83,10 +83,17 @@ def grams(mass: float) -> str:
     return f"{float(f'{mass:.3g}'):g} g"
 
 
+def _ratio(scale: float) -> str:
+    """A scale in words; 0 is none."""
+    if not scale:
+        return "none"
+    return f"{number(scale)}:1" if scale >= 1 else f"1:{number(1 / scale)}"
+
+
 def title_block(
     sheet: Sheet, corner: complex, part: Part, facts: Facts, scale: float, size: str
 ) -> None:
-    """Draw the block, its lower right corner there; scale: mm of paper for a mm of the part; size: of the paper."""
+    """Draw the block, its lower right corner there; scale: mm of paper for a mm of the part, 0: none; size: of the paper."""
     mass = "" if facts.mass_g is None else grams(facts.mass_g)
     middle = [
         ("Mechanism", facts.mechanism, 0.0),
@@ -103,7 +110,7 @@ def title_block(
     rows = [
         [
             ("Quantity", str(part.count), 22.0),
-            ("Scale", f"{number(scale)}:1" if scale >= 1 else f"1:{number(1 / scale)}", 22.0),
+            ("Scale", _ratio(scale), 22.0),
             ("Sheet", size, 18.0),
             ("Units", "mm", 18.0),
             ("Projection", "", 45.0),

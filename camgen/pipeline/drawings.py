@@ -12,6 +12,7 @@ import numpy as np
 
 from camgen.files.dimensions import hole_of, number
 from camgen.files.limits import in_limits
+from camgen.files.timing import Motion
 from camgen.files.title_block import Facts, Fit
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Points
@@ -26,6 +27,7 @@ from camgen.parts.part import Part
 from camgen.parts.steps import standing
 from camgen.tolerances import SAME_POINT
 
+_SAMPLES = 1441  # of a turn
 _FINE = 1e-3  # mm, chord tolerance of an outline on which a track has to lie
 
 
@@ -66,6 +68,36 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         roughness_elsewhere=sheet.roughness_elsewhere or 0.0,
         edges=sheet.edges or "",
         heat_treatment=sheet.heat_treatment or "",
+        revision=sheet.revision or "",
+        drawn_by=sheet.drawn_by or "",
+        checked_by=sheet.checked_by or "",
+    )
+
+
+def timing_of(mechanism: Mechanism) -> list[Motion]:
+    """What the followers of a machine's cams do over a turn of their shafts, by the angle by which these have turned."""
+    sense = mechanism.assembly.cycle.sense
+    degrees = np.linspace(0.0, 360.0, _SAMPLES)
+    motions = []
+    for joint in mechanism.model.joints:
+        if not isinstance(joint, Cam):
+            continue
+        turned = sense * np.radians(degrees) - joint.phase
+        swings = joint.slide is None
+        scale = np.degrees(1.0) if swings else 1.0
+        stroke = scale * joint.law(turned, 0)
+        rate = sense * scale * joint.law(turned, 1)
+        motions.append(Motion(joint.name, "deg" if swings else "mm", degrees, stroke, rate))
+    return motions
+
+
+def timing_facts(mechanism: Mechanism) -> Facts:
+    """What the title block of a timing diagram says."""
+    sheet = mechanism.drawing
+    return Facts(
+        mechanism=mechanism.mechanism,
+        number=f"{sheet.number}-00" if sheet.number else f"{mechanism.name}-timing-drawing",
+        date=sheet.date or "",
         revision=sheet.revision or "",
         drawn_by=sheet.drawn_by or "",
         checked_by=sheet.checked_by or "",
