@@ -245,6 +245,15 @@ class Files(Record):
         return self.profile_step_deg is not None or self.cutter_radius is not None
 
 
+Fit = Literal["H6", "H7", "H8", "H9", "H11", "G6", "G7", "F7", "F8"]
+_SAID = r"^[ -~°±µØ×]+$"
+
+
+def said(most: int) -> Any:
+    """A text of people on a drawing."""
+    return text_of_form(f"a text of up to {most} letters, digits and signs", _SAID, most)
+
+
 class Drawing(Record):
     """What the dimensioned drawings say beside the shapes."""
 
@@ -293,6 +302,42 @@ class Drawing(Record):
     profile_step_deg: Annotated[float, quantity("deg", ge=5, le=90)] = Field(
         default=10.0, description="between the rows of a cam's table of radii on them"
     )
+    bore_fit: Fit | None = Field(
+        default=None,
+        description='of a bore on its shaft (ISO 286), such as "H7"; left out: "H7" in metal, else none',
+    )
+    key_fit: Literal["P9", "JS9", "N9"] | None = Field(
+        default=None,
+        description='of a keyway\'s width: "P9" tight, "JS9" light; left out: "JS9" in metal, else none',
+    )
+    seat_fit: Fit | None = Field(
+        default=None,
+        description="of holes into which dowels and bearings are pressed; left out: as bore_fit",
+    )
+    profile: Annotated[float, quantity("mm", gt=0, le=1)] | None = Field(
+        default=None,
+        description="tolerance of a cam's track: the width of its zone (line profile, ISO 1101); left out: none",
+    )
+    roughness: Annotated[float, quantity("µm", gt=0, le=100)] | None = Field(
+        default=None, description="Ra of a cam's track; left out: not said"
+    )
+    roughness_elsewhere: Annotated[float, quantity("µm", gt=0, le=100)] | None = Field(
+        default=None, description="Ra of all other faces; left out: not said"
+    )
+    edges: Annotated[str, said(60)] | None = Field(
+        default=None, description='such as "broken 0.2 to 0.4, ISO 13715"; left out: not said'
+    )
+    heat_treatment: Annotated[str, said(60)] | None = Field(
+        default=None,
+        description='such as "case hardened 60+4 HRC, CHD 0.8+0.4"; left out: not said',
+    )
+    revision: Annotated[str, said(8)] | None = Field(
+        default=None, description="of the drawings, in the title block"
+    )
+    drawn_by: Annotated[str, said(30)] | None = Field(
+        default=None, description="name in the title block"
+    )
+    checked_by: Annotated[str, said(30)] | None = Field(default=None, description="the same")
 
 
 class Laser(Record):

@@ -158,9 +158,20 @@ def _round_ends(contour: Contour) -> tuple[tuple[complex, complex], float] | Non
     return ((complex(x0, y0), complex(x1, y1)), r0) if straight else None
 
 
-def number(value: float) -> str:
-    """A length as on a drawing: at most three digits after the point, no idle zeros."""
-    return f"{value:z.3f}".rstrip("0").rstrip(".")
+def number(value: float, decimals: int = 3) -> str:
+    """A length as on a drawing: at most so many digits after the point, no idle zeros."""
+    text = f"{value:z.{decimals}f}"
+    return text.rstrip("0").rstrip(".") if "." in text else text
+
+
+def keyed(contour: Contour) -> tuple[float, float] | None:
+    """Radius of a bore about the origin with a keyway at its top, and the keyway's width, mm; None of any other hole."""
+    arcs = [piece for piece in contour.pieces if isinstance(piece, Arc)]
+    walls = [piece for piece in contour.pieces if isinstance(piece, Line)]
+    if len(arcs) != 1 or len(walls) != 3 or abs(arcs[0].centre) > SAME_POINT:
+        return None
+    ends = [end for wall in walls for end in (start_point(wall), end_point(wall))]
+    return arcs[0].radius, max(end.real for end in ends) - min(end.real for end in ends)
 
 
 def nearest_and_farthest(contour: Contour) -> tuple[complex, complex]:

@@ -12,8 +12,9 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
+from string import ascii_uppercase
 
 import numpy as np
 
@@ -25,6 +26,7 @@ from camgen.files.dimensions import (
     free,
     hole_of,
     holes_of,
+    keyed,
     layer_rows,
     nearest_and_farthest,
     number,
@@ -32,8 +34,10 @@ from camgen.files.dimensions import (
     zero_of,
 )
 from camgen.files.labels import Label, along, callouts, leader
+from camgen.files.limits import decimals, general, in_limits, keyway
 from camgen.files.sheet import Sheet, Size, Text, write_dxf_sheet, write_pdf
-from camgen.files.title_block import SIZE, Facts, position_frame, title_block
+from camgen.files.symbols import FRAME, datum, line_profile, position, roughness
+from camgen.files.title_block import WIDTH, Facts, title_block
 from camgen.geometry.arcs import as_circle, fit_arcs
 from camgen.geometry.outlines import Contour, Floats, extent
 from camgen.parts.part import Layer, Part
@@ -48,7 +52,7 @@ _MARGIN = 10.0
 _TABLE_WIDTHS = (10.0, 17.0, 17.0, 58.0)
 _ROW = 5.0
 _NOTES = (
-    _SIZES["A4"][0] - _FILING - _MARGIN - SIZE[0] - 6
+    _SIZES["A4"][0] - _FILING - _MARGIN - WIDTH - 6
 )  # width of the notes, beside the title block of an A4 sheet
 # Room round the plan view for dimensions, and between the views, mm: left and below, right and above.
 _LEFT = 31.0
@@ -61,6 +65,14 @@ _ASIDE = 0.6  # rad, of a leader from the lines of overall sizes
 _HATCH = 2.5  # mm of paper between the lines of a cut face
 _THIRD = 8.0  # from the plan view's dimension to the third view, and from that to what is below
 _COLUMNS = 3  # pairs of angle and radius beside each other
+_TRIPLES = 2  # cam angle, angle from X and radius beside each other
+_DETAIL = 30.0  # of a keyway's detail, at most
+_DETAIL_AT = 0.6  # of the tables' width: its middle
+_DETAIL_HEIGHT = 72.0  # with its sizes, on paper
+_SURFACE = 10.0  # room above for them
+_OVER = (
+    8.0  # from the upper edge of that room down, of the frame of a track's tolerance over the view
+)
 
 
 def write_drawing(
@@ -76,6 +88,11 @@ def write_drawing(
     write_dxf_sheet(paths[0], layout.sheet, layout.scale, layout.datum)
     write_pdf(paths[1], layout.sheet)
     return paths
+
+
+def _limits(fit: str, size: float) -> str:
+    """A fit with its deviations; "" of none."""
+    return in_limits(fit, size) if fit else ""
 
 
 def _wrapped(note: str) -> list[str]:
@@ -99,6 +116,19 @@ def _contours(layers: Sequence[Layer], tolerance: float) -> list[Contour]:
         for region in regions
         for contour in (region.outer, *region.holes)
     ]
+
+
+@dataclass(frozen=True)
+class Measure:
+    """What a linear dimension says.
+
+    fit: behind the number; factor: mm of the part for one at the scale of the views, below 1 in a detail.
+    """
+
+    value: float  # mm
+    sign: str = ""  # before the number
+    fit: str = ""
+    factor: float = 1.0
 
 
 class _Layout:
@@ -147,6 +177,13 @@ class _Layout:
         self.turns = free(part.region.outer) and part.bore is not None
         self.rows = self._rows()
         self.polar = self._radii_of_profile()
+        self.key = next(filter(None, map(keyed, part.region.holes)), None)
+        surface = self.polar and (facts.profile or facts.roughness)
+        self.over = _ABOVE + (_SURFACE if surface else 0.0)
+        self.datum_letter = next(
+            (label for label, hole in self.named if hole.radius and abs(hole.place) < SAME_POINT),
+            "",
+        )
         self.notes = self._notes(tolerance)
         self.low, self.high = extent([self.outer, *self.above, *self.hidden])
         self.disc = self._disc()
@@ -163,8 +200,10 @@ class _Layout:
         self._plan()
         self._side()
         self._third()
+        self._surface()
         self._labels()
         self._table()
+        self._key_detail()
         self._note_lines()
         facts = replace(facts, number=facts.number or f"{stem}-drawing")
         corner = complex(width - _MARGIN, _MARGIN)
@@ -190,7 +229,7 @@ class _Layout:
     def _room(self, size: str) -> tuple[float, float]:
         """Width and height that both views and their dimensions may take, mm."""
         width, height = _SIZES[size]
-        foot = max(SIZE[1], 3.0 + 4.5 * len(self.notes) + (9.0 if self.placed else 0.0))
+        foot = max(self.facts.height, 3.0 + 4.5 * len(self.notes) + (9.0 if self.placed else 0.0))
         return width - _FILING - _MARGIN - sum(_TABLE_WIDTHS), height - 2 * _MARGIN - foot
 
     def _choose(self) -> tuple[str, float]:
@@ -200,7 +239,7 @@ class _Layout:
         def best(size: str) -> float:
             wide, tall = self._room(size)
             wide -= _LEFT + _RIGHT + _BESIDE
-            tall -= _BELOW + _ABOVE + (2 * _THIRD if self.depth else 0.0)
+            tall -= _BELOW + self.over + (2 * _THIRD if self.depth else 0.0)
             high = span.imag + self.depth
             fits = (
                 s
@@ -213,8 +252,9 @@ class _Layout:
         a3 = best("A3")
         long = (1 + len(self.rows) + self._polar_rows()) * _ROW > _SIZES["A4"][
             1
-        ] - 2 * _MARGIN - SIZE[1]
-        return ("A3", a3) if (a4 < 1 and a3 > a4) or (long and self.polar) else ("A4", a4)
+        ] - 2 * _MARGIN - self.facts.height - (_DETAIL_HEIGHT if self.key else 0.0)
+        tables = self.polar or self.key
+        return ("A3", a3) if (a4 < 1 and a3 > a4) or (long and tables) else ("A4", a4)
 
     def _datum(self) -> complex:
         """Where the part's origin goes: both views in the middle of their room."""
@@ -222,7 +262,7 @@ class _Layout:
         span = self.scale * (self.high - self.low)
         spare_x = wide - _LEFT - _RIGHT - _BESIDE - span.real - self.scale * self.part.thickness
         third = 2 * _THIRD + self.scale * self.depth if self.depth else 0.0
-        spare_y = tall - _BELOW - _ABOVE - span.imag - third
+        spare_y = tall - _BELOW - self.over - span.imag - third
         foot = _SIZES[self.size_name][1] - 2 * _MARGIN - tall
         corner = complex(
             _FILING + _LEFT + spare_x / 2, _MARGIN + foot + _BELOW + third + spare_y / 2
@@ -269,10 +309,12 @@ class _Layout:
             for size in (span.real, span.imag)
         )
         wide, tall = signs
-        self._dimension(low, complex(high.real, low.imag), -1j * _DIMENSION_GAP, span.real, wide)
+        self._dimension(
+            low, complex(high.real, low.imag), -1j * _DIMENSION_GAP, Measure(span.real, wide)
+        )
         if self.disc is None:
             aside = -_DIMENSION_GAP + 0j
-            self._dimension(low, complex(low.real, high.imag), aside, span.imag, tall)
+            self._dimension(low, complex(low.real, high.imag), aside, Measure(span.imag, tall))
         self._radii()
         if self.section:
             self._plane(self.section.y)
@@ -412,13 +454,13 @@ class _Layout:
             self.sheet.line(complex(left - 4, y), complex(left + thick + 4, y), layer="CENTER")
         bottom = self.paper(self.low).imag
         self._dimension(
-            complex(left, bottom), complex(left + thick, bottom), -9j, self.part.thickness
+            complex(left, bottom), complex(left + thick, bottom), -9j, Measure(self.part.thickness)
         )
         heights = sorted({layer.z1 for layer in self.part.layers} - {self.part.thickness})
         heights = heights if len(heights) <= 2 else []  # no room for more; the table has them all
         for i, height in enumerate(heights, 1):
             top = complex(left, self.paper(self.high).imag)
-            self._dimension(top, top + self.scale * height, 9j * i, height)
+            self._dimension(top, top + self.scale * height, 9j * i, Measure(height))
 
     def _third(self) -> None:
         """The view from above or the section, heights z growing downwards."""
@@ -438,10 +480,8 @@ class _Layout:
                 top + self.scale * self.low.real + 2.5j, f"{self.letter}-{self.letter}", 3.5
             )
 
-    def _dimension(
-        self, a: complex, b: complex, away: complex, value: float, sign: str = ""
-    ) -> None:
-        """Linear dimension of a value, mm, between a and b (paper), its line moved by `away`; arrows outside where it is short."""
+    def _dimension(self, a: complex, b: complex, away: complex, measure: Measure) -> None:
+        """Linear dimension between a and b (paper), its line moved by `away`; arrows outside where it is short."""
         sheet = Sheet(0.0, 0.0, "")
         out = away / abs(away)
         for end in (a, b):
@@ -458,20 +498,38 @@ class _Layout:
         sheet.line(start, end, layer="DIM")
         sheet.arrow(start + 6 * along if outside else start, along if outside else -along)
         sheet.arrow(end - 6 * along if outside else end, -along if outside else along)
-        label = Text(0j, sign + number(value), 3.5, "centre", reading, "DIM")
+        digits = 3 if measure.fit else decimals(general(measure.value, self.facts.tolerance))
+        fit = f" {measure.fit}" if measure.fit else ""
+        high = 3.5 if measure.factor == 1.0 else 2.5
+        text = f"{measure.sign}{number(measure.value, digits)}{fit}"
+        label = Text(0j, text, high, "centre", reading, "DIM")
         middle = (start + end) / 2
         if length < label.width + 7:  # beside the arrows: to the left, or above
             tail, out = (start, -along) if abs(along.real) > 0.5 else (end, along)
             middle = tail + out * (label.width / 2 + 1)
             sheet.line(tail, tail + out * (label.width + 2), layer="DIM")
         sheet.things.append(replace(label, at=middle + 0.9j * reading))
-        self.sheet.things.append(Size(a, b, b + away, value, sign, tuple(sheet.primitives)))
+        drawn = tuple(sheet.primitives)
+        line = b + away
+        size = Size(a, b, line, measure.value, measure.sign, drawn, digits, fit, measure.factor)
+        self.sheet.things.append(size)
+
+    def _shape(self, hole: Hole) -> str:
+        """What a hole is, with its fit; of a bore on whose shaft nothing else is known that of the spec."""
+        fit = self.facts.bore_fit
+        shape = self.facts.shape(hole)
+        bore = hole.radius and self.part.bore and abs(hole.place) < SAME_POINT
+        if not (fit and bore) or shape != hole.shape:
+            return shape
+        size, _, more = hole.shape.partition(",")
+        return f"{size} {fit},{more}" if more else f"{size} {in_limits(fit, 2 * hole.radius)}"
 
     def _rows(self) -> list[tuple[str, str, str, str]]:
         """Rows of the table of holes and edges."""
         places = [(label, h, h.place - self.zero) for label, h in self.named]
+        digits = decimals(self.facts.position / 2) if self.placed else 3
         rows = [
-            (label, number(at.real), number(at.imag), self.facts.shape(h))
+            (label, number(at.real, digits), number(at.imag, digits), self._shape(h))
             for label, h, at in places
         ]
         names = {k: name for k, (name, _) in self.standing.items()}
@@ -493,7 +551,8 @@ class _Layout:
     def _table(self) -> None:
         """Table of holes, at the upper right; rows that do not fit are counted in its last line; then that of a cam's radii."""
         top = self.sheet.height - _MARGIN
-        room = int((top - _MARGIN - SIZE[1]) / _ROW) - 1
+        detail = _DETAIL_HEIGHT if self.key else 0.0
+        room = int((top - _MARGIN - self.facts.height - detail) / _ROW) - 1
         polar = self.polar if self._polar_rows() < room else []
         rows = self.rows
         room = room - (self._polar_rows() if polar else 0)
@@ -512,24 +571,33 @@ class _Layout:
             )
             widths = (first, *_TABLE_WIDTHS[1:3], sum(_TABLE_WIDTHS[::3]) - first)
             self._grid(top, [head, *rows], widths, (1, 2))
+        self.free = top - (len(rows) + 1 if rows else 0) * _ROW
         if not polar:
             return
         top -= (len(rows) + 2) * _ROW
         title = "Radii of the profile about the origin, by the angle from X, ccw"
+        heads: tuple[str, ...] = ("Angle", "Radius")
+        columns: tuple[float, ...] = (15.0, 19.0)
+        radii: list[tuple[str, ...]] = [(f"{angle:g}°", f"{radius:.3f}") for angle, radius in polar]
+        if self.facts.track:
+            title = "Track by cam angle: where the follower touches, from X, ccw"
+            heads = ("Cam", "At", "Radius")
+            columns = (14.0, 18.5, 18.5)
+            radii = [
+                (f"{angle:g}°", f"{math.degrees(cmath.phase(z)) % 360:.2f}°", f"{abs(z):.3f}")
+                for angle, z in self.facts.track
+            ]
         self.sheet.text(complex(self.table_x + 1.5, top + 1.3), title, room=sum(_TABLE_WIDTHS) - 3)
         count = self._polar_rows() - 2
-        texts = [(f"{angle:g}°", f"{radius:.3f}") for angle, radius in polar]
-        lines = [[cell for pair in texts[k::count] for cell in pair] for k in range(count)]
-        self._grid(
-            top,
-            [("Angle", "Radius") * _COLUMNS, *lines],
-            (15.0, 19.0) * _COLUMNS,
-            range(2 * _COLUMNS),
-        )
+        beside = round(sum(_TABLE_WIDTHS) / sum(columns))
+        lines = [[cell for row in radii[k::count] for cell in row] for k in range(count)]
+        self._grid(top, [heads * beside, *lines], columns * beside, range(len(heads) * beside))
+        self.free = top - (count + 1) * _ROW
 
     def _polar_rows(self) -> int:
         """Rows that a cam's table takes, with its title and head."""
-        return -(-len(self.polar) // _COLUMNS) + 2 if self.polar else 0
+        beside = _TRIPLES if self.facts.track else _COLUMNS
+        return -(-max(len(self.polar), len(self.facts.track)) // beside) + 2 if self.polar else 0
 
     def _grid(
         self,
@@ -550,6 +618,85 @@ class _Layout:
             self.sheet.line(complex(edges[0], y), complex(edges[-1], y), layer="TEXT")
         for x in edges[:-1]:
             self.sheet.line(complex(x, top), complex(x, top - len(rows) * _ROW), layer="TEXT")
+
+    def _surface(self) -> None:
+        """Tolerance and roughness of a cam's track: over the view, with a leader onto the track."""
+        facts = self.facts
+        if self.over == _ABOVE:
+            return
+        datums = [self.datum_letter] if self.datum_letter else []
+        datums += [self._second] if self.key else []
+        sheet = self.sheet
+        middle = (self.low.real + self.high.real) / 2
+        start = self.paper(complex(middle, self.high.imag)) + 4 + 1j * (self.over - _OVER)
+        track = next(
+            each for each in (self.part.region.outer, *self.part.region.holes) if free(each)
+        )
+        ring = along([fit_arcs(track, self.tolerance)]) * self.scale + self.datum
+        upper = ring[ring.imag > self.datum.imag]
+        tip = complex(upper[int(np.argmin(np.abs(upper.real - start.real)))])
+        sheet.line(tip, start, layer="DIM")
+        sheet.arrow(tip, (tip - start) / abs(tip - start))
+        wide = 0.0
+        if facts.roughness:
+            wide = roughness(sheet, start + 3, f"Ra {facts.roughness:g}") + 5
+        sheet.line(start, start + wide + 2, layer="DIM")
+        if facts.profile:
+            line_profile(sheet, start + wide + 2 - 1j * FRAME / 2, facts.profile, datums)
+
+    @property
+    def _second(self) -> str:
+        """Letter of the datum that a keyway is: one that names no hole."""
+        names = {label for label, _ in self.named}
+        taken = {*names, self.datum_letter, "I", "O"}
+        return next(letter for letter in ascii_uppercase if letter not in taken)
+
+    def _key_detail(self) -> None:
+        """A bore's keyway enlarged, with its sizes, their tolerances and the datums, under the tables."""
+        if self.key is None:
+            return
+        facts = self.facts
+        radius, width = self.key
+        contour = next(hole for hole in self.part.region.holes if keyed(hole))
+        top = extent([contour])[1].imag
+        scale = next(s for s in _SCALES if s * (radius + top) <= _DETAIL)
+        middle = (self.free + _MARGIN + facts.height) / 2 - scale * (top - radius) / 2
+        at = complex(self.table_x + _DETAIL_AT * sum(_TABLE_WIDTHS), middle)
+        self.sheet.contour(contour.moved(scale, at), "VIEW")
+        for way in (1, 1j):
+            over = 3 * way
+            self.sheet.line(
+                at - scale * radius * way - over,
+                at + scale * (top if way == 1j else radius) * way + over,
+                layer="CENTER",
+            )
+        title = f"{self.datum_letter or 'Bore'} ({number(scale)}:1)"
+        self.sheet.text(complex(self.table_x + 1.5, self.free - 6), title, 3.5)
+
+        def size(a: complex, b: complex, away: complex, sign: str, fit: str) -> None:
+            """A size of the bore, between its own points."""
+            value = abs(b - a)
+            detail = self.scale / scale
+            self._dimension(at + scale * a, at + scale * b, away, Measure(value, sign, fit, detail))
+
+        deeper = keyway(2 * radius)
+        usual = deeper is not None and abs(deeper[1] - (top - radius)) < SAME_POINT
+        depth = f"+{deeper[2]:g}/0" if facts.key_fit and deeper is not None and usual else ""
+        bore = -1j * (scale * radius + 10)
+        key = 8j
+        half = width / 2
+        size(-radius + 0j, radius + 0j, bore, "Ø", _limits(facts.bore_fit, 2 * radius))
+        size(
+            complex(-half, top),
+            complex(half, top),
+            key,
+            "",
+            _limits(facts.key_fit, width),
+        )
+        size(complex(0, -radius), complex(0, top), scale * radius + 14 + 0j, "", depth)
+        if facts.profile:
+            datum(self.sheet, at + bore, -1j, self.datum_letter)
+            datum(self.sheet, at + 1j * scale * top + key, 1j, self._second)
 
     def _notes(self, tolerance: float) -> list[str]:
         part = self.part
@@ -579,6 +726,14 @@ class _Layout:
         lines += [f"Profile: {self.stem}.dxf,", f"within {tolerance:g} of the exact curve"]
         if self.turns:
             lines.append("+ : positive sense of turning (ccw)")
+        facts = self.facts
+        if facts.profile and self.polar:
+            lines.append(f"Track within {facts.profile / 2:g} of the exact curve on either side")
+        if facts.roughness_elsewhere:
+            where = " but for the track" if facts.roughness and self.polar else ""
+            lines.append(f"All faces{where} Ra {facts.roughness_elsewhere:g}")
+        lines += [f"Edges {facts.edges}"] if facts.edges else []
+        lines += [facts.heat_treatment] if facts.heat_treatment else []
         return [line for note in (*lines, *part.notes) for line in _wrapped(note)]
 
     def _note_lines(self) -> None:
@@ -587,6 +742,6 @@ class _Layout:
             self.sheet.text(complex(_FILING + 3, _MARGIN + 3 + 4.5 * i), line, 2.5, room=_NOTES)
         if self.placed:
             corner = complex(_FILING + 3.5, _MARGIN + 4 + 4.5 * len(self.notes))
-            position_frame(
-                self.sheet, corner, self.facts.position, self.zero_is.partition("hole ")[2]
-            )
+            origin = self.zero_is.partition("hole ")[2]
+            end = position(self.sheet, corner, self.facts.position, origin)
+            self.sheet.text(end + 2 + 1.8j, "round holes; X and Y are exact", room=58)

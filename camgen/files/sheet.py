@@ -113,6 +113,9 @@ class Size:
     value: float  # mm of the part
     sign: str  # before the number, such as "Ø"
     primitives: tuple[Stroke | Fill | Text, ...]  # what is seen of it
+    decimals: int = 3  # of the number
+    fit: str = ""  # behind the number
+    factor: float = 1.0  # mm of the part for one that a program measures: below 1 in a detail
 
 
 def arrowhead(tip: complex, direction: complex, layer: str) -> Fill:
@@ -286,10 +289,13 @@ class _ToPart:
             "defpoint3": self.xy(size.b),
             "text_midpoint": self.xy(text.at + text.height / 2 * 1j * text.direction),
             "angle": math.degrees(cmath.phase(size.b - size.a)),
-            "text": size.sign.translate(_DXF_CODES) + "<>",
-            "actual_measurement": size.value,
+            "text": (size.sign + "<>" + size.fit).translate(_DXF_CODES),
+            "actual_measurement": size.value / size.factor,
         }
-        space.new_entity("DIMENSION", at)
+        dimension = space.new_entity("DIMENSION", at)
+        if (size.decimals, size.factor) != (3, 1.0):
+            own = {"dimdec": size.decimals, "dimlfac": size.factor}
+            dimension.set_acad_dstyle(own | {"dimtxt": text.height / self.scale})
 
     def put(self, space: Any, thing: Stroke | Fill | Text) -> None:
         """Add what is drawn to a modelspace or a block."""

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 
 from camgen._version import __version__
 from camgen.files.dimensions import Hole, number
-from camgen.files.sheet import Sheet, Text
+from camgen.files.sheet import Sheet
+from camgen.files.symbols import cell
 from camgen.parts.part import Part
 from camgen.tolerances import SAME_POINT
 
-SIZE = (170.0, 36.0)  # mm [width of ISO 7200]
+WIDTH = 170.0  # mm [ISO 7200]
 _ROW = 12.0
 
 
@@ -38,6 +39,33 @@ class Facts:
     fits: Sequence[Fit] = ()
     profile_step_deg: float | None = None  # between the rows of a cam's table
     position: float = 0.0  # of holes: the diameter in which their axes lie, mm
+    bore_fit: str = ""  # of the bore, such as "H7"
+    key_fit: str = ""  # of a keyway's width
+    # by cam angle, deg, where its follower touches the track: complex mm, in the sense in which it turns
+    track: Sequence[tuple[float, complex]] = ()
+    profile: float = 0.0  # width of the zone of a cam's track, mm
+    roughness: float = 0.0  # Ra of the track, micrometres
+    roughness_elsewhere: float = 0.0
+    edges: str = ""
+    heat_treatment: str = ""
+    revision: str = ""
+    drawn_by: str = ""
+    checked_by: str = ""
+
+    @property
+    def people(self) -> list[tuple[str, str, float]]:
+        """Cells of the title block on people and revision: what, who, and how wide, mm; none where nothing is said."""
+        cells = [
+            ("Drawn by", self.drawn_by, 65.0),
+            ("Checked by", self.checked_by, 65.0),
+            ("Revision", self.revision, 40.0),
+        ]
+        return cells if any(value for _, value, _ in cells) else []
+
+    @property
+    def height(self) -> float:
+        """Of the title block, mm."""
+        return _ROW * (4 if self.people else 3)
 
     def shape(self, hole: Hole) -> str:
         """What a hole is, with its fit where one is known."""
@@ -55,10 +83,17 @@ def grams(mass: float) -> str:
     return f"{float(f'{mass:.3g}'):g} g"
 
 
+def _ratio(scale: float) -> str:
+    """A scale in words; 0 is none."""
+    if not scale:
+        return "none"
+    return f"{number(scale)}:1" if scale >= 1 else f"1:{number(1 / scale)}"
+
+
 def title_block(
     sheet: Sheet, corner: complex, part: Part, facts: Facts, scale: float, size: str
 ) -> None:
-    """Draw the block, its lower right corner there; scale: mm of paper for a mm of the part; size: of the paper."""
+    """Draw the block, its lower right corner there; scale: mm of paper for a mm of the part, 0: none; size: of the paper."""
     mass = "" if facts.mass_g is None else grams(facts.mass_g)
     middle = [
         ("Mechanism", facts.mechanism, 0.0),
@@ -69,13 +104,13 @@ def title_block(
     ]
     middle = [cell for cell in middle if cell[1]]
     middle = [
-        (key, value, width or SIZE[0] - sum(cell[2] for cell in middle))
+        (key, value, width or WIDTH - sum(cell[2] for cell in middle))
         for key, value, width in middle
     ]
     rows = [
         [
             ("Quantity", str(part.count), 22.0),
-            ("Scale", f"{number(scale)}:1" if scale >= 1 else f"1:{number(1 / scale)}", 22.0),
+            ("Scale", _ratio(scale), 22.0),
             ("Sheet", size, 18.0),
             ("Units", "mm", 18.0),
             ("Projection", "", 45.0),
@@ -84,10 +119,12 @@ def title_block(
         middle,
         [("Part", part.title, 85.0), ("Drawing number", facts.number, 85.0)],
     ]
+    if facts.people:
+        rows.insert(1, facts.people)
     for k, row in enumerate(rows):
-        left = corner - SIZE[0] + 1j * _ROW * k
+        left = corner - WIDTH + 1j * _ROW * k
         for key, value, width in row:
-            _cell(sheet, left, width, _ROW)
+            cell(sheet, left, width, _ROW)
             sheet.text(left + 1.5 + 8.6j, key, 1.8)
             if key == "Projection":
                 _first_angle(sheet, left + 12 + 4.3j)
@@ -95,30 +132,6 @@ def title_block(
             else:
                 sheet.text(left + 1.5 + 2.6j, value, 3.5, room=width - 3)
             left += width
-
-
-def _cell(sheet: Sheet, corner: complex, width: float, height: float) -> None:
-    """A frame of so much, mm, its lower left corner there."""
-    top = 1j * height
-    sheet.line(
-        corner, corner + width, corner + width + top, corner + top, layer="TEXT", closed=True
-    )
-
-
-def position_frame(sheet: Sheet, corner: complex, diameter: float, datum: str) -> None:
-    """Frame of a tolerance of position, from its lower left corner, and what it is of; datum: "" is none. [ISO 1101]"""
-    high = 6.0
-    middle = corner + 4 + 3j
-    cells = ["", f"Ø{number(diameter)}", *([datum] if datum else [])]
-    sheet.arc(middle, 1.4, 0.0, math.tau, "TEXT")
-    for way in (1, 1j):
-        sheet.line(middle - 2.2 * way, middle + 2.2 * way, layer="TEXT")
-    for k, cell in enumerate(cells):
-        width = max(8.0, Text(0j, cell, 2.5).room + 3)
-        _cell(sheet, corner, width, high)
-        sheet.text(corner + width / 2 + 1.8j, cell if k else "", 2.5, "centre")
-        corner += width
-    sheet.text(corner + 2 + 1.8j, "round holes; X and Y are exact", room=58)
 
 
 def _first_angle(sheet: Sheet, middle: complex) -> None:

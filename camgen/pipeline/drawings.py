@@ -11,15 +11,24 @@ from collections.abc import Iterator
 import numpy as np
 
 from camgen.files.dimensions import hole_of, number
+from camgen.files.limits import in_limits
+from camgen.files.timing import Motion
 from camgen.files.title_block import Facts, Fit
+from camgen.geometry.facets import facet_contour
+from camgen.geometry.outlines import Points
 from camgen.machine.features import PinEyes
+from camgen.machine.model import Cam
 from camgen.machines.mechanism import Mechanism
+from camgen.parts import materials
 from camgen.parts.assembly import cut_of_sheet
 from camgen.parts.catalogue import CUT, TURNED
 from camgen.parts.materials import STEEL
 from camgen.parts.part import Part
 from camgen.parts.steps import standing
 from camgen.tolerances import SAME_POINT
+
+_SAMPLES = 1441  # of a turn
+_FINE = 1e-3  # mm, chord tolerance of an outline on which a track has to lie
 
 
 def facts_of(mechanism: Mechanism, part: Part) -> Facts:
@@ -28,7 +37,9 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
     of_sheet = cut_of_sheet(mechanism.assembly, part)
     printed = part.process == "printed" and not of_sheet
     steel = part.process in (TURNED, CUT)
+    metal = steel or (printed and materials.of(mechanism.material.name).metal)
     names = [each.name for each in mechanism.assembly.parts]
+    bore_fit = sheet.bore_fit or ("H7" if metal else "")
     return Facts(
         mechanism=mechanism.mechanism,
         material="as the sheet"
@@ -46,14 +57,83 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         tolerance=sheet.tolerance,
         number=f"{sheet.number}-{names.index(part.name) + 1:02d}" if sheet.number else "",
         date=sheet.date or "",
-        fits=tuple(_fits(mechanism, part)),
+        fits=tuple(_fits(mechanism, part, sheet.seat_fit or bore_fit)),
         profile_step_deg=sheet.profile_step_deg,
         position=sheet.position,
+        bore_fit=bore_fit,
+        key_fit=sheet.key_fit or ("JS9" if metal else ""),
+        track=tuple(_track(mechanism, part, sheet.profile_step_deg)),
+        profile=sheet.profile or 0.0,
+        roughness=sheet.roughness or 0.0,
+        roughness_elsewhere=sheet.roughness_elsewhere or 0.0,
+        edges=sheet.edges or "",
+        heat_treatment=sheet.heat_treatment or "",
+        revision=sheet.revision or "",
+        drawn_by=sheet.drawn_by or "",
+        checked_by=sheet.checked_by or "",
     )
 
 
-def _fits(mechanism: Mechanism, part: Part) -> Iterator[Fit]:
-    """Fits of a part's round holes."""
+def timing_of(mechanism: Mechanism) -> list[Motion]:
+    """What the followers of a machine's cams do over a turn of their shafts, by the angle by which these have turned."""
+    sense = mechanism.assembly.cycle.sense
+    degrees = np.linspace(0.0, 360.0, _SAMPLES)
+    motions = []
+    for joint in mechanism.model.joints:
+        if not isinstance(joint, Cam):
+            continue
+        turned = sense * np.radians(degrees) - joint.phase
+        swings = joint.slide is None
+        scale = np.degrees(1.0) if swings else 1.0
+        stroke = scale * joint.law(turned, 0)
+        rate = sense * scale * joint.law(turned, 1)
+        motions.append(Motion(joint.name, "deg" if swings else "mm", degrees, stroke, rate))
+    return motions
+
+
+def timing_facts(mechanism: Mechanism) -> Facts:
+    """What the title block of a timing diagram says."""
+    sheet = mechanism.drawing
+    return Facts(
+        mechanism=mechanism.mechanism,
+        number=f"{sheet.number}-00" if sheet.number else f"{mechanism.name}-timing-drawing",
+        date=sheet.date or "",
+        revision=sheet.revision or "",
+        drawn_by=sheet.drawn_by or "",
+        checked_by=sheet.checked_by or "",
+    )
+
+
+def _track(mechanism: Mechanism, part: Part, step: float) -> Iterator[tuple[float, complex]]:
+    """Where a cam's follower touches its outline, by the angle by which the cam has turned, deg; nothing of another part."""
+    assembly = mechanism.assembly
+    outline = next((each for each in assembly.outlines.values() if each.part == part.name), None)
+    if outline is None or outline.inside:
+        return
+    joint = assembly.machine.joint(outline.joint)
+    assert isinstance(joint, Cam)
+    mounts = [each for each in assembly.mounts if each.part == part.name and each.body == joint.cam]
+    if not joint.touches or len(mounts) != 1:
+        return
+    (mount,) = mounts
+    turned = np.arange(0.0, 360.0, step)
+    places = joint.touches[0](np.radians(turned) * assembly.cycle.sense - joint.phase)[0]
+    own = (places - mount.at) * np.exp(-1j * mount.angle)
+    own = -own.conj() if mount.flipped else own
+    rim = facet_contour(part.region.outer, _FINE)
+    if max(abs(_off(z, rim)) for z in own) < 10 * _FINE:
+        yield from zip(turned.tolist(), own.tolist(), strict=True)
+
+
+def _off(z: complex, rim: Points) -> float:
+    """Distance of a point from a polygon, mm."""
+    edges = np.roll(rim, -1) - rim
+    along = np.clip(((z - rim) * edges.conj()).real / np.abs(edges) ** 2, 0.0, 1.0)
+    return float(np.min(np.abs(z - rim - along * edges)))
+
+
+def _fits(mechanism: Mechanism, part: Part, seat: str) -> Iterator[Fit]:
+    """Fits of a part's round holes; seat: of ISO 286, of holes into which something is pressed."""
     clearances = {
         "press": mechanism.print.press_clearance,
         "slide": mechanism.print.slide_clearance,
@@ -82,7 +162,10 @@ def _fits(mechanism: Mechanism, part: Part) -> Iterator[Fit]:
                 sizes = [size for size in inside if abs(2 * radius - size - clearance) < SAME_POINT]
                 if sizes:
                     holes.add((place, radius))
-                    yield Fit(place, 2 * radius, f"{word} on Ø{number(sizes[0])}")
+                    words = f"{word} on Ø{number(sizes[0])}"
+                    if word == "press" and seat and not clearance:
+                        words = f"{in_limits(seat, 2 * radius)}, {words}"
+                    yield Fit(place, 2 * radius, words)
                     break
 
 

@@ -491,7 +491,7 @@ def _machine_files(case: Case) -> list[str]:
     texts = [
         case.folder / f"{case.mechanism.name}-{name}" for name in case.mechanism.assembly.texts
     ]
-    drawings = [case.file(f"{name}-drawing", "pdf") for name in case.parts]
+    drawings = [case.file(f"{name}-drawing", "pdf") for name in (*case.parts, "timing")]
     others = (*plates_of(case), *cut_files(case), *texts, *drawings)
     return [path.name for path in (*single, *others) if path.exists()]
 

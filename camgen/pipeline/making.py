@@ -21,6 +21,7 @@ from camgen.parts.assembly import cut_of_sheet, printed_parts
 from camgen.parts.catalogue import CAM_FOLLOWERS, TURNED, Bought
 from camgen.parts.fits import Compensation, compensated
 from camgen.pipeline.case import Case
+from camgen.pipeline.drawings import timing_facts, timing_of
 from camgen.pipeline.summary import draw_part
 from camgen.progress import Progress
 from camgen.study import Table
@@ -64,6 +65,10 @@ def put_together(case: Case, only: frozenset[str], solids: Made, progress: Progr
         from camgen.pipeline.laser import make_sheets
 
         make_sheets(case)
+    if "dxf" in only and len(motions := timing_of(mechanism)) > 1:
+        from camgen.files.timing import write_timing
+
+        write_timing(case.folder, mechanism.name, motions, timing_facts(mechanism))
     if "dxf" in only and mechanism.files.machining:
         from camgen.pipeline.machining import make_tables
 

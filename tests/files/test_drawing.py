@@ -14,13 +14,16 @@ from test_solids import TOLERANCE, cam, hub, oval
 
 from camgen.files import views
 from camgen.files.dimensions import edge_rows, holes_of, nearest_and_farthest, number
-from camgen.files.drawing import write_drawing
+from camgen.files.drawing import _Layout, write_drawing
+from camgen.files.labels import box
 from camgen.files.sheet import LAYERS, Text
 from camgen.files.title_block import Facts
 from camgen.geometry.arcs import fit_arcs
+from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Arc, Contour, Line, Region, circle, extent, kidney, polygon
 from camgen.machines.sources import read_mechanism
 from camgen.parts.part import Layer, Part, d_bore, hull, keyed_bore
+from camgen.pipeline.drawings import facts_of
 
 META = Facts("uniform-swing", "steel (C45)", 12.345, "ISO 2768-m")
 
@@ -90,18 +93,21 @@ def test_sizes_are_dimensions_that_measure_what_they_say(tmp_path, part):
         kinds = [each.dxftype() for each in shown]
         assert kinds.count("SOLID") == 2 and kinds.count("TEXT") == 1 and "LINE" in kinds
         (text,) = (each.dxf.text for each in shown if each.dxftype() == "TEXT")
-        measured = f"{size.get_measurement():.3f}".rstrip("0").rstrip(".")
+        style = size.override()
+        own = size.get_measurement() * style.get("dimlfac", 1.0)
+        measured = number(own, style.get("dimdec", 3))
         assert text == size.dxf.text.replace("<>", measured)
         assert size.dxf.actual_measurement == pytest.approx(size.get_measurement())
         found.setdefault(round(size.dxf.angle), []).append(size.get_measurement())
     low, high = extent([outer, *(layer.region.outer for layer in part.layers)])
     assert found[0] == pytest.approx([(high - low).real, part.thickness, *found[0][2:]])
     if "hub" not in part.name and part.name != "disc":
-        assert found[90] == pytest.approx([(high - low).imag])
+        assert found[90][0] == pytest.approx((high - low).imag)
     style = doc.dimstyles.get("camgen")
     (scale,) = {
         round(3.5 / text.dxf.height, 9)
         for size in doc.modelspace().query("DIMENSION")
+        if size.override().get("dimlfac", 1.0) == 1.0  # in no detail
         for text in size.virtual_entities()
         if text.dxftype() == "TEXT"
     }
@@ -388,3 +394,108 @@ def test_behind_a_blind_pocket_its_wall_is_seen_and_what_stands_before_hides_wha
     post = polygon([-2 - 3j, 2 - 3j, 2 - 1j, -2 - 1j])
     part = stepped((plate, (), 0, 4), (plate, (pocket,), 4, 10), (post, (), 4, 7))
     assert beyond(part) == {(-5, 10, 5, 10), (-2, 4, -2, 7), (2, 4, 2, 7), (-2, 7, 2, 7)}
+
+
+# ---- what a shop needs -----------------------------------------------------------------------------------------------
+
+
+def keyed_cam():
+    """The cam with a bore of 12 and its keyway of DIN 6885."""
+    part = cam()
+    layer = part.layers[0]
+    region = Region(layer.region.outer, (keyed_bore(12, 4, 1.8),))
+    return replace(part, layers=(replace(layer, region=region),), bore=12.0, engraved=())
+
+
+SHOP = replace(
+    META,
+    bore_fit="H7",
+    key_fit="P9",
+    profile=0.02,
+    roughness=0.4,
+    roughness_elsewhere=3.2,
+    edges="broken 0.2",
+    heat_treatment="60 HRC",
+    revision="B",
+    drawn_by="J. Miller",
+    profile_step_deg=10.0,
+)
+
+
+def test_a_keyway_is_enlarged_with_its_fits_and_datums(tmp_path):
+    texts = texts_of(write_drawing(tmp_path, "d", keyed_cam(), TOLERANCE, SHOP)[0])
+    assert {"%%c12 H7 (+0.018/0)", "4 P9 (-0.012/-0.042)", "13.8 +0.1/0"} <= set(texts)
+    assert (
+        texts.count("A") >= 3 and texts.count("B") == 3
+    )  # hole, frame, datum; frame, datum, revision
+    assert {"Ra 0.4", "0.02", "Revision", "J. Miller", "Edges broken 0.2", "60 HRC"} <= set(texts)
+    assert "All faces but for the track Ra 3.2" in texts
+    plain = texts_of(write_drawing(tmp_path, "p", keyed_cam(), TOLERANCE, META)[0])
+    assert {"%%c12", "4", "13.8"} <= set(plain)
+    assert not [text for text in plain if "H7" in text or "Ra " in text or "Revision" in text]
+
+
+def test_a_keyway_that_is_not_of_the_standard_has_no_deeper_depth(tmp_path):
+    part = keyed_cam()
+    layer = part.layers[0]
+    odd = Region(layer.region.outer, (keyed_bore(12, 4, 2.0),))
+    part = replace(part, layers=(replace(layer, region=odd),))
+    texts = texts_of(write_drawing(tmp_path, "d", part, TOLERANCE, SHOP)[0])
+    assert "14" in texts and not [text for text in texts if text.endswith("+0.1/0")]
+
+
+@pytest.mark.parametrize("facts", [META, SHOP], ids=["plain", "shop"])
+def test_no_text_lies_on_another(tmp_path, facts):
+    """By boxes of what each text takes at most, in the paper's own frame."""
+    layout = _Layout(keyed_cam(), "d", TOLERANCE, facts)
+    texts = [thing for thing in layout.sheet.primitives if isinstance(thing, Text)]
+    boxes = [box(text) for text in texts]
+    for k, one in enumerate(boxes):
+        for text, other in zip(texts[:k], boxes[:k], strict=True):
+            assert one.intersection(other).area < 0.05, (texts[k].text, text.text)
+
+
+def test_sizes_are_rounded_to_what_the_general_tolerance_means(tmp_path):
+    """62.033 is 62 where it may differ by 0.3; a finer class, or none, keeps more digits."""
+    off = replace(cam(), layers=tuple(_larger(layer, 1.00054) for layer in cam().layers))
+    sizes = {}
+    for tolerance in ("ISO 2768-m", "ISO 2768-f", ""):
+        facts = replace(META, tolerance=tolerance)
+        texts = texts_of(write_drawing(tmp_path, "d", off, TOLERANCE, facts)[0])
+        sizes[tolerance] = [text for text in texts if text.startswith("62")]
+    assert sizes["ISO 2768-m"] == ["62"]
+    assert sizes["ISO 2768-f"] == ["62.03"] and sizes[""] == ["62.033"]
+
+
+def _larger(layer, share):
+    region = Region(layer.region.outer.moved(share, 0j), layer.region.holes)
+    return replace(layer, region=region)
+
+
+def test_radii_by_cam_angle_are_where_the_follower_touches(root, tmp_path):
+    """By the profile that the cam itself gives; the same points lie on the outline that is drawn."""
+    machine = read_mechanism(root / "specs" / "disc-cam.toml").resolved()
+    (part,) = machine.assembly.parts
+    facts = facts_of(machine, part)
+    assert [angle for angle, _ in facts.track] == [10.0 * k for k in range(36)]
+    rim = shapely.LinearRing([(z.real, z.imag) for z in facet_contour(part.region.outer, 1e-4)])
+    assert max(rim.distance(shapely.Point(z.real, z.imag)) for _, z in facts.track) < 1e-3
+    assert abs(facts.track[0][1]) == pytest.approx(25.0)  # the base radius, in the dwell
+    texts = texts_of(write_drawing(tmp_path, "d", part, TOLERANCE, facts)[0])
+    assert "Track by cam angle: where the follower touches, from X, ccw" in texts
+    angle, place = facts.track[4]
+    at = math.degrees(cmath.phase(place)) % 360
+    k = texts.index("40%%d")
+    assert texts[k : k + 3] == ["40%%d", f"{at:.2f}%%d", f"{abs(place):.3f}"]
+
+
+def test_a_metal_cam_has_fits_unless_others_are_asked_for(root):
+    def bore(*settings):
+        machine = read_mechanism(root / "specs" / "disc-cam.toml", settings).resolved()
+        facts = facts_of(machine, machine.assembly.parts[0])
+        return facts.bore_fit, facts.key_fit
+
+    assert bore() == ("", "")
+    assert bore("material.name=C45") == ("H7", "JS9")
+    assert bore("material.name=C45", "drawing.bore_fit=G6", "drawing.key_fit=P9") == ("G6", "P9")
+    assert bore("drawing.bore_fit=H8") == ("H8", "")

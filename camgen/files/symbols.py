@@ -1,0 +1,76 @@
+"""Signs of a drawing: frames of tolerances, datums, roughness; all with the place that they take. Coordinates: mm of paper."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from camgen.files.dimensions import number
+from camgen.files.sheet import Fill, Sheet, Text
+
+FRAME = 6.0  # height of a frame of a tolerance
+_HEIGHT = 2.5  # of the text in it
+_LEAST = 8.0  # width of a cell
+_BOX = 5.0  # of a datum's letter
+
+
+def cell(sheet: Sheet, corner: complex, width: float, height: float) -> None:
+    """A frame of so much, its lower left corner there."""
+    top = 1j * height
+    sheet.line(
+        corner, corner + width, corner + width + top, corner + top, layer="TEXT", closed=True
+    )
+
+
+def frame(sheet: Sheet, corner: complex, cells: Sequence[str]) -> complex:
+    """Cells of a tolerance from their lower left corner on, the first left free for its sign; where they end."""
+    for k, text in enumerate(("", *cells)):
+        width = max(_LEAST, Text(0j, text, _HEIGHT).room + 3)
+        cell(sheet, corner, width, FRAME)
+        if k:
+            sheet.text(corner + width / 2 + 1.8j, text, _HEIGHT, "centre")
+        corner += width
+    return corner
+
+
+def width_of(cells: Sequence[str]) -> float:
+    """How wide such a frame is."""
+    return _LEAST + sum(max(_LEAST, Text(0j, text, _HEIGHT).room + 3) for text in cells)
+
+
+def position(sheet: Sheet, corner: complex, diameter: float, datum: str) -> complex:
+    """Tolerance of position; datum: "" is none. [ISO 1101]"""
+    middle = corner + _LEAST / 2 + 3j
+    sheet.arc(middle, 1.4, 0.0, math.tau, "TEXT")
+    for way in (1, 1j):
+        sheet.line(middle - 2.2 * way, middle + 2.2 * way, layer="TEXT")
+    return frame(sheet, corner, [f"Ø{number(diameter)}", *([datum] if datum else [])])
+
+
+def line_profile(sheet: Sheet, corner: complex, width: float, datums: Sequence[str]) -> complex:
+    """Tolerance of a line's profile: the width of its zone, mm. [ISO 1101: a half circle, open below]"""
+    sheet.arc(corner + _LEAST / 2 + 1.8j, 2.2, 0.0, math.pi, "TEXT")
+    return frame(sheet, corner, [number(width), *datums])
+
+
+def roughness(sheet: Sheet, foot: complex, text: str) -> float:
+    """Sign of a surface from which material is taken, its point there, with "Ra 0.8" at its arm; how wide. [ISO 1302]"""
+    left = foot + complex(-1.44, 2.5)
+    right = foot + complex(2.89, 5.0)
+    arm = Text(0j, text, _HEIGHT).room + 2
+    sheet.line(left, foot, right, right + arm, layer="TEXT")
+    sheet.line(left, foot + complex(1.44, 2.5), layer="TEXT")
+    sheet.text(right + 0.8 - 3.2j, text, _HEIGHT)
+    return 2.89 + arm
+
+
+def datum(sheet: Sheet, at: complex, way: complex, letter: str) -> None:
+    """A datum's triangle on a line, its stem along the unit `way`, and its letter in a box. [ISO 5459]"""
+    across = 1.5 * 1j * way
+    tip = at + 2.6 * way
+    sheet.things.append(Fill((at - across, at + across, tip), "TEXT"))
+    end = at + 5.0 * way
+    sheet.line(tip, end, layer="TEXT")
+    middle = end + _BOX / 2 * way
+    cell(sheet, middle - _BOX / 2 * (1 + 1j), _BOX, _BOX)
+    sheet.text(middle - 1.25j, letter, _HEIGHT, "centre")

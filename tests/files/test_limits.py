@@ -1,0 +1,68 @@
+"""What standards allow of sizes, against tables of others."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from camgen.files.limits import FITS, decimals, deviations, general, in_limits, keyway
+
+ROOT = Path(__file__).resolve().parents[2]
+FACTS = tomllib.loads((ROOT / "tests" / "reference" / "fits.toml").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("fit", ["H7", "H8"])
+def test_holes_begin_at_their_size(fit: str) -> None:
+    for size, upper in FACTS[fit].items():
+        assert deviations(float(size), fit) == pytest.approx((0.0, upper / 1000))
+
+
+def test_keyways_light_and_tight() -> None:
+    for size, half in FACTS["JS9"].items():
+        assert deviations(float(size), "JS9") == pytest.approx((-half / 1000, half / 1000))
+    for size, nearest in FACTS["p"].items():
+        limits = (-(nearest + FACTS["IT9"][size]) / 1000, -nearest / 1000)
+        assert deviations(float(size), "P9") == pytest.approx(limits)
+
+
+def test_a_step_ends_with_its_size() -> None:
+    assert deviations(6.0, "H7") == (0.0, 0.012) and deviations(6.01, "H7") == (0.0, 0.015)
+    assert deviations(200.0, "H7") is None
+    assert in_limits("H7", 200.0) == "H7" and in_limits("H7", 10.0) == "H7 (+0.015/0)"
+    assert in_limits("JS9", 2.0) == "JS9 (±0.0125)" and in_limits("N9", 8.0) == "N9 (0/-0.036)"
+    assert all(deviations(20.0, fit) for fit in FITS)
+
+
+@pytest.mark.parametrize("row", FACTS["keyways"], ids=lambda row: f"bore {row[0]}")
+def test_keyways_of_hubs(row: list[float]) -> None:
+    bore, *sizes = row
+    assert keyway(bore) == tuple(sizes)
+
+
+def test_bores_without_a_keyway() -> None:
+    assert keyway(5.0) is None and keyway(45.0) is None
+
+
+@pytest.mark.parametrize("kind", "fmcv")
+def test_general_tolerances(kind: str) -> None:
+    for size, allowed in FACTS["general"][kind].items():
+        assert general(float(size), f"ISO 2768-{kind}") == allowed
+        assert general(float(size), f"ISO 2768-{kind}K") == allowed
+
+
+def test_what_no_class_says() -> None:
+    assert (
+        general(2.0, "ISO 2768-v") == general(3000.0, "ISO 2768-f") == general(9.0, "") == math.inf
+    )
+
+
+def test_decimals_keep_three_quarters_of_a_tolerance() -> None:
+    """Rounding to n digits moves a size by at most half of the last one."""
+    for allowed in (0.01, 0.05, 0.1, 0.15, 0.2, 0.3, 0.5, 0.8, 2.0):
+        digits = decimals(allowed)
+        assert 0.5 * 10**-digits <= allowed / 4
+        assert digits == 0 or 0.5 * 10 ** (1 - digits) > allowed / 4
+    assert decimals(math.inf) == decimals(0.0) == 3
