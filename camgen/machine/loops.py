@@ -42,6 +42,7 @@ class Chain:
         self.steps: list[Step] = []
         self.maker: dict[Key, int] = {}  # the step that gives an unknown
         self._courses: dict[str, tuple[Floats, Floats]] = {}
+        self.looked: State | None = None  # what `stepwise` looks at
         self._place_blocks(machine)
         self.levers: dict[
             str, float
@@ -54,7 +55,8 @@ class Chain:
     # ---- parting into steps, once ----
 
     def _place_blocks(self, machine: Machine) -> None:
-        order = components(machine, self.groups)
+        known = relations(machine, self.groups)
+        order = components(machine, self.groups, known)
         if order.loose or order.over:
             names = list(order.over) or list(dict.fromkeys(name for _, name in order.loose))
             short = (
@@ -68,12 +70,14 @@ class Chain:
                 ", ".join(names),
                 short,
             )
-        by_name = {relation.name: relation for relation in relations(machine, self.groups)}
+        by_name = {relation.name: relation for relation in known}
         for part in order.components:
             names = [name for axis, name in part.equations if axis == "x"]
             within = [by_name[name] for axis, name in part.equations if axis == "s"]
             bodies = [name for axis, name in part.unknowns if axis == "x"]
-            loops = [self._fold(loop) for loop in self._loops(machine, names, bodies)]
+            loops = []
+            if names:
+                loops = [self._fold(loop) for loop in self._loops(machine, names, bodies)]
             self.route |= {
                 body: self._fold(self.route[body]) for body in bodies if body in self.route
             }

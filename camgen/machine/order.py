@@ -11,7 +11,7 @@ Only who meets whom counts here, and lengths that are 0; special lengths (parall
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from graphlib import TopologicalSorter
@@ -167,8 +167,8 @@ class Order:
     over: tuple[str, ...]  # joints and drives whose equations say more than there is to decide
 
 
-def holds(machine: Machine, groups: Groups) -> dict[Key, set[Key]]:
-    """What each equation holds."""
+def holds(machine: Machine, groups: Groups, scalar: Sequence[Relation]) -> dict[Key, set[Key]]:
+    """What each equation holds; scalar: those of gears, cams and drives."""
     table: dict[Key, set[Key]] = {}
     for joint in machine.joints:
         both = places(joint)
@@ -187,14 +187,16 @@ def holds(machine: Machine, groups: Groups) -> dict[Key, set[Key]]:
                 if groups.of[joint.guide.body] != GROUND:
                     row.add(("angle", groups.of[joint.guide.body]))
             table[axis, joint.name] = row
-    for relation in relations(machine, groups):
+    for relation in scalar:
         table["s", relation.name] = relation.unknowns
     return table
 
 
-def components(machine: Machine, groups: Groups) -> Order:
-    """The machine's equations, parted into those that are solved together."""
-    rows = tuple((equation, tuple(sorted(row))) for equation, row in holds(machine, groups).items())
+def components(machine: Machine, groups: Groups, scalar: Sequence[Relation]) -> Order:
+    """The machine's equations, parted into those that are solved together; scalar: those of gears, cams and drives."""
+    rows = tuple(
+        (equation, tuple(sorted(row))) for equation, row in holds(machine, groups, scalar).items()
+    )
     bodies = (
         key
         for body in machine.moving  # what no equation names is loose

@@ -29,8 +29,8 @@ def closed_by_dyads(machine: Machine) -> Machine | None:
         return None
     if not all(isinstance(s, Direct) or isinstance(s, Dyad) and s.sine > FAR for s in chain.steps):
         return None
-    state = chain.state(np.zeros(1), 0)
-    if not _clear(chain, state):
+    state = _looked(chain, 0.0, math.tau)
+    if not _clear(chain, state, slice(1)):
         return None
     with np.errstate(all="ignore"):
         start = {body.name: _pose(machine, state, body.name) for body in machine.moving}
@@ -44,7 +44,17 @@ def stays_clear(machine: Machine, low: float = 0.0, high: float = math.tau) -> b
     chain = chain_of(machine)
     if not all(isinstance(step, Direct | Dyad) for step in chain.steps):
         return False
-    return _clear(chain, chain.state(_samples(low, high), 0))
+    state = _looked(chain, low, high)
+    chain.looked = None  # it is large, and not asked for again
+    return _clear(chain, state, slice(None))
+
+
+def _looked(chain: Chain, low: float, high: float) -> State:
+    """The chain at angles of a range, the first at its beginning; kept until they are judged."""
+    theta = _samples(low, high)
+    if chain.looked is None or chain.looked.theta is not theta:
+        chain.looked = chain.state(theta, 0)
+    return chain.looked
 
 
 @lru_cache(maxsize=4)
@@ -52,28 +62,28 @@ def _samples(low: float, high: float) -> Floats:
     return np.linspace(low, high, LOOKED + 1)
 
 
-def _clear(chain: Chain, state: State) -> bool:
-    """Whether all dyads close and keep off their folds."""
+def _clear(chain: Chain, state: State, part: slice) -> bool:
+    """Whether all dyads close and keep off their folds at some of the state's angles."""
     return all(
-        bool((np.abs(_sine(chain, k, state)) > FAR).all())  # nan is not
+        bool((np.abs(_sine(chain, k, state, part)) > FAR).all())  # nan is not
         for k, step in enumerate(chain.steps)
         if isinstance(step, Dyad)
     )
 
 
-def _sine(chain: Chain, number: int, state: State) -> Floats:
+def _sine(chain: Chain, number: int, state: State, part: slice) -> Floats:
     """Of a dyad's transmission angle, (n,), signed; nan where it does not close."""
     step = chain.steps[number]
     if not isinstance(step, Dyad) or step.kind != "angles":
-        return determinant(chain, number, state.theta)
+        return determinant(chain, number, state.theta[part])
     a, b = step.block.angles
     size = abs(state.levers[a]) * abs(state.levers[b])
-    sine: Floats = (np.conj(state.spins[a][0]) * state.spins[b][0]).imag / size
+    sine: Floats = (np.conj(state.spins[a][0][part]) * state.spins[b][0][part]).imag / size
     return sine
 
 
 def _pose(machine: Machine, state: State, body: str) -> Pose:
-    """Of a body at the one angle of the state, turned by no more than half a turn from where it is drawn."""
+    """Of a body at the first angle of the state, turned by no more than half a turn from where it is drawn."""
     group = state.chain.groups.of[body]
     angle = 0.0 if group == GROUND else float(state.direction(group)[0])
     angle += state.chain.groups.excess[body]

@@ -11,7 +11,7 @@ import cmath
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Literal
 
 import numpy as np
@@ -408,19 +408,15 @@ class Drawing:
     def _bodies(self) -> tuple[dict[str, m.Body], dict[str, m.Pose]]:
         bodies = {}
         start = {}
+        masses = dict(self.masses)
         for name, points in self.links.items():
-            drawn = self.drawn(points)
-            exact = shape(drawn, self.lengths_of(points))[0]
-            pose = m.Pose(0j, 0.0)
+            drawn = tuple(self.at(point) for point in points)
+            lengths = tuple(self.lengths_of(points).items())
+            exact, pose = _laid(drawn, lengths, name == GROUND)
             if name != GROUND:
-                angle = cmath.phase(exact[1] - exact[0]) if len(exact) > 1 else 0.0
-                pose = m.Pose(complex(exact[0]), angle)
-                exact = (exact - exact[0]) * cmath.exp(-1j * angle)
-                if len(exact) > 1:
-                    exact[1] = abs(exact[1])
                 start[name] = pose
-            mass = dict(self.masses).get(name)
-            places = {point: complex(z) for point, z in zip(points, exact, strict=True)}
+            mass = masses.get(name)
+            places = dict(zip(points, exact, strict=True))
             if mass is None:
                 bodies[name] = m.Body(name, places)
             else:
@@ -546,6 +542,22 @@ class Drawing:
         if slide is not None:
             return m.Output(output.name, m.Along(self.slide_name(slide)))
         return m.Output(output.name, m.Angle(output.link), "rad")
+
+
+@lru_cache(maxsize=256)  # of variants most links are the same
+def _laid(
+    drawn: tuple[complex, ...], lengths: tuple[tuple[tuple[int, int], float], ...], still: bool
+) -> tuple[tuple[complex, ...], m.Pose]:
+    """A link's points in its frame, and where that is drawn; those of what stands still are on the ground."""
+    exact = shape(np.array(drawn), dict(lengths))[0]
+    if still:
+        return tuple(exact.tolist()), m.Pose(0j, 0.0)
+    angle = cmath.phase(exact[1] - exact[0]) if len(exact) > 1 else 0.0
+    pose = m.Pose(complex(exact[0]), angle)
+    exact = (exact - exact[0]) * cmath.exp(-1j * angle)
+    if len(exact) > 1:
+        exact[1] = abs(exact[1])
+    return tuple(exact.tolist()), pose
 
 
 def _moved(machine: m.Machine, joint: m.Cam, ahead: float) -> m.Machine:
