@@ -398,3 +398,20 @@ def test_a_triangle_that_cannot_close_says_by_how_much() -> None:
     with pytest.raises(SpecError, match=r"it is 114\.7 mm too long") as caught:
         validate(Linkage, data)
     assert [fault.key for fault in caught.value.faults] == ["links.coupler"]
+
+
+def test_a_triangle_by_formula_is_the_one_that_the_search_finds() -> None:
+    """A longer third side; and what is drawn with its lengths stays to the last digit."""
+    from camgen.machines.linkage import links
+
+    drawn = np.array([1 + 2j, 40 - 5j, 20 + 33j])
+    for lengths in ({(0, 1): 45.0}, {(0, 2): 30.0, (1, 2): 52.5}, {(0, 1): 38.0, (1, 2): 40.0}):
+        formula, missed = links.shape(drawn, lengths)
+        searched, _ = links._nearest(drawn, lengths)
+        assert np.abs(formula - searched).max() < 1e-9 and missed == 0
+        for (a, b), length in lengths.items():
+            assert abs(formula[b] - formula[a]) == pytest.approx(length, rel=1e-14)
+    as_drawn = {(0, 2): abs(drawn[2] - drawn[0])}
+    assert links.shape(drawn, as_drawn)[0].tolist() == drawn.tolist()
+    flat, missed = links.shape(drawn, {(0, 1): 100.0})
+    assert missed == pytest.approx(0, abs=1e-9) and abs(flat[1] - flat[0]) == pytest.approx(100)

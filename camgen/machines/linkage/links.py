@@ -47,6 +47,11 @@ def _triangle(
     """Two or three points by their distances; None of more, and of those that lie on one line or cannot be."""
     if len(drawn) not in (2, 3) or drawn[0] == drawn[1]:
         return None
+    if all(
+        abs(abs(drawn[b] - drawn[a]) - length) <= CLOSED * length
+        for (a, b), length in lengths.items()
+    ):
+        return tuple(drawn)  # as they are
     along = (drawn[1] - drawn[0]) / abs(drawn[1] - drawn[0])
     base = lengths.get((0, 1), abs(drawn[1] - drawn[0]))
     ends = drawn[0], drawn[0] + along * base
